@@ -89,7 +89,7 @@ pub fn draw_surface(scene: &Scene, frame: Frame, asset: &AssetFile, repeat: u32)
     let geometry = open_geometry(&options)?;
     let materials: Vec<Input> = materials.iter().map(Input::from).collect();
     let appearance = open_appearance(&options, &materials, &())?;
-    let model = MesoModel::new(geometry.mesh, 0).map_err(|error| Error::input(format!("{source}: {error}")))?;
+    let model = MesoModel::new(geometry.mesh, 0, &()).map_err(|error| Error::input(format!("{source}: {error}")))?;
     Ok(Some(reference_plane(scene, frame, &model, &appearance, repeat)))
 }
 

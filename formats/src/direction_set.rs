@@ -45,9 +45,7 @@ impl DirectionSet {
     pub fn new(name: impl Into<String>, angles: Vec<[f64; 2]>) -> Result<Self, FormatError> {
         let set = Self { name: name.into(), angles };
         let count = set.angles.len();
-        if !(1..=MAX_DIRECTIONS).contains(&count) {
-            return Err(FormatError::whole("directions", count.to_string(), format!("1 to {MAX_DIRECTIONS}")));
-        }
+        FormatError::check_range("directions", count, 1..=MAX_DIRECTIONS)?;
         for (index, angles) in set.angles.iter().enumerate() {
             if let Some((field, found, allowed)) = wrong_angle(*angles) {
                 return Err(FormatError::whole(format!("direction {index}, {field}"), found.to_string(), allowed));

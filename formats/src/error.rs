@@ -2,6 +2,7 @@
 
 use std::borrow::Cow;
 use std::fmt;
+use std::ops::RangeInclusive;
 
 /// Where in an input something is wrong.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -73,6 +74,21 @@ impl FormatError {
     /// An error of the input as a whole.
     pub fn whole(field: impl Into<Cow<'static, str>>, found: impl Into<String>, allowed: impl Into<String>) -> Self {
         Self::at(Place::Whole, field, found, allowed)
+    }
+
+    /// Whether a number is in a range.
+    ///
+    /// # Errors
+    /// One of the input as a whole, if it is not.
+    pub fn check_range<T: PartialOrd + fmt::Display>(
+        field: impl Into<Cow<'static, str>>,
+        found: T,
+        range: RangeInclusive<T>,
+    ) -> Result<(), Self> {
+        if range.contains(&found) {
+            return Ok(());
+        }
+        Err(Self::whole(field, found.to_string(), format!("{} to {}", range.start(), range.end())))
     }
 
     fn at(

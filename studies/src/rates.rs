@@ -4,8 +4,9 @@ use super::timing::best_of;
 use brdfc_formats::direction::DirectionPair;
 use brdfc_formats::wavelet::Filter;
 use brdfc_formats::{BrdfPack, PackKind};
-use brdfc_gpu::{Evaluator, Gpu, GpuError, LoadedPack, SliceFilter};
+use brdfc_gpu::{Gpu, GpuError, SliceFilter};
 use brdfc_metrics::sampling::random_pairs;
+use brdfc_probe::{Evaluator, LoadedPack};
 use rayon::prelude::*;
 use std::time::Instant;
 

@@ -13,7 +13,7 @@ use wgpu::{
 };
 
 /// A uniform block.
-pub(super) const UNIFORM: BindingType = buffer_type(BufferBindingType::Uniform);
+pub const UNIFORM: BindingType = buffer_type(BufferBindingType::Uniform);
 /// A sampler that filters.
 pub(super) const SAMPLER: BindingType = BindingType::Sampler(SamplerBindingType::Filtering);
 /// A 2D texture.
@@ -35,7 +35,7 @@ const fn texture_type(sample_type: TextureSampleType, view_dimension: TextureVie
 }
 
 /// A whole buffer.
-pub(super) const fn buffer_type(ty: BufferBindingType) -> BindingType {
+pub const fn buffer_type(ty: BufferBindingType) -> BindingType {
     BindingType::Buffer { ty, has_dynamic_offset: false, min_binding_size: None }
 }
 
@@ -81,7 +81,7 @@ fn nothing(ty: BindingType) -> Resource<'static> {
 }
 
 /// A layout of these bindings by their numbers.
-pub(super) fn layout(
+pub fn layout(
     gpu: &Gpu,
     label: &str,
     visibility: ShaderStages,
@@ -93,7 +93,7 @@ pub(super) fn layout(
 }
 
 /// A bind group of these, by their numbers.
-pub(super) fn group<'a>(
+pub fn group<'a>(
     gpu: &Gpu,
     layout: &BindGroupLayout,
     bound: impl IntoIterator<Item = (u32, BindingResource<'a>)>,
@@ -111,14 +111,15 @@ enum Uploaded {
 }
 
 /// Slots and types of a bind group.
-pub(super) struct Slots {
-    pub(super) layout: BindGroupLayout,
+pub struct Slots {
+    /// The layout.
+    pub layout: BindGroupLayout,
     types: Vec<(u32, BindingType)>,
 }
 
 impl Slots {
     /// A layout of these slots.
-    pub(super) fn new(
+    pub fn new(
         gpu: &Gpu,
         label: &str,
         visibility: ShaderStages,
@@ -129,7 +130,7 @@ impl Slots {
     }
 
     /// A layout of what packs have bound.
-    pub(super) fn of(gpu: &Gpu, label: &str, visibility: ShaderStages, bindings: &[Binding<'_>]) -> Self {
+    pub fn of(gpu: &Gpu, label: &str, visibility: ShaderStages, bindings: &[Binding<'_>]) -> Self {
         let types = bindings.iter().map(|binding| (binding.slot, type_of(&binding.resource)));
         Self::new(gpu, label, visibility, types)
     }
@@ -139,7 +140,7 @@ impl Slots {
     ///
     /// # Errors
     /// As [`texture`]; what the driver reports.
-    pub(super) fn bind(
+    pub fn bind(
         &self,
         gpu: &Gpu,
         bindings: &[Binding<'_>],
@@ -225,7 +226,7 @@ pub(super) fn texture(
 
 impl Gpu {
     /// A buffer with contents.
-    pub(super) fn buffer(&self, contents: &[u8], usage: BufferUsages) -> Buffer {
+    pub fn buffer(&self, contents: &[u8], usage: BufferUsages) -> Buffer {
         self.device.create_buffer_init(&BufferInitDescriptor { label: None, contents, usage })
     }
 

@@ -45,8 +45,10 @@ pub struct AdapterDescription {
 
 /// An open device.
 pub struct Gpu {
-    pub(super) device: wgpu::Device,
-    pub(super) queue: wgpu::Queue,
+    /// The device.
+    pub device: wgpu::Device,
+    /// Its queue.
+    pub queue: wgpu::Queue,
     description: AdapterDescription,
     /// The first error that no call returned.
     error: Arc<Mutex<Option<String>>>,
@@ -124,7 +126,7 @@ impl Gpu {
     }
 
     /// The first error since the last call, if any.
-    pub(super) fn check(&self) -> Result<(), GpuError> {
+    pub fn check(&self) -> Result<(), GpuError> {
         match self.error.lock().map(|mut slot| slot.take()) {
             Ok(None) => Ok(()),
             Ok(Some(text)) => Err(GpuError::Failed(text)),
@@ -133,13 +135,13 @@ impl Gpu {
     }
 
     /// Waits until everything submitted is done.
-    pub(super) fn wait(&self) -> Result<(), GpuError> {
+    pub fn wait(&self) -> Result<(), GpuError> {
         self.device.poll(PollType::wait_indefinitely()).map_err(|error| GpuError::Failed(error.to_string()))?;
         self.check()
     }
 
     /// A buffer that [`Self::read`] takes.
-    pub(super) fn read_buffer(&self, bytes: u64) -> wgpu::Buffer {
+    pub fn read_buffer(&self, bytes: u64) -> wgpu::Buffer {
         self.device.create_buffer(&wgpu::BufferDescriptor {
             label: None,
             size: bytes,
@@ -149,7 +151,7 @@ impl Gpu {
     }
 
     /// Waits for the queue and hands a buffer's bytes to `take`.
-    pub(super) fn read<T>(&self, buffer: &wgpu::Buffer, take: impl FnOnce(&[u8]) -> T) -> Result<T, GpuError> {
+    pub fn read<T>(&self, buffer: &wgpu::Buffer, take: impl FnOnce(&[u8]) -> T) -> Result<T, GpuError> {
         let (sender, receiver) = std::sync::mpsc::channel();
         buffer.map_async(MapMode::Read, .., move |result| drop(sender.send(result)));
         self.wait()?;

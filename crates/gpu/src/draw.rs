@@ -2,8 +2,7 @@
 
 use super::bindings::Slots;
 use super::device::{Gpu, GpuError};
-use super::evaluate::SliceFilter;
-use super::load::LoadedScene;
+use super::load::{LoadedScene, load};
 use super::pack;
 use super::raster::{Rasteriser, Target, view_wgsl};
 use super::surface::{self, ENVIRONMENT_WGSL, PERIODIC_WGSL, SURFACE_WGSL};
@@ -14,13 +13,19 @@ use brdfc_metrics::image::LinearImage;
 use brdfc_render::scene::{Camera, Frame, Scene};
 use wgpu::ShaderStages;
 
-/// The scene's entry points over the decoder, behind [`view_wgsl`], [`PERIODIC_WGSL`], [`SURFACE_WGSL`] and
-/// [`ENVIRONMENT_WGSL`].
-pub const SCENE_WGSL: &str = include_str!("scene.wgsl");
-
 /// The whole shader: decoders, surfaces, environment, scene.
 pub fn scene_source() -> String {
-    [&pack::brdf_source(), &view_wgsl(), PERIODIC_WGSL, SURFACE_WGSL, ENVIRONMENT_WGSL, SCENE_WGSL].join("\n")
+    let scene = include_str!("scene.wgsl");
+    [&pack::brdf_source(), &view_wgsl(), PERIODIC_WGSL, SURFACE_WGSL, ENVIRONMENT_WGSL, scene].join("\n")
+}
+
+/// Who filters slices over the outer direction.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum SliceFilter {
+    /// The texture unit, as engines do: weights of few bits.
+    Hardware,
+    /// The shader, with exact weights: the same bits as the CPU decoder where arithmetic is correctly rounded.
+    Exact,
 }
 
 /// How packs are decoded in an image.
@@ -88,7 +93,7 @@ impl<'g> Renderer<'g> {
             let pack = self.slots.bind(gpu, &pack.bindings().all, decoding.frame_block(), &[])?;
             groups.push(vec![pack, surface::upload(gpu, &self.surface_layout, index, part, &environment)]);
         }
-        self.rasteriser.load(scene, groups, decoding.words())
+        load(gpu, &self.rasteriser.view_layout, scene, groups, decoding.words())
     }
 
     /// Colour and depth of `width` x `height` pixels.

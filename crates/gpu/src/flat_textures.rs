@@ -25,7 +25,7 @@ const SHADOW: &str = "factored_shadow";
 const ADVICE: &str = "draw the light form, or make the flat BTF with fewer texels";
 
 /// The layout of group 1.
-pub(super) fn slots(gpu: &Gpu, stages: ShaderStages) -> Slots {
+pub fn slots(gpu: &Gpu, stages: ShaderStages) -> Slots {
     let own = [UNIFORM, UNFILTERED, IMAGE, SAMPLER, IMAGE, IMAGE, LAYERS, IMAGE];
     let factored = [UNIFORM, LAYERS, LAYERS, INTEGERS, SAMPLER];
     let types = (15..).zip(own.into_iter().chain(factored).chain([INTEGERS]));
@@ -37,7 +37,7 @@ pub(super) fn slots(gpu: &Gpu, stages: ShaderStages) -> Slots {
 ///
 /// # Errors
 /// [`GpuError::TooLarge`] for more than the adapter takes; what the driver reports.
-pub(super) fn upload(
+pub fn upload(
     gpu: &Gpu,
     slots: &Slots,
     decoder: &FlatBtfDecoder,

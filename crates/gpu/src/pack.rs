@@ -66,6 +66,6 @@ fn type_of(kind: &BindingKind) -> BindingType {
 }
 
 /// The layout of group 1.
-pub(super) fn slots(gpu: &Gpu, stages: ShaderStages) -> Slots {
+pub fn slots(gpu: &Gpu, stages: ShaderStages) -> Slots {
     Slots::new(gpu, "pack", stages, slot_types())
 }

@@ -7,7 +7,7 @@ use brdfc_formats::pwt::{MAX_TEXTURES, PwtPack};
 use wgpu::{BindGroup, ShaderStages};
 
 /// The layout of group 1: the sampler is behind the last texture.
-pub(super) fn slots(gpu: &Gpu, stages: ShaderStages) -> Slots {
+pub fn slots(gpu: &Gpu, stages: ShaderStages) -> Slots {
     let types = [UNIFORM].into_iter().chain([LAYERS; MAX_TEXTURES]).chain([SAMPLER]);
     let types = [(FRAME_SLOT, UNIFORM)].into_iter().chain((9..).zip(types));
     Slots::new(gpu, "polynomial wavelet tree", stages, types)
@@ -17,7 +17,7 @@ pub(super) fn slots(gpu: &Gpu, stages: ShaderStages) -> Slots {
 ///
 /// # Errors
 /// [`GpuError::TooLarge`] for more than the adapter takes; what the driver reports.
-pub(super) fn upload(gpu: &Gpu, slots: &Slots, pack: &PwtPack, frame: FrameBlock) -> Result<BindGroup, GpuError> {
+pub fn upload(gpu: &Gpu, slots: &Slots, pack: &PwtPack, frame: FrameBlock) -> Result<BindGroup, GpuError> {
     let (extent, most) = (pack.header().extent, gpu.device.limits().max_texture_dimension_2d);
     let side = extent[0].max(extent[1]);
     if side > most {

@@ -1,6 +1,6 @@
 //! The rasteriser: scenes into linear images of 32-bit floats, whatever their materials.
 
-use super::bindings::{UNIFORM, buffer_type};
+use super::bindings::{self, UNIFORM, buffer_type};
 use super::device::{Gpu, GpuError};
 use super::load::{LoadedScene, VERTEX_WORDS, load, view_words};
 use brdfc_metrics::image::LinearImage;
@@ -9,11 +9,11 @@ use brdfc_render::scene::{Camera, Frame, Scene};
 use brdfc_render::shading_point::SHADING_POINT_WGSL;
 use std::borrow::Cow;
 use wgpu::{
-    BindGroup, BindGroupLayout, BindGroupLayoutDescriptor, BindGroupLayoutEntry, BufferBindingType, CompareFunction,
-    DepthStencilState, Extent3d, FragmentState, LoadOp, Operations, PipelineLayoutDescriptor, PrimitiveState,
-    RenderPassColorAttachment, RenderPassDepthStencilAttachment, RenderPassDescriptor, RenderPipelineDescriptor,
-    ShaderModuleDescriptor, ShaderSource, ShaderStages, StoreOp, TextureDescriptor, TextureDimension, TextureFormat,
-    TextureUsages, VertexBufferLayout, VertexState, VertexStepMode, vertex_attr_array,
+    BindGroup, BindGroupLayout, BindGroupLayoutDescriptor, BindGroupLayoutEntry, BufferBindingType, BufferUsages,
+    CompareFunction, DepthStencilState, Extent3d, FragmentState, LoadOp, Operations, PipelineLayoutDescriptor,
+    PrimitiveState, RenderPassColorAttachment, RenderPassDepthStencilAttachment, RenderPassDescriptor,
+    RenderPipelineDescriptor, ShaderModuleDescriptor, ShaderSource, ShaderStages, StoreOp, TextureDescriptor,
+    TextureDimension, TextureFormat, TextureUsages, VertexBufferLayout, VertexState, VertexStepMode, vertex_attr_array,
 };
 
 /// What the shaders of scenes have in common: camera, lights, corners, `project`. Bind group 0.
@@ -50,6 +50,27 @@ impl Target {
     pub(super) fn views(&self) -> impl Iterator<Item = &wgpu::TextureView> {
         self.colours.iter().map(|(_, view)| view)
     }
+}
+
+/// Draws a scene whose parts all have `textures` as group 1, with its layout, and these words as a uniform block in group 2.
+///
+/// # Errors
+/// A source that does not validate, with the compiler's message; images beyond the adapter's limits; what the driver reports.
+pub(super) fn draw_with_one_material(
+    gpu: &Gpu,
+    source: String,
+    scene: &Scene,
+    frame: Frame,
+    (layout, textures): (&BindGroupLayout, BindGroup),
+    words: [u32; 4],
+) -> Result<LinearImage, GpuError> {
+    let material_layout = bindings::layout(gpu, "material", ShaderStages::FRAGMENT, [(0, UNIFORM)]);
+    let rasteriser = Rasteriser::new(gpu, source, &[layout, &material_layout])?;
+    let uniform = gpu.buffer(bytemuck::cast_slice(&words), BufferUsages::UNIFORM);
+    let material = bindings::group(gpu, &material_layout, [(0, uniform.as_entire_binding())]);
+    let groups = vec![vec![textures, material]; scene.parts.len()];
+    let loaded = load(gpu, &rasteriser.view_layout, scene, groups, [0; 2])?;
+    rasteriser.draw(&loaded, &scene.camera, frame)
 }
 
 impl<'g> Rasteriser<'g> {
@@ -126,20 +147,6 @@ impl<'g> Rasteriser<'g> {
         let passes = passes.collect();
         gpu.check()?;
         Ok(Self { gpu, passes, view_layout })
-    }
-
-    /// Uploads a scene; `groups` are the bind groups from 1 on of each part, `settings` the words `level` and
-    /// `hardware` of the shader's `View`.
-    ///
-    /// # Errors
-    /// What the driver reports.
-    pub(super) fn load(
-        &self,
-        scene: &Scene,
-        groups: Vec<Vec<BindGroup>>,
-        settings: [u32; 2],
-    ) -> Result<LoadedScene, GpuError> {
-        load(self.gpu, &self.view_layout, scene, groups, settings)
     }
 
     /// Colour and depth of `width` x `height` pixels.

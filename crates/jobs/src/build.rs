@@ -1,6 +1,6 @@
 //! Builds: scenes become folders of packs.
 
-use crate::encode::options::EncodeOptions;
+use crate::encode::EncodeOptions;
 use crate::error::Error;
 use crate::outputs::{make_folder, refuse_overwriting_any};
 use crate::report::build::BuildReport;

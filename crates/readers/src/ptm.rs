@@ -251,9 +251,7 @@ fn from_top(width: usize, count: usize) -> impl Iterator<Item = usize> {
 
 fn pixel_count(size: [u32; 2]) -> Result<u64, FormatError> {
     for (side, field) in size.into_iter().zip(["width", "height"]) {
-        if !(1..=MAX_SIZE).contains(&side) {
-            return Err(FormatError::whole(field, side.to_string(), format!("1 to {MAX_SIZE}")));
-        }
+        FormatError::check_range(field, side, 1..=MAX_SIZE)?;
     }
     Ok(u64::from(size[0]) * u64::from(size[1]))
 }

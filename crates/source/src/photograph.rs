@@ -2,6 +2,7 @@
 
 use crate::InputError;
 use crate::exr_header::exr_headers;
+use crate::tile_image::FileImage;
 use brdfc_formats::FormatError;
 use brdfc_readers::colour::decode_srgb;
 use image::{DynamicImage, ImageError, ImageFormat, ImageReader};
@@ -21,18 +22,10 @@ static LINEAR_8: LazyLock<[f32; 256]> =
 static LINEAR_16: LazyLock<Vec<f32>> =
     LazyLock::new(|| (0..=u16::MAX).map(|code| decode_srgb(f64::from(code) / 65535.0) as f32).collect());
 
-/// One image of a stack. 1 is the full scale of codes.
+/// One image of a stack: linear RGB (Rec. 709 primaries), 1 is the full scale of codes.
 ///
 /// Row 0 is the top, y = 1: pixel (column, row) has its centre at `((column + ½) / width, 1 - (row + ½) / height)`.
-#[derive(Debug, Clone, PartialEq)]
-pub struct Image {
-    /// Pixels per row.
-    pub width: usize,
-    /// Rows.
-    pub height: usize,
-    /// Linear RGB (Rec. 709 primaries), row by row from the top, left to right.
-    pub pixels: Vec<[f32; 3]>,
-}
+pub type Image = FileImage<3>;
 
 impl Image {
     /// Reads an image of `size`, pixels per row and rows.

@@ -319,9 +319,7 @@ fn check_header(header: &BandwidthHeader) -> Result<(), FormatError> {
         return wrong("epsilon", header.epsilon.to_string(), "a positive number of at most 1".to_owned());
     }
     for side in header.transformed {
-        if !(1..=MAX_TRANSFORMED).contains(&side) {
-            return wrong("transformed size", side.to_string(), format!("1 to {MAX_TRANSFORMED}"));
-        }
+        FormatError::check_range(format!("{BANDWIDTH_ENTRY} transformed size"), side, 1..=MAX_TRANSFORMED)?;
     }
     if let BandwidthKind::Texture { metres, .. } = header.kind
         && let Some(side) = metres.into_iter().find(|side| !positive(*side))

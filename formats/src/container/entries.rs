@@ -1,7 +1,7 @@
 //! The `brdfc.*` entries of a texture, as the layouts of packs read them.
 
 use crate::FormatError;
-use crate::container::Texture;
+use crate::container::{Extent, TexelFormat, Texture};
 use std::collections::BTreeMap;
 
 /// The value of an entry that `kind`, such as "a wavelet pack", has.
@@ -20,6 +20,21 @@ pub(crate) fn value_of<'a>(
         let found = if keys.is_empty() { "no brdfc entries".to_owned() } else { format!("only {}", keys.join(", ")) };
         FormatError::whole(key, found, format!("the entries of {kind}"))
     })
+}
+
+/// Whether the texels of `what` are those that the entry `key` says.
+pub(crate) fn check_texels(
+    texture: &Texture,
+    what: &'static str,
+    extent: Extent,
+    format: TexelFormat,
+    key: &str,
+) -> Result<(), FormatError> {
+    if (texture.extent, texture.format) == (extent, format) {
+        return Ok(());
+    }
+    let found = format!("{} texels of {:?}", texture.extent, texture.format);
+    Err(FormatError::whole(what, found, format!("{extent} texels of {format:?}, as {key} says")))
 }
 
 /// The value if it has the length that it must have.

@@ -1,7 +1,7 @@
 //! The part `directions`: what blends the sampled views and lights, ready for a shader.
 
 use super::decoder::FlatValues;
-use super::layout::{check_format, wrong_extent};
+use super::layout::{self, check_format, wrong_extent};
 use crate::FormatError;
 use crate::container::{Extent, TexelFormat, Texture};
 use crate::direction_mesh::DirectionMesh;
@@ -80,8 +80,7 @@ impl SampledDirections {
             Extent::D2([width, rows]) if width == WIDTH as u32 && (2..=MAX_ROWS).contains(&rows) => rows as usize,
             other => return Err(wrong_extent(PART, other, format!("{WIDTH} columns, 2 to {MAX_ROWS} rows"))),
         };
-        let words: Vec<u32> =
-            texture.texels.chunks_exact(4).map(|c| u32::from_le_bytes([c[0], c[1], c[2], c[3]])).collect();
+        let words = layout::words(&texture.texels);
         let (lights, lowest_light) = (words[0] as usize, f32::from_bits(words[1]));
         if !(FIRST_ROW..rows).contains(&lights) {
             return Err(FormatError::whole(

@@ -57,13 +57,9 @@ impl IndirectionHeader {
 
     /// The same, of an entry and a part of these names.
     pub(super) fn check_as(&self, entry: &str, part: &'static str) -> Result<(), FormatError> {
-        self.to_words()[..].iter().zip(FIELDS).try_for_each(|(value, (field, range))| {
-            if range.contains(value) {
-                return Ok(());
-            }
-            let allowed = format!("{} to {}", range.start(), range.end());
-            Err(FormatError::whole(format!("{entry} {field}"), value.to_string(), allowed))
-        })?;
+        for (value, (field, range)) in self.to_words().into_iter().zip(FIELDS) {
+            FormatError::check_range(format!("{entry} {field}"), value, range)?;
+        }
         if !(self.largest_angle > 0.0 && self.largest_angle <= std::f32::consts::FRAC_PI_2) {
             let field = format!("{entry} largest angle");
             return Err(FormatError::whole(field, self.largest_angle.to_string(), "above 0, up to π/2 radians"));

@@ -55,10 +55,7 @@ pub(super) fn check_square(
         let field = format!("size of the part {part}");
         return Err(FormatError::whole(field, size.to_string(), format!("1 to {MAX_EXTENT_2D} texels")));
     }
-    if !(1..=most_layers).contains(&layers) {
-        let field = format!("layers of the part {part}");
-        return Err(FormatError::whole(field, layers.to_string(), format!("1 to {most_layers}")));
-    }
+    FormatError::check_range(format!("layers of the part {part}"), layers, 1..=most_layers)?;
     let wanted = u64::from(size) * u64::from(size) * u64::from(layers);
     if found as u64 != wanted {
         let field = format!("texels of the part {part}");
@@ -104,7 +101,7 @@ pub(super) fn word(
 
 /// Texels of `N` floats of 32 bits.
 pub(super) fn floats<const N: usize>(bytes: &[u8]) -> Vec<[f32; N]> {
-    bytes.chunks_exact(4 * N).map(|texel| std::array::from_fn(|k| f32::from_le_bytes(word_at(texel, k)))).collect()
+    bytes.as_chunks::<4>().0.as_chunks::<N>().0.iter().map(|texel| texel.map(f32::from_le_bytes)).collect()
 }
 
 /// Texels of one word.
@@ -114,15 +111,10 @@ pub(super) fn words(bytes: &[u8]) -> Vec<u32> {
 
 /// Texels of four halves, as bits.
 pub(super) fn halves(bytes: &[u8]) -> Vec<[u16; 4]> {
-    let half = |texel: &[u8; 8], k: usize| u16::from_le_bytes([texel[2 * k], texel[2 * k + 1]]);
-    bytes.as_chunks::<8>().0.iter().map(|texel| std::array::from_fn(|k| half(texel, k))).collect()
+    bytes.as_chunks::<2>().0.as_chunks::<4>().0.iter().map(|texel| texel.map(u16::from_le_bytes)).collect()
 }
 
 /// Bytes of texels of four halves.
 pub(super) fn half_bytes(texels: &[[u16; 4]]) -> Vec<u8> {
     texels.iter().flatten().flat_map(|half| half.to_le_bytes()).collect()
-}
-
-fn word_at(texel: &[u8], k: usize) -> [u8; 4] {
-    [texel[4 * k], texel[4 * k + 1], texel[4 * k + 2], texel[4 * k + 3]]
 }

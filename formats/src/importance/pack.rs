@@ -4,7 +4,7 @@
 
 use crate::FormatError;
 use crate::bindings::{Binding, Bindings, PackFile, Texels};
-use crate::container::entries::{entry, sized};
+use crate::container::entries::{check_texels, entry, sized};
 use crate::container::{Extent, MAX_EXTENT_2D, TexelFormat, Texture};
 use crate::cursor::Cursor;
 use std::collections::BTreeMap;
@@ -102,21 +102,14 @@ impl ImportanceHeader {
     /// # Errors
     /// Names the field that is out of range.
     pub fn check(&self) -> Result<(), FormatError> {
-        let refused = |field: &str, found: u32, allowed: String| {
-            Err(FormatError::whole(format!("{IMPORTANCE_ENTRY} {field}"), found.to_string(), allowed))
-        };
         for (value, (field, range)) in self.words().into_iter().zip(FIELDS) {
-            if !range.contains(&value) {
-                return refused(field, value, format!("{} to {}", range.start(), range.end()));
-            }
+            FormatError::check_range(format!("{IMPORTANCE_ENTRY} {field}"), value, range)?;
         }
         if !self.isotropic() && !self.azimuths.is_multiple_of(4) {
-            return refused(FIELDS[1].0, self.azimuths, "1, or a multiple of 4".to_owned());
+            let field = format!("{IMPORTANCE_ENTRY} {}", FIELDS[1].0);
+            return Err(FormatError::whole(field, self.azimuths.to_string(), "1, or a multiple of 4"));
         }
-        if self.rows() > MAX_EXTENT_2D {
-            return refused("rows", self.rows(), format!("1 to {MAX_EXTENT_2D}"));
-        }
-        Ok(())
+        FormatError::check_range(format!("{IMPORTANCE_ENTRY} rows"), self.rows(), 1..=MAX_EXTENT_2D)
     }
 
     fn words(&self) -> [u32; 3] {
@@ -270,17 +263,8 @@ impl ImportancePack {
         texture.check_one_level()?;
         let header = ImportanceHeader::from_bytes(entry(texture, IMPORTANCE_ENTRY, "an importance-sample pack")?)?;
         let extent = Extent::D2([header.samples, header.rows()]);
-        if texture.extent != extent || texture.format != TexelFormat::Rgba32Float {
-            return Err(FormatError::whole(
-                "texture",
-                format!("{} texels of {:?}", texture.extent, texture.format),
-                format!("{extent} texels of Rgba32Float, as {IMPORTANCE_ENTRY} says"),
-            ));
-        }
-        let word = |texel: &[u8], k: usize| {
-            f32::from_le_bytes([texel[4 * k], texel[4 * k + 1], texel[4 * k + 2], texel[4 * k + 3]])
-        };
-        let texels = texture.texels.chunks_exact(16).map(|texel| std::array::from_fn(|k| word(texel, k))).collect();
-        Self::new(header, texels)
+        check_texels(texture, "texture", extent, TexelFormat::Rgba32Float, IMPORTANCE_ENTRY)?;
+        let (words, _) = texture.texels.as_chunks::<4>();
+        Self::new(header, words.as_chunks::<4>().0.iter().map(|texel| texel.map(f32::from_le_bytes)).collect())
     }
 }

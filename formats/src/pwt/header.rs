@@ -5,6 +5,8 @@ use super::domain::Domain;
 use crate::FormatError;
 use crate::cursor::Cursor;
 use crate::error::Place;
+use std::fmt::Display;
+use std::ops::RangeInclusive;
 
 /// The entry that makes a texture this kind of pack.
 pub const PWT_ENTRY: &str = "brdfc.pwt";
@@ -101,6 +103,10 @@ fn refused(field: &str, found: impl ToString, allowed: impl Into<String>) -> For
     FormatError::whole(format!("{PWT_ENTRY} {field}"), found.to_string(), allowed.into())
 }
 
+fn check_range<T: PartialOrd + Display>(field: &str, found: T, range: RangeInclusive<T>) -> Result<(), FormatError> {
+    FormatError::check_range(format!("{PWT_ENTRY} {field}"), found, range)
+}
+
 fn finite(field: &str, numbers: impl IntoIterator<Item = f32>) -> Result<(), FormatError> {
     match numbers.into_iter().find(|number| !number.is_finite()) {
         Some(found) => Err(refused(field, found, "finite numbers")),
@@ -143,26 +149,18 @@ impl PwtHeader {
     /// # Errors
     /// Names the field that is out of range.
     pub fn check(&self) -> Result<(), FormatError> {
-        if self.levels > MAX_LEVEL {
-            return Err(refused("levels", self.levels, format!("0 to {MAX_LEVEL}")));
-        }
+        check_range("levels", self.levels, 0..=MAX_LEVEL)?;
         for (size, extent) in self.size.into_iter().zip(self.extent) {
-            if !(1..=MAX_SIDE).contains(&size) {
-                return Err(refused("size", size, format!("1 to {MAX_SIDE}")));
-            }
+            check_range("size", size, 1..=MAX_SIDE)?;
             let most = if self.repeats { size } else { (size + (1 << self.levels) - 1).min(MAX_SIDE) };
-            if !(size..=most).contains(&extent) {
-                return Err(refused("extent", extent, format!("{size} to {most}")));
-            }
+            check_range("extent", extent, size..=most)?;
         }
         if self.extent.iter().any(|side| side % (1 << self.levels) != 0) {
             let [width, height] = self.extent;
             let allowed = format!("sides that {} divides, as levels says", 1 << self.levels);
             return Err(refused("extent", format!("{width} x {height}"), allowed));
         }
-        if self.basis.degree > MAX_DEGREE {
-            return Err(refused("degree", self.basis.degree, format!("0 to {MAX_DEGREE}")));
-        }
+        check_range("degree", self.basis.degree, 0..=MAX_DEGREE)?;
         if let Domain::Logarithm { epsilon } = self.domain
             && !(epsilon.is_normal() && epsilon > 0.0)
         {
@@ -181,9 +179,7 @@ impl PwtHeader {
         if !(delta_e.is_finite() && delta_e >= 0.0) {
             return Err(refused("delta E", delta_e, "0 or more"));
         }
-        if !(1..=MAX_TEXTURES).contains(&self.textures.len()) {
-            return Err(refused("textures", self.textures.len(), format!("1 to {MAX_TEXTURES}")));
-        }
+        check_range("textures", self.textures.len(), 1..=MAX_TEXTURES)?;
         let mut finest = 0;
         for texture in &self.textures {
             if !(finest..=self.levels).contains(&texture.level) {
@@ -204,9 +200,7 @@ impl PwtHeader {
             return Err(refused("components", count, format!("at most {MAX_COMPONENTS} in all")));
         }
         for component in self.components() {
-            if component.channel > 2 {
-                return Err(refused("component channel", component.channel, "0 to 2"));
-            }
+            check_range("component channel", component.channel, 0..=2)?;
             if component.term as usize >= terms {
                 return Err(refused("component term", component.term, format!("less than {terms}")));
             }
@@ -281,15 +275,11 @@ impl PwtHeader {
             .ok_or_else(|| refused("coordinates", coordinates, format!("0 to {}", LightCoordinates::ALL.len() - 1)))?;
         let degree = cursor.u32("degree")?;
         // Before the number of terms is taken from it.
-        if degree > MAX_DEGREE {
-            return Err(refused("degree", degree, format!("0 to {MAX_DEGREE}")));
-        }
+        check_range("degree", degree, 0..=MAX_DEGREE)?;
         let basis = LightBasis { coordinates, degree };
         let domain = cursor.u32("domain")?;
         let textures = cursor.u32("textures")?;
-        if !(1..=MAX_TEXTURES as u32).contains(&textures) {
-            return Err(refused("textures", textures, format!("1 to {MAX_TEXTURES}")));
-        }
+        check_range("textures", textures, 1..=MAX_TEXTURES as u32)?;
         let epsilon = cursor.f32("epsilon")?;
         let domain = Domain::from_code(domain, epsilon).ok_or_else(|| refused("domain", domain, "0 to 3"))?;
         // What is not looked at is written as 0.

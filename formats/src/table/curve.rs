@@ -89,16 +89,12 @@ impl Curve {
         let refused = |field: &str, found: String, allowed: &str| {
             Err(FormatError::whole(format!("{CURVE} {field}"), found, allowed))
         };
-        if self.levels > MOST_LEVELS {
-            return refused("levels", self.levels.to_string(), "0 to 15");
-        }
+        FormatError::check_range(format!("{CURVE} levels"), self.levels, 0..=MOST_LEVELS)?;
         let row = self.format.texel_bytes() * (self.levels as usize + 1);
         if !self.texels.len().is_multiple_of(row) {
             return refused("rows", format!("{} bytes", self.texels.len()), "rows of one length");
         }
-        if !NODES.contains(&self.nodes()) {
-            return refused("nodes", self.nodes().to_string(), "2 to 256");
-        }
+        FormatError::check_range(format!("{CURVE} nodes"), self.nodes(), NODES)?;
         if let Some(value) = self.values().into_iter().flatten().find(|value| !value.is_finite()) {
             return refused("texel", value.to_string(), "a number");
         }

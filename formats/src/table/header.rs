@@ -154,13 +154,9 @@ impl TableHeader {
         }
         let Axes { half, difference, azimuth, layers } = self.axes;
         for (count, field) in [(half, "θ_h nodes"), (difference, "θ_d nodes"), (azimuth, "φ_d nodes")] {
-            if !(2..=256).contains(&count) {
-                return refused(field, count.to_string(), "2 to 256");
-            }
+            FormatError::check_range(format!("{TABLE_ENTRY} {field}"), count, 2..=256)?;
         }
-        if !(1..=256).contains(&layers) {
-            return refused("layers", layers.to_string(), "1 to 256");
-        }
+        FormatError::check_range(format!("{TABLE_ENTRY} layers"), layers, 1..=256)?;
         if self.isotropic() && (self.symmetry.half_turn || self.symmetry.reflected) {
             return refused("symmetry", self.symmetry.bits().to_string(), "0 to 3 with one layer");
         }
@@ -180,9 +176,7 @@ impl TableHeader {
                 return refused("span", span.to_string(), "a number that is not negative");
             }
         }
-        if !(-0.95..=0.95).contains(&self.slope) {
-            return refused("slope", self.slope.to_string(), "-0.95 to 0.95");
-        }
+        FormatError::check_range(format!("{TABLE_ENTRY} slope"), self.slope, -0.95..=0.95)?;
         let rising = self.knots.windows(2).all(|pair| pair[0] < pair[1]);
         if !rising || self.knots[0] != 0.0 || self.knots[KNOTS - 1] != 1.0 {
             return refused("knots", format!("{:?}", self.knots), "numbers that rise from 0 to 1");

@@ -3,7 +3,7 @@
 use super::curve::{CURVE, Curve};
 use super::header::{TABLE_ENTRY, TableHeader, UNIFORM_BYTES};
 use crate::bindings::PackFile;
-use crate::container::entries::{entry, sized};
+use crate::container::entries::{check_texels, entry, sized};
 use crate::container::{Extent, TexelFormat, half, rgb10a2};
 use crate::crop::{Crop, DirectionRange, Window};
 use crate::{ErrorSummary, FormatError, PictureSummary};
@@ -176,14 +176,8 @@ impl TablePack {
         let [columns, rows, slices] = header.extent();
         let crop = Crop::of(&texture, [columns, rows], FEWEST)?;
         let [width, height] = crop.map_or([columns, rows], |crop| crop.window.size);
-        let (extent, format) = (Extent::D3([width, height, slices]), header.texel_format());
-        if texture.extent != extent || texture.format != format {
-            return Err(FormatError::whole(
-                "texture",
-                format!("{} texels of {:?}", texture.extent, texture.format),
-                format!("{extent} texels of {format:?}, as {TABLE_ENTRY} says"),
-            ));
-        }
+        let extent = Extent::D3([width, height, slices]);
+        check_texels(&texture, "texture", extent, header.texel_format(), TABLE_ENTRY)?;
         let errors = sized(entry(&texture, ERRORS, WHAT)?, ERRORS, ErrorSummary::BYTES + PictureSummary::BYTES)?;
         let (off_grid, picture) = errors.split_at(ErrorSummary::BYTES);
         let off_grid = ErrorSummary::from_bytes(off_grid, ERRORS)?;

@@ -3,7 +3,7 @@
 use super::lift::Lift;
 use super::shader::{WaveletBrdfParameters, index_texels};
 use crate::bindings::{Binding, Bindings, PackFile, Texels};
-use crate::container::entries::{self, sized};
+use crate::container::entries::{self, check_texels, sized};
 use crate::container::{Extent, TexelFormat, Texture};
 use crate::crop::Crop;
 use crate::cursor::Cursor;
@@ -97,13 +97,7 @@ fn from_texture(texture: Texture, index: Option<Texture>) -> Result<WaveletPack,
     let crop = Crop::of(&texture, [grid, grid], 1)?;
     let [columns, rows] = crop.map_or([grid, grid], |crop| crop.window.size);
     let extent = Extent::D3([columns, rows, slices as u32]);
-    if texture.extent != extent || texture.format != header.texel_format() {
-        return Err(FormatError::whole(
-            "texture",
-            format!("{} texels of {:?}", texture.extent, texture.format),
-            format!("{extent} texels of {:?}, as {HEADER} says", header.texel_format()),
-        ));
-    }
+    check_texels(&texture, "texture", extent, header.texel_format(), HEADER)?;
     let index = index.ok_or_else(|| FormatError::whole(INDEX, "no texels", "those of an index map"))?;
     let (index, scales) = read_index(&index, &header, slices)?;
     let errors = sized(entry(&texture, ERRORS)?, ERRORS, 2 * ErrorSummary::BYTES)?;
@@ -160,15 +154,7 @@ const SHARE_TOLERANCE: f32 = 1e-6;
 
 /// The slices of all coefficients, and the scales of all slices.
 fn read_index(texture: &Texture, header: &Header, slices: usize) -> Result<(Vec<u16>, Vec<SliceScale>), FormatError> {
-    let grid = header.grid() as u32;
-    if (texture.format, texture.extent) != (TexelFormat::Rgba32Float, Extent::D2([grid; 2])) {
-        let found = format!("{} texels of {:?}", texture.extent, texture.format);
-        return Err(FormatError::whole(
-            INDEX,
-            found,
-            format!("{grid} x {grid} texels of Rgba32Float, as {HEADER} says"),
-        ));
-    }
+    check_texels(texture, INDEX, Extent::D2([header.grid() as u32; 2]), TexelFormat::Rgba32Float, HEADER)?;
     let lift = header.lifted.then(|| Lift::new(header.levels));
     // Kept coefficients take slices 1, 2, ... in order; finer levels than the stored ones are all dropped.
     let finest = 1usize << (2 * header.stored_levels);

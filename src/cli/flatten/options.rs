@@ -205,9 +205,7 @@ pub(super) fn recipe(arguments: &Arguments) -> Result<FlattenRecipe, Error> {
         fill: arguments.fill.unwrap_or(FillMethod::Poisson),
         bounces: arguments.bounces,
         rounds: arguments.stretch_rounds,
-        form: arguments.form,
-        factor: factor_target(arguments)?,
-        compact: true,
+        factored: factor_target(arguments)?,
     })
 }
 

@@ -78,7 +78,7 @@ pub fn study_structure(
     let structure = Structure::parse(address)?;
     let sources = structure.default_materials().iter().map(|m| parse_synth(m)).collect::<Result<_, _>>()?;
     let appearance = Appearance { sources, ..Default::default() };
-    let model = MesoModel::new(structure.mesh(), 0)?;
+    let model = MesoModel::new(structure.mesh(), 0, &())?;
     let directions = set.directions();
     let lights = Lights::new(set, &settings.held_out)?;
     let surface = Surface { model: &model, appearance: &appearance, directions: &directions, size: settings.texels };

@@ -48,7 +48,7 @@ pub fn study_model(
     let structure = Structure::parse(address)?;
     let sources = structure.default_materials().iter().map(|m| parse_synth(m)).collect::<Result<_, _>>()?;
     let appearance = Appearance { sources, ..Default::default() };
-    let model = MesoModel::new(structure.mesh(), settings.rounds)?;
+    let model = MesoModel::new(structure.mesh(), settings.rounds, &())?;
     let texels = model.texels(settings.flat_texels);
     let masks: Vec<Vec<bool>> = directions.iter().map(|view| visible(&texels, &model.caster, *view)).collect();
     let field = ComputedField::new(&texels, &appearance, directions, directions, &masks);

@@ -172,7 +172,7 @@ mod tests {
         fn new(address: &str, settings: StudySettings) -> Self {
             let structure = Structure::parse(address).unwrap();
             let sources = structure.default_materials().iter().map(|m| parse_synth(m).unwrap()).collect();
-            let model = MesoModel::new(structure.mesh(), 0).unwrap();
+            let model = MesoModel::new(structure.mesh(), 0, &()).unwrap();
             let map = stored_map(&model, settings.map_header());
             Self { model, appearance: Appearance { sources, ..Default::default() }, settings, map }
         }

@@ -100,7 +100,7 @@ impl RayScene {
     /// As [`Structure::parse`] and [`MesoModel::new`].
     pub fn new(address: &str, texels: usize) -> Result<Self, RayStudyError> {
         let structure = Structure::parse(address)?;
-        let model = MesoModel::new(structure.mesh(), ROUNDS)?;
+        let model = MesoModel::new(structure.mesh(), ROUNDS, &())?;
         let nearest = eye_rays(&model, texels);
         let any = sky_rays(&model, texels);
         Ok(Self { address: structure.canonical(), model, texels, nearest, any })

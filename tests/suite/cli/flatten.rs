@@ -2,7 +2,7 @@
 
 use super::schemas::conforms;
 use crate::common::cli::{Folder, Ran};
-use brdfc_flat_btf::encode::{FlatInput, FlattenRecipe, Form, MemoryScratch, ValueSource, encode};
+use brdfc_flat_btf::encode::{FlatInput, FlattenRecipe, MemoryScratch, ValueSource, encode};
 use brdfc_flat_btf::factored::FactoredTarget;
 use brdfc_flat_btf::fill::FillMethod;
 use brdfc_formats::container::rgb9e5;
@@ -132,11 +132,9 @@ fn files_hold_what_the_codec_makes() {
         fill: FillMethod::Poisson,
         bounces: 0,
         rounds: 0,
-        form: Form::Full,
-        factor: Some(FactoredTarget::Error(0.7)),
-        compact: true,
+        factored: Some(FactoredTarget::Error(0.7)),
     };
-    let light = FlattenRecipe { form: Form::Light, ..factored.clone() };
+    let light = FlattenRecipe { factored: None, ..factored.clone() };
     for (name, more, recipe) in [("factored", &[][..], factored), ("light", &["--form", "light"], light)] {
         let geometry = open_geometry(&options).unwrap();
         let materials = material_list(&options, &geometry).unwrap();

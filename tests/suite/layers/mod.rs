@@ -26,9 +26,16 @@ const LAYERS: [&str; 14] = [
     "crates/terminal",
     ".",
 ];
-/// Crates next to the layers, with the highest layer that they may use: shared test code, the translator of shaders, the studies.
-const BESIDE: [(&str, &str); 3] =
-    [("crates/testing", "crates/core"), ("crates/translate", "crates/shaders"), ("studies", "crates/terminal")];
+/// Crates next to the layers, with the highest layer that they may use: shared test code, the translator of shaders, what runs
+/// shaders over queries, the studies.
+const BESIDE: [(&str, &str); 4] = [
+    ("crates/testing", "crates/core"),
+    ("crates/translate", "crates/shaders"),
+    ("crates/probe", "crates/gpu"),
+    ("studies", "crates/terminal"),
+];
+/// What the studies measure with.
+const OF_STUDIES: (&str, &str) = ("studies", "crates/probe");
 /// Crates that are tests, and may use any other: benchmarks, fuzz targets, and tests that need unsafe code.
 const TESTS: [&str; 3] = ["studies/benches", "tests/fuzz", "tests/vulkan"];
 /// What is not used although it is lower: shaders draw what packs hold, whoever made them.
@@ -100,6 +107,9 @@ fn layer(folder: &str) -> Option<usize> {
 }
 
 fn may_use(folder: &str, used: &str) -> bool {
+    if (folder, used) == OF_STUDIES {
+        return true;
+    }
     let Some(used_layer) = layer(used) else { return false };
     if (folder, LAYERS[used_layer]) == KEPT_APART {
         return false;

@@ -53,7 +53,7 @@ mod tests {
 
     #[test]
     fn a_matte_surface_gets_its_albedo() {
-        let map = MesoModel::new(bumps(12, 0.4), 0).unwrap().texels(8);
+        let map = MesoModel::new(bumps(12, 0.4), 0, &()).unwrap().texels(8);
         let lights = [from_polar(0.2, 0.0), from_polar(1.0, 2.0)];
         let mut fit = DiffuseFit::new(64);
         let mask: Vec<bool> = (0..64).map(|t| t != 5).collect();

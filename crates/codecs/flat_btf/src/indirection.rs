@@ -158,7 +158,7 @@ mod tests {
 
     #[test]
     fn a_plane_in_the_reference_plane_has_the_identity_and_no_displacement() {
-        let model = MesoModel::new(height_field(6, |_, _| 0.0), 0).unwrap();
+        let model = MesoModel::new(height_field(6, |_, _| 0.0), 0, &()).unwrap();
         let found = indirection(&model, HEADER, 2, &()).unwrap();
         for (index, r) in found.reference.iter().enumerate() {
             let expected = [index % 8, index / 8].map(|c| (c as f32 + 0.5) / 8.0);
@@ -170,7 +170,7 @@ mod tests {
     #[test]
     fn a_raised_plane_shifts_by_its_height_times_the_tangent() {
         let height = 0.11;
-        let model = MesoModel::new(height_field(6, |_, _| height), 0).unwrap();
+        let model = MesoModel::new(height_field(6, |_, _| height), 0, &()).unwrap();
         each(&indirection(&model, HEADER, 1, &()).unwrap(), |_, [polar, azimuth], d, z| {
             let shift = height * polar.tan();
             let expected = [shift * azimuth.cos(), shift * azimuth.sin()];
@@ -183,7 +183,7 @@ mod tests {
     fn a_tilted_plane_has_the_analytic_shift() {
         // A roof of two tilted planes: z = s (¼ - |x - ½|). Away from its edges each is a plane.
         let slope = 0.4;
-        let model = MesoModel::new(height_field(32, |x, _| slope * (0.25 - (x - 0.5).abs())), 0).unwrap();
+        let model = MesoModel::new(height_field(32, |x, _| slope * (0.25 - (x - 0.5).abs())), 0, &()).unwrap();
         // Laid flat, the roof is the unit square again: u = x, v = y, by symmetry.
         each(&indirection(&model, HEADER, 1, &()).unwrap(), |[i, j], [polar, azimuth], d, _| {
             let (x, y) = ((i as f64 + 0.5) / 8.0, (j as f64 + 0.5) / 8.0);
@@ -207,7 +207,7 @@ mod tests {
             (radius * radius - d).max(0.0).sqrt().max(sunk) - sunk
         };
         let n = 256;
-        let model = MesoModel::new(height_field(n, cap), 0).unwrap();
+        let model = MesoModel::new(height_field(n, cap), 0, &()).unwrap();
         let mut checked = 0;
         for (polar, azimuth) in [(0.0, 0.0), (0.4, 1.0), (0.8, 2.0), (1.0, 5.0)] {
             let w = from_polar(polar, azimuth);
@@ -236,7 +236,7 @@ mod tests {
     #[test]
     fn rays_on_both_sides_of_an_edge_are_not_mixed() {
         // A wall: seen from the side, rays of one texel land on its top or far behind.
-        let model = MesoModel::new(height_field(64, |x, _| if x > 0.5 { 0.3 } else { 0.0 }), 0).unwrap();
+        let model = MesoModel::new(height_field(64, |x, _| if x > 0.5 { 0.3 } else { 0.0 }), 0, &()).unwrap();
         let header = IndirectionHeader { size: 16, ..HEADER };
         let found = indirection(&model, header, 4, &()).unwrap();
         let (mut top, mut ground) = (0, 0);
@@ -252,7 +252,7 @@ mod tests {
 
     #[test]
     fn threads_do_not_matter() {
-        let model = MesoModel::new(bumps(16, 0.3), 0).unwrap();
+        let model = MesoModel::new(bumps(16, 0.3), 0, &()).unwrap();
         let run = |threads| {
             let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
             pool.install(|| indirection(&model, HEADER, 2, &()).unwrap())

@@ -86,7 +86,7 @@ mod tests {
 
     #[test]
     fn images_of_a_surface_flatten_to_what_the_surface_reflects() {
-        let model = MesoModel::new(bumps(32, 0.3), 0).unwrap();
+        let model = MesoModel::new(bumps(32, 0.3), 0, &()).unwrap();
         let appearance =
             Appearance { sources: vec![parse_synth("synth:lambert?kd=0.6").unwrap()], ..Default::default() };
         let directions = [from_polar(0.7, 0.5), from_polar(0.3, 2.0)];

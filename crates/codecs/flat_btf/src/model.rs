@@ -28,21 +28,14 @@ pub struct Seen {
 }
 
 impl MesoModel {
-    /// Lays the surface flat with up to `rounds` rounds of stretch-reducing reweighting.
-    ///
-    /// # Errors
-    /// As [`parameterise`].
-    pub fn new(mesh: PeriodicMesh, rounds: usize) -> Result<Self, ParameteriseError> {
-        Self::watched(mesh, rounds, &())
-    }
-
-    /// As [`MesoModel::new`]; `progress` hears of about [`steps`]`(rounds)` steps.
+    /// Lays the surface flat with up to `rounds` rounds of stretch-reducing reweighting; `progress` hears of about
+    /// [`steps`]`(rounds)` steps.
     ///
     /// [`steps`]: super::parameterise::steps
     ///
     /// # Errors
     /// As [`parameterise`].
-    pub fn watched(mesh: PeriodicMesh, rounds: usize, progress: &dyn Progress) -> Result<Self, ParameteriseError> {
+    pub fn new(mesh: PeriodicMesh, rounds: usize, progress: &dyn Progress) -> Result<Self, ParameteriseError> {
         let parameterisation = parameterise(&mesh, rounds, progress)?;
         let caster = PeriodicCaster::new(&mesh);
         Ok(Self { mesh, parameterisation, caster })

@@ -94,7 +94,7 @@ mod tests {
 
     #[test]
     fn equation_1_gives_the_btf_back_the_better_the_more_texels() {
-        let model = MesoModel::new(overhang(48), 0).unwrap();
+        let model = MesoModel::new(overhang(48), 0, &()).unwrap();
         let appearance =
             Appearance { sources: vec![parse_synth("synth:lewis?kd=0.5&ks=0.1&n=8").unwrap()], ..Default::default() };
         let (views, lights) = ([from_polar(0.8, 0.6)], [from_polar(0.5, 2.0)]);

@@ -23,9 +23,7 @@ impl HalfGrid {
     /// # Errors
     /// Names the field that is out of range.
     pub fn check(&self) -> Result<(), FormatError> {
-        if !(1..=4096).contains(&self.polar) {
-            return Err(FormatError::whole("rings of half vectors", self.polar.to_string(), "1 to 4096"));
-        }
+        FormatError::check_range("rings of half vectors", self.polar, 1..=4096)?;
         if !(2..=4096).contains(&self.azimuths) || !self.azimuths.is_multiple_of(2) {
             let allowed = "an even number, 2 to 4096";
             return Err(FormatError::whole("half vectors of a ring", self.azimuths.to_string(), allowed));

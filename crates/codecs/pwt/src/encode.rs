@@ -107,9 +107,7 @@ pub fn plain(samples: &LightSamples, basis: LightBasis, level: u32) -> Result<Pw
         ..PwtRecipe::default()
     };
     let depth = depth(samples, &recipe)?;
-    if level > depth {
-        return Err(FormatError::whole("level", level.to_string(), format!("0 to {depth}")));
-    }
+    FormatError::check_range("level", level, 0..=depth)?;
     let candidate = choose(samples, &recipe)[0];
     let design = Design::new(basis, &samples.lights, candidate.ridge);
     let extent = samples.size.map(|side| if samples.repeats { side } else { side.next_multiple_of(1 << depth) });

@@ -96,20 +96,10 @@ impl PwtRecipe {
     /// # Errors
     /// Names what is not.
     pub fn check(&self) -> Result<(), FormatError> {
-        let refused =
-            |field: &'static str, found: String, allowed: String| Err(FormatError::whole(field, found, allowed));
-        if let Some(degree) = self.degree.filter(|degree| *degree > MAX_DEGREE) {
-            return refused("degree", degree.to_string(), format!("0 to {MAX_DEGREE}"));
-        }
-        if let Some(ridge) = self.ridge.filter(|ridge| !(0.0..=1e6).contains(ridge)) {
-            return refused("ridge", ridge.to_string(), "0 to 1000000".to_owned());
-        }
-        if let Some(depth) = self.depth.filter(|depth| *depth > Self::MAX_DEPTH) {
-            return refused("levels", depth.to_string(), format!("0 to {}", Self::MAX_DEPTH));
-        }
-        if self.packets > Self::MAX_PACKETS {
-            return refused("packets", self.packets.to_string(), format!("0 to {}", Self::MAX_PACKETS));
-        }
+        FormatError::check_range("degree", self.degree.unwrap_or_default(), 0..=MAX_DEGREE)?;
+        FormatError::check_range("ridge", self.ridge.unwrap_or_default(), 0.0..=1e6)?;
+        FormatError::check_range("levels", self.depth.unwrap_or_default(), 0..=Self::MAX_DEPTH)?;
+        FormatError::check_range("packets", self.packets, 0..=Self::MAX_PACKETS)?;
         let (field, number, range) = match self.target {
             Target::Loss(loss) => ("loss", loss, 0.0..=100.0),
             Target::Quality(decibels) => ("quality", decibels, 0.0..=200.0),
@@ -117,9 +107,6 @@ impl PwtRecipe {
             Target::Energy(share) => ("energy", share, 0.0..=1.0),
             Target::Bytes(bytes) => ("bytes", bytes as f64, 1.0..=1e12),
         };
-        if range.contains(&number) {
-            return Ok(());
-        }
-        refused(field, number.to_string(), format!("{} to {}", range.start(), range.end()))
+        FormatError::check_range(field, number, range)
     }
 }

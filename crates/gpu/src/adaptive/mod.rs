@@ -17,7 +17,7 @@ pub use storage::LoadedGBuffer;
 
 use super::device::{Gpu, GpuError};
 use super::draw::Decoding;
-use super::load::LoadedScene;
+use super::load::{LoadedScene, load};
 use super::raster::Rasteriser;
 use super::surface;
 use brdfc_formats::BrdfPack;
@@ -103,7 +103,8 @@ impl<'g> AdaptiveRenderer<'g> {
         };
         let materials =
             materials.iter().zip(packs.iter().copied()).enumerate().map(material).collect::<Result<_, _>>()?;
-        Ok(LoadedAdaptive { scene: self.rasteriser.load(scene.scene, groups, decoding.words())?, materials })
+        let scene = load(self.gpu(), &self.rasteriser.view_layout, scene.scene, groups, decoding.words())?;
+        Ok(LoadedAdaptive { scene, materials })
     }
 
     fn gpu(&self) -> &'g Gpu {

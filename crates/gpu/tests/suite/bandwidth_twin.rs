@@ -4,7 +4,8 @@ use brdfc_formats::bandwidth::shader::BANDWIDTH_WGSL;
 use brdfc_formats::bandwidth::{BandwidthHeader, BandwidthKind, BandwidthMap};
 use brdfc_formats::bindings::{Binding, FrameBlock, Texels};
 use brdfc_formats::container::{Extent, TexelFormat};
-use brdfc_gpu::{Compute, Gpu};
+use brdfc_gpu::Gpu;
+use brdfc_probe::Compute;
 use brdfc_testing::packs::Numbers;
 use std::f32::consts::{FRAC_PI_2, TAU};
 

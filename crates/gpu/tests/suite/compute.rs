@@ -4,7 +4,8 @@ use brdfc_formats::BrdfPack;
 use brdfc_formats::bindings::FrameBlock;
 use brdfc_formats::direction::Parameterisation;
 use brdfc_formats::wavelet::Filter;
-use brdfc_gpu::{Compute, Evaluator, GpuError, SliceFilter};
+use brdfc_gpu::{GpuError, SliceFilter};
+use brdfc_probe::{Compute, Evaluator};
 use brdfc_testing::codecs::wavelet::{header, pack};
 use brdfc_testing::packs::pairs;
 

@@ -8,7 +8,8 @@ use brdfc_formats::flat_btf::factored::{
 };
 use brdfc_formats::flat_btf::shader::{FLAT_BTF_WGSL, factored_bindings};
 use brdfc_formats::flat_btf::{BlendedDirection, ViewWeights};
-use brdfc_gpu::{Compute, Gpu};
+use brdfc_gpu::Gpu;
+use brdfc_probe::Compute;
 use brdfc_testing::codecs::flat_btf::{Factors, SMALL, Sizes, factored, weights};
 use brdfc_testing::packs::Numbers;
 

@@ -3,7 +3,8 @@
 use brdfc_formats::bindings::FrameBlock;
 use brdfc_formats::flat_btf::shader::{FLAT_BTF_FILTER_PRECISION, FLAT_BTF_WGSL};
 use brdfc_formats::flat_btf::{FlatBtfDecoder, FlatBtfParts, FlatValues, IndirectionMap, MAX_TANGENT, TANGENT_BIAS};
-use brdfc_gpu::{FlatBtfAnswer, FlatBtfEvaluator, FlatBtfQuery, Gpu};
+use brdfc_gpu::Gpu;
+use brdfc_probe::{FlatBtfAnswer, FlatBtfEvaluator, FlatBtfQuery};
 use brdfc_testing::codecs::flat_btf::{self, SMALL, Sizes};
 use brdfc_testing::packs::{Numbers, unit_vector};
 use std::f32::consts::{FRAC_PI_2, TAU};

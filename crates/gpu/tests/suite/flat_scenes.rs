@@ -11,7 +11,7 @@ use brdfc_formats::flat_btf::{
     DiffuseMap, FlatBtfDecoder, FlatBtfParts, FlatHeader, FlatValues, FlatView, IndirectionHeader, NormalMap,
     VisibilityMask,
 };
-use brdfc_gpu::{FlatRenderer, GpuError, draw_flat_btf, flat_scene_source};
+use brdfc_gpu::{GpuError, draw_flat_btf, draw_flat_btf_by, flat_scene_source};
 use brdfc_metrics::image::{LinearImage, auto_exposure, compare_images};
 use brdfc_render::flat::{FlatForm, FlatMaterial, draw_on_cpu, reference_plane};
 use brdfc_render::scene::{Frame, PointLight, Scene};
@@ -173,11 +173,8 @@ fn a_change_of_the_scene_or_of_the_shader_is_a_difference() {
     below.camera.eye[1] = -1.5;
     let from_below = draw_on_cpu(&below, FRAME, &whole, FlatForm::Full);
     assert!(from_below.pixels.iter().any(|p| p[0] > 0.0), "lit from below");
-    let drawn = |source: String, scene: &Scene| {
-        let renderer = FlatRenderer::with_shader(gpu, source).unwrap();
-        let loaded = renderer.load(scene, &whole, FlatForm::Full, FRAME.samples).unwrap();
-        renderer.draw(&loaded, &scene.camera, FRAME).unwrap()
-    };
+    let drawn =
+        |source: String, scene: &Scene| draw_flat_btf_by(gpu, source, scene, FRAME, &whole, FlatForm::Full).unwrap();
     same(&drawn(flat_scene_source(), &below), &from_below, "from below");
     let edits = [
         ("select(vec2<f32>(in.uv.x, -in.uv.y), in.uv, front)", "in.uv"),

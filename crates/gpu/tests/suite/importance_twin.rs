@@ -2,7 +2,8 @@
 
 use brdfc_formats::bindings::FrameBlock;
 use brdfc_formats::importance::{IMPORTANCE_WGSL, ImportanceHeader, ImportancePack};
-use brdfc_gpu::{Compute, Gpu};
+use brdfc_gpu::Gpu;
+use brdfc_probe::Compute;
 use brdfc_testing::packs::{Numbers, unit_vector};
 
 const ENTRY: &str = "

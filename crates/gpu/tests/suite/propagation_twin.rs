@@ -5,7 +5,8 @@ use brdfc_formats::bandwidth::propagation::{
     largest_pixel_bandwidth, pixel_bandwidth, pyramid_level, sample_count, sample_scale,
 };
 use brdfc_formats::bindings::FrameBlock;
-use brdfc_gpu::{Compute, Gpu};
+use brdfc_gpu::Gpu;
+use brdfc_probe::Compute;
 use brdfc_testing::packs::Numbers;
 
 /// A pixel with two incident directions: numbers in and numbers out.

@@ -2,7 +2,7 @@
 
 use brdfc_formats::bindings::FrameBlock;
 use brdfc_formats::pwt::{PwtDecoder, PwtPack};
-use brdfc_gpu::{PwtRenderer, draw_pwt, pwt_scene_source};
+use brdfc_gpu::{draw_pwt, draw_pwt_by, pwt_scene_source};
 use brdfc_metrics::image::{LinearImage, auto_exposure, compare_images};
 use brdfc_pwt::{LightSamples, PwtRecipe, encode};
 use brdfc_render::pwt::{Photograph, PwtMaterial, distant_light, draw_on_cpu, draw_photographs, picture_scene};
@@ -104,9 +104,8 @@ fn another_level_is_noticed() {
     assert_ne!(source, broken);
     let cpu = draw_on_cpu(&scene, FRAME, &material);
     let off = [source, broken].map(|source| {
-        let renderer = PwtRenderer::with_shader(gpu, source).unwrap();
-        let loaded = renderer.load(&scene, &material, FrameBlock::exact()).unwrap();
-        mean_delta_e(&renderer.draw(&loaded, &scene.camera, FRAME).unwrap(), &cpu)
+        let image = draw_pwt_by(gpu, source, &scene, FRAME, &material, FrameBlock::exact()).unwrap();
+        mean_delta_e(&image, &cpu)
     });
     assert!(off[1] > 3.0 * off[0], "{off:?}");
 }

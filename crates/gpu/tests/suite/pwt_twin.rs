@@ -5,7 +5,7 @@ use brdfc_formats::pwt::shader::{PWT_FILTER_PRECISION, PWT_WGSL};
 use brdfc_formats::pwt::{
     Component, Domain, LightBasis, LightCoordinates, PwtDecoder, PwtErrors, PwtHeader, PwtPack, TextureHeader,
 };
-use brdfc_gpu::{EVALUATE_PWT_WGSL, PwtAnswer, PwtEvaluator, PwtQuery};
+use brdfc_probe::{EVALUATE_PWT_WGSL, PwtAnswer, PwtEvaluator, PwtQuery};
 use brdfc_testing::packs::Numbers;
 
 const DOMAINS: [Domain; 4] = [Domain::Linear, Domain::Display, Domain::CubeRoot, Domain::Logarithm { epsilon: 0.0123 }];

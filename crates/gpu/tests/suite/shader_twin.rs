@@ -7,7 +7,8 @@ use brdfc_formats::wavelet::shader::{FILTER_PRECISION_8_BIT, FILTER_PRECISION_16
 use brdfc_formats::wavelet::{
     DEFAULT_DISTANCE_SCALE, Filter, SliceScale, WaveletDecoder, WaveletPack, level_of_detail,
 };
-use brdfc_gpu::{EVALUATE_WGSL, Evaluated, Evaluator, Gpu, SliceFilter};
+use brdfc_gpu::{Gpu, SliceFilter};
+use brdfc_probe::{EVALUATE_WGSL, Evaluated, Evaluator};
 use brdfc_testing::codecs::wavelet::{header, lifted, pack, packs};
 use brdfc_testing::packs::pairs;
 

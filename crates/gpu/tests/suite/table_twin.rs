@@ -5,7 +5,8 @@ use brdfc_formats::direction::DirectionPair;
 use brdfc_formats::table::shader::TABLE_BRDF_WGSL;
 use brdfc_formats::table::{LogValues, TableDecoder, TablePack};
 use brdfc_formats::wavelet::Filter;
-use brdfc_gpu::{EVALUATE_TABLE_WGSL, Evaluated, Evaluator, Gpu, SliceFilter};
+use brdfc_gpu::{Gpu, SliceFilter};
+use brdfc_probe::{EVALUATE_TABLE_WGSL, Evaluated, Evaluator};
 use brdfc_testing::codecs::table::tables;
 use brdfc_testing::packs::pairs;
 

@@ -88,10 +88,8 @@ fn shipped() -> Vec<Module> {
 /// The modules that the renderer compiles.
 fn composed() -> Vec<Module> {
     use brdfc_formats::pwt::shader::PWT_WGSL;
-    use brdfc_gpu::{
-        AdaptiveShaders, COMPUTE_WGSL, EVALUATE_FLAT_BTF_WGSL, EVALUATE_PWT_WGSL, EVALUATE_TABLE_WGSL, EVALUATE_WGSL,
-        flat_scene_source, pwt_scene_source, scene_source,
-    };
+    use brdfc_gpu::{AdaptiveShaders, flat_scene_source, pwt_scene_source, scene_source};
+    use brdfc_probe::{COMPUTE_WGSL, EVALUATE_FLAT_BTF_WGSL, EVALUATE_PWT_WGSL, EVALUATE_TABLE_WGSL, EVALUATE_WGSL};
     let adaptive = AdaptiveShaders::default();
     let compute = "fn compute(at: u32) { output[at] = input[at]; }\n";
     vec![

@@ -101,9 +101,9 @@ impl Settings {
             fill: recipe.fill,
             bounces: recipe.bounces,
             stretch_rounds: recipe.rounds,
-            form: recipe.form,
-            factored: recipe.factored(),
-            compact: recipe.compact,
+            form: recipe.form(),
+            factored: recipe.factored,
+            compact: true,
             supercompression: supercompress,
         }
     }

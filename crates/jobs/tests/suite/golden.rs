@@ -1,6 +1,6 @@
 //! Flat BTFs of committed inputs are the bytes, and decode to the values, in the codec's list: see docs/goldens.md.
 
-use brdfc_flat_btf::encode::{FlattenRecipe, Form};
+use brdfc_flat_btf::encode::FlattenRecipe;
 use brdfc_flat_btf::factored::FactoredTarget;
 use brdfc_flat_btf::fill::FillMethod;
 use brdfc_formats::direction_set::DirectionSet;
@@ -46,9 +46,7 @@ fn flat_btfs() {
         fill: FillMethod::Poisson,
         bounces: 0,
         rounds: 0,
-        form: Form::Full,
-        factor: Some(FactoredTarget::Error(2.0)),
-        compact: true,
+        factored: Some(FactoredTarget::Error(2.0)),
     };
     // Overhangs hide some of its texels from every view.
     let button = meso("synth:button?resolution=16".to_owned(), &[]);
@@ -63,6 +61,6 @@ fn flat_btfs() {
         testdata("golden/studs.obj"),
         &[(Some("stud"), "synth:lambert?kd=0.6,0.2,0.1"), (None, "synth:velvet?kd=0.3")],
     );
-    packs.extend(flat_btf("studs", &studs, &FlattenRecipe { form: Form::Light, ..recipe }, true));
+    packs.extend(flat_btf("studs", &studs, &FlattenRecipe { factored: None, ..recipe }, true));
     check_encodes("flat_btf", &packs, |file| file == "button.ktx2");
 }

@@ -67,9 +67,7 @@ impl UboBtf {
             Err(FormatError::whole(field, found.to_string(), allowed))
         };
         for side in description.size {
-            if !(1..=MAX_SIZE as usize).contains(&side) {
-                return wrong("texels along a side", side, format!("1 to {MAX_SIZE}"));
-            }
+            FormatError::check_range("texels along a side", side, 1..=MAX_SIZE as usize)?;
         }
         if !VERSIONS.contains(&description.version) {
             return wrong("version", description.version as usize, versions());

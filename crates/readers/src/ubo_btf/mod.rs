@@ -6,9 +6,6 @@ mod btf;
 mod colour;
 mod matrix;
 mod read;
-#[cfg(test)]
-mod tests;
-mod write;
 
 use crate::file_kind::{Begins, FileKind};
 pub use btf::{CHANNELS, Description, MAX_SIZE, SIGNATURE, UboBtf, VERSIONS};

@@ -142,16 +142,11 @@ impl FactoredHeader {
     /// # Errors
     /// Names the field that is out of range.
     pub fn check(&self) -> Result<(), FormatError> {
-        if !(1..=MAX_EXTENT_2D).contains(&self.size) {
-            return Err(refused("size", self.size, format!("1 to {MAX_EXTENT_2D}")));
-        }
+        let checked = |field, found, range| FormatError::check_range(format!("{FACTORED} {field}"), found, range);
+        checked("size", self.size, 1..=MAX_EXTENT_2D)?;
         let most = Extent::D2([self.size; 2]).most_levels();
-        if !(1..=most).contains(&self.levels) {
-            return Err(refused("levels", self.levels, format!("1 to {most}")));
-        }
-        if !(1..=MAX_GROUPS).contains(&self.groups) {
-            return Err(refused("groups", self.groups, format!("1 to {MAX_GROUPS}")));
-        }
+        checked("levels", self.levels, 1..=most)?;
+        checked("groups", self.groups, 1..=MAX_GROUPS)?;
         if self.wide_groups > self.groups {
             return Err(refused("wide groups", self.wide_groups, format!("0 to {}, the groups", self.groups)));
         }

@@ -28,19 +28,12 @@ struct Layers {
 impl Layers {
     fn check(self, most_layers: u32) -> Result<Self, FormatError> {
         let Self { part, size, layers, levels, .. } = self;
-        let refused = |what: &str, found: u32, last: u32| {
-            Err(FormatError::whole(format!("{what} of the part {part}"), found.to_string(), format!("1 to {last}")))
+        let checked = |what: &str, found: u32, last: u32| {
+            FormatError::check_range(format!("{what} of the part {part}"), found, 1..=last)
         };
-        if !(1..=MAX_EXTENT_2D).contains(&size) {
-            return refused("size", size, MAX_EXTENT_2D);
-        }
-        if !(1..=most_layers).contains(&layers) {
-            return refused("layers", layers, most_layers);
-        }
-        let most_levels = self.extent().most_levels();
-        if !(1..=most_levels).contains(&levels) {
-            return refused("levels", levels, most_levels);
-        }
+        checked("size", size, MAX_EXTENT_2D)?;
+        checked("layers", layers, most_layers)?;
+        checked("levels", levels, self.extent().most_levels())?;
         let wanted = self.extent().texels_of_levels(levels) * self.format.texel_bytes() as u64;
         if self.texels.len() as u64 != wanted {
             let field = format!("bytes of the part {part}");

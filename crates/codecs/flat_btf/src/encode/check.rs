@@ -1,6 +1,6 @@
 //! What a recipe tells before the work: whether it can be followed, and what it takes.
 
-use super::recipe::{FlattenRecipe, Form};
+use super::recipe::FlattenRecipe;
 use crate::caster::STEEPEST_DEGREES;
 use crate::displacement::coarser;
 use crate::factored::FactoredRecipe;
@@ -28,7 +28,8 @@ impl FlattenRecipe {
     /// # Errors
     /// The first thing that is out of range.
     pub fn check(&self) -> Result<(), FormatError> {
-        self.check_map()?;
+        let IndirectionHeader { size, .. } = self.indirection;
+        DisplacementHeader::new(IndirectionHeader { size: size / coarser(size), ..self.indirection }).check()?;
         for (what, set) in [("views", &self.views), ("lights", &self.lights)] {
             let of_set = |error: FormatError| FormatError { field: format!("{what}, {}", error.field).into(), ..error };
             if let Some(steep) = set.angles.iter().position(|[polar, _]| *polar > STEEPEST_DEGREES) {
@@ -41,7 +42,7 @@ impl FlattenRecipe {
         }
         let header = self.header(0);
         header.check()?;
-        if let Some(target) = self.factored() {
+        if let Some(target) = self.factored {
             target.check(&header)?;
         }
         let bytes = self.bytes(1);
@@ -51,15 +52,6 @@ impl FlattenRecipe {
             return Err(FormatError::whole("memory", gib(bytes), allowed));
         }
         Ok(())
-    }
-
-    /// Whether the map fits as it is stored.
-    fn check_map(&self) -> Result<(), FormatError> {
-        let IndirectionHeader { size, .. } = self.indirection;
-        if !self.compact {
-            return self.indirection.check();
-        }
-        DisplacementHeader::new(IndirectionHeader { size: size / coarser(size), ..self.indirection }).check()
     }
 
     /// The header of a view.
@@ -78,11 +70,11 @@ impl FlattenRecipe {
     pub fn bytes(&self, views_at_once: usize) -> u64 {
         let texels = (self.flat_texels * self.flat_texels) as u64;
         let (views, lights) = (self.views.len() as u64, self.lights.len() as u64);
-        let guide = u64::from(self.fill == FillMethod::Poisson && self.form == Form::Full);
+        let guide = u64::from(self.fill == FillMethod::Poisson && self.factored.is_some());
         let per_light = VALUE_BYTES * (views_at_once as u64 + guide) + 1;
         let map: u64 = self.indirection.extent().into_iter().map(u64::from).product();
         // Factors are made when all views are.
-        let factors = self.factored().map_or(0, |target| FactoredRecipe::new(target).memory(&self.header(0)));
+        let factors = self.factored.map_or(0, |target| FactoredRecipe::new(target).memory(&self.header(0)));
         texels * (TEXEL_BYTES + views)
             + (texels * lights * per_light).max(factors)
             + 20 * map
@@ -102,6 +94,7 @@ fn angles(set: &DirectionSet) -> Vec<[f32; 2]> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::factored::FactoredTarget;
 
     fn recipe() -> FlattenRecipe {
         FlattenRecipe {
@@ -113,9 +106,7 @@ mod tests {
             fill: FillMethod::Poisson,
             bounces: 0,
             rounds: 0,
-            form: Form::Full,
-            factor: None,
-            compact: false,
+            factored: Some(FactoredTarget::Error(0.7)),
         }
     }
 

@@ -14,7 +14,7 @@ pub use check::MOST_BYTES;
 pub use error::EncodeError;
 pub use recipe::{FlattenRecipe, Form};
 pub use report::{AssetErrors, AssetReport};
-pub use scratch::{MemoryScratch, Scratch, ScratchViews};
+pub use scratch::{MemoryScratch, Scratch};
 
 use crate::displacement::{coarser, displacements};
 use crate::factored::{FactoredRecipe, factor};
@@ -31,11 +31,11 @@ use brdfc_core::progress::{Progress, Stage};
 use brdfc_formats::FormatError;
 use brdfc_formats::direction::Vector;
 use brdfc_formats::flat_btf::{
-    DiffuseMap, FlatBtfDecoder, FlatBtfParts, FlatValues, Indirection, IndirectionMap, NormalMap, ReferenceMap,
-    VisibilityMask,
+    DiffuseMap, DisplacementMap, FlatBtfDecoder, FlatBtfParts, FlatValues, NormalMap, ReferenceMap, VisibilityMask,
 };
 use pass::Pass;
 use probing::{computed_probes, measured_probes};
+use scratch::ScratchViews;
 
 /// What is flattened. `E` is the error of the images.
 pub struct FlatInput<'a, E> {
@@ -57,10 +57,8 @@ pub enum ValueSource<'a, E> {
 
 /// A flat BTF, and what was found on the way.
 pub struct FlatBtfEncoded {
-    /// What a decoder reads. There are no values in the light form, nor where they are `views`.
+    /// What a decoder reads. There are no values in the light form.
     pub parts: FlatBtfParts,
-    /// The views of a recipe that keeps every view as it is, in the scratch storage.
-    pub views: Option<ScratchViews>,
     /// Which texels each view sees.
     pub mask: VisibilityMask,
     /// What was measured.
@@ -86,15 +84,16 @@ pub fn encode<E: Send>(
 ) -> Result<FlatBtfEncoded, EncodeError<E>> {
     recipe.check()?;
     progress.stage(Stage::Parameterise, steps(recipe.rounds))?;
-    let model = MesoModel::watched(input.mesh, recipe.rounds, progress)?;
+    let model = MesoModel::new(input.mesh, recipe.rounds, progress)?;
     let texels = model.texels(recipe.flat_texels);
     let size = recipe.flat_texels as u32;
     let single = |v: Vector| v.map(|c| c as f32);
     let normal = NormalMap::new(size, texels.points.iter().map(|p| single(p.normal)).collect())?;
-    let (indirection, reference) = indirection_maps(&model, recipe, progress)?;
+    let (displacements, reference) = indirection_maps(&model, recipe, progress)?;
     // Colours come last; the decoder is asked for indirections before.
     let black = DiffuseMap::new(size, vec![0; texels.points.len()])?;
-    let parts = FlatBtfParts { reference, indirection, normal, diffuse: black, values: FlatValues::None };
+    let parts =
+        FlatBtfParts { reference, indirection: displacements.into(), normal, diffuse: black, values: FlatValues::None };
     let decoder = FlatBtfDecoder::new(parts)?;
 
     let (views, lights) = (recipe.views.directions(), recipe.lights.directions());
@@ -138,7 +137,7 @@ pub fn encode<E: Send>(
     let mut parts = decoder.into_parts();
     parts.diffuse = diffuse;
     let mut facts = None;
-    if let Some(target) = recipe.factored() {
+    if let Some(target) = recipe.factored {
         let view = |view| scratched.read(view, scratch);
         let made = factor(&FactoredRecipe::new(target), &parts.normal, &mask, view, progress)?;
         parts.values = FlatValues::Factored(Box::new(made.asset));
@@ -151,12 +150,10 @@ pub fn encode<E: Send>(
         heights: model.mesh.height_range(),
         seen,
         never_seen,
-        errors: probes.measure(&decoder, recipe.form, decoder.parts().values.factored()),
+        errors: probes.measure(&decoder),
         factored: facts,
     };
-    let full = recipe.form == Form::Full;
-    let views = (full && recipe.factor.is_none()).then_some(scratched);
-    Ok(FlatBtfEncoded { parts: decoder.into_parts(), views, mask, report, model })
+    Ok(FlatBtfEncoded { parts: decoder.into_parts(), mask, report, model })
 }
 
 /// What a view from above sees, and how that moves with the view.
@@ -164,19 +161,13 @@ fn indirection_maps<E>(
     model: &MesoModel,
     recipe: &FlattenRecipe,
     progress: &dyn Progress,
-) -> Result<(Indirection, ReferenceMap), EncodeError<E>> {
+) -> Result<(DisplacementMap, ReferenceMap), EncodeError<E>> {
     let header = recipe.indirection;
     progress.stage(Stage::Indirection, header.size as usize)?;
     let found = indirection(model, header, recipe.oversampling, progress)?;
     let reference = ReferenceMap::new(header.size, found.reference.clone())?;
-    if recipe.compact {
-        let moved = |texel, k, a| found.displacement(texel, k, a);
-        let (compact, reference) = displacements(header, &reference, moved, coarser(header.size))?;
-        return Ok((compact.into(), reference));
-    }
-    let mut moved = found.displacements.into_iter();
-    let map = IndirectionMap::from_displacements(header, |_, _, _| moved.next().expect("one for each view"))?;
-    Ok((map.into(), reference))
+    let moved = |texel, k, a| found.displacement(texel, k, a);
+    Ok(displacements(header, &reference, moved, coarser(header.size))?)
 }
 
 fn visibility_mask(size: u32, masks: &[Vec<bool>]) -> Result<VisibilityMask, FormatError> {

@@ -1,7 +1,7 @@
 //! The pass over all views, a few of which are in memory at a time.
 
 use super::error::EncodeError;
-use super::recipe::{FlattenRecipe, Form};
+use super::recipe::FlattenRecipe;
 use super::scratch::{Scratch, ScratchViews};
 use crate::diffuse::DiffuseFit;
 use crate::fill::{FillMethod, PushPull};
@@ -36,7 +36,7 @@ impl Pass<'_> {
         (scratched, scratch): (&ScratchViews, &dyn Scratch<Error = E>),
         progress: &dyn Progress,
     ) -> Result<DiffuseMap, EncodeError<E>> {
-        let full = self.recipe.form == Form::Full;
+        let full = self.recipe.factored.is_some();
         let of_field = |error| EncodeError::Outside(outside(error));
         let guide = match self.recipe.fill {
             FillMethod::Poisson if full => {
@@ -82,10 +82,10 @@ impl Pass<'_> {
         view: usize,
         guide: Option<&FillGuide>,
     ) -> Result<Vec<u32>, F::Error> {
-        let holes = match (self.recipe.form, guide) {
-            (Form::Light, _) => Holes::Black,
-            (Form::Full, Some(guide)) => Holes::Poisson(guide),
-            (Form::Full, None) => Holes::PushPull,
+        let holes = match (self.recipe.factored, guide) {
+            (None, _) => Holes::Black,
+            (Some(_), Some(guide)) => Holes::Poisson(guide),
+            (Some(_), None) => Holes::PushPull,
         };
         let flattened = FlattenedView::new(field, view, &self.masks[view], holes)?;
         let mut texels = vec![0; self.lights.len() * self.texels.points.len()];

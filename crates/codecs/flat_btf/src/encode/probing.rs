@@ -1,15 +1,13 @@
 //! Look-ups into the finished maps that errors are measured with.
 
 use super::pass::Pass;
-use super::recipe::Form;
 use super::report::AssetErrors;
 use crate::measured::ViewImages;
-use crate::probes::{ColourErrors, Directions, Probes, shown};
+use crate::probes::{Directions, Probes, shown};
 use crate::surface::Appearance;
 use brdfc_formats::FormatError;
 use brdfc_formats::direction_mesh::DirectionMesh;
 use brdfc_formats::flat_btf::FlatBtfDecoder;
-use brdfc_formats::flat_btf::factored::FactoredFlatBtf;
 use std::convert::Infallible;
 
 /// Look-ups of each kind; each of a measured BTF reads an image, and there are an eighth of them.
@@ -26,28 +24,18 @@ impl AllProbes {
         self.at_samples.iter_mut().chain(self.between.iter_mut()).collect()
     }
 
-    /// Errors of what a shader sees: of factors, where they stand for all views.
-    pub(super) fn measure(
-        &self,
-        decoder: &FlatBtfDecoder,
-        form: Form,
-        factored: Option<&FactoredFlatBtf>,
-    ) -> AssetErrors {
-        let of_full = |probes: &Option<Probes>, errors: &dyn Fn(&Probes) -> ColourErrors| {
-            probes.as_ref().filter(|_| form == Form::Full).map(errors)
-        };
-        let views = |probes: &Option<Probes>| of_full(probes, &Probes::full);
-        let stored = |probes: &Option<Probes>| match factored {
-            Some(asset) => of_full(probes, &|probes| probes.factored(asset)),
-            None => views(probes),
-        };
+    /// Errors of what a shader sees, and of the views that its factors stand for.
+    pub(super) fn measure(&self, decoder: &FlatBtfDecoder) -> AssetErrors {
+        let asset = decoder.parts().values.factored();
+        let stored = |probes: &Option<Probes>| Some(probes.as_ref()?.factored(asset?));
+        let views = |probes: &Option<Probes>| probes.as_ref().filter(|_| asset.is_some()).map(Probes::full);
         let light = self.between.as_ref().or(self.at_samples.as_ref());
         AssetErrors {
             at_samples: stored(&self.at_samples),
             between_samples: stored(&self.between),
             light_form: light.map(|probes| probes.light_form(decoder)),
-            views_at_samples: factored.and_then(|_| views(&self.at_samples)),
-            views_between_samples: factored.and_then(|_| views(&self.between)),
+            views_at_samples: views(&self.at_samples),
+            views_between_samples: views(&self.between),
         }
     }
 }

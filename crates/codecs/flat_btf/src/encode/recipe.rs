@@ -35,17 +35,13 @@ pub struct FlattenRecipe {
     pub bounces: usize,
     /// Rounds of stretch-reducing reweighting at most.
     pub rounds: usize,
-    /// Which parts are made.
-    pub form: Form,
-    /// What factors of the full form are to be like; `None` keeps every view as it is.
-    pub factor: Option<FactoredTarget>,
-    /// Whether displacements replace the indirection map.
-    pub compact: bool,
+    /// What the factors of the full form are to be like, which replace all views; `None` makes the light form.
+    pub factored: Option<FactoredTarget>,
 }
 
 impl FlattenRecipe {
-    /// What the factors that replace all views are to be like; `None` where there are none.
-    pub fn factored(&self) -> Option<FactoredTarget> {
-        self.factor.filter(|_| self.form == Form::Full)
+    /// Which parts are made.
+    pub fn form(&self) -> Form {
+        if self.factored.is_some() { Form::Full } else { Form::Light }
     }
 }

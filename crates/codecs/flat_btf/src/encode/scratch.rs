@@ -45,18 +45,13 @@ impl Scratch for MemoryScratch {
 
 /// All views of a flat BTF in scratch storage: the words of [`FlatView::texels`], little-endian.
 #[derive(Debug, Clone, PartialEq)]
-pub struct ScratchViews {
+pub(super) struct ScratchViews {
     header: FlatHeader,
 }
 
 impl ScratchViews {
     pub(super) fn new(header: FlatHeader) -> Self {
         Self { header }
-    }
-
-    /// Number of views.
-    pub fn count(&self) -> u32 {
-        self.header.views.len() as u32
     }
 
     /// A view from its packed texels, light by light.
@@ -70,11 +65,15 @@ impl ScratchViews {
         scratch.write_scratch(view.header().view, &values)
     }
 
-    /// Reads a view from the storage that [`encode`](super::encode) was given.
+    /// Reads a view back.
     ///
     /// # Errors
     /// Of the storage; another number of bytes than was written.
-    pub fn read<E: Send>(&self, view: u32, scratch: &dyn Scratch<Error = E>) -> Result<FlatView, EncodeError<E>> {
+    pub(super) fn read<E: Send>(
+        &self,
+        view: u32,
+        scratch: &dyn Scratch<Error = E>,
+    ) -> Result<FlatView, EncodeError<E>> {
         let values = scratch.read_scratch(view).map_err(EncodeError::Outside)?;
         let length = 4 * (self.header.size as usize).pow(2) * self.header.lights.len();
         if values.len() != length {

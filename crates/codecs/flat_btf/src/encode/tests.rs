@@ -18,9 +18,7 @@ fn recipe() -> FlattenRecipe {
         fill: FillMethod::Poisson,
         bounces: 0,
         rounds: 0,
-        form: Form::Full,
-        factor: Some(FactoredTarget::Components { components: 4, shadowed: true }),
-        compact: true,
+        factored: Some(FactoredTarget::Components { components: 4, shadowed: true }),
     }
 }
 
@@ -64,26 +62,22 @@ impl<F: Fn(u32, Vec<u8>) -> Result<Vec<u8>, String> + Sync> Scratch for Broken<F
 }
 
 #[test]
-fn views_that_are_kept_are_those_that_are_factored() {
-    let (kept, scratch) = whole(&FlattenRecipe { factor: None, ..recipe() });
-    let views = kept.views.expect("all views");
-    assert!(kept.parts.values == FlatValues::None && views.count() == 5);
-    let target = recipe().factor.unwrap();
+fn views_in_storage_are_those_that_are_factored() {
+    let recipe = recipe();
+    let (found, scratch) = whole(&recipe);
+    let views = ScratchViews::new(recipe.header(0));
     let view = |view| views.read(view, &scratch);
-    let expected = factor(&FactoredRecipe::new(target), &kept.parts.normal, &kept.mask, view, &()).unwrap();
-    let (found, _) = whole(&recipe());
-    assert!(found.views.is_none() && found.parts.values.factored() == Some(&expected.asset));
+    let target = FactoredRecipe::new(recipe.factored.unwrap());
+    let expected = factor(&target, &found.parts.normal, &found.mask, view, &()).unwrap();
+    assert!(found.parts.values.factored() == Some(&expected.asset));
     assert_eq!(found.report.factored, Some(expected.facts));
-    // What all views show does not depend on how they are stored.
-    assert_eq!(found.report.errors.views_at_samples, kept.report.errors.at_samples);
-    assert_eq!((&found.parts.diffuse, &found.mask), (&kept.parts.diffuse, &kept.mask));
 }
 
 #[test]
 fn the_light_form_keeps_nothing() {
-    let (light, scratch) = whole(&FlattenRecipe { form: Form::Light, ..recipe() });
+    let (light, scratch) = whole(&FlattenRecipe { factored: None, ..recipe() });
     let (full, _) = whole(&recipe());
-    assert!(light.views.is_none() && light.parts.values == FlatValues::None);
+    assert_eq!(light.parts.values, FlatValues::None);
     assert!(light.report.factored.is_none() && light.report.errors.at_samples.is_none());
     assert_eq!(light.parts.reference, full.parts.reference);
     assert!((0..5).all(|view| scratch.read_scratch(view).is_ok_and(|values| values.is_empty())));

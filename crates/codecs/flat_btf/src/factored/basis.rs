@@ -93,7 +93,7 @@ impl Squares {
     pub(super) fn light(&self, light: usize, views: usize) -> Rows<'_> {
         let stride = self.lights * self.length;
         let numbers = &self.numbers[light * self.length..];
-        Rows { numbers, rows: views, columns: self.length, stride }
+        Rows { numbers, rows: views, columns: self.length, strides: [stride, 1] }
     }
 }
 

@@ -2,39 +2,26 @@
 
 use nalgebra::{DMatrixView, DMatrixViewMut, Dyn};
 
-/// A matrix in a slice: rows `stride` numbers apart.
+/// A matrix in a slice: how far apart rows and columns are.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Rows<'a> {
     pub(super) numbers: &'a [f32],
     pub(super) rows: usize,
     pub(super) columns: usize,
-    pub(super) stride: usize,
+    pub(super) strides: [usize; 2],
 }
 
 impl<'a> Rows<'a> {
     /// Rows without gaps.
     pub(super) fn new(numbers: &'a [f32], rows: usize, columns: usize) -> Self {
-        Self { numbers, rows, columns, stride: columns }
+        Self { numbers, rows, columns, strides: [columns, 1] }
     }
 
-    fn plain(self) -> Strided<'a> {
-        Strided { numbers: self.numbers, rows: self.rows, columns: self.columns, strides: [self.stride, 1] }
+    pub(super) fn transposed(self) -> Self {
+        let [row, column] = self.strides;
+        Self { rows: self.columns, columns: self.rows, strides: [column, row], ..self }
     }
 
-    fn transposed(self) -> Strided<'a> {
-        Strided { numbers: self.numbers, rows: self.columns, columns: self.rows, strides: [1, self.stride] }
-    }
-}
-
-#[derive(Clone, Copy)]
-struct Strided<'a> {
-    numbers: &'a [f32],
-    rows: usize,
-    columns: usize,
-    strides: [usize; 2],
-}
-
-impl<'a> Strided<'a> {
     fn view(self) -> DMatrixView<'a, f32, Dyn, Dyn> {
         let [row, column] = self.strides;
         DMatrixView::from_slice_with_strides(self.numbers, self.rows, self.columns, row, column)
@@ -45,7 +32,7 @@ impl<'a> Strided<'a> {
 const LEAST_SIDE: usize = 6;
 
 /// `sum += a b`; rows of the sum are `stride` apart.
-fn add(sum: &mut [f32], stride: usize, a: Strided<'_>, b: Strided<'_>) {
+pub(super) fn add_product(sum: &mut [f32], stride: usize, a: Rows<'_>, b: Rows<'_>) {
     assert_eq!(a.columns, b.rows, "sides of a product");
     if a.rows.min(a.columns).min(b.columns) >= LEAST_SIDE {
         let mut sum = DMatrixViewMut::from_slice_with_strides_mut(sum, a.rows, b.columns, stride, 1);
@@ -61,21 +48,6 @@ fn add(sum: &mut [f32], stride: usize, a: Strided<'_>, b: Strided<'_>) {
             }
         }
     }
-}
-
-/// `sum += a b`; rows of the sum are `stride` apart.
-pub(super) fn add_product(sum: &mut [f32], stride: usize, a: Rows<'_>, b: Rows<'_>) {
-    add(sum, stride, a.plain(), b.plain());
-}
-
-/// `sum += a bᵀ`.
-pub(super) fn add_product_with_transposed(sum: &mut [f32], stride: usize, a: Rows<'_>, b: Rows<'_>) {
-    add(sum, stride, a.plain(), b.transposed());
-}
-
-/// `sum += aᵀ b`.
-pub(super) fn add_transposed_product(sum: &mut [f32], stride: usize, a: Rows<'_>, b: Rows<'_>) {
-    add(sum, stride, a.transposed(), b.plain());
 }
 
 /// Numbers of a packed symmetric matrix: row by row, each from the diagonal on.
@@ -176,12 +148,12 @@ mod tests {
             add_product(&mut plain, columns, ra, rb);
             let across: Vec<f32> = (0..columns * inner).map(|k| b[columns * (k % inner) + k / inner]).collect();
             let mut other = vec![1.0; rows * columns];
-            add_product_with_transposed(&mut other, columns, ra, Rows::new(&across, columns, inner));
+            add_product(&mut other, columns, ra, Rows::new(&across, columns, inner).transposed());
             let down: Vec<f32> = (0..inner * rows).map(|k| a[inner * (k % rows) + k / rows]).collect();
             // The last row of the sum ends where it ends.
             let stride = columns + 2;
             let mut third = vec![1.0; rows * stride - 2];
-            add_transposed_product(&mut third, stride, Rows::new(&down, inner, rows), rb);
+            add_product(&mut third, stride, Rows::new(&down, inner, rows).transposed(), rb);
             for i in 0..rows {
                 for j in 0..columns {
                     for found in [plain[columns * i + j], other[columns * i + j], third[stride * i + j]] {

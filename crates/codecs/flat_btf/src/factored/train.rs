@@ -2,9 +2,7 @@
 
 use super::basis::{Basis, Squares};
 use super::lit::threshold;
-use super::matrix::{
-    Rows, add_product, add_product_with_transposed, add_square, add_transposed_product, packed_length, solve,
-};
+use super::matrix::{Rows, add_product, add_square, packed_length, solve};
 use super::sample::Values;
 use rand::{RngExt as _, SeedableRng as _};
 use rand_chacha::ChaCha8Rng;
@@ -127,7 +125,7 @@ fn right_side(values: &Values, shadows: &[f32], left: &[f32], columns: usize) ->
         let mut rows = Vec::new();
         values.scaled(view, 0..values.texels, shadows, &mut rows);
         let left = Rows::new(left, values.texels, columns);
-        add_transposed_product(target, columns, Rows::new(&rows, values.texels, length), left);
+        add_product(target, columns, Rows::new(&rows, values.texels, length).transposed(), left);
     });
     result
 }
@@ -202,7 +200,7 @@ fn solve_shadows(values: &Values, shadows: &mut [f32], factors: Option<(&Basis, 
             if let Some((basis, weights)) = factors {
                 let k = basis.components;
                 let weights = Rows::new(&weights[first * k..][..count * k], count, k);
-                add_product_with_transposed(&mut product, 3 * lights, weights, basis.view(view));
+                add_product(&mut product, 3 * lights, weights, basis.view(view).transposed());
             }
             for (texel, (sums, made)) in sums.chunks_exact_mut(lights).zip(product.chunks_exact(3 * lights)).enumerate()
             {
@@ -240,13 +238,13 @@ fn solve_basis(values: &Values, shadows: &[f32], weights: &[f32], before: &Basis
         let mut factors = Vec::new();
         lit_squares(values, shadows, view, 0..texels, &mut factors);
         let mut sums = vec![0.0; lights * length];
-        let factors = Rows::new(&factors, texels, lights);
-        add_transposed_product(&mut sums, length, factors, Rows::new(&squares, texels, length));
+        let factors = Rows::new(&factors, texels, lights).transposed();
+        add_product(&mut sums, length, factors, Rows::new(&squares, texels, length));
         let mut rows = Vec::new();
         values.scaled(view, 0..texels, shadows, &mut rows);
         let mut right = vec![0.0; 3 * lights * k];
         let weights = Rows::new(weights, texels, k);
-        add_transposed_product(&mut right, k, Rows::new(&rows, texels, 3 * lights), weights);
+        add_product(&mut right, k, Rows::new(&rows, texels, 3 * lights).transposed(), weights);
         let mut room = Vec::new();
         for ((target, packed), right) in
             target.chunks_exact_mut(3 * k).zip(sums.chunks_exact(length)).zip(right.chunks_exact(3 * k))

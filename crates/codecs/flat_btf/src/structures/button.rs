@@ -52,7 +52,9 @@ impl Buttons {
     fn base(&self, x: f64, y: f64) -> f64 {
         0.02 * periodic_fractal(x, y, self.seed ^ 0xba5e, [2, 2], 1, 0.5)
     }
+}
 
+impl Relief for Buttons {
     fn sample(&self, u: f64, v: f64) -> Sample {
         let scale = self.count as f64;
         let at = [u * scale, v * scale];
@@ -78,12 +80,6 @@ impl Buttons {
         point[2] += self.base(point[0], point[1]);
         let tint = [lightness as f32; 3];
         (point, VertexMaterial { tint, ..VertexMaterial::default() })
-    }
-}
-
-impl Relief for Buttons {
-    fn line(&self, v: f64) -> Box<dyn Fn(f64) -> Sample + '_> {
-        Box::new(move |u| self.sample(u, v))
     }
 }
 

@@ -85,7 +85,9 @@ impl Knit {
         }
         top
     }
+}
 
+impl Relief for Knit {
     fn sample(&self, u: f64, v: f64) -> Sample {
         let top = self.top(u, v);
         let fine = periodic_fractal(u, v, self.seed ^ 0xf1b, [8 * self.columns, 4 * self.columns], 2, 0.5);
@@ -99,11 +101,5 @@ impl Knit {
         let tint = dye.map(|d: f64| ((d * shade + 0.02 * fine) * deep).clamp(0.0, 1.0) as f32);
         let glossy = (mix(0.1, 0.7, yarn(3)) * mix(0.5, 1.0, top.fibre)) as f32;
         ([u, v, height], VertexMaterial { weights: [1.0 - glossy, glossy, 0.0, 0.0], tint })
-    }
-}
-
-impl Relief for Knit {
-    fn line(&self, v: f64) -> Box<dyn Fn(f64) -> Sample + '_> {
-        Box::new(move |u| self.sample(u, v))
     }
 }

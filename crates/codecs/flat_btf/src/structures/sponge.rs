@@ -64,7 +64,9 @@ impl Sponge {
         }
         deepest
     }
+}
 
+impl Relief for Sponge {
     fn sample(&self, u: f64, v: f64) -> Sample {
         let rough = periodic_fractal(u, v, self.seed ^ 0x70, [2 * self.count; 2], 4, 0.55);
         let broad = periodic_fractal(u, v, self.seed ^ 0x71, [2, 2], 2, 0.5);
@@ -74,11 +76,5 @@ impl Sponge {
         let shade = (0.93 + 0.1 * broad + 0.05 * rough) * mix(1.0, 0.72, hollow);
         let tint = [0.95, 0.78, 0.42].map(|c: f64| (c.powf(1.0 + 0.35 * hollow) * shade).clamp(0.0, 1.0) as f32);
         ([u, v, height], VertexMaterial { tint, ..VertexMaterial::default() })
-    }
-}
-
-impl Relief for Sponge {
-    fn line(&self, v: f64) -> Box<dyn Fn(f64) -> Sample + '_> {
-        Box::new(move |u| self.sample(u, v))
     }
 }

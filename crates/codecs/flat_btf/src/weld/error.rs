@@ -32,21 +32,19 @@ pub enum MesoError {
     /// No triangle is left.
     #[error(
         "triangles: found {triangles}, none of them with three different corners{}; allowed at least one with an area",
-        Hint(*.extent, *.tile)
+        .hint
     )]
     Empty {
         /// Triangles in the mesh.
         triangles: usize,
-        /// Sizes of the bounding box along x and y.
-        extent: [f64; 2],
-        /// The period.
-        tile: f64,
+        /// How large the mesh is.
+        hint: Hint,
     },
     /// Edges with one triangle: a hole, or a border that the opposite one does not continue.
     #[error(
         "edges: found {count} with one triangle, the first at triangle {triangle} from {} to {}; allowed two triangles \
          at every edge, where need be one tile on: this is a hole, or a border that does not fit the opposite one{}",
-        Point(.edge[0]), Point(.edge[1]), Hint(*.extent, *.tile)
+        Point(.edge[0]), Point(.edge[1]), .hint
     )]
     Open {
         /// Edges with one triangle.
@@ -55,16 +53,14 @@ pub enum MesoError {
         triangle: usize,
         /// Ends of that edge.
         edge: [Vector; 2],
-        /// Sizes of the bounding box along x and y.
-        extent: [f64; 2],
-        /// The period.
-        tile: f64,
+        /// How large the mesh is.
+        hint: Hint,
     },
     /// Edges with three triangles or more.
     #[error(
         "edges: found {count} with more than two triangles, the first at triangle {triangle} from {} to {} with \
          {triangles}; allowed two triangles at every edge{}",
-        Point(.edge[0]), Point(.edge[1]), Hint(*.extent, *.tile)
+        Point(.edge[0]), Point(.edge[1]), .hint
     )]
     NonManifold {
         /// Edges with more than two triangles.
@@ -75,10 +71,8 @@ pub enum MesoError {
         triangles: usize,
         /// Ends of that edge.
         edge: [Vector; 2],
-        /// Sizes of the bounding box along x and y.
-        extent: [f64; 2],
-        /// The period.
-        tile: f64,
+        /// How large the mesh is.
+        hint: Hint,
     },
     /// More than one surface.
     #[error(
@@ -131,14 +125,12 @@ pub enum MesoError {
         characteristic: i64,
     },
     /// The surface does not cover the tile once.
-    #[error("surface: found that it covers the tile {found:.3} times; allowed once{}", Hint(*.extent, *.tile))]
+    #[error("surface: found that it covers the tile {found:.3} times; allowed once{}", .hint)]
     Cover {
         /// Area of the projection along z in tiles, overhangs counted with their sign.
         found: f64,
-        /// Sizes of the bounding box along x and y.
-        extent: [f64; 2],
-        /// The period.
-        tile: f64,
+        /// How large the mesh is.
+        hint: Hint,
     },
     /// A triangle whose corners lie in a line, and that no exchange of an edge mends.
     #[error(
@@ -201,12 +193,18 @@ impl fmt::Display for Point {
     }
 }
 
-/// Says what the period may have been meant to be, from the bounding box and the period that was given.
-struct Hint([f64; 2], f64);
+/// Says what the period may have been meant to be.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Hint {
+    /// Sizes of the bounding box along x and y.
+    pub extent: [f64; 2],
+    /// The period that was given.
+    pub tile: f64,
+}
 
 impl fmt::Display for Hint {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let Self([width, depth], tile) = *self;
+        let Self { extent: [width, depth], tile } = *self;
         write!(f, " (the mesh spans {width} x {depth} and the tile is {tile}")?;
         // A square other than the tile is likely to be the tile.
         if (width - depth).abs() <= 1e-3 * width && (width - tile).abs() > 1e-3 * tile && width > 0.0 {

@@ -5,7 +5,7 @@ mod identify;
 mod sliver;
 mod topology;
 
-pub use error::{MesoError, TALLEST, WIDEST};
+pub use error::{Hint, MesoError, TALLEST, WIDEST};
 pub use identify::TOLERANCE;
 
 use super::mesh::{Corner, MAX_MATERIALS, PeriodicMesh, VertexMaterial};
@@ -149,7 +149,7 @@ impl<'a> Welder<'a> {
         let vertices = identified.first.iter().map(|at| listed[*at as usize]).collect();
         let mut welder = Self { mesh, tile, surface, vertices, triangles, report };
         if welder.surface.triangles.is_empty() {
-            return Err(MesoError::Empty { triangles: mesh.triangles.len(), extent: welder.extent(), tile });
+            return Err(MesoError::Empty { triangles: mesh.triangles.len(), hint: welder.hint() });
         }
         welder.drop_unused_vertices();
         Ok(welder)
@@ -212,7 +212,7 @@ impl<'a> Welder<'a> {
         // A whole number, up to rounding, for any closed surface.
         let found = self.surface.projected_area();
         if found.round() != 1.0 {
-            return Err(MesoError::Cover { found, extent: self.extent(), tile: self.tile });
+            return Err(MesoError::Cover { found, hint: self.hint() });
         }
         Ok(())
     }
@@ -260,10 +260,10 @@ impl<'a> Welder<'a> {
         let corners = self.corners_in_file(bad.triangle);
         let edge = [corners[bad.side], corners[(bad.side + 1) % 3]];
         let triangle = self.triangles[bad.triangle] as usize;
-        let (count, triangles, extent, tile) = (bad.count, bad.triangles, self.extent(), self.tile);
+        let (count, triangles, hint) = (bad.count, bad.triangles, self.hint());
         match error {
-            EdgeError::Open(_) => MesoError::Open { count, triangle, edge, extent, tile },
-            EdgeError::NonManifold(_) => MesoError::NonManifold { count, triangle, triangles, edge, extent, tile },
+            EdgeError::Open(_) => MesoError::Open { count, triangle, edge, hint },
+            EdgeError::NonManifold(_) => MesoError::NonManifold { count, triangle, triangles, edge, hint },
         }
     }
 
@@ -272,14 +272,15 @@ impl<'a> Welder<'a> {
         self.mesh.triangles[self.triangles[triangle] as usize].map(|vertex| self.mesh.positions[vertex as usize])
     }
 
-    /// Sizes of the bounding box of all triangles along x and y, in the file's unit.
-    fn extent(&self) -> [f64; 2] {
-        [0, 1].map(|axis| {
+    /// The bounding box of all triangles, in the file's unit.
+    fn hint(&self) -> Hint {
+        let extent = [0, 1].map(|axis| {
             let along = self.mesh.triangles.iter().flatten().map(|vertex| self.mesh.positions[*vertex as usize][axis]);
             let [low, high] =
                 along.fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], c| [low.min(c), high.max(c)]);
             high - low
-        })
+        });
+        Hint { extent, tile: self.tile }
     }
 }
 

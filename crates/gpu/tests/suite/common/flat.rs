@@ -19,7 +19,7 @@ pub fn structure(address: &str, material: Option<&str>) -> (MesoModel, Appearanc
     let structure = Structure::parse(address).unwrap();
     let materials = material.map_or(structure.default_materials().to_vec(), |material| vec![material; 4]);
     let sources = materials.into_iter().map(|address| parse_synth(address).unwrap()).collect();
-    (MesoModel::new(structure.mesh(), 2).unwrap(), Appearance { sources, ..Default::default() })
+    (MesoModel::new(structure.mesh(), 2, &()).unwrap(), Appearance { sources, ..Default::default() })
 }
 
 /// The parts that are drawn. `texels` per side of the flat BTF: a power of 2.

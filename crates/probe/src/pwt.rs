@@ -1,12 +1,11 @@
 //! Polynomial wavelet trees evaluated by the shader: what tests hold against the CPU decoder.
 
-use super::bindings::Slots;
-use super::device::{Gpu, GpuError};
 use super::items::ItemPipeline;
-use super::pwt_textures;
 use brdfc_formats::bindings::FrameBlock;
 use brdfc_formats::pwt::PwtPack;
 use brdfc_formats::pwt::shader::PWT_WGSL;
+use brdfc_gpu::bindings::Slots;
+use brdfc_gpu::{Gpu, GpuError, pwt_textures};
 use wgpu::ShaderStages;
 
 /// The compute entry point over the decoder.

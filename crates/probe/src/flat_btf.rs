@@ -1,12 +1,11 @@
 //! Flat BTFs evaluated by the shader: what tests hold against the CPU decoder.
 
-use super::bindings::Slots;
-use super::device::{Gpu, GpuError};
-use super::flat_textures;
 use super::items::ItemPipeline;
 use brdfc_formats::bindings::FrameBlock;
 use brdfc_formats::flat_btf::shader::FLAT_BTF_WGSL;
 use brdfc_formats::flat_btf::{FlatBtfDecoder, ViewWeights};
+use brdfc_gpu::bindings::Slots;
+use brdfc_gpu::{Gpu, GpuError, flat_textures};
 use wgpu::ShaderStages;
 
 /// The compute entry point over the decoder.

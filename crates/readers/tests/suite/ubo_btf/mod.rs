@@ -1,7 +1,12 @@
-use super::*;
+//! BTFs of the Bonn database of 2014, written here and read by the crate.
+
+mod write;
+
 use brdfc_formats::FormatError;
 use brdfc_formats::container::half;
 use brdfc_formats::direction_set::DirectionSet;
+use brdfc_readers::ubo_btf::{Channel, ColourModel, Description, Scalar, UboBtf};
+use write::to_bytes;
 
 const SIZE: [usize; 2] = [8, 4];
 const TEXELS: usize = 32;
@@ -93,21 +98,21 @@ fn what_is_written_is_read() {
     for model in [ColourModel::Rgb, ColourModel::LogYRatioUv] {
         for scalar in [Scalar::Half, Scalar::Single, Scalar::Double] {
             let btf = example(model, scalar);
-            let read = UboBtf::from_bytes(&btf.to_bytes(scalar)).unwrap();
+            let read = UboBtf::from_bytes(&to_bytes(&btf, scalar)).unwrap();
             assert_eq!(read, btf, "{model:?} {scalar:?}");
         }
     }
     let pca =
         ColourModel::Pca { mean: [0.1, 0.2, 0.3], transform: [[1.0, 2.0, 3.0], [4.0, 5.0, 6.0], [7.0, 8.0, 9.5]] };
     let btf = example(pca, Scalar::Single);
-    assert_eq!(UboBtf::from_bytes(&btf.to_bytes(Scalar::Single)).unwrap(), btf);
+    assert_eq!(UboBtf::from_bytes(&to_bytes(&btf, Scalar::Single)).unwrap(), btf);
     for version in 1..=3 {
         let btf = UboBtf::new(
             Description { version, has_cosine: version > 1, ..description(ColourModel::Rgb) },
-            example(ColourModel::Rgb, Scalar::Half).channels,
+            example(ColourModel::Rgb, Scalar::Half).channels().clone(),
         )
         .unwrap();
-        assert_eq!(UboBtf::from_bytes(&btf.to_bytes(Scalar::Half)).unwrap(), btf, "version {version}");
+        assert_eq!(UboBtf::from_bytes(&to_bytes(&btf, Scalar::Half)).unwrap(), btf, "version {version}");
     }
 }
 
@@ -119,12 +124,12 @@ fn values_are_those_that_were_factored_within_what_halves_give() {
         (ColourModel::Rgb, Scalar::Single),
         (ColourModel::LogYRatioUv, Scalar::Single),
     ] {
-        let btf = UboBtf::from_bytes(&example(model, scalar).to_bytes(scalar)).unwrap();
+        let btf = UboBtf::from_bytes(&to_bytes(&example(model, scalar), scalar)).unwrap();
         let mut worst = 0.0f32;
         for pair in 0..6 {
             // Each coefficient is off by half an ulp of its half or by 2^-25; signs are exact. A row adds them up.
             let bound = |c: usize| -> f32 {
-                let row = btf.channels[c].pairs().row(pair);
+                let row = btf.channels()[c].pairs().row(pair);
                 match scalar {
                     Scalar::Half => row.iter().map(|v| v.abs() * 2f32.powi(-11) + 2f32.powi(-25)).sum(),
                     _ => row.iter().map(|v| v.abs() * TEXELS as f32 * f32::EPSILON).sum(),
@@ -174,9 +179,9 @@ fn texels_and_images_are_the_same_bits() {
 #[test]
 fn exchanged_matrices_are_the_same_btf() {
     let btf = example(ColourModel::Rgb, Scalar::Single);
-    let mut bytes = btf.to_bytes(Scalar::Single);
+    let mut bytes = to_bytes(&btf, Scalar::Single);
     bytes.truncate(at::CHANNEL);
-    for channel in &btf.channels {
+    for channel in btf.channels() {
         bytes.push(4);
         [TEXELS, TEXELS, 6].iter().for_each(|n| bytes.extend((*n as u32).to_le_bytes()));
         bytes.extend(vec![0; 4 * TEXELS]);
@@ -210,7 +215,7 @@ fn known_colours() {
 
 #[test]
 fn a_file_that_ends_early_says_where() {
-    let bytes = example(ColourModel::LogYRatioUv, Scalar::Half).to_bytes(Scalar::Half);
+    let bytes = to_bytes(&example(ColourModel::LogYRatioUv, Scalar::Half), Scalar::Half);
     assert!(UboBtf::from_bytes(&bytes).is_ok());
     for length in 0..bytes.len() {
         let error = error_of(&bytes[..length]);
@@ -226,7 +231,7 @@ fn a_file_that_ends_early_says_where() {
 
 #[test]
 fn wrong_words_are_told_with_their_place() {
-    let good = example(ColourModel::LogYRatioUv, Scalar::Half).to_bytes(Scalar::Half);
+    let good = to_bytes(&example(ColourModel::LogYRatioUv, Scalar::Half), Scalar::Half);
     let told = |place: usize, word: u32| {
         let mut bytes = good.clone();
         bytes[place..place + 4].copy_from_slice(&word.to_le_bytes());
@@ -300,7 +305,7 @@ fn other_layouts_are_named() {
 #[test]
 fn xml_and_long_names_are_skipped() {
     let btf = example(ColourModel::Rgb, Scalar::Half);
-    let mut bytes = btf.to_bytes(Scalar::Half);
+    let mut bytes = to_bytes(&btf, Scalar::Half);
     let xml = b"<measurement/>";
     bytes.splice(at::XML + 4..at::XML + 4, xml.iter().copied());
     bytes[at::XML] = xml.len() as u8;
@@ -310,17 +315,17 @@ fn xml_and_long_names_are_skipped() {
     assert_eq!(read.description().xml_bytes, 14);
     assert_eq!(read.channels(), btf.channels());
     let long = Description { devices: ["é".repeat(60), String::new(), "x".into()], ..description(ColourModel::Rgb) };
-    let long = UboBtf::new(long, btf.channels).unwrap().to_bytes(Scalar::Half);
-    assert_eq!(UboBtf::from_bytes(&long).unwrap().description().devices[0], "é".repeat(40));
+    let long = UboBtf::new(long, btf.channels().clone()).unwrap();
+    assert_eq!(UboBtf::from_bytes(&to_bytes(&long, Scalar::Half)).unwrap().description().devices[0], "é".repeat(40));
 }
 
 #[test]
 fn what_does_not_fit_together_is_refused() {
     let btf = example(ColourModel::Rgb, Scalar::Half);
     let wrong = |change: &dyn Fn(&mut Description)| {
-        let mut description = btf.description.clone();
+        let mut description = btf.description().clone();
         change(&mut description);
-        UboBtf::new(description, btf.channels.clone()).unwrap_err().to_string()
+        UboBtf::new(description, btf.channels().clone()).unwrap_err().to_string()
     };
     assert!(wrong(&|d| d.size = [8, 5]).contains("rows of texels: found 32; allowed 40"));
     assert!(wrong(&|d| d.size = [0, 5]).contains("found 0"));

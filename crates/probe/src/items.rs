@@ -1,7 +1,7 @@
 //! Shaders that go over a list of items, one per invocation: what evaluates packs at queries, and any function of numbers.
 
-use super::bindings::{self, UNIFORM, buffer_type};
-use super::device::{Gpu, GpuError};
+use brdfc_gpu::bindings::{self, UNIFORM, buffer_type};
+use brdfc_gpu::{Gpu, GpuError};
 use std::borrow::Cow;
 use wgpu::{
     BindGroup, BindGroupLayout, BufferBindingType, BufferUsages, CommandEncoder, ComputePassDescriptor,

@@ -1,16 +1,15 @@
 //! Packs evaluated at direction pairs by the shader: what tests hold against the CPU decoder, and what throughput is
 //! measured on.
 
-use super::bindings::Slots;
-use super::device::{Gpu, GpuError};
 use super::items::{ItemPipeline, Items};
-use super::pack;
 use brdfc_formats::bindings::FrameBlock;
 use brdfc_formats::direction::DirectionPair;
 use brdfc_formats::table::shader::TABLE_BRDF_WGSL;
 use brdfc_formats::wavelet::Filter;
 use brdfc_formats::wavelet::shader::WAVELET_BRDF_WGSL;
 use brdfc_formats::{BrdfPack, BrdfShader, PackKind};
+use brdfc_gpu::bindings::Slots;
+use brdfc_gpu::{Gpu, GpuError, SliceFilter, pack};
 use wgpu::ShaderStages;
 
 /// The compute entry point over the decoder.
@@ -26,15 +25,6 @@ pub const EVALUATE_ENTRY_WGSL: &str = concat!(include_str!("evaluate.wgsl"), inc
 
 /// Most pairs at once: 32 bytes each in two buffers, within what every adapter binds.
 const MOST_PAIRS: usize = 1 << 21;
-
-/// Who filters slices over the outer direction.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum SliceFilter {
-    /// The texture unit, as engines do: weights of few bits.
-    Hardware,
-    /// The shader, with exact weights: the same bits as the CPU decoder where arithmetic is correctly rounded.
-    Exact,
-}
 
 /// What the shader returns for a pair.
 #[derive(Debug, Clone, Copy, PartialEq)]

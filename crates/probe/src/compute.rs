@@ -1,9 +1,9 @@
 //! Any WGSL function over a list of numbers: what tests hold against its CPU twin.
 
-use super::bindings::Slots;
-use super::device::{Gpu, GpuError};
 use super::items::ItemPipeline;
 use brdfc_formats::bindings::{Binding, FrameBlock};
+use brdfc_gpu::bindings::Slots;
+use brdfc_gpu::{Gpu, GpuError};
 use wgpu::{BindGroup, ShaderStages};
 
 /// The compute entry point: it calls `fn compute(at: u32)`, which reads `input` and writes `output`.
