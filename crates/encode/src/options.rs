@@ -2,9 +2,10 @@
 
 use super::PackRecipe;
 use super::codecs::AskedCodec;
-use super::recipe::AutoRecipe;
+use super::recipe::{AutoRecipe, Tables};
 use brdfc_codec::{Budget, EncodeOptions, OptionError, Variant};
 use brdfc_metrics::fraction::Fraction;
+use brdfc_table::recipe::TableRecipe;
 use std::sync::LazyLock;
 
 /// What is asked for: a codec of the list, one of its variants.
@@ -95,10 +96,26 @@ impl PackRecipe {
         let budget = all.budget()?;
         let recipe = (Self::CODECS[asked.codec].recipe)(asked.variant.name, &all)?;
         Ok(match recipe {
-            Self::Table(table) => AutoRecipe::of_table(asked.variant.name, table, budget),
+            Self::Table(table) => searched(asked.variant.name, table, budget),
             recipe => recipe,
         })
     }
+}
+
+/// The recipe of a variant of tables: the table itself, or a search where limits of error or fetches ask for one or `auto` does.
+fn searched(variant: &str, table: TableRecipe, budget: Budget) -> PackRecipe {
+    if variant != TableRecipe::AUTO && !budget.limits_error() && budget.fetches.is_none() {
+        return PackRecipe::Table(table);
+    }
+    let tables = match variant {
+        TableRecipe::AUTO if table.levels == 0 => Tables::Both,
+        // A pack with levels has a curve.
+        _ if table.has_curve() => Tables::Factored,
+        _ => Tables::Plain,
+    };
+    let recipe = AutoRecipe::of_budget(budget);
+    let table = TableRecipe { size: recipe.table.size, aim: recipe.table.aim, ..table };
+    PackRecipe::Auto(AutoRecipe { table, tables, ..recipe })
 }
 
 impl TryFrom<EncodeOptions> for PackRecipe {

@@ -1,6 +1,5 @@
 //! The recipe of a search: a budget that sizes of tables are tried against.
 
-use super::PackRecipe;
 use brdfc_codec::{BrdfRecipe, Budget, Predicted};
 use brdfc_core::words::{bytes, percent};
 use brdfc_formats::crop::DirectionRange;
@@ -50,24 +49,6 @@ impl AutoRecipe {
         let aim = if budget.error.is_some() && budget.delta_e.is_none() { Aim::Ratios } else { Aim::Pictures };
         let table = TableRecipe { aim, ..TableRecipe::default() };
         Self { budget: Budget { delta_e, ..budget }, table, tables: Tables::Both }
-    }
-}
-
-impl AutoRecipe {
-    /// The recipe of a variant of tables: the table, or the search where limits of error or fetches ask for one or `auto` does.
-    pub(super) fn of_table(variant: &str, table: TableRecipe, budget: Budget) -> PackRecipe {
-        if variant != TableRecipe::AUTO && !budget.limits_error() && budget.fetches.is_none() {
-            return PackRecipe::Table(table);
-        }
-        let tables = match variant {
-            // A pack with levels has a curve.
-            TableRecipe::AUTO if table.levels == 0 => Tables::Both,
-            _ if table.has_curve() => Tables::Factored,
-            _ => Tables::Plain,
-        };
-        let recipe = Self::of_budget(budget);
-        let table = TableRecipe { size: recipe.table.size, aim: recipe.table.aim, ..table };
-        PackRecipe::Auto(Self { table, tables, ..recipe })
     }
 }
 
