@@ -14,6 +14,10 @@ def is_number(value):
     return isinstance(value, (int, float)) and not isinstance(value, bool)
 
 
+# Decoders of packs, by kind.
+DECODERS = {"table": TableDecoder, "wavelet": WaveletDecoder}
+
+
 def pack_bsdf():
     """The class of BSDFs of the variant that is set: each has a base class of its own."""
 
@@ -46,7 +50,10 @@ def pack_bsdf():
             self.exchanged = props["exchanged"] if "exchanged" in props else False
             if not isinstance(self.exchanged, bool):
                 raise ValueError(f"{self.name}: exchanged: found {self.exchanged}; allowed true or false")
-            self.decoder = (TableDecoder if pack["kind"] == "table" else WaveletDecoder)(pack, lod)
+            if pack["kind"] not in DECODERS:
+                allowed = ", ".join(DECODERS)
+                raise ValueError(f"{self.name}: decoder of the pack: found {pack['kind']}; allowed {allowed}")
+            self.decoder = DECODERS[pack["kind"]](pack, lod)
 
             def of_drawn(drawn, given):
                 pair = (given, drawn) if self.exchanged else (drawn, given)

@@ -126,7 +126,12 @@ fn wrong_arrows(folder: &str, manifest: &toml::Table) -> Vec<String> {
         return Vec::new();
     }
     let folders = self::manifest(".")["workspace"]["dependencies"].as_table().unwrap().clone();
-    let folder_of = |name: &str| folders.get(name).and_then(|how| Some(how.get("path")?.as_str()?.to_owned()));
+    let path_of = |how: &toml::Value| Some(how.get("path")?.as_str()?.to_owned());
+    // By the workspace's path, or by one of its own.
+    let folder_of = |name: &str, how: &toml::Value| match path_of(how) {
+        Some(path) => Some(joined(folder, &path)),
+        None => folders.get(name).and_then(path_of),
+    };
     if layer(folder).is_none() && !BESIDE.iter().any(|(beside, _)| *beside == folder) {
         return vec![format!("{folder} is in no layer: add it to LAYERS")];
     }
@@ -136,7 +141,7 @@ fn wrong_arrows(folder: &str, manifest: &toml::Table) -> Vec<String> {
             if !used.starts_with("brdfc") {
                 continue;
             }
-            if !folder_of(used).is_some_and(|used| may_use(folder, &used)) {
+            if !folder_of(used, how).is_some_and(|used| may_use(folder, &used)) {
                 wrong.push(format!("{folder} uses {used}"));
             }
             let optional = how.get("optional").and_then(toml::Value::as_bool) == Some(true);
@@ -152,6 +157,15 @@ fn wrong_arrows(folder: &str, manifest: &toml::Table) -> Vec<String> {
         }
     }
     wrong
+}
+
+/// The folder that `path`, seen from another folder, is.
+fn joined(folder: &str, path: &str) -> String {
+    let mut parts: Vec<&str> = folder.split('/').collect();
+    for part in path.split('/') {
+        if part == ".." { drop(parts.pop()) } else { parts.push(part) }
+    }
+    parts.join("/")
 }
 
 /// What a stage's code touches that it should not.
@@ -314,6 +328,9 @@ fn wrong_arrows_are_seen() {
         ("crates/codecs/new", "dependencies.brdfc-jobs.workspace = true", &["crates/codecs/new uses brdfc-jobs"]),
         ("crates/codecs/new", "dependencies.brdfc-source.workspace = true", &["crates/codecs/new uses brdfc-source"]),
         ("crates/codecs/new", "dependencies.brdfc-metrics.workspace = true", &[]),
+        ("crates/encode", "dependencies.brdfc-new.path = '../codecs/new'", &[]),
+        ("crates/encode", "dependencies.brdfc-new = { path = '../source' }", &["crates/encode uses brdfc-new"]),
+        ("crates/encode", "dependencies.brdfc-new.workspace = true", &["crates/encode uses brdfc-new"]),
         ("crates/gpu", "dependencies.brdfc-wavelet.workspace = true", &["crates/gpu uses brdfc-wavelet"]),
         ("crates/render", "dependencies.brdfc-wavelet.workspace = true", &[]),
         ("crates/testing", "dependencies.brdfc-metrics.workspace = true", &["crates/testing uses brdfc-metrics"]),
