@@ -1,6 +1,15 @@
-//! Checked little-endian reads from a byte slice.
+//! Checked little-endian reads from a byte slice, and words as bytes.
 
 use crate::FormatError;
+
+/// Words as a uniform block has them: little-endian, zeros behind them.
+pub(crate) fn block_bytes<const N: usize>(words: impl IntoIterator<Item = u32>) -> [u8; N] {
+    let mut bytes = [0; N];
+    for (target, word) in bytes.chunks_exact_mut(4).zip(words) {
+        target.copy_from_slice(&word.to_le_bytes());
+    }
+    bytes
+}
 
 /// A position in a byte slice; every read checks the length first and names the field it wanted.
 #[derive(Debug, Clone)]

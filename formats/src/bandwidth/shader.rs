@@ -4,6 +4,7 @@ use super::map::{BandwidthKind, BandwidthMap};
 use crate::arc_tangent::arc_tangent_wgsl;
 use crate::bindings::{Binding, Bindings, Texels};
 use crate::container::{Extent, TexelFormat};
+use crate::cursor::block_bytes;
 
 /// The name of the decoder and the version of its bindings.
 pub(super) const DECODER: (&str, u32) = ("bandwidth", 1);
@@ -29,10 +30,7 @@ impl BandwidthMap {
     /// The uniform block `BandwidthParameters` of the shader: little-endian, fields in order, 8 bytes of zero at the end.
     pub fn uniform(&self) -> [u8; Self::UNIFORM_SIZE] {
         let tiles = matches!(self.header().kind, BandwidthKind::Texture { tiles: true, .. });
-        let mut bytes = [0; Self::UNIFORM_SIZE];
-        bytes[..4].copy_from_slice(&self.scale().to_le_bytes());
-        bytes[4..8].copy_from_slice(&u32::from(tiles).to_le_bytes());
-        bytes
+        block_bytes([self.scale().to_bits(), u32::from(tiles)])
     }
 
     /// What its shader has bound of this map: those of the kinds do not share a slot.

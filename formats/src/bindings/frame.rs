@@ -1,5 +1,6 @@
 //! The block that changes with the frame, the same for all decoders.
 
+use crate::cursor::block_bytes;
 use crate::wavelet::{DEFAULT_DISTANCE_SCALE, Filter};
 
 /// Its slot.
@@ -51,11 +52,6 @@ impl FrameBlock {
             Filter::Slices => 1,
             Filter::Bilinear => 2,
         };
-        let words = [self.distance_scale.to_bits(), u32::from(self.sampler_filters), blend, 0];
-        let mut bytes = [0; Self::SIZE];
-        for (target, word) in bytes.chunks_exact_mut(4).zip(words) {
-            target.copy_from_slice(&word.to_le_bytes());
-        }
-        bytes
+        block_bytes([self.distance_scale.to_bits(), u32::from(self.sampler_filters), blend])
     }
 }

@@ -6,6 +6,7 @@ use super::factored::shader::{FACTORED_WGSL, FactoredParameters};
 use crate::arc_tangent::arc_tangent_wgsl;
 use crate::bindings::{Binding, Bindings, Texels};
 use crate::container::{Extent, TexelFormat};
+use crate::cursor::block_bytes;
 use crate::direction_mesh::DIRECTION_MESH_WGSL;
 use crate::flat_btf::{FlatBtfDecoder, FlatValues, Indirection};
 
@@ -97,11 +98,7 @@ impl FlatBtfParameters {
             self.largest_tangent.to_bits(),
             self.values,
         ];
-        let mut bytes = [0; Self::SIZE];
-        for (target, word) in bytes.chunks_exact_mut(4).zip(words) {
-            target.copy_from_slice(&word.to_le_bytes());
-        }
-        bytes
+        block_bytes(words)
     }
 }
 

@@ -6,7 +6,7 @@ use crate::FormatError;
 use crate::bindings::{Binding, Bindings, PackFile, Texels};
 use crate::container::entries::{check_texels, entry, sized};
 use crate::container::{Extent, MAX_EXTENT_2D, TexelFormat, Texture};
-use crate::cursor::Cursor;
+use crate::cursor::{Cursor, block_bytes};
 use std::collections::BTreeMap;
 use std::ops::RangeInclusive;
 
@@ -90,11 +90,7 @@ impl ImportanceHeader {
     /// The uniform block `ImportanceParameters` of the shader: little-endian, fields in order, 4 bytes of zero at the
     /// end.
     pub fn uniform(&self) -> [u8; Self::UNIFORM_SIZE] {
-        let mut bytes = [0; Self::UNIFORM_SIZE];
-        for (target, word) in bytes.chunks_exact_mut(4).zip(self.words()) {
-            target.copy_from_slice(&word.to_le_bytes());
-        }
-        bytes
+        block_bytes(self.words())
     }
 
     /// Checks ranges.

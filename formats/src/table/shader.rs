@@ -7,6 +7,7 @@ use crate::arc_tangent::arc_tangent_wgsl;
 use crate::bindings::{Binding, Bindings, Texels};
 use crate::container::{Extent, TexelFormat};
 use crate::crop::Window;
+use crate::cursor::block_bytes;
 
 /// The name of the decoder and the version of its bindings.
 pub(super) const DECODER: (&str, u32) = ("table", 1);
@@ -71,11 +72,7 @@ impl TableBrdfParameters {
             0,
         ]);
         words[16..16 + KNOTS].copy_from_slice(&knots.map(f32::to_bits));
-        let mut bytes = [0; Self::SIZE];
-        for (target, word) in bytes.chunks_exact_mut(4).zip(words) {
-            target.copy_from_slice(&word.to_le_bytes());
-        }
-        bytes
+        block_bytes(words)
     }
 }
 

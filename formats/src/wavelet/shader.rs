@@ -3,6 +3,7 @@
 use super::lift::Lift;
 use crate::arc_tangent::arc_tangent_wgsl;
 use crate::crop::Window;
+use crate::cursor::block_bytes;
 use crate::wavelet::WaveletPack;
 
 /// The WGSL decoder. It declares a uniform block, two textures and a sampler in bind group 1; see the file.
@@ -84,11 +85,7 @@ impl WaveletBrdfParameters {
             self.lifted,
             window,
         ];
-        let mut bytes = [0; Self::SIZE];
-        for (target, word) in bytes.chunks_exact_mut(4).zip(words) {
-            target.copy_from_slice(&word.to_le_bytes());
-        }
-        bytes
+        block_bytes(words)
     }
 }
 
