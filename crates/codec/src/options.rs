@@ -120,23 +120,41 @@ impl EncodeOptions {
 
     /// The options that ask for something besides a codec: keys and values, those of one codec alone first.
     pub fn given(&self) -> impl Iterator<Item = (&'static str, String)> + use<> {
-        let on = |flag: Option<bool>| flag.filter(|on| *on).map(|on| on.to_string());
+        // By name, so that no field is left out.
+        let Self {
+            codec: _,
+            max_delta_e,
+            max_error,
+            max_bytes,
+            max_fetches,
+            reciprocal,
+            levels,
+            ratio,
+            grid,
+            parameterisation,
+            bits,
+            bias,
+            ranking,
+            lift,
+            smooth,
+        } = self;
+        let on = |flag: &Option<bool>| flag.filter(|on| *on).map(|on| on.to_string());
         let quoted = |text: &Option<String>| text.as_ref().map(|text| format!("\"{text}\""));
         [
-            ("ratio", self.ratio.map(format_number)),
-            ("grid", self.grid.map(|cells| cells.to_string())),
-            ("bits", self.bits.map(|bits| bits.to_string())),
-            ("parameterisation", quoted(&self.parameterisation)),
-            ("ranking", quoted(&self.ranking)),
-            ("lift", on(self.lift)),
-            ("smooth", on(self.smooth)),
-            ("max_delta_e", self.max_delta_e.map(format_number)),
-            ("max_fetches", self.max_fetches.map(|fetches| fetches.to_string())),
-            ("reciprocal", on(self.reciprocal)),
-            ("levels", self.levels.filter(|levels| *levels > 0).map(|levels| levels.to_string())),
-            ("max_error", self.max_error.map(|error| error.to_string())),
-            ("max_bytes", self.max_bytes.map(|bytes| bytes.to_string())),
-            ("bias", self.bias.map(format_number)),
+            ("ratio", ratio.map(format_number)),
+            ("grid", grid.map(|cells| cells.to_string())),
+            ("bits", bits.map(|bits| bits.to_string())),
+            ("parameterisation", quoted(parameterisation)),
+            ("ranking", quoted(ranking)),
+            ("lift", on(lift)),
+            ("smooth", on(smooth)),
+            ("max_delta_e", max_delta_e.map(format_number)),
+            ("max_fetches", max_fetches.map(|fetches| fetches.to_string())),
+            ("reciprocal", on(reciprocal)),
+            ("levels", levels.filter(|levels| *levels > 0).map(|levels| levels.to_string())),
+            ("max_error", max_error.map(|error| error.to_string())),
+            ("max_bytes", max_bytes.map(|bytes| bytes.to_string())),
+            ("bias", bias.map(format_number)),
         ]
         .into_iter()
         .filter_map(|(key, value)| Some((key, value?)))
@@ -159,11 +177,17 @@ impl EncodeOptions {
         let is_limit = |key: &str| key == "ratio" || key.starts_with("max_");
         let limited = if self.given().any(|(key, _)| is_limit(key)) { self } else { defaults };
         macro_rules! over {
-            ($($key:ident)*) => {
-                Self { $($key: self.$key.clone().or_else(|| defaults.$key.clone()),)* ..limited.clone() }
+            ($($key:ident)*; $($limit:ident)*) => {
+                Self {
+                    $($key: self.$key.clone().or_else(|| defaults.$key.clone()),)*
+                    $($limit: limited.$limit,)*
+                }
             };
         }
-        over!(codec reciprocal levels grid parameterisation bits bias ranking lift smooth)
+        over!(
+            codec reciprocal levels grid parameterisation bits bias ranking lift smooth;
+            ratio max_delta_e max_error max_bytes max_fetches
+        )
     }
 
     /// The limits of error, bytes and fetches.

@@ -13,6 +13,6 @@ pub fn one_of<T: Copy + Send + Sync + 'static>(
         "" => PossibleValue::new(*name),
         help => PossibleValue::new(*name).help(help),
     });
-    let find = |given: String| all.iter().find(|(name, ..)| *name == given).expect("a name of one").1;
+    let find = move |given: String| all.iter().find(|(name, ..)| *name == given).expect("a name of one").1;
     PossibleValuesParser::new(possible).map(find)
 }

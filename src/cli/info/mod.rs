@@ -169,7 +169,7 @@ fn surface(input: &Input) -> Result<Option<SurfaceFacts>, Error> {
     {
         return Ok(None);
     }
-    Ok(describe_surface(input)?)
+    describe_surface(input)
 }
 
 /// A name that is no model may have been meant for a structure; an extension, for a mesh or a height map.

@@ -110,7 +110,7 @@ fn table(asset: &BtfAsset) -> String {
             format!("{:.1}", row.seconds),
         ]
     };
-    plain(&header, &asset.rows.iter().map(cells).collect::<Vec<_>>())
+    plain(&header, asset.rows.iter().map(cells))
 }
 
 fn claims(model: &BtfModel) -> String {

@@ -115,10 +115,13 @@ pub(super) fn text(settings: &StudySettings, rows: &[ModelRow]) -> String {
     let cells = rows.iter().flat_map(|row| {
         row.reconstruction.angles.iter().map(|a| {
             let means = [a.through_displacements, a.through_map, a.unblended, a.exact_rays].map(two);
-            [name(row), format!("{:.0}°", a.polar_angle), a.views.to_string()].into_iter().chain(means).collect()
+            [name(row), format!("{:.0}°", a.polar_angle), a.views.to_string()]
+                .into_iter()
+                .chain(means)
+                .collect::<Vec<_>>()
         })
     });
-    text += &plain(&header, &cells.collect::<Vec<Vec<String>>>());
+    text += &plain(&header, cells);
     text += "\nTable 1, means through the map by how holes are filled, and unblended\n";
     text += &table(&["model", "poisson", "push-pull", "unblended"], rows, |row| {
         let r = &row.reconstruction;
@@ -161,15 +164,14 @@ pub(super) fn text(settings: &StudySettings, rows: &[ModelRow]) -> String {
             let both = |mean: f64, median: f64| format!("{mean:.1} ({median:.2})");
             let bands = grid.bands.iter().zip(&grid.band_medians).map(|(mean, median)| both(*mean, *median));
             let first = [name(row), format!("{} x {}", grid.zenith_samples, grid.azimuth_samples)];
-            first.into_iter().chain([both(grid.mean, grid.median)]).chain(bands).collect()
+            first.into_iter().chain([both(grid.mean, grid.median)]).chain(bands).collect::<Vec<_>>()
         })
     });
-    text + &plain(&header, &cells.collect::<Vec<Vec<String>>>())
-        + "\nThe paper's models are not ours: its figures show the magnitude to expect.\n"
+    text + &plain(&header, cells) + "\nThe paper's models are not ours: its figures show the magnitude to expect.\n"
 }
 
 fn table(header: &[&str], rows: &[ModelRow], cells: impl Fn(&ModelRow) -> Vec<String>) -> String {
-    plain(header, &rows.iter().map(cells).collect::<Vec<_>>())
+    plain(header, rows.iter().map(cells))
 }
 
 fn name(row: &ModelRow) -> String {
