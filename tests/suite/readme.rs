@@ -6,7 +6,9 @@
 //! writes what commands print to the pages instead of comparing it.
 
 use brdfc_jobs::scene::manifest::Manifest;
-use brdfc_testing::pages::{Counts, Program, blocks, pages_below, pages_with_commands, read, run_page, run_pages};
+use brdfc_testing::pages::{
+    Counts, Program, blocks, is_set_up, masked, pages_below, pages_with_commands, read, run_page, run_pages, same_word,
+};
 use brdfc_testing::repository;
 
 /// Lines of the README, and characters of a line of prose.
@@ -68,6 +70,25 @@ fn outputs_are_written_where_they_stand() {
     let blessed = run_page(&BRDFC, "page", page, true, &mut Counts::default());
     let version = concat!("brdfc ", env!("CARGO_PKG_VERSION"));
     assert_eq!(blessed, format!("```sh\nbrdfc --version\n```\n\n```text\n{version}\n```\n\nold\n"));
+}
+
+#[test]
+fn the_comparison_of_outputs_can_fail() {
+    assert!(same_word("1.000,2", "1.005,2") && same_word("a:1", "a:1"));
+    assert!(!same_word("1.00", "1.05") && !same_word("1,2", "1") && !same_word("4:1", "5:1"));
+    assert_eq!(BRDFC.command("cargo run --release -- info x # exit code 3"), Some(("brdfc info x".to_owned(), 3)));
+    assert_eq!(BRDFC.command("brdfc eval a b   # figure 12"), Some(("brdfc eval a b".to_owned(), 0)));
+    assert!(BRDFC.is_of_others("brdfc-bench --json") && BRDFC.command("brdfc-bench --json").is_none());
+    assert!(BRDFC.command("rm -r packs").is_none() && !is_set_up("rm -r packs") && !is_set_up("./scripts/nothing"));
+    assert!(is_set_up("./scripts/test") && !is_set_up("cargo run --release --example nothing"));
+}
+
+#[test]
+fn times_and_adapters_are_masked() {
+    let (text, adapter) =
+        masked("a  1.02 MiB   12.34 s\ndrawn by llvmpipe (LLVM 15), a software driver\n(1.5 s, 3 left)\n");
+    assert_eq!(text, "a  1.02 MiB    [..] s\ndrawn by [..]\n([..] s, 3 left)\n");
+    assert_eq!(adapter.as_deref(), Some("llvmpipe (LLVM 15), a software driver"));
 }
 
 /// The part of a link that names a heading, as hosts of repositories make it.

@@ -26,11 +26,11 @@ const OPTIONS: [&str; 12] = [
     "--enable-unsafe-swiftshader",
 ];
 /// For a page to say what it found.
-const PATIENCE: Duration = Duration::from_secs(60);
+const PATIENCE: Duration = Duration::from_secs(120);
 
 /// Posts the canvas after some frames, or what went wrong.
 const LOOK: &str = "
-const say = (body) => fetch('/result', { method: 'POST', body });
+const say = (body) => parent.postMessage(body, '*');
 addEventListener('error', ({ message }) => say(`error: ${message}`));
 addEventListener('unhandledrejection', ({ reason }) => say(`error: ${reason?.stack ?? reason}`));
 let device;
@@ -42,14 +42,14 @@ if (globalThis.GPUAdapter) {
         return device;
     };
 }
-// A canvas keeps what was drawn until the end of the frame's callbacks.
+// Pages draw once they have loaded everything, and a canvas keeps what was drawn until the end of the frame's callbacks.
 const frame = requestAnimationFrame.bind(window);
 let frames = 0;
 window.requestAnimationFrame = (draw) => frame((time) => {
     draw(time);
-    const url = document.querySelector('canvas').toDataURL('image/png');
     frames += 1;
-    if (frames === 20) {
+    if (frames === 5) {
+        const url = document.querySelector('canvas').toDataURL('image/png');
         // Errors of the device come before that.
         Promise.resolve(device?.queue.onSubmittedWorkDone()).then(() => fetch(url)).then((answer) => answer.blob()).then(say);
     }
@@ -68,7 +68,7 @@ const LOST: &[u8] = b"error: OperationError: A valid external Instance reference
 /// said.
 ///
 /// # Panics
-/// Where the page says nothing for a minute, three times.
+/// Where the page says nothing for two minutes, three times.
 pub fn result_of_page(files: &[File<'_>]) -> Option<Vec<u8>> {
     let listener = TcpListener::bind("127.0.0.1:0").expect("a port of this machine");
     listener.set_nonblocking(true).expect("a socket that does not block");
@@ -135,19 +135,39 @@ pub fn with_script(page: &str, [width, height]: [usize; 2], api: &str, script: &
     page.replacen("</body>", &format!("<script type=\"module\">{script}</script></body>"), 1)
 }
 
-/// A picture of the only canvas of a page of these files, some frames after it was opened, as the bytes of a PNG. `None` where
-/// there is no browser, which is said.
+/// Opens pages of a list one after the other, which costs less than a browser for each: `ADDRESSES`, `WIDTH`, `HEIGHT`.
+const IN_TURN: &str = "<!doctype html><body><script type='module'>
+const pictures = [];
+for (const src of ADDRESSES) {
+    const frame = Object.assign(document.createElement('iframe'), { src, width: WIDTH, height: HEIGHT });
+    frame.style.border = 0;
+    const said = new Promise((done) => {
+        addEventListener('message', ({ source, data }) => { if (source === frame.contentWindow) { done(data); } });
+    });
+    document.body.append(frame);
+    const picture = await said;
+    if (typeof picture === 'string') {
+        await fetch('/result', { method: 'POST', body: picture });
+    }
+    pictures.push(new Uint32Array([picture.size]), picture);
+    frame.remove();
+}
+await fetch('/result', { method: 'POST', body: new Blob(pictures) });
+</script>";
+
+/// Pictures of the only canvas of each of these pages of files, some frames after it was opened, as the bytes of a PNG. `None`
+/// where there is no browser, which is said.
 ///
 /// # Panics
-/// Where the page says nothing, or that something failed.
-pub fn picture_of_page(address: &str, [width, height]: [u32; 2], files: &[File<'_>]) -> Option<Vec<u8>> {
-    let page =
-        format!("<!doctype html><iframe src='{address}' width={width} height={height} style='border: 0'></iframe>");
-    let path = address.split('?').next().unwrap_or_default();
-    // Within the page itself, before its own scripts.
+/// Where a page says nothing, or that something failed.
+pub fn pictures_of_pages(addresses: &[String], [width, height]: [u32; 2], files: &[File<'_>]) -> Option<Vec<Vec<u8>>> {
+    let page = IN_TURN.replace("ADDRESSES", &format!("{addresses:?}"));
+    let page = page.replace("WIDTH", &width.to_string()).replace("HEIGHT", &height.to_string());
+    let is_asked = |name: &str| addresses.iter().any(|address| address.split('?').next() == Some(name));
+    // Within the pages themselves, before their own scripts.
     let looked_at = |name: &str, bytes: &[u8]| {
         let text = String::from_utf8_lossy(bytes);
-        if name == path {
+        if is_asked(name) {
             text.replacen("<script", &format!("<script>{LOOK}</script>\n<script"), 1).into_bytes()
         } else {
             bytes.to_vec()
@@ -158,8 +178,16 @@ pub fn picture_of_page(address: &str, [width, height]: [u32; 2], files: &[File<'
     let mut all = vec![("", "text/html", page.as_bytes())];
     all.extend(changed.iter().map(|(name, media, bytes)| (*name, *media, bytes.as_slice())));
     let posted = result_of_page(&all)?;
-    assert!(posted.starts_with(b"\x89PNG"), "{}", String::from_utf8_lossy(&posted));
-    Some(posted)
+    let (mut rest, mut pictures) = (posted.as_slice(), Vec::new());
+    while let Some((length, more)) = rest.split_first_chunk() {
+        let picture = more.split_at_checked(u32::from_le_bytes(*length) as usize);
+        let (png, more) = picture.unwrap_or_else(|| panic!("{}", String::from_utf8_lossy(&posted)));
+        assert!(png.starts_with(b"\x89PNG"), "{}", String::from_utf8_lossy(&posted));
+        pictures.push(png.to_vec());
+        rest = more;
+    }
+    assert_eq!(pictures.len(), addresses.len());
+    Some(pictures)
 }
 
 /// Answers one request; what was posted, if that was it.

@@ -9,8 +9,8 @@ use brdfc_formats::{Answer, PackKind};
 use brdfc_shaders::Language;
 use std::collections::{BTreeMap, BTreeSet};
 
-/// Queries of a case: 100 x 100.
-pub const SIDE: usize = 100;
+/// Queries of a case: 64 x 64.
+pub const SIDE: usize = 64;
 
 /// How far a decoder may be from its twin: of the value and what is added to it, of BRDFs με.
 const BOUND: f64 = 1e-4;

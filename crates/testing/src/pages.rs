@@ -171,7 +171,7 @@ fn lines(block: &str) -> Vec<String> {
 
 impl Program {
     /// A line without its remark, as the sandbox runs it, and its exit code; `None` if it does not run the program.
-    fn command(&self, line: &str) -> Option<(String, i32)> {
+    pub fn command(&self, line: &str) -> Option<(String, i32)> {
         let (line, remark) = line.split_once(" # ").unwrap_or((line, ""));
         let code = remark.strip_prefix("exit code ").map_or(0, |code| code.trim().parse().unwrap());
         let rest = self.starts.iter().find_map(|program| line.strip_prefix(program))?;
@@ -179,13 +179,13 @@ impl Program {
     }
 
     /// Whether a line runs another program of the repository.
-    fn is_of_others(&self, line: &str) -> bool {
+    pub fn is_of_others(&self, line: &str) -> bool {
         self.others.iter().any(|start| line.starts_with(start))
     }
 }
 
 /// Whether a line of a block that is not run is one that may stand there.
-fn is_set_up(line: &str) -> bool {
+pub fn is_set_up(line: &str) -> bool {
     let word = |prefix: &str| line.strip_prefix(prefix).and_then(|rest: &str| rest.split_whitespace().next());
     let there = |path: String| repository().join(path).exists();
     SET_UP.iter().any(|start| line.starts_with(start))
@@ -310,7 +310,7 @@ pub fn run_pages(program: &Program) -> Counts {
 }
 
 /// What a command printed, with `[..]` for times and adapters, and the adapter.
-fn masked(printed: &str) -> (String, Option<String>) {
+pub fn masked(printed: &str) -> (String, Option<String>) {
     let mut adapter = None;
     let mut text = String::new();
     for line in printed.lines() {
@@ -334,7 +334,6 @@ fn masked(printed: &str) -> (String, Option<String>) {
     (text, adapter)
 }
 
-/// Equal words; numbers may differ in the last digits.
 fn assert_same_words(page: &str, command: &str, expected: &str, found: &str) {
     let told = format!(
         "{command}\n{page} says:\n{expected}\nit prints:\n{found}\n\
@@ -347,44 +346,11 @@ fn assert_same_words(page: &str, command: &str, expected: &str, found: &str) {
     }
 }
 
-fn same_word(a: &str, b: &str) -> bool {
+/// Equal words, or numbers that differ in the last digits.
+pub fn same_word(a: &str, b: &str) -> bool {
     a.split(',').count() == b.split(',').count()
         && a.split(',').zip(b.split(',')).all(|(a, b)| match (a.parse::<f64>(), b.parse::<f64>()) {
             (Ok(a), Ok(b)) => (a - b).abs() <= TOLERANCE * a.abs().max(b.abs()),
             _ => a == b,
         })
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    const BRDFC: Program = Program {
-        name: "brdfc",
-        path: "",
-        starts: &["cargo run --release -- ", "brdfc "],
-        others: &["brdfc-bench "],
-        draws: |_| false,
-        renders: false,
-        can_draw: false,
-    };
-
-    #[test]
-    fn the_comparison_of_outputs_can_fail() {
-        assert!(same_word("1.000,2", "1.005,2") && same_word("a:1", "a:1"));
-        assert!(!same_word("1.00", "1.05") && !same_word("1,2", "1") && !same_word("4:1", "5:1"));
-        assert_eq!(BRDFC.command("cargo run --release -- info x # exit code 3"), Some(("brdfc info x".to_owned(), 3)));
-        assert_eq!(BRDFC.command("brdfc eval a b   # figure 12"), Some(("brdfc eval a b".to_owned(), 0)));
-        assert!(BRDFC.is_of_others("brdfc-bench --json") && BRDFC.command("brdfc-bench --json").is_none());
-        assert!(BRDFC.command("rm -r packs").is_none() && !is_set_up("rm -r packs") && !is_set_up("./scripts/nothing"));
-        assert!(is_set_up("./scripts/test") && !is_set_up("cargo run --release --example nothing"));
-    }
-
-    #[test]
-    fn times_and_adapters_are_masked() {
-        let (text, adapter) =
-            masked("a  1.02 MiB   12.34 s\ndrawn by llvmpipe (LLVM 15), a software driver\n(1.5 s, 3 left)\n");
-        assert_eq!(text, "a  1.02 MiB    [..] s\ndrawn by [..]\n([..] s, 3 left)\n");
-        assert_eq!(adapter.as_deref(), Some("llvmpipe (LLVM 15), a software driver"));
-    }
 }

@@ -10,10 +10,19 @@ const MATERIALS: usize = 200;
 
 /// Materials that take a fraction of a second each.
 fn scene(numbers: impl Iterator<Item = usize>) -> String {
+    scene_of(numbers, "grid = 16\nmax_error = 0.01\nbits = 12")
+}
+
+/// Materials that take little more than their comparison: builds meet, and are killed, also where they place files.
+fn cheap(numbers: impl Iterator<Item = usize>, bits: u32) -> String {
+    scene_of(numbers, &format!("grid = 4\nratio = 4\nbits = {bits}"))
+}
+
+fn scene_of(numbers: impl Iterator<Item = usize>, keys: &str) -> String {
     numbers
         .map(|k| {
             format!(
-                "[materials.m{k}]\nsource = 'synth:ward?kd=0.{k:03},0.2,0.1'\ngrid = 16\nmax_error = 0.01\nbits = 12\n\
+                "[materials.m{k}]\nsource = 'synth:ward?kd=0.{k:03},0.2,0.1'\n{keys}\n\
                  [[uses]]\nmaterial = 'm{k}'\n"
             )
         })
@@ -94,7 +103,7 @@ fn agrees(products: &BTreeMap<String, Vec<u8>>, what: &str) {
 #[cfg(unix)]
 fn killed_builds_leave_the_folder_whole() {
     let folder = Folder::new();
-    let scenes = [scene(0..8), scene(4..12).replace("bits = 12", "bits = 8")];
+    let scenes = [cheap(0..4, 12), cheap(2..6, 8)];
     let mut whole = Vec::new();
     for (text, out) in scenes.iter().zip(["even", "odd"]) {
         folder.write("scene.toml", text);
@@ -183,10 +192,8 @@ fn without_unfinished(mut files: BTreeMap<String, Vec<u8>>) -> BTreeMap<String, 
 #[test]
 fn two_builds_at_a_time_give_one_or_the_other() {
     let folder = Folder::new();
-    // Cheap materials: the builds meet where they place files.
-    let scene = |numbers| scene(numbers).replace("grid = 16", "grid = 8");
-    folder.write("a.toml", scene(0..6));
-    folder.write("b.toml", scene(3..9).replace("bits = 12", "bits = 8"));
+    folder.write("a.toml", cheap(0..3, 12));
+    folder.write("b.toml", cheap(2..5, 8));
     let mut whole = Vec::new();
     for name in ["a", "b"] {
         folder.run(&["build", &format!("{name}.toml"), "--out", name]).succeeded();

@@ -119,10 +119,10 @@ fn flat_btfs_are_compared() {
     let folder = Folder::new();
     let small = ["--texels", "16", "--flat-texels", "32", "--views", "grid:2x3@40", "--lights", "grid:3x6@60"];
     for (name, surface, form) in [
-        ("whole", "synth:button", &["--max-delta-e", "0.4"][..]),
-        ("small", "synth:button", &["--max-bytes", "26KiB"]),
-        ("knit", "synth:knit", &[]),
-        ("light", "synth:button", &["--form", "light"]),
+        ("whole", "synth:button?resolution=48", &["--max-delta-e", "0.5"][..]),
+        ("small", "synth:button?resolution=48", &["--max-bytes", "26KiB"]),
+        ("knit", "synth:knit?resolution=48", &[]),
+        ("light", "synth:button?resolution=48", &["--form", "light"]),
     ] {
         folder.run(&[&["flatten", surface, "-o", name], form, &small].concat()).succeeded();
     }

@@ -27,6 +27,7 @@ mod samples;
 mod schemas;
 mod shader;
 mod synth;
+mod tables;
 mod view;
 #[cfg(unix)]
 mod watch;

@@ -25,6 +25,10 @@ fn a_dash_reads_what_the_file_holds() {
             &["compare", "INPUT", "synth:lewis", "--directions", "100"],
             &["compare", "synth:lewis", "INPUT", "--directions", "100"],
         ] {
+            // Which of the two it is does not depend on the kind of file.
+            if arguments[2] == "INPUT" && file != "p.ktx2" {
+                continue;
+            }
             let named = |name: &'static str| -> Vec<&str> {
                 arguments.iter().map(|word| if *word == "INPUT" { name } else { word }).collect()
             };

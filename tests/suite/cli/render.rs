@@ -65,6 +65,10 @@ fn every_scene_of_every_kind_of_input() {
             ("p.ktx2", &["--source", "table.binary"][..], true),
             ("synth:lewis", &["--grid", "8", "--ratio", "2"][..], true),
         ] {
+            // A pack is drawn alike, whether it is compared or not.
+            if !has_source && scene != "sphere" {
+                continue;
+            }
             let arguments = [
                 &["render", input, "--scene", scene, "--size", "40x30", "--samples", "1", "--json", "-o", "i.png"][..],
                 more,

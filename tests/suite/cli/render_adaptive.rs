@@ -81,7 +81,7 @@ fn packs_manifests_and_what_a_build_wrote() {
     );
     folder.run(&["build", "scene.toml", "--out", "packs"]).succeeded();
     let manifest = |more: &[&str]| {
-        let scene = ["--adaptive", "--scene", "bumpy-ball", "--size", "64x48", "--truth", "64", "--json"];
+        let scene = ["--adaptive", "--scene", "bumpy-ball", "--size", "32x24", "--truth", "16", "--json"];
         let report = folder.run(&[&["render", "scene.toml"][..], &scene, more].concat()).succeeded().json();
         conforms("render-adaptive", &report);
         report
@@ -91,7 +91,7 @@ fn packs_manifests_and_what_a_build_wrote() {
     assert_eq!(fresh["levels"], built["levels"], "what the build wrote is what is made afresh");
     // A pack alone: its own lobes are looked up.
     let pack = "packs/m.brdf.ktx2";
-    let scene = ["--adaptive", "--scene", "bumpy-ball", "--size", "64x48", "--truth", "64", "--json"];
+    let scene = ["--adaptive", "--scene", "bumpy-ball", "--size", "32x24", "--truth", "16", "--json"];
     conforms("render-adaptive", &folder.run(&[&["render", pack][..], &scene].concat()).succeeded().json());
     // A map of something else in its place is not drawn.
     std::fs::copy(folder.path().join("packs/m.samples.ktx2"), folder.path().join("packs/m.bandwidth.ktx2")).unwrap();

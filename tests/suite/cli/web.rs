@@ -6,7 +6,7 @@ use brdfc_formats::direction::{DirectionPair, cross, dot, normalize};
 use brdfc_formats::table::{TableDecoder, TablePack};
 use brdfc_formats::wavelet::{Filter, WaveletDecoder, WaveletPack};
 use brdfc_readers::colour::encode_srgb_byte;
-use brdfc_testing::browser::{File, picture_of_page};
+use brdfc_testing::browser::{File, pictures_of_pages};
 use std::path::Path;
 
 const SIDE: u32 = 256;
@@ -46,16 +46,21 @@ pub(super) fn files(packs: &Folder) -> Option<Vec<(String, &'static str, Vec<u8>
     Some(all)
 }
 
-/// An example's picture; nothing where there is no browser.
-fn drawn(example: &str, files: &[(String, &'static str, Vec<u8>)]) -> Option<image::RgbImage> {
+/// Pictures of examples; nothing where there is no browser.
+fn drawn<const N: usize>(
+    examples: [String; N],
+    files: &[(String, &'static str, Vec<u8>)],
+) -> Option<[image::RgbImage; N]> {
     let served: Vec<File<'_>> =
         files.iter().map(|(name, media, bytes)| (name.as_str(), *media, bytes.as_slice())).collect();
-    let png = picture_of_page(example, [SIDE; 2], &served)?;
+    let pngs = pictures_of_pages(&examples, [SIDE; 2], &served)?;
     if let Some(folder) = std::env::var_os("BRDFC_PICTURES") {
-        let name: String = example.chars().map(|c| if c.is_alphanumeric() { c } else { '-' }).collect();
-        std::fs::write(Path::new(&folder).join(name + ".png"), &png).unwrap();
+        for (example, png) in examples.iter().zip(&pngs) {
+            let name: String = example.chars().map(|c| if c.is_alphanumeric() { c } else { '-' }).collect();
+            std::fs::write(Path::new(&folder).join(name + ".png"), png).unwrap();
+        }
     }
-    Some(image::load_from_memory(&png).unwrap().to_rgb8())
+    Some(std::array::from_fn(|k| image::load_from_memory(&pngs[k]).unwrap().to_rgb8()))
 }
 
 /// Mean and 95th percentile of the differences of display codes, over pixels where the first picture is not black, as its
@@ -103,15 +108,13 @@ fn a_ball_by_three_js_is_that_of_render() {
     let materials = [("red", red), ("ggx", wavelet.clone()), ("fine", wavelet + "\nbits = 12")];
     let expected = materials.map(|(name, keys)| (name, built(&folder, name, &keys, "[0.0, 0.6, 4.4]", 30.0)));
     let Some(files) = files(&folder) else { return };
-    let mut pictures = Vec::new();
-    for (pack, expected) in &expected {
-        let Some(found) = drawn(&format!("examples/three.html?pack=../packs/{pack}/it.brdf.ktx2"), &files) else {
-            return;
-        };
-        let (mean, p95) = differences(&found, expected);
+    let examples =
+        expected.each_ref().map(|(pack, _)| format!("examples/three.html?pack=../packs/{pack}/it.brdf.ktx2"));
+    let Some(pictures) = drawn(examples, &files) else { return };
+    for ((pack, expected), found) in expected.iter().zip(&pictures) {
+        let (mean, p95) = differences(found, expected);
         println!("three.js, {pack}: codes differ by {mean:.2} in the mean, {p95} at 95 %");
         assert!(mean < 1.0 && p95 <= 3.0, "{pack}: {mean} {p95}");
-        pictures.push(found);
     }
     // Another material is noticed.
     assert!(differences(&pictures[0], &pictures[1]).0 > 10.0);
@@ -137,7 +140,8 @@ fn a_flat_btf_by_three_js_is_that_of_render() {
                     eye = [0.3, 2.5, 2.0]\ntarget = [0.0, 0.0, 0.0]\nfield_of_view = 30\n[[render.lights]]\n\
                     position = [-3.0, 2.0, 1.0]\nintensity = 45.0\n";
     let expected = rendered(&folder, manifest, &["--repeat", "2"]);
-    let Some(found) = drawn("examples/flat-btf.html?pack=../packs/button.ktx2", &files) else { return };
+    let example = "examples/flat-btf.html?pack=../packs/button.ktx2".to_owned();
+    let Some([found]) = drawn([example], &files) else { return };
     let (mean, p95) = differences(&found, &expected);
     println!("three.js, flat BTF: codes differ by {mean:.2} in the mean, {p95} at 95 %");
     assert!(mean < 3.0 && p95 <= 12.0, "{mean} {p95}");
@@ -215,15 +219,16 @@ const ways = {
 scene.add(ways[asked.get('way')]());",
     );
     files.push(("examples/placed.html".to_owned(), "text/html", page.into_bytes()));
-    let of = |way: &str| drawn(&format!("examples/placed.html?way={way}"), &files);
-    let Some(expected) = of("corners") else { return };
-    for way in ["matrix", "instance", "batch", "disposed"] {
-        let (mean, p95) = differences(&of(way).unwrap(), &expected);
+    let ways = ["matrix", "instance", "batch", "disposed", "corners", "none", "bones&even", "corners&even"];
+    let Some(pictures) = drawn(ways.map(|way| format!("examples/placed.html?way={way}")), &files) else { return };
+    let [.., expected, none, bones, corners] = &pictures;
+    for (way, found) in ways.iter().zip(&pictures[..4]) {
+        let (mean, p95) = differences(found, expected);
         println!("three.js, {way}: codes differ by {mean:.3} in the mean, {p95} at 95 %");
         assert!(mean < 0.1 && p95 <= 1.0, "{way}: {mean} {p95}");
     }
-    assert!(differences(&of("none").unwrap(), &expected).0 > 10.0);
-    let (mean, p95) = differences(&of("bones&even").unwrap(), &of("corners&even").unwrap());
+    assert!(differences(none, expected).0 > 10.0);
+    let (mean, p95) = differences(bones, corners);
     println!("three.js, bones: codes differ by {mean:.3} in the mean, {p95} at 95 %");
     assert!(mean < 0.1 && p95 <= 1.0, "bones: {mean} {p95}");
 }
@@ -264,10 +269,10 @@ if (asked.has('lost')) {
 }",
     );
     files.push(("examples/among.html".to_owned(), "text/html", page.into_bytes()));
-    let of = |way: &str| drawn(&format!("examples/among.html?{way}"), &files);
-    let Some(expected) = of("alone") else { return };
-    for way in ["texture", "freed", "lost"] {
-        let (mean, p95) = differences(&expected, &of(way).unwrap());
+    let ways = ["alone", "texture", "freed", "lost"];
+    let Some(pictures) = drawn(ways.map(|way| format!("examples/among.html?{way}")), &files) else { return };
+    for (way, found) in ways.iter().zip(&pictures).skip(1) {
+        let (mean, p95) = differences(&pictures[0], found);
         assert!(mean == 0.0 && p95 == 0.0, "{way}: {mean} {p95}");
     }
 }
@@ -292,12 +297,13 @@ const light = { position: new THREE.Vector3(-3, 3, 4), intensity: new THREE.Colo
 scene.add(new THREE.Mesh(new THREE.SphereGeometry(1, 256, 128), packMaterial(pack, renderer, [light])));",
     );
     files.push(("examples/far.html".to_owned(), "text/html", page.into_bytes()));
-    let Some(found) = drawn("examples/far.html", &files) else { return };
+    let examples = ["examples/far.html", "examples/far.html?finest"].map(str::to_owned);
+    let Some([found, finest]) = drawn(examples, &files) else { return };
     let (mean, p95) = differences(&found, &expected);
     println!("three.js, from far away: codes differ by {mean:.2} in the mean, {p95} at 95 %");
     assert!(mean < 1.0 && p95 <= 3.0, "{mean} {p95}");
     // The finest level is another picture.
-    assert!(differences(&drawn("examples/far.html?finest", &files).unwrap(), &expected).0 > 2.0 * mean + 1.0);
+    assert!(differences(&finest, &expected).0 > 2.0 * mean + 1.0);
 }
 
 /// A polynomial wavelet tree on a square that fills the picture, against values of the CPU's decoder.
@@ -335,7 +341,7 @@ scene.add(new THREE.Mesh(geometry, packMaterial(pack, renderer, [light])));",
     };
     let pixels: Vec<image::Rgb<u8>> = values.lines().skip(1).map(of_row).collect();
     let expected = image::RgbImage::from_fn(SIDE, SIDE, |x, y| pixels[(SIDE * y + x) as usize]);
-    let Some(found) = drawn("examples/picture.html", &files) else { return };
+    let Some([found]) = drawn(["examples/picture.html".to_owned()], &files) else { return };
     let (mean, p95) = differences(&found, &expected);
     println!("three.js, pwt: codes differ by {mean:.2} in the mean, {p95} at 95 %");
     assert!(mean < 1.0 && p95 <= 2.0, "{mean} {p95}");
@@ -380,10 +386,10 @@ fn a_ball_by_webgpu_is_that_of_the_decoder() {
         // The example asks for level 6, which is the finest of any pack.
         ("ggx", ball(|pair| wavelet.eval(pair, 6.0, Filter::Bilinear))),
     ];
-    for (pack, expected) in &expected {
-        let example = format!("examples/webgpu.html?pack=../packs/{pack}.ktx2");
-        let Some(found) = drawn(&example, &files) else { return };
-        let (mean, p95) = differences(&found, expected);
+    let examples = expected.each_ref().map(|(pack, _)| format!("examples/webgpu.html?pack=../packs/{pack}.ktx2"));
+    let Some(pictures) = drawn(examples, &files) else { return };
+    for ((pack, expected), found) in expected.iter().zip(&pictures) {
+        let (mean, p95) = differences(found, expected);
         println!("WebGPU, {pack}: codes differ by {mean:.2} in the mean, {p95} at 95 %");
         assert!(mean < 1.0 && p95 <= 2.0, "{pack}: {mean} {p95}");
     }

@@ -15,6 +15,7 @@ use brdfc_testing::sampler::{SamplerCase, check_sampler, check_shifted};
 use brdfc_wavelet::recipe::Recipe;
 use serde_json::{Value, json};
 use std::collections::BTreeMap;
+use std::sync::LazyLock;
 
 fn glsl(decoder: PackKind) -> String {
     let (piece, macros, call) = (text(decoder, Language::Essl300), macros(Language::Essl300), call(decoder));
@@ -207,22 +208,34 @@ enum Lookups {
     Shifted,
 }
 
+impl Lookups {
+    const ALL: [Self; 3] = [Self::AsTheyAre, Self::Rounded, Self::Shifted];
+}
+
+/// Made-up packs and materials, with the bounds of each query: they take longer than the browser, and serve both interfaces.
+static SAMPLED: LazyLock<[Vec<SamplerCase>; 2]> = LazyLock::new(|| [sampler_cases(), materials()]);
+
 /// The sampler filters: against the CPU, with the bounds of each query.
 fn agrees_by_sampler(api: &str, source: fn(PackKind) -> String, changed: fn(&str, &Interface, Lookups) -> String) {
-    let (made_up, materials, shaders) = (sampler_cases(), materials(), shaders(source));
-    for lookups in [Lookups::AsTheyAre, Lookups::Rounded, Lookups::Shifted] {
+    let [made_up, materials] = &*SAMPLED;
+    let shaders = shaders(source);
+    let changed = Lookups::ALL.map(|lookups| {
         let change = |(name, (shader, interface)): (&&'static str, &(String, Interface))| {
             (*name, if lookups == Lookups::AsTheyAre { shader.clone() } else { changed(shader, interface, lookups) })
         };
-        let changed: BTreeMap<_, _> = shaders.iter().map(change).collect();
-        let mut asked = Vec::new();
-        for SamplerCase { case, .. } in made_up.iter().chain(&materials) {
+        shaders.iter().map(change).collect::<BTreeMap<_, _>>()
+    });
+    let mut asked = Vec::new();
+    for changed in &changed {
+        for SamplerCase { case, .. } in made_up.iter().chain(materials) {
             let name = case.decoder.name();
             asked.push(Asked { case, shader: &changed[name], interface: &shaders[name].1, sampled: true });
         }
-        let Some(found) = answers(api, &asked) else { return };
+    }
+    let Some(found) = answers(api, &asked) else { return };
+    for (lookups, found) in Lookups::ALL.into_iter().zip(found.chunks(made_up.len() + materials.len())) {
         let found = found.split_at(made_up.len());
-        for (what, cases, found) in [("sampler", &made_up, found.0), ("sampler, materials", &materials, found.1)] {
+        for (what, cases, found) in [("sampler", made_up, found.0), ("sampler, materials", materials, found.1)] {
             match lookups {
                 Lookups::AsTheyAre => check_sampler(&format!("{api}, {what}"), cases, found),
                 Lookups::Rounded => check_sampler(&format!("{api}, {what}, 8 bits"), cases, found),

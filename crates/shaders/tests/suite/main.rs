@@ -2,5 +2,6 @@
 
 mod browser;
 mod compilers;
+mod needs;
 mod package;
 mod texts;

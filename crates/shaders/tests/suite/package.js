@@ -1,7 +1,7 @@
 // Loads every case with the package, evaluates it, and posts the answers: bytes of f32, case by case.
 import { loadPack, uploadWebGl, uploadWebGpu } from './dist/index.js';
 
-const side = 100;
+const side = 64;
 const count = side * side;
 
 async function bytes(path) {
@@ -44,10 +44,12 @@ async function withWebGl(cases, macros) {
     };
     gl.bindFramebuffer(gl.FRAMEBUFFER, gl.createFramebuffer());
     gl.framebufferTexture2D(gl.FRAMEBUFFER, gl.COLOR_ATTACHMENT0, gl.TEXTURE_2D, floats(null), 0);
+    // Of shaders that several cases share: compilers take longer than all else.
+    const programs = new Map();
     const found = [];
     for (const [k, item] of cases.entries()) {
         const pack = await load(k, item);
-        const made = program(gl, `#version 300 es
+        const text = `#version 300 es
 ${pack.shader.essl300}
 ${macros}
 uniform highp sampler2D query_a;
@@ -60,7 +62,11 @@ void main() {
     vec4 b = texelFetch(query_b, at, 0);
     vec4 c = texelFetch(query_c, at, 0);
     answer = ${item.call};
-}`);
+}`;
+        if (!programs.has(text)) {
+            programs.set(text, program(gl, text));
+        }
+        const made = programs.get(text);
         gl.useProgram(made);
         const uploaded = uploadWebGl(gl, pack);
         const queries = new Float32Array((await bytes(`/${k}/queries`)).buffer);
@@ -89,6 +95,7 @@ void main() {
 async function withWebGpu(cases) {
     const adapter = await navigator.gpu.requestAdapter();
     const device = await adapter.requestDevice({ requiredFeatures: ['float32-filterable'] });
+    const pipelines = new Map();
     const found = [];
     for (const [k, item] of cases.entries()) {
         const pack = await load(k, item);
@@ -104,12 +111,15 @@ async function withWebGpu(cases) {
         answers[id.x] = ${item.call};
     }
 }`;
-        const module = device.createShaderModule({ code });
         const uploaded = uploadWebGpu(device, pack);
         const buffer = (binding, type) => ({ binding, visibility: GPUShaderStage.COMPUTE, buffer: { type } });
         const asking = device.createBindGroupLayout({ entries: [buffer(0, 'read-only-storage'), buffer(1, 'storage')] });
-        const layout = device.createPipelineLayout({ bindGroupLayouts: [asking, uploaded.layout] });
-        const pipeline = await device.createComputePipelineAsync({ layout, compute: { module, entryPoint: 'main' } });
+        if (!pipelines.has(code)) {
+            const module = device.createShaderModule({ code });
+            const layout = device.createPipelineLayout({ bindGroupLayouts: [asking, uploaded.layout] });
+            pipelines.set(code, await device.createComputePipelineAsync({ layout, compute: { module, entryPoint: 'main' } }));
+        }
+        const pipeline = pipelines.get(code);
         const { STORAGE, COPY_DST, COPY_SRC, MAP_READ } = GPUBufferUsage;
         const queries = await bytes(`/${k}/queries`);
         const asked = device.createBuffer({ size: queries.length, usage: STORAGE | COPY_DST });

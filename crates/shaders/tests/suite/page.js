@@ -1,6 +1,6 @@
 // Evaluates every case with WebGL 2 and with WebGPU, and posts the answers: bytes of f32, case by case, in the order of the list.
 
-const side = 100;
+const side = 64;
 
 async function post(body) {
     await fetch('/result', { method: 'POST', body });
@@ -96,11 +96,16 @@ function withWebGl(cases, blobs) {
     gl.texStorage2D(gl.TEXTURE_2D, 1, gl.RGBA32F, side, side);
     gl.bindFramebuffer(gl.FRAMEBUFFER, gl.createFramebuffer());
     gl.framebufferTexture2D(gl.FRAMEBUFFER, gl.COLOR_ATTACHMENT0, gl.TEXTURE_2D, target, 0);
+    // Of shaders that several cases share: compilers take longer than all else.
+    const programs = new Map();
     return cases.map(({ glsl, resources, queries, feature, sampled }) => {
         if (sampled && feature && !hasWideFilters) {
             return noAnswers();
         }
-        const program = glProgram(gl, glsl);
+        if (!programs.has(glsl)) {
+            programs.set(glsl, glProgram(gl, glsl));
+        }
+        const program = programs.get(glsl);
         gl.useProgram(program);
         let [units, blocks] = [0, 0];
         const bind = (name, texture, bytes) => {
@@ -155,18 +160,29 @@ async function withWebGpu(cases, blobs) {
     if (!adapter) {
         throw new Error('no WebGPU');
     }
-    // Without features, and with one for floats that stand for integers of 16 bits.
-    const plain = await adapter.requestDevice();
+    // Without features, and with one for floats that stand for integers of 16 bits; of each, shaders that several cases share.
+    const devices = new Map();
+    const opened = async (feature) => {
+        const requiredFeatures = feature ? [feature] : [];
+        const device = await (await navigator.gpu.requestAdapter()).requestDevice({ requiredFeatures });
+        return { device, pipelines: new Map() };
+    };
     const found = [];
     for (const { name, wgsl, resources, queries, feature, sampled } of cases) {
         if (sampled && feature && !adapter.features.has(feature)) {
             found.push(noAnswers());
             continue;
         }
-        const device = feature ? await (await navigator.gpu.requestAdapter()).requestDevice({ requiredFeatures: [feature] }) : plain;
+        if (!devices.has(feature)) {
+            devices.set(feature, await opened(feature));
+        }
+        const { device, pipelines } = devices.get(feature);
         device.pushErrorScope('validation');
-        const module = device.createShaderModule({ code: wgsl });
-        const pipeline = await device.createComputePipelineAsync({ layout: 'auto', compute: { module, entryPoint: 'main' } });
+        if (!pipelines.has(wgsl)) {
+            const module = device.createShaderModule({ code: wgsl });
+            pipelines.set(wgsl, await device.createComputePipelineAsync({ layout: 'auto', compute: { module, entryPoint: 'main' } }));
+        }
+        const pipeline = pipelines.get(wgsl);
         const { TEXTURE_BINDING, COPY_DST } = GPUTextureUsage;
         const buffer = (bytes, usage) => {
             const made = device.createBuffer({ size: bytes.length, usage: usage | GPUBufferUsage.COPY_DST });

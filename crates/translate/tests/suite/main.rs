@@ -1,3 +1,4 @@
 //! Translated shaders.
 
 mod golden;
+mod program;

@@ -6,3 +6,4 @@ mod kept_angles;
 mod known_answers;
 mod levels;
 mod odd_sources;
+mod rounding;
