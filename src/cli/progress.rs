@@ -51,7 +51,7 @@ impl<'a> Materials<'a> {
     }
 
     /// Ends when this is set. No plain lines where there is no terminal.
-    pub(super) fn until(self, cancelled: &'a AtomicBool) -> Self {
+    pub(super) fn without_lines_until(self, cancelled: &'a AtomicBool) -> Self {
         Self { cancelled: Some(cancelled), lines: false, ..self }
     }
 

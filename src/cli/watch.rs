@@ -137,7 +137,7 @@ fn one_build(arguments: &Arguments, common: Common, is_first: bool, cancelled: &
     let build = arguments.build.build(&arguments.options)?.whole(true);
     tell_left_out(&build, once);
     let plan = &build.plan()?;
-    let progress = Materials::of(plan, once).until(cancelled);
+    let progress = Materials::of(plan, once).without_lines_until(cancelled);
     let built = build.run_with(plan, &progress)?;
     drop(progress);
     let kept = tell_what_matters(&built, common, true);

@@ -49,7 +49,7 @@ pub struct EncodeOptions {
     pub reciprocal: Option<bool>,
     /// Table packs: levels of detail besides the finest, 0 (default) to 6, for surfaces whose bumps are seen from afar. They
     /// keep the energy, and make a pack a factored one.
-    #[cfg_attr(feature = "clap", arg(long, value_name = "N", value_parser = any_whole_number::<u32>(LEVELS)))]
+    #[cfg_attr(feature = "clap", arg(long, value_name = "N", value_parser = whole_number::<u32>(0..=6)))]
     pub levels: Option<u32>,
     /// Wavelet: keep one slice in R, 1 to 4096 (default 4).
     #[cfg_attr(feature = "clap", arg(long, value_name = "R"))]
@@ -110,6 +110,10 @@ pub fn range_of(field: &str) -> &'static str {
         "bias" => "1e-6 to 1",
         _ => "",
     }
+}
+
+fn is_limit(key: &str) -> bool {
+    key == "ratio" || key.starts_with("max_")
 }
 
 impl EncodeOptions {
@@ -174,8 +178,7 @@ impl EncodeOptions {
     /// These options, and where they leave something open `defaults`. Limits come from one of both, all together.
     #[must_use]
     pub fn over(&self, defaults: &Self) -> Self {
-        let is_limit = |key: &str| key == "ratio" || key.starts_with("max_");
-        let limited = if self.given().any(|(key, _)| is_limit(key)) { self } else { defaults };
+        let limited = if self.has_limits() { self } else { defaults };
         macro_rules! over {
             ($($key:ident)*; $($limit:ident)*) => {
                 Self {
@@ -188,6 +191,17 @@ impl EncodeOptions {
             codec reciprocal levels grid parameterisation bits bias ranking lift smooth;
             ratio max_delta_e max_error max_bytes max_fetches
         )
+    }
+
+    /// Whether a limit of the pack's size or error is given.
+    pub fn has_limits(&self) -> bool {
+        self.given().any(|(key, _)| is_limit(key))
+    }
+
+    /// These options without their limits.
+    #[must_use]
+    pub fn without_limits(&self) -> Self {
+        self.only(|key| !is_limit(key))
     }
 
     /// The limits of error, bytes and fetches.

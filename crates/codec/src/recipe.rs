@@ -67,7 +67,7 @@ pub trait Encode: BrdfRecipe + Sized {
     /// What users may ask for.
     const VARIANTS: &'static [Variant];
 
-    /// The recipe of a variant, from options that it has.
+    /// The recipe of a variant, from options that it has. They name a codec only where users do.
     ///
     /// # Errors
     /// Options that are out of range or do not go together. The budget has been checked.

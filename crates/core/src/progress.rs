@@ -1,52 +1,67 @@
 //! What long work says of itself, and how it is stopped. Stages know no clock, no terminal and no signal.
 
-/// Declares the stages with what reports call them.
-macro_rules! stages {
-    ($($stage:ident $name:literal)*) => {
-        /// A stage of long work.
-        #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
-        #[allow(missing_docs)]
-        pub enum Stage {
-            $($stage,)*
-        }
-
-        impl Stage {
-            /// What reports call it.
-            pub fn name(self) -> &'static str {
-                match self {
-                    $(Self::$stage => $name,)*
-                }
-            }
-        }
-    };
+/// A stage of long work.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+#[allow(missing_docs)]
+pub enum Stage {
+    Read,
+    Symmetry,
+    Resample,
+    Choose,
+    Try,
+    Fit,
+    LogEncode,
+    Smooth,
+    Haar,
+    Threshold,
+    Quantise,
+    MeasureOnGrid,
+    MeasureOffGrid,
+    Pack,
+    BandwidthMap,
+    ImportanceSamples,
+    Parameterise,
+    Indirection,
+    Visibility,
+    Shadows,
+    Bounces,
+    Guide,
+    Views,
+    Images,
+    Write,
 }
 
-stages! {
-    Read "read"
-    Symmetry "symmetry"
-    Resample "resample"
-    Choose "choose nodes"
-    Try "try"
-    Fit "fit"
-    LogEncode "log-encode"
-    Smooth "smooth"
-    Haar "haar"
-    Threshold "threshold"
-    Quantise "quantise"
-    MeasureOnGrid "measure on the grid"
-    MeasureOffGrid "measure off the grid"
-    Pack "pack"
-    BandwidthMap "bandwidth map"
-    ImportanceSamples "importance samples"
-    Parameterise "parameterise"
-    Indirection "indirection"
-    Visibility "visibility"
-    Shadows "shadows"
-    Bounces "bounces"
-    Guide "guide"
-    Views "views"
-    Images "images"
-    Write "write"
+impl Stage {
+    /// What reports call it.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Read => "read",
+            Self::Symmetry => "symmetry",
+            Self::Resample => "resample",
+            Self::Choose => "choose nodes",
+            Self::Try => "try",
+            Self::Fit => "fit",
+            Self::LogEncode => "log-encode",
+            Self::Smooth => "smooth",
+            Self::Haar => "haar",
+            Self::Threshold => "threshold",
+            Self::Quantise => "quantise",
+            Self::MeasureOnGrid => "measure on the grid",
+            Self::MeasureOffGrid => "measure off the grid",
+            Self::Pack => "pack",
+            Self::BandwidthMap => "bandwidth map",
+            Self::ImportanceSamples => "importance samples",
+            Self::Parameterise => "parameterise",
+            Self::Indirection => "indirection",
+            Self::Visibility => "visibility",
+            Self::Shadows => "shadows",
+            Self::Bounces => "bounces",
+            Self::Guide => "guide",
+            Self::Views => "views",
+            Self::Images => "images",
+            Self::Write => "write",
+        }
+    }
 }
 
 /// The work was stopped by whoever asked for it.

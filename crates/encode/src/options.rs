@@ -34,13 +34,19 @@ impl Asked {
         self.variant.options.contains(&option)
     }
 
-    /// What options ask for that name no codec: what `preferred` is if it has them all, otherwise the first that has. Where none
-    /// has, the first that has the first option.
+    fn has_all_of(&self, options: &EncodeOptions) -> bool {
+        options.given().all(|(option, _)| self.has(option))
+    }
+
+    /// What options ask for that name no codec: what `preferred` is if it has them all, otherwise another variant of its codec,
+    /// the last one that has, otherwise the first that has of all. Where none has, the first that has the first option.
     fn by_options(options: &EncodeOptions, preferred: Option<Self>) -> Self {
-        let given: Vec<&str> = options.given().map(|(option, _)| option).collect();
-        let has_all = |asked: &Self| given.iter().all(|option| asked.has(option));
-        let any = |condition: &dyn Fn(&Self) -> bool| preferred.into_iter().chain(Self::all()).find(condition);
-        any(&has_all).or_else(|| any(&|asked| asked.has(given[0]))).expect("each option is of a codec")
+        let all: Vec<Self> = Self::all().collect();
+        let of_codec = |asked: &&Self| preferred.is_some_and(|preferred| preferred.codec == asked.codec);
+        let in_order = preferred.iter().chain(all.iter().rev().filter(of_codec)).chain(&all);
+        let first = options.given().next().map_or("", |(option, _)| option);
+        let fits = in_order.copied().find(|asked| asked.has_all_of(options));
+        fits.or_else(|| all.iter().copied().find(|asked| asked.has(first))).unwrap_or(all[0])
     }
 
     /// The error of an option that it does not have.
@@ -80,13 +86,16 @@ impl PackRecipe {
     /// Values out of range; options that do not go together.
     pub fn from_options(options: &EncodeOptions, defaults: &EncodeOptions) -> Result<Self, OptionError> {
         let of = |options: &EncodeOptions| options.codec.as_deref().map(Asked::named).transpose();
+        // Limits that are replaced ask for nothing.
+        let defaults = &if options.has_limits() { defaults.without_limits() } else { defaults.clone() };
         let by_default = of(defaults)?.unwrap_or_else(|| Asked::by_options(defaults, None));
         let asked = of(options)?.unwrap_or_else(|| Asked::by_options(options, Some(by_default)));
         let all = if asked == by_default {
             options.over(defaults)
         } else {
-            // A bias is meant for one codec.
-            let keeps_bias = asked.codec == by_default.codec;
+            // A bias is meant for the codec that its neighbours ask for, if they do.
+            let is_neutral = defaults.codec.is_none() && asked.has_all_of(defaults);
+            let keeps_bias = asked.codec == by_default.codec || is_neutral;
             let fitting = defaults.only(|option| asked.has(option) && (keeps_bias || option != "bias"));
             options.over(&EncodeOptions { codec: None, ..fitting })
         };

@@ -226,6 +226,7 @@ pub(super) fn texture(
 
 impl Gpu {
     /// A buffer with contents.
+    #[doc(hidden)]
     pub fn buffer(&self, contents: &[u8], usage: BufferUsages) -> Buffer {
         self.device.create_buffer_init(&BufferInitDescriptor { label: None, contents, usage })
     }

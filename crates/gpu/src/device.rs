@@ -46,8 +46,10 @@ pub struct AdapterDescription {
 /// An open device.
 pub struct Gpu {
     /// The device.
+    #[doc(hidden)]
     pub device: wgpu::Device,
     /// Its queue.
+    #[doc(hidden)]
     pub queue: wgpu::Queue,
     description: AdapterDescription,
     /// The first error that no call returned.
@@ -126,6 +128,7 @@ impl Gpu {
     }
 
     /// The first error since the last call, if any.
+    #[doc(hidden)]
     pub fn check(&self) -> Result<(), GpuError> {
         match self.error.lock().map(|mut slot| slot.take()) {
             Ok(None) => Ok(()),
@@ -135,12 +138,14 @@ impl Gpu {
     }
 
     /// Waits until everything submitted is done.
+    #[doc(hidden)]
     pub fn wait(&self) -> Result<(), GpuError> {
         self.device.poll(PollType::wait_indefinitely()).map_err(|error| GpuError::Failed(error.to_string()))?;
         self.check()
     }
 
     /// A buffer that [`Self::read`] takes.
+    #[doc(hidden)]
     pub fn read_buffer(&self, bytes: u64) -> wgpu::Buffer {
         self.device.create_buffer(&wgpu::BufferDescriptor {
             label: None,
@@ -151,6 +156,7 @@ impl Gpu {
     }
 
     /// Waits for the queue and hands a buffer's bytes to `take`.
+    #[doc(hidden)]
     pub fn read<T>(&self, buffer: &wgpu::Buffer, take: impl FnOnce(&[u8]) -> T) -> Result<T, GpuError> {
         let (sender, receiver) = std::sync::mpsc::channel();
         buffer.map_async(MapMode::Read, .., move |result| drop(sender.send(result)));

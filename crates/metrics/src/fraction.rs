@@ -70,7 +70,7 @@ impl FromStr for Fraction {
 impl<'de> Deserialize<'de> for Fraction {
     fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
         #[derive(Deserialize)]
-        #[serde(untagged)]
+        #[serde(untagged, expecting = "a fraction, such as 0.03, or a percentage, such as 3%")]
         enum NumberOrText {
             Number(f64),
             Text(String),

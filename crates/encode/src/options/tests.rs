@@ -71,10 +71,25 @@ fn defaults_that_do_not_go_with_the_codec_are_left_out() {
         panic!("a table")
     };
     assert_eq!((levels.levels, levels.factored, levels.bias), (2, true, 0.001));
-    let PackRecipe::Auto(levels) = resolved("levels = 2", "codec = 'table'") else { panic!("a search") };
-    assert!(levels.tables == Tables::Factored && levels.table.levels == 2);
-    let PackRecipe::Auto(bias) = resolved("bias = 0.1", "") else { panic!("a search") };
-    assert_eq!(bias.table.bias, 0.1);
+    let PackRecipe::Table(levels) = resolved("levels = 2", "codec = 'table'") else { panic!("a table") };
+    assert!(levels.factored && levels.levels == 2);
+    // A bias without a codec is one of whichever is made, but not where the other defaults ask for another codec.
+    let biased = |own: &str, defaults: &str| match resolved(own, defaults) {
+        PackRecipe::Auto(recipe) => recipe.table.bias,
+        PackRecipe::Table(recipe) => recipe.bias,
+        PackRecipe::Wavelet(recipe) => recipe.bias,
+    };
+    for own in ["", "codec = 'table'", "codec = 'wavelet'", "ratio = 4", "max_delta_e = 1"] {
+        assert_eq!(biased(own, "bias = 0.1"), 0.1, "{own}");
+    }
+    assert_eq!(biased("max_delta_e = 1", "bias = 0.1\ngrid = 8"), TableRecipe::default().bias);
+    assert_eq!(biased("codec = 'wavelet'", "bias = 0.1\nreciprocal = true"), Recipe::visible().bias);
+    // Options of a codec that the defaults name are those of the codec that is named.
+    let PackRecipe::Wavelet(named) = resolved("grid = 8", "codec = 'wavelet'") else { panic!("a wavelet pack") };
+    assert_eq!((named.ranking, named.levels), (Ranking::Visible, 3));
+    // A ratio that is replaced asks for no wavelet pack.
+    assert!(matches!(resolved("max_bytes = 4096", "ratio = 4"), PackRecipe::Auto(_)));
+    assert!(PackRecipe::from_options(&keys("codec = 'table'"), &keys("codec = 'jpeg'")).is_err());
     let PackRecipe::Table(both) = resolved("reciprocal = true", "codec = 'table'\nbias = 0.001") else {
         panic!("a table")
     };
@@ -93,11 +108,31 @@ fn defaults_that_do_not_go_with_the_codec_are_left_out() {
 #[test]
 fn ranges_in_words_are_the_bounds() {
     assert_eq!(range_of("levels"), format!("0 to {MOST_LEVELS}"));
-    assert!(codec_names().starts_with("auto, table, factored"), "{}", codec_names());
+    let names: Vec<&str> = Asked::all().map(|asked| asked.variant.name).collect();
+    assert_eq!(codec_names().replace(" or ", ", "), names.join(", "));
+    assert!(names.starts_with(&["auto", "table", "factored"]));
     assert_eq!(range_of("parameterisation"), Recipe::default().parameterisation.name());
     for (name, _) in Ranking::NAMES {
         assert!(range_of("ranking").contains(name), "{name}");
     }
+}
+
+/// Every option is one of a codec, and codecs have no others.
+#[test]
+fn codecs_have_the_options_that_there_are() {
+    let all = keys(
+        "max_delta_e = 1\nmax_error = 0.1\nmax_bytes = 1\nmax_fetches = 1\nreciprocal = true\nlevels = 1\nratio = 4\ngrid = 8\n\
+         parameterisation = 'tangent-pole'\nbits = 8\nbias = 0.1\nranking = 'energy'\nlift = true\nsmooth = true",
+    );
+    let mut given: Vec<&str> = all.given().map(|(option, _)| option).collect();
+    let mut of_codecs: Vec<&str> = Asked::all().flat_map(|asked| asked.variant.options).copied().collect();
+    given.sort_unstable();
+    of_codecs.sort_unstable();
+    of_codecs.dedup();
+    assert_eq!(given, of_codecs);
+    assert_eq!(all.only(|_| true), all);
+    assert_eq!(all.over(&EncodeOptions::default()), all);
+    assert_eq!(all.only(|_| false), EncodeOptions::default());
 }
 
 /// Whatever is predicted holds what is made.

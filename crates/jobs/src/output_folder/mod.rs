@@ -48,6 +48,9 @@ pub struct OutputFolder {
 
 impl OutputFolder {
     /// Finishes what a killed build had begun, and reads what earlier builds put here.
+    ///
+    /// # Errors
+    /// A folder that cannot be written to.
     pub fn open(path: &Path, store: &Store) -> Result<Self, Error> {
         let root = store.root().to_owned();
         let _lock = lock(&root)?;
@@ -85,6 +88,9 @@ impl OutputFolder {
     }
 
     /// Whether a build may write files of these names.
+    ///
+    /// # Errors
+    /// The first that is there and that no build wrote.
     pub fn refuse_foreign<'a>(&self, names: impl IntoIterator<Item = &'a str>, force: bool) -> Result<(), Error> {
         for name in names {
             let path = self.path.join(name);
@@ -108,6 +114,9 @@ impl OutputFolder {
     }
 
     /// Whether none of these inputs is a file of an earlier build that is removed when files of these names are put in place.
+    ///
+    /// # Errors
+    /// The first that is.
     pub fn refuse_removing<'a>(
         &self,
         inputs: impl Iterator<Item = &'a Path>,
@@ -131,6 +140,9 @@ impl OutputFolder {
     /// Puts all files in place by their names, and removes those of earlier builds that are not among them. Until all are
     /// written aside the folder stays as it is. `files` is given those of earlier builds that are there and unchanged, while no
     /// other build can change them: what of them is to stay is to be among what it returns.
+    ///
+    /// # Errors
+    /// A file that cannot be written: then nothing has changed.
     pub fn place(
         &mut self,
         store: &Store,

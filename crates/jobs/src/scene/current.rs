@@ -94,7 +94,12 @@ impl PackFolder {
 
     fn pack(&self, name: &str, digest: &Digest) -> Result<Pack, JobError> {
         let gone = || Error::write(name, &std::io::Error::other("it is gone from the store"));
-        let bytes = self.store.object(digest).or_else(|| self.folder.bytes(digest)).ok_or_else(gone)?;
+        let bytes = self
+            .store
+            .object(digest)
+            .or_else(|| self.folder.bytes(digest))
+            .ok_or_else(gone)
+            .map_err(JobError::Store)?;
         Pack::from_bytes(&bytes).map_err(JobError::Map)
     }
 }

@@ -23,7 +23,7 @@ pub enum JobError {
     Map(FormatError),
     /// A file of the store that cannot be written.
     #[error(transparent)]
-    Store(#[from] Error),
+    Store(Error),
 }
 
 impl JobError {

@@ -322,7 +322,7 @@ impl Workshop<'_> {
         // What is finished is kept, cancelled or not.
         let _ = clock.stage(Stage::Write, 1);
         let note = (report, clock.so_far());
-        let files = self.store.keep(pack_key(source, recipe), &[encoded.bytes], &note)?;
+        let files = self.store.keep(pack_key(source, recipe), &[encoded.bytes], &note).map_err(JobError::Store)?;
         Ok(Kept { report: note, files })
     }
 
@@ -335,7 +335,7 @@ impl Workshop<'_> {
     ) -> Result<Kept<MapsReport>, JobError> {
         let (files, report) = material_maps(opened.source.as_ref(), wanted, clock)?;
         let _ = clock.stage(Stage::Write, 1);
-        let files = self.store.keep(maps_key(source, wanted), &files, &report)?;
+        let files = self.store.keep(maps_key(source, wanted), &files, &report).map_err(JobError::Store)?;
         Ok(Kept { report, files })
     }
 
@@ -365,7 +365,7 @@ impl Workshop<'_> {
             return Ok(found(kept, None));
         }
         let _ = clock.stage(Stage::Write, 1);
-        let files = self.store.keep(key(source), &[bytes], &report)?;
+        let files = self.store.keep(key(source), &[bytes], &report).map_err(JobError::Store)?;
         Ok(found(Kept { report, files }, Some(clock.finish())))
     }
 }

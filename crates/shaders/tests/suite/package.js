@@ -61,7 +61,7 @@ void main() {
     vec4 a = texelFetch(query_a, at, 0);
     vec4 b = texelFetch(query_b, at, 0);
     vec4 c = texelFetch(query_c, at, 0);
-    answer = ${item.call};
+    answer = ${item.glsl};
 }`;
         if (!programs.has(text)) {
             programs.set(text, program(gl, text));
@@ -108,7 +108,7 @@ async function withWebGpu(cases) {
         let a = queries[id.x];
         let b = queries[${count}u + id.x];
         let c = queries[${2 * count}u + id.x];
-        answers[id.x] = ${item.call};
+        answers[id.x] = ${item.wgsl};
     }
 }`;
         const uploaded = uploadWebGpu(device, pack);
@@ -183,7 +183,7 @@ void main() {
     vec4 a = texelFetch(query_a, at, 0);
     vec4 b = texelFetch(query_b, at, 0);
     vec4 c = texelFetch(query_c, at, 0);
-    answer = ${item.call};
+    answer = ${item.glsl};
 }`,
         });
         const scene = new THREE.Scene().add(new THREE.Mesh(new THREE.PlaneGeometry(2, 2), material));

@@ -16,11 +16,12 @@ const PAGE: &str = "<!doctype html><meta charset=utf-8><title>brdfc</title>
 <script type=importmap>{ \"imports\": { \"three\": \"/three/three.module.js\" } }</script>
 <script type=module src=package.js></script>";
 
-/// The call that asks samplers for nothing: the package binds textures of floats as ones that are not filtered.
-fn exact_call(decoder: PackKind) -> String {
-    let of_brdf =
+/// The call in WGSL. Wide texels may be floats, which the package binds as ones that are not filtered: of them samplers are asked for
+/// nothing.
+fn wgsl_call(decoder: PackKind) -> String {
+    let exact =
         |brdf: BrdfShader| format!("vec4f({}, 0.0)", brdf.exact.replace("(wi, wo, level", "(a.xyz, b.xyz, a.w"));
-    decoder.descriptor().brdf.map_or_else(|| call(decoder), of_brdf)
+    decoder.descriptor().brdf.filter(|brdf| brdf.may_be_wide).map_or_else(|| call(decoder), exact)
 }
 
 fn agrees(api: &str) {
@@ -63,12 +64,13 @@ fn agrees(api: &str) {
         listed.push(item);
     };
     for case in &cases {
-        let item = json!({ "call": exact_call(case.decoder) });
+        let item = json!({ "glsl": call(case.decoder), "wgsl": wgsl_call(case.decoder) });
         add(&case.name, case.files[0].clone(), &case.queries, case.frame, item);
     }
     // The package has no decoder of this one.
     let unknown = json!({
-        "call": gradient::CALL,
+        "glsl": gradient::CALL,
+        "wgsl": gradient::CALL,
         "shader": { "essl300": gradient::ESSL300, "wgsl": gradient::wgsl() },
     });
     add("gradient", gradient::file(), &gradient::queries(), gradient::FRAME, unknown);

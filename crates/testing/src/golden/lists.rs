@@ -5,7 +5,16 @@ use brdfc_formats::PackKind;
 
 /// The codecs, by their folders of the formats.
 pub fn codecs() -> Vec<&'static str> {
-    PackKind::ALL.into_iter().map(folder_name).collect()
+    let codecs: Vec<&str> = PackKind::ALL.into_iter().map(folder_name).collect();
+    let folders = std::fs::read_dir(crate::repository().join("formats/src")).expect("the formats");
+    let mut folders: Vec<String> = folders
+        .map(|folder| folder.expect("a folder"))
+        .filter(|folder| folder.path().join("golden").is_dir())
+        .map(|folder| folder.file_name().display().to_string())
+        .collect();
+    folders.retain(|folder| !codecs.contains(&folder.as_str()));
+    assert!(folders.is_empty(), "goldens of no codec: {folders:?}");
+    codecs
 }
 
 /// The folder that a codec's specification is in.

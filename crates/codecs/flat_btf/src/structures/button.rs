@@ -1,7 +1,7 @@
 //! Studs whose caps overhang their necks, on a gently curved base.
 
 use super::noise::{lattice, mix, periodic_fractal, smooth_step};
-use super::relief::{HEIGHT, RESOLUTION, Relief, SEED, Sample, StructureInfo};
+use super::relief::{HEIGHT, Pointwise, RESOLUTION, SEED, Sample, StructureInfo};
 use crate::mesh::VertexMaterial;
 use brdfc_core::analytic::Parameter;
 use std::f64::consts::FRAC_PI_2;
@@ -54,7 +54,7 @@ impl Buttons {
     }
 }
 
-impl Relief for Buttons {
+impl Pointwise for Buttons {
     fn sample(&self, u: f64, v: f64) -> Sample {
         let scale = self.count as f64;
         let at = [u * scale, v * scale];

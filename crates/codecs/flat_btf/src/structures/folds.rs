@@ -85,10 +85,6 @@ impl Folds {
 }
 
 impl Relief for Folds {
-    fn sample(&self, u: f64, v: f64) -> Sample {
-        self.line(v)(u)
-    }
-
     /// Parameters of the cloth are lengths: along a line they are spent evenly, so that steep places get their share of
     /// vertices and stripes keep their width.
     fn line(&self, v: f64) -> Box<dyn Fn(f64) -> Sample + '_> {

@@ -1,7 +1,7 @@
 //! A knitted fabric: columns of V-shaped stitches of twisted yarn.
 
 use super::noise::{lattice, mix, periodic_fractal, smooth_step};
-use super::relief::{HEIGHT, RESOLUTION, Relief, SEED, Sample, StructureInfo};
+use super::relief::{HEIGHT, Pointwise, RESOLUTION, SEED, Sample, StructureInfo};
 use crate::mesh::VertexMaterial;
 use brdfc_core::analytic::Parameter;
 use std::f64::consts::TAU;
@@ -87,7 +87,7 @@ impl Knit {
     }
 }
 
-impl Relief for Knit {
+impl Pointwise for Knit {
     fn sample(&self, u: f64, v: f64) -> Sample {
         let top = self.top(u, v);
         let fine = periodic_fractal(u, v, self.seed ^ 0xf1b, [8 * self.columns, 4 * self.columns], 2, 0.5);

@@ -9,10 +9,17 @@ pub(super) type Sample = (Vector, VertexMaterial);
 
 /// A surface over the parameter plane. The point is near `(u, v, 0)`; z is not yet centred.
 pub(super) trait Relief: Sync {
+    /// The line of the surface at `v`, as a function of `u`: what is the same along it is found once.
+    fn line(&self, v: f64) -> Box<dyn Fn(f64) -> Sample + '_>;
+}
+
+/// A surface of which nothing is the same along a line.
+pub(super) trait Pointwise: Sync {
     /// The surface at `(u, v)`.
     fn sample(&self, u: f64, v: f64) -> Sample;
+}
 
-    /// The line of the surface at `v`, as a function of `u`: what is the same along it is found once.
+impl<T: Pointwise> Relief for T {
     fn line(&self, v: f64) -> Box<dyn Fn(f64) -> Sample + '_> {
         Box::new(move |u| self.sample(u, v))
     }

@@ -1,7 +1,7 @@
 //! A sponge: pores of several sizes in a rough surface.
 
 use super::noise::{gradient_noise, lattice, mix, periodic_fractal, smooth_step};
-use super::relief::{HEIGHT, RESOLUTION, Relief, SEED, Sample, StructureInfo};
+use super::relief::{HEIGHT, Pointwise, RESOLUTION, SEED, Sample, StructureInfo};
 use crate::mesh::VertexMaterial;
 use brdfc_core::analytic::Parameter;
 
@@ -66,7 +66,7 @@ impl Sponge {
     }
 }
 
-impl Relief for Sponge {
+impl Pointwise for Sponge {
     fn sample(&self, u: f64, v: f64) -> Sample {
         let rough = periodic_fractal(u, v, self.seed ^ 0x70, [2 * self.count; 2], 4, 0.55);
         let broad = periodic_fractal(u, v, self.seed ^ 0x71, [2, 2], 2, 0.5);
