@@ -85,20 +85,7 @@ impl PackRecipe {
     /// # Errors
     /// Values out of range; options that do not go together.
     pub fn from_options(options: &EncodeOptions, defaults: &EncodeOptions) -> Result<Self, OptionError> {
-        let of = |options: &EncodeOptions| options.codec.as_deref().map(Asked::named).transpose();
-        // Limits that are replaced ask for nothing.
-        let defaults = &if options.has_limits() { defaults.without_limits() } else { defaults.clone() };
-        let by_default = of(defaults)?.unwrap_or_else(|| Asked::by_options(defaults, None));
-        let asked = of(options)?.unwrap_or_else(|| Asked::by_options(options, Some(by_default)));
-        let all = if asked == by_default {
-            options.over(defaults)
-        } else {
-            // A bias is meant for the codec that its neighbours ask for, if they do.
-            let is_neutral = defaults.codec.is_none() && asked.has_all_of(defaults);
-            let keeps_bias = asked.codec == by_default.codec || is_neutral;
-            let fitting = defaults.only(|option| asked.has(option) && (keeps_bias || option != "bias"));
-            options.over(&EncodeOptions { codec: None, ..fitting })
-        };
+        let (asked, all) = merged(options, defaults)?;
         if let Some((option, found)) = all.given().find(|(option, _)| !asked.has(option)) {
             return Err(asked.refuses(option, &found, &all));
         }
@@ -109,6 +96,29 @@ impl PackRecipe {
             recipe => recipe,
         })
     }
+}
+
+/// Options over defaults, such as those of the command line over those of a manifest, without the defaults that do not go with
+/// the codec that the options ask for. What is wrong with the options is found where a recipe is made of them.
+pub fn options_over(options: &EncodeOptions, defaults: &EncodeOptions) -> EncodeOptions {
+    merged(options, defaults).map_or_else(|_| options.over(defaults), |(_, all)| all)
+}
+
+/// What options ask for, and they over the defaults that go with it.
+fn merged(options: &EncodeOptions, defaults: &EncodeOptions) -> Result<(Asked, EncodeOptions), OptionError> {
+    let of = |options: &EncodeOptions| options.codec.as_deref().map(Asked::named).transpose();
+    // Limits that are replaced ask for nothing.
+    let defaults = &if options.has_limits() { defaults.without_limits() } else { defaults.clone() };
+    let by_default = of(defaults)?.unwrap_or_else(|| Asked::by_options(defaults, None));
+    let asked = of(options)?.unwrap_or_else(|| Asked::by_options(options, Some(by_default)));
+    if asked == by_default {
+        return Ok((asked, options.over(defaults)));
+    }
+    // A bias is meant for the codec that its neighbours ask for, if they do.
+    let is_neutral = defaults.codec.is_none() && asked.has_all_of(defaults);
+    let keeps_bias = asked.codec == by_default.codec || is_neutral;
+    let fitting = defaults.only(|option| asked.has(option) && (keeps_bias || option != "bias"));
+    Ok((asked, options.over(&EncodeOptions { codec: None, ..fitting })))
 }
 
 /// The recipe of a variant of tables: the table itself, or a search where limits of error or fetches ask for one or `auto` does.

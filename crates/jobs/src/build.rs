@@ -1,6 +1,6 @@
 //! Builds: scenes become folders of packs.
 
-use crate::encode::EncodeOptions;
+use crate::encode::{EncodeOptions, options_over};
 use crate::error::Error;
 use crate::outputs::{make_folder, refuse_overwriting_any};
 use crate::report::build::BuildReport;
@@ -168,7 +168,7 @@ impl Build {
     /// Options out of range or that do not go together; nothing to build.
     pub fn plan(&self) -> Result<Plan, Error> {
         let mut manifest = self.manifest.clone();
-        manifest.defaults.options = self.options.over(&manifest.defaults.options);
+        manifest.defaults.options = options_over(&self.options, &manifest.defaults.options);
         let folder = self.manifest().and_then(Path::parent).unwrap_or(Path::new(""));
         let mut plan = plan(&manifest, folder)?;
         if self.file.is_none() {

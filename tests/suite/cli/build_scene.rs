@@ -334,3 +334,17 @@ fn the_demo_scene_has_maps_only_under_an_environment() {
     }
     assert!(all.contains(&"environment.bandwidth.ktx2".to_owned()) && all.len() == 14, "{all:?}");
 }
+
+/// Defaults of the manifest that do not go with a codec of the command line are left out.
+#[test]
+fn options_of_the_command_line_win_over_defaults_of_another_codec() {
+    let folder = Folder::new();
+    folder.write(
+        "scene.toml",
+        "[defaults]\nmax_delta_e = 1.0\n[materials.m]\nsource = 'synth:lambert'\n[[uses]]\nmaterial = 'm'\n",
+    );
+    for options in [["--codec", "wavelet"], ["--grid", "8"]] {
+        let ran = folder.run(&[&["build", "scene.toml", "--dry-run"][..], &options].concat()).succeeded();
+        assert!(ran.stdout.contains("wavelet"), "{options:?}: {}", ran.stdout);
+    }
+}

@@ -117,6 +117,25 @@ fn ranges_in_words_are_the_bounds() {
     }
 }
 
+/// Options of the command line win over the defaults of a manifest, also where these are for another codec.
+#[test]
+fn options_win_over_defaults_of_other_codecs() {
+    for (options, defaults, expected) in [
+        ("codec = 'wavelet'", "max_delta_e = 1.0", "codec = 'wavelet'"),
+        ("max_delta_e = 1.0", "codec = 'wavelet'", "max_delta_e = 1.0"),
+        ("codec = 'table'", "levels = 2", "codec = 'table'"),
+        ("ratio = 8", "levels = 2", "ratio = 8"),
+        ("codec = 'table'", "codec = 'wavelet'\nratio = 8", "codec = 'table'"),
+        ("codec = 'auto'", "grid = 16", "codec = 'auto'"),
+        ("grid = 16", "reciprocal = true", "grid = 16"),
+        ("max_delta_e = 1.0", "lift = true", "max_delta_e = 1.0"),
+        ("", "codec = 'wavelet'\ngrid = 16", "codec = 'wavelet'\ngrid = 16"),
+        ("codec = 'jpeg'", "grid = 16", "codec = 'jpeg'\ngrid = 16"),
+    ] {
+        assert_eq!(options_over(&keys(options), &keys(defaults)), keys(expected), "{options} over {defaults}");
+    }
+}
+
 /// Every option is one of a codec, and codecs have no others.
 #[test]
 fn codecs_have_the_options_that_there_are() {
