@@ -139,7 +139,7 @@ impl Slots {
     /// there is nothing have zeros.
     ///
     /// # Errors
-    /// As [`texture`]; what the driver reports.
+    /// As `texture`; what the driver reports.
     pub fn bind(
         &self,
         gpu: &Gpu,
