@@ -39,7 +39,7 @@ pub struct Arguments {
     output: Option<PathBuf>,
 }
 
-/// What KIND may be.
+/// Help for KIND.
 fn kinds() -> String {
     let [others @ .., last] = PackKind::ALL.map(PackKind::name);
     format!("{} or {last}; or a pack", others.join(", "))

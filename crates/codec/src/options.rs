@@ -164,7 +164,7 @@ impl EncodeOptions {
         .filter_map(|(key, value)| Some((key, value?)))
     }
 
-    /// These options without all that `has` does not hold of; the codec stays.
+    /// Keeps the options whose keys `has` accepts, and the codec.
     #[must_use]
     pub fn only(&self, has: impl Fn(&str) -> bool) -> Self {
         macro_rules! only {

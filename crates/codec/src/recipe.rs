@@ -67,7 +67,8 @@ pub trait Encode: BrdfRecipe + Sized {
     /// What users may ask for.
     const VARIANTS: &'static [Variant];
 
-    /// The recipe of a variant, from options that it has. They name a codec only where users do.
+    /// The recipe of a variant, from options that it has. `options.codec` is the codec that users named; it is absent where other
+    /// options chose the codec.
     ///
     /// # Errors
     /// Options that are out of range or do not go together. The budget has been checked.

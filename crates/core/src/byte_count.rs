@@ -3,10 +3,10 @@
 use serde::de::{Deserializer, Error, Unexpected, Visitor};
 use std::fmt;
 
-/// What may stand in place of what is no number of bytes.
+/// Allowed numbers of bytes, for messages.
 pub const ALLOWED: &str = "a whole number of bytes, such as 16384, 16KiB or 1MiB";
 
-/// Of a text: a whole number, alone or with KiB, MiB or GiB, which may be shortened to their first letters.
+/// Parses a whole number, alone or with KiB, MiB or GiB, which may be shortened to their first letters.
 ///
 /// # Errors
 /// What is allowed instead.
@@ -23,7 +23,7 @@ pub fn bytes_from_text(text: &str) -> Result<u64, String> {
     bytes.ok_or_else(|| format!("allowed {ALLOWED}"))
 }
 
-/// Of a key of a manifest: a number or a text.
+/// Deserialises a key of a manifest: a number or a text.
 ///
 /// # Errors
 /// What is no number of bytes.

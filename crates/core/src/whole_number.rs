@@ -2,7 +2,7 @@
 
 use std::ops::RangeInclusive;
 
-/// Parses whole numbers of a range. What is none, negative ones too, is told what is allowed.
+/// Parses whole numbers of a range. Errors say what is allowed, also for negative numbers.
 pub fn whole_number<T: TryFrom<u64>>(range: RangeInclusive<u64>) -> impl Fn(&str) -> Result<T, String> + Clone {
     move |text| {
         let number = text.parse().ok().filter(|number| range.contains(number));
@@ -14,7 +14,7 @@ pub fn whole_number<T: TryFrom<u64>>(range: RangeInclusive<u64>) -> impl Fn(&str
     }
 }
 
-/// Parses whole numbers whose range is checked elsewhere: `allowed` is what that says.
+/// Parses whole numbers whose range is checked elsewhere; `allowed` describes it.
 pub fn any_whole_number<T: TryFrom<u64>>(allowed: &'static str) -> impl Fn(&str) -> Result<T, String> + Clone {
     move |text| {
         let number = text.parse().ok().and_then(|number| T::try_from(number).ok());
@@ -27,7 +27,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn what_is_out_of_range_is_told_the_range() {
+    fn errors_name_the_range() {
         let parse = whole_number::<u8>(1..=300);
         assert_eq!(parse("255"), Ok(255));
         for text in ["0", "-1", "301", "256", "1.5", "x", "", "99999999999999999999999"] {

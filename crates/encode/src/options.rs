@@ -8,7 +8,7 @@ use brdfc_metrics::fraction::Fraction;
 use brdfc_table::recipe::TableRecipe;
 use std::sync::LazyLock;
 
-/// What is asked for: a codec of the list, one of its variants.
+/// A variant of a codec, which users ask for by its name or by options that it has.
 #[derive(Clone, Copy, PartialEq)]
 struct Asked {
     codec: usize,
@@ -16,7 +16,7 @@ struct Asked {
 }
 
 impl Asked {
-    /// All that may be asked for, that which no option asks for first.
+    /// All variants, the default first.
     fn all() -> impl Iterator<Item = Self> {
         let codecs = PackRecipe::CODECS.iter().enumerate();
         codecs.flat_map(|(codec, AskedCodec { variants, .. })| {
@@ -24,7 +24,7 @@ impl Asked {
         })
     }
 
-    /// What a name asks for.
+    /// The variant of a name.
     fn named(name: &str) -> Result<Self, OptionError> {
         let unknown = || OptionError::new("codec", format!("\"{name}\""), codec_names());
         Self::all().find(|asked| asked.variant.name == name).ok_or_else(unknown)
@@ -38,8 +38,8 @@ impl Asked {
         options.given().all(|(option, _)| self.has(option))
     }
 
-    /// What options ask for that name no codec: what `preferred` is if it has them all, otherwise another variant of its codec,
-    /// the last one that has, otherwise the first that has of all. Where none has, the first that has the first option.
+    /// The variant that options without a codec ask for: `preferred` if it has them all, then the last variant of its codec that has
+    /// them all, then the first of any. Where none has them all, the first that has the first option.
     fn by_options(options: &EncodeOptions, preferred: Option<Self>) -> Self {
         let all: Vec<Self> = Self::all().collect();
         let of_codec = |asked: &&Self| preferred.is_some_and(|preferred| preferred.codec == asked.codec);
@@ -79,8 +79,7 @@ pub fn codec_names() -> &'static str {
 impl PackRecipe {
     /// The recipe of options; what they leave open comes from `defaults`, then from [`PackRecipe::default`].
     ///
-    /// Limits are taken from one of both, all together. Defaults that do not go with the codec that the options name, or ask
-    /// for by what one codec alone has, are left out.
+    /// Limits come from one of the two, all together. Defaults that do not go with the codec that the options ask for are left out.
     ///
     /// # Errors
     /// Values out of range; options that do not go together.
@@ -104,7 +103,7 @@ pub fn options_over(options: &EncodeOptions, defaults: &EncodeOptions) -> Encode
     merged(options, defaults).map_or_else(|_| options.over(defaults), |(_, all)| all)
 }
 
-/// What options ask for, and they over the defaults that go with it.
+/// The variant that options ask for, and the options over those defaults that go with it.
 fn merged(options: &EncodeOptions, defaults: &EncodeOptions) -> Result<(Asked, EncodeOptions), OptionError> {
     let of = |options: &EncodeOptions| options.codec.as_deref().map(Asked::named).transpose();
     // Limits that are replaced ask for nothing.

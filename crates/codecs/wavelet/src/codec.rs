@@ -164,7 +164,7 @@ impl Encode for Recipe {
         ],
     }];
 
-    /// Slices are ranked by what is seen where the codec is named, otherwise by energy.
+    /// Slices are ranked by visible error where the codec is named, otherwise by energy.
     fn from_options(_: &str, options: &EncodeOptions) -> Result<Self, OptionError> {
         let mut recipe = if options.codec.is_some() { Self::visible() } else { Self::default() };
         if let Some(grid) = options.grid {

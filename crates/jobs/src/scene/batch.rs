@@ -114,7 +114,7 @@ fn of_folder(folder: &Path) -> Result<(Vec<OsString>, Vec<PathBuf>), Error> {
     Ok((measured.into_iter().map(OsString::from).collect(), others))
 }
 
-/// The files that match; `told` is how errors name the pattern.
+/// The files that match; errors name the pattern as `told`.
 fn matching(pattern: &Named, told: impl Display) -> Result<Vec<OsString>, Error> {
     let (built, files): (Vec<PathBuf>, Vec<PathBuf>) = pattern.files()?.into_iter().partition(|path| is_built(path));
     if files.is_empty() {

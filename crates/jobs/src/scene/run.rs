@@ -14,6 +14,7 @@ use crate::report::gate::GateResult;
 use crate::report::material::{MaterialReport, StageTime};
 use crate::stage_clock::StageClock;
 use crate::store::{Digest, HeardDigest, Kept, Key, Stamp, Store};
+use brdfc_bandwidth::DEFAULT_EPSILON;
 use brdfc_bandwidth::facts::BandwidthFacts;
 use brdfc_core::progress::{Cancelled, Progress, Stage};
 use brdfc_source::open::{Facts, Opened, open, open_file_heard};
@@ -348,7 +349,7 @@ impl Workshop<'_> {
     ) -> Result<MadeEnvironment, JobError> {
         progress.check()?;
         let path = job.path.as_path();
-        let key = |source| Key::new("environment", source, &map_recipe().1);
+        let key = |source| Key::new("environment", source, &DEFAULT_EPSILON);
         let kept = |source| self.store.look_up(&key(source), self.placed);
         let found = |Kept { report, files }, times| MadeEnvironment { report, file: files[0], times };
         if let Some(kept) = self.store.known(path).and_then(kept) {
