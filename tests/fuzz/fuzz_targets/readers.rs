@@ -2,9 +2,12 @@
 #![no_main]
 
 mod edits;
+#[path = "../../../crates/readers/tests/suite/ubo_btf/write.rs"]
+mod write_btf;
 
 use brdfc_core::{Source, Tally};
 use brdfc_formats::direction::DirectionPair;
+use brdfc_formats::direction_set::DirectionSet;
 use brdfc_readers::alta::AltaTable;
 use brdfc_readers::colour::rgb_weights;
 use brdfc_readers::light_stack::LightPositions;
@@ -13,11 +16,12 @@ use brdfc_readers::ptm::Ptm;
 use brdfc_readers::rgl::Rgl;
 use brdfc_readers::scan::Scan;
 use brdfc_readers::scan_csv;
-use brdfc_readers::ubo_btf::UboBtf;
+use brdfc_readers::ubo_btf::{Channel, ColourModel, Description, Scalar, UboBtf};
 use brdfc_source::{MerlSource, RglSource, ScanSource};
 use brdfc_testing::tensor;
 use libfuzzer_sys::fuzz_target;
 use std::f32::consts::FRAC_PI_2;
+use write_btf::to_bytes;
 
 const READERS: u8 = 10;
 
@@ -48,7 +52,24 @@ fn valid(reader: u8) -> Vec<u8> {
             .container()
             .build(),
         7 => b"3\r\na 1.png 0 0 2\nb/c.jpg -1e-1 0.5 1\nd\\e.exr 3 0 4\n".to_vec(),
-        9 => include_bytes!("../../../crates/jobs/tests/suite/ubo_btf.btf").to_vec(),
+        9 => {
+            let set = DirectionSet::grid(2, 2, 60.0).expect("a small set");
+            let description = Description {
+                version: 4,
+                devices: [const { String::new() }; 3],
+                texels_per_millimetre: 1.0,
+                rgb_factors: [1.0; 3],
+                has_cosine: false,
+                xml_bytes: 0,
+                views: set.clone(),
+                lights: set,
+                size: [2, 3],
+                colour_model: ColourModel::LogYRatioUv,
+            };
+            let channel =
+                |k| Channel::new(k, &vec![0.25; 9 * k], &vec![-0.5; 6 * k], Scalar::Half).expect("whole rows");
+            to_bytes(&UboBtf::new(description, [2, 1, 1].map(channel)).expect("as many rows"), Scalar::Half)
+        }
         _ => {
             let luminance: Vec<_> = (0..6).map(|k| [k as f32, -0.5, 3.0, 1.0, 0.0, 200.0 - k as f32]).collect();
             let map = Ptm::from_coefficients_lrgb([2, 3], &luminance, &[[9, 90, 255]; 6]);

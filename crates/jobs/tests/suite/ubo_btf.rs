@@ -1,16 +1,38 @@
 //! Files of the Bonn database of 2014 as ordinary BTFs.
 
+#[path = "../../../readers/tests/suite/ubo_btf/write.rs"]
+mod write_btf;
+
+use brdfc_formats::direction_set::DirectionSet;
 use brdfc_jobs::flatten::{SurfaceFacts, describe_surface};
+use brdfc_readers::ubo_btf::{Channel, ColourModel, Description, Scalar, UboBtf};
 use brdfc_source::btf_stack::BtfStack;
 use brdfc_source::open::open;
 use brdfc_source::ordinary_btf::OrdinaryBtf;
 use brdfc_source::{Input, InputError};
 use std::path::{Path, PathBuf};
+use write_btf::to_bytes;
 
-/// Red grows with the texel, green with the pair of directions, blue is 0.25: 2 x 3 texels, one view, two lights, in halves.
-const EXAMPLE: &[u8] = include_bytes!("ubo_btf.btf");
-/// Where it says whether values have the cosine of the light.
-const HAS_COSINE: usize = 274;
+/// Red grows with the texel, green with the pair of directions, blue is 0.25: 2 x 3 texels, one view, two lights.
+fn example(has_cosine: bool) -> UboBtf {
+    let set = |angles: &[[f64; 2]]| DirectionSet::new("of the file", angles.to_vec()).unwrap();
+    let description = Description {
+        version: 2,
+        devices: ["dome", "", "LED"].map(str::to_owned),
+        texels_per_millimetre: 1.0,
+        rgb_factors: [1.0; 3],
+        has_cosine,
+        xml_bytes: 0,
+        views: set(&[[30.0, 0.0]]),
+        lights: set(&[[0.0, 0.0], [60.0, 90.0]]),
+        size: [2, 3],
+        colour_model: ColourModel::Rgb,
+    };
+    let channel = |pairs: &[f32], texels: &[f32]| Channel::new(1, pairs, texels, Scalar::Half).unwrap();
+    let red = channel(&[1.0, 1.0], &[0.0, 1.0, 2.0, 3.0, 4.0, 5.0]);
+    let channels = [red, channel(&[0.5, 1.0], &[1.0; 6]), channel(&[0.25; 2], &[1.0; 6])];
+    UboBtf::new(description, channels).unwrap()
+}
 
 fn write(folder: &Path, name: &str, bytes: &[u8]) -> PathBuf {
     let path = folder.join(name);
@@ -22,9 +44,7 @@ fn write(folder: &Path, name: &str, bytes: &[u8]) -> PathBuf {
 fn images_are_radiance_relative_to_white() {
     let folder = tempfile::tempdir().unwrap();
     for (name, has_cosine, factor) in [("without.btf", false, 0.5), ("WITH.BTF", true, 1.0)] {
-        let mut bytes = EXAMPLE.to_vec();
-        bytes[HAS_COSINE] = u8::from(has_cosine);
-        let path = write(folder.path(), name, &bytes);
+        let path = write(folder.path(), name, &to_bytes(&example(has_cosine), Scalar::Half));
         assert!(OrdinaryBtf::is_one(&path));
         let btf = OrdinaryBtf::open(&path).unwrap();
         assert_eq!((btf.size(), btf.views().len(), btf.lights().len()), ([2, 3], 1, 2));
@@ -47,21 +67,22 @@ fn images_are_radiance_relative_to_white() {
 #[test]
 fn files_are_described_and_refused_where_they_do_not_belong() {
     let folder = tempfile::tempdir().unwrap();
-    let path = write(folder.path(), "felt.btf", EXAMPLE);
+    let bytes = to_bytes(&example(false), Scalar::Single);
+    let path = write(folder.path(), "felt.btf", &bytes);
     let facts = describe_surface(&Input::from(path.clone().into_os_string())).unwrap().unwrap();
     let SurfaceFacts::UboBtf { views, lights, size, components, devices, memory_bytes, .. } = facts else {
         panic!("{facts:?}")
     };
     assert_eq!((views, lights, size, components), (1, 2, [2, 3], vec![1, 1, 1]));
-    assert_eq!((devices, memory_bytes), (vec!["dome".to_owned(), "LED".to_owned()], 3 * 8 * 2));
+    assert_eq!((devices, memory_bytes), (vec!["dome".to_owned(), "LED".to_owned()], 3 * 8 * 4));
 
     let told = |path: &Path| open(path.as_os_str().to_owned(), None).err().expect("an error").to_string();
     assert!(told(&path).ends_with("; a BTF is for 'brdfc flatten'"), "{}", told(&path));
-    let lies = told(&write(folder.path(), "felt.binary", EXAMPLE));
+    let lies = told(&write(folder.path(), "felt.binary", &bytes));
     assert!(lies.contains("it looks like a BTF of the Bonn database of 2014 (.btf)"), "{lies}");
 
     let error = |bytes: &[u8]| OrdinaryBtf::open(&write(folder.path(), "bad.btf", bytes)).err().expect("an error");
-    assert!(error(&EXAMPLE[..100]).to_string().contains("bad.btf: byte"));
+    assert!(error(&bytes[..100]).to_string().contains("bad.btf: byte"));
     assert!(error(b"\x89PNG\r\n\x1a\n...").to_string().ends_with("; it looks like a PNG image (.png)"));
     assert!(matches!(OrdinaryBtf::open(&folder.path().join("none.btf")), Err(InputError::Io { .. })));
 }
