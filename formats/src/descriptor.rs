@@ -51,6 +51,22 @@ pub struct Answer {
     /// A WGSL expression of `a`, `b` and `c`, of calls alone: in GLSL and HLSL it is the same where `vec4f`, `u32` and `select` are
     /// macros.
     pub body: &'static str,
-    /// Where the expression is a struct, its type and the four numbers of such a `sample`.
-    pub of_struct: Option<[&'static str; 2]>,
+    /// How the expression becomes four numbers, where it is a struct.
+    pub of_struct: Option<StructAnswer>,
+}
+
+/// An answer that a shader gives as a struct.
+#[derive(Debug, Clone, Copy)]
+pub struct StructAnswer {
+    /// The WGSL type.
+    pub name: &'static str,
+    /// Its numbers: a WGSL expression of `$answer`.
+    pub numbers: &'static str,
+}
+
+impl StructAnswer {
+    /// The numbers of a value, a WGSL expression.
+    pub fn numbers_of(&self, value: &str) -> String {
+        self.numbers.replace("$answer", value)
+    }
 }

@@ -33,7 +33,7 @@ pub mod vector_math;
 pub mod wavelet;
 
 pub use brdf_pack::{Brdf, BrdfDecoder};
-pub use descriptor::{Answer, BrdfShader, Descriptor};
+pub use descriptor::{Answer, BrdfShader, Descriptor, StructAnswer};
 pub use error::{FormatError, Place};
 pub use error_summary::{ErrorSummary, PictureSummary};
 pub use symmetry::Symmetry;

@@ -73,7 +73,7 @@ impl Case {
 pub fn call(decoder: PackKind) -> String {
     let Answer { body, of_struct, .. } = decoder.descriptor().answer;
     // Other languages have no function that takes the struct.
-    of_struct.map_or(body.to_owned(), |[_, numbers]| numbers.replace("sample", body))
+    of_struct.map_or(body.to_owned(), |answer| answer.numbers_of(body))
 }
 
 /// What a language has in place of words of a [`call`]: directives for its preprocessor.

@@ -21,8 +21,9 @@ pub(crate) fn module(decoder: PackKind, source: &str) -> Result<Vec<u32>, String
 fn evaluation(decoder: PackKind, source: &str) -> String {
     let Answer { body, of_struct, .. } = decoder.descriptor().answer;
     let (helper, answer) = match of_struct {
-        Some([ty, numbers]) => {
-            (format!("fn answer_of(sample: {ty}) -> vec4f {{ return {numbers}; }}"), format!("answer_of({body})"))
+        Some(answer) => {
+            let (name, numbers) = (answer.name, answer.numbers_of("sample"));
+            (format!("fn answer_of(sample: {name}) -> vec4f {{ return {numbers}; }}"), format!("answer_of({body})"))
         }
         None => (String::new(), body.to_owned()),
     };

@@ -2,7 +2,7 @@
 
 use super::IMPORTANCE_WGSL;
 use super::pack::DECODER;
-use crate::descriptor::{Answer, Descriptor};
+use crate::descriptor::{Answer, Descriptor, StructAnswer};
 
 pub(crate) const DESCRIPTOR: Descriptor = Descriptor {
     name: DECODER.0,
@@ -16,7 +16,10 @@ pub(crate) const DESCRIPTOR: Descriptor = Descriptor {
         takes: "a: wo and the index of the sample",
         gives: "wi and 1 / density",
         body: "importance_sample(a.xyz, u32(a.w))",
-        of_struct: Some(["ImportanceSample", "vec4f(sample.incoming, sample.inverse_density)"]),
+        of_struct: Some(StructAnswer {
+            name: "ImportanceSample",
+            numbers: "vec4f($answer.incoming, $answer.inverse_density)",
+        }),
     },
     brdf: None,
 };
