@@ -46,6 +46,8 @@ pub struct LoadedPack {
 pub struct Evaluator<'g> {
     pipeline: ItemPipeline<'g>,
     slots: Slots,
+    /// The variable `change` of the entry point, for decoders in which a test made changes that depend on it.
+    pub change: u32,
 }
 
 /// Pairs on the device, ready for any number of runs.
@@ -92,7 +94,7 @@ impl<'g> Evaluator<'g> {
     pub fn with_shaders(gpu: &'g Gpu, decoder: &str, entry: &str) -> Result<Self, GpuError> {
         let slots = pack::slots(gpu, ShaderStages::COMPUTE);
         let pipeline = ItemPipeline::new(gpu, "evaluate", format!("{decoder}\n{entry}"), &slots.layout)?;
-        Ok(Self { pipeline, slots })
+        Ok(Self { pipeline, slots, change: 0 })
     }
 
     /// Uploads a pack of the codec whose shader was compiled. `filter` is that of wavelet packs.
@@ -120,8 +122,8 @@ impl<'g> Evaluator<'g> {
             return Err(GpuError::TooLarge(format!("{} direction pairs at once; at most {MOST_PAIRS}", pairs.len())));
         }
         let words: Vec<[f32; 8]> = pairs.iter().map(pair_words).collect();
-        let hardware = u32::from(slices == SliceFilter::Hardware);
-        Ok(LoadedPairs { items: self.pipeline.load(&words, pairs.len(), 32, [level.to_bits(), hardware])? })
+        let mode = self.change << 1 | u32::from(slices == SliceFilter::Hardware);
+        Ok(LoadedPairs { items: self.pipeline.load(&words, pairs.len(), 32, [level.to_bits(), mode])? })
     }
 
     /// Evaluates once and waits for it, without reading back.

@@ -18,15 +18,19 @@ fn fetches() -> f32 {
     return 0.0;
 }
 
-// The parameters are a level of detail, a negative one minus the distance that it follows from, and 1 where the sampler
-// filters slices, 0 for manual weights.
+// Which of the changes that a test made to a shader is in force, from 1 on; 0 where none is.
+var<private> change: u32 = 0u;
+
+// The parameters are a level of detail, a negative one minus the distance that it follows from, and in the last bit 1 where the
+// sampler filters slices, 0 for manual weights; above it the change.
 fn compute(at: u32) {
     let wi = pairs[at].incoming.xyz;
     let wo = pairs[at].outgoing.xyz;
     var log_value = vec3<f32>(0.0);
     var f_r = vec3<f32>(0.0);
     var level = bitcast<f32>(computation.parameters.x);
-    let hardware = computation.parameters.y == 1u;
+    let hardware = (computation.parameters.y & 1u) == 1u;
+    change = computation.parameters.y >> 1u;
     if level < 0.0 {
         level = level_at(-level);
     }

@@ -48,7 +48,7 @@ let frames = 0;
 window.requestAnimationFrame = (draw) => frame((time) => {
     draw(time);
     frames += 1;
-    if (frames === 5) {
+    if (frames === 3) {
         const url = document.querySelector('canvas').toDataURL('image/png');
         // Errors of the device come before that.
         Promise.resolve(device?.queue.onSubmittedWorkDone()).then(() => fetch(url)).then((answer) => answer.blob()).then(say);

@@ -10,6 +10,8 @@ use brdfc_testing::browser::{File, pictures_of_pages};
 use std::path::Path;
 
 const SIDE: u32 = 256;
+/// Where pages are compared with one another.
+const SMALL: u32 = 96;
 
 /// Files of the package and of a folder of packs, under the paths that the examples ask for.
 pub(super) fn files(packs: &Folder) -> Option<Vec<(String, &'static str, Vec<u8>)>> {
@@ -49,11 +51,12 @@ pub(super) fn files(packs: &Folder) -> Option<Vec<(String, &'static str, Vec<u8>
 /// Pictures of examples; nothing where there is no browser.
 fn drawn<const N: usize>(
     examples: [String; N],
+    side: u32,
     files: &[(String, &'static str, Vec<u8>)],
 ) -> Option<[image::RgbImage; N]> {
     let served: Vec<File<'_>> =
         files.iter().map(|(name, media, bytes)| (name.as_str(), *media, bytes.as_slice())).collect();
-    let pngs = pictures_of_pages(&examples, [SIDE; 2], &served)?;
+    let pngs = pictures_of_pages(&examples, [side; 2], &served)?;
     if let Some(folder) = std::env::var_os("BRDFC_PICTURES") {
         for (example, png) in examples.iter().zip(&pngs) {
             let name: String = example.chars().map(|c| if c.is_alphanumeric() { c } else { '-' }).collect();
@@ -72,7 +75,7 @@ fn differences(a: &image::RgbImage, b: &image::RgbImage) -> (f64, f64) {
         a.0.iter().any(|code| *code > 0).then_some(largest)
     };
     let mut all: Vec<f64> = a.pixels().zip(b.pixels()).filter_map(pair).collect();
-    assert!(all.len() as u32 > SIDE * SIDE / 8, "{} pixels are lit", all.len());
+    assert!(all.len() as u32 > a.width() * a.height() / 8, "{} pixels are lit", all.len());
     all.sort_by(f64::total_cmp);
     (all.iter().sum::<f64>() / all.len() as f64, all[all.len() * 95 / 100])
 }
@@ -110,7 +113,7 @@ fn a_ball_by_three_js_is_that_of_render() {
     let Some(files) = files(&folder) else { return };
     let examples =
         expected.each_ref().map(|(pack, _)| format!("examples/three.html?pack=../packs/{pack}/it.brdf.ktx2"));
-    let Some(pictures) = drawn(examples, &files) else { return };
+    let Some(pictures) = drawn(examples, SIDE, &files) else { return };
     for ((pack, expected), found) in expected.iter().zip(&pictures) {
         let (mean, p95) = differences(found, expected);
         println!("three.js, {pack}: codes differ by {mean:.2} in the mean, {p95} at 95 %");
@@ -141,7 +144,7 @@ fn a_flat_btf_by_three_js_is_that_of_render() {
                     position = [-3.0, 2.0, 1.0]\nintensity = 45.0\n";
     let expected = rendered(&folder, manifest, &["--repeat", "2"]);
     let example = "examples/flat-btf.html?pack=../packs/button.ktx2".to_owned();
-    let Some([found]) = drawn([example], &files) else { return };
+    let Some([found]) = drawn([example], SIDE, &files) else { return };
     let (mean, p95) = differences(&found, &expected);
     println!("three.js, flat BTF: codes differ by {mean:.2} in the mean, {p95} at 95 %");
     assert!(mean < 3.0 && p95 <= 12.0, "{mean} {p95}");
@@ -220,7 +223,9 @@ scene.add(ways[asked.get('way')]());",
     );
     files.push(("examples/placed.html".to_owned(), "text/html", page.into_bytes()));
     let ways = ["matrix", "instance", "batch", "disposed", "corners", "none", "bones&even", "corners&even"];
-    let Some(pictures) = drawn(ways.map(|way| format!("examples/placed.html?way={way}")), &files) else { return };
+    let Some(pictures) = drawn(ways.map(|way| format!("examples/placed.html?way={way}")), SMALL, &files) else {
+        return;
+    };
     let [.., expected, none, bones, corners] = &pictures;
     for (way, found) in ways.iter().zip(&pictures[..4]) {
         let (mean, p95) = differences(found, expected);
@@ -270,7 +275,7 @@ if (asked.has('lost')) {
     );
     files.push(("examples/among.html".to_owned(), "text/html", page.into_bytes()));
     let ways = ["alone", "texture", "freed", "lost"];
-    let Some(pictures) = drawn(ways.map(|way| format!("examples/among.html?{way}")), &files) else { return };
+    let Some(pictures) = drawn(ways.map(|way| format!("examples/among.html?{way}")), SMALL, &files) else { return };
     for (way, found) in ways.iter().zip(&pictures).skip(1) {
         let (mean, p95) = differences(&pictures[0], found);
         assert!(mean == 0.0 && p95 == 0.0, "{way}: {mean} {p95}");
@@ -298,7 +303,7 @@ scene.add(new THREE.Mesh(new THREE.SphereGeometry(1, 256, 128), packMaterial(pac
     );
     files.push(("examples/far.html".to_owned(), "text/html", page.into_bytes()));
     let examples = ["examples/far.html", "examples/far.html?finest"].map(str::to_owned);
-    let Some([found, finest]) = drawn(examples, &files) else { return };
+    let Some([found, finest]) = drawn(examples, SIDE, &files) else { return };
     let (mean, p95) = differences(&found, &expected);
     println!("three.js, from far away: codes differ by {mean:.2} in the mean, {p95} at 95 %");
     assert!(mean < 1.0 && p95 <= 3.0, "{mean} {p95}");
@@ -341,7 +346,7 @@ scene.add(new THREE.Mesh(geometry, packMaterial(pack, renderer, [light])));",
     };
     let pixels: Vec<image::Rgb<u8>> = values.lines().skip(1).map(of_row).collect();
     let expected = image::RgbImage::from_fn(SIDE, SIDE, |x, y| pixels[(SIDE * y + x) as usize]);
-    let Some([found]) = drawn(["examples/picture.html".to_owned()], &files) else { return };
+    let Some([found]) = drawn(["examples/picture.html".to_owned()], SIDE, &files) else { return };
     let (mean, p95) = differences(&found, &expected);
     println!("three.js, pwt: codes differ by {mean:.2} in the mean, {p95} at 95 %");
     assert!(mean < 1.0 && p95 <= 2.0, "{mean} {p95}");
@@ -387,7 +392,7 @@ fn a_ball_by_webgpu_is_that_of_the_decoder() {
         ("ggx", ball(|pair| wavelet.eval(pair, 6.0, Filter::Bilinear))),
     ];
     let examples = expected.each_ref().map(|(pack, _)| format!("examples/webgpu.html?pack=../packs/{pack}.ktx2"));
-    let Some(pictures) = drawn(examples, &files) else { return };
+    let Some(pictures) = drawn(examples, SIDE, &files) else { return };
     for ((pack, expected), found) in expected.iter().zip(&pictures) {
         let (mean, p95) = differences(found, expected);
         println!("WebGPU, {pack}: codes differ by {mean:.2} in the mean, {p95} at 95 %");
