@@ -1,6 +1,6 @@
 //! Limits of a pack, and checks of them.
 
-use brdfc_core::words::format_number;
+use brdfc_core::words::{bytes, format_number, percent};
 use brdfc_metrics::fraction::Fraction;
 use serde::{Deserialize, Serialize};
 
@@ -78,6 +78,18 @@ impl Budget {
     /// Whether it says how good a pack has to be.
     pub fn limits_error(&self) -> bool {
         self.delta_e.is_some() || self.error.is_some()
+    }
+
+    /// All limits: `ΔE at most 0.5, at most 1 fetch`.
+    pub fn in_words(&self) -> String {
+        let Self { delta_e, error, bytes: most, fetches } = self;
+        let limits = [
+            delta_e.map(|limit| format!("ΔE at most {limit}")),
+            error.map(|limit| format!("ε_r at most {}", percent(limit))),
+            most.map(|limit| format!("at most {}", bytes(limit))),
+            fetches.map(|limit| format!("at most {limit} {}", if limit == 1 { "fetch" } else { "fetches" })),
+        ];
+        limits.into_iter().flatten().collect::<Vec<_>>().join(", ")
     }
 
     /// Values of ΔE that may be a limit.

@@ -36,14 +36,14 @@ pub enum EncodeError {
         what: &'static str,
     },
     /// A fetch budget below that of any pack.
-    #[error(
-        "fetch budget: found {allowed}; allowed at least {fewest}, which is what is asked for needs: 1 for an isotropic table, 2 for others, 1 more with a curve or levels"
-    )]
+    #[error("fetch budget: found {allowed}; allowed at least {fewest}, which is what is asked for needs: {why}")]
     TooFewFetches {
         /// The budget.
         allowed: u32,
         /// Fewest that any pack has.
         fewest: u32,
+        /// What these are for, in words.
+        why: &'static str,
     },
     /// A size that no pack has, asked for by an option.
     #[error("{field}: found {found}; allowed {allowed}")]

@@ -8,8 +8,8 @@ use serde::{Deserialize, Serialize};
 
 /// A recipe of a pack of a BRDF, as scenes and plans see it.
 pub trait BrdfRecipe {
-    /// The name of the codec.
-    fn codec(&self) -> &'static str;
+    /// The variant of the codec, as `--codec` takes it.
+    fn variant(&self) -> &'static str;
 
     /// What limits the pack's size or error, in a few words for a plan: `ΔE at most 0.5`.
     fn target(&self) -> String;

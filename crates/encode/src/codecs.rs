@@ -1,13 +1,12 @@
 //! The codecs of BRDFs: [`codecs!`] has one line for each.
 
-use super::recipe::AutoRecipe;
 use brdfc_codec::{
     BrdfRecipe, BrdfReport, Encode, EncodeError, EncodeOptions, Encoded, GridCache, OptionError, Variant,
 };
 use brdfc_core::progress::Progress;
 use brdfc_core::{Describe, Source, StrayRows};
-use brdfc_formats::BrdfPack;
 use brdfc_formats::crop::DirectionRange;
+use brdfc_formats::{BrdfPack, PackKind};
 use encoders::{table, wavelet};
 use serde::{Deserialize, Serialize};
 use std::ops::{Deref, DerefMut};
@@ -25,8 +24,6 @@ macro_rules! codecs {
         /// How a source becomes a pack. It dereferences to what all recipes have.
         #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
         pub enum PackRecipe {
-            /// The smallest table, plain or factored, that meets a budget.
-            Auto(AutoRecipe),
             $($(#[$doc])* $codec($recipe),)*
         }
 
@@ -35,7 +32,6 @@ macro_rules! codecs {
 
             fn deref(&self) -> &Self::Target {
                 match self {
-                    Self::Auto(recipe) => recipe,
                     $(Self::$codec(recipe) => recipe,)*
                 }
             }
@@ -44,7 +40,6 @@ macro_rules! codecs {
         impl DerefMut for PackRecipe {
             fn deref_mut(&mut self) -> &mut Self::Target {
                 match self {
-                    Self::Auto(recipe) => recipe,
                     $(Self::$codec(recipe) => recipe,)*
                 }
             }
@@ -57,16 +52,21 @@ macro_rules! codecs {
                 recipe: |variant, options| Ok(Self::$codec(<$recipe>::from_options(variant, options)?)),
             }),*];
 
-            /// Encodes a source. `search` finds the pack of a budget.
+            /// What kind of pack it makes.
+            pub fn kind(&self) -> PackKind {
+                match self {
+                    $(Self::$codec(_) => PackKind::$codec,)*
+                }
+            }
+
+            /// Encodes a source.
             pub(super) fn encode(
                 &self,
-                search: impl FnOnce(&AutoRecipe) -> Result<EncodedPack, EncodeError>,
                 source: &dyn Source,
                 cache: &dyn GridCache,
                 progress: &dyn Progress,
             ) -> Result<EncodedPack, EncodeError> {
                 match self {
-                    Self::Auto(recipe) => search(recipe),
                     $(Self::$codec(recipe) => Ok(recipe.encode(source, cache, progress)?.map(CodecReport::$codec)),)*
                 }
             }
@@ -131,8 +131,8 @@ macro_rules! codecs {
 }
 
 codecs! {
-    /// A table pack, plain or factored.
-    Table: table::recipe::TableRecipe, table::TableReport, table::TablePackFacts, "table-pack";
+    /// A table pack.
+    Table: table::recipe::Recipe, table::TableReport, table::TablePackFacts, "table-pack";
     /// A wavelet pack.
     Wavelet: wavelet::recipe::Recipe, wavelet::WaveletReport, wavelet::WaveletPackFacts, "wavelet-pack";
 }
@@ -180,7 +180,7 @@ impl Describe for PackFacts {
 
 impl Default for PackRecipe {
     fn default() -> Self {
-        Self::Auto(AutoRecipe::default())
+        Self::Table(table::recipe::Recipe::default())
     }
 }
 

@@ -1,11 +1,8 @@
-//! Source to pack of a BRDF: the list of codecs, and the search for the smallest pack that meets a budget.
+//! Source to pack of a BRDF: the list of codecs, and which of them options ask for.
 
-mod auto;
 mod codecs;
 mod options;
-pub mod recipe;
 mod run;
-mod within;
 
 pub use brdfc_codec::{
     AveragingCost, BrdfRecipe, BrdfReport, Encode, EncodeError, Encoded, GridCache, Predicted, Trial,

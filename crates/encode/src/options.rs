@@ -2,10 +2,9 @@
 
 use super::PackRecipe;
 use super::codecs::AskedCodec;
-use super::recipe::{AutoRecipe, Tables};
 use brdfc_codec::{Budget, EncodeOptions, OptionError, Variant};
 use brdfc_metrics::fraction::Fraction;
-use brdfc_table::recipe::TableRecipe;
+use brdfc_table::search::recipe::SearchRecipe;
 use std::sync::LazyLock;
 
 /// A variant of a codec, which users ask for by its name or by options that it has.
@@ -88,12 +87,8 @@ impl PackRecipe {
         if let Some((option, found)) = all.given().find(|(option, _)| !asked.has(option)) {
             return Err(asked.refuses(option, &found, &all));
         }
-        let budget = all.budget()?;
-        let recipe = (Self::CODECS[asked.codec].recipe)(asked.variant.name, &all)?;
-        Ok(match recipe {
-            Self::Table(table) => searched(asked.variant.name, table, budget),
-            recipe => recipe,
-        })
+        all.budget()?;
+        (Self::CODECS[asked.codec].recipe)(asked.variant.name, &all)
     }
 }
 
@@ -120,22 +115,6 @@ fn merged(options: &EncodeOptions, defaults: &EncodeOptions) -> Result<(Asked, E
     Ok((asked, options.over(&EncodeOptions { codec: None, ..fitting })))
 }
 
-/// The recipe of a variant of tables: the table itself, or a search where limits of error or fetches ask for one or `auto` does.
-fn searched(variant: &str, table: TableRecipe, budget: Budget) -> PackRecipe {
-    if variant != TableRecipe::AUTO && !budget.limits_error() && budget.fetches.is_none() {
-        return PackRecipe::Table(table);
-    }
-    let tables = match variant {
-        TableRecipe::AUTO if table.levels == 0 => Tables::Both,
-        // A pack with levels has a curve.
-        _ if table.has_curve() => Tables::Factored,
-        _ => Tables::Plain,
-    };
-    let recipe = AutoRecipe::of_budget(budget);
-    let table = TableRecipe { size: recipe.table.size, aim: recipe.table.aim, ..table };
-    PackRecipe::Auto(AutoRecipe { table, tables, ..recipe })
-}
-
 impl TryFrom<EncodeOptions> for PackRecipe {
     type Error = OptionError;
 
@@ -149,7 +128,7 @@ impl TryFrom<Budget> for PackRecipe {
 
     fn try_from(Budget { delta_e, error, bytes, fetches }: Budget) -> Result<Self, OptionError> {
         let budget = Budget::checked(delta_e, error.map(Fraction::bare), bytes, fetches)?;
-        Ok(Self::Auto(AutoRecipe::of_budget(budget)))
+        Ok(Self::Table(SearchRecipe::of_budget(budget).into()))
     }
 }
 

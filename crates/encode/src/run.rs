@@ -1,6 +1,5 @@
 //! One source to one pack, as a recipe says.
 
-use super::within::search_within;
 use super::{EncodedPack, PackRecipe};
 use brdfc_codec::{EncodeError, GridCache};
 use brdfc_core::Source;
@@ -26,7 +25,7 @@ pub fn encode_cached(
     let common = has.common(needed).ok_or(EncodeError::OtherDirections { has, needed })?;
     let mut recipe = recipe.clone();
     recipe.limit_directions(common);
-    recipe.encode(|recipe| search_within(source, recipe, progress), source, cache, progress)
+    recipe.encode(source, cache, progress)
 }
 
 #[cfg(test)]

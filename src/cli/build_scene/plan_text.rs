@@ -16,7 +16,7 @@ pub(super) fn text(plan: &Plan, report: &BuildReport, out: &Path) -> String {
         [
             job.name.clone(),
             job.needs.uses.to_string(),
-            job.recipe.codec().to_owned(),
+            job.recipe.variant().to_owned(),
             job.recipe.target(),
             if is_missing { "no such file".to_owned() } else { predicted(&job.recipe, planned) },
             job.input.to_string(),
@@ -86,7 +86,7 @@ fn predicted(recipe: &PackRecipe, planned: &MaterialEntry) -> String {
     let Some(Predicted { least, most }) = planned.predicted else { return "-".to_owned() };
     match least {
         _ if planned.cached == Some(true) => format!("{}, made before", table::bytes(most)),
-        0 if matches!(recipe, PackRecipe::Auto(_)) => format!("searched, up to {}", table::bytes(most)),
+        0 if recipe.limits_error() => format!("searched, up to {}", table::bytes(most)),
         0 => format!("up to {}", table::bytes(most)),
         _ => format!("{} to {}", table::bytes(least), table::bytes(most)),
     }

@@ -165,9 +165,8 @@ fn prepare_one(arguments: &Arguments, subject: &Subject, name: &str) -> Result<(
         }
     };
     let source = input.map(|input| open(&input, None)).transpose()?.map(|opened| opened.source);
-    if arguments.table && !matches!((subject, &recipe), (Subject::Pack, _) | (_, PackRecipe::Wavelet(_))) {
-        // A search makes tables.
-        return Err(no_table(PackKind::from_name(recipe.codec()).unwrap_or(PackKind::Table)));
+    if arguments.table && !matches!((subject, recipe.kind()), (Subject::Pack, _) | (_, PackKind::Wavelet)) {
+        return Err(no_table(recipe.kind()));
     }
     let (pack, maps, notes) = match (subject, &source) {
         (Subject::Scene { jobs, packs: Some(packs), .. }, _) => {

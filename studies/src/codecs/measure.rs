@@ -86,7 +86,7 @@ impl Study<'_> {
     /// Tables, factored tables and wavelets, as they are written; the first of them.
     fn packs(&mut self) -> Result<BrdfPack, CodecStudyError> {
         let table = |factored, kib: u64| {
-            PackRecipe::Table(TableRecipe { size: Size::Bytes(kib << 10), factored, ..TableRecipe::default() })
+            PackRecipe::Table(TableRecipe { size: Size::Bytes(kib << 10), factored, ..TableRecipe::default() }.into())
         };
         let tables = [false, true].into_iter().flat_map(|factored| SIZES.map(|kib| table(factored, kib)));
         let wavelets =

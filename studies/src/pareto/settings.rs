@@ -63,7 +63,7 @@ impl std::fmt::Display for WaveletSetting {
 /// All settings, or few that take seconds: tables by size, then wavelets from coarse to fine.
 pub fn settings(small: bool) -> Vec<PackRecipe> {
     let table = |factored, kib: u64| {
-        PackRecipe::Table(TableRecipe { size: Size::Bytes(kib << 10), factored, ..TableRecipe::default() })
+        PackRecipe::Table(TableRecipe { size: Size::Bytes(kib << 10), factored, ..TableRecipe::default() }.into())
     };
     let sizes = if small { &SIZES[..2] } else { &SIZES };
     let mut all: Vec<PackRecipe> =

@@ -2,7 +2,9 @@
 
 use super::encode::{self, encode};
 use super::levels::MOST_LEVELS;
-use super::recipe::{Size, TableRecipe};
+use super::recipe::{Recipe, Size, TableRecipe};
+use super::search::recipe::{LARGEST, SearchRecipe, Tables};
+use super::search::within::search_within;
 use super::symmetry::Asymmetry;
 use brdfc_codec::{
     AveragingCost, BrdfRecipe, BrdfReport, Encode, EncodeError, EncodeOptions, Encoded, GridCache, OptionError,
@@ -18,13 +20,17 @@ use brdfc_metrics::compare::Reference;
 use brdfc_metrics::sampling::PairSet;
 use serde::{Deserialize, Serialize};
 
-/// The variant without a curve; the name of the codec, too.
+/// The variant that a search chooses.
+const AUTO: &str = "auto";
+/// The variant without a curve.
 const TABLE: &str = "table";
 /// The variant with a curve.
 const FACTORED: &str = "factored";
 
 /// Memory of an encoding without its source, bytes; measured with a scan.
 const MEMORY: u64 = 40 << 20;
+/// Memory of a search at its largest table, likewise.
+const MEMORY_OF_SEARCH: u64 = 128 << 20;
 
 /// The report of a table pack.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, schemars::JsonSchema)]
@@ -61,58 +67,77 @@ impl From<encode::Encoded> for Encoded<TableReport> {
     }
 }
 
-impl BrdfRecipe for TableRecipe {
-    fn codec(&self) -> &'static str {
-        TABLE
+impl BrdfRecipe for Recipe {
+    fn variant(&self) -> &'static str {
+        match self {
+            Self::Search(SearchRecipe { tables: Tables::Both, .. }) => AUTO,
+            Self::Search(SearchRecipe { tables: Tables::Factored, .. }) => FACTORED,
+            Self::Table(table) if table.has_curve() => FACTORED,
+            _ => TABLE,
+        }
     }
 
     fn target(&self) -> String {
-        match self.size {
-            Size::Bytes(most) => format!("at most {}", bytes(most)),
-            Size::Nodes(axes) => format!("{} x {} x {} x {}", axes.half, axes.difference, axes.azimuth, axes.layers),
+        let most = |most| format!("at most {}", bytes(most));
+        match self {
+            Self::Search(search) => search.budget.in_words(),
+            Self::Table(TableRecipe { size: Size::Bytes(bytes), .. }) => most(*bytes),
+            Self::Table(TableRecipe { size: Size::Nodes(axes), .. }) => {
+                format!("{} x {} x {} x {}", axes.half, axes.difference, axes.azimuth, axes.layers)
+            }
         }
     }
 
     fn directions(&self) -> DirectionRange {
-        self.directions
+        self.table().directions
     }
 
     fn limit_directions(&mut self, directions: DirectionRange) {
-        self.directions = directions;
+        self.table_mut().directions = directions;
     }
 
     fn has_fixed_size(&self) -> bool {
-        matches!(self.size, Size::Nodes(_))
+        matches!(self, Self::Table(TableRecipe { size: Size::Nodes(_), .. }))
     }
 
     fn limits_error(&self) -> bool {
-        false
+        matches!(self, Self::Search(search) if search.budget.limits_error())
     }
 
+    /// A search decides by the error.
     fn skip_measuring(&mut self) {
-        self.measure = false;
+        if let Self::Table(table) = self {
+            table.measure = false;
+        }
     }
 
     fn set_supercompress(&mut self, supercompress: bool) {
-        self.supercompress = supercompress;
+        self.table_mut().supercompress = supercompress;
     }
 
     fn coarser_levels(&self) -> u32 {
-        self.levels
+        self.table().levels
     }
 
     fn limit_coarser_levels(&mut self, most: u32) {
-        self.levels = self.levels.min(most);
+        let table = self.table_mut();
+        table.levels = table.levels.min(most);
     }
 
     fn memory(&self) -> u64 {
-        MEMORY
+        match self {
+            Self::Table(_) => MEMORY,
+            Self::Search(_) => MEMORY_OF_SEARCH,
+        }
     }
 
     fn predict(&self) -> Predicted {
-        match self.size {
-            Size::Bytes(most) => Predicted { least: 0, most },
-            Size::Nodes(axes) => {
+        match self {
+            Self::Search(search) => {
+                Predicted { least: 0, most: search.budget.bytes.map_or(LARGEST, |bytes| bytes.min(LARGEST)) }
+            }
+            Self::Table(TableRecipe { size: Size::Bytes(most), .. }) => Predicted { least: 0, most: *most },
+            Self::Table(TableRecipe { size: Size::Nodes(axes), .. }) => {
                 // Where a table does not start again, it has one slice less; grey texels have half the bytes.
                 let texels = |azimuth: u32| u64::from(axes.half * axes.difference * azimuth * axes.layers);
                 Predicted { least: 2 * texels(axes.azimuth), most: 4 * texels(axes.azimuth + 1) }
@@ -123,38 +148,47 @@ impl BrdfRecipe for TableRecipe {
 
 /// Options of plain tables.
 const OPTIONS: [&str; 6] = ["max_delta_e", "max_error", "max_bytes", "max_fetches", "reciprocal", "bias"];
-/// Those of tables with a curve, and of a search.
+/// Those of tables with a curve, and of a search among both.
 const FACTORED_OPTIONS: [&str; 7] =
     ["max_delta_e", "max_error", "max_bytes", "max_fetches", "reciprocal", "bias", "levels"];
 
-impl TableRecipe {
-    /// The variant that a search chooses.
-    pub const AUTO: &str = "auto";
-}
-
-impl Encode for TableRecipe {
+impl Encode for Recipe {
     type Report = TableReport;
 
     const VARIANTS: &'static [Variant] = &[
-        Variant { name: Self::AUTO, options: &FACTORED_OPTIONS },
+        Variant { name: AUTO, options: &FACTORED_OPTIONS },
         Variant { name: TABLE, options: &OPTIONS },
         Variant { name: FACTORED, options: &FACTORED_OPTIONS },
     ];
 
+    /// The table itself, or a search where limits of error or fetches ask for one or `auto` does.
     fn from_options(variant: &str, options: &EncodeOptions) -> Result<Self, OptionError> {
-        let default = Self::default();
+        let default = TableRecipe::default();
         let levels = options.levels.unwrap_or(0);
         if levels > MOST_LEVELS {
             return Err(EncodeOptions::out_of_range("levels", levels.to_string()));
         }
-        Ok(Self {
+        let table = TableRecipe {
             size: options.max_bytes.map_or(default.size, Size::Bytes),
             factored: variant == FACTORED,
             levels,
             reciprocal: options.reciprocal == Some(true),
             bias: options.bias()?.unwrap_or(default.bias),
             ..default
-        })
+        };
+        let budget = options.budget()?;
+        if variant != AUTO && !budget.limits_error() && budget.fetches.is_none() {
+            return Ok(Self::Table(table));
+        }
+        let tables = match variant {
+            AUTO if levels == 0 => Tables::Both,
+            // A pack with levels has a curve.
+            _ if table.has_curve() => Tables::Factored,
+            _ => Tables::Plain,
+        };
+        let search = SearchRecipe::of_budget(budget);
+        let table = TableRecipe { size: search.table.size, aim: search.table.aim, ..table };
+        Ok(Self::Search(SearchRecipe { table, tables, ..search }))
     }
 
     fn encode(
@@ -163,9 +197,13 @@ impl Encode for TableRecipe {
         _: &dyn GridCache,
         progress: &dyn Progress,
     ) -> Result<Encoded<TableReport>, EncodeError> {
-        let mut made: Encoded<TableReport> = encode(source, self, progress)?.into();
-        if self.reciprocal && self.measure {
-            let reference = Reference::new(source, PairSet::within(self.directions));
+        let recipe = match self {
+            Self::Table(recipe) => recipe,
+            Self::Search(recipe) => return search_within(source, recipe, progress),
+        };
+        let mut made: Encoded<TableReport> = encode(source, recipe, progress)?.into();
+        if recipe.reciprocal && recipe.measure {
+            let reference = Reference::new(source, PairSet::within(recipe.directions));
             made.averaging = Some(AveragingCost::of(source, &reference));
         }
         Ok(made)

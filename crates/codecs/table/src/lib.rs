@@ -1,5 +1,5 @@
 //! Table packs from sources: logarithms of `f_r` over half-difference angles, nodes where the material needs them, values
-//! fitted to what is seen. `formats/src/table` has the layout, the decoder and the shader.
+//! fitted to what is seen; the search for the smallest that meets a budget. `formats/src/table` has the layout, the decoder and the shader.
 
 pub mod choose;
 mod codec;
@@ -13,6 +13,7 @@ pub mod levels;
 pub mod quantise;
 pub mod recipe;
 pub mod samples;
+pub mod search;
 pub mod symmetry;
 pub mod targets;
 

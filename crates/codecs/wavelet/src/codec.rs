@@ -65,7 +65,7 @@ impl BrdfReport for WaveletReport {
 }
 
 impl BrdfRecipe for Recipe {
-    fn codec(&self) -> &'static str {
+    fn variant(&self) -> &'static str {
         WAVELET
     }
 

@@ -1,13 +1,14 @@
 //! Options become recipes.
 
 use super::*;
-use crate::recipe::Tables;
 use crate::{Predicted, encode};
 use brdfc_codec::range_of;
 use brdfc_formats::crop::{DirectionRange, Elevations};
 use brdfc_source::open::open;
 use brdfc_table::levels::MOST_LEVELS;
+use brdfc_table::recipe::Recipe::{Search, Table};
 use brdfc_table::recipe::{Aim, Size, TableRecipe};
+use brdfc_table::search::recipe::Tables;
 use brdfc_wavelet::recipe::{Ranking, Recipe};
 
 fn keys(text: &str) -> EncodeOptions {
@@ -28,36 +29,40 @@ fn the_codec_follows_from_the_options() {
     for wavelet in ["grid = 8", "bits = 12", "parameterisation = 'tangent-pole'", "ranking = 'energy'"] {
         assert!(matches!(resolved(wavelet, ""), PackRecipe::Wavelet(_)), "{wavelet}");
     }
-    let PackRecipe::Table(table) = resolved("codec = 'table'\nmax_bytes = 4096\nbias = 0.001", "") else {
+    let PackRecipe::Table(Table(table)) = resolved("codec = 'table'\nmax_bytes = 4096\nbias = 0.001", "") else {
         panic!("a table")
     };
     assert_eq!((table.size, table.bias), (Size::Bytes(4096), 0.001));
-    let PackRecipe::Auto(tables) = resolved("codec = 'table'\nmax_delta_e = 0.2", "") else { panic!("a search") };
+    let PackRecipe::Table(Search(tables)) = resolved("codec = 'table'\nmax_delta_e = 0.2", "") else {
+        panic!("a search")
+    };
     assert!(tables.budget.delta_e == Some(0.2));
-    let PackRecipe::Table(factored) = resolved("codec = 'factored'", "") else { panic!("a table") };
+    let PackRecipe::Table(Table(factored)) = resolved("codec = 'factored'", "") else { panic!("a table") };
     assert!(factored.factored);
-    let PackRecipe::Auto(tables) = resolved("codec = 'factored'\nmax_error = 0.1", "") else { panic!("a search") };
+    let PackRecipe::Table(Search(tables)) = resolved("codec = 'factored'\nmax_error = 0.1", "") else {
+        panic!("a search")
+    };
     assert!(tables.tables == Tables::Factored);
-    let PackRecipe::Auto(far) = resolved("levels = 3", "") else { panic!("a search") };
+    let PackRecipe::Table(Search(far)) = resolved("levels = 3", "") else { panic!("a search") };
     assert!(far.tables == Tables::Factored && far.table.levels == 3);
     assert_eq!(far.budget, Budget::default());
     for wrong in ["codec = 'table'\nlevels = 2", "codec = 'wavelet'\nlevels = 2", "levels = 7"] {
         assert_eq!(PackRecipe::try_from(keys(wrong)).unwrap_err().field, "levels", "{wrong}");
     }
-    let PackRecipe::Auto(filled) = resolved("max_bytes = 4096", "") else { panic!("a search") };
+    let PackRecipe::Table(Search(filled)) = resolved("max_bytes = 4096", "") else { panic!("a search") };
     assert_eq!(filled.budget, Budget { delta_e: None, error: None, bytes: Some(4096), fetches: None });
     assert_eq!(filled.table.aim, Aim::Pictures);
-    let PackRecipe::Auto(even) = resolved("max_error = 0.1", "") else { panic!("a search") };
+    let PackRecipe::Table(Search(even)) = resolved("max_error = 0.1", "") else { panic!("a search") };
     assert_eq!(even.table.aim, Aim::Ratios);
-    let PackRecipe::Auto(both) = resolved("max_error = 0.1\nmax_delta_e = 1", "") else { panic!("a search") };
+    let PackRecipe::Table(Search(both)) = resolved("max_error = 0.1\nmax_delta_e = 1", "") else { panic!("a search") };
     assert_eq!(both.table.aim, Aim::Pictures);
-    let PackRecipe::Auto(cheap) = resolved("max_fetches = 2", "") else { panic!("a search") };
+    let PackRecipe::Table(Search(cheap)) = resolved("max_fetches = 2", "") else { panic!("a search") };
     assert_eq!(cheap.budget.delta_e, Some(0.5), "fetches alone say nothing of quality");
 }
 
 #[test]
 fn defaults_that_do_not_go_with_the_codec_are_left_out() {
-    let PackRecipe::Table(table) = resolved("codec = 'table'", "codec = 'wavelet'\nbias = 0.5\ngrid = 8") else {
+    let PackRecipe::Table(Table(table)) = resolved("codec = 'table'", "codec = 'wavelet'\nbias = 0.5\ngrid = 8") else {
         panic!("a table")
     };
     assert_eq!(table, TableRecipe::default());
@@ -66,17 +71,17 @@ fn defaults_that_do_not_go_with_the_codec_are_left_out() {
     };
     assert_eq!(wavelet, Recipe::visible());
     // What a codec has not is left out of the defaults, too, and a codec stays where what is asked for goes with it.
-    assert!(matches!(resolved("codec = 'table'", "levels = 2"), PackRecipe::Table(_)));
-    let PackRecipe::Table(levels) = resolved("levels = 2", "codec = 'factored'\nbias = 0.001") else {
+    assert!(matches!(resolved("codec = 'table'", "levels = 2"), PackRecipe::Table(Table(_))));
+    let PackRecipe::Table(Table(levels)) = resolved("levels = 2", "codec = 'factored'\nbias = 0.001") else {
         panic!("a table")
     };
     assert_eq!((levels.levels, levels.factored, levels.bias), (2, true, 0.001));
-    let PackRecipe::Table(levels) = resolved("levels = 2", "codec = 'table'") else { panic!("a table") };
+    let PackRecipe::Table(Table(levels)) = resolved("levels = 2", "codec = 'table'") else { panic!("a table") };
     assert!(levels.factored && levels.levels == 2);
     // A bias without a codec is one of whichever is made, but not where the other defaults ask for another codec.
     let biased = |own: &str, defaults: &str| match resolved(own, defaults) {
-        PackRecipe::Auto(recipe) => recipe.table.bias,
-        PackRecipe::Table(recipe) => recipe.bias,
+        PackRecipe::Table(Search(recipe)) => recipe.table.bias,
+        PackRecipe::Table(Table(recipe)) => recipe.bias,
         PackRecipe::Wavelet(recipe) => recipe.bias,
     };
     for own in ["", "codec = 'table'", "codec = 'wavelet'", "ratio = 4", "max_delta_e = 1"] {
@@ -88,20 +93,22 @@ fn defaults_that_do_not_go_with_the_codec_are_left_out() {
     let PackRecipe::Wavelet(named) = resolved("grid = 8", "codec = 'wavelet'") else { panic!("a wavelet pack") };
     assert_eq!((named.ranking, named.levels), (Ranking::Visible, 3));
     // A ratio that is replaced asks for no wavelet pack.
-    assert!(matches!(resolved("max_bytes = 4096", "ratio = 4"), PackRecipe::Auto(_)));
+    assert!(matches!(resolved("max_bytes = 4096", "ratio = 4"), PackRecipe::Table(Search(_))));
     assert!(PackRecipe::from_options(&keys("codec = 'table'"), &keys("codec = 'jpeg'")).is_err());
-    let PackRecipe::Table(both) = resolved("reciprocal = true", "codec = 'table'\nbias = 0.001") else {
+    let PackRecipe::Table(Table(both)) = resolved("reciprocal = true", "codec = 'table'\nbias = 0.001") else {
         panic!("a table")
     };
     assert!(both.reciprocal && both.bias == 0.001);
     // Limits are taken from one of both, all together.
-    let PackRecipe::Auto(own) = resolved("max_delta_e = 0.2", "max_bytes = 4096\nmax_error = '3%'") else {
+    let PackRecipe::Table(Search(own)) = resolved("max_delta_e = 0.2", "max_bytes = 4096\nmax_error = '3%'") else {
         panic!("a search")
     };
     assert_eq!(own.budget, Budget { delta_e: Some(0.2), error: None, bytes: None, fetches: None });
     assert!(matches!(resolved("ratio = 16", "reciprocal = true\nmax_fetches = 1"), PackRecipe::Wavelet(_)));
-    assert!(matches!(resolved("max_delta_e = 0.5", "bias = 0.02\ngrid = 16"), PackRecipe::Auto(_)));
-    let PackRecipe::Auto(theirs) = resolved("reciprocal = true", "max_bytes = 4096") else { panic!("a search") };
+    assert!(matches!(resolved("max_delta_e = 0.5", "bias = 0.02\ngrid = 16"), PackRecipe::Table(Search(_))));
+    let PackRecipe::Table(Search(theirs)) = resolved("reciprocal = true", "max_bytes = 4096") else {
+        panic!("a search")
+    };
     assert!(theirs.table.reciprocal && theirs.budget.bytes == Some(4096));
 }
 

@@ -109,9 +109,9 @@ fn packs(input: &Input) -> Result<Vec<BrdfPack>, Error> {
         return Ok(vec![open_brdf_pack(input)?]);
     }
     let opened = open(input, None)?;
-    let table = PackRecipe::Table(TableRecipe::default()).without_measuring();
+    let table = PackRecipe::Table(TableRecipe::default().into()).without_measuring();
     let factored = TableRecipe { factored: true, ..TableRecipe::default() };
-    let factored = PackRecipe::Table(factored).without_measuring();
+    let factored = PackRecipe::Table(factored.into()).without_measuring();
     let wavelet = PackRecipe::Wavelet(Recipe::default()).without_measuring();
     let packs = [table, factored, wavelet].map(|recipe| Ok(encode_pack(opened.source.as_ref(), &recipe, &())?.pack));
     packs.into_iter().collect()

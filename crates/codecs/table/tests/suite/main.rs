@@ -7,3 +7,5 @@ mod known_answers;
 mod levels;
 mod odd_sources;
 mod rounding;
+mod search;
+mod search_within;

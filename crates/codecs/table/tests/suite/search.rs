@@ -1,13 +1,18 @@
-use super::*;
+//! The search for the smallest table that meets a budget.
+
+use brdfc_codec::{Budget, EncodeError};
 use brdfc_core::address::parse_synth;
 use brdfc_readers::merl::{Dimensions, Merl};
 use brdfc_source::MerlSource;
 use brdfc_source::simulate::merl_file;
 use brdfc_table::levels::MOST_LEVELS;
+use brdfc_table::recipe::TableRecipe;
+use brdfc_table::search::recipe::{LARGEST, SearchRecipe, Tables};
+use brdfc_table::search::{EncodedTable, SMALLEST, has_stalled, search, sizes};
 
-fn searched(address: &str, budget: Budget) -> EncodedPack {
+fn searched(address: &str, budget: Budget) -> EncodedTable {
     let source = parse_synth(address).unwrap();
-    search(source.as_ref(), &AutoRecipe { budget, ..AutoRecipe::default() }, &()).unwrap().0
+    search(source.as_ref(), &SearchRecipe { budget, ..SearchRecipe::default() }, &()).unwrap().0
 }
 
 const NONE: Budget = Budget { delta_e: None, error: None, bytes: None, fetches: None };
@@ -50,7 +55,7 @@ fn any_number_of_levels_is_searched() {
         let table = TableRecipe { levels: MOST_LEVELS, ..TableRecipe::default() };
         for bytes in [None, Some(2048)] {
             let budget = Budget { bytes, ..Budget::default() };
-            let recipe = AutoRecipe { budget, table: table.clone(), tables: Tables::Factored };
+            let recipe = SearchRecipe { budget, table: table.clone(), tables: Tables::Factored };
             let (made, _) = search(source.as_ref(), &recipe, &()).unwrap();
             assert!(made.pack.levels() == MOST_LEVELS && made.pack.gpu_bytes() <= bytes.unwrap_or(LARGEST));
         }
@@ -65,7 +70,7 @@ fn few_bytes_hold_a_table() {
     let none = Budget { bytes: Some(100), ..NONE };
     let source = parse_synth("synth:ggx").unwrap();
     let refused =
-        search(source.as_ref(), &AutoRecipe { budget: none, ..AutoRecipe::default() }, &()).map(|(made, _)| made);
+        search(source.as_ref(), &SearchRecipe { budget: none, ..SearchRecipe::default() }, &()).map(|(made, _)| made);
     assert!(matches!(refused, Err(EncodeError::TooFewBytes { .. })), "{refused:?}");
 }
 
@@ -74,7 +79,7 @@ fn few_bytes_hold_a_table() {
 fn stalled_searches_stop() {
     let one_way = brdfc_testing::wrapped::OneWay(parse_synth("synth:ggx?kd=0.3,0.1,0.05&alpha=0.3").unwrap());
     let table = TableRecipe { reciprocal: true, ..TableRecipe::default() };
-    let recipe = AutoRecipe { table, ..AutoRecipe::default() };
+    let recipe = SearchRecipe { table, ..SearchRecipe::default() };
     let (made, _) = search(&one_way, &recipe, &()).unwrap();
     assert!(made.missed.is_some() && made.pack.gpu_bytes() < LARGEST / 4, "{:?}", made.tried);
 }
@@ -86,7 +91,7 @@ fn a_dark_mirror_gets_no_more_bytes_than_help() {
     let file = merl_file(model.as_ref(), Dimensions::MERL);
     let mirror = MerlSource::new(Merl::from_bytes(&file).unwrap());
     let budget = Budget { delta_e: Some(0.03), ..NONE };
-    let (made, _) = search(&mirror, &AutoRecipe { budget, ..AutoRecipe::default() }, &()).unwrap();
+    let (made, _) = search(&mirror, &SearchRecipe { budget, ..SearchRecipe::default() }, &()).unwrap();
     let least = made.tried.iter().map(|trial| trial.delta_e).fold(f64::INFINITY, f64::min);
     assert!(made.missed.is_none() || made.off_grid.picture.delta_e.mean < 1.1 * least, "{:?}", made.tried);
     assert!(made.tried.iter().all(|trial| trial.bytes_on_gpu < LARGEST / 4), "{:?}", made.tried);

@@ -1,18 +1,24 @@
-//! The search for the smallest pack that meets a budget.
+//! The search for the smallest table that meets a budget.
 
-use super::recipe::{AutoRecipe, LARGEST, Tables};
-use super::{CodecReport, EncodedPack};
-use brdfc_codec::{AveragingCost, Budget, EncodeError, TAIL, Trial};
+pub mod recipe;
+pub mod within;
+
+use super::codec::TableReport;
+use super::encode::{self, Prepared, measured, samples_for};
+use super::recipe::{Size, TableRecipe};
+use brdfc_codec::{AveragingCost, Budget, EncodeError, Encoded, TAIL, Trial};
 use brdfc_core::progress::{Cancelled, Progress, Stage};
 use brdfc_core::{PackSource, Source};
 use brdfc_metrics::compare::{Comparison, Reference};
 use brdfc_metrics::sampling::PairSet;
-use brdfc_table::encode::{Encoded, Prepared, measured, samples_for};
-use brdfc_table::recipe::{Size, TableRecipe};
+use recipe::{LARGEST, SearchRecipe, Tables};
+
+/// A table with what was measured while making it.
+pub type EncodedTable = Encoded<TableReport>;
 
 /// Smallest and largest table that is tried, bytes on a GPU; each next one is twice as large. Few layers leave knobs on
 /// the outlines of anisotropic highlights, which hardly count in a mean: their smallest is larger.
-const SMALLEST: u64 = 1 << 10;
+pub const SMALLEST: u64 = 1 << 10;
 const SMALLEST_ANISOTROPIC: u64 = 4 << 10;
 /// Likewise where there are levels of detail: with few nodes a row does not keep the light of a narrow highlight.
 const SMALLEST_WITH_LEVELS: u64 = 8 << 10;
@@ -33,25 +39,26 @@ const FILLED: u32 = 3;
 /// Tries tables from small to large and keeps the first that meets the budget. A budget of bytes alone gets the pack with the
 /// smallest colour differences that fits.
 ///
-/// Sizes are left out where even an error that falls by the power [`FASTEST`] would miss the budget. When a larger one meets it,
-/// those that were left out since the last miss are tried after all; when none does, every [`STRIDE`]th is, until errors stop
+/// Sizes are left out where even an error that falls as fast as those of tables do at most would miss the budget. When a larger one meets it,
+/// those that were left out since the last miss are tried after all; when none does, some of them are, until errors stop
 /// falling. Below the smallest table that meets the budget factored ones are tried, too: with one fetch more they may be smaller.
-/// Where errors of tables stop falling, factored ones up to that size may still be closer. When nothing meets the budget, the smallest pack is kept
-/// than which no other is [`CLOSER`].
+/// Where errors of tables stop falling, factored ones up to that size may still be closer. When nothing meets the budget, the
+/// smallest pack is kept than which no other is much closer.
 ///
 /// # Errors
 /// Budgets that no pack can meet whatever its quality, error budgets for black materials, cancellation.
-pub(super) fn search(
+pub fn search(
     source: &dyn Source,
-    recipe: &AutoRecipe,
+    recipe: &SearchRecipe,
     progress: &dyn Progress,
-) -> Result<(EncodedPack, Reference), EncodeError> {
+) -> Result<(EncodedTable, Reference), EncodeError> {
     let budget = recipe.budget;
     let fewest = fewest_fetches(source) + u32::from(recipe.tables == Tables::Factored);
     if let Some(allowed) = budget.fetches
         && allowed < fewest
     {
-        return Err(EncodeError::TooFewFetches { allowed, fewest });
+        let why = "1 for an isotropic table, 2 for others, 1 more with a curve or levels";
+        return Err(EncodeError::TooFewFetches { allowed, fewest, why });
     }
     progress.stage(Stage::MeasureOffGrid, 1)?;
     let reference = Reference::new(source, PairSet::within(recipe.table.directions));
@@ -84,7 +91,7 @@ fn fewest_fetches(source: &dyn Source) -> u32 {
 }
 
 /// Bytes of the smallest table that is tried.
-pub(super) fn smallest_tried(source: &dyn Source, recipe: &AutoRecipe) -> u64 {
+pub fn smallest_tried(source: &dyn Source, recipe: &SearchRecipe) -> u64 {
     match (recipe.table.levels, source.symmetry().isotropic) {
         (1.., _) => SMALLEST_WITH_LEVELS,
         (0, true) => SMALLEST,
@@ -94,12 +101,12 @@ pub(super) fn smallest_tried(source: &dyn Source, recipe: &AutoRecipe) -> u64 {
 
 struct Search<'a> {
     source: &'a dyn Source,
-    recipe: &'a AutoRecipe,
+    recipe: &'a SearchRecipe,
     reference: Reference,
     progress: &'a dyn Progress,
     prepared: Option<Prepared>,
     /// What may be kept, with how far over the budget each is.
-    made: Vec<(f64, EncodedPack)>,
+    made: Vec<(f64, EncodedTable)>,
     tried: Vec<Trial>,
 }
 
@@ -216,21 +223,21 @@ impl Search<'_> {
         let bytes = pack.to_bytes(recipe.supercompress);
         let (asymmetry, tally) = (prepared.asymmetry, prepared.samples.tally);
         self.prepared = Some(prepared);
-        Ok(self.consider(of_table(Encoded { pack, bytes, asymmetry, off_grid, tally })))
+        Ok(self.consider(encode::Encoded { pack, bytes, asymmetry, off_grid, tally }.into()))
     }
 
     /// Notes a pack, and keeps it where it may be the one; how far over the budget it is.
-    fn consider(&mut self, made: EncodedPack) -> f64 {
+    fn consider(&mut self, made: EncodedTable) -> f64 {
         let excess = excess(&self.recipe.budget, &made.off_grid);
-        self.tried.push(made.trial(&*made.codec, excess <= 1.0));
+        self.tried.push(made.trial(&made.codec, excess <= 1.0));
         self.made.push((excess, made));
         excess
     }
 
-    fn finish(self) -> (EncodedPack, Reference) {
+    fn finish(self) -> (EncodedTable, Reference) {
         let budget = &self.recipe.budget;
-        let picture = |made: &EncodedPack| made.off_grid.picture.delta_e.mean;
-        let bytes = |made: &EncodedPack| made.pack.gpu_bytes();
+        let picture = |made: &EncodedTable| made.off_grid.picture.delta_e.mean;
+        let bytes = |made: &EncodedTable| made.pack.gpu_bytes();
         let least = self.made.iter().map(|(excess, _)| *excess).fold(f64::INFINITY, f64::min);
         let best = if budget.limits_error() {
             let is_one = |excess: f64| if least <= 1.0 { excess <= 1.0 } else { CLOSER * excess <= least };
@@ -248,11 +255,6 @@ impl Search<'_> {
     }
 }
 
-/// A table among packs of all codecs.
-pub(super) fn of_table(encoded: Encoded) -> EncodedPack {
-    brdfc_codec::Encoded::from(encoded).map(CodecReport::Table)
-}
-
 /// What trials of several sizes found: indices of sizes.
 enum Found {
     /// The smallest that meets the budget.
@@ -267,7 +269,7 @@ fn tried(sizes: &[u64], excesses: &[Option<f64>]) -> Vec<(u64, f64)> {
 }
 
 /// Whether the last two sizes came hardly closer than the best before them, and so little that the largest would miss the budget.
-fn has_stalled(tried: &[(u64, f64)], largest: u64) -> bool {
+pub fn has_stalled(tried: &[(u64, f64)], largest: u64) -> bool {
     let [before @ .., (_, a), (size, b)] = tried else { return false };
     let Some((earlier, best)) = before.iter().min_by(|a, b| a.1.total_cmp(&b.1)) else { return false };
     let now = a.min(*b);
@@ -276,7 +278,7 @@ fn has_stalled(tried: &[(u64, f64)], largest: u64) -> bool {
 }
 
 /// How many times over the tightest limit of error a pack is; infinite where its error is no number.
-pub(super) fn excess(budget: &Budget, error: &Comparison) -> f64 {
+pub fn excess(budget: &Budget, error: &Comparison) -> f64 {
     let Budget { delta_e, error: relative, .. } = *budget;
     let picture = &error.picture.delta_e;
     let ratios = [
@@ -289,7 +291,7 @@ pub(super) fn excess(budget: &Budget, error: &Comparison) -> f64 {
 }
 
 /// Sizes of tables within a budget, from small to large; the last fills it.
-fn sizes(smallest: u64, most: Option<u64>, largest: u64) -> Vec<u64> {
+pub fn sizes(smallest: u64, most: Option<u64>, largest: u64) -> Vec<u64> {
     let most = most.unwrap_or(largest).min(largest);
     let mut sizes: Vec<u64> =
         std::iter::successors(Some(smallest), |size| Some(2 * size)).take_while(|size| *size < most).collect();
@@ -318,6 +320,3 @@ fn missed(budget: &Budget, best: &Comparison) -> String {
     }
     format!("nothing that was tried meets the budget, the best is kept; {}", parts.join("; "))
 }
-
-#[cfg(test)]
-mod tests;
