@@ -51,7 +51,7 @@ pub use brdfc_formats::{Brdf, BrdfPack, FormatError};
 pub use brdfc_jobs::build::Build;
 pub use brdfc_jobs::encode::PackRecipe;
 pub use brdfc_jobs::encode::encoders::table::recipe::TableRecipe;
-pub use brdfc_jobs::encode::encoders::table::search::recipe::SearchRecipe;
+pub use brdfc_jobs::encode::encoders::table::search::recipe::{SearchRecipe, Tables};
 pub use brdfc_jobs::encode::encoders::wavelet::recipe::Recipe as WaveletRecipe;
 pub use brdfc_jobs::encode::{Budget, EncodeOptions};
 pub use brdfc_jobs::output_folder::Changes;

@@ -48,7 +48,7 @@ use wavelet::WaveletPack;
 // The codecs, a line for each.
 codecs! {
     brdfs: {
-        /// A table pack.
+        /// A table pack, plain or factored.
         Table(TablePack): table;
         /// A wavelet BRDF pack.
         Wavelet(WaveletPack): wavelet;

@@ -17,7 +17,7 @@ pub enum EncodeError {
         /// How it was reached.
         best: String,
     },
-    /// An error budget for a black material, which has no relative error.
+    /// A limit of error that was asked of a black material, of which nothing is measured.
     #[error(
         "error budget: found a material that is black everywhere; allowed one with reflectance, or the budget says \
          nothing"

@@ -8,7 +8,7 @@ use serde::{Deserialize, Serialize};
 
 /// A recipe of a pack of a BRDF, as scenes and plans see it.
 pub trait BrdfRecipe {
-    /// The variant of the codec, as `--codec` takes it.
+    /// The variant of the codec that is made, as `--codec` takes it; one that stands for several where a search chooses.
     fn variant(&self) -> &'static str;
 
     /// What limits the pack's size or error, in a few words for a plan: `ΔE at most 0.5`.
@@ -22,6 +22,11 @@ pub trait BrdfRecipe {
 
     /// Whether cropped directions make the pack smaller. Otherwise they leave room for finer values.
     fn has_fixed_size(&self) -> bool;
+
+    /// Whether several packs are tried.
+    fn is_search(&self) -> bool {
+        false
+    }
 
     /// Whether a limit of error decides how large the pack becomes.
     fn limits_error(&self) -> bool;

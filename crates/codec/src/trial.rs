@@ -7,7 +7,7 @@ use serde::{Deserialize, Serialize};
 pub struct Trial {
     /// The variant of its codec, as `--codec` takes it.
     pub codec: String,
-    /// How large it is, in units of its codec: nodes per axis, or slices.
+    /// Its size in units of its codec: nodes per axis (with those of a curve), or slices.
     pub size: String,
     /// Bytes on a GPU.
     pub bytes_on_gpu: u64,

@@ -131,8 +131,8 @@ macro_rules! codecs {
 }
 
 codecs! {
-    /// A table pack.
-    Table: table::recipe::Recipe, table::TableReport, table::TablePackFacts, "table-pack";
+    /// A table pack, plain or factored.
+    Table: table::Recipe, table::TableReport, table::TablePackFacts, "table-pack";
     /// A wavelet pack.
     Wavelet: wavelet::recipe::Recipe, wavelet::WaveletReport, wavelet::WaveletPackFacts, "wavelet-pack";
 }
@@ -178,9 +178,21 @@ impl Describe for PackFacts {
     }
 }
 
+impl From<table::recipe::TableRecipe> for PackRecipe {
+    fn from(recipe: table::recipe::TableRecipe) -> Self {
+        Self::Table(recipe.into())
+    }
+}
+
+impl From<table::search::recipe::SearchRecipe> for PackRecipe {
+    fn from(recipe: table::search::recipe::SearchRecipe) -> Self {
+        Self::Table(recipe.into())
+    }
+}
+
 impl Default for PackRecipe {
     fn default() -> Self {
-        Self::Table(table::recipe::Recipe::default())
+        Self::Table(table::Recipe::default())
     }
 }
 

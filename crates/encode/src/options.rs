@@ -87,6 +87,7 @@ impl PackRecipe {
         if let Some((option, found)) = all.given().find(|(option, _)| !asked.has(option)) {
             return Err(asked.refuses(option, &found, &all));
         }
+        // Limits out of range are told before options of one codec.
         all.budget()?;
         (Self::CODECS[asked.codec].recipe)(asked.variant.name, &all)
     }
@@ -128,7 +129,7 @@ impl TryFrom<Budget> for PackRecipe {
 
     fn try_from(Budget { delta_e, error, bytes, fetches }: Budget) -> Result<Self, OptionError> {
         let budget = Budget::checked(delta_e, error.map(Fraction::bare), bytes, fetches)?;
-        Ok(Self::Table(SearchRecipe::of_budget(budget).into()))
+        Ok(SearchRecipe::of_budget(budget).into())
     }
 }
 

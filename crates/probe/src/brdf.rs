@@ -46,7 +46,8 @@ pub struct LoadedPack {
 pub struct Evaluator<'g> {
     pipeline: ItemPipeline<'g>,
     slots: Slots,
-    /// The variable `change` of the entry point, for decoders in which a test made changes that depend on it.
+    /// The variable `change` of the entry point, for decoders in which a test made changes that depend on it. It is that of pairs
+    /// which are loaded from then on.
     pub change: u32,
 }
 

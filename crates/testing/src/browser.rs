@@ -28,8 +28,10 @@ const OPTIONS: [&str; 12] = [
 /// For a page to say what it found.
 const PATIENCE: Duration = Duration::from_secs(120);
 
-/// Posts the canvas after some frames, or what went wrong.
+/// Posts the canvas after some frames, or what went wrong. The first may stand before a page has loaded all, or before what was lost
+/// is uploaded again; the third does not.
 const LOOK: &str = "
+const FRAMES = 3;
 const say = (body) => parent.postMessage(body, '*');
 addEventListener('error', ({ message }) => say(`error: ${message}`));
 addEventListener('unhandledrejection', ({ reason }) => say(`error: ${reason?.stack ?? reason}`));
@@ -48,7 +50,7 @@ let frames = 0;
 window.requestAnimationFrame = (draw) => frame((time) => {
     draw(time);
     frames += 1;
-    if (frames === 3) {
+    if (frames === FRAMES) {
         const url = document.querySelector('canvas').toDataURL('image/png');
         // Errors of the device come before that.
         Promise.resolve(device?.queue.onSubmittedWorkDone()).then(() => fetch(url)).then((answer) => answer.blob()).then(say);

@@ -86,7 +86,7 @@ fn predicted(recipe: &PackRecipe, planned: &MaterialEntry) -> String {
     let Some(Predicted { least, most }) = planned.predicted else { return "-".to_owned() };
     match least {
         _ if planned.cached == Some(true) => format!("{}, made before", table::bytes(most)),
-        0 if recipe.limits_error() => format!("searched, up to {}", table::bytes(most)),
+        0 if recipe.is_search() => format!("searched, up to {}", table::bytes(most)),
         0 => format!("up to {}", table::bytes(most)),
         _ => format!("{} to {}", table::bytes(least), table::bytes(most)),
     }

@@ -233,6 +233,8 @@ fn budgets_that_say_nothing_are_refused() {
         ),
         ("synth:ward?ax=0.1&ay=0.4", &["--max-fetches", "1"], 1, "fetch budget: found 1; allowed at least 2"),
         ("synth:lambert?kd=0", &["--max-error", "1%"], 1, "black everywhere"),
+        ("synth:lambert?kd=0", &["--max-delta-e", "0.5"], 1, "black everywhere"),
+        ("synth:lambert?kd=1e-310", &["--max-delta-e", "0.5"], 1, "black everywhere"),
         ("synth:lewis", &["--codec", "jpeg"], 2, "--codec: found \"jpeg\"; allowed auto, table, factored"),
         (
             "synth:lewis",

@@ -1,69 +1,70 @@
 //! Table packs among the codecs of BRDFs.
 
-use super::encode::{self, encode};
+use super::encode::encode;
 use super::levels::MOST_LEVELS;
-use super::recipe::{Recipe, Size, TableRecipe};
+use super::recipe::{Size, TableRecipe};
+use super::report::{FACTORED, TABLE, TableReport};
 use super::search::recipe::{LARGEST, SearchRecipe, Tables};
 use super::search::within::search_within;
-use super::symmetry::Asymmetry;
 use brdfc_codec::{
-    AveragingCost, BrdfRecipe, BrdfReport, Encode, EncodeError, EncodeOptions, Encoded, GridCache, OptionError,
-    Predicted, Variant,
+    AveragingCost, BrdfRecipe, Encode, EncodeError, EncodeOptions, Encoded, GridCache, OptionError, Predicted, Variant,
 };
 use brdfc_core::Source;
 use brdfc_core::progress::Progress;
 use brdfc_core::words::bytes;
-use brdfc_formats::BrdfPack;
 use brdfc_formats::crop::DirectionRange;
-use brdfc_formats::table::{Axes, TableSymmetry};
 use brdfc_metrics::compare::Reference;
 use brdfc_metrics::sampling::PairSet;
 use serde::{Deserialize, Serialize};
 
 /// The variant that a search chooses.
 const AUTO: &str = "auto";
-/// The variant without a curve.
-const TABLE: &str = "table";
-/// The variant with a curve.
-const FACTORED: &str = "factored";
 
 /// Memory of an encoding without its source, bytes; measured with a scan.
 const MEMORY: u64 = 40 << 20;
 /// Memory of a search at its largest table, likewise.
 const MEMORY_OF_SEARCH: u64 = 128 << 20;
 
-/// The report of a table pack.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, schemars::JsonSchema)]
-pub struct TableReport {
-    /// Nodes per axis.
-    pub axes: Axes,
-    /// Nodes of the curve over `θ_h` of a factored pack, otherwise 0.
-    pub curve_nodes: usize,
-    /// What was folded.
-    pub symmetry: TableSymmetry,
-    /// How far the source is from each symmetry.
-    pub asymmetry: Asymmetry,
+/// Everything that decides the bytes of a pack, besides the source.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub enum Recipe {
+    /// A table of a size.
+    Table(TableRecipe),
+    /// The smallest table that meets a budget.
+    Search(SearchRecipe),
 }
 
-impl BrdfReport for TableReport {
-    fn variant(&self) -> &'static str {
-        if self.curve_nodes > 0 { FACTORED } else { TABLE }
-    }
-
-    fn size(&self) -> String {
-        let curve = if self.curve_nodes == 0 { String::new() } else { format!(" + {}", self.curve_nodes) };
-        format!("{}{curve}", self.axes)
+impl Default for Recipe {
+    fn default() -> Self {
+        Self::Search(SearchRecipe::default())
     }
 }
 
-impl From<encode::Encoded> for Encoded<TableReport> {
-    fn from(encoded: encode::Encoded) -> Self {
-        let encode::Encoded { pack, bytes, asymmetry, off_grid, tally } = encoded;
-        let (axes, symmetry) = (pack.header().axes, pack.header().symmetry);
-        let curve_nodes = pack.curve().map_or(0, |curve| curve.nodes());
-        let cropped_bytes = pack.cropped_bytes();
-        let report = TableReport { axes, curve_nodes, symmetry, asymmetry };
-        Self { cropped_bytes, ..Self::new(BrdfPack::Table(pack), bytes, report, off_grid, tally) }
+impl From<TableRecipe> for Recipe {
+    fn from(recipe: TableRecipe) -> Self {
+        Self::Table(recipe)
+    }
+}
+
+impl From<SearchRecipe> for Recipe {
+    fn from(recipe: SearchRecipe) -> Self {
+        Self::Search(recipe)
+    }
+}
+
+impl Recipe {
+    /// The table, or what all that a search tries have in common.
+    fn table(&self) -> &TableRecipe {
+        match self {
+            Self::Table(table) | Self::Search(SearchRecipe { table, .. }) => table,
+        }
+    }
+
+    /// The same, to be changed.
+    fn table_mut(&mut self) -> &mut TableRecipe {
+        match self {
+            Self::Table(table) | Self::Search(SearchRecipe { table, .. }) => table,
+        }
     }
 }
 
@@ -72,8 +73,14 @@ impl BrdfRecipe for Recipe {
         match self {
             Self::Search(SearchRecipe { tables: Tables::Both, .. }) => AUTO,
             Self::Search(SearchRecipe { tables: Tables::Factored, .. }) => FACTORED,
-            Self::Table(table) if table.has_curve() => FACTORED,
-            _ => TABLE,
+            Self::Search(SearchRecipe { tables: Tables::Plain, .. }) => TABLE,
+            Self::Table(table) => {
+                if table.has_curve() {
+                    FACTORED
+                } else {
+                    TABLE
+                }
+            }
         }
     }
 
@@ -98,6 +105,10 @@ impl BrdfRecipe for Recipe {
 
     fn has_fixed_size(&self) -> bool {
         matches!(self, Self::Table(TableRecipe { size: Size::Nodes(_), .. }))
+    }
+
+    fn is_search(&self) -> bool {
+        matches!(self, Self::Search(_))
     }
 
     fn limits_error(&self) -> bool {

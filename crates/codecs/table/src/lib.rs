@@ -1,5 +1,6 @@
 //! Table packs from sources: logarithms of `f_r` over half-difference angles, nodes where the material needs them, values
-//! fitted to what is seen; the search for the smallest that meets a budget. `formats/src/table` has the layout, the decoder and the shader.
+//! fitted to what is seen. [`search`] finds the smallest that meets a budget. `formats/src/table` has the layout, the decoder and the
+//! shader.
 
 pub mod choose;
 mod codec;
@@ -12,10 +13,12 @@ pub mod lattice;
 pub mod levels;
 pub mod quantise;
 pub mod recipe;
+mod report;
 pub mod samples;
 pub mod search;
 pub mod symmetry;
 pub mod targets;
 
-pub use codec::TableReport;
+pub use codec::Recipe;
 pub use facts::TablePackFacts;
+pub use report::TableReport;

@@ -1,6 +1,5 @@
 //! What decides the bytes of a table pack.
 
-use super::search::recipe::SearchRecipe;
 use brdfc_formats::crop::DirectionRange;
 use brdfc_formats::table::Axes;
 
@@ -23,49 +22,6 @@ pub enum Aim {
     Pictures,
     /// Ratios, wherever they are: `ε_r`.
     Ratios,
-}
-
-/// Everything that decides the bytes of a pack, besides the source.
-#[derive(Debug, Clone, PartialEq, serde::Serialize, serde::Deserialize)]
-pub enum Recipe {
-    /// A table of a size.
-    Table(TableRecipe),
-    /// The smallest table that meets a budget.
-    Search(SearchRecipe),
-}
-
-impl Default for Recipe {
-    fn default() -> Self {
-        Self::Search(SearchRecipe::default())
-    }
-}
-
-impl From<TableRecipe> for Recipe {
-    fn from(recipe: TableRecipe) -> Self {
-        Self::Table(recipe)
-    }
-}
-
-impl From<SearchRecipe> for Recipe {
-    fn from(recipe: SearchRecipe) -> Self {
-        Self::Search(recipe)
-    }
-}
-
-impl Recipe {
-    /// The table, or what all that a search tries have in common.
-    pub(super) fn table(&self) -> &TableRecipe {
-        match self {
-            Self::Table(table) | Self::Search(SearchRecipe { table, .. }) => table,
-        }
-    }
-
-    /// The same, to be changed.
-    pub(super) fn table_mut(&mut self) -> &mut TableRecipe {
-        match self {
-            Self::Table(table) | Self::Search(SearchRecipe { table, .. }) => table,
-        }
-    }
 }
 
 /// Everything that decides the bytes of a table, besides the source.

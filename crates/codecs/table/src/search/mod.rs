@@ -3,9 +3,9 @@
 pub mod recipe;
 pub mod within;
 
-use super::codec::TableReport;
 use super::encode::{self, Prepared, measured, samples_for};
 use super::recipe::{Size, TableRecipe};
+use super::report::TableReport;
 use brdfc_codec::{AveragingCost, Budget, EncodeError, Encoded, TAIL, Trial};
 use brdfc_core::progress::{Cancelled, Progress, Stage};
 use brdfc_core::{PackSource, Source};
@@ -18,6 +18,7 @@ pub type EncodedTable = Encoded<TableReport>;
 
 /// Smallest and largest table that is tried, bytes on a GPU; each next one is twice as large. Few layers leave knobs on
 /// the outlines of anisotropic highlights, which hardly count in a mean: their smallest is larger.
+#[doc(hidden)]
 pub const SMALLEST: u64 = 1 << 10;
 const SMALLEST_ANISOTROPIC: u64 = 4 << 10;
 /// Likewise where there are levels of detail: with few nodes a row does not keep the light of a narrow highlight.
@@ -46,7 +47,7 @@ const FILLED: u32 = 3;
 /// smallest pack is kept than which no other is much closer.
 ///
 /// # Errors
-/// Budgets that no pack can meet whatever its quality, error budgets for black materials, cancellation.
+/// Budgets that no pack can meet whatever its quality, limits of error that were asked of black materials, cancellation.
 pub fn search(
     source: &dyn Source,
     recipe: &SearchRecipe,
@@ -62,7 +63,7 @@ pub fn search(
     }
     progress.stage(Stage::MeasureOffGrid, 1)?;
     let reference = Reference::new(source, PairSet::within(recipe.table.directions));
-    if reference.is_black() && budget.error.is_some() {
+    if reference.is_black() && recipe.is_asked {
         return Err(EncodeError::NothingMeasured);
     }
     let mut search =
@@ -110,16 +111,16 @@ struct Search<'a> {
     tried: Vec<Trial>,
 }
 
-/// Passes on whether to stop; stages within a trial are not told.
-pub(super) struct Within<'a>(pub(super) &'a dyn Progress);
+/// Passes on cancellation alone: stages of a trial are not shown.
+struct CancelOnly<'a>(&'a dyn Progress);
 
-impl Progress for Within<'_> {
+impl Progress for CancelOnly<'_> {
     fn check(&self) -> Result<(), Cancelled> {
         self.0.check()
     }
 
     fn part<'b>(&'b self, _: &'b str) -> Box<dyn Progress + 'b> {
-        Box::new(Within(self.0))
+        Box::new(CancelOnly(self.0))
     }
 }
 
@@ -204,7 +205,7 @@ impl Search<'_> {
     /// Makes a table; how far over the budget it is.
     fn table(&mut self, bytes: u64, factored: bool) -> Result<f64, EncodeError> {
         self.progress.stage(Stage::Try, 1)?;
-        let within = Within(self.progress);
+        let within = CancelOnly(self.progress);
         let recipe = TableRecipe { size: Size::Bytes(bytes), factored, ..self.recipe.table.clone() };
         let wanted = samples_for(recipe.size, self.source.is_grey());
         let prepared = match self.prepared.take().filter(|prepared| prepared.samples.len() == wanted) {
@@ -269,6 +270,7 @@ fn tried(sizes: &[u64], excesses: &[Option<f64>]) -> Vec<(u64, f64)> {
 }
 
 /// Whether the last two sizes came hardly closer than the best before them, and so little that the largest would miss the budget.
+#[doc(hidden)]
 pub fn has_stalled(tried: &[(u64, f64)], largest: u64) -> bool {
     let [before @ .., (_, a), (size, b)] = tried else { return false };
     let Some((earlier, best)) = before.iter().min_by(|a, b| a.1.total_cmp(&b.1)) else { return false };
@@ -291,6 +293,7 @@ pub fn excess(budget: &Budget, error: &Comparison) -> f64 {
 }
 
 /// Sizes of tables within a budget, from small to large; the last fills it.
+#[doc(hidden)]
 pub fn sizes(smallest: u64, most: Option<u64>, largest: u64) -> Vec<u64> {
     let most = most.unwrap_or(largest).min(largest);
     let mut sizes: Vec<u64> =

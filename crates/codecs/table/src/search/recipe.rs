@@ -13,6 +13,8 @@ pub const LARGEST: u64 = 4 * MOST_TEXELS;
 pub struct SearchRecipe {
     /// What a table has to meet.
     pub budget: Budget,
+    /// Whether somebody asked for its limits of error: what is black is held against none.
+    pub is_asked: bool,
     /// What all tables that are tried have in common; its size is not looked at, nor whether it is factored.
     pub table: TableRecipe,
     /// Which tables are tried.
@@ -32,7 +34,7 @@ pub enum Tables {
 
 impl Default for SearchRecipe {
     fn default() -> Self {
-        Self { budget: Budget::default(), table: TableRecipe::default(), tables: Tables::Both }
+        Self { budget: Budget::default(), is_asked: false, table: TableRecipe::default(), tables: Tables::Both }
     }
 }
 
@@ -44,6 +46,7 @@ impl SearchRecipe {
         // Where ratios alone are limited, they are what tables are made for.
         let aim = if budget.error.is_some() && budget.delta_e.is_none() { Aim::Ratios } else { Aim::Pictures };
         let table = TableRecipe { aim, ..TableRecipe::default() };
-        Self { budget: Budget { delta_e, ..budget }, table, tables: Tables::Both }
+        let is_asked = budget.limits_error();
+        Self { budget: Budget { delta_e, ..budget }, is_asked, table, tables: Tables::Both }
     }
 }

@@ -1,7 +1,7 @@
 //! The search within a range of directions: it looks at the pack of all directions, too, which may do.
 
 use super::recipe::SearchRecipe;
-use super::{EncodedTable, Within, excess, search, smallest_tried};
+use super::{CancelOnly, EncodedTable, excess, search, smallest_tried};
 use crate::crop::window;
 use crate::encode::{Encoded, measured};
 use brdfc_codec::EncodeError;
@@ -41,6 +41,7 @@ pub fn search_within(
 
 /// What was made within a range, or what was made of all directions, cropped, where that meets the limits there and is smaller.
 /// The reference is that of the range.
+#[doc(hidden)]
 pub fn smaller(
     reference: &Reference,
     recipe: &SearchRecipe,
@@ -85,7 +86,7 @@ fn of_all_directions(
         recipe.budget.bytes = Some(recipe.budget.bytes.map_or(most, |bytes| bytes.min(most)));
     }
     progress.stage(Stage::Try, 1)?;
-    match search(source, &recipe, &Within(progress)) {
+    match search(source, &recipe, &CancelOnly(progress)) {
         Ok((whole, _)) => Ok(Some(whole).filter(|whole| whole.missed.is_none())),
         // Limits may have no meaning over all directions; the range has its pack all the same.
         Err(EncodeError::Cancelled(cancelled)) => Err(EncodeError::Cancelled(cancelled)),

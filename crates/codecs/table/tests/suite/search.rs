@@ -55,7 +55,7 @@ fn any_number_of_levels_is_searched() {
         let table = TableRecipe { levels: MOST_LEVELS, ..TableRecipe::default() };
         for bytes in [None, Some(2048)] {
             let budget = Budget { bytes, ..Budget::default() };
-            let recipe = SearchRecipe { budget, table: table.clone(), tables: Tables::Factored };
+            let recipe = SearchRecipe { budget, is_asked: false, table: table.clone(), tables: Tables::Factored };
             let (made, _) = search(source.as_ref(), &recipe, &()).unwrap();
             assert!(made.pack.levels() == MOST_LEVELS && made.pack.gpu_bytes() <= bytes.unwrap_or(LARGEST));
         }
