@@ -67,6 +67,11 @@ pub struct Reference {
     tally: Tally,
 }
 
+/// Whether a material of this mean `f_r`, 1/sr, is black: packs hold nothing so small.
+pub fn is_black(mean: f64) -> bool {
+    mean < f64::from(f32::MIN_POSITIVE)
+}
+
 impl Reference {
     /// Evaluates a source.
     pub fn new(source: &dyn Source, set: PairSet) -> Self {
@@ -97,7 +102,7 @@ impl Reference {
 
     /// Whether the source is black at all pairs.
     pub fn is_black(&self) -> bool {
-        self.mean <= 0.0
+        is_black(self.mean)
     }
 
     /// Compares an approximation with the source, and pictures of both.

@@ -260,7 +260,15 @@ fn a_limit_is_a_check() {
     // Both report and picture are there to look at.
     assert!(mean(&report(&missed), "total") > 0.001);
     assert!(!folder.read("image.png").is_empty());
-    // A check that rests on nothing fails.
+    // A check that rests on nothing fails: what is all black or all white passes no limit.
+    for exposure in ["1e-9", "1e-4", "1e6"] {
+        let unseen = run("50", &["--exposure", exposure]);
+        assert!(
+            unseen.code == 1 && unseen.stderr.contains("neither black nor white, at exposure"),
+            "{}",
+            unseen.stderr
+        );
+    }
     folder.write(
         "away.toml",
         MANIFEST.replace("eye = [0.0, 1.5, 4.2]", "eye = [0.0, 1.5, 40.0]\ntarget = [0.0, 1.5, 80.0]"),

@@ -5,7 +5,7 @@ use crate::pack_files::entries;
 use brdfc_core::words::bytes;
 use brdfc_core::{StrayRows, Tally};
 use brdfc_formats::crop::DirectionRange;
-use brdfc_metrics::compare::Comparison;
+use brdfc_metrics::compare::{Comparison, is_black};
 use brdfc_source::open::Facts;
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
@@ -107,7 +107,7 @@ pub fn remarks(report: &MaterialReport) -> Vec<String> {
     }
     lines.extend(report.stray_rows.map(|strays| strays.in_words()));
     lines.extend(repairs_in_words(&report.repairs));
-    if report.off_grid.norms.samples > 0 && report.off_grid.mean <= 0.0 {
+    if report.off_grid.norms.samples > 0 && is_black(report.off_grid.mean) {
         lines.push("the material is black wherever it was looked at".to_owned());
         return lines;
     }

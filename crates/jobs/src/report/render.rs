@@ -1,6 +1,7 @@
 //! What a verification reports: how wrong packs look, and where the error comes from.
 
 use super::gate::GateResult;
+use brdfc_core::words::format_number;
 use brdfc_gpu::AdapterDescription;
 use brdfc_gpu::verify::Views;
 use brdfc_metrics::image::{ImageDifference, LinearImage, auto_exposure, compare_images};
@@ -68,6 +69,13 @@ pub struct PartMaterial {
     pub bytes_on_gpu: u64,
 }
 
+/// Radiance times exposure below which a pixel counts as black: a fiftieth of what a display shows brightest, as a code.
+const BLACK: f64 = 0.005;
+/// Share of the pixels on surfaces that are to be neither black nor white. Of a mirror under a point light few are.
+const SHOWN: f64 = 1e-3;
+/// How many times as bright as the darkest of them the brightest is to be.
+const CONTRAST: f64 = 1.02;
+
 impl Verification {
     /// Compares views. Without an `exposure` the brightest 1 % of the reference are clipped.
     pub fn new(
@@ -128,14 +136,31 @@ impl Verification {
     pub fn nothing_seen(&self, views: &Views) -> Option<String> {
         let difference = self.checked();
         let reference = views.reference();
-        let is_lit = |(pixel, covered): (&[f32; 3], &f32)| *covered > 0.0 && pixel.iter().any(|value| *value > 0.0);
+        let on_surfaces = || {
+            let all = reference.pixels.iter().zip(&reference.coverage);
+            all.filter(|(_, covered)| **covered > 0.0)
+                .map(|(pixel, _)| pixel.map(|value| self.exposure * f64::from(value)))
+        };
+        let is_lit = |pixel: [f64; 3]| pixel.iter().any(|value| *value > 0.0);
+        let is_shown =
+            |pixel: &[f64; 3]| pixel.iter().any(|value| *value > BLACK) && pixel.iter().any(|value| *value < 1.0);
+        let shown = || on_surfaces().filter(is_shown).map(|pixel| pixel.iter().sum::<f64>());
+        let needed = (SHOWN * difference.pixels as f64).ceil() as usize;
         if difference.pixels == 0 {
             let why = if views.left_out > 0.0 { ", of those that packs were made for" } else { "" };
             Some(format!("no pixel that shows a surface{why}"))
         } else if difference.invalid_pixels > 0 {
             Some(format!("{} pixels that hold no number", difference.invalid_pixels))
-        } else if !reference.pixels.iter().zip(&reference.coverage).any(is_lit) {
+        } else if !on_surfaces().any(is_lit) {
             Some("no light: all surfaces are black".to_owned())
+        } else if shown().count() < needed {
+            let (count, of) = (shown().count(), difference.pixels);
+            let exposure = format_number(self.exposure);
+            Some(format!(
+                "{count} of {of} pixels that are neither black nor white, at exposure {exposure}; {needed} are needed"
+            ))
+        } else if shown().fold(0.0, f64::max) < CONTRAST * shown().fold(f64::INFINITY, f64::min) {
+            Some("no contrast: all surfaces look alike".to_owned())
         } else {
             None
         }

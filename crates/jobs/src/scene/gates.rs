@@ -5,6 +5,7 @@ use crate::report::material::MaterialReport;
 use brdfc_codec::{Budget, OptionError, TAIL};
 use brdfc_core::byte_count::bytes_from_manifest;
 use brdfc_core::words::counted;
+use brdfc_metrics::compare::is_black;
 use brdfc_metrics::fraction::Fraction;
 use serde::Deserialize;
 
@@ -44,7 +45,7 @@ pub fn check(gates: &Budget, report: &MaterialReport) -> Vec<GateResult> {
     let (norms, picture) = (&report.off_grid.norms, &report.off_grid.picture.delta_e);
     if let Some(limit) = gates.delta_e {
         let allowed = format!("{limit}, and 95 % below {}", TAIL * limit);
-        if report.off_grid.mean <= 0.0 {
+        if is_black(report.off_grid.mean) {
             let found = "no light: the material is black wherever it was looked at";
             hold("max_delta_e", found.to_owned(), allowed, false);
         } else {
