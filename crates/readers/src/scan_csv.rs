@@ -121,6 +121,8 @@ pub fn write(output: &mut impl Write, rows: &[Row]) -> std::io::Result<()> {
 pub(crate) struct Table<'a> {
     reader: csv::Reader<Records<'a>>,
     header: Vec<String>,
+    /// Whether numbers may have a comma for a point, as they do where semicolons or tabs part them.
+    has_commas: bool,
 }
 
 /// The bytes of a table, so many at a time as a record may have: what is quoted could be as long as the file.
@@ -143,17 +145,19 @@ impl Read for Records<'_> {
 }
 
 impl<'a> Table<'a> {
-    /// Reads the header.
+    /// Reads the header. Columns are parted by what it has most of: commas, semicolons or tabs.
     pub(crate) fn open(bytes: &'a [u8]) -> Result<Self, FormatError> {
         text::checked(bytes)?;
+        let delimiter = delimiter(bytes);
         let records = Records { bytes, left: text::MAX_LINE_BYTES };
-        let mut reader = csv::ReaderBuilder::new().trim(csv::Trim::All).comment(Some(b'#')).from_reader(records);
+        let mut reader = csv::ReaderBuilder::new();
+        let mut reader = reader.delimiter(delimiter).trim(csv::Trim::All).comment(Some(b'#')).from_reader(records);
         let header = reader.headers().map_err(|error| csv_error(&error, 1))?;
         let header: Vec<String> = header.iter().map(str::to_owned).collect();
         if header.is_empty() {
             return Err(FormatError::whole("header", "an empty file", "a line of column names"));
         }
-        Ok(Self { reader, header })
+        Ok(Self { reader, header, has_commas: delimiter != b',' })
     }
 
     /// Index in the file of each wanted column.
@@ -187,10 +191,22 @@ impl<'a> Table<'a> {
         let line = record.position().map_or(0, csv::Position::line);
         let numbers = columns
             .iter()
-            .map(|(index, name)| number(record.get(*index).unwrap_or(""), line, name))
+            .map(|(index, name)| {
+                let text = record.get(*index).unwrap_or("");
+                if self.has_commas { number(&text.replacen(',', ".", 1), line, name) } else { number(text, line, name) }
+            })
             .collect::<Result<_, _>>()?;
         Ok(Some((line, numbers)))
     }
+}
+
+/// What parts the columns of the first line that is no comment.
+pub fn delimiter(bytes: &[u8]) -> u8 {
+    let is_header = |line: &&[u8]| !line.starts_with(b"#") && !line.trim_ascii().is_empty();
+    let header = bytes.split(|byte| *byte == b'\n').find(is_header).unwrap_or_default();
+    let count = |wanted: &u8| header.iter().filter(|byte| *byte == wanted).count();
+    // The first of those that are as many.
+    [b'\t', b';', b','].into_iter().max_by_key(count).unwrap_or(b',')
 }
 
 /// An error of the record that starts at `line`, where it does not know better.
@@ -237,6 +253,22 @@ mod tests {
         let other = from_bytes(vectors.as_bytes()).unwrap().rows[0];
         assert!((row.theta_o - other.theta_o).abs() < 1e-12 && (row.phi_o - other.phi_o).abs() < 1e-12);
         assert_eq!(row.value, other.value);
+    }
+
+    /// Files of programs in whose languages a number has a comma.
+    #[test]
+    fn semicolons_and_tabs_part_columns_too() {
+        let plain = "# by hand, once\ntheta_i,phi_i,theta_o,phi_o,r,g,b\n0.5,0,0.25,1,1.5,2,3e-1\n";
+        let rows = |text: &str| from_bytes(text.as_bytes()).map(|scan| scan.rows);
+        let value = rows(plain).unwrap()[0].value;
+        assert_eq!(value, [1.5, 2.0, 0.3]);
+        for other in [";", "\t"] {
+            let points = plain.replace("by hand, once", "by hand").replace(',', other);
+            assert_eq!(rows(&points).unwrap()[0].value, value);
+            assert_eq!(rows(&points.replace('.', ",")).unwrap()[0].value, value);
+            assert!(rows(&points.replace("1.5", "1,5,0")).is_err());
+        }
+        assert!(rows(&plain.replace("1.5", "\"1,5\"")).is_err(), "where commas part columns, none is in a number");
     }
 
     #[test]

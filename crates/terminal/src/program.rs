@@ -2,6 +2,7 @@
 
 use super::{Common, Error, ErrorKind, Flags, output, usage};
 use clap::FromArgMatches;
+use std::io::Write as _;
 use std::panic::AssertUnwindSafe;
 use std::process::ExitCode;
 
@@ -26,13 +27,20 @@ pub fn run_program<A: FromArgMatches>(
     let arguments = match parsed {
         Ok(arguments) => arguments,
         Err(error) => {
-            let code = if error.use_stderr() { 2 } else { 0 };
-            match usage::wrong_value(&error) {
-                Some(message) => output::tell(&format!("{name}: {message}")),
-                // A closed pipe is no reason to complain about help that nobody reads.
-                None => drop(error.print()),
+            if let Some(message) = usage::wrong_value(&error) {
+                output::tell(&format!("{name}: {message}"));
+                return ExitCode::from(2);
             }
-            return ExitCode::from(code);
+            return match error.print().and_then(|()| std::io::stdout().flush()) {
+                _ if error.use_stderr() => ExitCode::from(2),
+                // A closed pipe is no reason to complain about help that nobody reads.
+                Err(error) if error.kind() != std::io::ErrorKind::BrokenPipe => {
+                    let error = Error::write("stdout", &error);
+                    output::tell(&format!("{name}: {error}"));
+                    ExitCode::from(error.kind().exit_code())
+                }
+                _ => ExitCode::SUCCESS,
+            };
         }
     };
     let worked = std::panic::catch_unwind(AssertUnwindSafe(|| {

@@ -53,6 +53,8 @@ fn a_full_device_exits_with_4() {
     let folder = Folder::new();
     folder.write("pairs.csv", "wi_x,wi_y,wi_z,wo_x,wo_y,wo_z\n0,0,1,0,0,1\n");
     for line in [
+        "brdfc --help > /dev/full",
+        "brdfc encode --help > /dev/full",
         "brdfc info synth:lewis > /dev/full",
         "brdfc info synth:lewis --json > /dev/full",
         "brdfc schema info > /dev/full",
