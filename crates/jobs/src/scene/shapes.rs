@@ -4,6 +4,7 @@ use super::place::{ManifestError, line_of, near_miss};
 use brdfc_core::byte_count;
 use brdfc_metrics::fraction::{self, Fraction};
 use std::borrow::Cow;
+use std::ops::Range;
 use toml::Spanned;
 use toml::de::{DeTable, DeValue};
 
@@ -81,8 +82,7 @@ impl Checked<'_> {
         }
         for (name, value) in table.iter() {
             let key = keys.iter().find(|key| key.name == name.get_ref()).expect("unknown keys were told");
-            let line = line_of(self.text, Some(name.span()));
-            self.value(value, &key.shape, key.range, &joined(field, name.get_ref()), line)?;
+            self.value(value, &key.shape, key.range, &joined(field, name.get_ref()), name.span())?;
         }
         Ok(())
     }
@@ -93,9 +93,12 @@ impl Checked<'_> {
         shape: &Shape,
         range: &str,
         field: &str,
-        line: usize,
+        key: Range<usize>,
     ) -> Result<(), ManifestError> {
-        let wrong = |allowed: String| Err(ManifestError::new(line, field, self.shown(value), allowed));
+        // Lines are counted from the beginning: only where one is told.
+        let wrong = |allowed: String| {
+            Err(ManifestError::new(line_of(self.text, Some(key.clone())), field, self.shown(value), allowed))
+        };
         let heading = field;
         match (shape, value.get_ref()) {
             (Shape::Table(keys), DeValue::Table(table)) => self.table(table, keys, field, &format!("[{heading}]")),
@@ -119,8 +122,7 @@ impl Checked<'_> {
                     _ => Shape::Text,
                 };
                 table.iter().try_for_each(|(name, value)| {
-                    let line = line_of(self.text, Some(name.span()));
-                    self.value(value, &each, "", &joined(field, name.get_ref()), line)
+                    self.value(value, &each, "", &joined(field, name.get_ref()), name.span())
                 })
             }
             (shape, value) => match fits(shape, value) {
