@@ -92,6 +92,14 @@ fn ninja_runs_the_graph() {
     assert!(built && told.contains("[8/8] merge"), "{told}");
     assert!(folder.products("packs") == *WHOLE);
     assert!(ninja().1.contains("no work to do"));
+    // What was deleted comes back, and nothing is made again.
+    for (name, _) in folder.products("packs").iter().take(2) {
+        std::fs::remove_file(folder.path().join("packs").join(name)).unwrap();
+        let (built, told) = ninja();
+        assert!(built && told.contains("[1/1] merge"), "{name}: {told}");
+        assert!(folder.products("packs") == *WHOLE);
+        assert!(ninja().1.contains("no work to do"), "{name}");
+    }
     // A source that changed is made again, and nothing else.
     folder.run(&["synth", "ggx?alpha=0.5", "-o", "round.brdf", "--rows", "300"]).succeeded();
     let (built, told) = ninja();

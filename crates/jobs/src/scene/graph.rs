@@ -43,6 +43,8 @@ pub struct MergeJob {
     pub command: Vec<String>,
     /// The file that it writes when it is done.
     pub stamp: String,
+    /// What it puts into the output folder: packs, maps and what is said of them. It leaves alone what is there unchanged.
+    pub outputs: Vec<String>,
 }
 
 /// Where what is built comes from and goes to, as commands name it.
@@ -82,14 +84,20 @@ impl Graph {
                 name,
             }
         });
-        let merge = MergeJob { command: build(&["--stamp", &stamp("all"), "--quiet"]), stamp: stamp("all") };
+        let merge = MergeJob {
+            command: build(&["--stamp", &stamp("all"), "--quiet"]),
+            stamp: stamp("all"),
+            outputs: plan.files().map(|name| places.out.join(name).display().to_string()).collect(),
+        };
         Self { version: 1, jobs: jobs.collect(), merge }
     }
 
     /// As a file for ninja.
     pub fn ninja(&self) -> String {
         let mut text = "ninja_required_version = 1.3\n\n\
-                        rule job\n  command = $job\n  description = $name\n\n"
+                        rule job\n  command = $job\n  description = $name\n\n\
+                        # What is unchanged keeps its time.\n\
+                        rule merge\n  command = $job\n  description = merge\n  restat = 1\n\n"
             .to_owned();
         for job in &self.jobs {
             let inputs: String = job.inputs.iter().map(|path| format!(" {}", path_of_ninja(path))).collect();
@@ -97,8 +105,9 @@ impl Graph {
             text += &format!("  job = {}\n  name = {}\n", command(&job.command), value(&job.name));
         }
         let stamps: String = self.jobs.iter().map(|job| format!(" {}", path_of_ninja(&job.stamp))).collect();
-        text += &format!("build {}: job{stamps}\n", path_of_ninja(&self.merge.stamp));
-        text += &format!("  job = {}\n  name = merge\n", command(&self.merge.command));
+        let outputs: String = self.merge.outputs.iter().map(|path| format!(" {}", path_of_ninja(path))).collect();
+        text += &format!("build {} |{outputs}: merge{stamps}\n", path_of_ninja(&self.merge.stamp));
+        text += &format!("  job = {}\n", command(&self.merge.command));
         text + &format!("\ndefault {}\n", path_of_ninja(&self.merge.stamp))
     }
 }
