@@ -108,8 +108,8 @@ pub(super) fn run(arguments: &Arguments, common: Common) -> Result<(), Error> {
     remark(common, &format!("{}: {}", output.display(), counted(page.materials.len(), "material")));
     match page.regressions.len() {
         0 => Ok(()),
-        1 => Err(Error::check("one figure is worse than before")),
-        count => Err(Error::check(format!("{count} figures are worse than before"))),
+        1 => Err(Error::check("one figure is worse than before, or not as it was asked for")),
+        count => Err(Error::check(format!("{count} figures are worse than before, or not as they were asked for"))),
     }
 }
 

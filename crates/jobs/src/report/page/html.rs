@@ -43,18 +43,19 @@ fn regressions(page: &Page) -> Markup {
     html! {
         @if !page.regressions.is_empty() {
             div.regressions {
-                h2 { "Worse than before" }
+                h2 { "Worse than before, or not as asked for" }
                 div.scroll { table {
                     thead { tr { th { "material" } th.left { "figure" } th { "before" } th { "now" } th { "growth" } } }
                     tbody { @for worse in &page.regressions { tr {
                         td { a href={ "#" (worse.material) } { (worse.material) } }
-                        td.left { (worse.figure) } td { (worse.before) } td.bad { (worse.now) }
+                        td.left { (worse.figure) }
+                        td.words[worse.growth.is_none()] { (worse.before) } td.bad.words[worse.growth.is_none()] { (worse.now) }
                         td { @if let Some(growth) = worse.growth { (percent(growth)) } @else { "-" } }
                     } } }
                 } }
             }
         } @else if page.is_held {
-            p.good { "Nothing is worse than in the build before." }
+            p.good { "Nothing is worse than in the build before, and all is as it was asked for." }
         }
     }
 }
