@@ -4,7 +4,7 @@ pub use brdfc_jobs::depfile::depfile;
 pub use brdfc_jobs::encode::Predicted;
 pub use brdfc_jobs::file_events::FileEvents;
 pub use brdfc_jobs::report::build::{MaterialEntry, environment_map};
-pub use brdfc_jobs::scene::build::MaterialFile;
+pub use brdfc_jobs::report::list::MaterialFile;
 pub use brdfc_jobs::scene::current::PackFolder;
 pub use brdfc_jobs::scene::explain::{Explained, NOTHING};
 pub use brdfc_jobs::scene::graph::{Graph, Places};

@@ -7,6 +7,7 @@ pub mod depfile;
 pub mod encode;
 mod error;
 pub mod file_events;
+pub mod file_name;
 pub mod flatten;
 mod keys;
 pub mod light_stack;

@@ -2,17 +2,11 @@
 
 use crate::store::{PREFIX, SUFFIX};
 use std::io::Write;
-use std::path::{Component, Path};
+use std::path::Path;
 
 /// Whether a path is a name of standard output.
 pub fn is_standard_output(path: &Path) -> bool {
     ["/dev/stdout", "/dev/fd/1", "/proc/self/fd/1"].into_iter().any(|name| path == Path::new(name))
-}
-
-/// Whether it is the name of a file in a folder, and of nothing elsewhere.
-pub fn is_plain(name: &str) -> bool {
-    let mut components = Path::new(name).components();
-    matches!((components.next(), components.next()), (Some(Component::Normal(_)), None))
 }
 
 /// A folder; an empty name is that of the working folder.

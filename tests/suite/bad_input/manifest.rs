@@ -296,11 +296,13 @@ fn uses_of_materials_that_are_not_there() {
 
 #[test]
 fn names_that_cannot_be_files() {
-    for name in ["'../evil'", "'a/b'", "''", "'a b'", "'.hidden'", "'päint'", "'C:x'"] {
+    for name in ["'../evil'", "'a/b'", "''", "'a b'", "'.hidden'", "'C:x'"] {
         let shown = name.trim_matches('\'');
         bad(
             GOOD.replace("materials.paint", &format!("materials.{name}")),
-            &format!("line 5, materials.{shown}: found the name \"{shown}\"; allowed letters, digits, - and _"),
+            &format!(
+                "line 5, materials.{shown}: found the name \"{shown}\"; allowed letters of any script, digits, - and _"
+            ),
         );
     }
 }

@@ -42,6 +42,58 @@ fn an_input_is_not_removed() {
     assert_eq!(packs(&folder, "today"), ["mine.brdf.ktx2", "mine.ktx2"]);
 }
 
+/// The store may go at any time, and so may any bit of it: the report says what is a build's own.
+#[test]
+fn a_folder_is_known_by_its_report() {
+    let folder = Folder::new();
+    let both = ["synth:ggx", "synth:ward"];
+    build(&folder, &both, &["--out", "packs"]).succeeded();
+    let whole = folder.products("packs");
+    let cache = folder.path().join("packs/.brdfc-cache");
+    std::fs::remove_dir_all(&cache).unwrap();
+    build(&folder, &both, &["--out", "packs"]).succeeded();
+    assert!(folder.products("packs") == whole);
+    let mut placed = std::fs::read(cache.join("placed")).unwrap();
+    placed[40] ^= 4;
+    std::fs::write(cache.join("placed"), placed).unwrap();
+    // What is no longer asked for goes, lists included.
+    build(&folder, &both[..1], &["--out", "packs"]).succeeded();
+    let names: Vec<String> = folder.products("packs").into_keys().collect();
+    assert_eq!(names, ["ggx.brdf.ktx2", "ggx.json", "report.json"]);
+    // What somebody else wrote is still theirs.
+    std::fs::remove_dir_all(&cache).unwrap();
+    folder.write("packs/ggx.json", "mine");
+    let refused = build(&folder, &both, &["--out", "packs"]);
+    assert!(refused.code == 4 && refused.stderr.contains("ggx.json: found a file that no build wrote"), "{refused:?}");
+    assert_eq!(folder.text("packs/ggx.json"), "mine");
+}
+
+/// Letters of any script; names that are too long for files are cut, and nothing is half replaced.
+#[test]
+fn names_of_files_are_those_of_materials() {
+    let folder = Folder::new();
+    let red = std::fs::read(brdfc_testing::testdata("demo/red_plastic.binary")).unwrap();
+    let long = "x".repeat(246);
+    for name in ["漢字", "木綿", "é", &long] {
+        folder.write(&format!("scans/{name}.binary"), &red);
+    }
+    build(&folder, &["scans"], &["--out", "packs"]).succeeded();
+    let cut = format!("{}.brdf.ktx2", "x".repeat(200));
+    assert_eq!(packs(&folder, "packs"), [cut.as_str(), "é.brdf.ktx2", "木綿.brdf.ktx2", "漢字.brdf.ktx2"]);
+    build(&folder, &["scans"], &["--out", "packs"]).succeeded();
+    folder.run(&["report", "packs", "-o", "page.html", "--quiet"]).succeeded();
+    assert!(folder.text("page.html").contains("漢字"));
+    // The same name in another form of accents.
+    folder.write("scans/e\u{301}.binary", &red);
+    let refused = build(&folder, &["scans"], &["--out", "packs"]);
+    assert!(refused.code == 3 && refused.stderr.contains("found the name é for both"), "{refused:?}");
+    // In manifests what is too long is an error, before anything is made.
+    folder.write("scene.toml", format!("[materials.{long}]\nsource = 'synth:ggx'\n[[uses]]\nmaterial = '{long}'\n"));
+    let refused = build(&folder, &["scene.toml"], &["--out", "packs"]);
+    assert!(refused.code == 3 && refused.stderr.contains("allowed at most 200 bytes"), "{refused:?}");
+    assert_eq!(packs(&folder, "packs").len(), 4);
+}
+
 #[test]
 fn what_is_kept_stays_in_the_report() {
     let folder = Folder::new();

@@ -1,7 +1,8 @@
 //! The folder that a build fills: what stands there is what its report says.
 //!
-//! Files are put in place all together, when all are made. What a build puts there it notes, so that the next one may
-//! replace or remove it; what anybody else puts there is never touched. A process that is killed while files change places
+//! Files are put in place all together, when all are made. What a build puts there its report lists with hashes, so that the next
+//! one may replace or remove it; what anybody else puts there is never touched. A record in the store says the same, and by which
+//! stamps files are known without being read: the store may be deleted. A process that is killed while files change places
 //! leaves a journal, by which whoever opens the folder next finishes what was begun.
 
 mod journal;
@@ -64,13 +65,7 @@ impl OutputFolder {
         Journal::is_there(&path.join(crate::store::FOLDER))
     }
 
-    /// Whether nothing is known of earlier builds.
-    pub fn is_new(&self) -> bool {
-        self.placements == Placements::default()
-    }
-
-    /// Files of earlier builds that are listed elsewhere, such as in a report, with their hashes: ours even where the store
-    /// was deleted.
+    /// Files of earlier builds that a report lists, with their hashes: ours even where the store was deleted.
     pub fn also_placed(&mut self, listed: impl IntoIterator<Item = (String, Digest)>) {
         self.placements.also(&self.path, listed);
     }
@@ -225,3 +220,5 @@ fn lock(root: &Path) -> Result<File, Error> {
 
 #[cfg(test)]
 mod tests;
+#[cfg(test)]
+mod walk;

@@ -1,7 +1,7 @@
 //! What builds put into a folder.
 
+use crate::file_name::is_plain;
 use crate::store::{Digest, Stamp};
-use crate::write::is_plain;
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 use std::path::Path;
@@ -26,14 +26,13 @@ pub(super) struct Placements {
 }
 
 impl Placements {
-    /// Adds files that are not known yet and have these hashes.
+    /// Adds files that have these hashes and are not known, or by others.
     pub(super) fn also(&mut self, folder: &Path, listed: impl IntoIterator<Item = (String, Digest)>) {
         for (name, digest) in listed {
-            if is_plain(&name) && !self.files.contains_key(&name) {
-                let placed = Placed { digest, stamp: None };
-                if stamp_if_unchanged(folder, &name, &placed).is_some() {
-                    self.files.insert(name, placed);
-                }
+            let placed = Placed { digest, stamp: None };
+            let is_known = self.files.get(&name).is_some_and(|known| known.digest == digest);
+            if is_plain(&name) && !is_known && stamp_if_unchanged(folder, &name, &placed).is_some() {
+                self.files.insert(name, placed);
             }
         }
     }

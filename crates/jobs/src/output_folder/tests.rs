@@ -102,6 +102,63 @@ fn old_files_go_before_new_ones_come() {
     assert_eq!(there.text("a").as_deref(), Some("2"));
 }
 
+/// A folder in the way of the last of three files: the first two are taken back, by the same run and, where that was killed, by the
+/// next.
+#[test]
+fn what_cannot_be_moved_is_taken_back() {
+    let there = There::new();
+    there.place(&[bytes("a", "old"), bytes("b", "old")]);
+    let root = there.folder.path().join(FOLDER);
+    let begin = || {
+        let mut journal = Journal::new(&root);
+        ["a", "c", "d"].iter().for_each(|name| journal.write(name, b"new").unwrap());
+        journal.remove("b");
+        journal
+    };
+    let is_as_before = |there: &There| {
+        let texts = ["a", "b", "c"].map(|name| there.text(name));
+        texts == [Some("old".into()), Some("old".into()), None] && !root.join("commit").exists()
+    };
+    std::fs::create_dir(there.folder.path().join("d")).unwrap();
+    let error = begin().commit(there.folder.path(), &root, &[]).unwrap_err().to_string();
+    assert!(error.contains("/d: "), "{error}");
+    assert!(is_as_before(&there) && there.folder.path().join("d").is_dir());
+    // A list that cannot be read: what stood aside comes back.
+    let begun = begin();
+    std::fs::create_dir_all(root.join("commit/old")).unwrap();
+    std::fs::rename(there.folder.path().join("b"), root.join("commit/old/b")).unwrap();
+    std::fs::write(root.join("commit/list"), "damaged").unwrap();
+    std::mem::forget(begun);
+    there.open();
+    assert!(is_as_before(&there));
+    // Killed when the list had become that of what is to be taken back, and one file was.
+    let begun = begin();
+    std::fs::create_dir_all(root.join("commit/old")).unwrap();
+    std::fs::write(root.join("commit/back"), write_record(&(vec!["a", "c", "d"], vec!["b"]))).unwrap();
+    let path = |name: &str| there.folder.path().join(name);
+    for (from, to) in [("a", "commit/old/a"), ("b", "commit/old/b")] {
+        std::fs::rename(path(from), root.join(to)).unwrap();
+    }
+    std::fs::rename(root.join("commit/new/c"), path("c")).unwrap();
+    std::mem::forget(begun);
+    assert!(OutputFolder::is_unfinished(there.folder.path()));
+    there.open();
+    assert!(is_as_before(&there));
+}
+
+/// What a file system does not take is refused before anything moves.
+#[test]
+fn names_that_are_too_long_change_nothing() {
+    let there = There::new();
+    there.place(&[bytes("a", "old")]);
+    let long = "x".repeat(300);
+    let files = vec![bytes("a", "new"), bytes(&long, "new")];
+    let error = there.open().place(&there.store, |_| files).unwrap_err().to_string();
+    assert!(error.contains(&long), "{error}");
+    assert_eq!(there.text("a").as_deref(), Some("old"));
+    assert_eq!(there.place(&[bytes("a", "newer")]).written, ["a"]);
+}
+
 /// Killed at any moment: before the list stands nothing has changed, after that everything will.
 #[test]
 fn what_was_listed_is_finished_by_the_next() {
@@ -116,9 +173,8 @@ fn what_was_listed_is_finished_by_the_next() {
     assert!(!root.join("commit").exists());
 
     // A list with its files, one of which was moved already.
-    std::fs::create_dir(root.join("commit")).unwrap();
-    std::fs::write(root.join("commit/1"), "new").unwrap();
-    std::fs::write(root.join("commit/2"), "new").unwrap();
+    ["commit/new", "commit/old"].iter().for_each(|name| std::fs::create_dir_all(root.join(name)).unwrap());
+    std::fs::write(root.join("commit/new/report.json"), "new").unwrap();
     let moves = (vec!["a", "report.json", "../outside"], vec!["b", "../../passwd"]);
     std::fs::write(root.join("commit/list"), write_record(&moves)).unwrap();
     let mut placements = Placements::default();

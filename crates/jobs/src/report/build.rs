@@ -1,11 +1,13 @@
 //! The report of a build.
 
 use super::gate::GateResult;
+use super::list::list_of;
 use super::material::{MaterialReport, StageTime};
 use crate::encode::Predicted;
+use crate::file_name::folded;
 use crate::scene::explain::Explained;
 use crate::scene::maps::{MapsReport, PARTS, Packed, part_name};
-use crate::scene::plan::{Plan, pack_name};
+use crate::scene::plan::{Plan, list_name, pack_name};
 use crate::scene::run::{JobError, Made, MadeEnvironment, Outcome, Outcomes};
 use crate::scene::scene_section::ENVIRONMENT;
 use crate::store::Digest;
@@ -65,6 +67,9 @@ pub struct MaterialEntry {
     /// Its files with their hashes; none if it failed, or was only planned.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub files: Vec<FileEntry>,
+    /// `<material>.json`, which lists its parts; absent if it failed, or was only planned.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub list: Option<FileEntry>,
     /// What was measured; absent if it failed, or was only planned.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub report: Option<MaterialReport>,
@@ -132,7 +137,7 @@ impl BuildReport {
     pub fn new(plan: &Plan, outcomes: &Outcomes) -> Self {
         let environment = plan.environment.as_ref().zip(outcomes.environment.as_ref());
         let materials = outcomes.materials.iter().filter_map(|outcome| {
-            let job = plan.jobs.iter().find(|job| job.name == outcome.name)?;
+            let job = plan.job(&outcome.name)?;
             Some(material_entry(&job.declared, outcome))
         });
         Self {
@@ -168,7 +173,7 @@ impl BuildReport {
         };
         for entry in &mut self.materials {
             (entry.cached, entry.stages) = (None, None);
-            if let Some(job) = plan.jobs.iter().find(|job| job.name == entry.material) {
+            if let Some(job) = plan.job(&entry.material) {
                 plain(&mut entry.error, &job.input.to_string(), &job.declared);
             }
         }
@@ -179,8 +184,8 @@ impl BuildReport {
         self
     }
 
-    /// What of this report stays beside materials of these names, which are in lower case: those that are called otherwise,
-    /// whatever the case, and whose files are all there; the environment, where there is none beside it.
+    /// What of this report stays beside materials of these names, which are [`folded`]: those that are called otherwise, and whose
+    /// files are all there; the environment, where there is none beside it.
     #[must_use]
     pub fn kept_beside(
         mut self,
@@ -190,7 +195,7 @@ impl BuildReport {
     ) -> Self {
         let is_there = |file: &FileEntry| there.get(&file.file) == Some(&file.blake3);
         let is_kept = |entry: &MaterialEntry| {
-            let is_asked_for = asked.contains(&entry.material.to_ascii_lowercase());
+            let is_asked_for = asked.contains(&folded(&entry.material));
             !is_asked_for && !entry.files.is_empty() && entry.files.iter().all(is_there)
         };
         self.materials.retain(is_kept);
@@ -212,7 +217,8 @@ impl BuildReport {
     /// All files with their hashes.
     pub fn files(&self) -> impl Iterator<Item = &FileEntry> {
         let of_environment = self.environment.iter().filter_map(|entry| entry.file.as_ref());
-        self.materials.iter().flat_map(|entry| &entry.files).chain(of_environment)
+        let of_materials = self.materials.iter().flat_map(|entry| entry.files.iter().chain(&entry.list));
+        of_materials.chain(of_environment)
     }
 
     fn empty(plan: &Plan) -> Self {
@@ -236,6 +242,7 @@ fn files(name: &str, declared: &str, maps: [bool; 2]) -> MaterialEntry {
 fn material_entry(declared: &str, outcome: &Outcome) -> MaterialEntry {
     match &outcome.result {
         Ok(made) => {
+            let list = FileEntry { file: list_name(&outcome.name), blake3: Digest::of(&list_of(&outcome.name, made)) };
             let Made { report, maps, gates, files: made_files, times, .. } = made;
             let listed = made_files
                 .iter()
@@ -244,6 +251,7 @@ fn material_entry(declared: &str, outcome: &Outcome) -> MaterialEntry {
             let of_maps = maps.as_ref().map_or([false; 2], made);
             MaterialEntry {
                 files: listed.collect(),
+                list: Some(list),
                 report: Some(report.clone()),
                 maps: maps.clone(),
                 gates: gates.clone(),

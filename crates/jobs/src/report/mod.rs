@@ -6,6 +6,7 @@ pub mod build;
 #[cfg(feature = "render")]
 pub mod contact;
 pub mod gate;
+pub mod list;
 pub mod material;
 pub mod page;
 #[cfg(feature = "render")]

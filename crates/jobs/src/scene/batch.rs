@@ -4,6 +4,7 @@ use super::manifest::{Manifest, Material, Use};
 use super::names;
 use super::patterns::Named;
 use crate::error::{Error, ErrorKind};
+use crate::file_name::folded;
 use brdfc_core::address;
 use brdfc_readers::scan_csv::{ANGLE_COLUMNS, VECTOR_COLUMNS};
 use brdfc_source::open::{FORMATS, files_but_for};
@@ -210,13 +211,13 @@ fn each_member(used: Use, members: &BTreeMap<String, Vec<String>>) -> Vec<Use> {
     names.iter().map(of).collect()
 }
 
-/// Names that are taken, in lower case, with the source that has each.
+/// Names that are taken, folded, with the source that has each.
 #[derive(Default)]
 struct Names(BTreeMap<String, String>);
 
 impl Names {
     fn reserve(&mut self, name: &str, source: &OsStr) {
-        self.0.insert(name.to_ascii_lowercase(), source.display().to_string());
+        self.0.insert(folded(name), source.display().to_string());
     }
 
     /// The name of a source.
@@ -228,7 +229,7 @@ impl Names {
         };
         names::check_name(&name, true)
             .map_err(|allowed| Error::wrong_input(&told, format!("the name {name}"), allowed))?;
-        match self.0.insert(name.to_ascii_lowercase(), told.clone()) {
+        match self.0.insert(folded(&name), told.clone()) {
             Some(first) => {
                 let (both, found) = (format!("{first} and {told}"), format!("the name {name} for both"));
                 Err(Error::wrong_input(both, found, "one material of a name, whatever its case"))

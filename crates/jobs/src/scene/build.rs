@@ -6,10 +6,12 @@ use super::plan::{Plan, REPORT, list_name};
 use super::run::{Made, Outcome, Outcomes, Workshop, run};
 use super::works::{Work, WorkResult, make};
 use crate::error::Error;
+use crate::file_name::folded;
 use crate::output_folder::{Changes, Contents, OutputFolder};
 use crate::report::build::{BuildReport, environment_map};
-use crate::report::material::{MaterialReport, StageTime};
-use crate::scene::maps::{MapsReport, part_name};
+use crate::report::list::{json_file, list_of};
+use crate::report::material::StageTime;
+use crate::scene::maps::part_name;
 use crate::store::{Digest, FOLDER, Store, placing, read_record, write_record};
 use brdfc_core::progress::{Cancelled, Progress};
 use brdfc_source::read::{MAX_TEXT_BYTES, read_file};
@@ -69,23 +71,6 @@ pub struct Built {
     pub changes: Option<Changes>,
 }
 
-/// The parts of a material, as `<material>.json` lists them.
-#[derive(Debug, Clone, Serialize, schemars::JsonSchema)]
-pub struct MaterialFile {
-    /// Layout of this file.
-    pub version: u32,
-    /// The material's name.
-    pub material: String,
-    /// Files of the material, by part: `brdf` is the pack; where an environment lights the scene, `bandwidth` is
-    /// the bandwidth map and `samples` are the importance samples.
-    pub parts: BTreeMap<String, String>,
-    /// What was measured.
-    pub report: MaterialReport,
-    /// What the maps hold.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub maps: Option<MapsReport>,
-}
-
 /// Makes what is not there yet, and makes the folder what the report says. A material that fails has no files there; where a
 /// file could not be written, or the build was to end at the first failure, the folder stays as it was.
 ///
@@ -93,11 +78,6 @@ pub struct MaterialFile {
 /// A folder that cannot be written to, or holds files of somebody else; cancellation.
 pub fn build(plan: &Plan, settings: &BuildSettings, progress: &dyn Progress) -> Result<Built, Error> {
     let (store, mut folder) = opened(settings)?;
-    if folder.is_new()
-        && let Some(report) = earlier_report(&settings.out)
-    {
-        folder.also_placed(report.files().map(|file| (file.file.clone(), file.blake3)));
-    }
     let names: Vec<String> = plan.files().collect();
     let there = folder.there();
     let stays = kept(plan, settings, &there).map_or(Vec::new(), |kept| files_of(&kept));
@@ -143,14 +123,13 @@ pub fn build(plan: &Plan, settings: &BuildSettings, progress: &dyn Progress) -> 
 /// What stays of the build before, where that was asked for.
 fn kept(plan: &Plan, settings: &BuildSettings, there: &BTreeMap<String, Digest>) -> Option<BuildReport> {
     let earlier = if settings.keep { earlier_report(&settings.out) } else { None };
-    let asked: BTreeSet<String> = plan.jobs.iter().map(|job| job.name.to_ascii_lowercase()).collect();
+    let asked: BTreeSet<String> = plan.jobs.iter().map(|job| folded(&job.name)).collect();
     Some(earlier?.kept_beside(&asked, plan.environment.is_some(), there))
 }
 
-/// The files that a report names, and the lists of its materials.
+/// The files that a report names.
 fn files_of(report: &BuildReport) -> Vec<String> {
-    let lists = report.materials.iter().map(|entry| list_name(&entry.material));
-    report.files().map(|file| file.file.clone()).chain(lists).collect()
+    report.files().map(|file| file.file.clone()).collect()
 }
 
 /// What is known of a material besides its report, and differs between machines and runs.
@@ -169,7 +148,7 @@ const NOTES: &str = "built";
 /// Keeps notes for pages about the build. They are no part of it: where they cannot be kept nothing else is wrong.
 fn write_notes(store: &Store, plan: &Plan, outcomes: &Outcomes, kept: &[&str]) {
     let note = |(name, made): (&str, &Made)| {
-        let input = &plan.jobs.iter().find(|job| job.name == name)?.input;
+        let input = &plan.job(name)?.input;
         let source = match input.path() {
             Some(path) => std::path::absolute(path).ok()?.display().to_string(),
             None => input.to_string(),
@@ -208,13 +187,28 @@ pub fn build_works(
 fn opened(settings: &BuildSettings) -> Result<(Store, OutputFolder), Error> {
     let store = Store::open(&settings.out, settings.looks_up)?;
     settings.from.iter().try_for_each(|other| store.take_from(other))?;
-    let folder = OutputFolder::open(&settings.out, &store)?;
+    let folder = known_folder(&settings.out, &store)?;
     Ok((store, folder))
+}
+
+/// An output folder with what its report says is there; a report that can be read is a build's own.
+pub(super) fn known_folder(out: &Path, store: &Store) -> Result<OutputFolder, Error> {
+    let mut folder = OutputFolder::open(out, store)?;
+    if let Some((report, digest)) = read_report(out) {
+        let listed = report.files().map(|file| (file.file.clone(), file.blake3));
+        folder.also_placed(listed.chain([(REPORT.to_owned(), digest)]));
+    }
+    Ok(folder)
 }
 
 /// The report of the build before this one, if it can be read.
 pub fn earlier_report(out: &Path) -> Option<BuildReport> {
-    serde_json::from_slice(&read_file(&out.join(REPORT), MAX_TEXT_BYTES).ok()?).ok()
+    read_report(out).map(|(report, _)| report)
+}
+
+fn read_report(out: &Path) -> Option<(BuildReport, Digest)> {
+    let bytes = read_file(&out.join(REPORT), MAX_TEXT_BYTES).ok()?;
+    Some((serde_json::from_slice(&bytes).ok()?, Digest::of(&bytes)))
 }
 
 /// Everything that stands in the folder, the report last.
@@ -224,22 +218,13 @@ fn files(outcomes: &Outcomes, report: BuildReport) -> Vec<(String, Contents)> {
         for (part, digest) in &made.files {
             files.push((part_name(name, part), Contents::Kept(*digest)));
         }
-        let parts = made.files.iter().map(|(part, _)| ((*part).to_owned(), part_name(name, part))).collect();
-        let (material, report, maps) = (name.to_owned(), made.report.clone(), made.maps.clone());
-        let list = MaterialFile { version: 1, material, parts, report, maps };
-        files.push((list_name(name), Contents::Bytes(json(&list))));
+        files.push((list_name(name), Contents::Bytes(list_of(name, made))));
     }
     if let Some(Ok(made)) = &outcomes.environment {
         files.push((environment_map(), Contents::Kept(made.file)));
     }
-    files.push((REPORT.to_owned(), Contents::Bytes(json(&report))));
+    files.push((REPORT.to_owned(), Contents::Bytes(json_file(&report))));
     files
-}
-
-fn json(value: &impl Serialize) -> Vec<u8> {
-    let mut bytes = serde_json::to_vec_pretty(value).expect("reports are plain data");
-    bytes.push(b'\n');
-    bytes
 }
 
 impl Outcome {

@@ -1,5 +1,6 @@
 //! What a scene needs of a folder of packs: taken from there where it is current, made where it is not.
 
+use super::build::known_folder;
 use super::error::JobError;
 use super::maps::part_name;
 use super::memory::{self, Shared};
@@ -38,7 +39,7 @@ impl PackFolder {
     /// A folder that is there.
     pub fn open(path: &Path) -> Result<Self, Error> {
         let store = Store::open(path, true)?;
-        let folder = OutputFolder::open(path, &store)?;
+        let folder = known_folder(path, &store)?;
         let placed = folder.there().into_values().collect();
         Ok(Self { store, folder, placed })
     }

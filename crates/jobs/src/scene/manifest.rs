@@ -4,7 +4,7 @@ pub use super::place::{ManifestError, line_of, near_miss};
 pub use super::uses::Use;
 
 use super::gates::Require;
-use super::names::{check_name, same_but_for_case};
+use super::names::{check_name, same_file};
 use super::place::{Place, line_of_key, snippet};
 use super::render_section::{RENDER_KEYS, RenderSection};
 use super::scene_section::{SCENE_KEYS, SceneSection};
@@ -130,9 +130,10 @@ impl Manifest {
         require
             .resolve(&Require::default())
             .map_err(|p| error(line(&["defaults", "require", p.field]), "defaults.require", p))?;
-        if let Some((first, second)) = same_but_for_case(self.materials.keys().map(String::as_str)) {
+        if let Some((first, second)) = same_file(self.materials.keys().map(String::as_str)) {
             let found = format!("the names \"{first}\" and \"{second}\"");
-            let allowed = "names that differ in more than case: on some systems both are one file";
+            let allowed =
+                "names that differ in more than case and the form of accents: on some systems both are one file";
             return Err(place.error(&["materials", second], found, allowed));
         }
         for (name, material) in &self.materials {

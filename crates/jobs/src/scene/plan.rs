@@ -74,6 +74,11 @@ impl Plan {
         self.jobs.is_empty() && self.environment.is_none()
     }
 
+    /// The job of a material; they are sorted by name.
+    pub fn job(&self, name: &str) -> Option<&Job> {
+        self.jobs.binary_search_by(|job| job.name.as_str().cmp(name)).ok().map(|at| &self.jobs[at])
+    }
+
     /// Files that are read.
     pub fn sources(&self) -> impl Iterator<Item = &Path> {
         let environment = self.environment.iter().map(|job| job.path.as_path());

@@ -8,7 +8,7 @@ use crate::error::Error;
 use crate::output_folder::OutputFolder;
 use crate::report::build::{BUILD_VERSION, BuildReport, EnvironmentEntry, MaterialEntry};
 use crate::scene::build::{BuiltNote, notes};
-use crate::scene::plan::{REPORT, list_name};
+use crate::scene::plan::REPORT;
 use crate::scene::run::{kind_of, opened_with_digest};
 use brdfc_core::Source;
 use brdfc_core::progress::Progress;
@@ -82,9 +82,8 @@ impl Reports {
     /// The build's own files: packs, maps and what is said of each; and the sources that its packs were made of.
     pub fn files(&self) -> Vec<PathBuf> {
         let own = self.new.files().map(|entry| self.folder.join(&entry.file));
-        let lists = self.new.materials.iter().map(|entry| self.folder.join(list_name(&entry.material)));
         let sources = notes(&self.folder).into_values().map(|note| PathBuf::from(note.source));
-        own.chain(lists).chain(sources).collect()
+        own.chain(sources).collect()
     }
 
     /// Packs of the materials that have one, by name.
