@@ -5,6 +5,8 @@ mod disk;
 mod files;
 mod interrupt;
 mod large;
+#[cfg(target_os = "linux")]
+mod last_write;
 mod lights;
 mod manifest;
 mod meso;

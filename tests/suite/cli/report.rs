@@ -280,7 +280,8 @@ fn folders_that_are_not_what_their_report_says() {
     let whole = folder.text("packs/report.json");
     let other = whole.replacen("\"version\": 3", "\"version\": 1", 1);
     let typed = whole.replacen("\"scene\": \"materials\"", "\"scene\": 3", 1);
-    assert!(other != whole && typed != whole);
+    let outside = whole.replacen("\"velvet.brdf.ktx2\"", "\"../velvet.brdf.ktx2\"", 1);
+    assert!(other != whole && typed != whole && outside != whole);
     std::fs::create_dir(folder.path().join("old")).unwrap();
     for (text, found) in [
         ("", "an empty file"),
@@ -288,6 +289,7 @@ fn folders_that_are_not_what_their_report_says() {
         ("[]", "JSON of another layout, in line 1, column 2"),
         (&typed, "JSON of another layout, in line 3, column 12: invalid type: integer `3`"),
         (&other, "version 1 of the layout, which is 3 now"),
+        (&outside, "the file \"../velvet.brdf.ktx2\", which leads out of its folder"),
         ("\0\0\0", "text that is no JSON, in line 1, column 1"),
     ] {
         folder.write("old/report.json", text);

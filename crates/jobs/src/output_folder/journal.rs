@@ -104,10 +104,16 @@ impl Journal {
             // A list that cannot be read any more: what stood aside for it comes back.
             (None, None) => come_back(folder, &aside.join(OLD)),
         };
-        match std::fs::remove_dir_all(&aside) {
-            Err(error) if error.kind() != ErrorKind::NotFound => result.and(Err(Error::write(&aside, &error))),
-            _ => result,
+        // The list last: without one, what stands aside would be taken for lost.
+        for done in [aside.join(OLD), aside.join(NEW), aside] {
+            match std::fs::remove_dir_all(&done) {
+                Err(error) if error.kind() != ErrorKind::NotFound => {
+                    return result.and(Err(Error::write(&done, &error)));
+                }
+                _ => {}
+            }
         }
+        result
     }
 }
 

@@ -184,16 +184,16 @@ impl OutputFolder {
                 changes.left.push(name.clone());
             }
         }
-        if journal.is_empty() && placements == self.placements {
+        let record = self.root.join(PLACED);
+        if journal.is_empty() && placements == self.placements && record.exists() {
             return Ok(changes);
         }
         if !journal.is_empty() {
             journal.commit(&self.path, &self.root, &write_record(&placements))?;
         }
         placements.stamp(&self.path);
-        let record = self.root.join(PLACED);
-        crate::write::write_atomic(&record, &write_record(&placements))
-            .map_err(|error| Error::write(&record, &error))?;
+        // The files are in place, and the report lists them: where stamps cannot be kept, files are read again.
+        let _ = crate::write::write_atomic(&record, &write_record(&placements));
         self.placements = placements;
         Ok(changes)
     }

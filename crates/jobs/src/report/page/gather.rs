@@ -5,6 +5,7 @@ use super::evidence::{Evidence, evidence};
 use super::parts::{PagePart, listed_file, map_part, wrong_file};
 use super::view_link::ViewLink;
 use crate::error::Error;
+use crate::file_name::is_plain;
 use crate::output_folder::OutputFolder;
 use crate::report::build::{BUILD_VERSION, BuildReport, EnvironmentEntry, MaterialEntry};
 use crate::scene::build::{BuiltNote, notes};
@@ -126,11 +127,21 @@ pub fn gather(reports: Reports, tolerance: f64, progress: &dyn Progress) -> Resu
     Ok(Page { scene: report.scene, materials, environment, skipped: report.skipped, is_held, regressions, view: None })
 }
 
+/// A name that a report has for a file and that is not one of its folder.
+fn name_outside(report: &BuildReport) -> Option<&str> {
+    let of_materials = report.materials.iter().flat_map(|entry| [&entry.pack, &entry.bandwidth, &entry.samples]);
+    let mut names = report.files().map(|entry| &entry.file).chain(of_materials.flatten());
+    names.find(|name| !is_plain(name)).map(String::as_str)
+}
+
 fn read_report(path: &Path) -> Result<BuildReport, Error> {
     let bytes = read_file(path, MAX_TEXT_BYTES)?;
     let allowed = "the report.json of a build by this version of brdfc, which 'brdfc build' writes anew";
     let wrong = |found: String| Error::wrong_input(path.display(), found, allowed);
     let report: BuildReport = serde_json::from_slice(&bytes).map_err(|error| wrong(json_problem(&error)))?;
+    if let Some(name) = name_outside(&report) {
+        return Err(wrong(format!("the file {name:?}, which leads out of its folder")));
+    }
     match report.version {
         BUILD_VERSION => Ok(report),
         version => Err(wrong(format!("version {version} of the layout, which is {BUILD_VERSION} now"))),
