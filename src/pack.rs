@@ -1,9 +1,13 @@
 //! Packs of materials, with what was measured while they were made.
 
-use crate::{Error, Facts, MaterialReport};
+use crate::{Error, FitLimits, MaterialReport, Progress};
 use brdfc_formats::BrdfPack;
 use brdfc_jobs::encode::EncodedPack;
+use brdfc_jobs::encode::ErrorLimits;
 use brdfc_jobs::outputs::write_file;
+use brdfc_jobs::report::fit::check;
+use brdfc_jobs::report::gate::GateResult;
+use brdfc_source::open::Opened;
 use std::path::Path;
 
 /// A pack in memory, with its report.
@@ -11,6 +15,8 @@ use std::path::Path;
 pub struct Pack {
     encoded: EncodedPack,
     report: MaterialReport,
+    gates: Vec<GateResult>,
+    missed: Option<String>,
 }
 
 /// How far a pack is from its source.
@@ -25,9 +31,24 @@ pub struct Errors {
 }
 
 impl Pack {
-    pub(crate) fn new(encoded: EncodedPack, facts: &Facts) -> Self {
-        let report = MaterialReport::new(&encoded, facts);
-        Self { encoded, report }
+    pub(crate) fn new(
+        encoded: EncodedPack,
+        opened: &Opened,
+        fit: FitLimits,
+        errors: ErrorLimits,
+        progress: &dyn Progress,
+    ) -> Result<Self, Error> {
+        let report = MaterialReport::new(&encoded, opened, progress)?;
+        let gates = check(fit, errors, &report);
+        let closed = gates.iter().filter(|gate| !gate.passed);
+        let missed: Vec<String> = report.missed.clone().into_iter().chain(closed.map(ToString::to_string)).collect();
+        let missed = (!missed.is_empty()).then(|| missed.join("; "));
+        Ok(Self { encoded, report, gates, missed })
+    }
+
+    /// What was found of the fit to a scan where something was asked of it.
+    pub fn gates(&self) -> &[GateResult] {
+        &self.gates
     }
 
     /// The measured errors that are looked at first; [`Self::report`] has all.
@@ -37,9 +58,9 @@ impl Pack {
         Errors { delta_e: picture.mean, delta_e_p95: picture.p95, relative }
     }
 
-    /// What no pack that was tried meets; `None` if the pack is what was asked for.
+    /// What no pack that was tried meets, and what is wrong with the fit to a scan; `None` if the pack is what was asked for.
     pub fn missed(&self) -> Option<&str> {
-        self.encoded.missed.as_deref()
+        self.missed.as_deref()
     }
 
     /// What was measured and tried, as `brdfc encode --json` prints it.

@@ -12,7 +12,7 @@ pub use brdfc_gpu::verify::{Material, PackReflectance, Views, views};
 pub use brdfc_gpu::{AdapterChoice, AdaptiveRenderer, Decoding, Gpu, GpuError, SliceFilter, draw_flat_btf, draw_pwt};
 pub use brdfc_jobs::report::adaptive::{AdaptiveVerification, Shading};
 pub use brdfc_jobs::report::contact::MaterialVerification;
-pub use brdfc_jobs::report::render::{PartMaterial, PictureGates, Verification};
+pub use brdfc_jobs::report::render::{PartMaterial, PictureGates, Verification, nothing_shown};
 pub use brdfc_metrics::image::{LinearImage, auto_exposure};
 pub use brdfc_render::adaptive::{
     AdaptiveMaterial, AdaptivePicture, AdaptiveScene, DistantLight, Lookups, Prediction, Settings, Start, ground_truth,

@@ -5,7 +5,7 @@ use super::output::{json_or, note, output_parser, print_report, refuse_unfit_out
 use super::progress::Materials;
 use super::{Common, Error};
 use crate::table;
-use brdfc::encode::{StageClock, StageTime, remarks};
+use brdfc::encode::{GateResult, StageClock, StageTime, remarks};
 use brdfc::{Facts, Input, MaterialReport, Progress as _, Stage};
 use clap::Args;
 use serde::Serialize;
@@ -43,12 +43,14 @@ pub struct Report {
     /// What was made and measured.
     #[serde(flatten)]
     report: MaterialReport,
+    /// What was found of the fit to a scan where something was asked of it.
+    gates: Vec<GateResult>,
     /// Seconds per stage.
     stages: Vec<StageTime>,
 }
 
 pub(super) fn run(arguments: &Arguments, common: Common) -> Result<(), Error> {
-    let recipe = arguments.options.recipe()?;
+    let request = arguments.options.request()?;
     refuse_unfit_output(&arguments.output, &["ktx2"], arguments.input.path().as_slice())?;
     // An interrupt ends the process at once: there is one file, which is whole or not there.
     let progress = Materials::new(1, false, common);
@@ -57,7 +59,7 @@ pub(super) fn run(arguments: &Arguments, common: Common) -> Result<(), Error> {
     let clock = StageClock::new(part.as_ref());
     clock.stage(Stage::Read, 1)?;
     let material = brdfc::open(&arguments.input)?;
-    let pack = material.encode_closest(recipe, &clock)?;
+    let pack = material.encode_closest(request, &clock)?;
     clock.stage(Stage::Write, 1)?;
     pack.write(&arguments.output)?;
     let stages = clock.finish();
@@ -66,7 +68,7 @@ pub(super) fn run(arguments: &Arguments, common: Common) -> Result<(), Error> {
     let report = pack.report().clone();
     let of_trials: Vec<f64> =
         stages.iter().filter(|stage| stage.stage == Stage::Try.name()).map(|stage| stage.seconds).collect();
-    let missed = report.missed.clone().map(Error::check);
+    let missed = pack.missed().map(Error::check);
     for line in remarks(&report) {
         note(common, &arguments.input, &line);
     }
@@ -78,7 +80,7 @@ pub(super) fn run(arguments: &Arguments, common: Common) -> Result<(), Error> {
     if !report.tried.is_empty() {
         text = format!("{}\n{text}", table::trials(&report.tried, &of_trials));
     }
-    let report = Report { version: 2, input: material.facts().clone(), report, stages };
+    let report = Report { version: 2, input: material.facts().clone(), report, gates: pack.gates().to_vec(), stages };
     print_report(common, &arguments.output, &json_or(common, &report, text))?;
     missed.map_or(Ok(()), Err)
 }

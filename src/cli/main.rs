@@ -22,6 +22,7 @@ mod schema;
 mod shader;
 mod steps;
 mod synth;
+mod verify;
 mod view;
 mod watch;
 
@@ -68,6 +69,7 @@ enum Command {
     },
     View(view::Arguments),
     Report(report::Arguments),
+    Verify(verify::Arguments),
     Plan(plan::Arguments),
     Schema(schema::Arguments),
     #[command(hide = true)]
@@ -87,7 +89,7 @@ impl Command {
 }
 
 /// Commands that print a report.
-const WITH_REPORT: &str = "bandwidth, build, compare, convert, encode, flatten, info, plan, pwt, render, report, samples, shader, view and watch";
+const WITH_REPORT: &str = "bandwidth, build, compare, convert, encode, flatten, info, plan, pwt, render, report, samples, shader, verify, view and watch";
 
 const EXAMPLES: &str = "\
 Examples:
@@ -102,6 +104,7 @@ Examples:
   brdfc render paint.ktx2 -o paint.png                what does it look like?
   brdfc view paint.ktx2 paint.brdf -o paint.html      turned and lit in a browser, beside its source
   brdfc report packs -o report.html                   a page for others: pictures, errors, checks
+  brdfc verify packs                                  is every file still what the build wrote?
   brdfc flatten synth:button -o button                flat BTF of a surface with relief
   brdfc pwt icon -o icon.ktx2                         photographs under known lights, lit anew
   brdfc bandwidth museum.exr -o museum.ktx2           how fast does it vary?
@@ -161,6 +164,7 @@ fn run(cli: Cli, common: Common) -> Result<(), Error> {
         Command::Plan(arguments) => plan::run(&arguments, common),
         Command::View(arguments) => view::run(&arguments, common),
         Command::Report(arguments) => report::run(&arguments, common),
+        Command::Verify(arguments) => verify::run(&arguments, common),
         Command::Schema(arguments) => schema::run(&arguments),
         Command::Generate(arguments) => generate::run(&arguments, command()),
     }

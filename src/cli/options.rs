@@ -2,7 +2,7 @@
 
 use super::Error;
 use brdfc::encode::OptionError;
-use brdfc::{EncodeOptions, PackRecipe};
+use brdfc::{EncodeOptions, FitLimits, PackRecipe};
 use clap::Args;
 
 /// How a pack is made, and how it is stored.
@@ -22,14 +22,14 @@ impl PackOptions {
         self.encode != EncodeOptions::default() || self.no_supercompression
     }
 
-    /// The recipe.
-    pub fn recipe(&self) -> Result<PackRecipe, Error> {
+    /// The recipe, and what is asked of the fit to a scan.
+    pub fn request(&self) -> Result<(PackRecipe, FitLimits), Error> {
         let in_flags = |error: OptionError| {
             let (flag, OptionError { found, allowed, .. }) = (error.field.replace('_', "-"), error);
             Error::usage(format!("--{flag}: found {found}; allowed {allowed}"))
         };
         let mut recipe = PackRecipe::from_options(&self.encode, &EncodeOptions::default()).map_err(in_flags)?;
         recipe.set_supercompress(!self.no_supercompression);
-        Ok(recipe)
+        Ok((recipe, self.encode.fit_limits().map_err(in_flags)?))
     }
 }

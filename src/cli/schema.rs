@@ -54,6 +54,8 @@ enum Report {
     /// 'brdfc report --json' of a build, and the .json beside its page.
     #[value(name = "report")]
     Page,
+    /// 'brdfc verify --json'.
+    Verify,
     /// 'brdfc view --json'.
     View,
     /// 'brdfc render --json'.
@@ -86,6 +88,7 @@ pub(super) fn run(arguments: &Arguments) -> Result<(), Error> {
         Report::FlatBtf => schema_for!(brdfc::flatten::FlatAsset),
         Report::Plan => schema_for!(brdfc::scene::Graph),
         Report::Page => schema_for!(brdfc::report::PageReport<'static>),
+        Report::Verify => schema_for!(super::verify::Report),
         Report::View => schema_for!(super::view::Report),
         #[cfg(feature = "render")]
         Report::Render => schema_for!(super::render::Report),

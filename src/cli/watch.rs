@@ -140,11 +140,7 @@ fn one_build(arguments: &Arguments, common: Common, is_first: bool, cancelled: &
     let progress = Materials::of(plan, once).without_lines_until(cancelled);
     let built = build.run_with(plan, &progress)?;
     drop(progress);
-    let kept = tell_what_matters(&built, common, true);
-    if kept > 0 {
-        let which = format!("{} kept as {}", counted(kept, "material"), if kept == 1 { "it was" } else { "they were" });
-        remark(once, &format!("note: {which} with notes, which 'brdfc build' tells"));
-    }
+    tell_what_matters(&built, common, is_first);
     Ok(Ended { report: built.report, changes: built.changes, verdict: built.outcomes.verdict() })
 }
 

@@ -21,6 +21,7 @@ source = 'brushed.csv'
 grid = 4
 max_error = 0.1
 bits = 12
+trust_fit = true
 [materials.rgl]
 source = 'material.bsdf'
 ratio = 8

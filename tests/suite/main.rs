@@ -10,3 +10,4 @@ mod layers;
 mod library;
 mod packages;
 mod readme;
+mod scan_truths;

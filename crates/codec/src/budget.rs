@@ -28,6 +28,8 @@ impl OptionError {
 pub struct Budget {
     /// Largest mean ΔE*ab of pictures, and four times that for its 95th percentile.
     pub delta_e: Option<f64>,
+    /// Least share of the light in the highlight that is kept where least of it is, 0 to 1.
+    pub highlight: Option<f64>,
     /// Largest `ε_r` off the grid, a fraction.
     pub error: Option<f64>,
     /// Most bytes on a GPU.
@@ -38,23 +40,32 @@ pub struct Budget {
 
 /// The 95th percentile of ΔE may be so many times the mean that is allowed.
 pub const TAIL: f64 = 4.0;
+/// Least share of the highlight's light that is kept, where pictures limit the error and nothing else is asked for.
+pub const HIGHLIGHT: f64 = 0.9;
 
 impl Default for Budget {
-    /// A mean ΔE of 0.5 with 95 % below 2: differences that are hardly seen side by side.
+    /// A mean ΔE of 0.5 with 95 % below 2: differences that are hardly seen side by side; and nine tenths of the highlight's light,
+    /// which pictures of a ball hide.
     fn default() -> Self {
-        Self { delta_e: Some(0.5), error: None, bytes: None, fetches: None }
+        Self { delta_e: Some(0.5), highlight: Some(HIGHLIGHT), ..Self::NONE }
     }
 }
 
 impl Budget {
     /// No limit yet: what is added makes it one. Where nothing says how good or how large a pack is to be, the ΔE of the default
     /// decides.
-    pub const NONE: Self = Self { delta_e: None, error: None, bytes: None, fetches: None };
+    pub const NONE: Self = Self { delta_e: None, highlight: None, error: None, bytes: None, fetches: None };
 
     /// With a largest mean ΔE*ab of pictures, 1e-6 to 100, and four times that for the 95th percentile.
     #[must_use]
     pub fn delta_e(self, largest: f64) -> Self {
         Self { delta_e: Some(largest), ..self }
+    }
+
+    /// With a least share of the highlight's light that is kept, 0 (any) to 0.999.
+    #[must_use]
+    pub fn highlight(self, least: f64) -> Self {
+        Self { highlight: Some(least), ..self }
     }
 
     /// With a largest `ε_r`, a fraction.
@@ -80,11 +91,17 @@ impl Budget {
         self.delta_e.is_some() || self.error.is_some()
     }
 
+    /// Whether it says how much of a highlight is to be kept.
+    pub fn limits_highlight(&self) -> bool {
+        self.highlight.is_some_and(|least| least > 0.0)
+    }
+
     /// All limits: `ΔE at most 0.5, at most 1 fetch`.
     pub fn in_words(&self) -> String {
-        let Self { delta_e, error, bytes: most, fetches } = self;
+        let Self { delta_e, highlight, error, bytes: most, fetches } = self;
         let limits = [
             delta_e.map(|limit| format!("ΔE at most {limit}")),
+            highlight.filter(|least| *least > 0.0).map(|least| format!("{} of the highlight", percent(least))),
             error.map(|limit| format!("ε_r at most {}", percent(limit))),
             most.map(|limit| format!("at most {}", bytes(limit))),
             fetches.map(|limit| format!("at most {limit} {}", if limit == 1 { "fetch" } else { "fetches" })),
@@ -94,6 +111,8 @@ impl Budget {
 
     /// Values of ΔE that may be a limit.
     pub const DELTA_E: &str = "1e-6 to 100";
+    /// Shares of the highlight that may be a limit.
+    pub const HIGHLIGHTS: &str = "0 to 0.999, such as 0.9 or 90%";
     /// Numbers of fetches that may be a limit.
     pub const FETCHES: &str = "1 or more";
 
@@ -103,6 +122,7 @@ impl Budget {
     /// The first that is out of range, under the name of its key.
     pub fn checked(
         delta_e: Option<f64>,
+        highlight: Option<Fraction>,
         error: Option<Fraction>,
         bytes: Option<u64>,
         fetches: Option<u32>,
@@ -119,12 +139,17 @@ impl Budget {
             if share < 1e-9 { Err(wrong(positive)) } else { Ok(share) }
         };
         let error = error.map(share).transpose()?;
+        let least = |share: Fraction| match share.checked() {
+            Ok(least) if least <= 0.999 => Ok(least),
+            _ => Err(OptionError::new("min_highlight", share.to_string(), Self::HIGHLIGHTS)),
+        };
+        let highlight = highlight.map(least).transpose()?;
         if bytes == Some(0) {
             return Err(OptionError::new("max_bytes", "0", "1 or more"));
         }
         if fetches == Some(0) {
             return Err(OptionError::new("max_fetches", "0", Self::FETCHES));
         }
-        Ok(Self { delta_e, error, bytes, fetches })
+        Ok(Self { delta_e, highlight, error, bytes, fetches })
     }
 }

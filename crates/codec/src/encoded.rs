@@ -94,6 +94,7 @@ impl<R> Encoded<R> {
             delta_e: picture.mean,
             delta_e_p95: picture.p95,
             relative_error: self.off_grid.norms.relative_mean,
+            highlight: self.off_grid.highlight.map(|highlight| highlight.kept()),
             meets,
         }
     }

@@ -27,6 +27,10 @@ pub struct EncodeOptions {
         arg(id = "pack_delta_e", long = "max-delta-e", value_name = "E", conflicts_with = "ratio")
     )]
     pub max_delta_e: Option<f64>,
+    /// Least share of the light in the highlight that is kept, at the incoming direction where least is: 0 to 0.999, 0.9 or 90%
+    /// (default 0.9 with --max-delta-e or without limits; 0 asks for none). Renderings of a ball do not show the narrowest highlights.
+    #[cfg_attr(feature = "clap", arg(long, value_name = "S", conflicts_with = "ratio"))]
+    pub min_highlight: Option<Fraction>,
     /// Largest mean relative error ε_r: a fraction or a percentage, 0.02 or 2%. Of wavelet packs on their grid. Sizes are
     /// tried as for --max-delta-e.
     #[cfg_attr(feature = "clap", arg(long, value_name = "E", conflicts_with = "ratio"))]
@@ -78,6 +82,14 @@ pub struct EncodeOptions {
     /// Wavelet: smooth the table by moving least squares first, for noisy dense data. Scans are smoothed anyway.
     #[cfg_attr(feature = "clap", arg(long, num_args = 0, default_missing_value = "true"))]
     pub smooth: Option<bool>,
+    /// Scans: largest ε_r of rows, or of whole incidences, that are left out of the fit to the others: a fraction or a percentage,
+    /// 0.1 or 10%. Sources without a fit pass.
+    #[cfg_attr(feature = "clap", arg(long, value_name = "E"))]
+    pub max_fit_error: Option<Fraction>,
+    /// Scans: take the error of the pack against the fit for the error against the material. Without it a limit of the error
+    /// that is asked for does not count as met where both together are above it: where rows are few, far apart or contradict each other.
+    #[cfg_attr(feature = "clap", arg(long, num_args = 0, default_missing_value = "true"))]
+    pub trust_fit: Option<bool>,
 }
 
 /// What users may ask a codec for, by a name that `--codec` takes.
@@ -100,6 +112,7 @@ const BITS: &str = "8, or 10 to 16";
 pub fn range_of(field: &str) -> &'static str {
     match field {
         "max_delta_e" => Budget::DELTA_E,
+        "min_highlight" => Budget::HIGHLIGHTS,
         "max_fetches" => Budget::FETCHES,
         "levels" => LEVELS,
         "ratio" => "1 to 4096",
@@ -122,12 +135,13 @@ impl EncodeOptions {
         OptionError::new(field, found, range_of(field))
     }
 
-    /// The options that ask for something besides a codec: keys and values, those of one codec alone first.
+    /// The options that ask something of a pack besides its codec: keys and values, those of one codec alone first.
     pub fn given(&self) -> impl Iterator<Item = (&'static str, String)> + use<> {
         // By name, so that no field is left out.
         let Self {
             codec: _,
             max_delta_e,
+            min_highlight,
             max_error,
             max_bytes,
             max_fetches,
@@ -141,6 +155,8 @@ impl EncodeOptions {
             ranking,
             lift,
             smooth,
+            max_fit_error: _,
+            trust_fit: _,
         } = self;
         let on = |flag: &Option<bool>| flag.filter(|on| *on).map(|on| on.to_string());
         let quoted = |text: &Option<String>| text.as_ref().map(|text| format!("\"{text}\""));
@@ -153,6 +169,7 @@ impl EncodeOptions {
             ("lift", on(lift)),
             ("smooth", on(smooth)),
             ("max_delta_e", max_delta_e.map(format_number)),
+            ("min_highlight", min_highlight.map(|share| share.to_string())),
             ("max_fetches", max_fetches.map(|fetches| fetches.to_string())),
             ("reciprocal", on(reciprocal)),
             ("levels", levels.filter(|levels| *levels > 0).map(|levels| levels.to_string())),
@@ -164,15 +181,20 @@ impl EncodeOptions {
         .filter_map(|(key, value)| Some((key, value?)))
     }
 
-    /// Keeps the options whose keys `has` accepts, and the codec.
+    /// Keeps the options whose keys `has` accepts, the codec, and what is asked of the fit.
     #[must_use]
     pub fn only(&self, has: impl Fn(&str) -> bool) -> Self {
         macro_rules! only {
             ($($key:ident)*) => {
-                Self { codec: self.codec.clone(), $($key: self.$key.clone().filter(|_| has(stringify!($key))),)* }
+                Self {
+                    codec: self.codec.clone(),
+                    max_fit_error: self.max_fit_error,
+                    trust_fit: self.trust_fit,
+                    $($key: self.$key.clone().filter(|_| has(stringify!($key))),)*
+                }
             };
         }
-        only!(max_delta_e max_error max_bytes max_fetches reciprocal levels ratio grid parameterisation bits bias ranking lift smooth)
+        only!(max_delta_e min_highlight max_error max_bytes max_fetches reciprocal levels ratio grid parameterisation bits bias ranking lift smooth)
     }
 
     /// These options, and where they leave something open `defaults`. Limits come from one of both, all together.
@@ -188,7 +210,7 @@ impl EncodeOptions {
             };
         }
         over!(
-            codec reciprocal levels grid parameterisation bits bias ranking lift smooth;
+            codec min_highlight reciprocal levels grid parameterisation bits bias ranking lift smooth max_fit_error trust_fit;
             ratio max_delta_e max_error max_bytes max_fetches
         )
     }
@@ -209,7 +231,7 @@ impl EncodeOptions {
     /// # Errors
     /// The first that is out of range.
     pub fn budget(&self) -> Result<Budget, OptionError> {
-        Budget::checked(self.max_delta_e, self.max_error, self.max_bytes, self.max_fetches)
+        Budget::checked(self.max_delta_e, self.min_highlight, self.max_error, self.max_bytes, self.max_fetches)
     }
 
     /// The bias, if it is given.

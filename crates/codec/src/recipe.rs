@@ -1,6 +1,6 @@
 //! Recipes: everything that decides the bytes of a pack besides the source.
 
-use super::{BrdfReport, EncodeError, EncodeOptions, Encoded, GridCache, OptionError, Variant};
+use super::{BrdfReport, EncodeError, EncodeOptions, Encoded, ErrorLimits, GridCache, OptionError, Variant};
 use brdfc_core::Source;
 use brdfc_core::progress::Progress;
 use brdfc_formats::crop::DirectionRange;
@@ -30,6 +30,9 @@ pub trait BrdfRecipe {
 
     /// Whether a limit of error decides how large the pack becomes.
     fn limits_error(&self) -> bool;
+
+    /// The limits of error that somebody asked for.
+    fn asked_errors(&self) -> ErrorLimits;
 
     /// Skips measuring the error against the source, unless the error decides something.
     fn skip_measuring(&mut self);

@@ -19,6 +19,9 @@ pub struct Trial {
     pub delta_e_p95: f64,
     /// `ε_r` off the grid, a fraction.
     pub relative_error: f64,
+    /// Share of the highlight's light that is kept where least is; absent where there is no highlight.
+    #[serde(default)]
+    pub highlight: Option<f64>,
     /// Whether it meets the budget.
     pub meets: bool,
 }

@@ -28,7 +28,9 @@ pub enum Stage {
     Guide,
     Views,
     Images,
+    CrossValidate,
     Write,
+    Verify,
 }
 
 impl Stage {
@@ -59,7 +61,9 @@ impl Stage {
             Self::Guide => "guide",
             Self::Views => "views",
             Self::Images => "images",
+            Self::CrossValidate => "cross-validate",
             Self::Write => "write",
+            Self::Verify => "verify",
         }
     }
 }

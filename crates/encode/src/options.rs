@@ -89,6 +89,7 @@ impl PackRecipe {
         }
         // Limits out of range are told before options of one codec.
         all.budget()?;
+        all.fit_limits()?;
         (Self::CODECS[asked.codec].recipe)(asked.variant.name, &all)
     }
 }
@@ -127,8 +128,9 @@ impl TryFrom<EncodeOptions> for PackRecipe {
 impl TryFrom<Budget> for PackRecipe {
     type Error = OptionError;
 
-    fn try_from(Budget { delta_e, error, bytes, fetches }: Budget) -> Result<Self, OptionError> {
-        let budget = Budget::checked(delta_e, error.map(Fraction::bare), bytes, fetches)?;
+    fn try_from(Budget { delta_e, highlight, error, bytes, fetches }: Budget) -> Result<Self, OptionError> {
+        let [highlight, error] = [highlight, error].map(|share| share.map(Fraction::bare));
+        let budget = Budget::checked(delta_e, highlight, error, bytes, fetches)?;
         Ok(SearchRecipe::of_budget(budget).into())
     }
 }

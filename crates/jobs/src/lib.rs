@@ -19,6 +19,7 @@ pub mod report;
 pub mod scene;
 pub mod stage_clock;
 pub mod store;
+pub mod verify;
 pub mod view;
 pub mod write;
 

@@ -1,5 +1,6 @@
 //! Error of one source against another at chosen direction pairs: what a user of a pack sees.
 
+use super::highlight::{Highlight, HighlightError};
 use super::norms::{NormSums, Norms};
 use super::picture::{PictureError, ReferencePicture};
 use super::sampling::{AlbedoPairs, PairSet};
@@ -26,6 +27,9 @@ pub struct Comparison {
     pub albedo: Vec<AlbedoPoint>,
     /// Largest difference of albedo over those directions and channels.
     pub albedo_max_difference: f64,
+    /// How much of the highlight is kept where least of it is; absent where the reference has none.
+    #[serde(default)]
+    pub highlight: Option<HighlightError>,
     /// Mean of `|f'(i, o) - f'(o, i)| / f` of the approximation.
     pub reciprocity: f64,
 }
@@ -54,6 +58,7 @@ pub struct AlbedoPoint {
 struct AlbedoReference {
     at: Cow<'static, AlbedoPairs>,
     value: [f64; 3],
+    highlight: Option<Highlight>,
 }
 
 /// A source as others are compared with: its values at the pairs of a set, of pictures and of albedos, found once.
@@ -84,7 +89,8 @@ impl Reference {
             .filter(|all| light.contain(all.incoming))
             .map(|all| {
                 let at = if set.directions.is_all() { Cow::Borrowed(all) } else { Cow::Owned(all.within(view)) };
-                AlbedoReference { value: albedo(source, &at), at }
+                let (values, _) = values_of_list(source, &at.pairs);
+                AlbedoReference { value: albedo(&at, &values), highlight: Highlight::of(&at, &values), at }
             })
             .collect();
         Self { grey: source.is_grey(), mean: mean_value(&values[..set.of_mean]), set, values, picture, albedo, tally }
@@ -142,14 +148,17 @@ impl Reference {
             sums.merge(part);
             reciprocity.merge(exchange);
         }
-        let albedo: Vec<AlbedoPoint> = self
+        let (albedo, highlights): (Vec<AlbedoPoint>, Vec<Option<HighlightError>>) = self
             .albedo
             .par_iter()
-            .map(|AlbedoReference { at, value }| {
+            .map(|AlbedoReference { at, value, highlight }| {
                 let [theta, phi] = at.angles;
-                AlbedoPoint { theta, phi, reference: *value, approximation: albedo(approximation, at) }
+                let (values, _) = values_of_list(approximation, &at.pairs);
+                let point = AlbedoPoint { theta, phi, reference: *value, approximation: albedo(at, &values) };
+                (point, highlight.as_ref().map(|highlight| highlight.kept(at, &values)))
             })
-            .collect();
+            .unzip();
+        let highlight = highlights.into_iter().flatten().min_by(|a, b| a.kept().total_cmp(&b.kept()));
         let albedo_max_difference = albedo
             .iter()
             .flat_map(|point| (0..3).map(|c| (point.approximation[c] - point.reference[c]).abs()))
@@ -158,7 +167,7 @@ impl Reference {
         // The channels of one pair err together: they are one sample.
         norms.relative_standard_error *= f64::from(channels as u32).sqrt();
         let picture = self.picture.compare(approximation);
-        Comparison { mean, norms, picture, albedo, albedo_max_difference, reciprocity: reciprocity.mean() }
+        Comparison { mean, norms, picture, albedo, albedo_max_difference, highlight, reciprocity: reciprocity.mean() }
     }
 }
 
@@ -168,10 +177,10 @@ pub fn compare(reference: &dyn Source, approximation: &dyn Source, set: &PairSet
     (reference.compare(approximation), reference.tally())
 }
 
-/// `∫ f cos θo dωo` at an incoming direction.
-fn albedo(source: &dyn Source, at: &AlbedoPairs) -> [f64; 3] {
+/// `∫ f cos θo dωo` at an incoming direction, of values at its pairs.
+fn albedo(at: &AlbedoPairs, values: &[[f64; 3]]) -> [f64; 3] {
     let mut sum = [0.0; 3];
-    for (f, counted) in values_of_list(source, &at.pairs).0.iter().zip(&at.counted) {
+    for (f, counted) in values.iter().zip(&at.counted) {
         (0..3).for_each(|channel| sum[channel] += f[channel].max(0.0) * counted);
     }
     sum

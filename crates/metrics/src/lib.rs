@@ -2,7 +2,9 @@
 
 pub mod by_angle;
 pub mod compare;
+pub mod fit_error;
 pub mod fraction;
+pub mod highlight;
 pub mod image;
 pub mod lab;
 pub mod norms;

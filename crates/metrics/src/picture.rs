@@ -20,6 +20,8 @@ const DIAMETER: usize = 160;
 const LIGHTS: [Vector; 3] = [[-0.5, 0.6, 0.62], [0.2, 0.2, 0.96], [-0.9, 0.3, -0.1]];
 /// Pixels whose cosine to the light or to the viewer is not above this are left out.
 const LEAST_COSINE: f64 = 0.02;
+/// One of so many pixels is drawn where the mean of a difference is only estimated.
+const COARSE: usize = 8;
 /// Share of pixels whose largest channel is no brighter than white.
 const WHITE: f64 = 0.98;
 
@@ -49,6 +51,16 @@ impl PictureError {
 pub fn picture_pairs() -> Arc<PairList> {
     static PAIRS: OnceLock<Arc<PairList>> = OnceLock::new();
     PairList::kept(&PAIRS, || LIGHTS.into_par_iter().flat_map_iter(lit_by).collect())
+}
+
+/// The direction pairs of the pixels within a range of directions.
+fn pairs_of(directions: DirectionRange) -> Arc<PairList> {
+    if directions.is_all() { picture_pairs() } else { Arc::new(PairList::new(pairs_within(directions))) }
+}
+
+/// Every eighth of them, for estimates.
+pub(super) fn coarse_picture_pairs(directions: DirectionRange) -> Arc<PairList> {
+    Arc::new(PairList::new(pairs_of(directions).iter().copied().step_by(COARSE).collect()))
 }
 
 /// Direction pairs of pixels that show a range of directions: viewers as a ball from afar has them, which is by projected
@@ -101,8 +113,11 @@ impl ReferencePicture {
     /// Pictures of a source, and what it had to mend. Within a range of directions they are not of a ball, of which little
     /// may be left, but of as many pixels that are spread over it: viewers by projected area, lights by solid angle.
     pub fn new(source: &dyn Source, directions: DirectionRange) -> (Self, Tally) {
-        let pairs =
-            if directions.is_all() { picture_pairs() } else { Arc::new(PairList::new(pairs_within(directions))) };
+        Self::of_pairs(source, pairs_of(directions))
+    }
+
+    /// Pixels of these direction pairs.
+    pub(super) fn of_pairs(source: &dyn Source, pairs: Arc<PairList>) -> (Self, Tally) {
         let (pixels, tally) = pixels(source, &pairs);
         let exposure = exposure(&pixels);
         let colours = pixels.par_iter().map(|pixel| shown_colour(*pixel, exposure)).collect();

@@ -50,13 +50,30 @@ pub fn material_row(report: &MaterialReport, seconds: Option<f64>) -> Vec<String
         relative(&report.off_grid.norms),
         format!("{:.2}", picture.mean),
         format!("{:.2}", picture.p95),
+        report.off_grid.highlight.map_or("-".to_owned(), |highlight| share(highlight.kept())),
+        report.fit.map_or("-".to_owned(), |fit| fit.error().map_or("none".to_owned(), share)),
+        report.fit.map_or("-".to_owned(), |fit| format!("{:.0}°, {:.0} %", fit.farthest, 100.0 * fit.uncovered)),
         seconds.map_or("cached".to_owned(), |s| format!("{s:.2} s")),
     ]
 }
 
 /// Header of the build table.
-pub const MATERIAL_HEADER: [&str; 11] =
-    ["material", "samples in", "codec", "size", "fetches", "on disk", "on GPU", "ε_r", "ΔE", "ΔE 95 %", "time"];
+pub const MATERIAL_HEADER: [&str; 14] = [
+    "material",
+    "samples in",
+    "codec",
+    "size",
+    "fetches",
+    "on disk",
+    "on GPU",
+    "ε_r",
+    "ΔE",
+    "ΔE 95 %",
+    "highlight",
+    "fit ε_r",
+    "gaps",
+    "time",
+];
 
 /// What was tried for a pack, a line each; `seconds` are those of the trials.
 pub fn trials(tried: &[Trial], seconds: &[f64]) -> String {
@@ -69,11 +86,13 @@ pub fn trials(tried: &[Trial], seconds: &[f64]) -> String {
             percent(trial.relative_error),
             format!("{:.2}", trial.delta_e),
             format!("{:.2}", trial.delta_e_p95),
+            trial.highlight.map_or("-".to_owned(), share),
             seconds.get(k).map_or("-".to_owned(), |s| format!("{s:.2} s")),
             if trial.meets { "yes" } else { "no" }.to_owned(),
         ]
     };
-    let header = ["tried", "size", "fetches", "on GPU", "ε_r", "ΔE", "ΔE 95 %", "time", "meets the budget"];
+    let header =
+        ["tried", "size", "fetches", "on GPU", "ε_r", "ΔE", "ΔE 95 %", "highlight", "time", "meets the budget"];
     plain(&header, tried.iter().enumerate().map(row))
 }
 
@@ -97,11 +116,21 @@ pub fn comparison(comparison: &Comparison, directions: DirectionRange) -> String
         (&format!("ΔE {of}, 95th percentile"), format!("{:.3}", picture.delta_e.p95)),
         (&format!("ΔE {of}, maximum"), format!("{:.3}", picture.delta_e.max)),
         (&format!("ΔE2000 {of}, mean"), format!("{:.3}", picture.delta_e_2000.mean)),
+        ("highlight, kept where least is", highlight_in_words(comparison)),
         ("largest albedo difference", format!("{:.3e}", comparison.albedo_max_difference)),
         ("reciprocity error of B", percent(comparison.reciprocity)),
     ];
     let table = plain(&["norm", "value"], rows.map(|(name, value)| [name.to_owned(), value]));
     if directions.is_all() { table } else { format!("directions: {directions}\n{table}") }
+}
+
+/// A share of which whole percents matter, never rounded up to a limit.
+fn share(share: f64) -> String {
+    format!("{:.1} %", (1000.0 * share).floor() / 10.0)
+}
+
+fn highlight_in_words(comparison: &Comparison) -> String {
+    comparison.highlight.map_or("none".to_owned(), |highlight| highlight.in_words())
 }
 
 /// `ε_r`, or a dash where no sample was above the floor.

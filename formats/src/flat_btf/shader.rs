@@ -11,7 +11,7 @@ use crate::direction_mesh::DIRECTION_MESH_WGSL;
 use crate::flat_btf::{FlatBtfDecoder, FlatValues, Indirection};
 
 /// The name of the decoder and the version of its bindings.
-pub(super) const DECODER: (&str, u32) = ("flat-btf", 1);
+pub(super) const DECODER: (&str, u32) = ("flat-btf", 2);
 
 /// The WGSL decoder. It declares a uniform block, six textures and a sampler in bind group 1; see the file.
 pub const FLAT_BTF_WGSL: &str = concat!(

@@ -3,8 +3,8 @@
 use brdfc_formats::FormatError;
 use brdfc_formats::flat_btf::factored::shader::{FACTORED_WGSL, FactoredParameters};
 use brdfc_formats::flat_btf::factored::{
-    BASE_LAYERS, BaseTable, BaseTexel, BasisMap, FactoredErrors, FactoredFlatBtf, FactoredHeader, ShadowFormat,
-    ShadowMap, WeightMap, WeightRange, from_opponent, to_opponent,
+    BASE_LAYERS, BaseTable, BaseTexel, BasisMap, ChromaRange, FactoredErrors, FactoredFlatBtf, FactoredHeader,
+    ShadowFormat, ShadowMap, WeightMap, WeightRange, from_opponent, to_opponent,
 };
 use brdfc_formats::flat_btf::shader::FLAT_BTF_WGSL;
 use brdfc_formats::flat_btf::{BlendedDirection, FlatBtfFile, ViewWeights, unit_vectors};
@@ -37,6 +37,7 @@ fn grey(
         shadow: ShadowFormat::R8,
         views: directions(2, 1),
         lights: directions(3, 2),
+        chroma: ChromaRange::ALL,
         steps: [vec![0.01; 4], vec![0.0; 4], vec![0.0; 4]],
         errors: FactoredErrors::default(),
     };
@@ -149,7 +150,8 @@ fn sums_of_both_widths() {
                 [unit_vectors(&header.views)[view as usize], unit_vectors(&header.lights)[light as usize]];
             let base = to_opponent(asset.basis().base().colour(asset.texel([x, y]).base(), seen_from, lit_from));
             let all = [0, 1, 2].map(|k: usize| base[k] + sums[k] as f32);
-            close(asset.texel([x, y]).value(view, light), from_opponent(all).map(|c| lit * c), 1e-4);
+            let shown = from_opponent(header.chroma.bound(all));
+            close(asset.texel([x, y]).value(view, light), shown.map(|c| lit * c), 1e-4);
         }
     }
 }
@@ -256,7 +258,7 @@ fn the_shader_validates_behind_that_of_flat_btfs() {
             "levels" => assert_eq!(word(at), 3),
             "groups" => assert_eq!(word(at), 2),
             "wide_groups" | "shadowed" => assert_eq!(word(at), 1),
-            "reserved" => assert_eq!(word(at), 0),
+            "chroma" => assert_eq!(word(at), asset.header().chroma.word()),
             "views" => assert_eq!(word(at), 3),
             "lowest_light" => assert_eq!(number(at), asset.lowest_light()),
             "steps" => {

@@ -126,7 +126,7 @@ fn wrong_headers_are_refused() {
         |key: &str, word: usize, value: u32| refusal(&made, |file| set_word(file, key, 4 * word, value)).to_string();
     let [nan, inf] = [f32::NAN, f32::INFINITY].map(f32::to_bits);
     for (word, value, expected) in [
-        (0, 2, "brdfc.flat-btf.factored version: found 2; allowed 1"),
+        (0, 1, "brdfc.flat-btf.factored version: found 1; allowed 2"),
         (1, 0, "brdfc.flat-btf.factored size: found 0; allowed 1 to 8192"),
         (2, 4, "brdfc.flat-btf.factored levels: found 4; allowed 1 to 3"),
         (3, 17, "brdfc.flat-btf.factored groups: found 17; allowed 1 to 16"),
@@ -147,7 +147,11 @@ fn wrong_headers_are_refused() {
             (-1.0f32).to_bits(),
             "brdfc.flat-btf.factored error: found -1; allowed a finite number that is not negative",
         ),
-        (14, 1, "brdfc.flat-btf.factored reserved: found 1; allowed 0"),
+        (
+            14,
+            1,
+            "brdfc.flat-btf.factored range of colours: found 1 to 0 and 0 to 0; allowed two ranges whose first number is not the larger",
+        ),
         (15, nan, "brdfc.flat-btf.factored step: found NaN; allowed a finite number that is not negative"),
         (38, inf, "brdfc.flat-btf.factored step: found inf; allowed a finite number that is not negative"),
     ] {

@@ -51,7 +51,7 @@ pub(super) fn run(arguments: &Arguments, common: Common) -> Result<(), Error> {
     let progress = Materials::of(plan, common);
     let mut built = build.run_with(plan, &progress)?;
     drop(progress);
-    tell_what_matters(&built, common, false);
+    tell_what_matters(&built, common, true);
     if let Some(file) = &arguments.depfile {
         write_file(file, &depfile(&out.join(REPORT), &inputs))?;
     }
@@ -98,21 +98,24 @@ pub(super) fn tell_left_out(build: &Build, common: Common) {
     }
 }
 
-/// Failures and misses, and notes on materials, or on those that were made now alone. Gives the number of materials whose notes
-/// were not told.
-pub(super) fn tell_what_matters(built: &Built, common: Common, only_made: bool) -> usize {
-    let mut untold = 0;
+/// Failures and misses, and notes on materials that were made now; of those that were made before how many have some, if that is
+/// wanted.
+pub(super) fn tell_what_matters(built: &Built, common: Common, counts_before: bool) {
+    let mut before = 0;
     for (name, made) in built.outcomes.made() {
         let of_map = made.maps.as_ref().and_then(|maps| maps.bandwidth.as_ref()?.facts.remark());
         let lines: Vec<String> = remarks(&made.report).into_iter().chain(of_map).collect();
-        if only_made && made.times.is_none() {
-            untold += usize::from(!lines.is_empty());
+        if made.times.is_none() {
+            before += usize::from(!lines.is_empty());
         } else {
             lines.iter().for_each(|line| note(common, &name, line));
         }
     }
+    if counts_before && before > 0 {
+        let which = format!("{} made before {}", counted(before, "material"), if before == 1 { "has" } else { "have" });
+        remark(common, &format!("note: {which} notes, which 'brdfc report' lists"));
+    }
     built.outcomes.problems().iter().for_each(|line| tell(&format!("brdfc: {line}")));
-    untold
 }
 
 fn tell_changes(changes: &Changes, report: &BuildReport, common: Common) {

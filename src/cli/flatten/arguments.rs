@@ -102,7 +102,8 @@ pub struct Arguments {
 }
 
 /// What texels of a flat BTF may be, per side.
-pub(super) const FLAT_TEXELS: &str = "a power of two from 4 to 2048";
+pub(super) const FLAT_TEXELS: &str =
+    "a power of two from 4 to 2048, because holes are filled from images of half the size each";
 
 const FILLS: [(&str, FillMethod, &str); 2] = [
     ("poisson", FillMethod::Poisson, "Gradients of the view that sees them most from above"),

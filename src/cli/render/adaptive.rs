@@ -13,7 +13,7 @@ use brdfc::inspect::AnyPack as Pack;
 use brdfc::render::{
     AdaptiveMaterial, AdaptivePicture, AdaptiveRenderer, AdaptiveScene, AdaptiveVerification, DistantLight,
     Environment, Frame, GpuError, LinearImage, PackReflectance, Reflectance, Settings, Shading, Start, auto_exposure,
-    environment_map, ground_truth, lookups, prediction_png,
+    environment_map, ground_truth, lookups, nothing_shown, prediction_png,
 };
 use brdfc_terminal::words::format_number;
 use serde::Serialize;
@@ -126,7 +126,7 @@ pub(super) fn run(arguments: &Arguments, common: Common) -> Result<(), Error> {
     if surface_points == 0 {
         note(common, &arguments.input, "no pixel shows a surface; look at render.camera");
     }
-    let checked = check(arguments, &verification);
+    let checked = check(arguments, &verification, &truth);
     let seconds = started.elapsed().as_secs_f64();
     if common.json {
         print_json(&Report { version: 1, verification, seconds })?;
@@ -208,7 +208,7 @@ fn write(
     Ok(())
 }
 
-fn check(arguments: &Arguments, verification: &AdaptiveVerification) -> Result<(), Error> {
+fn check(arguments: &Arguments, verification: &AdaptiveVerification, truth: &LinearImage) -> Result<(), Error> {
     let Some(limit) = arguments.adaptive.min_psnr else { return Ok(()) };
     if verification.surface_points == 0 {
         return Err(Error::check(format!("PSNR: found no pixel that shows a surface; allowed {limit} dB or more")));
@@ -218,6 +218,9 @@ fn check(arguments: &Arguments, verification: &AdaptiveVerification) -> Result<(
         return Err(Error::check(format!(
             "PSNR: found {invalid} pixels that hold no number; allowed {limit} dB or more"
         )));
+    }
+    if let Some(nothing) = nothing_shown(truth, verification.exposure) {
+        return Err(Error::check(format!("PSNR: found {nothing}; allowed {limit} dB or more")));
     }
     match verification.adaptive.psnr {
         Some(psnr) if psnr < limit => Err(Error::check(format!("PSNR: found {psnr:.2} dB; allowed {limit} or more"))),

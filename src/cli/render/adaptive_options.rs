@@ -18,7 +18,7 @@ pub(super) struct AdaptiveOptions {
     #[arg(long)]
     pub(super) adaptive: bool,
     /// Latitude-longitude image, .exr or .hdr, that lights the scene (default: the manifest's, or the scene's sky).
-    #[arg(long, value_name = "FILE", requires = "adaptive")]
+    #[arg(long, value_name = "FILE")]
     pub(super) environment: Option<PathBuf>,
     /// Mean samples per pixel if all pixels were shaded, 0.01 to 1024 (default 64);
     /// a shaded pixel gets 1 to 1024, more where more shows.

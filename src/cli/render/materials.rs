@@ -9,7 +9,7 @@ use brdfc::encode::encoders::wavelet::recipe::Target;
 use brdfc::inspect::{AnyPack as Pack, PackKind, open};
 use brdfc::render::{Material, open_brdf_pack};
 use brdfc::scene::{EnvironmentJob, Job, Manifest, PackFolder, Use, plan, read_manifest};
-use brdfc::{BrdfPack, PackRecipe, Source, WaveletRecipe as Recipe};
+use brdfc::{BrdfPack, FitLimits, PackRecipe, Source, WaveletRecipe as Recipe};
 use std::path::{Path, PathBuf};
 
 /// Finest grid whose slices all fit into a 3D texture.
@@ -96,7 +96,14 @@ pub(super) fn subject(arguments: &Arguments) -> Result<Subject, Error> {
             Ok(Subject::Scene { path, text, manifest: Box::new(manifest), jobs, environment, packs })
         }
         "ktx2" => Ok(Subject::Pack),
-        _ => Ok(Subject::Source(Box::new(arguments.options.recipe()?))),
+        _ => {
+            let (recipe, fit) = arguments.options.request()?;
+            if fit != FitLimits::default() {
+                let flags = "--trust-fit, --max-fit-error";
+                return Err(Error::wrong_usage(flags, "with render, which measures no fit", "with encode and build"));
+            }
+            Ok(Subject::Source(Box::new(recipe)))
+        }
     }
 }
 

@@ -56,6 +56,12 @@ pub(super) fn run(arguments: &Arguments, common: Common) -> Result<(), Error> {
     if let Some(asset) = &asset {
         asset::refuse_flags(arguments, asset)?;
     }
+    if let (Some(path), false) = (&arguments.adaptive.environment, arguments.adaptive.adaptive) {
+        let found = format!("{} without --adaptive", path.display());
+        let allowed =
+            "both: an environment lights adaptive shading alone, other renderings have the lights of their scene";
+        return Err(Error::wrong_usage("--environment", found, allowed));
+    }
     if arguments.adaptive.adaptive {
         return adaptive::run(arguments, common);
     }

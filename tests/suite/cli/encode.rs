@@ -272,3 +272,49 @@ fn budgets_that_say_nothing_are_refused() {
     assert_eq!(report["off_grid"]["norms"]["rms"], 0.0);
     assert!(report["bytes_on_gpu"].as_u64() <= Some(1024), "{report}");
 }
+
+/// A scan of one incidence says nothing of others: a limit that is asked for is not met, unless the fit is trusted.
+#[test]
+fn limits_are_those_against_the_material() {
+    let folder = Folder::new();
+    let mut scan = "theta_i,phi_i,theta_o,phi_o,r,g,b\n".to_owned();
+    for k in 0..19 {
+        let (theta_o, value) = (0.07 * f64::from(k), 0.3 + 0.01 * f64::from(k));
+        scan += &format!("0.6,0,{theta_o},3.1,{value},{value},{value}\n");
+    }
+    folder.write("one.csv", scan);
+    let encode = |more: &[&str]| folder.run(&[&["encode", "one.csv", "-o", "one.ktx2", "--json"], more].concat());
+    // Nobody asked for the default.
+    let ran = encode(&[]).succeeded();
+    assert!(ran.stderr.contains("a fit to samples, which is the weaker part: "), "{}", ran.stderr);
+    conforms("encode", &ran.json());
+    assert!(ran.json()["fit"]["uncovered"].as_f64().unwrap() > 0.5, "{}", ran.stdout);
+    let ran = encode(&["--max-delta-e", "5"]);
+    assert!(ran.code == 1 && ran.stderr.contains("fit: found "), "{ran:?}");
+    assert_eq!(ran.json()["gates"][0]["passed"], false);
+    encode(&["--max-delta-e", "5", "--trust-fit"]).succeeded();
+    let ran = encode(&["--max-fit-error", "0.01%", "--trust-fit"]);
+    assert!(ran.code == 1 && ran.stderr.contains("max_fit_error: found "), "{ran:?}");
+    encode(&["--max-fit-error", "1000%"]).succeeded();
+    let ran = folder.run(&["render", "one.csv", "-o", "one.png", "--trust-fit"]);
+    assert!(ran.code == 2 || ran.code == 5, "{ran:?}");
+}
+
+/// The highlight is a limit besides the ΔE, and takes the place of none.
+#[test]
+fn highlights_are_kept_and_nothing_is_lost_for_them() {
+    let folder = Folder::new();
+    let encode = |model: &str, more: &[&str]| {
+        folder.run(&[&["encode", model, "-o", "x.ktx2", "--json"], more].concat()).succeeded().json()
+    };
+    let delta_e = |report: &serde_json::Value| report["off_grid"]["picture"]["delta_e"]["mean"].as_f64().unwrap();
+    let kept = |report: &serde_json::Value| report["off_grid"]["highlight"]["light"].as_f64().unwrap();
+    let model = "synth:ggx?kd=0.3,0.1,0.05&alpha=0.03";
+    let (without, with) = (encode(model, &["--min-highlight", "0"]), encode(model, &["--min-highlight", "0.97"]));
+    assert!(kept(&with) >= 0.97 && kept(&with) >= kept(&without), "{} {}", kept(&without), kept(&with));
+    assert!(delta_e(&with) <= 0.5 && delta_e(&without) <= 0.5);
+    // With bytes alone the best that fits is asked for, all the same.
+    let bytes = encode(model, &["--max-bytes", "16KiB", "--min-highlight", "0.5"]);
+    let plain = encode(model, &["--max-bytes", "16KiB"]);
+    assert!(delta_e(&bytes) <= delta_e(&plain) + 1e-9 && kept(&bytes) >= 0.5);
+}

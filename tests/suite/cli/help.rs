@@ -205,7 +205,7 @@ fn json_is_a_flag_of_the_program() {
         &["generate", "man", "--out", "man"],
     ] {
         let name = arguments[0];
-        let allowed = "bandwidth, build, compare, convert, encode, flatten, info, plan, pwt, render, report, samples, shader, view and watch";
+        let allowed = "bandwidth, build, compare, convert, encode, flatten, info, plan, pwt, render, report, samples, shader, verify, view and watch";
         for ran in [folder.run(&[&["--json"], arguments].concat()), folder.run(&[arguments, &["--json"]].concat())] {
             assert_eq!((ran.code, ran.stdout.as_str()), (2, ""), "{arguments:?}");
             assert_eq!(ran.stderr, format!("brdfc: --json: found with {name}; allowed with {allowed}\n"));
@@ -244,6 +244,7 @@ fn what_refuses_json_is_what_the_page_says() {
         ("flatten", &["flatten", "gone.obj", "-o", "flat"]),
         ("view", &["view", "gone.ktx2", "-o", "page.html"]),
         ("report", &["report", "gone", "-o", "page.html"]),
+        ("verify", &["verify", "gone"]),
         ("plan --format ninja", &["plan", "synth:lambert", "--format", "ninja"]),
         ("plan --format json", &["plan", "synth:lambert", "--format", "json"]),
         ("schema", &["schema", "info"]),

@@ -13,6 +13,7 @@ mod info;
 mod many_machines;
 mod names;
 mod needs;
+mod nothing;
 mod output;
 mod output_folder;
 mod pwt;
@@ -28,6 +29,7 @@ mod schemas;
 mod shader;
 mod synth;
 mod tables;
+mod verify;
 mod view;
 #[cfg(unix)]
 mod watch;

@@ -261,7 +261,7 @@ fn notes_of_what_was_kept_are_counted() {
     let second = Watch::new(&folder, &["dark.binary", "black.binary", "--codec", "table"]);
     let lines = second.until("watching ");
     assert!(!lines.iter().any(|line| line.contains(black)), "{lines:?}");
-    let count = "note: 2 materials kept as they were with notes, which 'brdfc build' tells";
+    let count = "note: 2 materials made before have notes, which 'brdfc report' lists";
     assert!(lines.iter().any(|line| line == count), "{lines:?}");
     // Another black.
     folder.run(&["synth", "lambert?kd=0", "-o", "new.binary", "--dimensions", "6x6x14"]).succeeded();

@@ -7,7 +7,8 @@ use super::report::{FACTORED, TABLE, TableReport};
 use super::search::recipe::{LARGEST, SearchRecipe, Tables};
 use super::search::within::search_within;
 use brdfc_codec::{
-    AveragingCost, BrdfRecipe, Encode, EncodeError, EncodeOptions, Encoded, GridCache, OptionError, Predicted, Variant,
+    AveragingCost, BrdfRecipe, Encode, EncodeError, EncodeOptions, Encoded, ErrorLimits, GridCache, OptionError,
+    Predicted, Variant,
 };
 use brdfc_core::Source;
 use brdfc_core::progress::Progress;
@@ -115,6 +116,13 @@ impl BrdfRecipe for Recipe {
         matches!(self, Self::Search(search) if search.budget.limits_error())
     }
 
+    fn asked_errors(&self) -> ErrorLimits {
+        match self {
+            Self::Search(search) if search.is_asked => ErrorLimits::from(&search.budget),
+            _ => ErrorLimits::default(),
+        }
+    }
+
     /// A search decides by the error.
     fn skip_measuring(&mut self) {
         if let Self::Table(table) = self {
@@ -158,10 +166,11 @@ impl BrdfRecipe for Recipe {
 }
 
 /// Options of plain tables.
-const OPTIONS: [&str; 6] = ["max_delta_e", "max_error", "max_bytes", "max_fetches", "reciprocal", "bias"];
+const OPTIONS: [&str; 7] =
+    ["max_delta_e", "min_highlight", "max_error", "max_bytes", "max_fetches", "reciprocal", "bias"];
 /// Those of tables with a curve, and of a search among both.
-const FACTORED_OPTIONS: [&str; 7] =
-    ["max_delta_e", "max_error", "max_bytes", "max_fetches", "reciprocal", "bias", "levels"];
+const FACTORED_OPTIONS: [&str; 8] =
+    ["max_delta_e", "min_highlight", "max_error", "max_bytes", "max_fetches", "reciprocal", "bias", "levels"];
 
 impl Encode for Recipe {
     type Report = TableReport;
@@ -188,7 +197,7 @@ impl Encode for Recipe {
             ..default
         };
         let budget = options.budget()?;
-        if variant != AUTO && !budget.limits_error() && budget.fetches.is_none() {
+        if variant != AUTO && !budget.limits_error() && !budget.limits_highlight() && budget.fetches.is_none() {
             return Ok(Self::Table(table));
         }
         let tables = match variant {

@@ -10,6 +10,9 @@ const WHITE: f32 = 0.98;
 /// What a relative error counts where nothing is seen, so that ratios stay right at grazing angles and in the dark.
 pub const UNSEEN: f32 = 0.03;
 
+/// What a small difference of the logarithm changes of L* at white.
+const LIGHTNESS_OF_RATIO: f32 = 116.0 / 3.0;
+
 /// Samples whose colours are found at once.
 const LANES: usize = 32;
 
@@ -38,6 +41,8 @@ pub struct Targets {
     pub weights: Vec<[f32; 3]>,
     /// L\*a\*b\* as it is shown.
     pub colours: Vec<[f32; 3]>,
+    /// Whether it is brighter than white.
+    highlights: Vec<bool>,
 }
 
 impl Targets {
@@ -64,8 +69,8 @@ impl Targets {
                 return value / (value + mean * bias);
             }
             let shown = value * cosine * exposure;
-            // Beyond white nothing changes; near it less and less, so that peaks keep their shape.
-            let clipped = if shown < 1.0 { 1.0 } else { 1.0 / (shown * shown) };
+            // Beyond white pictures do not change, but highlights are to keep their light: a ratio counts there as it does at white.
+            let clipped = if shown < 1.0 { 1.0 } else { 1.0 / shown };
             let weight = lightness_slope(shown.min(1.0)) * (value + mean * bias) * cosine * exposure * clipped;
             // Beside a spike that raises the mean, where nothing is exact, squares stay numbers.
             weight.min(LARGEST_WEIGHT)
@@ -80,6 +85,7 @@ impl Targets {
                 .collect(),
             weights: pairs().map(|(v, cosine)| v.map(|v| weight(v, *cosine))).collect(),
             colours: pairs().map(|(v, cosine)| lab(v.map(|v| v * cosine * exposure))).collect(),
+            highlights: pairs().map(|(v, cosine)| v.iter().any(|v| v * cosine * exposure > 1.0)).collect(),
             taken: Vec::new(),
             aim,
             grey,
@@ -97,7 +103,8 @@ impl Targets {
     }
 
     /// How far logarithms of samples, seen at an incoming cosine, are from what they should be: the sum, in their order, of ΔE as
-    /// they are shown, or of the mean ratio. Samples are told by their numbers.
+    /// they are shown, or of the mean ratio. What is brighter than white adds the lightness that its ratio would change at white. Samples
+    /// are told by their numbers.
     pub fn sum_of_differences(&self, mut samples: impl Iterator<Item = (usize, [f32; 3], f32)>) -> f64 {
         let mut sum = 0.0;
         if self.aim == Aim::Ratios {
@@ -112,6 +119,10 @@ impl Targets {
             let mut count = 0;
             for (lane, (k, logarithms, cosine)) in samples.by_ref().take(LANES).enumerate() {
                 numbers[lane] = k;
+                if self.highlights[k] {
+                    let ratio: f32 = (0..3).map(|c| (logarithms[c] - self.logarithms[k][c]).abs()).sum();
+                    sum += f64::from(LIGHTNESS_OF_RATIO / 3.0 * ratio);
+                }
                 (0..3).for_each(|c| shown[c][lane] = self.shown(k, c, logarithms[c], cosine));
                 count += 1;
             }

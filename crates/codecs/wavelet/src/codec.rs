@@ -7,7 +7,8 @@ use super::recipe::{Ranking, Recipe, Target};
 use super::table::Grid;
 use super::tabulated::Tabulated;
 use brdfc_codec::{
-    BrdfRecipe, BrdfReport, Encode, EncodeError, EncodeOptions, Encoded, GridCache, OptionError, Predicted, Variant,
+    BrdfRecipe, BrdfReport, Encode, EncodeError, EncodeOptions, Encoded, ErrorLimits, GridCache, OptionError,
+    Predicted, Variant,
 };
 use brdfc_core::Source;
 use brdfc_core::progress::{Progress, Stage};
@@ -93,6 +94,13 @@ impl BrdfRecipe for Recipe {
 
     fn limits_error(&self) -> bool {
         matches!(self.target, Target::MaxError(_))
+    }
+
+    fn asked_errors(&self) -> ErrorLimits {
+        match self.target {
+            Target::MaxError(most) => ErrorLimits { relative: Some(most), ..ErrorLimits::default() },
+            _ => ErrorLimits::default(),
+        }
     }
 
     fn skip_measuring(&mut self) {

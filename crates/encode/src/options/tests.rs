@@ -50,7 +50,7 @@ fn the_codec_follows_from_the_options() {
         assert_eq!(PackRecipe::try_from(keys(wrong)).unwrap_err().field, "levels", "{wrong}");
     }
     let PackRecipe::Table(Search(filled)) = resolved("max_bytes = 4096", "") else { panic!("a search") };
-    assert_eq!(filled.budget, Budget { delta_e: None, error: None, bytes: Some(4096), fetches: None });
+    assert_eq!(filled.budget, Budget::NONE.bytes(4096));
     assert_eq!(filled.table.aim, Aim::Pictures);
     let PackRecipe::Table(Search(even)) = resolved("max_error = 0.1", "") else { panic!("a search") };
     assert_eq!(even.table.aim, Aim::Ratios);
@@ -103,7 +103,7 @@ fn defaults_that_do_not_go_with_the_codec_are_left_out() {
     let PackRecipe::Table(Search(own)) = resolved("max_delta_e = 0.2", "max_bytes = 4096\nmax_error = '3%'") else {
         panic!("a search")
     };
-    assert_eq!(own.budget, Budget { delta_e: Some(0.2), error: None, bytes: None, fetches: None });
+    assert_eq!(own.budget, Budget::NONE.delta_e(0.2).highlight(0.9));
     assert!(matches!(resolved("ratio = 16", "reciprocal = true\nmax_fetches = 1"), PackRecipe::Wavelet(_)));
     assert!(matches!(resolved("max_delta_e = 0.5", "bias = 0.02\ngrid = 16"), PackRecipe::Table(Search(_))));
     let PackRecipe::Table(Search(theirs)) = resolved("reciprocal = true", "max_bytes = 4096") else {
@@ -147,7 +147,7 @@ fn options_win_over_defaults_of_other_codecs() {
 #[test]
 fn codecs_have_the_options_that_there_are() {
     let all = keys(
-        "max_delta_e = 1\nmax_error = 0.1\nmax_bytes = 1\nmax_fetches = 1\nreciprocal = true\nlevels = 1\nratio = 4\ngrid = 8\n\
+        "max_delta_e = 1\nmin_highlight = 0.5\nmax_error = 0.1\nmax_bytes = 1\nmax_fetches = 1\nreciprocal = true\nlevels = 1\nratio = 4\ngrid = 8\n\
          parameterisation = 'tangent-pole'\nbits = 8\nbias = 0.1\nranking = 'energy'\nlift = true\nsmooth = true",
     );
     let mut given: Vec<&str> = all.given().map(|(option, _)| option).collect();

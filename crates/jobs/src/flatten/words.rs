@@ -1,16 +1,28 @@
 //! What is said of an asset besides figures.
 
-use super::asset::{AssetFile, FlatAsset};
+use super::asset::{AssetFile, FlatAsset, Settings};
 use brdfc_core::words::{bytes, percent};
 use brdfc_flat_btf::factored::FactoredTarget;
 use brdfc_flat_btf::probes::ColourErrors;
 use brdfc_flat_btf::weld::WeldReport;
+
+/// Texels per side, and views, below which steps are seen on a plane that fills a picture.
+const FEW_TEXELS: usize = 128;
+const FEW_VIEWS: usize = 40;
 
 /// What a user should know of an asset: what was mended, and what no view sees.
 pub fn remarks(asset: &AssetFile) -> Vec<String> {
     let mut lines = asset.report.repairs.as_ref().map(repairs_in_words).unwrap_or_default();
     if asset.report.never_seen > 0 {
         lines.push(format!("{} of the texels are seen by none of the views", percent(asset.unseen())));
+    }
+    let Settings { flat_texels, texels, views, .. } = &asset.settings;
+    if *flat_texels < FEW_TEXELS || (*texels as usize) < FEW_TEXELS || views.1 < FEW_VIEWS {
+        lines.push(format!(
+            "{texels} and {flat_texels} texels per side and {} views are for a first look: outlines and highlights are stepped; the \
+             defaults, 256 and 81, look right from nearby",
+            views.1
+        ));
     }
     lines
 }

@@ -1,17 +1,20 @@
 //! The report of a build.
 
 use super::gate::GateResult;
-use super::list::list_of;
+use super::list::{MATERIAL_VERSION, MaterialFile};
 use super::material::{MaterialReport, StageTime};
 use crate::encode::Predicted;
-use crate::file_name::folded;
+use crate::error::Error;
+use crate::file_name::{folded, is_plain};
 use crate::scene::explain::Explained;
 use crate::scene::maps::{MapsReport, PARTS, Packed, part_name};
 use crate::scene::plan::{Plan, list_name, pack_name};
-use crate::scene::run::{JobError, Made, MadeEnvironment, Outcome, Outcomes};
+use crate::scene::run::{JobError, Made, MadeEnvironment, Outcome, Outcomes, PACK};
 use crate::scene::scene_section::ENVIRONMENT;
 use crate::store::Digest;
 use brdfc_bandwidth::facts::BandwidthFacts;
+use brdfc_source::json::json_problem;
+use brdfc_source::read::{MAX_TEXT_BYTES, read_file};
 use serde::{Deserialize, Serialize};
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::Path;
@@ -39,7 +42,7 @@ pub struct BuildReport {
 }
 
 /// A file of a build.
-#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize, schemars::JsonSchema)]
+#[derive(Debug, Clone, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize, schemars::JsonSchema)]
 pub struct FileEntry {
     /// Its name in the output folder.
     pub file: String,
@@ -97,6 +100,15 @@ pub struct MaterialEntry {
 }
 
 impl MaterialEntry {
+    /// The list of a material that was made; nothing of one that failed, or was only planned.
+    pub fn file(&self) -> Option<MaterialFile> {
+        let [bandwidth, samples] = PARTS;
+        let parts = [(PACK, &self.pack), (bandwidth, &self.bandwidth), (samples, &self.samples)];
+        let parts = parts.into_iter().filter_map(|(part, file)| Some((part.to_owned(), file.clone()?))).collect();
+        let (material, report) = (self.material.clone(), self.report.clone()?);
+        Some(MaterialFile { version: MATERIAL_VERSION, material, parts, report, maps: self.maps.clone() })
+    }
+
     /// Whether it is what was asked for.
     pub fn passed(&self) -> bool {
         let met = self.report.as_ref().is_some_and(|report| report.missed.is_none());
@@ -133,6 +145,30 @@ pub struct EnvironmentEntry {
 }
 
 impl BuildReport {
+    /// Reads a `report.json`, all of whose files are in its folder.
+    ///
+    /// # Errors
+    /// What cannot be read, is no report, has another version or names files elsewhere.
+    pub fn open(path: &Path) -> Result<Self, Error> {
+        let bytes = read_file(path, MAX_TEXT_BYTES)?;
+        let allowed = "the report.json of a build by this version of brdfc, which 'brdfc build' writes anew";
+        let wrong = |found: String| Error::wrong_input(path.display(), found, allowed);
+        let report: Self = serde_json::from_slice(&bytes).map_err(|error| wrong(json_problem(&error)))?;
+        if let Some(name) = report.names().find(|name| !is_plain(name)) {
+            return Err(wrong(format!("the file {name:?}, which leads out of its folder")));
+        }
+        match report.version {
+            BUILD_VERSION => Ok(report),
+            version => Err(wrong(format!("version {version} of the layout, which is {BUILD_VERSION} now"))),
+        }
+    }
+
+    /// All names that it has for files.
+    fn names(&self) -> impl Iterator<Item = &str> {
+        let parts = self.materials.iter().flat_map(|entry| [&entry.pack, &entry.bandwidth, &entry.samples]);
+        self.files().map(|entry| &entry.file).chain(parts.flatten()).map(String::as_str)
+    }
+
     /// Of a finished build.
     pub fn new(plan: &Plan, outcomes: &Outcomes) -> Self {
         let environment = plan.environment.as_ref().zip(outcomes.environment.as_ref());
@@ -242,23 +278,25 @@ fn files(name: &str, declared: &str, maps: [bool; 2]) -> MaterialEntry {
 fn material_entry(declared: &str, outcome: &Outcome) -> MaterialEntry {
     match &outcome.result {
         Ok(made) => {
-            let list = FileEntry { file: list_name(&outcome.name), blake3: Digest::of(&list_of(&outcome.name, made)) };
             let Made { report, maps, gates, files: made_files, times, .. } = made;
             let listed = made_files
                 .iter()
                 .map(|(part, blake3)| FileEntry { file: part_name(&outcome.name, part), blake3: *blake3 });
             let made = |maps: &MapsReport| [maps.bandwidth.is_some(), maps.samples.is_some()];
             let of_maps = maps.as_ref().map_or([false; 2], made);
-            MaterialEntry {
+            let entry = MaterialEntry {
                 files: listed.collect(),
-                list: Some(list),
                 report: Some(report.clone()),
                 maps: maps.clone(),
                 gates: gates.clone(),
                 cached: Some(times.is_none()),
                 stages: times.clone(),
                 ..files(&outcome.name, declared, of_maps)
-            }
+            };
+            let list = entry.file();
+            let list =
+                list.map(|list| FileEntry { file: list_name(&outcome.name), blake3: Digest::of(&list.to_bytes()) });
+            MaterialEntry { list, ..entry }
         }
         Err(error) => MaterialEntry {
             material: outcome.name.clone(),

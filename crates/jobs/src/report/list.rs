@@ -1,13 +1,15 @@
 //! What lists the parts of a material for whoever loads them.
 
 use super::material::MaterialReport;
-use crate::scene::maps::{MapsReport, part_name};
-use crate::scene::run::Made;
-use serde::Serialize;
+use crate::scene::maps::MapsReport;
+use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 
+/// Layout of the file.
+pub const MATERIAL_VERSION: u32 = 1;
+
 /// The parts of a material, as `<material>.json` lists them.
-#[derive(Debug, Clone, Serialize, schemars::JsonSchema)]
+#[derive(Debug, Clone, Serialize, Deserialize, schemars::JsonSchema)]
 pub struct MaterialFile {
     /// Layout of this file.
     pub version: u32,
@@ -19,15 +21,15 @@ pub struct MaterialFile {
     /// What was measured.
     pub report: MaterialReport,
     /// What the maps hold.
-    #[serde(skip_serializing_if = "Option::is_none")]
+    #[serde(default, skip_serializing_if = "Option::is_none")]
     pub maps: Option<MapsReport>,
 }
 
-/// The bytes of `<material>.json`.
-pub fn list_of(name: &str, made: &Made) -> Vec<u8> {
-    let parts = made.files.iter().map(|(part, _)| ((*part).to_owned(), part_name(name, part))).collect();
-    let (material, report, maps) = (name.to_owned(), made.report.clone(), made.maps.clone());
-    json_file(&MaterialFile { version: 1, material, parts, report, maps })
+impl MaterialFile {
+    /// The bytes of `<material>.json`.
+    pub fn to_bytes(&self) -> Vec<u8> {
+        json_file(self)
+    }
 }
 
 /// A file of JSON, for people and programs.

@@ -5,6 +5,7 @@ pub mod adaptive;
 pub mod build;
 #[cfg(feature = "render")]
 pub mod contact;
+pub mod fit;
 pub mod gate;
 pub mod list;
 pub mod material;

@@ -135,34 +135,13 @@ impl Verification {
     /// Why the picture says nothing, if that is so.
     pub fn nothing_seen(&self, views: &Views) -> Option<String> {
         let difference = self.checked();
-        let reference = views.reference();
-        let on_surfaces = || {
-            let all = reference.pixels.iter().zip(&reference.coverage);
-            all.filter(|(_, covered)| **covered > 0.0)
-                .map(|(pixel, _)| pixel.map(|value| self.exposure * f64::from(value)))
-        };
-        let is_lit = |pixel: [f64; 3]| pixel.iter().any(|value| *value > 0.0);
-        let is_shown =
-            |pixel: &[f64; 3]| pixel.iter().any(|value| *value > BLACK) && pixel.iter().any(|value| *value < 1.0);
-        let shown = || on_surfaces().filter(is_shown).map(|pixel| pixel.iter().sum::<f64>());
-        let needed = (SHOWN * difference.pixels as f64).ceil() as usize;
         if difference.pixels == 0 {
             let why = if views.left_out > 0.0 { ", of those that packs were made for" } else { "" };
             Some(format!("no pixel that shows a surface{why}"))
         } else if difference.invalid_pixels > 0 {
             Some(format!("{} pixels that hold no number", difference.invalid_pixels))
-        } else if !on_surfaces().any(is_lit) {
-            Some("no light: all surfaces are black".to_owned())
-        } else if shown().count() < needed {
-            let (count, of) = (shown().count(), difference.pixels);
-            let exposure = format_number(self.exposure);
-            Some(format!(
-                "{count} of {of} pixels that are neither black nor white, at exposure {exposure}; {needed} are needed"
-            ))
-        } else if shown().fold(0.0, f64::max) < CONTRAST * shown().fold(f64::INFINITY, f64::min) {
-            Some("no contrast: all surfaces look alike".to_owned())
         } else {
-            None
+            nothing_shown(views.reference(), self.exposure)
         }
     }
 
@@ -182,5 +161,32 @@ impl Verification {
         .into_iter()
         .filter_map(|(name, difference)| Some((name, difference?)))
         .collect()
+    }
+}
+
+/// Why an image shows nothing at an exposure, if that is so: no light, too few pixels of surfaces that are neither black nor white, or no
+/// contrast among them.
+pub fn nothing_shown(image: &LinearImage, exposure: f64) -> Option<String> {
+    let on_surfaces = || {
+        let all = image.pixels.iter().zip(&image.coverage);
+        all.filter(|(_, covered)| **covered > 0.0).map(|(pixel, _)| pixel.map(|value| exposure * f64::from(value)))
+    };
+    let is_lit = |pixel: [f64; 3]| pixel.iter().any(|value| *value > 0.0);
+    let is_shown =
+        |pixel: &[f64; 3]| pixel.iter().any(|value| *value > BLACK) && pixel.iter().any(|value| *value < 1.0);
+    let shown = || on_surfaces().filter(is_shown).map(|pixel| pixel.iter().sum::<f64>());
+    let of = on_surfaces().count();
+    let (count, needed) = (shown().count(), (SHOWN * of as f64).ceil() as usize);
+    if !on_surfaces().any(is_lit) {
+        Some("no light: all surfaces are black".to_owned())
+    } else if count < needed {
+        let exposure = format_number(exposure);
+        Some(format!(
+            "{count} of {of} pixels that are neither black nor white, at exposure {exposure}; {needed} are needed"
+        ))
+    } else if shown().fold(0.0, f64::max) < CONTRAST * shown().fold(f64::INFINITY, f64::min) {
+        Some("no contrast: all surfaces look alike".to_owned())
+    } else {
+        None
     }
 }

@@ -9,7 +9,7 @@ use crate::error::Error;
 use crate::file_name::folded;
 use crate::output_folder::{Changes, Contents, OutputFolder};
 use crate::report::build::{BuildReport, environment_map};
-use crate::report::list::{json_file, list_of};
+use crate::report::list::json_file;
 use crate::report::material::StageTime;
 use crate::scene::maps::part_name;
 use crate::store::{Digest, FOLDER, Store, placing, read_record, write_record};
@@ -218,7 +218,11 @@ fn files(outcomes: &Outcomes, report: BuildReport) -> Vec<(String, Contents)> {
         for (part, digest) in &made.files {
             files.push((part_name(name, part), Contents::Kept(*digest)));
         }
-        files.push((list_name(name), Contents::Bytes(list_of(name, made))));
+    }
+    for entry in report.materials.iter().filter(|entry| !entry.kept) {
+        if let Some(list) = entry.file() {
+            files.push((list_name(&entry.material), Contents::Bytes(list.to_bytes())));
+        }
     }
     if let Some(Ok(made)) = &outcomes.environment {
         files.push((environment_map(), Contents::Kept(made.file)));

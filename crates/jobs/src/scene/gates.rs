@@ -1,10 +1,11 @@
 //! Gates: what a finished pack has to be, however it was asked for. A gate that saw nothing does not pass.
 
+use crate::report::fit;
 use crate::report::gate::GateResult;
 use crate::report::material::MaterialReport;
-use brdfc_codec::{Budget, OptionError, TAIL};
+use brdfc_codec::{Budget, ErrorLimits, FitLimits, OptionError, TAIL};
 use brdfc_core::byte_count::bytes_from_manifest;
-use brdfc_core::words::counted;
+use brdfc_core::words::{counted, percent};
 use brdfc_metrics::compare::is_black;
 use brdfc_metrics::fraction::Fraction;
 use serde::Deserialize;
@@ -15,6 +16,8 @@ use serde::Deserialize;
 pub struct Require {
     /// Largest mean ΔE of pictures, with 95 % below four times that.
     pub max_delta_e: Option<f64>,
+    /// Least share of the highlight's light that is kept.
+    pub min_highlight: Option<Fraction>,
     /// Largest mean relative error `ε_r`, off any grid.
     pub max_error: Option<Fraction>,
     /// Most bytes on a GPU.
@@ -29,6 +32,7 @@ impl Require {
     pub fn resolve(&self, defaults: &Self) -> Result<Budget, OptionError> {
         Budget::checked(
             self.max_delta_e.or(defaults.max_delta_e),
+            self.min_highlight.or(defaults.min_highlight),
             self.max_error.or(defaults.max_error),
             self.max_bytes.or(defaults.max_bytes),
             self.max_fetches.or(defaults.max_fetches),
@@ -36,8 +40,25 @@ impl Require {
     }
 }
 
+/// What a finished pack, and the fit that it was made from, have to be.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Gates {
+    /// The table `require`.
+    pub required: Budget,
+    /// What is asked of the fit.
+    pub fit: FitLimits,
+    /// What was asked of the pack's error, here or by its recipe.
+    pub errors: ErrorLimits,
+}
+
 /// Holds a material against its gates.
-pub fn check(gates: &Budget, report: &MaterialReport) -> Vec<GateResult> {
+pub fn check(gates: &Gates, report: &MaterialReport) -> Vec<GateResult> {
+    let mut results = check_pack(&gates.required, report);
+    results.extend(fit::check(gates.fit, gates.errors, report));
+    results
+}
+
+fn check_pack(gates: &Budget, report: &MaterialReport) -> Vec<GateResult> {
     let mut results = Vec::new();
     let mut hold = |gate: &str, found: String, allowed: String, passed: bool| {
         results.push(GateResult::new(&format!("require.{gate}"), found, allowed, passed));
@@ -53,6 +74,13 @@ pub fn check(gates: &Budget, report: &MaterialReport) -> Vec<GateResult> {
             // What is no number is not below either.
             hold("max_delta_e", found, allowed, picture.mean <= limit && picture.p95 <= TAIL * limit);
         }
+    }
+    if let Some(least) = gates.highlight {
+        // What has no highlight loses none.
+        let found = report.off_grid.highlight;
+        let text = found.map_or("no highlight".to_owned(), |highlight| highlight.in_words());
+        let allowed = format!("{} of its light or more", percent(least));
+        hold("min_highlight", text, allowed, found.is_none_or(|highlight| highlight.kept() >= least));
     }
     if let Some(limit) = gates.error {
         let allowed = format!("{} %", 100.0 * limit);
@@ -82,30 +110,31 @@ mod tests {
 
     fn report(address: &str) -> MaterialReport {
         let opened = open(address, None).unwrap();
-        MaterialReport::new(&encode(opened.source.as_ref(), &PackRecipe::default(), &()).unwrap(), &opened.facts)
+        MaterialReport::new(&encode(opened.source.as_ref(), &PackRecipe::default(), &()).unwrap(), &opened, &())
+            .unwrap()
     }
 
     fn passed(report: &MaterialReport, gates: Budget) -> Vec<bool> {
-        check(&gates, report).iter().map(|gate| gate.passed).collect()
+        check_pack(&gates, report).iter().map(|gate| gate.passed).collect()
     }
 
     #[test]
     fn each_gate_opens_and_closes() {
         let report = report("synth:ggx?alpha=0.4");
-        let none = Budget { delta_e: None, error: None, bytes: None, fetches: None };
-        assert!(check(&none, &report).is_empty());
+        let none = Budget::NONE;
+        assert!(check_pack(&none, &report).is_empty());
         let (error, bytes) = (report.off_grid.norms.relative_mean, report.bytes_on_gpu);
-        let loose = Budget { delta_e: Some(5.0), error: Some(2.0 * error), bytes: Some(bytes), fetches: Some(1) };
-        assert_eq!(passed(&report, loose), [true; 4]);
-        let tight = Budget { delta_e: Some(1e-6), error: Some(0.5 * error), bytes: Some(bytes - 1), fetches: None };
-        assert_eq!(passed(&report, tight), [false; 3]);
+        let loose = Budget::NONE.delta_e(5.0).highlight(0.5).error(2.0 * error).bytes(bytes).fetches(1);
+        assert_eq!(passed(&report, loose), [true; 5]);
+        let tight = Budget::NONE.delta_e(1e-6).highlight(0.999).error(0.5 * error).bytes(bytes - 1);
+        assert_eq!(passed(&report, tight), [false; 4]);
     }
 
     #[test]
     fn nothing_seen_is_not_passed() {
         let black = report("synth:lambert?kd=0");
-        let gates = Budget { delta_e: Some(100.0), error: Some(1000.0), bytes: None, fetches: None };
-        let results = check(&gates, &black);
+        let gates = Budget::NONE.delta_e(100.0).error(1000.0);
+        let results = check_pack(&gates, &black);
         assert!(results.iter().all(|gate| !gate.passed), "{results:?}");
         assert!(results[0].to_string().starts_with("require.max_delta_e: found no light: the material is black"));
         assert!(results[1].to_string().starts_with("require.max_error: found no sample above the floor"));

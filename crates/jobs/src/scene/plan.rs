@@ -1,13 +1,13 @@
 //! What a build will do: which materials, from where, by which recipes.
 
 use super::batch::address_of;
+use super::gates::Gates;
 use super::manifest::Manifest;
 use super::maps::{WantedMaps, part_name, wanted_parts};
 use super::needs::{self, Needs, needs};
 use super::scene_section::ENVIRONMENT;
 use super::uses::Use;
-use crate::encode::PackRecipe;
-use crate::encode::{Budget, OptionError};
+use crate::encode::{OptionError, PackRecipe, options_over};
 use crate::error::Error;
 use brdfc_formats::wavelet::DEFAULT_DISTANCE_SCALE;
 use brdfc_source::Input;
@@ -30,7 +30,7 @@ pub struct Job {
     /// Which maps it needs.
     pub maps: WantedMaps,
     /// What its finished pack has to be.
-    pub gates: Budget,
+    pub gates: Gates,
     /// What the scene asks of it.
     pub needs: Needs,
     /// The uses that refer to it, with their names.
@@ -144,6 +144,9 @@ pub fn plan(manifest: &Manifest, folder: &Path) -> Result<Plan, Error> {
         let wrong = |error: OptionError| Error::from(error).prefixed(name);
         let mut recipe = PackRecipe::from_options(&material.options, &defaults.options).map_err(wrong)?;
         let asked = recipe.clone();
+        let required = material.require.resolve(&defaults.require).map_err(wrong)?;
+        let fit = options_over(&material.options, &defaults.options).fit_limits().map_err(wrong)?;
+        let gates = Gates { required, fit, errors: recipe.asked_errors().and((&required).into()) };
         recipe.limit_levels(&|levels| need.stored_levels(levels, scale));
         recipe.limit_coarser_levels(need.coarser_levels(scale));
         recipe.limit_directions(need.directions);
@@ -158,7 +161,7 @@ pub fn plan(manifest: &Manifest, folder: &Path) -> Result<Plan, Error> {
             asked,
             recipe,
             maps: [need.bandwidth, need.samples],
-            gates: material.require.resolve(&defaults.require).map_err(wrong)?,
+            gates,
             needs: *need,
             uses: uses.remove(name.as_str()).unwrap_or_default(),
         });

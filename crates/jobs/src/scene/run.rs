@@ -319,7 +319,7 @@ impl Workshop<'_> {
     ) -> Result<Kept<PackNote>, JobError> {
         let cache = StoreGridCache { store: self.store, source };
         let encoded = encode_cached(opened.source.as_ref(), recipe, &cache, clock)?;
-        let report = MaterialReport::new(&encoded, &opened.facts);
+        let report = MaterialReport::new(&encoded, opened, clock)?;
         // What is finished is kept, cancelled or not.
         let _ = clock.stage(Stage::Write, 1);
         let note = (report, clock.so_far());

@@ -19,6 +19,21 @@ impl Group {
         self.sum.map(|s| s / self.count)
     }
 
+    /// Whether there are several rows.
+    pub fn repeats(&self) -> bool {
+        self.count > 1.0
+    }
+
+    /// Largest values of the rows, summed over channels.
+    pub fn highest(&self) -> f64 {
+        self.highest.iter().sum()
+    }
+
+    /// By how much they are larger than the smallest.
+    pub fn spread(&self) -> f64 {
+        self.highest() - self.lowest.iter().sum::<f64>()
+    }
+
     /// Largest difference within the group, as a fraction of the larger value.
     pub fn disagreement(&self) -> f64 {
         (0..3)

@@ -4,6 +4,7 @@
 mod coordinates;
 mod facts;
 pub mod fit;
+mod folds;
 mod incidence;
 mod merge;
 mod summary;
@@ -15,6 +16,7 @@ use super::error::InputError;
 use super::format::{Format, Opened};
 use super::input::InputFile;
 use brdfc_core::StrayRows;
+use brdfc_core::source::{Completion, Repeats};
 use brdfc_core::{Source, Symmetry, Tally};
 use brdfc_formats::FormatError;
 use brdfc_formats::direction::DirectionPair;
@@ -79,10 +81,13 @@ fn opened<F: From<ScanFacts>>(scan: &Scan, alta: Option<&AltaTable>) -> Result<O
 /// A scan that can be evaluated anywhere.
 pub struct ScanSource {
     points: Points,
-    /// `ln(f + bias)` of each distinct direction pair.
+    /// Each distinct direction pair, as it was measured.
+    pairs: Vec<DirectionPair>,
+    /// `ln(f + bias)` of each.
     values: Vec<[f64; 3]>,
     bias: f64,
     grey: bool,
+    repeats: Option<Repeats>,
     summary: ScanSummary,
 }
 
@@ -141,27 +146,33 @@ impl ScanSource {
     fn of_rows(rows: &[Row], isotropic: bool) -> Result<Self, FormatError> {
         let pairs: Vec<DirectionPair> = rows.iter().map(pair_of).collect();
         let raised: Vec<[f64; 3]> = rows.iter().map(|r| r.value.map(|v| v.max(0.0))).collect();
+        let negative = rows.iter().filter(|r| r.value.iter().any(|v| *v < 0.0)).count();
+        let source = Self::of_pairs(&pairs, &raised, isotropic)?;
+        Ok(Self { summary: ScanSummary { negative, ..source.summary }, ..source })
+    }
 
+    /// Of direction pairs with values of 0 or more.
+    fn of_pairs(pairs: &[DirectionPair], raised: &[[f64; 3]], isotropic: bool) -> Result<Self, FormatError> {
         let (points, groups) = if isotropic {
-            let (entries, groups) = entries::<3, 4, Isotropic>(&pairs, &raised);
+            let (entries, groups) = entries::<3, 4, Isotropic>(pairs, raised);
             (Points::Isotropic(Tree::new(entries)), groups)
         } else {
-            let (entries, groups) = entries::<4, 5, Anisotropic>(&pairs, &raised);
+            let (entries, groups) = entries::<4, 5, Anisotropic>(pairs, raised);
             (Points::Anisotropic(Tree::new(entries)), groups)
         };
         if groups.len() < FEWEST_ROWS {
             return Err(FormatError::whole(
                 "rows",
-                format!("{} distinct direction pairs in {} rows", groups.len(), rows.len()),
+                format!("{} distinct direction pairs in {} rows", groups.len(), pairs.len()),
                 format!("at least {FEWEST_ROWS} distinct direction pairs, so that a surface can be fitted"),
             ));
         }
-        let bias = log_bias(&raised);
+        let bias = log_bias(raised);
         let summary = ScanSummary {
-            rows: rows.len(),
+            rows: pairs.len(),
             distinct: groups.len(),
             largest_disagreement: groups.iter().map(Group::disagreement).fold(0.0, f64::max),
-            negative: rows.iter().filter(|r| r.value.iter().any(|v| *v < 0.0)).count(),
+            negative: 0,
             zero: raised.iter().filter(|v| **v == [0.0; 3]).count(),
             isotropic,
             strays: None,
@@ -172,7 +183,9 @@ impl ScanSource {
             (r - g).abs() <= tolerance && (g - b).abs() <= tolerance
         });
         let values = groups.iter().map(|group| group.mean().map(|v| (v + bias).ln())).collect();
-        Ok(Self { points, values, bias, grey, summary })
+        let repeats = repeats_of(&groups);
+        let pairs = groups.iter().map(|group| pairs[group.representative]).collect();
+        Ok(Self { points, pairs, values, bias, grey, repeats, summary })
     }
 
     /// What was found while the scan was taken in.
@@ -240,6 +253,10 @@ impl Source for ScanSource {
     fn is_grey(&self) -> bool {
         self.grey
     }
+
+    fn completion(&self) -> Option<&dyn Completion> {
+        Some(self)
+    }
 }
 
 impl<const S: usize> Tree<S> {
@@ -268,6 +285,20 @@ fn entries<const D: usize, const S: usize, P: Space<D, S>>(
 
 fn pair_of(row: &Row) -> DirectionPair {
     DirectionPair::from_angles(row.theta_i, row.phi_i, row.theta_o, row.phi_o)
+}
+
+/// Direction pairs that were measured more than once.
+fn repeats_of(groups: &[Group]) -> Option<Repeats> {
+    let repeated = || groups.iter().filter(|group| group.repeats());
+    let pairs = repeated().count();
+    let sum = |of: fn(&Group) -> f64| repeated().map(of).sum::<f64>();
+    let (highest, spread) = (sum(Group::highest), sum(Group::spread));
+    (pairs > 0).then(|| Repeats {
+        pairs,
+        share: pairs as f64 / groups.len() as f64,
+        spread: if highest > 0.0 { spread / highest } else { 0.0 },
+        largest: repeated().map(Group::disagreement).fold(0.0, f64::max),
+    })
 }
 
 /// Mean over rows of their difference to a source, as a fraction of the larger value.

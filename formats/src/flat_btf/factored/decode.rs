@@ -273,7 +273,8 @@ impl FactoredFlatBtf {
     /// What a base, seen from a view under a light that arrives in full, and a sum show.
     fn colour(&self, base: &BaseTexel, [view, light]: [[f32; 3]; 2], sum: [f32; 3]) -> [f32; 3] {
         let opponent = to_opponent(self.basis.base().colour(base, view, light));
-        from_opponent([opponent[0] + sum[0], opponent[1] + sum[1], opponent[2] + sum[2]])
+        let all = [opponent[0] + sum[0], opponent[1] + sum[1], opponent[2] + sum[2]];
+        from_opponent(self.header().chroma.bound(all))
     }
 }
 

@@ -30,6 +30,45 @@ pub fn cube_root(x: f32) -> f32 {
     if x > 1e-18 { step(step(guess)) } else { 0.0 }
 }
 
+/// Opponent colours of an asset, as ratios to lightness: smallest and largest of the first, then of the second, in steps of 1/48.
+/// Those of all linear RGB are within -2.25 and 1.65.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct ChromaRange(pub [i8; 4]);
+
+/// Steps of [`ChromaRange`].
+const CHROMA_STEP: f32 = 1.0 / 48.0;
+
+impl ChromaRange {
+    /// All colours.
+    pub const ALL: Self = Self([-128, 127, -128, 127]);
+
+    /// The smallest range that holds two ranges of ratios.
+    pub fn around(ratios: [[f32; 2]; 2]) -> Self {
+        let [[a, b], [c, d]] = ratios.map(|[low, high]| [(low / CHROMA_STEP).floor(), (high / CHROMA_STEP).ceil()]);
+        // Conversions saturate.
+        Self([a as i8, b as i8, c as i8, d as i8])
+    }
+
+    /// As a file and a uniform block hold it: a byte each, the first lowest.
+    pub fn word(self) -> u32 {
+        u32::from_le_bytes(self.0.map(|step| step as u8))
+    }
+
+    /// The inverse of [`Self::word`].
+    pub fn from_word(word: u32) -> Self {
+        Self(word.to_le_bytes().map(|byte| byte as i8))
+    }
+
+    /// A sum within the range: lightness not negative, opponent colours limited. In dark texels errors of a few components are
+    /// otherwise colours that the surface does not have.
+    #[inline]
+    pub fn bound(self, [lightness, red_green, yellow_blue]: [f32; 3]) -> [f32; 3] {
+        let lightness = lightness.max(0.0);
+        let [a, b, c, d] = self.0.map(|step| f32::from(step) * CHROMA_STEP * lightness);
+        [lightness, red_green.max(a).min(b), yellow_blue.max(c).min(d)]
+    }
+}
+
 /// Lightness and two opponent colours of linear RGB: `116 y`, `500 (x - y)`, `200 (y - z)` with `x`, `y`, `z` the cube roots
 /// of tristimulus values relative to white. Without the offset of L*a*b*, so that `to_opponent(s³ c) = s to_opponent(c)`.
 #[inline]
@@ -54,6 +93,23 @@ pub fn from_opponent([lightness, red_green, yellow_blue]: [f32; 3]) -> [f32; 3] 
 mod tests {
     use super::*;
     use proptest::prelude::*;
+
+    /// A dark texel whose red is off by little is cyan; within the colours of a brown surface it is dark.
+    #[test]
+    fn colours_stay_within_their_range() {
+        let brown = to_opponent([0.2, 0.1, 0.05]);
+        let range = ChromaRange::around([1, 2].map(|k: usize| [0.9 * brown[k] / brown[0], 1.1 * brown[k] / brown[0]]));
+        assert_eq!(ChromaRange::from_word(range.word()), range);
+        assert_eq!(range.bound(brown), brown);
+        let off = [5.0, -8.0, 1.0];
+        let [cyan, bound] = [from_opponent(off), from_opponent(range.bound(off))];
+        assert!(cyan[1] > 10.0 * cyan[0] && bound[0] > bound[1] && bound[1] > bound[2], "{cyan:?} {bound:?}");
+        assert_eq!(from_opponent(range.bound([-3.0, 2.0, 1.0])), [0.0; 3]);
+        // Every colour is within all of them.
+        for colour in [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0], [1.0, 1.0, 0.0], [0.0, 1.0, 1.0]] {
+            assert_eq!(ChromaRange::ALL.bound(to_opponent(colour)), to_opponent(colour));
+        }
+    }
 
     #[test]
     fn known_colours() {

@@ -36,7 +36,7 @@ struct FactoredParameters {
     groups: u32,        // groups of four components
     wide_groups: u32,   // of which so many have 16 bits in the basis, the others 8
     shadowed: u32,      // 0: every texel is lit by every light
-    reserved: u32,
+    chroma: u32,        // four signed bytes: smallest and largest ratios of both opponent colours to lightness, times 48
     views: u32,         // rows of the basis before the base's table
     lowest_light: f32,  // cosine of the largest polar angle of a sampled light
     steps: array<vec4<f32>, 48>,    // three opponent colours, 16 groups each
@@ -112,7 +112,7 @@ fn factored_value(
         }
     }
     let colour = factored_base_colour(base, view, factored_raised(light));
-    return shadow * factored_from_opponent(factored_to_opponent(colour) + sum);
+    return shadow * factored_from_opponent(factored_bounded(factored_to_opponent(colour) + sum));
 }
 
 // A light, or where it is lower than all sampled ones, the one of the same azimuth with their least height.
@@ -238,6 +238,15 @@ fn factored_to_opponent(rgb: vec3<f32>) -> vec3<f32> {
         0.0177566 * rgb.x + 0.10946796 * rgb.y + 0.8727754 * rgb.z);
     let root = factored_cube_roots(max(xyz, vec3<f32>(0.0)));
     return vec3<f32>(116.0 * root.y, 500.0 * (root.x - root.y), 200.0 * (root.y - root.z));
+}
+
+// A sum within the colours that the asset has.
+fn factored_bounded(opponent: vec3<f32>) -> vec3<f32> {
+    let lightness = max(opponent.x, 0.0);
+    let word = vec4<u32>(factored_parameters.chroma) << vec4<u32>(24u, 16u, 8u, 0u);
+    let limit = vec4<f32>(bitcast<vec4<i32>>(word) >> vec4<u32>(24u)) * (1.0 / 48.0) * lightness;
+    return vec3<f32>(
+        lightness, min(max(opponent.y, limit.x), limit.y), min(max(opponent.z, limit.z), limit.w));
 }
 
 // Linear RGB of lightness and opponent colours.

@@ -1,5 +1,6 @@
 //! What a factored flat BTF says of itself, in the entry `brdfc.flat-btf.factored` of its basis.
 
+use super::domain::ChromaRange;
 use crate::FormatError;
 use crate::container::entries::entry;
 use crate::container::{Extent, MAX_EXTENT_2D, TexelFormat, Texture};
@@ -22,7 +23,7 @@ pub const DIFFERENCE_ANGLES: usize = 8;
 pub const BASE_LAYERS: u32 = 2;
 
 pub(super) const BASIS_PART: &str = "basis";
-const VERSION: u32 = 1;
+const VERSION: u32 = 2;
 const KIND: &str = "the basis of a factored flat BTF";
 /// Bytes before the steps.
 const FIXED_BYTES: usize = 4 * (9 + 6);
@@ -85,6 +86,8 @@ pub struct FactoredHeader {
     pub views: Vec<[f32; 2]>,
     /// The same of all lights.
     pub lights: Vec<[f32; 2]>,
+    /// Colours that its texels have.
+    pub chroma: ChromaRange,
     /// What a step of the basis means: of each opponent colour, for all components.
     pub steps: [Vec<f32>; 3],
     /// How wrong it is.
@@ -157,6 +160,11 @@ impl FactoredHeader {
             let allowed = format!("at most {MAX_EXTENT_2D} on each side");
             return Err(FormatError::whole(field, Extent::D2([width, height]).to_string(), allowed));
         }
+        let [a, b, c, d] = self.chroma.0;
+        if a > b || c > d {
+            let found = format!("{a} to {b} and {c} to {d}");
+            return Err(refused("range of colours", found, "two ranges whose first number is not the larger"));
+        }
         for steps in &self.steps {
             if steps.len() != self.components() {
                 let allowed = format!("{}, as groups says", self.components());
@@ -181,7 +189,7 @@ impl FactoredHeader {
         words.push(self.errors.texels);
         let FactoredErrors { texels: _, seen_mean, seen_p95, seen_max, all_mean, all_p95 } = self.errors;
         words.extend([seen_mean, seen_p95, seen_max, all_mean, all_p95].map(f32::to_bits));
-        words.push(0);
+        words.push(self.chroma.word());
         words.extend(self.steps.iter().flatten().map(|step| step.to_bits()));
         let mut entries = direction_entries(&self.views, &self.lights);
         entries.insert(FACTORED.to_owned(), words.into_iter().flat_map(u32::to_le_bytes).collect());
@@ -210,7 +218,7 @@ impl FactoredHeader {
             all_mean: cursor.f32("all mean")?,
             all_p95: cursor.f32("all p95")?,
         };
-        word(&mut cursor, FACTORED, "reserved", 0..=0)?;
+        let chroma = ChromaRange::from_word(cursor.u32("range of colours")?);
         let components = groups as usize * GROUP;
         let wanted = FIXED_BYTES + 3 * 4 * components;
         if bytes.len() != wanted {
@@ -222,7 +230,7 @@ impl FactoredHeader {
             *step = cursor.f32("step")?;
         }
         let [views, lights] = read_directions(texture, KIND, [views, lights])?;
-        let header = Self { size, levels, groups, wide_groups, shadow, views, lights, steps, errors };
+        let header = Self { size, levels, groups, wide_groups, shadow, views, lights, chroma, steps, errors };
         header.check()?;
         Ok(header)
     }

@@ -15,7 +15,7 @@ pub mod shader;
 pub use base::{BaseAngles, BaseTable, BaseTexel, LARGEST_BASE, slope_ranges, slope_texel, slope_words};
 pub use basis::BasisMap;
 pub use decode::{FactoredFlatBtf, FactoredTexel};
-pub use domain::{cube_root, from_opponent, to_opponent};
+pub use domain::{ChromaRange, cube_root, from_opponent, to_opponent};
 pub(crate) use header::FACTORED as FACTORED_ENTRY;
 pub use header::{
     BASE_LAYERS, DIFFERENCE_ANGLES, FactoredErrors, FactoredHeader, GROUP, HALF_ANGLES, MAX_GROUPS, ShadowFormat,

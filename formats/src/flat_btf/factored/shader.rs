@@ -24,7 +24,8 @@ impl FactoredParameters {
     pub fn to_bytes(asset: &FactoredFlatBtf) -> Vec<u8> {
         let header = asset.header();
         let shadowed = u32::from(asset.shadow().is_some());
-        let mut words = vec![header.size, header.levels, header.groups, header.wide_groups, shadowed, 0];
+        let chroma = header.chroma.word();
+        let mut words = vec![header.size, header.levels, header.groups, header.wide_groups, shadowed, chroma];
         words.extend([header.views.len() as u32, asset.lowest_light().to_bits()]);
         let mut numbers = |numbers: Vec<f32>, layers: u32| {
             let first = words.len();

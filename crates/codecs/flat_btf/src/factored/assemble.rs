@@ -8,7 +8,8 @@ use super::quantise::{integer, rounded, steps, weight_byte, weight_ranges, wide_
 use brdfc_formats::FormatError;
 use brdfc_formats::container::Extent;
 use brdfc_formats::flat_btf::factored::{
-    BaseTable, BasisMap, FactoredErrors, FactoredFlatBtf, FactoredHeader, GROUP, ShadowFormat, ShadowMap, WeightMap,
+    BaseTable, BasisMap, ChromaRange, FactoredErrors, FactoredFlatBtf, FactoredHeader, GROUP, ShadowFormat, ShadowMap,
+    WeightMap,
 };
 use brdfc_formats::flat_btf::{FlatHeader, VisibilityMask};
 
@@ -22,7 +23,7 @@ pub(super) struct Shape {
 }
 
 /// The header of an asset of `size` texels per side, with all mipmap levels.
-pub(super) fn header(shape: Shape, size: u32, directions: &FlatHeader) -> FactoredHeader {
+pub(super) fn header(shape: Shape, size: u32, directions: &FlatHeader, chroma: ChromaRange) -> FactoredHeader {
     FactoredHeader {
         size,
         levels: Extent::D2([size; 2]).most_levels(),
@@ -31,6 +32,7 @@ pub(super) fn header(shape: Shape, size: u32, directions: &FlatHeader) -> Factor
         shadow: if shape.shadowed { ShadowFormat::R8 } else { ShadowFormat::None },
         views: directions.views.clone(),
         lights: directions.lights.clone(),
+        chroma,
         steps: [(); 3].map(|()| vec![0.0; shape.groups as usize * GROUP]),
         errors: FactoredErrors::default(),
     }

@@ -11,7 +11,7 @@ use super::train::{Fit, first_shadows};
 use super::words::ViewWords;
 use brdfc_formats::FormatError;
 use brdfc_formats::flat_btf::FlatHeader;
-use brdfc_formats::flat_btf::factored::{FactoredErrors, GROUP};
+use brdfc_formats::flat_btf::factored::{ChromaRange, FactoredErrors, GROUP};
 
 /// Views that are added to sums at once.
 pub(super) const VIEWS_AT_ONCE: usize = 8;
@@ -56,8 +56,9 @@ impl Candidate {
         size: u32,
         directions: &FlatHeader,
         base: &StoredBase,
+        chroma: ChromaRange,
     ) -> Result<Rounded, FormatError> {
-        let header = assemble::header(self.shape, size, directions);
+        let header = assemble::header(self.shape, size, directions, chroma);
         let (map, basis) = assemble::basis(header, &base.table, &self.fit.basis)?;
         let squares = basis.squares();
         Ok(Rounded { map, basis, squares, prior: self.fit.prior(NOISE_VARIANCE), shadowed: self.shape.shadowed })
@@ -69,13 +70,14 @@ impl Candidate {
         held_out: &Sample,
         directions: &FlatHeader,
         base: &StoredBase,
+        chroma: ChromaRange,
     ) -> Result<FactoredErrors, FormatError> {
         let size = held_out.texels.len().isqrt();
         let count = size * size;
         if count == 0 {
             return Ok(FactoredErrors::default());
         }
-        let rounded = self.rounded(size as u32, directions, base)?;
+        let rounded = self.rounded(size as u32, directions, base, chroma)?;
         let base = base.of(&(0..count).collect::<Vec<_>>());
         let rays = Rays::new(directions);
         let mut sums = Sums::new(count, &rounded.basis);

@@ -9,7 +9,7 @@ use super::sample::{Sample, Values};
 use brdfc_core::progress::{Progress, Stage};
 use brdfc_formats::FormatError;
 use brdfc_formats::flat_btf::FlatHeader;
-use brdfc_formats::flat_btf::factored::GROUP;
+use brdfc_formats::flat_btf::factored::{ChromaRange, GROUP};
 
 /// What candidates are fitted to and tried on.
 pub(super) struct Trials<'a> {
@@ -18,6 +18,7 @@ pub(super) struct Trials<'a> {
     /// The base of what is held out.
     pub(super) base: &'a StoredBase,
     pub(super) directions: &'a FlatHeader,
+    pub(super) chroma: ChromaRange,
     pub(super) progress: &'a dyn Progress,
 }
 
@@ -63,7 +64,7 @@ impl Trials<'_> {
 
     /// Measures a candidate.
     fn attempt<E>(&self, candidate: Candidate, tried: &mut Vec<FactoredTrial>) -> Result<Candidate, FactorError<E>> {
-        let errors = candidate.errors(self.held_out, self.directions, self.base)?;
+        let errors = candidate.errors(self.held_out, self.directions, self.base, self.chroma)?;
         let Shape { groups, shadowed } = candidate.shape;
         let (components, gpu_bytes) = (groups * GROUP as u32, gpu_bytes(candidate.shape, self.directions));
         tried.push(FactoredTrial { components, shadowed, gpu_bytes, errors });

@@ -5,6 +5,7 @@ use super::assemble;
 use super::base::{AlbedoSums, Rays, StoredBase, stored_normals};
 use super::candidate::VIEWS_AT_ONCE;
 use super::choose::Trials;
+use super::chroma::Chroma;
 use super::gloss::fit_table;
 use super::local::{Texels, solve_texels};
 use super::masks::Masks;
@@ -65,11 +66,13 @@ pub fn factor<E: Send>(
         (Sample::new(fitted.clone(), masks(&fitted)), Sample::new(held_out.clone(), masks(&held_out)));
     drop(first);
     recipe.target.check(&directions)?;
+    let mut chroma = Chroma::none();
     progress.stage(Stage::Read, views)?;
     for batch in reader.batches(&directions) {
         for view in reader.read(batch, Some(&directions))? {
             fitted.add_view(&view);
             held_out.add_view(&view);
+            chroma.add_view(&view, mask);
             progress.step()?;
         }
     }
@@ -77,7 +80,9 @@ pub fn factor<E: Send>(
     let base = reader.base(recipe, &fitted, normals, &directions, progress)?;
     let (count, of_fitted, of_held_out) = (fitted.texels.len(), base.of(&fitted.texels), base.of(&held_out.texels));
     let trial = fitted.values(count.min(TRIAL_TEXELS), &of_fitted, &rays);
-    let trials = Trials { values: &trial, held_out: &held_out, base: &of_held_out, directions: &directions, progress };
+    let chroma = chroma.range();
+    let trials =
+        Trials { values: &trial, held_out: &held_out, base: &of_held_out, directions: &directions, chroma, progress };
     let (mut candidate, tried) = trials.choose(recipe.target)?;
     progress.stage(Stage::Fit, 1)?;
     drop(trial);
@@ -87,7 +92,7 @@ pub fn factor<E: Send>(
     drop(values);
     progress.step()?;
 
-    let rounded = candidate.rounded(size as u32, &directions, &base)?;
+    let rounded = candidate.rounded(size as u32, &directions, &base, chroma)?;
     let texels = reader.solve(recipe, &rounded, &base, &directions, progress)?;
     progress.stage(Stage::Quantise, 1)?;
     let asset = assemble::asset(rounded.map, &base, &texels, &assemble::counts(mask))?;

@@ -13,6 +13,7 @@ mod base;
 mod basis;
 mod candidate;
 mod choose;
+mod chroma;
 mod encode;
 mod gloss;
 mod lit;

@@ -3,7 +3,7 @@
 use super::assemble::{Shape, header};
 use brdfc_formats::FormatError;
 use brdfc_formats::flat_btf::FlatHeader;
-use brdfc_formats::flat_btf::factored::{GROUP, MAX_GROUPS};
+use brdfc_formats::flat_btf::factored::{ChromaRange, GROUP, MAX_GROUPS};
 
 /// Groups of components that are tried: 4, 8, 12, 20, 28, 44, 60 components.
 const GROUPS: [u32; 7] = [1, 2, 3, 5, 7, 11, 15];
@@ -51,7 +51,7 @@ impl FactoredTarget {
                     let allowed = format!("1 to {}", MAX_GROUPS * GROUP as u32);
                     return Err(FormatError::whole("components", components.to_string(), allowed));
                 }
-                header(Shape { groups, shadowed: *shadowed }, directions.size, directions).check()
+                header(Shape { groups, shadowed: *shadowed }, directions.size, directions, ChromaRange::ALL).check()
             }
         }
     }
@@ -60,13 +60,16 @@ impl FactoredTarget {
 /// The shapes that are tried, the smallest first: one at least.
 pub(super) fn shapes(directions: &FlatHeader, shadowed: bool) -> Result<Vec<Shape>, FormatError> {
     let shapes = GROUPS.map(|groups| Shape { groups, shadowed });
-    header(shapes[0], directions.size, directions).check()?;
-    Ok(shapes.into_iter().filter(|shape| header(*shape, directions.size, directions).check().is_ok()).collect())
+    header(shapes[0], directions.size, directions, ChromaRange::ALL).check()?;
+    Ok(shapes
+        .into_iter()
+        .filter(|shape| header(*shape, directions.size, directions, ChromaRange::ALL).check().is_ok())
+        .collect())
 }
 
 /// Bytes of a shape on a GPU.
 pub(super) fn gpu_bytes(shape: Shape, directions: &FlatHeader) -> u64 {
-    header(shape, directions.size, directions).gpu_bytes()
+    header(shape, directions.size, directions, ChromaRange::ALL).gpu_bytes()
 }
 
 /// Everything that decides the asset besides the views.

@@ -8,6 +8,7 @@ use super::recipe::{Size, TableRecipe};
 use super::report::TableReport;
 use brdfc_codec::{AveragingCost, Budget, EncodeError, Encoded, TAIL, Trial};
 use brdfc_core::progress::{Cancelled, Progress, Stage};
+use brdfc_core::words::percent;
 use brdfc_core::{PackSource, Source};
 use brdfc_metrics::compare::{Comparison, Reference};
 use brdfc_metrics::sampling::PairSet;
@@ -31,6 +32,10 @@ const CLOSER: f64 = 0.97;
 const SLOWEST: f64 = 0.15;
 /// They may fall so many times as fast from there on, which may be enough for the budget.
 const CATCHING_UP: f64 = 2.0;
+/// Bytes of a table from which on no larger one is tried for its highlight alone.
+const LARGEST_FOR_HIGHLIGHT: u64 = 64 << 10;
+/// Sizes in a row that miss the budget from which on no smaller one is tried.
+const MISSES: u32 = 2;
 /// Sizes from one trial to the next where none is expected to meet the budget.
 const STRIDE: usize = 2;
 /// Tables of a budget of bytes alone: all of it, a half, a quarter. More nodes do not always bring more, where the format's ten
@@ -107,7 +112,7 @@ struct Search<'a> {
     progress: &'a dyn Progress,
     prepared: Option<Prepared>,
     /// What may be kept, with how far over the budget each is.
-    made: Vec<(f64, EncodedTable)>,
+    made: Vec<(Excess, EncodedTable)>,
     tried: Vec<Trial>,
 }
 
@@ -143,8 +148,11 @@ impl Search<'_> {
                 }
             }
         };
+        // Highlights fall between nodes of one size and not of the next smaller one: one miss is not the end.
+        let mut misses = 0;
         for size in sizes[..below].iter().rev() {
-            if self.table(*size, true)? > 1.0 {
+            misses = if self.table(*size, true)?.is_met() { 0 } else { misses + 1 };
+            if misses == MISSES {
                 break;
             }
         }
@@ -164,37 +172,39 @@ impl Search<'_> {
     /// Tries tables of one kind.
     fn smallest(&mut self, sizes: &[u64], factored: bool) -> Result<Found, EncodeError> {
         // Of each size how far over the budget its table is.
-        let mut excesses: Vec<Option<f64>> = vec![None; sizes.len()];
+        let mut excesses: Vec<Option<Excess>> = vec![None; sizes.len()];
         let mut next = Some(0);
         let mut met = None;
         while let Some(k) = next {
             let excess = self.table(sizes[k], factored)?;
             excesses[k] = Some(excess);
-            if excess <= 1.0 {
+            if excess.is_met() {
                 met = Some(k);
                 break;
             }
             let hopeless = |larger: usize| {
                 let expected =
-                    |at: usize| Some(excesses[at]? * (sizes[larger] as f64 / sizes[at] as f64).powf(-FASTEST));
+                    |at: usize| Some(excesses[at]?.error * (sizes[larger] as f64 / sizes[at] as f64).powf(-FASTEST));
                 (0..=k).filter_map(expected).fold(f64::INFINITY, f64::min) > 1.0
             };
             let last = sizes.len() - 1;
-            if has_stalled(&tried(sizes, &excesses), sizes[last]) {
+            // What is lost of a highlight does not fall evenly, and may not fall at all.
+            let is_lost = excess.error <= 1.0 && sizes[k] >= LARGEST_FOR_HIGHLIGHT;
+            if is_lost || excess.error > 1.0 && has_stalled(&tried(sizes, &excesses), sizes[last]) {
                 break;
             }
             let stride = (k < last).then_some((k + STRIDE).min(last));
             next = (k + 1..sizes.len()).find(|larger| !hopeless(*larger)).or(stride);
         }
         let Some(mut met) = met else {
-            let least = excesses.iter().flatten().copied().fold(f64::INFINITY, f64::min);
-            let is_close = |excess: &Option<f64>| excess.is_some_and(|excess| CLOSER * excess <= least);
+            let least = excesses.iter().flatten().map(Excess::rank).fold(f64::INFINITY, f64::min);
+            let is_close = |excess: &Option<Excess>| excess.is_some_and(|excess| CLOSER * excess.rank() <= least);
             let closest = excesses.iter().position(is_close).unwrap_or(0);
             return Ok(Found::Missed { closest, last: excesses.iter().rposition(Option::is_some).unwrap_or(0) });
         };
         let missed = (0..met).rev().find(|k| excesses[*k].is_some());
         for skipped in missed.map_or(0, |k| k + 1)..met {
-            if self.table(sizes[skipped], factored)? <= 1.0 {
+            if self.table(sizes[skipped], factored)?.is_met() {
                 met = skipped;
                 break;
             }
@@ -203,7 +213,7 @@ impl Search<'_> {
     }
 
     /// Makes a table; how far over the budget it is.
-    fn table(&mut self, bytes: u64, factored: bool) -> Result<f64, EncodeError> {
+    fn table(&mut self, bytes: u64, factored: bool) -> Result<Excess, EncodeError> {
         self.progress.stage(Stage::Try, 1)?;
         let within = CancelOnly(self.progress);
         let recipe = TableRecipe { size: Size::Bytes(bytes), factored, ..self.recipe.table.clone() };
@@ -216,7 +226,7 @@ impl Search<'_> {
         if let (Err(EncodeError::TooFewBytes { .. }), true, false) = (&made, factored, self.tried.is_empty()) {
             // A curve does not fit; a table did.
             self.prepared = Some(prepared);
-            return Ok(f64::INFINITY);
+            return Ok(Excess { error: f64::INFINITY, highlight: 0.0 });
         }
         let mut pack = made?;
         let off_grid = self.reference.compare(&PackSource::new(&pack, None));
@@ -228,9 +238,9 @@ impl Search<'_> {
     }
 
     /// Notes a pack, and keeps it where it may be the one; how far over the budget it is.
-    fn consider(&mut self, made: EncodedTable) -> f64 {
-        let excess = excess(&self.recipe.budget, &made.off_grid);
-        self.tried.push(made.trial(&made.codec, excess <= 1.0));
+    fn consider(&mut self, made: EncodedTable) -> Excess {
+        let excess = Excess::of(&self.recipe.budget, &made.off_grid);
+        self.tried.push(made.trial(&made.codec, excess.is_met()));
         self.made.push((excess, made));
         excess
     }
@@ -239,15 +249,19 @@ impl Search<'_> {
         let budget = &self.recipe.budget;
         let picture = |made: &EncodedTable| made.off_grid.picture.delta_e.mean;
         let bytes = |made: &EncodedTable| made.pack.gpu_bytes();
-        let least = self.made.iter().map(|(excess, _)| *excess).fold(f64::INFINITY, f64::min);
+        let least = self.made.iter().map(|(excess, _)| excess.rank()).fold(f64::INFINITY, f64::min);
         let best = if budget.limits_error() {
-            let is_one = |excess: f64| if least <= 1.0 { excess <= 1.0 } else { CLOSER * excess <= least };
-            self.made.into_iter().filter(|(excess, _)| is_one(*excess)).min_by_key(|(_, made)| bytes(made))
+            let is_one = |excess: &Excess| if least <= 1.0 { excess.is_met() } else { CLOSER * excess.rank() <= least };
+            self.made.into_iter().filter(|(excess, _)| is_one(excess)).min_by_key(|(_, made)| bytes(made))
         } else {
-            self.made.into_iter().min_by(|(_, a), (_, b)| picture(a).total_cmp(&picture(b)))
+            // Those that keep the highlight first.
+            let is_lost = |excess: &Excess| excess.highlight > 1.0;
+            self.made.into_iter().min_by(|(a, first), (b, second)| {
+                is_lost(a).cmp(&is_lost(b)).then(picture(first).total_cmp(&picture(second)))
+            })
         };
         let (excess, mut made) = best.expect("a table was made, or why not was returned");
-        made.missed = (excess > 1.0).then(|| missed(budget, &made.off_grid));
+        made.missed = (!excess.is_met()).then(|| missed(budget, &made.off_grid));
         if self.recipe.table.reciprocal {
             made.averaging = Some(AveragingCost::of(self.source, &self.reference));
         }
@@ -265,8 +279,8 @@ enum Found {
 }
 
 /// The sizes that were tried, with how far over the budget they are.
-fn tried(sizes: &[u64], excesses: &[Option<f64>]) -> Vec<(u64, f64)> {
-    sizes.iter().zip(excesses).filter_map(|(size, excess)| Some((*size, (*excess)?))).collect()
+fn tried(sizes: &[u64], excesses: &[Option<Excess>]) -> Vec<(u64, f64)> {
+    sizes.iter().zip(excesses).filter_map(|(size, excess)| Some((*size, (*excess)?.error))).collect()
 }
 
 /// Whether the last two sizes came hardly closer than the best before them, and so little that the largest would miss the budget.
@@ -279,17 +293,42 @@ pub fn has_stalled(tried: &[(u64, f64)], largest: u64) -> bool {
     power < SLOWEST && now * (largest as f64 / *size as f64).powf(-CATCHING_UP * power.max(0.0)) > 1.0
 }
 
-/// How many times over the tightest limit of error a pack is; infinite where its error is no number.
-pub fn excess(budget: &Budget, error: &Comparison) -> f64 {
-    let Budget { delta_e, error: relative, .. } = *budget;
-    let picture = &error.picture.delta_e;
-    let ratios = [
-        delta_e.map(|limit| picture.mean / limit),
-        delta_e.map(|limit| picture.p95 / (TAIL * limit)),
-        relative.map(|limit| error.norms.relative_mean / limit),
-    ];
-    let number = |ratio: f64| if ratio.is_nan() { f64::INFINITY } else { ratio };
-    ratios.into_iter().flatten().map(number).fold(0.0, f64::max)
+/// How many times over its limits a pack is; infinite where its error is no number.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Excess {
+    /// Over the tightest limit of ΔE and `ε_r`. It falls with the size.
+    pub error: f64,
+    /// What is lost of the highlight, of what may be lost. It falls in steps, as nodes come to stand within the highlight.
+    pub highlight: f64,
+}
+
+impl Excess {
+    /// Of a pack.
+    pub fn of(budget: &Budget, found: &Comparison) -> Self {
+        let picture = &found.picture.delta_e;
+        let ratios = [
+            budget.delta_e.map(|limit| picture.mean / limit),
+            budget.delta_e.map(|limit| picture.p95 / (TAIL * limit)),
+            budget.error.map(|limit| found.norms.relative_mean / limit),
+        ];
+        let number = |ratio: f64| if ratio.is_nan() { f64::INFINITY } else { ratio };
+        let lost = |least: f64| found.highlight.map_or(0.0, |highlight| (1.0 - highlight.kept()) / (1.0 - least));
+        Self {
+            error: ratios.into_iter().flatten().map(number).fold(0.0, f64::max),
+            highlight: budget.highlight.map_or(0.0, |least| number(lost(least))),
+        }
+    }
+
+    /// Whether all limits are met.
+    pub fn is_met(&self) -> bool {
+        self.error <= 1.0 && self.highlight <= 1.0
+    }
+
+    /// By which packs that miss something are compared: highlights count once errors are met.
+    fn rank(&self) -> f64 {
+        // Shares of highlights are from 0 to 1/(1 - 0.999).
+        if self.error > 1.0 { 1000.0 * self.error } else { self.highlight.min(1000.0) }
+    }
 }
 
 /// Sizes of tables within a budget, from small to large; the last fills it.
@@ -315,6 +354,11 @@ fn missed(budget: &Budget, best: &Comparison) -> String {
             picture.p95,
             TAIL * limit
         ));
+    }
+    if let (Some(least), Some(found)) = (budget.highlight, best.highlight)
+        && found.kept() < least
+    {
+        parts.push(format!("highlight: found {}; allowed {}", found.in_words(), percent(least)));
     }
     if let Some(limit) = budget.error
         && best.norms.relative_mean > limit

@@ -2,7 +2,7 @@
 
 use crate::encode::MOST_TEXELS;
 use crate::recipe::{Aim, TableRecipe};
-use brdfc_codec::Budget;
+use brdfc_codec::{Budget, HIGHLIGHT};
 use serde::{Deserialize, Serialize};
 
 /// Bytes on a GPU of the largest table that a search tries.
@@ -46,7 +46,8 @@ impl SearchRecipe {
         // Where ratios alone are limited, they are what tables are made for.
         let aim = if budget.error.is_some() && budget.delta_e.is_none() { Aim::Ratios } else { Aim::Pictures };
         let table = TableRecipe { aim, ..TableRecipe::default() };
-        let is_asked = budget.limits_error();
-        Self { budget: Budget { delta_e, ..budget }, is_asked, table, tables: Tables::Both }
+        let is_asked = budget.limits_error() || budget.limits_highlight();
+        let highlight = budget.highlight.or(delta_e.map(|_| HIGHLIGHT)).filter(|least| *least > 0.0);
+        Self { budget: Budget { delta_e, highlight, ..budget }, is_asked, table, tables: Tables::Both }
     }
 }

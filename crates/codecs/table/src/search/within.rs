@@ -1,7 +1,7 @@
 //! The search within a range of directions: it looks at the pack of all directions, too, which may do.
 
 use super::recipe::SearchRecipe;
-use super::{CancelOnly, EncodedTable, excess, search, smallest_tried};
+use super::{CancelOnly, EncodedTable, Excess, search, smallest_tried};
 use crate::crop::window;
 use crate::encode::{Encoded, measured};
 use brdfc_codec::EncodeError;
@@ -58,12 +58,12 @@ pub fn smaller(
     }
     let off_grid = reference.compare(&PackSource::new(&pack, None));
     measured(&mut pack, &off_grid);
-    let over = excess(&recipe.budget, &off_grid);
+    let is_met = Excess::of(&recipe.budget, &off_grid).is_met();
     let bytes = pack.to_bytes(recipe.table.supercompress);
     let cropped =
         EncodedTable::from(Encoded { pack, bytes, asymmetry: whole.codec.asymmetry, off_grid, tally: whole.tally });
-    made.tried.push(cropped.trial(&cropped.codec, over <= 1.0));
-    if over > 1.0 {
+    made.tried.push(cropped.trial(&cropped.codec, is_met));
+    if !is_met {
         return made;
     }
     let EncodedTable { of_all_directions, averaging, tried, .. } = made;

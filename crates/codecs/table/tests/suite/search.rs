@@ -15,7 +15,7 @@ fn searched(address: &str, budget: Budget) -> EncodedTable {
     search(source.as_ref(), &SearchRecipe { budget, ..SearchRecipe::default() }, &()).unwrap().0
 }
 
-const NONE: Budget = Budget { delta_e: None, error: None, bytes: None, fetches: None };
+const NONE: Budget = Budget::NONE;
 
 #[test]
 fn sizes_double_up_to_the_budget() {

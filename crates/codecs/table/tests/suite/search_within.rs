@@ -10,7 +10,7 @@ use brdfc_metrics::sampling::PairSet;
 use brdfc_table::crop::window;
 use brdfc_table::search::recipe::SearchRecipe;
 use brdfc_table::search::within::{search_within, smaller};
-use brdfc_table::search::{excess, search, smallest_tried};
+use brdfc_table::search::{Excess, search, smallest_tried};
 
 fn recipe(directions: DirectionRange, delta_e: f64) -> SearchRecipe {
     let budget = Budget { delta_e: Some(delta_e), ..Budget::default() };
@@ -32,8 +32,8 @@ const RANGES: [([f32; 2], [f32; 2]); 5] = [
     ([20.0, 90.0], [35.0, 90.0]),
 ];
 
-/// The pack of all directions, cropped, and how far over the budget it is within the range.
-fn whole_within(source: &dyn Source, recipe: &SearchRecipe) -> (u64, f64) {
+/// Bytes of the pack of all directions, cropped, and whether it meets the budget within the range.
+fn whole_within(source: &dyn Source, recipe: &SearchRecipe) -> (u64, bool) {
     let directions = recipe.table.directions;
     let mut everywhere = recipe.clone();
     everywhere.table.directions = DirectionRange::ALL;
@@ -42,7 +42,7 @@ fn whole_within(source: &dyn Source, recipe: &SearchRecipe) -> (u64, f64) {
     let window = window(pack.header(), directions);
     let pack = pack.cropped(Crop { directions, window }).expect("within the table");
     let error = Reference::new(source, PairSet::within(directions)).compare(&PackSource::new(&pack, None));
-    (pack.gpu_bytes(), excess(&recipe.budget, &error))
+    (pack.gpu_bytes(), Excess::of(&recipe.budget, &error).is_met())
 }
 
 #[test]
@@ -53,12 +53,12 @@ fn a_range_costs_no_bytes_where_the_pack_of_all_directions_would_do() {
         for (light, view) in RANGES {
             let recipe = recipe(range(light, view), 0.5);
             let made = search_within(source.as_ref(), &recipe, &()).expect("a pack");
-            let (bytes, over) = whole_within(source.as_ref(), &recipe);
+            let (bytes, is_met) = whole_within(source.as_ref(), &recipe);
             // The smallest that are tried differ by what is left of 1 KiB.
             let bytes = bytes.max(smallest_tried(source.as_ref(), &recipe));
-            assert!(over > 1.0 || made.pack.gpu_bytes() <= bytes, "{address} {light:?} {view:?}: {:?}", made.tried);
-            did += usize::from(over <= 1.0);
-            assert!(made.missed.is_some() || excess(&recipe.budget, &made.off_grid) <= 1.0);
+            assert!(!is_met || made.pack.gpu_bytes() <= bytes, "{address} {light:?} {view:?}: {:?}", made.tried);
+            did += usize::from(is_met);
+            assert!(made.missed.is_some() || Excess::of(&recipe.budget, &made.off_grid).is_met());
         }
     }
     assert!(did >= 2, "{did}");

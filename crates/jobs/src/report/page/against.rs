@@ -31,22 +31,24 @@ impl std::fmt::Display for Regression {
 }
 
 /// Differences of figures that nobody sees, whatever their share: a hundredth of what two pictures side by side may differ by.
-const SMALLEST: [(&str, f64); 6] = [
+const SMALLEST: [(&str, f64); 7] = [
     ("mean ΔE", 1e-2),
     ("ΔE, 95th percentile", 4e-2),
     ("ε_r", 1e-4),
     ("largest albedo difference", 5e-4),
+    ("light lost of the highlight", 1e-2),
     ("bytes on the GPU", 0.0),
     ("fetches", 0.0),
 ];
 
-fn figures(report: &MaterialReport) -> [f64; 6] {
+fn figures(report: &MaterialReport) -> [f64; 7] {
     let off_grid = &report.off_grid;
     [
         off_grid.picture.delta_e.mean,
         off_grid.picture.delta_e.p95,
         off_grid.norms.relative_mean,
         off_grid.albedo_max_difference,
+        off_grid.highlight.map_or(0.0, |highlight| 1.0 - highlight.kept()),
         report.bytes_on_gpu as f64,
         f64::from(report.fetches),
     ]
@@ -168,7 +170,7 @@ mod tests {
     fn build() -> BuildReport {
         let opened = open("synth:ggx?alpha=0.4", None).unwrap();
         let made = encode(opened.source.as_ref(), &PackRecipe::default(), &()).unwrap();
-        let report = Some(MaterialReport::new(&made, &opened.facts));
+        let report = Some(MaterialReport::new(&made, &opened, &()).unwrap());
         let entry =
             |name: &str| MaterialEntry { material: name.to_owned(), report: report.clone(), ..Default::default() };
         let materials = vec![entry("a"), entry("b")];

@@ -5,9 +5,8 @@ use super::evidence::{Evidence, evidence};
 use super::parts::{PagePart, listed_file, map_part, wrong_file};
 use super::view_link::ViewLink;
 use crate::error::Error;
-use crate::file_name::is_plain;
 use crate::output_folder::OutputFolder;
-use crate::report::build::{BUILD_VERSION, BuildReport, EnvironmentEntry, MaterialEntry};
+use crate::report::build::{BuildReport, EnvironmentEntry, MaterialEntry};
 use crate::scene::build::{BuiltNote, notes};
 use crate::scene::plan::REPORT;
 use crate::scene::run::{kind_of, opened_with_digest};
@@ -15,8 +14,6 @@ use brdfc_core::Source;
 use brdfc_core::progress::Progress;
 use brdfc_formats::{BrdfPack, Pack};
 use brdfc_source::Input;
-use brdfc_source::json::json_problem;
-use brdfc_source::read::{MAX_TEXT_BYTES, read_file};
 use rayon::prelude::*;
 use std::path::{Path, PathBuf};
 
@@ -76,8 +73,8 @@ impl Reports {
                 "a folder that is whole; 'brdfc build' finishes it",
             ));
         }
-        let new = read_report(&folder.join(REPORT))?;
-        Ok(Self { folder: folder.to_owned(), new, old: against.map(read_report).transpose()? })
+        let new = BuildReport::open(&folder.join(REPORT))?;
+        Ok(Self { folder: folder.to_owned(), new, old: against.map(BuildReport::open).transpose()? })
     }
 
     /// The build's own files: packs, maps and what is said of each; and the sources that its packs were made of.
@@ -125,27 +122,6 @@ pub fn gather(reports: Reports, tolerance: f64, progress: &dyn Progress) -> Resu
     let materials = report.materials.into_par_iter().map(drawn).collect::<Result<_, Error>>()?;
     let environment = report.environment.map(|entry| environment(folder, entry)).transpose()?;
     Ok(Page { scene: report.scene, materials, environment, skipped: report.skipped, is_held, regressions, view: None })
-}
-
-/// A name that a report has for a file and that is not one of its folder.
-fn name_outside(report: &BuildReport) -> Option<&str> {
-    let of_materials = report.materials.iter().flat_map(|entry| [&entry.pack, &entry.bandwidth, &entry.samples]);
-    let mut names = report.files().map(|entry| &entry.file).chain(of_materials.flatten());
-    names.find(|name| !is_plain(name)).map(String::as_str)
-}
-
-fn read_report(path: &Path) -> Result<BuildReport, Error> {
-    let bytes = read_file(path, MAX_TEXT_BYTES)?;
-    let allowed = "the report.json of a build by this version of brdfc, which 'brdfc build' writes anew";
-    let wrong = |found: String| Error::wrong_input(path.display(), found, allowed);
-    let report: BuildReport = serde_json::from_slice(&bytes).map_err(|error| wrong(json_problem(&error)))?;
-    if let Some(name) = name_outside(&report) {
-        return Err(wrong(format!("the file {name:?}, which leads out of its folder")));
-    }
-    match report.version {
-        BUILD_VERSION => Ok(report),
-        version => Err(wrong(format!("version {version} of the layout, which is {BUILD_VERSION} now"))),
-    }
 }
 
 fn material(folder: &Path, entry: MaterialEntry, note: BuiltNote) -> Result<PageMaterial, Error> {

@@ -9,6 +9,7 @@ use super::view_link::ViewLink;
 use crate::report::material::{MaterialReport, remarks};
 use brdfc_core::words::{bytes, percent};
 use brdfc_metrics::by_angle::WorstPair;
+use brdfc_metrics::fit_error::{COVERED, FitError};
 use brdfc_render::within::left_out_in_words;
 use maud::{Markup, PreEscaped, html};
 
@@ -153,6 +154,7 @@ fn section(material: &PageMaterial, view: Option<&ViewLink>) -> Markup {
                     @if report.fetches == 1 { "one fetch" } @else { (report.fetches) " fetches" }
                     @if let Some(missed) = &report.missed { ". " span.bad { (missed) } }
                 }
+                @if let Some(fit) = &report.fit { (of_fit(fit)) }
                 @if !report.directions.is_all() {
                     p.soft {
                         "For " (report.directions) " alone: errors are of these, ΔE in the table of pixels that are spread over \
@@ -171,6 +173,20 @@ fn section(material: &PageMaterial, view: Option<&ViewLink>) -> Markup {
                 (checks(report))
                 (times(material))
             }
+        }
+    }
+}
+
+/// How well samples predict each other.
+fn of_fit(fit: &FitError) -> Markup {
+    let or_none = |error: Option<f64>| error.map_or("none can be".to_owned(), percent);
+    html! {
+        p {
+            "A fit to samples: ε_r " (or_none(fit.samples)) " at samples left out, " (or_none(fit.incidences))
+            " at incidences left out whole"
+            @if let Some(delta_e) = fit.delta_e { ", about ΔE " (format!("{delta_e:.2}")) " of the ball" }
+            "; a light or a viewer is up to " (format!("{:.0}°", fit.farthest)) " from any sample, and more than "
+            (COVERED) "° at " (percent(fit.uncovered)) " of the ball's pixels."
         }
     }
 }

@@ -5,8 +5,8 @@ use brdfc_formats::FormatError;
 use brdfc_formats::bindings::{PackFile, Resource, Texels};
 use brdfc_formats::container::{Extent, TexelFormat, half, rgb9e5};
 use brdfc_formats::flat_btf::factored::{
-    BASE_LAYERS, BaseTable, BasisMap, DIFFERENCE_ANGLES, FactoredErrors, FactoredFlatBtf, FactoredHeader, GROUP,
-    HALF_ANGLES, ShadowFormat, ShadowMap, WeightMap, WeightRange,
+    BASE_LAYERS, BaseTable, BasisMap, ChromaRange, DIFFERENCE_ANGLES, FactoredErrors, FactoredFlatBtf, FactoredHeader,
+    GROUP, HALF_ANGLES, ShadowFormat, ShadowMap, WeightMap, WeightRange,
 };
 use brdfc_formats::flat_btf::{
     BlendedDirection, DiffuseMap, DisplacementHeader, DisplacementMap, FlatBtfDecoder, FlatBtfFile, FlatBtfParts,
@@ -132,6 +132,7 @@ pub fn factored(sizes: Sizes, factors: Factors, seed: u64) -> FactoredFlatBtf {
         shadow,
         views: directions(sizes.views, 1),
         lights: directions(sizes.lights, 2),
+        chroma: ChromaRange([-20, 60, -30, 24]),
         steps,
         errors: FactoredErrors {
             texels: 3,
@@ -173,8 +174,8 @@ pub fn factored_example() -> FactoredFlatBtf {
     let steps = [1.0, 0.5, 0.25].map(|colour| {
         (0..8u8).map(|k| colour * if k < 4 { 0.003_906_25 } else { 0.062_5 } * (1.0 + 0.125 * f32::from(k))).collect()
     });
-    let shadow = ShadowFormat::R8;
-    let header = FactoredHeader { size, levels, groups, wide_groups, shadow, views, lights, steps, errors };
+    let (shadow, chroma) = (ShadowFormat::R8, ChromaRange([-20, 60, -30, 24]));
+    let header = FactoredHeader { size, levels, groups, wide_groups, shadow, views, lights, chroma, steps, errors };
     let basis = BasisMap::from_steps(header, &base_table(), |view, light, colour, component| {
         let at = (((view * 3 + light) * 3 + colour) * 8 + component) as i32;
         match component {

@@ -1,0 +1,49 @@
+//! What is asked of the fit of a source that is completed from samples.
+
+use super::{Budget, EncodeOptions, OptionError};
+
+/// Limits of a fit. They decide nothing about a pack: whether its measured error counts.
+#[derive(Debug, Clone, Copy, Default, PartialEq)]
+pub struct FitLimits {
+    /// Largest `ε_r` of samples, or of whole incidences, that are left out of the fit.
+    pub error: Option<f64>,
+    /// Whether limits of a pack's error count as met where the fit is the weaker part.
+    pub trusted: bool,
+}
+
+/// Limits of a pack's error.
+#[derive(Debug, Clone, Copy, Default, PartialEq)]
+pub struct ErrorLimits {
+    /// Largest mean ΔE of renderings.
+    pub delta_e: Option<f64>,
+    /// Largest `ε_r`.
+    pub relative: Option<f64>,
+}
+
+impl ErrorLimits {
+    /// Both limits together.
+    #[must_use]
+    pub fn and(self, other: Self) -> Self {
+        let least = |a: Option<f64>, b: Option<f64>| [a, b].into_iter().flatten().reduce(f64::min);
+        Self { delta_e: least(self.delta_e, other.delta_e), relative: least(self.relative, other.relative) }
+    }
+}
+
+impl From<&Budget> for ErrorLimits {
+    fn from(budget: &Budget) -> Self {
+        Self { delta_e: budget.delta_e, relative: budget.error }
+    }
+}
+
+impl EncodeOptions {
+    /// The limits of the fit.
+    ///
+    /// # Errors
+    /// One that is out of range.
+    pub fn fit_limits(&self) -> Result<FitLimits, OptionError> {
+        let share = |error: brdfc_metrics::fraction::Fraction| {
+            error.checked().map_err(|allowed| OptionError::new("max_fit_error", error.to_string(), allowed))
+        };
+        Ok(FitLimits { error: self.max_fit_error.map(share).transpose()?, trusted: self.trust_fit == Some(true) })
+    }
+}

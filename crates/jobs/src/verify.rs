@@ -1,0 +1,303 @@
+//! Whether packs, folders of builds and reports are whole: by checksums, by hashes, and by what one file says of another.
+
+use crate::error::Error;
+use crate::output_folder::OutputFolder;
+use crate::pack_files::entries;
+use crate::report::build::{BuildReport, FileEntry};
+use crate::report::list::{MATERIAL_VERSION, MaterialFile};
+use crate::scene::plan::REPORT;
+use crate::scene::run::PACK;
+use crate::store::Digest;
+use crate::write::folder_of;
+use brdfc_core::progress::{Progress, Stage};
+use brdfc_formats::Pack;
+use brdfc_source::json::json_problem;
+use brdfc_source::read::{MAX_FILE_BYTES, MAX_TEXT_BYTES, read_file};
+use rayon::prelude::*;
+use serde::Serialize;
+use std::collections::BTreeSet;
+use std::path::{Path, PathBuf};
+
+/// A file that was checked.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, schemars::JsonSchema)]
+pub struct CheckedFile {
+    /// Its path, as it was given or in the folder that was.
+    pub file: String,
+    /// What it is: the name of a pack's decoder, 'report' or 'list'; absent if that cannot be read.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub kind: Option<&'static str>,
+    /// What is wrong with it; absent if it is whole.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub fault: Option<String>,
+}
+
+/// What one file is held against.
+#[derive(Debug, Clone)]
+enum Check {
+    /// A pack, by its checksum and its layout; one that a report lists, by its hash, too.
+    Pack(Option<Digest>),
+    /// A `MATERIAL.json` with this hash.
+    List(Digest),
+    /// What is known already.
+    Known(CheckedFile),
+}
+
+/// Files to check.
+#[derive(Debug, Clone, Default)]
+pub struct Checks {
+    checks: Vec<(PathBuf, Check)>,
+}
+
+impl Checks {
+    /// What is to be checked of a path: a pack (`.ktx2`); a folder of a build, by its `report.json`, or of packs; a `report.json` or a
+    /// `MATERIAL.json`, with the files that it lists. Packs in the folder of a build that no report lists are checked by themselves.
+    ///
+    /// # Errors
+    /// A path that is not there or is none of these; a folder without packs.
+    pub fn add(&mut self, path: &Path) -> Result<(), Error> {
+        let metadata = path.metadata().map_err(|error| Error::read(path, &error))?;
+        if metadata.is_dir() {
+            return self.add_folder(path);
+        }
+        match path.extension().map(|extension| extension.to_ascii_lowercase()) {
+            Some(extension) if extension == "ktx2" => self.checks.push((path.to_owned(), Check::Pack(None))),
+            Some(extension) if extension == "json" => self.add_json(path),
+            _ => {
+                let allowed = "a pack (.ktx2), a folder of packs, a report.json or a MATERIAL.json";
+                return Err(Error::wrong_usage(path.display(), "another file", allowed));
+            }
+        }
+        Ok(())
+    }
+
+    fn add_folder(&mut self, folder: &Path) -> Result<(), Error> {
+        let report = folder.join(REPORT);
+        let before = self.checks.len();
+        let mut listed = BTreeSet::new();
+        if report.exists() || OutputFolder::is_unfinished(folder) {
+            listed = self.add_report(&report);
+        }
+        let read = |error: std::io::Error| Error::read(folder, &error);
+        let mut packs = Vec::new();
+        for entry in std::fs::read_dir(folder).map_err(read)? {
+            let path = entry.map_err(read)?.path();
+            let is_pack = path.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("ktx2"));
+            if is_pack && !listed.contains(&path) && path.is_file() {
+                packs.push((path, Check::Pack(None)));
+            }
+        }
+        packs.sort_by(|(a, _), (b, _)| a.cmp(b));
+        self.checks.extend(packs);
+        if self.checks.len() == before {
+            return Err(Error::check(format!(
+                "{}: found nothing to check; expected packs or a report.json",
+                folder.display()
+            )));
+        }
+        Ok(())
+    }
+
+    fn known(&mut self, path: &Path, kind: Option<&'static str>, fault: Option<String>) {
+        let file = CheckedFile { file: path.display().to_string(), kind, fault };
+        self.checks.push((path.to_owned(), Check::Known(file)));
+    }
+
+    /// A `report.json` with its files, which are returned.
+    fn add_report(&mut self, path: &Path) -> BTreeSet<PathBuf> {
+        let folder = folder_of(path);
+        if OutputFolder::is_unfinished(folder) {
+            let fault = "a build was stopped while files changed places; 'brdfc build' finishes it";
+            self.known(folder, None, Some(fault.to_owned()));
+        }
+        let report = match BuildReport::open(path) {
+            Ok(report) => report,
+            Err(error) => {
+                let text = error.message();
+                let fault = text.strip_prefix(&format!("{}: ", path.display())).unwrap_or(text).to_owned();
+                self.known(path, None, Some(fault));
+                return BTreeSet::new();
+            }
+        };
+        let fault = report_fault(&report);
+        self.known(path, Some("report"), fault);
+        let lists: BTreeSet<&FileEntry> = report.materials.iter().filter_map(|entry| entry.list.as_ref()).collect();
+        let checks = report.files().map(|entry| {
+            let check = if lists.contains(entry) { Check::List(entry.blake3) } else { Check::Pack(Some(entry.blake3)) };
+            (folder.join(&entry.file), check)
+        });
+        let checks: Vec<_> = checks.collect();
+        let files = checks.iter().map(|(path, _)| path.clone()).collect();
+        self.checks.extend(checks);
+        files
+    }
+
+    /// A `report.json` or a `MATERIAL.json`: what the file says decides, not its name.
+    fn add_json(&mut self, path: &Path) {
+        let is_list = read_file(path, MAX_TEXT_BYTES).is_ok_and(|bytes| {
+            let parsed: Result<serde_json::Value, _> = serde_json::from_slice(&bytes);
+            parsed.is_ok_and(|value| value.get("material").is_some())
+        });
+        if !is_list {
+            self.add_report(path);
+            return;
+        }
+        match list_in(path) {
+            Ok(list) => {
+                let folder = folder_of(path);
+                let fault = list_fault(&list, folder);
+                self.known(path, Some("list"), fault);
+                let packs = list.parts.values().map(|name| (folder.join(name), Check::Pack(None)));
+                self.checks.extend(packs.collect::<Vec<_>>());
+            }
+            Err(fault) => self.known(path, None, Some(fault)),
+        }
+    }
+
+    /// How many files there are to check.
+    pub fn count(&self) -> usize {
+        self.checks.len()
+    }
+
+    /// Checks them, in the order in which they were added.
+    ///
+    /// # Errors
+    /// Cancellation.
+    pub fn run(self, progress: &dyn Progress) -> Result<Vec<CheckedFile>, Error> {
+        progress.stage(Stage::Verify, self.checks.len())?;
+        let checked = self.checks.into_par_iter().map(|(path, check)| {
+            progress.check()?;
+            let checked = match check {
+                Check::Known(checked) => checked,
+                Check::Pack(listed) => pack(&path, listed),
+                Check::List(listed) => list(&path, listed),
+            };
+            progress.step()?;
+            Ok(checked)
+        });
+        checked.collect()
+    }
+}
+
+/// A pack, which may be listed.
+fn pack(path: &Path, listed: Option<Digest>) -> CheckedFile {
+    let (kind, fault) = match bytes_of(path, MAX_FILE_BYTES, listed) {
+        Err(fault) => (None, Some(fault)),
+        Ok((bytes, changed)) => match Pack::from_bytes(&bytes) {
+            Ok(pack) => (Some(pack.kind().name()), changed),
+            Err(error) => (None, Some(error.to_string())),
+        },
+    };
+    CheckedFile { file: path.display().to_string(), kind, fault }
+}
+
+/// A `MATERIAL.json` that a report lists.
+fn list(path: &Path, listed: Digest) -> CheckedFile {
+    let (kind, fault) = match bytes_of(path, MAX_TEXT_BYTES, Some(listed)) {
+        Err(fault) => (None, Some(fault)),
+        Ok((_, changed)) => (Some("list"), changed),
+    };
+    CheckedFile { file: path.display().to_string(), kind, fault }
+}
+
+/// The bytes of a file, and whether they are others than a report lists.
+fn bytes_of(path: &Path, limit: u64, listed: Option<Digest>) -> Result<(Vec<u8>, Option<String>), String> {
+    let bytes = read_file(path, limit).map_err(|error| {
+        let text = error.to_string();
+        text.strip_prefix(&format!("{}: ", path.display())).map_or(text.clone(), str::to_owned)
+    })?;
+    let digest = Digest::of(&bytes);
+    let changed = listed.filter(|listed| *listed != digest);
+    let fault = changed.map(|listed| format!("changed since the build: invalid BLAKE3 {digest}: expected {listed}"));
+    Ok((bytes, fault))
+}
+
+/// What is wrong with a report by itself: every figure of a material is in its list as well, whose hash the report has.
+fn report_fault(report: &BuildReport) -> Option<String> {
+    for entry in &report.materials {
+        let Some(list) = entry.file() else { continue };
+        let digest = Digest::of(&list.to_bytes());
+        let name = &entry.material;
+        let hashed: BTreeSet<&String> = entry.files.iter().map(|file| &file.file).collect();
+        if hashed != list.parts.values().collect() {
+            return Some(format!("invalid files of {name}: expected the hash of each of its parts"));
+        }
+        match &entry.list {
+            None => return Some(format!("invalid entry of {name}: expected a list with its hash")),
+            Some(listed) if listed.blake3 != digest => {
+                return Some(format!("invalid figures of {name}: expected those of {}, by its hash", listed.file));
+            }
+            Some(_) => {}
+        }
+    }
+    let environment = report.environment.as_ref().filter(|entry| entry.report.is_some());
+    if environment.is_some_and(|entry| entry.file.as_ref().map(|file| &file.file) != entry.bandwidth.as_ref()) {
+        return Some("invalid file of the environment: expected its map with its hash".to_owned());
+    }
+    (report.files().next().is_none()).then(|| "no files: no material of this build was made".to_owned())
+}
+
+fn list_in(path: &Path) -> Result<MaterialFile, String> {
+    let bytes = read_file(path, MAX_TEXT_BYTES).map_err(|error| error.to_string())?;
+    let allowed = "the MATERIAL.json of a build by this version of brdfc";
+    let list: MaterialFile =
+        serde_json::from_slice(&bytes).map_err(|error| format!("found {}; allowed {allowed}", json_problem(&error)))?;
+    if let Some(name) = list.parts.values().find(|name| !crate::file_name::is_plain(name)) {
+        return Err(format!("found the file {name:?}, which leads out of its folder; allowed {allowed}"));
+    }
+    match list.version {
+        MATERIAL_VERSION => Ok(list),
+        version => Err(format!("found version {version} of the layout; allowed {MATERIAL_VERSION}")),
+    }
+}
+
+/// What is wrong with a list: it has the entries of its pack, the checksum among them.
+fn list_fault(list: &MaterialFile, folder: &Path) -> Option<String> {
+    let Some(name) = list.parts.get(PACK) else { return Some("invalid parts: expected a pack".to_owned()) };
+    let bytes = read_file(&folder.join(name), MAX_FILE_BYTES).ok()?;
+    (entries(&bytes) != list.report.entries).then(|| format!("invalid entries: expected those of {name}"))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::encode::{PackRecipe, encode};
+    use brdfc_core::address::parse_synth;
+
+    fn checked(path: &Path) -> Result<Vec<CheckedFile>, Error> {
+        let mut checks = Checks::default();
+        checks.add(path)?;
+        checks.run(&())
+    }
+
+    /// Every bit of a small pack, one after the other.
+    #[test]
+    fn each_flipped_bit_is_found() {
+        let folder = tempfile::tempdir().expect("a folder");
+        let white = parse_synth("synth:lambert").expect("a model");
+        let bytes = encode(white.as_ref(), &PackRecipe::default(), &()).expect("a pack").bytes;
+        let path = folder.path().join("white.ktx2");
+        std::fs::write(&path, &bytes).expect("written");
+        assert_eq!(checked(&path).expect("a pack")[0].fault, None);
+        for bit in 0..8 * bytes.len() {
+            let mut flipped = bytes.clone();
+            flipped[bit / 8] ^= 1 << (bit % 8);
+            assert!(Pack::from_bytes(&flipped).is_err(), "bit {bit}");
+        }
+        let mut flipped = bytes.clone();
+        flipped[bytes.len() - 1] ^= 1;
+        std::fs::write(&path, &flipped).expect("written");
+        let found = checked(&path).expect("a file");
+        assert!(found[0].fault.as_ref().is_some_and(|fault| fault.contains("checksum")), "{found:?}");
+    }
+
+    #[test]
+    fn nothing_to_check_is_no_success() {
+        let folder = tempfile::tempdir().expect("a folder");
+        let error = checked(folder.path()).expect_err("an empty folder");
+        assert_eq!(error.kind(), crate::ErrorKind::Check, "{error}");
+        assert_eq!(checked(&folder.path().join("gone.ktx2")).expect_err("no file").kind(), crate::ErrorKind::Io);
+        std::fs::write(folder.path().join("image.png"), b"").expect("written");
+        assert_eq!(checked(&folder.path().join("image.png")).expect_err("an image").kind(), crate::ErrorKind::Usage);
+        assert_eq!(Checks::default().run(&()).expect("nothing"), []);
+    }
+}

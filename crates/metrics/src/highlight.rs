@@ -1,0 +1,127 @@
+//! Light in the highlight: what pictures of a ball hide where a highlight is narrower than a pixel, and what clipping at white
+//! hides where it is brighter.
+
+use super::sampling::AlbedoPairs;
+use brdfc_core::words::percent;
+
+/// The highlight is where `f_r` is more than this share of its peak.
+const OF_PEAK: f64 = 0.1;
+/// Largest share of the hemisphere's projected solid angle that a highlight covers: what is wider is seen in pictures.
+const WIDEST: f64 = 0.25;
+/// Least share of the reflected light that a highlight has to hold to count.
+const LEAST_LIGHT: f64 = 0.01;
+/// Largest incoming polar angle at which highlights are looked at, degrees: beyond it half of a lobe is below the horizon.
+const STEEPEST: f64 = 75.0;
+
+/// How much of a highlight an approximation keeps, at the incoming direction where it keeps least.
+#[derive(Debug, Clone, Copy, PartialEq, serde::Serialize, serde::Deserialize, schemars::JsonSchema)]
+pub struct HighlightError {
+    /// Incoming polar angle, degrees.
+    pub theta: f64,
+    /// Share of the reflected light that is in the highlight.
+    pub share: f64,
+    /// `∫ f cos θo dωo` of the approximation over the reference's highlight, as a ratio to the reference's: 1 where no light is
+    /// lost. The sum of the channels.
+    pub light: f64,
+    /// Largest value of the approximation in the highlight, as a ratio to the reference's.
+    pub peak: f64,
+    /// Largest value of the reference, 1/sr, mean of the channels.
+    pub reference_peak: f64,
+}
+
+impl HighlightError {
+    /// The share of the light that is kept, at most 1.
+    pub fn kept(&self) -> f64 {
+        self.light.min(1.0)
+    }
+
+    /// `37 % of its light at 15°, peak 1/265`.
+    pub fn in_words(&self) -> String {
+        let peak = match self.peak {
+            0.0 => "none".to_owned(),
+            peak if peak < 0.5 => format!("1/{:.0}", 1.0 / peak),
+            peak => percent(peak),
+        };
+        format!("{} of its light at {:.0}°, peak {peak}", percent(self.light), self.theta)
+    }
+}
+
+/// The highlight of a reference at one incoming direction.
+#[derive(Debug, Clone)]
+pub(super) struct Highlight {
+    theta: f64,
+    /// Samples within.
+    inside: Vec<u32>,
+    light: f64,
+    share: f64,
+    peak: f64,
+}
+
+impl Highlight {
+    /// Of values at the pairs of an albedo; nothing where there is no highlight, or none that counts.
+    pub(super) fn of(at: &AlbedoPairs, values: &[[f64; 3]]) -> Option<Self> {
+        let grey: Vec<f64> = values.iter().map(mean).collect();
+        let peak = grey.iter().copied().fold(0.0, f64::max);
+        let inside: Vec<u32> = (0..).zip(&grey).filter(|(_, f)| **f > OF_PEAK * peak).map(|(k, _)| k).collect();
+        let covered: f64 = inside.iter().map(|k| at.counted[*k as usize]).sum();
+        let light = light(&inside, at, &grey);
+        let all: f64 = grey.iter().zip(&at.counted).map(|(f, counted)| f * counted).sum();
+        let share = light / all;
+        let counts = at.angles[0] <= STEEPEST && covered < WIDEST * std::f64::consts::PI && share > LEAST_LIGHT;
+        (peak > 0.0 && counts).then_some(Self { theta: at.angles[0], inside, light, share, peak })
+    }
+
+    /// How much of it an approximation keeps, by its values at the same pairs.
+    pub(super) fn kept(&self, at: &AlbedoPairs, values: &[[f64; 3]]) -> HighlightError {
+        let grey: Vec<f64> = values.iter().map(mean).collect();
+        let found = self.inside.iter().map(|k| grey[*k as usize]).fold(0.0, f64::max);
+        HighlightError {
+            theta: self.theta,
+            share: self.share,
+            light: light(&self.inside, at, &grey) / self.light,
+            peak: found / self.peak,
+            reference_peak: self.peak,
+        }
+    }
+}
+
+fn mean(value: &[f64; 3]) -> f64 {
+    value.iter().map(|f| f.max(0.0)).sum::<f64>() / 3.0
+}
+
+fn light(inside: &[u32], at: &AlbedoPairs, grey: &[f64]) -> f64 {
+    inside.iter().map(|k| grey[*k as usize] * at.counted[*k as usize]).sum()
+}
+
+#[cfg(test)]
+mod tests {
+    use crate::compare::{Comparison, compare};
+    use crate::sampling::PairSet;
+    use brdfc_core::address::parse_synth;
+
+    fn compared(a: &str, b: &str) -> Comparison {
+        let [a, b] = [a, b].map(|address| parse_synth(address).expect("an address"));
+        compare(a.as_ref(), b.as_ref(), &PairSet::comparison()).0
+    }
+
+    #[test]
+    fn what_has_no_highlight_loses_none() {
+        assert_eq!(compared("synth:lambert", "synth:lambert?kd=0.1").highlight, None);
+    }
+
+    #[test]
+    fn the_same_material_keeps_all() {
+        let same = compared("synth:ggx?alpha=0.02", "synth:ggx?alpha=0.02").highlight.expect("a highlight");
+        assert_eq!((same.light, same.peak), (1.0, 1.0), "{same:?}");
+    }
+
+    /// A highlight that is gone is not to be seen on the ball, whose pixels are wider; here it is.
+    #[test]
+    fn a_narrow_highlight_that_is_missing_is_missed() {
+        let gone = compared("synth:ggx?kd=0.5&alpha=0.003", "synth:lambert?kd=0.5");
+        let highlight = gone.highlight.expect("a highlight");
+        assert!(highlight.light < 0.05 && highlight.peak < 0.01, "{highlight:?}");
+        let half = compared("synth:ggx?kd=0&alpha=0.05", "synth:ggx?kd=0&alpha=0.1").highlight.expect("a highlight");
+        assert!(half.peak < 0.35 && half.light < 0.8, "{half:?}");
+    }
+}
