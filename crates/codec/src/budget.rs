@@ -40,7 +40,7 @@ pub struct Budget {
 
 /// The 95th percentile of ΔE may be so many times the mean that is allowed.
 pub const TAIL: f64 = 4.0;
-/// Least share of the highlight's light that is kept, where pictures limit the error and nothing else is asked for.
+/// Least share of the highlight's light that is kept where ΔE is limited, unless another share is asked for.
 pub const HIGHLIGHT: f64 = 0.9;
 
 impl Default for Budget {

@@ -31,7 +31,7 @@ pub trait BrdfRecipe {
     /// Whether a limit of error decides how large the pack becomes.
     fn limits_error(&self) -> bool;
 
-    /// The limits of error that somebody asked for.
+    /// The limits of error that were asked for, unlike those of the default budget.
     fn asked_errors(&self) -> ErrorLimits;
 
     /// Skips measuring the error against the source, unless the error decides something.

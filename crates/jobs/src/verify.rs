@@ -164,39 +164,37 @@ impl Checks {
     /// Cancellation.
     pub fn run(self, progress: &dyn Progress) -> Result<Vec<CheckedFile>, Error> {
         progress.stage(Stage::Verify, self.checks.len())?;
-        let checked = self.checks.into_par_iter().map(|(path, check)| {
+        let files = self.checks.into_par_iter().map(|(path, check)| {
             progress.check()?;
-            let checked = match check {
-                Check::Known(checked) => checked,
-                Check::Pack(listed) => pack(&path, listed),
-                Check::List(listed) => list(&path, listed),
+            let file = match check {
+                Check::Known(file) => file,
+                Check::Pack(listed) => checked(&path, MAX_FILE_BYTES, listed, pack_kind),
+                Check::List(listed) => checked(&path, MAX_TEXT_BYTES, Some(listed), |_| Ok("list")),
             };
             progress.step()?;
-            Ok(checked)
+            Ok(file)
         });
-        checked.collect()
+        files.collect()
     }
 }
 
-/// A pack, which may be listed.
-fn pack(path: &Path, listed: Option<Digest>) -> CheckedFile {
-    let (kind, fault) = match bytes_of(path, MAX_FILE_BYTES, listed) {
+/// A file that may be listed, by its bytes: what it is, or what is wrong with it.
+fn checked(
+    path: &Path,
+    limit: u64,
+    listed: Option<Digest>,
+    kind: impl FnOnce(&[u8]) -> Result<&'static str, String>,
+) -> CheckedFile {
+    let found = bytes_of(path, limit, listed).and_then(|(bytes, changed)| Ok((kind(&bytes)?, changed)));
+    let (kind, fault) = match found {
+        Ok((kind, changed)) => (Some(kind), changed),
         Err(fault) => (None, Some(fault)),
-        Ok((bytes, changed)) => match Pack::from_bytes(&bytes) {
-            Ok(pack) => (Some(pack.kind().name()), changed),
-            Err(error) => (None, Some(error.to_string())),
-        },
     };
     CheckedFile { file: path.display().to_string(), kind, fault }
 }
 
-/// A `MATERIAL.json` that a report lists.
-fn list(path: &Path, listed: Digest) -> CheckedFile {
-    let (kind, fault) = match bytes_of(path, MAX_TEXT_BYTES, Some(listed)) {
-        Err(fault) => (None, Some(fault)),
-        Ok((_, changed)) => (Some("list"), changed),
-    };
-    CheckedFile { file: path.display().to_string(), kind, fault }
+fn pack_kind(bytes: &[u8]) -> Result<&'static str, String> {
+    Pack::from_bytes(bytes).map(|pack| pack.kind().name()).map_err(|error| error.to_string())
 }
 
 /// The bytes of a file, and whether they are others than a report lists.

@@ -1,4 +1,4 @@
-//! `brdfc verify`: what is not whole is named, and is exit code 1.
+//! `brdfc verify`: damaged, changed and missing files are named, and are exit code 1.
 
 use super::schemas::conforms;
 use crate::common::cli::Folder;
@@ -13,7 +13,7 @@ fn built() -> Folder {
 #[test]
 fn whole_folders_packs_and_reports() {
     let folder = built();
-    folder.write("packs/notes.txt", b"of somebody else");
+    folder.write("packs/notes.txt", b"of another program");
     for (path, count) in [("packs", 3), ("packs/report.json", 3), ("packs/a.json", 2), ("packs/a.brdf.ktx2", 1)] {
         let report = folder.run(&["verify", path, "--json"]).succeeded().json();
         conforms("verify", &report);

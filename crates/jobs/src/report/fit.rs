@@ -76,7 +76,7 @@ mod tests {
     fn report(fit: Option<FitError>) -> MaterialReport {
         let opened = open("synth:ggx?alpha=0.4", None).expect("a model");
         let made = encode(opened.source.as_ref(), &PackRecipe::default(), &()).expect("a pack");
-        let mut report = MaterialReport::new(&made, &opened, &()).expect("nobody stops it");
+        let mut report = MaterialReport::new(&made, &opened, &()).expect("it is not cancelled");
         report.off_grid.picture.delta_e.mean = 0.4;
         report.off_grid.norms.relative_mean = 0.04;
         MaterialReport { fit, ..report }

@@ -229,7 +229,7 @@ mod tests {
             let mut recipe = PackRecipe::default();
             recipe.limit_directions(directions);
             let made = encode(source, &recipe, &()).expect("a pack");
-            let words = remarks(&MaterialReport::new(&made, &opened, &()).expect("nobody stops it"));
+            let words = remarks(&MaterialReport::new(&made, &opened, &()).expect("it is not cancelled"));
             (made.pack.gpu_bytes(), words.iter().any(|line| line.contains("harder than over all")))
         };
         let (bytes, harder) = told(range([85.0, 90.0], [0.0, 90.0]));

@@ -9,7 +9,7 @@ use std::collections::BTreeMap;
 use std::f64::consts::TAU;
 use std::num::NonZero;
 
-/// Incidences are told apart by whole degrees.
+/// Incidences that round to the same multiple of it are one, degrees.
 const INCIDENCE: f64 = 1.0;
 /// Rows among which the nearest by angles is looked for: those that are nearest in the space of the search.
 const NEAREST: NonZero<usize> = NonZero::new(8).expect("positive");
@@ -46,23 +46,22 @@ impl ScanSource {
 
 impl Completion for ScanSource {
     fn fold_count(&self, parts: Parts) -> usize {
-        let count = match parts {
+        folds_of(match parts {
             Parts::Samples => self.pairs.len(),
             Parts::Incidences => self.incidences().1,
-        };
-        if count < 2 { 0 } else { count.min(MAX_PARTS) }
+        })
     }
 
     fn fold(&self, parts: Parts, number: usize) -> Option<Fold> {
-        let folds = self.fold_count(parts);
+        let rows = self.pairs.len();
         // Rows are in the order of their places, so that every tenth of them is spread over all.
-        let of_row: Vec<usize> = match parts {
-            Parts::Samples => (0..self.pairs.len()).collect(),
-            Parts::Incidences => self.incidences().0,
+        let (of_row, count) = match parts {
+            Parts::Samples => ((0..rows).collect(), rows),
+            Parts::Incidences => self.incidences(),
         };
+        let folds = folds_of(count);
         let value = |row: usize| self.values[row].map(|v| (v.exp() - self.bias).max(0.0));
-        let (out, rest): (Vec<usize>, Vec<usize>) =
-            (0..self.pairs.len()).partition(|row| of_row[*row] % folds == number);
+        let (out, rest): (Vec<usize>, Vec<usize>) = (0..rows).partition(|row| of_row[*row] % folds == number);
         let pairs: Vec<DirectionPair> = rest.iter().map(|row| self.pairs[*row]).collect();
         let values: Vec<[f64; 3]> = rest.into_iter().map(value).collect();
         let source = Self::of_pairs(&pairs, &values, self.summary.isotropic).ok()?;
@@ -80,6 +79,11 @@ impl Completion for ScanSource {
     fn repeats(&self) -> Option<Repeats> {
         self.repeats
     }
+}
+
+/// Folds of so many rows or incidences.
+fn folds_of(count: usize) -> usize {
+    if count < 2 { 0 } else { count.min(MAX_PARTS) }
 }
 
 /// The larger of the angles between lights and between viewers, radians.

@@ -168,10 +168,11 @@ impl ScanSource {
             ));
         }
         let bias = log_bias(raised);
+        let repeats = repeats_of(&groups);
         let summary = ScanSummary {
             rows: pairs.len(),
             distinct: groups.len(),
-            largest_disagreement: groups.iter().map(Group::disagreement).fold(0.0, f64::max),
+            largest_disagreement: repeats.map_or(0.0, |repeats| repeats.largest),
             negative: 0,
             zero: raised.iter().filter(|v| **v == [0.0; 3]).count(),
             isotropic,
@@ -183,7 +184,6 @@ impl ScanSource {
             (r - g).abs() <= tolerance && (g - b).abs() <= tolerance
         });
         let values = groups.iter().map(|group| group.mean().map(|v| (v + bias).ln())).collect();
-        let repeats = repeats_of(&groups);
         let pairs = groups.iter().map(|group| pairs[group.representative]).collect();
         Ok(Self { points, pairs, values, bias, grey, repeats, summary })
     }
