@@ -3,6 +3,9 @@
 use super::schemas::conforms;
 use crate::common::cli::Folder;
 
+/// What is verified after a change to a folder, how the line of the fault begins, and what it says.
+type Fault<'a> = (&'a str, &'a dyn Fn(&Folder), &'a str, &'a str);
+
 fn built() -> Folder {
     let folder = Folder::new();
     folder.write("scans/a.binary", include_bytes!("../../../testdata/demo/red_plastic.binary"));
@@ -36,7 +39,7 @@ fn each_fault_is_named() {
         bytes[middle] ^= 4;
         folder.write("packs/a.brdf.ktx2", &bytes);
     };
-    let cases: [(&str, &dyn Fn(&Folder), &str, &str); 8] = [
+    let cases: [Fault<'_>; 8] = [
         ("packs", &flip, "packs/a.brdf.ktx2: ", "checksum of the file"),
         ("packs/a.brdf.ktx2", &flip, "packs/a.brdf.ktx2: ", "checksum of the file"),
         (
