@@ -3,7 +3,6 @@
 use super::scene::{Frame, Scene};
 use super::vector::{cross, double, subtract};
 use brdfc_formats::direction::{Vector, dot};
-use glam::Vec3A;
 use obvhs::BvhBuildParams;
 use obvhs::bvh2::builder::build_bvh2_from_tris;
 use obvhs::ray::{Ray, RayHit};
@@ -42,19 +41,21 @@ pub fn trace(scene: &Scene, frame: Frame) -> Hits {
     if triangles.is_empty() {
         return Hits(vec![None; frame.width * frame.height * frame.samples_per_pixel()]);
     }
-    let single = |v: Vector| Vec3A::from_array(v.map(|c| c as f32));
+    let single = |v: Vector| v.map(|c| c as f32);
+    // Into obvhs's vectors, whose version of glam is its own choice.
+    let corner = |v: Vector| single(v).into();
     let boxed: Vec<Triangle> =
-        triangles.iter().map(|[a, b, c]| Triangle { v0: single(*a), v1: single(*b), v2: single(*c) }).collect();
+        triangles.iter().map(|[a, b, c]| Triangle { v0: corner(*a), v1: corner(*b), v2: corner(*c) }).collect();
     let tree = build_bvh2_from_tris(&boxed, BvhBuildParams::medium_build(), &mut Duration::default());
 
     let eye = scene.camera.eye;
-    let origin = single(eye);
+    let origin = single(eye).into();
     let samples = frame.samples_per_pixel();
     let cast = |pixel: usize, sample: usize| {
         let [x, y] = frame.sample_position(pixel, sample);
         let direction = scene.camera.ray(frame, x, y);
         let mut nearest: Option<(f64, Hit)> = None;
-        let ray = Ray::new_inf(origin, single(direction));
+        let ray = Ray::new_inf(origin, single(direction).into());
         // The tree works in single precision, triangles are hit in double.
         tree.ray_traverse(ray, &mut RayHit::none(), |_, id| {
             let number = tree.primitive_indices[id] as usize;

@@ -69,8 +69,10 @@ const SMALL_STACK: usize = 64;
 impl TriangleTree {
     /// Builds the tree. Coordinates should be near 1 or below.
     pub fn new(corners: &[[Vec3A; 3]]) -> Self {
+        // obvhs chooses its own version of glam, which may differ from ours.
+        let corner = |v: &Vec3A| v.to_array().into();
         let triangles: Vec<Triangle> =
-            corners.iter().map(|[v0, v1, v2]| Triangle { v0: *v0, v1: *v1, v2: *v2 }).collect();
+            corners.iter().map(|[v0, v1, v2]| Triangle { v0: corner(v0), v1: corner(v1), v2: corner(v2) }).collect();
         let parameters = BvhBuildParams { max_prims_per_leaf: 4, ..BvhBuildParams::slow_build() };
         let binary = build_bvh2_from_tris(&triangles, parameters, &mut Default::default());
         let mut tree = Self { nodes: Vec::new(), leaves: Vec::new(), waiting: 1 };
