@@ -9,6 +9,9 @@ use brdfc_core::{Source, Tally};
 use brdfc_formats::crop::DirectionRange;
 use rayon::prelude::*;
 
+/// Folds that are in memory together, each nearly as large as the source; within a fold, threads share the pixels.
+const FOLDS_AT_ONCE: usize = 2;
+
 /// Angle between a pixel's light or viewer and that of the nearest sample from which on the pixel counts as uncovered, degrees.
 pub const COVERED: f64 = 10.0;
 /// Share of uncovered pixels from which on the fit is mostly a guess.
@@ -55,15 +58,17 @@ impl FitError {
         let pairs = coarse_picture_pairs(directions);
         let picture = ReferencePicture::of_pairs(source, pairs.clone()).0;
         let validated = |parts| {
-            let folds = (0..completion.fold_count(parts)).into_par_iter();
-            let folds: Vec<Option<(NormSums, f64)>> = folds
-                .map(|number| {
-                    progress.check().ok()?;
-                    let fold = completion.fold(parts, number)?;
-                    let delta_e = picture.compare(fold.source.as_ref()).delta_e.mean;
-                    Some((predicted(&fold, source.is_grey()), delta_e))
-                })
-                .collect();
+            let validate = |number| {
+                progress.check().ok()?;
+                let fold = completion.fold(parts, number)?;
+                let delta_e = picture.compare(fold.source.as_ref()).delta_e.mean;
+                Some((predicted(&fold, source.is_grey()), delta_e))
+            };
+            let numbers: Vec<usize> = (0..completion.fold_count(parts)).collect();
+            let mut folds: Vec<Option<(NormSums, f64)>> = Vec::new();
+            for at_once in numbers.chunks(FOLDS_AT_ONCE) {
+                folds.par_extend(at_once.par_iter().map(|number| validate(*number)));
+            }
             let count = folds.len();
             let folds: Vec<_> = folds.into_iter().flatten().collect();
             // Folds that cannot be fitted are those whose samples nothing predicts.

@@ -4,10 +4,11 @@ use crate::picture::{DELTA_E_FULL_SCALE, Panel, heat_map};
 use embedded_graphics::Drawable;
 use embedded_graphics::draw_target::DrawTarget;
 use embedded_graphics::geometry::{OriginDimensions, Point, Size};
-use embedded_graphics::mono_font::iso_8859_7::{FONT_7X13, FONT_7X13_BOLD};
-use embedded_graphics::mono_font::{MonoFont, MonoTextStyle};
+use embedded_graphics::mono_font::{
+    MonoFont, MonoTextStyle, iso_8859_1, iso_8859_2, iso_8859_5, iso_8859_7, iso_8859_9, iso_8859_13,
+};
 use embedded_graphics::pixelcolor::{Rgb888, RgbColor};
-use embedded_graphics::text::{Alignment, Baseline, Text, TextStyleBuilder};
+use embedded_graphics::text::{Baseline, Text};
 use std::convert::Infallible;
 
 /// What the columns of a cell are.
@@ -17,7 +18,25 @@ pub const HEADS: [&str; 3] = ["source", "pack", "ΔE"];
 const MARGIN: usize = 14;
 /// Between the pictures of a cell.
 const GAP: usize = 2;
-/// Rows of a line of text. Its fonts hold Latin and Greek letters.
+/// One font for each script: Latin with the Δ, Greek; Western, Central European, Turkish and Baltic Latin; Cyrillic.
+type Fonts = [&'static MonoFont<'static>; 6];
+const PLAIN: Fonts = [
+    &iso_8859_7::FONT_7X13,
+    &iso_8859_1::FONT_7X13,
+    &iso_8859_2::FONT_7X13,
+    &iso_8859_9::FONT_7X13,
+    &iso_8859_13::FONT_7X13,
+    &iso_8859_5::FONT_7X13,
+];
+const BOLD: Fonts = [
+    &iso_8859_7::FONT_7X13_BOLD,
+    &iso_8859_1::FONT_7X13_BOLD,
+    &iso_8859_2::FONT_7X13_BOLD,
+    &iso_8859_9::FONT_7X13_BOLD,
+    &iso_8859_13::FONT_7X13_BOLD,
+    &iso_8859_5::FONT_7X13_BOLD,
+];
+/// Rows of a line of text.
 const LINE: usize = 16;
 /// Columns of a letter.
 const LETTER: usize = 7;
@@ -58,7 +77,7 @@ pub fn contact_sheet(cells: &[Cell]) -> Panel {
     for column in 0..grid.columns {
         for (number, head) in HEADS.into_iter().enumerate() {
             let x = grid.left(column) + grid.across(number) + grid.picture[0] / 2;
-            canvas.text(head, [x, MARGIN], &FONT_7X13, SOFT, Alignment::Center);
+            canvas.centred(head, [x, MARGIN]);
         }
     }
     for (number, cell) in cells.iter().enumerate() {
@@ -74,9 +93,9 @@ pub fn contact_sheet(cells: &[Cell]) -> Panel {
         }
         let text = grid.top(number / grid.columns) + grid.rows * (grid.picture[1] + GAP);
         let letters = grid.cell[0] / LETTER;
-        canvas.text(&shortened(&cell.name, letters), [left, text], &FONT_7X13_BOLD, INK, Alignment::Left);
+        canvas.text(&shortened(&spelled(&cell.name), letters), [left, text], &BOLD, INK);
         let colour = if cell.failed { BAD } else { SOFT };
-        canvas.text(&shortened(&cell.details, letters), [left, text + LINE], &FONT_7X13, colour, Alignment::Left);
+        canvas.text(&shortened(&spelled(&cell.details), letters), [left, text + LINE], &PLAIN, colour);
     }
     scale(&mut canvas, [MARGIN + BESIDE, height - MARGIN - BAR[1] - LINE]);
     canvas.0
@@ -141,13 +160,31 @@ fn scale(canvas: &mut Canvas, [left, top]: [usize; 2]) {
     let shares: Vec<f32> = (0..width).map(|x| x as f32 / (width - 1) as f32).collect();
     let row = heat_map(&shares, width, 1, 1.0).rgb;
     canvas.paste(&Panel { width, height, rgb: row.repeat(height) }, [left, top]);
-    canvas.text("ΔE", [left - LETTER, top], &FONT_7X13, SOFT, Alignment::Right);
+    canvas.text("ΔE", [left + 1 - 3 * LETTER, top], &PLAIN, SOFT);
     for tick in 0..=TICKS {
         let x = left + tick * (width - 1) / TICKS;
         canvas.paste(&Panel { width: 1, height: 3, rgb: [INK.r(), INK.g(), INK.b()].repeat(3) }, [x, top + height]);
         let value = DELTA_E_FULL_SCALE * tick as f64 / TICKS as f64;
-        canvas.text(&value.to_string(), [x, top + height + 3], &FONT_7X13, SOFT, Alignment::Center);
+        canvas.centred(&value.to_string(), [x, top + height + 3]);
     }
+}
+
+/// The first font that has a letter.
+fn font_of(letter: char, fonts: &Fonts) -> Option<&'static MonoFont<'static>> {
+    // Fonts draw a "?" for letters that they lack.
+    let has = |font: &&MonoFont<'_>| {
+        letter == '?' || font.glyph_mapping.index(letter) != font.glyph_mapping.index(char::REPLACEMENT_CHARACTER)
+    };
+    fonts.iter().copied().find(has)
+}
+
+/// A text with letters that no font has as code points, such as `U+6F22`: names stay apart.
+fn spelled(text: &str) -> String {
+    let letter = |letter: char| match font_of(letter, &PLAIN) {
+        Some(_) => letter.to_string(),
+        None => format!("U+{:04X}", u32::from(letter)),
+    };
+    text.chars().map(letter).collect()
 }
 
 /// A text of at most `most` letters: where it has more, the middle is left out.
@@ -174,14 +211,23 @@ impl Canvas {
         }
     }
 
-    fn text(&mut self, text: &str, [x, y]: [usize; 2], font: &MonoFont<'_>, colour: Rgb888, alignment: Alignment) {
-        let style = TextStyleBuilder::new().alignment(alignment).baseline(Baseline::Top).build();
-        let at = Point::new(x as i32, y as i32);
-        let text = Text::with_text_style(text, at, MonoTextStyle::new(font, colour), style);
-        match text.draw(self) {
-            Ok(_) => {}
-            Err(never) => match never {},
+    /// Draws a text, `x` its left and `y` its upper border.
+    fn text(&mut self, text: &str, [x, y]: [usize; 2], fonts: &Fonts, colour: Rgb888) {
+        for (number, letter) in text.chars().enumerate() {
+            let font = font_of(letter, fonts).unwrap_or(fonts[0]);
+            let at = Point::new((x + number * LETTER) as i32, y as i32);
+            let letter = letter.to_string();
+            match Text::with_baseline(&letter, at, MonoTextStyle::new(font, colour), Baseline::Top).draw(self) {
+                Ok(_) => {}
+                Err(never) => match never {},
+            }
         }
+    }
+
+    /// Draws a text around `x` in the soft colour.
+    fn centred(&mut self, text: &str, [x, y]: [usize; 2]) {
+        let width = text.chars().count() * LETTER;
+        self.text(text, [x.saturating_sub(width.saturating_sub(1) / 2), y], &PLAIN, SOFT);
     }
 }
 
@@ -260,9 +306,18 @@ mod tests {
         assert!(one != contact_sheet(&[cell("red_plastik")]));
         assert!(one != contact_sheet(&[Cell { details: "1.9 KiB  ΔE 0.48".into(), ..cell("red_plastic") }]));
         assert!(one != contact_sheet(&[Cell { failed: true, ..cell("red_plastic") }]));
-        // A letter that the font lacks is drawn as "?": that Δ is not shows that it is there.
+        // Fonts draw a "?" for letters that they lack.
         let details = |text: &str| contact_sheet(&[Cell { details: text.into(), ..cell("a") }]);
-        assert!(details("Δ") != details("?") && details("漢") == details("?"));
+        for letter in ["Δ", "é", "ł", "ğ", "Ж"] {
+            assert!(details(letter) != details("?"), "{letter}");
+        }
+    }
+
+    #[test]
+    fn letters_that_no_font_has_are_code_points() {
+        assert_eq!(spelled("crème Δ Ж ?"), "crème Δ Ж ?");
+        assert_eq!(spelled("木綿"), "U+6728U+7DBF");
+        assert!(contact_sheet(&[cell("漢字")]) != contact_sheet(&[cell("木綿")]));
     }
 
     #[test]
