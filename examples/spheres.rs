@@ -32,7 +32,7 @@ const SAMPLES: usize = 3;
 /// Where the light is, in radii from the sphere's centre.
 const LIGHT: Vector = [-2.5, 3.0, 4.0];
 /// A white matte surface that faces the light, as far away as the sphere's centre, has this linear value; 1 is the
-/// brightest that the picture can show.
+/// brightest that the rendering can show.
 const EXPOSURE: f64 = 1.5;
 /// Linear value of the background.
 const BACKGROUND: f64 = 0.12;
@@ -74,14 +74,14 @@ fn main() -> Result<(), Box<dyn Error>> {
 
 /// Bytes, fetches and how wrong it looks.
 fn cost(made: &EncodedPack) -> String {
-    let picture = &made.off_grid.picture.delta_e;
+    let rendering = &made.off_grid.rendering.delta_e;
     let (bytes, fetches) = (made.pack.gpu_bytes(), made.pack.fetches());
-    format!("{bytes} bytes, {fetches} fetches, ΔE {:.2}, 95 %: {:.2}", picture.mean, picture.p95)
+    format!("{bytes} bytes, {fetches} fetches, ΔE {:.2}, 95 %: {:.2}", rendering.mean, rendering.p95)
 }
 
-fn write(picture: &RgbImage, path: &Path) -> Result<(), Box<dyn Error>> {
+fn write(rendering: &RgbImage, path: &Path) -> Result<(), Box<dyn Error>> {
     let mut bytes = Vec::new();
-    picture.write_with_encoder(PngEncoder::new_with_quality(
+    rendering.write_with_encoder(PngEncoder::new_with_quality(
         &mut bytes,
         CompressionType::Best,
         FilterType::Adaptive,
@@ -90,7 +90,7 @@ fn write(picture: &RgbImage, path: &Path) -> Result<(), Box<dyn Error>> {
 }
 
 /// Draws one sphere into the tile at `[column, row]`.
-fn draw(picture: &mut RgbImage, [column, row]: [usize; 2], material: &dyn Source) {
+fn draw(rendering: &mut RgbImage, [column, row]: [usize; 2], material: &dyn Source) {
     let pixels: Vec<[u8; 3]> = (0..TILE * TILE)
         .into_par_iter()
         .map(|pixel| {
@@ -107,7 +107,7 @@ fn draw(picture: &mut RgbImage, [column, row]: [usize; 2], material: &dyn Source
         })
         .collect();
     for (pixel, colour) in pixels.into_iter().enumerate() {
-        picture.put_pixel((column * TILE + pixel % TILE) as u32, (row * TILE + pixel / TILE) as u32, Rgb(colour));
+        rendering.put_pixel((column * TILE + pixel % TILE) as u32, (row * TILE + pixel / TILE) as u32, Rgb(colour));
     }
 }
 

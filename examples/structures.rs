@@ -71,7 +71,7 @@ impl View {
     }
 }
 
-fn picture(mesh: &PeriodicMesh, materials: &[Box<dyn Source>], towards: Vector) -> RgbImage {
+fn rendering(mesh: &PeriodicMesh, materials: &[Box<dyn Source>], towards: Vector) -> RgbImage {
     let light = from_polar(0.9, 2.7);
     let (view, sun) = (View::new(mesh, towards, SIZE), View::new(mesh, light, 2 * SIZE));
     RgbImage::from_fn(SIZE as u32, SIZE as u32, |x, y| {
@@ -119,7 +119,7 @@ fn picture(mesh: &PeriodicMesh, materials: &[Box<dyn Source>], towards: Vector) 
 
 fn main() -> Result<(), Box<dyn Error>> {
     let arguments: Vec<String> = std::env::args().skip(1).collect();
-    let folder = arguments.first().ok_or("give a folder for the pictures")?;
+    let folder = arguments.first().ok_or("give a folder for the renderings")?;
     let all: Vec<String> = STRUCTURES.iter().map(|info| info.name.to_owned()).collect();
     let structures = if arguments.len() > 1 { &arguments[1..] } else { &all };
     for (k, text) in structures.iter().enumerate() {
@@ -130,7 +130,7 @@ fn main() -> Result<(), Box<dyn Error>> {
         let mut sheet = RgbImage::new(2 * SIZE as u32, SIZE as u32);
         // From above is not quite from above, so that a view has an upright: -y is below.
         for (column, [theta, phi]) in [[FRAC_PI_4, -1.2], [1e-6, -FRAC_PI_2]].into_iter().enumerate() {
-            let view = picture(&mesh, &materials, from_polar(theta, phi));
+            let view = rendering(&mesh, &materials, from_polar(theta, phi));
             image::imageops::replace(&mut sheet, &view, (column * SIZE) as i64, 0);
         }
         let path = Path::new(folder).join(format!("{k}.png"));

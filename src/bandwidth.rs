@@ -12,7 +12,7 @@ pub use brdfc_source::tile_image::FileImage;
 
 use crate::{Error, Input, Material, Tally};
 use brdfc_bandwidth::map::{brdf_map, environment_map, texture_map};
-use brdfc_render::picture::{bandwidth_panel, rgb_png};
+use brdfc_render::rendering::{bandwidth_panel, rgb_png};
 use brdfc_source::radiance_image::open_radiance_image;
 use brdfc_source::tile_image::open_colours;
 
@@ -61,12 +61,12 @@ impl Subject {
     pub fn map(&self, epsilon: f64) -> Result<(BandwidthMap, Option<Tally>), Error> {
         let [least, most] = EPSILON_RANGE;
         if !(least..=most).contains(&epsilon) {
-            return Err(Error::usage(format!("epsilon: found {epsilon}; allowed {least} to {most}")));
+            return Err(Error::usage(format!("epsilon: found {epsilon}, expected {least} to {most}")));
         }
         if let Self::Texture(_, Placement { metres, .. }) = self
             && !metres.iter().all(|side| side.is_finite() && *side > 0.0)
         {
-            return Err(Error::usage(format!("sides of the texture: found {metres:?} m; allowed positive numbers")));
+            return Err(Error::usage(format!("sides of the texture: found {metres:?} m, expected positive numbers")));
         }
         let map = match self {
             Self::Material(material, resolution) => {
@@ -94,6 +94,6 @@ pub fn holds_radiance(input: &Input) -> Result<Option<bool>, Error> {
 }
 
 /// A map as a PNG: from dark (1/256 of the largest value and less) to pale yellow.
-pub fn picture(map: &BandwidthMap) -> Vec<u8> {
+pub fn rendering(map: &BandwidthMap) -> Vec<u8> {
     rgb_png(&bandwidth_panel(map))
 }

@@ -12,7 +12,7 @@ use brdfc_jobs::flatten::compare_flat;
 use brdfc_jobs::pwt::open_flat_material;
 use brdfc_metrics::sampling::{PairSet, random_pairs};
 use brdfc_source::flat_btf::flat_btf_file;
-use brdfc_source::light_stack::is_light_stack;
+use brdfc_source::rti_capture::is_rti_capture;
 
 const SEED: u64 = 2007;
 
@@ -20,7 +20,7 @@ const SEED: u64 = 2007;
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Kind {
     /// By [`photographs`].
-    LightStack,
+    RtiCapture,
     /// By [`flat_btfs`].
     FlatBtf,
     /// By [`reflectances`].
@@ -34,7 +34,7 @@ impl Kind {
     /// A folder that cannot be read, or holds several flat BTFs.
     pub fn of(reference: &Input) -> Result<Self, Error> {
         Ok(match reference.path() {
-            Some(path) if is_light_stack(path) => Self::LightStack,
+            Some(path) if is_rti_capture(path) => Self::RtiCapture,
             Some(path) if flat_btf_file(path)?.is_some() => Self::FlatBtf,
             _ => Self::Reflectance,
         })
@@ -72,7 +72,7 @@ pub fn reflectances(a: &Material, b: &Material, pairs: Pairs) -> Result<Compared
     let [of_a, of_b] = [a, b].map(|material| material.facts().directions());
     let both = of_a.common(of_b).ok_or_else(|| {
         let allowed = "packs that have some in common";
-        Error::check(format!("directions: found a pack for {of_a}, and one for {of_b}; allowed {allowed}"))
+        Error::check(format!("directions: found a pack for {of_a}, and one for {of_b}, expected {allowed}"))
     })?;
     let set = match pairs {
         Pairs::OfEncoder => PairSet::within(both),
@@ -80,7 +80,7 @@ pub fn reflectances(a: &Material, b: &Material, pairs: Pairs) -> Result<Compared
         Pairs::Given(pairs) => PairSet::new(pairs),
     };
     if set.pairs.is_empty() {
-        return Err(Error::check("pairs: found none; allowed one or more"));
+        return Err(Error::check("pairs: found none, expected one or more"));
     }
     let (comparison, _) = brdfc_metrics::compare::compare(a.source(), b.source(), &set);
     Ok(Compared { pairs: set.pairs.len(), directions: set.directions, comparison })

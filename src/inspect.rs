@@ -10,10 +10,10 @@ pub use brdfc_jobs::pack_files::PackFile;
 pub use brdfc_pwt::PwtFacts;
 pub use brdfc_shaders::DeviceNeeds;
 pub use brdfc_source::flat_btf::{flat_btf_file, open_flat_btf};
-pub use brdfc_source::light_stack::{self, LightStack, LightStackFacts, is_light_stack};
 pub use brdfc_source::open::{Opened, known_files, open, opened};
 pub use brdfc_source::pack::open_pack;
 pub use brdfc_source::ptm::{self, PtmFacts, open_ptm};
+pub use brdfc_source::rti_capture::{self, RtiCapture, RtiCaptureFacts, is_rti_capture};
 
 use crate::{Error, FormatError, Input, InputError};
 use brdfc_jobs::pack_files::pack_files;

@@ -22,7 +22,7 @@ pub struct Pack {
 /// How far a pack is from its source.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Errors {
-    /// Mean ΔE*ab of pictures of a ball under lights from all sides.
+    /// Mean ΔE*ab of renderings of a ball under lights from all sides.
     pub delta_e: f64,
     /// Its 95th percentile.
     pub delta_e_p95: f64,
@@ -53,9 +53,9 @@ impl Pack {
 
     /// The measured errors that are looked at first; [`Self::report`] has all.
     pub fn errors(&self) -> Errors {
-        let picture = &self.encoded.off_grid.picture.delta_e;
+        let rendering = &self.encoded.off_grid.rendering.delta_e;
         let relative = self.encoded.off_grid.norms.relative_mean;
-        Errors { delta_e: picture.mean, delta_e_p95: picture.p95, relative }
+        Errors { delta_e: rendering.mean, delta_e_p95: rendering.p95, relative }
     }
 
     /// What no pack that was tried meets, and what is wrong with the fit to a scan; `None` if the pack is what was asked for.

@@ -12,17 +12,18 @@ pub use brdfc_gpu::verify::{Material, PackReflectance, Views, views};
 pub use brdfc_gpu::{AdapterChoice, AdaptiveRenderer, Decoding, Gpu, GpuError, SliceFilter, draw_flat_btf, draw_pwt};
 pub use brdfc_jobs::report::adaptive::{AdaptiveVerification, Shading};
 pub use brdfc_jobs::report::contact::MaterialVerification;
-pub use brdfc_jobs::report::render::{PartMaterial, PictureGates, Verification, nothing_shown};
+pub use brdfc_jobs::report::render::{PartMaterial, RenderingGates, Verification, nothing_shown};
 pub use brdfc_metrics::image::{LinearImage, auto_exposure};
 pub use brdfc_render::adaptive::{
-    AdaptiveMaterial, AdaptivePicture, AdaptiveScene, DistantLight, Lookups, Prediction, Settings, Start, ground_truth,
+    AdaptiveMaterial, AdaptiveRendering, AdaptiveScene, DistantLight, Lookups, Prediction, Settings, Start,
+    ground_truth,
 };
 pub use brdfc_render::contact_sheet::contact_sheet;
 pub use brdfc_render::flat::{FlatForm, FlatMaterial, draw_on_cpu as draw_flat_btf_on_cpu};
-pub use brdfc_render::picture::{difference_panel, rgb_png, sheet, to_exr, to_panel, to_png};
 pub use brdfc_render::pwt::{
-    Photograph, PwtMaterial, distant_light, draw_on_cpu as draw_pwt_on_cpu, draw_photographs, picture_scene,
+    Photograph, PwtMaterial, distant_light, draw_on_cpu as draw_pwt_on_cpu, draw_photographs, rendering_scene,
 };
+pub use brdfc_render::rendering::{difference_panel, rgb_png, sheet, to_exr, to_panel, to_png};
 pub use brdfc_render::scene::{Environment, Frame, PointLight, Scene};
 pub use brdfc_render::scenes::Builtin;
 pub use brdfc_render::shade::Reflectance;
@@ -31,7 +32,7 @@ pub use brdfc_source::pack::open_brdf_pack;
 pub use brdfc_source::radiance_image::open_radiance_image;
 
 use crate::flatten::{AssetFile, MesoOptions, PLANE};
-use crate::inspect::{AnyPack, LightStack};
+use crate::inspect::{AnyPack, RtiCapture};
 use crate::{Error, Input};
 use brdfc_core::PackSource;
 use brdfc_core::address::is_synth;
@@ -40,7 +41,7 @@ use brdfc_formats::direction::dot;
 use brdfc_jobs::flatten::{open_appearance, open_geometry};
 use brdfc_render::adaptive::ANY_LEVEL;
 use brdfc_render::flat::reference_plane;
-use brdfc_render::picture::{heat_map, octave_map};
+use brdfc_render::rendering::{heat_map, octave_map};
 
 /// Bandwidth and importance samples of a material for adaptive shading: from `maps` where these are both, else from its source or
 /// its pack.
@@ -93,9 +94,9 @@ pub fn draw_surface(scene: &Scene, frame: Frame, asset: &AssetFile, repeat: u32)
     Ok(Some(reference_plane(scene, frame, &model, &appearance, repeat)))
 }
 
-/// The photograph whose light is nearest to where a light is, seen from the middle of the picture, and the angle between the two
+/// The photograph whose light is nearest to where a light is, seen from the middle of the rendering, and the angle between the two
 /// in degrees.
-pub fn nearest_photograph(stack: &LightStack, light: &PointLight) -> (usize, f64) {
+pub fn nearest_photograph(stack: &RtiCapture, light: &PointLight) -> (usize, f64) {
     let [x, y, z] = light.position;
     let length = dot(light.position, light.position).sqrt();
     let towards = [x, -z, y].map(|c| c / length);

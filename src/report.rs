@@ -10,7 +10,7 @@ pub use brdfc_jobs::scene::plan::REPORT;
 pub use brdfc_source::flat_btf::flat_btf_file;
 
 use brdfc_jobs::report::page::sheet;
-use brdfc_render::picture::rgb_png;
+use brdfc_render::rendering::rgb_png;
 
 /// All materials of a page as a PNG: source, pack and ΔE, with labels and the colour scale of differences.
 pub fn sheet_png(page: &Page) -> Vec<u8> {

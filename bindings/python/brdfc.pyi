@@ -110,7 +110,7 @@ class Material:
 
 @final
 class Relightable:
-    """A picture under any light, or a surface with relief under any light and seen from anywhere."""
+    """A rendering under any light, or a surface with relief under any light and seen from anywhere."""
 
     def eval(
         self, uv: ArrayLike, wi: ArrayLike, wo: Union[ArrayLike, None] = None, lod: Union[float, None] = None
@@ -141,5 +141,5 @@ def open(input: Union[str, os.PathLike[str]]) -> Union[Material, Relightable]:
     """Opens a measured file, a pack or an address as in `synth:ggx?alpha=0.3`.
 
     A `Material` has values at direction pairs; a `Relightable`, of flat BTFs and polynomial wavelet trees, at places of a
-    picture. Raises OSError for what cannot be read, ValueError for what breaks its layout.
+    rendering. Raises OSError for what cannot be read, ValueError for what breaks its layout.
     """

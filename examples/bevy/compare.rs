@@ -1,4 +1,4 @@
-//! Holds frames of Bevy against pictures of `brdfc render`, or puts pictures side by side.
+//! Holds frames of Bevy against renderings of `brdfc render`, or puts renderings side by side.
 //!
 //! usage: compare LIMIT EXPECTED.png FOUND.png [LIMIT EXPECTED.png FOUND.png...]
 //!        compare --row OUT.png PICTURE.png...
@@ -8,11 +8,11 @@
 use image::{Rgb, RgbImage};
 use std::process::ExitCode;
 
-/// In codes of 255: closer to the corner of the expected picture is background.
+/// In codes of 255: closer to the corner of the expected rendering is background.
 const SAME: u8 = 2;
-/// The share of a picture that has to be surface.
+/// The share of a rendering that has to be surface.
 const LEAST_SURFACE: f64 = 0.125;
-/// How far the pictures of two materials are apart at least, in limits: else the comparison is blind.
+/// How far the renderings of two materials are apart at least, in limits: else the comparison is blind.
 const LEAST_APART: f64 = 5.0;
 
 type Failure = Box<dyn std::error::Error>;
@@ -36,15 +36,15 @@ struct Pair {
 }
 
 fn run(arguments: &[String]) -> Result<(), Failure> {
-    if let [option, out, pictures @ ..] = arguments
+    if let [option, out, renderings @ ..] = arguments
         && option == "--row"
     {
-        let pictures = pictures.iter().map(|path| read(path)).collect::<Result<Vec<_>, _>>()?;
-        return side_by_side(&pictures).save(out).map_err(|error| format!("{out}: {error}").into());
+        let renderings = renderings.iter().map(|path| read(path)).collect::<Result<Vec<_>, _>>()?;
+        return side_by_side(&renderings).save(out).map_err(|error| format!("{out}: {error}").into());
     }
-    let (triples, []) = arguments.as_chunks::<3>() else { return Err("each limit has two pictures".into()) };
+    let (triples, []) = arguments.as_chunks::<3>() else { return Err("each limit has two renderings".into()) };
     if triples.is_empty() {
-        return Err("no pictures are named".into());
+        return Err("no renderings are named".into());
     }
     let pair = |[limit, expected, found]: &[String; 3]| -> Result<Pair, Failure> {
         let limit = limit.parse().map_err(|_| format!("{limit}: a limit is a number"))?;
@@ -74,7 +74,7 @@ fn read(path: &str) -> Result<RgbImage, Failure> {
     Ok(image::open(path).map_err(|error| format!("{path}: {error}"))?.to_rgb8())
 }
 
-/// Differences over pixels that show a surface in either picture.
+/// Differences over pixels that show a surface in either rendering.
 struct Difference {
     /// ΔE.
     mean: f64,
@@ -129,14 +129,14 @@ fn lab(pixel: &Rgb<u8>) -> [f64; 3] {
     [116.0 * y - 16.0, 500.0 * (x - y), 200.0 * (y - z)]
 }
 
-fn side_by_side(pictures: &[RgbImage]) -> RgbImage {
-    let width = pictures.iter().map(RgbImage::width).sum();
-    let height = pictures.iter().map(RgbImage::height).max().unwrap_or(0);
+fn side_by_side(renderings: &[RgbImage]) -> RgbImage {
+    let width = renderings.iter().map(RgbImage::width).sum();
+    let height = renderings.iter().map(RgbImage::height).max().unwrap_or(0);
     let mut row = RgbImage::new(width, height);
     let mut left = 0;
-    for picture in pictures {
-        image::imageops::replace(&mut row, picture, left, 0);
-        left += i64::from(picture.width());
+    for rendering in renderings {
+        image::imageops::replace(&mut row, rendering, left, 0);
+        left += i64::from(rendering.width());
     }
     row
 }

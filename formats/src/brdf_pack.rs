@@ -6,7 +6,7 @@ use crate::direction::DirectionPair;
 use crate::symmetry::Symmetry;
 use crate::table::Angles;
 use crate::wavelet::Filter;
-use crate::{ErrorSummary, PictureSummary};
+use crate::{ErrorSummary, RenderingSummary};
 use std::fmt::Debug;
 
 /// A pack of a BRDF, whichever its codec.
@@ -41,7 +41,7 @@ pub trait Brdf: Debug + Send + Sync {
     fn off_grid(&self) -> ErrorSummary;
 
     /// Its colour differences from the source in renderings, where the pack says them.
-    fn picture(&self) -> Option<PictureSummary> {
+    fn rendering(&self) -> Option<RenderingSummary> {
         None
     }
 

@@ -27,9 +27,9 @@ impl fmt::Display for Place {
 
 /// An input that does not follow its layout.
 ///
-/// Reads as `byte 4, theta_d count: found 0; allowed 1 to 4096`. The caller, who knows it, adds the file's name.
+/// Reads as `byte 4, theta_d count: found 0, expected 1 to 4096`. The caller, who knows it, adds the file's name.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
-#[error("{place}{field}: found {found}; allowed {allowed}")]
+#[error("{place}{field}: found {found}, expected {allowed}")]
 pub struct FormatError {
     /// Where.
     pub place: Place,
@@ -113,7 +113,7 @@ mod tests {
     #[test]
     fn what_a_file_says_is_shortened() {
         let error = FormatError::whole("name", "é".repeat(70_000), "UTF-8").to_string();
-        assert!(error.ends_with("é... (70000 characters); allowed UTF-8") && error.len() < 500, "{error}");
+        assert!(error.ends_with("é... (70000 characters), expected UTF-8") && error.len() < 500, "{error}");
         assert_eq!(FormatError::whole("name", "short", "x").found, "short");
     }
 }

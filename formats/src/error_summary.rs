@@ -78,11 +78,11 @@ impl ErrorSummary {
     }
 }
 
-/// Colour differences between pictures of a pack and of its source, as measured when it was made: ΔE*ab (CIE 1976) over the
+/// Colour differences between renderings of a pack and of its source, as measured when it was made: ΔE*ab (CIE 1976) over the
 /// pixels of balls under fixed lights.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, schemars::JsonSchema))]
-pub struct PictureSummary {
+pub struct RenderingSummary {
     /// Mean.
     pub mean: f32,
     /// 95th percentile.
@@ -91,7 +91,7 @@ pub struct PictureSummary {
     pub max: f32,
 }
 
-impl PictureSummary {
+impl RenderingSummary {
     /// Bytes in an entry.
     pub(crate) const BYTES: usize = 12;
 

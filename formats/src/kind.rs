@@ -181,12 +181,12 @@ mod tests {
         other[name + 17] = b'x';
         seal(&mut other);
         let error = Pack::from_bytes(&other).unwrap_err().to_string();
-        assert!(error.starts_with("decoder of the pack: found importancx; allowed table, wavelet,"), "{error}");
+        assert!(error.starts_with("decoder of the pack: found importancx, expected table, wavelet,"), "{error}");
         let mut newer = bytes.clone();
         newer[name + 19] = b'2';
         seal(&mut newer);
         let error = Pack::from_bytes(&newer).unwrap_err().to_string();
-        assert_eq!(error, "version of the decoder importance: found 2; allowed 1");
+        assert_eq!(error, "version of the decoder importance: found 2, expected 1");
     }
 
     #[test]
@@ -199,6 +199,6 @@ mod tests {
         seal(&mut bytes);
         let error = Pack::from_bytes(&bytes).unwrap_err().to_string();
         let expected = "texture: found 2 levels of 2 x 2 texels";
-        assert!(error.starts_with(expected) && error.contains("allowed 1 levels"), "{error}");
+        assert!(error.starts_with(expected) && error.contains("expected 1 levels"), "{error}");
     }
 }

@@ -35,7 +35,7 @@ pub mod wavelet;
 pub use brdf_pack::{Brdf, BrdfDecoder};
 pub use descriptor::{Answer, BrdfShader, Descriptor, StructAnswer};
 pub use error::{FormatError, Place};
-pub use error_summary::{ErrorSummary, PictureSummary};
+pub use error_summary::{ErrorSummary, RenderingSummary};
 pub use symmetry::Symmetry;
 
 use bandwidth::BandwidthMap;

@@ -59,13 +59,13 @@ mod tests {
     fn what_cannot_be_had_is_an_error() {
         assert_eq!(filled("cells", 3, 1u8).unwrap(), [1; 3]);
         let error = filled("cells", 1 << 50, [0f32; 4]).unwrap_err().to_string();
-        let expected = "cells: found 1125899906842624, which take 16.00 PiB; allowed as much as there is memory for";
+        let expected = "cells: found 1125899906842624, which take 16.00 PiB, expected as much as there is memory for";
         assert_eq!(error, expected);
         assert!(reserved::<u64>("cells", usize::MAX).is_err());
         let mut vector = vec![0u8; 2];
         assert!(push_within(&mut vector, 7, 3, "rows").is_ok());
         let error = push_within(&mut vector, 7, 3, "rows").unwrap_err().to_string();
-        assert_eq!((vector.len(), &*error), (3, "rows: found more than 3; allowed at most 3"));
+        assert_eq!((vector.len(), &*error), (3, "rows: found more than 3, expected at most 3"));
     }
 
     #[test]

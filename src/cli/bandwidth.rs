@@ -24,7 +24,7 @@ use std::time::Instant;
 #[command(after_help = "\
 Examples:
   brdfc bandwidth red-plastic.binary -o red.bandwidth.ktx2
-  brdfc bandwidth museum.exr -o museum.bandwidth.ktx2 --picture museum.png
+  brdfc bandwidth museum.exr -o museum.bandwidth.ktx2 --rendering museum.png
   brdfc bandwidth cloth.png -o cloth.bandwidth.ktx2 --size 0.3x0.2 --json")]
 pub struct Arguments {
     /// A material (path, or synth:MODEL?param=value&...), an environment (.exr, .hdr) or a texture (.png, .jpg); - for stdin.
@@ -48,10 +48,10 @@ pub struct Arguments {
     /// The texture does not repeat: what lies beyond its border does not count.
     #[arg(long)]
     no_tile: bool,
-    /// Write the map as a picture, too: from dark (calm, 1/256 of the largest value and less) to pale yellow.
+    /// Write the map as a rendering, too: from dark (calm, 1/256 of the largest value and less) to pale yellow.
     #[cfg(feature = "render")]
     #[arg(long, value_name = "MAP.png")]
-    picture: Option<PathBuf>,
+    rendering: Option<PathBuf>,
 }
 
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
@@ -74,8 +74,8 @@ pub struct Report {
     /// What it says of itself, and its values.
     #[serde(flatten)]
     facts: BandwidthFacts,
-    /// What evaluating a material had to mend; not of images, nor of a map that was there.
-    #[serde(rename = "mended")]
+    /// What evaluating a material had to repair; not of images, nor of a map that was there.
+    #[serde(rename = "repaired")]
     repairs: Option<Tally>,
     /// Seconds that reading and finding the bandwidth took; not of a map that was there.
     seconds: Option<Seconds>,
@@ -133,7 +133,7 @@ fn recipe(arguments: &Arguments) -> Result<bandwidth::Kind, Error> {
     let usage = |text: String| Err(Error::usage(text));
     let [least, most] = EPSILON_RANGE;
     if !(least..=most).contains(&arguments.epsilon) {
-        return usage(format!("--epsilon: found {}; allowed {least} to {most}", format_number(arguments.epsilon)));
+        return usage(format!("--epsilon: found {}, expected {least} to {most}", format_number(arguments.epsilon)));
     }
     let radiance = holds_radiance(&arguments.input)?;
     let kind = arguments.kind.unwrap_or(match radiance {
@@ -144,13 +144,13 @@ fn recipe(arguments: &Arguments) -> Result<bandwidth::Kind, Error> {
     if (kind == Kind::Brdf) != radiance.is_none() {
         let found = if radiance.is_none() { "no image" } else { "an image" };
         let allowed = "brdf for materials; environment or texture for .exr, .hdr, .png and .jpg";
-        return usage(format!("--kind: found {} of {found}; allowed {allowed}", format!("{kind:?}").to_lowercase()));
+        return usage(format!("--kind: found {} of {found}, expected {allowed}", format!("{kind:?}").to_lowercase()));
     }
     if kind != Kind::Brdf && arguments.resolution.is_some() {
-        return usage("--resolution: found an image; allowed for materials".to_owned());
+        return usage("--resolution: found an image, expected for materials".to_owned());
     }
     if kind != Kind::Texture && (arguments.size.is_some() || arguments.no_tile) {
-        return usage("--size, --no-tile: found no texture; allowed for textures".to_owned());
+        return usage("--size, --no-tile: found no texture, expected for textures".to_owned());
     }
     Ok(match kind {
         Kind::Brdf => {
@@ -158,7 +158,7 @@ fn recipe(arguments: &Arguments) -> Result<bandwidth::Kind, Error> {
             let Some(resolution) = asked.map_or(Some(Resolution::default()), Resolution::parse) else {
                 let (found, [least, most]) = (asked.unwrap_or_default(), RESOLUTIONS);
                 return usage(format!(
-                    "--resolution: found {found}; allowed a power of two from {least} to {most}, or auto"
+                    "--resolution: found {found}, expected a power of two from {least} to {most}, or auto"
                 ));
             };
             bandwidth::Kind::Material(resolution)
@@ -173,7 +173,7 @@ fn metres(arguments: &Arguments) -> Result<[f64; 2], Error> {
     let side = |part: &str| part.parse::<f64>().ok().filter(|side| (1e-6..=1e6).contains(side));
     let found = arguments.size.as_deref().unwrap_or("none");
     found.split_once(['x', 'X']).and_then(|(width, height)| Some([side(width)?, side(height)?])).ok_or_else(|| {
-        Error::usage(format!("--size: found {found}; allowed WIDTHxHEIGHT of the texture in metres, 1e-6 to 1e6"))
+        Error::usage(format!("--size: found {found}, expected WIDTHxHEIGHT of the texture in metres, 1e-6 to 1e6"))
     })
 }
 
@@ -181,7 +181,7 @@ pub(super) fn run(arguments: &Arguments, common: Common) -> Result<(), Error> {
     refuse_unfit_output(&arguments.output, &["ktx2"], arguments.input.path().as_slice())?;
     let recipe = recipe(arguments)?;
     #[cfg(feature = "render")]
-    check_picture(arguments)?;
+    check_rendering(arguments)?;
     let start = Instant::now();
     let subject = Subject::open(&arguments.input, recipe)?;
     if let Subject::Material(material, _) = &subject {
@@ -193,8 +193,8 @@ pub(super) fn run(arguments: &Arguments, common: Common) -> Result<(), Error> {
     let seconds = Seconds { read, bandwidth: start.elapsed().as_secs_f64() };
     write_file(&arguments.output, &map.to_bytes(true))?;
     #[cfg(feature = "render")]
-    if let Some(path) = &arguments.picture {
-        write_file(path, &brdfc::bandwidth::picture(&map))?;
+    if let Some(path) = &arguments.rendering {
+        write_file(path, &brdfc::bandwidth::rendering(&map))?;
     }
     repairs.iter().for_each(|repairs| note_repairs(common, &arguments.input, repairs));
     let report = Report::new(&map, repairs, Some(seconds));
@@ -204,12 +204,12 @@ pub(super) fn run(arguments: &Arguments, common: Common) -> Result<(), Error> {
     print_report(common, &arguments.output, &json_or(common, &report, report.text()))
 }
 
-/// The picture is another file than the input and the map, and a PNG.
+/// The rendering is another file than the input and the map, and a PNG.
 #[cfg(feature = "render")]
-fn check_picture(arguments: &Arguments) -> Result<(), Error> {
+fn check_rendering(arguments: &Arguments) -> Result<(), Error> {
     use super::output::{refuse_other_extension, refuse_overwriting, refuse_same_outputs};
-    let Some(path) = &arguments.picture else { return Ok(()) };
-    refuse_other_extension("--picture", path, &["png"])?;
-    refuse_overwriting("--picture", path, arguments.input.path().as_slice())?;
-    refuse_same_outputs(&[("--output", Some(&arguments.output)), ("--picture", Some(path))])
+    let Some(path) = &arguments.rendering else { return Ok(()) };
+    refuse_other_extension("--rendering", path, &["png"])?;
+    refuse_overwriting("--rendering", path, arguments.input.path().as_slice())?;
+    refuse_same_outputs(&[("--output", Some(&arguments.output)), ("--rendering", Some(path))])
 }

@@ -66,7 +66,7 @@ pub(super) fn run(arguments: &Arguments, common: Common) -> Result<(), Error> {
         ConvertError::Anisotropic => Error::input(format!("{}: {error}", arguments.input)),
         ConvertError::Format(error) => match [("grid", &arguments.grid), ("dimensions", &arguments.dimensions)] {
             [(flag, Some(size)), _] | [_, (flag, Some(size))] => {
-                Error::usage(format!("--{flag}: found {size}, which gives {}; allowed {}", error.found, error.allowed))
+                Error::usage(format!("--{flag}: found {size}, which gives {}, expected {}", error.found, error.allowed))
             }
             _ => ConvertError::from(error).into(),
         },
@@ -99,20 +99,19 @@ fn target(arguments: &Arguments) -> Result<(&'static str, Target), Error> {
 /// Most numbers of each kind.
 const MOST: usize = 1000;
 /// Most rows of an anisotropic list.
-const MOST_ROWS: usize = 10_000_000;
+const MAX_ROWS: usize = 10_000_000;
 
 fn pair_grid(text: &str) -> Result<PairGrid, Error> {
     let parts: Vec<usize> = text.split('x').map(|part| part.parse().unwrap_or(0)).collect();
     match parts[..] {
         [incoming, outgoing, azimuths]
-            if parts.iter().all(|part| (2..=MOST).contains(part))
-                && 8 * incoming * outgoing * azimuths <= MOST_ROWS =>
+            if parts.iter().all(|part| (2..=MOST).contains(part)) && 8 * incoming * outgoing * azimuths <= MAX_ROWS =>
         {
             Ok(PairGrid { incoming, outgoing, azimuths })
         }
         _ => Err(Error::usage(format!(
-            "--grid: found {text}; allowed three numbers from 2 to {MOST}, such as 12x24x48, of at most {} pairs",
-            MOST_ROWS / 8
+            "--grid: found {text}, expected three numbers from 2 to {MOST}, such as 12x24x48, of at most {} pairs",
+            MAX_ROWS / 8
         ))),
     }
 }

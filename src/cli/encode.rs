@@ -13,7 +13,7 @@ use std::path::PathBuf;
 
 /// Encode one material as a pack for GPUs.
 ///
-/// Without options: the smallest pack whose pictures look like those of its source (a mean ΔE of 0.5, 95 % below 2). Prints
+/// Without options: the smallest pack whose renderings look like those of its source (a mean ΔE of 0.5, 95 % below 2). Prints
 /// what was tried, and bytes, fetches and errors of what was kept; the errors stand in the pack too.
 #[derive(Debug, Args)]
 #[command(after_help = "\

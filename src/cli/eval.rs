@@ -64,7 +64,7 @@ pub(super) fn run(arguments: &Arguments, common: Common) -> Result<(), Error> {
     write(arguments, &bytes, VALUES, values.iter())
 }
 
-/// Values at places of a picture or a tile.
+/// Values at places of a rendering or a tile.
 fn texels(arguments: &Arguments, relightable: &Relightable, bytes: &[u8]) -> Result<(), Error> {
     let directions = &arguments.directions;
     let queries = texels_from_bytes(bytes, relightable.has_views())

@@ -103,10 +103,10 @@ Examples:
   brdfc convert paint.brdf -o paint.binary            for other programs
   brdfc render paint.ktx2 -o paint.png                what does it look like?
   brdfc view paint.ktx2 paint.brdf -o paint.html      turned and lit in a browser, beside its source
-  brdfc report packs -o report.html                   a page for others: pictures, errors, checks
+  brdfc report packs -o report.html                   a page for others: renderings, errors, checks
   brdfc verify packs                                  is every file still what the build wrote?
   brdfc flatten synth:button -o button                flat BTF of a surface with relief
-  brdfc pwt icon -o icon.ktx2                         photographs under known lights, lit anew
+  brdfc pwt icon -o icon.ktx2                         photographs under known lights, lit again
   brdfc bandwidth museum.exr -o museum.ktx2           how fast does it vary?
   brdfc samples red-plastic.binary -o red.samples.ktx2
   brdfc shader table --language essl300               the decoder for an engine
@@ -128,7 +128,7 @@ fn command() -> clap::Command {
     let command = Cli::command()
         .mut_args(usage::with_negatives)
         .mut_subcommands(|command| command.mut_args(usage::with_negatives));
-    // There the flag of this name is a check of the picture.
+    // There the flag of this name is a check of the rendering.
     #[cfg(feature = "render")]
     let command = command
         .mut_subcommand("render", |command| command.mut_arg("pack_delta_e", |argument| argument.long("pack-delta-e")));
@@ -141,7 +141,7 @@ fn main() -> ExitCode {
 
 fn run(cli: Cli, common: Common) -> Result<(), Error> {
     if let (true, Some(name)) = (common.json, cli.command.without_report()) {
-        return Err(Error::usage(format!("--json: found with {name}; allowed with {WITH_REPORT}")));
+        return Err(Error::usage(format!("--json: found with {name}, expected with {WITH_REPORT}")));
     }
     match cli.command {
         Command::Build(arguments) => build_scene::run(&arguments, common),

@@ -26,7 +26,7 @@ impl PackOptions {
     pub fn request(&self) -> Result<(PackRecipe, FitLimits), Error> {
         let in_flags = |error: OptionError| {
             let (flag, OptionError { found, allowed, .. }) = (error.field.replace('_', "-"), error);
-            Error::usage(format!("--{flag}: found {found}; allowed {allowed}"))
+            Error::usage(format!("--{flag}: found {found}, expected {allowed}"))
         };
         let mut recipe = PackRecipe::from_options(&self.encode, &EncodeOptions::default()).map_err(in_flags)?;
         recipe.set_supercompress(!self.no_supercompression);

@@ -1,4 +1,4 @@
-//! `brdfc pwt`: photographs under known lights to one pack that can be lit anew.
+//! `brdfc pwt`: photographs under known lights to one pack that can be lit again.
 
 use super::output::{json_or, note, output_parser, print_report, refuse_flags, refuse_unfit_output, write_file};
 use super::{Common, Error};
@@ -54,7 +54,7 @@ pub struct Arguments {
     /// Which view of a BTF, from 0 (default: 0).
     #[arg(long, value_name = "V", value_parser = any_whole_number::<usize>("0 to the number of views - 1"))]
     view: Option<usize>,
-    /// The pictures are tiles that repeat, as those of BTFs are.
+    /// The renderings are tiles that repeat, as those of BTFs are.
     #[arg(long)]
     tile: bool,
     /// In what the terms are polynomials of the light: of the paraboloid, of its x and y, or harmonics of the hemisphere (default: the
@@ -173,7 +173,7 @@ fn recipe(arguments: &Arguments) -> Result<PwtRecipe, Error> {
             "delta E" => "max-delta-e".to_owned(),
             other => other.to_owned(),
         };
-        Error::usage(format!("--{flag}: found {}; allowed {}", error.found, error.allowed))
+        Error::usage(format!("--{flag}: found {}, expected {}", error.found, error.allowed))
     })?;
     Ok(recipe)
 }
@@ -212,10 +212,10 @@ pub(super) fn run(arguments: &Arguments, common: Common) -> Result<(), Error> {
     let input = LightInput::open(&arguments.input, arguments.view)?;
     let of_map = matches!(input, LightInput::Map(_));
     if matches!(input, LightInput::Pack(_)) && !is_map {
-        let text = format!("{}: found a pack; allowed with an output .ptm", arguments.input);
+        let text = format!("{}: found a pack, expected with an output .ptm", arguments.input);
         return Err(Error::usage(text));
     }
-    let photographs = matches!(input, LightInput::Pictures(_));
+    let photographs = matches!(input, LightInput::Renderings(_));
     let mut samples = input.into_samples();
     if photographs && any_above_white(&samples) {
         note(common, &arguments.input, "values above 1, which is white, are fitted; dB count them as 1");
@@ -259,12 +259,12 @@ fn of_input(input: &Input, error: Error) -> Error {
 fn missed(recipe: &PwtRecipe, report: &PwtReport) -> String {
     match recipe.target {
         Target::Quality(psnr) => {
-            format!("quality: found {} dB; allowed {psnr} dB or more", table::apart(report.psnr, psnr))
+            format!("quality: found {} dB, expected {psnr} dB or more", table::apart(report.psnr, psnr))
         }
-        Target::DeltaE(limit) => format!("mean ΔE: found {}; allowed {limit}", table::apart(report.delta_e, limit)),
-        Target::Bytes(bytes) => format!("bytes on a GPU: found {}; allowed {bytes}", report.bytes_on_gpu),
-        Target::Energy(share) => format!("energy: found less with all terms and details; allowed {share} or more"),
-        Target::Loss(loss) => format!("loss: found more than {loss} dB; allowed {loss} dB or less"),
+        Target::DeltaE(limit) => format!("mean ΔE: found {}, expected {limit}", table::apart(report.delta_e, limit)),
+        Target::Bytes(bytes) => format!("bytes on a GPU: found {}, expected {bytes}", report.bytes_on_gpu),
+        Target::Energy(share) => format!("energy: found less with all terms and details, expected {share} or more"),
+        Target::Loss(loss) => format!("loss: found more than {loss} dB, expected {loss} dB or less"),
     }
 }
 

@@ -15,10 +15,10 @@ use brdfc_terminal::words::counted;
 use clap::Args;
 use std::path::{Path, PathBuf};
 
-/// Write a page about the packs in a folder, or about a flat BTF: pictures, errors, checks.
+/// Write a page about the packs in a folder, or about a flat BTF: renderings, errors, checks.
 ///
 /// One file of HTML that needs no network and reads without scripts; its figures are written beside it, under its name with
-/// .csv and .json. Pictures are drawn by the CPU's decoder. Packs are compared with their sources where these still are
+/// .csv and .json. Renderings are drawn by the CPU's decoder. Packs are compared with their sources where these still are
 /// where the build found them.
 ///
 /// With --against the page begins with what got worse than in an earlier build, and that is exit code 1.
@@ -38,7 +38,7 @@ pub struct Arguments {
     /// The page to write: .html.
     #[arg(long, short, value_name = "REPORT.html")]
     output: PathBuf,
-    /// Of a build: write all materials as one picture, too, with labels and the colour scale of differences: source, pack
+    /// Of a build: write all materials as one rendering, too, with labels and the colour scale of differences: source, pack
     /// and ΔE.
     #[arg(long, value_name = "IMAGE.png")]
     sheet: Option<PathBuf>,
@@ -144,7 +144,7 @@ fn refuse_pages_over(output: &Path, beside: [&PathBuf; 2], inputs: &[&Path]) -> 
     for path in beside {
         refuse_overwriting("--output", path, inputs).map_err(|_| {
             Error::usage(format!(
-                "--output: found {}, whose figures would be written over {}, an input; allowed another name or folder",
+                "--output: found {}, whose figures would be written over {}, an input, expected another name or folder",
                 output.display(),
                 path.display()
             ))

@@ -69,8 +69,8 @@ pub struct Report {
     defensive: f64,
     /// Bytes of the file.
     bytes_on_disk: usize,
-    /// What had to be mended.
-    #[serde(rename = "mended")]
+    /// What had to be repaired.
+    #[serde(rename = "repaired")]
     repairs: Tally,
     /// Seconds that reading and drawing took.
     seconds: Seconds,
@@ -129,7 +129,7 @@ pub(super) fn run(arguments: &Arguments, common: Common) -> Result<(), Error> {
     let read = start.elapsed().as_secs_f64();
     let isotropic = source.symmetry().isotropic;
     if let (Some(azimuths), true) = (arguments.azimuths, isotropic) {
-        let text = format!("--azimuths: found {azimuths} of an isotropic material; allowed for anisotropic ones");
+        let text = format!("--azimuths: found {azimuths} of an isotropic material, expected for anisotropic ones");
         return Err(Error::usage(text));
     }
     recipe.check(isotropic).map_err(wrong_flag)?;

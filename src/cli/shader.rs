@@ -94,14 +94,14 @@ pub(super) fn run(arguments: &Arguments, common: Common) -> Result<(), Error> {
         if output.extension().is_some_and(|extension| extension == "ktx2") {
             let found = output.display();
             return Err(Error::usage(format!(
-                "--output: found {found}, as packs are called; allowed another extension"
+                "--output: found {found}, as packs are called, expected another extension"
             )));
         }
         refuse_missing_folder(output)?;
     }
     let decoder = decoder(&arguments.kind)?;
     if output.is_none() && !common.json && arguments.language == Language::Spirv && std::io::stdout().is_terminal() {
-        let text = "--output: found none, and a terminal; allowed a file or a pipe: SPIR-V is no text";
+        let text = "--output: found none, and a terminal, expected a file or a pipe: SPIR-V is no text";
         return Err(Error::usage(text.to_owned()));
     }
     let shader = shader(decoder, arguments.language);
@@ -148,7 +148,7 @@ fn decoder(kind: &OsString) -> Result<PackKind, Error> {
     if is_word && !path.exists() {
         let names = PackKind::ALL.map(PackKind::name).join(", ");
         let found = path.display();
-        return Err(Error::usage(format!("KIND: found {found}; allowed {names}, or a pack")));
+        return Err(Error::usage(format!("KIND: found {found}, expected {names}, or a pack")));
     }
     if path.is_dir() {
         open_flat_btf(path)?;

@@ -103,14 +103,14 @@ fn kind(arguments: &Arguments, text: &str) -> Result<Extension, Error> {
     let stream = extension.is_none() && is_stream(output) && !output.is_dir();
     if !stream && arguments.kind.is_some() {
         let found = output.display();
-        return Err(Error::usage(format!("--kind: found with {found}; allowed with - for stdout")));
+        return Err(Error::usage(format!("--kind: found with {found}, expected with - for stdout")));
     }
     let wrong = |allowed: &str| {
         Err(Error::usage(if stream {
             let found = arguments.kind.and_then(|kind| Some(kind.to_possible_value()?.get_name().to_owned()));
-            format!("--kind: found {}; allowed {}", found.as_deref().unwrap_or("none"), allowed.replace('.', ""))
+            format!("--kind: found {}, expected {}", found.as_deref().unwrap_or("none"), allowed.replace('.', ""))
         } else {
-            format!("--output: found {}; allowed a name that ends in {allowed}", output.display())
+            format!("--output: found {}, expected a name that ends in {allowed}", output.display())
         }))
     };
     use Extension::{Binary, Brdf, Csv, Obj, Ply};

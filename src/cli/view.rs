@@ -15,12 +15,12 @@ use std::sync::atomic::AtomicBool;
 /// Write a page that draws packs: turned, lit and held against each other by whoever opens it.
 ///
 /// One file of HTML that needs no network and no server. It draws by WebGPU, or by WebGL 2, with the decoders that engines
-/// use: on a ball, a cloth, a teapot or a plane; what 'brdfc pwt' made as a picture under a light that moves. With two
+/// use: on a ball, a cloth, a teapot or a plane; what 'brdfc pwt' made as a rendering under a light that moves. With two
 /// materials it splits the screen, and says how far they are apart (ΔE) under the pointer and over the view. What is no pack,
 /// such as what a pack was made of, is drawn as a table of 128 KiB, whose own error is said.
 ///
 /// Behind a # the page's address may ask for more, with & between: scene=cloth, left=NAME, right=NAME, mode=split, one or
-/// difference, coarser=1, api=webgl2 or webgpu, embed (the picture alone).
+/// difference, coarser=1, api=webgl2 or webgpu, embed (the rendering alone).
 #[derive(Debug, Args)]
 #[command(after_help = "\
 Examples:

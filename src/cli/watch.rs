@@ -121,7 +121,7 @@ fn seconds(seconds: f64) -> Result<Duration, Error> {
         return Ok(Duration::from_secs_f64(seconds));
     }
     let (least, most) = (POLL_SECONDS.start(), POLL_SECONDS.end());
-    Err(Error::usage(format!("--poll: found {}; allowed {least} to {most} seconds", format_number(seconds))))
+    Err(Error::usage(format!("--poll: found {}, expected {least} to {most} seconds", format_number(seconds))))
 }
 
 /// A build that came to its end, well or not.

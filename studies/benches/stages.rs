@@ -235,7 +235,7 @@ fn relighting(criterion: &mut Criterion) {
     const SIDE: usize = 400;
     const LIGHTS: usize = 72;
     let lights = spread_lights(LIGHTS);
-    let picture = |light: &[f32; 3]| -> Vec<[f32; 3]> {
+    let rendering = |light: &[f32; 3]| -> Vec<[f32; 3]> {
         let pixel = |k: usize| {
             let (x, y) = ((k % SIDE) as f32, (k / SIDE) as f32);
             let normal = [0.3 * (0.05 * x).sin(), 0.3 * (0.07 * y).cos(), 0.9];
@@ -245,11 +245,12 @@ fn relighting(criterion: &mut Criterion) {
         };
         (0..SIDE * SIDE).map(pixel).collect()
     };
-    let pictures: Vec<Vec<[f32; 3]>> = lights.iter().map(picture).collect();
-    let values: Vec<Vec<f32>> = pictures.iter().map(|picture| picture.iter().map(|c| c[0]).collect()).collect();
+    let renderings: Vec<Vec<[f32; 3]>> = lights.iter().map(rendering).collect();
+    let values: Vec<Vec<f32>> = renderings.iter().map(|rendering| rendering.iter().map(|c| c[0]).collect()).collect();
     let basis = LightBasis { coordinates: LightCoordinates::Hemisphere, degree: 5 };
     let design = Design::new(basis, &lights, 1e-4);
-    let samples = LightSamples { size: [SIDE, SIDE], lights: lights.clone(), pictures, repeats: false, defined: None };
+    let samples =
+        LightSamples { size: [SIDE, SIDE], lights: lights.clone(), renderings, repeats: false, defined: None };
     let mut group = criterion.benchmark_group("relighting");
     group.throughput(Throughput::Elements((SIDE * SIDE * LIGHTS) as u64));
     group.bench_function("factorisation", |b| b.iter(|| Design::new(basis, black_box(&lights), 1e-4)));
@@ -270,7 +271,7 @@ fn relighting(criterion: &mut Criterion) {
         });
     });
     group.bench_function("encode", |b| {
-        b.iter(|| brdfc_pwt::encode(black_box(&samples), &PwtRecipe::default()).expect("pictures in range"));
+        b.iter(|| brdfc_pwt::encode(black_box(&samples), &PwtRecipe::default()).expect("renderings in range"));
     });
 }
 

@@ -17,12 +17,12 @@ pub const FRAMES: usize = 6;
 /// Units that the camera moves back between two frames.
 const STEP: f64 = 0.3;
 /// Flicker is measured where the terrain is at least this far away: a step of the camera moves it by less than a pixel,
-/// so that smooth pictures hardly change.
+/// so that smooth renderings hardly change.
 const FAR: f64 = 60.0;
 /// Pixels of a frame, and of a small one.
 const FRAME: Frame = Frame { width: 512, height: 288, samples: 1 };
 const SMALL: Frame = Frame { width: 128, height: 72, samples: 1 };
-/// Samples per pixel and axis of the frames that flicker as little as a picture can.
+/// Samples per pixel and axis of the frames that flicker as little as a rendering can.
 const SMOOTH_SAMPLES: usize = 4;
 /// Runs of a timing, of which the fastest counts.
 const RUNS: usize = 5;
@@ -84,7 +84,7 @@ pub struct LevelTime {
     pub paper: Option<f64>,
 }
 
-/// Frames of the animation, for pictures.
+/// Frames of the animation, for renderings.
 pub struct Animation {
     /// Finest level, one sample per pixel.
     pub finest: Vec<LinearImage>,

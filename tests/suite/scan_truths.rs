@@ -115,7 +115,7 @@ fn printed_errors_are_true_or_the_fit_is_reported() {
         let file = folder.write("pack.ktx2", pack.bytes());
         let decoded = brdfc::open(file).expect("a pack");
         let compared = reflectances(&truth, &decoded, Pairs::OfEncoder).expect("comparable");
-        let (printed, real) = (pack.errors().delta_e, compared.comparison.picture.delta_e.mean);
+        let (printed, real) = (pack.errors().delta_e, compared.comparison.rendering.delta_e.mean);
         let reported = remarks(pack.report()).iter().any(|line| line.contains("the weaker part"));
         let fit = pack.report().fit.as_ref().expect("a scan has a fit");
         writeln!(lines, "{}: printed {printed:.3}, true {real:.3}, reported {reported}, {fit:?}", scan.name)

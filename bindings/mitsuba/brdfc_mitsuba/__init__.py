@@ -18,7 +18,7 @@ def register():
 
     variant = mi.variant()
     if variant is None or not variant.endswith("_rgb"):
-        raise ValueError(f"brdfc: found the variant {variant}; allowed scalar_rgb, llvm_ad_rgb and cuda_ad_rgb")
+        raise ValueError(f"brdfc: found the variant {variant}, expected scalar_rgb, llvm_ad_rgb and cuda_ad_rgb")
     from .bsdf import pack_bsdf
 
     mi.register_bsdf("brdfc", pack_bsdf())

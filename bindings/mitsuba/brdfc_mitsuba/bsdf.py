@@ -41,18 +41,18 @@ def pack_bsdf():
             self.name = str(mi.file_resolver().resolve(str(props["filename"])))
             material = brdfc.open(self.name)
             if not isinstance(material, brdfc.Material):
-                raise ValueError(f"{self.name}: pack: found a {material.kind}; allowed a pack of a BRDF")
+                raise ValueError(f"{self.name}: pack: found a {material.kind}, expected a pack of a BRDF")
             pack = material.pack()
             lod = props["lod"] if "lod" in props else None
             if lod is not None and not (is_number(lod) and 0.0 <= lod <= material.levels):
                 found = f"{lod:g}" if is_number(lod) else lod
-                raise ValueError(f"{self.name}: lod: found {found}; allowed 0 to {material.levels}, the pack's levels")
+                raise ValueError(f"{self.name}: lod: found {found}, expected 0 to {material.levels}, the pack's levels")
             self.exchanged = props["exchanged"] if "exchanged" in props else False
             if not isinstance(self.exchanged, bool):
-                raise ValueError(f"{self.name}: exchanged: found {self.exchanged}; allowed true or false")
+                raise ValueError(f"{self.name}: exchanged: found {self.exchanged}, expected true or false")
             if pack["kind"] not in DECODERS:
                 allowed = ", ".join(DECODERS)
-                raise ValueError(f"{self.name}: decoder of the pack: found {pack['kind']}; allowed {allowed}")
+                raise ValueError(f"{self.name}: decoder of the pack: found {pack['kind']}, expected {allowed}")
             self.decoder = DECODERS[pack["kind"]](pack, lod)
 
             def of_drawn(drawn, given):

@@ -13,7 +13,7 @@ import numpy as np
 ISOTROPIC = (32, 1, 128, 65)
 ANISOTROPIC = (12, 25, 64, 65)
 # Of the viewer: at the horizon values are 0.
-LARGEST_ANGLE = np.radians(89.5)
+MAX_ANGLE = np.radians(89.5)
 
 
 def half_vectors(u, v):
@@ -48,7 +48,7 @@ class LobeDistribution:
     def __init__(self, of_drawn, isotropic):
         self.isotropic = isotropic
         polar, azimuths, columns, rows = ISOTROPIC if isotropic else ANISOTROPIC
-        thetas = np.linspace(0.0, LARGEST_ANGLE, polar)
+        thetas = np.linspace(0.0, MAX_ANGLE, polar)
         phis = np.linspace(-np.pi, np.pi, azimuths) if azimuths > 1 else np.zeros(1)
         u, v = np.linspace(0.0, 1.0, columns), np.linspace(0.0, 1.0, rows)
         data = np.array([[node_densities(of_drawn, theta, phi, u, v) for phi in phis] for theta in thetas])

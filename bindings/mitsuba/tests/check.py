@@ -11,7 +11,7 @@ import mitsuba as mi
 
 import brdfc_mitsuba
 import loading
-import pictures
+import renderings
 import sampling
 import twin
 from common import Results
@@ -21,7 +21,7 @@ FEW = 200
 
 
 def main():
-    data, picture = sys.argv[1], sys.argv[2] if len(sys.argv) > 2 and sys.argv[2] else None
+    data, rendering = sys.argv[1], sys.argv[2] if len(sys.argv) > 2 and sys.argv[2] else None
     results = Results()
     print(f"Mitsuba {mi.__version__}")
     with tempfile.TemporaryDirectory() as folder:
@@ -31,14 +31,14 @@ def main():
         twin.check(results, folder, FEW, most=4)
         # Without a library it cannot be set; with an old one the process ends.
         if not os.path.isfile(os.environ.get("DRJIT_LIBLLVM_PATH", "")):
-            for what in ("decoders (llvm_ad_rgb)", "sampling", "pictures"):
+            for what in ("decoders (llvm_ad_rgb)", "sampling", "renderings"):
                 results.skip(what, "no libLLVM 17 or newer; on Debian or Ubuntu: apt-get install libllvm19")
             sys.exit(results.finish())
         mi.set_variant("llvm_ad_rgb")
         brdfc_mitsuba.register()
         twin.check(results, folder, twin.COUNT)
         sampling.check(results, folder)
-        pictures.check(results, folder, data, picture)
+        renderings.check(results, folder, data, rendering)
     sys.exit(results.finish())
 
 

@@ -23,10 +23,10 @@ def check(results, folder):
     file, missing = pack("plastic", folder), os.path.join(folder, "nothing.ktx2")
     cases = {
         "a file that is missing": ({"filename": missing}, f"{missing}: cannot read: No such file or directory"),
-        "a file that is no pack": ({"filename": RED}, "a merl; allowed a pack of a BRDF"),
-        "a level that there is not": ({"filename": file, "lod": 3.0}, "lod: found 3; allowed 0 to 0, the pack's levels"),
-        "a level that is a text": ({"filename": file, "lod": "fine"}, "lod: found fine; allowed 0 to 0, the pack's levels"),
-        "a text for a truth": ({"filename": file, "exchanged": "yes"}, "exchanged: found yes; allowed true or false"),
+        "a file that is no pack": ({"filename": RED}, "a merl, expected a pack of a BRDF"),
+        "a level that there is not": ({"filename": file, "lod": 3.0}, "lod: found 3, expected 0 to 0, the pack's levels"),
+        "a level that is a text": ({"filename": file, "lod": "fine"}, "lod: found fine, expected 0 to 0, the pack's levels"),
+        "a text for a truth": ({"filename": file, "exchanged": "yes"}, "exchanged: found yes, expected true or false"),
         "no file": ({}, "filename"),
         "an unknown parameter": ({"filename": file, "level": 1.0}, "level"),
     }

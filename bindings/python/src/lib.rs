@@ -33,7 +33,7 @@ mod brdfc {
     /// Opens a measured file, a pack or an address as in `synth:ggx?alpha=0.3`.
     ///
     /// A `Material` has values at direction pairs; a `Relightable`, of flat BTFs and polynomial wavelet trees, at places
-    /// of a picture. Raises OSError for what cannot be read, ValueError for what breaks its layout.
+    /// of a rendering. Raises OSError for what cannot be read, ValueError for what breaks its layout.
     #[pyfunction]
     fn open<'py>(py: Python<'py>, input: PathBuf) -> PyResult<Bound<'py, PyAny>> {
         let input = input.to_str().map_or_else(|| Input::from(&input), Input::from);

@@ -1,4 +1,4 @@
-//! Whatever has values at places of a picture: polynomial wavelet trees and flat BTFs.
+//! Whatever has values at places of a rendering: polynomial wavelet trees and flat BTFs.
 
 use super::arrays::{Argument, colours};
 use super::errors::wrong;
@@ -9,7 +9,7 @@ use numpy::PyArrayDyn;
 use pyo3::prelude::*;
 use rayon::prelude::*;
 
-/// A picture under any light, or a surface with relief under any light and seen from anywhere.
+/// A rendering under any light, or a surface with relief under any light and seen from anywhere.
 #[pyclass(frozen, module = "brdfc")]
 pub struct Relightable {
     inner: brdfc_jobs::pwt::Relightable,
@@ -46,7 +46,7 @@ impl Relightable {
             (Some(wo), true) => Some(Argument::new("wo", wo, 3)?),
             (None, false) => None,
             (None, true) => return Err(wrong("wo", "nothing", "directions to the viewer, of a flat BTF")),
-            (Some(_), false) => return Err(wrong("wo", "directions", "none: it is a picture of one view")),
+            (Some(_), false) => return Err(wrong("wo", "directions", "none: it is a rendering of one view")),
         };
         let all: Vec<&Argument<'_>> = [&uv, &wi].into_iter().chain(&wo).collect();
         let shape = Argument::common_shape(&all)?;

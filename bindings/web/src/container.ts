@@ -77,7 +77,7 @@ function opened(bytes: Uint8Array): ReturnType<typeof read> {
         return read(bytes);
     } catch (error) {
         const what = error instanceof Error ? error.message : error;
-        throw new Error(`file: found ${bytes.length} bytes (${what}); allowed a whole KTX2 file`, { cause: error });
+        throw new Error(`file: found ${bytes.length} bytes (${what}), expected a whole KTX2 file`, { cause: error });
     }
 }
 

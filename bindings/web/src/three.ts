@@ -111,11 +111,11 @@ export function packMaterial(pack: Pack, renderer: THREE.WebGLRenderer, lights: 
 
 function checkLights(lights: PointLight[]): void {
     if (!Array.isArray(lights) || lights.length > MAX_LIGHTS) {
-        throw new Error(`lights: found ${Array.isArray(lights) ? lights.length : typeof lights}; allowed an array of up to ${MAX_LIGHTS}`);
+        throw new Error(`lights: found ${Array.isArray(lights) ? lights.length : typeof lights}, expected an array of up to ${MAX_LIGHTS}`);
     }
     lights.forEach(({ position, intensity }, k) => {
         if (!position?.isVector3 || !intensity?.isColor) {
-            const wrong = position?.isVector3 ? `intensity: found a ${typeof intensity}; allowed a Color` : 'position: found none; allowed a Vector3';
+            const wrong = position?.isVector3 ? `intensity: found a ${typeof intensity}, expected a Color` : 'position: found none, expected a Vector3';
             throw new Error(`lights[${k}].${wrong}`);
         }
     });

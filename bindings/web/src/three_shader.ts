@@ -20,7 +20,7 @@ vec3 reflected(vec3 wi, vec3 wo, float level) {
     return flat_btf_value(vec2(surfaceUv.x, gl_FrontFacing ? surfaceUv.y : -surfaceUv.y), level, wo, wi) * 0.318309886;
 }
 `,
-    // Rows of a picture go down, v goes up.
+    // Rows of a rendering go down, v goes up.
     pwt: `
 float levelAt(float distance) {
     return pwt_mipmap_level(dFdx(surfaceUv), dFdy(surfaceUv));

@@ -20,7 +20,7 @@ export interface WebGpuPack {
 export function uploadWebGpu(device: GPUDevice, pack: Pack): WebGpuPack {
     const widens = !device.features.has('texture-formats-tier1');
     if (isWide(pack, widens) && !device.features.has('float32-filterable')) {
-        throw new Error('device: found none of the feature float32-filterable; allowed one that was asked for it, or a pack of 8 bits');
+        throw new Error('device: found none of the feature float32-filterable, expected one that was asked for it, or a pack of 8 bits');
     }
     const uploaded = pack.resources.map((resource) => {
         const isWidened = widens && resource.kind === 'texture';

@@ -8,7 +8,7 @@ use serde::{Deserialize, Serialize};
 /// How far the mean of both ways is from a source, before anything is packed.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, schemars::JsonSchema)]
 pub struct AveragingCost {
-    /// Mean ΔE*ab of pictures.
+    /// Mean ΔE*ab of renderings.
     pub delta_e: f64,
     /// `ε_r`, a fraction.
     pub relative_error: f64,
@@ -18,7 +18,7 @@ impl AveragingCost {
     /// Of a source, and its values as others are compared with them.
     pub fn of(source: &dyn Source, reference: &Reference) -> Self {
         let found = reference.compare(&Averaged(source));
-        Self { delta_e: found.picture.delta_e.mean, relative_error: found.norms.relative_mean }
+        Self { delta_e: found.rendering.delta_e.mean, relative_error: found.norms.relative_mean }
     }
 }
 

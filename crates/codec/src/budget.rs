@@ -6,7 +6,7 @@ use serde::{Deserialize, Serialize};
 
 /// An option out of range.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
-#[error("{field}: found {found}; allowed {allowed}")]
+#[error("{field}: found {found}, expected {allowed}")]
 pub struct OptionError {
     /// The key of the option in a manifest.
     pub field: &'static str,
@@ -26,7 +26,7 @@ impl OptionError {
 /// Limits of a pack. Those that are absent are none.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, schemars::JsonSchema)]
 pub struct Budget {
-    /// Largest mean ΔE*ab of pictures, and four times that for its 95th percentile.
+    /// Largest mean ΔE*ab of renderings, and four times that for its 95th percentile.
     pub delta_e: Option<f64>,
     /// Least share of the light in the highlight that is kept where least of it is, 0 to 1.
     pub highlight: Option<f64>,
@@ -45,7 +45,7 @@ pub const HIGHLIGHT: f64 = 0.9;
 
 impl Default for Budget {
     /// A mean ΔE of 0.5 with 95 % below 2: differences that are hardly seen side by side; and nine tenths of the highlight's light,
-    /// which pictures of a ball hide.
+    /// which renderings of a ball hide.
     fn default() -> Self {
         Self { delta_e: Some(0.5), highlight: Some(HIGHLIGHT), ..Self::NONE }
     }
@@ -56,7 +56,7 @@ impl Budget {
     /// decides.
     pub const NONE: Self = Self { delta_e: None, highlight: None, error: None, bytes: None, fetches: None };
 
-    /// With a largest mean ΔE*ab of pictures, 1e-6 to 100, and four times that for the 95th percentile.
+    /// With a largest mean ΔE*ab of renderings, 1e-6 to 100, and four times that for the 95th percentile.
     #[must_use]
     pub fn delta_e(self, largest: f64) -> Self {
         Self { delta_e: Some(largest), ..self }

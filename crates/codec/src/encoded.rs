@@ -85,14 +85,14 @@ impl<R> Encoded<R> {
 
     /// The pack as one that a search tried, with the report of its codec.
     pub fn trial(&self, report: &dyn BrdfReport, meets: bool) -> Trial {
-        let picture = &self.off_grid.picture.delta_e;
+        let rendering = &self.off_grid.rendering.delta_e;
         Trial {
             codec: report.variant().to_owned(),
             size: report.size(),
             bytes_on_gpu: self.pack.gpu_bytes(),
             fetches: self.pack.fetches(),
-            delta_e: picture.mean,
-            delta_e_p95: picture.p95,
+            delta_e: rendering.mean,
+            delta_e_p95: rendering.p95,
             relative_error: self.off_grid.norms.relative_mean,
             highlight: self.off_grid.highlight.map(|highlight| highlight.kept()),
             meets,

@@ -8,7 +8,7 @@ use brdfc_formats::crop::DirectionRange;
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum EncodeError {
     /// An error budget that the codec cannot meet.
-    #[error("error budget: found {:.4} % relative error with {best}; allowed {} %", 100.0 * found, 100.0 * allowed)]
+    #[error("error budget: found {:.4} % relative error with {best}, expected {} %", 100.0 * found, 100.0 * allowed)]
     BudgetMissed {
         /// The smallest `ε_r`, a fraction.
         found: f64,
@@ -19,12 +19,12 @@ pub enum EncodeError {
     },
     /// A limit of error that was asked of a black material, of which nothing is measured.
     #[error(
-        "error budget: found a material that is black everywhere; allowed one with reflectance, or the budget says \
+        "error budget: found a material that is black everywhere, expected one with reflectance, or the budget says \
          nothing"
     )]
     NothingMeasured,
     /// A byte budget below the smallest pack of the codec.
-    #[error("{field}: found {allowed} bytes; allowed at least {smallest}, which hold {what}")]
+    #[error("{field}: found {allowed} bytes, expected at least {smallest}, which hold {what}")]
     TooFewBytes {
         /// Which budget.
         field: &'static str,
@@ -36,7 +36,7 @@ pub enum EncodeError {
         what: &'static str,
     },
     /// A fetch budget below that of any pack.
-    #[error("fetch budget: found {allowed}; allowed at least {fewest}, which is what is asked for needs: {why}")]
+    #[error("fetch budget: found {allowed}, expected at least {fewest}, which is what is asked for needs: {why}")]
     TooFewFetches {
         /// The budget.
         allowed: u32,
@@ -46,7 +46,7 @@ pub enum EncodeError {
         why: &'static str,
     },
     /// A size that no pack has, asked for by an option.
-    #[error("{field}: found {found}; allowed {allowed}")]
+    #[error("{field}: found {found}, expected {allowed}")]
     Size {
         /// Of what.
         field: &'static str,
@@ -57,7 +57,7 @@ pub enum EncodeError {
     },
     /// A source that is a pack for other directions.
     #[error(
-        "directions: found a pack for {has}, as a source; allowed one that has some of those that are needed: {needed}"
+        "directions: found a pack for {has}, as a source, expected one that has some of those that are needed: {needed}"
     )]
     OtherDirections {
         /// Directions of the source.

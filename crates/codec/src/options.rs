@@ -20,7 +20,7 @@ pub struct EncodeOptions {
     /// or wavelet (the paper's, its slices ranked by what is seen).
     #[cfg_attr(feature = "clap", arg(long, value_name = "CODEC"))]
     pub codec: Option<String>,
-    /// Largest mean ΔE of pictures of the pack and its source, 1e-6 to 100, with 95 % below four times that (default 0.5).
+    /// Largest mean ΔE of renderings of the pack and its source, 1e-6 to 100, with 95 % below four times that (default 0.5).
     /// Sizes are tried in steps of two: the pack that is kept may be almost twice as large as the smallest that would do.
     #[cfg_attr(
         feature = "clap",
@@ -72,7 +72,7 @@ pub struct EncodeOptions {
     #[cfg_attr(feature = "clap", arg(long, value_name = "E"))]
     pub bias: Option<f64>,
     /// Wavelet: which slices are kept, energy (smallest error of the table; default unless the codec is named) or visible
-    /// (smallest error of pictures: what grazing angles and darkness hide counts less; goes with --bias 0.0003).
+    /// (smallest error of renderings: what grazing angles and darkness hide counts less; goes with --bias 0.0003).
     #[cfg_attr(feature = "clap", arg(long, value_name = "BY"))]
     pub ranking: Option<String>,
     /// Wavelet: keep the light. Coarser levels of detail and slices that are left out do not darken what is seen; means are

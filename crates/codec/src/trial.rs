@@ -13,7 +13,7 @@ pub struct Trial {
     pub bytes_on_gpu: u64,
     /// Texture fetches of a look-up.
     pub fetches: u32,
-    /// Mean ΔE*ab of pictures.
+    /// Mean ΔE*ab of renderings.
     pub delta_e: f64,
     /// Its 95th percentile.
     pub delta_e_p95: f64,

@@ -21,9 +21,9 @@ pub const SYNTH_PREFIX: &str = "synth:";
 
 /// An address that is not one of an analytic model.
 ///
-/// Reads as ``n of lewis: found `-1`; allowed 0 to 10000``.
+/// Reads as ``n of lewis: found `-1`, expected 0 to 10000``.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
-#[error("{part}: found {found}; allowed {allowed}{}", did_you_mean(.suggestion))]
+#[error("{part}: found {found}, expected {allowed}{}", did_you_mean(.suggestion))]
 pub struct AddressError {
     /// Which part of the address.
     pub part: String,
@@ -264,37 +264,37 @@ mod tests {
         assert!(parse_synth("synth:lambert").unwrap().is_grey());
         assert!(!parse_synth("synth:lambert?kd=0.1,0.2,0.3").unwrap().is_grey());
         let missing = parse_synth("lambert").err().unwrap().to_string();
-        assert_eq!(missing, "address: found `lambert`; allowed synth:MODEL?param=value&...");
+        assert_eq!(missing, "address: found `lambert`, expected synth:MODEL?param=value&...");
     }
 
     #[test]
     fn errors_name_the_part_and_what_is_allowed() {
         for (text, expected) in [
-            ("", "model: found ``; allowed lambert, lewis, ward, poulin, ggx, velvet"),
+            ("", "model: found ``, expected lambert, lewis, ward, poulin, ggx, velvet"),
             (
                 "Lambrt",
-                "model: found `Lambrt`; allowed lambert, lewis, ward, poulin, ggx, velvet; did you mean `lambert`?",
+                "model: found `Lambrt`, expected lambert, lewis, ward, poulin, ggx, velvet; did you mean `lambert`?",
             ),
-            ("phong", "model: found `phong`; allowed lambert, lewis, ward, poulin, ggx, velvet"),
-            ("lambert?", "parameter of lambert: found ``; allowed name=value"),
-            ("lambert?kd=0.1&", "parameter of lambert: found ``; allowed name=value"),
-            ("lambert?kd", "parameter of lambert: found `kd`; allowed name=value"),
-            ("lambert?q=1", "parameter of lambert: found `q`; allowed kd"),
+            ("phong", "model: found `phong`, expected lambert, lewis, ward, poulin, ggx, velvet"),
+            ("lambert?", "parameter of lambert: found ``, expected name=value"),
+            ("lambert?kd=0.1&", "parameter of lambert: found ``, expected name=value"),
+            ("lambert?kd", "parameter of lambert: found `kd`, expected name=value"),
+            ("lambert?q=1", "parameter of lambert: found `q`, expected kd"),
             (
                 "ggx?alfa=1",
-                "parameter of ggx: found `alfa`; allowed kd, f0, alpha_x, alpha_y, alpha; did you mean `alpha`?",
+                "parameter of ggx: found `alfa`, expected kd, f0, alpha_x, alpha_y, alpha; did you mean `alpha`?",
             ),
-            ("lambert?kd=", "kd of lambert: found ``; allowed 0 to 1"),
-            ("lambert?kd=NaN", "kd of lambert: found `NaN`; allowed 0 to 1"),
-            ("lambert?kd=0.1, 0.2,0.3", "kd of lambert: found ` 0.2`; allowed 0 to 1"),
-            ("lambert?kd=0.1,0.2", "kd of lambert: found `0.1,0.2`; allowed one number or three"),
-            ("lambert?kd=0.1&kd=0.1", "kd of lambert: found `kd=0.1` again; allowed one value"),
-            ("lewis?n=inf", "n of lewis: found `inf`; allowed 0 to 10000"),
-            ("lewis?n=1,2,3", "n of lewis: found `1,2,3`; allowed one number"),
-            ("poulin?d=1.9", "d of poulin: found `1.9`; allowed 2 to 100"),
-            ("ggx?alpha_x=0.1&alpha=0.2", "alpha_x of ggx: found `alpha=0.2` again; allowed one value"),
-            ("ggx?alpha=2", "alpha of ggx: found `2`; allowed 0.001 to 1"),
-            ("lambert?kd=\u{1b}[2J", "kd of lambert: found `\\u{1b}[2J`; allowed 0 to 1"),
+            ("lambert?kd=", "kd of lambert: found ``, expected 0 to 1"),
+            ("lambert?kd=NaN", "kd of lambert: found `NaN`, expected 0 to 1"),
+            ("lambert?kd=0.1, 0.2,0.3", "kd of lambert: found ` 0.2`, expected 0 to 1"),
+            ("lambert?kd=0.1,0.2", "kd of lambert: found `0.1,0.2`, expected one number or three"),
+            ("lambert?kd=0.1&kd=0.1", "kd of lambert: found `kd=0.1` again, expected one value"),
+            ("lewis?n=inf", "n of lewis: found `inf`, expected 0 to 10000"),
+            ("lewis?n=1,2,3", "n of lewis: found `1,2,3`, expected one number"),
+            ("poulin?d=1.9", "d of poulin: found `1.9`, expected 2 to 100"),
+            ("ggx?alpha_x=0.1&alpha=0.2", "alpha_x of ggx: found `alpha=0.2` again, expected one value"),
+            ("ggx?alpha=2", "alpha of ggx: found `2`, expected 0.001 to 1"),
+            ("lambert?kd=\u{1b}[2J", "kd of lambert: found `\\u{1b}[2J`, expected 0 to 1"),
         ] {
             assert_eq!(error(text), expected);
         }

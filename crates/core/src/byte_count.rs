@@ -20,7 +20,7 @@ pub fn bytes_from_text(text: &str) -> Result<u64, String> {
         _ => None,
     };
     let bytes = unit.and_then(|unit: u64| number.trim_end().parse::<u64>().ok()?.checked_mul(unit));
-    bytes.ok_or_else(|| format!("allowed {ALLOWED}"))
+    bytes.ok_or_else(|| format!("expected {ALLOWED}"))
 }
 
 /// Deserialises a key of a manifest: a number or a text.

@@ -12,7 +12,7 @@ pub trait Source: Send + Sync {
     /// `f_r` at a direction pair, linear RGB, 1/sr.
     ///
     /// Values are what the data says: interpolated measurements may be slightly negative. Zero where either direction
-    /// is at or below the horizon (`z <= 0`). What had to be mended on the way is counted in `tally`.
+    /// is at or below the horizon (`z <= 0`). What had to be repaired on the way is counted in `tally`.
     fn eval(&self, pair: DirectionPair, tally: &mut Tally) -> [f64; 3];
 
     /// Values at the pairs of a block, which has as many: the same bits as those of [`Self::eval`]. Sources that look up angles

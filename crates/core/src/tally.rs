@@ -1,4 +1,4 @@
-//! Counts of what an evaluation had to mend, so that nothing is mended in silence.
+//! Counts of what an evaluation had to repair, so that nothing is repaired in silence.
 
 use std::ops::AddAssign;
 

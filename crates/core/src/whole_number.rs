@@ -7,8 +7,8 @@ pub fn whole_number<T: TryFrom<u64>>(range: RangeInclusive<u64>) -> impl Fn(&str
     move |text| {
         let number = text.parse().ok().filter(|number| range.contains(number));
         let allowed = || match (*range.start(), *range.end()) {
-            (least, u64::MAX) => format!("allowed {least} or more"),
-            (least, most) => format!("allowed {least} to {most}"),
+            (least, u64::MAX) => format!("expected {least} or more"),
+            (least, most) => format!("expected {least} to {most}"),
         };
         number.and_then(|number| T::try_from(number).ok()).ok_or_else(allowed)
     }
@@ -18,7 +18,7 @@ pub fn whole_number<T: TryFrom<u64>>(range: RangeInclusive<u64>) -> impl Fn(&str
 pub fn any_whole_number<T: TryFrom<u64>>(allowed: &'static str) -> impl Fn(&str) -> Result<T, String> + Clone {
     move |text| {
         let number = text.parse().ok().and_then(|number| T::try_from(number).ok());
-        number.ok_or_else(|| format!("allowed {allowed}"))
+        number.ok_or_else(|| format!("expected {allowed}"))
     }
 }
 
@@ -31,10 +31,10 @@ mod tests {
         let parse = whole_number::<u8>(1..=300);
         assert_eq!(parse("255"), Ok(255));
         for text in ["0", "-1", "301", "256", "1.5", "x", "", "99999999999999999999999"] {
-            assert_eq!(parse(text), Err("allowed 1 to 300".to_owned()), "{text}");
+            assert_eq!(parse(text), Err("expected 1 to 300".to_owned()), "{text}");
         }
-        assert_eq!(whole_number::<u64>(1..=u64::MAX)("-1"), Err("allowed 1 or more".to_owned()));
-        assert_eq!(any_whole_number::<u32>("a power of two")("-4"), Err("allowed a power of two".to_owned()));
+        assert_eq!(whole_number::<u64>(1..=u64::MAX)("-1"), Err("expected 1 or more".to_owned()));
+        assert_eq!(any_whole_number::<u32>("a power of two")("-4"), Err("expected a power of two".to_owned()));
         assert_eq!(any_whole_number::<u32>("a power of two")("3"), Ok(3));
     }
 }

@@ -21,7 +21,7 @@ pub fn upload(gpu: &Gpu, slots: &Slots, pack: &PwtPack, frame: FrameBlock) -> Re
     let (extent, most) = (pack.header().extent, gpu.device.limits().max_texture_dimension_2d);
     let side = extent[0].max(extent[1]);
     if side > most {
-        return Err(GpuError::TooLarge(format!("a picture of {side} texels on a side; this adapter takes {most}")));
+        return Err(GpuError::TooLarge(format!("a rendering of {side} texels on a side; this adapter takes {most}")));
     }
     slots.bind(gpu, &pack.bindings().all, frame, &[])
 }

@@ -3,7 +3,7 @@
 use super::write::write_atomic;
 use brdfc_readers::btf_stack::{ImageAngles, image_name};
 use brdfc_readers::colour::encode_srgb_byte;
-use brdfc_render::picture::{Panel, rgb_png};
+use brdfc_render::rendering::{Panel, rgb_png};
 use exr::prelude::{
     Blocks, Compression, Encoding, Image, Layer, LayerAttributes, LineOrder, SpecificChannels, Vec2, WritableImage, f16,
 };

@@ -176,7 +176,7 @@ impl Build {
         }
         if plan.is_empty() {
             return Err(Error::check(format!(
-                "nothing to build: found {}, and no use of any, in {}; allowed one or more ([[uses]], material = \"...\")",
+                "nothing to build: found {}, and no use of any, in {}, expected one or more ([[uses]], material = \"...\")",
                 counted(plan.skipped.len(), "material"),
                 self.inputs,
             )));

@@ -27,7 +27,7 @@ const INCOMING_AZIMUTHS: usize = 8;
 
 /// Largest share by which values of what is taken for isotropic change as pairs are turned. Wavelet packs of isotropic materials stay
 /// below it at 16:1, where a roughness that differs by a third between its axes does not.
-const MOST_ANISOTROPY: f64 = 0.08;
+const MAX_ANISOTROPY: f64 = 0.08;
 /// Azimuths of which a table has the mean, where a material does not say that it is isotropic.
 const TURNS: usize = 4;
 
@@ -69,7 +69,7 @@ pub struct Converted {
 pub enum ConvertError {
     /// A MERL table of what varies as it is turned about its normal.
     #[error(
-        "material: found values that change as it is turned about its normal; allowed an isotropic one, or a .csv or .bsdf file: MERL \
+        "material: found values that change as it is turned about its normal, expected an isotropic one, or a .csv or .bsdf file: MERL \
          tables have no azimuth"
     )]
     Anisotropic,
@@ -105,7 +105,7 @@ pub fn convert(source: &dyn Source, target: Target) -> Result<Converted, Convert
     match target {
         Target::Merl(dimensions) => {
             // Wavelet packs do not say so.
-            if !source.symmetry().isotropic && anisotropy(source) > MOST_ANISOTROPY {
+            if !source.symmetry().isotropic && anisotropy(source) > MAX_ANISOTROPY {
                 return Err(ConvertError::Anisotropic);
             }
             let (bytes, values) = merl_table(source, dimensions);

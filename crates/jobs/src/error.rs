@@ -119,12 +119,12 @@ impl Error {
 
     /// An option or argument that is not as it may be.
     pub fn wrong_usage(option: impl Display, found: impl Display, allowed: impl Display) -> Self {
-        Self::usage(format!("{option}: found {found}; allowed {allowed}"))
+        Self::usage(format!("{option}: found {found}, expected {allowed}"))
     }
 
     /// An input that is not as it may be.
     pub fn wrong_input(input: impl Display, found: impl Display, allowed: impl Display) -> Self {
-        Self::input(format!("{input}: found {found}; allowed {allowed}"))
+        Self::input(format!("{input}: found {found}, expected {allowed}"))
     }
 
     /// What the program made breaks the rules of its own layout.

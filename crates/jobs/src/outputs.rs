@@ -19,7 +19,7 @@ pub fn refuse_overwriting(option: &str, output: &Path, inputs: &[&Path]) -> Resu
     let Ok(target) = output.canonicalize() else { return Ok(()) };
     let is_it = |file: &PathBuf| file.canonicalize().is_ok_and(|path| path == target);
     if target.is_file() && inputs.iter().any(|input| files_behind(input).iter().any(is_it)) {
-        return Err(Error::usage(format!("{option}: found {}, an input; allowed another file", output.display())));
+        return Err(Error::usage(format!("{option}: found {}, an input, expected another file", output.display())));
     }
     Ok(())
 }
@@ -42,7 +42,7 @@ pub fn refuse_overwriting_any(
 pub fn check_folder(path: &Path) -> Result<(), Error> {
     refuse_dash(path)?;
     if path.exists() && !path.is_dir() {
-        return Err(Error::io(format!("{}: cannot write: found a file; allowed a folder", path.display())));
+        return Err(Error::io(format!("{}: cannot write: found a file, expected a folder", path.display())));
     }
     Ok(())
 }
@@ -52,7 +52,7 @@ pub fn refuse_dash(path: &Path) -> Result<(), Error> {
     if path != Path::new("-") {
         return Ok(());
     }
-    let text = "-: found in the place of a folder; allowed the name of one";
+    let text = "-: found in the place of a folder, expected the name of one";
     Err(Error::usage(text))
 }
 

@@ -237,14 +237,14 @@ fn report_fault(report: &BuildReport) -> Option<String> {
 fn list_in(path: &Path) -> Result<MaterialFile, String> {
     let bytes = read_file(path, MAX_TEXT_BYTES).map_err(|error| error.to_string())?;
     let allowed = "the MATERIAL.json of a build by this version of brdfc";
-    let list: MaterialFile =
-        serde_json::from_slice(&bytes).map_err(|error| format!("found {}; allowed {allowed}", json_problem(&error)))?;
+    let list: MaterialFile = serde_json::from_slice(&bytes)
+        .map_err(|error| format!("found {}, expected {allowed}", json_problem(&error)))?;
     if let Some(name) = list.parts.values().find(|name| !crate::file_name::is_plain(name)) {
-        return Err(format!("found the file {name:?}, which leads out of its folder; allowed {allowed}"));
+        return Err(format!("found the file {name:?}, which leads out of its folder, expected {allowed}"));
     }
     match list.version {
         MATERIAL_VERSION => Ok(list),
-        version => Err(format!("found version {version} of the layout; allowed {MATERIAL_VERSION}")),
+        version => Err(format!("found version {version} of the layout, expected {MATERIAL_VERSION}")),
     }
 }
 

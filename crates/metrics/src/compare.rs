@@ -2,7 +2,7 @@
 
 use super::highlight::{Highlight, HighlightError};
 use super::norms::{NormSums, Norms};
-use super::picture::{PictureError, ReferencePicture};
+use super::rendering::{ReferenceRendering, RenderingError};
 use super::sampling::{AlbedoPairs, PairSet};
 use super::values::{CHUNK, values_of_list};
 use brdfc_core::{Source, Tally};
@@ -21,8 +21,8 @@ pub struct Comparison {
     pub mean: f64,
     /// Norms over all samples.
     pub norms: Norms,
-    /// How different pictures of both look.
-    pub picture: PictureError,
+    /// How different renderings of both look.
+    pub rendering: RenderingError,
     /// Directional albedo at a few incoming directions.
     pub albedo: Vec<AlbedoPoint>,
     /// Largest difference of albedo over those directions and channels.
@@ -61,13 +61,13 @@ struct AlbedoReference {
     highlight: Option<Highlight>,
 }
 
-/// A source as others are compared with: its values at the pairs of a set, of pictures and of albedos, found once.
+/// A source as others are compared with: its values at the pairs of a set, of renderings and of albedos, found once.
 pub struct Reference {
     set: PairSet,
     grey: bool,
     values: Vec<[f64; 3]>,
     mean: f64,
-    picture: ReferencePicture,
+    rendering: ReferenceRendering,
     albedo: Vec<AlbedoReference>,
     tally: Tally,
 }
@@ -81,7 +81,7 @@ impl Reference {
     /// Evaluates a source.
     pub fn new(source: &dyn Source, set: PairSet) -> Self {
         let (values, mut tally) = values_of_list(source, &set.pairs);
-        let (picture, counts) = ReferencePicture::new(source, set.directions);
+        let (rendering, counts) = ReferenceRendering::new(source, set.directions);
         tally += counts;
         let DirectionRange { light, view } = set.directions;
         let albedo = AlbedoPairs::of_curves(source.symmetry().isotropic)
@@ -93,17 +93,17 @@ impl Reference {
                 AlbedoReference { value: albedo(&at, &values), highlight: Highlight::of(&at, &values), at }
             })
             .collect();
-        Self { grey: source.is_grey(), mean: mean_value(&values[..set.of_mean]), set, values, picture, albedo, tally }
+        Self { grey: source.is_grey(), mean: mean_value(&values[..set.of_mean]), set, values, rendering, albedo, tally }
     }
 
-    /// What the source had to mend.
+    /// What the source had to repair.
     pub fn tally(&self) -> Tally {
         self.tally
     }
 
-    /// What radiance of the source's pictures is multiplied by.
+    /// What radiance of the source's renderings is multiplied by.
     pub fn exposure(&self) -> f64 {
-        self.picture.exposure()
+        self.rendering.exposure()
     }
 
     /// Whether the source is black at all pairs.
@@ -111,7 +111,7 @@ impl Reference {
         is_black(self.mean)
     }
 
-    /// Compares an approximation with the source, and pictures of both.
+    /// Compares an approximation with the source, and renderings of both.
     ///
     /// The `μ` of the relative norms' floor is the source's mean over pairs of the set: the figures depend on the two sources and on
     /// nothing else. Negative values of the source count as 0, as they do in a pack.
@@ -166,8 +166,8 @@ impl Reference {
         let mut norms = sums.norms();
         // The channels of one pair err together: they are one sample.
         norms.relative_standard_error *= f64::from(channels as u32).sqrt();
-        let picture = self.picture.compare(approximation);
-        Comparison { mean, norms, picture, albedo, albedo_max_difference, highlight, reciprocity: reciprocity.mean() }
+        let rendering = self.rendering.compare(approximation);
+        Comparison { mean, norms, rendering, albedo, albedo_max_difference, highlight, reciprocity: reciprocity.mean() }
     }
 }
 

@@ -2,7 +2,7 @@
 //! cross-validation, as that material is not known anywhere else.
 
 use super::norms::NormSums;
-use super::picture::{ReferencePicture, coarse_picture_pairs};
+use super::rendering::{ReferenceRendering, coarse_rendering_pairs};
 use brdfc_core::progress::{Cancelled, Progress, Stage};
 use brdfc_core::source::{Completion, Fold, Parts, Repeats};
 use brdfc_core::{Source, Tally};
@@ -55,13 +55,13 @@ impl FitError {
         progress: &dyn Progress,
     ) -> Result<Self, Cancelled> {
         progress.stage(Stage::CrossValidate, 1)?;
-        let pairs = coarse_picture_pairs(directions);
-        let picture = ReferencePicture::of_pairs(source, pairs.clone()).0;
+        let pairs = coarse_rendering_pairs(directions);
+        let rendering = ReferenceRendering::of_pairs(source, pairs.clone()).0;
         let validated = |parts| {
             let validate = |number| {
                 progress.check().ok()?;
                 let fold = completion.fold(parts, number)?;
-                let delta_e = picture.compare(fold.source.as_ref()).delta_e.mean;
+                let delta_e = rendering.compare(fold.source.as_ref()).delta_e.mean;
                 Some((predicted(&fold, source.is_grey()), delta_e))
             };
             let numbers: Vec<usize> = (0..completion.fold_count(parts)).collect();

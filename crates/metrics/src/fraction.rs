@@ -62,7 +62,7 @@ impl FromStr for Fraction {
             Some(number) => (number.trim_end(), true),
             None => (text, false),
         };
-        let number: f64 = number.trim_start().parse().map_err(|_| format!("allowed {ALLOWED}"))?;
+        let number: f64 = number.trim_start().parse().map_err(|_| format!("expected {ALLOWED}"))?;
         Ok(Self { value: if is_percentage { number / 100.0 } else { number }, is_percentage })
     }
 }

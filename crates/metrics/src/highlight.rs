@@ -1,4 +1,4 @@
-//! Light in the highlight: what pictures of a ball hide where a highlight is narrower than a pixel, and what clipping at white
+//! Light in the highlight: what renderings of a ball hide where a highlight is narrower than a pixel, and what clipping at white
 //! hides where it is brighter.
 
 use super::sampling::AlbedoPairs;
@@ -6,7 +6,7 @@ use brdfc_core::words::percent;
 
 /// The highlight is where `f_r` is more than this share of its peak.
 const OF_PEAK: f64 = 0.1;
-/// Largest share of the hemisphere's projected solid angle that a highlight covers: what is wider is seen in pictures.
+/// Largest share of the hemisphere's projected solid angle that a highlight covers: what is wider is seen in renderings.
 const WIDEST: f64 = 0.25;
 /// Least share of the reflected light that a highlight has to hold to count.
 const LEAST_LIGHT: f64 = 0.01;

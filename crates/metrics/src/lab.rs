@@ -12,7 +12,7 @@ fn cube_root(x: f32) -> f32 {
 }
 
 /// L*a*b* (D65) of linear RGB with the primaries of sRGB. White is (1, 1, 1); components are clipped to 0 to 1 first, as
-/// they are in a picture.
+/// they are in a rendering.
 #[inline]
 pub fn lab(colour: [f32; 3]) -> [f32; 3] {
     let [r, g, b] = colour.map(|c| c.clamp(0.0, 1.0));

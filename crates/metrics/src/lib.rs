@@ -8,6 +8,6 @@ pub mod highlight;
 pub mod image;
 pub mod lab;
 pub mod norms;
-pub mod picture;
+pub mod rendering;
 pub mod sampling;
 pub mod values;

@@ -23,7 +23,7 @@ pub struct PairSet {
     pub pairs: Arc<PairList>,
     /// How many of them, from the first on, are what the mean is of.
     pub of_mean: usize,
-    /// Where pictures and albedos are compared.
+    /// Where renderings and albedos are compared.
     pub directions: DirectionRange,
 }
 

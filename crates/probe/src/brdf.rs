@@ -24,7 +24,7 @@ pub const EVALUATE_TABLE_WGSL: &str =
 pub const EVALUATE_ENTRY_WGSL: &str = concat!(include_str!("evaluate.wgsl"), include_str!("items.wgsl"));
 
 /// Most pairs at once: 32 bytes each in two buffers, within what every adapter binds.
-const MOST_PAIRS: usize = 1 << 21;
+const MAX_PAIRS: usize = 1 << 21;
 
 /// What the shader returns for a pair.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -119,8 +119,8 @@ impl<'g> Evaluator<'g> {
         level: f32,
         slices: SliceFilter,
     ) -> Result<LoadedPairs, GpuError> {
-        if pairs.len() > MOST_PAIRS {
-            return Err(GpuError::TooLarge(format!("{} direction pairs at once; at most {MOST_PAIRS}", pairs.len())));
+        if pairs.len() > MAX_PAIRS {
+            return Err(GpuError::TooLarge(format!("{} direction pairs at once; at most {MAX_PAIRS}", pairs.len())));
         }
         let words: Vec<[f32; 8]> = pairs.iter().map(pair_words).collect();
         let mode = self.change << 1 | u32::from(slices == SliceFilter::Hardware);
@@ -147,7 +147,7 @@ impl<'g> Evaluator<'g> {
         slices: SliceFilter,
     ) -> Result<Vec<Evaluated>, GpuError> {
         let mut all = Vec::with_capacity(pairs.len());
-        for chunk in pairs.chunks(MOST_PAIRS) {
+        for chunk in pairs.chunks(MAX_PAIRS) {
             let loaded = self.load_pairs(chunk, level, slices)?;
             let values: Vec<[f32; 8]> = self.pipeline.answers(&loaded.items, &pack.group)?;
             all.extend(values.into_iter().map(|w| Evaluated {

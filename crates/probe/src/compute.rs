@@ -10,7 +10,7 @@ use wgpu::{BindGroup, ShaderStages};
 pub const COMPUTE_WGSL: &str = concat!(include_str!("compute.wgsl"), include_str!("items.wgsl"));
 
 /// Most numbers in or out at once, within what every adapter binds.
-const MOST_NUMBERS: usize = 1 << 24;
+const MAX_NUMBERS: usize = 1 << 24;
 
 /// A compiled shader with its resources.
 pub struct Compute<'g> {
@@ -39,8 +39,8 @@ impl<'g> Compute<'g> {
     pub fn run(&self, input: &[f32], width: usize, width_out: usize) -> Result<Vec<f32>, GpuError> {
         let count = input.len() / width.max(1);
         let numbers = count.saturating_mul(width_out.max(width));
-        if count * width != input.len() || numbers > MOST_NUMBERS {
-            let text = format!("{} numbers in items of {width} and {width_out}; at most {MOST_NUMBERS}", input.len());
+        if count * width != input.len() || numbers > MAX_NUMBERS {
+            let text = format!("{} numbers in items of {width} and {width_out}; at most {MAX_NUMBERS}", input.len());
             return Err(GpuError::TooLarge(text));
         }
         if count * width_out == 0 {

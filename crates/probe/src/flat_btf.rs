@@ -12,7 +12,7 @@ use wgpu::ShaderStages;
 pub const EVALUATE_FLAT_BTF_WGSL: &str = concat!(include_str!("evaluate_flat_btf.wgsl"), include_str!("items.wgsl"));
 
 /// Most queries at once: 112 bytes each, within what every adapter binds.
-const MOST_QUERIES: usize = 1 << 20;
+const MAX_QUERIES: usize = 1 << 20;
 
 /// Where, from where and under which light a flat BTF is looked at.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -86,7 +86,7 @@ impl<'g> FlatBtfEvaluator<'g> {
     /// What the driver reports.
     pub fn eval(&self, loaded: &LoadedFlatBtf, queries: &[FlatBtfQuery]) -> Result<Vec<FlatBtfAnswer>, GpuError> {
         let mut all = Vec::with_capacity(queries.len());
-        for chunk in queries.chunks(MOST_QUERIES) {
+        for chunk in queries.chunks(MAX_QUERIES) {
             let words: Vec<[u32; 28]> = chunk.iter().map(query_words).collect();
             let items = self.pipeline.load(&words, chunk.len(), 48, [0; 2])?;
             let answers: Vec<[f32; 12]> = self.pipeline.answers(&items, &loaded.group)?;

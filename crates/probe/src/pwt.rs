@@ -12,14 +12,14 @@ use wgpu::ShaderStages;
 pub const EVALUATE_PWT_WGSL: &str = concat!(include_str!("evaluate_pwt.wgsl"), include_str!("items.wgsl"));
 
 /// Most queries at once: 32 bytes each, within what every adapter binds.
-const MOST_QUERIES: usize = 1 << 21;
+const MAX_QUERIES: usize = 1 << 21;
 
-/// Where and under which light a picture is looked at.
+/// Where and under which light a rendering is looked at.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct PwtQuery {
-    /// 0 to 1 across the picture and down from its top.
+    /// 0 to 1 across the rendering and down from its top.
     pub uv: [f32; 2],
-    /// Mipmap level, 0 at the picture's own resolution.
+    /// Mipmap level, 0 at the rendering's own resolution.
     pub level: f32,
     /// Unit vector to the light.
     pub light: [f32; 3],
@@ -81,7 +81,7 @@ impl<'g> PwtEvaluator<'g> {
     /// What the driver reports.
     pub fn eval(&self, loaded: &LoadedPwt, queries: &[PwtQuery]) -> Result<Vec<PwtAnswer>, GpuError> {
         let mut all = Vec::with_capacity(queries.len());
-        for chunk in queries.chunks(MOST_QUERIES) {
+        for chunk in queries.chunks(MAX_QUERIES) {
             let words: Vec<[f32; 8]> = chunk.iter().map(query_words).collect();
             let items = self.pipeline.load(&words, chunk.len(), 32, [0; 2])?;
             let answers: Vec<[f32; 8]> = self.pipeline.answers(&items, &loaded.group)?;

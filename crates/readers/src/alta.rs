@@ -329,44 +329,47 @@ mod tests {
         for (found, expected) in [
             (
                 message("BARYCENTRIC_ALPHA_SIGMA", "INV_STERADIAN", "2 1", "0 0 1"),
-                "line 2, #PARAM_IN: found \"BARYCENTRIC_ALPHA_SIGMA\"; allowed ISOTROPIC_TL_TV_PROJ_DPHI, ISOTROPIC_TV_",
+                "line 2, #PARAM_IN: found \"BARYCENTRIC_ALPHA_SIGMA\", expected ISOTROPIC_TL_TV_PROJ_DPHI, ISOTROPIC_TV_",
             ),
             (
                 message(good, "ENERGY", "3 1", "0 0 0 1"),
-                "line 3, #PARAM_OUT: found \"ENERGY\"; allowed INV_STERADIAN, INV_STERADIAN_COSINE_FACTOR, RGB_COLOR",
+                "line 3, #PARAM_OUT: found \"ENERGY\", expected INV_STERADIAN, INV_STERADIAN_COSINE_FACTOR, RGB_COLOR",
             ),
             (
                 message(good, "INV_STERADIAN", "2 1", "0 0 1"),
-                "line 1, #DIM: found \"2 1\"; allowed 3 1 or 3 3, as ISOTROPIC_TL_TV_PROJ_DPHI and INV_STERADIAN have",
+                "line 1, #DIM: found \"2 1\", expected 3 1 or 3 3, as ISOTROPIC_TL_TV_PROJ_DPHI and INV_STERADIAN have",
             ),
             (
                 message(good, "INV_STERADIAN", "3 1", "30 0.1 0.2 1"),
-                "line 4, angle: found 30 (this looks like degrees; angles are in radians); allowed -6.2832 to 6.2832",
+                "line 4, angle: found 30 (this looks like degrees; angles are in radians), expected -6.2832 to 6.2832",
             ),
-            (message(good, "INV_STERADIAN", "3 1", "0,0,0,1"), "line 4, value: found \"0,0,0,1\"; allowed a finite"),
+            (message(good, "INV_STERADIAN", "3 1", "0,0,0,1"), "line 4, value: found \"0,0,0,1\", expected a finite"),
             (
                 message("RGB_COLOR extra", "INV_STERADIAN", "3 1", "0 0 0 1"),
-                "line 2, #PARAM_IN: found \"RGB_COLOR extra\"; allowed ISOTROPIC_TL",
+                "line 2, #PARAM_IN: found \"RGB_COLOR extra\", expected ISOTROPIC_TL",
             ),
-            (message(good, "INV_STERADIAN", "3 1", "0 0 0"), "line 4, row: found 3 numbers; allowed 4, as DIM says"),
-            (message(good, "INV_STERADIAN", "3 1", "0 0 x 1"), "line 4, value: found \"x\"; allowed a finite number"),
-            (message(good, "INV_STERADIAN", "3 1", "0 0 0 1e13"), "line 4, value: found 10000000000000; allowed -1e12"),
-            (message(good, "INV_STERADIAN", "3 1", ""), "rows: found none; allowed at least one measurement"),
-            (message(good, "INV_STERADIAN", "3 1", "0 2 0 1"), "rows: found 1, none above the horizon; allowed"),
+            (message(good, "INV_STERADIAN", "3 1", "0 0 0"), "line 4, row: found 3 numbers, expected 4, as DIM says"),
+            (message(good, "INV_STERADIAN", "3 1", "0 0 x 1"), "line 4, value: found \"x\", expected a finite number"),
+            (
+                message(good, "INV_STERADIAN", "3 1", "0 0 0 1e13"),
+                "line 4, value: found 10000000000000, expected -1e12",
+            ),
+            (message(good, "INV_STERADIAN", "3 1", ""), "rows: found none, expected at least one measurement"),
+            (message(good, "INV_STERADIAN", "3 1", "0 2 0 1"), "rows: found 1, none above the horizon, expected"),
             (
                 message("CARTESIAN", "INV_STERADIAN", "6 1", "0 0 0 0 0 1 1"),
                 "line 4, direction: found a vector of length 0",
             ),
-            (message(good, "INV_STERADIAN", "3 1", "#VS 2\n0 0 0 1"), "line 4, #VS: found \"2\"; allowed 0"),
+            (message(good, "INV_STERADIAN", "3 1", "#VS 2\n0 0 0 1"), "line 4, #VS: found \"2\", expected 0"),
             (
                 message(good, "INV_STERADIAN", "3 1", "#FORMAT BINARY"),
-                "line 4, #FORMAT: found \"BINARY\"; allowed TEXT",
+                "line 4, #FORMAT: found \"BINARY\", expected TEXT",
             ),
         ] {
             assert!(found.starts_with(expected), "{found}\n{expected}");
         }
         let bare = AltaTable::from_bytes(b"0 0 0 1\n").unwrap_err().to_string();
-        assert_eq!(bare, "#PARAM_IN: found none; allowed a line '#PARAM_IN ...'");
+        assert_eq!(bare, "#PARAM_IN: found none, expected a line '#PARAM_IN ...'");
         assert!(AltaTable::from_bytes(b"\xff").is_err());
     }
 

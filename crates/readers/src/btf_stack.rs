@@ -278,13 +278,13 @@ mod tests {
             ("1 tl000 tv000 pv000.png", "pl: found none"),
             ("1 tl000 pl000 pv000.png", "tv: found none"),
             ("1 tl000 pl000 tv000.png", "pv: found none"),
-            ("1 tl00 pl000 tv000 pv000.png", "tl: found \"tl00\"; allowed at least three digits"),
+            ("1 tl00 pl000 tv000 pv000.png", "tl: found \"tl00\", expected at least three digits"),
             ("1 tl000 plx00 tv000 pv000.png", "pl: found \"plx00\""),
             ("1 tl000 pl000 tv-10 pv000.png", "tv: found \"tv-10\""),
             ("1 tl000 pl000 tv000 pv000..png", "pv: found \"pv000.\""),
             ("1 tl000 pl000 tv1e1 pv000.png", "tv: found \"tv1e1\""),
-            ("1 tl090 pl000 tv000 pv000.png", "tl: found 90 degrees; allowed 0 to less than 90"),
-            ("1 tl000 pl000 tv000 pv361.png", "pv: found 361 degrees; allowed 0 to 360"),
+            ("1 tl090 pl000 tv000 pv000.png", "tl: found 90 degrees, expected 0 to less than 90"),
+            ("1 tl000 pl000 tv000 pv361.png", "pv: found 361 degrees, expected 0 to 360"),
             ("1 tl000 tl000 tv000 pv000.png", "tl: found two of them"),
             ("x1 tl000 pl000 tv000 pv000.png", "image name: found \"x1\""),
             ("1 2 tl000 pl000 tv000 pv000.png", "image name: found \"2\""),
@@ -328,8 +328,8 @@ mod tests {
         paths.retain(|path| !path.contains("tl030 pl120 tv030") && !path.contains("tl030 pl000 tv030 pv240"));
         assert_eq!(
             text(&paths),
-            "stack: found 4 of 16 images missing, the first of them tl030 pl120 tv030 pv000; \
-             allowed all 4 x 4 of views and lights"
+            "stack: found 4 of 16 images missing, the first of them tl030 pl120 tv030 pv000, \
+             expected all 4 x 4 of views and lights"
         );
         let mut paths = full.clone();
         paths.push("copy/tl000 pl005 tv030 pv000.png".to_owned());
@@ -344,7 +344,7 @@ mod tests {
         let near = ["tl000 pl000 tv000 pv000.png", "tl000.00001 pl000 tv000 pv000.png"].map(str::to_owned);
         assert!(text(&near).starts_with("lights, direction 1: found direction 0 again"), "{}", text(&near));
         let many: Vec<String> = (0..2049).map(|k| format!("tl010.{k:04} pl000 tv000 pv000.png")).collect();
-        assert!(text(&many).starts_with("lights: found 2049; allowed at most 2048"));
+        assert!(text(&many).starts_with("lights: found 2049, expected at most 2048"));
         assert!(StackIndex::new(&full).is_ok());
         let contents = StackContents::new(&full[..14]).unwrap();
         assert_eq!((contents.views.len(), contents.lights.len()), (4, 4));

@@ -373,12 +373,12 @@ mod tests {
     #[test]
     fn errors_name_the_wavelength() {
         for (wavelengths, text) in [
-            (vec![], "wavelengths: found none; allowed at least one"),
-            (vec![500.0, 500.0], "wavelength 2: found 500 nm; allowed more than 500 nm, the one before"),
-            (vec![f64::NAN], "wavelength 1: found NaN nm; allowed 100 to 3000 nm"),
-            (vec![500.0, f64::INFINITY], "wavelength 2: found inf nm; allowed 100 to 3000 nm"),
-            (vec![0.5, 0.6], "wavelength 1: found 0.5 nm; allowed 100 to 3000 nm"),
-            (vec![800.0, 900.0], "wavelengths: found 800 to 900 nm; allowed some of 380 to 780 nm"),
+            (vec![], "wavelengths: found none, expected at least one"),
+            (vec![500.0, 500.0], "wavelength 2: found 500 nm, expected more than 500 nm, the one before"),
+            (vec![f64::NAN], "wavelength 1: found NaN nm, expected 100 to 3000 nm"),
+            (vec![500.0, f64::INFINITY], "wavelength 2: found inf nm, expected 100 to 3000 nm"),
+            (vec![0.5, 0.6], "wavelength 1: found 0.5 nm, expected 100 to 3000 nm"),
+            (vec![800.0, 900.0], "wavelengths: found 800 to 900 nm, expected some of 380 to 780 nm"),
         ] {
             assert_eq!(rgb_weights(&wavelengths).unwrap_err().to_string(), text);
         }

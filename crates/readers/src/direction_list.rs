@@ -65,16 +65,16 @@ mod tests {
     fn errors_name_the_line() {
         let head = "index,theta_deg,phi_deg\n";
         let text = |rows: &str| from_csv(format!("{head}{rows}").as_bytes()).unwrap_err().to_string();
-        assert_eq!(text("0,90,0\n"), "line 2, theta_deg: found 90; allowed 0 to less than 90");
+        assert_eq!(text("0,90,0\n"), "line 2, theta_deg: found 90, expected 0 to less than 90");
         assert!(text("0,0,0\n1,-1,0\n").starts_with("line 3, theta_deg: found -1"));
         assert!(text("0,0,361\n").contains("phi_deg: found 361"));
         assert!(text("0,0,x\n").contains("line 2, phi_deg: found \"x\""));
-        assert!(text("0,0,0\n2,10,0\n").contains("line 3, index: found 2; allowed 1"));
+        assert!(text("0,0,0\n2,10,0\n").contains("line 3, index: found 2, expected 1"));
         assert!(text("0,0,0\n1,10,0\n2,0,90\n").contains("line 4, direction: found the direction of line 2"));
         assert!(text("0,10,0\n1,10,360\n").contains("line 3, direction"));
         assert!(text("").contains("at least one record"));
         let many: String = (0..2049).map(|k| format!("{k},{},{}\n", k as f64 * 0.04, k % 360)).collect();
-        assert!(text(&many).starts_with("line 2050, record: found one more direction; allowed at most 2048"));
+        assert!(text(&many).starts_with("line 2050, record: found one more direction, expected at most 2048"));
         let error = from_csv(b"index,theta,phi\n").unwrap_err().to_string();
         assert!(error.contains("column theta_deg"), "{error}");
         // Just far enough apart: no error.

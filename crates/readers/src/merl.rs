@@ -346,12 +346,12 @@ mod tests {
                 let mut bytes = good.clone();
                 bytes[4 * axis..4 * axis + 4].copy_from_slice(&raw.to_le_bytes());
                 let text_found = message(&bytes);
-                assert!(text_found.contains(text) && text_found.contains("allowed 1 to 4096"), "{text_found}");
+                assert!(text_found.contains(text) && text_found.contains("expected 1 to 4096"), "{text_found}");
             }
         }
         let mut longer = good.clone();
         longer.push(0);
-        assert!(message(&longer).contains("1453 bytes; allowed 1452 bytes for a table of 3 x 4 x 5"));
+        assert!(message(&longer).contains("1453 bytes, expected 1452 bytes for a table of 3 x 4 x 5"));
     }
 
     #[test]

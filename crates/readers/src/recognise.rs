@@ -2,7 +2,7 @@
 
 use crate::file_kind::{Begins, FileKind, begins_with};
 use crate::meso::{obj, ply};
-use crate::{alta, light_stack, merl, ptm, rgl, scan, scan_csv, ubo_btf};
+use crate::{alta, merl, ptm, rgl, rti_capture, scan, scan_csv, ubo_btf};
 
 /// How many bytes from the start of a file are enough to recognise it.
 pub const START_BYTES: usize = 4096;
@@ -31,7 +31,7 @@ static KINDS: [&FileKind; 25] = [
     &MANIFEST,
     &scan_csv::KIND,
     &obj::KIND,
-    &light_stack::KIND,
+    &rti_capture::KIND,
     &scan::KIND,
     &TEXT,
 ];
@@ -178,7 +178,7 @@ mod tests {
             (b"theta_i,phi_i,theta_o,phi_o,r,g,b\n", &scan_csv::KIND),
             (b"#DIM 3 1\n#PARAM_IN RUSIN_TH_TD_PD\n0 0 0 1\n", &alta::KIND),
             (b"PTM_1.2\nPTM_FORMAT_RGB\n\xff", &ptm::KIND),
-            (b"\n2\r\nphoto 1.jpg 0 0.5 1\r\n", &light_stack::KIND),
+            (b"\n2\r\nphoto 1.jpg 0 0.5 1\r\n", &rti_capture::KIND),
             (b"2\n1 0 0.5 1\n", &scan::KIND),
             (b"[materials.a]\nsource = 'a.binary'\n", &MANIFEST),
             (b"{\"version\": 1}", &JSON),

@@ -294,23 +294,23 @@ mod tests {
     fn errors_name_the_line() {
         assert!(message("").contains("wavelength count: found end of data"));
         assert!(message("x").starts_with("line 1, wavelength count: found \"x\""));
-        assert!(message("0").contains("allowed 1 to"));
-        assert!(message("99999999999").contains("allowed 1 to"));
+        assert!(message("0").contains("expected 1 to"));
+        assert!(message("99999999999").contains("expected 1 to"));
         assert!(message("2\n450").starts_with("line 2, wavelengths: found end of data after 1"));
-        assert!(message("2\n450 550 650").contains("found 3 numbers; allowed 2"));
+        assert!(message("2\n450 550 650").contains("found 3 numbers, expected 2"));
         assert!(message("2\n450 440\n").contains("line 2"));
         assert!(message("1\n550\n").contains("no measurements"));
         assert!(message("1\n550\n0 0 0 0\n").contains("line 3, row: found 4 numbers"));
-        assert!(message("1\n550\n0 0 0 0 1 2\n").contains("allowed 5 numbers"));
+        assert!(message("1\n550\n0 0 0 0 1 2\n").contains("expected 5 numbers"));
         assert!(message("1\n550\n0 0 0 0 nan\n").starts_with("line 3, value: found \"nan\""));
         assert!(message("1\n550\n0 0 0 0 1e400\n").contains("a finite number"));
         assert!(message("1\n550\n0 0 0 0 1e13\n").contains("-1e12 to 1e12"));
         assert!(message("1\n550\n2 0 0 0 1\n").contains("below the horizon"));
         assert!(message("1\n550\n45 0 0 0 1\n").contains("degrees"));
         assert!(message("1\n550\n0.1 0 0.1 180 1\n").contains("phi_o: found 180 (this looks like degrees"));
-        assert!(message("1\n550\n-0.1 0 0 0 1\n").contains("theta_i: found -0.1; allowed 0 to 1.5708"));
+        assert!(message("1\n550\n-0.1 0 0 0 1\n").contains("theta_i: found -0.1, expected 0 to 1.5708"));
         let error = Scan::from_bytes(b"1\n550\n\xff").unwrap_err().to_string();
-        assert_eq!(error, "line 3, text: found byte 0xff; allowed UTF-8");
+        assert_eq!(error, "line 3, text: found byte 0xff, expected UTF-8");
     }
 
     #[test]

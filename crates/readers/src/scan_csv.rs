@@ -71,10 +71,10 @@ pub fn directions_from_bytes(bytes: &[u8]) -> Result<Vec<(Vector, Vector)>, Form
     Ok(pairs)
 }
 
-/// A place on a picture or a tile, lit and seen.
+/// A place on a rendering or a tile, lit and seen.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct TexelQuery {
-    /// Across and down, 0 to 1; beyond that as the picture goes on.
+    /// Across and down, 0 to 1; beyond that as the rendering goes on.
     pub uv: [f64; 2],
     /// Unit vector to the light.
     pub incoming: Vector,
@@ -298,7 +298,7 @@ mod tests {
         assert!(text("a,b\n").contains("column wi_x"));
         let head = "theta_i,phi_i,theta_o,phi_o,r,g,b\n";
         assert!(text(head).contains("no measurements"));
-        assert!(text(&format!("{head}0,0,0,0,1,1\n")).contains("line 2, record: found 6 fields; allowed 7"));
+        assert!(text(&format!("{head}0,0,0,0,1,1\n")).contains("line 2, record: found 6 fields, expected 7"));
         assert!(text(&format!("{head}0,0,0,0,1,1,x\n")).contains("line 2, b: found \"x\""));
         assert!(text(&format!("{head}0,0,0,0,1,1,inf\n")).contains("a finite number"));
         assert!(text(&format!("{head}60,0,0,0,1,1,1\n")).contains("degrees"));

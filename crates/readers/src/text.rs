@@ -46,13 +46,13 @@ mod tests {
     #[test]
     fn binary_files_are_no_text() {
         let message = |bytes: &[u8]| checked(bytes).unwrap_err().to_string();
-        let expected = "line 2, text: found a NUL byte, byte 3 of the file; allowed text, which has none";
+        let expected = "line 2, text: found a NUL byte, byte 3 of the file, expected text, which has none";
         assert_eq!(message(b"a\nb\0\xff"), expected);
         assert_eq!(
             message(b"a\n\xff\0").split_once(';').unwrap().0,
             "line 2, text: found a NUL byte, byte 3 of the file"
         );
-        assert_eq!(message(b"a\n\n\xff"), "line 3, text: found byte 0xff; allowed UTF-8");
+        assert_eq!(message(b"a\n\n\xff"), "line 3, text: found byte 0xff, expected UTF-8");
         assert_eq!(checked(b"\xef\xbb\xbfa\r\nb"), Ok("a\r\nb"));
     }
 
@@ -60,7 +60,7 @@ mod tests {
     fn lines_have_an_end() {
         let mut bytes = vec![b' '; MAX_LINE_BYTES + 2];
         bytes[0] = b'\n';
-        let expected = "line 2, text: found a line of more than 16.00 MiB; allowed at most 16777216 bytes";
+        let expected = "line 2, text: found a line of more than 16.00 MiB, expected at most 16777216 bytes";
         assert_eq!(checked(&bytes).unwrap_err().to_string(), expected);
         bytes.truncate(MAX_LINE_BYTES + 1);
         assert!(checked(&bytes).is_ok());

@@ -1,6 +1,6 @@
-//! A contact sheet: small pictures of many materials with labels, and the colour scale of their differences.
+//! A contact sheet: small renderings of many materials with labels, and the colour scale of their differences.
 
-use crate::picture::{DELTA_E_FULL_SCALE, Panel, heat_map};
+use crate::rendering::{DELTA_E_FULL_SCALE, Panel, heat_map};
 use embedded_graphics::Drawable;
 use embedded_graphics::draw_target::DrawTarget;
 use embedded_graphics::geometry::{OriginDimensions, Point, Size};
@@ -16,7 +16,7 @@ pub const HEADS: [&str; 3] = ["source", "pack", "ΔE"];
 
 /// Columns and rows of the margin, and between cells.
 const MARGIN: usize = 14;
-/// Between the pictures of a cell.
+/// Between the renderings of a cell.
 const GAP: usize = 2;
 /// One font for each script: Latin with the Δ, Greek; Western, Central European, Turkish and Baltic Latin; Cyrillic.
 type Fonts = [&'static MonoFont<'static>; 6];
@@ -76,7 +76,7 @@ pub fn contact_sheet(cells: &[Cell]) -> Panel {
     let mut canvas = Canvas(Panel { width, height, rgb: vec![PAPER; 3 * width * height] });
     for column in 0..grid.columns {
         for (number, head) in HEADS.into_iter().enumerate() {
-            let x = grid.left(column) + grid.across(number) + grid.picture[0] / 2;
+            let x = grid.left(column) + grid.across(number) + grid.rendering[0] / 2;
             canvas.centred(head, [x, MARGIN]);
         }
     }
@@ -89,9 +89,9 @@ pub fn contact_sheet(cells: &[Cell]) -> Panel {
                     canvas.paste(panel, [left + grid.across(across), top]);
                 }
             }
-            top += grid.picture[1] + GAP;
+            top += grid.rendering[1] + GAP;
         }
-        let text = grid.top(number / grid.columns) + grid.rows * (grid.picture[1] + GAP);
+        let text = grid.top(number / grid.columns) + grid.rows * (grid.rendering[1] + GAP);
         let letters = grid.cell[0] / LETTER;
         canvas.text(&shortened(&spelled(&cell.name), letters), [left, text], &BOLD, INK);
         let colour = if cell.failed { BAD } else { SOFT };
@@ -107,25 +107,25 @@ struct Grid {
     columns: usize,
     /// Of the sheet.
     lines: usize,
-    /// Rows of pictures in a cell.
+    /// Rows of renderings in a cell.
     rows: usize,
-    /// Columns and rows of the largest picture.
-    picture: [usize; 2],
+    /// Columns and rows of the largest rendering.
+    rendering: [usize; 2],
     /// Columns and rows of a cell with its text.
     cell: [usize; 2],
 }
 
 impl Grid {
     fn of(cells: &[Cell]) -> Self {
-        let pictures = || cells.iter().flat_map(|cell| cell.rows.iter().flatten().flatten());
+        let renderings = || cells.iter().flat_map(|cell| cell.rows.iter().flatten().flatten());
         // Wide enough for the words above.
-        let width = pictures().map(|panel| panel.width).max().unwrap_or(0).max(8 * LETTER);
-        let height = pictures().map(|panel| panel.height).max().unwrap_or(0);
+        let width = renderings().map(|panel| panel.width).max().unwrap_or(0).max(8 * LETTER);
+        let height = renderings().map(|panel| panel.height).max().unwrap_or(0);
         let rows = cells.iter().map(|cell| cell.rows.len()).max().unwrap_or(0);
         let cell = [HEADS.len() * (width + GAP) - GAP, rows * (height + GAP) + 2 * LINE];
         let with = |columns: usize| {
             let lines = cells.len().div_ceil(columns).max(1);
-            Self { columns, lines, rows, picture: [width, height], cell }
+            Self { columns, lines, rows, rendering: [width, height], cell }
         };
         let off = |grid: &Self| {
             let [width, height] = grid.size();
@@ -148,9 +148,9 @@ impl Grid {
         MARGIN + LINE + line * (self.cell[1] + MARGIN)
     }
 
-    /// From the left of a cell to its picture of this number.
+    /// From the left of a cell to its rendering of this number.
     fn across(&self, number: usize) -> usize {
-        number * (self.picture[0] + GAP)
+        number * (self.rendering[0] + GAP)
     }
 }
 
@@ -285,7 +285,7 @@ mod tests {
     }
 
     #[test]
-    fn pictures_stand_side_by_side_above_their_label() {
+    fn renderings_stand_side_by_side_above_their_label() {
         let sheet = contact_sheet(&[cell("red_plastic")]);
         let top = MARGIN + LINE;
         for (number, value) in [11, 22, 33].into_iter().enumerate() {
@@ -343,8 +343,8 @@ mod tests {
     fn many_cells_are_about_four_by_three() {
         for count in [5, 9, 20, 100, 1000] {
             let sheet = contact_sheet(&vec![Cell { rows: vec![[None, None, None]; 2], ..cell("a") }; count]);
-            let pictures = contact_sheet(&vec![cell("a"); count]);
-            for panel in [&sheet, &pictures] {
+            let renderings = contact_sheet(&vec![cell("a"); count]);
+            for panel in [&sheet, &renderings] {
                 let aspect = panel.width as f64 / panel.height as f64;
                 assert!((0.9..1.9).contains(&aspect), "{count}: {} x {}", panel.width, panel.height);
             }
@@ -352,7 +352,7 @@ mod tests {
     }
 
     #[test]
-    fn cells_may_lack_pictures_or_be_smaller() {
+    fn cells_may_lack_renderings_or_be_smaller() {
         let blank = Cell { rows: Vec::new(), ..cell("failed") };
         let small = Panel { width: 3, height: 2, rgb: vec![7; 18] };
         let partly = Cell { rows: vec![[None, Some(small), None]], ..cell("partly") };

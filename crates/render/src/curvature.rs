@@ -12,7 +12,7 @@ pub const UNKNOWN: f32 = 1e9;
 /// A step that leaves the surface, over an edge that hides something, is at an angle to the normals at its ends: twice
 /// the sine of the largest angle between a step and the tangent planes that is still a step on one surface, squared.
 /// On a sphere, however large the step, the angle is 0.
-const LARGEST_RISE_SQUARED: f32 = 0.0625;
+const MAX_RISE_SQUARED: f32 = 0.0625;
 
 /// Normal curvature of every point, 1/unit of positions: the largest `|Δn| / |Δp|` over its eight neighbours on the same
 /// surface. 0 for the background, [`UNKNOWN`] where there is no such neighbour.
@@ -47,7 +47,7 @@ fn turn_squared(buffer: &GBuffer, from: usize, to: usize) -> f32 {
     let step = [0, 1, 2].map(|k| q[k] - p[k]);
     let length_squared = dot(step, step);
     let rise = dot(step, [0, 1, 2].map(|k| m[k] + n[k]));
-    if length_squared <= 0.0 || rise * rise > LARGEST_RISE_SQUARED * length_squared {
+    if length_squared <= 0.0 || rise * rise > MAX_RISE_SQUARED * length_squared {
         return -1.0;
     }
     let turn = [0, 1, 2].map(|k| n[k] - m[k]);

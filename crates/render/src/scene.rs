@@ -102,7 +102,7 @@ pub struct Scene {
     pub lights: Vec<PointLight>,
     /// What mirrors show.
     pub environment: Environment,
-    /// What a picture shows where no surface is: linear RGB of the display, 0 to 1, whatever the exposure.
+    /// What a rendering shows where no surface is: linear RGB of the display, 0 to 1, whatever the exposure.
     pub background: [f32; 3],
 }
 

@@ -36,7 +36,7 @@ pub fn outside(scene: &Scene, frame: Frame, hits: &Hits, directions: &[Direction
     hits.0.par_chunks(samples).map(|pixel| pixel.iter().flatten().any(is_outside)).collect()
 }
 
-/// The picture without these pixels: as if there were no surface.
+/// The rendering without these pixels: as if there were no surface.
 #[must_use]
 pub fn without(mut image: LinearImage, left_out: &[bool]) -> LinearImage {
     for (pixel, _) in left_out.iter().enumerate().filter(|(_, out)| **out) {

@@ -83,10 +83,10 @@ mod tests {
         assert_eq!(exr_headers(Cursor::new(&few), "an EXR").unwrap()[0].channels.list.len(), 4);
         let many = exr_of_channels(1024, 16, 200_000);
         let expected =
-            "EXR: found 12.21 GiB in a block of 1024 x 16 pixels, 200000 channels; allowed at most 128.00 MiB";
+            "EXR: found 12.21 GiB in a block of 1024 x 16 pixels, 200000 channels, expected at most 128.00 MiB";
         assert_eq!(heights_from_exr(&many).unwrap_err().to_string(), expected);
         assert_eq!(from_exr(&many).unwrap_err().to_string(), expected);
         // What is in it decides nothing: with fewer channels it is the pixels that are wrong.
-        assert!(from_exr(&few).unwrap_err().to_string().ends_with("allowed channels R, G and B"));
+        assert!(from_exr(&few).unwrap_err().to_string().ends_with("expected channels R, G and B"));
     }
 }

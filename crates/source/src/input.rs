@@ -322,7 +322,7 @@ mod tests {
         let five = input(b"a\0b\0c");
         assert_eq!(five.read(5).unwrap(), &b"a\0b\0c"[..]);
         let told = five.read(4).unwrap_err().to_string();
-        assert_eq!(told, "stdin: file length: found 5 B; allowed at most 4 B");
+        assert_eq!(told, "stdin: file length: found 5 B, expected at most 4 B");
         assert_eq!(five.read_text().unwrap(), &b"a\0"[..]);
         assert_eq!(input(b"abc").read_text().unwrap(), &b"abc"[..]);
         let opened = |limit| {

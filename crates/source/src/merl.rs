@@ -128,7 +128,7 @@ impl MerlSource {
             (0..3).for_each(|channel| sum[channel] += weight * f64::from(value[channel]));
         }
         // One that is no number leaves none.
-        if sum[0].is_nan() { self.mended(&corners, tally) } else { sum }
+        if sum[0].is_nan() { self.repaired(&corners, tally) } else { sum }
     }
 
     /// The eight cells around a place, with their weights.
@@ -149,7 +149,7 @@ impl MerlSource {
 
     /// The mean of the cells that are valid, or the valid one that is nearest. Cells without weight are not missed.
     #[cold]
-    fn mended(&self, corners: &[(usize, f64); 8], tally: &mut Tally) -> [f64; 3] {
+    fn repaired(&self, corners: &[(usize, f64); 8], tally: &mut Tally) -> [f64; 3] {
         let mut sum = [0.0; 3];
         let (mut valid, mut missed) = (0.0, false);
         for (cell, weight) in corners.iter().filter(|(_, weight)| *weight != 0.0) {

@@ -223,7 +223,7 @@ mod tests {
         let error = |width, height, colour, depth, length| {
             heights_from_png(&png_of(width, height, colour, depth, &vec![0; length])).unwrap_err().to_string()
         };
-        let allowed = "; allowed a grey PNG of 8 or 16 bits";
+        let allowed = ", expected a grey PNG of 8 or 16 bits";
         for (colour, depth, length, found) in [
             (ColorType::Rgb, BitDepth::Eight, 48, "RGB, 8 bits"),
             (ColorType::Rgba, BitDepth::Sixteen, 128, "RGB with transparency, 16 bits"),
@@ -234,7 +234,7 @@ mod tests {
             assert_eq!(error(4, 4, colour, depth, length), format!("PNG: found {found}{allowed}"));
         }
         let sizes = error(3, 4, ColorType::Grayscale, BitDepth::Eight, 12);
-        let limits = "allowed 4 to 8192 per side, and at most 1048576 in all, as 1024 x 1024 has";
+        let limits = "expected 4 to 8192 per side, and at most 1048576 in all, as 1024 x 1024 has";
         assert_eq!(sizes, format!("PNG: found 3 x 4 pixels; {limits}"));
         let large = error(1024, 1025, ColorType::Grayscale, BitDepth::Eight, 1024 * 1025);
         assert_eq!(large, format!("PNG: found 1024 x 1025 pixels; {limits}"));
@@ -255,7 +255,7 @@ mod tests {
         }
         bytes[29..33].copy_from_slice(&(!crc).to_be_bytes());
         let error = heights_from_png(&bytes).unwrap_err().to_string();
-        assert!(error.contains("bytes for 1024 x 1024 pixels; allowed 1016 or more"), "{error}");
+        assert!(error.contains("bytes for 1024 x 1024 pixels, expected 1016 or more"), "{error}");
     }
 
     #[test]
@@ -274,15 +274,15 @@ mod tests {
             let at = |_: usize, i: usize| if i == 7 { value } else { 0.0 };
             heights_from_exr(&exr_of(width, height, channels, at)).unwrap_err().to_string()
         };
-        assert_eq!(error(5, 4, &["Y"], f32::NAN), "EXR: found NaN at pixel (2, 1); allowed finite values");
+        assert_eq!(error(5, 4, &["Y"], f32::NAN), "EXR: found NaN at pixel (2, 1), expected finite values");
         assert!(error(5, 4, &["Y"], f32::NEG_INFINITY).contains("-inf at pixel (2, 1)"));
         let channels = error(5, 4, &["A", "B"], 0.0);
-        assert_eq!(channels, "EXR: found channels A, B; allowed an EXR with a channel Y or R, or with one channel");
+        assert_eq!(channels, "EXR: found channels A, B, expected an EXR with a channel Y or R, or with one channel");
         let whole = exr_of(5, 4, &["Y"], |_, _| 0.0);
         let cut = heights_from_exr(&whole[..whole.len() / 2]).unwrap_err().to_string();
-        assert!(cut.ends_with("allowed a whole EXR, not deep"), "{cut}");
-        assert!(error(5, 3, &["Y"], 0.0).contains("5 x 3 pixels; allowed 4 to 8192 per side"));
-        assert!(error(2048, 513, &["Y"], 0.0).contains("2048 x 513 pixels; allowed 4 to 8192 per side, and at most"));
+        assert!(cut.ends_with("expected a whole EXR, not deep"), "{cut}");
+        assert!(error(5, 3, &["Y"], 0.0).contains("5 x 3 pixels, expected 4 to 8192 per side"));
+        assert!(error(2048, 513, &["Y"], 0.0).contains("2048 x 513 pixels, expected 4 to 8192 per side, and at most"));
         assert!(error(8193, 4, &["Y"], 0.0).contains("8193 x 4"));
     }
 
@@ -329,12 +329,12 @@ mod tests {
         }
         let error = |name: &str, bytes: &[u8]| open(name, bytes).unwrap_err().to_string();
         assert!(error("b.obj", b"f 1 2 3").contains("b.obj: line 1, face: found vertex 3"));
-        assert!(error("b.stl", obj).contains("b.stl: file name: found extension .stl; allowed .obj or .ply"));
+        assert!(error("b.stl", obj).contains("b.stl: file name: found extension .stl, expected .obj or .ply"));
         assert!(error("b", obj).contains("found no extension"));
         assert!(error("b.ply", obj).contains("b.ply: line 1, first line"));
         let missing = open_meso(folder.path().join("none.obj")).unwrap_err();
         assert!(matches!(missing, InputError::Io { .. }));
         let no_file = open_meso(folder.path()).unwrap_err().to_string();
-        assert!(no_file.contains("found a folder; allowed a file or a pipe"), "{no_file}");
+        assert!(no_file.contains("found a folder, expected a file or a pipe"), "{no_file}");
     }
 }

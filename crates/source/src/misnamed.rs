@@ -29,13 +29,13 @@ mod tests {
             wrong_contents(Path::new(name), bytes, bytes.len() as u64, error).to_string()
         };
         let png = b"\x89PNG\r\n\x1a\n";
-        assert_eq!(told("a.binary", png), "a.binary: magic: found x; allowed y; it looks like a PNG image (.png)");
-        assert_eq!(told("a.PNG", png), "a.PNG: magic: found x; allowed y");
+        assert_eq!(told("a.binary", png), "a.binary: magic: found x, expected y; it looks like a PNG image (.png)");
+        assert_eq!(told("a.PNG", png), "a.PNG: magic: found x, expected y");
         assert!(told("a.brdf", b"theta_i,r\n").ends_with("; it looks like a scan or a list of directions (.csv)"));
         assert!(told("a.binary", b"2\n450 650\n").ends_with("; it looks like a scan as text (.brdf)"));
         // Any text may have been meant for any layout of text.
-        assert_eq!(told("a.csv", b"what is this?\n"), "a.csv: magic: found x; allowed y");
+        assert_eq!(told("a.csv", b"what is this?\n"), "a.csv: magic: found x, expected y");
         assert!(told("a.ktx2", b"what is this?\n").ends_with("; it looks like text"));
-        assert_eq!(told("a.ktx2", b"\0\0\0\0"), "a.ktx2: magic: found x; allowed y");
+        assert_eq!(told("a.ktx2", b"\0\0\0\0"), "a.ktx2: magic: found x, expected y");
     }
 }

@@ -5,10 +5,10 @@ pub use brdfc_core::Describe;
 
 use super::error::InputError;
 use super::input::{Input, InputFile};
-use super::light_stack::{self, is_light_stack};
 use super::merl::{self, MerlFacts};
 use super::read::{ReadListener, extension_of, found_extension};
 use super::rgl::{self, RglFacts};
+use super::rti_capture::{self, is_rti_capture};
 use super::scan::{self, ScanFacts};
 use super::ubo_btf::is_ubo_btf;
 use super::{format, pack, ptm};
@@ -145,13 +145,13 @@ pub fn open_file(path: &Path, level: Option<f32>) -> Result<Opened, InputError> 
 /// # Errors
 /// As [`open`].
 pub fn open_file_heard(path: &Path, level: Option<f32>, listener: &mut dyn ReadListener) -> Result<Opened, InputError> {
-    if path.is_dir() && is_light_stack(path) {
-        return Err(InputError::format(path, without_brdf("a light stack")));
+    if path.is_dir() && is_rti_capture(path) {
+        return Err(InputError::format(path, without_brdf("an RTI capture")));
     }
     let input_file = InputFile { level, ..InputFile::at(path, listener)? };
     let extension = extension_of(path);
     match extension.as_str() {
-        light_stack::EXTENSION => return Err(input_file.wrong(without_brdf("a light stack"))),
+        rti_capture::EXTENSION => return Err(input_file.wrong(without_brdf("an RTI capture"))),
         ptm::EXTENSION => return Err(input_file.wrong(without_brdf("a polynomial texture map"))),
         _ => {}
     }
@@ -169,6 +169,6 @@ pub fn open_file_heard(path: &Path, level: Option<f32>, listener: &mut dyn ReadL
 
 /// How a surface is refused that was measured from one direction of view.
 fn without_brdf(what: &str) -> FormatError {
-    let found = format!("{what}: pictures of one view under many lights, which hold no BRDF");
+    let found = format!("{what}: renderings of one view under many lights, which hold no BRDF");
     FormatError::whole("input", found, format!("{}, or synth:MODEL; 'brdfc info' describes it", known_files()))
 }

@@ -129,7 +129,7 @@ mod tests {
         }
         let exr = encoded(image::DynamicImage::from(grey(255).into_rgb32f()), ImageFormat::OpenExr);
         let error = opened("a.png", &exr).unwrap_err();
-        assert!(error.contains("found OpenExr; allowed a whole PNG or JPEG"), "{error}");
+        assert!(error.contains("found OpenExr, expected a whole PNG or JPEG"), "{error}");
         assert!(opened("a.png", b"text").unwrap_err().contains("some other layout"));
         let wide = encoded(image::GrayImage::new(8193, 1).into(), ImageFormat::Png);
         assert!(opened("a.png", &wide).unwrap_err().contains("found 8193 x 1 pixels"));

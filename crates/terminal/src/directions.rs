@@ -80,9 +80,9 @@ pub fn map_header(texels: u32, indirection: &str, largest_angle: f64) -> Result<
 pub fn in_flags(error: &FormatError) -> String {
     let FormatError { field, found, allowed, .. } = error;
     match field.as_ref() {
-        "bytes of factors" => format!("--max-bytes: found {found}; allowed {allowed}"),
+        "bytes of factors" => format!("--max-bytes: found {found}, expected {allowed}"),
         "size of the part displacement" | "size of the part indirection" => format!(
-            "--texels x --indirection: found a map of {found} texels; allowed {allowed}: lower --texels or --indirection"
+            "--texels x --indirection: found a map of {found} texels, expected {allowed}: lower --texels or --indirection"
         ),
         _ => error.to_string(),
     }

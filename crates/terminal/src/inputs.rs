@@ -9,7 +9,7 @@ pub fn refuse_stdin_twice(inputs: &[(&str, Option<&Input>)]) -> Result<(), Error
         inputs.iter().filter(|(_, input)| input.is_some_and(Input::is_stdin)).map(|(name, _)| *name).collect();
     match names[..] {
         [first, second, ..] => {
-            Err(Error::usage(format!("{first} and {second}: found - for both; allowed for one of them")))
+            Err(Error::usage(format!("{first} and {second}: found - for both, expected for one of them")))
         }
         _ => Ok(()),
     }

@@ -80,7 +80,7 @@ pub fn refuse_other_extension(option: &str, path: &Path, allowed: &[&str]) -> Re
         return Ok(());
     }
     let (found, allowed) = (path.display(), allowed.join(" or ."));
-    Err(Error::usage(format!("{option}: found {found}; allowed a name that ends in .{allowed}")))
+    Err(Error::usage(format!("{option}: found {found}, expected a name that ends in .{allowed}")))
 }
 
 /// Refuses the first of some flags that is given where it says nothing: of each whether it is given, and what it goes with.
@@ -106,7 +106,7 @@ pub fn refuse_same_outputs(outputs: &[(&str, Option<&Path>)]) -> Result<(), Erro
     for (at, (option, path)) in given.iter().enumerate() {
         if let Some((first, _)) = given[..at].iter().find(|(_, earlier)| place(earlier) == place(path)) {
             return Err(Error::usage(format!(
-                "{first} and {option}: found {} for both; allowed different places",
+                "{first} and {option}: found {} for both, expected different places",
                 path.display()
             )));
         }
@@ -119,7 +119,7 @@ pub fn refuse_own(option: &str, file: &Path, out: &Path) -> Result<(), Error> {
     if is_own(&place(file), &place(out)) {
         let found = file.display();
         return Err(Error::usage(format!(
-            "{option}: found {found}, a place of the build's own files; allowed another name or folder"
+            "{option}: found {found}, a place of the build's own files, expected another name or folder"
         )));
     }
     Ok(())
@@ -150,7 +150,7 @@ pub fn remark(common: Common, text: &str) {
     }
 }
 
-/// A remark about an input: what had to be mended, or what its figures do not show.
+/// A remark about an input: what had to be repaired, or what its figures do not show.
 pub fn note(common: Common, about: &impl std::fmt::Display, line: &str) {
     remark(common, &format!("note: {about}: {line}"));
 }

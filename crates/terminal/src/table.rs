@@ -39,7 +39,7 @@ fn aligned(header: &[&str], rows: impl IntoIterator<Item: AsRef<[String]>>, righ
 
 /// A row of the build table, without the material's name.
 pub fn material_row(report: &MaterialReport, seconds: Option<f64>) -> Vec<String> {
-    let picture = &report.off_grid.picture.delta_e;
+    let rendering = &report.off_grid.rendering.delta_e;
     vec![
         if report.samples_in == 0 { "-".to_owned() } else { report.samples_in.to_string() },
         report.codec.variant().to_owned(),
@@ -48,8 +48,8 @@ pub fn material_row(report: &MaterialReport, seconds: Option<f64>) -> Vec<String
         bytes(report.bytes_on_disk),
         bytes(report.bytes_on_gpu),
         relative(&report.off_grid.norms),
-        format!("{:.2}", picture.mean),
-        format!("{:.2}", picture.p95),
+        format!("{:.2}", rendering.mean),
+        format!("{:.2}", rendering.p95),
         report.off_grid.highlight.map_or("-".to_owned(), |highlight| share(highlight.kept())),
         report.fit.map_or("-".to_owned(), |fit| fit.error().map_or("none".to_owned(), share)),
         report.fit.map_or("-".to_owned(), |fit| format!("{:.0}°, {:.0} %", fit.farthest, 100.0 * fit.uncovered)),
@@ -100,7 +100,7 @@ pub fn trials(tried: &[Trial], seconds: &[f64]) -> String {
 pub fn comparison(comparison: &Comparison, directions: DirectionRange) -> String {
     // Of a ball little may be within: pixels are spread over the range instead.
     let of = if directions.is_all() { "of a ball" } else { "within the directions" };
-    let Comparison { norms, picture, .. } = comparison;
+    let Comparison { norms, rendering, .. } = comparison;
     let rows = [
         ("samples", norms.samples.to_string()),
         ("below 0.1 % of the mean, left out of ratios", norms.below_floor.to_string()),
@@ -112,10 +112,10 @@ pub fn comparison(comparison: &Comparison, directions: DirectionRange) -> String
         ("relative difference, maximum", percent(norms.relative_max)),
         ("RMS of log difference", format!("{:.4e}", norms.log_rms)),
         ("RMS of ln(1 + f cos θi) difference", format!("{:.4e}", norms.cosine_log_rms)),
-        (&format!("ΔE {of}, mean"), format!("{:.3}", picture.delta_e.mean)),
-        (&format!("ΔE {of}, 95th percentile"), format!("{:.3}", picture.delta_e.p95)),
-        (&format!("ΔE {of}, maximum"), format!("{:.3}", picture.delta_e.max)),
-        (&format!("ΔE2000 {of}, mean"), format!("{:.3}", picture.delta_e_2000.mean)),
+        (&format!("ΔE {of}, mean"), format!("{:.3}", rendering.delta_e.mean)),
+        (&format!("ΔE {of}, 95th percentile"), format!("{:.3}", rendering.delta_e.p95)),
+        (&format!("ΔE {of}, maximum"), format!("{:.3}", rendering.delta_e.max)),
+        (&format!("ΔE2000 {of}, mean"), format!("{:.3}", rendering.delta_e_2000.mean)),
         ("highlight, kept where least is", highlight_in_words(comparison)),
         ("largest albedo difference", format!("{:.3e}", comparison.albedo_max_difference)),
         ("reciprocity error of B", percent(comparison.reciprocity)),

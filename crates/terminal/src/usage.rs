@@ -28,7 +28,7 @@ pub fn wrong_value(error: &clap::Error) -> Option<String> {
         ErrorKind::ValueValidation => {}
         ErrorKind::InvalidUtf8 => {
             let wrong = std::env::args_os().find(|argument| argument.to_str().is_none())?;
-            return Some(format!("arguments: found {}; allowed UTF-8", wrong.display()));
+            return Some(format!("arguments: found {}, expected UTF-8", wrong.display()));
         }
         _ => return None,
     }
@@ -41,12 +41,12 @@ pub fn wrong_value(error: &clap::Error) -> Option<String> {
     let found = context(ContextKind::InvalidValue)?;
     let cause = error.source()?;
     let allowed = if cause.is::<ParseIntError>() {
-        "allowed a whole number".to_owned()
+        "expected a whole number".to_owned()
     } else if cause.is::<ParseFloatError>() {
-        "allowed a number".to_owned()
+        "expected a number".to_owned()
     } else {
         cause.to_string()
     };
     let found = if found.is_empty() { "nothing" } else { found };
-    allowed.starts_with("allowed ").then(|| format!("{flag}: found {found}; {allowed}"))
+    allowed.starts_with("expected ").then(|| format!("{flag}: found {found}, {allowed}"))
 }

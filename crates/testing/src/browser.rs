@@ -61,7 +61,7 @@ window.requestAnimationFrame = (draw) => frame((time) => {
 /// A file that a page may ask for: its path behind `/`, its media type, its bytes.
 pub type File<'a> = (&'a str, &'a str, &'a [u8]);
 
-/// How often a page is opened anew that says nothing, or whose browser lost its graphics process: on a busy machine it may.
+/// How often a page is opened again that says nothing, or whose browser lost its graphics process: on a busy machine it may.
 const ATTEMPTS: usize = 3;
 /// What a page says whose browser lost it.
 const LOST: &[u8] = b"error: OperationError: A valid external Instance reference no longer exists";
@@ -128,7 +128,7 @@ fn posted(listener: &TcpListener, files: &[File<'_>]) -> Option<Vec<u8>> {
     })
 }
 
-/// A page of `brdfc view` as a browser shows it: a picture of this size, by one interface (`webgl2`, `webgpu`), and a script behind
+/// A page of `brdfc view` as a browser shows it: a rendering of this size, by one interface (`webgl2`, `webgpu`), and a script behind
 /// its own.
 pub fn with_script(page: &str, [width, height]: [usize; 2], api: &str, script: &str) -> String {
     let size = format!("<style>#stage {{ width: {width}px; height: {height}px }}</style>");
@@ -139,7 +139,7 @@ pub fn with_script(page: &str, [width, height]: [usize; 2], api: &str, script: &
 
 /// Opens pages of a list one after the other, which costs less than a browser for each: `ADDRESSES`, `WIDTH`, `HEIGHT`.
 const IN_TURN: &str = "<!doctype html><body><script type='module'>
-const pictures = [];
+const renderings = [];
 for (const src of ADDRESSES) {
     const frame = Object.assign(document.createElement('iframe'), { src, width: WIDTH, height: HEIGHT });
     frame.style.border = 0;
@@ -147,22 +147,26 @@ for (const src of ADDRESSES) {
         addEventListener('message', ({ source, data }) => { if (source === frame.contentWindow) { done(data); } });
     });
     document.body.append(frame);
-    const picture = await said;
-    if (typeof picture === 'string') {
-        await fetch('/result', { method: 'POST', body: picture });
+    const rendering = await said;
+    if (typeof rendering === 'string') {
+        await fetch('/result', { method: 'POST', body: rendering });
     }
-    pictures.push(new Uint32Array([picture.size]), picture);
+    renderings.push(new Uint32Array([rendering.size]), rendering);
     frame.remove();
 }
-await fetch('/result', { method: 'POST', body: new Blob(pictures) });
+await fetch('/result', { method: 'POST', body: new Blob(renderings) });
 </script>";
 
-/// Pictures of the only canvas of each of these pages of files, some frames after it was opened, as the bytes of a PNG. `None`
+/// Renderings of the only canvas of each of these pages of files, some frames after it was opened, as the bytes of a PNG. `None`
 /// where there is no browser, which is said.
 ///
 /// # Panics
 /// Where a page says nothing, or that something failed.
-pub fn pictures_of_pages(addresses: &[String], [width, height]: [u32; 2], files: &[File<'_>]) -> Option<Vec<Vec<u8>>> {
+pub fn renderings_of_pages(
+    addresses: &[String],
+    [width, height]: [u32; 2],
+    files: &[File<'_>],
+) -> Option<Vec<Vec<u8>>> {
     let page = IN_TURN.replace("ADDRESSES", &format!("{addresses:?}"));
     let page = page.replace("WIDTH", &width.to_string()).replace("HEIGHT", &height.to_string());
     let is_asked = |name: &str| addresses.iter().any(|address| address.split('?').next() == Some(name));
@@ -180,16 +184,16 @@ pub fn pictures_of_pages(addresses: &[String], [width, height]: [u32; 2], files:
     let mut all = vec![("", "text/html", page.as_bytes())];
     all.extend(changed.iter().map(|(name, media, bytes)| (*name, *media, bytes.as_slice())));
     let posted = result_of_page(&all)?;
-    let (mut rest, mut pictures) = (posted.as_slice(), Vec::new());
+    let (mut rest, mut renderings) = (posted.as_slice(), Vec::new());
     while let Some((length, more)) = rest.split_first_chunk() {
-        let picture = more.split_at_checked(u32::from_le_bytes(*length) as usize);
-        let (png, more) = picture.unwrap_or_else(|| panic!("{}", String::from_utf8_lossy(&posted)));
+        let rendering = more.split_at_checked(u32::from_le_bytes(*length) as usize);
+        let (png, more) = rendering.unwrap_or_else(|| panic!("{}", String::from_utf8_lossy(&posted)));
         assert!(png.starts_with(b"\x89PNG"), "{}", String::from_utf8_lossy(&posted));
-        pictures.push(png.to_vec());
+        renderings.push(png.to_vec());
         rest = more;
     }
-    assert_eq!(pictures.len(), addresses.len());
-    Some(pictures)
+    assert_eq!(renderings.len(), addresses.len());
+    Some(renderings)
 }
 
 /// Answers one request; what was posted, if that was it.

@@ -306,11 +306,11 @@ mod tests {
             assert_eq!(decoder_of(&bindings), Ok(decoder));
             bindings.version += 1;
             let (found, allowed) = (bindings.version, bindings.version - 1);
-            let expected = format!("version of the decoder {}: found {found}; allowed {allowed}", kind.name());
+            let expected = format!("version of the decoder {}: found {found}, expected {allowed}", kind.name());
             assert_eq!(decoder_of(&bindings).unwrap_err().to_string(), expected);
         }
         let error = decoder_of(&Bindings::new("pwt", 1, [])).unwrap_err().to_string();
-        assert!(error.starts_with("decoder: found pwt; allowed table, ") && error.ends_with(", flat-btf"), "{error}");
+        assert!(error.starts_with("decoder: found pwt, expected table, ") && error.ends_with(", flat-btf"), "{error}");
     }
 
     #[test]

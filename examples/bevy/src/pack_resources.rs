@@ -130,7 +130,7 @@ mod tests {
         ] {
             let found = supported("it", texels(stored).sampled("s"), features);
             let refused = format!(
-                "texture it: found {} to filter; allowed a device with FLOAT32_FILTERABLE, or a pack encoded with --bits 8",
+                "texture it: found {} to filter, expected a device with FLOAT32_FILTERABLE, or a pack encoded with --bits 8",
                 stored.name()
             );
             let found = found.map(|texels| texels.format).map_err(|error| error.to_string());

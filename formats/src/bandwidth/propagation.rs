@@ -1,4 +1,4 @@
-//! How fast reflected light varies in a picture: propagation of local bandwidth from a light to a pixel, and the
+//! How fast reflected light varies in a rendering: propagation of local bandwidth from a light to a pixel, and the
 //! sampling rates that follow. Rules in words: `formats/src/bandwidth/propagation.md`.
 //!
 //! After Bagher, Soler, Subr, Belcour and Holzschuch 2012, "Interactive rendering of acquired materials on dynamic
@@ -291,7 +291,7 @@ pub fn sample_scale(mean_demand: f32, samples: f32) -> f32 {
 /// Samples of a shaded pixel (equation 7): `scale demand`, rounded up, in the range `fewest..=most`. `most` is at most 2^24.
 ///
 /// `demand` is `V` for the same relative error everywhere, as in the paper; its root, weighed by how errors show, for the
-/// least squared error of a picture (`propagation.md`, step 6).
+/// least squared error of a rendering (`propagation.md`, step 6).
 pub fn sample_count(demand: f32, scale: f32, fewest: u32, most: u32) -> u32 {
     let wanted = limited(scale * demand).ceil();
     wanted.max(fewest as f32).min(most as f32) as u32

@@ -1,4 +1,4 @@
-// How fast reflected light varies in a picture: propagation of local bandwidth from a light to a pixel, and the
+// How fast reflected light varies in a rendering: propagation of local bandwidth from a light to a pixel, and the
 // sampling rates that follow.
 //
 // After Bagher, Soler, Subr, Belcour and Holzschuch 2012, "Interactive rendering of acquired materials on dynamic

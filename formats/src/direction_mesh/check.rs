@@ -6,7 +6,7 @@ use crate::direction_set::MAX_DIRECTIONS;
 
 const FIELD: &str = "directions";
 /// Most triangles and segments for a direction: of n points there are fewer than 2 n triangles and 2 n segments.
-const MOST_TRIANGLES: usize = 4;
+const MAX_TRIANGLES: usize = 4;
 
 fn wrong(what: &str, found: impl ToString, allowed: impl Into<String>) -> FormatError {
     FormatError::whole(format!("{FIELD}, {what}"), found.to_string(), allowed)
@@ -23,7 +23,7 @@ pub(super) fn length(words: &[u32]) -> Result<usize, FormatError> {
     let [grid, directions, triangles, candidates] =
         [grid, directions, triangles, candidates].map(|word| usize::try_from(word).unwrap_or(usize::MAX));
     let cells = grid.saturating_mul(grid);
-    let most_triangles = MOST_TRIANGLES * directions.min(MAX_DIRECTIONS);
+    let most_triangles = MAX_TRIANGLES * directions.min(MAX_DIRECTIONS);
     for (what, found, range) in [
         ("side of the grid", grid, 1..=MAX_GRID),
         ("number", directions, 1..=MAX_DIRECTIONS),

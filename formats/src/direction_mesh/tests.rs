@@ -293,17 +293,17 @@ fn words_come_back_and_lead_nowhere_else() {
     let first_corner = first_candidate + candidates;
     let first_coordinate = first_corner + 3 * triangles;
     for (at, word, problem) in [
-        (0, 0, "directions, side of the grid: found 0; allowed 1 to 128"),
+        (0, 0, "directions, side of the grid: found 0, expected 1 to 128"),
         (0, u32::MAX, "directions, side of the grid: found 4294967295"),
-        (1, 0, "directions, number: found 0; allowed 1 to 2048"),
+        (1, 0, "directions, number: found 0, expected 1 to 2048"),
         (1, 2048, "directions, words: found"),
-        (2, u32::MAX, "directions, triangles and segments: found 4294967295; allowed 1 to 324"),
+        (2, u32::MAX, "directions, triangles and segments: found 4294967295, expected 1 to 324"),
         (3, u32::MAX, "directions, candidates: found 4294967295"),
         (4, 1, "directions, cells: found first candidates out of order"),
         (9, u32::MAX, "directions, cells: found first candidates out of order"),
         (first_candidate, triangles as u32, "directions, candidate 0: found"),
-        (first_corner + 2, 81, "directions, corner 2: found 81; allowed below 81"),
-        (first_coordinate + 5, f32::NAN.to_bits(), "directions, coordinate 5: found NaN; allowed -1 to 1"),
+        (first_corner + 2, 81, "directions, corner 2: found 81, expected below 81"),
+        (first_coordinate + 5, f32::NAN.to_bits(), "directions, coordinate 5: found NaN, expected -1 to 1"),
     ] {
         let mut words = mesh.words.clone();
         words[at] = word;

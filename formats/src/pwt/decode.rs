@@ -28,10 +28,10 @@ impl PwtDecoder {
         self.pack
     }
 
-    /// Linear RGB at a point of the picture under a light, 0 or more; black where the light is not above the horizon.
+    /// Linear RGB at a point of the rendering under a light, 0 or more; black where the light is not above the horizon.
     ///
-    /// `uv` is 0 to 1 across the picture, down from its top; beyond that a tile repeats and other pictures go on as at
-    /// their border. `level` is the mipmap level, 0 at the picture's own resolution; between whole ones two are blended.
+    /// `uv` is 0 to 1 across the rendering, down from its top; beyond that a tile repeats and other renderings go on as at
+    /// their border. `level` is the mipmap level, 0 at the rendering's own resolution; between whole ones two are blended.
     /// `light` is a unit vector.
     pub fn value(&self, uv: [f32; 2], level: f32, light: [f32; 3]) -> [f32; 3] {
         if light[2] <= 0.0 {
@@ -93,7 +93,7 @@ impl PwtDecoder {
         })
     }
 
-    /// Bytes that [`Self::unpacked`] takes. A small file may ask for many: a picture of 8192 x 8192 texels whose only
+    /// Bytes that [`Self::unpacked`] takes. A small file may ask for many: a rendering of 8192 x 8192 texels whose only
     /// texture is coarse.
     pub fn unpacked_bytes(&self, level: u32) -> u64 {
         let header = self.pack.header();
@@ -102,14 +102,14 @@ impl PwtDecoder {
         4 * texels * header.components().count() as u64
     }
 
-    /// A mipmap level of the picture, 0 to [`super::PwtHeader::levels`], with every term at its resolution: for whole
-    /// pictures. Beyond that it is the coarsest. Values are those of [`Self::channels`] at the centres of texels.
+    /// A mipmap level of the rendering, 0 to [`super::PwtHeader::levels`], with every term at its resolution: for whole
+    /// renderings. Beyond that it is the coarsest. Values are those of [`Self::channels`] at the centres of texels.
     pub fn unpacked(&self, level: u32) -> UnpackedLevel<'_> {
         let height = self.pack.header().size[1].div_ceil(1 << level.min(self.pack.header().levels));
         self.unpacked_rows(level, 0..height as usize)
     }
 
-    /// Some rows of [`Self::unpacked`], for pictures that are better not held whole.
+    /// Some rows of [`Self::unpacked`], for renderings that are better not held whole.
     ///
     /// # Panics
     /// If there are no such rows.
@@ -197,7 +197,7 @@ impl PwtDecoder {
     }
 }
 
-/// A mipmap level of a picture, ready for many lights.
+/// A mipmap level of a rendering, ready for many lights.
 #[derive(Debug, Clone)]
 pub struct UnpackedLevel<'a> {
     decoder: &'a PwtDecoder,
@@ -205,7 +205,7 @@ pub struct UnpackedLevel<'a> {
     left_out: usize,
     /// Columns, and rows that are here.
     size: [usize; 2],
-    /// Channel, term, and a value per texel of the picture.
+    /// Channel, term, and a value per texel of the rendering.
     planes: Vec<(usize, usize, Vec<f32>)>,
 }
 
@@ -221,7 +221,7 @@ impl UnpackedLevel<'_> {
     /// If they are not here.
     pub fn rows(&self, rows: Range<usize>, weights: &[f32; MAX_TERMS]) -> Vec<[f32; 3]> {
         let width = self.size[0];
-        let mut picture = Vec::with_capacity(rows.len() * width);
+        let mut rendering = Vec::with_capacity(rows.len() * width);
         let mut channels = [vec![0.0f32; width], vec![0.0; width], vec![0.0; width]];
         for row in rows.start - self.left_out..rows.end - self.left_out {
             channels.iter_mut().for_each(|channel| channel.fill(0.0));
@@ -232,8 +232,8 @@ impl UnpackedLevel<'_> {
                 }
             }
             let colours = self.decoder.linear_each(&channels);
-            picture.extend((0..width).map(|x| [colours[0][x], colours[1][x], colours[2][x]]));
+            rendering.extend((0..width).map(|x| [colours[0][x], colours[1][x], colours[2][x]]));
         }
-        picture
+        rendering
     }
 }

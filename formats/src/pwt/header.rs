@@ -12,11 +12,11 @@ use std::ops::RangeInclusive;
 pub const PWT_ENTRY: &str = "brdfc.pwt";
 /// Most textures of a pack.
 pub const MAX_TEXTURES: usize = 4;
-/// Most texels per side of the picture.
+/// Most texels per side of the rendering.
 pub const MAX_SIDE: u32 = 8192;
 /// Most numbers of all layers together.
 pub const MAX_COMPONENTS: usize = 128;
-/// Most mipmap levels below the finest texels of the picture.
+/// Most mipmap levels below the finest texels of the rendering.
 pub const MAX_LEVEL: u32 = 12;
 
 const VERSION: u32 = 1;
@@ -43,7 +43,7 @@ impl Component {
 /// What one of a pack's textures holds.
 #[derive(Debug, Clone, PartialEq)]
 pub struct TextureHeader {
-    /// How often the picture's sides were halved for its finest texels.
+    /// How often the rendering's sides were halved for its finest texels.
     pub level: u32,
     /// Numbers of a texel: 1, 2 or 4.
     pub channels: u32,
@@ -76,14 +76,14 @@ pub struct PwtErrors {
 /// What a pack says of itself.
 #[derive(Debug, Clone, PartialEq)]
 pub struct PwtHeader {
-    /// Columns and rows of the picture, each 1 to [`MAX_SIDE`].
+    /// Columns and rows of the rendering, each 1 to [`MAX_SIDE`].
     pub size: [u32; 2],
-    /// Columns and rows of texels at the picture's own resolution: the picture and what fills it up to whole texels of
+    /// Columns and rows of texels at the rendering's own resolution: the rendering and what fills it up to whole texels of
     /// all levels.
     pub extent: [u32; 2],
-    /// Whether the picture is a tile that repeats. Its extent is then its size.
+    /// Whether the rendering is a tile that repeats. Its extent is then its size.
     pub repeats: bool,
-    /// The coarsest mipmap level, counted from the picture's own resolution; each halves all sides exactly.
+    /// The coarsest mipmap level, counted from the rendering's own resolution; each halves all sides exactly.
     pub levels: u32,
     /// Terms of the light.
     pub basis: LightBasis,

@@ -7,7 +7,7 @@ use crate::container::entries::entry;
 use crate::container::{Extent, MAX_TEXEL_BYTES, TexelFormat, Texture};
 use std::collections::BTreeMap;
 
-/// A light-dependent picture: every term of the light as mipmapped texels, from the level on that it needs.
+/// A light-dependent rendering: every term of the light as mipmapped texels, from the level on that it needs.
 #[derive(Debug, Clone, PartialEq)]
 pub struct PwtPack {
     header: PwtHeader,

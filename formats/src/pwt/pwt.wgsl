@@ -2,7 +2,7 @@
 // not have are any others. Every function has a twin in formats/src/pwt.
 
 struct PwtParameters {
-    size: vec2<f32>,          // columns and rows of the picture
+    size: vec2<f32>,          // columns and rows of the rendering
     extent: vec2<f32>,        // and of its texels
     repeats: u32,             // 1: a tile
     coordinates: u32,         // of the light: 0 paraboloid, 1 projected, 2 hemisphere
@@ -12,7 +12,7 @@ struct PwtParameters {
     textures: u32,
     levels: u32,              // coarsest mipmap level
     reserved: u32,
-    first_level: vec4<u32>,   // of each texture, how often the picture's sides were halved
+    first_level: vec4<u32>,   // of each texture, how often the rendering's sides were halved
     layers: vec4<u32>,        // of each texture
     channels: vec4<u32>,      // of each texture
     colour: array<vec4<f32>, 3>,
@@ -30,7 +30,7 @@ struct PwtParameters {
 
 const PWT_LARGEST: f32 = 65504.0;
 
-// Linear RGB at a point of the picture, 0 to 1 across it and down from its top. Level 0 is the picture's own resolution.
+// Linear RGB at a point of the rendering, 0 to 1 across it and down from its top. Level 0 is the rendering's own resolution.
 // `wi` is a unit vector to the light.
 fn pwt_value(uv: vec2<f32>, level: f32, wi: vec3<f32>) -> vec3<f32> {
     if wi.z <= 0.0 {

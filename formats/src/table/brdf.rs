@@ -7,7 +7,7 @@ use crate::crop::DirectionRange;
 use crate::direction::DirectionPair;
 use crate::symmetry::Symmetry;
 use crate::wavelet::Filter;
-use crate::{Brdf, BrdfDecoder, ErrorSummary, PictureSummary};
+use crate::{Brdf, BrdfDecoder, ErrorSummary, RenderingSummary};
 
 impl Brdf for TablePack {
     fn variant(&self) -> &'static str {
@@ -42,8 +42,8 @@ impl Brdf for TablePack {
         self.off_grid
     }
 
-    fn picture(&self) -> Option<PictureSummary> {
-        Some(self.picture)
+    fn rendering(&self) -> Option<RenderingSummary> {
+        Some(self.rendering)
     }
 
     fn bindings(&self) -> Bindings<'_> {

@@ -11,7 +11,7 @@ pub(super) const CURVE: &str = "table_brdf_curve";
 /// Fewest and most nodes.
 const NODES: std::ops::RangeInclusive<usize> = 2..=256;
 /// Most levels of detail besides the finest.
-const MOST_LEVELS: u32 = 15;
+const MAX_LEVELS: u32 = 15;
 
 /// A curve over `θ_h` that is added to the table: logarithms at nodes that stand at `θ_h = (k / (n - 1))² π/2`. A row for
 /// each level of detail, the finest first. Halves are finest near 0, where a table's curve has what is seen most.
@@ -89,7 +89,7 @@ impl Curve {
         let refused = |field: &str, found: String, allowed: &str| {
             Err(FormatError::whole(format!("{CURVE} {field}"), found, allowed))
         };
-        FormatError::check_range(format!("{CURVE} levels"), self.levels, 0..=MOST_LEVELS)?;
+        FormatError::check_range(format!("{CURVE} levels"), self.levels, 0..=MAX_LEVELS)?;
         let row = self.format.texel_bytes() * (self.levels as usize + 1);
         if !self.texels.len().is_multiple_of(row) {
             return refused("rows", format!("{} bytes", self.texels.len()), "rows of one length");

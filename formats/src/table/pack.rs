@@ -6,7 +6,7 @@ use crate::bindings::PackFile;
 use crate::container::entries::{check_texels, entry, sized};
 use crate::container::{Extent, TexelFormat, half, rgb10a2};
 use crate::crop::{Crop, DirectionRange, Window};
-use crate::{ErrorSummary, FormatError, PictureSummary};
+use crate::{ErrorSummary, FormatError, RenderingSummary};
 use std::collections::BTreeMap;
 
 const ERRORS: &str = "brdfc.table.errors";
@@ -22,8 +22,8 @@ pub struct TablePack {
     crop: Option<Crop>,
     /// What a user sees: the filtered pack against the source, at direction pairs that depend on no grid.
     pub off_grid: ErrorSummary,
-    /// How different pictures of both look.
-    pub picture: PictureSummary,
+    /// How different renderings of both look.
+    pub rendering: RenderingSummary,
 }
 
 impl TablePack {
@@ -48,8 +48,8 @@ impl TablePack {
             }
             _ => all.flat_map(|value| rgb10a2::encode(*value).to_le_bytes()).collect(),
         };
-        let (off_grid, picture) = (ErrorSummary::default(), PictureSummary::default());
-        Ok(Self { header, texels, curve: None, crop: None, off_grid, picture })
+        let (off_grid, rendering) = (ErrorSummary::default(), RenderingSummary::default());
+        Ok(Self { header, texels, curve: None, crop: None, off_grid, rendering })
     }
 
     /// The pack with a curve of as many channels added: a factored pack.
@@ -149,7 +149,7 @@ impl TablePack {
 
     /// The bytes of the KTX2 file.
     pub fn to_bytes(&self, supercompress: bool) -> Vec<u8> {
-        let errors = [&self.off_grid.to_bytes()[..], &self.picture.to_bytes()[..]].concat();
+        let errors = [&self.off_grid.to_bytes()[..], &self.rendering.to_bytes()[..]].concat();
         let mut entries =
             BTreeMap::from([(TABLE_ENTRY.to_owned(), self.header.to_bytes()), (ERRORS.to_owned(), errors)]);
         entries.extend(self.crop.as_ref().map(Crop::entry));
@@ -178,12 +178,12 @@ impl TablePack {
         let [width, height] = crop.map_or([columns, rows], |crop| crop.window.size);
         let extent = Extent::D3([width, height, slices]);
         check_texels(&texture, "texture", extent, header.texel_format(), TABLE_ENTRY)?;
-        let errors = sized(entry(&texture, ERRORS, WHAT)?, ERRORS, ErrorSummary::BYTES + PictureSummary::BYTES)?;
-        let (off_grid, picture) = errors.split_at(ErrorSummary::BYTES);
+        let errors = sized(entry(&texture, ERRORS, WHAT)?, ERRORS, ErrorSummary::BYTES + RenderingSummary::BYTES)?;
+        let (off_grid, rendering) = errors.split_at(ErrorSummary::BYTES);
         let off_grid = ErrorSummary::from_bytes(off_grid, ERRORS)?;
-        let picture = PictureSummary::from_bytes(picture, ERRORS)?;
+        let rendering = RenderingSummary::from_bytes(rendering, ERRORS)?;
         let curve = curve.map(|texture| Curve::from_texture(texture, header.channels)).transpose()?;
-        let pack = Self { header, texels: texture.texels, curve, crop, off_grid, picture };
+        let pack = Self { header, texels: texture.texels, curve, crop, off_grid, rendering };
         pack.check_texels()?;
         file.check_same(&pack.bindings())?;
         Ok(pack)

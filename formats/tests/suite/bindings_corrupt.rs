@@ -75,72 +75,76 @@ fn lines_out_of_rule_are_named() {
     let name = |name: &str| format!("42 {name} texture");
     for (old, new, expected) in [
         // The first line.
-        ("decoder marble 1", "decoder marble", "line 1: found decoder marble; allowed 'decoder'"),
-        ("decoder marble 1", "codec marble 1", "line 1: found codec marble 1; allowed 'decoder'"),
-        ("decoder marble 1", "decoder Marble 1", "line 1: found decoder Marble 1; allowed 'decoder'"),
-        ("decoder marble 1", "decoder marble 0", "line 1: found 0; allowed 1 to 4294967295"),
-        ("decoder marble 1", "decoder marble 01", "line 1: found 01; allowed 1 to"),
-        ("decoder marble 1", "decoder marble 1 ", "line 1: found decoder marble 1 ; allowed"),
+        ("decoder marble 1", "decoder marble", "line 1: found decoder marble, expected 'decoder'"),
+        ("decoder marble 1", "codec marble 1", "line 1: found codec marble 1, expected 'decoder'"),
+        ("decoder marble 1", "decoder Marble 1", "line 1: found decoder Marble 1, expected 'decoder'"),
+        ("decoder marble 1", "decoder marble 0", "line 1: found 0, expected 1 to 4294967295"),
+        ("decoder marble 1", "decoder marble 01", "line 1: found 01, expected 1 to"),
+        ("decoder marble 1", "decoder marble 1 ", "line 1: found decoder marble 1 , expected"),
         // Words of a line.
-        ("\n0 brdfc_frame frame", "\n", "line 2: found ; allowed a slot, a name, and what is bound"),
-        ("\n0 brdfc_frame frame", "\n0 brdfc_frame", "line 2: found 0 brdfc_frame; allowed a slot, a name"),
-        ("0 brdfc_frame frame", "0 brdfc_frame frame\r", "line 2: found 0 brdfc_frame frame\r; allowed frame, uniform"),
-        ("0 brdfc_frame frame", "1 brdfc_frame frame", "line 2: found 1; allowed slot 0 of a frame"),
-        ("0 brdfc_frame frame", "0 brdfc_frame frame 16", "line 2: found 0 brdfc_frame frame 16; allowed frame"),
-        ("sampler repeat", "buffer 16", "line 7: found 44 marble_sampler buffer 16; allowed frame, uniform, texture"),
-        ("sampler repeat", "sampler", "line 7: found 44 marble_sampler sampler; allowed"),
-        ("sampler repeat", "sampler mirror", "line 7: found mirror; allowed clamp or repeat"),
-        (" 32\n", "  32\n", "line 3: found 40 marble_sizes uniform  32; allowed"),
+        ("\n0 brdfc_frame frame", "\n", "line 2: found , expected a slot, a name, and what is bound"),
+        ("\n0 brdfc_frame frame", "\n0 brdfc_frame", "line 2: found 0 brdfc_frame, expected a slot, a name"),
+        (
+            "0 brdfc_frame frame",
+            "0 brdfc_frame frame\r",
+            "line 2: found 0 brdfc_frame frame\r, expected frame, uniform",
+        ),
+        ("0 brdfc_frame frame", "1 brdfc_frame frame", "line 2: found 1, expected slot 0 of a frame"),
+        ("0 brdfc_frame frame", "0 brdfc_frame frame 16", "line 2: found 0 brdfc_frame frame 16, expected frame"),
+        ("sampler repeat", "buffer 16", "line 7: found 44 marble_sampler buffer 16, expected frame, uniform, texture"),
+        ("sampler repeat", "sampler", "line 7: found 44 marble_sampler sampler, expected"),
+        ("sampler repeat", "sampler mirror", "line 7: found mirror, expected clamp or repeat"),
+        (" 32\n", "  32\n", "line 3: found 40 marble_sizes uniform  32, expected"),
         // Slots.
-        ("40 marble", "1000 marble", "line 3: found 1000; allowed 0 to 999"),
-        ("40 marble", "-1 marble", "line 3: found -1; allowed 0 to 999"),
-        ("40 marble", "+40 marble", "line 3: found +40; allowed 0 to 999"),
-        ("40 marble", "4294967336 marble", "line 3: found 4294967336; allowed 0 to 999"),
-        ("42 marble", "41 marble", "line 5: found slot 41; allowed slots that rise, each once"),
-        ("42 marble", "3 marble", "line 5: found slot 3; allowed slots that rise, each once"),
+        ("40 marble", "1000 marble", "line 3: found 1000, expected 0 to 999"),
+        ("40 marble", "-1 marble", "line 3: found -1, expected 0 to 999"),
+        ("40 marble", "+40 marble", "line 3: found +40, expected 0 to 999"),
+        ("40 marble", "4294967336 marble", "line 3: found 4294967336, expected 0 to 999"),
+        ("42 marble", "41 marble", "line 5: found slot 41, expected slots that rise, each once"),
+        ("42 marble", "3 marble", "line 5: found slot 3, expected slots that rise, each once"),
         // Names.
         ("42 marble_words texture", &name("marble words"), "line 5: found 42 marble words"),
-        ("42 marble_words texture", &name("Marble"), "line 5: found Marble; allowed a name of a to z"),
-        ("42 marble_words texture", &name("../marble"), "line 5: found ../marble; allowed a name of a to z"),
-        ("42 marble_words texture", &name("marble\0"), "line 5: found marble\0; allowed a name of a to z"),
-        ("42 marble_words texture", &name("märble"), "line 5: found märble; allowed a name of a to z"),
-        ("42 marble_words texture", &name(""), "line 5: found ; allowed a name of a to z"),
+        ("42 marble_words texture", &name("Marble"), "line 5: found Marble, expected a name of a to z"),
+        ("42 marble_words texture", &name("../marble"), "line 5: found ../marble, expected a name of a to z"),
+        ("42 marble_words texture", &name("marble\0"), "line 5: found marble\0, expected a name of a to z"),
+        ("42 marble_words texture", &name("märble"), "line 5: found märble, expected a name of a to z"),
+        ("42 marble_words texture", &name(""), "line 5: found , expected a name of a to z"),
         ("42 marble_words texture", &name(&long), "line 5: found xxx"),
         (
             "42 marble_words texture",
             &name("marble_sizes"),
-            "line 5: found marble_sizes; allowed a name that stands once",
+            "line 5: found marble_sizes, expected a name that stands once",
         ),
         // Uniform blocks.
-        ("uniform 32", "uniform 0", "line 3: found 0; allowed 16 to 16384"),
-        ("uniform 32", "uniform 20", "line 3: found 20; allowed a multiple of 16"),
-        ("uniform 32", "uniform 16400", "line 3: found 16400; allowed 16 to 16384"),
-        ("uniform 32", "uniform", "line 3: found 40 marble_sizes uniform; allowed"),
+        ("uniform 32", "uniform 0", "line 3: found 0, expected 16 to 16384"),
+        ("uniform 32", "uniform 20", "line 3: found 20, expected a multiple of 16"),
+        ("uniform 32", "uniform 16400", "line 3: found 16400, expected 16 to 16384"),
+        ("uniform 32", "uniform", "line 3: found 40 marble_sizes uniform, expected"),
         // Textures.
-        ("texture entry 2d-array", "texture there 2d-array", "line 5: found there; allowed file or entry or empty"),
-        ("entry 2d-array", "entry cube", "line 5: found cube of [2, 1, 2]; allowed 2d, 2d-array or 3d"),
-        ("entry 2d-array", "entry 2d", "line 5: found 2d of [2, 1, 2]; allowed 2d, 2d-array or 3d"),
-        ("r32uint", "r32float", "line 5: found r32float; allowed a texel format of packs"),
-        ("r32uint", "r8unorm-srgb", "line 5: found r8unorm-srgb; allowed a texel format of packs"),
-        ("r32uint 2 1 2", "r32uint 0 1 2", "line 5: found 0; allowed 1 to"),
-        ("r32uint 2 1 2", "r32uint 2 8193 2", "line 5: found 2d-array of [2, 8193, 2]; allowed 2d, 2d-array"),
-        ("r32uint 2 1 2", "r32uint 2 1 2049", "line 5: found 2d-array of [2, 1, 2049]; allowed 2d, 2d-array"),
+        ("texture entry 2d-array", "texture there 2d-array", "line 5: found there, expected file or entry or empty"),
+        ("entry 2d-array", "entry cube", "line 5: found cube of [2, 1, 2], expected 2d, 2d-array or 3d"),
+        ("entry 2d-array", "entry 2d", "line 5: found 2d of [2, 1, 2], expected 2d, 2d-array or 3d"),
+        ("r32uint", "r32float", "line 5: found r32float, expected a texel format of packs"),
+        ("r32uint", "r8unorm-srgb", "line 5: found r8unorm-srgb, expected a texel format of packs"),
+        ("r32uint 2 1 2", "r32uint 0 1 2", "line 5: found 0, expected 1 to"),
+        ("r32uint 2 1 2", "r32uint 2 8193 2", "line 5: found 2d-array of [2, 8193, 2], expected 2d, 2d-array"),
+        ("r32uint 2 1 2", "r32uint 2 1 2049", "line 5: found 2d-array of [2, 1, 2049], expected 2d, 2d-array"),
         (
             "r32uint 2 1 2",
             "r32uint 4294967295 4294967295 4294967295",
-            "line 5: found 2d-array of [4294967295, 4294967295, 4294967295]; allowed",
+            "line 5: found 2d-array of [4294967295, 4294967295, 4294967295], expected",
         ),
-        ("2 1 2 1 -", "2 1 2 0 -", "line 5: found 0; allowed 1 to 2"),
-        ("2 1 2 1 -", "2 1 2 3 -", "line 5: found 3; allowed 1 to 2"),
+        ("2 1 2 1 -", "2 1 2 0 -", "line 5: found 0, expected 1 to 2"),
+        ("2 1 2 1 -", "2 1 2 3 -", "line 5: found 3, expected 1 to 2"),
         ("2 1 2 1 -", "2 1 2 1", "line 5: found 42 marble_words texture"),
-        ("rg8unorm 1 1 1 1", "rg8unorm 2 1 1 1", "line 8: found [2, 1, 1]; allowed one texel where nothing is stored"),
+        ("rg8unorm 1 1 1 1", "rg8unorm 2 1 1 1", "line 8: found [2, 1, 1], expected one texel where nothing is stored"),
         // Samplers of textures.
-        ("1 1 marble_sampler", "1 1 marble_curve", "line 6: found marble_curve; allowed a sampler of the list, or -"),
-        ("1 1 marble_sampler", "1 1 sampler", "line 6: found sampler; allowed a sampler of the list, or -"),
+        ("1 1 marble_sampler", "1 1 marble_curve", "line 6: found marble_curve, expected a sampler of the list, or -"),
+        ("1 1 marble_sampler", "1 1 sampler", "line 6: found sampler, expected a sampler of the list, or -"),
         (
             "2 1 2 1 -",
             "2 1 2 1 marble_sampler",
-            "line 5: found marble_sampler; allowed -, as integers are not filtered",
+            "line 5: found marble_sampler, expected -, as integers are not filtered",
         ),
         // The file's own texture.
         (
@@ -148,7 +152,7 @@ fn lines_out_of_rule_are_named() {
             "veins texture empty 2d r8unorm 1 1 1 1",
             ": found 0 bindings of the",
         ),
-        ("words texture entry", "words texture file", ": found 2 bindings of the file's own texture; allowed one"),
+        ("words texture entry", "words texture file", ": found 2 bindings of the file's own texture, expected one"),
     ] {
         println!("{old:?} -> {new:?}");
         let mut texture = texture();
@@ -174,8 +178,8 @@ fn the_entry_is_lines_with_an_end() {
         assert!(error.starts_with(BINDINGS_ENTRY), "{error}");
     }
     let latin = [&good[..20], &[0xe4], &good[20..]].concat();
-    assert!(with_list(&latin).ends_with("allowed lines of UTF-8 and a zero byte"));
-    assert!(with_list(b"decoder marble 1\n\0").starts_with("brdfc.bindings bindings: found none; allowed 1 to 32"));
+    assert!(with_list(&latin).ends_with("expected lines of UTF-8 and a zero byte"));
+    assert!(with_list(b"decoder marble 1\n\0").starts_with("brdfc.bindings bindings: found none, expected 1 to 32"));
 }
 
 /// A pack with a texture of its own and these bindings besides.
@@ -197,11 +201,11 @@ fn more_than_a_device_has_is_refused() {
     let uniform = |slot| Binding::uniform(slot, named(slot), vec![0; 16]);
     let refused = |result: Result<PackFile, FormatError>| result.unwrap_err().to_string();
     assert_eq!(crowd((1..16).map(texture)).unwrap().bindings.all.len(), 16);
-    assert_eq!(refused(crowd((1..17).map(texture))), "brdfc.bindings textures: found 17; allowed at most 16");
+    assert_eq!(refused(crowd((1..17).map(texture))), "brdfc.bindings textures: found 17, expected at most 16");
     assert!(crowd((1..17).map(sampler)).is_ok());
-    assert_eq!(refused(crowd((1..18).map(sampler))), "brdfc.bindings samplers: found 17; allowed at most 16");
+    assert_eq!(refused(crowd((1..18).map(sampler))), "brdfc.bindings samplers: found 17, expected at most 16");
     assert!(crowd((1..13).map(uniform)).is_ok());
-    assert_eq!(refused(crowd((1..14).map(uniform))), "brdfc.bindings uniform blocks: found 13; allowed at most 12");
+    assert_eq!(refused(crowd((1..14).map(uniform))), "brdfc.bindings uniform blocks: found 13, expected at most 12");
     let mixed = |count: u32| crowd((1..count).map(|slot| if slot < 16 { texture(slot) } else { sampler(slot) }));
     assert_eq!(mixed(31).unwrap().bindings.all.len(), 31);
     let many = crowd((1..=MAX_BINDINGS as u32).map(|slot| match slot {
@@ -209,7 +213,7 @@ fn more_than_a_device_has_is_refused() {
         16..30 => sampler(slot),
         _ => uniform(slot),
     }));
-    assert_eq!(refused(many), "brdfc.bindings bindings: found more than 32; allowed 1 to 32");
+    assert_eq!(refused(many), "brdfc.bindings bindings: found more than 32, expected 1 to 32");
 }
 
 #[test]
@@ -217,7 +221,7 @@ fn entries_are_those_that_bindings_name() {
     for (key, line) in [("brdfc.uniform.marble_sizes", 3), (WORDS, 5)] {
         let mut missing = texture();
         missing.entries.remove(key);
-        let expected = format!("{key}: found no such entry; allowed one, as brdfc.bindings line {line} says");
+        let expected = format!("{key}: found no such entry, expected one, as brdfc.bindings line {line} says");
         assert_eq!(refusal(&missing).to_string(), expected);
     }
     for (change, found) in [(-16isize, 16), (-1, 31), (1, 33), (16, 48)] {
@@ -225,7 +229,7 @@ fn entries_are_those_that_bindings_name() {
         let block = resized.entries.get_mut("brdfc.uniform.marble_sizes").unwrap();
         block.resize(block.len().saturating_add_signed(change), 0);
         let expected =
-            format!("brdfc.uniform.marble_sizes: found {found} bytes; allowed 32, as brdfc.bindings line 3 says");
+            format!("brdfc.uniform.marble_sizes: found {found} bytes, expected 32, as brdfc.bindings line 3 says");
         assert_eq!(refusal(&resized).to_string(), expected);
     }
     // Of no binding, or of one of another kind.
@@ -245,7 +249,7 @@ fn entries_are_those_that_bindings_name() {
     let at = bytes.windows(15).position(|bytes| bytes == b"brdfc.bindingz\0").unwrap();
     bytes[at + 13] = b's';
     let error = PackFile::from_bytes(&sealed(bytes)).unwrap_err().to_string();
-    assert_eq!(error, "brdfc.bindings: found two entries of this name; allowed one");
+    assert_eq!(error, "brdfc.bindings: found two entries of this name, expected one");
 }
 
 /// Images are as their lines say, in entries and of the file itself.
@@ -256,7 +260,7 @@ fn images_are_as_bindings_say() {
         change_image(&mut texture, "marble_words", change);
         refusal(&texture).to_string()
     };
-    let says = "allowed 1 levels of 2 layers of 2 x 1 texels of r32uint, as brdfc.bindings line 5 says";
+    let says = "expected 1 levels of 2 layers of 2 x 1 texels of r32uint, as brdfc.bindings line 5 says";
     let resize = |image: &mut Texture| {
         image.texels.resize(image.extent.texels_of_levels(image.levels) as usize * image.format.texel_bytes(), 0);
     };
@@ -280,12 +284,12 @@ fn images_are_as_bindings_say() {
     (file.extent, file.levels) = (Extent::D2([2, 4]), 3);
     resize(&mut file);
     let error = refusal(&file).to_string();
-    let expected = "texture: found 3 levels of 2 x 4 texels of r8unorm; allowed 3 levels of 4 x 2 texels of r8unorm";
+    let expected = "texture: found 3 levels of 2 x 4 texels of r8unorm, expected 3 levels of 4 x 2 texels of r8unorm";
     assert!(error.starts_with(expected), "{error}");
     // An image is no pack.
     for key in [BINDINGS_ENTRY, "brdfc.checksum", "brdfc.note"] {
         let error = with_words(&|image| drop(image.entries.insert(key.to_owned(), vec![0; 4])));
-        assert_eq!(error, format!("{WORDS}, entries: found {key}; allowed none of brdfc"));
+        assert_eq!(error, format!("{WORDS}, entries: found {key}, expected none of brdfc"));
     }
     // No file, or the beginning of one.
     let image = texture().entries[WORDS].clone();
@@ -309,7 +313,7 @@ fn images_that_unpack_to_very_much_are_refused_unread() {
     rebind(&mut texture, "r32uint 2 1 2 1 -", "r32uint 8192 8192 4 1 -");
     let error = refusal(&texture).to_string();
     let expected =
-        "brdfc.bindings line 5: found 1073741824 bytes of texels more; allowed at most 1073741824 of all images";
+        "brdfc.bindings line 5: found 1073741824 bytes of texels more, expected at most 1073741824 of all images";
     assert_eq!(error, expected);
     // A frame that declares what its line says, in a few bytes.
     rebind(&mut texture, "r32uint 8192 8192 4 1 -", "r32uint 8192 8192 3 1 -");
@@ -338,7 +342,7 @@ fn files_without_their_checksum_are_refused() {
     for value in [Vec::new(), vec![0; 3], vec![0; 5], vec![0; 8]] {
         let mut texture = texture();
         texture.entries.insert("brdfc.checksum".to_owned(), value);
-        assert_eq!(refusal(&texture).to_string(), "brdfc.checksum: found none; allowed one of 4 bytes");
+        assert_eq!(refusal(&texture).to_string(), "brdfc.checksum: found none, expected one of 4 bytes");
     }
     let mut longer = bytes.clone();
     longer.push(0);

@@ -68,18 +68,18 @@ fn level_counts_are_held_against_the_extent() {
         let bytes = three_levels().to_bytes(supercompress);
         for count in [0u32, 4, 32, u32::MAX] {
             let error = read_texture(&with(&bytes, 40, &count.to_le_bytes())).unwrap_err();
-            assert_eq!(error.to_string(), format!("byte 40, levelCount: found {count}; allowed 1 to 3"));
+            assert_eq!(error.to_string(), format!("byte 40, levelCount: found {count}, expected 1 to 3"));
         }
         // A count that is too small leaves level 0 where it was; packs of one level still want one.
         let fewer = read_texture(&with(&bytes, 40, &[2])).unwrap();
         assert_eq!((fewer.levels, &fewer.texels[..]), (2, &three_levels().texels[..17]));
         assert_eq!(Texture::from_bytes(&with(&bytes, 40, &[1])).unwrap().texels, three_levels().texels[..15]);
         let error = Texture::from_bytes(&bytes).unwrap_err().to_string();
-        assert_eq!(error, "byte 40, levelCount: found 3; allowed 1");
+        assert_eq!(error, "byte 40, levelCount: found 3, expected 1");
     }
     let single = Texture { levels: 1, extent: Extent::D2Array([1, 1, 18]), ..three_levels() }.to_bytes(false);
     let error = read_texture(&with(&single, 40, &[2])).unwrap_err().to_string();
-    assert_eq!(error, "byte 40, levelCount: found 2; allowed 1");
+    assert_eq!(error, "byte 40, levelCount: found 2, expected 1");
 }
 
 #[test]
@@ -90,7 +90,7 @@ fn all_levels_together_are_held_against_the_limit() {
         assert_eq!(PackedTexture::from_bytes(&bytes).unwrap().texel_bytes(), 18);
         assert!(unpacked(18).unwrap() == three_levels());
         let error = unpacked(17).unwrap_err().to_string();
-        assert_eq!(error, "byte 20, texture: found 18 bytes of texels; allowed at most 17");
+        assert_eq!(error, "byte 20, texture: found 18 bytes of texels, expected at most 17");
     }
     // Level 0 alone is at the limit of every texture; the next is past it.
     let mut bytes = three_levels().to_bytes(false);
@@ -116,7 +116,7 @@ fn levels_that_are_not_where_and_what_the_index_says_are_refused() {
         for (level, size) in [(0, 15), (1, 2), (2, 1)] {
             let error = refused(&with(&bytes, entry(level) + 16, &[size + 1]));
             let place = entry(level) + 16;
-            let found = format!("found {}; allowed {size}, as format and extent say", size + 1);
+            let found = format!("found {}, expected {size}, as format and extent say", size + 1);
             assert_eq!(error.to_string(), format!("byte {place}, uncompressedByteLength: {found}"));
         }
         // One level in the bytes of another, from its first or its last on.
@@ -132,7 +132,7 @@ fn levels_that_are_not_where_and_what_the_index_says_are_refused() {
         }
         let overlapping = with(&bytes, entry(2), &offset(1).to_le_bytes());
         let error = refused(&overlapping).to_string();
-        let allowed = "allowed what is outside the bytes of level 1";
+        let allowed = "expected what is outside the bytes of level 1";
         assert_eq!(error, format!("byte 128, byteOffset: found {}; {allowed}", offset(1)));
         // Past the end of the file, and past all offsets.
         for place in [bytes.len() as u64, u64::MAX] {
@@ -189,7 +189,7 @@ fn frames_of_levels_are_held_to_their_own_size() {
     frames[0] = vec![0x28, 0xb5, 0x2f, 0xfd, 0x20, 15];
     frames[2] = [&[0x28, 0xb5, 0x2f, 0xfd, 0xa0][..], &u32::MAX.to_le_bytes()].concat();
     let error = read_texture(&file(&frames)).unwrap_err().to_string();
-    assert_eq!(error, "level 2: found a frame of 4294967295 bytes; allowed Zstandard data of 1 bytes");
+    assert_eq!(error, "level 2: found a frame of 4294967295 bytes, expected Zstandard data of 1 bytes");
 }
 
 #[test]

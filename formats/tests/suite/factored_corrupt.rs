@@ -39,20 +39,20 @@ fn entries_of_other_lengths_are_refused() {
     for (entry, long, short, without) in [
         (
             "brdfc.flat-btf.factored",
-            "157 bytes; allowed 156 bytes, as groups says",
+            "157 bytes, expected 156 bytes, as groups says",
             "60 bytes or more",
-            "direction_mesh_words: found meshes of 3 views and 3 lights; allowed none",
+            "direction_mesh_words: found meshes of 3 views and 3 lights, expected none",
         ),
         (
             "brdfc.flat-btf.weights",
-            "137 bytes; allowed 136 bytes",
-            "3 bytes; allowed 8 bytes or more",
+            "137 bytes, expected 136 bytes",
+            "3 bytes, expected 8 bytes or more",
             "brdfc.flat-btf.weights: found only ",
         ),
         (
             "brdfc.flat-btf.shadow",
-            "5 bytes; allowed 4 bytes",
-            "3 bytes; allowed 4 bytes",
+            "5 bytes, expected 4 bytes",
+            "3 bytes, expected 4 bytes",
             "brdfc.flat-btf.shadow: found only ",
         ),
     ] {
@@ -76,27 +76,27 @@ fn entries_of_other_lengths_are_refused() {
 #[test]
 fn other_textures_are_refused() {
     for (part, extent, levels, expected) in [
-        ("basis", Extent::D2([9, 47]), 1, "size of the part basis: found 9 x 47; allowed a 2D texture of 9 x 46"),
-        ("basis", Extent::D2([9, 46]), 2, "byte 40, levelCount: found 2; allowed 1"),
-        ("weights", Extent::D2([4, 4]), 3, "size of the part weights: found 4 x 4; allowed a 2D array of equal sides"),
+        ("basis", Extent::D2([9, 47]), 1, "size of the part basis: found 9 x 47, expected a 2D texture of 9 x 46"),
+        ("basis", Extent::D2([9, 46]), 2, "byte 40, levelCount: found 2, expected 1"),
+        ("weights", Extent::D2([4, 4]), 3, "size of the part weights: found 4 x 4, expected a 2D array of equal sides"),
         (
             "weights",
             Extent::D2Array([4, 2, 2]),
             1,
-            "size of the part weights: found 2 layers of 4 x 2; allowed a 2D array",
+            "size of the part weights: found 2 layers of 4 x 2, expected a 2D array",
         ),
         (
             "weights",
             Extent::D2Array([4, 4, 3]),
             1,
-            "size of the part weights: found 3 layers of 4 x 4; allowed 4 layers, as",
+            "size of the part weights: found 3 layers of 4 x 4, expected 4 layers, as",
         ),
-        ("shadow", Extent::D3([4, 4, 3]), 1, "size of the part shadow: found 4 x 4 x 3; allowed a 2D array"),
+        ("shadow", Extent::D3([4, 4, 3]), 1, "size of the part shadow: found 4 x 4 x 3, expected a 2D array"),
         (
             "shadow",
             Extent::D2Array([4, 8, 3]),
             1,
-            "size of the part shadow: found 3 layers of 4 x 8; allowed a 2D array",
+            "size of the part shadow: found 3 layers of 4 x 8, expected a 2D array",
         ),
     ] {
         let error = refusal(&factored_file(), |file| {
@@ -112,7 +112,7 @@ fn other_textures_are_refused() {
             let extent = image(file, &name).extent;
             reshape(file, &name, TexelFormat::R16Unorm, extent, 1);
         });
-        let expected = format!("texels of the part {part}: found R16Unorm; allowed R");
+        let expected = format!("texels of the part {part}: found R16Unorm, expected R");
         assert!(error.to_string().starts_with(&expected), "{error}");
     }
 }
@@ -126,48 +126,48 @@ fn wrong_headers_are_refused() {
         |key: &str, word: usize, value: u32| refusal(&made, |file| set_word(file, key, 4 * word, value)).to_string();
     let [nan, inf] = [f32::NAN, f32::INFINITY].map(f32::to_bits);
     for (word, value, expected) in [
-        (0, 1, "brdfc.flat-btf.factored version: found 1; allowed 2"),
-        (1, 0, "brdfc.flat-btf.factored size: found 0; allowed 1 to 8192"),
-        (2, 4, "brdfc.flat-btf.factored levels: found 4; allowed 1 to 3"),
-        (3, 17, "brdfc.flat-btf.factored groups: found 17; allowed 1 to 16"),
-        (3, 3, "brdfc.flat-btf.factored length: found 156 bytes; allowed 204 bytes, as groups says"),
-        (4, 3, "brdfc.flat-btf.factored wide groups: found 3; allowed 0 to 2, the groups"),
-        (5, 2, "brdfc.flat-btf.factored shadow format: found 2; allowed 0 to 1"),
-        (6, 0, "brdfc.flat-btf.factored views: found 0; allowed 1 to 2048"),
-        (6, 4, "brdfc.views: found 24 bytes; allowed 32 bytes"),
-        (7, 4, "brdfc.lights: found 40 bytes; allowed 32 bytes"),
-        (1, 8193, "brdfc.flat-btf.factored size: found 8193; allowed 1 to 8192"),
-        (2, 0, "brdfc.flat-btf.factored levels: found 0; allowed 1 to 3"),
-        (3, 0, "brdfc.flat-btf.factored groups: found 0; allowed 1 to 16"),
-        (6, 2049, "brdfc.flat-btf.factored views: found 2049; allowed 1 to 2048"),
-        (7, 0, "brdfc.flat-btf.factored lights: found 0; allowed 1 to 2048"),
-        (9, nan, "brdfc.flat-btf.factored error: found NaN; allowed a finite number that is not negative"),
+        (0, 1, "brdfc.flat-btf.factored version: found 1, expected 2"),
+        (1, 0, "brdfc.flat-btf.factored size: found 0, expected 1 to 8192"),
+        (2, 4, "brdfc.flat-btf.factored levels: found 4, expected 1 to 3"),
+        (3, 17, "brdfc.flat-btf.factored groups: found 17, expected 1 to 16"),
+        (3, 3, "brdfc.flat-btf.factored length: found 156 bytes, expected 204 bytes, as groups says"),
+        (4, 3, "brdfc.flat-btf.factored wide groups: found 3, expected 0 to 2, the groups"),
+        (5, 2, "brdfc.flat-btf.factored shadow format: found 2, expected 0 to 1"),
+        (6, 0, "brdfc.flat-btf.factored views: found 0, expected 1 to 2048"),
+        (6, 4, "brdfc.views: found 24 bytes, expected 32 bytes"),
+        (7, 4, "brdfc.lights: found 40 bytes, expected 32 bytes"),
+        (1, 8193, "brdfc.flat-btf.factored size: found 8193, expected 1 to 8192"),
+        (2, 0, "brdfc.flat-btf.factored levels: found 0, expected 1 to 3"),
+        (3, 0, "brdfc.flat-btf.factored groups: found 0, expected 1 to 16"),
+        (6, 2049, "brdfc.flat-btf.factored views: found 2049, expected 1 to 2048"),
+        (7, 0, "brdfc.flat-btf.factored lights: found 0, expected 1 to 2048"),
+        (9, nan, "brdfc.flat-btf.factored error: found NaN, expected a finite number that is not negative"),
         (
             13,
             (-1.0f32).to_bits(),
-            "brdfc.flat-btf.factored error: found -1; allowed a finite number that is not negative",
+            "brdfc.flat-btf.factored error: found -1, expected a finite number that is not negative",
         ),
         (
             14,
             1,
-            "brdfc.flat-btf.factored range of colours: found 1 to 0 and 0 to 0; allowed two ranges whose first number is not the larger",
+            "brdfc.flat-btf.factored range of colours: found 1 to 0 and 0 to 0, expected two ranges whose first number is not the larger",
         ),
-        (15, nan, "brdfc.flat-btf.factored step: found NaN; allowed a finite number that is not negative"),
-        (38, inf, "brdfc.flat-btf.factored step: found inf; allowed a finite number that is not negative"),
+        (15, nan, "brdfc.flat-btf.factored step: found NaN, expected a finite number that is not negative"),
+        (38, inf, "brdfc.flat-btf.factored step: found inf, expected a finite number that is not negative"),
     ] {
         assert_eq!(with("brdfc.flat-btf.factored", word, value), expected);
     }
     assert!(with("brdfc.lights", 0, nan).starts_with("brdfc.lights direction 0: found NaN"));
     let weights = |word: usize, value: u32| with("brdfc.flat-btf.weights", word, value);
-    assert_eq!(weights(1, 0), "brdfc.flat-btf.weights numbers: found 0; allowed 1 to 72");
-    assert_eq!(weights(1, 73), "brdfc.flat-btf.weights numbers: found 73; allowed 1 to 72");
-    assert_eq!(weights(0, 0), "brdfc.flat-btf.weights version: found 0; allowed 1");
-    assert_eq!(weights(1, 4), "brdfc.flat-btf.weights: found 136 bytes; allowed 40 bytes");
+    assert_eq!(weights(1, 0), "brdfc.flat-btf.weights numbers: found 0, expected 1 to 72");
+    assert_eq!(weights(1, 73), "brdfc.flat-btf.weights numbers: found 73, expected 1 to 72");
+    assert_eq!(weights(0, 0), "brdfc.flat-btf.weights version: found 0, expected 1");
+    assert_eq!(weights(1, 4), "brdfc.flat-btf.weights: found 136 bytes, expected 40 bytes");
     assert!(weights(5, nan).starts_with("brdfc.flat-btf.weights range 1"));
     // The base alone is no asset, and its table has a range.
     let range = WeightRange { scale: 1.0, low: 0.0 };
     let refused = WeightMap::new(1, 1, vec![range; 8], vec![0; 8]).unwrap_err().to_string();
-    assert_eq!(refused, "numbers of the part weights: found 8; allowed a multiple of 4, 12 at least");
+    assert_eq!(refused, "numbers of the part weights: found 8, expected a multiple of 4, 12 at least");
     for (number, told) in [(nan, "NaN"), (inf, "inf"), ((-0.5f32).to_bits(), "-0.5"), (65_537.0f32.to_bits(), "65537")]
     {
         // The table begins behind three views of nine texels.
@@ -176,5 +176,5 @@ fn wrong_headers_are_refused() {
         let error = error.to_string();
         assert!(error.starts_with("entry (2, 5) of the base: found [") && error.contains(told), "{error}");
     }
-    assert_eq!(with("brdfc.flat-btf.shadow", 0, 2), "brdfc.flat-btf.shadow version: found 2; allowed 1");
+    assert_eq!(with("brdfc.flat-btf.shadow", 0, 2), "brdfc.flat-btf.shadow version: found 2, expected 1");
 }

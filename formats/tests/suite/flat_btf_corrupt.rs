@@ -108,11 +108,11 @@ fn displacements_out_of_range_are_named() {
         assert_eq!(refusal(&made, |file| reshape(file, ranges, format, extent, levels)).field, field);
     }
     let error = refusal(&made, |file| *image(file, packed).bytes.to_mut().last_mut().unwrap() ^= 1);
-    assert!(error.to_string().contains("found other texels; allowed those of the first row"), "{error}");
+    assert!(error.to_string().contains("found other texels, expected those of the first row"), "{error}");
     // Blocks have whole texels of the reference plane each.
     let odd = FlatBtfParts { indirection: flat_btf::displacements(SMALL, 3, 1).into(), ..flat_btf::parts(SMALL, 1) };
     let told = FlatBtfDecoder::new(odd).unwrap_err().to_string();
-    assert_eq!(told, "size of the part displacement: found 3; allowed a divisor of 2, the size of the part reference");
+    assert_eq!(told, "size of the part displacement: found 3, expected a divisor of 2, the size of the part reference");
 }
 
 #[test]
@@ -161,17 +161,17 @@ fn other_kinds_of_textures_are_refused() {
         assert_eq!(shaped(TexelFormat::Rgb9E5, extent).field, "size of the part diffuse", "{extent}");
     }
     let error = shaped(TexelFormat::Rgba8Unorm, Extent::D2([4, 4]));
-    assert_eq!(error.to_string(), "texels of the part diffuse: found Rgba8Unorm; allowed Rgb9E5");
+    assert_eq!(error.to_string(), "texels of the part diffuse: found Rgba8Unorm, expected Rgb9E5");
     let masked = |extent: Extent, texel| {
         let (texels, format) = (vec![texel; extent.texels() as usize], TexelFormat::R8Unorm);
         let mask = Texture { format, extent, entries: BTreeMap::new(), levels: 1, texels }.to_bytes(false);
         refusal(&light_file(), |file| drop(file.entries.insert("brdfc.flat-btf.mask".to_owned(), mask))).to_string()
     };
     for (extent, texel, expected) in [
-        (Extent::D2([4, 4]), 0, ", size of the part mask: found 4 x 4; allowed a 2D array of equal sides"),
-        (Extent::D2Array([4, 2, 3]), 0, ", size of the part mask: found 3 layers of 4 x 2; allowed a 2D array of"),
-        (Extent::D2Array([4, 4, 3]), 128, ", mask texel 0: found 128; allowed 0 (filled in) or 255 (seen)"),
-        (Extent::D2Array([2, 2, 3]), 0, ": found 2 x 2 texels of 3 views; allowed 4 x 4 texels of each view"),
+        (Extent::D2([4, 4]), 0, ", size of the part mask: found 4 x 4, expected a 2D array of equal sides"),
+        (Extent::D2Array([4, 2, 3]), 0, ", size of the part mask: found 3 layers of 4 x 2, expected a 2D array of"),
+        (Extent::D2Array([4, 4, 3]), 128, ", mask texel 0: found 128, expected 0 (filled in) or 255 (seen)"),
+        (Extent::D2Array([2, 2, 3]), 0, ": found 2 x 2 texels of 3 views, expected 4 x 4 texels of each view"),
     ] {
         let (error, expected) = (masked(extent, texel), format!("brdfc.flat-btf.mask{expected}"));
         assert!(error.starts_with(&expected), "{error}");
@@ -183,11 +183,11 @@ fn constructors_refuse_what_files_may_not_hold() {
     let error = |result: Result<(), FormatError>| result.unwrap_err().to_string();
     assert_eq!(
         error(DiffuseMap::new(2, vec![0; 3]).map(drop)),
-        "texels of the part diffuse: found 3; allowed 4, as its size says"
+        "texels of the part diffuse: found 3, expected 4, as its size says"
     );
     assert_eq!(
         error(DiffuseMap::new(0, vec![]).map(drop)),
-        "size of the part diffuse: found 0; allowed 1 to 8192 texels"
+        "size of the part diffuse: found 0, expected 1 to 8192 texels"
     );
     assert!(DiffuseMap::new(u32::MAX, vec![]).is_err() && VisibilityMask::new(1, 2049, vec![0; 2049]).is_err());
     let header = FlatHeader { size: 1, view: 0, views: vec![[0.0; 2]], lights: vec![[0.0; 2]] };
@@ -198,7 +198,7 @@ fn constructors_refuse_what_files_may_not_hold() {
     let large = |size| IndirectionHeader { size, zenith_samples: 8, azimuth_samples: 32, largest_angle: 1.0 };
     assert_eq!(
         error(large(256).check()),
-        "size of the part indirection: found 2048 x 8448; allowed at most 8192 on each side"
+        "size of the part indirection: found 2048 x 8448, expected at most 8192 on each side"
     );
     assert!(large(248).check().is_ok() && large(u32::MAX).check().is_err());
     for displacement in [[f32::NAN, 0.0], [f32::INFINITY, 0.0], [2000.0, 0.0], [1e30, 1e30], [f32::MAX; 2]] {

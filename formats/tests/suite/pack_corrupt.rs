@@ -171,7 +171,7 @@ fn the_index_map_counts_slices_in_order() {
     }
     // Slices of a level that the header says is not stored.
     let error = with_word("brdfc.wavelet", 12, [0; 4]).to_string();
-    assert_eq!(error, "wavelet_brdf_index coefficient 2, slice: found 2; allowed 0, as this level is not stored");
+    assert_eq!(error, "wavelet_brdf_index coefficient 2, slice: found 2, expected 0, as this level is not stored");
 }
 
 #[test]
@@ -341,7 +341,7 @@ fn a_few_bytes_that_declare_a_gibibyte_are_refused_unread() {
     assert_eq!(Texture::from_bytes(&bytes).unwrap_err().found, "41 bytes, too few for that");
     let error = WaveletPack::from_bytes(&sealed(bytes)).unwrap_err().to_string();
     let expected =
-        "texture: found 1 levels of 2048 x 2048 x 256 texels of r8unorm; allowed 1 levels of 2 x 2 x 3 texels";
+        "texture: found 1 levels of 2048 x 2048 x 256 texels of r8unorm, expected 1 levels of 2 x 2 x 3 texels";
     assert!(error.starts_with(expected), "{error}");
 }
 
@@ -415,6 +415,6 @@ fn a_texture_that_is_no_pack_is_refused() {
         let bytes = texture.to_bytes(supercompress);
         assert_eq!(Texture::from_bytes(&bytes).unwrap(), texture);
         let error = WaveletPack::from_bytes(&bytes).unwrap_err();
-        assert_eq!(error.to_string(), "brdfc.bindings: found only brdfc.other; allowed the entries of a pack");
+        assert_eq!(error.to_string(), "brdfc.bindings: found only brdfc.other, expected the entries of a pack");
     }
 }

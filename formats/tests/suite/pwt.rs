@@ -91,26 +91,26 @@ fn texels_are_filtered_by_hand() {
 }
 
 #[test]
-fn tiles_repeat_and_pictures_go_on() {
-    let [picture, tile] = [four(false), four(true)];
+fn tiles_repeat_and_renderings_go_on() {
+    let [rendering, tile] = [four(false), four(true)];
     // At the left border a tile has half of either column.
-    assert!((grey(&picture, [0.0, 0.25], 0.0) - 0.0).abs() < 1e-6);
+    assert!((grey(&rendering, [0.0, 0.25], 0.0) - 0.0).abs() < 1e-6);
     assert!((grey(&tile, [0.0, 0.25], 0.0) - 0.5).abs() < 1e-6);
     assert_eq!(grey(&tile, [1.0, 0.25], 0.0), grey(&tile, [0.0, 0.25], 0.0));
     assert_eq!(grey(&tile, [-0.75, 3.25], 0.0), grey(&tile, [0.25, 0.25], 0.0));
-    assert_eq!(grey(&picture, [-0.75, 3.25], 0.0), grey(&picture, [0.0, 1.0], 0.0));
+    assert_eq!(grey(&rendering, [-0.75, 3.25], 0.0), grey(&rendering, [0.0, 1.0], 0.0));
     // Just below 0, where the remainder rounds to 1.
     assert!((grey(&tile, [-1e-9, 0.25], 0.0) - 0.5).abs() < 1e-6);
     for uv in [[f32::NAN, 0.0], [f32::INFINITY, 0.5], [f32::NEG_INFINITY, f32::NAN], [1e30, -1e30]] {
-        for decoder in [&picture, &tile] {
+        for decoder in [&rendering, &tile] {
             assert!((0.0..=1.0).contains(&grey(decoder, uv, 0.3)), "{uv:?}");
         }
     }
 }
 
-/// What fills a picture up to its extent is seen at its border alone.
+/// What fills a rendering up to its extent is seen at its border alone.
 #[test]
-fn coordinates_are_of_the_picture_not_of_its_texels() {
+fn coordinates_are_of_the_rendering_not_of_its_texels() {
     let header = plain([3, 1], [4, 2], 1, linear(0));
     let header = PwtHeader { textures: vec![single(0, 0, 1.0, 0.0)], ..header };
     let decoder = decoder(header, vec![vec![0, 51, 102, 255, 0, 0, 0, 0, 0, 0]]);
@@ -118,7 +118,7 @@ fn coordinates_are_of_the_picture_not_of_its_texels() {
         let found = grey(&decoder, [(x + 0.5) / 3.0, 0.5], 0.0);
         assert!((found - expected).abs() < 1e-6, "{x}: {found}");
     }
-    // Half way to the first texel behind the picture, and to the row behind it.
+    // Half way to the first texel behind the rendering, and to the row behind it.
     assert!((grey(&decoder, [1.0, 0.5], 0.0) - 0.7).abs() < 1e-6);
     assert!((grey(&decoder, [0.5, 1.0], 0.0) - 0.1).abs() < 1e-6);
     assert_eq!(grey(&decoder, [1.5, 0.5], 0.0), grey(&decoder, [1.0, 0.5], 0.0));
@@ -188,7 +188,7 @@ fn colours_and_domains() {
     }
 }
 
-/// Whole pictures are the look-ups at the centres of texels: bit for bit where sides are powers of two, as no centre is
+/// Whole renderings are the look-ups at the centres of texels: bit for bit where sides are powers of two, as no centre is
 /// rounded then.
 #[test]
 fn unpacked_levels_are_the_look_ups() {
@@ -204,12 +204,12 @@ fn unpacked_levels_are_the_look_ups() {
             assert_eq!([width, height], header.size.map(|side| side.div_ceil(1 << level) as usize));
             let texels = (width * height * header.components().count()) as u64;
             assert_eq!(decoder.unpacked_bytes(level), 4 * texels);
-            let picture = unpacked.rows(0..height, &weights);
-            assert_eq!(unpacked.rows(height - 1..height, &weights)[..], picture[(height - 1) * width..]);
-            for (k, found) in picture.iter().enumerate() {
+            let rendering = unpacked.rows(0..height, &weights);
+            assert_eq!(unpacked.rows(height - 1..height, &weights)[..], rendering[(height - 1) * width..]);
+            for (k, found) in rendering.iter().enumerate() {
                 let at = [(k % width) as f32 + 0.5, (k / width) as f32 + 0.5];
                 let uv = [0, 1].map(|axis| at[axis] * (1 << level) as f32 / header.size[axis] as f32);
-                // Centres behind the border of a picture are looked up at the border.
+                // Centres behind the border of a rendering are looked up at the border.
                 if !header.repeats && uv.iter().any(|c| *c > 1.0) {
                     continue;
                 }

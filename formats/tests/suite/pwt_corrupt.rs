@@ -131,10 +131,10 @@ fn refusals_name_the_field() {
     // A component as the uniform block does not say it.
     assert_eq!(with_word(176, 0), "brdfc.uniform.pwt byte 2844: [00, 00, 80, be]");
     let cut = |length: usize| changed(&example(), |entries| entries.get_mut(PWT_ENTRY).unwrap().truncate(length));
-    assert_eq!(cut(99).to_string(), "brdfc.pwt length: found 99 bytes; allowed 100 bytes or more");
-    assert_eq!(cut(179).to_string(), "brdfc.pwt component low: found end of data after 3 of 4 bytes; allowed 4 bytes");
+    assert_eq!(cut(99).to_string(), "brdfc.pwt length: found 99 bytes, expected 100 bytes or more");
+    assert_eq!(cut(179).to_string(), "brdfc.pwt component low: found end of data after 3 of 4 bytes, expected 4 bytes");
     let longer = changed(&example(), |entries| entries.get_mut(PWT_ENTRY).unwrap().push(0));
-    assert_eq!(longer.to_string(), "brdfc.pwt length: found 181 bytes; allowed 180 bytes, as its fields say");
+    assert_eq!(longer.to_string(), "brdfc.pwt length: found 181 bytes, expected 180 bytes, as its fields say");
 }
 
 #[test]
@@ -143,7 +143,7 @@ fn textures_are_those_that_the_header_says() {
     let missing = changed(&example(), |entries| drop(entries.remove(SECOND)));
     assert_eq!(
         missing.to_string(),
-        format!("{SECOND}: found no such entry; allowed one, as brdfc.bindings line 5 says")
+        format!("{SECOND}: found no such entry, expected one, as brdfc.bindings line 5 says")
     );
     let fourth = "brdfc.image.pwt_texture_3";
     let spare = changed(&example(), |entries| drop(entries.insert(fourth.to_owned(), second.clone())));
@@ -160,14 +160,14 @@ fn textures_are_those_that_the_header_says() {
     };
     let texture = Texture::from_bytes(&second).unwrap();
     let nested = Texture { entries: BTreeMap::from([(PWT_ENTRY.to_owned(), Vec::new())]), ..texture.clone() };
-    assert_eq!(with_second(&nested), format!("{SECOND}, entries: found brdfc.pwt; allowed none of brdfc"));
+    assert_eq!(with_second(&nested), format!("{SECOND}, entries: found brdfc.pwt, expected none of brdfc"));
     let wide = Texture { extent: Extent::D2Array([2, 1, 1]), texels: vec![0; 2], ..texture.clone() };
     let said = with_second(&wide);
     assert!(said.starts_with(&format!("{SECOND}: found 1 levels of 1 layers of 2 x 1")), "{said}");
     let flat = Texture { extent: Extent::D2([1, 1]), ..texture.clone() };
     assert!(with_second(&flat).starts_with(&format!("{SECOND}: ")));
     let other = Texture { format: TexelFormat::Rg8Unorm, texels: vec![0; 2], ..texture };
-    assert!(with_second(&other).contains("allowed 1 levels of "));
+    assert!(with_second(&other).contains("expected 1 levels of "));
     // As its binding says, and not as the header does.
     let mut rebound = file(&example());
     rebind(
@@ -187,7 +187,7 @@ fn textures_are_those_that_the_header_says() {
     let error = changed(&example(), |entries| drop(entries.insert(PWT_ENTRY.to_owned(), Vec::new())));
     assert_eq!(&*error.field, "brdfc.pwt length");
     let error = changed(&example(), |entries| drop(entries.remove(PWT_ENTRY))).to_string();
-    assert_eq!(error, "brdfc.pwt: found no brdfc entries; allowed the entries of a polynomial wavelet tree");
+    assert_eq!(error, "brdfc.pwt: found no brdfc entries, expected the entries of a polynomial wavelet tree");
 }
 
 /// Sizes that a header may have and memory cannot: known before it is asked for.
@@ -198,8 +198,8 @@ fn large_headers_are_refused_early() {
     let mut texture = single(0, 0, 1.0, 0.0);
     texture.components = vec![texture.components[0]; 17];
     let error = PwtPack::new(PwtHeader { textures: vec![texture], ..header }, vec![Vec::new()]).unwrap_err();
-    assert_eq!(error.to_string(), "brdfc.pwt textures: found 1140850688 bytes of texels; allowed at most 1073741824");
-    // A file of a few bytes may be a large picture; what unpacking it takes is known.
+    assert_eq!(error.to_string(), "brdfc.pwt textures: found 1140850688 bytes of texels, expected at most 1073741824");
+    // A file of a few bytes may be a large rendering; what unpacking it takes is known.
     let coarse = PwtHeader { textures: vec![single(12, 0, 1.0, 0.0)], ..plain([8192; 2], [8192; 2], 12, basis) };
     let pack = PwtPack::new(coarse, vec![vec![255; 4]]).unwrap();
     let bytes = pack.to_bytes(false);
@@ -212,24 +212,24 @@ fn headers_in_memory_are_checked_alike() {
     let good = example().header().clone();
     let refused = |header: PwtHeader| PwtPack::new(header, example_texels()).unwrap_err().to_string();
     for (header, expected) in [
-        (PwtHeader { textures: Vec::new(), ..good.clone() }, "brdfc.pwt textures: found 0; allowed 1 to 4"),
+        (PwtHeader { textures: Vec::new(), ..good.clone() }, "brdfc.pwt textures: found 0, expected 1 to 4"),
         (
             PwtHeader { triangle: vec![1.0; 5], ..good.clone() },
-            "brdfc.pwt triangle: found 5 numbers; allowed 6, as the degree says",
+            "brdfc.pwt triangle: found 5 numbers, expected 6, as the degree says",
         ),
         (
             PwtHeader { domain: Domain::Logarithm { epsilon: -1.0 }, ..good.clone() },
-            "brdfc.pwt epsilon: found -1; allowed a positive normal number",
+            "brdfc.pwt epsilon: found -1, expected a positive normal number",
         ),
-        (PwtHeader { size: [1, 2], ..good.clone() }, "brdfc.pwt extent: found 2; allowed 1 to 1"),
+        (PwtHeader { size: [1, 2], ..good.clone() }, "brdfc.pwt extent: found 2, expected 1 to 1"),
     ] {
         assert_eq!(refused(header), expected);
     }
     let [first, second] = [0, 1].map(|k| example_texels()[k].clone());
     let error = PwtPack::new(good.clone(), vec![first.clone()]).unwrap_err().to_string();
-    assert_eq!(error, "textures: found 1; allowed 2, as the header says");
+    assert_eq!(error, "textures: found 1, expected 2, as the header says");
     let error = PwtPack::new(good, vec![first, [second.clone(), second].concat()]).unwrap_err().to_string();
-    assert_eq!(error, "bytes of texture 1: found 2; allowed 1, as the header says");
+    assert_eq!(error, "bytes of texture 1: found 2, expected 1, as the header says");
 }
 
 fn example_texels() -> Vec<Vec<u8>> {

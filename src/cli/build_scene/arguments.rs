@@ -14,7 +14,7 @@ const LEAST_MEMORY: u64 = 64 << 20;
 /// Parses an amount of memory.
 fn memory_from_text(text: &str) -> Result<u64, String> {
     let bytes = bytes_from_text(text).ok().filter(|bytes| *bytes >= LEAST_MEMORY);
-    bytes.ok_or_else(|| "allowed 64MiB or more, such as 512MiB, 2GiB or 2147483648 (bytes)".to_owned())
+    bytes.ok_or_else(|| "expected 64MiB or more, such as 512MiB, 2GiB or 2147483648 (bytes)".to_owned())
 }
 
 /// Make the packs that a scene needs, or those of a folder of measured materials.

@@ -30,7 +30,7 @@ pub(super) fn run(arguments: &Arguments, common: Common) -> Result<(), Error> {
         refuse_dash(folder)?;
         if !PackFolder::is_one(folder) {
             let found = folder.display();
-            return Err(Error::io(format!("--from: found {found}; allowed a folder that 'brdfc build' filled")));
+            return Err(Error::io(format!("--from: found {found}, expected a folder that 'brdfc build' filled")));
         }
     }
     let build = arguments.build()?;
@@ -63,7 +63,7 @@ pub(super) fn run(arguments: &Arguments, common: Common) -> Result<(), Error> {
     if !plan.skipped.is_empty() {
         remark(
             common,
-            &format!("not used by the scene, not opened: {}", join_truncated(&plan.skipped, plan_text::MOST_NAMED)),
+            &format!("not used by the scene, not opened: {}", join_truncated(&plan.skipped, plan_text::MAX_NAMED)),
         );
     }
     match &built.changes {

@@ -7,7 +7,7 @@ use brdfc_terminal::words::join_truncated;
 use std::path::Path;
 
 /// So many names of materials are told in one line.
-pub(super) const MOST_NAMED: usize = 6;
+pub(super) const MAX_NAMED: usize = 6;
 
 /// A line for each material.
 pub(super) fn text(plan: &Plan, report: &BuildReport, out: &Path) -> String {
@@ -36,7 +36,7 @@ pub(super) fn text(plan: &Plan, report: &BuildReport, out: &Path) -> String {
         }
     }
     if !plan.skipped.is_empty() {
-        text += &format!("not used by the scene: {}\n", join_truncated(&plan.skipped, MOST_NAMED));
+        text += &format!("not used by the scene: {}\n", join_truncated(&plan.skipped, MAX_NAMED));
     }
     text + &needs(&report.needs)
 }
@@ -73,7 +73,7 @@ fn all_unused(first: &Explained, unused: &[&Explained]) -> Explained {
     let names: Vec<&str> = unused.iter().map(|explained| explained.material.as_str()).collect();
     let count = unused.len();
     Explained {
-        material: join_truncated(&names, MOST_NAMED),
+        material: join_truncated(&names, MAX_NAMED),
         why: format!("no use refers to these {count}"),
         saved_bytes: first.saved_bytes.map(|bytes| bytes * count as u64),
         saved_seconds: first.saved_seconds.map(|seconds| seconds * count as f64),

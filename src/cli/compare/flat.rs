@@ -38,12 +38,12 @@ impl FlatReport {
     pub(super) fn check(&self, a: &Input, limit: f64) -> Result<(), Error> {
         if self.comparison.lit == 0 {
             let allowed = "at least one look-up that is not, or the check says nothing";
-            return Err(Error::check(format!("{a}: found black; allowed {allowed}")));
+            return Err(Error::check(format!("{a}: found black, expected {allowed}")));
         }
         match self.kinds().into_iter().find(|(_, errors)| errors.mean > limit) {
             Some((kind, errors)) => {
                 let found = table::apart(errors.mean, limit);
-                Err(Error::check(format!("mean ΔE {kind}: found {found}; allowed {limit}")))
+                Err(Error::check(format!("mean ΔE {kind}: found {found}, expected {limit}")))
             }
             None => Ok(()),
         }

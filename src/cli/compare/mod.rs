@@ -20,7 +20,7 @@ use std::path::Path;
 ///
 /// A is the reference. Both may be any source or pack. Exits with 1 when --max-error is given and missed.
 ///
-/// Where A is a light stack (a folder with an .lp, or the list), B is what 'brdfc pwt' made of it, a pack or a .ptm, or another stack of
+/// Where A is an RTI capture (a folder with an .lp, or the list), B is what 'brdfc pwt' made of it, a pack or a .ptm, or another stack of
 /// the same lights: they are compared photograph by photograph, as sRGB codes and by ΔE.
 ///
 /// Where A is a flat BTF (the file that 'brdfc flatten' wrote, or its folder), B is another of the same surface, such as a smaller one:
@@ -45,7 +45,7 @@ pub struct Arguments {
     /// Largest mean relative difference ε_r that passes: a fraction or a percentage, 0.05 or 5%.
     #[arg(long, value_name = "E")]
     max_error: Option<Fraction>,
-    /// Largest mean ΔE (CIE76) that passes, of light stacks and flat BTFs.
+    /// Largest mean ΔE (CIE76) that passes, of RTI captures and flat BTFs.
     #[arg(long, value_name = "E")]
     max_delta_e: Option<f64>,
 }
@@ -76,7 +76,7 @@ enum Compared {
 /// Photographs under known lights, against what was made of them.
 #[derive(Debug, Serialize, schemars::JsonSchema)]
 struct PhotographReport {
-    /// 'light-stack'.
+    /// 'rti-capture'.
     kind: &'static str,
     /// What was measured.
     #[serde(flatten)]
@@ -99,7 +99,7 @@ struct ReflectanceReport {
     comparison: Comparison,
 }
 
-const MOST_PAIRS: usize = 100_000_000;
+const MAX_PAIRS: usize = 100_000_000;
 
 pub(super) fn run(arguments: &Arguments, common: Common) -> Result<(), Error> {
     let limit = arguments
@@ -110,7 +110,7 @@ pub(super) fn run(arguments: &Arguments, common: Common) -> Result<(), Error> {
         [("A", Some(&arguments.a)), ("B", Some(&arguments.b)), ("--directions", arguments.directions.as_ref())];
     refuse_stdin_twice(&inputs)?;
     let kind = Kind::of(&arguments.a)?;
-    if let (Kind::LightStack, Some(stack)) = (kind, arguments.a.path()) {
+    if let (Kind::RtiCapture, Some(stack)) = (kind, arguments.a.path()) {
         return photographs(arguments, stack, common);
     }
     if kind == Kind::FlatBtf {
@@ -121,7 +121,11 @@ pub(super) fn run(arguments: &Arguments, common: Common) -> Result<(), Error> {
     }
     let (a, b) = (brdfc::open(&arguments.a)?, brdfc::open(&arguments.b)?);
     if arguments.max_delta_e.is_some() {
-        return Err(Error::wrong_usage("--max-delta-e", "with reflectances", "where A is a light stack or a flat BTF"));
+        return Err(Error::wrong_usage(
+            "--max-delta-e",
+            "with reflectances",
+            "where A is an RTI capture or a flat BTF",
+        ));
     }
     let at = arguments.directions.as_ref().map_or(Ok(Pairs::default()), pairs)?;
     let Measured { pairs, directions, comparison } = reflectances(&a, &b, at)?;
@@ -136,12 +140,12 @@ pub(super) fn run(arguments: &Arguments, common: Common) -> Result<(), Error> {
     print_compared(common, Compared::Reflectances(report), text)?;
     match limit {
         Some(_) if !comparison_counts => Err(Error::check(
-            "mean relative difference: found no sample above 0.1 % of the reference's mean; allowed at least one, or \
+            "mean relative difference: found no sample above 0.1 % of the reference's mean, expected at least one, or \
              the check says nothing"
                 .to_owned(),
         )),
         Some(allowed) if found > allowed => Err(Error::check(format!(
-            "mean relative difference: found {}; allowed {}",
+            "mean relative difference: found {}, expected {}",
             table::percent(found),
             table::percent(allowed)
         ))),
@@ -165,9 +169,9 @@ fn print_compared(common: Common, compared: Compared, text: String) -> Result<()
     print(&json_or(common, &Report { version: 1, compared }, text))
 }
 
-/// Photographs of a light stack against what was made of them.
+/// Photographs of an RTI capture against what was made of them.
 fn photographs(arguments: &Arguments, reference: &Path, common: Common) -> Result<(), Error> {
-    arguments.refuse_flags_of_reflectances("a light stack")?;
+    arguments.refuse_flags_of_reflectances("an RTI capture")?;
     let comparison = brdfc::compare::photographs(reference, &arguments.b)?;
     let PhotographComparison { errors, photographs } = &comparison;
     let found = errors.delta_e;
@@ -181,10 +185,10 @@ fn photographs(arguments: &Arguments, reference: &Path, common: Common) -> Resul
         format!("({x:.2}, {y:.2}, {z:.2})"),
     ];
     let text = table::plain(&["photographs", "dB", "mean ΔE", "worst", "under the light"], &[row]);
-    print_compared(common, Compared::Photographs(PhotographReport { kind: "light-stack", comparison }), text)?;
+    print_compared(common, Compared::Photographs(PhotographReport { kind: "rti-capture", comparison }), text)?;
     match arguments.max_delta_e {
         Some(limit) if found > limit => {
-            Err(Error::check(format!("mean ΔE: found {}; allowed {limit}", table::apart(found, limit))))
+            Err(Error::check(format!("mean ΔE: found {}, expected {limit}", table::apart(found, limit))))
         }
         _ => Ok(()),
     }
@@ -193,8 +197,8 @@ fn photographs(arguments: &Arguments, reference: &Path, common: Common) -> Resul
 fn pairs(directions: &Input) -> Result<Pairs, Error> {
     let number = directions.path().and_then(|path| path.to_str()?.parse::<usize>().ok());
     if let Some(count) = number {
-        if !(1..=MOST_PAIRS).contains(&count) {
-            return Err(Error::usage(format!("--directions: found {count}; allowed 1 to {MOST_PAIRS}")));
+        if !(1..=MAX_PAIRS).contains(&count) {
+            return Err(Error::usage(format!("--directions: found {count}, expected 1 to {MAX_PAIRS}")));
         }
         return Ok(Pairs::Random(count));
     }
@@ -206,7 +210,7 @@ fn pairs(directions: &Input) -> Result<Pairs, Error> {
     }
     let pairs = pairs_from_csv(directions, &directions.read_text()?)?;
     if pairs.is_empty() {
-        return Err(Error::input(format!("{directions}: records: found none; allowed at least one")));
+        return Err(Error::input(format!("{directions}: records: found none, expected at least one")));
     }
     Ok(Pairs::Given(pairs))
 }

@@ -12,7 +12,7 @@ use std::path::PathBuf;
 ///
 /// MESO is one tile of a surface that repeats: synth:STRUCTURE, a mesh (.obj, .ply), a height map (.png of 8 or 16 bits
 /// grey, .exr), or an ordinary BTF, a folder of images or a .btf file, whose relief --geometry gives. Every mesh is closed over the
-/// tile's borders first; what was mended is reported. A surface has at most 1048576 vertices, and so many pixels a height
+/// tile's borders first; what was repaired is reported. A surface has at most 1048576 vertices, and so many pixels a height
 /// map: 1024 x 1024.
 #[derive(Debug, Args)]
 #[command(after_help = after_help())]

@@ -21,7 +21,7 @@ pub(super) fn asset_name(arguments: &Arguments) -> Result<String, Error> {
     let name = arguments.name.clone().or_else(folder).unwrap_or_default();
     let allowed = |c: char| c.is_alphanumeric() || matches!(c, '-' | '_' | '.' | ' ');
     if name.is_empty() || name.starts_with('.') || name.trim() != name || !name.chars().all(allowed) {
-        let text = "allowed letters, digits, -_., and spaces between them";
+        let text = "expected letters, digits, -_., and spaces between them";
         return Err(Error::usage(match arguments.name {
             Some(_) => format!("--name: found {name:?}; {text}"),
             None => format!(
@@ -51,14 +51,14 @@ pub(super) fn check_outputs(arguments: &Arguments, name: &str) -> Result<(), Err
     refuse_same_outputs(&[("--out", Some(&arguments.out)), ("--write-images", Some(images))])?;
     check_folder(images)?;
     if arguments.bounces > 0 {
-        let text = "--write-images: found with --bounces; allowed without: the images hold direct light only, and would \
+        let text = "--write-images: found with --bounces, expected without: the images hold direct light only, and would \
                     show less than the flat BTF";
         return Err(Error::usage(text));
     }
     let files = std::fs::read_dir(images).map_or(0, Iterator::count);
     if files > 0 {
         let text = format!("--write-images: found {files} files or folders in {}", images.display());
-        return Err(Error::usage(text + "; allowed a new or empty folder: two stacks in one would be mixed"));
+        return Err(Error::usage(text + ", expected a new or empty folder: two stacks in one would be mixed"));
     }
     Ok(())
 }
@@ -117,7 +117,7 @@ pub(super) fn meso_options(arguments: &Arguments, is_stack: bool) -> Result<Meso
         if let Some(value) = value
             && !(-10.0..=10.0).contains(&value)
         {
-            return Err(Error::usage(format!("--{option}: found {}; allowed -10 to 10 tiles", format_number(value))));
+            return Err(Error::usage(format!("--{option}: found {}, expected -10 to 10 tiles", format_number(value))));
         }
     }
     let kind = Kind::of(geometry.as_ref())?;

@@ -8,9 +8,9 @@ use super::output::{json_or, print, print_json, printable};
 use super::{Common, Error, bandwidth, flatten};
 use crate::table::bytes;
 use brdfc::inspect::{
-    AnyPack as Pack, DeviceNeeds, ImportanceFacts, LightStack, LightStackFacts, Opened, PtmFacts, PwtFacts, STRUCTURES,
-    SYNTH_PREFIX, SurfaceFacts, Symmetry, describe_surface, flat_btf_file, is_light_stack, light_stack, open,
-    open_asset, open_pack, open_ptm, opened, ptm, split_query, surface,
+    AnyPack as Pack, DeviceNeeds, ImportanceFacts, Opened, PtmFacts, PwtFacts, RtiCapture, RtiCaptureFacts, STRUCTURES,
+    SYNTH_PREFIX, SurfaceFacts, Symmetry, describe_surface, flat_btf_file, is_rti_capture, open, open_asset, open_pack,
+    open_ptm, opened, ptm, rti_capture, split_query, surface,
 };
 use brdfc::{BrdfPack, Facts, FormatError, Input, InputError};
 use clap::Args;
@@ -18,7 +18,7 @@ use serde::Serialize;
 
 /// Say what an input is: layout, sizes, symmetries, measured errors of a pack.
 ///
-/// Of a mesh: whether it closes over the tile, and what would be mended. Of a folder of images: what is missing. Of
+/// Of a mesh: whether it closes over the tile, and what would be repaired. Of a folder of images: what is missing. Of
 /// photographs under known lights, of polynomial texture maps and polynomial wavelet trees: lights and sizes.
 ///
 /// Schemas of --json: 'info'; with --files 'files'; of a flat BTF 'flat-btf'; of a structure, a mesh, a height map or images 'info-surface';
@@ -33,7 +33,7 @@ Examples:
   brdfc info red.ktx2 --files --json")]
 pub struct Arguments {
     /// A path, synth:MODEL?param=value&... or synth:STRUCTURE?...; a flat BTF, or its folder; a mesh, a height map, a folder
-    /// of images or a .btf file for 'brdfc flatten'; a light stack, as its .lp or its folder; a .ptm. - is stdin.
+    /// of images or a .btf file for 'brdfc flatten'; an RTI capture, as its .lp or its folder; a .ptm. - is stdin.
     input: Input,
     /// Of a pack: texels, sizes and entries of the KTX2 file and of its images; with --json the entries themselves, in Base64, and
     /// what a device has to offer. Loaders of ordinary KTX2 files drop entries.
@@ -77,7 +77,7 @@ enum Other {
     /// An importance-sample pack.
     ImportancePack(ImportanceFacts),
     /// Photographs of one view under known lights.
-    LightStack(LightStackFacts),
+    RtiCapture(RtiCaptureFacts),
     /// A polynomial texture map.
     Ptm(PtmFacts),
     /// A polynomial wavelet tree.
@@ -147,15 +147,15 @@ fn reflectance(opened: Opened) -> Contents {
     Contents::Reflectance { facts: opened.facts, symmetry, grey }
 }
 
-/// What is measured of one view under many lights: a light stack or a polynomial texture map, by its name.
+/// What is measured of one view under many lights: an RTI capture or a polynomial texture map, by its name.
 fn relightable(input: &Input) -> Result<Option<Other>, InputError> {
-    if let Some(path) = input.path().filter(|path| is_light_stack(path) && matches!(flat_btf_file(path), Ok(None))) {
-        return Ok(Some(Other::LightStack(LightStack::open(path)?.facts())));
+    if let Some(path) = input.path().filter(|path| is_rti_capture(path) && matches!(flat_btf_file(path), Ok(None))) {
+        return Ok(Some(Other::RtiCapture(RtiCapture::open(path)?.facts())));
     }
     match input.extension()?.as_str() {
         ptm::EXTENSION => Ok(Some(Other::Ptm(PtmFacts::new(&open_ptm(input)?)))),
-        light_stack::EXTENSION if input.is_stdin() => {
-            let error = FormatError::whole("input", "the lights of a light stack", "its path: images stand beside it");
+        rti_capture::EXTENSION if input.is_stdin() => {
+            let error = FormatError::whole("input", "the lights of an RTI capture", "its path: images stand beside it");
             Err(InputError::Format { name: input.to_string(), error })
         }
         _ => Ok(None),
@@ -203,7 +203,7 @@ fn contents_in_words(contents: &Contents) -> Vec<(&'static str, String)> {
             lines
         }
         Contents::Other(Other::ImportancePack(facts)) => importance_in_words(facts),
-        Contents::Other(Other::LightStack(facts)) => facts.in_words(),
+        Contents::Other(Other::RtiCapture(facts)) => facts.in_words(),
         Contents::Other(Other::Ptm(facts)) => facts.in_words(),
         Contents::Other(Other::PwtPack(facts)) => pwt_in_words(facts),
     }

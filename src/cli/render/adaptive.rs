@@ -11,7 +11,7 @@ use brdfc::BrdfPack;
 use brdfc::bandwidth::{BandwidthFacts, BandwidthMap, DEFAULT_EPSILON};
 use brdfc::inspect::AnyPack as Pack;
 use brdfc::render::{
-    AdaptiveMaterial, AdaptivePicture, AdaptiveRenderer, AdaptiveScene, AdaptiveVerification, DistantLight,
+    AdaptiveMaterial, AdaptiveRenderer, AdaptiveRendering, AdaptiveScene, AdaptiveVerification, DistantLight,
     Environment, Frame, GpuError, LinearImage, PackReflectance, Reflectance, Settings, Shading, Start, auto_exposure,
     environment_map, ground_truth, lookups, nothing_shown, prediction_png,
 };
@@ -91,7 +91,7 @@ pub(super) fn run(arguments: &Arguments, common: Common) -> Result<(), Error> {
     // Once before it is timed: a driver compiles when it first runs.
     renderer.run_prediction(&loaded, &g_buffer, &settings)?;
     let ((), bandwidth_seconds) = timed(|| renderer.run_prediction(&loaded, &g_buffer, &settings))?;
-    let (picture, seconds) = timed(|| renderer.draw(&loaded, &g_buffer, &settings))?;
+    let (rendering, seconds) = timed(|| renderer.draw(&loaded, &g_buffer, &settings))?;
     remark(common, &format!("adaptive: {seconds:.1} s; forward: {count} samples per point"));
     let (forward, forward_seconds) = timed(|| renderer.forward(&loaded, &g_buffer, count))?;
 
@@ -101,7 +101,7 @@ pub(super) fn run(arguments: &Arguments, common: Common) -> Result<(), Error> {
         (prepared.name.clone(), prepared.pack.gpu_bytes() + of_maps)
     };
     let against = (&truth, exposure);
-    let shaded = [picture.samples(), picture.shaded()];
+    let shaded = [rendering.samples(), rendering.shaded()];
     let of_forward = [surface_points * u64::from(count), surface_points];
     let verification = AdaptiveVerification {
         scene: setup.builtin.name().to_owned(),
@@ -114,15 +114,15 @@ pub(super) fn run(arguments: &Arguments, common: Common) -> Result<(), Error> {
         parts: setup.parts(of_part),
         environment: [setup.scene.environment.width, setup.scene.environment.height],
         settings: (&settings).into(),
-        adaptive: Shading::new(&picture.image, shaded, surface_points, seconds, against),
+        adaptive: Shading::new(&rendering.image, shaded, surface_points, seconds, against),
         bandwidth_seconds,
-        levels: picture.levels.clone(),
+        levels: rendering.levels.clone(),
         forward: Shading::new(&forward, of_forward, surface_points, forward_seconds, against),
         truth_samples,
         truth_psnr,
         truth_seconds,
     };
-    write(arguments, &picture, &truth, exposure, settings.antialiasing_levels)?;
+    write(arguments, &rendering, &truth, exposure, settings.antialiasing_levels)?;
     if surface_points == 0 {
         note(common, &arguments.input, "no pixel shows a surface; look at render.camera");
     }
@@ -195,15 +195,15 @@ fn environment(arguments: &Arguments, subject: &Subject, environment: &Environme
 
 fn write(
     arguments: &Arguments,
-    picture: &AdaptivePicture,
+    rendering: &AdaptiveRendering,
     truth: &LinearImage,
     exposure: f64,
     antialiasing_levels: u32,
 ) -> Result<(), Error> {
-    outputs::write_images(arguments, &picture.image, truth, exposure)?;
+    outputs::write_images(arguments, &rendering.image, truth, exposure)?;
     if let Some(path) = &arguments.adaptive.maps {
         let size = [truth.width << antialiasing_levels, truth.height << antialiasing_levels];
-        write_file(path, &prediction_png(&picture.prediction, size))?;
+        write_file(path, &prediction_png(&rendering.prediction, size))?;
     }
     Ok(())
 }
@@ -211,19 +211,19 @@ fn write(
 fn check(arguments: &Arguments, verification: &AdaptiveVerification, truth: &LinearImage) -> Result<(), Error> {
     let Some(limit) = arguments.adaptive.min_psnr else { return Ok(()) };
     if verification.surface_points == 0 {
-        return Err(Error::check(format!("PSNR: found no pixel that shows a surface; allowed {limit} dB or more")));
+        return Err(Error::check(format!("PSNR: found no pixel that shows a surface, expected {limit} dB or more")));
     }
     let invalid = verification.adaptive.invalid_pixels;
     if invalid > 0 {
         return Err(Error::check(format!(
-            "PSNR: found {invalid} pixels that hold no number; allowed {limit} dB or more"
+            "PSNR: found {invalid} pixels that hold no number, expected {limit} dB or more"
         )));
     }
     if let Some(nothing) = nothing_shown(truth, verification.exposure) {
-        return Err(Error::check(format!("PSNR: found {nothing}; allowed {limit} dB or more")));
+        return Err(Error::check(format!("PSNR: found {nothing}, expected {limit} dB or more")));
     }
     match verification.adaptive.psnr {
-        Some(psnr) if psnr < limit => Err(Error::check(format!("PSNR: found {psnr:.2} dB; allowed {limit} or more"))),
+        Some(psnr) if psnr < limit => Err(Error::check(format!("PSNR: found {psnr:.2} dB, expected {limit} or more"))),
         _ => Ok(()),
     }
 }

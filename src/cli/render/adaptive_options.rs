@@ -41,7 +41,7 @@ pub(super) struct AdaptiveOptions {
     #[arg(long, value_name = "N", requires = "adaptive", value_parser = whole_number::<usize>(16..=65_536))]
     pub(super) truth: Option<usize>,
     /// Bandwidth, levels and variance as it shows side by side, from dark to pale yellow: .png. Bandwidth over 8 octaves and
-    /// variance over 16, up to the largest of the picture; levels from the coarsest to the finest.
+    /// variance over 16, up to the largest of the rendering; levels from the coarsest to the finest.
     #[arg(long, value_name = "IMAGE.png", requires = "adaptive")]
     pub(super) maps: Option<PathBuf>,
     /// Fail with exit code 1 if the PSNR is below X dB.

@@ -27,7 +27,7 @@ Examples:
   brdfc render paint.brdf --scene cloth --max-delta-e 1.3 --json      exit code 1 when missed
   brdfc render button --scene vase -o vase.png                        a flat BTF of 'brdfc flatten'
   brdfc render button --scene plane --sheet plane.png                 beside the surface itself
-  brdfc render coin.ktx2 --source coin --sheet coin.png                 a light stack's pack, beside its photographs
+  brdfc render coin.ktx2 --source coin --sheet coin.png                 an RTI capture's pack, beside its photographs
   brdfc render red.ktx2 --adaptive --environment museum.exr --scene bumpy-ball --sheet red.png --maps maps.png
 
 A manifest says what is shown in its [render] table, see docs/scene.md. Without a Vulkan driver the exit code is 5.")]
@@ -57,7 +57,7 @@ pub struct Arguments {
         conflicts_with_all = ["output", "reference", "difference", "sheet", "adaptive", "maps"]
     )]
     pub(super) contact: Option<PathBuf>,
-    /// Which scene (default: the manifest's, or sphere; for a light stack's pack a plane, seen from above).
+    /// Which scene (default: the manifest's, or sphere; for an RTI capture's pack a plane, seen from above).
     #[arg(long, value_name = "SCENE", value_parser = one_of(&SCENES))]
     pub(super) scene: Option<Builtin>,
     /// Pixels, such as 800x600, each 1 to 8192 (default 512x512, with --contact 160x160).
@@ -72,7 +72,7 @@ pub struct Arguments {
     /// How values between cells are found (default: bilinear).
     #[arg(long, value_parser = one_of(&FILTERS))]
     pub(super) filter: Option<Filter>,
-    /// Filter slices, or the texels of a light stack's pack, in the shader with exact weights instead of the sampler.
+    /// Filter slices, or the texels of an RTI capture's pack, in the shader with exact weights instead of the sampler.
     #[arg(long)]
     pub(super) exact: bool,
     /// A level of detail for all pixels, 0 to 6, coarse to fine (default: it follows the distance).
@@ -83,13 +83,13 @@ pub struct Arguments {
     #[arg(long, value_name = "INPUT")]
     pub(super) source: Option<Input>,
     /// Draw the packs that 'brdfc build' put into this folder (default: packs, if one was built there). What was made of
-    /// something else than the manifest says now is made anew for the picture.
+    /// something else than the manifest says now is made again for the rendering.
     #[arg(long, value_name = "DIR")]
     pub(super) packs: Option<PathBuf>,
     /// Compare whole tables too, all slices at 16 bits: what the grid alone loses.
     #[arg(long)]
     pub(super) table: bool,
-    /// Fail with exit code 1 if the mean ΔE is above X: against the sources, or the CPU's decoder without them. A picture
+    /// Fail with exit code 1 if the mean ΔE is above X: against the sources, or the CPU's decoder without them. A rendering
     /// without a surface or without light fails, too, whichever limit is given.
     #[arg(long, value_name = "X")]
     pub(super) max_delta_e: Option<f64>,
@@ -106,7 +106,7 @@ pub struct Arguments {
     #[arg(long, value_parser = one_of(&FORMS))]
     pub(super) form: Option<FlatForm>,
     /// Of a flat BTF: tiles per unit of the scene's uv, 1 to 1024 (default: 4 on plane, bottle, vase and teapot, else 8); of a
-    /// light stack's pack that is a tile, likewise (default: 1).
+    /// RTI capture's pack that is a tile, likewise (default: 1).
     #[arg(long, value_name = "N", value_parser = whole_number::<u32>(1..=1024))]
     pub(super) repeat: Option<u32>,
     #[command(flatten)]

@@ -1,11 +1,11 @@
-//! What goes over a whole scene: a flat BTF, or a picture under any light. Named itself, or by a manifest.
+//! What goes over a whole scene: a flat BTF, or a rendering under any light. Named itself, or by a manifest.
 
 use super::arguments::Arguments;
 use super::flat;
 use super::materials::Subject;
 use crate::{Error, output};
 use brdfc::Input;
-use brdfc::inspect::{AnyPack as Pack, flat_btf_file, is_light_stack, open_pack};
+use brdfc::inspect::{AnyPack as Pack, flat_btf_file, is_rti_capture, open_pack};
 use brdfc::render::PwtPack;
 use brdfc::scene::read_manifest;
 use std::path::Path;
@@ -64,24 +64,24 @@ fn of_manifest(arguments: &Arguments) -> Result<Option<(Input, Subject)>, Error>
 }
 
 fn no_asset(input: &Input, found: &str) -> Error {
-    let allowed = "a flat BTF, or the pack of a light stack";
-    Error::input(format!("{input}: render.asset: found {found}; allowed {allowed}"))
+    let allowed = "a flat BTF, or the pack of an RTI capture";
+    Error::input(format!("{input}: render.asset: found {found}, expected {allowed}"))
 }
 
 /// Whether there are photographs, and no flat BTF beside them.
 fn is_unpacked_stack(input: &Input) -> bool {
-    input.path().is_some_and(|path| is_light_stack(path) && matches!(flat_btf_file(path), Ok(None)))
+    input.path().is_some_and(|path| is_rti_capture(path) && matches!(flat_btf_file(path), Ok(None)))
 }
 
 fn not_packed(input: &Input) -> Error {
     let allowed = "a pack of it, which 'brdfc pwt' makes; photographs go beside the pack with --source";
-    Error::wrong_input(input, "a light stack", allowed)
+    Error::wrong_input(input, "an RTI capture", allowed)
 }
 
 /// Whether a flag goes with assets of this kind.
 pub(super) fn refuse_flags(arguments: &Arguments, asset: &Asset) -> Result<(), Error> {
     let is_flat = matches!(asset.kind, AssetKind::Flat);
-    let (of_brdfs, of_both) = ("with BRDFs", "with BRDFs and pictures under any light");
+    let (of_brdfs, of_both) = ("with BRDFs", "with BRDFs and renderings under any light");
     let flags = [
         (arguments.packs.is_some(), "--packs", of_brdfs),
         (arguments.table, "--table", of_brdfs),
@@ -94,6 +94,6 @@ pub(super) fn refuse_flags(arguments: &Arguments, asset: &Asset) -> Result<(), E
         (is_flat && arguments.exact, "--exact", of_both),
         (!is_flat && arguments.form.is_some(), "--form", "with flat BTFs"),
     ];
-    let what = if is_flat { "a flat BTF" } else { "a picture under any light" };
+    let what = if is_flat { "a flat BTF" } else { "a rendering under any light" };
     output::refuse_flags(format!("{}, {what}", asset.input), &flags)
 }

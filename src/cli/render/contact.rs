@@ -1,10 +1,10 @@
-//! `brdfc render --contact`: every material of a scene, each on a picture of its own.
+//! `brdfc render --contact`: every material of a scene, each on a rendering of its own.
 
 use super::arguments::Arguments;
 use super::{flat, gpu, materials, outputs, scene};
 use crate::output::{note, print, print_json, remark, write_file};
 use crate::{Common, Error};
-use brdfc::render::{MaterialVerification, PictureGates, contact_sheet, rgb_png, views};
+use brdfc::render::{MaterialVerification, RenderingGates, contact_sheet, rgb_png, views};
 use serde::Serialize;
 use std::path::Path;
 use std::time::Instant;
@@ -23,7 +23,7 @@ pub struct Report {
 pub(super) fn run(
     arguments: &Arguments,
     path: &Path,
-    gates: &PictureGates,
+    gates: &RenderingGates,
     started: Instant,
     common: Common,
 ) -> Result<(), Error> {
@@ -43,7 +43,7 @@ pub(super) fn run(
         let verification = setup.verification(&gpu, &views, |_| (name.clone(), bytes_on_gpu));
         let verification = verification.checked_by(gates, &views);
         if let Some(nothing) = verification.nothing_seen(&views) {
-            note(common, name, &format!("the picture shows {nothing}"));
+            note(common, name, &format!("the rendering shows {nothing}"));
         }
         let material = MaterialVerification { material: name.clone(), bytes_on_gpu, verification };
         cells.push(material.cell(&views));

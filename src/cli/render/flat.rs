@@ -1,4 +1,4 @@
-//! Pictures of flat BTFs.
+//! Renderings of flat BTFs.
 
 use super::arguments::Arguments;
 use super::materials::Subject;
@@ -12,7 +12,7 @@ use brdfc::render::{
 };
 use brdfc::{FormatError, Input};
 
-/// Why a plane has no picture of the surface itself.
+/// Why a plane has no rendering of the surface itself.
 const NO_SURFACE: &str = "not compared with the surface itself, only shader with CPU: that takes an asset whose surface and materials are all synth: addresses, without --bounces, --colour and --weights";
 /// Why other scenes have none.
 const CURVED: &str = "not compared with the surface itself, only shader with CPU: that is done on --scene plane";

@@ -25,7 +25,7 @@ pub(super) enum Subject {
         text: String,
         /// What it says.
         manifest: Box<Manifest>,
-        /// Its materials, all of them: a picture may show what no use refers to.
+        /// Its materials, all of them: a rendering may show what no use refers to.
         jobs: Vec<Job>,
         /// Its environment, if one lights it.
         environment: Option<EnvironmentJob>,
@@ -179,7 +179,7 @@ fn prepare_one(arguments: &Arguments, subject: &Subject, name: &str) -> Result<(
         (Subject::Scene { jobs, packs: Some(packs), .. }, _) => {
             let current = packs.material(job_of(jobs, name), &())?;
             let stale = current.stale.iter().map(|file| {
-                format!("{file} was made of something else: not drawn, but made anew; 'brdfc build' puts it in place")
+                format!("{file} was made of something else: not drawn, but made again; 'brdfc build' puts it in place")
             });
             let closed = current.gates.iter().filter(|gate| !gate.passed).map(ToString::to_string);
             let notes = stale.chain(closed).chain(current.missed).collect();
@@ -200,7 +200,7 @@ fn prepare_one(arguments: &Arguments, subject: &Subject, name: &str) -> Result<(
             let BrdfPack::Wavelet(wavelet) = &pack else { return Err(no_table(pack.kind())) };
             let levels = wavelet.header.levels;
             if levels > MAX_TABLE_LEVELS {
-                let text = "--table: found a grid of 64; allowed up to 32, whose slices all fit into a texture";
+                let text = "--table: found a grid of 64, expected up to 32, whose slices all fit into a texture";
                 return Err(Error::usage(text));
             }
             let whole = Recipe {
@@ -218,7 +218,7 @@ fn prepare_one(arguments: &Arguments, subject: &Subject, name: &str) -> Result<(
     if arguments.lod.is_some() && pack.levels() == 0 {
         let found = pack.kind().in_words();
         let allowed = "packs that have levels of detail (--levels)";
-        return Err(Error::usage(format!("--lod: found with {found} of one level; allowed with {allowed}")));
+        return Err(Error::usage(format!("--lod: found with {found} of one level, expected with {allowed}")));
     }
     Ok((Prepared { name: name.to_owned(), pack, source, table, maps }, notes))
 }
@@ -237,5 +237,5 @@ fn bias_and_smoothing(recipe: &PackRecipe) -> Recipe {
 
 fn no_table(kind: PackKind) -> Error {
     let (found, allowed) = (kind.in_words(), "wavelet packs (--codec wavelet), whose grid it shows the error of");
-    Error::usage(format!("--table: found {found}; allowed {allowed}"))
+    Error::usage(format!("--table: found {found}, expected {allowed}"))
 }

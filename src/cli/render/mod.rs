@@ -20,7 +20,7 @@ use super::output::{note, print, print_json, remark};
 use super::{Common, Error, graphics_environment};
 use crate::table;
 use asset::{Asset, AssetKind};
-use brdfc::render::{Material, PictureGates, Verification, Views, views};
+use brdfc::render::{Material, RenderingGates, Verification, Views, views};
 use brdfc_terminal::words::{format_number, join_truncated};
 use materials::Prepared;
 use serde::Serialize;
@@ -28,7 +28,7 @@ use std::path::Path;
 use std::time::Instant;
 
 /// Most materials that a remark lists.
-const MOST_LISTED: usize = 6;
+const MAX_LISTED: usize = 6;
 
 /// What `--json` prints.
 #[derive(Debug, Serialize, schemars::JsonSchema)]
@@ -79,7 +79,7 @@ pub(super) fn run(arguments: &Arguments, common: Common) -> Result<(), Error> {
     };
     let verification = verification.checked_by(&gates, &views);
     if let Some(nothing) = verification.nothing_seen(&views) {
-        note(common, &arguments.input, &format!("the picture shows {nothing}{}", hint(arguments)));
+        note(common, &arguments.input, &format!("the rendering shows {nothing}{}", hint(arguments)));
     }
     if verification.left_out > 0.0 {
         let share = table::percent(verification.left_out);
@@ -98,8 +98,8 @@ pub(super) fn run(arguments: &Arguments, common: Common) -> Result<(), Error> {
     if closed.is_empty() { Ok(()) } else { Err(Error::check(closed.join("; "))) }
 }
 
-/// The limits of the picture.
-fn gates(arguments: &Arguments) -> Result<PictureGates, Error> {
+/// The limits of the rendering.
+fn gates(arguments: &Arguments) -> Result<RenderingGates, Error> {
     let given = [
         ("--max-delta-e", arguments.max_delta_e, f64::MAX, "a number, 0 or more"),
         ("--max-delta-e-p95", arguments.max_delta_e_p95, f64::MAX, "a number, 0 or more"),
@@ -111,10 +111,10 @@ fn gates(arguments: &Arguments) -> Result<PictureGates, Error> {
         }
     }
     let [delta_e, delta_e_p95, flip] = given.map(|(_, limit, ..)| limit);
-    Ok(PictureGates { delta_e, delta_e_p95, flip })
+    Ok(RenderingGates { delta_e, delta_e_p95, flip })
 }
 
-/// What may be the matter with a picture that shows nothing.
+/// What may be the matter with a rendering that shows nothing.
 fn hint(arguments: &Arguments) -> &'static str {
     let extension = arguments.input.path().and_then(Path::extension);
     let of_manifest = extension.is_some_and(|extension| extension.eq_ignore_ascii_case("toml"));
@@ -146,11 +146,11 @@ fn of_brdfs(arguments: &Arguments, common: Common) -> Result<(Verification, View
     Ok((verification, views))
 }
 
-/// Says which materials of a scene its picture does not show.
+/// Says which materials of a scene its rendering does not show.
 fn tell_of_others(arguments: &Arguments, all: &[String], shown: &[String], common: Common) {
     let others: Vec<&str> = all.iter().filter(|name| !shown.contains(name)).map(String::as_str).collect();
     if !others.is_empty() {
-        let listed = join_truncated(&others, MOST_LISTED);
+        let listed = join_truncated(&others, MAX_LISTED);
         note(common, &arguments.input, &format!("not shown: {listed}; --contact draws every material"));
     }
 }

@@ -1,4 +1,4 @@
-//! Pictures and text of a verification.
+//! Renderings and text of a verification.
 
 use super::arguments::Arguments;
 use crate::output::{
@@ -15,7 +15,7 @@ fn extension(path: &Path) -> String {
     path.extension().and_then(|e| e.to_str()).unwrap_or("").to_ascii_lowercase()
 }
 
-/// Flags of pictures, what was given, and the extensions that a name may have.
+/// Flags of renderings, what was given, and the extensions that a name may have.
 fn files(arguments: &Arguments) -> [(&'static str, &Option<PathBuf>, &'static [&'static str]); 6] {
     [
         ("--output", &arguments.output, &["png", "exr"]),
@@ -27,7 +27,7 @@ fn files(arguments: &Arguments) -> [(&'static str, &Option<PathBuf>, &'static [&
     ]
 }
 
-/// A picture that would be written over an image that a manifest names.
+/// A rendering that would be written over an image that a manifest names.
 pub(super) fn check_not_over(arguments: &Arguments, input: &Path) -> Result<(), Error> {
     let given = files(arguments).into_iter().filter_map(|(flag, path, _)| Some((flag, path.as_deref()?)));
     given.into_iter().try_for_each(|(flag, path)| refuse_overwriting(flag, path, &[input]))
@@ -54,7 +54,7 @@ pub(super) fn write(arguments: &Arguments, views: &Views, exposure: f64) -> Resu
     write_images(arguments, &views.shader, views.reference(), exposure)
 }
 
-/// Writes the pictures of an image and its reference that were asked for.
+/// Writes the renderings of an image and its reference that were asked for.
 pub(super) fn write_images(
     arguments: &Arguments,
     shader: &LinearImage,

@@ -1,19 +1,19 @@
-//! Pictures under any light, of packs of polynomial wavelet trees.
+//! Renderings under any light, of packs of polynomial wavelet trees.
 
 use super::arguments::Arguments;
 use super::materials::Subject;
 use super::{gpu, outputs, scene};
 use crate::output::{note, remark};
 use crate::{Common, Error};
-use brdfc::inspect::{LightStack, is_light_stack};
+use brdfc::inspect::{RtiCapture, is_rti_capture};
 use brdfc::render::{
     Builtin, FrameBlock, LinearImage, Photograph, PwtDecoder, PwtMaterial, PwtPack, Verification, Views, distant_light,
-    draw_photographs, draw_pwt, draw_pwt_on_cpu, nearest_photograph, picture_scene,
+    draw_photographs, draw_pwt, draw_pwt_on_cpu, nearest_photograph, rendering_scene,
 };
 use brdfc::{FormatError, Input};
 use std::path::Path;
 
-/// Pixels of the picture's longer side where nothing is said.
+/// Pixels of the rendering's longer side where nothing is said.
 const LONGER_SIDE: usize = 512;
 
 /// Draws the pack by the shader and on the CPU; with the stack that it was made of, beside its photographs.
@@ -29,7 +29,7 @@ pub(super) fn verification(
     let longer = size[0].max(size[1]);
     let side = |side: usize| (side * LONGER_SIDE).div_ceil(longer);
     let of_builtin = |builtin: Builtin, frame: [usize; 2]| match builtin {
-        Builtin::Plane => picture_scene(size, frame),
+        Builtin::Plane => rendering_scene(size, frame),
         other => other.scene(),
     };
     let start = scene::Start { builtin: Builtin::Plane, size: size.map(side), scene: &of_builtin };
@@ -74,28 +74,29 @@ pub(super) fn verification(
 }
 
 /// The photographs that a pack is held against.
-fn open_stack(source: &Input, size: [usize; 2]) -> Result<LightStack, Error> {
+fn open_stack(source: &Input, size: [usize; 2]) -> Result<RtiCapture, Error> {
     let Some(path) = source.path() else {
-        let text = format!("--source: found {source}; allowed the folder or the .lp of a light stack");
+        let text = format!("--source: found {source}, expected the folder or the .lp of an RTI capture");
         return Err(Error::usage(text));
     };
-    if !is_light_stack(path) {
-        let text = format!("--source: found {source}; allowed the folder or the .lp of a light stack");
+    if !is_rti_capture(path) {
+        let text = format!("--source: found {source}, expected the folder or the .lp of an RTI capture");
         return Err(Error::usage(text));
     }
-    let stack = LightStack::open(path)?;
+    let stack = RtiCapture::open(path)?;
     if stack.size() != size {
         let told = |[width, height]: [usize; 2]| format!("{width} x {height} pixels");
-        let text = format!("--source: {source}: found {}; allowed {}, as the pack has", told(stack.size()), told(size));
+        let text =
+            format!("--source: {source}: found {}, expected {}, as the pack has", told(stack.size()), told(size));
         return Err(Error::input(text));
     }
     Ok(stack)
 }
 
-/// The picture with the photograph that is nearest to each light.
+/// The rendering with the photograph that is nearest to each light.
 fn of_photographs(
     setup: &scene::Setup,
-    stack: &LightStack,
+    stack: &RtiCapture,
     repeats: bool,
     repeat: u32,
     common: Common,
@@ -105,7 +106,7 @@ fn of_photographs(
         let (number, angle) = nearest_photograph(stack, light);
         let image = stack.image(number)?;
         let file = stack.file(number).file_name().map_or_else(String::new, |name| name.to_string_lossy().into_owned());
-        remark(common, &format!("beside {file}, whose light is {angle:.1}° from that of the picture"));
+        remark(common, &format!("beside {file}, whose light is {angle:.1}° from that of the rendering"));
         photographs.push(Photograph::new([image.width, image.height], image.pixels, repeats));
     }
     Ok(draw_photographs(&setup.scene, setup.frame, &photographs, repeat))

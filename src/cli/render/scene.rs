@@ -14,7 +14,7 @@ use toml::Spanned;
 
 /// Pixels per side where nothing is said.
 const DEFAULT_SIDE: usize = 512;
-/// The same of each picture of a contact sheet.
+/// The same of each rendering of a contact sheet.
 const CONTACT_SIDE: usize = 160;
 /// Samples of an image: each takes some 50 bytes of memory.
 const MAX_ALL_SAMPLES: u64 = 1 << 25;
@@ -41,7 +41,7 @@ impl Setup {
         listed.collect()
     }
 
-    /// Pictures compared, of parts with these materials.
+    /// Renderings compared, of parts with these materials.
     pub(super) fn verification(
         &self,
         gpu: &Gpu,
@@ -58,7 +58,7 @@ pub(super) struct Start<'a> {
     pub(super) builtin: Builtin,
     /// Pixels per row, and rows.
     pub(super) size: [usize; 2],
-    /// A scene with its own camera and lights, for pictures of this size.
+    /// A scene with its own camera and lights, for renderings of this size.
     pub(super) scene: &'a dyn Fn(Builtin, [usize; 2]) -> Scene,
 }
 
@@ -92,7 +92,7 @@ pub(super) fn setup_from(arguments: &Arguments, subject: &Subject, start: &Start
     if !scene.camera.is_valid() {
         let camera = scene.camera;
         return Err(Error::input(format!(
-            "{}: render.camera: found eye {:?}, target {:?}, up {:?}; allowed three that span a view",
+            "{}: render.camera: found eye {:?}, target {:?}, up {:?}, expected three that span a view",
             arguments.input, camera.eye, camera.target, camera.up
         )));
     }
@@ -111,7 +111,7 @@ pub(super) fn setup_from(arguments: &Arguments, subject: &Subject, start: &Start
     let count = width as u64 * height as u64 * (samples * samples) as u64;
     if count > MAX_ALL_SAMPLES {
         return Err(Error::usage(format!(
-            "size and samples: found {width} x {height} pixels of {} samples; allowed {MAX_ALL_SAMPLES} samples in all",
+            "size and samples: found {width} x {height} pixels of {} samples, expected {MAX_ALL_SAMPLES} samples in all",
             samples * samples
         )));
     }
@@ -129,7 +129,7 @@ fn size(text: &str) -> Result<(usize, usize), Error> {
     let side = |part: &str| part.parse::<usize>().ok().filter(|side| (1..=MAX_SIDE).contains(side));
     text.split_once(['x', 'X'])
         .and_then(|(width, height)| Some((side(width)?, side(height)?)))
-        .ok_or_else(|| Error::usage(format!("--size: found {text}; allowed WIDTHxHEIGHT, each 1 to {MAX_SIDE}")))
+        .ok_or_else(|| Error::usage(format!("--size: found {text}, expected WIDTHxHEIGHT, each 1 to {MAX_SIDE}")))
 }
 
 fn builtin(
@@ -186,7 +186,7 @@ pub(super) fn materials_in_turn(arguments: &Arguments, subject: &Subject) -> Res
     let used: Vec<String> = manifest.materials.keys().filter(is_used).cloned().collect();
     let all = if used.is_empty() { manifest.materials.keys().cloned().collect() } else { used };
     if all.is_empty() {
-        let text = format!("{}: materials: found none; allowed one or more", arguments.input);
+        let text = format!("{}: materials: found none, expected one or more", arguments.input);
         return Err(Error::input(text));
     }
     Ok(all)

@@ -11,7 +11,7 @@ use schemars::JsonSchema;
 use serde::Serialize;
 use std::time::Instant;
 
-/// Samples of the picture that the exposure is found in.
+/// Samples of the rendering that the exposure is found in.
 const EXPOSURE_SAMPLES: u32 = 16;
 
 /// One number of points per pixel.
@@ -50,7 +50,7 @@ pub fn exponents(rows: &[AntialiasingRow]) -> Option<Exponents> {
     })
 }
 
-/// The same picture with 1, 4 and 16 points per pixel, as bright as the default exposure makes it.
+/// The same rendering with 1, 4 and 16 points per pixel, as bright as the default exposure makes it.
 pub fn antialiasing_study(
     material: &StudyMaterial<'_>,
     shape: Builtin,
@@ -68,9 +68,9 @@ pub fn antialiasing_study(
         let buffer = buffer(levels);
         let settings = Settings { samples: budget, antialiasing_levels: levels, white, ..Settings::default() };
         let started = Instant::now();
-        let picture = draw(&adaptive, frame, &buffer, &settings);
+        let rendering = draw(&adaptive, frame, &buffer, &settings);
         let seconds = started.elapsed().as_secs_f64();
-        AntialiasingRow { points: 1 << (2 * levels), shaded: picture.shaded(), samples: picture.samples(), seconds }
+        AntialiasingRow { points: 1 << (2 * levels), shaded: rendering.shaded(), samples: rendering.samples(), seconds }
     };
     (0..3).map(one).collect()
 }

@@ -53,11 +53,11 @@ impl Lighting {
 pub struct Case<'a> {
     /// To draw with.
     pub adaptive: AdaptiveScene<'a>,
-    /// Size of the picture.
+    /// Size of the rendering.
     pub frame: Frame,
     /// Surface points, one per pixel.
     pub buffer: &'a GBuffer,
-    /// The converged picture.
+    /// The converged rendering.
     pub truth: LinearImage,
     /// PSNR that its own standard error amounts to, dB.
     pub truth_psnr: f64,
@@ -91,7 +91,7 @@ impl Case<'_> {
         run(&Case { adaptive, frame, buffer: &buffer, truth, truth_psnr, exposure, surface })
     }
 
-    /// PSNR of a picture against the ground truth, dB; infinite if there is no difference.
+    /// PSNR of a rendering against the ground truth, dB; infinite if there is no difference.
     pub fn psnr(&self, image: &LinearImage) -> f64 {
         signal_to_noise(image, &self.truth, self.exposure).psnr.unwrap_or(f64::INFINITY)
     }

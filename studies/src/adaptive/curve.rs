@@ -1,6 +1,6 @@
 //! Error against cost: what a renderer gives for what it is allowed to spend.
 
-/// One picture of a renderer.
+/// One rendering of a renderer.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Point {
     /// What the renderer was asked to spend: samples per pixel, or [`brdfc_render::adaptive::Settings::samples`].
@@ -13,8 +13,8 @@ pub struct Point {
     pub seconds: f64,
 }
 
-/// What a renderer needs for a PSNR, between two of its pictures: logarithms of cost are interpolated. `None` if none of
-/// the pictures is as good, or all of them are better.
+/// What a renderer needs for a PSNR, between two of its renderings: logarithms of cost are interpolated. `None` if none of
+/// the renderings is as good, or all of them are better.
 pub fn needed(curve: &[Point], psnr: f64) -> Option<Point> {
     let [a, b] = curve.windows(2).map(|pair| [pair[0], pair[1]]).find(|[a, b]| a.psnr <= psnr && psnr <= b.psnr)?;
     let t = if b.psnr > a.psnr { (psnr - a.psnr) / (b.psnr - a.psnr) } else { 0.0 };

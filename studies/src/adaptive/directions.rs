@@ -20,14 +20,14 @@ pub struct DirectionsRow {
     pub samples: f64,
     /// Seconds of the bandwidth buffer.
     pub bandwidth_seconds: f64,
-    /// Seconds of the whole picture.
+    /// Seconds of the whole rendering.
     pub seconds: f64,
 }
 
-/// The picture with each number of [`DIRECTIONS`], for as many samples as the first one took.
+/// The rendering with each number of [`DIRECTIONS`], for as many samples as the first one took.
 ///
-/// The budget is asked for anew until the samples agree within 1 %: fewer directions estimate another mean variance, which
-/// changes what a budget buys, and not how good a picture is for its samples.
+/// The budget is asked for again until the samples agree within 1 %: fewer directions estimate another mean variance, which
+/// changes what a budget buys, and not how good a rendering is for its samples.
 pub fn directions_study(case: &Case<'_>, budget: f32) -> Vec<DirectionsRow> {
     let surface = case.surface.max(1) as f64;
     let mut wanted = None;
@@ -41,10 +41,10 @@ pub fn directions_study(case: &Case<'_>, budget: f32) -> Vec<DirectionsRow> {
         for _ in 0..6 {
             let started = Instant::now();
             let settings = Settings { samples: asked as f32, ..settings };
-            let picture = draw(&case.adaptive, case.frame, case.buffer, &settings);
+            let rendering = draw(&case.adaptive, case.frame, case.buffer, &settings);
             row.seconds = started.elapsed().as_secs_f64();
-            row.samples = picture.samples() as f64 / surface;
-            row.psnr = Some(case.psnr(&picture.image)).filter(|psnr| psnr.is_finite());
+            row.samples = rendering.samples() as f64 / surface;
+            row.psnr = Some(case.psnr(&rendering.image)).filter(|psnr| psnr.is_finite());
             let target = *wanted.get_or_insert(row.samples);
             if (row.samples / target - 1.0).abs() < 0.01 {
                 break;

@@ -3,7 +3,7 @@
 use super::case::{Case, Lighting, StudyMaterial};
 use super::curve::{Point, needed};
 use brdfc_metrics::image::{PIXELS_PER_DEGREE, flip};
-use brdfc_render::adaptive::{AdaptivePicture, Settings, Start, draw, forward, predict};
+use brdfc_render::adaptive::{AdaptiveRendering, Settings, Start, draw, forward, predict};
 use brdfc_render::scene::Frame;
 use brdfc_render::scenes::Builtin;
 use schemars::JsonSchema;
@@ -51,9 +51,9 @@ pub struct AdaptivePoint {
     pub samples: f64,
     /// Shaded pixels, per pixel that shows a surface.
     pub shaded_share: f64,
-    /// PSNR of the picture that was drawn with this budget, dB.
+    /// PSNR of the rendering that was drawn with this budget, dB.
     pub psnr: f64,
-    /// Mean FLIP of the picture on surfaces.
+    /// Mean FLIP of the rendering on surfaces.
     pub flip: f64,
     /// Seconds to shade, the bandwidth buffer included.
     pub seconds: f64,
@@ -132,7 +132,7 @@ fn adaptive_curve(case: &Case<'_>, caution: f32, highest: f64) -> Vec<Point> {
         let (_, point) = attempt(case, caution, asked);
         let last = curve.last().map_or(f64::NEG_INFINITY, |last| last.psnr);
         curve.push(point);
-        // What more samples do not mend is missing detail.
+        // What more samples do not repair is missing detail.
         if point.psnr > highest || point.psnr < last + 0.1 {
             break;
         }
@@ -140,20 +140,20 @@ fn adaptive_curve(case: &Case<'_>, caution: f32, highest: f64) -> Vec<Point> {
     curve
 }
 
-/// A picture for which so much was asked, and what it took.
-fn attempt(case: &Case<'_>, caution: f32, asked: f64) -> (AdaptivePicture, Point) {
+/// A rendering for which so much was asked, and what it took.
+fn attempt(case: &Case<'_>, caution: f32, asked: f64) -> (AdaptiveRendering, Point) {
     let settings = Settings { samples: asked as f32, caution, ..case.settings() };
     let started = Instant::now();
-    let picture = draw(&case.adaptive, case.frame, case.buffer, &settings);
+    let rendering = draw(&case.adaptive, case.frame, case.buffer, &settings);
     let seconds = started.elapsed().as_secs_f64();
-    let samples = picture.samples() as f64 / case.surface.max(1) as f64;
-    let point = Point { asked, samples, psnr: case.psnr(&picture.image), seconds };
-    (picture, point)
+    let samples = rendering.samples() as f64 / case.surface.max(1) as f64;
+    let point = Point { asked, samples, psnr: case.psnr(&rendering.image), seconds };
+    (rendering, point)
 }
 
 fn adaptive_point(case: &Case<'_>, caution: f32, asked: f64) -> AdaptivePoint {
-    let (picture, Point { samples, psnr, seconds, .. }) = attempt(case, caution, asked);
-    let shaded_share = picture.shaded() as f64 / case.surface.max(1) as f64;
-    let flip = flip(&picture.image, &case.truth, case.exposure, PIXELS_PER_DEGREE).mean_on_surfaces;
+    let (rendering, Point { samples, psnr, seconds, .. }) = attempt(case, caution, asked);
+    let shaded_share = rendering.shaded() as f64 / case.surface.max(1) as f64;
+    let flip = flip(&rendering.image, &case.truth, case.exposure, PIXELS_PER_DEGREE).mean_on_surfaces;
     AdaptivePoint { caution, samples, shaded_share, psnr, flip, seconds }
 }

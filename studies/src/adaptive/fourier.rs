@@ -1,4 +1,4 @@
-//! Predicted bandwidth against windowed Fourier transforms of the picture (figure 12 of Bagher et al. 2012).
+//! Predicted bandwidth against windowed Fourier transforms of the rendering (figure 12 of Bagher et al. 2012).
 
 use super::case::Case;
 use super::spectrum::{WINDOW, window_bandwidths};
@@ -11,7 +11,7 @@ use serde::Serialize;
 /// Pixels between windows.
 const STRIDE: usize = 4;
 
-/// How predictions compare with the picture.
+/// How predictions compare with the rendering.
 #[derive(Debug, Clone, PartialEq, Serialize, JsonSchema)]
 pub struct FourierRow {
     /// The input.
@@ -41,7 +41,7 @@ pub struct Quantiles {
     pub high: f64,
 }
 
-/// Compares at every window; the picture is that of the ground truth as a display shows it.
+/// Compares at every window; the rendering is that of the ground truth as a display shows it.
 pub fn fourier_check(case: &Case<'_>, material: &str, shape: &str) -> FourierRow {
     let prediction = predict(&case.adaptive, case.frame, case.buffer, &case.settings());
     let (width, height) = (case.frame.width, case.frame.height);
@@ -159,7 +159,7 @@ mod tests {
 
     /// Figure 12 on a glossy sphere; the negative control takes bandwidths of a surface without curvature.
     #[test]
-    fn predictions_follow_the_picture() {
+    fn predictions_follow_the_rendering() {
         let source = parse_synth("synth:ggx?kd=0&f0=0.9&alpha=0.05").unwrap();
         let material = StudyMaterial::new("metal".to_owned(), source.as_ref()).unwrap();
         let lighting = Lighting::new(waves()).unwrap();

@@ -1,4 +1,4 @@
-//! Local bandwidth of a picture by windowed Fourier transforms: what predictions are held against (figure 12 of Bagher et
+//! Local bandwidth of a rendering by windowed Fourier transforms: what predictions are held against (figure 12 of Bagher et
 //! al. 2012).
 
 use microfft::Complex32;
@@ -9,14 +9,14 @@ use std::f32::consts::TAU;
 /// Pixels per side of a window: the paper's.
 pub const WINDOW: usize = 32;
 
-/// Bandwidth around the pixel `[column, row]` of a picture of `width` columns, cycles per pixel, 0 to 0.71: the root of the
+/// Bandwidth around the pixel `[column, row]` of a rendering of `width` columns, cycles per pixel, 0 to 0.71: the root of the
 /// mean squared frequency of the Hann-windowed 32 x 32 pixels around it, without their mean. 0 for a constant.
 ///
 /// A share of the energy would do as well where there is much of it; on smooth windows it is decided by what little noise the
-/// picture has. The window itself spreads what is slow to 0.02 cycles per pixel.
+/// rendering has. The window itself spreads what is slow to 0.02 cycles per pixel.
 ///
 /// # Panics
-/// If the window does not lie inside the picture.
+/// If the window does not lie inside the rendering.
 pub fn window_bandwidth(values: &[f32], width: usize, [column, row]: [usize; 2]) -> f32 {
     const HALF: usize = WINDOW / 2;
     assert!(column >= HALF && column + HALF <= width && row >= HALF, "the window lies inside");
@@ -76,14 +76,14 @@ fn root_mean_square(spectrum: &[Complex32]) -> f32 {
 mod tests {
     use super::*;
 
-    fn picture(value: impl Fn(f32, f32) -> f32) -> Vec<f32> {
+    fn rendering(value: impl Fn(f32, f32) -> f32) -> Vec<f32> {
         (0..64 * 64).map(|i| value((i % 64) as f32, (i / 64) as f32)).collect()
     }
 
     #[test]
     fn waves_have_their_frequency() {
         for (fx, fy) in [(0.05f32, 0.0f32), (0.1, 0.1), (0.25, 0.1), (0.0, 0.4)] {
-            let wave = picture(|x, y| 3.0 + (TAU * (fx * x + fy * y)).sin());
+            let wave = rendering(|x, y| 3.0 + (TAU * (fx * x + fy * y)).sin());
             let found = window_bandwidth(&wave, 64, [30, 33]);
             assert!((found / fx.hypot(fy) - 1.0).abs() < 0.15, "{fx} {fy}: {found}");
         }
@@ -92,7 +92,7 @@ mod tests {
 
     #[test]
     fn frequencies_count_by_their_energy() {
-        let mixed = picture(|x, _| (TAU * x / 16.0).sin() + (TAU * x / 4.0).sin());
+        let mixed = rendering(|x, _| (TAU * x / 16.0).sin() + (TAU * x / 4.0).sin());
         let expected = (0.5 * (0.0625f32.powi(2) + 0.25f32.powi(2))).sqrt();
         let found = window_bandwidths(&mixed, 64, &[[32, 32], [20, 40]]);
         assert!(found.iter().all(|found| (found / expected - 1.0).abs() < 0.05), "{found:?} {expected}");

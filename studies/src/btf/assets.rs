@@ -95,18 +95,18 @@ impl Asset {
     }
 
     /// A view under all lights, linear RGB.
-    pub(super) fn pictures(&self, view: usize, lights: &Lights) -> Vec<Vec<[f32; 3]>> {
+    pub(super) fn renderings(&self, view: usize, lights: &Lights) -> Vec<Vec<[f32; 3]>> {
         let decoded = |light| self.light(view, light).iter().map(|word| rgb9e5::decode(*word)).collect();
         (0..lights.directions.len()).into_par_iter().map(decoded).collect()
     }
 
-    /// The fitted ones of such pictures; texels that the view does not see are undefined. Of a view that sees nothing, all are
+    /// The fitted ones of such renderings; texels that the view does not see are undefined. Of a view that sees nothing, all are
     /// defined.
-    pub(super) fn samples(&self, view: usize, pictures: &[Vec<[f32; 3]>], lights: &Lights) -> LightSamples {
+    pub(super) fn samples(&self, view: usize, renderings: &[Vec<[f32; 3]>], lights: &Lights) -> LightSamples {
         LightSamples {
             size: [self.size; 2],
             lights: lights.fitted_directions(),
-            pictures: lights.fitted.iter().map(|light| pictures[*light].clone()).collect(),
+            renderings: lights.fitted.iter().map(|light| renderings[*light].clone()).collect(),
             repeats: true,
             defined: self.mask(view).filter(|mask| mask.contains(&true)).map(<[bool]>::to_vec),
         }

@@ -1,4 +1,4 @@
-//! Differences of pictures of a view from what they are made of.
+//! Differences of renderings of a view from what they are made of.
 
 use super::lights::Lights;
 use brdfc_formats::pwt::Domain;
@@ -68,22 +68,22 @@ fn codes(mut colours: Vec<[f32; 3]>) -> Vec<[f32; 3]> {
 
 impl Truth {
     /// Of linear RGB under each light; where there is a mask, only texels that it has count.
-    pub(super) fn new(pictures: &[Vec<[f32; 3]>], mask: Option<&[bool]>) -> Self {
-        let all = pictures.first().map_or(0, Vec::len);
+    pub(super) fn new(renderings: &[Vec<[f32; 3]>], mask: Option<&[bool]>) -> Self {
+        let all = renderings.first().map_or(0, Vec::len);
         let texels: Vec<usize> = (0..all).filter(|texel| mask.is_none_or(|mask| mask[*texel])).collect();
-        let light = |picture: &Vec<[f32; 3]>| {
-            let colours: Vec<[f32; 3]> = texels.iter().map(|texel| picture[*texel]).collect();
+        let light = |rendering: &Vec<[f32; 3]>| {
+            let colours: Vec<[f32; 3]> = texels.iter().map(|texel| rendering[*texel]).collect();
             let labs = colours.iter().map(|colour| lab(*colour)).collect();
             Compared { codes: codes(colours), labs }
         };
-        let lights = pictures.par_iter().map(light).collect();
+        let lights = renderings.par_iter().map(light).collect();
         Self { texels, lights }
     }
 
-    /// Errors of pictures under the same lights.
-    pub(super) fn errors(&self, pictures: &[Vec<[f32; 3]>], lights: &Lights) -> Errors {
-        let light = |(picture, wanted): (&Vec<[f32; 3]>, &Compared)| {
-            let colours: Vec<[f32; 3]> = self.texels.iter().map(|texel| picture[*texel]).collect();
+    /// Errors of renderings under the same lights.
+    pub(super) fn errors(&self, renderings: &[Vec<[f32; 3]>], lights: &Lights) -> Errors {
+        let light = |(rendering, wanted): (&Vec<[f32; 3]>, &Compared)| {
+            let colours: Vec<[f32; 3]> = self.texels.iter().map(|texel| rendering[*texel]).collect();
             let distance = |(colour, wanted): (&[f32; 3], &[f32; 3])| distance_squared(lab(*colour), *wanted).sqrt();
             let distances = colours.iter().zip(&wanted.labs).map(distance).map(f64::from).sum();
             let found = codes(colours);
@@ -91,7 +91,7 @@ impl Truth {
             let squares = pairs.map(|(a, b)| f64::from((a - b) * (a - b))).sum();
             Sums { squares, distances, count: self.texels.len() as f64 }
         };
-        let sums: Vec<Sums> = pictures.par_iter().zip(&self.lights).map(light).collect();
+        let sums: Vec<Sums> = renderings.par_iter().zip(&self.lights).map(light).collect();
         let mut errors = Errors::default();
         lights.fitted.iter().for_each(|light| errors.fitted.add(sums[*light]));
         lights.held_out.iter().for_each(|light| errors.held_out.add(sums[*light]));
@@ -105,11 +105,11 @@ mod tests {
     use brdfc_formats::direction_set::DirectionSet;
 
     #[test]
-    fn errors_of_known_pictures() {
+    fn errors_of_known_renderings() {
         let lights = Lights::new(&DirectionSet::grid(3, 4, 60.0).unwrap(), &[4]).unwrap();
-        let picture = |value: f32| vec![[value; 3]; 4];
-        let truth: Vec<_> = (0..9).map(|_| picture(0.5)).collect();
-        let found: Vec<_> = (0..9).map(|light| picture(if light == 4 { 0.0 } else { 0.5 })).collect();
+        let rendering = |value: f32| vec![[value; 3]; 4];
+        let truth: Vec<_> = (0..9).map(|_| rendering(0.5)).collect();
+        let found: Vec<_> = (0..9).map(|light| rendering(if light == 4 { 0.0 } else { 0.5 })).collect();
         let errors = Truth::new(&truth, None).errors(&found, &lights);
         assert_eq!((errors.fitted.delta_e(), errors.fitted.count), (0.0, 32.0));
         // L* of half of white's light.
@@ -118,7 +118,7 @@ mod tests {
         assert!((errors.held_out.psnr() + 20.0 * 0.7354f64.log10()).abs() < 0.01, "{errors:?}");
         // What a mask leaves out does not count.
         let mut off = truth.clone();
-        off.iter_mut().for_each(|picture| picture[2] = [1.0; 3]);
+        off.iter_mut().for_each(|rendering| rendering[2] = [1.0; 3]);
         assert!(Truth::new(&truth, None).errors(&off, &lights).fitted.delta_e() > 1.0);
         let masked = Truth::new(&truth, Some(&[true, true, false, true])).errors(&off, &lights);
         assert_eq!((masked.fitted.delta_e(), masked.fitted.count), (0.0, 24.0));

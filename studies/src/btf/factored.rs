@@ -62,7 +62,7 @@ pub(super) fn factored(
 
     let mut errors = Errors::default();
     for view in 0..asset.views() {
-        let truth = Truth::new(&asset.pictures(view, lights), asset.mask(view));
+        let truth = Truth::new(&asset.renderings(view, lights), asset.mask(view));
         let direction = single(set.directions()[view]);
         errors.add(truth.errors(&shown(&made.asset, (view, direction), lights), lights));
         view_done();

@@ -93,11 +93,11 @@ impl<'a> Joint<'a> {
         let mut coefficients: [Vec<Plane>; 3] =
             [0, 1, 2].map(|_| vec![Plane::zeros(extent); light.terms() * view.terms()]);
         for number in 0..asset.views() {
-            let mut pictures = asset.pictures(number, lights);
-            pictures.par_iter_mut().for_each(|picture| domain.encode_each(picture.as_flattened_mut()));
+            let mut renderings = asset.renderings(number, lights);
+            renderings.par_iter_mut().for_each(|rendering| domain.encode_each(rendering.as_flattened_mut()));
             for (channel, planes) in CHANNELS.iter().zip(&mut coefficients) {
                 let project = |value: &[f32; 3]| (0..3).map(|k| channel[k] * value[k]).sum();
-                let values = |light: &usize| pictures[*light].iter().map(project).collect();
+                let values = |light: &usize| renderings[*light].iter().map(project).collect();
                 let values: Vec<Vec<f32>> = lights.fitted.par_iter().map(values).collect();
                 let of_light = fit::coefficients(&light, &values);
                 planes.par_iter_mut().enumerate().for_each(|(term, plane)| {
@@ -176,7 +176,7 @@ impl<'a> Joint<'a> {
             self.images.par_iter().zip(bases).map(|(image, base)| base.map(|base| stored(image, base))).collect();
         let mut errors = Errors::default();
         for view in (0..self.asset.views()).step_by(stride) {
-            let truth = Truth::new(&self.asset.pictures(view, self.lights), self.asset.mask(view));
+            let truth = Truth::new(&self.asset.renderings(view, self.lights), self.asset.mask(view));
             errors.add(truth.errors(&self.shown(&planes, view), self.lights));
             view_done();
         }
@@ -194,18 +194,18 @@ impl<'a> Joint<'a> {
             mixed(kept, texels)
         };
         let at_view: Vec<Vec<f32>> = (0..3 * terms).into_par_iter().map(at_view).collect();
-        let picture = |direction: &[f32; 3]| -> Vec<[f32; 3]> {
+        let rendering = |direction: &[f32; 3]| -> Vec<[f32; 3]> {
             let of_light = weights(&self.light, *direction);
             let channels = [0, 1, 2].map(|channel: usize| {
                 let planes = at_view[channel * terms..][..terms].iter().map(Vec::as_slice);
                 mixed(planes.zip(of_light.iter().copied()), texels)
             });
             let colour = |k: usize| [0, 1, 2].map(|c| (0..3).map(|n| CHANNELS[n][c] * channels[n][k]).sum());
-            let mut picture: Vec<[f32; 3]> = (0..texels).map(colour).collect();
-            self.domain.decode_each(picture.as_flattened_mut());
-            picture
+            let mut rendering: Vec<[f32; 3]> = (0..texels).map(colour).collect();
+            self.domain.decode_each(rendering.as_flattened_mut());
+            rendering
         };
-        self.lights.directions.par_iter().map(picture).collect()
+        self.lights.directions.par_iter().map(rendering).collect()
     }
 }
 

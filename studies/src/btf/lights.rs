@@ -36,7 +36,7 @@ impl Lights {
         self.fitted.iter().map(|light| self.directions[*light]).collect()
     }
 
-    /// Pictures under all lights of those under the fitted ones: for the others what a renderer blends of three neighbours.
+    /// Renderings under all lights of those under the fitted ones: for the others what a renderer blends of three neighbours.
     pub(super) fn completed(&self, fitted: Vec<Vec<[f32; 3]>>) -> Vec<Vec<[f32; 3]>> {
         let blended = |(indices, weights): &([u32; 3], [f32; 3])| -> Vec<[f32; 3]> {
             let [a, b, c] = indices.map(|light| &fitted[light as usize]);
@@ -46,8 +46,8 @@ impl Lights {
         };
         let held_out: Vec<Vec<[f32; 3]>> = self.blends.iter().map(blended).collect();
         let mut all = vec![Vec::new(); self.directions.len()];
-        self.fitted.iter().zip(fitted).for_each(|(light, picture)| all[*light] = picture);
-        self.held_out.iter().zip(held_out).for_each(|(light, picture)| all[*light] = picture);
+        self.fitted.iter().zip(fitted).for_each(|(light, rendering)| all[*light] = rendering);
+        self.held_out.iter().zip(held_out).for_each(|(light, rendering)| all[*light] = rendering);
         all
     }
 }
@@ -63,8 +63,8 @@ mod tests {
         assert_eq!((lights.fitted.len(), &lights.held_out), (23, &vec![3, 9]));
         // What is linear in paraboloid coordinates comes back inside the hull.
         let value = |[x, _, z]: [f32; 3]| 0.5 + 0.3 * x / (1.0 + z);
-        let pictures = lights.fitted_directions().into_iter().map(|light| vec![[value(light); 3]; 2]).collect();
-        let all = lights.completed(pictures);
+        let renderings = lights.fitted_directions().into_iter().map(|light| vec![[value(light); 3]; 2]).collect();
+        let all = lights.completed(renderings);
         for (light, direction) in lights.directions.iter().enumerate() {
             assert!((all[light][1][2] - value(*direction)).abs() < 1e-5, "{light}");
         }

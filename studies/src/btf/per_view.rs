@@ -7,8 +7,8 @@ use super::rows::Tally;
 use brdfc_formats::FormatError;
 use brdfc_formats::pwt::{LightBasis, LightCoordinates, PwtDecoder, PwtPack};
 use brdfc_pwt::choose::Candidate;
-use brdfc_pwt::measure::pictures_of_pack;
-use brdfc_pwt::ptm::{MapModel, fit_map, pictures_of};
+use brdfc_pwt::measure::renderings_of_pack;
+use brdfc_pwt::ptm::{MapModel, fit_map, renderings_of};
 use brdfc_pwt::{LightSamples, PwtRecipe, Target, encode, plain};
 use std::time::Instant;
 
@@ -44,23 +44,23 @@ pub(super) struct View<'a> {
     truth: Truth,
 }
 
-/// Texels of all mipmap levels of a square picture.
+/// Texels of all mipmap levels of a square rendering.
 pub(super) fn texels_with_mipmaps(size: usize) -> u64 {
     (0..=size.ilog2()).map(|level| ((size >> level) as u64).pow(2)).sum()
 }
 
 impl<'a> View<'a> {
     pub(super) fn new(asset: &Asset, view: usize, lights: &'a Lights) -> Self {
-        let pictures = asset.pictures(view, lights);
-        let samples = asset.samples(view, &pictures, lights);
-        let truth = Truth::new(&pictures, asset.mask(view));
+        let renderings = asset.renderings(view, lights);
+        let samples = asset.samples(view, &renderings, lights);
+        let truth = Truth::new(&renderings, asset.mask(view));
         Self { lights, samples, truth }
     }
 
     /// Everything that needs to know nothing of the other views.
     ///
     /// # Errors
-    /// Pictures that an encoder refuses.
+    /// Renderings that an encoder refuses.
     pub(super) fn first(&self) -> Result<FirstView, FormatError> {
         let map = |model| self.map(model);
         let terms = |basis, level| -> Result<Tally, FormatError> {
@@ -83,7 +83,7 @@ impl<'a> View<'a> {
         let start = Instant::now();
         let map = fit_map(&self.samples, model)?;
         let seconds = start.elapsed().as_secs_f64();
-        let shown = pictures_of(&map, self.lights.directions.clone()).pictures;
+        let shown = renderings_of(&map, self.lights.directions.clone()).renderings;
         let (bytes, fetches) = cost(model);
         let bytes = bytes * texels_with_mipmaps(self.samples.size[0]);
         Ok(self.tally(&shown, bytes, BLENDED_VIEWS * fetches, seconds))
@@ -110,13 +110,13 @@ impl<'a> View<'a> {
     /// The values themselves, and of lights that were held out what a renderer blends.
     fn uncompressed(&self) -> Tally {
         let bytes = 4 * self.samples.lights.len() as u64 * texels_with_mipmaps(self.samples.size[0]);
-        let shown = self.lights.completed(self.samples.pictures.clone());
+        let shown = self.lights.completed(self.samples.renderings.clone());
         self.tally(&shown, bytes, BLENDED_VIEWS * BLENDED_LIGHTS, 0.0)
     }
 
     fn packed(&self, pack: PwtPack, seconds: f64) -> Tally {
         let (bytes, fetches) = (pack.gpu_bytes(), f64::from(pack.header().fetches()));
-        let shown = pictures_of_pack(&PwtDecoder::new(pack), self.lights.directions.clone()).pictures;
+        let shown = renderings_of_pack(&PwtDecoder::new(pack), self.lights.directions.clone()).renderings;
         self.tally(&shown, bytes, BLENDED_VIEWS * fetches, seconds)
     }
 

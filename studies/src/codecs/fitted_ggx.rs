@@ -1,11 +1,11 @@
-//! What a studio would do without a measurement's pack: a diffuse part and a GGX lobe, fitted to the very pictures by which
+//! What a studio would do without a measurement's pack: a diffuse part and a GGX lobe, fitted to the very renderings by which
 //! packs are judged.
 
 use brdfc_core::analytic::Ggx;
 use brdfc_core::{Source, Tally};
 use brdfc_formats::direction::DirectionPair;
 use brdfc_metrics::lab::lab;
-use brdfc_metrics::picture::picture_pairs;
+use brdfc_metrics::rendering::rendering_pairs;
 use brdfc_metrics::values::values_at;
 use nalgebra::{SMatrix, SVector};
 use rayon::prelude::*;
@@ -19,10 +19,10 @@ const EVERY: usize = 11;
 const STARTS: [(f64, f64); 6] = [(0.03, 0.04), (0.03, 0.5), (0.1, 0.04), (0.1, 0.5), (0.3, 0.04), (0.3, 0.5)];
 const STEPS: usize = 60;
 
-/// The model whose pictures are closest to those of `source` by the squares of ΔE*ab, by the method of Levenberg and
-/// Marquardt from several starts. `exposure` is that of the pictures.
+/// The model whose renderings are closest to those of `source` by the squares of ΔE*ab, by the method of Levenberg and
+/// Marquardt from several starts. `exposure` is that of the renderings.
 pub(super) fn fitted_ggx(source: &dyn Source, exposure: f64) -> Ggx {
-    let pairs: Vec<DirectionPair> = picture_pairs().iter().copied().step_by(EVERY).collect();
+    let pairs: Vec<DirectionPair> = rendering_pairs().iter().copied().step_by(EVERY).collect();
     let (values, _) = values_at(source, &pairs);
     let shown = |f: [f64; 3], pair: &DirectionPair| lab(f.map(|f| (f * pair.incoming[2] * exposure) as f32));
     let colours: Vec<[f32; 3]> = values.iter().zip(&pairs).map(|(f, pair)| shown(*f, pair)).collect();

@@ -222,8 +222,8 @@ fn row(codec: &str, setting: String, error: &Comparison) -> CodecRow {
         cpu: None,
         shader: None,
         relative_error: error.norms.relative_mean,
-        delta_e: error.picture.delta_e.mean,
-        delta_e_p95: error.picture.delta_e.p95,
+        delta_e: error.rendering.delta_e.mean,
+        delta_e_p95: error.rendering.delta_e.p95,
     }
 }
 

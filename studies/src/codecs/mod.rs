@@ -60,7 +60,7 @@ pub struct CodecRow {
     pub shader: Option<f64>,
     /// `ε_r` off the grid, a fraction.
     pub relative_error: f64,
-    /// Mean ΔE*ab of pictures.
+    /// Mean ΔE*ab of renderings.
     pub delta_e: f64,
     /// Its 95th percentile.
     pub delta_e_p95: f64,

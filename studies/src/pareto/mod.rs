@@ -50,7 +50,7 @@ pub struct ParetoRow {
     pub runs: usize,
     /// Evaluations per second of the CPU decoder on one thread, at the finest level of detail; the fastest of three runs.
     pub decode_rate: f64,
-    /// Mean ΔE*ab of pictures.
+    /// Mean ΔE*ab of renderings.
     pub delta_e: f64,
     /// Its 95th percentile.
     pub delta_e_p95: f64,

@@ -12,7 +12,7 @@ use std::time::Instant;
 
 /// What takes less is run again, up to so many times.
 const SHORT: f64 = 0.5;
-const MOST_RUNS: usize = 3;
+const MAX_RUNS: usize = 3;
 /// Pairs that are decoded in a run, and how many runs.
 const PAIRS: usize = 1 << 13;
 const DECODE_RUNS: usize = 3;
@@ -53,8 +53,8 @@ pub fn pareto(
             encode_seconds,
             runs,
             decode_rate: PAIRS as f64 / best_of(DECODE_RUNS, decode),
-            delta_e: error.picture.delta_e.mean,
-            delta_e_p95: error.picture.delta_e.p95,
+            delta_e: error.rendering.delta_e.mean,
+            delta_e_p95: error.rendering.delta_e.p95,
             relative_error: error.norms.relative_mean,
             on_bytes_front: false,
             on_seconds_front: false,
@@ -73,7 +73,7 @@ fn timed(source: &dyn Source, recipe: &PackRecipe) -> Result<(EncodedPack, f64, 
         let made = encode(source, recipe, &())?;
         let seconds = start.elapsed().as_secs_f64();
         (shortest, all, runs) = (shortest.min(seconds), all + seconds, runs + 1);
-        if runs == MOST_RUNS || all >= SHORT {
+        if runs == MAX_RUNS || all >= SHORT {
             return Ok((made, shortest, runs));
         }
     }

@@ -7,7 +7,7 @@ use glam::Vec3A;
 use rayon::prelude::*;
 
 /// Most triangles of a repeated mesh.
-const MOST_TRIANGLES: usize = 6_000_000;
+const MAX_TRIANGLES: usize = 6_000_000;
 
 /// A mesh that no ray leaves, the rays, and our answers.
 #[derive(Debug, Clone, PartialEq)]
@@ -26,7 +26,7 @@ pub struct Dump {
 
 /// The mesh would be too large.
 #[derive(Debug, thiserror::Error)]
-#[error("triangles of the repeated mesh: found {0}; allowed {MOST_TRIANGLES}: lower the resolution")]
+#[error("triangles of the repeated mesh: found {0}, expected {MAX_TRIANGLES}: lower the resolution")]
 pub struct DumpError(usize);
 
 impl Dump {
@@ -59,7 +59,7 @@ impl Dump {
                     corners.push(triangle.map(|c| (c.tile[1] + y, c.tile[0] + x, c.vertex)));
                 }
             }
-            if corners.len() > MOST_TRIANGLES {
+            if corners.len() > MAX_TRIANGLES {
                 return Err(DumpError(corners.len() * mesh.triangles.len() / (index + 1)));
             }
         }

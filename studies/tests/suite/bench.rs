@@ -32,10 +32,10 @@ fn the_study_of_rays_counts_rays_and_writes_them() {
     conforms(&folder.run(&[&study[..], &["--json"]].concat()).succeeded().json());
     for (arguments, code, expected) in [
         (&["synth:buton"][..], 3, "did you mean `button`?"),
-        (&["--adapter", "x"], 2, "--adapter: found with another study; allowed with --study throughput"),
+        (&["--adapter", "x"], 2, "--adapter: found with another study, expected with --study throughput"),
         (&["button.obj"], 2, "INPUT: found button.obj"),
-        (&["--texels", "0"], 2, "--texels: found 0; allowed 1 to 512"),
-        (&["--small"], 2, "--small: found with another study; allowed with --study pareto, level-of-detail"),
+        (&["--texels", "0"], 2, "--texels: found 0, expected 1 to 512"),
+        (&["--small"], 2, "--small: found with another study, expected with --study pareto, level-of-detail"),
     ] {
         let ran = folder.run(&[&["--study", "rays"][..], arguments].concat());
         assert_eq!(ran.code, code, "{arguments:?}: {}", ran.stderr);
@@ -147,10 +147,10 @@ fn the_study_of_btfs_has_every_way_of_both_kinds() {
     assert_eq!(one, timeless(run(&["--json", "--jobs", "3"]).json()));
     assert!(run(&[]).stdout.contains("PWT at PTM's ΔE, flat BTF: "));
     for (arguments, code, expected) in [
-        (&["--texels", "48"][..], 2, "--texels: found 48; allowed a power of two from 8 to 256"),
-        (&["--directions", "grid:2x3@50"], 2, "--directions: directions: found 4; allowed 5 or more"),
+        (&["--texels", "48"][..], 2, "--texels: found 48, expected a power of two from 8 to 256"),
+        (&["--directions", "grid:2x3@50"], 2, "--directions: directions: found 4, expected 5 or more"),
         (&["synth:lambert"], 3, "button, folds, knit, sponge"),
-        (&["button.obj"], 2, "INPUT: found button.obj; allowed synth:"),
+        (&["button.obj"], 2, "INPUT: found button.obj, expected synth:"),
         (&["--flat-texels", "8"], 2, "--flat-texels: found with another study"),
     ] {
         let ran = folder.run(&[&["--study", "btf"][..], arguments].concat());

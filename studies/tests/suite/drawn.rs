@@ -96,7 +96,7 @@ fn studies_of_adaptive_shading() {
     for row in equal.as_array().unwrap() {
         for point in [&row["adaptive"], &row["best"]].into_iter().filter(|point| !point.is_null()) {
             let off = point["psnr"].as_f64().unwrap() - row["psnr"].as_f64().unwrap();
-            assert!(off.abs() < 1.0, "the picture of the interpolated budget has the wanted error: {row}");
+            assert!(off.abs() < 1.0, "the rendering of the interpolated budget has the wanted error: {row}");
         }
     }
     let fourier = study("pixel-bandwidth", &[]);
@@ -113,9 +113,9 @@ fn studies_of_adaptive_shading() {
         assert!(["shaded", "samples"].iter().all(|cost| row["exponents"][cost].as_f64().unwrap() < 0.7), "{row}");
     }
     for (arguments, expected) in [
-        (&["--study", "adaptive", "--pixels", "8"][..], "--pixels: found 8; allowed 32 to 2048"),
-        (&["--study", "adaptive", "--truth", "8"], "--truth: found 8; allowed 16 to 65536"),
-        (&["--study", "rays", "--truth", "64"], "--truth: found with another study; allowed with --study adaptive"),
+        (&["--study", "adaptive", "--pixels", "8"][..], "--pixels: found 8, expected 32 to 2048"),
+        (&["--study", "adaptive", "--truth", "8"], "--truth: found 8, expected 16 to 65536"),
+        (&["--study", "rays", "--truth", "64"], "--truth: found with another study, expected with --study adaptive"),
     ] {
         let ran = folder.run(arguments);
         assert!(ran.code == 2 && ran.stderr.contains(expected), "{arguments:?}: {}", ran.stderr);

@@ -25,17 +25,17 @@ fn the_help_has_examples_and_short_lines() {
 fn flags_that_do_not_go_with_the_study() {
     let folder = folder();
     folder.write("m.obj", "no folder");
-    refused(&folder, &["--study", "rays", "--out", "m.obj"], 4, &["found a file; allowed a folder"]);
-    refused(&folder, &["--study", "rays", "--directions", "ubo2003"], 2, &["allowed with --study flat-btf"]);
-    refused(&folder, &["--study", "rays", "--indirection", "8x8"], 2, &["allowed with --study flat-btf"]);
+    refused(&folder, &["--study", "rays", "--out", "m.obj"], 4, &["found a file, expected a folder"]);
+    refused(&folder, &["--study", "rays", "--directions", "ubo2003"], 2, &["expected with --study flat-btf"]);
+    refused(&folder, &["--study", "rays", "--indirection", "8x8"], 2, &["expected with --study flat-btf"]);
     let flat = |option: [&str; 2], told: &[&str]| {
         refused(&folder, &[&["--study", "flat-btf", "synth:knit"][..], &option].concat(), 2, told);
     };
-    flat(["--indirection", "1x8"], &["--indirection: found 1x8; allowed 2 to 256 polar angles x 3 to 256"]);
+    flat(["--indirection", "1x8"], &["--indirection: found 1x8, expected 2 to 256 polar angles x 3 to 256"]);
     flat(["--indirection", "256x256"], &["--texels x --indirection: found a map of 32768 x 32896 texels"]);
-    flat(["--largest-angle", "90"], &["--largest-angle: found 90; allowed above 0, up to 89 degrees"]);
+    flat(["--largest-angle", "90"], &["--largest-angle: found 90, expected above 0, up to 89 degrees"]);
     refused(&folder, &["synth:knit"], 2, &["flat-btf and rays (structures)", "images: materials"]);
-    refused(&folder, &["synth:lewis"], 2, &["allowed with the studies that draw"]);
+    refused(&folder, &["synth:lewis"], 2, &["expected with the studies that draw"]);
     refused(&folder, &["--out", "x"], 2, &["--study level-of-detail"]);
 }
 
@@ -53,7 +53,7 @@ fn negative_numbers_are_values() {
         ("--jobs", "rays"),
     ] {
         for value in ["-1", "-.5", "-1e3", "-5%", "-1x2"] {
-            refused(&folder, &["--study", study, flag, value], 2, &["brdfc-bench: ", ": found ", "; allowed "]);
+            refused(&folder, &["--study", study, flag, value], 2, &["brdfc-bench: ", ": found ", ", expected "]);
         }
     }
 }

@@ -20,7 +20,7 @@ fn a_folder_in_place_of_a_pack() {
     let folder = Folder::new();
     folder.write("scene.toml", SCENE);
     folder.write("packs/a.brdf.ktx2/file", b"x");
-    let words = ["brdfc: packs/a.brdf.ktx2: found a folder; allowed nothing, or what an earlier build wrote"];
+    let words = ["brdfc: packs/a.brdf.ktx2: found a folder, expected nothing, or what an earlier build wrote"];
     for arguments in [["build", "scene.toml"].as_slice(), &["build", "scene.toml", "--force"]] {
         let ran = folder.run(arguments);
         assert!(ran.code == 4 && words.iter().all(|words| ran.stderr.contains(words)), "{}", ran.stderr);
@@ -53,18 +53,18 @@ fn stamps_and_rules_are_files_of_their_own() {
     folder.run(&["synth", "lewis", "-o", "a.binary", "--dimensions", "6x6x12"]).succeeded();
     folder.write("scene.toml", "[materials.a]\nsource = 'a.binary'\ngrid = 2\n[[uses]]\nmaterial = 'a'\n");
     for (arguments, code, expected) in [
-        (&["--stamp", "a.binary"][..], 2, "--stamp: found a.binary, an input; allowed another file"),
-        (&["--stamp", "scene.toml"], 2, "--stamp: found scene.toml, an input; allowed another file"),
-        (&["--depfile", "a.binary"], 2, "--depfile: found a.binary, an input; allowed another file"),
+        (&["--stamp", "a.binary"][..], 2, "--stamp: found a.binary, an input, expected another file"),
+        (&["--stamp", "scene.toml"], 2, "--stamp: found scene.toml, an input, expected another file"),
+        (&["--depfile", "a.binary"], 2, "--depfile: found a.binary, an input, expected another file"),
         (
             &["--depfile", "x", "--stamp", "./x"],
             2,
-            "--depfile and --stamp: found ./x for both; allowed different places",
+            "--depfile and --stamp: found ./x for both, expected different places",
         ),
         (
             &["--stamp", "packs/report.json"],
             2,
-            "--stamp: found packs/report.json, a place of the build's own files; allowed another",
+            "--stamp: found packs/report.json, a place of the build's own files, expected another",
         ),
         (
             &["--depfile", "packs/a.brdf.ktx2"],
@@ -72,8 +72,8 @@ fn stamps_and_rules_are_files_of_their_own() {
             "--depfile: found packs/a.brdf.ktx2, a place of the build's own files",
         ),
         (&["--depfile", "no/x"], 4, "no/x: cannot write: there is no folder no"),
-        (&["--from", "nowhere"], 4, "--from: found nowhere; allowed a folder that 'brdfc build' filled"),
-        (&["--shard", "1/1", "--stamp", "a.binary"], 2, "--stamp: found a.binary, an input; allowed another file"),
+        (&["--from", "nowhere"], 4, "--from: found nowhere, expected a folder that 'brdfc build' filled"),
+        (&["--shard", "1/1", "--stamp", "a.binary"], 2, "--stamp: found a.binary, an input, expected another file"),
     ] {
         std::fs::create_dir_all(folder.path().join("packs")).unwrap();
         refused(&folder, &[&["build", "scene.toml"], arguments].concat(), code, &[expected]);

@@ -13,13 +13,13 @@ fn sparse_files_are_refused_before_memory_is_asked_for() {
             "a.binary",
             [4096i32; 3].map(i32::to_le_bytes).concat(),
             12 + 24 * (1 << 36),
-            "file length: found 1.50 TiB; allowed at most 2.00 GiB",
+            "file length: found 1.50 TiB, expected at most 2.00 GiB",
         ),
         (
             "a.csv",
             Vec::new(),
             2 << 30,
-            "line 1, text: found a NUL byte, byte 0 of the file; allowed text, which has none",
+            "line 1, text: found a NUL byte, byte 0 of the file, expected text, which has none",
         ),
     ] {
         let mut file = File::create(folder.path().join(name)).unwrap();
@@ -70,7 +70,7 @@ fn a_plain_image_takes_the_memory_of_its_pixels() {
     let said = String::from_utf8(output.stderr).unwrap();
     assert_eq!(output.status.code(), Some(3), "{said}");
     assert!(
-        said.contains("a.png: pixels: found 16777216, which take 192.00 MiB; allowed as much as there is"),
+        said.contains("a.png: pixels: found 16777216, which take 192.00 MiB, expected as much as there is"),
         "{said}"
     );
     let wide = Folder::new();
@@ -79,7 +79,7 @@ fn a_plain_image_takes_the_memory_of_its_pixels() {
     large[29..33].copy_from_slice(&crc.to_be_bytes());
     wide.write("a.png", large);
     let expected =
-        ["a.png: image: found 9000 x 2048 pixels; allowed a whole PNG or JPEG of at most 8192 pixels along a side"];
+        ["a.png: image: found 9000 x 2048 pixels, expected a whole PNG or JPEG of at most 8192 pixels along a side"];
     refused(&wide, &["bandwidth", "a.png", "--size", "1x1", "-o", "a.ktx2"], 3, &expected);
 }
 

@@ -3,7 +3,7 @@
 
 use crate::common::cli::Folder;
 use brdfc_jobs::btf_stack::StackFormat;
-use brdfc_jobs::light_stack::write_light_stack;
+use brdfc_jobs::rti_capture::write_rti_capture;
 use brdfc_pwt::ptm::spread_lights;
 use std::collections::BTreeMap;
 use std::os::unix::process::ExitStatusExt as _;
@@ -11,8 +11,8 @@ use std::path::{Path, PathBuf};
 use std::process::{Command, Output, Stdio};
 
 /// More calls than any of these runs makes, and fewer.
-const MOST_CALLS: usize = 400;
-const FEWEST_CALLS: usize = 2;
+const MAX_CALLS: usize = 400;
+const MIN_CALLS: usize = 2;
 
 type Files = BTreeMap<String, Vec<u8>>;
 
@@ -68,9 +68,9 @@ impl Stopped<'_> {
             goes_on(*call);
             is_killed
         };
-        let calls = (1..MOST_CALLS).take_while(killed).count();
+        let calls = (1..MAX_CALLS).take_while(killed).count();
         println!("{}: {calls} calls", self.arguments.join(" "));
-        assert!((FEWEST_CALLS..MOST_CALLS - 1).contains(&calls), "{calls}");
+        assert!((MIN_CALLS..MAX_CALLS - 1).contains(&calls), "{calls}");
         for call in 1..=calls {
             let run = self.run(call, "full", &library);
             let (told, found) = (String::from_utf8_lossy(&run.stderr), (self.files)());
@@ -145,7 +145,7 @@ fn packs_of_photographs_that_are_stopped_at_any_call() {
     let folder = Folder::new();
     let lights = spread_lights(12);
     let shaded = |light: usize| (0..64).map(|texel| [lights[light][2] * texel as f32 / 64.0; 3]).collect();
-    write_light_stack(&folder.path().join("stack"), &lights, [8, 8], StackFormat::Png, shaded).unwrap();
+    write_rti_capture(&folder.path().join("stack"), &lights, [8, 8], StackFormat::Png, shaded).unwrap();
     let reset = || {
         let _ = std::fs::remove_dir_all(folder.path().join("made"));
         folder.write("made/stack.ktx2", "of an earlier run");

@@ -1,4 +1,4 @@
-//! Light stacks and polynomial texture maps.
+//! RTI captures and polynomial texture maps.
 
 use super::refused;
 use crate::common::cli::Folder;
@@ -25,13 +25,13 @@ fn stacks_that_are_broken() {
     let list = "2\na.png 0 0 1\nb.png 0 1 1\n";
     stack([4, 4], list).run(&["info", "s"]).succeeded();
     for (widths, list, expected) in [
-        ([4, 5], list, "b.png: image size: found 5 x 4; allowed 4 x 4, as a.png has"),
-        ([4, 4], "2\na.png 0 0 1\nc.png 0 1 1", "l.lp: line 3, image: found \"c.png\", which is not there; allowed "),
-        ([4, 4], "3\na.png 0 0 1\nb.png 0 1 1", "l.lp: line 1, number of lights: found 3; allowed 2, "),
-        ([4, 4], "1\na.png 0 0 0", "l.lp: line 2, direction: found a vector of length 0; allowed "),
-        ([4, 4], "1\na.png 0 1 0", "l.lp: line 2, direction: found 0 1 0, at or below the horizon; allowed "),
-        ([4, 4], "1\na.png 0 nan 1", "l.lp: line 2, y: found \"nan\"; allowed a finite number"),
-        ([4, 4], "", "l.lp: number of lights: found an empty file; allowed "),
+        ([4, 5], list, "b.png: image size: found 5 x 4, expected 4 x 4, as a.png has"),
+        ([4, 4], "2\na.png 0 0 1\nc.png 0 1 1", "l.lp: line 3, image: found \"c.png\", which is not there, expected "),
+        ([4, 4], "3\na.png 0 0 1\nb.png 0 1 1", "l.lp: line 1, number of lights: found 3, expected 2, "),
+        ([4, 4], "1\na.png 0 0 0", "l.lp: line 2, direction: found a vector of length 0, expected "),
+        ([4, 4], "1\na.png 0 1 0", "l.lp: line 2, direction: found 0 1 0, at or below the horizon, expected "),
+        ([4, 4], "1\na.png 0 nan 1", "l.lp: line 2, y: found \"nan\", expected a finite number"),
+        ([4, 4], "", "l.lp: number of lights: found an empty file, expected "),
         ([4, 4], "1\0", "l.lp: line 1, text: found a NUL byte"),
     ] {
         for input in ["s", "s/l.lp"] {
@@ -40,7 +40,7 @@ fn stacks_that_are_broken() {
     }
     let folder = stack([4, 4], list);
     folder.write("s/other.LP", list);
-    refused(&folder, &["info", "s"], 3, &["s: lists of lights: found l.lp, other.LP; allowed one file .lp"]);
+    refused(&folder, &["info", "s"], 3, &["s: lists of lights: found l.lp, other.LP, expected one file .lp"]);
 }
 
 #[test]
@@ -53,13 +53,13 @@ fn maps_that_are_broken() {
         folder.write("a.ptm", bytes);
         refused(&folder, &["info", "a.ptm"], 3, &["brdfc: a.ptm: ", expected]);
     };
-    told(b"", "line 1, version: found end of data; allowed a header of 16 words");
+    told(b"", "line 1, version: found end of data, expected a header of 16 words");
     told(&png(4), "it looks like a PNG image (.png)");
-    told(&whole[..whole.len() - 1], "file length: found 17 bytes after the header; allowed 18 for 1 x 1 pixels");
+    told(&whole[..whole.len() - 1], "file length: found 17 bytes after the header, expected 18 for 1 x 1 pixels");
     let jpeg = HEADER.replace("PTM_FORMAT_RGB", "PTM_FORMAT_JPEG_RGB");
     told(
         jpeg.as_bytes(),
-        "format: found \"PTM_FORMAT_JPEG_RGB\", which is not supported; allowed PTM_FORMAT_RGB or PTM_FORMAT_LRGB",
+        "format: found \"PTM_FORMAT_JPEG_RGB\", which is not supported, expected PTM_FORMAT_RGB or PTM_FORMAT_LRGB",
     );
     folder.write("a.binary", &whole);
     refused(&folder, &["info", "a.binary"], 3, &["it looks like a polynomial texture map (.ptm)"]);
@@ -70,10 +70,10 @@ fn neither_is_a_brdf() {
     let folder = stack([4, 4], "2\na.png 0 0 1\nb.png 0 1 1\n");
     folder.write("s/icon.ptm", [HEADER.as_bytes(), &[127; 18]].concat());
     for (input, what) in
-        [("s", "a light stack"), ("s/l.lp", "a light stack"), ("s/icon.ptm", "a polynomial texture map")]
+        [("s", "an RTI capture"), ("s/l.lp", "an RTI capture"), ("s/icon.ptm", "a polynomial texture map")]
     {
         let found = format!(
-            "brdfc: {input}: input: found {what}: pictures of one view under many lights, which hold no BRDF; allowed"
+            "brdfc: {input}: input: found {what}: renderings of one view under many lights, which hold no BRDF, expected"
         );
         refused(&folder, &["encode", input, "-o", "p.ktx2"], 3, &[found.as_str(), ".binary (MERL)", "'brdfc info'"]);
     }
@@ -86,7 +86,7 @@ fn neither_is_a_brdf() {
     };
     let (code, told) = command("1\na.png 0 0 1\n");
     assert!(
-        code == Some(3) && told.contains("stdin: input: found the lights of a light stack; allowed its path"),
+        code == Some(3) && told.contains("stdin: input: found the lights of an RTI capture, expected its path"),
         "{told}"
     );
 }

@@ -21,7 +21,7 @@ fn bad(text: impl AsRef<[u8]>, expected: &str) {
     let folder = Folder::new();
     folder.write("scene.toml", text);
     for arguments in [["build", "scene.toml"].as_slice(), &["build", "scene.toml", "--dry-run"]] {
-        refused(&folder, arguments, 3, &["brdfc: scene.toml: line ", ": found ", "; allowed ", expected]);
+        refused(&folder, arguments, 3, &["brdfc: scene.toml: line ", ": found ", ", expected ", expected]);
     }
 }
 
@@ -45,28 +45,28 @@ fn unknown_keys_at_every_level() {
         (
             0,
             "[secne]",
-            "line 1, key: found \"secne\"; allowed scene, defaults, materials, uses, render (did you mean scene?)",
+            "line 1, key: found \"secne\", expected scene, defaults, materials, uses, render (did you mean scene?)",
         ),
         (
             0,
             "material = 1",
-            "line 1, key: found \"material\"; allowed scene, defaults, materials, uses, render (did you mean materials?)",
+            "line 1, key: found \"material\", expected scene, defaults, materials, uses, render (did you mean materials?)",
         ),
-        (2, "titel = 1", "line 3, key in [scene]: found \"titel\"; allowed name, distance_scale, environment"),
+        (2, "titel = 1", "line 3, key in [scene]: found \"titel\", expected name, distance_scale, environment"),
         (2, "distance-scale = 1", "(did you mean distance_scale?)"),
-        (4, "grit = 8", "line 5, key in [defaults]: found \"grit\"; allowed codec, max_delta_e,"),
+        (4, "grit = 8", "line 5, key in [defaults]: found \"grit\", expected codec, max_delta_e,"),
         (4, "grit = 8", "(did you mean grid?)"),
         (6, "max_eror = 0.1", "line 7, key in [materials.paint]: found \"max_eror\""),
         (6, "max_eror = 0.1", "(did you mean max_error?)"),
         (6, "parameterization = 'tangent-pole'", "(did you mean parameterisation?)"),
-        (10, "distance = 4", "line 11, key in [[uses]]: found \"distance\"; allowed object, material, nearest"),
+        (10, "distance = 4", "line 11, key in [[uses]]: found \"distance\", expected object, material, nearest"),
         (10, "neerest = 4", "(did you mean nearest?)"),
     ] {
         bad(with_line(after, line), expected);
     }
     bad(
         GOOD.replace("[[uses]]", "[[use]]"),
-        "key: found \"use\"; allowed scene, defaults, materials, uses, render (did you mean uses?)",
+        "key: found \"use\", expected scene, defaults, materials, uses, render (did you mean uses?)",
     );
 }
 
@@ -95,27 +95,27 @@ fn wrong_types() {
         let folder = Folder::new();
         folder.write("scene.toml", GOOD.replace(from, to));
         let value = to.split(" = ").nth(1).unwrap();
-        let told = refused(&folder, &["build", "scene.toml"], 3, &[&format!(": found {value}; allowed ")]);
+        let told = refused(&folder, &["build", "scene.toml"], 3, &[&format!(": found {value}, expected ")]);
         names_no_type(&told);
         let key = to.split(' ').next().unwrap();
         let place = told.split(": found").next().unwrap();
         assert!(place.contains(&format!("line {line}, ")) && place.ends_with(&format!(".{key}")), "{to}: {told}");
     }
-    bad(with_line(6, "ratio = '4'"), "line 7, materials.paint.ratio: found '4'; allowed a number: 1 to 4096");
+    bad(with_line(6, "ratio = '4'"), "line 7, materials.paint.ratio: found '4', expected a number: 1 to 4096");
     bad(
         with_line(6, "require = { max_bytes = 'x' }"),
-        "line 7, materials.paint.require.max_bytes: found 'x'; allowed a whole number of bytes, such as 16384, 16KiB or",
+        "line 7, materials.paint.require.max_bytes: found 'x', expected a whole number of bytes, such as 16384, 16KiB or",
     );
     bad(with_line(6, "require = { max_byte = 4 }"), "(did you mean max_bytes?)");
     bad(
         with_line(3, "require = { max_error = 3 }"),
-        "line 4, defaults.require.max_error: found 3; allowed a fraction or a",
+        "line 4, defaults.require.max_error: found 3, expected a fraction or a",
     );
     bad(format!("{GOOD}[materials.paint]\nsource = 'synth:lewis'\n"), "duplicate key in \"[materials.paint]\"");
-    bad("[materials.paint]\ngrid = 4\n", "line 1, materials.paint: found no source; allowed source = ");
+    bad("[materials.paint]\ngrid = 4\n", "line 1, materials.paint: found no source, expected source = ");
     bad(
         "[materials.paint]\nsource = 'synth:lewis'\n[[uses]]\nobject = 'x'\n",
-        "uses[0]: found no material; allowed material = ",
+        "uses[0]: found no material, expected material = ",
     );
 }
 
@@ -185,7 +185,7 @@ fn what_is_no_table_or_no_list_is_told_what_it_should_be() {
     ] {
         let folder = Folder::new();
         folder.write("scene.toml", line);
-        let words = format!("brdfc: scene.toml: {place}: found {found}; allowed {allowed}");
+        let words = format!("brdfc: scene.toml: {place}: found {found}, expected {allowed}");
         names_no_type(&refused(&folder, &["build", "scene.toml"], 3, &[&words]));
     }
 }
@@ -206,16 +206,17 @@ fn huge_numbers() {
         ("max_delta_e = 1e-99", "1e-6 to 100"),
     ] {
         let (key, value) = line.split_once(" = ").unwrap();
-        bad(with_line(6, line), &format!("line 7, materials.paint.{key}: found {value}; allowed {allowed}"));
+        bad(with_line(6, line), &format!("line 7, materials.paint.{key}: found {value}, expected {allowed}"));
     }
     for (value, most) in [
         ("99999999999999999999", "9223372036854775807; larger ones have an exponent"),
         ("1e999", "1.7976931348623157e308"),
     ] {
-        let expected = format!("uses[0].nearest: found {value}; allowed a number: a distance, 0 or more (up to {most}");
+        let expected =
+            format!("uses[0].nearest: found {value}, expected a number: a distance, 0 or more (up to {most}");
         bad(GOOD.replace("nearest = 2.0", &format!("nearest = {value}")), &expected);
     }
-    bad(with_line(6, &format!("bits = {digits}")), &format!("found {}...; allowed a whole number: 8", &digits[..40]));
+    bad(with_line(6, &format!("bits = {digits}")), &format!("found {}..., expected a whole number: 8", &digits[..40]));
 }
 
 /// What concerns files names the key that they stand under, too.
@@ -224,12 +225,12 @@ fn sources_are_told_with_their_line() {
     for (source, expected) in [
         (
             "nothing*.binary",
-            "line 6, materials.paint.source, nothing*.binary: found no file that matches; allowed a file",
+            "line 6, materials.paint.source, nothing*.binary: found no file that matches, expected a file",
         ),
         ("[.binary", "line 6, materials.paint.source, [.binary: found a wrong pattern"),
         (
             "-",
-            "line 6, materials.paint.source: found \"-\"; allowed a file, a pattern or a synth: address; standard input is for",
+            "line 6, materials.paint.source: found \"-\", expected a file, a pattern or a synth: address; standard input is for",
         ),
     ] {
         bad(GOOD.replace("synth:lewis", source), expected);
@@ -239,20 +240,20 @@ fn sources_are_told_with_their_line() {
 #[test]
 fn values_out_of_range() {
     for (line, expected) in [
-        ("grid = 0", "materials.paint.grid: found 0; allowed 2, 4, 8, 16, 32 or 64"),
-        ("grid = 24", "materials.paint.grid: found 24; allowed 2, 4, 8, 16, 32 or 64"),
-        ("grid = 128", "materials.paint.grid: found 128; allowed"),
-        ("bits = 9", "materials.paint.bits: found 9; allowed 8, or 10 to 16"),
-        ("bits = 17", "materials.paint.bits: found 17; allowed"),
-        ("ratio = 0.5", "materials.paint.ratio: found 0.5; allowed 1 to 4096"),
-        ("ratio = nan", "materials.paint.ratio: found NaN; allowed"),
-        ("ratio = inf", "materials.paint.ratio: found inf; allowed"),
-        ("max_error = 0", "materials.paint.max_error: found 0; allowed a positive fraction"),
-        ("max_error = -0.1", "materials.paint.max_error: found -0.1; allowed a fraction, such as 0.03"),
-        ("max_error = 3", "materials.paint.max_error: found 3; allowed a fraction or a percentage: write 0.03 or 3%"),
+        ("grid = 0", "materials.paint.grid: found 0, expected 2, 4, 8, 16, 32 or 64"),
+        ("grid = 24", "materials.paint.grid: found 24, expected 2, 4, 8, 16, 32 or 64"),
+        ("grid = 128", "materials.paint.grid: found 128, expected"),
+        ("bits = 9", "materials.paint.bits: found 9, expected 8, or 10 to 16"),
+        ("bits = 17", "materials.paint.bits: found 17, expected"),
+        ("ratio = 0.5", "materials.paint.ratio: found 0.5, expected 1 to 4096"),
+        ("ratio = nan", "materials.paint.ratio: found NaN, expected"),
+        ("ratio = inf", "materials.paint.ratio: found inf, expected"),
+        ("max_error = 0", "materials.paint.max_error: found 0, expected a positive fraction"),
+        ("max_error = -0.1", "materials.paint.max_error: found -0.1, expected a fraction, such as 0.03"),
+        ("max_error = 3", "materials.paint.max_error: found 3, expected a fraction or a percentage: write 0.03 or 3%"),
         (
             "parameterisation = 'half-difference'",
-            "materials.paint.parameterisation: found \"half-difference\"; allowed tangent-pole; half-difference angles are",
+            "materials.paint.parameterisation: found \"half-difference\", expected tangent-pole; half-difference angles are",
         ),
     ] {
         bad(with_line(6, line), &format!("line 7, {expected}"));
@@ -261,20 +262,20 @@ fn values_out_of_range() {
             &format!("line 4, {}", expected.replace("materials.paint", "defaults")),
         );
     }
-    bad(with_line(2, "distance_scale = 0"), "line 3, scene.distance_scale: found 0; allowed a positive number");
-    bad(GOOD.replace("nearest = 2.0", "nearest = -1"), "uses[0].nearest: found -1; allowed a distance, 0 or more");
-    bad(GOOD.replace("nearest = 2.0", "nearest = nan"), "uses[0].nearest: found NaN; allowed");
+    bad(with_line(2, "distance_scale = 0"), "line 3, scene.distance_scale: found 0, expected a positive number");
+    bad(GOOD.replace("nearest = 2.0", "nearest = -1"), "uses[0].nearest: found -1, expected a distance, 0 or more");
+    bad(GOOD.replace("nearest = 2.0", "nearest = nan"), "uses[0].nearest: found NaN, expected");
 }
 
 #[test]
 fn two_targets() {
     bad(
         with_line(6, "ratio = 4\nmax_error = 0.1"),
-        "line 7, materials.paint.ratio: found more than one target; allowed one of",
+        "line 7, materials.paint.ratio: found more than one target, expected one of",
     );
     bad(
         with_line(6, "max_bytes = 4\nmax_error = 0.1"),
-        "found more than one target; allowed one of ratio, max_error and max_bytes",
+        "found more than one target, expected one of ratio, max_error and max_bytes",
     );
     bad(with_line(3, "max_bytes = 4\nratio = 4"), "defaults.ratio: found more than one target");
     let folder = Folder::new();
@@ -286,11 +287,11 @@ fn two_targets() {
 fn uses_of_materials_that_are_not_there() {
     bad(
         GOOD.replace("material = 'paint'", "material = 'pant'"),
-        "line 9, uses[0].material: found \"pant\"; allowed paint (did you mean paint?)",
+        "line 9, uses[0].material: found \"pant\", expected paint (did you mean paint?)",
     );
     bad(
         "[[uses]]\nmaterial = 'paint'\n",
-        "line 2, uses[0].material: found \"paint\"; allowed a material (there are none)",
+        "line 2, uses[0].material: found \"paint\", expected a material (there are none)",
     );
 }
 
@@ -301,7 +302,7 @@ fn names_that_cannot_be_files() {
         bad(
             GOOD.replace("materials.paint", &format!("materials.{name}")),
             &format!(
-                "line 5, materials.{shown}: found the name \"{shown}\"; allowed letters of any script, digits, - and _"
+                "line 5, materials.{shown}: found the name \"{shown}\", expected letters of any script, digits, - and _"
             ),
         );
     }
@@ -309,7 +310,7 @@ fn names_that_cannot_be_files() {
 
 #[test]
 fn text_that_is_no_manifest() {
-    bad(b"[scene]\nname = '\xff'\n", "line 2, text: found byte 0xff; allowed UTF-8");
+    bad(b"[scene]\nname = '\xff'\n", "line 2, text: found byte 0xff, expected UTF-8");
     bad("[scene]\nname = \n", "line 2, manifest: found ");
     bad("[scene\n", "line 1, manifest: found ");
     bad("[scene]\n[scene]\n", "line 2, manifest: found ");
@@ -323,7 +324,7 @@ fn an_empty_manifest_makes_nothing() {
     for text in ["", "# nothing\n"] {
         let folder = Folder::new();
         folder.write("scene.toml", text);
-        let words = ["brdfc: nothing to build: found 0 materials, and no use of any, in scene.toml; allowed one"];
+        let words = ["brdfc: nothing to build: found 0 materials, and no use of any, in scene.toml, expected one"];
         refused(&folder, &["build", "scene.toml", "--quiet"], 1, &words);
     }
 }

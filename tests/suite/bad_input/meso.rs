@@ -9,7 +9,7 @@ const TILE: &str = "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nf 1 2 3\nf 1 3 4\n";
 fn bad_mesh(text: &str, expected: &[&str]) {
     let folder = Folder::new();
     folder.write("m.obj", text);
-    let all = [&["brdfc: m.obj: ", "found ", "allowed "], expected].concat();
+    let all = [&["brdfc: m.obj: ", "found ", "expected "], expected].concat();
     refused(&folder, &["flatten", "m.obj", "-o", "out", "--texels", "8"], 3, &all);
 }
 
@@ -91,7 +91,7 @@ fn stacks_with_gaps_or_odd_images() {
         for (name, size) in files {
             folder.write(&format!("s/{name}"), png(*size, *size));
         }
-        let all = [&["found ", "allowed "], expected].concat();
+        let all = [&["found ", "expected "], expected].concat();
         refused(&folder, &["flatten", "s", "-o", "out"], 3, &all);
     };
     let name = "tv000_pv000/00000 tl000 pl000 tv000 pv000.png";

@@ -40,7 +40,7 @@ fn bad_file(name: &str, bytes: &[u8], expected: &[&str]) {
     let folder = Folder::new();
     folder.write(name, bytes);
     let start = format!("brdfc: {name}: ");
-    let all = [&[start.as_str(), ": found ", "; allowed "], expected].concat();
+    let all = [&[start.as_str(), ": found ", ", expected "], expected].concat();
     let told = refused(&folder, &["info", name], 3, &all);
     assert_eq!(told.lines().count(), 1, "{told}");
     assert_eq!(refused(&folder, &["encode", name, "-o", "pack.ktx2", "--grid", "2"], 3, &all), told);

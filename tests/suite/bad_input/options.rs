@@ -22,7 +22,7 @@ fn inputs() -> Folder {
 
 #[test]
 #[cfg(feature = "render")]
-fn one_file_for_two_pictures() {
+fn one_file_for_two_renderings() {
     let folder = inputs();
     let both = |code, options: &[&str], expected: &[&str]| {
         refused(&folder, &[&["render", "synth:lewis"][..], options].concat(), code, expected);
@@ -39,8 +39,8 @@ fn options_that_go_with_another_input() {
     for (input, options, expected) in [
         ("s", &["--views", "ubo2003"][..], "--views: found with an ordinary BTF"),
         ("s", &["--lights", "ubo2003"], "--lights: found with an ordinary BTF"),
-        ("s", &["--tile", "2"], "--tile: found with the plane; allowed with a mesh"),
-        ("s", &["--height-scale", "0.1"], "--height-scale: found with the plane; allowed with a height map"),
+        ("s", &["--tile", "2"], "--tile: found with the plane, expected with a mesh"),
+        ("s", &["--height-scale", "0.1"], "--height-scale: found with the plane, expected with a height map"),
         ("s", &["--height-offset", "0"], "--height-offset: found with the plane"),
         ("s", &["--geometry", "h.png", "--tile", "1"], "--tile: found with a height map"),
         ("s", &["--geometry", "m.obj", "--height-scale", "1"], "--height-scale: found with a mesh"),
@@ -50,16 +50,16 @@ fn options_that_go_with_another_input() {
         ("m.obj", &["--height-scale", "0.1"], "--height-scale: found with a mesh"),
         ("m.obj", &["--height-offset", "0.1"], "--height-offset: found with a mesh"),
         ("h.png", &["--tile", "1"], "--tile: found with a height map"),
-        ("h.png", &["--height-scale", "NaN"], "--height-scale: found NaN; allowed -10 to 10"),
-        (structure, &["--image-format", "exr"], "--image-format: found alone; allowed with --write-images"),
+        ("h.png", &["--height-scale", "NaN"], "--height-scale: found NaN, expected -10 to 10"),
+        (structure, &["--image-format", "exr"], "--image-format: found alone, expected with --write-images"),
         (structure, &["--form", "light", "--fill", "poisson"], "--fill: found with --form light"),
         (
             structure,
             &["--form", "light", "--max-bytes", "9KiB"],
             "--max-bytes: found with --form light, which has no views",
         ),
-        (structure, &["--max-delta-e", "0"], "--max-delta-e: found 0; allowed above 0, up to 100"),
-        (structure, &["--max-bytes", "12"], "--max-bytes: found 12; allowed "),
+        (structure, &["--max-delta-e", "0"], "--max-delta-e: found 0, expected above 0, up to 100"),
+        (structure, &["--max-bytes", "12"], "--max-bytes: found 12, expected "),
         (structure, &["--max-bytes", "20KiB", "--max-delta-e", "1"], "--max-bytes"),
         (structure, &["--weights", "h.png"], "--weights: found one material"),
         ("m.obj", &["--weights", "h.png", "--material", "synth:lambert"], "--weights: found one material"),
@@ -71,18 +71,18 @@ fn options_that_go_with_another_input() {
         (
             "named.obj",
             &["--material", "synth:lambert", "--material", "synth:lewis"],
-            "--material: found 2 without a name; allowed one, for the rest of clay, tin",
+            "--material: found 2 without a name, expected one, for the rest of clay, tin",
         ),
         (structure, &["--bounces", "4", "--write-images", "images"], "--write-images: found with --bounces"),
-        (structure, &["--views", "grid:1x6@50"], "--views: found grid:1x6@50; allowed 2 polar angles or more"),
-        (structure, &["--indirection", "0x0"], "--indirection: found 0x0; allowed 2 to 256 polar angles x 3 to 256"),
+        (structure, &["--views", "grid:1x6@50"], "--views: found grid:1x6@50, expected 2 polar angles or more"),
+        (structure, &["--indirection", "0x0"], "--indirection: found 0x0, expected 2 to 256 polar angles x 3 to 256"),
         (
             structure,
             &["--texels", "2048"],
-            "--texels x --indirection: found a map of 16384 x 25600 texels; allowed at most",
+            "--texels x --indirection: found a map of 16384 x 25600 texels, expected at most",
         ),
-        (structure, &["--max-bytes", "0"], "--max-bytes: found 0; allowed "),
-        (structure, &["--name", " "], "--name: found \" \"; allowed letters"),
+        (structure, &["--max-bytes", "0"], "--max-bytes: found 0, expected "),
+        (structure, &["--name", " "], "--name: found \" \", expected letters"),
         (structure, &["--name", "a "], "--name: found \"a \""),
     ] {
         let told = refused(&folder, &[&["flatten", input, "-o", "out"], options].concat(), 2, &[expected]);
@@ -117,10 +117,10 @@ fn folders_that_are_files_or_not_empty() {
     let with = |more: &[&str], code, expected: &[&str]| {
         refused(&folder, &[&knit[..], more, &SMALL].concat(), code, expected);
     };
-    with(&["-o", "m.obj"], 4, &["m.obj: cannot write: found a file; allowed a folder"]);
-    with(&["-o", "out", "--write-images", "m.obj"], 4, &["m.obj: cannot write: found a file; allowed a folder"]);
+    with(&["-o", "m.obj"], 4, &["m.obj: cannot write: found a file, expected a folder"]);
+    with(&["-o", "out", "--write-images", "m.obj"], 4, &["m.obj: cannot write: found a file, expected a folder"]);
     with(&["-o", "out", "--write-images", "./out"], 2, &["--out and --write-images: found ./out for both"]);
-    let full = ["--write-images: found 1 files or folders in s; allowed a new or empty folder"];
+    let full = ["--write-images: found 1 files or folders in s, expected a new or empty folder"];
     with(&["-o", "out", "--write-images", "s"], 2, &full);
     assert!(!folder.path().join("out").exists(), "before the work");
     std::fs::create_dir(folder.path().join("empty")).unwrap();
@@ -132,21 +132,21 @@ fn folders_that_are_files_or_not_empty() {
 fn synth_files_of_another_kind() {
     let folder = Folder::new();
     for (model, output, options, expected) in [
-        ("folds", "x.stl", &[][..], "--output: found x.stl; allowed a name that ends in .binary"),
-        ("folds", "x.binary", &[], "--output: found x.binary; allowed a name that ends in .obj or .ply"),
-        ("lewis", "x.obj", &[], "--output: found x.obj; allowed a name that ends in .binary, .brdf or .csv"),
+        ("folds", "x.stl", &[][..], "--output: found x.stl, expected a name that ends in .binary"),
+        ("folds", "x.binary", &[], "--output: found x.binary, expected a name that ends in .obj or .ply"),
+        ("lewis", "x.obj", &[], "--output: found x.obj, expected a name that ends in .binary, .brdf or .csv"),
         (
             "folds",
             "y.ply",
             &["--rows", "5", "--noise", "NaN"],
-            "--rows: found with y.ply; allowed with a file in .brdf",
+            "--rows: found with y.ply, expected with a file in .brdf",
         ),
         ("folds", "y.ply", &["--noise", "NaN"], "--noise: found with y.ply"),
         (
             "folds",
             "y.obj",
             &["--dimensions", "0x0x0"],
-            "--dimensions: found with y.obj; allowed with a file in .binary",
+            "--dimensions: found with y.obj, expected with a file in .binary",
         ),
         ("lewis", "y.csv", &["--dimensions", "9x9x9"], "--dimensions: found with y.csv"),
         ("lewis", "y.binary", &["--seed", "1"], "--seed: found with y.binary"),
@@ -172,9 +172,9 @@ fn devices_and_files_without_end() {
         assert_eq!((ran.code, ran.stdout.as_str()), (3, ""), "{arguments:?}: {}", ran.stderr);
         assert!(ran.stderr.contains(expected), "{arguments:?}: {}", ran.stderr);
     };
-    told(&["info", "/dev/zero"], "/dev/zero: file: found a device; allowed a file or a pipe");
+    told(&["info", "/dev/zero"], "/dev/zero: file: found a device, expected a file or a pipe");
     told(&["info", "zero.brdf"], "found a device");
-    let length = "file length: found 30.00 GiB; allowed at most ";
+    let length = "file length: found 30.00 GiB, expected at most ";
     told(&["flatten", "m.obj", "-o", "out", "--colour", "big.png"], length);
     told(&["flatten", "m.obj", "-o", "out", "--views", "big.csv"], length);
     told(&["flatten", "big.obj", "-o", "out"], length);
@@ -192,10 +192,10 @@ fn colours_that_are_no_srgb_codes() {
     image::DynamicImage::from(image).write_to(&mut exr, image::ImageFormat::OpenExr).unwrap();
     folder.write("x.exr", exr.get_ref());
     let flatten = ["flatten", "m.obj", "-o", "out", "--colour", "x.exr"];
-    refused(&folder, &flatten, 3, &["x.exr: image: found OpenExr; allowed a whole PNG or JPEG"]);
+    refused(&folder, &flatten, 3, &["x.exr: image: found OpenExr, expected a whole PNG or JPEG"]);
     // Truncated: the channels are not what is wrong.
     folder.write("cut.exr", &exr.get_ref()[..exr.get_ref().len() / 2]);
-    refused(&folder, &["info", "cut.exr"], 3, &["cut.exr: EXR: found ", "allowed a whole EXR"]);
+    refused(&folder, &["info", "cut.exr"], 3, &["cut.exr: EXR: found ", "expected a whole EXR"]);
 }
 
 /// The header of a PNG says 2e9 x 2e9.
@@ -211,7 +211,7 @@ fn images_of_a_stack_that_declare_too_much() {
     }
     bytes[29..33].copy_from_slice(&(!crc).to_be_bytes());
     folder.write(IMAGE, bytes);
-    let told = refused(&folder, &["flatten", "s", "-o", "out"], 3, &["image size: found ", "allowed 1 to 4096"]);
+    let told = refused(&folder, &["flatten", "s", "-o", "out"], 3, &["image size: found ", "expected 1 to 4096"]);
     assert!(!told.contains("emory"), "{told}");
 }
 
@@ -224,7 +224,7 @@ fn outputs_that_are_inputs() {
     folder.write("packs/s.toml", "[materials.a]\nsource = 'a.brdf.ktx2'\n[[uses]]\nmaterial = 'a'\n");
     let ran = folder.run(&["build", "packs/s.toml", "--out", "packs"]);
     assert_eq!(ran.code, 2, "{}", ran.stderr);
-    assert!(ran.stderr.contains("--out: found packs/a.brdf.ktx2, an input; allowed another file"), "{}", ran.stderr);
+    assert!(ran.stderr.contains("--out: found packs/a.brdf.ktx2, an input, expected another file"), "{}", ran.stderr);
     assert_eq!(folder.read("packs/a.brdf.ktx2"), kept);
     folder.write("packs/report.json", "[materials.b]\nsource = 'synth:velvet'\n[[uses]]\nmaterial = 'b'\n");
     let ran = folder.run(&["build", "packs/report.json", "--out", "packs", "--force"]);
@@ -238,15 +238,15 @@ fn outputs_that_are_inputs() {
     assert_eq!(folder.read("sky.exr"), sky);
     folder.write("stack/views.csv", "");
     let ran = folder.run(&["flatten", "stack", "--out", "stack/../stack"]);
-    assert!(ran.code == 2 && ran.stderr.contains("for both; allowed different places"), "{}", ran.stderr);
+    assert!(ran.code == 2 && ran.stderr.contains("for both, expected different places"), "{}", ran.stderr);
 }
 
 #[test]
 fn negative_numbers_are_values_and_not_flags() {
     let folder = inputs();
     for (arguments, expected) in [
-        (["encode", "synth:velvet", "-o", "a.ktx2", "--max-error", "-1"], "--max-error: found -1; allowed"),
-        (["eval", "synth:velvet", "--directions", "a.csv", "--lod", "-1"], "--lod: found -1; allowed 0"),
+        (["encode", "synth:velvet", "-o", "a.ktx2", "--max-error", "-1"], "--max-error: found -1, expected"),
+        (["eval", "synth:velvet", "--directions", "a.csv", "--lod", "-1"], "--lod: found -1, expected 0"),
     ] {
         let ran = folder.run(&arguments);
         assert!(ran.code == 2 && ran.stderr.contains(expected), "{}", ran.stderr);

@@ -43,16 +43,16 @@ fn text_cut_at_every_token() {
     for (start, expected) in [
         (0, "wavelength count: found end of data"),
         ("# two bands\n".len(), "wavelength count: found end of data"),
-        ("# two bands\n2".len(), "found end of data after 0; allowed 2 wavelengths"),
-        ("# two bands\n2\n450".len(), "found end of data after 1; allowed 2 wavelengths"),
-        (HEADER.len(), "rows: found no measurements; allowed at least one row"),
+        ("# two bands\n2".len(), "found end of data after 0, expected 2 wavelengths"),
+        ("# two bands\n2\n450".len(), "found end of data after 1, expected 2 wavelengths"),
+        (HEADER.len(), "rows: found no measurements, expected at least one row"),
     ] {
         bad_file("a.brdf", &whole[..start], &["line ", expected]);
     }
     let row = "0.3 0.0 0.2 1.5 0.2 0.4";
     for tokens in 1..6 {
         let cut = row.split(' ').take(tokens).collect::<Vec<_>>().join(" ");
-        let expected = format!("line {NEXT}, row: found {tokens} numbers up to line {NEXT}; allowed 6 numbers");
+        let expected = format!("line {NEXT}, row: found {tokens} numbers up to line {NEXT}, expected 6 numbers");
         bad_file("a.brdf", &text(&cut), &[expected.as_str()]);
     }
     assert_eq!(accepted("a.brdf", &text(row))["rows"], 13, "a last line without its end is whole");
@@ -64,19 +64,19 @@ fn spectra_of_the_wrong_length() {
     bad_file(
         "a.brdf",
         &text("0.3 0.0 0.2 1.5 0.2 0.4 0.5\n"),
-        &[line.as_str(), "allowed 6 numbers: 4 angles and a spectrum of 2"],
+        &[line.as_str(), "expected 6 numbers: 4 angles and a spectrum of 2"],
     );
-    bad_file("a.brdf", b"3\n450 650\n0.1 0 0.1 0 0.2 0.2 0.2\n", &["line 3, wavelengths: found 9 numbers; allowed 3"]);
+    bad_file("a.brdf", b"3\n450 650\n0.1 0 0.1 0 0.2 0.2 0.2\n", &["line 3, wavelengths: found 9 numbers, expected 3"]);
     for count in ["0", "-2", "2.5", "99999999999", "x"] {
-        let expected = format!("line 1, wavelength count: found \"{count}\"; allowed 1 to ");
+        let expected = format!("line 1, wavelength count: found \"{count}\", expected 1 to ");
         bad_file("a.brdf", format!("{count}\n450 650\n").as_bytes(), &[expected.as_str()]);
     }
     for (wavelengths, expected) in [
-        ("650 450", "allowed more than 650 nm"),
-        ("450 450", "allowed more than 450 nm"),
+        ("650 450", "expected more than 650 nm"),
+        ("450 450", "expected more than 450 nm"),
         ("450 NaN", "wavelength: found \"NaN\""),
-        ("0.45 0.65", "allowed 100 to 3000 nm"),
-        ("900 1000", "allowed some of 380 to 780 nm"),
+        ("0.45 0.65", "expected 100 to 3000 nm"),
+        ("900 1000", "expected some of 380 to 780 nm"),
     ] {
         bad_file("a.brdf", format!("2\n{wavelengths}\n{}", rows(12)).as_bytes(), &["line 2, ", expected]);
     }
@@ -89,7 +89,7 @@ fn numbers_that_are_none() {
         bad_file(
             "a.brdf",
             &text(&format!("0.3 0.0 0.2 1.5 {bad} 0.4\n")),
-            &[expected.as_str(), "allowed a finite number"],
+            &[expected.as_str(), "expected a finite number"],
         );
     }
     for bad in ["NaN", "inf", "x", ""] {
@@ -104,7 +104,7 @@ fn angles_below_the_horizon_and_in_degrees() {
     for (row, field, hint) in [
         ("1.6 0 0.2 0", "theta_i: found 1.6 ", "(below the horizon)"),
         ("0.3 0 3.1 0", "theta_o: found 3.1 ", "(below the horizon)"),
-        ("-0.1 0 0.2 0", "theta_i: found -0.1;", "allowed 0 to 1.5708 radians"),
+        ("-0.1 0 0.2 0", "theta_i: found -0.1;", "expected 0 to 1.5708 radians"),
         ("45 0 30 180", "theta_i: found 45 ", "(this looks like degrees; angles are in radians)"),
         ("0.3 0 0.2 180", "phi_o: found 180 ", "(this looks like degrees; angles are in radians)"),
     ] {
@@ -122,7 +122,7 @@ fn too_few_different_rows() {
     bad_file(
         "a.brdf",
         format!("{HEADER}{one}").as_bytes(),
-        &["rows: found 1 distinct direction pairs in 1 rows; allowed at least 8"],
+        &["rows: found 1 distinct direction pairs in 1 rows, expected at least 8"],
     );
     bad_file(
         "a.brdf",
@@ -180,9 +180,9 @@ fn negative_and_black_rows_are_accepted_and_counted() {
 #[test]
 fn text_that_is_not_utf_8() {
     let broken = |bytes: Vec<u8>| [&bytes[..], b"0.3 0.0 \xff"].concat();
-    let line = format!("line {NEXT}, text: found byte 0xff; allowed UTF-8");
+    let line = format!("line {NEXT}, text: found byte 0xff, expected UTF-8");
     bad_file("a.brdf", &broken(text("")), &[line.as_str()]);
-    bad_file("a.csv", &broken(csv("")), &["line 14, text: found byte 0xff; allowed UTF-8"]);
+    bad_file("a.csv", &broken(csv("")), &["line 14, text: found byte 0xff, expected UTF-8"]);
     bad_file(
         "a.csv",
         "theta_i".encode_utf16().flat_map(u16::to_le_bytes).collect::<Vec<_>>().as_slice(),
@@ -192,9 +192,9 @@ fn text_that_is_not_utf_8() {
 
 #[test]
 fn csv_columns_and_records() {
-    bad_file("a.csv", b"a,b,c\n1,2,3\n", &["line 1, column wi_x: found only \"a,b,c\"; allowed a header with wi_x,"]);
+    bad_file("a.csv", b"a,b,c\n1,2,3\n", &["line 1, column wi_x: found only \"a,b,c\", expected a header with wi_x,"]);
     bad_file("a.csv", b"theta_i,phi_i,theta_o,phi_o,r,g\n", &["line 1, column b: found only "]);
-    bad_file("a.csv", &csv("0.3,0,0.2\n"), &["line 14, record: found 3 fields; allowed 7"]);
+    bad_file("a.csv", &csv("0.3,0,0.2\n"), &["line 14, record: found 3 fields, expected 7"]);
     bad_file(
         "a.csv",
         b"wi_x,wi_y,wi_z,wo_x,wo_y,wo_z,f_r,f_g,f_b\n0,0,2,0,0,1,1,1,1\n",
@@ -224,9 +224,9 @@ fn tables_of_alta() {
     bad_file(
         "a.dat",
         &alta("", "0.1,0.2,0,0.5\n"),
-        &["line 16, value: found \"0.1,0.2,0,0.5\"; allowed a finite number"],
+        &["line 16, value: found \"0.1,0.2,0,0.5\", expected a finite number"],
     );
-    bad_file("a.dat", &alta("#DIM 900000000 1\n", ""), &["line 1, #DIM: found \"900000000 1\"; allowed 3 1 or 3 3"]);
+    bad_file("a.dat", &alta("#DIM 900000000 1\n", ""), &["line 1, #DIM: found \"900000000 1\", expected 3 1 or 3 3"]);
 }
 
 #[test]

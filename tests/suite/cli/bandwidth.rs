@@ -71,7 +71,7 @@ fn info_tells_what_a_map_is() {
     let mut told = folder.run(&["info", "map.ktx2", "--json"]).succeeded().json();
     conforms("bandwidth", &told);
     // What only the command that made it knows.
-    for field in ["seconds", "mended"] {
+    for field in ["seconds", "repaired"] {
         assert!(told[field].is_null() && !report[field].is_null(), "{field}");
         told[field] = report[field].clone();
     }
@@ -81,7 +81,7 @@ fn info_tells_what_a_map_is() {
     // It is no material.
     let ran = folder.run(&["encode", "map.ktx2", "-o", "pack.ktx2"]);
     assert_eq!(ran.code, 3);
-    assert!(ran.stderr.contains("pack: found a bandwidth map; allowed a pack of a BRDF"), "{}", ran.stderr);
+    assert!(ran.stderr.contains("pack: found a bandwidth map, expected a pack of a BRDF"), "{}", ran.stderr);
 }
 
 /// Nobody has to know how many pixels a lobe needs: asked for by 'auto', they are found, and too few of them are told.
@@ -156,12 +156,12 @@ fn the_same_bytes_on_any_number_of_threads() {
 
 #[cfg(feature = "render")]
 #[test]
-fn a_picture_shows_the_map() {
+fn a_rendering_shows_the_map() {
     let folder = Folder::new();
-    map(&folder, "synth:ggx?alpha=0.3", &["--picture", "map.png"]);
-    let picture = image::open(folder.path().join("map.png")).unwrap().into_rgb8();
-    assert_eq!(picture.dimensions(), (256, 256));
-    let pale = picture.pixels().filter(|pixel| pixel.0[1] > 200).count();
+    map(&folder, "synth:ggx?alpha=0.3", &["--rendering", "map.png"]);
+    let rendering = image::open(folder.path().join("map.png")).unwrap().into_rgb8();
+    assert_eq!(rendering.dimensions(), (256, 256));
+    let pale = rendering.pixels().filter(|pixel| pixel.0[1] > 200).count();
     assert!(pale > 0 && pale < 256 * 256 / 2, "{pale}");
 }
 
@@ -173,15 +173,15 @@ fn wrong_usage_and_wrong_inputs() {
     folder.write("broken.hdr", b"no image");
     let before = folder.files(".");
     for (code, input, more, expected) in [
-        (2, "synth:ggx", &["--epsilon", "0.5"][..], "--epsilon: found 0.5; allowed 0.0001 to 0.1"),
-        (2, "synth:ggx", &["--epsilon", "NaN"], "--epsilon: found NaN; allowed"),
-        (2, "synth:ggx", &["--resolution", "48"], "--resolution: found 48; allowed a power of two from 32 to 1024"),
-        (2, "synth:ggx", &["--resolution", "2048"], "--resolution: found 2048; allowed a power of two"),
-        (2, "synth:ggx", &["--kind", "texture"], "--kind: found texture of no image; allowed brdf for materials"),
+        (2, "synth:ggx", &["--epsilon", "0.5"][..], "--epsilon: found 0.5, expected 0.0001 to 0.1"),
+        (2, "synth:ggx", &["--epsilon", "NaN"], "--epsilon: found NaN, expected"),
+        (2, "synth:ggx", &["--resolution", "48"], "--resolution: found 48, expected a power of two from 32 to 1024"),
+        (2, "synth:ggx", &["--resolution", "2048"], "--resolution: found 2048, expected a power of two"),
+        (2, "synth:ggx", &["--kind", "texture"], "--kind: found texture of no image, expected brdf for materials"),
         (2, "synth:ggx", &["--size", "1x1"], "--size, --no-tile: found no texture"),
-        (2, "cloth.png", &[], "--size: found none; allowed WIDTHxHEIGHT of the texture in metres"),
-        (2, "cloth.png", &["--size", "1x0"], "--size: found 1x0; allowed"),
-        (2, "cloth.png", &["--size", "1xNaN"], "--size: found 1xNaN; allowed"),
+        (2, "cloth.png", &[], "--size: found none, expected WIDTHxHEIGHT of the texture in metres"),
+        (2, "cloth.png", &["--size", "1x0"], "--size: found 1x0, expected"),
+        (2, "cloth.png", &["--size", "1xNaN"], "--size: found 1xNaN, expected"),
         (2, "cloth.png", &["--kind", "brdf"], "--kind: found brdf of an image"),
         (2, "cloth.png", &["--size", "1x1", "--resolution", "64"], "--resolution: found an image"),
         (3, "synth:nothing", &[], "synth:nothing: "),
@@ -195,6 +195,6 @@ fn wrong_usage_and_wrong_inputs() {
         assert!(ran.stderr.contains(expected) && ran.stdout.is_empty(), "{input} {more:?}: {}", ran.stderr);
     }
     let ran = folder.run(&["bandwidth", "cloth.png", "-o", "cloth.png", "--size", "1x1"]);
-    assert!(ran.code == 2 && ran.stderr.contains("an input; allowed another file"), "{}", ran.stderr);
+    assert!(ran.code == 2 && ran.stderr.contains("an input, expected another file"), "{}", ran.stderr);
     assert!(folder.files(".") == before);
 }

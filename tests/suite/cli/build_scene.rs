@@ -273,8 +273,8 @@ fn environments_that_cannot_be_used() {
     for (file, code, words) in [
         ("gone.exr", 4, "environment: gone.exr: cannot read: "),
         ("broken.exr", 3, "environment: broken.exr: EXR: found "),
-        ("data", 3, "line 3, scene.environment: found \"data\"; allowed a file .exr or .hdr"),
-        ("sky.png", 3, "line 3, scene.environment: found \"sky.png\"; allowed a file .exr or .hdr"),
+        ("data", 3, "line 3, scene.environment: found \"data\", expected a file .exr or .hdr"),
+        ("sky.png", 3, "line 3, scene.environment: found \"sky.png\", expected a file .exr or .hdr"),
     ] {
         let _ = std::fs::remove_dir_all(folder.path().join("packs"));
         folder.write("scene.toml", lit(file).replace("ratio = 2", "grid = 2"));

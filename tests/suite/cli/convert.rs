@@ -23,7 +23,7 @@ fn every_kind_of_file_is_read_again() {
         let report = folder.run(&[&["convert", input, "-o", output, "--json"], more].concat()).succeeded().json();
         conforms("convert", &report);
         assert_eq!((&report["kind"], &report["bytes_on_disk"]), (&kind.into(), &folder.read(output).len().into()));
-        let found = report["picture"]["delta_e"]["mean"].as_f64().unwrap();
+        let found = report["rendering"]["delta_e"]["mean"].as_f64().unwrap();
         assert!(found < delta_e && report["values"].as_u64().unwrap() > 1000, "{output}: {found}");
         // The errors are those of the file.
         let compared = folder.run(&["compare", input, output, "--json"]).succeeded().json();
@@ -32,7 +32,7 @@ fn every_kind_of_file_is_read_again() {
     // And it is used as any other.
     folder.run(&["encode", "red.bsdf", "-o", "again.ktx2"]).succeeded();
     let back = folder.run(&["compare", "red.ktx2", "again.ktx2", "--json"]).succeeded().json();
-    assert!(back["picture"]["delta_e"]["mean"].as_f64().unwrap() < 1.5, "{back}");
+    assert!(back["rendering"]["delta_e"]["mean"].as_f64().unwrap() < 1.5, "{back}");
 }
 
 #[test]
@@ -64,7 +64,7 @@ fn wavelet_packs_of_isotropic_materials_become_merl_tables() {
         let ran = folder.run(&["convert", "it.ktx2", "-o", "it.binary", "--dimensions", "30x30x60", "--json"]);
         assert_eq!(ran.code, if fits { 0 } else { 3 }, "{model}: {}", ran.stderr);
         if fits {
-            let delta_e = ran.json()["picture"]["delta_e"]["mean"].as_f64().unwrap();
+            let delta_e = ran.json()["rendering"]["delta_e"]["mean"].as_f64().unwrap();
             assert!(delta_e < 1.0, "{delta_e}");
         }
     }
@@ -78,23 +78,23 @@ fn what_does_not_fit_is_told() {
         (
             &["synth:ward?ax=0.1&ay=0.4", "-o", "w.binary"][..],
             3,
-            "found values that change as it is turned about its normal; allowed an isotropic one, or",
+            "found values that change as it is turned about its normal, expected an isotropic one, or",
         ),
-        (&["synth:lewis", "-o", "x.exr"], 2, "allowed a name that ends in .binary or .bsdf or .csv"),
+        (&["synth:lewis", "-o", "x.exr"], 2, "expected a name that ends in .binary or .bsdf or .csv"),
         (
             &["synth:lewis", "-o", "x.csv", "--dimensions", "8x8x8"],
             2,
-            "--dimensions: found with x.csv; allowed with a file in .binary",
+            "--dimensions: found with x.csv, expected with a file in .binary",
         ),
         (
             &["synth:lewis", "-o", "x.bsdf", "--grid", "8x8x8"],
             2,
-            "--grid: found with x.bsdf; allowed with a file in .csv",
+            "--grid: found with x.bsdf, expected with a file in .csv",
         ),
         (
             &["synth:lewis", "-o", "x.csv", "--grid", "1x8x8"],
             2,
-            "--grid: found 1x8x8; allowed three numbers from 2 to 1000",
+            "--grid: found 1x8x8, expected three numbers from 2 to 1000",
         ),
         (&["synth:lewis", "-o", "x.csv", "--grid", "2x2x2"], 2, "--grid: found 2x2x2, which gives "),
         (&["synth:lewis", "-o", "x.binary", "--dimensions", "0x8x8"], 2, "--dimensions: found 0x8x8"),

@@ -90,7 +90,7 @@ fn levels_of_detail_belong_to_packs() {
     let values = |lod: &str| at(lod).succeeded().stdout;
     assert_eq!(values("3"), folder.run(&["eval", "t.ktx2", "--directions", "pairs.csv"]).succeeded().stdout);
     assert!(values("0") != values("3") && values("2.5") != values("3"));
-    assert!(at("3.5").stderr.contains("--lod: found 3.5; allowed 0 to 3, the pack's levels"));
+    assert!(at("3.5").stderr.contains("--lod: found 3.5, expected 0 to 3, the pack's levels"));
 }
 
 #[test]
@@ -99,10 +99,10 @@ fn broken_direction_lists_name_the_line() {
     let header = "wi_x,wi_y,wi_z,wo_x,wo_y,wo_z\n";
     for (text, expected) in [
         (String::new(), "header"),
-        ("a,b\n1,2\n".to_owned(), "line 1, column wi_x: found only \"a,b\"; allowed a header with wi_x,"),
-        (format!("{header}0,0,1,0,0\n"), "line 2, record: found 5 fields; allowed 6"),
-        (format!("{header}0,0,1,0,0,1\n0,0,x,0,0,1\n"), "line 3, wi_z: found \"x\"; allowed a finite number"),
-        (format!("{header}0,0,1,0,0,NaN\n"), "line 2, wo_z: found \"NaN\"; allowed a finite number"),
+        ("a,b\n1,2\n".to_owned(), "line 1, column wi_x: found only \"a,b\", expected a header with wi_x,"),
+        (format!("{header}0,0,1,0,0\n"), "line 2, record: found 5 fields, expected 6"),
+        (format!("{header}0,0,1,0,0,1\n0,0,x,0,0,1\n"), "line 3, wi_z: found \"x\", expected a finite number"),
+        (format!("{header}0,0,1,0,0,NaN\n"), "line 2, wo_z: found \"NaN\", expected a finite number"),
         (format!("{header}0,0,1,0,0,2\n"), "line 2, wo: found a vector of length 2"),
         (format!("{header}0,0,0,0,0,1\n"), "line 2, wi: found a vector of length 0"),
     ] {

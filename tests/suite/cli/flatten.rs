@@ -98,10 +98,10 @@ fn graphics_memory_is_that_of_the_bindings() {
     assert!(factors <= 20 << 10 && budget["report"]["factored"]["gpu_bytes"] == factors, "{budget}");
     // What nothing meets is kept, and reported.
     let missed = flatten(&folder, &[&knit[..], &["--max-delta-e", "0.00001"]].concat());
-    assert!(missed.code == 1 && missed.stderr.contains("of 14 that were tried; allowed 0.00001"), "{}", missed.stderr);
+    assert!(missed.code == 1 && missed.stderr.contains("of 14 that were tried, expected 0.00001"), "{}", missed.stderr);
     assert!(missed.json()["report"]["factored"]["errors"]["seen_mean"].as_f64().unwrap() > 1e-5);
     let refused = flatten(&folder, &[&knit[..], &["--max-bytes", "1KiB"]].concat());
-    assert!(refused.code == 2 && refused.stderr.contains("--max-bytes: found 1024; allowed "), "{}", refused.stderr);
+    assert!(refused.code == 2 && refused.stderr.contains("--max-bytes: found 1024, expected "), "{}", refused.stderr);
 }
 
 /// The codec alone, with scratch storage in memory, makes what the program writes.
@@ -185,8 +185,8 @@ fn meshes_written_by_synth_and_height_maps() {
         let mesh = format!("folds.{kind}");
         folder.run(&["synth", "folds?resolution=32", "-o", &mesh]).succeeded();
         let report = report(flatten(&folder, &[&mesh, "-o", kind, "--material", "synth:lambert?kd=0.4"]));
-        assert_eq!(report["report"]["mended"]["triangles"], 2 * 32 * 32);
-        assert!(number(&report["report"]["mended"]["merged_vertices"]) > 60.0);
+        assert_eq!(report["report"]["repaired"]["triangles"], 2 * 32 * 32);
+        assert!(number(&report["report"]["repaired"]["merged_vertices"]) > 60.0);
         assert_eq!(report["source"], mesh);
     }
     let mut bytes = Vec::new();
@@ -221,7 +221,7 @@ fn height_maps_of_too_many_pixels_are_refused_before_any_work() {
     .unwrap();
     folder.write("large.png", bytes);
     let ran = flatten(&folder, &["large.png", "-o", "large"]);
-    let expected = "large.png: PNG: found 1025 x 1024 pixels; allowed 4 to 8192 per side, and at most 1048576";
+    let expected = "large.png: PNG: found 1025 x 1024 pixels, expected 4 to 8192 per side, and at most 1048576";
     assert!(ran.code == 3 && ran.stderr.contains(expected), "{ran:?}");
     assert!(!folder.path().join("large").exists());
 }
@@ -343,7 +343,7 @@ fn inputs_are_not_written_over() {
     let pack = std::fs::read(folder.path().join("knit/knit.ktx2")).unwrap();
     let ran = folder.run(&["flatten", "synth:knit", "--material", "knit/knit.ktx2", "-o", "knit"]);
     assert_eq!(ran.code, 2, "{}", ran.stderr);
-    assert!(ran.stderr.contains("--out: found knit/knit.ktx2, an input; allowed another file"), "{}", ran.stderr);
+    assert!(ran.stderr.contains("--out: found knit/knit.ktx2, an input, expected another file"), "{}", ran.stderr);
     assert!(std::fs::read(folder.path().join("knit/knit.ktx2")).unwrap() == pack);
 }
 
@@ -374,7 +374,7 @@ fn reliefs_that_rays_cannot_follow_are_refused() {
     let folder = Folder::new();
     let plane =
         |lifted: &str| format!("v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nv {lifted}\nf 1 2 5\nf 2 3 5\nf 3 4 5\nf 4 1 5\n");
-    for (lifted, words) in [("0.5 0.5 50", "allowed 16 tiles above"), ("300 0.5 1", "reaches over 300 tiles")] {
+    for (lifted, words) in [("0.5 0.5 50", "expected 16 tiles above"), ("300 0.5 1", "reaches over 300 tiles")] {
         folder.write("spike.obj", plane(lifted));
         let ran = flatten(&folder, &["spike.obj", "-o", "spike", "--material", "synth:lambert"]);
         assert!(ran.code == 3 && ran.stderr.contains("spike.obj: ") && ran.stderr.contains(words), "{ran:?}");

@@ -66,31 +66,37 @@ fn wrong_usage_exits_with_2_and_says_what_is_allowed() {
         (&["frobnicate"], "unrecognized subcommand 'frobnicate'"),
         (&["encod", "a", "-o", "b"], "'encode'"),
         (&["encode", "synth:lewis"], "--output"),
-        (&["encode", "synth:lewis", "-o", "p.ktx2", "--grid", "12"], "--grid: found 12; allowed 2, 4, 8, 16, 32 or 64"),
-        (&["encode", "synth:lewis", "-o", "p.ktx2", "--grid", "-1"], "--grid: found -1; allowed 2, 4, 8, 16, 32 or 64"),
-        (&["encode", "synth:lewis", "-o", "p.ktx2", "--bits", "9"], "--bits: found 9; allowed 8, or 10 to 16"),
-        (&["encode", "synth:lewis", "-o", "p.ktx2", "--ratio", "0.5"], "--ratio: found 0.5; allowed 1 to 4096"),
-        (&["encode", "synth:lewis", "-o", "p.ktx2", "--ratio", "NaN"], "--ratio: found NaN; allowed 1 to 4096"),
-        (&["encode", "synth:lewis", "-o", "p.ktx2", "--max-error", "0"], "--max-error: found 0; allowed a positive"),
+        (
+            &["encode", "synth:lewis", "-o", "p.ktx2", "--grid", "12"],
+            "--grid: found 12, expected 2, 4, 8, 16, 32 or 64",
+        ),
+        (
+            &["encode", "synth:lewis", "-o", "p.ktx2", "--grid", "-1"],
+            "--grid: found -1, expected 2, 4, 8, 16, 32 or 64",
+        ),
+        (&["encode", "synth:lewis", "-o", "p.ktx2", "--bits", "9"], "--bits: found 9, expected 8, or 10 to 16"),
+        (&["encode", "synth:lewis", "-o", "p.ktx2", "--ratio", "0.5"], "--ratio: found 0.5, expected 1 to 4096"),
+        (&["encode", "synth:lewis", "-o", "p.ktx2", "--ratio", "NaN"], "--ratio: found NaN, expected 1 to 4096"),
+        (&["encode", "synth:lewis", "-o", "p.ktx2", "--max-error", "0"], "--max-error: found 0, expected a positive"),
         (
             &["encode", "synth:lewis", "-o", "p.ktx2", "--max-error", "3"],
-            "--max-error: found 3; allowed a fraction or a percentage: write 0.03 or 3%",
+            "--max-error: found 3, expected a fraction or a percentage: write 0.03 or 3%",
         ),
-        (&["encode", "synth:lewis", "-o", "p.ktx2", "--max-error", "inf"], "--max-error: found inf; allowed"),
+        (&["encode", "synth:lewis", "-o", "p.ktx2", "--max-error", "inf"], "--max-error: found inf, expected"),
         (&["encode", "synth:lewis", "-o", "p.ktx2", "--ratio", "4", "--max-error", "0.1"], "cannot be used with"),
         (
             &["encode", "synth:lewis", "-o", "p.ktx2", "--parameterisation", "half-difference"],
-            "--parameterisation: found \"half-difference\"; allowed tangent-pole; half-difference angles are those of",
+            "--parameterisation: found \"half-difference\", expected tangent-pole; half-difference angles are those of",
         ),
         (&["encode", "synth:lambert", "-o", "p.ktx2", "--grid", "64", "--ratio", "1"], "slices: found"),
-        (&["compare", "synth:lewis", "synth:lewis", "--directions", "0"], "--directions: found 0; allowed 1 to"),
-        (&["compare", "synth:lewis", "synth:lewis", "--max-error=-1"], "--max-error: found -1; allowed"),
-        (&["info", "synth:lewis", "--jobs", "2000"], "--jobs: found 2000; allowed 0 to 1024"),
-        (&["synth", "lewis", "-o", "file.png"], "--output: found file.png; allowed a name that ends in .binary"),
-        (&["synth", "lewis", "-o", "a.binary", "--dimensions", "0x1x1"], "--dimensions: found 0x1x1; allowed three"),
-        (&["synth", "lewis", "-o", "a.brdf", "--rows", "0"], "--rows: found 0; allowed 1 to"),
-        (&["synth", "lewis", "-o", "a.brdf", "--gaps", "2"], "--gaps: found 2; allowed 0 to 0.9"),
-        (&["synth", "lewis", "-o", "a.brdf", "--noise", "NaN"], "--noise: found NaN; allowed 0 to 2"),
+        (&["compare", "synth:lewis", "synth:lewis", "--directions", "0"], "--directions: found 0, expected 1 to"),
+        (&["compare", "synth:lewis", "synth:lewis", "--max-error=-1"], "--max-error: found -1, expected"),
+        (&["info", "synth:lewis", "--jobs", "2000"], "--jobs: found 2000, expected 0 to 1024"),
+        (&["synth", "lewis", "-o", "file.png"], "--output: found file.png, expected a name that ends in .binary"),
+        (&["synth", "lewis", "-o", "a.binary", "--dimensions", "0x1x1"], "--dimensions: found 0x1x1, expected three"),
+        (&["synth", "lewis", "-o", "a.brdf", "--rows", "0"], "--rows: found 0, expected 1 to"),
+        (&["synth", "lewis", "-o", "a.brdf", "--gaps", "2"], "--gaps: found 2, expected 0 to 0.9"),
+        (&["synth", "lewis", "-o", "a.brdf", "--noise", "NaN"], "--noise: found NaN, expected 0 to 2"),
         (&["schema", "nothing"], "possible values: build, material"),
     ] {
         let ran = folder.run(arguments);
@@ -175,7 +181,11 @@ fn negative_numbers_are_values() {
                 let ran = folder.run(&[&[command], arguments, more, &[&flag, value]].concat());
                 assert_eq!((ran.code, ran.stdout.as_str()), (2, ""), "{command} {flag} {value}: {}", ran.stderr);
                 assert!(ran.stderr.starts_with("brdfc: "), "{command} {flag} {value}: {}", ran.stderr);
-                assert!(ran.stderr.contains(": found ") && ran.stderr.contains("; allowed "), "{flag}: {}", ran.stderr);
+                assert!(
+                    ran.stderr.contains(": found ") && ran.stderr.contains(", expected "),
+                    "{flag}: {}",
+                    ran.stderr
+                );
                 tried += 1;
             }
         }
@@ -208,7 +218,7 @@ fn json_is_a_flag_of_the_program() {
         let allowed = "bandwidth, build, compare, convert, encode, flatten, info, plan, pwt, render, report, samples, shader, verify, view and watch";
         for ran in [folder.run(&[&["--json"], arguments].concat()), folder.run(&[arguments, &["--json"]].concat())] {
             assert_eq!((ran.code, ran.stdout.as_str()), (2, ""), "{arguments:?}");
-            assert_eq!(ran.stderr, format!("brdfc: --json: found with {name}; allowed with {allowed}\n"));
+            assert_eq!(ran.stderr, format!("brdfc: --json: found with {name}, expected with {allowed}\n"));
         }
     }
     assert_eq!(folder.files(".").len(), 2);

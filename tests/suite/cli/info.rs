@@ -105,7 +105,7 @@ fn the_extension_decides_whatever_its_case() {
     folder.write("c.data", folder.read("a.binary"));
     let ran = folder.run(&["info", "c.data"]);
     assert_eq!(ran.code, 3);
-    assert!(ran.stderr.contains("c.data: file name: found extension .data; allowed .binary (MERL)"), "{}", ran.stderr);
+    assert!(ran.stderr.contains("c.data: file name: found extension .data, expected .binary (MERL)"), "{}", ran.stderr);
 }
 
 #[test]
@@ -130,7 +130,7 @@ fn importance_samples_are_told_from_other_packs() {
     assert!(ran.stderr.contains("q.ktx2: importance texel (2, 1)"), "{}", ran.stderr);
     let ran = folder.run(&["compare", "p.ktx2", "synth:ggx"]);
     assert_eq!(ran.code, 3);
-    assert!(ran.stderr.contains("pack: found an importance-sample pack; allowed a pack of a BRDF"), "{}", ran.stderr);
+    assert!(ran.stderr.contains("pack: found an importance-sample pack, expected a pack of a BRDF"), "{}", ran.stderr);
 }
 
 #[test]
@@ -163,7 +163,7 @@ fn polynomial_wavelet_trees_are_told_from_other_packs() {
     ] {
         let ran = folder.run(arguments);
         assert_eq!(ran.code, 3, "{arguments:?}: {}", ran.stderr);
-        let expected = "pack: found a polynomial wavelet tree; allowed a pack of a BRDF";
+        let expected = "pack: found a polynomial wavelet tree, expected a pack of a BRDF";
         assert!(ran.stderr.contains(expected), "{arguments:?}: {}", ran.stderr);
     }
 }
@@ -199,9 +199,9 @@ fn what_flatten_takes_is_described() {
     assert_eq!((&mesh["kind"], &mesh["triangles"], &mesh["tile"]), (&"mesh".into(), &2.into(), &2.5.into()));
     assert_eq!((&mesh["materials"][0], &mesh["bounds"][0][1]), (&"clay".into(), &2.5.into()));
     assert!(text.contains("with --tile 2.5") && text.contains("clay"), "{text}");
-    assert!(text.lines().any(|line| line.starts_with("mended ") && line.ends_with("nothing")), "{text}");
+    assert!(text.lines().any(|line| line.starts_with("repaired ") && line.ends_with("nothing")), "{text}");
     let (over, text) = info("over.obj");
-    assert_eq!(over["mended"]["duplicate_triangles"], 1);
+    assert_eq!(over["repaired"]["duplicate_triangles"], 1);
     assert!(text.contains("1 triangles that were there twice were left out; 1 triangles were turned over"), "{text}");
     let (open, text) = info("open.obj");
     assert!(open["tile"].is_null() && open["problem"].as_str().unwrap().contains("hole"), "{open}");
@@ -242,13 +242,13 @@ fn flat_btfs_and_damaged_ones() {
     assert_eq!(images.values().map(|bytes| bytes.as_u64().unwrap()).sum::<u64>(), whole["gpu_bytes"].as_u64().unwrap());
     let ran = folder.run(&["compare", "synth:lewis", file]);
     assert_eq!(ran.code, 3);
-    let expected = "found a flat BTF; allowed a pack of a BRDF: a flat BTF has no one BRDF";
+    let expected = "found a flat BTF, expected a pack of a BRDF: a flat BTF has no one BRDF";
     assert!(ran.stderr.contains(expected), "{}", ran.stderr);
     // Two in a folder have to be told apart.
     folder.write("two/a.ktx2", folder.read(file));
     folder.write("two/b.ktx2", folder.read(file));
     let ran = folder.run(&["info", "two"]);
-    assert!(ran.code == 3 && ran.stderr.contains("flat BTFs: found a.ktx2, b.ktx2; allowed one"), "{}", ran.stderr);
+    assert!(ran.code == 3 && ran.stderr.contains("flat BTFs: found a.ktx2, b.ktx2, expected one"), "{}", ran.stderr);
     let bytes = folder.read(file);
     for at in [0, 100, bytes.len() / 2, bytes.len() - 1] {
         let mut damaged = bytes.clone();
@@ -275,9 +275,9 @@ fn the_plane_has_a_name_and_no_negative_heights() {
     assert!(!ran.stdout.contains("-0.0"), "{}", ran.stdout);
 }
 
-/// A light stack of two images, one of them in a folder, and a polynomial texture map.
+/// An RTI capture of two images, one of them in a folder, and a polynomial texture map.
 #[test]
-fn pictures_under_many_lights_are_described() {
+fn renderings_under_many_lights_are_described() {
     let folder = Folder::new();
     for name in ["s/a 1.png", "s/in/b.png"] {
         let mut png = std::io::Cursor::new(Vec::new());
@@ -295,7 +295,7 @@ fn pictures_under_many_lights_are_described() {
     };
     for input in ["s", "s/lights.lp"] {
         let (report, text) = info(input);
-        assert_eq!((&report["kind"], &report["lights"]), (&"light-stack".into(), &2.into()));
+        assert_eq!((&report["kind"], &report["lights"]), (&"rti-capture".into(), &2.into()));
         assert_eq!((&report["size"][0], &report["polar_angles"][1]), (&8.into(), &45.0.into()));
         assert!(text.contains("0 to 45 degrees") && text.contains("8 x 6") && text.contains(".png"), "{text}");
     }

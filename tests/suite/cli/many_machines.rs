@@ -45,14 +45,14 @@ fn shards_make_the_whole() {
     for (arguments, words) in [
         (&["--shard", "4/3"][..], "--shard"),
         (&["--shard", "1/3", "--only", "table.brdf"], "--shard"),
-        (&["--only", "table"], "--only: found table; allowed environment.maps, round.brdf, round.maps, table.brdf"),
+        (&["--only", "table"], "--only: found table, expected environment.maps, round.brdf, round.maps, table.brdf"),
         (&["--shard", "1/3", "--json"], "--json: found with --shard or --only"),
     ] {
         let ran = folder.run(&[&["build", "my scene.toml"], arguments].concat());
         assert!(ran.code == 2 && ran.stderr.contains(words), "{}", ran.stderr);
     }
     let ran = folder.run(&["build", "my scene.toml", "--from", "nowhere"]);
-    assert!(ran.code == 4 && ran.stderr.contains("--from: found nowhere; allowed a folder that"), "{}", ran.stderr);
+    assert!(ran.code == 4 && ran.stderr.contains("--from: found nowhere, expected a folder that"), "{}", ran.stderr);
 }
 
 #[test]

@@ -1,4 +1,4 @@
-//! The real program, command by command. One binary, because each of them is linked anew.
+//! The real program, command by command. One binary, because each of them is linked again.
 
 mod bandwidth;
 mod build_scene;

@@ -80,10 +80,10 @@ fn a_dash_reads_lists_of_directions_images_and_meshes_too() {
 fn what_a_dash_cannot_be_is_refused() {
     let folder = Folder::new();
     for (arguments, stdin, code, expected) in [
-        (&["compare", "-", "-"][..], &b""[..], 2, "brdfc: A and B: found - for both; allowed for one of them\n"),
-        (&["eval", "-", "--directions", "-"], b"", 2, "INPUT and --directions: found - for both; allowed"),
-        (&["info", "-"], b"", 3, "brdfc: stdin: contents: found nothing; allowed .binary (MERL), "),
-        (&["info", "-"], b"\0\0\0\0\0", 3, "stdin: contents: found no known layout; allowed .binary (MERL), "),
+        (&["compare", "-", "-"][..], &b""[..], 2, "brdfc: A and B: found - for both, expected for one of them\n"),
+        (&["eval", "-", "--directions", "-"], b"", 2, "INPUT and --directions: found - for both, expected"),
+        (&["info", "-"], b"", 3, "brdfc: stdin: contents: found nothing, expected .binary (MERL), "),
+        (&["info", "-"], b"\0\0\0\0\0", 3, "stdin: contents: found no known layout, expected .binary (MERL), "),
         (
             &["encode", "-", "-o", "p.ktx2"],
             b"\x1f\x8b\x08\0",
@@ -101,13 +101,13 @@ fn what_a_dash_cannot_be_is_refused() {
             &["flatten", "synth:knit?resolution=16", "-o", "-"],
             b"",
             2,
-            "-: found in the place of a folder; allowed the name",
+            "-: found in the place of a folder, expected the name",
         ),
-        (&["build", "synth:lewis", "--out", "-", "--dry-run"], b"", 2, "-: found in the place of a folder; allowed"),
-        (&["build", "synth:lewis", "--out", "-"], b"", 2, "-: found in the place of a folder; allowed the name"),
-        (&["build", "synth:lewis", "--from", "-"], b"", 2, "-: found in the place of a folder; allowed the name"),
+        (&["build", "synth:lewis", "--out", "-", "--dry-run"], b"", 2, "-: found in the place of a folder, expected"),
+        (&["build", "synth:lewis", "--out", "-"], b"", 2, "-: found in the place of a folder, expected the name"),
+        (&["build", "synth:lewis", "--from", "-"], b"", 2, "-: found in the place of a folder, expected the name"),
         (&["plan", "synth:lewis", "--format", "json", "--out", "-"], b"", 2, "-: found in the place of a folder"),
-        (&["report", "-", "-o", "page.html"], b"", 2, "-: found in the place of a folder; allowed the name"),
+        (&["report", "-", "-o", "page.html"], b"", 2, "-: found in the place of a folder, expected the name"),
         (
             &["flatten", "m.obj", "-o", "x", "--views", "-", "--colour", "-"],
             b"",
@@ -118,15 +118,20 @@ fn what_a_dash_cannot_be_is_refused() {
             &["synth", "lewis", "-o", "-"],
             b"",
             2,
-            "--kind: found none; allowed binary, brdf or csv (models), obj or ply",
+            "--kind: found none, expected binary, brdf or csv (models), obj or ply",
         ),
         (
             &["synth", "lewis", "-o", "-", "--kind", "ply"],
             b"",
             2,
-            "--kind: found ply; allowed binary, brdf or csv, for",
+            "--kind: found ply, expected binary, brdf or csv, for",
         ),
-        (&["synth", "lewis", "-o", "a.brdf", "--kind", "csv"], b"", 2, "--kind: found with a.brdf; allowed with - for"),
+        (
+            &["synth", "lewis", "-o", "a.brdf", "--kind", "csv"],
+            b"",
+            2,
+            "--kind: found with a.brdf, expected with - for",
+        ),
     ] {
         let ran = with_stdin(&folder, arguments, stdin);
         assert_eq!((ran.code, ran.stdout.as_str()), (code, ""), "{arguments:?}: {}", ran.stderr);
@@ -258,7 +263,7 @@ fn builds_read_and_write_where_names_are_not_utf_8() {
     let plan =
         folder.command(&["plan", "synth:ward", "--format", "json", "--out"]).arg(odd(b"p\xe4")).output().unwrap();
     let told = String::from_utf8(plan.stderr).unwrap();
-    assert!(plan.status.code() == Some(2) && told.contains("--out: found p\u{fffd}; allowed UTF-8"), "{told}");
+    assert!(plan.status.code() == Some(2) && told.contains("--out: found p\u{fffd}, expected UTF-8"), "{told}");
     // What goes into commands is text, whichever argument it is.
     for (place, arguments) in [
         ("inputs", [&b"sc\xe4ns"[..], b"--format", b"ninja"]),
@@ -267,13 +272,13 @@ fn builds_read_and_write_where_names_are_not_utf_8() {
         let output = folder.command(&["plan"]).args(arguments.map(odd)).output().unwrap();
         let told = String::from_utf8(output.stderr).unwrap();
         assert_eq!(output.status.code(), Some(2), "{told}");
-        let words = format!("brdfc: {place}: found {}; allowed UTF-8: the name", "sc\u{fffd}ns");
+        let words = format!("brdfc: {place}: found {}, expected UTF-8: the name", "sc\u{fffd}ns");
         assert!(told.starts_with(&words), "{told}");
     }
     let output =
         folder.command(&["encode", "synth:ward", "-o", "x.ktx2", "--codec"]).arg(odd(b"t\xe4")).output().unwrap();
     let told = String::from_utf8(output.stderr).unwrap();
-    assert_eq!((output.status.code(), told.as_str()), (Some(2), "brdfc: arguments: found t\u{fffd}; allowed UTF-8\n"));
+    assert_eq!((output.status.code(), told.as_str()), (Some(2), "brdfc: arguments: found t\u{fffd}, expected UTF-8\n"));
 }
 
 /// Nothing is what it is told to be, wherever a stream may go in.
@@ -296,8 +301,8 @@ fn an_empty_stream_is_told() {
         &["render", "-", "-o", "x.png"],
     ] {
         let ran = with_stdin(&folder, arguments, b"");
-        let told = ran.stderr.starts_with("brdfc: stdin: contents: found nothing; allowed .")
-            || ran.stderr.starts_with("brdfc: stdin: header: found an empty file; allowed a line of column names");
+        let told = ran.stderr.starts_with("brdfc: stdin: contents: found nothing, expected .")
+            || ran.stderr.starts_with("brdfc: stdin: header: found an empty file, expected a line of column names");
         assert!(ran.code == 3 && told, "{arguments:?}: {} {}", ran.code, ran.stderr);
     }
     assert_eq!(folder.files(".").len(), 1);
@@ -307,7 +312,7 @@ fn an_empty_stream_is_told() {
 #[test]
 fn a_dash_is_no_list_of_materials() {
     let folder = Folder::new();
-    let words = "brdfc: inputs: found -; allowed a manifest, or files, folders, patterns and synth: addresses: standard \
+    let words = "brdfc: inputs: found -, expected a manifest, or files, folders, patterns and synth: addresses: standard \
                  input is for commands of one file, such as 'brdfc encode -' (a file of this name is ./-)\n";
     for arguments in
         [&["build", "-"][..], &["build", "synth:ward", "-"], &["watch", "-"], &["plan", "-", "--format", "json"]]
@@ -325,11 +330,11 @@ fn an_extension_that_lies_is_told() {
     let [table, scan, list, material, _] = inputs(&folder);
     let mut png = std::io::Cursor::new(Vec::new());
     image::GrayImage::new(8, 8).write_to(&mut png, image::ImageFormat::Png).unwrap();
-    folder.write("picture.png", png.get_ref());
+    folder.write("rendering.png", png.get_ref());
     folder.write("page.html", "<!DOCTYPE html>\n<title>404</title>\n");
     folder.run(&["encode", "synth:lewis", "-o", "pack.ktx2", "--grid", "2"]).succeeded();
     for (file, name, expected) in [
-        ("picture.png", "a.binary", "a PNG image (.png)"),
+        ("rendering.png", "a.binary", "a PNG image (.png)"),
         (scan, "a.binary", "a scan as text (.brdf)"),
         ("page.html", "a.binary", "a web page, perhaps what a server said in the place of the file"),
         (table, "a.brdf", "a MERL table (.binary)"),
@@ -367,7 +372,7 @@ fn outputs_that_would_be_taken_for_another_kind_are_refused_before_the_work() {
     ] {
         for name in ["x.png", "x", "x.ktx2.gz"] {
             let ran = folder.run(&[arguments, &["-o", name]].concat());
-            let allowed = format!("allowed a name that ends in .{extension}, or - for stdout\n");
+            let allowed = format!("expected a name that ends in .{extension}, or - for stdout\n");
             assert_eq!(
                 (ran.code, ran.stderr),
                 (2, format!("brdfc: --output: found {name}; {allowed}")),

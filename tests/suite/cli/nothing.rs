@@ -178,7 +178,7 @@ fn no_check_passes_with_nothing_to_measure() {
 
 #[cfg(feature = "render")]
 #[test]
-fn no_check_of_pictures_passes_with_nothing_to_see() {
+fn no_check_of_renderings_passes_with_nothing_to_see() {
     if crate::common::has_adapter() {
         hold(RENDERED);
     }

@@ -90,7 +90,7 @@ fn names_of_files_are_those_of_materials() {
     // In manifests what is too long is an error, before anything is made.
     folder.write("scene.toml", format!("[materials.{long}]\nsource = 'synth:ggx'\n[[uses]]\nmaterial = '{long}'\n"));
     let refused = build(&folder, &["scene.toml"], &["--out", "packs"]);
-    assert!(refused.code == 3 && refused.stderr.contains("allowed at most 200 bytes"), "{refused:?}");
+    assert!(refused.code == 3 && refused.stderr.contains("expected at most 200 bytes"), "{refused:?}");
     assert_eq!(packs(&folder, "packs").len(), 4);
 }
 

@@ -5,12 +5,12 @@ use crate::common::cli::Folder;
 use brdfc_formats::flat_btf::FlatBtfFile;
 use brdfc_formats::pwt::PwtPack;
 use brdfc_jobs::btf_stack::StackFormat;
-use brdfc_jobs::light_stack::write_light_stack;
+use brdfc_jobs::rti_capture::write_rti_capture;
 use brdfc_pwt::ptm::spread_lights;
 
 const SIZE: [usize; 2] = [45, 38];
 
-/// A bumpy, glossy picture under 40 lights, in `stack`.
+/// A bumpy, glossy rendering under 40 lights, in `stack`.
 fn stack() -> Folder {
     let folder = Folder::new();
     let lights = spread_lights(40);
@@ -24,7 +24,7 @@ fn stack() -> Folder {
         };
         (0..SIZE[0] * SIZE[1]).map(pixel).collect()
     };
-    write_light_stack(&folder.path().join("stack"), &lights, SIZE, StackFormat::Png, pixels).unwrap();
+    write_rti_capture(&folder.path().join("stack"), &lights, SIZE, StackFormat::Png, pixels).unwrap();
     folder
 }
 
@@ -67,7 +67,10 @@ fn targets_are_met_or_told() {
     assert!(loss("2") < loss("0.05"));
     let missed = made(&["--quality", "90"]);
     assert_eq!(missed.code, 1, "{missed:?}");
-    assert!(missed.stderr.contains("quality: found ") && missed.stderr.contains("allowed 90 dB or more"), "{missed:?}");
+    assert!(
+        missed.stderr.contains("quality: found ") && missed.stderr.contains("expected 90 dB or more"),
+        "{missed:?}"
+    );
     assert_eq!(missed.json()["met"], false);
     assert!(PwtPack::from_bytes(&folder.read("p.ktx2")).is_ok());
     let missed = made(&["--max-bytes", "1"]);
@@ -92,7 +95,7 @@ fn what_is_asked_for_is_taken() {
     // Sides of a tile are halved exactly.
     let refused = folder.run(&[&["pwt", "stack", "-o", "p.ktx2"][..], &options, &more].concat());
     assert_eq!(refused.code, 2, "{refused:?}");
-    assert!(refused.stderr.contains("--levels: found 3; allowed 0 to 0 for 45 x 38"), "{refused:?}");
+    assert!(refused.stderr.contains("--levels: found 3, expected 0 to 0 for 45 x 38"), "{refused:?}");
     let report = folder.run(&[&["pwt", "stack", "-o", "p.ktx2", "--json"][..], &options, &more[..6]].concat());
     let report = report.succeeded().json();
     assert_eq!((&report["coordinates"], &report["degree"]), (&"paraboloid".into(), &3.into()));
@@ -155,7 +158,7 @@ fn views_of_btfs_become_packs() {
         assert_ne!(first["psnr"], other["psnr"]);
         let refused = folder.run(&["pwt", input, "-o", "v.ktx2", "--view", "4"]);
         assert_eq!(refused.code, 2, "{refused:?}");
-        assert!(refused.stderr.contains("--view: found 4; allowed 0 to 3"), "{refused:?}");
+        assert!(refused.stderr.contains("--view: found 4, expected 0 to 3"), "{refused:?}");
     }
     let list = "u,v,wi_x,wi_y,wi_z,wo_x,wo_y,wo_z\n0.5,0.5,0,0,1,0,0,1\n";
     folder.write("texels.csv", list);
@@ -191,23 +194,23 @@ fn what_cannot_be_is_refused() {
     }
     for (code, arguments, expected) in [
         (2, &["stack", "-o", "x.png"][..], "x.png"),
-        (2, &["stack", "-o", "x.ktx2", "--quality", "-1"], "--quality: found -1; allowed 0 to 200"),
+        (2, &["stack", "-o", "x.ktx2", "--quality", "-1"], "--quality: found -1, expected 0 to 200"),
         (2, &["stack", "-o", "x.ktx2", "--quality", "30", "--max-bytes", "4"], "cannot be used with"),
-        (2, &["stack", "-o", "x.ktx2", "--degree", "6"], "--degree: found 6; allowed 0 to 5"),
-        (2, &["stack", "-o", "x.ktx2", "--hold-out", "40"], "--hold-out: found 40; allowed 0 to 39"),
-        (2, &["stack", "-o", "x.ktx2", "--view", "1"], "--view: found with a light stack"),
-        (2, &["stack", "-o", "x.ktx2", "--model", "rgb"], "--model: found with a pack; allowed with an output .ptm"),
-        (2, &["p.ktx2", "-o", "x.ktx2"], "p.ktx2: found a pack; allowed with an output .ptm"),
+        (2, &["stack", "-o", "x.ktx2", "--degree", "6"], "--degree: found 6, expected 0 to 5"),
+        (2, &["stack", "-o", "x.ktx2", "--hold-out", "40"], "--hold-out: found 40, expected 0 to 39"),
+        (2, &["stack", "-o", "x.ktx2", "--view", "1"], "--view: found with an RTI capture"),
+        (2, &["stack", "-o", "x.ktx2", "--model", "rgb"], "--model: found with a pack, expected with an output .ptm"),
+        (2, &["p.ktx2", "-o", "x.ktx2"], "p.ktx2: found a pack, expected with an output .ptm"),
         (
             2,
             &["stack", "-o", "x.foo"],
-            "--output: found x.foo; allowed a name that ends in .ktx2 or .ptm, or - for stdout",
+            "--output: found x.foo, expected a name that ends in .ktx2 or .ptm, or - for stdout",
         ),
-        (2, &["stack", "-o", "x.ktx2", "--levels", "7"], "--levels: found 7; allowed 0 to 5 for 45 x 38"),
-        (3, &["folder.ktx2", "-o", "x.ktx2"], "folder.ktx2: file: found a folder; allowed a file or a pipe"),
-        (3, &["empty", "-o", "x.ktx2"], "empty: input: found none of these; allowed a folder with a list of lights"),
-        (3, &["lewis.ktx2", "-o", "x.ptm"], "pack: found a table pack; allowed a polynomial wavelet tree"),
-        (3, &["paint.brdf", "-o", "x.ktx2"], "file name: found .brdf; allowed a folder with a list of lights"),
+        (2, &["stack", "-o", "x.ktx2", "--levels", "7"], "--levels: found 7, expected 0 to 5 for 45 x 38"),
+        (3, &["folder.ktx2", "-o", "x.ktx2"], "folder.ktx2: file: found a folder, expected a file or a pipe"),
+        (3, &["empty", "-o", "x.ktx2"], "empty: input: found none of these, expected a folder with a list of lights"),
+        (3, &["lewis.ktx2", "-o", "x.ptm"], "pack: found a table pack, expected a polynomial wavelet tree"),
+        (3, &["paint.brdf", "-o", "x.ktx2"], "file name: found .brdf, expected a folder with a list of lights"),
         (4, &["nothing", "-o", "x.ktx2"], "nothing: cannot read"),
     ] {
         let ran = folder.run(&[&["pwt"][..], arguments].concat());
@@ -253,12 +256,12 @@ fn options_of_packs_are_refused_with_maps() {
         &["--tile"],
     ] {
         let ran = folder.run(&[&["pwt", "nothing", "-o", "x.ptm"][..], options].concat());
-        let told = format!("{}: found with an output .ptm; allowed with a pack", options[0]);
+        let told = format!("{}: found with an output .ptm, expected with a pack", options[0]);
         assert!(ran.code == 2 && ran.stderr.contains(&told), "{}", ran.stderr);
     }
 }
 
-/// Pictures of an ordinary BTF, of the flat one, its pack and its look-ups have one upper half.
+/// Renderings of an ordinary BTF, of the flat one, its pack and its look-ups have one upper half.
 #[test]
 fn rows_of_flat_btfs_go_down() {
     let folder = Folder::new();
@@ -328,7 +331,7 @@ fn photographs_are_not_written_over() {
     folder.run(&["pwt", "stack/dirs.lp", "-o", "stack/own.ktx2"]).succeeded();
 }
 
-/// A flat BTF's folder may hold pictures of it, its light form has no views, and a damaged list is told as one.
+/// A flat BTF's folder may hold renderings of it, its light form has no views, and a damaged list is told as one.
 #[test]
 fn folders_of_flat_btfs() {
     let folder = Folder::new();
@@ -342,7 +345,7 @@ fn folders_of_flat_btfs() {
     for arguments in [&lists[..], &["pwt", "light", "-o", "w.ktx2"], &["compare", "folds", "light"]] {
         let ran = folder.run(arguments);
         assert_eq!(ran.code, 3, "{arguments:?}: {ran:?}");
-        assert!(ran.stderr.contains("flat BTF: found the light form, which has no views; allowed"), "{}", ran.stderr);
+        assert!(ran.stderr.contains("flat BTF: found the light form, which has no views, expected"), "{}", ran.stderr);
     }
     let file = folder.read("folds/folds.ktx2");
     folder.write("folds/folds.ktx2", &file[..file.len() / 2]);

@@ -84,7 +84,7 @@ fn every_scene_of_every_kind_of_input() {
 }
 
 #[test]
-fn pictures_of_all_kinds_and_the_same_bytes_twice() {
+fn renderings_of_all_kinds_and_the_same_bytes_twice() {
     if !has_adapter() {
         return;
     }
@@ -120,7 +120,7 @@ fn pictures_of_all_kinds_and_the_same_bytes_twice() {
     assert_eq!(first, draw("2"));
     let sheet = image::load_from_memory(&first[3]).unwrap();
     assert_eq!((sheet.width(), sheet.height()), (3 * 50 + 2 * 4, 40));
-    let exr = brdfc_render::picture::from_exr(&first[1]).unwrap();
+    let exr = brdfc_render::rendering::from_exr(&first[1]).unwrap();
     assert_eq!((exr.width, exr.height), (50, 40));
     assert!(exr.pixels.iter().any(|pixel| pixel[0] > 0.0));
 }
@@ -160,7 +160,7 @@ fn a_contact_sheet_shows_every_material_and_gates_hold_for_each() {
         return;
     }
     let folder = Folder::new();
-    // A scene of three materials, whose picture shows the first.
+    // A scene of three materials, whose rendering shows the first.
     let material = |name: &str, more: &str| {
         let source = format!("source = 'synth:lewis?kd=0.5&ks=0.2&n=30'\n{more}[[uses]]\nmaterial = '{name}'\n");
         format!("[materials.{name}]\n{source}\n")
@@ -256,8 +256,8 @@ fn a_limit_is_a_check() {
     run("50", &[]).succeeded();
     let missed = run("0.001", &["-o", "image.png", "--json"]);
     assert_eq!(missed.code, 1);
-    assert!(missed.stderr.contains("mean ΔE: found") && missed.stderr.contains("allowed 0.001"), "{}", missed.stderr);
-    // Both report and picture are there to look at.
+    assert!(missed.stderr.contains("mean ΔE: found") && missed.stderr.contains("expected 0.001"), "{}", missed.stderr);
+    // Both report and rendering are there to look at.
     assert!(mean(&report(&missed), "total") > 0.001);
     assert!(!folder.read("image.png").is_empty());
     // A check that rests on nothing fails: what is all black or all white passes no limit.
@@ -279,7 +279,7 @@ fn a_limit_is_a_check() {
     let dark = folder.run(&["render", "synth:lambert?kd=0", "--grid", "4", "--size", "16x16"]).succeeded();
     for (gate, limit) in [("--max-delta-e", "100"), ("--max-delta-e-p95", "100"), ("--max-flip", "1")] {
         let closed = folder.run(&["render", "synth:lambert?kd=0", "--size", "16x16", "--quiet", gate, limit]);
-        let words = format!("found no light: all surfaces are black; allowed {limit}");
+        let words = format!("found no light: all surfaces are black, expected {limit}");
         assert!(closed.code == 1 && closed.stderr.contains(&words), "{gate}: {}", closed.stderr);
     }
     let all = run("50", &["--max-delta-e-p95", "0.001", "--max-flip", "0.0001", "--json"]);
@@ -290,14 +290,14 @@ fn a_limit_is_a_check() {
     );
     assert_eq!(report(&all)["gates"].as_array().unwrap().len(), 3);
     assert!(
-        dark.stderr.starts_with("note: synth:lambert?kd=0: the picture shows no light: all surfaces are black"),
+        dark.stderr.starts_with("note: synth:lambert?kd=0: the rendering shows no light: all surfaces are black"),
         "{}",
         dark.stderr
     );
 }
 
 #[test]
-fn coarser_levels_of_detail_and_filters_change_the_picture() {
+fn coarser_levels_of_detail_and_filters_change_the_rendering() {
     if !has_adapter() {
         return;
     }
@@ -355,37 +355,37 @@ fn wrong_arguments() {
         (
             &["render", "p.ktx2", "-o", "image.jpg"][..],
             2,
-            "--output: found image.jpg; allowed a name that ends in .png or .exr",
+            "--output: found image.jpg, expected a name that ends in .png or .exr",
         ),
         (
             &["render", "p.ktx2", "--difference", "d.exr"],
             2,
-            "--difference: found d.exr; allowed a name that ends in .png",
+            "--difference: found d.exr, expected a name that ends in .png",
         ),
         (&["render", "p.ktx2", "-o", "no/image.png"], 4, "there is no folder no"),
-        (&["render", "p.ktx2", "--size", "800"], 2, "--size: found 800; allowed WIDTHxHEIGHT"),
+        (&["render", "p.ktx2", "--size", "800"], 2, "--size: found 800, expected WIDTHxHEIGHT"),
         (&["render", "p.ktx2", "--size", "0x5"], 2, "each 1 to 8192"),
         (&["render", "p.ktx2", "--size", "99999x5"], 2, "each 1 to 8192"),
-        (&["render", "p.ktx2", "--size", "8192x8192"], 2, "allowed 33554432 samples in all"),
-        (&["render", "p.ktx2", "--samples", "17"], 2, "--samples: found 17; allowed 1 to 16"),
+        (&["render", "p.ktx2", "--size", "8192x8192"], 2, "expected 33554432 samples in all"),
+        (&["render", "p.ktx2", "--samples", "17"], 2, "--samples: found 17, expected 1 to 16"),
         (&["render", "p.ktx2", "--exposure", "0"], 2, "--exposure: found 0"),
-        (&["render", "p.ktx2", "--lod", "7"], 2, "--lod: found 7; allowed 0 to 6"),
+        (&["render", "p.ktx2", "--lod", "7"], 2, "--lod: found 7, expected 0 to 6"),
         (&["render", "p.ktx2", "--max-delta-e", "nan"], 2, "--max-delta-e: found NaN"),
         (
             &["render", "p.ktx2", "--max-delta-e-p95", "-1e99"],
             2,
-            "--max-delta-e-p95: found -1e99; allowed a number, 0 or",
+            "--max-delta-e-p95: found -1e99, expected a number, 0 or",
         ),
-        (&["render", "p.ktx2", "--max-flip", "1.5"], 2, "--max-flip: found 1.5; allowed 0 to 1"),
+        (&["render", "p.ktx2", "--max-flip", "1.5"], 2, "--max-flip: found 1.5, expected 0 to 1"),
         (&["render", "p.ktx2", "--ratio", "8"], 2, "encoding options"),
         (&["render", "p.ktx2", "--table"], 2, "--source"),
-        (&["render", "p.ktx2", "--packs", "packs"], 2, "--packs: found with p.ktx2; allowed with a manifest"),
-        (&["render", "p.ktx2", "--contact", "c.jpg"], 2, "--contact: found c.jpg; allowed a name that ends in .png"),
+        (&["render", "p.ktx2", "--packs", "packs"], 2, "--packs: found with p.ktx2, expected with a manifest"),
+        (&["render", "p.ktx2", "--contact", "c.jpg"], 2, "--contact: found c.jpg, expected a name that ends in .png"),
         (&["render", "p.ktx2", "--contact", "c.png", "-o", "i.png"], 2, "cannot be used with"),
         (&["render", "p.ktx2", "--contact", "c.png", "--repeat", "3"], 2, "--repeat: found with p.ktx2"),
-        (&["render", ".", "--contact", "c.png"], 3, ".: file: found a folder; allowed a file or a pipe"),
+        (&["render", ".", "--contact", "c.png"], 3, ".: file: found a folder, expected a file or a pipe"),
         (&["render", "synth:lewis", "--source", "p.ktx2"], 2, "--source: found with synth:lewis"),
-        (&["render", "synth:lewis", "--ranking", "loud"], 2, "allowed energy or visible"),
+        (&["render", "synth:lewis", "--ranking", "loud"], 2, "expected energy or visible"),
     ] {
         let ran = folder.run(arguments);
         assert_eq!(ran.code, code, "{arguments:?}: {}", ran.stderr);
@@ -399,7 +399,7 @@ fn wrong_manifests_name_the_line() {
     for (change, to, expected) in [
         ("scene = 'table'", "scene = 'tabel'", "line 13, render.scene: found \"tabel\""),
         ("scene = 'table'", "scene = 'tabel'", "did you mean table?"),
-        ("width = 48", "width = 0", "line 14, render.width: found 0; allowed 1 to 8192"),
+        ("width = 48", "width = 0", "line 14, render.width: found 0, expected 1 to 8192"),
         ("width = 48", "widht = 48", "did you mean width?"),
         ("exposure = 0.5", "exposure = -1", "line 17, render.exposure"),
         ("field_of_view = 35.0", "field_of_view = 0.0", "line 21, render.camera.field_of_view: found 0"),
@@ -460,7 +460,7 @@ fn flat_btfs_are_drawn_with_parallax() {
     assert_eq!(folder.run(&["info", "button/button.ktx2"]).succeeded().stdout, info);
     for (wrong, expected) in [
         (["render", "button", "--lod", "2"], "a flat BTF"),
-        (["render", "synth:lambert", "--form", "light"], "allowed with a flat BTF"),
+        (["render", "synth:lambert", "--form", "light"], "expected with a flat BTF"),
         (["render", "button", "--repeat", "0"], "1 to 1024"),
     ] {
         let ran = folder.run(&wrong);

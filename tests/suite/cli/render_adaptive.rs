@@ -24,7 +24,7 @@ fn sky(folder: &Folder, name: &str) {
 }
 
 #[test]
-fn a_picture_with_its_cost_its_error_and_its_maps() {
+fn a_rendering_with_its_cost_its_error_and_its_maps() {
     if !has_adapter() {
         return;
     }
@@ -46,7 +46,7 @@ fn a_picture_with_its_cost_its_error_and_its_maps() {
         let image = image::load_from_memory(&folder.read(name)).unwrap();
         assert_eq!((image.width(), image.height()), (width, 48), "{name}");
     }
-    // The same numbers and pictures again.
+    // The same numbers and renderings again.
     let again = drawn(&folder, "synth:ggx?alpha=0.3", &["--environment", "sky.exr", "-o", "f.png"]);
     assert_eq!((&again["adaptive"]["psnr"], &again["levels"]), (&adaptive["psnr"], &report["levels"]));
     assert_eq!(folder.read("a.png"), folder.read("f.png"));
@@ -105,15 +105,15 @@ fn wrong_flags_are_named() {
     let folder = Folder::new();
     let lambert = ["render", "synth:lambert"];
     for (more, expected) in [
-        (&["--adaptive", "--budget", "0"][..], "--budget: found 0; allowed 0.01 to 1024"),
-        (&["--adaptive", "--caution", "nan"], "--caution: found NaN; allowed 0.001 to 1000"),
-        (&["--adaptive", "--antialias", "2"], "--antialias: found 2; allowed 1, 4 or 16"),
-        (&["--adaptive", "--truth", "1"], "--truth: found 1; allowed 16 to 65536"),
-        (&["--adaptive", "--forward", "0"], "--forward: found 0; allowed 1 to 1024"),
+        (&["--adaptive", "--budget", "0"][..], "--budget: found 0, expected 0.01 to 1024"),
+        (&["--adaptive", "--caution", "nan"], "--caution: found NaN, expected 0.001 to 1000"),
+        (&["--adaptive", "--antialias", "2"], "--antialias: found 2, expected 1, 4 or 16"),
+        (&["--adaptive", "--truth", "1"], "--truth: found 1, expected 16 to 65536"),
+        (&["--adaptive", "--forward", "0"], "--forward: found 0, expected 1 to 1024"),
         (&["--adaptive", "--samples", "2"], "--samples: found with --adaptive"),
-        (&["--adaptive", "--bandwidth-directions", "0"], "--bandwidth-directions: found 0; allowed 1 to 4096"),
+        (&["--adaptive", "--bandwidth-directions", "0"], "--bandwidth-directions: found 0, expected 1 to 4096"),
         (&["--budget", "4"], "--adaptive"),
-        (&["--adaptive", "--maps", "maps.exr"], "--maps: found maps.exr; allowed a name that ends in .png"),
+        (&["--adaptive", "--maps", "maps.exr"], "--maps: found maps.exr, expected a name that ends in .png"),
     ] {
         let ran = folder.run(&[&lambert[..], more].concat());
         assert_eq!(ran.code, 2, "{more:?}: {}", ran.stderr);

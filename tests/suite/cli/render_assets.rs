@@ -1,11 +1,11 @@
-//! `brdfc render` of what goes over a whole scene: pictures under any light, and assets that a manifest names.
+//! `brdfc render` of what goes over a whole scene: renderings under any light, and assets that a manifest names.
 
 use super::schemas::conforms;
 use crate::common::cli::{Folder, Ran};
 use crate::common::has_adapter;
 use brdfc_formats::pwt::Domain;
 use brdfc_jobs::btf_stack::StackFormat;
-use brdfc_jobs::light_stack::write_light_stack;
+use brdfc_jobs::rti_capture::write_rti_capture;
 use brdfc_pwt::{LightSamples, PwtRecipe, encode};
 use serde_json::Value;
 
@@ -21,7 +21,7 @@ fn samples() -> LightSamples {
         })
     };
     let lights: Vec<[f32; 3]> = ring(0.9, 8).chain(ring(0.5, 12)).collect();
-    let picture = |light: &[f32; 3]| {
+    let rendering = |light: &[f32; 3]| {
         let pixel = |at: usize| {
             let slope = 0.5 * ((at % SIZE[0]) as f32 / 2.0).sin();
             let cosine = (light[2] - slope * light[0]).max(0.0) / (1.0 + slope * slope).sqrt();
@@ -30,8 +30,8 @@ fn samples() -> LightSamples {
         };
         (0..SIZE[0] * SIZE[1]).map(pixel).collect()
     };
-    let pictures = lights.iter().map(picture).collect();
-    LightSamples { size: SIZE, lights, pictures, repeats: false, defined: None }
+    let renderings = lights.iter().map(rendering).collect();
+    LightSamples { size: SIZE, lights, renderings, repeats: false, defined: None }
 }
 
 /// A folder with the stack `stack` and its pack `relief.ktx2`.
@@ -40,7 +40,7 @@ fn folder() -> Folder {
     let samples = samples();
     let stack = folder.path().join("stack");
     std::fs::create_dir(&stack).unwrap();
-    write_light_stack(&stack, &samples.lights, SIZE, StackFormat::Exr, |light| samples.pictures[light].clone())
+    write_rti_capture(&stack, &samples.lights, SIZE, StackFormat::Exr, |light| samples.renderings[light].clone())
         .unwrap();
     folder.write("relief.ktx2", encode(&samples, &PwtRecipe::default()).unwrap().pack.to_bytes(true));
     folder
@@ -57,7 +57,7 @@ fn mean(report: &Value, of: &str) -> f64 {
 }
 
 #[test]
-fn a_picture_under_any_light() {
+fn a_rendering_under_any_light() {
     if !has_adapter() {
         return;
     }
@@ -70,8 +70,8 @@ fn a_picture_under_any_light() {
     );
     assert!(mean(&drawn, "shading") < 0.3 && mean(&drawn, "total") < 2.0, "{drawn}");
     assert!(ran.stderr.contains("whose light is 0.0° from"), "{}", ran.stderr);
-    let picture = image::open(folder.path().join("relief.png")).unwrap().to_rgb8();
-    let [left, right] = [100, 400].map(|x| picture.get_pixel(x, 170).0);
+    let rendering = image::open(folder.path().join("relief.png")).unwrap().to_rgb8();
+    let [left, right] = [100, 400].map(|x| rendering.get_pixel(x, 170).0);
     assert!(left[0] > left[2] && right[2] > right[0], "{left:?} {right:?}");
 
     let exact = folder.run(&["render", "relief.ktx2", "--exact", "--size", "48x32", "--json"]).succeeded();
@@ -81,14 +81,14 @@ fn a_picture_under_any_light() {
 }
 
 #[test]
-fn wrong_flags_of_pictures_are_refused() {
+fn wrong_flags_of_renderings_are_refused() {
     let folder = folder();
     folder.run(&["synth", "lambert", "-o", "l.binary", "--dimensions", "4x4x8"]).succeeded();
     for (arguments, expected) in [
-        (&["render", "stack"][..], "stack: found a light stack; allowed a pack of it"),
-        (&["render", "stack/dirs.lp"], "found a light stack; allowed a pack of it"),
-        (&["render", "relief.ktx2", "--lod", "2"], "--lod: found with relief.ktx2, a picture under any light"),
-        (&["render", "relief.ktx2", "--form", "full"], "allowed with flat BTFs"),
+        (&["render", "stack"][..], "stack: found an RTI capture, expected a pack of it"),
+        (&["render", "stack/dirs.lp"], "found an RTI capture, expected a pack of it"),
+        (&["render", "relief.ktx2", "--lod", "2"], "--lod: found with relief.ktx2, a rendering under any light"),
+        (&["render", "relief.ktx2", "--form", "full"], "expected with flat BTFs"),
         (&["render", "relief.ktx2", "--contact", "c.png"], "--contact: found with relief.ktx2"),
         (&["render", "relief.ktx2", "--adaptive"], "--adaptive: found with relief.ktx2"),
         (&["render", "relief.ktx2", "--source", "l.binary"], "l.binary"),
@@ -141,11 +141,11 @@ fn wrong_assets_are_told() {
     let folder = folder();
     folder.run(&["synth", "lambert", "-o", "l.binary", "--dimensions", "4x4x8"]).succeeded();
     for (change, to, expected) in [
-        ("'relief.ktx2'", "''", "line 2, render.asset: found \"\"; allowed "),
+        ("'relief.ktx2'", "''", "line 2, render.asset: found \"\", expected "),
         ("'relief.ktx2'", "3", "line 2, render.asset"),
         ("'relief.ktx2'", "'nothing.ktx2'", "nothing.ktx2"),
-        ("'relief.ktx2'", "'l.binary'", "l.binary: render.asset: found another file; allowed"),
-        ("'relief.ktx2'", "'stack'", "stack: found a light stack"),
+        ("'relief.ktx2'", "'l.binary'", "l.binary: render.asset: found another file, expected"),
+        ("'relief.ktx2'", "'stack'", "stack: found an RTI capture"),
         ("asset", "aset", "did you mean asset?"),
         ("width = 60", "materials = { sphere = 'red' }", "render.materials: found a material of sphere"),
     ] {

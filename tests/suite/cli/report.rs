@@ -84,10 +84,10 @@ fn a_page_that_draws_is_linked_to() {
     for (view, expected) in [
         (
             "page.html",
-            "--view: found page.html; allowed another name than the page's that ends in .html, in its folder",
+            "--view: found page.html, expected another name than the page's that ends in .html, in its folder",
         ),
-        ("view.png", "--view: found view.png; allowed another name"),
-        ("packs/view.html", "--view: found packs/view.html; allowed another name"),
+        ("view.png", "--view: found view.png, expected another name"),
+        ("packs/view.html", "--view: found packs/view.html, expected another name"),
     ] {
         let ran = folder.run(&["report", "packs", "-o", "page.html", "--view", view]);
         assert!(ran.code == 2 && ran.stderr.contains(expected), "{view}: {}", ran.stderr);
@@ -119,7 +119,7 @@ fn a_contact_sheet_shows_every_material_on_any_number_of_threads() {
         let ran = folder.run(&["report", "packs", "-o", "page.html", "--sheet", sheet]);
         assert!(ran.code == code && ran.stderr.contains(words), "{} {}", ran.code, ran.stderr);
     };
-    refused(2, "--sheet: found sheet.jpg; allowed a name that ends in .png", "sheet.jpg");
+    refused(2, "--sheet: found sheet.jpg, expected a name that ends in .png", "sheet.jpg");
     refused(4, "there is no folder no", "no/sheet.png");
 }
 
@@ -146,7 +146,7 @@ fn what_got_worse_is_exit_code_1() {
         (&["--against", "gone.json"][..], 4, "gone.json: cannot read"),
         (&["--against", "table.binary"], 3, "table.binary: found "),
         (&["--tolerance", "1%"], 2, "--against"),
-        (&["--against", "before", "--tolerance", "3"], 2, "--tolerance: found 3; allowed a fraction or a percentage"),
+        (&["--against", "before", "--tolerance", "3"], 2, "--tolerance: found 3, expected a fraction or a percentage"),
     ] {
         let ran = report(arguments);
         assert!(ran.code == code && ran.stderr.contains(words), "{arguments:?}: {} {}", ran.code, ran.stderr);
@@ -154,14 +154,14 @@ fn what_got_worse_is_exit_code_1() {
 }
 
 #[test]
-fn maps_of_a_lit_scene_have_pictures_and_bytes() {
+fn maps_of_a_lit_scene_have_renderings_and_bytes() {
     let folder = Folder::new();
     let sky = brdfc_metrics::image::LinearImage {
         pixels: (0..16 * 8).map(|i| [0.1 + (i % 16) as f32 / 8.0; 3]).collect(),
         coverage: vec![1.0; 16 * 8],
         ..brdfc_metrics::image::LinearImage::black(16, 8)
     };
-    folder.write("sky.exr", brdfc_render::picture::to_exr(&sky));
+    folder.write("sky.exr", brdfc_render::rendering::to_exr(&sky));
     folder.write(
         "scene.toml",
         "[scene]\nenvironment = 'sky.exr'\n[materials.paint]\nsource = 'synth:ggx?alpha=0.4'\n\
@@ -184,7 +184,7 @@ fn maps_of_a_lit_scene_have_pictures_and_bytes() {
     let samples = folder.path().join("packs/paint.samples.ktx2");
     std::fs::copy(folder.path().join("packs/paint.bandwidth.ktx2"), samples).unwrap();
     let ran = folder.run(&["report", "packs", "-o", "other.html"]);
-    let words = "packs/paint.samples.ktx2: found another pack; allowed the pack that report.json names";
+    let words = "packs/paint.samples.ktx2: found another pack, expected the pack that report.json names";
     assert!(ran.code == 3 && ran.stderr.contains(words), "{} {}", ran.code, ran.stderr);
 }
 
@@ -218,8 +218,8 @@ fn a_flat_btf_has_a_page_of_its_own() {
     ] {
         assert!(page.contains(&format!("alt=\"{caption}")), "{caption}");
     }
-    let pictures = |page: &str| page.matches("<img src=\"data:image/png;base64,").count();
-    assert_eq!(pictures(&page), 4 + 3 + 4);
+    let renderings = |page: &str| page.matches("<img src=\"data:image/png;base64,").count();
+    assert_eq!(renderings(&page), 4 + 3 + 4);
     assert!(!page.contains("http") && page.matches("<script").count() == 1);
     // The file serves as well, and gives the same page on any number of threads.
     folder.run(&["report", "button/button.ktx2", "-o", "again.html", "--jobs", "1"]).succeeded();
@@ -228,13 +228,13 @@ fn a_flat_btf_has_a_page_of_its_own() {
     // Without views there is nothing to hold the light form against.
     flatten("light", &["--form", "light"]);
     folder.run(&["report", "light", "-o", "light.html"]).succeeded();
-    assert_eq!(pictures(&folder.text("light.html")), 4 + 3 + 2);
+    assert_eq!(renderings(&folder.text("light.html")), 4 + 3 + 2);
 
     let refused = |code: i32, words: &str, arguments: &[&str]| {
         let ran = folder.run(&[&["report"], arguments].concat());
         assert!(ran.code == code && ran.stderr.contains(words), "{} {}", ran.code, ran.stderr);
     };
-    let build_only = "found with button, a flat BTF; allowed with a build";
+    let build_only = "found with button, a flat BTF, expected with a build";
     refused(2, &format!("--against: {build_only}"), &["button", "-o", "p.html", "--against", "x"]);
     refused(2, &format!("--sheet: {build_only}"), &["button", "-o", "p.html", "--sheet", "x.png"]);
     let mut file = folder.read("button/button.ktx2");
@@ -270,10 +270,10 @@ fn folders_that_are_not_what_their_report_says() {
         assert!(!folder.path().join("page.html").exists());
     };
     refused(4, "nowhere/report.json: cannot read", &["nowhere", "-o", "page.html"]);
-    refused(2, "--output: found page.pdf; allowed a name that ends in .html", &["packs", "-o", "page.pdf"]);
+    refused(2, "--output: found page.pdf, expected a name that ends in .html", &["packs", "-o", "page.pdf"]);
     refused(
         2,
-        "--output: found packs/report.html, whose figures would be written over packs/report.json, an input; allowed another",
+        "--output: found packs/report.html, whose figures would be written over packs/report.json, an input, expected another",
         &["packs", "-o", "packs/report.html"],
     );
     // Of a report that is damaged, or of another version, no names of the program's types.
@@ -298,7 +298,7 @@ fn folders_that_are_not_what_their_report_says() {
             refused(3, &words, arguments);
             let ran = folder.run(&[&["report"], arguments].concat());
             assert!(
-                !ran.stderr.contains("struct") && ran.stderr.contains("; allowed the report.json of a build by this")
+                !ran.stderr.contains("struct") && ran.stderr.contains(", expected the report.json of a build by this")
             );
         }
     }
@@ -308,7 +308,7 @@ fn folders_that_are_not_what_their_report_says() {
     std::fs::copy(folder.path().join("packs/lambert.brdf.ktx2"), folder.path().join("packs/velvet.brdf.ktx2")).unwrap();
     refused(
         3,
-        "packs/velvet.brdf.ktx2: found another pack; allowed the pack that report.json names",
+        "packs/velvet.brdf.ktx2: found another pack, expected the pack that report.json names",
         &["packs", "-o", "page.html"],
     );
     std::fs::remove_file(folder.path().join("packs/velvet.brdf.ktx2")).unwrap();

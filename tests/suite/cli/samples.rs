@@ -74,26 +74,26 @@ fn what_cannot_be_is_refused() {
     let [table, ..] = inputs(&folder);
     let before = folder.files(".");
     for (code, input, more, expected) in [
-        (2, "synth:ward", &["--count", "0"][..], "--count: found 0; allowed 1 to 8192"),
-        (2, "synth:ward", &["--polar", "1025"], "--polar: found 1025; allowed 1 to 1024"),
-        (2, "synth:ward", &["--azimuths", "6"], "--azimuths: found 6; allowed 1, or a multiple of 4"),
+        (2, "synth:ward", &["--count", "0"][..], "--count: found 0, expected 1 to 8192"),
+        (2, "synth:ward", &["--polar", "1025"], "--polar: found 1025, expected 1 to 1024"),
+        (2, "synth:ward", &["--azimuths", "6"], "--azimuths: found 6, expected 1, or a multiple of 4"),
         (
             2,
             "synth:ward",
             &["--azimuths", "1"],
-            "--azimuths: found 1 of an anisotropic material; allowed a multiple of 4",
+            "--azimuths: found 1 of an anisotropic material, expected a multiple of 4",
         ),
         (
             2,
             "synth:ward",
             &["--polar", "64", "--azimuths", "256"],
-            "--polar by --azimuths: found 16384; allowed 1 to 8192",
+            "--polar by --azimuths: found 16384, expected 1 to 8192",
         ),
         (2, "synth:ggx", &["--azimuths", "16"], "--azimuths: found 16 of an isotropic material"),
-        (2, "synth:ward", &["--rings", "0"], "--rings: found 0; allowed 1 to 4096"),
-        (2, "synth:ward", &["--cells", "7"], "--cells: found 7; allowed an even number"),
-        (2, "synth:ward", &["--defensive", "0"], "--defensive: found 0; allowed above 0"),
-        (2, "synth:ward", &["--defensive", "NaN"], "--defensive: found NaN; allowed above 0"),
+        (2, "synth:ward", &["--rings", "0"], "--rings: found 0, expected 1 to 4096"),
+        (2, "synth:ward", &["--cells", "7"], "--cells: found 7, expected an even number"),
+        (2, "synth:ward", &["--defensive", "0"], "--defensive: found 0, expected above 0"),
+        (2, "synth:ward", &["--defensive", "NaN"], "--defensive: found NaN, expected above 0"),
         (2, "gone.binary", &["--count", "9000"], "--count: found 9000"),
         (3, "synth:nothing", &[], "synth:nothing: "),
         (4, "gone.binary", &[], "gone.binary: cannot read"),
@@ -103,6 +103,6 @@ fn what_cannot_be_is_refused() {
         assert!(ran.stderr.contains(expected) && ran.stdout.is_empty(), "{input} {more:?}: {}", ran.stderr);
     }
     let ran = folder.run(&["samples", table, "-o", table]);
-    assert!(ran.code == 2 && ran.stderr.contains("an input; allowed another file"), "{}", ran.stderr);
+    assert!(ran.code == 2 && ran.stderr.contains("an input, expected another file"), "{}", ran.stderr);
     assert!(folder.files(".") == before);
 }

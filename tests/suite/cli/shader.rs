@@ -68,7 +68,7 @@ fn packs_and_folders_say_their_kind() {
 fn what_is_no_kind_is_told() {
     let folder = Folder::new();
     let kinds = PackKind::ALL.map(PackKind::name).join(", ");
-    let unknown = format!("KIND: found tabel; allowed {kinds}, or a pack");
+    let unknown = format!("KIND: found tabel, expected {kinds}, or a pack");
     folder.write("some.ktx2", b"no pack");
     folder.write("report.json", b"{}");
     std::fs::create_dir(folder.path().join("empty")).unwrap();

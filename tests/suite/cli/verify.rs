@@ -105,7 +105,7 @@ fn nothing_to_check_is_a_failed_check_and_others_are_checked_all_the_same() {
     for (paths, code, problem) in [
         (&["empty"][..], 1, "empty: found nothing to check"),
         (&["gone.ktx2"], 4, "gone.ktx2: cannot read"),
-        (&["empty/notes.txt"], 2, "found another file; allowed a pack"),
+        (&["empty/notes.txt"], 2, "found another file, expected a pack"),
         (&["gone.ktx2", "packs"], 4, "gone.ktx2: cannot read"),
     ] {
         let ran = folder.run(&[&["verify"], paths].concat());

@@ -230,16 +230,16 @@ fn a_scene_that_is_wrong_at_first_is_waited_for_and_wrong_usage_is_not() {
     for (arguments, code, words) in [
         (&["gone.toml"][..], 4, "gone.toml: cannot read"),
         (&["scene.toml", "--out", "-"], 2, "-: found in the place of a folder"),
-        (&["scene.toml", "--out", "scene.toml"], 4, "scene.toml: cannot write: found a file; allowed a folder"),
-        (&["scene.toml", "--poll", "0"], 2, "--poll: found 0; allowed 0.1 to 3600 seconds"),
-        (&["scene.toml", "--poll", "1e99"], 2, "--poll: found 1e99; allowed 0.1 to 3600 seconds"),
-        (&["scene.toml", "--memory", "1MiB"], 2, "--memory: found 1MiB; allowed 64MiB or more, such as 512MiB"),
+        (&["scene.toml", "--out", "scene.toml"], 4, "scene.toml: cannot write: found a file, expected a folder"),
+        (&["scene.toml", "--poll", "0"], 2, "--poll: found 0, expected 0.1 to 3600 seconds"),
+        (&["scene.toml", "--poll", "1e99"], 2, "--poll: found 1e99, expected 0.1 to 3600 seconds"),
+        (&["scene.toml", "--memory", "1MiB"], 2, "--memory: found 1MiB, expected 64MiB or more, such as 512MiB"),
         (
             &["-"],
             2,
-            "inputs: found -; allowed a manifest, or files, folders, patterns and synth: addresses: standard input",
+            "inputs: found -, expected a manifest, or files, folders, patterns and synth: addresses: standard input",
         ),
-        (&["scene.toml", "scene.toml"], 2, "allowed one manifest"),
+        (&["scene.toml", "scene.toml"], 2, "expected one manifest"),
     ] {
         let ran = folder.run(&[&["watch"], arguments].concat());
         assert_eq!(ran.code, code, "{}", ran.stderr);

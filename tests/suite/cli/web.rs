@@ -6,7 +6,7 @@ use brdfc_formats::direction::{DirectionPair, cross, dot, normalize};
 use brdfc_formats::table::{TableDecoder, TablePack};
 use brdfc_formats::wavelet::{Filter, WaveletDecoder, WaveletPack};
 use brdfc_readers::colour::encode_srgb_byte;
-use brdfc_testing::browser::{File, pictures_of_pages};
+use brdfc_testing::browser::{File, renderings_of_pages};
 use std::path::Path;
 
 const SIDE: u32 = 256;
@@ -48,7 +48,7 @@ pub(super) fn files(packs: &Folder) -> Option<Vec<(String, &'static str, Vec<u8>
     Some(all)
 }
 
-/// Pictures of examples; nothing where there is no browser.
+/// Renderings of examples; nothing where there is no browser.
 fn drawn<const N: usize>(
     examples: [String; N],
     side: u32,
@@ -56,7 +56,7 @@ fn drawn<const N: usize>(
 ) -> Option<[image::RgbImage; N]> {
     let served: Vec<File<'_>> =
         files.iter().map(|(name, media, bytes)| (name.as_str(), *media, bytes.as_slice())).collect();
-    let pngs = pictures_of_pages(&examples, [side; 2], &served)?;
+    let pngs = renderings_of_pages(&examples, [side; 2], &served)?;
     if let Some(folder) = std::env::var_os("BRDFC_PICTURES") {
         for (example, png) in examples.iter().zip(&pngs) {
             let name: String = example.chars().map(|c| if c.is_alphanumeric() { c } else { '-' }).collect();
@@ -66,7 +66,7 @@ fn drawn<const N: usize>(
     Some(std::array::from_fn(|k| image::load_from_memory(&pngs[k]).unwrap().to_rgb8()))
 }
 
-/// Mean and 95th percentile of the differences of display codes, over pixels where the first picture is not black, as its
+/// Mean and 95th percentile of the differences of display codes, over pixels where the first rendering is not black, as its
 /// background is.
 fn differences(a: &image::RgbImage, b: &image::RgbImage) -> (f64, f64) {
     assert_eq!(a.dimensions(), b.dimensions());
@@ -113,14 +113,14 @@ fn a_ball_by_three_js_is_that_of_render() {
     let Some(files) = files(&folder) else { return };
     let examples =
         expected.each_ref().map(|(pack, _)| format!("examples/three.html?pack=../packs/{pack}/it.brdf.ktx2"));
-    let Some(pictures) = drawn(examples, SIDE, &files) else { return };
-    for ((pack, expected), found) in expected.iter().zip(&pictures) {
+    let Some(renderings) = drawn(examples, SIDE, &files) else { return };
+    for ((pack, expected), found) in expected.iter().zip(&renderings) {
         let (mean, p95) = differences(found, expected);
         println!("three.js, {pack}: codes differ by {mean:.2} in the mean, {p95} at 95 %");
         assert!(mean < 1.0 && p95 <= 3.0, "{pack}: {mean} {p95}");
     }
     // Another material is noticed.
-    assert!(differences(&pictures[0], &pictures[1]).0 > 10.0);
+    assert!(differences(&renderings[0], &renderings[1]).0 > 10.0);
 }
 
 /// Flattens buttons; the folder gets `button.ktx2`.
@@ -223,11 +223,11 @@ scene.add(ways[asked.get('way')]());",
     );
     files.push(("examples/placed.html".to_owned(), "text/html", page.into_bytes()));
     let ways = ["matrix", "instance", "batch", "disposed", "corners", "none", "bones&even", "corners&even"];
-    let Some(pictures) = drawn(ways.map(|way| format!("examples/placed.html?way={way}")), SMALL, &files) else {
+    let Some(renderings) = drawn(ways.map(|way| format!("examples/placed.html?way={way}")), SMALL, &files) else {
         return;
     };
-    let [.., expected, none, bones, corners] = &pictures;
-    for (way, found) in ways.iter().zip(&pictures[..4]) {
+    let [.., expected, none, bones, corners] = &renderings;
+    for (way, found) in ways.iter().zip(&renderings[..4]) {
         let (mean, p95) = differences(found, expected);
         println!("three.js, {way}: codes differ by {mean:.3} in the mean, {p95} at 95 %");
         assert!(mean < 0.1 && p95 <= 1.0, "{way}: {mean} {p95}");
@@ -275,9 +275,9 @@ if (asked.has('lost')) {
     );
     files.push(("examples/among.html".to_owned(), "text/html", page.into_bytes()));
     let ways = ["alone", "texture", "freed", "lost"];
-    let Some(pictures) = drawn(ways.map(|way| format!("examples/among.html?{way}")), SMALL, &files) else { return };
-    for (way, found) in ways.iter().zip(&pictures).skip(1) {
-        let (mean, p95) = differences(&pictures[0], found);
+    let Some(renderings) = drawn(ways.map(|way| format!("examples/among.html?{way}")), SMALL, &files) else { return };
+    for (way, found) in ways.iter().zip(&renderings).skip(1) {
+        let (mean, p95) = differences(&renderings[0], found);
         assert!(mean == 0.0 && p95 == 0.0, "{way}: {mean} {p95}");
     }
 }
@@ -307,13 +307,13 @@ scene.add(new THREE.Mesh(new THREE.SphereGeometry(1, 256, 128), packMaterial(pac
     let (mean, p95) = differences(&found, &expected);
     println!("three.js, from far away: codes differ by {mean:.2} in the mean, {p95} at 95 %");
     assert!(mean < 1.0 && p95 <= 3.0, "{mean} {p95}");
-    // The finest level is another picture.
+    // The finest level is another rendering.
     assert!(differences(&finest, &expected).0 > 2.0 * mean + 1.0);
 }
 
-/// A polynomial wavelet tree on a square that fills the picture, against values of the CPU's decoder.
+/// A polynomial wavelet tree on a square that fills the rendering, against values of the CPU's decoder.
 #[test]
-fn a_picture_by_three_js_is_that_of_the_decoder() {
+fn a_rendering_by_three_js_is_that_of_the_decoder() {
     let folder = Folder::new();
     let small = ["--texels", "32", "--views", "grid:2x6@50", "--lights", "grid:5x12@75"];
     folder.run(&[&["flatten", "synth:button?resolution=48", "-o", "button"][..], &small].concat()).succeeded();
@@ -332,7 +332,7 @@ const geometry = new THREE.PlaneGeometry(2, 2);
 geometry.computeTangents();
 scene.add(new THREE.Mesh(geometry, packMaterial(pack, renderer, [light])));",
     );
-    files.push(("examples/picture.html".to_owned(), "text/html", page.into_bytes()));
+    files.push(("examples/rendering.html".to_owned(), "text/html", page.into_bytes()));
     let mut places = String::from("u,v,wi_x,wi_y,wi_z,wo_x,wo_y,wo_z\n");
     for k in 0..SIDE * SIDE {
         let [u, v] = [k % SIDE, k / SIDE].map(|at| (f64::from(at) + 0.5) / f64::from(SIDE));
@@ -346,7 +346,7 @@ scene.add(new THREE.Mesh(geometry, packMaterial(pack, renderer, [light])));",
     };
     let pixels: Vec<image::Rgb<u8>> = values.lines().skip(1).map(of_row).collect();
     let expected = image::RgbImage::from_fn(SIDE, SIDE, |x, y| pixels[(SIDE * y + x) as usize]);
-    let Some([found]) = drawn(["examples/picture.html".to_owned()], SIDE, &files) else { return };
+    let Some([found]) = drawn(["examples/rendering.html".to_owned()], SIDE, &files) else { return };
     let (mean, p95) = differences(&found, &expected);
     println!("three.js, pwt: codes differ by {mean:.2} in the mean, {p95} at 95 %");
     assert!(mean < 1.0 && p95 <= 2.0, "{mean} {p95}");
@@ -392,8 +392,8 @@ fn a_ball_by_webgpu_is_that_of_the_decoder() {
         ("ggx", ball(|pair| wavelet.eval(pair, 6.0, Filter::Bilinear))),
     ];
     let examples = expected.each_ref().map(|(pack, _)| format!("examples/webgpu.html?pack=../packs/{pack}.ktx2"));
-    let Some(pictures) = drawn(examples, SIDE, &files) else { return };
-    for ((pack, expected), found) in expected.iter().zip(&pictures) {
+    let Some(renderings) = drawn(examples, SIDE, &files) else { return };
+    for ((pack, expected), found) in expected.iter().zip(&renderings) {
         let (mean, p95) = differences(found, expected);
         println!("WebGPU, {pack}: codes differ by {mean:.2} in the mean, {p95} at 95 %");
         assert!(mean < 1.0 && p95 <= 2.0, "{pack}: {mean} {p95}");

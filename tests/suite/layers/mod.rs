@@ -71,7 +71,7 @@ const MAY_TOUCH: &[(&str, &str, &str)] = &[
     ("crates/source", "btf_stack.rs", "std::fs"),
     ("crates/source", "flat_btf.rs", "std::fs"),
     ("crates/source", "format.rs", "std::fs"),
-    ("crates/source", "light_stack.rs", "std::fs"),
+    ("crates/source", "rti_capture.rs", "std::fs"),
     ("crates/source", "photograph.rs", "std::fs"),
     ("crates/source", "read.rs", "std::fs"),
 ];

@@ -35,7 +35,7 @@ pub struct LobeBandwidth {
     /// `SIDE x SIDE` values in cycles per radian, row by row: incoming cell `(i, j)` has the block of 16 x 16 values at column
     /// `16 i` and row `16 j`, in which outgoing cell `(k, l)` is at column k and row l.
     pub values: Vec<f32>,
-    /// What evaluation had to mend.
+    /// What evaluation had to repair.
     pub tally: Tally,
     /// Whether the highlight of some lobe is narrower than the image shows: fewer than 16 pixels are at least
     /// half as bright as the brightest one, whose bandwidth is a quarter of a cycle per pixel or more. Noise and weak detail

@@ -8,7 +8,7 @@ use brdfc_core::{Source, Tally};
 use brdfc_formats::FormatError;
 use brdfc_formats::bandwidth::{BandwidthHeader, BandwidthKind, BandwidthMap};
 
-/// The map of a material, with what its evaluation had to mend; see [`lobe_bandwidth`] and [`Resolution`].
+/// The map of a material, with what its evaluation had to repair; see [`lobe_bandwidth`] and [`Resolution`].
 ///
 /// # Errors
 /// An `epsilon` that the layout has no place for.

@@ -20,7 +20,7 @@ pub struct PeriodicCaster {
 /// How far into the next tile a ray is followed, so that none slips through between two tiles. In tiles.
 const OVERLAP: f64 = 1e-6;
 /// Most tiles that a ray crosses. Rays of [`STEEPEST_DEGREES`] over a relief of [`super::weld::TALLEST`] cross fewer.
-const MOST_TILES: usize = 4096;
+const MAX_TILES: usize = 4096;
 /// Largest polar angle of views and lights, degrees.
 pub const STEEPEST_DEGREES: f64 = 89.0;
 
@@ -124,7 +124,7 @@ impl PeriodicCaster {
         let mut entry = add_scaled(origin, start, direction);
         let mut tile = [entry[0].floor(), entry[1].floor()];
         let along = single(direction);
-        for _ in 0..MOST_TILES {
+        for _ in 0..MAX_TILES {
             // Distance at which the ray leaves the tile along each axis.
             let leave = [0, 1].map(|k| {
                 let border = if direction[k] > 0.0 { tile[k] + 1.0 } else { tile[k] };

@@ -241,7 +241,7 @@ mod tests {
         let map = plane(|[i, j]| if i % 2 + j % 2 == 0 { 0.1 } else { -0.2 });
         assert!(off(&compact(&map, 2), -0.2) < 0.02);
         let refused = of_map(&map, &reference(), 3).unwrap_err().to_string();
-        assert!(refused.contains("found 16; allowed a multiple of 3"), "{refused}");
+        assert!(refused.contains("found 16, expected a multiple of 3"), "{refused}");
     }
 
     /// Along the normal one of four texels sees another part of the parameters; from the side all see the same plane.

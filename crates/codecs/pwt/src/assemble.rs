@@ -63,7 +63,7 @@ impl Arrangement {
         Self { textures: vec![(level, 4, slots)] }
     }
 
-    /// Bytes on a GPU of a picture of these sides, all levels included.
+    /// Bytes on a GPU of a rendering of these sides, all levels included.
     pub fn bytes(&self, extent: [u32; 2], depth: u32) -> u64 {
         let texels = |level: u32| u64::from(extent[0] >> level) * u64::from(extent[1] >> level);
         let of = |(level, _, slots): &(u32, u32, Vec<Option<usize>>)| {

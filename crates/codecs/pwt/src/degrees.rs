@@ -102,7 +102,7 @@ fn of_subband(design: &Design, subband: Subband, lights: &[&[f32]], counted: f64
         first = last;
         let leverages = match design.leverages(degree) {
             Some(leverages) => leverages,
-            // Of a lone light there is nothing to leave out: its picture is what is asked for.
+            // Of a lone light there is nothing to leave out: its rendering is what is asked for.
             None if degree == 0 => vec![0.0; lights.len()],
             None => continue,
         };

@@ -1,4 +1,4 @@
-//! From pictures under known lights to a pack. Each step is a file of its own; this one sequences.
+//! From renderings under known lights to a pack. Each step is a file of its own; this one sequences.
 
 use crate::assemble::{Arrangement, arrange};
 use crate::choose::{Candidate, choose, shown};
@@ -45,10 +45,10 @@ pub struct PwtEncoded {
     pub met: bool,
 }
 
-/// Encodes pictures of one view.
+/// Encodes renderings of one view.
 ///
 /// # Errors
-/// Pictures or a recipe out of range; a tile whose sides cannot be halved as often as asked.
+/// Renderings or a recipe out of range; a tile whose sides cannot be halved as often as asked.
 pub fn encode(samples: &LightSamples, recipe: &PwtRecipe) -> Result<PwtEncoded, FormatError> {
     samples.check()?;
     recipe.check()?;
@@ -95,7 +95,7 @@ pub fn encode(samples: &LightSamples, recipe: &PwtRecipe) -> Result<PwtEncoded, 
 /// made without trees, such as hemispherical harmonics of order 3. The ridge is chosen as [`encode`] does. For comparison.
 ///
 /// # Errors
-/// Pictures out of range; a level that the sides do not have.
+/// Renderings out of range; a level that the sides do not have.
 pub fn plain(samples: &LightSamples, basis: LightBasis, level: u32) -> Result<PwtPack, FormatError> {
     samples.check()?;
     let recipe = PwtRecipe {
@@ -166,7 +166,8 @@ fn depth(samples: &LightSamples, recipe: &PwtRecipe) -> Result<u32, FormatError>
 /// Some texels of all photographs, in a domain.
 fn some_values(samples: &LightSamples, domain: Domain) -> impl Iterator<Item = [f32; 3]> {
     let texels = samples.spread_texels(VALUES.div_ceil(samples.lights.len()));
-    let values = samples.pictures.iter().flat_map(move |picture| texels.clone().into_iter().map(|at| picture[at]));
+    let values =
+        samples.renderings.iter().flat_map(move |rendering| texels.clone().into_iter().map(|at| rendering[at]));
     values.map(move |value| value.map(|c| domain.encode(c)))
 }
 
@@ -194,17 +195,17 @@ fn colour_axes(samples: &LightSamples, domain: Domain) -> [[f32; 3]; 3] {
     })
 }
 
-/// Channels of every photograph, as far as the texels of the pack go: mirrored behind the picture.
+/// Channels of every photograph, as far as the texels of the pack go: mirrored behind the rendering.
 fn channels(samples: &LightSamples, domain: Domain, colour: &[[f32; 3]; 3], extent: [usize; 2]) -> [Vec<Vec<f32>>; 3] {
     let [width, height] = samples.size;
     let mirrored = |k: usize, side: usize| {
         let at = k % (2 * side);
         if at < side { at } else { 2 * side - 1 - at }
     };
-    let of_picture = |picture: &Vec<[f32; 3]>| -> [Vec<f32>; 3] {
+    let of_rendering = |rendering: &Vec<[f32; 3]>| -> [Vec<f32>; 3] {
         let mut planes = [0, 1, 2].map(|_| Vec::with_capacity(extent[0] * extent[1]));
         for y in 0..extent[1] {
-            let row = &picture[mirrored(y, height) * width..][..width];
+            let row = &rendering[mirrored(y, height) * width..][..width];
             let mut encoded = row.to_vec();
             domain.encode_each(encoded.as_flattened_mut());
             for (plane, axis) in planes.iter_mut().zip(colour) {
@@ -214,7 +215,7 @@ fn channels(samples: &LightSamples, domain: Domain, colour: &[[f32; 3]; 3], exte
         }
         planes
     };
-    let all: Vec<[Vec<f32>; 3]> = samples.pictures.par_iter().map(of_picture).collect();
+    let all: Vec<[Vec<f32>; 3]> = samples.renderings.par_iter().map(of_rendering).collect();
     let mut channels = [Vec::new(), Vec::new(), Vec::new()];
     for planes in all {
         channels.iter_mut().zip(planes).for_each(|(channel, plane)| channel.push(plane));
@@ -228,13 +229,13 @@ fn texel_weights(samples: &LightSamples, domain: Domain, extent: [usize; 2]) -> 
     const STEP: f32 = 1e-3;
     const PICTURES: usize = 8;
     let [width, height] = samples.size;
-    let stride = samples.pictures.len().div_ceil(PICTURES);
-    let some: Vec<&Vec<[f32; 3]>> = samples.pictures.iter().step_by(stride).collect();
+    let stride = samples.renderings.len().div_ceil(PICTURES);
+    let some: Vec<&Vec<[f32; 3]>> = samples.renderings.iter().step_by(stride).collect();
     let mut weights = Plane::zeros(extent);
     weights.values.par_chunks_exact_mut(extent[0]).take(height).enumerate().for_each(|(y, weights)| {
-        for picture in &some {
+        for rendering in &some {
             // Of the middle channel, nearly luminance.
-            let row = &picture[y * width..][..width];
+            let row = &rendering[y * width..][..width];
             let mut encoded: Vec<f32> = row.iter().map(|value| value[1].clamp(0.0, 1.0)).collect();
             domain.encode_each(&mut encoded);
             let stepped = encoded.iter().map(|value| value + STEP).collect();
@@ -248,7 +249,7 @@ fn texel_weights(samples: &LightSamples, domain: Domain, extent: [usize; 2]) -> 
     weights
 }
 
-/// 1 where a texel is defined, 0 where not and behind the picture; nothing where all are.
+/// 1 where a texel is defined, 0 where not and behind the rendering; nothing where all are.
 fn defined_plane(samples: &LightSamples, extent: [usize; 2]) -> Option<Plane> {
     let mask = samples.defined.as_ref()?;
     let mut plane = Plane::zeros(extent);

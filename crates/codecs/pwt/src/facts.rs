@@ -5,11 +5,11 @@ use brdfc_formats::pwt::{Domain, LightCoordinates, PwtErrors, PwtHeader, PwtPack
 /// What is worth knowing about a polynomial wavelet tree.
 #[derive(Debug, Clone, PartialEq, serde::Serialize, serde::Deserialize, schemars::JsonSchema)]
 pub struct PwtFacts {
-    /// Columns and rows of the picture.
+    /// Columns and rows of the rendering.
     pub size: [u32; 2],
     /// Whether it is a tile that repeats.
     pub repeats: bool,
-    /// Coarsest mipmap level, counted from the picture's own resolution.
+    /// Coarsest mipmap level, counted from the rendering's own resolution.
     pub levels: u32,
     /// In what its terms are polynomials of the light.
     pub coordinates: LightCoordinates,
@@ -32,7 +32,7 @@ pub struct PwtFacts {
 /// One of its textures.
 #[derive(Debug, Clone, PartialEq, serde::Serialize, serde::Deserialize, schemars::JsonSchema)]
 pub struct PwtTextureFacts {
-    /// How often the picture's sides were halved for its finest texels.
+    /// How often the rendering's sides were halved for its finest texels.
     pub level: u32,
     /// Columns and rows of its finest texels.
     pub size: [u32; 2],
@@ -86,7 +86,7 @@ impl PwtFacts {
             _ => format!("PSNR {psnr:.2} dB, mean delta E {delta_e:.2} at {lights} lights"),
         };
         let mut lines = vec![
-            ("kind", "polynomial wavelet tree: a picture under any light".to_owned()),
+            ("kind", "polynomial wavelet tree: a rendering under any light".to_owned()),
             ("pixels", format!("{width} x {height}{tile}, levels 0 to {levels}")),
             ("light", format!("{} coordinates, degree {degree}", coordinates.name())),
             ("domain", domain),

@@ -18,7 +18,7 @@ pub struct TermImages {
     pub term: usize,
     /// Texels of all mipmap levels from the finest.
     pub levels: Vec<Plane>,
-    /// Weighted squared error of the picture, summed over texels, where the term begins at level 0, 1, …; last where
+    /// Weighted squared error of the rendering, summed over texels, where the term begins at level 0, 1, …; last where
     /// it is left out.
     pub errors: Vec<f64>,
 }

@@ -54,13 +54,13 @@ const CDF_97: &[Step] = &[
     Step::to_even(-1, &[0.443_506_85, 0.443_506_85]),
 ];
 
-/// What stands behind the borders of a picture.
+/// What stands behind the borders of a rendering.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, serde::Serialize, serde::Deserialize, schemars::JsonSchema)]
 #[serde(rename_all = "kebab-case")]
 pub enum Border {
-    /// Its mirror image: pictures that end.
+    /// Its mirror image: renderings that end.
     Mirrored,
-    /// The picture again: tiles.
+    /// The rendering again: tiles.
     Periodic,
 }
 
@@ -86,7 +86,7 @@ impl Step {
         let count = count as i32;
         match border {
             Border::Periodic => at.rem_euclid(count) as usize,
-            // Even samples are mirrored at the first, odd ones at the last sample of the picture.
+            // Even samples are mirrored at the first, odd ones at the last sample of the rendering.
             Border::Mirrored => {
                 let (below, above) = if self.odd { (-at, 2 * count - 1 - at) } else { (-1 - at, 2 * count - 2 - at) };
                 let at = if at < 0 {

@@ -32,10 +32,10 @@ pub fn stack_errors(decoder: &PwtDecoder, samples: &LightSamples, stride: usize)
     StackErrors::of_photographs(&sums)
 }
 
-/// Errors of pictures against photographs of the same size under the same lights.
-pub fn picture_errors(pictures: &LightSamples, samples: &LightSamples) -> StackErrors {
+/// Errors of renderings against photographs of the same size under the same lights.
+pub fn rendering_errors(renderings: &LightSamples, samples: &LightSamples) -> StackErrors {
     let width = samples.size[0];
-    let rows = |light: usize| move |row: usize| Cow::Borrowed(&pictures.pictures[light][row * width..][..width]);
+    let rows = |light: usize| move |row: usize| Cow::Borrowed(&renderings.renderings[light][row * width..][..width]);
     StackErrors::of_photographs(&sums(samples, 1, rows))
 }
 
@@ -70,12 +70,12 @@ impl std::ops::AddAssign for PhotographSums {
 }
 
 /// What a pack shows at its finest level under some lights.
-pub fn pictures_of_pack(decoder: &PwtDecoder, lights: Vec<[f32; 3]>) -> LightSamples {
+pub fn renderings_of_pack(decoder: &PwtDecoder, lights: Vec<[f32; 3]>) -> LightSamples {
     let unpacked = decoder.unpacked(0);
     let header = decoder.pack().header();
-    let picture = |light: &[f32; 3]| unpacked.rows(0..unpacked.size()[1], &header.weights(*light));
-    let pictures = lights.par_iter().map(picture).collect();
-    LightSamples { size: unpacked.size(), pictures, lights, repeats: header.repeats, defined: None }
+    let rendering = |light: &[f32; 3]| unpacked.rows(0..unpacked.size()[1], &header.weights(*light));
+    let renderings = lights.par_iter().map(rendering).collect();
+    LightSamples { size: unpacked.size(), renderings, lights, repeats: header.repeats, defined: None }
 }
 
 impl StackErrors {
@@ -93,7 +93,7 @@ impl StackErrors {
     }
 }
 
-/// The sums of each photograph, over every `stride`-th row that has defined texels. `rows` gives the rows of the picture of a light.
+/// The sums of each photograph, over every `stride`-th row that has defined texels. `rows` gives the rows of the rendering of a light.
 fn sums<'a, R>(samples: &LightSamples, stride: usize, rows: impl Fn(usize) -> R + Sync) -> Vec<PhotographSums>
 where
     R: Fn(usize) -> Cow<'a, [[f32; 3]]>,
@@ -109,7 +109,7 @@ where
                 let defined = |(x, colour): (usize, &[f32; 3])| samples.is_defined(row * width + x).then_some(*colour);
                 colours.iter().enumerate().filter_map(defined).collect()
             };
-            sums += photograph_sums(&kept(&found(row)), &kept(&samples.pictures[light][row * width..][..width]));
+            sums += photograph_sums(&kept(&found(row)), &kept(&samples.renderings[light][row * width..][..width]));
         }
         sums
     };

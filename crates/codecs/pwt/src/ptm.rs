@@ -25,28 +25,28 @@ pub fn spread_lights(count: usize) -> Vec<[f32; 3]> {
 }
 
 /// What a map shows under some lights.
-pub fn pictures_of(map: &Ptm, lights: Vec<[f32; 3]>) -> LightSamples {
+pub fn renderings_of(map: &Ptm, lights: Vec<[f32; 3]>) -> LightSamples {
     let size = map.size().map(|side| side as usize);
-    let pictures = lights.par_iter().map(|light| picture_rows(map, *light, 0..size[1])).collect();
-    LightSamples { size, lights, pictures, repeats: false, defined: None }
+    let renderings = lights.par_iter().map(|light| rendering_rows(map, *light, 0..size[1])).collect();
+    LightSamples { size, lights, renderings, repeats: false, defined: None }
 }
 
 /// What the polynomials of a map are under some lights, above white and below black as well: of these they are found again.
 pub fn samples_of(map: &Ptm, lights: Vec<[f32; 3]>) -> LightSamples {
     let size = map.size().map(|side| side as usize);
     let linear = |code: f64| decode_srgb(code / 255.0) as f32;
-    let picture = |[x, y, _]: &[f32; 3]| -> Vec<[f32; 3]> {
+    let rendering = |[x, y, _]: &[f32; 3]| -> Vec<[f32; 3]> {
         (0..size[0] * size[1]).map(|pixel| map.polynomials(pixel, [*x, *y]).map(linear)).collect()
     };
-    let pictures = lights.par_iter().map(picture).collect();
-    LightSamples { size, lights, pictures, repeats: false, defined: None }
+    let renderings = lights.par_iter().map(rendering).collect();
+    LightSamples { size, lights, renderings, repeats: false, defined: None }
 }
 
 /// Linear RGB of some rows of a map under a light.
 ///
 /// # Panics
 /// If it has no such rows.
-pub fn picture_rows(map: &Ptm, [x, y, _]: [f32; 3], rows: Range<usize>) -> Vec<[f32; 3]> {
+pub fn rendering_rows(map: &Ptm, [x, y, _]: [f32; 3], rows: Range<usize>) -> Vec<[f32; 3]> {
     let width = map.size()[0] as usize;
     let linear = |code: f32| decode_srgb(f64::from(code) / 255.0) as f32;
     (rows.start * width..rows.end * width).map(|pixel| map.value(pixel, [x, y]).map(linear)).collect()
@@ -65,7 +65,7 @@ pub enum MapModel {
 /// The map that fits photographs best, by least squares of sRGB codes.
 ///
 /// # Errors
-/// Pictures out of range; a size that the format does not have.
+/// Renderings out of range; a size that the format does not have.
 pub fn fit_map(samples: &LightSamples, model: MapModel) -> Result<Ptm, FormatError> {
     samples.check()?;
     let count = samples.size[0] * samples.size[1];
@@ -76,7 +76,7 @@ pub fn fit_map(samples: &LightSamples, model: MapModel) -> Result<Ptm, FormatErr
     });
     let singular = SINGULAR * matrix.singular_values().max();
     let inverse = matrix.pseudo_inverse(singular).expect("the bound is positive");
-    let codes: Vec<Vec<[f32; 3]>> = samples.pictures.par_iter().map(|picture| codes(picture)).collect();
+    let codes: Vec<Vec<[f32; 3]>> = samples.renderings.par_iter().map(|rendering| codes(rendering)).collect();
     let fitted = |values: &dyn Fn(usize) -> f64| -> [f32; TERMS] {
         let mut coefficients = [0.0f64; TERMS];
         for light in 0..codes.len() {
@@ -94,8 +94,8 @@ pub fn fit_map(samples: &LightSamples, model: MapModel) -> Result<Ptm, FormatErr
         MapModel::Lrgb => {
             let pixel = |at: usize| {
                 let mut sum = [0.0f64; 3];
-                for picture in &codes {
-                    sum.iter_mut().zip(picture[at]).for_each(|(sum, code)| *sum += f64::from(code));
+                for rendering in &codes {
+                    sum.iter_mut().zip(rendering[at]).for_each(|(sum, code)| *sum += f64::from(code));
                 }
                 let most = sum.into_iter().fold(0.0, f64::max);
                 let colour = sum.map(|s| if most > 0.0 { (255.0 * s / most).round() } else { 255.0 });
@@ -114,8 +114,8 @@ pub fn fit_map(samples: &LightSamples, model: MapModel) -> Result<Ptm, FormatErr
 }
 
 /// sRGB codes, 0 to 1.
-fn codes(picture: &[[f32; 3]]) -> Vec<[f32; 3]> {
-    let mut codes = picture.to_vec();
+fn codes(rendering: &[[f32; 3]]) -> Vec<[f32; 3]> {
+    let mut codes = rendering.to_vec();
     codes.as_flattened_mut().iter_mut().for_each(|value| *value = value.clamp(0.0, 1.0));
     Domain::Display.encode_each(codes.as_flattened_mut());
     codes
@@ -131,7 +131,7 @@ mod tests {
         let coefficients = [[-30.0, -20.0, 10.0, 40.0, -25.0, 140.0], [5.0; 6], [0.0, 0.0, 0.0, 0.0, 0.0, 200.0]];
         let map =
             Ptm::from_coefficients_rgb([2, 1], &[coefficients, coefficients.map(|c| c.map(|c| 0.5 * c))]).unwrap();
-        let samples = pictures_of(&map, spread_lights(60));
+        let samples = renderings_of(&map, spread_lights(60));
         let found = fit_map(&samples, MapModel::Rgb).unwrap();
         let wrong = LightSamples { lights: samples.lights.iter().map(|[x, y, z]| [-x, -y, *z]).collect(), ..samples };
         let wrong = fit_map(&wrong, MapModel::Rgb).unwrap();
@@ -146,7 +146,7 @@ mod tests {
     fn luminance_and_colour_of_one_hue() {
         let coefficients = [[-30.0, -20.0, 0.0, 40.0, -25.0, 140.0]];
         let map = Ptm::from_coefficients_lrgb([1, 1], &coefficients, &[[255, 128, 64]]).unwrap();
-        let samples = pictures_of(&map, spread_lights(60));
+        let samples = renderings_of(&map, spread_lights(60));
         let found = fit_map(&samples, MapModel::Lrgb).unwrap();
         for light in [[0.3, 0.2], [-0.5, 0.4]] {
             let [a, b] = [&map, &found].map(|map| map.value(0, light));

@@ -1,4 +1,4 @@
-//! What decides a pack besides its pictures.
+//! What decides a pack besides its renderings.
 
 use crate::lifting::Wavelet;
 use brdfc_formats::FormatError;
@@ -49,7 +49,7 @@ pub enum Target {
     Bytes(u64),
 }
 
-/// Everything that decides a pack besides its pictures. What is `None` is chosen by measurement.
+/// Everything that decides a pack besides its renderings. What is `None` is chosen by measurement.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct PwtRecipe {
     /// In what the terms are polynomials.

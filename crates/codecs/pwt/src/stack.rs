@@ -1,19 +1,19 @@
-//! What is encoded: pictures of one view under known lights.
+//! What is encoded: renderings of one view under known lights.
 
 use brdfc_formats::FormatError;
 
 /// Fewest and most lights.
 pub const LIGHTS: std::ops::RangeInclusive<usize> = 1..=4096;
 
-/// Pictures of one view, each under a distant light.
+/// Renderings of one view, each under a distant light.
 #[derive(Debug, Clone, PartialEq)]
 pub struct LightSamples {
-    /// Columns and rows of every picture.
+    /// Columns and rows of every rendering.
     pub size: [usize; 2],
     /// Unit vectors to the lights, above the horizon.
     pub lights: Vec<[f32; 3]>,
-    /// Linear RGB of each picture, row by row from the top; 1 is white. Below 0 is only what polynomials are there.
-    pub pictures: Vec<Vec<[f32; 3]>>,
+    /// Linear RGB of each rendering, row by row from the top; 1 is white. Below 0 is only what polynomials are there.
+    pub renderings: Vec<Vec<[f32; 3]>>,
     /// Whether they are tiles that repeat.
     pub repeats: bool,
     /// Which texels are defined, row by row; `None` for all. Others hold whatever fills holes: they are fitted like all, but
@@ -25,7 +25,7 @@ impl LightSamples {
     /// Whether everything is in range.
     ///
     /// # Errors
-    /// No lights or too many; sides of 0 or beyond what packs hold; pictures of another size than the first, or another
+    /// No lights or too many; sides of 0 or beyond what packs hold; renderings of another size than the first, or another
     /// number of them than of lights; lights that are not above the horizon; values that are no finite numbers; a mask
     /// of another size, or of no texel.
     pub fn check(&self) -> Result<(), FormatError> {
@@ -39,23 +39,23 @@ impl LightSamples {
         if !(1..=most).contains(&width) || !(1..=most).contains(&height) {
             return refused("size".to_owned(), format!("{width} x {height}"), format!("1 to {most} along each side"));
         }
-        if self.pictures.len() != self.lights.len() {
+        if self.renderings.len() != self.lights.len() {
             let allowed = format!("{}, one for each light", self.lights.len());
-            return refused("pictures".to_owned(), self.pictures.len().to_string(), allowed);
+            return refused("renderings".to_owned(), self.renderings.len().to_string(), allowed);
         }
-        for (k, (picture, light)) in self.pictures.iter().zip(&self.lights).enumerate() {
-            if picture.len() != width * height {
-                let found = format!("{} pixels", picture.len());
-                return refused(format!("picture {k}"), found, format!("{width} x {height}"));
+        for (k, (rendering, light)) in self.renderings.iter().zip(&self.lights).enumerate() {
+            if rendering.len() != width * height {
+                let found = format!("{} pixels", rendering.len());
+                return refused(format!("rendering {k}"), found, format!("{width} x {height}"));
             }
             let length: f32 = light.iter().map(|c| c * c).sum();
             if !((length - 1.0).abs() <= 1e-4 && light[2] > 0.0) {
                 let allowed = "a unit vector above the horizon".to_owned();
                 return refused(format!("light {k}"), format!("{light:?}"), allowed);
             }
-            if let Some(at) = picture.iter().position(|pixel| !pixel.iter().all(|c| c.is_finite())) {
-                let found = format!("{:?} at ({}, {})", picture[at], at % width, at / width);
-                return refused(format!("picture {k}"), found, "finite values".to_owned());
+            if let Some(at) = rendering.iter().position(|pixel| !pixel.iter().all(|c| c.is_finite())) {
+                let found = format!("{:?} at ({}, {})", rendering[at], at % width, at / width);
+                return refused(format!("rendering {k}"), found, "finite values".to_owned());
             }
         }
         if let Some(mask) = &self.defined {
@@ -93,22 +93,22 @@ impl LightSamples {
         self.defined.as_ref().map_or(all, |mask| mask.iter().filter(|defined| **defined).count())
     }
 
-    /// The middle of every picture, with sides that are multiples of a number; as they are where a side is smaller.
+    /// The middle of every rendering, with sides that are multiples of a number; as they are where a side is smaller.
     pub fn cropped(&self, multiple: usize) -> Self {
         let [width, height] = self.size;
         let size = self.size.map(|side| if side < multiple { side } else { side - side % multiple });
         let first = [(width - size[0]) / 2, (height - size[1]) / 2];
         let at = |y: usize| (first[1] + y) * width + first[0]..(first[1] + y) * width + first[0] + size[0];
-        let rows = |picture: &Vec<[f32; 3]>| (0..size[1]).flat_map(|y| &picture[at(y)]).copied().collect();
-        let pictures = self.pictures.iter().map(rows).collect();
+        let rows = |rendering: &Vec<[f32; 3]>| (0..size[1]).flat_map(|y| &rendering[at(y)]).copied().collect();
+        let renderings = self.renderings.iter().map(rows).collect();
         let defined = self.defined.as_ref().map(|mask| (0..size[1]).flat_map(|y| &mask[at(y)]).copied().collect());
-        Self { size, lights: self.lights.clone(), pictures, repeats: self.repeats, defined }
+        Self { size, lights: self.lights.clone(), renderings, repeats: self.repeats, defined }
     }
 
     /// Without some of the lights.
     pub fn without(&self, left_out: &[usize]) -> Self {
         let kept = (0..self.lights.len()).filter(|k| !left_out.contains(k));
-        let (lights, pictures) = kept.map(|k| (self.lights[k], self.pictures[k].clone())).unzip();
-        Self { size: self.size, lights, pictures, repeats: self.repeats, defined: self.defined.clone() }
+        let (lights, renderings) = kept.map(|k| (self.lights[k], self.renderings[k].clone())).unzip();
+        Self { size: self.size, lights, renderings, repeats: self.repeats, defined: self.defined.clone() }
     }
 }

@@ -1,11 +1,11 @@
-//! Section 2, "Wavelets for BTF": wavelet packets over the picture. A tree says which subbands are split further; the best
+//! Section 2, "Wavelets for BTF": wavelet packets over the rendering. A tree says which subbands are split further; the best
 //! one is found as Coifman and Wickerhauser (1992) do.
 
 use crate::image::{Plane, Rectangle};
 use crate::lifting::{Border, Wavelet};
 use std::collections::BTreeSet;
 
-/// How pictures are transformed.
+/// How renderings are transformed.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Transform {
     /// The wavelet.
@@ -21,18 +21,18 @@ pub struct Transform {
 pub struct Subband {
     /// Its coefficients in the transformed plane.
     pub rectangle: Rectangle,
-    /// The level of detail that it belongs to: 0 is the finest, [`Transform::depth`] what remains of the picture.
+    /// The level of detail that it belongs to: 0 is the finest, [`Transform::depth`] what remains of the rendering.
     pub level: u32,
-    /// How often the picture was split for it.
+    /// How often the rendering was split for it.
     pub splits: u32,
 }
 
-/// Which subbands of detail are split further. What remains of the picture always is, to the last level.
+/// Which subbands of detail are split further. What remains of the rendering always is, to the last level.
 #[derive(Debug, Clone, PartialEq)]
 pub struct PacketTree {
     transform: Transform,
     size: [usize; 2],
-    /// Detail subbands that are split, by their number: 1 is the picture, the quarters of `n` are `4n` to `4n + 3`.
+    /// Detail subbands that are split, by their number: 1 is the rendering, the quarters of `n` are `4n` to `4n + 3`.
     split: BTreeSet<u64>,
 }
 
@@ -81,12 +81,12 @@ impl PacketTree {
         }
     }
 
-    /// How pictures are transformed.
+    /// How renderings are transformed.
     pub fn transform(&self) -> Transform {
         self.transform
     }
 
-    /// All subbands: the one that remains of the picture first, then details from the coarsest level.
+    /// All subbands: the one that remains of the rendering first, then details from the coarsest level.
     pub fn subbands(&self) -> Vec<Subband> {
         let mut subbands = Vec::new();
         let (mut number, mut rectangle) = (1u64, Rectangle { first: [0, 0], size: self.size });
@@ -164,8 +164,8 @@ impl PacketTree {
         }
     }
 
-    /// The tree of these coefficients truncated at a level, as a picture of that level's size: details finer than the
-    /// level are left out, and a texel is the mean of what it covers. Level 0 is the whole picture.
+    /// The tree of these coefficients truncated at a level, as a rendering of that level's size: details finer than the
+    /// level are left out, and a texel is the mean of what it covers. Level 0 is the whole rendering.
     pub fn truncated(&self, coefficients: &Plane, level: u32) -> Plane {
         let mut plane = coefficients.clone();
         if level == 0 {
@@ -226,19 +226,19 @@ mod tests {
 
     #[test]
     fn reconstruction_is_perfect() {
-        let picture = noise([24, 16], 7);
+        let rendering = noise([24, 16], 7);
         for transform in transforms() {
             for tree in [
-                PacketTree::pyramid(transform, picture.size),
-                PacketTree::best(transform, std::slice::from_ref(&picture), 0.01, 3),
+                PacketTree::pyramid(transform, rendering.size),
+                PacketTree::best(transform, std::slice::from_ref(&rendering), 0.01, 3),
                 // The finest details are split once more.
-                PacketTree { transform, size: picture.size, split: (5..8).collect() },
+                PacketTree { transform, size: rendering.size, split: (5..8).collect() },
             ] {
-                let mut plane = picture.clone();
+                let mut plane = rendering.clone();
                 tree.analyse(&mut plane);
-                assert!(transform.depth == 0 || difference(&plane, &picture) > 0.1);
+                assert!(transform.depth == 0 || difference(&plane, &rendering) > 0.1);
                 tree.synthesise(&mut plane);
-                assert!(difference(&plane, &picture) < 1e-5, "{transform:?}");
+                assert!(difference(&plane, &rendering) < 1e-5, "{transform:?}");
             }
         }
     }
@@ -258,11 +258,11 @@ mod tests {
                 let largest = (0..subband.rectangle.size[1]).flat_map(|y| plane.row(subband.rectangle, y).to_vec());
                 assert!(largest.fold(0.0, |m: f32, c| m.max(c.abs())) < 1e-5, "{transform:?}");
             }
-            let picture = noise([32, 32], 3);
-            let mut plane = picture.clone();
-            PacketTree::pyramid(transform, picture.size).analyse(&mut plane);
+            let rendering = noise([32, 32], 3);
+            let mut plane = rendering.clone();
+            PacketTree::pyramid(transform, rendering.size).analyse(&mut plane);
             let energy = |plane: &Plane| plane.values.iter().map(|v| v * v).sum::<f32>();
-            let ratio = energy(&plane) / energy(&picture);
+            let ratio = energy(&plane) / energy(&rendering);
             let orthonormal = match (transform.wavelet, transform.border) {
                 (Wavelet::Haar, _) | (Wavelet::Daubechies4, Border::Periodic) => 1e-5,
                 (Wavelet::Cdf97, _) => 0.1,
@@ -274,13 +274,13 @@ mod tests {
 
     #[test]
     fn subbands_cover_the_plane_once() {
-        let picture = noise([32, 32], 9);
+        let rendering = noise([32, 32], 9);
         for transform in transforms() {
-            let tree = PacketTree::best(transform, std::slice::from_ref(&picture), 0.3, 2);
-            let mut covered = Plane::zeros(picture.size);
+            let tree = PacketTree::best(transform, std::slice::from_ref(&rendering), 0.3, 2);
+            let mut covered = Plane::zeros(rendering.size);
             for subband in tree.subbands() {
                 let Rectangle { first: [x, y], size: [width, height] } = subband.rectangle;
-                assert_eq!(subband.rectangle.size, picture.size.map(|side| side >> subband.splits));
+                assert_eq!(subband.rectangle.size, rendering.size.map(|side| side >> subband.splits));
                 for (i, j) in (0..height).flat_map(|j| (0..width).map(move |i| (i, j))) {
                     covered.values[(y + j) * 32 + x + i] += 1.0;
                 }
@@ -292,10 +292,10 @@ mod tests {
     /// A level of the mipmap chain is what is left when finer details are zero, seen at that size.
     #[test]
     fn truncation_leaves_finer_details_out() {
-        let picture = noise([32, 16], 5);
+        let rendering = noise([32, 16], 5);
         for transform in transforms() {
-            let tree = PacketTree::best(transform, std::slice::from_ref(&picture), 0.1, 1);
-            let mut coefficients = picture.clone();
+            let tree = PacketTree::best(transform, std::slice::from_ref(&rendering), 0.1, 1);
+            let mut coefficients = rendering.clone();
             tree.analyse(&mut coefficients);
             for level in 0..=transform.depth {
                 let mut coarse = coefficients.clone();

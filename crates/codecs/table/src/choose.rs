@@ -12,7 +12,7 @@ use std::f64::consts::FRAC_PI_2;
 
 /// Samples of a trial per node, and the fewest.
 const TRIAL_SAMPLES: usize = 4;
-const FEWEST_TRIAL_SAMPLES: usize = 8 << 10;
+const MIN_TRIAL_SAMPLES: usize = 8 << 10;
 /// Samples that judge a trial, at most.
 const JUDGES: usize = 8 << 10;
 /// Layers of anisotropic tables that are tried.
@@ -81,8 +81,8 @@ impl Warp {
 }
 
 /// Largest tables that are tried, in texels: larger ones have the same warps, and axes in the same proportion.
-const MOST_TRIED: usize = 4096;
-const MOST_TRIED_ANISOTROPIC: usize = 8192;
+const MAX_TRIED: usize = 4096;
+const MAX_TRIED_ANISOTROPIC: usize = 8192;
 
 /// The table of at most so many texels whose small fit is closest to samples that it was not made from.
 ///
@@ -90,7 +90,7 @@ const MOST_TRIED_ANISOTROPIC: usize = 8192;
 pub fn choose(trial: &Trial<'_>, symmetry: TableSymmetry, texels: usize, isotropic: bool) -> TableHeader {
     let (targets, mut trials) = (trial.targets, Trials::of(trial));
     let layers = if isotropic { 1 } else { LAYERS[0] };
-    let tried = texels.min(if isotropic { MOST_TRIED } else { MOST_TRIED_ANISOTROPIC });
+    let tried = texels.min(if isotropic { MAX_TRIED } else { MAX_TRIED_ANISOTROPIC });
     let mut header = trials.warped(start(targets, symmetry, shaped(SHAPES[0], tried, layers, symmetry)));
     header = trials.best(header, &SHAPES, |header, shape| header.axes = shaped(*shape, tried, layers, symmetry));
     if !isotropic {
@@ -225,7 +225,7 @@ impl Trial<'_> {
     fn error(&self, header: &TableHeader) -> f64 {
         let Self { samples, folded, targets } = self;
         let lattice = Lattice::new(header);
-        let fitted = (TRIAL_SAMPLES * lattice.len()).max(FEWEST_TRIAL_SAMPLES).min(2 * samples.len() / 3);
+        let fitted = (TRIAL_SAMPLES * lattice.len()).max(MIN_TRIAL_SAMPLES).min(2 * samples.len() / 3);
         let count = (fitted + JUDGES).min(samples.len());
         let taps = |k: usize| lattice.taps(&header.place(folded[k]));
         let nodes = fit_roughly(lattice, (0..fitted).map(taps), targets);

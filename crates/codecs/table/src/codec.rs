@@ -1,7 +1,7 @@
 //! Table packs among the codecs of BRDFs.
 
 use super::encode::encode;
-use super::levels::MOST_LEVELS;
+use super::levels::MAX_LEVELS;
 use super::recipe::{Size, TableRecipe};
 use super::report::{FACTORED, TABLE, TableReport};
 use super::search::recipe::{LARGEST, SearchRecipe, Tables};
@@ -185,7 +185,7 @@ impl Encode for Recipe {
     fn from_options(variant: &str, options: &EncodeOptions) -> Result<Self, OptionError> {
         let default = TableRecipe::default();
         let levels = options.levels.unwrap_or(0);
-        if levels > MOST_LEVELS {
+        if levels > MAX_LEVELS {
             return Err(EncodeOptions::out_of_range("levels", levels.to_string()));
         }
         let table = TableRecipe {

@@ -8,14 +8,14 @@ use brdfc_formats::table::Curve;
 
 /// A curve has one node for so many texels of a pack, and no more than this.
 const TEXELS_PER_NODE: usize = 32;
-const MOST_NODES: usize = 128;
-pub(super) const FEWEST_NODES: usize = 16;
+const MAX_NODES: usize = 128;
+pub(super) const MIN_NODES: usize = 16;
 /// How strongly nodes are tied to their neighbours, of what samples tie them by in the mean.
 const SMOOTHNESS: f64 = 1e-4;
 
 /// Nodes of the curve of a pack of so many texels.
 pub fn nodes_within(texels: usize) -> usize {
-    (texels / TEXELS_PER_NODE).clamp(FEWEST_NODES, MOST_NODES)
+    (texels / TEXELS_PER_NODE).clamp(MIN_NODES, MAX_NODES)
 }
 
 /// Nodes of the curve closest to logarithms of the samples, by least squares with the weights of the targets.

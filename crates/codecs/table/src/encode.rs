@@ -6,7 +6,7 @@ use super::fit::{Solution, fit};
 use super::lattice::{Lattice, Taps};
 use super::quantise::quantise;
 use super::recipe::{Size, TableRecipe};
-use super::samples::{FEWEST_SAMPLES, Samples};
+use super::samples::{MIN_SAMPLES, Samples};
 use super::symmetry::Asymmetry;
 use super::targets::Targets;
 use super::{curve, levels};
@@ -24,11 +24,11 @@ use brdfc_metrics::sampling::PairSet;
 /// Samples that a table is fitted to, per node.
 const SAMPLES: u64 = 16;
 /// Most samples.
-const MOST_SAMPLES: u64 = 1 << 18;
+const MAX_SAMPLES: u64 = 1 << 18;
 /// Texels of the largest table that a budget of bytes becomes: beyond, there are fewer than two samples per node.
-pub const MOST_TEXELS: u64 = 1 << 17;
+pub const MAX_TEXELS: u64 = 1 << 17;
 /// Larger logarithms than those of any material are a fit's beside a spike.
-const LARGEST_LOGARITHM: f64 = 80.0;
+const MAX_LOGARITHM: f64 = 80.0;
 
 /// A pack with what was measured while making it.
 #[derive(Debug, Clone)]
@@ -39,9 +39,9 @@ pub struct Encoded {
     pub bytes: Vec<u8>,
     /// How far the source is from each symmetry.
     pub asymmetry: Asymmetry,
-    /// Error against the source, at pairs and in pictures that depend on no codec.
+    /// Error against the source, at pairs and in renderings that depend on no codec.
     pub off_grid: Comparison,
-    /// What had to be mended in the samples.
+    /// What had to be repaired in the samples.
     pub tally: Tally,
 }
 
@@ -68,7 +68,7 @@ pub fn encode(source: &dyn Source, recipe: &TableRecipe, progress: &dyn Progress
 /// Notes the error of a pack in it.
 pub fn measured(pack: &mut TablePack, off_grid: &Comparison) {
     pack.off_grid = off_grid.summary();
-    pack.picture = off_grid.picture.summary();
+    pack.rendering = off_grid.rendering.summary();
 }
 
 /// How many samples a table of this size is fitted to.
@@ -79,7 +79,7 @@ pub fn samples_for(size: Size, grey: bool) -> usize {
         }
         Size::Bytes(bytes) => bytes / texel_bytes(grey),
     };
-    (SAMPLES.saturating_mul(nodes)).clamp(FEWEST_SAMPLES as u64, MOST_SAMPLES) as usize
+    (SAMPLES.saturating_mul(nodes)).clamp(MIN_SAMPLES as u64, MAX_SAMPLES) as usize
 }
 
 fn texel_bytes(grey: bool) -> u64 {
@@ -139,8 +139,8 @@ impl Prepared {
     /// # Errors
     /// A budget that cannot be met, sizes out of range, cancellation.
     pub fn pack(&self, recipe: &TableRecipe, progress: &dyn Progress) -> Result<TablePack, EncodeError> {
-        if recipe.levels > levels::MOST_LEVELS {
-            let allowed = format!("0 to {}", levels::MOST_LEVELS);
+        if recipe.levels > levels::MAX_LEVELS {
+            let allowed = format!("0 to {}", levels::MAX_LEVELS);
             return Err(FormatError::whole("levels", recipe.levels.to_string(), allowed).into());
         }
         let texels = self.texels(recipe)?;
@@ -167,7 +167,7 @@ impl Prepared {
             let angles = Angles::of(pair);
             let table = lattice.value(&lattice.taps(&header.position_of(angles)), &nodes);
             let curve = curve::at(&finest, angles.theta_half);
-            let logarithm = |c: usize| (f64::from(table[c]) + curve[c]).min(LARGEST_LOGARITHM);
+            let logarithm = |c: usize| (f64::from(table[c]) + curve[c]).min(MAX_LOGARITHM);
             std::array::from_fn(|c| f64::from(header.mean) * logarithm(c).exp())
         };
         let mut rows = levels::rows(value, recipe.levels, nodes_of_curve);
@@ -235,7 +235,7 @@ impl Prepared {
         let block = TableBrdfParameters::SIZE as u64;
         let layers = if self.isotropic { 1 } else { 2 };
         let table = 2 * 2 * if self.symmetry.mirror { 2 } else { 3 } * layers;
-        let curve = if recipe.has_curve() { self.texels_of_curve(curve::FEWEST_NODES, recipe) } else { 0 };
+        let curve = if recipe.has_curve() { self.texels_of_curve(curve::MIN_NODES, recipe) } else { 0 };
         let fewest = table + curve as u64;
         let most = allowed.saturating_sub(block) / texel_bytes(self.grey);
         if most < fewest {
@@ -246,7 +246,7 @@ impl Prepared {
                 what: "the smallest table with what stands beside it",
             });
         }
-        Ok(most.min(MOST_TEXELS) as usize)
+        Ok(most.min(MAX_TEXELS) as usize)
     }
 }
 
@@ -256,7 +256,7 @@ fn filling(header: TableHeader, directions: DirectionRange, texels: usize) -> Ta
         return header;
     }
     let share = |header: &TableHeader| crop::texels(header, directions) as f64 / header.texels() as f64;
-    let mut whole = (texels as f64 / share(&header)).min(MOST_TEXELS as f64);
+    let mut whole = (texels as f64 / share(&header)).min(MAX_TEXELS as f64);
     while whole > texels as f64 {
         let larger = scaled(header, whole as usize);
         if crop::texels(&larger, directions) <= texels {

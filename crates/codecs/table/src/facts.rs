@@ -5,7 +5,7 @@ use brdfc_core::Describe;
 use brdfc_core::words::bytes;
 use brdfc_formats::crop::DirectionRange;
 use brdfc_formats::table::{Axes, TablePack, TableSymmetry};
-use brdfc_formats::{ErrorSummary, PictureSummary};
+use brdfc_formats::{ErrorSummary, RenderingSummary};
 
 /// What is worth knowing of a table pack.
 #[derive(Debug, Clone, PartialEq, serde::Serialize, schemars::JsonSchema)]
@@ -32,8 +32,8 @@ pub struct TablePackFacts {
     pub gpu_bytes: u64,
     /// The filtered pack against its source at direction pairs that depend on no grid.
     pub off_grid: ErrorSummary,
-    /// Pictures of both: ΔE*ab.
-    pub picture: PictureSummary,
+    /// Renderings of both: ΔE*ab.
+    pub rendering: RenderingSummary,
 }
 
 impl From<&TablePack> for TablePackFacts {
@@ -51,7 +51,7 @@ impl From<&TablePack> for TablePackFacts {
             directions: pack.directions(),
             gpu_bytes: pack.gpu_bytes(),
             off_grid: pack.off_grid,
-            picture: pack.picture,
+            rendering: pack.rendering,
         }
     }
 }
@@ -70,7 +70,7 @@ impl Describe for TablePackFacts {
             directions: _,
             gpu_bytes,
             off_grid,
-            picture,
+            rendering,
         } = self;
         vec![
             ("kind", if *curve_nodes > 0 { "factored table pack" } else { "table pack" }.to_owned()),
@@ -83,8 +83,8 @@ impl Describe for TablePackFacts {
             ("filtered fetches", fetches.to_string()),
             ("error off the grid (against the source)", errors_in_words(off_grid)),
             (
-                "ΔE of pictures",
-                format!("mean {:.2}, 95 %: {:.2}, largest: {:.1}", picture.mean, picture.p95, picture.max),
+                "ΔE of renderings",
+                format!("mean {:.2}, 95 %: {:.2}, largest: {:.1}", rendering.mean, rendering.p95, rendering.max),
             ),
         ]
     }

@@ -3,10 +3,10 @@
 use brdfc_formats::table::{Position, TableHeader};
 
 /// Nodes around a sample: two per axis. Isotropic tables use the first half.
-const MOST_TAPS: usize = 16;
+const MAX_TAPS: usize = 16;
 
 /// Offsets of the taps from the first one: a step along axis `k` is `3^k`.
-const STEPS_OF_TAPS: [usize; MOST_TAPS] = [0, 1, 3, 4, 9, 10, 12, 13, 27, 28, 30, 31, 36, 37, 39, 40];
+const STEPS_OF_TAPS: [usize; MAX_TAPS] = [0, 1, 3, 4, 9, 10, 12, 13, 27, 28, 30, 31, 36, 37, 39, 40];
 
 /// Nodes that a value is a mean of, with their weights: those on either side along each axis.
 #[derive(Debug, Clone, Copy)]

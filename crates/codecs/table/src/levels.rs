@@ -11,7 +11,7 @@ use rayon::prelude::*;
 use std::f64::consts::{FRAC_PI_2, TAU};
 
 /// Most levels besides the finest.
-pub const MOST_LEVELS: u32 = 6;
+pub const MAX_LEVELS: u32 = 6;
 /// Standard deviation of the half vector's `x` and `y` at the level next to the finest; each further level has twice that.
 const FINEST_SPREAD: f64 = 1.0 / 64.0;
 /// Rings of half vectors, in equal steps of the angle's square root.

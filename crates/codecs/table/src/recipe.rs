@@ -17,9 +17,9 @@ pub enum Size {
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, serde::Serialize, serde::Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Aim {
-    /// What is seen: ΔE of pictures.
+    /// What is seen: ΔE of renderings.
     #[default]
-    Pictures,
+    Renderings,
     /// Ratios, wherever they are: `ε_r`.
     Ratios,
 }
@@ -32,7 +32,7 @@ pub struct TableRecipe {
     /// Whether a curve over `θ_h` stands beside the table: one fetch more.
     pub factored: bool,
     /// Levels of detail besides the finest, for surfaces whose bumps are smaller than a pixel: rows of the curve, which a
-    /// pack with levels has in any case. 0 to [`MOST_LEVELS`](super::levels::MOST_LEVELS).
+    /// pack with levels has in any case. 0 to [`MAX_LEVELS`](super::levels::MAX_LEVELS).
     pub levels: u32,
     /// What it is to be close in.
     pub aim: Aim,
@@ -55,7 +55,7 @@ impl Default for TableRecipe {
             size: Size::Bytes(16 << 10),
             factored: false,
             levels: 0,
-            aim: Aim::Pictures,
+            aim: Aim::Renderings,
             reciprocal: false,
             bias: 1e-4,
             directions: DirectionRange::ALL,

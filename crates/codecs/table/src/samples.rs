@@ -12,7 +12,7 @@ use std::f32::consts::{FRAC_PI_2, TAU};
 use std::sync::{Arc, OnceLock};
 
 /// Fewest samples that a table is fitted to.
-pub const FEWEST_SAMPLES: usize = 1 << 15;
+pub const MIN_SAMPLES: usize = 1 << 15;
 /// Where the sequence of points begins: the pairs that errors are measured at come before.
 const FIRST: u32 = 1 << 20;
 /// Of three samples, so many are as on a ball under light from anywhere.
@@ -20,7 +20,7 @@ const ON_BALL: usize = 2;
 /// Lowest `z` of a direction.
 const LEAST_COSINE: f64 = 0.005;
 /// Of so many pairs that are spread over the angles at least one is to be within a range of directions.
-const MOST_REFUSED: usize = 32;
+const MAX_REFUSED: usize = 32;
 /// Pairs per unit of parallel work.
 const BLOCK: usize = 4096;
 /// Largest value of a sample, 1/sr: far above any reflectance, far below the end of f32.
@@ -35,7 +35,7 @@ pub struct Samples {
     pub cosines: Vec<f32>,
     /// `f_r` of each pair, not negative.
     pub values: Vec<[f32; 3]>,
-    /// What had to be mended.
+    /// What had to be repaired.
     pub tally: Tally,
 }
 
@@ -54,12 +54,12 @@ impl Samples {
     pub fn within(source: &dyn Source, count: usize, reciprocal: bool, directions: DirectionRange) -> Self {
         let pairs = Self::pairs(count, directions);
         let (values, mut tally) = values_of_list(source, &pairs);
-        let mut values = mended(values, &mut tally);
+        let mut values = repaired(values, &mut tally);
         if reciprocal {
             let exchanged: Vec<DirectionPair> = pairs.iter().map(|pair| pair.exchanged()).collect();
             let (others, more) = values_at(source, &exchanged);
             tally += more;
-            for (value, other) in values.iter_mut().zip(mended(others, &mut tally)) {
+            for (value, other) in values.iter_mut().zip(repaired(others, &mut tally)) {
                 *value = std::array::from_fn(|k| 0.5 * (value[k] + other[k]));
             }
         }
@@ -74,7 +74,7 @@ impl Samples {
     fn pairs(count: usize, directions: DirectionRange) -> Arc<PairList> {
         // What most tables are fitted to is kept for the next source.
         static FEWEST: OnceLock<Arc<PairList>> = OnceLock::new();
-        if count == FEWEST_SAMPLES && directions.is_all() {
+        if count == MIN_SAMPLES && directions.is_all() {
             PairList::kept(&FEWEST, || drawn(count, directions))
         } else {
             Arc::new(PairList::new(drawn(count, directions)))
@@ -99,7 +99,7 @@ impl Samples {
 
 fn drawn(count: usize, directions: DirectionRange) -> Vec<DirectionPair> {
     let on_balls = (0..count).filter(|k| Samples::is_on_ball(*k)).count();
-    let mut angles = placed(count - on_balls, MOST_REFUSED, directions, over_angles);
+    let mut angles = placed(count - on_balls, MAX_REFUSED, directions, over_angles);
     let ball = placed(count - angles.len(), usize::MAX, directions, |point| on_ball(point, directions));
     angles.extend(&ball[on_balls..]);
     let (mut ball, mut angles) = (ball.into_iter(), angles.into_iter());
@@ -133,7 +133,7 @@ fn placed(
 }
 
 /// Values with what is negative, no number or beyond [`LARGEST`] raised to 0 or lowered to that, and counted.
-pub(super) fn mended(mut values: Vec<[f64; 3]>, tally: &mut Tally) -> Vec<[f64; 3]> {
+pub(super) fn repaired(mut values: Vec<[f64; 3]>, tally: &mut Tally) -> Vec<[f64; 3]> {
     for value in &mut values {
         tally.negative_raised += u64::from(value.iter().any(|v| v.is_nan() || *v < 0.0));
         tally.largest_lowered += u64::from(value.iter().any(|v| *v > LARGEST));

@@ -1,6 +1,6 @@
 //! Which symmetry a material has, measured from its values: what a file says of itself need not be so.
 
-use super::samples::{mended, over_angles};
+use super::samples::{over_angles, repaired};
 use brdfc_core::pair_list::PairList;
 use brdfc_core::{Source, Tally};
 use brdfc_formats::direction::{DirectionPair, Vector, half_vector};
@@ -12,7 +12,7 @@ use std::sync::LazyLock;
 /// How many pairs are compared with their images.
 const PAIRS: usize = 1024;
 /// Largest mean difference of a value and its image, of the mean value, that counts as symmetric. Folding a measured plastic
-/// that was off by 1.8 % trebled the difference of its picture.
+/// that was off by 1.8 % trebled the difference of its rendering.
 const TOLERANCE: f64 = 0.003;
 
 /// Mean difference between values and those of their images, weighed by `cos θi`, over the mean value: 0 where the
@@ -47,7 +47,7 @@ impl Asymmetry {
     }
 
     fn over(source: &dyn Source, probes: &Probes) -> Self {
-        let values = |pairs: &PairList| mended(values_of_list(source, pairs).0, &mut Tally::default());
+        let values = |pairs: &PairList| repaired(values_of_list(source, pairs).0, &mut Tally::default());
         let expected = values(&probes.pairs);
         let against = |images: &PairList| {
             let (mut difference, mut sum) = (0.0, 0.0);

@@ -17,7 +17,7 @@ const LIGHTNESS_OF_RATIO: f32 = 116.0 / 3.0;
 const LANES: usize = 32;
 
 /// Weights of materials are about 1.
-const LARGEST_WEIGHT: f32 = 1e6;
+const MAX_WEIGHT: f32 = 1e6;
 
 /// Logarithms and weights of samples.
 #[derive(Debug, Clone)]
@@ -46,9 +46,9 @@ pub struct Targets {
 }
 
 impl Targets {
-    /// Of samples, seen as pictures are.
+    /// Of samples, seen as renderings are.
     pub fn new(samples: &Samples, bias: f32, grey: bool) -> Self {
-        Self::with_aim(samples, bias, grey, Aim::Pictures)
+        Self::with_aim(samples, bias, grey, Aim::Renderings)
     }
 
     /// Of samples.
@@ -69,11 +69,11 @@ impl Targets {
                 return value / (value + mean * bias);
             }
             let shown = value * cosine * exposure;
-            // Beyond white pictures do not change, but highlights are to keep their light: a ratio counts there as it does at white.
+            // Beyond white renderings do not change, but highlights are to keep their light: a ratio counts there as it does at white.
             let clipped = if shown < 1.0 { 1.0 } else { 1.0 / shown };
             let weight = lightness_slope(shown.min(1.0)) * (value + mean * bias) * cosine * exposure * clipped;
             // Beside a spike that raises the mean, where nothing is exact, squares stay numbers.
-            weight.min(LARGEST_WEIGHT)
+            weight.min(MAX_WEIGHT)
         };
         let pairs = || samples.values.par_iter().zip(&samples.cosines).with_min_len(4096);
         Self {

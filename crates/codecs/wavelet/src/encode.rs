@@ -31,9 +31,9 @@ pub struct Encoded {
     pub bytes: Vec<u8>,
     /// Codec error.
     pub on_grid: GridError,
-    /// Error against the source, at pairs and in pictures that depend on no codec.
+    /// Error against the source, at pairs and in renderings that depend on no codec.
     pub off_grid: Comparison,
-    /// What resampling had to mend.
+    /// What resampling had to repair.
     pub tally: Tally,
     /// Samples of the table that were evaluated, thanks to symmetry fewer than it has.
     pub evaluated: u64,

@@ -5,7 +5,7 @@ use super::table::Grid;
 use brdfc_formats::crop::DirectionRange;
 use brdfc_formats::direction::Parameterisation;
 
-/// `ε` that goes with [`Ranking::Visible`]: pictures show values far below the mean of the table, which grazing angles raise.
+/// `ε` that goes with [`Ranking::Visible`]: renderings show values far below the mean of the table, which grazing angles raise.
 const VISIBLE_BIAS: f64 = 3e-4;
 
 /// How many slices are kept.
@@ -27,7 +27,7 @@ pub enum Ranking {
     /// By energy, all cells alike (section 4.3): smallest error of the table.
     #[default]
     Energy,
-    /// By energy weighted with what is seen, see [`super::visible`]: smallest error of pictures.
+    /// By energy weighted with what is seen, see [`super::visible`]: smallest error of renderings.
     Visible,
 }
 

@@ -6,12 +6,12 @@ use super::table::{Grid, Table};
 use brdfc_core::{Source, Tally};
 use ndarray::Array3;
 
-/// A table, and what had to be mended in it.
+/// A table, and what had to be repaired in it.
 #[derive(Debug, Clone)]
 pub struct Tabulated {
     /// The table.
     pub table: Table,
-    /// What was mended.
+    /// What was repaired.
     pub tally: Tally,
 }
 

@@ -1,7 +1,7 @@
-//! Threshold by what is seen: slices ranked by how much of a picture they change, instead of how much of the table.
+//! Threshold by what is seen: slices ranked by how much of a rendering they change, instead of how much of the table.
 //!
 //! Energy counts all cells of the table alike. A third of them are within 20 degrees of the horizon, where values are
-//! large, vary most, and fill hardly any pixels. Here each sample is weighted by what its error does to a picture.
+//! large, vary most, and fill hardly any pixels. Here each sample is weighted by what its error does to a rendering.
 
 use super::haar::flip_coefficient;
 use super::log_encode::LogEncoding;
@@ -53,12 +53,12 @@ pub fn visible_energies(coefficients: &Table, samples: &Table, encoding: LogEnco
     (0..cells).map(whole).collect()
 }
 
-/// What a squared error of the log-encoded value does to a picture.
+/// What a squared error of the log-encoded value does to a rendering.
 ///
 /// The eye sees ratios of reflected light `y = f_r cos θi`, so an error `dv` counts as `d ln(y + DARK)`. A pair counts as
 /// often as it is seen: grazing light falls on few surfaces, and surfaces that are seen at grazing angles are
 /// foreshortened and near outlines. The natural exponents of the cosines are 1 and 2; these are a little higher, chosen
-/// by the colour differences of pictures of measured materials.
+/// by the colour differences of renderings of measured materials.
 fn weight(pair: DirectionPair, f: f64, encoding: LogEncoding) -> f64 {
     if !pair.is_above_horizon() {
         return 0.0;

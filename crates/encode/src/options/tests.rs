@@ -6,7 +6,7 @@ use brdfc_codec::range_of;
 use brdfc_formats::crop::{DirectionRange, Elevations};
 use brdfc_source::open::open;
 use brdfc_table::Recipe::{Search, Table};
-use brdfc_table::levels::MOST_LEVELS;
+use brdfc_table::levels::MAX_LEVELS;
 use brdfc_table::recipe::{Aim, Size, TableRecipe};
 use brdfc_table::search::recipe::Tables;
 use brdfc_wavelet::recipe::{Ranking, Recipe};
@@ -51,11 +51,11 @@ fn the_codec_follows_from_the_options() {
     }
     let PackRecipe::Table(Search(filled)) = resolved("max_bytes = 4096", "") else { panic!("a search") };
     assert_eq!(filled.budget, Budget::NONE.bytes(4096));
-    assert_eq!(filled.table.aim, Aim::Pictures);
+    assert_eq!(filled.table.aim, Aim::Renderings);
     let PackRecipe::Table(Search(even)) = resolved("max_error = 0.1", "") else { panic!("a search") };
     assert_eq!(even.table.aim, Aim::Ratios);
     let PackRecipe::Table(Search(both)) = resolved("max_error = 0.1\nmax_delta_e = 1", "") else { panic!("a search") };
-    assert_eq!(both.table.aim, Aim::Pictures);
+    assert_eq!(both.table.aim, Aim::Renderings);
     let PackRecipe::Table(Search(cheap)) = resolved("max_fetches = 2", "") else { panic!("a search") };
     assert_eq!(cheap.budget.delta_e, Some(0.5), "fetches alone say nothing of quality");
 }
@@ -114,7 +114,7 @@ fn defaults_that_do_not_go_with_the_codec_are_left_out() {
 
 #[test]
 fn ranges_in_words_are_the_bounds() {
-    assert_eq!(range_of("levels"), format!("0 to {MOST_LEVELS}"));
+    assert_eq!(range_of("levels"), format!("0 to {MAX_LEVELS}"));
     let names: Vec<&str> = Asked::all().map(|asked| asked.variant.name).collect();
     assert_eq!(codec_names().replace(" or ", ", "), names.join(", "));
     assert!(names.starts_with(&["auto", "table", "factored"]));

@@ -2,7 +2,7 @@
 
 // Of points without a neighbour on the same surface.
 const UNKNOWN: f32 = 1e9;
-const LARGEST_RISE_SQUARED: f32 = 0.0625;
+const MAX_RISE_SQUARED: f32 = 0.0625;
 
 @compute @workgroup_size(64)
 fn curvatures(@builtin(global_invocation_id) id: vec3<u32>) {
@@ -18,13 +18,13 @@ fn curvature_at(point: u32) -> f32 {
         return 0.0;
     }
     let place = place_of(point);
-    let last = min(place + vec2<u32>(1u), picture.points - vec2<u32>(1u));
+    let last = min(place + vec2<u32>(1u), rendering.points - vec2<u32>(1u));
     let first = max(place, vec2<u32>(1u)) - vec2<u32>(1u);
     // Below 0: none found yet.
     var largest = -1.0;
     for (var row = first.y; row <= last.y; row += 1u) {
         for (var column = first.x; column <= last.x; column += 1u) {
-            let neighbour = row * picture.points.x + column;
+            let neighbour = row * rendering.points.x + column;
             if neighbour != point && part_of(neighbour) == part {
                 largest = max(largest, turn_squared(point, neighbour));
             }
@@ -43,7 +43,7 @@ fn turn_squared(here: u32, there: u32) -> f32 {
     let n = normal_of(there);
     let length_squared = product(step, step);
     let rise = product(step, m + n);
-    if length_squared <= 0.0 || rise * rise > LARGEST_RISE_SQUARED * length_squared {
+    if length_squared <= 0.0 || rise * rise > MAX_RISE_SQUARED * length_squared {
         return -1.0;
     }
     let turned = n - m;

@@ -26,7 +26,7 @@ use kernels::Kernels;
 use material::{LoadedMaterial, Surroundings};
 
 /// Most samples of a pixel.
-const MOST_SAMPLES: u32 = 1 << 24;
+const MAX_SAMPLES: u32 = 1 << 24;
 
 /// What a submission may take, so that drivers do not take it for a hang.
 #[derive(Clone, Copy)]

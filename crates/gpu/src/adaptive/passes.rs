@@ -6,7 +6,7 @@ use super::kernels::Job;
 use super::storage::{LoadedGBuffer, SLICES};
 use super::{AdaptiveRenderer, LoadedAdaptive};
 use brdfc_metrics::image::LinearImage;
-use brdfc_render::adaptive::{AdaptivePicture, LevelCount, Prediction, Settings, ShadedLevels};
+use brdfc_render::adaptive::{AdaptiveRendering, LevelCount, Prediction, Settings, ShadedLevels};
 
 /// Samples of a slice: what one invocation sums.
 const SLICE: u32 = 32;
@@ -37,11 +37,11 @@ impl AdaptiveRenderer<'_> {
         loaded: &LoadedAdaptive,
         buffer: &LoadedGBuffer,
         settings: &Settings,
-    ) -> Result<AdaptivePicture, GpuError> {
+    ) -> Result<AdaptiveRendering, GpuError> {
         self.run_prediction(loaded, buffer, settings)?;
         let levels = self.run_levels(loaded, buffer)?;
         let image = self.resolve(loaded, buffer)?;
-        Ok(AdaptivePicture { image, prediction: self.read_prediction(buffer)?, levels })
+        Ok(AdaptiveRendering { image, prediction: self.read_prediction(buffer)?, levels })
     }
 
     /// Goes through the levels with a given prediction, as [`brdfc_render::adaptive::shade`].

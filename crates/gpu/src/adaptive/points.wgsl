@@ -2,12 +2,12 @@
 // `crates/render/src/gbuffer.rs`.
 
 // Of a frame and its camera. Levels of the pyramid are finest first.
-struct Picture {
+struct Rendering {
     eye: vec4<f32>,
     right: vec4<f32>,           // unit vectors
     up: vec4<f32>,
     points: vec2<u32>,          // columns and rows of the G-buffer
-    pixels: vec2<u32>,          // of the picture
+    pixels: vec2<u32>,          // of the rendering
     sub: u32,                   // points per pixel and axis
     coarsest: u32,              // level
     reserved_0: u32,
@@ -55,14 +55,14 @@ struct Node {
     first: u32,                 // the first point in it that shows a surface, or NONE
 }
 
-@group(0) @binding(0) var<uniform> picture: Picture;
+@group(0) @binding(0) var<uniform> rendering: Rendering;
 @group(0) @binding(1) var<uniform> settings: Settings;
 @group(0) @binding(2) var<uniform> job: Job;
 @group(0) @binding(3) var positions: texture_2d<f32>;
 @group(0) @binding(4) var normals: texture_2d<f32>;
 @group(0) @binding(5) var tangents: texture_2d<f32>;
 
-// Of each point: bandwidth in the picture, deviation, curvature, angular bandwidth.
+// Of each point: bandwidth in the rendering, deviation, curvature, angular bandwidth.
 @group(0) @binding(6) var<storage, read_write> predicted: array<vec4<f32>>;
 @group(0) @binding(7) var<storage, read_write> nodes: array<Node>;
 // Of each node its radiance, and 1 where it has one.
@@ -87,7 +87,7 @@ fn within_job(id: vec3<u32>) -> u32 {
 }
 
 fn place_of(point: u32) -> vec2<u32> {
-    return vec2<u32>(point % picture.points.x, point / picture.points.x);
+    return vec2<u32>(point % rendering.points.x, point / rendering.points.x);
 }
 
 // The part that a point shows; NONE is the background.
@@ -105,14 +105,14 @@ fn normal_of(point: u32) -> vec3<f32> {
 
 // Unit vector to the viewer, and how far away the viewer is.
 fn viewer_of(position: vec3<f32>) -> vec4<f32> {
-    let to_eye = picture.eye.xyz - position;
+    let to_eye = rendering.eye.xyz - position;
     let distance = sqrt(product(to_eye, to_eye));
     return vec4<f32>(to_eye / distance, distance);
 }
 
 // Where a normal points in the image, across and down.
 fn across_of(normal: vec3<f32>) -> vec2<f32> {
-    let projected = vec2<f32>(product(normal, picture.right.xyz), -product(normal, picture.up.xyz));
+    let projected = vec2<f32>(product(normal, rendering.right.xyz), -product(normal, rendering.up.xyz));
     let length = sqrt(projected.x * projected.x + projected.y * projected.y);
     return select(vec2<f32>(1.0, 0.0), projected / length, length > 1e-9);
 }

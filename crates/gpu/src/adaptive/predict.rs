@@ -5,7 +5,7 @@ use super::kernels::Job;
 use super::storage::{LoadedGBuffer, SETTINGS_WORDS};
 use super::{AdaptiveRenderer, LoadedAdaptive};
 use brdfc_formats::bandwidth::propagation::{largest_pixel_bandwidth, sample_scale};
-use brdfc_render::adaptive::{ANY_LEVEL, MOST_DIRECTIONS, Prediction, Pyramid, Settings, field_of_view};
+use brdfc_render::adaptive::{ANY_LEVEL, MAX_DIRECTIONS, Prediction, Pyramid, Settings, field_of_view};
 
 /// Points that an invocation of `deviations` adds up.
 const STRETCH: usize = 256;
@@ -45,7 +45,7 @@ impl AdaptiveRenderer<'_> {
         kernels.run(&kernels.curvatures, buffer, None, Job::over(count));
         // Tiles of 4 x 4 points, which at worst are all of different pieces.
         let tiles = buffer.size().map(|side| side.div_ceil(4)).into_iter().product();
-        let at_once = self.at_once(self.budget.lookups, 16 * settings.directions.min(MOST_DIRECTIONS) as usize);
+        let at_once = self.at_once(self.budget.lookups, 16 * settings.directions.min(MAX_DIRECTIONS) as usize);
         let job = Job { at_once, ..Job::over(tiles) };
         for material in &loaded.materials {
             kernels.run(&kernels.predict, buffer, Some(material), job);
@@ -117,11 +117,11 @@ impl AdaptiveRenderer<'_> {
     /// Writes the shader's `Settings`; `scale` is the factor from deviation to samples.
     ///
     /// # Errors
-    /// More samples than [`super::MOST_SAMPLES`].
+    /// More samples than [`super::MAX_SAMPLES`].
     pub(super) fn set(&self, buffer: &LoadedGBuffer, settings: &Settings, scale: f32) -> Result<(), GpuError> {
         for (name, found) in [("fewest", settings.fewest), ("most", settings.most)] {
-            if found > super::MOST_SAMPLES {
-                let text = format!("{name} samples of a pixel: {found}; at most {}", super::MOST_SAMPLES);
+            if found > super::MAX_SAMPLES {
+                let text = format!("{name} samples of a pixel: {found}; at most {}", super::MAX_SAMPLES);
                 return Err(GpuError::TooLarge(text));
             }
         }
@@ -130,7 +130,7 @@ impl AdaptiveRenderer<'_> {
         let words: [u32; SETTINGS_WORDS] = [
             field_of_view[0].to_bits(),
             field_of_view[1].to_bits(),
-            settings.directions.clamp(1, MOST_DIRECTIONS),
+            settings.directions.clamp(1, MAX_DIRECTIONS),
             settings.white.to_bits(),
             settings.caution.to_bits(),
             largest.to_bits(),

@@ -19,7 +19,7 @@ fn predict(@builtin(global_invocation_id) id: vec3<u32>) {
     if at >= job.count {
         return;
     }
-    let columns = (picture.points.x + 3u) / 4u;
+    let columns = (rendering.points.x + 3u) / 4u;
     let corner = 4u * vec2<u32>((job.first + at) % columns, (job.first + at) / columns);
     var points: array<u32, 16>;
     var own: array<Share, 16>;
@@ -53,17 +53,17 @@ fn predict(@builtin(global_invocation_id) id: vec3<u32>) {
         let angular = bandwidth_average_mean(all.average).angular;
         let shown = job.material.albedo * bandwidth_variance_mean(all.variance);
         let deviation = visible_deviation(bandwidth_variance_relative(all.variance, 0.0), shown);
-        predicted[point] = vec4<f32>(picture_bandwidth(angular), deviation, predicted[point].z, angular);
+        predicted[point] = vec4<f32>(rendering_bandwidth(angular), deviation, predicted[point].z, angular);
     }
 }
 
 // Point k of a tile, if it shows this part.
 fn point_of_tile(corner: vec2<u32>, k: u32) -> u32 {
     let place = corner + vec2<u32>(k % 4u, k / 4u);
-    if any(place >= picture.points) {
+    if any(place >= rendering.points) {
         return NONE;
     }
-    let point = place.y * picture.points.x + place.x;
+    let point = place.y * rendering.points.x + place.x;
     return select(NONE, point, part_of(point) == job.material.part);
 }
 
@@ -124,9 +124,9 @@ fn joined(a: Share, b: Share) -> Share {
     return Share(bandwidth_average_join(a.average, b.average), bandwidth_variance_join(a.variance, b.variance));
 }
 
-// Cycles per pixel of the picture.
-fn picture_bandwidth(angular: f32) -> f32 {
-    return pixel_bandwidth(angular, settings.field_of_view, vec2<f32>(picture.pixels), settings.largest);
+// Cycles per pixel of the rendering.
+fn rendering_bandwidth(angular: f32) -> f32 {
+    return pixel_bandwidth(angular, settings.field_of_view, vec2<f32>(rendering.pixels), settings.largest);
 }
 
 // Standard deviation of one sample in units of the display's codes.

@@ -6,8 +6,8 @@ fn merge(@builtin(global_invocation_id) id: vec3<u32>) {
     if at >= job.count {
         return;
     }
-    let own = picture.levels[job.level];
-    let finer = picture.levels[job.level - 1u];
+    let own = rendering.levels[job.level];
+    let finer = rendering.levels[job.level - 1u];
     let index = job.first + at;
     let left = 2u * (index % own.x);
     let above = 2u * (index / own.x);

@@ -12,7 +12,7 @@ fn deviations(@builtin(global_invocation_id) id: vec3<u32>) {
     if at >= job.count {
         return;
     }
-    let points = picture.points.x * picture.points.y;
+    let points = rendering.points.x * rendering.points.y;
     let last = min((job.first + at + 1u) * STRETCH, points);
     var high = 0.0;
     var low = 0.0;
@@ -43,10 +43,10 @@ fn rates(@builtin(global_invocation_id) id: vec3<u32>) {
         nodes[point] = Node(ANY_LEVEL, 0u, NONE);
         return;
     }
-    // Level 0 is the buffer's resolution, which is finer than the picture's with antialiasing.
-    let coarsest = i32(picture.coarsest);
+    // Level 0 is the buffer's resolution, which is finer than the rendering's with antialiasing.
+    let coarsest = i32(rendering.coarsest);
     // What no pixel can show still has the most detail of all, so the limit comes after the factor.
-    let level = bandwidth_pyramid_level(picture_bandwidth(settings.caution * predicted[point].w), coarsest);
+    let level = bandwidth_pyramid_level(rendering_bandwidth(settings.caution * predicted[point].w), coarsest);
     let wanted = clamp(level + i32(settings.antialiasing_levels), 0, coarsest);
     let samples = bandwidth_sample_count(predicted[point].y, settings.scale, settings.fewest, settings.most);
     nodes[point] = Node(wanted, samples, point);

@@ -8,11 +8,11 @@ fn resolve(@builtin(global_invocation_id) id: vec3<u32>) {
         return;
     }
     let pixel = job.first + at;
-    let corner = picture.sub * vec2<u32>(pixel % picture.pixels.x, pixel / picture.pixels.x);
-    let all = picture.sub * picture.sub;
+    let corner = rendering.sub * vec2<u32>(pixel % rendering.pixels.x, pixel / rendering.pixels.x);
+    let all = rendering.sub * rendering.sub;
     var sum = vec4<f32>(0.0);
     for (var k = 0u; k < all; k += 1u) {
-        let point = (corner.y + k / picture.sub) * picture.points.x + corner.x + k % picture.sub;
+        let point = (corner.y + k / rendering.sub) * rendering.points.x + corner.x + k % rendering.sub;
         if part_of(point) != NONE {
             sum += vec4<f32>(computed[point].xyz, 1.0);
         }

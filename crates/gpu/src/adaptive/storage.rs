@@ -10,8 +10,8 @@ use wgpu::{BindGroup, BindingResource, Buffer, BufferUsages};
 
 /// Slices of samples, and nodes with slices, of one submission.
 pub(super) const SLICES: usize = 1 << 19;
-/// Levels that the shader's `Picture` has place for.
-const MOST_LEVELS: usize = 20;
+/// Levels that the shader's `Rendering` has place for.
+const MAX_LEVELS: usize = 20;
 /// 32-bit words of the shader's `Settings`.
 pub(super) const SETTINGS_WORDS: usize = 12;
 /// Bytes of a vector of four 32-bit numbers.
@@ -23,7 +23,7 @@ const FEWEST: u64 = 64;
 
 /// What a camera sees of a scene, on the device.
 pub struct LoadedGBuffer {
-    /// Of the picture.
+    /// Of the rendering.
     pub(super) frame: Frame,
     pub(super) camera: Camera,
     pub(super) antialiasing_levels: u32,
@@ -83,7 +83,7 @@ pub(super) fn allocate(
     let limits = gpu.device.limits();
     let most = limits.max_storage_buffer_binding_size.min(limits.max_buffer_size);
     let wanted = VECTOR * nodes.max(FEWEST);
-    if wanted > most || levels.len() > MOST_LEVELS {
+    if wanted > most || levels.len() > MAX_LEVELS {
         let [width, height] = size;
         let text = format!(
             "adaptive shading of {width} x {height} points takes a buffer of {wanted} bytes; this adapter binds at \
@@ -99,10 +99,10 @@ pub(super) fn allocate(
             mapped_at_creation: false,
         })
     };
-    let picture = picture_words(camera, frame, antialiasing_levels, size, &levels);
-    let picture = gpu.buffer(bytemuck::cast_slice(&picture), BufferUsages::UNIFORM);
+    let rendering = rendering_words(camera, frame, antialiasing_levels, size, &levels);
+    let rendering = gpu.buffer(bytemuck::cast_slice(&rendering), BufferUsages::UNIFORM);
     let (settings, job) = (uniform(SETTINGS_WORDS), uniform(8));
-    let uniforms = [&picture, &settings, &job].map(Buffer::as_entire_binding);
+    let uniforms = [&rendering, &settings, &job].map(Buffer::as_entire_binding);
     let seen = uniforms.into_iter().chain(target.views().map(BindingResource::TextureView));
     let points = (size[0] * size[1]) as u64;
     let storage = Storage {
@@ -150,8 +150,8 @@ fn levels([width, height]: [usize; 2]) -> Vec<[usize; 3]> {
     levels
 }
 
-/// The shader's `Picture`.
-fn picture_words(
+/// The shader's `Rendering`.
+fn rendering_words(
     camera: &Camera,
     frame: Frame,
     antialiasing_levels: u32,
@@ -159,7 +159,7 @@ fn picture_words(
     levels: &[[usize; 3]],
 ) -> Vec<u32> {
     let (right, up, _) = camera.basis();
-    let mut words = Vec::with_capacity(20 + 4 * MOST_LEVELS);
+    let mut words = Vec::with_capacity(20 + 4 * MAX_LEVELS);
     for vector in [camera.eye, right, up] {
         words.extend(vector.map(|c| (c as f32).to_bits()));
         words.push(0);
@@ -169,6 +169,6 @@ fn picture_words(
     for [width, height, first] in levels {
         words.extend([*width as u32, *height as u32, *first as u32, 0]);
     }
-    words.resize(20 + 4 * MOST_LEVELS, 0);
+    words.resize(20 + 4 * MAX_LEVELS, 0);
     words
 }

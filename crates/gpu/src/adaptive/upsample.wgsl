@@ -18,12 +18,12 @@ struct Guide {
 
 // The point that a node of a level stands for: that in the middle of its square, or else the first that shows a surface.
 fn stands_for(level: u32, index: u32) -> u32 {
-    let own = picture.levels[level];
+    let own = rendering.levels[level];
     if level > 0u {
         let corner = vec2<u32>(index % own.x, index / own.x) << vec2<u32>(level);
         let middle = corner + vec2<u32>(1u << (level - 1u));
-        if all(middle < picture.points) {
-            let point = middle.y * picture.points.x + middle.x;
+        if all(middle < rendering.points) {
+            let point = middle.y * rendering.points.x + middle.x;
             if part_of(point) != NONE {
                 return point;
             }
@@ -34,8 +34,8 @@ fn stands_for(level: u32, index: u32) -> u32 {
 
 // The weighted mean of what was computed around a node at the coarser level, and 1; 0 where nothing fits.
 fn upsampled(point: u32, index: u32, level: u32) -> vec4<f32> {
-    let own = picture.levels[level];
-    let coarser = picture.levels[level + 1u];
+    let own = rendering.levels[level];
+    let coarser = rendering.levels[level + 1u];
     let place = vec2<u32>(index % own.x, index / own.x);
     let spacing = f32(1u << (level + 1u));
     let here = guide_of(point);

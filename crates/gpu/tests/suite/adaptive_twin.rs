@@ -333,7 +333,7 @@ fn each_step_does_what_its_twin_does() {
 /// Small changes of the shaders, and by what each is noticed.
 const CHANGES: [(&str, &str, &str); 32] = [
     ("product(turned, turned) / length_squared", "product(turned, turned)", "curvature"),
-    ("rise * rise > LARGEST_RISE_SQUARED", "rise > LARGEST_RISE_SQUARED", "curvature"),
+    ("rise * rise > MAX_RISE_SQUARED", "rise > MAX_RISE_SQUARED", "curvature"),
     ("0.0, surface, viewer.w)", "0.0, surface, 1.0)", "bandwidth"),
     ("outgoing.z, bend, lobe", "outgoing.z, 0.0, lobe", "bandwidth"),
     ("Bandwidth(0.0, found.y), 0.0", "Bandwidth(0.0, lobe), 0.0", "bandwidth"),
@@ -344,8 +344,8 @@ const CHANGES: [(&str, &str, &str); 32] = [
     ("own[k] = share_of(points[k], k)", "own[k] = share_of(points[k], 0u)", "bandwidth"),
     ("joined(all, share_of(point, next))", "all", "deviation"),
     ("job.material.albedo *", "0.4 *", "deviation"),
-    ("picture_bandwidth(settings.caution * predicted[point].w)", "picture_bandwidth(predicted[point].w)", "levels"),
-    ("picture_bandwidth(settings.caution * predicted[point].w)", "settings.caution * predicted[point].x", "levels"),
+    ("rendering_bandwidth(settings.caution * predicted[point].w)", "rendering_bandwidth(predicted[point].w)", "levels"),
+    ("rendering_bandwidth(settings.caution * predicted[point].w)", "settings.caution * predicted[point].x", "levels"),
     ("level + i32(settings.antialiasing_levels)", "level", "levels"),
     ("covered += 1u", "covered += 2u", "samples"),
     ("min(a.wanted, b.wanted)", "max(a.wanted, b.wanted)", "pyramids"),
@@ -389,7 +389,7 @@ fn changed_shaders_are_noticed() {
 
 /// From end to end: where a level or a count falls on the other side, so does little else.
 #[test]
-fn whole_pictures_are_those_of_the_cpu() {
+fn whole_renderings_are_those_of_the_cpu() {
     let Some(gpu) = crate::common::gpu() else { return };
     let renderer = AdaptiveRenderer::new(gpu).unwrap();
     let world = World::new(Builtin::Table, EXACT);
@@ -412,12 +412,12 @@ fn whole_pictures_are_those_of_the_cpu() {
 fn the_sampler_filters_nearly_as_the_shader_does() {
     let Some(gpu) = crate::common::gpu() else { return };
     let renderer = AdaptiveRenderer::new(gpu).unwrap();
-    let pictures = [SliceFilter::Exact, SliceFilter::Hardware].map(|slices| {
+    let renderings = [SliceFilter::Exact, SliceFilter::Hardware].map(|slices| {
         let world = World::new(Builtin::BumpyBall, Decoding { slices, level: Some(3.0), ..EXACT });
         let loaded = world.load(&renderer);
         renderer.forward(&loaded, &g_buffer(&renderer, &loaded, &world, 0), 8).unwrap()
     });
-    let [exact, hardware] = &pictures;
+    let [exact, hardware] = &renderings;
     let found = of_radiance(&exact.pixels, &hardware.pixels);
     assert!(found > 0.0 && found < 0.1, "{found}");
 }

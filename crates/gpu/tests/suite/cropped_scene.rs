@@ -66,7 +66,7 @@ fn by_cpu(scene: &Scene, pack: &BrdfPack) -> LinearImage {
 
 fn largest_difference(a: &LinearImage, b: &LinearImage) -> f64 {
     let brightest = b.pixels.iter().flatten().fold(0.0f32, |most, value| most.max(*value));
-    assert!(brightest > 0.0, "a black picture says nothing");
+    assert!(brightest > 0.0, "a black rendering says nothing");
     let differences = a.pixels.iter().flatten().zip(b.pixels.iter().flatten()).map(|(a, b)| (a - b).abs());
     f64::from(differences.fold(0.0, f32::max) / brightest)
 }

@@ -83,7 +83,7 @@ static SMALLER: LazyLock<FlatBtfParts> = LazyLock::new(|| {
 
 /// The terrain shows texels far away; the plane shows what takes few bytes beside what takes many.
 #[test]
-fn shader_and_cpu_draw_the_same_pictures_of_factors() {
+fn shader_and_cpu_draw_the_same_renderings_of_factors() {
     let Some(gpu) = crate::common::gpu() else { return };
     let (many, few) = (material(&STUD), material(&SMALLER));
     for builtin in [Builtin::Plane, Builtin::Vase, Builtin::Terrain] {
@@ -131,7 +131,7 @@ fn without_mipmaps(values: &FlatValues) -> FlatValues {
 }
 
 #[test]
-fn shader_and_cpu_draw_the_same_pictures() {
+fn shader_and_cpu_draw_the_same_renderings() {
     let Some(gpu) = crate::common::gpu() else { return };
     let material = material(&STUD);
     // The table has bump maps: they are for BRDFs.

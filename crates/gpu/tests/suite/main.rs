@@ -1,4 +1,4 @@
-//! Shaders against their twins, and pictures against the reference renderer.
+//! Shaders against their twins, and renderings against the reference renderer.
 
 mod adaptive_twin;
 mod bandwidth_twin;

@@ -1,11 +1,11 @@
-//! Polynomial wavelet trees on scenes: the shader against the CPU, and the CPU against the pictures that were encoded.
+//! Polynomial wavelet trees on scenes: the shader against the CPU, and the CPU against the renderings that were encoded.
 
 use brdfc_formats::bindings::FrameBlock;
 use brdfc_formats::pwt::{PwtDecoder, PwtPack};
 use brdfc_gpu::{draw_pwt, draw_pwt_by, pwt_scene_source};
 use brdfc_metrics::image::{LinearImage, auto_exposure, compare_images};
 use brdfc_pwt::{LightSamples, PwtRecipe, encode};
-use brdfc_render::pwt::{Photograph, PwtMaterial, distant_light, draw_on_cpu, draw_photographs, picture_scene};
+use brdfc_render::pwt::{Photograph, PwtMaterial, distant_light, draw_on_cpu, draw_photographs, rendering_scene};
 use brdfc_render::scene::{Frame, Scene};
 use brdfc_render::scenes::Builtin;
 use std::sync::LazyLock;
@@ -23,7 +23,7 @@ static SAMPLES: LazyLock<LightSamples> = LazyLock::new(|| {
         })
     };
     let lights: Vec<[f32; 3]> = ring(0.95, 6).chain(ring(0.7, 12)).chain(ring(0.35, 14)).collect();
-    let picture = |light: &[f32; 3]| {
+    let rendering = |light: &[f32; 3]| {
         let pixel = |at: usize| {
             let [x, y] = [at % SIZE[0], at / SIZE[0]].map(|k| k as f32 / 16.0 * std::f32::consts::TAU);
             let slope = [0.4 * x.cos() * y.sin(), 0.4 * x.sin() * y.cos()];
@@ -34,8 +34,8 @@ static SAMPLES: LazyLock<LightSamples> = LazyLock::new(|| {
         };
         (0..SIZE[0] * SIZE[1]).map(pixel).collect()
     };
-    let pictures = lights.iter().map(picture).collect();
-    LightSamples { size: SIZE, lights, pictures, repeats: false, defined: None }
+    let renderings = lights.iter().map(rendering).collect();
+    LightSamples { size: SIZE, lights, renderings, repeats: false, defined: None }
 });
 
 static PACK: LazyLock<PwtPack> = LazyLock::new(|| encode(&SAMPLES, &PwtRecipe::default()).unwrap().pack);
@@ -45,7 +45,7 @@ fn material() -> PwtMaterial {
 }
 
 fn scenes() -> [Scene; 3] {
-    let above = picture_scene(SIZE, [FRAME.width, FRAME.height]);
+    let above = rendering_scene(SIZE, [FRAME.width, FRAME.height]);
     let mut oblique = above.clone();
     oblique.camera = Builtin::Plane.scene().camera;
     oblique.lights.push(distant_light([0.6, -0.3, 0.74]));
@@ -57,7 +57,7 @@ fn mean_delta_e(a: &LinearImage, b: &LinearImage) -> f64 {
 }
 
 #[test]
-fn shader_and_cpu_draw_the_same_pictures() {
+fn shader_and_cpu_draw_the_same_renderings() {
     let Some(gpu) = crate::common::gpu() else { return };
     let material = material();
     for (number, scene) in scenes().iter().enumerate() {
@@ -76,11 +76,11 @@ fn shader_and_cpu_draw_the_same_pictures() {
 /// Known answer: under the light of a photograph, the pack looks like it.
 #[test]
 fn a_pack_looks_like_the_photograph_of_its_light() {
-    let mut scene = picture_scene(SIZE, [FRAME.width, FRAME.height]);
+    let mut scene = rendering_scene(SIZE, [FRAME.width, FRAME.height]);
     let material = material();
     let drawn = |light: usize, photograph: usize, scene: &mut Scene| {
         scene.lights = vec![distant_light(SAMPLES.lights[light].map(f64::from))];
-        let reference = Photograph::new(SIZE, SAMPLES.pictures[photograph].clone(), false);
+        let reference = Photograph::new(SIZE, SAMPLES.renderings[photograph].clone(), false);
         let reference = draw_photographs(scene, FRAME, &[reference], 1);
         mean_delta_e(&draw_on_cpu(scene, FRAME, &material), &reference)
     };

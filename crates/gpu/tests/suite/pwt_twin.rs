@@ -33,7 +33,7 @@ const SHAPES: [Shape; 3] = [
         repeats: true,
         textures: &[[0, 4, 3], [1, 2, 4], [3, 1, 5], [4, 4, 2]],
     },
-    // A picture that its texels go beyond; the first texture lacks fine levels.
+    // A rendering that its texels go beyond; the first texture lacks fine levels.
     Shape { size: [37, 61], extent: [40, 64], levels: 3, repeats: false, textures: &[[1, 4, 6], [3, 1, 3]] },
     // One level, one layer.
     Shape { size: [13, 7], extent: [13, 7], levels: 0, repeats: false, textures: &[[0, 4, 1]] },
@@ -102,7 +102,7 @@ fn light(numbers: &mut Numbers) -> [f32; 3] {
     [r * phi.cos(), r * phi.sin(), z].map(|c| c as f32)
 }
 
-/// Places of one level: within the picture, beyond it, and on its borders.
+/// Places of one level: within the rendering, beyond it, and on its borders.
 fn queries(level: f32, count: usize, seed: u64) -> Vec<PwtQuery> {
     let mut numbers = Numbers::new(seed);
     let edges = [0.0, 1.0, -1.0, 0.5, -1e-9, 0.999_999_94, 37.25];

@@ -1,4 +1,4 @@
-//! The rasteriser against the CPU's ray caster: the same scenes, the same packs, the same pictures.
+//! The rasteriser against the CPU's ray caster: the same scenes, the same packs, the same renderings.
 
 use brdfc_core::address::parse_synth;
 use brdfc_formats::BrdfPack;
@@ -51,7 +51,7 @@ fn difference(a: &LinearImage, b: &LinearImage) -> (f64, f64) {
 }
 
 #[test]
-fn shader_and_cpu_draw_the_same_pictures() {
+fn shader_and_cpu_draw_the_same_renderings() {
     let Some(gpu) = crate::common::gpu() else { return };
     let pack = pack("synth:ward?kd=0.3,0.1,0.05&ks=0.1&ax=0.2&ay=0.5");
     for (name, builtin) in Builtin::NAMES {

@@ -90,9 +90,9 @@ pub struct MeshFacts {
     /// The period with which it closes, if one was found: 1, or the side of a square bounding box.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub tile: Option<f64>,
-    /// What would be mended with this period.
+    /// What would be repaired with this period.
     #[serde(skip_serializing_if = "Option::is_none")]
-    #[serde(rename = "mended")]
+    #[serde(rename = "repaired")]
     pub repairs: Option<WeldReport>,
     /// Why it does not close.
     #[serde(skip_serializing_if = "Option::is_none")]

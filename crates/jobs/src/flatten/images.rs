@@ -41,7 +41,7 @@ pub(super) fn write_images(
         let seen = ViewImage::new(model, *direction, size, recipe.oversampling);
         let write = |light: usize| {
             let image = seen.direct(model, appearance, lights[light]);
-            // Row 0 of a picture is its top.
+            // Row 0 of a rendering is its top.
             let rows: Vec<[f32; 3]> = image.chunks_exact(size).rev().flatten().copied().collect();
             let angles = ImageAngles { light: recipe.lights.angles[light], view: recipe.views.angles[view] };
             write_image(folder, light * views.len() + view, angles, &rows, [size; 2], format)

@@ -45,7 +45,7 @@ pub struct MesoOptions {
 pub struct Geometry {
     /// The surface.
     pub mesh: PeriodicMesh,
-    /// What was mended, for meshes.
+    /// What was repaired, for meshes.
     pub weld: Option<WeldReport>,
     /// Names of the mesh's materials, in the order of its weights; empty for one without.
     pub material_names: Vec<String>,

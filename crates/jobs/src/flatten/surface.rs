@@ -68,7 +68,7 @@ fn mesh_in_words(mesh: &MeshFacts) -> Vec<(&'static str, String)> {
     if let Some(repairs) = &mesh.repairs {
         lines.push(("surface", format!("{} vertices, {} triangles", repairs.vertices, repairs.triangles)));
         let words = repairs_in_words(repairs);
-        lines.push(("mended", if words.is_empty() { "nothing".to_owned() } else { words.join("; ") }));
+        lines.push(("repaired", if words.is_empty() { "nothing".to_owned() } else { words.join("; ") }));
     }
     lines
 }

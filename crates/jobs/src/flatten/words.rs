@@ -6,11 +6,11 @@ use brdfc_flat_btf::factored::FactoredTarget;
 use brdfc_flat_btf::probes::ColourErrors;
 use brdfc_flat_btf::weld::WeldReport;
 
-/// Texels per side, and views, below which steps are seen on a plane that fills a picture.
+/// Texels per side, and views, below which steps are seen on a plane that fills a rendering.
 const FEW_TEXELS: usize = 128;
 const FEW_VIEWS: usize = 40;
 
-/// What a user should know of an asset: what was mended, and what no view sees.
+/// What a user should know of an asset: what was repaired, and what no view sees.
 pub fn remarks(asset: &AssetFile) -> Vec<String> {
     let mut lines = asset.report.repairs.as_ref().map(repairs_in_words).unwrap_or_default();
     if asset.report.never_seen > 0 {
@@ -35,22 +35,22 @@ pub fn missed(asset: &AssetFile) -> Option<String> {
     let found = f64::from(factored.errors.seen_mean);
     (found > most).then(|| {
         format!(
-            "mean ΔE of factors where texels are seen: found {found:.3} with {} components, the best of {} that were tried; \
-             allowed {most}",
+            "mean ΔE of factors where texels are seen: found {found:.3} with {} components, the best of {} that were tried, \
+             expected {most}",
             factored.components,
             factored.tried.len()
         )
     })
 }
 
-/// What was mended in a mesh; nothing where it was whole.
+/// What was repaired in a mesh; nothing where it was whole.
 pub fn repairs_in_words(repairs: &WeldReport) -> Vec<String> {
     [
         (repairs.unreferenced_vertices, "vertices that no triangle has were left out"),
         (repairs.degenerate_triangles, "triangles with two equal corners were left out"),
         (repairs.duplicate_triangles, "triangles that were there twice were left out"),
         (repairs.turned_triangles, "triangles were turned over, so that outside is up"),
-        (repairs.exchanged_edges, "triangles without area were mended"),
+        (repairs.exchanged_edges, "triangles without area were repaired"),
     ]
     .into_iter()
     .filter(|(count, _)| *count > 0)

@@ -97,7 +97,7 @@ impl OutputFolder {
                 () => "a file that no build wrote",
             };
             let allowed = "nothing, or what an earlier build wrote there (--force replaces a file)";
-            return Err(Error::io(format!("{}: found {found}; allowed {allowed}", path.display())));
+            return Err(Error::io(format!("{}: found {found}, expected {allowed}", path.display())));
         }
         Ok(())
     }

@@ -1,14 +1,14 @@
-//! Photographs and what was made of them, held against each other one by one: no picture is kept.
+//! Photographs and what was made of them, held against each other one by one: no rendering is kept.
 
 use super::input::refused;
 use crate::error::Error;
 use brdfc_formats::pwt::PwtDecoder;
 use brdfc_formats::{FormatError, Pack};
 use brdfc_pwt::measure::{PhotographSums, StackErrors, photograph_sums};
-use brdfc_pwt::ptm::picture_rows;
+use brdfc_pwt::ptm::rendering_rows;
 use brdfc_readers::ptm::Ptm;
-use brdfc_source::light_stack::{LightStack, is_light_stack};
 use brdfc_source::pack::open_pack;
+use brdfc_source::rti_capture::{RtiCapture, is_rti_capture};
 use brdfc_source::{Input, InputError, ptm};
 use rayon::prelude::*;
 use std::ops::Range;
@@ -20,7 +20,7 @@ const BAND: usize = 64;
 const SAME_LIGHT: f32 = 1e-4;
 
 /// What may be held against photographs.
-const ALLOWED: &str = "a pack of 'brdfc pwt', a .ptm or a light stack";
+const ALLOWED: &str = "a pack of 'brdfc pwt', a .ptm or an RTI capture";
 
 /// Errors of what was made of photographs.
 #[derive(Debug, Clone, serde::Serialize, schemars::JsonSchema)]
@@ -43,20 +43,20 @@ pub struct PhotographErrors {
     pub delta_e: f64,
 }
 
-/// What shows a picture under a light of the reference.
+/// What shows a rendering under a light of the reference.
 enum Shown {
     Pack(Box<PwtDecoder>),
     Map(Ptm),
-    Stack(LightStack),
+    Stack(RtiCapture),
 }
 
-/// Measures a pack, a polynomial texture map or another light stack against the photographs of a light stack, as sRGB levels
+/// Measures a pack, a polynomial texture map or another RTI capture against the photographs of an RTI capture, as sRGB levels
 /// and by ΔE (CIE76).
 ///
 /// # Errors
 /// What cannot be read or is none of these; another size; a stack under other lights.
 pub fn compare_photographs(reference: &Path, input: &Input) -> Result<PhotographComparison, Error> {
-    let stack = LightStack::open(reference)?;
+    let stack = RtiCapture::open(reference)?;
     let shown = Shown::open(input, &stack)?;
     let width = stack.size()[0];
     let of_light = |light: usize| -> Result<PhotographSums, InputError> {
@@ -82,15 +82,15 @@ pub fn compare_photographs(reference: &Path, input: &Input) -> Result<Photograph
 }
 
 impl Shown {
-    fn open(input: &Input, reference: &LightStack) -> Result<Self, Error> {
+    fn open(input: &Input, reference: &RtiCapture) -> Result<Self, Error> {
         let shown = match input.extension()?.as_str() {
             "ktx2" => match open_pack(input)? {
                 Pack::Pwt(pack) => Self::Pack(Box::new(PwtDecoder::new(pack))),
                 other => return Err(refused(input, "pack", other.kind().in_words(), ALLOWED)),
             },
             ptm::EXTENSION => Self::Map(ptm::open_ptm(input)?),
-            _ => match input.path().filter(|path| is_light_stack(path)) {
-                Some(path) => Self::Stack(LightStack::open(path)?),
+            _ => match input.path().filter(|path| is_rti_capture(path)) {
+                Some(path) => Self::Stack(RtiCapture::open(path)?),
                 None => return Err(refused(input, "input", "none of these", ALLOWED)),
             },
         };
@@ -118,7 +118,7 @@ impl Shown {
                 let weights = decoder.pack().header().weights(light);
                 decoder.unpacked_rows(0, rows.clone()).rows(rows, &weights)
             }
-            Self::Map(map) => picture_rows(map, light, rows),
+            Self::Map(map) => rendering_rows(map, light, rows),
             Self::Stack(_) => Vec::new(),
         }
     }

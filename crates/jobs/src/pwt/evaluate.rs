@@ -1,4 +1,4 @@
-//! Values at places of pictures and tiles: of polynomial wavelet trees, and of flat BTFs.
+//! Values at places of renderings and tiles: of polynomial wavelet trees, and of flat BTFs.
 
 use brdfc_formats::Pack;
 use brdfc_formats::pwt::PwtDecoder;
@@ -8,7 +8,7 @@ use brdfc_source::flat_btf::{flat_btf_file, flat_view, open_flat_btf};
 use brdfc_source::{Input, InputError};
 use rayon::prelude::*;
 
-/// What has a value at a place of a picture.
+/// What has a value at a place of a rendering.
 #[allow(clippy::large_enum_variant)]
 pub enum Relightable {
     /// A polynomial wavelet tree: one view.
@@ -63,7 +63,7 @@ impl Relightable {
                 if query.incoming[2] <= 0.0 || query.outgoing[2] <= 0.0 {
                     return [0.0; 3];
                 }
-                // Down on the picture is back along the bitangent.
+                // Down on the rendering is back along the bitangent.
                 let [u, v] = query.uv;
                 material.value(FlatForm::Full, [u, 1.0 - v], coarser, query.outgoing, query.incoming)
             }

@@ -9,11 +9,11 @@ use serde::Serialize;
 /// What is worth knowing of a level of detail.
 #[derive(Debug, Clone, PartialEq, Serialize, schemars::JsonSchema)]
 pub struct LevelReport {
-    /// 0 is the finest; the last one is what remains of the picture.
+    /// 0 is the finest; the last one is what remains of the rendering.
     pub level: u32,
     /// Subbands of its first channel.
     pub subbands: usize,
-    /// Share of the picture's energy that they have, all channels together.
+    /// Share of the rendering's energy that they have, all channels together.
     pub energy: f64,
     /// Highest degree of any of them; none where all are pruned.
     pub degree: Option<u32>,
@@ -22,7 +22,7 @@ pub struct LevelReport {
 /// What `--json` prints of a pack that was made.
 #[derive(Debug, Clone, PartialEq, Serialize, schemars::JsonSchema)]
 pub struct PwtReport {
-    /// Columns and rows of the picture.
+    /// Columns and rows of the rendering.
     pub size: [u32; 2],
     /// Lights that were fitted.
     pub lights: usize,

@@ -7,7 +7,7 @@ use brdfc_render::adaptive::{LevelCount, Settings};
 use schemars::JsonSchema;
 use serde::Serialize;
 
-/// One picture, drawn adaptively and by the forward renderer, against the ground truth.
+/// One rendering, drawn adaptively and by the forward renderer, against the ground truth.
 #[derive(Debug, Clone, Serialize, JsonSchema)]
 pub struct AdaptiveVerification {
     /// Which scene.
@@ -20,7 +20,7 @@ pub struct AdaptiveVerification {
     pub points: usize,
     /// Points that show a surface.
     pub surface_points: u64,
-    /// Factor from radiance to the display's range [0, 1], for pictures and comparisons.
+    /// Factor from radiance to the display's range [0, 1], for renderings and comparisons.
     pub exposure: f64,
     /// What drew.
     pub adapter: AdapterDescription,
@@ -70,7 +70,7 @@ impl From<&Settings> for AdaptiveSettings {
     }
 }
 
-/// Cost and error of a picture.
+/// Cost and error of a rendering.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, JsonSchema)]
 pub struct Shading {
     /// Samples of incident light.
@@ -81,7 +81,7 @@ pub struct Shading {
     pub shaded: u64,
     /// Seconds to shade, without the G-buffer.
     pub seconds: f64,
-    /// Pixels that hold no number, in the picture or in the ground truth; they are left out of the PSNR.
+    /// Pixels that hold no number, in the rendering or in the ground truth; they are left out of the PSNR.
     pub invalid_pixels: usize,
     /// dB of PSNR against the ground truth, as a display shows both; absent if there is no difference.
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -91,7 +91,7 @@ pub struct Shading {
 }
 
 impl Shading {
-    /// Of a picture of so many points, by its samples and shaded pixels, against the ground truth.
+    /// Of a rendering of so many points, by its samples and shaded pixels, against the ground truth.
     pub fn new(
         image: &LinearImage,
         [samples, shaded]: [u64; 2],

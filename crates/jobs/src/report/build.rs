@@ -151,7 +151,7 @@ impl BuildReport {
     /// What cannot be read, is no report, has another version or names files elsewhere.
     pub fn open(path: &Path) -> Result<Self, Error> {
         let bytes = read_file(path, MAX_TEXT_BYTES)?;
-        let allowed = "the report.json of a build by this version of brdfc, which 'brdfc build' writes anew";
+        let allowed = "the report.json of a build by this version of brdfc, which 'brdfc build' writes again";
         let wrong = |found: String| Error::wrong_input(path.display(), found, allowed);
         let report: Self = serde_json::from_slice(&bytes).map_err(|error| wrong(json_problem(&error)))?;
         if let Some(name) = report.names().find(|name| !is_plain(name)) {

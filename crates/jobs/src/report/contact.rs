@@ -4,7 +4,7 @@ use super::render::Verification;
 use brdfc_core::words::bytes;
 use brdfc_gpu::verify::Views;
 use brdfc_render::contact_sheet::Cell;
-use brdfc_render::picture::{difference_panel, to_panel};
+use brdfc_render::rendering::{difference_panel, to_panel};
 use brdfc_render::within::left_out_in_words;
 use schemars::JsonSchema;
 use serde::Serialize;
@@ -16,13 +16,13 @@ pub struct MaterialVerification {
     pub material: String,
     /// Bytes of its pack on a GPU.
     pub bytes_on_gpu: u64,
-    /// How wrong its picture is. Every material has the exposure of its own picture.
+    /// How wrong its rendering is. Every material has the exposure of its own rendering.
     #[serde(flatten)]
     pub verification: Verification,
 }
 
 impl MaterialVerification {
-    /// Its pictures with a label: source, shader and their difference.
+    /// Its renderings with a label: source, shader and their difference.
     pub fn cell(&self, views: &Views) -> Cell {
         let exposure = self.verification.exposure;
         let reference = views.reference();

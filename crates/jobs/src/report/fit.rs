@@ -31,7 +31,7 @@ pub fn check(limits: FitLimits, errors: ErrorLimits, report: &MaterialReport) ->
     }
     // As of independent errors.
     if let (Some(limit), Some(of_fit)) = (errors.delta_e, fit.delta_e) {
-        let of_pack = report.off_grid.picture.delta_e.mean;
+        let of_pack = report.off_grid.rendering.delta_e.mean;
         let all = of_pack.hypot(of_fit);
         // What the pack misses by itself is reported of the pack.
         if all > limit && (of_pack <= limit || of_fit > limit) {
@@ -77,7 +77,7 @@ mod tests {
         let opened = open("synth:ggx?alpha=0.4", None).expect("a model");
         let made = encode(opened.source.as_ref(), &PackRecipe::default(), &()).expect("a pack");
         let mut report = MaterialReport::new(&made, &opened, &()).expect("it is not cancelled");
-        report.off_grid.picture.delta_e.mean = 0.4;
+        report.off_grid.rendering.delta_e.mean = 0.4;
         report.off_grid.norms.relative_mean = 0.04;
         MaterialReport { fit, ..report }
     }

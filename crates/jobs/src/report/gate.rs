@@ -1,4 +1,4 @@
-//! What a gate saw: a limit that a finished pack or picture is held against.
+//! What a gate saw: a limit that a finished pack or rendering is held against.
 
 use serde::{Deserialize, Serialize};
 
@@ -25,6 +25,6 @@ impl GateResult {
 impl std::fmt::Display for GateResult {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         let Self { gate, found, allowed, .. } = self;
-        write!(f, "{gate}: found {found}; allowed {allowed}")
+        write!(f, "{gate}: found {found}, expected {allowed}")
     }
 }

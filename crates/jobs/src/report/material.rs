@@ -51,8 +51,8 @@ pub struct MaterialReport {
     pub rows_raised: u64,
     /// Rows of a scan of another azimuth of incidence than the others, where there are any.
     pub stray_rows: Option<StrayRows>,
-    /// What had to be mended while the pack was made.
-    #[serde(rename = "mended")]
+    /// What had to be repaired while the pack was made.
+    #[serde(rename = "repaired")]
     pub repairs: Tally,
     /// What it costs that values are the same from both sides, where that was asked for.
     pub averaging: Option<AveragingCost>,
@@ -147,7 +147,7 @@ pub fn remarks(report: &MaterialReport) -> Vec<String> {
     if report.off_grid.albedo_max_difference > ALBEDO * whole {
         let most = report.off_grid.albedo_max_difference;
         lines.push(format!(
-            "the albedo is off by up to {}: narrow or grazing light is missed by pictures of a ball",
+            "the albedo is off by up to {}: narrow or grazing light is missed by renderings of a ball",
             if most < 1000.0 { format!("{most:.3}") } else { format!("{most:.1e}") }
         ));
     }
@@ -176,7 +176,7 @@ const SPREAD: f64 = 0.05;
 /// Lines about a fit that is the weaker part, and about samples that contradict each other.
 fn fit_in_words(fit: &FitError, off_grid: &Comparison) -> Vec<String> {
     let mut lines = Vec::new();
-    if let Some(weakness) = fit.weakness(off_grid.picture.delta_e.mean) {
+    if let Some(weakness) = fit.weakness(off_grid.rendering.delta_e.mean) {
         lines.push(format!("errors are those against a fit to samples, which is the weaker part: {weakness}"));
     }
     if let Some(Repeats { pairs, spread, largest, .. }) = fit.repeats.filter(|repeats| repeats.spread > SPREAD) {
@@ -189,7 +189,7 @@ fn fit_in_words(fit: &FitError, off_grid: &Comparison) -> Vec<String> {
     lines
 }
 
-/// Lines that say in words what had to be mended; empty for a clean source.
+/// Lines that say in words what had to be repaired; empty for a clean source.
 pub fn repairs_in_words(tally: &Tally) -> Vec<String> {
     let share = |count: u64| format!("{:.1} %", 100.0 * count as f64 / tally.evaluations.max(1) as f64);
     [

@@ -21,7 +21,7 @@ pub struct Verification {
     pub height: usize,
     /// Samples per pixel.
     pub samples: usize,
-    /// Factor from radiance to the display's range [0, 1], for pictures and comparisons.
+    /// Factor from radiance to the display's range [0, 1], for renderings and comparisons.
     pub exposure: f64,
     /// What drew.
     pub adapter: AdapterDescription,
@@ -47,9 +47,9 @@ pub struct Verification {
     pub gates: Vec<GateResult>,
 }
 
-/// Limits of a picture against its reference. Those that are absent are none.
+/// Limits of a rendering against its reference. Those that are absent are none.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
-pub struct PictureGates {
+pub struct RenderingGates {
     /// Largest mean ΔE*ab over surfaces.
     pub delta_e: Option<f64>,
     /// Largest 95th percentile of ΔE*ab.
@@ -107,10 +107,10 @@ impl Verification {
         }
     }
 
-    /// Holds the picture against gates. None passes where no surface is seen, no light falls on any, or a pixel holds no
+    /// Holds the rendering against gates. None passes where no surface is seen, no light falls on any, or a pixel holds no
     /// number.
     #[must_use]
-    pub fn checked_by(mut self, gates: &PictureGates, views: &Views) -> Self {
+    pub fn checked_by(mut self, gates: &RenderingGates, views: &Views) -> Self {
         let nothing = self.nothing_seen(views);
         if gates.flip.is_some() {
             let flip = flip(&views.shader, views.reference(), self.exposure, PIXELS_PER_DEGREE);
@@ -132,7 +132,7 @@ impl Verification {
         self
     }
 
-    /// Why the picture says nothing, if that is so.
+    /// Why the rendering says nothing, if that is so.
     pub fn nothing_seen(&self, views: &Views) -> Option<String> {
         let difference = self.checked();
         if difference.pixels == 0 {

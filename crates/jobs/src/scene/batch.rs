@@ -110,7 +110,7 @@ fn of_folder(folder: &Path) -> Result<(Vec<OsString>, Vec<PathBuf>), Error> {
             count => format!("{count} files of other kinds"),
         };
         let allowed = format!("a folder with files {}; packs are taken by name alone", files_but_for(PACKS));
-        return Err(Error::check(format!("{}: found {found}; allowed {allowed}", folder.display())));
+        return Err(Error::check(format!("{}: found {found}, expected {allowed}", folder.display())));
     }
     Ok((measured.into_iter().map(OsString::from).collect(), others))
 }
@@ -122,7 +122,7 @@ fn matching(pattern: &Named, told: impl Display) -> Result<Vec<OsString>, Error>
         let allowed = "a file, or a pattern such as scans/*.binary that files match";
         let found =
             if built.is_empty() { "no file that matches" } else { "packs of a build alone, which are taken by name" };
-        return Err(Error::check(format!("{told}: found {found}; allowed {allowed}")));
+        return Err(Error::check(format!("{told}: found {found}, expected {allowed}")));
     }
     Ok(files.into_iter().map(OsString::from).collect())
 }
@@ -261,7 +261,7 @@ mod tests {
         assert_eq!((names, found.others.len()), (["a", "b", "c", "d", "e"].map(str::to_owned).to_vec(), 3));
         let empty = folder(&["notes.txt"]);
         let error = find(&given(&[empty.path().into()])).unwrap_err().to_string();
-        assert!(error.contains("found one file of another kind; allowed a folder with files .binary"), "{error}");
+        assert!(error.contains("found one file of another kind, expected a folder with files .binary"), "{error}");
     }
 
     #[test]

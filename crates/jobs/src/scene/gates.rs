@@ -14,7 +14,7 @@ use serde::Deserialize;
 #[derive(Debug, Clone, Default, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Require {
-    /// Largest mean ΔE of pictures, with 95 % below four times that.
+    /// Largest mean ΔE of renderings, with 95 % below four times that.
     pub max_delta_e: Option<f64>,
     /// Least share of the highlight's light that is kept.
     pub min_highlight: Option<Fraction>,
@@ -63,16 +63,16 @@ fn check_pack(gates: &Budget, report: &MaterialReport) -> Vec<GateResult> {
     let mut hold = |gate: &str, found: String, allowed: String, passed: bool| {
         results.push(GateResult::new(&format!("require.{gate}"), found, allowed, passed));
     };
-    let (norms, picture) = (&report.off_grid.norms, &report.off_grid.picture.delta_e);
+    let (norms, rendering) = (&report.off_grid.norms, &report.off_grid.rendering.delta_e);
     if let Some(limit) = gates.delta_e {
         let allowed = format!("{limit}, and 95 % below {}", TAIL * limit);
         if is_black(report.off_grid.mean) {
             let found = "no light: the material is black wherever it was looked at";
             hold("max_delta_e", found.to_owned(), allowed, false);
         } else {
-            let found = format!("{:.3}, and 95 % below {:.3}", picture.mean, picture.p95);
+            let found = format!("{:.3}, and 95 % below {:.3}", rendering.mean, rendering.p95);
             // What is no number is not below either.
-            hold("max_delta_e", found, allowed, picture.mean <= limit && picture.p95 <= TAIL * limit);
+            hold("max_delta_e", found, allowed, rendering.mean <= limit && rendering.p95 <= TAIL * limit);
         }
     }
     if let Some(least) = gates.highlight {

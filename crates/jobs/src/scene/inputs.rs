@@ -58,7 +58,7 @@ pub fn read_manifest(path: &Path) -> Result<(String, Manifest), Error> {
     let text = std::str::from_utf8(&bytes).map_err(|error| {
         let line = 1 + bytes[..error.valid_up_to()].iter().filter(|b| **b == b'\n').count();
         let byte = bytes[error.valid_up_to()];
-        Error::input(format!("{}: line {line}, text: found byte {byte:#04x}; allowed UTF-8", path.display()))
+        Error::input(format!("{}: line {line}, text: found byte {byte:#04x}, expected UTF-8", path.display()))
     })?;
     let in_file = |error: &dyn std::fmt::Display| Error::input(format!("{}: {error}", path.display()));
     let manifest = Manifest::parse(text).map_err(|error| in_file(&error))?;

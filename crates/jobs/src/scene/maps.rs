@@ -44,8 +44,8 @@ pub struct MapsReport {
     pub bandwidth: Option<Packed<BandwidthFacts>>,
     /// Samples of its lobes; likewise.
     pub samples: Option<Packed<ImportanceFacts>>,
-    /// What had to be mended while they were made.
-    #[serde(rename = "mended")]
+    /// What had to be repaired while they were made.
+    #[serde(rename = "repaired")]
     pub repairs: Tally,
 }
 

@@ -9,7 +9,7 @@ use unicode_normalization::char::is_combining_mark;
 /// What a name may be.
 pub const ALLOWED: &str = "letters of any script, digits, - and _, as packs are files of that name";
 /// Most bytes (of UTF-8) of a name: with what follows in names of files they are within the 255 of most file systems.
-pub const MOST_BYTES: usize = 200;
+pub const MAX_BYTES: usize = 200;
 /// The file of the whole build.
 const REPORT: &str = "report";
 
@@ -18,8 +18,8 @@ pub fn check_name(name: &str, lit: bool) -> Result<(), String> {
     if name.is_empty() || !name.chars().all(is_allowed) {
         return Err(ALLOWED.to_owned());
     }
-    if name.len() > MOST_BYTES {
-        return Err(format!("at most {MOST_BYTES} bytes, as packs are files of that name"));
+    if name.len() > MAX_BYTES {
+        return Err(format!("at most {MAX_BYTES} bytes, as packs are files of that name"));
     }
     let name = folded(name);
     if name == REPORT {
@@ -46,7 +46,7 @@ pub fn of_file(path: &Path) -> String {
     let stem = composed(&path.file_stem().unwrap_or_default().to_string_lossy());
     let mut name = String::new();
     for c in stem.chars().map(|c| if is_allowed(c) { c } else { '_' }) {
-        if name.len() + c.len_utf8() > MOST_BYTES {
+        if name.len() + c.len_utf8() > MAX_BYTES {
             break;
         }
         name.push(c);

@@ -172,14 +172,14 @@ mod tests {
             Manifest::parse(&text).expect_err(rest).to_string()
         };
         for (rest, expected) in [
-            ("nearest=-1", "line 5, uses[0].nearest: found -1; allowed a distance, 0 or more"),
-            ("nearest=4\nfarthest=3", "line 6, uses[0].farthest: found 3; allowed 4 or more, which is the nearest"),
-            ("view_elevation=[30, 20]", "uses[0].view_elevation: found [30, 20]; allowed [from, to], 0 to 90"),
+            ("nearest=-1", "line 5, uses[0].nearest: found -1, expected a distance, 0 or more"),
+            ("nearest=4\nfarthest=3", "line 6, uses[0].farthest: found 3, expected 4 or more, which is the nearest"),
+            ("view_elevation=[30, 20]", "uses[0].view_elevation: found [30, 20], expected [from, to], 0 to 90"),
             ("light_elevation=[0, 91]", "uses[0].light_elevation: found [0, 91]"),
             ("light_elevation=[10, 12]", "5 apart or more"),
             ("light_elevation=[10]", "uses[0].light_elevation"),
-            ("lighting=['sun']", "uses[0].lighting: found \"sun\"; allowed points, environment"),
-            ("lighting=[]", "uses[0].lighting: found []; allowed one or both"),
+            ("lighting=['sun']", "uses[0].lighting: found \"sun\", expected points, environment"),
+            ("lighting=[]", "uses[0].lighting: found [], expected one or both"),
             ("lighting=['environment']", "the scene has no environment"),
             ("maps=['samples']", "uses[0].maps: found [\"samples\"] without an environment"),
         ] {

@@ -4,7 +4,7 @@ use std::ops::Range;
 
 /// A manifest that is wrong.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
-#[error("line {line}, {field}: found {found}; allowed {allowed}{}", suggestion.as_ref().map_or(String::new(), |s| format!(" (did you mean {s}?)")))]
+#[error("line {line}, {field}: found {found}, expected {allowed}{}", suggestion.as_ref().map_or(String::new(), |s| format!(" (did you mean {s}?)")))]
 pub struct ManifestError {
     /// Line, from 1.
     pub line: usize,

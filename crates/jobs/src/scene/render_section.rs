@@ -28,7 +28,7 @@ pub struct RenderSection {
     pub samples: Option<usize>,
     /// Factor from radiance to the display's range.
     pub exposure: Option<f64>,
-    /// What goes over all parts instead of materials, relative to the manifest: a flat BTF or the pack of a light stack.
+    /// What goes over all parts instead of materials, relative to the manifest: a flat BTF or the pack of an RTI capture.
     pub asset: Option<String>,
     /// A latitude-longitude EXR file, relative to the manifest, that mirrors show.
     pub environment: Option<String>,
@@ -113,7 +113,7 @@ const LIGHT_KEYS: &[Key] = &[
 const SIDES: &str = "1 to 8192";
 const SAMPLES: &str = "1 to 16";
 const ANGLES: &str = "1 to 170 degrees";
-const ASSETS: &str = "the folder or the .json of a flat BTF, or the pack of a light stack";
+const ASSETS: &str = "the folder or the .json of a flat BTF, or the pack of an RTI capture";
 
 impl RenderSection {
     /// Checks ranges.

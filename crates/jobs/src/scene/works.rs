@@ -97,7 +97,7 @@ impl FromStr for Shard {
             let shard = Self { number: number.parse().ok()?, count: count.parse().ok()? };
             (1 <= shard.number && shard.number <= shard.count).then_some(shard)
         });
-        parsed.ok_or_else(|| "allowed a number from 1 on and how many there are, such as 2/8".to_owned())
+        parsed.ok_or_else(|| "expected a number from 1 on and how many there are, such as 2/8".to_owned())
     }
 }
 

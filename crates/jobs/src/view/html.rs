@@ -35,7 +35,7 @@ body.embedded { grid-template: 1fr / 1fr; height: 100%; } .embedded form { displ
 
 /// The colours of differences.
 fn ramp() -> String {
-    let colours = brdfc_render::picture::RAMP.map(|[r, g, b]| format!("rgb({r} {g} {b})"));
+    let colours = brdfc_render::rendering::RAMP.map(|[r, g, b]| format!("rgb({r} {g} {b})"));
     format!(":root {{ --ramp: {}; }}", colours.join(", "))
 }
 
@@ -46,7 +46,7 @@ pub(super) fn html(title: &str, data: &PageData) -> String {
     let body = html! {
         div #stage {
             canvas #canvas tabindex="0" aria-label="The material on a surface. Arrow keys turn it, with Shift they move the light." {}
-            input type="range" name="split" form="controls" min="0" max="1" step="0.002" aria-label="Where the left picture ends";
+            input type="range" name="split" form="controls" min="0" max="1" step="0.002" aria-label="Where the left rendering ends";
             div #border {}
             p #wrong hidden {}
         }
@@ -73,7 +73,7 @@ fn controls(title: &str, data: &PageData) -> Markup {
                     label { input type="radio" name="mode" value=(value); " " (what) }
                 }
             }
-            p #scale .soft { "ΔE 0 " span.scale {} " " (brdfc_render::picture::DELTA_E_FULL_SCALE) }
+            p #scale .soft { "ΔE 0 " span.scale {} " " (brdfc_render::rendering::DELTA_E_FULL_SCALE) }
             p #whole { "Drawing …" }
             p #here .soft {}
             div #levels {
@@ -88,7 +88,7 @@ fn controls(title: &str, data: &PageData) -> Markup {
             }
             p {
                 button type="button" #again { "Start again" } " "
-                button type="button" #save { "Save the picture" }
+                button type="button" #save { "Save the rendering" }
             }
             p.soft {
                 "Shift or the right button drags the light; the wheel, two fingers, + and - go nearer and farther; arrow keys turn, \

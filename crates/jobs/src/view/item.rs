@@ -88,12 +88,12 @@ impl ViewItem {
         }
     }
 
-    /// Scenes that it goes onto, the first one foremost; a picture goes onto a plane of its own shape.
+    /// Scenes that it goes onto, the first one foremost; a rendering goes onto a plane of its own shape.
     pub(super) fn scenes(&self) -> Vec<ItemScene> {
         match &self.drawn {
             Drawn::Brdf(_) => OF_BRDFS.map(ItemScene::Builtin).to_vec(),
             Drawn::FlatBtf(..) => OF_FLAT_BTFS.map(ItemScene::Builtin).to_vec(),
-            Drawn::Pwt(pack) => vec![ItemScene::Picture(pack.header().size)],
+            Drawn::Pwt(pack) => vec![ItemScene::Rendering(pack.header().size)],
         }
     }
 
@@ -111,8 +111,8 @@ impl ViewItem {
 pub(super) enum ItemScene {
     /// One of the renderer's.
     Builtin(Builtin),
-    /// A picture of so many pixels on the ground, seen from above.
-    Picture([u32; 2]),
+    /// A rendering of so many pixels on the ground, seen from above.
+    Rendering([u32; 2]),
 }
 
 impl ItemScene {
@@ -120,7 +120,7 @@ impl ItemScene {
     pub(super) fn name(self) -> String {
         match self {
             Self::Builtin(builtin) => builtin.name().to_owned(),
-            Self::Picture([width, height]) => format!("picture {width} x {height}"),
+            Self::Rendering([width, height]) => format!("rendering {width} x {height}"),
         }
     }
 }

@@ -13,9 +13,9 @@ use brdfc_core::words::bytes;
 use brdfc_formats::flat_btf::FlatBtfFile;
 use brdfc_formats::{BrdfPack, FormatError, Pack};
 use brdfc_source::flat_btf::open_flat_btf;
-use brdfc_source::light_stack::is_light_stack;
 use brdfc_source::open::open;
 use brdfc_source::pack::open_pack;
+use brdfc_source::rti_capture::is_rti_capture;
 use brdfc_source::{Input, InputError};
 use brdfc_table::encode::encode;
 use brdfc_table::recipe::{Size, TableRecipe};
@@ -25,15 +25,15 @@ use std::path::Path;
 const ALLOWED: &str = "a pack of a BRDF, a flat BTF, a pack of 'brdfc pwt', the folder of a \
                        build, or a material; several of them by their names";
 
-/// Bytes of the table that a source is drawn as, larger than packs are. Four times as many bring pictures of measured materials
+/// Bytes of the table that a source is drawn as, larger than packs are. Four times as many bring renderings of measured materials
 /// nearer to them by 0.03 ΔE at most.
 const TABLE_BYTES: u64 = 128 << 10;
 /// Most bytes of textures of all materials: a page is to open in a browser.
-const MOST_BYTES: u64 = 256 << 20;
+const MAX_BYTES: u64 = 256 << 20;
 
 /// Refuses more textures than a page should hold.
 pub(super) fn check_bytes(name: &str, size: u64) -> Result<(), Error> {
-    if size <= MOST_BYTES {
+    if size <= MAX_BYTES {
         return Ok(());
     }
     let allowed = "256 MiB in a page: fewer materials, or smaller ones";
@@ -101,9 +101,9 @@ fn of_input(input: &Input, progress: &dyn Progress) -> Result<ViewItem, Error> {
         if is_flat_btf(path) {
             return of_flat_btf(name, path);
         }
-        if is_light_stack(path) {
+        if is_rti_capture(path) {
             let allowed = "a pack of it, which 'brdfc pwt' makes";
-            return Err(refused(&input.to_string(), "a light stack", allowed));
+            return Err(refused(&input.to_string(), "an RTI capture", allowed));
         }
         if path.is_dir() {
             let found = if has_packs(path) { "a folder of packs without the report of a build" } else { "a folder" };
@@ -133,9 +133,9 @@ fn of_brdf(name: String, pack: BrdfPack) -> ViewItem {
         many => format!("{many} fetches"),
     };
     let mut facts = format!("{}, {} on a GPU, {fetches}", pack.variant(), bytes(pack.gpu_bytes()));
-    match (pack.picture(), pack.off_grid().relative_mean) {
-        (Some(picture), _) if picture.max > 0.0 => {
-            facts += &format!(", ΔE {:.2} of a ball against its source", picture.mean);
+    match (pack.rendering(), pack.off_grid().relative_mean) {
+        (Some(rendering), _) if rendering.max > 0.0 => {
+            facts += &format!(", ΔE {:.2} of a ball against its source", rendering.mean);
         }
         (None, error) if error > 0.0 => {
             facts += &format!(", ε_r {} against its source", brdfc_core::words::percent(error.into()));
@@ -155,7 +155,7 @@ fn of_source(name: String, input: &str, source: &dyn Source, progress: &dyn Prog
         error => Error::input(error).prefixed(input),
     })?;
     let table = encoded.pack;
-    let error = table.picture.mean;
+    let error = table.rendering.mean;
     let size = bytes(table.gpu_bytes());
     let facts = format!("the source as a table of {size}: ΔE {error:.2} of a ball against the source itself");
     Ok(ViewItem { name, facts, drawn: Drawn::Brdf(BrdfPack::Table(table)) })

@@ -51,13 +51,13 @@ impl PageShader {
 
     /// What shows what was drawn.
     pub(super) fn showing() -> Self {
-        let colours = brdfc_render::picture::RAMP.map(|rgb| {
+        let colours = brdfc_render::rendering::RAMP.map(|rgb| {
             let [r, g, b] = rgb.map(|code| code / 255.0);
             format!("vec3<f32>({r:.6}, {g:.6}, {b:.6})")
         });
         let ramp = format!(
             "const FULL_SCALE: f32 = {:?};\nconst RAMP: array<vec3<f32>, {}> = array<vec3<f32>, {}>({});\n",
-            brdfc_render::picture::DELTA_E_FULL_SCALE,
+            brdfc_render::rendering::DELTA_E_FULL_SCALE,
             colours.len(),
             colours.len(),
             colours.join(", ")

@@ -60,7 +60,7 @@ fn exr_stacks_come_back_to_the_bit() {
         }
     }
     assert_ne!(pixels(1, 2), pixels(2, 1), "the test can tell images apart");
-    for (view, light, part) in [(9, 0, "view: found 9; allowed less than 9"), (0, 4, "light: found 4")] {
+    for (view, light, part) in [(9, 0, "view: found 9, expected less than 9"), (0, 4, "light: found 4")] {
         let error = stack.view(view, light).unwrap_err().to_string();
         assert!(error.contains(part), "{error}");
     }
@@ -114,7 +114,7 @@ fn an_image_that_is_missing_or_twice_there() {
     let paths = write_stack(folder.path(), StackFormat::Png);
     std::fs::remove_file(&paths[5]).unwrap();
     let error = open_error(folder.path());
-    let expected = "found 1 of 36 images missing, the first of them tl000 pl000 tv075 pv000; allowed all 9 x 4";
+    let expected = "found 1 of 36 images missing, the first of them tl000 pl000 tv075 pv000, expected all 9 x 4";
     assert!(error.contains(expected), "{error}");
     std::fs::copy(&paths[4], folder.path().join("tl000 pl000 tv037.50 pv270.png")).unwrap();
     assert!(open_error(folder.path()).contains("found the directions of"), "{}", open_error(folder.path()));
@@ -128,7 +128,7 @@ fn images_of_two_sizes() {
     let error = open_error(folder.path());
     assert!(error.contains(&paths[7].file_name().unwrap().to_string_lossy().into_owned()), "{error}");
     let first = paths[0].file_name().unwrap().to_string_lossy();
-    assert!(error.contains("found 3 x 5; allowed 5 x 3, as ") && error.contains(&*first), "{error}");
+    assert!(error.contains("found 3 x 5, expected 5 x 3, as ") && error.contains(&*first), "{error}");
 }
 
 #[test]
@@ -136,7 +136,7 @@ fn images_that_are_too_large_broken_or_something_else() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("tl000 pl000 tv000 pv000.png");
     image::GrayImage::new(4097, 1).save(&path).unwrap();
-    assert!(open_error(folder.path()).contains("found 4097 x 1; allowed 1 to 4096"));
+    assert!(open_error(folder.path()).contains("found 4097 x 1, expected 1 to 4096"));
     std::fs::write(&path, b"GIF89a\x01\x00\x01\x00").unwrap();
     assert!(open_error(folder.path()).contains("PNG, JPEG or EXR"));
     std::fs::write(&path, b"").unwrap();
@@ -150,7 +150,7 @@ fn images_that_are_too_large_broken_or_something_else() {
     assert!(matches!(error, InputError::Format { .. }) && error.to_string().contains("tl000"), "{error}");
     // Another size since it was opened.
     image::RgbImage::new(2, 2).save(&path).unwrap();
-    assert!(stack.view(0, 0).unwrap_err().to_string().contains("found 2 x 2; allowed 64 x 64"));
+    assert!(stack.view(0, 0).unwrap_err().to_string().contains("found 2 x 2, expected 64 x 64"));
     std::fs::remove_file(&path).unwrap();
     assert!(matches!(stack.view(0, 0), Err(InputError::Io { .. })));
     std::fs::write(&path, &whole).unwrap();

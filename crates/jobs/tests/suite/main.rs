@@ -2,5 +2,5 @@
 
 mod btf_stack;
 mod golden;
-mod light_stack;
+mod rti_capture;
 mod ubo_btf;

@@ -20,7 +20,7 @@ pub struct LinearImage {
     pub pixels: Vec<[f32; 3]>,
     /// Share of a pixel's samples that hit a surface, 0 to 1. Same order as `pixels`.
     pub coverage: Vec<f32>,
-    /// What a picture shows where nothing covers: linear RGB of the display, 0 to 1, whatever the exposure.
+    /// What a rendering shows where nothing covers: linear RGB of the display, 0 to 1, whatever the exposure.
     pub background: [f32; 3],
 }
 

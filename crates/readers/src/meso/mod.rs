@@ -153,12 +153,12 @@ mod tests {
             change(&mut mesh);
             mesh.check().unwrap_err().to_string()
         };
-        assert_eq!(message(|m| m.triangles.clear()), "triangles: found none; allowed at least one");
-        assert_eq!(message(|m| m.positions[1][2] = f64::NAN), "vertex 1: found NaN; allowed -1e12 to 1e12");
-        assert_eq!(message(|m| m.triangles[0][1] = 3), "triangle 0: found vertex 3; allowed vertices 0 to 2");
-        assert_eq!(message(|m| m.colours.truncate(2)), "colours of vertices: found 2; allowed 0 or 3");
-        assert_eq!(message(|m| m.triangle_materials.push(0)), "materials of triangles: found 2; allowed 0 or 1");
-        assert_eq!(message(|m| m.triangle_materials[0] = 1), "material of a triangle: found 1; allowed less than 1");
+        assert_eq!(message(|m| m.triangles.clear()), "triangles: found none, expected at least one");
+        assert_eq!(message(|m| m.positions[1][2] = f64::NAN), "vertex 1: found NaN, expected -1e12 to 1e12");
+        assert_eq!(message(|m| m.triangles[0][1] = 3), "triangle 0: found vertex 3, expected vertices 0 to 2");
+        assert_eq!(message(|m| m.colours.truncate(2)), "colours of vertices: found 2, expected 0 or 3");
+        assert_eq!(message(|m| m.triangle_materials.push(0)), "materials of triangles: found 2, expected 0 or 1");
+        assert_eq!(message(|m| m.triangle_materials[0] = 1), "material of a triangle: found 1, expected less than 1");
         assert!(message(|m| m.colours[2][0] = 1.5).starts_with("colour of vertex 2: found [1.5, 0.5, 0.5]"));
     }
 }

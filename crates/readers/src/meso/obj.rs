@@ -307,31 +307,31 @@ mod tests {
 
     #[test]
     fn errors_name_the_line() {
-        assert_eq!(message(""), "faces: found none, and 0 vertices; allowed at least one");
+        assert_eq!(message(""), "faces: found none, and 0 vertices, expected at least one");
         assert!(message(SQUARE).contains("none, and 4 vertices"));
         assert_eq!(
             message("v 0 0\n"),
-            "line 1, vertex: found 2 numbers; allowed 3: x y z, 4: x y z w, or 6: x y z r g b"
+            "line 1, vertex: found 2 numbers, expected 3: x y z, 4: x y z w, or 6: x y z r g b"
         );
-        assert!(message("\nv 0 nan 0\n").starts_with("line 2, coordinate: found \"nan\"; allowed a finite number"));
+        assert!(message("\nv 0 nan 0\n").starts_with("line 2, coordinate: found \"nan\", expected a finite number"));
         assert!(message("v 0 inf 0\n").contains("line 1, coordinate: found \"inf\""));
         assert!(message("v 0 1e13 0\n").contains("-1e12 to 1e12"));
-        assert!(message("v 0 0 0 0 0 256\n").contains("line 1, colour: found 256; allowed 0 to 1"));
+        assert!(message("v 0 0 0 0 0 256\n").contains("line 1, colour: found 256, expected 0 to 1"));
         assert!(message("v 0 0 0\nv 0 0 0 0 0 0\n").contains("line 2, vertex: found a colour after"));
         assert!(message("v 0 0 0 0 0 0\nv 0 0 0\n").contains("line 2, vertex: found no colour after"));
         assert_eq!(
             message(&format!("{SQUARE}f 1 2 3\nf 1 7 3\nf 1 5 3")),
-            "line 6, face: found vertex 7; allowed 1 to 4, the number of vertices"
+            "line 6, face: found vertex 7, expected 1 to 4, the number of vertices"
         );
         assert!(
-            message(&format!("{SQUARE}f 1 0 3")).contains("line 5, face: found \"0\"; allowed a number of a vertex")
+            message(&format!("{SQUARE}f 1 0 3")).contains("line 5, face: found \"0\", expected a number of a vertex")
         );
-        assert!(message(&format!("{SQUARE}f 1 -5 3")).contains("found \"-5\"; allowed -1 to -4"));
+        assert!(message(&format!("{SQUARE}f 1 -5 3")).contains("found \"-5\", expected -1 to -4"));
         assert!(message(&format!("{SQUARE}f 1 x 3")).contains("found \"x\""));
-        assert!(message(&format!("{SQUARE}f 1 2")).contains("line 5, face: found 2 corners; allowed 3 or more"));
+        assert!(message(&format!("{SQUARE}f 1 2")).contains("line 5, face: found 2 corners, expected 3 or more"));
         assert!(message(&format!("{SQUARE}f 1 2 99999999999")).contains("vertex 99999999999"));
         assert!(message(&format!("{SQUARE}f 1 2 99999999999999999999")).contains("found \"99999999999999999999\""));
-        assert!(message("cstype bezier\n").starts_with("line 1, keyword: found \"cstype\"; allowed v, f, usemtl"));
+        assert!(message("cstype bezier\n").starts_with("line 1, keyword: found \"cstype\", expected v, f, usemtl"));
         assert!(from_bytes(b"v 0 0 0\n# \xff").unwrap_err().to_string().starts_with("line 2, text: found byte 0xff"));
     }
 
@@ -373,6 +373,6 @@ mod tests {
     fn joined_lines_have_an_end() {
         let text = format!("v 0 0 \\\n{}0\n", " \\\n".repeat(9 << 20));
         let error = from_bytes(text.as_bytes()).unwrap_err().to_string();
-        assert_eq!(error, "line 1, text: found a line of more than 16.00 MiB; allowed at most 16777216 bytes");
+        assert_eq!(error, "line 1, text: found a line of more than 16.00 MiB, expected at most 16777216 bytes");
     }
 }

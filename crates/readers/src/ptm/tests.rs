@@ -75,7 +75,7 @@ fn headers_have_line_ends_where_they_like() {
     }
     // One line end is the header's, more are pixels.
     assert!(
-        message(&lrgb(&format!("{HEADER}\n"))).starts_with("file length: found 37 bytes after the header; allowed 36")
+        message(&lrgb(&format!("{HEADER}\n"))).starts_with("file length: found 37 bytes after the header, expected 36")
     );
     assert_eq!(expected.to_bytes(), lrgb(HEADER));
 }
@@ -84,25 +84,25 @@ fn headers_have_line_ends_where_they_like() {
 fn headers_that_are_wrong() {
     let with = |old: &str, new: &str| message(&lrgb(&HEADER.replacen(old, new, 1)));
     for (old, new, expected) in [
-        ("PTM_1.2", "PTM_1.1", "line 1, version: found \"PTM_1.1\"; allowed PTM_1.2"),
+        ("PTM_1.2", "PTM_1.1", "line 1, version: found \"PTM_1.1\", expected PTM_1.2"),
         (
             "PTM_FORMAT_LRGB",
             "PTM_FORMAT_JPEG_RGB",
-            "line 2, format: found \"PTM_FORMAT_JPEG_RGB\", which is not supported; allowed PTM_FORMAT_RGB or PTM_FORMAT_LRGB",
+            "line 2, format: found \"PTM_FORMAT_JPEG_RGB\", which is not supported, expected PTM_FORMAT_RGB or PTM_FORMAT_LRGB",
         ),
-        ("PTM_FORMAT_LRGB", "RGB", "line 2, format: found \"RGB\"; allowed PTM_FORMAT_RGB"),
-        ("\n2\n2\n", "\n0\n2\n", "line 3, width: found \"0\"; allowed 1 to 65536"),
+        ("PTM_FORMAT_LRGB", "RGB", "line 2, format: found \"RGB\", expected PTM_FORMAT_RGB"),
+        ("\n2\n2\n", "\n0\n2\n", "line 3, width: found \"0\", expected 1 to 65536"),
         ("\n2\n2\n", "\n2\n-2\n", "line 4, height: found \"-2\""),
         ("\n2\n2\n", "\n65537 2\n", "line 3, width: found \"65537\""),
-        ("\n2\n2\n", "\n65536\n65536\n", "file length: found 36 bytes after the header; allowed 38654705664"),
+        ("\n2\n2\n", "\n65536\n65536\n", "file length: found 36 bytes after the header, expected 38654705664"),
         ("\n2\n2\n", "\n2\n99999999999\n", "line 4, height: found \"99999999999\""),
-        ("2 0.5", "2 0", "line 5, scale: found \"0\"; allowed a finite number that is not 0"),
+        ("2 0.5", "2 0", "line 5, scale: found \"0\", expected a finite number that is not 0"),
         ("2 0.5", "2 1e-60", "line 5, scale: found \"1e-60\""),
         ("2 0.5", "2 nan", "line 5, scale: found \"nan\""),
         ("2 0.5", "2 1e99", "line 5, scale: found \"1e99\""),
-        ("160 127", "160.5 127", "line 6, bias: found \"160.5\"; allowed a whole number of 32 bits"),
+        ("160 127", "160.5 127", "line 6, bias: found \"160.5\", expected a whole number of 32 bits"),
         ("160 127", "1e12 127", "line 6, bias: found \"1e12\""),
-        ("160 127", "x 127", "line 6, bias: found \"x\"; allowed a finite number"),
+        ("160 127", "x 127", "line 6, bias: found \"x\", expected a finite number"),
         ("127 0\n", "127 0x\n", "line 6, bias: found \"0x\""),
     ] {
         assert!(with(old, new).starts_with(expected), "{new}: {}", with(old, new));
@@ -128,11 +128,11 @@ fn parts_that_do_not_fit() {
     let model = |count: usize| PtmModel::Lrgb { luminance: vec![[0; 6]; 4], colour: vec![[0; 3]; count] };
     let told = |size, scale, model| Ptm::new(size, [scale; 6], [0; 6], model).map(drop).map_err(|e| e.to_string());
     assert_eq!(told([2, 2], 1.0, model(4)), Ok(()));
-    assert_eq!(told([2, 2], 1.0, model(3)), Err("pixels: found 3; allowed 4 of 2 x 2".to_owned()));
-    assert_eq!(told([2, 0], 1.0, model(4)), Err("height: found 0; allowed 1 to 65536".to_owned()));
+    assert_eq!(told([2, 2], 1.0, model(3)), Err("pixels: found 3, expected 4 of 2 x 2".to_owned()));
+    assert_eq!(told([2, 0], 1.0, model(4)), Err("height: found 0, expected 1 to 65536".to_owned()));
     assert!(told([2, 2], f32::NAN, model(4)).unwrap_err().starts_with("scale: found NaN"));
     let error = Ptm::from_coefficients_lrgb([1, 1], &[[0.0, 0.0, f32::INFINITY, 0.0, 0.0, 0.0]], &[[0; 3]]);
-    assert_eq!(error.unwrap_err().to_string(), "coefficient: found inf; allowed finite numbers");
+    assert_eq!(error.unwrap_err().to_string(), "coefficient: found inf, expected finite numbers");
     assert!(Ptm::from_coefficients_rgb([1, 1], &[]).is_err());
 }
 

@@ -24,7 +24,7 @@ pub use pyramid::Pyramid;
 pub use resolve::resolve;
 pub use scene::{AdaptiveMaterial, AdaptiveScene, Settings};
 pub use shading::{forward, shade_point};
-pub use tile::MOST_DIRECTIONS;
+pub use tile::MAX_DIRECTIONS;
 pub use truth::{GroundTruth, Start, ground_truth};
 pub use upsample::{LEAST_WEIGHT, UpsamplingGuide, parents, weight};
 
@@ -32,10 +32,10 @@ use super::gbuffer::GBuffer;
 use super::scene::Frame;
 use brdfc_metrics::image::LinearImage;
 
-/// A picture, and what it took.
+/// A rendering, and what it took.
 #[derive(Debug, Clone, PartialEq)]
-pub struct AdaptivePicture {
-    /// The picture at the frame's size.
+pub struct AdaptiveRendering {
+    /// The rendering at the frame's size.
     pub image: LinearImage,
     /// What was predicted, at the resolution of the finest level.
     pub prediction: Prediction,
@@ -43,7 +43,7 @@ pub struct AdaptivePicture {
     pub levels: Vec<LevelCount>,
 }
 
-impl AdaptivePicture {
+impl AdaptiveRendering {
     /// Samples of incident light over all levels.
     pub fn samples(&self) -> u64 {
         self.levels.iter().map(|level| level.samples).sum()
@@ -61,14 +61,14 @@ impl AdaptivePicture {
 ///
 /// # Panics
 /// If the buffer is of another size, or there are fewer materials than parts.
-pub fn draw(scene: &AdaptiveScene<'_>, frame: Frame, buffer: &GBuffer, settings: &Settings) -> AdaptivePicture {
+pub fn draw(scene: &AdaptiveScene<'_>, frame: Frame, buffer: &GBuffer, settings: &Settings) -> AdaptiveRendering {
     let sub = 1usize << settings.antialiasing_levels;
     assert_eq!((buffer.width, buffer.height), (frame.width * sub, frame.height * sub), "the buffer of this frame");
     assert!(scene.materials.len() >= scene.scene.parts.len(), "one material for each part");
     let prediction = predict(scene, frame, buffer, settings);
     let ShadedLevels { radiance, levels } = shade(scene, buffer, &prediction, settings.most);
     let image = resolve(scene.scene, frame, buffer, &radiance, sub);
-    AdaptivePicture { image, prediction, levels }
+    AdaptiveRendering { image, prediction, levels }
 }
 
 #[cfg(test)]

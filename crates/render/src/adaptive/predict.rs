@@ -17,7 +17,7 @@ pub const ANY_LEVEL: i32 = i32::MAX;
 /// What is predicted of the pixels of a G-buffer, row by row.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Prediction {
-    /// Cycles per pixel of the picture, equation 6; 0 where no surface is.
+    /// Cycles per pixel of the rendering, equation 6; 0 where no surface is.
     pub bandwidth: Vec<f32>,
     /// Standard deviation of a sample as it shows: the root of `V` of equation 7, see
     /// [`brdfc_formats::bandwidth::propagation::VarianceEstimate`], times how much a relative error changes the display; 0
@@ -40,16 +40,16 @@ pub fn predict(scene: &AdaptiveScene<'_>, frame: Frame, buffer: &GBuffer, settin
     let size = [frame.width as f32, frame.height as f32];
     let largest = largest_pixel_bandwidth(settings.antialiasing_levels);
     let (angular, deviation) = bandwidth_and_deviation(scene, buffer, &curvature, settings);
-    let in_picture = |angular: f32| pixel_bandwidth(angular, field_of_view, size, largest);
+    let in_rendering = |angular: f32| pixel_bandwidth(angular, field_of_view, size, largest);
     let is_surface = |pixel: &usize| buffer.part_at(*pixel).is_some();
     let covered = (0..deviation.len()).filter(is_surface).count();
     let sum: f64 = deviation.iter().map(|v| f64::from(*v)).sum();
     let scale = sample_scale((sum / covered.max(1) as f64) as f32, settings.samples);
     let coarsest = coarsest(buffer);
     let level = |pixel: usize| match is_surface(&pixel) {
-        // Level 0 is the buffer's resolution, which is finer than the picture's with antialiasing.
+        // Level 0 is the buffer's resolution, which is finer than the rendering's with antialiasing.
         // What no pixel can show still has the most detail of all, so the limit comes after the factor.
-        true => (pyramid_level(in_picture(settings.caution * angular[pixel]), coarsest)
+        true => (pyramid_level(in_rendering(settings.caution * angular[pixel]), coarsest)
             + settings.antialiasing_levels as i32)
             .clamp(0, coarsest),
         false => ANY_LEVEL,
@@ -62,7 +62,7 @@ pub fn predict(scene: &AdaptiveScene<'_>, frame: Frame, buffer: &GBuffer, settin
     Prediction {
         level: pixels().map(level).collect(),
         samples: pixels().map(samples).collect(),
-        bandwidth: angular.par_iter().map(|angular| in_picture(*angular)).collect(),
+        bandwidth: angular.par_iter().map(|angular| in_rendering(*angular)).collect(),
         deviation,
     }
 }

@@ -30,7 +30,7 @@ pub fn shade_point(scene: &AdaptiveScene<'_>, buffer: &GBuffer, pixel: usize, co
     sum.map(|s| s / count.max(1) as f32)
 }
 
-/// The picture of a forward renderer: every point of the buffer with the same number of samples.
+/// The rendering of a forward renderer: every point of the buffer with the same number of samples.
 pub fn forward(scene: &AdaptiveScene<'_>, frame: Frame, buffer: &GBuffer, count: u32) -> LinearImage {
     let radiance: Vec<[f32; 3]> =
         (0..buffer.part.len()).into_par_iter().map(|pixel| shade_point(scene, buffer, pixel, count)).collect();

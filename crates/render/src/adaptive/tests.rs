@@ -74,14 +74,14 @@ fn in_a_furnace_nothing_varies_and_next_to_nothing_is_shaded() {
     let prepared = prepared("synth:lambert?kd=0.6", Builtin::Sphere, environment(|_, _| 1.0));
     let buffer = prepared.buffer(FRAME);
     prepared.with(|scene| {
-        let picture = draw(scene, FRAME, &buffer, &Settings::default());
+        let rendering = draw(scene, FRAME, &buffer, &Settings::default());
         let surface: Vec<usize> = (0..buffer.part.len()).filter(|pixel| buffer.part_at(*pixel).is_some()).collect();
-        assert!(surface.iter().all(|pixel| picture.prediction.bandwidth[*pixel] == 0.0));
-        assert!(picture.shaded() < 8, "{:?}", picture.levels);
-        let furthest = surface.iter().map(|pixel| (picture.image.pixels[*pixel][1] - 0.6).abs()).fold(0.0, f32::max);
+        assert!(surface.iter().all(|pixel| rendering.prediction.bandwidth[*pixel] == 0.0));
+        assert!(rendering.shaded() < 8, "{:?}", rendering.levels);
+        let furthest = surface.iter().map(|pixel| (rendering.image.pixels[*pixel][1] - 0.6).abs()).fold(0.0, f32::max);
         assert!(furthest < 0.06, "{furthest}");
         let background = (0..buffer.part.len()).find(|pixel| buffer.part_at(*pixel).is_none()).unwrap();
-        assert_eq!(picture.image.pixels[background], [0.0; 3]);
+        assert_eq!(rendering.image.pixels[background], [0.0; 3]);
     });
 }
 
@@ -91,10 +91,10 @@ fn with_every_pixel_at_the_finest_level_it_is_the_forward_renderer() {
     let buffer = prepared.buffer(FRAME);
     prepared.with(|scene| {
         let settings = Settings { caution: 1e6, fewest: 9, most: 9, ..Settings::default() };
-        let picture = draw(scene, FRAME, &buffer, &settings);
-        assert_eq!(picture.image, forward(scene, FRAME, &buffer, 9));
+        let rendering = draw(scene, FRAME, &buffer, &settings);
+        assert_eq!(rendering.image, forward(scene, FRAME, &buffer, 9));
         let surface = buffer.part.iter().filter(|part| **part != u32::MAX).count() as u64;
-        assert_eq!((picture.shaded(), picture.samples()), (surface, 9 * surface));
+        assert_eq!((rendering.shaded(), rendering.samples()), (surface, 9 * surface));
     });
 }
 
@@ -106,10 +106,10 @@ fn a_fraction_of_the_samples_gives_the_same_error() {
     prepared.with(|scene| {
         let truth = prepared.truth(scene, FRAME, &buffer, 512);
         let psnr = |image: &LinearImage| signal_to_noise(image, &truth, 1.0).psnr.unwrap();
-        let picture = draw(scene, FRAME, &buffer, &Settings { samples: 64.0, ..Settings::default() });
+        let rendering = draw(scene, FRAME, &buffer, &Settings { samples: 64.0, ..Settings::default() });
         let surface = buffer.part.iter().filter(|part| **part != u32::MAX).count() as f64;
-        let each = picture.samples() as f64 / surface;
-        let ours = psnr(&picture.image);
+        let each = rendering.samples() as f64 / surface;
+        let ours = psnr(&rendering.image);
         let forward = |count: f64| psnr(&forward(scene, FRAME, &buffer, count.ceil() as u32));
         assert!(ours > forward(2.0 * each), "{ours} dB with {each} samples, {} forward", forward(2.0 * each));
         // The control: levels far too coarse.
@@ -126,9 +126,9 @@ fn antialiasing_shades_few_pixels_more_than_once() {
             let buffer = prepared.buffer(Frame { samples: 1 << levels, ..FRAME });
             prepared.with(|scene| {
                 let settings = Settings { antialiasing_levels: levels, ..Settings::default() };
-                let picture = draw(scene, FRAME, &buffer, &settings);
-                let partly = picture.image.coverage.iter().filter(|c| **c > 0.0 && **c < 1.0).count();
-                (picture.shaded(), partly)
+                let rendering = draw(scene, FRAME, &buffer, &settings);
+                let partly = rendering.image.coverage.iter().filter(|c| **c > 0.0 && **c < 1.0).count();
+                (rendering.shaded(), partly)
             })
         })
         .collect();

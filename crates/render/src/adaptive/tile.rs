@@ -21,7 +21,7 @@ const POINTS: usize = SIDE * SIDE;
 /// Shares that make `n_b` directions.
 const ENOUGH: usize = 4;
 /// Most directions: far more than samples of a lobe.
-pub const MOST_DIRECTIONS: u32 = 1 << 16;
+pub const MAX_DIRECTIONS: u32 = 1 << 16;
 /// Points whose normals have at least this cosine, 18°, are of the same piece of a surface.
 const SAME_PIECE: f32 = 0.95;
 
@@ -33,7 +33,7 @@ pub(super) fn bandwidth_and_deviation(
     settings: &Settings,
 ) -> (Vec<f32>, Vec<f32>) {
     let tile =
-        Tile { scene, buffer, curvature, run: settings.directions.clamp(1, MOST_DIRECTIONS).div_ceil(ENOUGH as u32) };
+        Tile { scene, buffer, curvature, run: settings.directions.clamp(1, MAX_DIRECTIONS).div_ceil(ENOUGH as u32) };
     let (mut angular, mut deviations) = (vec![0.0; buffer.part.len()], vec![0.0; buffer.part.len()]);
     // A row of tiles is a task.
     let tasks = angular.par_chunks_mut(SIDE * buffer.width).zip(deviations.par_chunks_mut(SIDE * buffer.width));
@@ -60,7 +60,7 @@ pub(super) fn bandwidth_and_deviation(
     (angular, deviations)
 }
 
-/// What an error of the estimate does to the picture: standard deviation of one sample in units of the display's codes.
+/// What an error of the estimate does to the rendering: standard deviation of one sample in units of the display's codes.
 ///
 /// For `N_i` samples of pixels that show as displayed codes `s(L)`, the sum of squared errors `Σ (σ_i s'(L_i))² / N_i` is
 /// least for a given sum of `N_i` where `N_i` is in proportion to `σ_i s'(L_i)`. `V` is `σ²` relative to the squared mean,

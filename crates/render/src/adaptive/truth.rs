@@ -32,14 +32,14 @@ impl LobeSampler for MeasuredLobe<'_> {
 pub enum Start {
     /// Anywhere: errors are noise.
     Scattered,
-    /// All at the same place: errors vary no faster than the picture, which leaves its spectrum without noise.
+    /// All at the same place: errors vary no faster than the rendering, which leaves its spectrum without noise.
     Shared,
 }
 
-/// A converged picture, and how far it may be off.
+/// A converged rendering, and how far it may be off.
 #[derive(Debug, Clone, PartialEq)]
 pub struct GroundTruth {
-    /// The picture.
+    /// The rendering.
     pub image: LinearImage,
     /// Standard error of each channel, from the spread of 16 runs of each point's samples: more than the error of
     /// [`Start::Scattered`], whose runs fill each other's gaps, and where a pixel has several points.
@@ -47,8 +47,8 @@ pub struct GroundTruth {
 }
 
 impl GroundTruth {
-    /// PSNR of the picture against itself with its standard error added, as a display shows both at this exposure, dB: the
-    /// picture is at least as good. `None` if there is no error.
+    /// PSNR of the rendering against itself with its standard error added, as a display shows both at this exposure, dB: the
+    /// rendering is at least as good. `None` if there is no error.
     pub fn psnr(&self, exposure: f64) -> Option<f64> {
         let mut other = self.image.clone();
         for (pixel, error) in other.pixels.iter_mut().zip(&self.error.pixels) {
@@ -58,7 +58,7 @@ impl GroundTruth {
     }
 }
 
-/// The picture that `samples` samples for each point of the buffer give, half of them by the lobe of the material, half
+/// The rendering that `samples` samples for each point of the buffer give, half of them by the lobe of the material, half
 /// by the light of the environment. One distribution for each part.
 ///
 /// # Panics

@@ -13,7 +13,7 @@ mod thumbnails;
 
 pub use material::{FlatForm, FlatMaterial};
 pub use reference::reference_plane;
-pub use thumbnails::{FlatPicture, FlatPictures, flat_pictures};
+pub use thumbnails::{FlatRendering, FlatRenderings, flat_renderings};
 
 use super::footprint::{footprint, sample_level};
 use super::sample_means::sample_means;

@@ -1,7 +1,7 @@
-//! Small pictures of what a flat BTF holds.
+//! Small renderings of what a flat BTF holds.
 
 use super::{FlatForm, FlatMaterial, draw_on_cpu};
-use crate::picture::{DELTA_E_FULL_SCALE, Panel, difference_panel, heat_map, to_panel};
+use crate::rendering::{DELTA_E_FULL_SCALE, Panel, difference_panel, heat_map, to_panel};
 use crate::scene::Frame;
 use crate::scenes::Builtin;
 use brdfc_formats::container::rgb9e5;
@@ -9,46 +9,46 @@ use brdfc_formats::direction::Vector;
 use brdfc_formats::flat_btf::VisibilityMask;
 use brdfc_metrics::image::{LinearImage, auto_exposure, compare_images};
 
-/// Pixels of a picture, per side.
+/// Pixels of a rendering, per side.
 pub const SIDE: usize = 160;
 /// Samples of a pixel, per side.
 const SAMPLES: usize = 2;
-/// Polar angle of the view of pictures from the side, degrees.
+/// Polar angle of the view of renderings from the side, degrees.
 const SLANTED: f64 = 60.0;
-/// Polar angle of the light of pictures that are lit from the side, degrees, and its azimuth.
+/// Polar angle of the light of renderings that are lit from the side, degrees, and its azimuth.
 const LIT_FROM: [f64; 2] = [50.0, 135.0];
 const FRAME: Frame = Frame { width: SIDE, height: SIDE, samples: SAMPLES };
 
-/// One picture.
+/// One rendering.
 #[derive(Debug, Clone, PartialEq, Eq)]
-pub struct FlatPicture {
+pub struct FlatRendering {
     /// What it shows, in words for people.
     pub caption: String,
-    /// The picture, 160 pixels per side.
+    /// The rendering, 160 pixels per side.
     pub panel: Panel,
 }
 
-/// Pictures that belong together.
+/// Renderings that belong together.
 #[derive(Debug, Clone, PartialEq, Eq)]
-pub struct FlatPictures {
+pub struct FlatRenderings {
     /// Over one tile of the reference plane, u to the right and v down.
-    pub tile: Vec<FlatPicture>,
+    pub tile: Vec<FlatRendering>,
     /// Over the parameters, likewise: what texels hold.
-    pub texels: Vec<FlatPicture>,
+    pub texels: Vec<FlatRendering>,
     /// On surfaces.
-    pub scenes: Vec<FlatPicture>,
+    pub scenes: Vec<FlatRendering>,
 }
 
 /// Draws everything on the CPU, in the full form where there are views. `mask` says which texels are seen in which view.
-pub fn flat_pictures(material: &FlatMaterial, mask: Option<&VisibilityMask>) -> FlatPictures {
-    FlatPictures { tile: tile(material), texels: texels(material, mask), scenes: scenes(material) }
+pub fn flat_renderings(material: &FlatMaterial, mask: Option<&VisibilityMask>) -> FlatRenderings {
+    FlatRenderings { tile: tile(material), texels: texels(material, mask), scenes: scenes(material) }
 }
 
 fn form(material: &FlatMaterial) -> FlatForm {
     if material.has_views() { FlatForm::Full } else { FlatForm::Light }
 }
 
-fn tile(material: &FlatMaterial) -> Vec<FlatPicture> {
+fn tile(material: &FlatMaterial) -> Vec<FlatRendering> {
     let decoder = material.decoder();
     let header = decoder.parts().indirection.header();
     let along = [0.0, 0.0, 1.0];
@@ -69,19 +69,19 @@ fn tile(material: &FlatMaterial) -> Vec<FlatPicture> {
     };
     let offsets = field(moved);
     let largest = ends(&offsets)[1];
-    let picture = |caption: String, panel: Panel| FlatPicture { caption, panel };
+    let rendering = |caption: String, panel: Panel| FlatRendering { caption, panel };
     vec![
-        picture("seen and lit along the normal".to_owned(), lit(along, along)),
-        picture(format!("lit from {:.0}°", LIT_FROM[0]), lit(along, direction(LIT_FROM[0], LIT_FROM[1]))),
-        picture(format!("seen from {slanted:.0}°"), lit(side, along)),
-        picture(
+        rendering("seen and lit along the normal".to_owned(), lit(along, along)),
+        rendering(format!("lit from {:.0}°", LIT_FROM[0]), lit(along, direction(LIT_FROM[0], LIT_FROM[1]))),
+        rendering(format!("seen from {slanted:.0}°"), lit(side, along)),
+        rendering(
             format!("offsets at {slanted:.0}°: dark 0 to light {largest:.2} in u and v"),
             scaled(&offsets, f64::from(largest)),
         ),
     ]
 }
 
-fn texels(material: &FlatMaterial, mask: Option<&VisibilityMask>) -> Vec<FlatPicture> {
+fn texels(material: &FlatMaterial, mask: Option<&VisibilityMask>) -> Vec<FlatRendering> {
     let parts = material.decoder().parts();
     let size = parts.diffuse.size();
     let nearest = |uv: [f64; 2]| uv.map(|c| ((c * f64::from(size)) as u32).min(size - 1));
@@ -92,9 +92,9 @@ fn texels(material: &FlatMaterial, mask: Option<&VisibilityMask>) -> Vec<FlatPic
     let normals =
         bytes(|uv| parts.normal.normals()[index(uv)].map(|c| (255.0 * (0.5 + 0.5 * f64::from(c))).round() as u8));
     let diffuse = colours(|uv| rgb9e5::decode(parts.diffuse.texels()[index(uv)]).map(f64::from));
-    let mut pictures = vec![
-        FlatPicture { caption: "normals: x red, y green, z blue".to_owned(), panel: normals },
-        FlatPicture { caption: "diffuse colours".to_owned(), panel: to_panel(&diffuse, 1.0) },
+    let mut renderings = vec![
+        FlatRendering { caption: "normals: x red, y green, z blue".to_owned(), panel: normals },
+        FlatRendering { caption: "diffuse colours".to_owned(), panel: to_panel(&diffuse, 1.0) },
     ];
     if let Some(mask) = mask.filter(|mask| mask.size() == size && mask.views() > 0) {
         let seen = field(|uv| {
@@ -102,28 +102,28 @@ fn texels(material: &FlatMaterial, mask: Option<&VisibilityMask>) -> Vec<FlatPic
             count as f32 / mask.views() as f32
         });
         let caption = "views that see a texel: dark none to light all".to_owned();
-        pictures.push(FlatPicture { caption, panel: scaled(&seen, 1.0) });
+        renderings.push(FlatRendering { caption, panel: scaled(&seen, 1.0) });
     }
-    pictures
+    renderings
 }
 
-fn scenes(material: &FlatMaterial) -> Vec<FlatPicture> {
-    let picture = |caption: String, panel: Panel| FlatPicture { caption, panel };
-    let mut pictures = Vec::new();
+fn scenes(material: &FlatMaterial) -> Vec<FlatRendering> {
+    let rendering = |caption: String, panel: Panel| FlatRendering { caption, panel };
+    let mut renderings = Vec::new();
     for builtin in [Builtin::Plane, Builtin::Vase] {
         let scene = builtin.scene();
         let drawn = draw_on_cpu(&scene, FRAME, material, form(material));
         let exposure = auto_exposure(&drawn);
-        pictures.push(picture(builtin.name().to_owned(), to_panel(&drawn, exposure)));
+        renderings.push(rendering(builtin.name().to_owned(), to_panel(&drawn, exposure)));
         if builtin == Builtin::Vase && material.has_views() {
             let light = draw_on_cpu(&scene, FRAME, material, FlatForm::Light);
             let mean = compare_images(&light, &drawn, exposure).delta_e.mean;
-            pictures.push(picture("vase in the light form".to_owned(), to_panel(&light, exposure)));
+            renderings.push(rendering("vase in the light form".to_owned(), to_panel(&light, exposure)));
             let caption = format!("their difference: ΔE {mean:.2}, dark 0 to light {DELTA_E_FULL_SCALE}");
-            pictures.push(picture(caption, difference_panel(&light, &drawn, exposure)));
+            renderings.push(rendering(caption, difference_panel(&light, &drawn, exposure)));
         }
     }
-    pictures
+    renderings
 }
 
 /// A unit vector from polar angle and azimuth in degrees.
@@ -182,14 +182,14 @@ mod tests {
     const SEEN: [u8; 16] = [255, 255, 0, 0, 255, 255, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0];
 
     /// A light form whose texels left of the middle are red, the others blue.
-    fn pictures() -> FlatPictures {
+    fn renderings() -> FlatRenderings {
         let half = |k: usize| if k % 4 < 2 { [0.8, 0.0, 0.0] } else { [0.0, 0.0, 0.8] };
         let colours: Vec<[f32; 3]> = (0..16).map(half).collect();
         let diffuse = DiffuseMap::from_colours(4, &colours).unwrap();
         let parts = FlatBtfParts { diffuse, values: FlatValues::None, ..parts(SMALL, 3) };
         let material = FlatMaterial::new(FlatBtfDecoder::new(parts).unwrap(), 4).unwrap();
         let mask = VisibilityMask::new(4, 2, [SEEN, [0; 16]].concat()).unwrap();
-        flat_pictures(&material, Some(&mask))
+        flat_renderings(&material, Some(&mask))
     }
 
     fn pixel(panel: &Panel, [x, y]: [usize; 2]) -> [u8; 3] {
@@ -199,8 +199,8 @@ mod tests {
 
     #[test]
     fn texels_stand_where_their_parameters_are() {
-        let pictures = pictures();
-        let [_, diffuse, seen] = pictures.texels.as_slice() else { panic!("{}", pictures.texels.len()) };
+        let renderings = renderings();
+        let [_, diffuse, seen] = renderings.texels.as_slice() else { panic!("{}", renderings.texels.len()) };
         let [red, blue] = [[SIDE / 4, SIDE / 2], [3 * SIDE / 4, SIDE / 2]].map(|at| pixel(&diffuse.panel, at));
         assert!(red[0] > 200 && red[2] == 0 && blue[2] > 200 && blue[0] == 0, "{red:?} {blue:?}");
         // One of two views sees the upper left quarter, none the rest.
@@ -212,16 +212,16 @@ mod tests {
     }
 
     #[test]
-    fn every_picture_has_its_size_and_offsets_reach_both_ends_of_their_scale() {
-        let pictures = pictures();
-        assert_eq!([pictures.tile.len(), pictures.texels.len(), pictures.scenes.len()], [4, 3, 2]);
-        for picture in pictures.tile.iter().chain(&pictures.texels).chain(&pictures.scenes) {
-            let Panel { width, height, rgb } = &picture.panel;
-            assert_eq!([*width, *height, rgb.len()], [SIDE, SIDE, 3 * SIDE * SIDE], "{}", picture.caption);
-            assert!(rgb.iter().any(|byte| *byte != rgb[0]), "{} is of one colour", picture.caption);
+    fn every_rendering_has_its_size_and_offsets_reach_both_ends_of_their_scale() {
+        let renderings = renderings();
+        assert_eq!([renderings.tile.len(), renderings.texels.len(), renderings.scenes.len()], [4, 3, 2]);
+        for rendering in renderings.tile.iter().chain(&renderings.texels).chain(&renderings.scenes) {
+            let Panel { width, height, rgb } = &rendering.panel;
+            assert_eq!([*width, *height, rgb.len()], [SIDE, SIDE, 3 * SIDE * SIDE], "{}", rendering.caption);
+            assert!(rgb.iter().any(|byte| *byte != rgb[0]), "{} is of one colour", rendering.caption);
         }
         let lightest = heat_map(&[1.0], 1, 1, 1.0).rgb;
-        let offsets = &pictures.tile[3];
+        let offsets = &renderings.tile[3];
         assert!(offsets.caption.starts_with("offsets at 60°: dark 0 to light 0."), "{}", offsets.caption);
         assert!(offsets.panel.rgb.chunks_exact(3).any(|rgb| rgb == lightest));
     }

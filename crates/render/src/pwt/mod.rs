@@ -1,6 +1,6 @@
-//! Pictures under any light, of packs of polynomial wavelet trees, on the surfaces of a scene.
+//! Renderings under any light, of packs of polynomial wavelet trees, on the surfaces of a scene.
 //!
-//! Each surface is the picture's plane, bent: the picture's right is the tangent, its top the bitangent, and the light
+//! Each surface is the rendering's plane, bent: the rendering's right is the tangent, its top the bitangent, and the light
 //! that a texel is evaluated for is the direction to the scene's light in that frame, whatever the view. One material
 //! goes over all parts of a scene; their bump maps and mirrors are not looked at.
 //!
@@ -11,7 +11,7 @@ mod photograph;
 mod scene;
 
 pub use photograph::Photograph;
-pub use scene::{distant_light, picture_scene};
+pub use scene::{distant_light, rendering_scene};
 
 use super::footprint::{footprint, from_behind, mipmap_level};
 use super::sample_means::sample_means;
@@ -36,12 +36,12 @@ impl PwtMaterial {
     /// A material that repeats `repeat` times per unit of a mesh's uv.
     ///
     /// # Errors
-    /// A repetition of 0, or of more than 1 where the picture is no tile.
+    /// A repetition of 0, or of more than 1 where the rendering is no tile.
     pub fn new(decoder: PwtDecoder, repeat: u32) -> Result<Self, FormatError> {
         let wrong = |allowed| Err(FormatError::whole("repeat", repeat.to_string(), allowed));
         match (repeat, decoder.pack().header().repeats) {
             (0, _) => wrong("1 or more per unit of uv"),
-            (2.., false) => wrong("1: the picture is no tile"),
+            (2.., false) => wrong("1: the rendering is no tile"),
             _ => Ok(Self { decoder, repeat }),
         }
     }
@@ -51,7 +51,7 @@ impl PwtMaterial {
         &self.decoder
     }
 
-    /// Pictures per unit of a mesh's uv.
+    /// Renderings per unit of a mesh's uv.
     pub fn repeat(&self) -> u32 {
         self.repeat
     }
@@ -74,7 +74,7 @@ pub fn draw_photographs(scene: &Scene, frame: Frame, photographs: &[Photograph],
     draw(scene, frame, repeat, size, |light, uv, level, _| photographs[light].value(uv, level))
 }
 
-/// `value` is relative to white at a light's number, a place in the picture, a mipmap level and a direction.
+/// `value` is relative to white at a light's number, a place in the rendering, a mipmap level and a direction.
 fn draw(
     scene: &Scene,
     frame: Frame,
@@ -90,7 +90,7 @@ fn draw(
         let steps = footprint(scene, frame, hit, frame.sample_position(pixel, sample));
         let level = mipmap_level(steps, repeat, size);
         let from_behind = from_behind(&part.mesh, hit.triangle, point.to_viewer);
-        let uv = picture_coordinates(point.uv, from_behind, repeat);
+        let uv = rendering_coordinates(point.uv, from_behind, repeat);
         let mut radiance = [0.0; 3];
         for (number, light) in scene.lights.iter().enumerate() {
             let to_light = subtract(light.position, point.position);
@@ -106,8 +106,8 @@ fn draw(
     })
 }
 
-/// Where a point is in the picture: v goes down in it, and along the bitangent on the surface.
-fn picture_coordinates([u, v]: [f64; 2], from_behind: bool, repeat: u32) -> [f32; 2] {
+/// Where a point is in the rendering: v goes down in it, and along the bitangent on the surface.
+fn rendering_coordinates([u, v]: [f64; 2], from_behind: bool, repeat: u32) -> [f32; 2] {
     // From behind the point's v is negated, and the bitangent goes the other way.
     let down = if from_behind { -v } else { 1.0 - v };
     [u, down].map(|c| (c * f64::from(repeat)) as f32)
@@ -128,15 +128,15 @@ mod tests {
     }
 
     fn scene() -> Scene {
-        picture_scene(SIZE, [FRAME.width, FRAME.height])
+        rendering_scene(SIZE, [FRAME.width, FRAME.height])
     }
 
-    /// Known answer: seen from above, the picture is the photograph, upright.
+    /// Known answer: seen from above, the rendering is the photograph, upright.
     #[test]
-    fn from_above_the_picture_is_the_photograph() {
+    fn from_above_the_rendering_is_the_photograph() {
         let scene = scene();
-        let picture = draw_photographs(&scene, FRAME, &[photograph()], 1);
-        let at = |x: usize, y: usize| picture.pixels[y * 40 + x];
+        let rendering = draw_photographs(&scene, FRAME, &[photograph()], 1);
+        let at = |x: usize, y: usize| rendering.pixels[y * 40 + x];
         for (x, y) in [(3, 2), (36, 2), (3, 17), (36, 17)] {
             let [red, green, blue] = at(x, y);
             // Light falls off a little across the plane; colours do not.
@@ -146,9 +146,9 @@ mod tests {
         assert!(at(3, 17)[2] > 3.0 * at(3, 2)[2]);
     }
 
-    /// The light that a photograph is made under: its top is up in the picture.
+    /// The light that a photograph is made under: its top is up in the rendering.
     #[test]
-    fn directions_are_those_of_the_picture() {
+    fn directions_are_those_of_the_rendering() {
         let mut scene = scene();
         let towards = |position| PointLight { position, intensity: [PI * 1e6; 3] };
         scene.lights = vec![towards([1e3, 0.1, 0.0]), towards([0.0, 0.1, -1e3]), towards([0.0, 1e3, 0.0])];

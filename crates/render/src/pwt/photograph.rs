@@ -29,7 +29,7 @@ impl Photograph {
         self.levels[0].0
     }
 
-    /// Linear RGB at a place, 0 to 1 across the picture and down from its top, at a mipmap level.
+    /// Linear RGB at a place, 0 to 1 across the rendering and down from its top, at a mipmap level.
     pub fn value(&self, uv: [f32; 2], level: f32) -> [f32; 3] {
         let level = level.clamp(0.0, (self.levels.len() - 1) as f32);
         let (finer, blend) = (level.floor(), level.fract());

@@ -53,7 +53,7 @@ fn objects_are_near_enough_for_full_detail() {
     for builtin in [Builtin::Sphere, Builtin::Cloth, Builtin::Table, Builtin::BumpyBall, Builtin::RibbedTorus] {
         let scene = builtin.scene();
         let hits = trace(&scene, frame);
-        assert!(hits.0.iter().flatten().count() > 64 * 64 / 4, "{builtin:?} fills the picture");
+        assert!(hits.0.iter().flatten().count() > 64 * 64 / 4, "{builtin:?} fills the rendering");
         for hit in hits.0.iter().flatten() {
             let point = ShadingPoint::new(&scene.parts[hit.part as usize], hit, scene.camera.eye);
             assert!(point.distance < 6.5, "{builtin:?}: {}", point.distance);
@@ -61,9 +61,9 @@ fn objects_are_near_enough_for_full_detail() {
     }
 }
 
-/// The paper's pictures are of objects that fill half of them.
+/// The paper's renderings are of objects that fill half of them.
 #[test]
-fn shapes_for_environments_fill_half_the_picture() {
+fn shapes_for_environments_fill_half_the_rendering() {
     for builtin in [Builtin::BumpyBall, Builtin::RibbedTorus] {
         let hits = trace(&builtin.scene(), Frame { width: 64, height: 64, samples: 1 });
         let share = hits.0.iter().flatten().count() as f64 / (64.0 * 64.0);

@@ -31,7 +31,7 @@ use merge::{Group, merge};
 use std::num::NonZero;
 
 /// Fewest distinct direction pairs of a scan.
-pub const FEWEST_ROWS: usize = 8;
+pub const MIN_ROWS: usize = 8;
 /// Bias of the logarithm `ln(f + bias)`, in units of the scan's median: below it lies dark noise.
 const LOG_BIAS: f64 = 0.05;
 
@@ -116,7 +116,7 @@ impl ScanSource {
     /// the others.
     ///
     /// # Errors
-    /// Fewer than [`FEWEST_ROWS`] distinct direction pairs.
+    /// Fewer than [`MIN_ROWS`] distinct direction pairs.
     pub fn new(scan: &Scan) -> Result<Self, FormatError> {
         let strays = match Incidence::of(&scan.rows) {
             Incidence::Several => return Self::of_rows(&scan.rows, false),
@@ -160,11 +160,11 @@ impl ScanSource {
             let (entries, groups) = entries::<4, 5, Anisotropic>(pairs, raised);
             (Points::Anisotropic(Tree::new(entries)), groups)
         };
-        if groups.len() < FEWEST_ROWS {
+        if groups.len() < MIN_ROWS {
             return Err(FormatError::whole(
                 "rows",
                 format!("{} distinct direction pairs in {} rows", groups.len(), pairs.len()),
-                format!("at least {FEWEST_ROWS} distinct direction pairs, so that a surface can be fitted"),
+                format!("at least {MIN_ROWS} distinct direction pairs, so that a surface can be fitted"),
             ));
         }
         let bias = log_bias(raised);

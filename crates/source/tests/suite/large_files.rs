@@ -34,14 +34,14 @@ fn refused(name: &str, start: &[u8], length: u64) -> (String, u64) {
 fn the_largest_merl_header_is_refused_by_its_length() {
     let header = [4096i32; 3].map(i32::to_le_bytes).concat();
     let (error, read) = refused("a.binary", &header, 12 + 24 * (1 << 36));
-    assert_eq!((&*error, read), ("file length: found 1.50 TiB; allowed at most 2.00 GiB", 0));
+    assert_eq!((&*error, read), ("file length: found 1.50 TiB, expected at most 2.00 GiB", 0));
 }
 
 #[test]
 fn every_kind_has_a_largest_length() {
     for name in ["a.binary", "a.brdf", "a.csv", "a.dat", "a.bsdf", "a.ktx2"] {
         let (error, read) = refused(name, b"", MAX_FILE_BYTES + 1);
-        assert_eq!((&*error, read), ("file length: found 2.00 GiB; allowed at most 2.00 GiB", 0), "{name}");
+        assert_eq!((&*error, read), ("file length: found 2.00 GiB, expected at most 2.00 GiB", 0), "{name}");
     }
 }
 
@@ -53,7 +53,7 @@ fn text_ends_at_its_first_nul_byte() {
         {
             let (error, read) = refused(name, start, MAX_FILE_BYTES);
             assert!(
-                error.starts_with(expected) && error.ends_with("of the file; allowed text, which has none"),
+                error.starts_with(expected) && error.ends_with("of the file, expected text, which has none"),
                 "{error}"
             );
             assert!(read < 1 << 20, "{name}: {read} bytes were read");
@@ -66,12 +66,12 @@ fn text_ends_at_its_first_nul_byte() {
 fn records_have_a_largest_length() {
     let quoted = [&b"theta_i,phi_i,theta_o,phi_o,r,g,b\n\""[..], &b"a\n".repeat(9 << 20)].concat();
     let (error, _) = refused("a.csv", &quoted, quoted.len() as u64);
-    assert_eq!(error, "line 2, record: found a record of more than 16.00 MiB; allowed at most 16777216 bytes");
+    assert_eq!(error, "line 2, record: found a record of more than 16.00 MiB, expected at most 16777216 bytes");
 }
 
 #[test]
 fn scans_have_a_largest_number_of_rows() {
     let rows = [&b"theta_i,phi_i,theta_o,phi_o,r,g,b\n"[..], &b"0,0,0,0,1,1,1\n".repeat(MAX_ROWS + 1)].concat();
     let error: FormatError = brdfc_readers::scan_csv::from_bytes(&rows).unwrap_err();
-    assert_eq!(error.to_string(), format!("rows: found more than {MAX_ROWS}; allowed at most {MAX_ROWS}"));
+    assert_eq!(error.to_string(), format!("rows: found more than {MAX_ROWS}, expected at most {MAX_ROWS}"));
 }

@@ -82,7 +82,7 @@ fn magic_and_version_are_checked() {
     }
     assert_eq!(
         Rgl::from_bytes(b"tensor_file\0\x01\x07\0\0\0\0").unwrap_err().to_string(),
-        "byte 12, version: found 1.7; allowed 1.0"
+        "byte 12, version: found 1.7, expected 1.0"
     );
 }
 

@@ -197,7 +197,7 @@ fn weights_are_checked() {
     let material = Material { wavelengths: Some(vec![400.0, 700.0]), colour: |_| 3e38, ..Material::default() };
     let rgl = Rgl::from_bytes(&material.container().build()).unwrap();
     let error = RglSource::new(rgl.clone(), |_| Ok(vec![[1.0; 3]])).unwrap_err();
-    assert_eq!(error.to_string(), "colour weights: found 1 weights; allowed 2, one for each wavelength");
+    assert_eq!(error.to_string(), "colour weights: found 1 weights, expected 2, one for each wavelength");
     let error = RglSource::new(rgl.clone(), |_| Ok(vec![[1.0; 3]; 2])).unwrap_err();
     assert_eq!(error.field, "linear RGB");
     let error = RglSource::new(rgl, |_| Err(FormatError::whole("wavelengths", "a gap", "none"))).unwrap_err();

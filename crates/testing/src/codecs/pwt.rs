@@ -111,7 +111,7 @@ pub fn example() -> PwtPack {
     PwtPack::new(header, vec![vec![0, 255, 51, 102, 102], vec![204]]).expect("a header in range")
 }
 
-/// Places on pictures, levels and lights.
+/// Places on renderings, levels and lights.
 fn queries() -> Vec<Query> {
     let mut numbers = Numbers::new(13);
     let query = |k: usize| {

@@ -207,7 +207,7 @@ impl TestedCodec for Table {
             }
         }
         errors.summary(&pack.off_grid);
-        errors.add([pack.picture.mean, pack.picture.p95, pack.picture.max]);
+        errors.add([pack.rendering.mean, pack.rendering.p95, pack.rendering.max]);
         of_columns([("values", values), ("reflectances", reflectances), ("errors", errors)])
     }
 

@@ -1,5 +1,5 @@
 //! Lists of hashes that pin what is written and what is read. Tests compare; with `BRDFC_BLESS` in the environment they
-//! write the lists anew. The crates of the formats and of
+//! write the lists again. The crates of the formats and of
 //! the encoders share this.
 
 pub mod corpus;
@@ -12,7 +12,7 @@ use std::collections::{BTreeMap, BTreeSet};
 use std::io::Write as _;
 use std::path::PathBuf;
 
-/// What writes the lists anew.
+/// What writes the lists again.
 const COMMAND: &str = "./scripts/bless";
 const BLESS: &str = "BRDFC_BLESS";
 

@@ -8,13 +8,13 @@ use crate::FormatError;
 use crate::flat_btf::MAX_COORDINATE;
 
 /// Largest number of a table, and largest colour of a base: beyond the largest value of a view.
-pub const LARGEST_BASE: f32 = 65_536.0;
+pub const MAX_BASE: f32 = 65_536.0;
 /// Largest diffuse and glossy albedo.
-const LARGEST_ALBEDO: f32 = 1024.0;
+const MAX_ALBEDO: f32 = 1024.0;
 /// Least sum of the cosines that a glossy reflection is divided by.
 const LEAST_COSINES: f32 = 0.1;
 /// Largest paraboloid coordinate of a normal: it may hang over until its height is -15/17.
-const LARGEST_SLOPE: f32 = 4.0;
+const MAX_SLOPE: f32 = 4.0;
 
 /// What a gloss of 1 shows, linear RGB by half angle and difference angle, without the factor of the cosines: the table `T`.
 #[derive(Debug, Clone, PartialEq)]
@@ -85,17 +85,17 @@ impl BaseTable {
     /// `48 x 8` entries, half angle by half angle.
     ///
     /// # Errors
-    /// Another number of entries; numbers that are not 0 to [`LARGEST_BASE`].
+    /// Another number of entries; numbers that are not 0 to [`MAX_BASE`].
     pub fn new(entries: Vec<[f32; 3]>) -> Result<Self, FormatError> {
         let wanted = HALF_ANGLES * DIFFERENCE_ANGLES;
         if entries.len() != wanted {
             return Err(FormatError::whole("entries of the base", entries.len().to_string(), wanted.to_string()));
         }
-        let good = |entry: &[f32; 3]| entry.iter().all(|number| (0.0..=LARGEST_BASE).contains(number));
+        let good = |entry: &[f32; 3]| entry.iter().all(|number| (0.0..=MAX_BASE).contains(number));
         match entries.iter().position(|entry| !good(entry)) {
             Some(at) => {
                 let (i, j) = (at / DIFFERENCE_ANGLES, at % DIFFERENCE_ANGLES);
-                let allowed = format!("numbers of 0 to {LARGEST_BASE}");
+                let allowed = format!("numbers of 0 to {MAX_BASE}");
                 Err(FormatError::whole(format!("entry ({i}, {j}) of the base"), format!("{:?}", entries[at]), allowed))
             }
             None => Ok(Self { entries }),
@@ -122,13 +122,13 @@ impl BaseTable {
     }
 
     /// The colour of a texel in a view under a light that arrives in full, linear RGB relative to a white diffuser that faces
-    /// the light: `diffuse cos θi + gloss T(half angle, difference angle) geometry`, 0 to [`LARGEST_BASE`].
+    /// the light: `diffuse cos θi + gloss T(half angle, difference angle) geometry`, 0 to [`MAX_BASE`].
     #[inline]
     pub fn colour(&self, texel: &BaseTexel, view: [f32; 3], light: [f32; 3]) -> [f32; 3] {
         let Some(angles) = BaseAngles::new(texel.normal, view, light) else { return [0.0; 3] };
         let table = self.at(&angles.taps);
         let gloss = texel.gloss * angles.geometry;
-        [0, 1, 2].map(|c: usize| (texel.diffuse[c] * angles.cosine + gloss * table[c]).min(LARGEST_BASE))
+        [0, 1, 2].map(|c: usize| (texel.diffuse[c] * angles.cosine + gloss * table[c]).min(MAX_BASE))
     }
 }
 
@@ -136,7 +136,7 @@ impl BaseTable {
 pub(super) fn base_texel([red, green, blue, gloss, x, x_low, y, y_low]: [f32; 8]) -> BaseTexel {
     // What is no number is the least.
     let between = |number: f32, least: f32, most: f32| if number > least { number.min(most) } else { least };
-    let albedo = |number: f32| between(number, 0.0, LARGEST_ALBEDO);
+    let albedo = |number: f32| between(number, 0.0, MAX_ALBEDO);
     let slope = |number: f32| between(number, -MAX_COORDINATE, MAX_COORDINATE);
     let (p, q) = (slope(x + x_low), slope(y + y_low));
     let scale = 2.0 / (1.0 + p * p + q * q);
@@ -152,7 +152,7 @@ pub(super) fn base_texel([red, green, blue, gloss, x, x_low, y, y_low]: [f32; 8]
 pub fn slope_words([x, y, z]: [f32; 3]) -> [u16; 2] {
     let scale = 1.0 / (1.0 + z).max(1e-6);
     [x, y].map(|c| {
-        let share = (c * scale / LARGEST_SLOPE).clamp(-1.0, 1.0) * 0.5 + 0.5;
+        let share = (c * scale / MAX_SLOPE).clamp(-1.0, 1.0) * 0.5 + 0.5;
         (share * 65535.0).round() as u16
     })
 }
@@ -169,9 +169,9 @@ pub fn slope_texel(words: [u16; 2]) -> [f32; 3] {
 
 /// What the bytes of [`slope_words`] stand for, the higher one of each first.
 pub fn slope_ranges() -> [WeightRange; 4] {
-    let unit = 2.0 * LARGEST_SLOPE / 65535.0;
+    let unit = 2.0 * MAX_SLOPE / 65535.0;
     let [high, low] =
-        [WeightRange { scale: 65280.0 * unit, low: -LARGEST_SLOPE }, WeightRange { scale: 255.0 * unit, low: 0.0 }];
+        [WeightRange { scale: 65280.0 * unit, low: -MAX_SLOPE }, WeightRange { scale: 255.0 * unit, low: 0.0 }];
     [high, low, high, low]
 }
 
@@ -246,9 +246,9 @@ mod tests {
         #[test]
         fn bases_are_numbers(numbers in prop::array::uniform8(prop::num::f32::NORMAL | prop::num::f32::INFINITE | prop::num::f32::ZERO)) {
             let texel = base_texel(numbers);
-            let table = BaseTable::new(vec![[LARGEST_BASE; 3]; HALF_ANGLES * DIFFERENCE_ANGLES]).unwrap();
+            let table = BaseTable::new(vec![[MAX_BASE; 3]; HALF_ANGLES * DIFFERENCE_ANGLES]).unwrap();
             let colour = table.colour(&texel, [0.0, 0.6, 0.8], [0.28, 0.0, 0.96]);
-            prop_assert!(colour.iter().all(|c| (0.0..=LARGEST_BASE).contains(c)), "{texel:?} {colour:?}");
+            prop_assert!(colour.iter().all(|c| (0.0..=MAX_BASE).contains(c)), "{texel:?} {colour:?}");
         }
     }
 }

@@ -17,7 +17,7 @@ const TO_RGB: [[f32; 3]; 3] = [
 
 /// Largest cube root of a tristimulus value that is made a colour: beyond the largest value of a view, so that whatever a
 /// file holds is a finite number.
-const LARGEST_ROOT: f32 = 41.0;
+const MAX_ROOT: f32 = 41.0;
 
 /// Cube root of numbers that are not negative, within 1e-6 relative from 1e-18 on; 0 below.
 #[inline]
@@ -84,7 +84,7 @@ pub fn from_opponent([lightness, red_green, yellow_blue]: [f32; 3]) -> [f32; 3] 
     let x = y + red_green * (1.0 / 500.0);
     let z = y - yellow_blue * (1.0 / 200.0);
     // What is no number is 0.
-    let [x, y, z] = [x, y, z].map(|root| if root > 0.0 { root.min(LARGEST_ROOT) } else { 0.0 });
+    let [x, y, z] = [x, y, z].map(|root| if root > 0.0 { root.min(MAX_ROOT) } else { 0.0 });
     let [x, y, z] = [x * x * x, y * y * y, z * z * z];
     TO_RGB.map(|[mx, my, mz]| (mx * x + my * y + mz * z).max(0.0))
 }

@@ -12,7 +12,7 @@ mod header;
 mod maps;
 pub mod shader;
 
-pub use base::{BaseAngles, BaseTable, BaseTexel, LARGEST_BASE, slope_ranges, slope_texel, slope_words};
+pub use base::{BaseAngles, BaseTable, BaseTexel, MAX_BASE, slope_ranges, slope_texel, slope_words};
 pub use basis::BasisMap;
 pub use decode::{FactoredFlatBtf, FactoredTexel};
 pub use domain::{ChromaRange, cube_root, from_opponent, to_opponent};

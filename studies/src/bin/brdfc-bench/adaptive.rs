@@ -31,7 +31,7 @@ pub(super) fn run(arguments: &Arguments, common: Common) -> Result<StudyResult, 
     // Windows of 32 x 32 pixels are to fit into the sphere.
     let least = if arguments.study == Study::PixelBandwidth { 64 } else { 32 };
     if !(least..=2048).contains(&side) {
-        return Err(Error::usage(format!("--pixels: found {side}; allowed {least} to 2048")));
+        return Err(Error::usage(format!("--pixels: found {side}, expected {least} to 2048")));
     }
     let truth = arguments.truth.unwrap_or(256);
     let environment = match &arguments.environment {
@@ -159,7 +159,7 @@ pub(super) fn equal_error_text(rows: &[EqualErrorRow]) -> String {
         + &format!(
             "\nforward, adaptive and best: samples per pixel that shows a surface, for the same PSNR against a ground truth of\n\
              {} samples, good for {}; interpolated between powers of two. drawn: PSNR of\n\
-             the picture with that budget. adaptive: default caution; best: the caution that takes fewest.\n\
+             the rendering with that budget. adaptive: default caution; best: the caution that takes fewest.\n\
              shaded: shaded pixels per pixel of surface. bandwidth: time of the bandwidth buffer as a share of forward\n\
              shading's. Smallest gain at default caution: {summary}; not reached, or passed, with 1 to 512 samples (-): {missed} of {}.\n",
             rows.first().map_or(0, |row| row.truth_samples),
@@ -189,7 +189,7 @@ pub(super) fn fourier_text(rows: &[FourierRow]) -> String {
 }
 
 pub(super) fn directions_text(rows: &[DirectionsStudy]) -> String {
-    let header = ["material", "shape", "directions", "PSNR", "samples", "bandwidth", "picture"];
+    let header = ["material", "shape", "directions", "PSNR", "samples", "bandwidth", "rendering"];
     let cells: Vec<Vec<String>> = rows
         .iter()
         .flat_map(|study| study.rows.iter().map(move |row| (study, row)))
@@ -206,7 +206,7 @@ pub(super) fn directions_text(rows: &[DirectionsStudy]) -> String {
         })
         .collect();
     plain(&header, &cells)
-        + "\nPictures for the same number of samples per pixel that shows a surface, with bandwidth averaged over more and more\n\
+        + "\nRenderings for the same number of samples per pixel that shows a surface, with bandwidth averaged over more and more\n\
            incident directions. bandwidth: time of the bandwidth buffer. Wanted: within 0.3 dB of each other.\n"
 }
 

@@ -97,7 +97,7 @@ impl Arguments {
         if let (Study::WaveletBrdf, Some(name)) = (self.study, self.study.to_possible_value())
             && !self.inputs.is_empty()
         {
-            let allowed = "allowed with the studies that draw (throughput, codecs, level-of-detail and images: materials), with \
+            let allowed = "expected with the studies that draw (throughput, codecs, level-of-detail and images: materials), with \
                            pareto (materials), and with btf, flat-btf and rays (structures), and with relighting (photographs)";
             return Err(Error::usage(format!("INPUT: found with --study {}; {allowed}", name.get_name())));
         }
@@ -106,7 +106,7 @@ impl Arguments {
             Study::LevelOfDetail | Study::Codecs | Study::Pareto | Study::Rays | Study::Relighting | Study::Btf
         );
         if !writes && self.out.is_some() {
-            let allowed = "allowed with --study level-of-detail, --study codecs, --study pareto, --study rays, --study relighting and --study btf";
+            let allowed = "expected with --study level-of-detail, --study codecs, --study pareto, --study rays, --study relighting and --study btf";
             return Err(Error::usage(format!("--out: found with another study; {allowed}")));
         }
         for (given, option, studies) in [
@@ -131,7 +131,7 @@ impl Arguments {
                     studies.iter().filter_map(|s| Some(s.to_possible_value()?.get_name().to_owned())).collect();
                 let allowed = names.join(", ");
                 return Err(Error::usage(format!(
-                    "--{option}: found with another study; allowed with --study {allowed}"
+                    "--{option}: found with another study, expected with --study {allowed}"
                 )));
             }
         }

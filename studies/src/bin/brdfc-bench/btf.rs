@@ -17,14 +17,14 @@ use std::time::{Duration, Instant};
 
 /// Of both BTFs.
 const TEXELS: usize = 32;
-const MOST_TEXELS: usize = 256;
+const MAX_TEXELS: usize = 256;
 /// Remarks come at least this far apart.
 const BETWEEN_REMARKS: Duration = Duration::from_secs(5);
 
 pub(super) fn run(arguments: &Arguments, common: Common) -> Result<StudyResult, Error> {
     let texels = arguments.texels.unwrap_or(TEXELS);
-    if !(8..=MOST_TEXELS).contains(&texels) || !texels.is_power_of_two() {
-        return Err(Error::usage(format!("--texels: found {texels}; allowed a power of two from 8 to {MOST_TEXELS}")));
+    if !(8..=MAX_TEXELS).contains(&texels) || !texels.is_power_of_two() {
+        return Err(Error::usage(format!("--texels: found {texels}, expected a power of two from 8 to {MAX_TEXELS}")));
     }
     let set = direction_set("directions", arguments.directions.as_ref().unwrap_or(&default_set()))?;
     let held_out = held_out(set.len()).map_err(|error| Error::usage(format!("--directions: {error}")))?;
@@ -70,7 +70,7 @@ pub(super) fn run(arguments: &Arguments, common: Common) -> Result<StudyResult, 
 fn address(input: &Input) -> Result<&str, Error> {
     input.address().and_then(|address| address.strip_prefix(SYNTH_PREFIX)).ok_or_else(|| {
         let names: Vec<&str> = STRUCTURES.iter().map(|info| info.name).collect();
-        Error::usage(format!("INPUT: found {input}; allowed synth: with one of {}", names.join(", ")))
+        Error::usage(format!("INPUT: found {input}, expected synth: with one of {}", names.join(", ")))
     })
 }
 

@@ -67,7 +67,7 @@ fn check(python: &Path) -> Result<(), String> {
     if ran.status.success() {
         return Ok(());
     }
-    let allowed = "allowed a Python with the packages of tests/peers/requirements.txt";
+    let allowed = "expected a Python with the packages of tests/peers/requirements.txt";
     Err(format!("--peers {name}: found {}; {allowed}", last_line(&ran.stderr)))
 }
 
@@ -101,7 +101,7 @@ fn compress(python: &Path, table: &DenseTable) -> Result<Vec<Compressed>, String
     let length = table.shape.iter().product();
     let printed = String::from_utf8_lossy(&ran.stdout);
     let parsed = printed.lines().map(|line| parse(line, [table.channels.len(), length], folder.path()));
-    parsed.collect::<Option<Vec<_>>>().ok_or_else(|| wrong(format!("found {printed:?}; allowed lines of its script")))
+    parsed.collect::<Option<Vec<_>>>().ok_or_else(|| wrong(format!("found {printed:?}, expected lines of its script")))
 }
 
 /// "codec tolerance bytes seconds file".

@@ -16,24 +16,24 @@ use std::time::{Duration, Instant};
 
 /// Of the plane; the flat BTF has twice as many per side, the paper's 256.
 const TEXELS: usize = 128;
-const LARGEST_ANGLE: f64 = 80.0;
+const MAX_ANGLE: f64 = 80.0;
 /// Most texels of the plane: with these views, of the indirection map.
-const MOST_TEXELS: usize = (MAX_EXTENT_2D / 25) as usize;
+const MAX_TEXELS: usize = (MAX_EXTENT_2D / 25) as usize;
 /// Remarks come at least this far apart.
 const BETWEEN_REMARKS: Duration = Duration::from_secs(5);
 
 pub(super) fn run(arguments: &Arguments, common: Common) -> Result<StudyResult, Error> {
     let texels = arguments.texels.unwrap_or(TEXELS);
     let flat_texels = arguments.flat_texels.unwrap_or(2 * texels.next_power_of_two());
-    for (option, value, most) in [("texels", texels, MOST_TEXELS), ("flat-texels", flat_texels, 1024)] {
+    for (option, value, most) in [("texels", texels, MAX_TEXELS), ("flat-texels", flat_texels, 1024)] {
         if !(8..=most).contains(&value) {
-            return Err(Error::usage(format!("--{option}: found {value}; allowed 8 to {most}")));
+            return Err(Error::usage(format!("--{option}: found {value}, expected 8 to {most}")));
         }
     }
     if !flat_texels.is_power_of_two() {
-        return Err(Error::usage(format!("--flat-texels: found {flat_texels}; allowed a power of two")));
+        return Err(Error::usage(format!("--flat-texels: found {flat_texels}, expected a power of two")));
     }
-    let largest_angle = arguments.largest_angle.unwrap_or(LARGEST_ANGLE);
+    let largest_angle = arguments.largest_angle.unwrap_or(MAX_ANGLE);
     let map = map_header(texels as u32, arguments.indirection.as_deref().unwrap_or(INDIRECTION), largest_angle)?;
     map.check().map_err(|error| Error::usage(in_flags(&error)))?;
     let directions = direction_set("directions", arguments.directions.as_ref().unwrap_or(&default_set()))?;
@@ -68,7 +68,7 @@ pub(super) fn run(arguments: &Arguments, common: Common) -> Result<StudyResult, 
     for input in inputs {
         let address = input.address().and_then(|address| address.strip_prefix(SYNTH_PREFIX)).ok_or_else(|| {
             let names: Vec<&str> = STRUCTURES.iter().map(|info| info.name).collect();
-            Error::usage(format!("INPUT: found {input}; allowed synth: with one of {}", names.join(", ")))
+            Error::usage(format!("INPUT: found {input}, expected synth: with one of {}", names.join(", ")))
         })?;
         let row = study_model(address, &settings, &directions, &view_done).map_err(|error| match error {
             StudyError::Address(error) => Error::input(format!("{input}: {error}")),

@@ -5,7 +5,7 @@ use brdfc_formats::BrdfPack;
 use brdfc_gpu::{AdapterChoice, AdapterDescription, Gpu};
 use brdfc_jobs::encode::PackRecipe;
 use brdfc_jobs::encode::encode as encode_pack;
-use brdfc_render::picture::to_png;
+use brdfc_render::rendering::to_png;
 use brdfc_source::Input;
 use brdfc_source::open::open;
 use brdfc_source::pack::open_brdf_pack;
@@ -84,7 +84,7 @@ fn one(arguments: &Arguments, default: &str) -> Result<Input, Error> {
     match &arguments.inputs[..] {
         [] => Ok(default.into()),
         [one] => Ok(one.clone()),
-        more => Err(Error::usage(format!("INPUT: found {}; allowed one with this study", more.len()))),
+        more => Err(Error::usage(format!("INPUT: found {}, expected one with this study", more.len()))),
     }
 }
 
@@ -94,7 +94,7 @@ fn pack(input: &Input) -> Result<BrdfPack, Error> {
         let pack = open_brdf_pack(input)?;
         if pack.levels() == 0 {
             let found = format!("found {} of one level of detail", pack.kind().in_words());
-            return Err(Error::input(format!("{input}: pack: {found}; allowed packs with more (encode --levels)")));
+            return Err(Error::input(format!("{input}: pack: {found}, expected packs with more (encode --levels)")));
         }
         return Ok(pack);
     }

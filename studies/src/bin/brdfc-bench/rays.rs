@@ -17,14 +17,14 @@ pub(super) fn run(arguments: &Arguments, common: Common) -> Result<StudyResult, 
     let input = match &arguments.inputs[..] {
         [] => &BUTTON.into(),
         [one] => one,
-        more => return Err(Error::usage(format!("INPUT: found {}; allowed one with this study", more.len()))),
+        more => return Err(Error::usage(format!("INPUT: found {}, expected one with this study", more.len()))),
     };
     let Some(address) = input.address().and_then(|address| address.strip_prefix(SYNTH_PREFIX)) else {
-        return Err(Error::usage(format!("INPUT: found {input}; allowed synth: and a structure with --study rays")));
+        return Err(Error::usage(format!("INPUT: found {input}, expected synth: and a structure with --study rays")));
     };
     let texels = arguments.texels.unwrap_or(64);
     if !TEXELS.contains(&texels) {
-        let allowed = format!("allowed {} to {}", TEXELS.start(), TEXELS.end());
+        let allowed = format!("expected {} to {}", TEXELS.start(), TEXELS.end());
         return Err(Error::usage(format!("--texels: found {texels}; {allowed}")));
     }
     if let Some(folder) = &arguments.out {

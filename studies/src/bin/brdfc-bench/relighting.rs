@@ -2,7 +2,7 @@
 
 use super::arguments::Arguments;
 use brdfc_jobs::pwt::LightInput;
-use brdfc_render::picture::to_png;
+use brdfc_render::rendering::to_png;
 use brdfc_studies::StudyResult;
 use brdfc_studies::relighting::{RelightingStudy, relighting, relit};
 use brdfc_terminal::output::{make_folder, remark, write_file};
@@ -17,7 +17,7 @@ const SEEDS: [u64; 5] = [0, 1, 2, 3, 4];
 pub(super) fn run(arguments: &Arguments, common: Common) -> Result<StudyResult, Error> {
     let [input] = &arguments.inputs[..] else {
         let found = arguments.inputs.len();
-        return Err(Error::usage(format!("INPUT: found {found}; allowed one: a folder of photographs with an .lp")));
+        return Err(Error::usage(format!("INPUT: found {found}, expected one: a folder of photographs with an .lp")));
     };
     let samples = LightInput::open(input, None)?.into_samples();
     if let Some(folder) = &arguments.out {
@@ -27,8 +27,8 @@ pub(super) fn run(arguments: &Arguments, common: Common) -> Result<StudyResult, 
     let study =
         relighting(&samples, HELD_OUT, &SEEDS, &|method| remark(common, &format!("{method}: done"))).map_err(told)?;
     if let Some(folder) = &arguments.out {
-        let picture = relit(&samples, HELD_OUT).map_err(told)?;
-        write_file(&folder.join("relighting.png"), &to_png(&picture, 1.0))?;
+        let rendering = relit(&samples, HELD_OUT).map_err(told)?;
+        write_file(&folder.join("relighting.png"), &to_png(&rendering, 1.0))?;
     }
     Ok(StudyResult::Relighting(study))
 }

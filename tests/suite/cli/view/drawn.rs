@@ -19,8 +19,8 @@ struct Seen {
     api: String,
     first: f64,
     speed: f64,
-    pictures: Vec<LinearImage>,
-    /// As coarse as the first picture, with its exposure.
+    renderings: Vec<LinearImage>,
+    /// As coarse as the first rendering, with its exposure.
     firsts: Vec<LinearImage>,
     exposures: Vec<f64>,
     measured: Vec<Value>,
@@ -34,15 +34,15 @@ addEventListener('error', ({ message }) => say(`error: ${message}`));
 addEventListener('unhandledrejection', ({ reason }) => say(`error: ${reason?.name}: ${reason?.message ?? reason}`));
 (async () => {
     const first = await brdfcView.first;
-    const found = { first, api: document.getElementById('api').textContent, pictures: [], firsts: [], exposures: [], measured: [], told: [] };
+    const found = { first, api: document.getElementById('api').textContent, renderings: [], firsts: [], exposures: [], measured: [], told: [] };
     for (const changes of CHANGES) {
         if (typeof changes === 'string') {
             found.told.push(await (0, eval)(`(async () => { ${changes} })()`));
             continue;
         }
         await brdfcView.set(changes);
-        for (const [list, isFirst] of [[found.firsts, true], [found.pictures, false]]) {
-            const png = await brdfcView.picture(isFirst);
+        for (const [list, isFirst] of [[found.firsts, true], [found.renderings, false]]) {
+            const png = await brdfcView.rendering(isFirst);
             list.push(base64(new Uint8Array(await png.arrayBuffer())));
         }
         found.exposures.push(brdfcView.exposure());
@@ -58,7 +58,7 @@ addEventListener('unhandledrejection', ({ reason }) => say(`error: ${reason?.nam
     let told: Value = serde_json::from_slice(&posted).unwrap_or_else(|_| {
         panic!("{}", String::from_utf8_lossy(&posted));
     });
-    let picture = |text: &Value| {
+    let rendering = |text: &Value| {
         use base64::Engine as _;
         let png = base64::engine::general_purpose::STANDARD.decode(text.as_str().unwrap()).unwrap();
         linear(&png)
@@ -68,8 +68,8 @@ addEventListener('unhandledrejection', ({ reason }) => say(`error: ${reason?.nam
         api: told["api"].as_str().unwrap().to_owned(),
         first: told["first"].as_f64().unwrap(),
         speed: told["speed"].as_f64().unwrap_or(0.0),
-        pictures: told["pictures"].as_array().unwrap().iter().map(picture).collect(),
-        firsts: told["firsts"].as_array().unwrap().iter().map(picture).collect(),
+        renderings: told["renderings"].as_array().unwrap().iter().map(rendering).collect(),
+        firsts: told["firsts"].as_array().unwrap().iter().map(rendering).collect(),
         exposures: told["exposures"].as_array().unwrap().iter().map(|exposure| exposure.as_f64().unwrap()).collect(),
         measured: told["measured"].as_array().unwrap().clone(),
     })
@@ -82,7 +82,7 @@ fn linear(png: &[u8]) -> LinearImage {
     LinearImage { pixels, coverage: vec![1.0; width * height], ..LinearImage::black(width, height) }
 }
 
-/// What `brdfc render` draws, each picture once.
+/// What `brdfc render` draws, each rendering once.
 struct Renders<'a> {
     folder: &'a Folder,
     known: BTreeMap<String, LinearImage>,
@@ -93,10 +93,10 @@ impl<'a> Renders<'a> {
         Self { folder, known: BTreeMap::new() }
     }
 
-    /// A page's picture against that of these arguments, where that shows anything but its background.
-    fn against(&mut self, picture: &LinearImage, arguments: &[&str]) -> ImageDifference {
+    /// A page's rendering against that of these arguments, where that shows anything but its background.
+    fn against(&mut self, rendering: &LinearImage, arguments: &[&str]) -> ImageDifference {
         let draw = || {
-            let (width, height) = (picture.width, picture.height);
+            let (width, height) = (rendering.width, rendering.height);
             let size = format!("{width}x{height}");
             let words = [&["render"], arguments, &["--size", &size, "-o", "expected.png"]].concat();
             self.folder.run(&words).succeeded();
@@ -107,7 +107,7 @@ impl<'a> Renders<'a> {
             expected
         };
         let expected = self.known.entry(arguments.join(" ")).or_insert_with(draw);
-        let shown = LinearImage { coverage: vec![0.0; picture.pixels.len()], ..picture.clone() };
+        let shown = LinearImage { coverage: vec![0.0; rendering.pixels.len()], ..rendering.clone() };
         compare_images(&shown, expected, 1.0)
     }
 }
@@ -147,28 +147,28 @@ fn balls_cloths_and_teapots_are_those_of_render() {
         let Some(found) = seen(&folder.text("view.html"), SQUARE, api, &changes) else { return };
         assert_eq!(found.api, name);
         println!(
-            "view, {name}: the first picture stood after {:.0} ms, {:.1} pictures a second",
+            "view, {name}: the first rendering stood after {:.0} ms, {:.1} renderings a second",
             found.first, found.speed
         );
-        for ((pack, scene), (picture, first)) in cases.iter().zip(found.pictures.iter().zip(&found.firsts)) {
-            let difference = renders.against(picture, &[pack, "--scene", scene]);
+        for ((pack, scene), (rendering, first)) in cases.iter().zip(found.renderings.iter().zip(&found.firsts)) {
+            let difference = renders.against(rendering, &[pack, "--scene", scene]);
             let of_first = renders.against(first, &[pack, "--scene", scene, "--samples", "1"]);
             println!(
-                "view, {name}: {pack} on {scene}: ΔE {:.3}, of a first picture {:.3}",
+                "view, {name}: {pack} on {scene}: ΔE {:.3}, of a first rendering {:.3}",
                 difference.delta_e.mean, of_first.delta_e.mean
             );
             assert!(difference.delta_e.mean < BOUND, "{pack} on {scene}: {:?}", difference.delta_e);
             assert!(of_first.delta_e.mean < BOUND, "first, {pack} on {scene}: {:?}", of_first.delta_e);
         }
         // Another material is noticed.
-        let other = renders.against(&found.pictures[1], &["table.ktx2"]);
+        let other = renders.against(&found.renderings[1], &["table.ktx2"]);
         assert!(other.delta_e.mean > 5.0, "{:?}", other.delta_e);
     }
 }
 
-/// The first picture of a large page has the exposure of some of its pixels alone.
+/// The first rendering of a large page has the exposure of some of its pixels alone.
 #[test]
-fn a_large_first_picture_is_that_of_render() {
+fn a_large_first_rendering_is_that_of_render() {
     if !crate::common::has_adapter() {
         return;
     }
@@ -181,14 +181,14 @@ fn a_large_first_picture_is_that_of_render() {
     // Not narrower than high: a page fits a narrow window, `render` always the height.
     let Some(found) = seen(&folder.text("view.html"), [512, 512], "webgl2", &changes) else { return };
     let mut renders = Renders::of(&folder);
-    for (scene, (picture, first)) in scenes.iter().zip(found.pictures.iter().zip(&found.firsts)) {
+    for (scene, (rendering, first)) in scenes.iter().zip(found.renderings.iter().zip(&found.firsts)) {
         let words = ["table.ktx2", "--scene", scene];
-        let fine = renders.against(picture, &words).delta_e.mean;
+        let fine = renders.against(rendering, &words).delta_e.mean;
         let of_first = renders.against(first, &[&words[..], &["--samples", "1"]].concat()).delta_e.mean;
-        println!("view, 512 x 512: {scene}: ΔE {fine:.3}, of a first picture {of_first:.3}");
+        println!("view, 512 x 512: {scene}: ΔE {fine:.3}, of a first rendering {of_first:.3}");
         assert!(fine < BOUND && of_first < BOUND, "{scene}: {fine} {of_first}");
-        // They are not one picture: fewer samples, another exposure.
-        assert!(picture.pixels != first.pixels);
+        // They are not one rendering: fewer samples, another exposure.
+        assert!(rendering.pixels != first.pixels);
     }
 }
 
@@ -235,9 +235,9 @@ fn a_driver_that_gives_up_is_replaced() {
     }
 }
 
-/// What the page says of the difference of two packs is what pictures of both say.
+/// What the page says of the difference of two packs is what renderings of both say.
 #[test]
-fn differences_are_those_of_the_pictures() {
+fn differences_are_those_of_the_renderings() {
     let folder = Folder::new();
     folder.run(&["encode", "synth:ggx?alpha=0.3", "-o", "a.ktx2"]).succeeded();
     folder.run(&["encode", "synth:ggx?alpha=0.35", "-o", "b.ktx2"]).succeeded();
@@ -245,7 +245,7 @@ fn differences_are_those_of_the_pictures() {
     let changes =
         [json!({ "split": 1 }), json!({ "split": 0 }), json!({ "split": 0.5 }), json!({ "mode": "difference" })];
     let Some(found) = seen(&folder.text("view.html"), SQUARE, "webgl2", &changes) else { return };
-    let [a, b, split, difference] = &found.pictures[..] else { panic!("four pictures") };
+    let [a, b, split, difference] = &found.renderings[..] else { panic!("four renderings") };
     let background = a.pixels[0];
     let covered = |image: &LinearImage| {
         let coverage = image.pixels.iter().map(|pixel| f32::from(u8::from(*pixel != background))).collect();
@@ -253,7 +253,7 @@ fn differences_are_those_of_the_pictures() {
     };
     let apart = compare_images(&covered(a), &covered(b), 1.0).delta_e;
     let told = &found.measured[0];
-    println!("view: ΔE {} as the page says, {:.3} of its pictures", told["mean"], apart.mean);
+    println!("view: ΔE {} as the page says, {:.3} of its renderings", told["mean"], apart.mean);
     assert!(apart.mean > 0.1 && (told["mean"].as_f64().unwrap() - apart.mean).abs() < 0.1);
     assert!((told["p95"].as_f64().unwrap() - apart.p95).abs() < 0.3);
     for row in 0..SIDE {
@@ -351,7 +351,7 @@ fn halves(row: &[[f32; 3]]) -> [&[[f32; 3]]; 2] {
 }
 
 #[test]
-fn flat_btfs_and_pictures_under_light_are_those_of_render() {
+fn flat_btfs_and_renderings_under_light_are_those_of_render() {
     if !crate::common::has_adapter() {
         return;
     }
@@ -377,12 +377,12 @@ fn flat_btfs_and_pictures_under_light_are_those_of_render() {
             let exposure = format!("{:.4}", found.exposures[k]);
             let scene_of = if scene.is_empty() { vec![] } else { vec!["--scene", *scene] };
             let words = [&[*input, "--exposure", &exposure][..], &scene_of].concat();
-            let difference = renders.against(&found.pictures[k], &words);
+            let difference = renders.against(&found.renderings[k], &words);
             println!("view, {name}: {input} {scene}: ΔE {:.3}", difference.delta_e.mean);
             assert!(difference.delta_e.mean < BOUND, "{input} {scene}: {:?}", difference.delta_e);
         }
         // Another surface is noticed.
-        let other = renders.against(&found.pictures[1], &["button", "--scene", "plane", "--exposure", "1"]);
+        let other = renders.against(&found.renderings[1], &["button", "--scene", "plane", "--exposure", "1"]);
         assert!(other.delta_e.mean > 5.0, "{:?}", other.delta_e);
     }
 }

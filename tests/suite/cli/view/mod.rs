@@ -62,10 +62,10 @@ fn what_cannot_be_drawn_is_refused() {
     folder.write("many/it.ktx2", "");
     folder.write("stack/a.lp", "1\nx.png 0 0 1\n");
     for (input, code, expected) in [
-        ("it.samples.ktx2", 3, "it.samples.ktx2: input: found an importance-sample pack; allowed a pack of a BRDF"),
-        ("empty", 3, "empty: input: found a folder; allowed "),
-        ("many", 3, "many: input: found a folder of packs without the report of a build; allowed "),
-        ("stack", 3, "stack: input: found a light stack; allowed a pack of it, which 'brdfc pwt' makes"),
+        ("it.samples.ktx2", 3, "it.samples.ktx2: input: found an importance-sample pack, expected a pack of a BRDF"),
+        ("empty", 3, "empty: input: found a folder, expected "),
+        ("many", 3, "many: input: found a folder of packs without the report of a build, expected "),
+        ("stack", 3, "stack: input: found an RTI capture, expected a pack of it, which 'brdfc pwt' makes"),
         ("none.ktx2", 4, "none.ktx2: cannot read"),
         ("synth:nothing", 3, "synth:nothing"),
     ] {
@@ -77,7 +77,7 @@ fn what_cannot_be_drawn_is_refused() {
     for (arguments, expected) in [
         (
             &["view", "synth:lambert?kd=0.5", "-o", "it.png"][..],
-            "--output: found it.png; allowed a name that ends in .html",
+            "--output: found it.png, expected a name that ends in .html",
         ),
         (&["view", "-", "-", "-o", "it.html"], "found - for both"),
         (&["view", "-o", "it.html"], "PACK"),

@@ -129,9 +129,9 @@ fn a_bounded_image_has_no_border() {
 fn detail_is_local() {
     let size = 256;
     let burst = |x: f64, y: f64| (-((x - 0.25).powi(2) + (y - 0.25).powi(2)) / 0.002).exp();
-    let picture = image(size, size, |x, y| (TAU * 2.0 * x).sin() + burst(x, y) * (TAU * 50.0 * y).sin());
+    let rendering = image(size, size, |x, y| (TAU * 2.0 * x).sin() + burst(x, y) * (TAU * 50.0 * y).sin());
     for border in [Border::Periodic, Border::Bounded] {
-        let found = frequencies(&picture, [size; 2], size, border, 0.01);
+        let found = frequencies(&rendering, [size; 2], size, border, 0.01);
         let at = |column: usize, row: usize| f64::from(found.v[row * size / 2 + column]) * size as f64;
         // Lower than the 50 cycles, as the strong wave has coefficients 25 times as large: see the module.
         assert!(at(32, 32) > 30.0 && at(96, 96) < 8.0, "{border:?}: {} {}", at(32, 32), at(96, 96));
@@ -292,12 +292,12 @@ fn single_precision_is_close_to_double() {
 fn larger_blocks_miss_nothing() {
     let size = 256;
     let burst = |x: f64, y: f64| (-((x - 0.26).powi(2) + (y - 0.27).powi(2)) / 0.0005).exp();
-    let picture = image(size, size, |x, y| (TAU * 2.0 * x).sin() + burst(x, y) * (TAU * 60.0 * y).sin());
+    let rendering = image(size, size, |x, y| (TAU * 2.0 * x).sin() + burst(x, y) * (TAU * 60.0 * y).sin());
     for border in [Border::Periodic, Border::Bounded] {
-        let fine = frequencies(&picture, [size; 2], size, border, 0.01);
+        let fine = frequencies(&rendering, [size; 2], size, border, 0.01);
         // Share of the blocks that are too low, and mean ratio.
         let compared = |doublings: [u32; 2], join: fn(f32, f32) -> f32| {
-            let whole = Image::plain(&picture, size, size);
+            let whole = Image::plain(&rendering, size, size);
             let found = block_frequencies(whole, size, border, 0.01, doublings, join);
             assert_eq!((found.width, found.height), (128 >> doublings[0], 128 >> doublings[1]));
             let (mut low, mut sum) = (0, 0.0);

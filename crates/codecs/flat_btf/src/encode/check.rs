@@ -13,13 +13,13 @@ use brdfc_formats::flat_btf::{DisplacementHeader, FlatHeader, IndirectionHeader}
 use std::f32::consts::TAU;
 
 /// Most memory that a recipe may take.
-pub const MOST_BYTES: u64 = 8 << 30;
+pub const MAX_BYTES: u64 = 8 << 30;
 /// A point of the surface with its normals and material, and what belongs to it.
 const TEXEL_BYTES: u64 = 256;
 /// A view and a light of a texel while a view is made: its value, packed, and as scratch storage takes it.
 const VALUE_BYTES: u64 = 12;
 /// Most views in memory at once.
-const MOST_VIEWS_AT_ONCE: usize = 8;
+const MAX_VIEWS_AT_ONCE: usize = 8;
 
 impl FlattenRecipe {
     /// Whether packs can hold what is asked for, rays can find it, and memory can hold it on the way, with one view at a
@@ -46,9 +46,9 @@ impl FlattenRecipe {
             target.check(&header)?;
         }
         let bytes = self.bytes(1);
-        if bytes > MOST_BYTES {
+        if bytes > MAX_BYTES {
             let gib = |bytes: u64| format!("{:.1} GiB", bytes as f64 / f64::from(1 << 30));
-            let allowed = format!("{}: fewer texels, views, lights or bounces", gib(MOST_BYTES));
+            let allowed = format!("{}: fewer texels, views, lights or bounces", gib(MAX_BYTES));
             return Err(FormatError::whole("memory", gib(bytes), allowed));
         }
         Ok(())
@@ -62,8 +62,8 @@ impl FlattenRecipe {
 
     /// How many views are made at once: one per thread, as far as memory allows.
     pub(super) fn views_at_once(&self) -> usize {
-        let most = rayon::current_num_threads().clamp(1, MOST_VIEWS_AT_ONCE).min(self.views.len());
-        (2..=most).rev().find(|views| self.bytes(*views) <= MOST_BYTES).unwrap_or(1)
+        let most = rayon::current_num_threads().clamp(1, MAX_VIEWS_AT_ONCE).min(self.views.len());
+        (2..=most).rev().find(|views| self.bytes(*views) <= MAX_BYTES).unwrap_or(1)
     }
 
     /// Bytes in memory at most, roughly, with so many views at once: what grows with texels, views, lights and bounces.
@@ -119,7 +119,7 @@ mod tests {
         assert!(recipe().check().is_ok());
         let light = FlattenRecipe { factored: None, ..recipe() };
         for (recipe, most) in [(light, 1u64 << 30), (recipe(), 2 << 30)] {
-            let bytes = recipe.bytes(MOST_VIEWS_AT_ONCE);
+            let bytes = recipe.bytes(MAX_VIEWS_AT_ONCE);
             assert!(bytes < most, "{bytes}");
         }
     }
@@ -140,7 +140,7 @@ mod tests {
         ] {
             let recipe = FlattenRecipe { flat_texels, lights, ..recipe() };
             assert_eq!(on_each(&recipe), at_once.map(|views| (Ok(()), views)));
-            assert!(at_once.iter().all(|views| recipe.bytes(*views) <= MOST_BYTES));
+            assert!(at_once.iter().all(|views| recipe.bytes(*views) <= MAX_BYTES));
         }
         let found = on_each(&FlattenRecipe { flat_texels: 2048, ..recipe() });
         assert!(found[0].0.is_err() && found.iter().all(|answer| *answer == found[0]), "{found:?}");
@@ -151,12 +151,12 @@ mod tests {
         let steep = FlattenRecipe { views: list(&[[0.0, 0.0], [89.99, 0.0]]), ..recipe() };
         assert_eq!(
             steep.check().unwrap_err().to_string(),
-            "views, direction 1, polar angle: found 89.99 degrees; allowed 0 to 89"
+            "views, direction 1, polar angle: found 89.99 degrees, expected 0 to 89"
         );
         let large = FlattenRecipe { flat_texels: 2048, ..recipe() };
         assert!(large.check().unwrap_err().to_string().contains("memory: found "));
         let bounced = FlattenRecipe { bounces: 1024, ..recipe() };
-        assert!(bounced.check().unwrap_err().to_string().contains("GiB; allowed 8.0 GiB"));
+        assert!(bounced.check().unwrap_err().to_string().contains("GiB, expected 8.0 GiB"));
         assert!(FlattenRecipe { bounces: 64, ..recipe() }.check().is_ok());
     }
 

@@ -10,7 +10,7 @@ mod scratch;
 #[cfg(test)]
 mod tests;
 
-pub use check::MOST_BYTES;
+pub use check::MAX_BYTES;
 pub use error::EncodeError;
 pub use recipe::{FlattenRecipe, Form};
 pub use report::{AssetErrors, AssetReport};

@@ -11,7 +11,7 @@ use serde::{Deserialize, Serialize};
 pub struct AssetReport {
     /// Repairs of a mesh.
     #[serde(skip_serializing_if = "Option::is_none")]
-    #[serde(rename = "mended")]
+    #[serde(rename = "repaired")]
     pub repairs: Option<WeldReport>,
     /// The parameterisation.
     pub parameterisation: SurfaceParameterisationReport,

@@ -19,7 +19,7 @@ const UNSEEN: f32 = 1e-3;
 /// Cosines below which a pair does not count: errors of normals are largest there.
 pub(super) const LEAST_COSINE: f32 = 0.1;
 /// Most of what the table shows that a texel may.
-const MOST_GLOSS: f32 = 2.0;
+const MAX_GLOSS: f32 = 2.0;
 
 /// Sampled directions as unit vectors.
 #[derive(Debug, Clone)]
@@ -133,7 +133,7 @@ impl AlbedoSums {
                 let shared = |other: [f64; 3]| (0..3).map(|k| across[k] * other[k] / cosines).sum::<f64>();
                 let (above, below) = (gx - shared(diffuse), gg - shared(across));
                 let gloss =
-                    if below > 1e-6 * gg.max(1e-9) { (above / below).clamp(0.0, f64::from(MOST_GLOSS)) } else { 0.0 };
+                    if below > 1e-6 * gg.max(1e-9) { (above / below).clamp(0.0, f64::from(MAX_GLOSS)) } else { 0.0 };
                 let albedo = |k: usize| ((diffuse[k] - across[k] * gloss) / cosines).max(0.0) as f32;
                 [albedo(0), albedo(1), albedo(2), gloss as f32]
             })

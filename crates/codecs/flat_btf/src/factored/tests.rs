@@ -194,10 +194,10 @@ fn fewest_bytes_that_meet_an_error() {
     let refused = factor(&FactoredRecipe::new(FactoredTarget::Bytes(100)), &flat(SIZE), &seen, view, &())
         .unwrap_err()
         .to_string();
-    assert!(refused.starts_with("bytes of factors: found 100; allowed "), "{refused}");
+    assert!(refused.starts_with("bytes of factors: found 100, expected "), "{refused}");
     let none = FactoredTarget::Components { components: 0, shadowed: true };
     let refused = factor(&FactoredRecipe::new(none), &flat(SIZE), &seen, view, &()).unwrap_err().to_string();
-    assert_eq!(refused, "components: found 0; allowed 1 to 64");
+    assert_eq!(refused, "components: found 0, expected 1 to 64");
 }
 
 /// Slabs only change where rounding falls; threads nothing.
@@ -229,7 +229,7 @@ fn views_of_other_assets_are_refused() {
         factor(&FactoredRecipe::new(EIGHT), &flat(SIZE), &seen, view, &()).unwrap_err().to_string()
     };
     let swapped = refusal(&|view| Ok(views[(view ^ 1) as usize].clone()));
-    assert!(swapped.starts_with("part flat: found view 1 of 9, 16 x 16 texels; allowed view 0 of 9"), "{swapped}");
+    assert!(swapped.starts_with("part flat: found view 1 of 9, 16 x 16 texels, expected view 0 of 9"), "{swapped}");
     let turned = refusal(&|view| {
         let mut header = views[view as usize].header().clone();
         if view == 4 {
@@ -237,9 +237,9 @@ fn views_of_other_assets_are_refused() {
         }
         FlatView::new(header, views[view as usize].texels().to_vec())
     });
-    assert_eq!(turned, "directions of view 4: found other directions; allowed those of view 0");
+    assert_eq!(turned, "directions of view 4: found other directions, expected those of view 0");
     let missing = refusal(&|view| Err(FormatError::whole("file", format!("no view {view}"), "one")));
-    assert_eq!(missing, "file: found no view 0; allowed one");
+    assert_eq!(missing, "file: found no view 0, expected one");
 }
 
 /// A black asset, and one of a few texels, are assets, too.

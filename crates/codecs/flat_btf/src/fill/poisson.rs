@@ -85,16 +85,16 @@ mod tests {
     }
 
     #[test]
-    fn a_guide_that_is_off_by_a_constant_gives_the_picture_back() {
+    fn a_guide_that_is_off_by_a_constant_gives_the_rendering_back() {
         let n = 16;
-        let picture: Vec<[f32; 3]> =
+        let rendering: Vec<[f32; 3]> =
             (0..n * n).map(|i| [(i % n) as f32 + 1.0, ((i * i) % 13) as f32, 5.0 + (i / n) as f32]).collect();
-        let guide: Vec<[f32; 3]> = picture.iter().map(|v| [v[0] + 3.0, v[1], v[2] - 4.0]).collect();
+        let guide: Vec<[f32; 3]> = rendering.iter().map(|v| [v[0] + 3.0, v[1], v[2] - 4.0]).collect();
         let known = block(n);
-        let mut image = picture.clone();
+        let mut image = rendering.clone();
         (0..n * n).filter(|i| !known[*i]).for_each(|i| image[i] = [f32::NAN; 3]);
         Poisson::new(&known).fill(&mut image, &guide);
-        for (found, expected) in image.iter().zip(&picture) {
+        for (found, expected) in image.iter().zip(&rendering) {
             assert!((0..3).all(|k| (found[k] - expected[k]).abs() < 1e-4), "{found:?} {expected:?}");
         }
     }
@@ -103,12 +103,12 @@ mod tests {
     fn without_gradients_it_is_a_membrane() {
         // A harmonic function is its own membrane; x and y are harmonic away from the seam of the repetition.
         let n = 16;
-        let picture: Vec<[f32; 3]> = (0..n * n).map(|i| [(i % n) as f32, (i / n) as f32, 2.0]).collect();
+        let rendering: Vec<[f32; 3]> = (0..n * n).map(|i| [(i % n) as f32, (i / n) as f32, 2.0]).collect();
         let known = block(n);
-        let mut image = picture.clone();
+        let mut image = rendering.clone();
         (0..n * n).filter(|i| !known[*i]).for_each(|i| image[i] = [0.0; 3]);
         Poisson::new(&known).fill(&mut image, &vec![[0.0; 3]; n * n]);
-        for (found, expected) in image.iter().zip(&picture) {
+        for (found, expected) in image.iter().zip(&rendering) {
             assert!((0..3).all(|k| (found[k] - expected[k]).abs() < 1e-4), "{found:?} {expected:?}");
         }
     }

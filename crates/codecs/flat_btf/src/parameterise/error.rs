@@ -12,7 +12,7 @@ pub const MAX_VERTICES: usize = 1 << 20;
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum ParameteriseError {
     /// The linear system has no usable solution.
-    #[error("parameterisation: found a residual of {found:e} tiles; allowed at most {RESIDUAL_LIMIT:e}")]
+    #[error("parameterisation: found a residual of {found:e} tiles, expected at most {RESIDUAL_LIMIT:e}")]
     Residual {
         /// Residual.
         found: f64,
@@ -25,7 +25,7 @@ pub enum ParameteriseError {
     },
     /// No tilt was found that stops the drift.
     #[error(
-        "parameterisation: found weights that drift by {found:e} tiles a step whatever their tilt; allowed at most \
+        "parameterisation: found weights that drift by {found:e} tiles a step whatever their tilt, expected at most \
          {DRIFT_LIMIT:e} (angles may be too thin)"
     )]
     Drift {
@@ -33,7 +33,7 @@ pub enum ParameteriseError {
         found: f64,
     },
     /// More vertices than can be laid flat in a reasonable time.
-    #[error("vertices: found {found}; allowed at most {MAX_VERTICES}")]
+    #[error("vertices: found {found}, expected at most {MAX_VERTICES}")]
     TooLarge {
         /// How many.
         found: usize,
@@ -43,7 +43,7 @@ pub enum ParameteriseError {
     Cancelled(#[from] Cancelled),
     /// Triangles lie upside down: angles so thin that arithmetic fails.
     #[error(
-        "parameterisation: found {count} flipped triangles, the first at ({:.4}, {:.4}, {:.4}); allowed none (its \
+        "parameterisation: found {count} flipped triangles, the first at ({:.4}, {:.4}, {:.4}), expected none (its \
          angles may be too thin)",
         .at[0], .at[1], .at[2]
     )]

@@ -200,7 +200,7 @@ mod tests {
         let patience = Patience::new(usize::MAX);
         let error = parameterise(&mesh, 0, &patience).unwrap_err();
         assert_eq!(patience.steps(), 0);
-        assert_eq!(error.to_string(), "vertices: found 1048577; allowed at most 1048576");
+        assert_eq!(error.to_string(), "vertices: found 1048577, expected at most 1048576");
     }
 
     #[test]

@@ -28,7 +28,7 @@ const EXACT: f64 = 1e-13;
 /// Residual, relative to the right side, of solutions that only lead to the next step.
 const ROUGH: f64 = 1e-4;
 /// Most that one step changes the logarithm of a weight: the second derivative then stays of one size.
-const LARGEST_CHANGE: f64 = 1.0;
+const MAX_CHANGE: f64 = 1.0;
 /// Rounds in which the first shares of time are found; one or two are usual.
 const FIRST_ROUNDS: usize = 20;
 /// Steps of the walk in each of them.
@@ -102,7 +102,7 @@ pub(super) fn solve(
             let along = along(edge, &u, drift);
             (step[0] * along[0] + step[1] * along[1] + correction[to] - correction[from]).abs()
         };
-        let damping = (LARGEST_CHANGE / edges.iter().map(change).fold(0.0, f64::max)).min(1.0);
+        let damping = (MAX_CHANGE / edges.iter().map(change).fold(0.0, f64::max)).min(1.0);
         (0..2).for_each(|k| tilt[k] += damping * step[k]);
         for (i, h) in potential.iter_mut().enumerate() {
             *h += damping * (correction[i] + step[0] * u[0][i] + step[1] * u[1][i]);

@@ -18,7 +18,7 @@ use std::sync::Arc;
 /// Directions that a step is made orthogonal to.
 const KEPT_DIRECTIONS: usize = 6;
 /// Most steps of one solution.
-const MOST_STEPS: usize = 400;
+const MAX_STEPS: usize = 400;
 /// Steps without progress after which a solution is as good as it gets.
 const IDLE_STEPS: usize = 6;
 
@@ -144,7 +144,7 @@ impl Solver {
         let mut exact = largest(&r);
         let mut kept: VecDeque<Direction> = VecDeque::with_capacity(KEPT_DIRECTIONS);
         let (mut least, mut idle) = (product(&r, &r), 0);
-        for _ in 0..MOST_STEPS {
+        for _ in 0..MAX_STEPS {
             if exact <= enough || exact.is_nan() {
                 break;
             }

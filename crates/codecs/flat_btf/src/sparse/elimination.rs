@@ -2,10 +2,10 @@
 
 use super::{FactorError, NONE};
 
-const MOST_ROWS: usize = 1 << 29;
-const MOST_PLACES: usize = 1 << 29;
+const MAX_ROWS: usize = 1 << 29;
+const MAX_PLACES: usize = 1 << 29;
 /// Most entries of a factor: 16 GiB.
-const MOST_ENTRIES: u64 = 1 << 31;
+const MAX_ENTRIES: u64 = 1 << 31;
 
 /// Neighbours of each vertex of a graph, ascending; none is its own.
 pub(super) struct Graph {
@@ -18,7 +18,7 @@ impl Graph {
     /// order and number.
     pub fn new(n: usize, places: &[[u32; 2]]) -> Result<Self, FactorError> {
         // Rows and twice the places are counted in 32 bits with a sign.
-        if n >= MOST_ROWS || places.len() >= MOST_PLACES {
+        if n >= MAX_ROWS || places.len() >= MAX_PLACES {
             return Err(FactorError::TooLarge { rows: n });
         }
         let apart = || places.iter().filter(|[a, b]| a != b).flat_map(|[a, b]| [[*a, *b], [*b, *a]]);
@@ -92,7 +92,7 @@ pub(super) struct Elimination {
 impl Elimination {
     /// By approximate minimum degree; the descendants of every step come right before it.
     pub fn new(graph: &Graph) -> Result<Self, FactorError> {
-        Self::in_order(graph, graph.approximate_minimum_degree(), MOST_ENTRIES)
+        Self::in_order(graph, graph.approximate_minimum_degree(), MAX_ENTRIES)
     }
 
     /// In a given order, but for steps that do not hang on each other. A factor of more than `most` entries is refused.

@@ -17,10 +17,10 @@ pub enum MesoError {
     #[error(transparent)]
     Mesh(#[from] FormatError),
     /// The period is no length.
-    #[error("tile: found {0}, a zero-area tile; allowed a finite length above 0")]
+    #[error("tile: found {0}, a zero-area tile, expected a finite length above 0")]
     Tile(f64),
     /// A vertex too far away for tiles to be counted.
-    #[error("vertex {vertex} at {}: found {found:e} tiles from the origin; allowed 1e6", Point(*.position))]
+    #[error("vertex {vertex} at {}: found {found:e} tiles from the origin, expected 1e6", Point(*.position))]
     Far {
         /// Which.
         vertex: usize,
@@ -31,7 +31,7 @@ pub enum MesoError {
     },
     /// No triangle is left.
     #[error(
-        "triangles: found {triangles}, none of them with three different corners{}; allowed at least one with an area",
+        "triangles: found {triangles}, none of them with three different corners{}, expected at least one with an area",
         .hint
     )]
     Empty {
@@ -42,7 +42,7 @@ pub enum MesoError {
     },
     /// Edges with one triangle: a hole, or a border that the opposite one does not continue.
     #[error(
-        "edges: found {count} with one triangle, the first at triangle {triangle} from {} to {}; allowed two triangles \
+        "edges: found {count} with one triangle, the first at triangle {triangle} from {} to {}, expected two triangles \
          at every edge, where need be one tile on: this is a hole, or a border that does not fit the opposite one{}",
         Point(.edge[0]), Point(.edge[1]), .hint
     )]
@@ -59,7 +59,7 @@ pub enum MesoError {
     /// Edges with three triangles or more.
     #[error(
         "edges: found {count} with more than two triangles, the first at triangle {triangle} from {} to {} with \
-         {triangles}; allowed two triangles at every edge{}",
+         {triangles}, expected two triangles at every edge{}",
         Point(.edge[0]), Point(.edge[1]), .hint
     )]
     NonManifold {
@@ -76,7 +76,7 @@ pub enum MesoError {
     },
     /// More than one surface.
     #[error(
-        "surface: found {count} pieces that are not joined, the second with triangle {triangle} at {}; allowed one \
+        "surface: found {count} pieces that are not joined, the second with triangle {triangle} at {}, expected one \
          that goes on from tile to tile: loose parts are to be merged with what is below",
         Point(*.position)
     )]
@@ -90,7 +90,7 @@ pub enum MesoError {
     },
     /// A surface with one side, such as a Moebius strip.
     #[error(
-        "surface: found no consistent orientation, neither side of triangle {triangle} at {} can be out; allowed a \
+        "surface: found no consistent orientation, neither side of triangle {triangle} at {} can be out, expected a \
          surface with two sides",
         Point(*.position)
     )]
@@ -102,7 +102,7 @@ pub enum MesoError {
     },
     /// A vertex at which parts of the surface touch.
     #[error(
-        "vertex {vertex} at {}: found a point where parts of the surface touch; allowed triangles that form one fan",
+        "vertex {vertex} at {}: found a point where parts of the surface touch, expected triangles that form one fan",
         Point(*.position)
     )]
     Touching {
@@ -112,7 +112,7 @@ pub enum MesoError {
         position: Vector,
     },
     /// Handles, or a closed body.
-    #[error("surface: found {vertices} vertices - {edges} edges + {triangles} triangles = {}, {}; allowed 0: a surface \
+    #[error("surface: found {vertices} vertices - {edges} edges + {triangles} triangles = {}, {}, expected 0: a surface \
              that is a sheet, without handles or holes through it", .characteristic, what_it_is(*.characteristic))]
     Topology {
         /// Vertices.
@@ -125,16 +125,16 @@ pub enum MesoError {
         characteristic: i64,
     },
     /// The surface does not cover the tile once.
-    #[error("surface: found that it covers the tile {found:.3} times; allowed once{}", .hint)]
+    #[error("surface: found that it covers the tile {found:.3} times, expected once{}", .hint)]
     Cover {
         /// Area of the projection along z in tiles, overhangs counted with their sign.
         found: f64,
         /// How large the mesh is.
         hint: Hint,
     },
-    /// A triangle whose corners lie in a line, and that no exchange of an edge mends.
+    /// A triangle whose corners lie in a line, and that no exchange of an edge repairs.
     #[error(
-        "triangle {triangle}: found no area between {}, {} and {}; allowed corners that are not in one line",
+        "triangle {triangle}: found no area between {}, {} and {}, expected corners that are not in one line",
         Point(.corners[0]), Point(.corners[1]), Point(.corners[2])
     )]
     Flat {
@@ -144,13 +144,13 @@ pub enum MesoError {
         corners: [Vector; 3],
     },
     /// More materials than a surface blends.
-    #[error("materials: found {}: {}; allowed at most 4", .0.len(), some(.0))]
+    #[error("materials: found {}: {}, expected at most 4", .0.len(), some(.0))]
     Materials(Vec<String>),
     /// A surface that rises or falls too far.
-    #[error("heights: found {} to {} tiles; allowed {} tiles above and below the reference plane at most", .0[0], .0[1], TALLEST)]
+    #[error("heights: found {} to {} tiles, expected {} tiles above and below the reference plane at most", .0[0], .0[1], TALLEST)]
     Tall([f64; 2]),
     /// A triangle that reaches over too many tiles.
-    #[error("triangle {triangle}: found that it reaches over {found:.0} tiles; allowed {} along each axis", WIDEST)]
+    #[error("triangle {triangle}: found that it reaches over {found:.0} tiles, expected {} along each axis", WIDEST)]
     Wide {
         /// Which.
         triangle: usize,
@@ -158,7 +158,7 @@ pub enum MesoError {
         found: f64,
     },
     /// Triangles that reach over many tiles each.
-    #[error("triangles: found that they reach over {found} tiles together; allowed {allowed}")]
+    #[error("triangles: found that they reach over {found} tiles together, expected {allowed}")]
     Spread {
         /// Sum over all triangles.
         found: u64,
@@ -166,7 +166,7 @@ pub enum MesoError {
         allowed: u64,
     },
     /// A height map of a size that cannot be joined, or with heights that are no numbers.
-    #[error("heights: found {found}; allowed {allowed}")]
+    #[error("heights: found {found}, expected {allowed}")]
     Heights {
         /// What stands there.
         found: String,

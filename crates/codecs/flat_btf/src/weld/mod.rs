@@ -20,9 +20,9 @@ use topology::EdgeError;
 const MAX_TILES: f64 = 1e6;
 
 /// Tiles that triangles may reach over, together: some for each triangle, and as many for all.
-const MOST_SPREAD: [u64; 2] = [16, 1 << 20];
+const MAX_SPREAD: [u64; 2] = [16, 1 << 20];
 
-/// What a mesh had, and what was mended.
+/// What a mesh had, and what was repaired.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize, schemars::JsonSchema)]
 pub struct WeldReport {
     /// Vertices in the mesh.
@@ -43,7 +43,7 @@ pub struct WeldReport {
     pub duplicate_triangles: usize,
     /// Triangles turned over.
     pub turned_triangles: usize,
-    /// Triangles whose corners lie in a line, mended by exchanging the longest edge for the other diagonal.
+    /// Triangles whose corners lie in a line, repaired by exchanging the longest edge for the other diagonal.
     pub exchanged_edges: usize,
 }
 
@@ -91,7 +91,7 @@ fn check_extent(surface: &PeriodicMesh) -> Result<(), MesoError> {
         }
         spread += (x as u64 + 1) * (y as u64 + 1);
     }
-    let allowed = MOST_SPREAD[0] * surface.triangles.len() as u64 + MOST_SPREAD[1];
+    let allowed = MAX_SPREAD[0] * surface.triangles.len() as u64 + MAX_SPREAD[1];
     if spread > allowed { Err(MesoError::Spread { found: spread, allowed }) } else { Ok(()) }
 }
 
@@ -222,7 +222,7 @@ impl<'a> Welder<'a> {
     }
 
     fn mend_slivers(&mut self) -> Result<(), MesoError> {
-        self.report.exchanged_edges = sliver::mend(&mut self.surface);
+        self.report.exchanged_edges = sliver::repair(&mut self.surface);
         match (0..self.surface.triangles.len()).find(|t| sliver::is_flat(self.surface.corners(*t))) {
             Some(flat) => {
                 Err(MesoError::Flat { triangle: self.triangles[flat] as usize, corners: self.corners_in_file(flat) })

@@ -24,7 +24,7 @@ fn square_length(corners: [Vector; 3], side: usize) -> f64 {
 /// fewer flat ones and the diagonal is no edge yet. Returns how many edges.
 ///
 /// The surface is closed and oriented, and stays so.
-pub fn mend(surface: &mut PeriodicMesh) -> usize {
+pub fn repair(surface: &mut PeriodicMesh) -> usize {
     let mut exchanged = 0;
     loop {
         let flat: Vec<usize> =

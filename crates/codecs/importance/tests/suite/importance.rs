@@ -327,13 +327,13 @@ fn bad_sources_and_recipes() {
     }
     let ggx = source("synth:ggx");
     for (recipe, expected) in [
-        (ImportanceRecipe { samples: 0, ..small }, "brdfc.importance samples: found 0; allowed 1 to 8192"),
+        (ImportanceRecipe { samples: 0, ..small }, "brdfc.importance samples: found 0, expected 1 to 8192"),
         (
             ImportanceRecipe { isotropic_polar: 2000, ..small },
-            "brdfc.importance polar rows: found 2000; allowed 1 to 1024",
+            "brdfc.importance polar rows: found 2000, expected 1 to 1024",
         ),
-        (ImportanceRecipe { defensive: 0.0, ..small }, "defensive share: found 0; allowed above 0, up to 1"),
-        (ImportanceRecipe { defensive: f64::NAN, ..small }, "defensive share: found NaN; allowed above 0, up to 1"),
+        (ImportanceRecipe { defensive: 0.0, ..small }, "defensive share: found 0, expected above 0, up to 1"),
+        (ImportanceRecipe { defensive: f64::NAN, ..small }, "defensive share: found NaN, expected above 0, up to 1"),
     ] {
         assert_eq!(importance_samples(ggx.as_ref(), &recipe).unwrap_err().to_string(), expected);
     }

@@ -19,7 +19,7 @@ fn magnified_by_hand() {
     assert_eq!(range(&[plane, Plane { size: [1, 1], values: vec![-3.0] }]), (-3.0, 1.0));
 }
 
-/// A term whose picture needs no levels, with these errors.
+/// A term whose rendering needs no levels, with these errors.
 fn term(term: usize, errors: &[f64]) -> TermImages {
     TermImages { channel: 0, term, levels: Vec::new(), errors: errors.to_vec() }
 }
@@ -42,9 +42,9 @@ fn terms(transform: Transform) -> (PacketTree, [Vec<Plane>; 3], Vec<TermImages>)
     let size = [16, 32];
     let mut numbers = Numbers::new(3);
     let mut plane = |k: usize| random(size, 0.3f64.powi(k as i32), &mut numbers);
-    let pictures: [Vec<Plane>; 3] = [0, 1, 2].map(|channel| (0..3).map(|term| plane(channel + term)).collect());
-    let tree = PacketTree::best(transform, &pictures[0][..1], 0.1, 1);
-    let coefficients = pictures.map(|terms| {
+    let renderings: [Vec<Plane>; 3] = [0, 1, 2].map(|channel| (0..3).map(|term| plane(channel + term)).collect());
+    let tree = PacketTree::best(transform, &renderings[0][..1], 0.1, 1);
+    let coefficients = renderings.map(|terms| {
         let analysed = terms.into_iter().map(|mut plane| {
             tree.analyse(&mut plane);
             plane

@@ -10,7 +10,7 @@ use brdfc_pwt::tree::{PacketTree, Transform};
 use brdfc_pwt::{Border, DomainName, PwtRecipe, Wavelet};
 
 #[test]
-fn what_made_the_pictures_is_found() {
+fn what_made_the_renderings_is_found() {
     let samples = polynomial([16, 16], spiral(30), false);
     let fixed = PwtRecipe { domain: Some(DomainName::Linear), ..PwtRecipe::default() };
     let found = choose(&samples, &fixed);
@@ -37,7 +37,7 @@ fn decibels_by_hand() {
     assert!((decibels(0.0) - 96.33).abs() < 0.01);
 }
 
-/// What remains of the picture follows the light by degree 2, details are noise that no light tells.
+/// What remains of the rendering follows the light by degree 2, details are noise that no light tells.
 #[test]
 fn subbands_have_the_degree_that_predicts_them() {
     let lights = spiral(40);

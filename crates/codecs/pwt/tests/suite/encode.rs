@@ -3,7 +3,7 @@
 use super::stacks::{lambert, polynomial, spiral};
 use brdfc_formats::pwt::{LightCoordinates, PwtDecoder, PwtPack};
 use brdfc_pwt::measure::stack_errors;
-use brdfc_pwt::ptm::{pictures_of, samples_of, spread_lights};
+use brdfc_pwt::ptm::{renderings_of, samples_of, spread_lights};
 use brdfc_pwt::{DomainName, LightSamples, PwtEncoded, PwtRecipe, Target, Wavelet, encode};
 use brdfc_readers::ptm::Ptm;
 
@@ -110,7 +110,7 @@ fn poor_lights() {
             let recipe = PwtRecipe { degree, ..with(Target::Quality(60.0)) };
             let made = made(&polynomial([16, 16], lights.clone(), false), recipe);
             assert!(made.errors.psnr > least, "{count} lights, {degree:?}: {:?}", made.errors);
-            // Under a light that is not there the picture is one.
+            // Under a light that is not there the rendering is one.
             let value = PwtDecoder::new(made.pack).value([0.3, 0.6], 0.0, [-0.6, 0.0, 0.8]);
             assert!(value.iter().all(|c| (0.0..4.0).contains(c)), "{count} lights, {degree:?}: {value:?}");
         }
@@ -151,13 +151,13 @@ fn maps_that_clip() {
         ..PwtRecipe::default()
     };
     let decoder = PwtDecoder::new(made(&samples, recipe).pack);
-    let shown = pictures_of(&map, spiral(30));
+    let shown = renderings_of(&map, spiral(30));
     let errors = stack_errors(&decoder, &shown, 1);
     assert!(errors.psnr > 38.0, "{errors:?}");
-    let codes = shown.pictures.iter().flatten().flatten();
+    let codes = shown.renderings.iter().flatten().flatten();
     assert!(codes.clone().any(|c| *c >= 1.0) && codes.clone().any(|c| *c <= 0.0), "it clips at both ends");
     // Negative control: what is shown, clamped, is no polynomial.
-    let clamped = pictures_of(&map, spread_lights(96));
+    let clamped = renderings_of(&map, spread_lights(96));
     let wrong = stack_errors(&PwtDecoder::new(made(&clamped, recipe).pack), &shown, 1);
     assert!(wrong.psnr < errors.psnr - 10.0, "{wrong:?}");
 }
@@ -186,13 +186,13 @@ fn sizes_of_all_kinds() {
 fn stacks_without_detail() {
     for value in [0.0, 0.25] {
         let mut samples = polynomial([8, 8], spiral(9), false);
-        samples.pictures.iter_mut().flatten().for_each(|pixel| *pixel = [value; 3]);
+        samples.renderings.iter_mut().flatten().for_each(|pixel| *pixel = [value; 3]);
         let made = made(&samples, with(Target::Quality(40.0)));
         assert!(made.met && made.pack.gpu_bytes() <= 8 * 64, "{value}: {:?}", made.errors);
     }
     // Values beyond what is shown are no panic.
     let mut samples = polynomial([4, 4], spiral(9), false);
-    samples.pictures[2][5] = [3e38, -3e38, 0.0];
+    samples.renderings[2][5] = [3e38, -3e38, 0.0];
     for domain in DomainName::ALL {
         let recipe = PwtRecipe { domain: Some(domain), ..PwtRecipe::default() };
         match encode(&samples, &recipe) {
@@ -208,17 +208,17 @@ fn what_is_out_of_range_is_named() {
     let said = |samples: &LightSamples, recipe: PwtRecipe| encode(samples, &recipe).unwrap_err().to_string();
     let default = PwtRecipe::default();
     for (recipe, expected) in [
-        (PwtRecipe { degree: Some(6), ..default }, "degree: found 6; allowed 0 to 5"),
-        (PwtRecipe { ridge: Some(f64::NAN), ..default }, "ridge: found NaN; allowed 0 to 1000000"),
-        (PwtRecipe { depth: Some(9), ..default }, "levels: found 9; allowed 0 to 8"),
+        (PwtRecipe { degree: Some(6), ..default }, "degree: found 6, expected 0 to 5"),
+        (PwtRecipe { ridge: Some(f64::NAN), ..default }, "ridge: found NaN, expected 0 to 1000000"),
+        (PwtRecipe { depth: Some(9), ..default }, "levels: found 9, expected 0 to 8"),
         (
             PwtRecipe { depth: Some(3), ..default },
-            "levels: found 3; allowed 0 to 2 for 4 x 4: sides of a tile are halved exactly",
+            "levels: found 3, expected 0 to 2 for 4 x 4: sides of a tile are halved exactly",
         ),
-        (PwtRecipe { packets: 5, ..default }, "packets: found 5; allowed 0 to 4"),
-        (with(Target::Bytes(0)), "bytes: found 0; allowed 1 to 1000000000000"),
-        (with(Target::Energy(1.5)), "energy: found 1.5; allowed 0 to 1"),
-        (with(Target::Quality(f64::NAN)), "quality: found NaN; allowed 0 to 200"),
+        (PwtRecipe { packets: 5, ..default }, "packets: found 5, expected 0 to 4"),
+        (with(Target::Bytes(0)), "bytes: found 0, expected 1 to 1000000000000"),
+        (with(Target::Energy(1.5)), "energy: found 1.5, expected 0 to 1"),
+        (with(Target::Quality(f64::NAN)), "quality: found NaN, expected 0 to 200"),
     ] {
         assert_eq!(said(&good, recipe), expected);
     }
@@ -227,10 +227,10 @@ fn what_is_out_of_range_is_named() {
         change(&mut samples);
         said(&samples, default)
     };
-    assert_eq!(changed(|s| (s.lights, s.pictures) = Default::default()), "lights: found 0; allowed 1 to 4096");
+    assert_eq!(changed(|s| (s.lights, s.renderings) = Default::default()), "lights: found 0, expected 1 to 4096");
     assert_eq!(changed(|s| s.lights[1][2] = -0.5).split(':').next(), Some("light 1"));
-    assert_eq!(changed(|s| s.pictures.truncate(2)), "pictures: found 2; allowed 3, one for each light");
-    assert_eq!(changed(|s| s.pictures[2].truncate(15)), "picture 2: found 15 pixels; allowed 4 x 4");
-    assert!(changed(|s| s.pictures[0][6][1] = f32::NAN).starts_with("picture 0: found ["));
+    assert_eq!(changed(|s| s.renderings.truncate(2)), "renderings: found 2, expected 3, one for each light");
+    assert_eq!(changed(|s| s.renderings[2].truncate(15)), "rendering 2: found 15 pixels, expected 4 x 4");
+    assert!(changed(|s| s.renderings[0][6][1] = f32::NAN).starts_with("rendering 0: found ["));
     assert!(changed(|s| s.size = [0, 4]).starts_with("size: found 0 x 4"));
 }

@@ -8,7 +8,7 @@ use brdfc_testing::golden::encodes::{Packs, check_encodes};
 #[test]
 fn polynomial_wavelet_trees() {
     let pack = |samples: &LightSamples, recipe: PwtRecipe| {
-        encode(samples, &recipe).expect("pictures and recipe in range").pack.to_bytes(true)
+        encode(samples, &recipe).expect("renderings and recipe in range").pack.to_bytes(true)
     };
     let default = PwtRecipe::default();
     let hemisphere = PwtRecipe {

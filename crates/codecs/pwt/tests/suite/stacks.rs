@@ -1,4 +1,4 @@
-//! Light stacks made on the spot.
+//! RTI captures made on the spot.
 
 use brdfc_pwt::LightSamples;
 
@@ -15,7 +15,7 @@ pub fn spiral(count: usize) -> Vec<[f32; 3]> {
     (0..count).map(light).collect()
 }
 
-/// Slopes of a relief at a pixel: smooth, periodic over the picture, -0.5 to 0.5.
+/// Slopes of a relief at a pixel: smooth, periodic over the rendering, -0.5 to 0.5.
 fn slopes([x, y]: [usize; 2], [width, height]: [usize; 2]) -> [f32; 2] {
     // A parabola for each half period: continuous, as a sine is.
     let wave = |k: usize, n: usize| {
@@ -32,9 +32,9 @@ fn stack(
     value: impl Fn([usize; 2], [f32; 3]) -> [f32; 3],
 ) -> LightSamples {
     let at = |k: usize| [k % size[0], k / size[0]];
-    let picture = |light: &[f32; 3]| (0..size[0] * size[1]).map(|k| value(at(k), *light)).collect();
-    let pictures = lights.iter().map(picture).collect();
-    LightSamples { size, lights, pictures, repeats, defined: None }
+    let rendering = |light: &[f32; 3]| (0..size[0] * size[1]).map(|k| value(at(k), *light)).collect();
+    let renderings = lights.iter().map(rendering).collect();
+    LightSamples { size, lights, renderings, repeats, defined: None }
 }
 
 /// A relief whose values are polynomials of degree 1 of `x` and `y` of the light.

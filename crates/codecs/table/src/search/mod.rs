@@ -33,7 +33,7 @@ const SLOWEST: f64 = 0.15;
 /// They may fall so many times as fast from there on, which may be enough for the budget.
 const CATCHING_UP: f64 = 2.0;
 /// Bytes of a table from which on no larger one is tried for its highlight alone.
-const LARGEST_FOR_HIGHLIGHT: u64 = 64 << 10;
+const MAX_FOR_HIGHLIGHT: u64 = 64 << 10;
 /// Sizes in a row that miss the budget from which on no smaller one is tried.
 const MISSES: u32 = 2;
 /// Sizes from one trial to the next where none is expected to meet the budget.
@@ -189,7 +189,7 @@ impl Search<'_> {
             };
             let last = sizes.len() - 1;
             // What is lost of a highlight does not fall evenly, and may not fall at all.
-            let is_lost = excess.error <= 1.0 && sizes[k] >= LARGEST_FOR_HIGHLIGHT;
+            let is_lost = excess.error <= 1.0 && sizes[k] >= MAX_FOR_HIGHLIGHT;
             if is_lost || excess.error > 1.0 && has_stalled(&tried(sizes, &excesses), sizes[last]) {
                 break;
             }
@@ -247,7 +247,7 @@ impl Search<'_> {
 
     fn finish(self) -> (EncodedTable, Reference) {
         let budget = &self.recipe.budget;
-        let picture = |made: &EncodedTable| made.off_grid.picture.delta_e.mean;
+        let rendering = |made: &EncodedTable| made.off_grid.rendering.delta_e.mean;
         let bytes = |made: &EncodedTable| made.pack.gpu_bytes();
         let least = self.made.iter().map(|(excess, _)| excess.rank()).fold(f64::INFINITY, f64::min);
         let best = if budget.limits_error() {
@@ -257,7 +257,7 @@ impl Search<'_> {
             // Those that keep the highlight first.
             let is_lost = |excess: &Excess| excess.highlight > 1.0;
             self.made.into_iter().min_by(|(a, first), (b, second)| {
-                is_lost(a).cmp(&is_lost(b)).then(picture(first).total_cmp(&picture(second)))
+                is_lost(a).cmp(&is_lost(b)).then(rendering(first).total_cmp(&rendering(second)))
             })
         };
         let (excess, mut made) = best.expect("a table was made, or why not was returned");
@@ -305,10 +305,10 @@ pub struct Excess {
 impl Excess {
     /// Of a pack.
     pub fn of(budget: &Budget, found: &Comparison) -> Self {
-        let picture = &found.picture.delta_e;
+        let rendering = &found.rendering.delta_e;
         let ratios = [
-            budget.delta_e.map(|limit| picture.mean / limit),
-            budget.delta_e.map(|limit| picture.p95 / (TAIL * limit)),
+            budget.delta_e.map(|limit| rendering.mean / limit),
+            budget.delta_e.map(|limit| rendering.p95 / (TAIL * limit)),
             budget.error.map(|limit| found.norms.relative_mean / limit),
         ];
         let number = |ratio: f64| if ratio.is_nan() { f64::INFINITY } else { ratio };
@@ -343,27 +343,27 @@ pub fn sizes(smallest: u64, most: Option<u64>, largest: u64) -> Vec<u64> {
 
 /// The sentence about a budget that nothing meets.
 fn missed(budget: &Budget, best: &Comparison) -> String {
-    let picture = &best.picture.delta_e;
+    let rendering = &best.rendering.delta_e;
     let mut parts = Vec::new();
     if let Some(limit) = budget.delta_e
-        && (picture.mean > limit || picture.p95 > TAIL * limit)
+        && (rendering.mean > limit || rendering.p95 > TAIL * limit)
     {
         parts.push(format!(
-            "ΔE: found a mean of {:.2} and 95 % below {:.2}; allowed {limit} and {}",
-            picture.mean,
-            picture.p95,
+            "ΔE: found a mean of {:.2} and 95 % below {:.2}, expected {limit} and {}",
+            rendering.mean,
+            rendering.p95,
             TAIL * limit
         ));
     }
     if let (Some(least), Some(found)) = (budget.highlight, best.highlight)
         && found.kept() < least
     {
-        parts.push(format!("highlight: found {}; allowed {}", found.in_words(), percent(least)));
+        parts.push(format!("highlight: found {}, expected {}", found.in_words(), percent(least)));
     }
     if let Some(limit) = budget.error
         && best.norms.relative_mean > limit
     {
-        parts.push(format!("ε_r: found {:.2} %; allowed {} %", 100.0 * best.norms.relative_mean, 100.0 * limit));
+        parts.push(format!("ε_r: found {:.2} %, expected {} %", 100.0 * best.norms.relative_mean, 100.0 * limit));
     }
     format!("nothing that was tried meets the budget, the best is kept; {}", parts.join("; "))
 }

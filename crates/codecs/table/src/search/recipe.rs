@@ -1,12 +1,12 @@
 //! The recipe of a search: a budget that sizes of tables are tried against.
 
-use crate::encode::MOST_TEXELS;
+use crate::encode::MAX_TEXELS;
 use crate::recipe::{Aim, TableRecipe};
 use brdfc_codec::{Budget, HIGHLIGHT};
 use serde::{Deserialize, Serialize};
 
 /// Bytes on a GPU of the largest table that a search tries.
-pub const LARGEST: u64 = 4 * MOST_TEXELS;
+pub const LARGEST: u64 = 4 * MAX_TEXELS;
 
 /// What a search is to meet, and among which tables.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -44,7 +44,7 @@ impl SearchRecipe {
         let is_open = !budget.limits_error() && budget.bytes.is_none();
         let delta_e = if is_open { Budget::default().delta_e } else { budget.delta_e };
         // Where ratios alone are limited, they are what tables are made for.
-        let aim = if budget.error.is_some() && budget.delta_e.is_none() { Aim::Ratios } else { Aim::Pictures };
+        let aim = if budget.error.is_some() && budget.delta_e.is_none() { Aim::Ratios } else { Aim::Renderings };
         let table = TableRecipe { aim, ..TableRecipe::default() };
         let is_asked = budget.limits_error() || budget.limits_highlight();
         let highlight = budget.highlight.or(delta_e.map(|_| HIGHLIGHT)).filter(|least| *least > 0.0);

@@ -95,7 +95,7 @@ fn tables_are_fitted_to_the_range() {
         let cropped = whole.cropped(crop).expect("within the texture");
         let within = Reference::new(source.as_ref(), PairSet::within(directions));
         let delta_e =
-            |reference: &Reference, pack| reference.compare(&PackSource::new(pack, None)).picture.delta_e.mean;
+            |reference: &Reference, pack| reference.compare(&PackSource::new(pack, None)).rendering.delta_e.mean;
         let [found, before] = [&fitted, &cropped].map(|pack| delta_e(&within, pack));
         assert!(found < 0.8 * before, "{directions}: {found} after {before}");
         let everywhere = Reference::new(source.as_ref(), PairSet::comparison());

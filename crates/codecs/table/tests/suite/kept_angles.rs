@@ -3,7 +3,7 @@
 use brdfc_core::address::parse_synth;
 use brdfc_core::{PackSource, Source};
 use brdfc_formats::direction::DirectionPair;
-use brdfc_metrics::picture::picture_pairs;
+use brdfc_metrics::rendering::rendering_pairs;
 use brdfc_metrics::sampling::PairSet;
 use brdfc_metrics::values::{values_at, values_of_list};
 use brdfc_readers::merl::{Dimensions, Merl, write};
@@ -28,7 +28,7 @@ fn bits(values: &[[f64; 3]]) -> Vec<[u64; 3]> {
 }
 
 fn check(name: &str, source: &dyn Source) {
-    for list in [PairSet::comparison().pairs, picture_pairs()] {
+    for list in [PairSet::comparison().pairs, rendering_pairs()] {
         let (plain, of_list) = (values_at(source, &list), values_of_list(source, &list));
         assert!(bits(&plain.0) == bits(&of_list.0) && plain.1 == of_list.1, "{name}: {:?} {:?}", plain.1, of_list.1);
         // The control: of other pairs they are others.

@@ -6,7 +6,7 @@ use brdfc_formats::direction::{DirectionPair, Vector, cross, dot};
 use brdfc_formats::table::{Angles, TableDecoder, TablePack};
 use brdfc_metrics::sampling::{points, random_pairs};
 use brdfc_table::encode::encode;
-use brdfc_table::levels::MOST_LEVELS;
+use brdfc_table::levels::MAX_LEVELS;
 use brdfc_table::recipe::{Size, TableRecipe};
 use std::f64::consts::{FRAC_PI_2, PI, TAU};
 
@@ -50,10 +50,10 @@ fn light_is_counted_whole() {
 /// A white furnace at every level: a matte white stays one.
 #[test]
 fn lambert_is_flat_at_every_level() {
-    let decoder = TableDecoder::new(&packed("synth:lambert?kd=1", MOST_LEVELS));
-    assert_eq!(decoder.levels(), MOST_LEVELS);
+    let decoder = TableDecoder::new(&packed("synth:lambert?kd=1", MAX_LEVELS));
+    assert_eq!(decoder.levels(), MAX_LEVELS);
     for pair in random_pairs(2000, 1) {
-        for level in 0..=2 * MOST_LEVELS {
+        for level in 0..=2 * MAX_LEVELS {
             let f = decoder.eval_at(pair, 0.5 * level as f32)[0];
             assert!((f64::from(f) * PI - 1.0).abs() < 2e-3, "level {level}: {f}");
         }

@@ -31,7 +31,7 @@ fn table(f: fn(DirectionPair) -> f64) -> Encoded {
 fn black_is_black() {
     let encoded = table(|_| 0.0);
     assert_eq!(encoded.off_grid.norms.rms, 0.0);
-    assert_eq!(encoded.off_grid.picture.delta_e.max, 0.0);
+    assert_eq!(encoded.off_grid.rendering.delta_e.max, 0.0);
 }
 
 #[test]

@@ -5,7 +5,7 @@ use brdfc_core::address::parse_synth;
 use brdfc_readers::merl::{Dimensions, Merl};
 use brdfc_source::MerlSource;
 use brdfc_source::simulate::merl_file;
-use brdfc_table::levels::MOST_LEVELS;
+use brdfc_table::levels::MAX_LEVELS;
 use brdfc_table::recipe::TableRecipe;
 use brdfc_table::search::recipe::{LARGEST, SearchRecipe, Tables};
 use brdfc_table::search::{EncodedTable, SMALLEST, has_stalled, search, sizes};
@@ -32,7 +32,7 @@ fn the_smallest_that_meets_is_kept() {
         let made = searched("synth:ggx?kd=0.3,0.1,0.05&alpha=0.1", Budget { delta_e: Some(limit), ..NONE });
         let meeting = made.tried.iter().filter(|trial| trial.meets);
         assert_eq!(meeting.map(|trial| trial.bytes_on_gpu).min(), Some(made.pack.gpu_bytes()));
-        assert!(made.missed.is_none() && made.off_grid.picture.delta_e.mean <= limit);
+        assert!(made.missed.is_none() && made.off_grid.rendering.delta_e.mean <= limit);
     }
     assert!(searched("synth:lambert", Budget::default()).pack.gpu_bytes() <= SMALLEST);
 }
@@ -52,12 +52,12 @@ fn the_best_is_kept_where_none_meets() {
 fn any_number_of_levels_is_searched() {
     for address in ["synth:ggx?kd=0.3,0.1,0.05&f0=0.5&alpha=0.1", "synth:velvet?kd=0.1,0.2,0.4", "synth:lambert?kd=0"] {
         let source = parse_synth(address).unwrap();
-        let table = TableRecipe { levels: MOST_LEVELS, ..TableRecipe::default() };
+        let table = TableRecipe { levels: MAX_LEVELS, ..TableRecipe::default() };
         for bytes in [None, Some(2048)] {
             let budget = Budget { bytes, ..Budget::default() };
             let recipe = SearchRecipe { budget, is_asked: false, table: table.clone(), tables: Tables::Factored };
             let (made, _) = search(source.as_ref(), &recipe, &()).unwrap();
-            assert!(made.pack.levels() == MOST_LEVELS && made.pack.gpu_bytes() <= bytes.unwrap_or(LARGEST));
+            assert!(made.pack.levels() == MAX_LEVELS && made.pack.gpu_bytes() <= bytes.unwrap_or(LARGEST));
         }
     }
 }
@@ -74,7 +74,7 @@ fn few_bytes_hold_a_table() {
     assert!(matches!(refused, Err(EncodeError::TooFewBytes { .. })), "{refused:?}");
 }
 
-/// Averaging both ways is what is wrong, and no number of nodes mends it.
+/// Averaging both ways is what is wrong, and no number of nodes repairs it.
 #[test]
 fn stalled_searches_stop() {
     let one_way = brdfc_testing::wrapped::OneWay(parse_synth("synth:ggx?kd=0.3,0.1,0.05&alpha=0.3").unwrap());
@@ -93,7 +93,7 @@ fn a_dark_mirror_gets_no_more_bytes_than_help() {
     let budget = Budget { delta_e: Some(0.03), ..NONE };
     let (made, _) = search(&mirror, &SearchRecipe { budget, ..SearchRecipe::default() }, &()).unwrap();
     let least = made.tried.iter().map(|trial| trial.delta_e).fold(f64::INFINITY, f64::min);
-    assert!(made.missed.is_none() || made.off_grid.picture.delta_e.mean < 1.1 * least, "{:?}", made.tried);
+    assert!(made.missed.is_none() || made.off_grid.rendering.delta_e.mean < 1.1 * least, "{:?}", made.tried);
     assert!(made.tried.iter().all(|trial| trial.bytes_on_gpu < LARGEST / 4), "{:?}", made.tried);
     assert!(made.pack.gpu_bytes() < LARGEST / 8, "{:?}", made.tried);
 }
@@ -112,6 +112,6 @@ fn errors_that_fall_slowly_have_stalled() {
 fn bytes_alone_get_the_closest_that_fits() {
     let made = searched("synth:ward?ax=0.15&ay=0.5", Budget { bytes: Some(16_384), ..NONE });
     let least = made.tried.iter().map(|trial| trial.delta_e).fold(f64::INFINITY, f64::min);
-    assert!(made.tried.len() == 4 && made.off_grid.picture.delta_e.mean == least, "{:?}", made.tried);
+    assert!(made.tried.len() == 4 && made.off_grid.rendering.delta_e.mean == least, "{:?}", made.tried);
     assert!(made.tried.iter().all(|trial| trial.bytes_on_gpu <= 16_384));
 }

@@ -77,7 +77,7 @@ fn the_pack_of_all_directions_is_taken_where_it_does() {
     };
     let (taken, kept, before) = (of_limit(2.0), of_limit(0.05), large().0);
     assert!(taken.pack.gpu_bytes() < before.pack.gpu_bytes() && taken.pack.directions() == directions);
-    assert!(taken.off_grid.picture.delta_e.mean <= 2.0 && taken.tried.len() == before.tried.len() + 1);
+    assert!(taken.off_grid.rendering.delta_e.mean <= 2.0 && taken.tried.len() == before.tried.len() + 1);
     let [bytes, _] = [&taken, &kept].map(|made| made.of_all_directions);
     assert_eq!(bytes, Some(whole.pack.gpu_bytes()));
     assert!(kept.bytes == before.bytes && kept.tried.last().is_some_and(|trial| !trial.meets));

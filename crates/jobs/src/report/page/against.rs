@@ -30,7 +30,7 @@ impl std::fmt::Display for Regression {
     }
 }
 
-/// Differences of figures that nobody sees, whatever their share: a hundredth of what two pictures side by side may differ by.
+/// Differences of figures that nobody sees, whatever their share: a hundredth of what two renderings side by side may differ by.
 const SMALLEST: [(&str, f64); 7] = [
     ("mean ΔE", 1e-2),
     ("ΔE, 95th percentile", 4e-2),
@@ -44,8 +44,8 @@ const SMALLEST: [(&str, f64); 7] = [
 fn figures(report: &MaterialReport) -> [f64; 7] {
     let off_grid = &report.off_grid;
     [
-        off_grid.picture.delta_e.mean,
-        off_grid.picture.delta_e.p95,
+        off_grid.rendering.delta_e.mean,
+        off_grid.rendering.delta_e.p95,
         off_grid.norms.relative_mean,
         off_grid.albedo_max_difference,
         off_grid.highlight.map_or(0.0, |highlight| 1.0 - highlight.kept()),
@@ -194,11 +194,11 @@ mod tests {
     fn the_same_and_the_better_are_no_regressions() {
         assert!(changed(|_| {}).is_empty());
         assert!(changed(|entry| entry.report.as_mut().unwrap().bytes_on_gpu -= 1).is_empty());
-        assert!(changed(|entry| entry.report.as_mut().unwrap().off_grid.picture.delta_e.mean *= 1.019).is_empty());
+        assert!(changed(|entry| entry.report.as_mut().unwrap().off_grid.rendering.delta_e.mean *= 1.019).is_empty());
         // A third more of what nobody sees.
         let (mut old, mut new) = (build(), build());
         for (report, mean) in [(&mut old, 0.0042), (&mut new, 0.0057)] {
-            report.materials[1].report.as_mut().unwrap().off_grid.picture.delta_e.mean = mean;
+            report.materials[1].report.as_mut().unwrap().off_grid.rendering.delta_e.mean = mean;
         }
         assert!(regressions(&new, &old, 0.02).is_empty());
     }
@@ -217,7 +217,7 @@ mod tests {
 
     #[test]
     fn what_is_worse_is_told() {
-        let told = changed(|entry| entry.report.as_mut().unwrap().off_grid.picture.delta_e.mean += 0.5);
+        let told = changed(|entry| entry.report.as_mut().unwrap().off_grid.rendering.delta_e.mean += 0.5);
         assert!(told.len() == 1 && told[0].starts_with("b: mean ΔE: found 0.") && told[0].contains("; before 0."));
         let told = changed(|entry| entry.report.as_mut().unwrap().off_grid.norms.relative_mean = f64::NAN);
         assert!(told.len() == 1 && told[0].contains("ε_r: found NaN"), "{told:?}");

@@ -15,8 +15,8 @@ pub fn csv(page: &Page) -> String {
             Some(report) => {
                 let off_grid = &report.off_grid;
                 let numbers = [
-                    off_grid.picture.delta_e.mean,
-                    off_grid.picture.delta_e.p95,
+                    off_grid.rendering.delta_e.mean,
+                    off_grid.rendering.delta_e.p95,
                     off_grid.norms.relative_mean,
                     off_grid.albedo_max_difference,
                     off_grid.reciprocity,

@@ -1,4 +1,4 @@
-//! What a page shows of a material besides figures: pictures of source and pack, and where both differ.
+//! What a page shows of a material besides figures: renderings of source and pack, and where both differ.
 
 use brdfc_core::PackSource;
 use brdfc_core::Source;
@@ -6,7 +6,7 @@ use brdfc_formats::BrdfPack;
 use brdfc_metrics::by_angle::{ByAngle, by_angle};
 use brdfc_metrics::image::{LinearImage, auto_exposure, compare_images};
 use brdfc_metrics::sampling::PairSet;
-use brdfc_render::picture::{Panel, difference_panel, to_panel};
+use brdfc_render::rendering::{Panel, difference_panel, to_panel};
 use brdfc_render::scene::Frame;
 use brdfc_render::scenes::Builtin;
 use brdfc_render::shade::{Reflectance, SourceReflectance, Turned, shade};
@@ -21,7 +21,7 @@ const SCENES: [(Builtin, bool); 2] = [(Builtin::Sphere, false), (Builtin::Cloth,
 /// What anisotropic ones are drawn on besides: turned, so that what lay along the highlight lies across.
 const TURNED: (Builtin, bool) = (Builtin::Sphere, true);
 
-/// Pictures of one scene, drawn by the decoder of the CPU.
+/// Renderings of one scene, drawn by the decoder of the CPU.
 #[derive(Debug, Clone)]
 pub struct Thumbnails {
     /// Which scene.
@@ -47,7 +47,7 @@ pub struct Evidence {
     pub by_angle: Option<ByAngle>,
 }
 
-/// Draws and compares, where the pack is for the directions that are asked for: the rest is left out. Both pictures of a scene have the exposure of the source's.
+/// Draws and compares, where the pack is for the directions that are asked for: the rest is left out. Both renderings of a scene have the exposure of the source's.
 pub fn evidence(pack: &BrdfPack, source: Option<&dyn Source>) -> Evidence {
     let decoded = PackSource::new(&**pack, None);
     let draw = |source: &dyn Source, (builtin, turned): (Builtin, bool)| -> (LinearImage, f64) {

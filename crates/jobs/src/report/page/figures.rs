@@ -34,7 +34,7 @@ pub(super) fn errors_by_angle(angles: &[AngleError]) -> String {
 
 /// Mean ΔE over bytes, of what was tried, and of what was kept.
 pub(super) fn error_over_bytes(report: &MaterialReport) -> String {
-    let kept = (report.bytes_on_gpu as f64, report.off_grid.picture.delta_e.mean.max(1e-3));
+    let kept = (report.bytes_on_gpu as f64, report.off_grid.rendering.delta_e.mean.max(1e-3));
     let tried: Vec<(f64, f64, bool)> = report
         .tried
         .iter()

@@ -1,4 +1,4 @@
-//! The page of a flat BTF: its report, and pictures of what it holds.
+//! The page of a flat BTF: its report, and renderings of what it holds.
 
 use super::markup::{colour_scale, document, image};
 use super::view_link::ViewLink;
@@ -7,7 +7,7 @@ use crate::flatten::words::{errors, facts, remarks};
 use crate::flatten::{AssetFile, FlatAsset, open_asset};
 use crate::scene::plan::REPORT;
 use brdfc_core::words::bytes;
-use brdfc_render::flat::{FlatMaterial, FlatPicture, FlatPictures, flat_pictures};
+use brdfc_render::flat::{FlatMaterial, FlatRendering, FlatRenderings, flat_renderings};
 use brdfc_source::InputError;
 use brdfc_source::flat_btf::flat_btf_file;
 use maud::{Markup, html};
@@ -22,7 +22,7 @@ pub struct FlatPage {
     /// What `brdfc flatten` says.
     pub asset: FlatAsset,
     /// What it holds.
-    pub pictures: FlatPictures,
+    pub renderings: FlatRenderings,
     /// A page that draws it.
     pub view: Option<ViewLink>,
 }
@@ -40,14 +40,14 @@ impl FlatPage {
     pub fn open(path: &Path) -> Result<Self, Error> {
         let (file, asset) = open_asset(path)?;
         let material = FlatMaterial::new(file.decoder, REPEAT).map_err(|error| InputError::format(path, error))?;
-        let pictures = flat_pictures(&material, file.mask.as_ref());
-        Ok(Self { asset, pictures, view: None })
+        let renderings = flat_renderings(&material, file.mask.as_ref());
+        Ok(Self { asset, renderings, view: None })
     }
 }
 
 /// A whole file of HTML. The same page gives the same bytes.
 pub fn flat_html(page: &FlatPage) -> String {
-    let FlatPage { asset: whole, pictures, .. } = page;
+    let FlatPage { asset: whole, renderings, .. } = page;
     let asset = &whole.about;
     let content = html! {
         p {
@@ -65,15 +65,15 @@ pub fn flat_html(page: &FlatPage) -> String {
         (errors_table(asset))
         section.material {
             h2 { "One tile of the plane" }
-            (row(&pictures.tile))
+            (row(&renderings.tile))
         }
         section.material {
             h2 { "What texels hold, over the parameters" }
-            (row(&pictures.texels))
+            (row(&renderings.texels))
         }
         section.material {
             h2 { "On surfaces, 4 tiles per unit" }
-            (row(&pictures.scenes))
+            (row(&renderings.scenes))
             (colour_scale())
         }
         (images(whole))
@@ -81,9 +81,9 @@ pub fn flat_html(page: &FlatPage) -> String {
     document(&format!("{}: a flat BTF and its errors", asset.name), &content)
 }
 
-fn row(pictures: &[FlatPicture]) -> Markup {
+fn row(renderings: &[FlatRendering]) -> Markup {
     html! {
-        div.row.large { @for FlatPicture { caption, panel } in pictures {
+        div.row.large { @for FlatRendering { caption, panel } in renderings {
             figure { (image(panel, caption)) figcaption { (caption) } }
         } }
     }

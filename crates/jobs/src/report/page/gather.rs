@@ -43,7 +43,7 @@ pub struct PageMaterial {
     pub entry: MaterialEntry,
     /// Seconds per stage when the pack was made, where that is known.
     pub note: BuiltNote,
-    /// Pictures and errors; absent where there is no pack.
+    /// Renderings and errors; absent where there is no pack.
     pub evidence: Option<Evidence>,
     /// Its bandwidth map and its importance samples, where the scene has them.
     pub maps: Vec<PagePart>,

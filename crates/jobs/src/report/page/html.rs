@@ -21,7 +21,7 @@ pub fn html(page: &Page) -> String {
         p {
             @if count == 1 { "One material" } @else { (count) " materials" }
             @if failed > 0 { ", " span.bad { (failed) " of them failed or not what is required" } }
-            ". ΔE is the mean colour difference between pictures of a ball, pack against source (CIE L*a*b*; about \
+            ". ΔE is the mean colour difference between renderings of a ball, pack against source (CIE L*a*b*; about \
              1 is just visible), ε_r the mean relative error of values."
             @if page.materials.iter().any(is_of_a_range) {
                 " Of packs that are for some directions alone, errors are of these; * marks them."
@@ -85,12 +85,12 @@ fn table(page: &Page) -> Markup {
                         @if entry.kept { " " span.soft { "kept" } }
                     }
                     @if let Some(report) = &entry.report {
-                        @let picture = &report.off_grid.picture.delta_e;
+                        @let rendering = &report.off_grid.rendering.delta_e;
                         td { (report.codec.variant()) } td { (report.codec.size()) } td { (report.fetches) }
                         td data-value=(report.bytes_on_disk) { (bytes(report.bytes_on_disk)) }
                         td data-value=(report.bytes_on_gpu) { (bytes(report.bytes_on_gpu)) }
-                        td { (format!("{:.2}", picture.mean)) @if !report.directions.is_all() { "*" } }
-                        td { (format!("{:.2}", picture.p95)) }
+                        td { (format!("{:.2}", rendering.mean)) @if !report.directions.is_all() { "*" } }
+                        td { (format!("{:.2}", rendering.p95)) }
                         (share(report.off_grid.norms.relative_mean))
                         td { (format!("{:.3}", report.off_grid.albedo_max_difference)) }
                     } @else {
@@ -107,11 +107,11 @@ fn share(value: f64) -> Markup {
     html! { td data-value=(value) { (percent(value)) } }
 }
 
-/// All materials at a glance: packs, and below each how far its picture is off.
+/// All materials at a glance: packs, and below each how far its rendering is off.
 fn sheet(page: &Page) -> Markup {
     html! {
         h3 { "All packs" }
-        p.soft { "ΔE of each picture; that of the table is of a ball under each of three distant lights." }
+        p.soft { "ΔE of each rendering; that of the table is of a ball under each of three distant lights." }
         div.sheet { @for material in &page.materials {
             @if let Some(thumbnails) = material.evidence.as_ref().and_then(|evidence| evidence.thumbnails.first()) {
                 figure {
@@ -158,7 +158,7 @@ fn section(material: &PageMaterial, view: Option<&ViewLink>) -> Markup {
                 @if !report.directions.is_all() {
                     p.soft {
                         "For " (report.directions) " alone: errors are of these, ΔE in the table of pixels that are spread over \
-                         them instead of a ball, and pictures leave the rest out."
+                         them instead of a ball, and renderings leave the rest out."
                     }
                 }
                 @for gate in &entry.gates {
@@ -166,7 +166,7 @@ fn section(material: &PageMaterial, view: Option<&ViewLink>) -> Markup {
                         @if gate.passed { "passed " } @else { "closed " } (gate)
                     }
                 }
-                (pictures(material))
+                (renderings(material))
                 (plots(material, report))
                 (worst(material))
                 (maps(&entry.material, &material.maps))
@@ -191,7 +191,7 @@ fn of_fit(fit: &FitError) -> Markup {
     }
 }
 
-fn pictures(material: &PageMaterial) -> Markup {
+fn renderings(material: &PageMaterial) -> Markup {
     let Some(evidence) = &material.evidence else { return html! {} };
     let name = &material.entry.material;
     html! {
@@ -262,7 +262,7 @@ fn angles(pair: &WorstPair) -> [f64; 3] {
     [theta(pair.incoming), theta(pair.outgoing), between]
 }
 
-/// Maps with their bytes and pictures.
+/// Maps with their bytes and renderings.
 fn maps(name: &str, parts: &[PagePart]) -> Markup {
     html! {
         @if !parts.is_empty() {
@@ -275,9 +275,9 @@ fn maps(name: &str, parts: &[PagePart]) -> Markup {
                 } } }
             } }
             div.row.large { @for part in parts {
-                @if let Some(picture) = &part.picture {
+                @if let Some(rendering) = &part.rendering {
                     figure {
-                        (image(picture, &format!("bandwidth of {name}")))
+                        (image(rendering, &format!("bandwidth of {name}")))
                         figcaption { "bandwidth, dark 1/256 of the largest to light" }
                     }
                 }

@@ -3,7 +3,7 @@
 use super::style::{PALETTE, SCRIPT, STYLE};
 use base64::Engine as _;
 use base64::engine::general_purpose::STANDARD;
-use brdfc_render::picture::{DELTA_E_FULL_SCALE, Panel, rgb_png};
+use brdfc_render::rendering::{DELTA_E_FULL_SCALE, Panel, rgb_png};
 use maud::{DOCTYPE, Markup, PreEscaped, html};
 
 /// A whole file of HTML, in the colours of light and dark pages.
@@ -28,12 +28,12 @@ pub(super) fn document(title: &str, content: &Markup) -> String {
     file(title, STYLE, &html! { h1 { (title) } (content) script { (PreEscaped(SCRIPT)) } })
 }
 
-/// A picture inside the page.
+/// A rendering inside the page.
 pub(super) fn image(panel: &Panel, description: &str) -> Markup {
     html! { img src={ "data:image/png;base64," (STANDARD.encode(rgb_png(panel))) } alt=(description); }
 }
 
-/// The colours of pictures of differences.
+/// The colours of renderings of differences.
 pub(super) fn colour_scale() -> Markup {
     html! {
         p.soft { "Differences: ΔE 0 " span.scale style="display:inline-block" {} " " (DELTA_E_FULL_SCALE) }

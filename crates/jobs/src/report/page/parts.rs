@@ -1,4 +1,4 @@
-//! The files of a build besides packs: what they hold, and a picture of it.
+//! The files of a build besides packs: what they hold, and a rendering of it.
 
 use crate::error::Error;
 use crate::report::build::FileEntry;
@@ -6,7 +6,7 @@ use crate::store::Digest;
 use brdfc_bandwidth::facts::BandwidthFacts;
 use brdfc_formats::Pack;
 use brdfc_importance::ImportanceFacts;
-use brdfc_render::picture::{Panel, bandwidth_panel};
+use brdfc_render::rendering::{Panel, bandwidth_panel};
 use brdfc_source::read::{MAX_FILE_BYTES, read_file};
 use std::path::Path;
 
@@ -22,7 +22,7 @@ pub struct PagePart {
     /// What it holds, in words.
     pub words: String,
     /// Of a bandwidth map, dark 1/256 of its largest value and less to light the largest.
-    pub picture: Option<Panel>,
+    pub rendering: Option<Panel>,
 }
 
 /// The bytes of a file that a report lists.
@@ -48,7 +48,7 @@ pub(super) fn wrong_file(path: &Path, found: String) -> Error {
 pub(super) fn map_part(folder: &Path, listed: &[FileEntry], name: &str) -> Result<PagePart, Error> {
     let bytes = listed_file(folder, listed, name)?;
     let path = folder.join(name);
-    let (bytes_on_gpu, words, picture) =
+    let (bytes_on_gpu, words, rendering) =
         match Pack::from_bytes(&bytes).map_err(|error| wrong_file(&path, error.to_string()))? {
             Pack::Bandwidth(map) => {
                 let facts = BandwidthFacts::new(&map);
@@ -60,7 +60,7 @@ pub(super) fn map_part(folder: &Path, listed: &[FileEntry], name: &str) -> Resul
             }
             other => return Err(wrong_file(&path, other.kind().in_words().to_owned())),
         };
-    Ok(PagePart { file: name.to_owned(), bytes_on_disk: bytes.len() as u64, bytes_on_gpu, words, picture })
+    Ok(PagePart { file: name.to_owned(), bytes_on_disk: bytes.len() as u64, bytes_on_gpu, words, rendering })
 }
 
 fn bandwidth_in_words(facts: &BandwidthFacts) -> String {

@@ -1,9 +1,9 @@
-//! The materials of a page as one picture.
+//! The materials of a page as one rendering.
 
 use super::gather::{Page, PageMaterial};
 use brdfc_core::words::bytes;
 use brdfc_render::contact_sheet::{Cell, contact_sheet};
-use brdfc_render::picture::Panel;
+use brdfc_render::rendering::Panel;
 use brdfc_render::within::left_out_in_words;
 
 /// A contact sheet of all materials, ball and cloth, with bytes and the mean ΔE of the page's table.
@@ -20,7 +20,7 @@ fn cell(PageMaterial { entry, evidence, .. }: &PageMaterial) -> Cell {
             let size = bytes(report.bytes_on_gpu);
             let limits = if entry.passed() { "" } else { ", missed" };
             let left_out = left_out_in_words(left_out);
-            format!("{size}  mean ΔE {:.2}{left_out}{limits}", report.off_grid.picture.delta_e.mean)
+            format!("{size}  mean ΔE {:.2}{left_out}{limits}", report.off_grid.rendering.delta_e.mean)
         }
         None => "failed: no pack".to_owned(),
     };

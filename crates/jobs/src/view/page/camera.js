@@ -38,7 +38,7 @@ function around(camera, v, { yaw, pitch }) {
 }
 
 /**
- * The uniform block of a picture; its layout is that of `View` in shade.wgsl.
+ * The uniform block of a rendering; its layout is that of `View` in shade.wgsl.
  *
  * @param scene the page's scene
  * @param item the page's material

@@ -1,4 +1,4 @@
-// Figures of pictures that a GPU made.
+// Figures of renderings that a GPU made.
 
 /**
  * The value that a share of the others are not above; 0 of none.

@@ -1,4 +1,4 @@
-// Controls: what they say of the state, and what hands do to them and to the picture.
+// Controls: what they say of the state, and what hands do to them and to the rendering.
 
 import { raised } from './camera.js';
 import { page, scene, state, still } from './state.js';
@@ -19,7 +19,7 @@ export function tell() {
     [...shown.options].forEach((option) => {
         option.disabled = items.some((item) => item && !item.scenes.includes(option.value));
     });
-    // A picture does not stand beside a ball.
+    // A rendering does not stand beside a ball.
     [...right.options].forEach((option) => {
         const scenes = page.items[Number(option.value)]?.scenes ?? items[0].scenes;
         option.disabled = !scenes.some((name) => items[0].scenes.includes(name));
@@ -48,12 +48,12 @@ export function tell() {
 }
 
 /**
- * Listens to the controls and to the picture. `set` hears changes of the state, and whether more of the same is to come; `move`
- * that a hand moved something; `point` the share of the picture's width and height that the pointer is at, or nothing, and whether
+ * Listens to the controls and to the rendering. `set` hears changes of the state, and whether more of the same is to come; `move`
+ * that a hand moved something; `point` the share of the rendering's width and height that the pointer is at, or nothing, and whether
  * it does no more than point.
  */
 export function listen({ set, move, point, again, save }) {
-    // The slider over the picture belongs to the controls, but does not stand in them.
+    // The slider over the rendering belongs to the controls, but does not stand in them.
     document.addEventListener('input', ({ target }) => {
         if (target.form !== controls) {
             return;
@@ -77,7 +77,7 @@ export function listen({ set, move, point, again, save }) {
     controls.addEventListener('submit', (event) => event.preventDefault());
     find('again').addEventListener('click', again);
     find('save').addEventListener('click', save);
-    onPicture(point, move);
+    onRendering(point, move);
     onKeys(move);
 }
 
@@ -100,7 +100,7 @@ function onCanvas(name, heard, options) {
     }, options);
 }
 
-function onPicture(point, move) {
+function onRendering(point, move) {
     onCanvas('contextmenu', (event) => event.preventDefault());
     /** Pointers that are down, by their number: one drags, two go nearer and farther. */
     const down = new Map();

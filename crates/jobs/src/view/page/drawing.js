@@ -1,4 +1,4 @@
-// Draws what is chosen, finds its exposure, and reads pictures back.
+// Draws what is chosen, finds its exposure, and reads renderings back.
 
 import { viewBlock } from './camera.js';
 import { autoExposure, differences } from './colour.js';
@@ -7,21 +7,21 @@ import { isPair, page, scene, state } from './state.js';
 import { BYTES, FLOATS, WebGl } from './webgl.js';
 import { featuresOf, WebGpu } from './webgpu.js';
 
-/** Most pixels along a side of the picture. */
-const MOST_PIXELS = 1024;
+/** Most pixels along a side of the rendering. */
+const MAX_PIXELS = 1024;
 /** Samples along a pixel's side where nothing moves, and where something does. */
 export const FINE = 2;
 export const COARSE = 1;
 /** What is shown: its layout and its numbers are those of `Show` in show.wgsl. */
 const [PICTURES, COLOURS, DELTA_E, RADIANCE] = [0, 1, 2, 3];
-/** So many pixels, at least, say the exposure of a coarse picture, which is drawn finely soon. */
+/** So many pixels, at least, say the exposure of a coarse rendering, which is drawn finely soon. */
 const ENOUGH = 50_000;
 
 export class Drawing {
     /** What was unpacked, but not uploaded yet; what was uploaded: programs, meshes and materials by their name or number. */
     #waiting = new Map();
     #made = new Map();
-    /** Of the materials and the surface that are chosen: the factor to the display's range, once it is known, and if a fine picture says it. */
+    /** Of the materials and the surface that are chosen: the factor to the display's range, once it is known, and if a fine rendering says it. */
     #exposed = {};
     /** That of what was drawn last. */
     #drawnExposed = this.#exposed;
@@ -30,7 +30,7 @@ export class Drawing {
         this.programs = unpacked(page.programs).then((bytes) => JSON.parse(new TextDecoder().decode(bytes)));
     }
 
-    /** Unpacks what a picture takes, while a driver starts. */
+    /** Unpacks what a rendering takes, while a driver starts. */
     prepare() {
         const begun = [this.#shape(scene()), ...this.#drawn().map((number) => this.#contents(number))];
         begun.forEach(quietly);
@@ -42,7 +42,7 @@ export class Drawing {
         let found = wanted === 'webgl2' ? undefined : await WebGpu.open(canvas, features, lost, wrong).catch(() => undefined);
         found ??= wanted === 'webgpu' ? undefined : await WebGl.open(canvas, lost);
         if (!found) {
-            throw new Error('there is neither WebGPU nor WebGL 2 with pictures of floats (EXT_color_buffer_float)');
+            throw new Error('there is neither WebGPU nor WebGL 2 with renderings of floats (EXT_color_buffer_float)');
         }
         [this.backend, this.canvas] = [found, canvas];
         this.#made.clear();
@@ -56,7 +56,7 @@ export class Drawing {
 
     /** As many pixels as an element of this size shows. */
     resize(clientWidth, clientHeight) {
-        const scale = Math.min(devicePixelRatio, MOST_PIXELS / Math.max(clientWidth, clientHeight));
+        const scale = Math.min(devicePixelRatio, MAX_PIXELS / Math.max(clientWidth, clientHeight));
         const [width, height] = [clientWidth, clientHeight].map((side) => Math.max(Math.round(side * scale), 1));
         if (this.canvas.width !== width || this.canvas.height !== height || !this.backend.size) {
             [this.canvas.width, this.canvas.height] = [width, height];
@@ -77,7 +77,7 @@ export class Drawing {
         return (this.#exposed.factor ?? 1) * 2 ** state.stops;
     }
 
-    /** Draws both pictures; nothing is shown yet. */
+    /** Draws both renderings; nothing is shown yet. */
     async draw(samples) {
         // The state may be another one after the wait.
         const [view, surface, drawn, exposed] = [{ ...state, samples }, scene(), this.#drawn(), this.#exposed];
@@ -112,7 +112,7 @@ export class Drawing {
         return this.backend.finished();
     }
 
-    /** What both pictures differ by, drawn finely. */
+    /** What both renderings differ by, drawn finely. */
     async measure() {
         return differences(await this.#read(FINE, DELTA_E, FLOATS));
     }
@@ -123,8 +123,8 @@ export class Drawing {
         return { apart, isSurface: isSurface > 0, isBoth: isBoth > 0 };
     }
 
-    /** What is shown, as a PNG: finely, or as coarsely as the first picture. */
-    async picture(samples = FINE) {
+    /** What is shown, as a PNG: finely, or as coarsely as the first rendering. */
+    async rendering(samples = FINE) {
         await this.draw(samples);
         await this.expose(samples);
         const shown = await this.#read(samples, this.#mode(), BYTES);
@@ -134,7 +134,7 @@ export class Drawing {
         return flat.convertToBlob({ type: 'image/png' });
     }
 
-    /** Pictures a second, each drawn as while something moves, and waited for. */
+    /** Renderings a second, each drawn as while something moves, and waited for. */
     async speed(count) {
         const [started, { turn }] = [performance.now(), state];
         const program = await this.#made.get('show');
@@ -158,7 +158,7 @@ export class Drawing {
 
     #showBlock(samples, what, step = 1) {
         const block = new ArrayBuffer(48);
-        const split = !isPair() || state.mode === 'one' ? MOST_PIXELS : state.split * this.canvas.width;
+        const split = !isPair() || state.mode === 'one' ? MAX_PIXELS : state.split * this.canvas.width;
         new Float32Array(block).set([...scene().background, this.exposure(), split], 0);
         new Uint32Array(block).set([what, samples, isPair() ? 1 : 0, step], 5);
         return new Uint8Array(block);

@@ -4,12 +4,12 @@ import { find, FRESH, listen, stage, tell } from './controls.js';
 import { COARSE, Drawing, FINE } from './drawing.js';
 import { fromAddress, isPair, page, state, take } from './state.js';
 
-/** Milliseconds without a movement, after which a picture is drawn finely. */
+/** Milliseconds without a movement, after which a rendering is drawn finely. */
 const REST = 150;
 /** Milliseconds after an error, in which its cause is heard of. */
 const LATE = 300;
-/** How often a page is drawn anew, or tries to, that a graphics driver gave up. */
-const MOST_LOSSES = 6;
+/** How often a page is drawn again, or tries to, that a graphics driver gave up. */
+const MAX_LOSSES = 6;
 
 const [here, whole, wrong] = ['here', 'whole', 'wrong'].map(find);
 const drawing = new Drawing();
@@ -94,7 +94,7 @@ function set(changes, moves = false) {
     ask();
 }
 
-/** What both fine pictures differ by. */
+/** What both fine renderings differ by. */
 async function measure() {
     whole.textContent = '';
     if (!isPair()) {
@@ -114,7 +114,7 @@ async function measure() {
 async function underPointer() {
     isPointed = false;
     if (!isPair() || !pointer || !isMeasured) {
-        here.textContent = isPair() ? 'Point at the picture for the ΔE there.' : '';
+        here.textContent = isPair() ? 'Point at the rendering for the ΔE there.' : '';
         return;
     }
     const pixel = [canvas.width, canvas.height].map((count, k) => Math.max(Math.min(Math.floor(pointer[k] * count), count - 1), 0));
@@ -132,7 +132,7 @@ function point(at, isAlone) {
 }
 
 function save() {
-    inTurn(() => drawing.picture()).then((png) => {
+    inTurn(() => drawing.rendering()).then((png) => {
         if (!png) {
             return;
         }
@@ -161,7 +161,7 @@ async function open(wanted) {
 async function reopen() {
     // From now on, what the lost one still says is of no interest.
     opened += 1;
-    for (; losses < MOST_LOSSES; losses += 1) {
+    for (; losses < MAX_LOSSES; losses += 1) {
         await new Promise((resolve) => setTimeout(resolve, 500));
         // A canvas keeps to the first context that it gave.
         const fresh = canvas.cloneNode();
@@ -195,7 +195,7 @@ async function start() {
     return performance.now();
 }
 
-/** For scripts: when the first picture stood, in milliseconds from the start; changes; exposure; pictures; differences. */
+/** For scripts: when the first rendering stood, in milliseconds from the start; changes; exposure; renderings; differences. */
 globalThis.brdfcView = {
     first: start().catch(fail),
     state,
@@ -205,13 +205,13 @@ globalThis.brdfcView = {
         await lastInTurn;
     },
     exposure: () => drawing.exposure(),
-    /** `isFirst`: as coarse as the first picture, with its exposure. */
-    picture: (isFirst = false) => inTurn(() => {
+    /** `isFirst`: as coarse as the first rendering, with its exposure. */
+    rendering: (isFirst = false) => inTurn(() => {
         if (!isFirst) {
-            return drawing.picture(FINE);
+            return drawing.rendering(FINE);
         }
         drawing.forgetExposure();
-        return drawing.picture(COARSE);
+        return drawing.rendering(COARSE);
     }),
     measure: () => inTurn(async () => {
         await drawing.draw(FINE);

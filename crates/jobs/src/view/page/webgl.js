@@ -1,4 +1,4 @@
-// Pictures by WebGL 2.
+// Renderings by WebGL 2.
 
 import { uploadTexture } from '../shared/upload_webgl.js';
 import { CORNER } from './data.js';
@@ -6,7 +6,7 @@ import { CORNER } from './data.js';
 /** Where blocks are bound. */
 const VIEW_POINT = 0;
 const PACK_POINT = 1;
-/** Numbers of pictures besides those of materials: of what is shown, as bytes and as floats. */
+/** Numbers of renderings besides those of materials: of what is shown, as bytes and as floats. */
 export const BYTES = 2;
 export const FLOATS = 3;
 
@@ -66,7 +66,7 @@ export class WebGl {
         return { program, check, textures };
     }
 
-    /** What shows both pictures. */
+    /** What shows both renderings. */
     showing(program) {
         return this.program(program);
     }
@@ -95,7 +95,7 @@ export class WebGl {
         const most = gl.getParameter(dimension === '3d' ? gl.MAX_3D_TEXTURE_SIZE : gl.MAX_TEXTURE_SIZE);
         const mostLayers = gl.getParameter(gl.MAX_ARRAY_TEXTURE_LAYERS);
         if (sides.some((side) => side > most) || layers > mostLayers) {
-            throw new Error(`found a texture of ${size.join(' x ')} texels; allowed ${most} along a side, ${mostLayers} layers`);
+            throw new Error(`found a texture of ${size.join(' x ')} texels, expected ${most} along a side, ${mostLayers} layers`);
         }
     }
 
@@ -121,7 +121,7 @@ export class WebGl {
         return bound;
     }
 
-    /** Pictures have this size from now on. */
+    /** Renderings have this size from now on. */
     resize(width, height) {
         const { gl } = this;
         for (const { texture, depth, frame } of this.targets.values()) {
@@ -170,10 +170,10 @@ export class WebGl {
         gl.bindBufferBase(gl.UNIFORM_BUFFER, VIEW_POINT, this.block);
     }
 
-    /** Draws a material on a mesh into a picture. */
+    /** Draws a material on a mesh into a rendering. */
     draw(which, material, mesh, block, samples) {
         const { gl } = this;
-        this.drawn[which] = this.target(`picture ${which} of ${samples}`, gl.RGBA32F, samples, true);
+        this.drawn[which] = this.target(`rendering ${which} of ${samples}`, gl.RGBA32F, samples, true);
         gl.bindFramebuffer(gl.FRAMEBUFFER, this.drawn[which].frame);
         gl.viewport(0, 0, this.size[0] * samples, this.size[1] * samples);
         gl.clearBufferfv(gl.COLOR, 0, [0, 0, 0, 0]);
@@ -195,7 +195,7 @@ export class WebGl {
         gl.bindVertexArray(null);
     }
 
-    /** Shows both on the canvas, or in the picture of this number, on so many pixels of it. */
+    /** Shows both on the canvas, or in the rendering of this number, on so many pixels of it. */
     show(program, block, which, size = this.size) {
         const { gl } = this;
         gl.bindFramebuffer(gl.FRAMEBUFFER, which === undefined ? null : this.shown(which));

@@ -1,4 +1,4 @@
-// Pictures by WebGPU.
+// Renderings by WebGPU.
 
 import { gpuResource } from '../shared/upload_webgpu.js';
 import { CORNER } from './data.js';
@@ -72,7 +72,7 @@ export class WebGpu {
         return { pipeline };
     }
 
-    /** What shows both pictures: on the canvas, as floats, and, for pictures that are saved, as bytes. */
+    /** What shows both renderings: on the canvas, as floats, and, for renderings that are saved, as bytes. */
     async showing({ wgsl }) {
         const { device } = this;
         const module = device.createShaderModule({ code: wgsl });
@@ -104,7 +104,7 @@ export class WebGpu {
         return { pipeline, group: this.device.createBindGroup({ layout: pipeline.getBindGroupLayout(1), entries }) };
     }
 
-    /** Pictures have this size from now on. */
+    /** Renderings have this size from now on. */
     resize(width, height) {
         for (const { texture, depth } of this.targets.values()) {
             texture.destroy();
@@ -129,9 +129,9 @@ export class WebGpu {
         return this.targets.get(key);
     }
 
-    /** Draws a material on a mesh into a picture. */
+    /** Draws a material on a mesh into a rendering. */
     draw(which, { pipeline, group }, mesh, block, samples) {
-        this.drawn[which] = this.target(`picture ${which} of ${samples}`, 'rgba32float', samples, true);
+        this.drawn[which] = this.target(`rendering ${which} of ${samples}`, 'rgba32float', samples, true);
         const { texture, depth } = this.drawn[which];
         const encoder = this.device.createCommandEncoder();
         const pass = encoder.beginRenderPass({
@@ -148,7 +148,7 @@ export class WebGpu {
         this.device.queue.submit([encoder.finish()]);
     }
 
-    /** The block of what is drawn into a picture, or shown of both. */
+    /** The block of what is drawn into a rendering, or shown of both. */
     blockGroup(key, pipeline, block, textures) {
         this.blocks[key] ??= this.buffer(block, GPUBufferUsage.UNIFORM);
         this.device.queue.writeBuffer(this.blocks[key], 0, block);
@@ -157,7 +157,7 @@ export class WebGpu {
         return this.device.createBindGroup({ layout: pipeline.getBindGroupLayout(0), entries });
     }
 
-    /** Shows both on the canvas, or in the picture of this number, on so many pixels of it. */
+    /** Shows both on the canvas, or in the rendering of this number, on so many pixels of it. */
     show(program, block, which, size = this.size) {
         const pipeline = program[which] ?? program.canvas;
         const texture = which === undefined ? this.context.getCurrentTexture() : this.shown(which);

@@ -1,6 +1,6 @@
 // How a page draws polynomial wavelet trees.
 
-// v goes down in the picture, and along the bitangent on the surface.
+// v goes down in the rendering, and along the bitangent on the surface.
 fn placed(uv: vec2<f32>, front: bool) -> vec2<f32> {
     return vec2<f32>(uv.x, select(uv.y, 1.0 - uv.y, front)) * view.repeat;
 }

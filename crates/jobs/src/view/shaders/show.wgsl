@@ -1,13 +1,13 @@
-// Shows drawn pictures: means of a pixel's samples, exposed, sRGB-encoded, one beside another; or says how far they are apart.
+// Shows drawn renderings: means of a pixel's samples, exposed, sRGB-encoded, one beside another; or says how far they are apart.
 // RAMP and FULL_SCALE, the colours of differences, stand before it.
 
 struct Show {
     background: vec3<f32>, // linear RGB of the display, 0 to 1
     exposure: f32,
-    split: f32,            // in pixels: the first picture is to the left of it
+    split: f32,            // in pixels: the first rendering is to the left of it
     what: u32,
     samples: u32,          // along a pixel's side
-    pair: u32,             // 1: there is a second picture
+    pair: u32,             // 1: there is a second rendering
     step: u32,             // pixels from one that is shown to the next
     reserved_0: u32,
     reserved_1: u32,
@@ -17,7 +17,7 @@ struct Show {
 const PICTURES: u32 = 0u;
 const COLOURS: u32 = 1u; // of the difference, on the background where not both show a surface
 const DELTA_E: u32 = 2u; // in red; in alpha 1 where both show a surface
-const RADIANCE: u32 = 3u; // of the last picture; in alpha its coverage, 0 where not all show a surface
+const RADIANCE: u32 = 3u; // of the last rendering; in alpha its coverage, 0 where not all show a surface
 
 @group(0) @binding(0) var<uniform> parameters: Show;
 @group(0) @binding(1) var first: texture_2d<f32>;
@@ -52,9 +52,9 @@ fn show(@builtin(position) at: vec4<f32>) -> @location(0) vec4<f32> {
         return vec4<f32>(last.rgb, select(last.a, min(a.a, b.a), is_pair));
     }
     if parameters.what == PICTURES {
-        let picture = select(b, a, at.x < parameters.split);
-        let behind = parameters.background * (1.0 - picture.a);
-        return vec4<f32>(encoded(min(picture.rgb * parameters.exposure, vec3<f32>(1.0)) + behind), 1.0);
+        let rendering = select(b, a, at.x < parameters.split);
+        let behind = parameters.background * (1.0 - rendering.a);
+        return vec4<f32>(encoded(min(rendering.rgb * parameters.exposure, vec3<f32>(1.0)) + behind), 1.0);
     }
     // Of one surface both have the same coverage: a pixel that has a sample for which one of the materials was not made is not
     // compared.

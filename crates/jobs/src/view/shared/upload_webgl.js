@@ -65,7 +65,7 @@ const BOUND = { '2d': 'TEXTURE_BINDING_2D', '2d-array': 'TEXTURE_BINDING_2D_ARRA
 export function uploadTexture(gl, data, filtered, repeats) {
     const names = GL_FORMATS[data.format];
     if (names === undefined) {
-        throw new Error(`found texels of ${data.format}; allowed what WebGL 2 has`);
+        throw new Error(`found texels of ${data.format}, expected what WebGL 2 has`);
     }
     const constants = /** @type {Record<string, number>} */ (/** @type {unknown} */ (gl));
     const [internal, format, type] = names.map((name) => constants[name]);

@@ -92,25 +92,26 @@ fn both_byte_orders_hold_the_same() {
 
 #[test]
 fn errors_say_where() {
-    assert_eq!(message(""), "header: found end of data after 0 bytes; allowed end_header");
-    assert_eq!(message("plx\n"), "line 1, first line: found \"plx\"; allowed ply");
-    assert!(message("ply\nformat ascii 2.0\n").starts_with("line 2, format: found \"ascii 2.0\"; allowed ascii,"));
-    assert!(message("ply\nend_header\n").contains("line 2, header: found \"end_header\"; allowed a line format"));
+    assert_eq!(message(""), "header: found end of data after 0 bytes, expected end_header");
+    assert_eq!(message("plx\n"), "line 1, first line: found \"plx\", expected ply");
+    assert!(message("ply\nformat ascii 2.0\n").starts_with("line 2, format: found \"ascii 2.0\", expected ascii,"));
+    assert!(message("ply\nend_header\n").contains("line 2, header: found \"end_header\", expected a line format"));
     assert!(message("ply\nelement vertex -1\n").contains("line 2, element count: found \"-1\""));
     assert!(
-        message("ply\nelement a 1\nelement a 1\n").contains("line 3, element: found \"a\"; allowed each name once")
+        message("ply\nelement a 1\nelement a 1\n").contains("line 3, element: found \"a\", expected each name once")
     );
-    assert!(message("ply\nproperty int a\n").contains("allowed an element before it"));
-    assert!(message("ply\nelement a 1\nproperty half a\n").contains("allowed char, uchar"));
+    assert!(message("ply\nproperty int a\n").contains("expected an element before it"));
+    assert!(message("ply\nelement a 1\nproperty half a\n").contains("expected char, uchar"));
     assert!(message("ply\nelement a 1\nproperty list int a\n").contains("line 3, header"));
     assert!(message("ply\nelement a 1\nproperty int a\nproperty int a\n").contains("line 4, property: found \"a\""));
-    assert!(message("ply\nrubbish\n").contains("line 2, header: found \"rubbish\"; allowed comment, obj_info"));
+    assert!(message("ply\nrubbish\n").contains("line 2, header: found \"rubbish\", expected comment, obj_info"));
     assert!(message("ply\nformat ascii 1.0").contains("a line feed after it"));
     let changed = |from: &str, to: &str| message(&square().replace(from, to));
     assert!(
-        changed("element vertex", "element point").contains("elements: found \"point face\"; allowed one named vertex")
+        changed("element vertex", "element point")
+            .contains("elements: found \"point face\", expected one named vertex")
     );
-    assert!(changed("float z", "float w").contains("line 4, vertex: found \"x y w\"; allowed scalar properties x, y"));
+    assert!(changed("float z", "float w").contains("line 4, vertex: found \"x y w\", expected scalar properties x, y"));
     assert!(
         changed("list uchar int vertex_indices", "int vertex_indices")
             .contains("line 9, face: found vertex indices of")
@@ -122,19 +123,19 @@ fn errors_say_where() {
         changed("float z\n", "float z\nproperty int red\nproperty int green\nproperty int blue\n")
             .contains("line 8, colour: found red, green, blue of other types")
     );
-    assert!(changed("1 1 0\n", "1 nan 0\n").contains("line 13, coordinate: found NaN; allowed -1e12 to 1e12"));
+    assert!(changed("1 1 0\n", "1 nan 0\n").contains("line 13, coordinate: found NaN, expected -1e12 to 1e12"));
     assert!(changed("1 1 0\n", "1 1e13 0\n").contains("coordinate: found 10000000000000"));
-    assert!(changed("1 1 0\n", "1 x 0\n").contains("line 13, vertex: found \"x\"; allowed a number"));
-    assert!(changed("4 0 1 2 3", "4 0 1 2 4").contains("line 15, vertex index: found 4; allowed 0 or more, below 4"));
+    assert!(changed("1 1 0\n", "1 x 0\n").contains("line 13, vertex: found \"x\", expected a number"));
+    assert!(changed("4 0 1 2 3", "4 0 1 2 4").contains("line 15, vertex index: found 4, expected 0 or more, below 4"));
     assert!(changed("4 0 1 2 3", "4 0 1 2 -1").contains("vertex index: found -1"));
-    assert!(changed("4 0 1 2 3", "4 0 1 2 1.5").contains("found \"1.5\"; allowed an integer"));
-    assert!(changed("4 0 1 2 3", "2 0 1").contains("line 15, face: found 2 corners; allowed 3 or more"));
-    assert!(changed("4 0 1 2 3", "256 0 1").contains("found \"256\"; allowed an integer, 0 to 255"));
+    assert!(changed("4 0 1 2 3", "4 0 1 2 1.5").contains("found \"1.5\", expected an integer"));
+    assert!(changed("4 0 1 2 3", "2 0 1").contains("line 15, face: found 2 corners, expected 3 or more"));
+    assert!(changed("4 0 1 2 3", "256 0 1").contains("found \"256\", expected an integer, 0 to 255"));
     assert!(changed("4 0 1 2 3", "4 0 1 2").contains("line 15, vertex index: found end of data"));
-    assert!(changed("4 0 1 2 3", "3 0 1 2 3").contains("end of data: found \"3\"; allowed nothing after"));
+    assert!(changed("4 0 1 2 3", "3 0 1 2 3").contains("end of data: found \"3\", expected nothing after"));
     assert!(changed("vertex 4", "vertex 999999999999").contains("element count: found 999999999999 rows of vertex"));
     let empty = square().replace("face 1", "face 0").replace("4 0 1 2 3\n", "");
-    assert_eq!(message(&empty), "faces: found none, and 4 vertices; allowed at least one");
+    assert_eq!(message(&empty), "faces: found none, and 4 vertices, expected at least one");
     let not_text = [HEADER.as_bytes(), b"0 0 0\n\xff"].concat();
     assert!(from_bytes(&not_text).unwrap_err().to_string().starts_with("line 12, text: found byte 0xff"));
 }
@@ -156,7 +157,10 @@ fn errors_of_binary_files_name_the_byte() {
     assert!(error(start + 14, &2.0f32.to_le_bytes()).starts_with(&format!("{}colour: found 2;", place(30))));
     let faces = start + 90;
     let length = error(faces + 2, &i32::MAX.to_le_bytes());
-    assert_eq!(length, format!("{}list length: found 2147483647; allowed 0 to 3, for which there are data", place(96)));
+    assert_eq!(
+        length,
+        format!("{}list length: found 2147483647, expected 0 to 3, for which there are data", place(96))
+    );
     assert!(error(faces + 2, &(-1i32).to_le_bytes()).contains("list length: found -1"));
     assert!(error(faces + 6, &7u32.to_le_bytes()).contains("vertex index: found 7"));
     let longer = [good.as_slice(), &[0]].concat();
@@ -184,9 +188,9 @@ fn headers_have_an_end() {
     let message = |bytes: &[u8]| from_bytes(bytes).unwrap_err().to_string();
     let start = "ply\nformat ascii 1.0\nelement vertex 1\n";
     let properties: String = (0..1025).map(|k| format!("property float p{k}\n")).collect();
-    let expected = "line 1028, property: found \"p1024\"; allowed at most 1024 properties of an element";
+    let expected = "line 1028, property: found \"p1024\", expected at most 1024 properties of an element";
     assert_eq!(message(format!("{start}{properties}").as_bytes()), expected);
-    let expected = "line 1, header: found no end_header in 1048576 bytes; allowed end_header before that";
+    let expected = "line 1, header: found no end_header in 1048576 bytes, expected end_header before that";
     assert_eq!(message(&vec![0; 2 << 20]), expected);
     let many = format!(
         "{}element face 0\nproperty list uchar int vertex_indices\nend_header\n",
@@ -194,5 +198,5 @@ fn headers_have_an_end() {
     );
     let many = many.replace("element face", "property uchar x\nproperty uchar y\nproperty uchar z\nelement face");
     let bytes = [many.replace("ascii", "binary_little_endian").as_bytes(), &vec![1; 27_000_000]].concat();
-    assert_eq!(message(&bytes), "line 3, vertices: found 9000000; allowed at most 8388608");
+    assert_eq!(message(&bytes), "line 3, vertices: found 9000000, expected at most 8388608");
 }

@@ -225,7 +225,7 @@ fn a_file_that_ends_early_says_where() {
     let longer = [&bytes[..], b"x"].concat();
     assert_eq!(
         error_of(&longer).to_string(),
-        format!("byte {}, end: found 1 bytes more; allowed the end of the file", bytes.len())
+        format!("byte {}, end: found 1 bytes more, expected the end of the file", bytes.len())
     );
 }
 
@@ -238,25 +238,25 @@ fn wrong_words_are_told_with_their_place() {
         error_of(&bytes).to_string()
     };
     for (place, word, expected) in [
-        (at::HEADER, 1, "header size: found 1; allowed 291"),
-        (at::HEADER + 4, 0, "version: found 0; allowed 1 to 4"),
-        (at::HEADER + 4, 5, "version: found 5; allowed 1 to 4"),
-        (at::CHANNELS, 4, "channels: found 4; allowed 3"),
-        (at::VIEWS, 0, "views: found 0; allowed 1 to 2048"),
+        (at::HEADER, 1, "header size: found 1, expected 291"),
+        (at::HEADER + 4, 0, "version: found 0, expected 1 to 4"),
+        (at::HEADER + 4, 5, "version: found 5, expected 1 to 4"),
+        (at::CHANNELS, 4, "channels: found 4, expected 3"),
+        (at::VIEWS, 0, "views: found 0, expected 1 to 2048"),
         (at::VIEWS, u32::MAX, "views: found 4294967295"),
         (at::FIRST_LIGHTS, u32::MAX, "lights of a view: found 4294967295"),
-        (at::SECOND_LIGHTS, 1, "lights of a view: found 1; allowed 2, as of the first view"),
-        (at::SIZE, 0, "width: found 0; allowed 1 to 4096"),
+        (at::SECOND_LIGHTS, 1, "lights of a view: found 1, expected 2, as of the first view"),
+        (at::SIZE, 0, "width: found 0, expected 1 to 4096"),
         (at::SIZE + 4, u32::MAX, "height: found 4294967295"),
-        (at::ROTATIONS, 32, "rotations: found 32; allowed 0"),
+        (at::ROTATIONS, 32, "rotations: found 32, expected 0"),
         (at::MODEL, 2, "colour model: found 2, L*a*b*"),
         (at::MODEL, 6, "colour model: found 6, a spectral one"),
         (at::MODEL, u32::MAX, "colour model: found -1"),
         (at::CHANNEL + 1, 0, "components of a channel: found 0"),
         (at::CHANNEL + 1, u32::MAX, "components of a channel: found 4294967295"),
-        (at::CHANNEL + 5, 7, "rows of the first matrix: found 7; allowed 6 (32 where they are exchanged)"),
+        (at::CHANNEL + 5, 7, "rows of the first matrix: found 7, expected 6 (32 where they are exchanged)"),
         (at::CHANNEL + 5, u32::MAX, "rows of the first matrix: found 4294967295"),
-        (at::CHANNEL + 9, 33, "rows of the second matrix: found 33; allowed 32"),
+        (at::CHANNEL + 9, 33, "rows of the second matrix: found 33, expected 32"),
     ] {
         let text = told(place, word);
         assert!(text.starts_with(&format!("byte {place}, {expected}")), "{text}");
@@ -272,7 +272,7 @@ fn wrong_words_are_told_with_their_place() {
     bytes[at::CHANNEL] = 3;
     assert_eq!(
         error_of(&bytes).to_string(),
-        format!("byte {}, bytes of a number: found 3; allowed 2, 4 or 8", at::CHANNEL)
+        format!("byte {}, bytes of a number: found 3, expected 2, 4 or 8", at::CHANNEL)
     );
     let second_light = at::SECOND_LIGHTS + 4;
     assert!(told(second_light, 0.5f32.to_bits()).contains("as of the first view"));
@@ -283,7 +283,7 @@ fn wrong_words_are_told_with_their_place() {
     let place = at::CHANNEL + 13 + 2 * TEXELS;
     bytes = good.clone();
     bytes[place..place + 2].copy_from_slice(&0x7c00u16.to_le_bytes());
-    assert_eq!(error_of(&bytes).to_string(), format!("byte {place}, first matrix: found inf; allowed finite numbers"));
+    assert_eq!(error_of(&bytes).to_string(), format!("byte {place}, first matrix: found inf, expected finite numbers"));
 }
 
 #[test]
@@ -327,9 +327,9 @@ fn what_does_not_fit_together_is_refused() {
         change(&mut description);
         UboBtf::new(description, btf.channels().clone()).unwrap_err().to_string()
     };
-    assert!(wrong(&|d| d.size = [8, 5]).contains("rows of texels: found 32; allowed 40"));
+    assert!(wrong(&|d| d.size = [8, 5]).contains("rows of texels: found 32, expected 40"));
     assert!(wrong(&|d| d.size = [0, 5]).contains("found 0"));
-    assert!(wrong(&|d| d.views = DirectionSet::ubo2003()).contains("allowed 162"));
+    assert!(wrong(&|d| d.views = DirectionSet::ubo2003()).contains("expected 162"));
     assert!(wrong(&|d| d.version = 5).contains("found 5"));
     assert!(wrong(&|d| (d.version, d.has_cosine) = (1, true)).contains("cosine flag"));
     assert!(Channel::new(2, &[1.0; 3], &[1.0; 2], Scalar::Half).is_err());

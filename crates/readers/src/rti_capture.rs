@@ -1,4 +1,4 @@
-//! Directions to the lights of photographs of one view, `.lp`. Layout: `crates/readers/src/light_stack.md`.
+//! Directions to the lights of photographs of one view, `.lp`. Layout: `crates/readers/src/rti_capture.md`.
 
 use super::scan::{number, quoted};
 use crate::file_kind::{Begins, FileKind};
@@ -7,9 +7,9 @@ use brdfc_formats::FormatError;
 use std::collections::BTreeMap;
 use std::fmt::Write;
 
-/// Lists of the lights of a light stack.
+/// Lists of the lights of an RTI capture.
 pub static KIND: FileKind =
-    FileKind { description: "the lights of a light stack (.lp)", extensions: &["lp"], begins: Begins::Text(is_list) };
+    FileKind { description: "the lights of an RTI capture (.lp)", extensions: &["lp"], begins: Begins::Text(is_list) };
 
 /// Most lights of a stack.
 pub const MAX_LIGHTS: usize = 4096;
@@ -171,24 +171,24 @@ mod tests {
         for (text, expected) in [
             ("", "number of lights: found an empty file"),
             (" \n\r\n", "number of lights: found an empty file"),
-            ("0\n", "line 1, number of lights: found 0; allowed 1 to 4096"),
-            ("4097\n", "line 1, number of lights: found 4097; allowed 1 to 4096"),
+            ("0\n", "line 1, number of lights: found 0, expected 1 to 4096"),
+            ("4097\n", "line 1, number of lights: found 4097, expected 1 to 4096"),
             ("99999999999999999999999999\n", "line 1, number of lights: found \"99999999999999999999999999\""),
             ("-1\n", "line 1, number of lights: found \"-1\""),
             ("+1\na 0 0 1", "line 1, number of lights: found \"+1\""),
             ("1.0\na 0 0 1", "line 1, number of lights: found \"1.0\""),
             ("a.jpg 0 0 1\n", "line 1, number of lights: found \"a.jpg 0 0 1\""),
-            ("2\na 0 0 1\n\n", "line 1, number of lights: found 2; allowed 1, as many as lines follow"),
-            ("\n1\na 0 0 1\nb 0 0 1\nc", "line 2, number of lights: found 1; allowed 3, as many as lines follow"),
-            ("1\n0 0 1\n", "line 2, light: found \"0 0 1\"; allowed the name of an image, then x y z"),
-            ("1\na 0 zero 1\n", "line 2, y: found \"zero\"; allowed a finite number"),
+            ("2\na 0 0 1\n\n", "line 1, number of lights: found 2, expected 1, as many as lines follow"),
+            ("\n1\na 0 0 1\nb 0 0 1\nc", "line 2, number of lights: found 1, expected 3, as many as lines follow"),
+            ("1\n0 0 1\n", "line 2, light: found \"0 0 1\", expected the name of an image, then x y z"),
+            ("1\na 0 zero 1\n", "line 2, y: found \"zero\", expected a finite number"),
             ("1\na 0 0 inf\n", "line 2, z: found \"inf\""),
             ("1\na NaN 0 1\n", "line 2, x: found \"NaN\""),
             ("1\n\na 0 -0 0\n", "line 3, direction: found a vector of length 0"),
-            ("1\na 0 1 0\n", "line 2, direction: found 0 1 0, at or below the horizon; allowed z greater than 0"),
+            ("1\na 0 1 0\n", "line 2, direction: found 0 1 0, at or below the horizon, expected z greater than 0"),
             ("1\na 0 1 -0.1\n", "line 2, direction: found 0 1 -0.1, at or below"),
             ("1\na 0 1 1e-50\n", "line 2, direction: found 0 1 0.0000"),
-            ("2\na 0 0 1\n a 0 1 1\n", "line 3, image: found \"a\", as in line 2; allowed each image once"),
+            ("2\na 0 0 1\n a 0 1 1\n", "line 3, image: found \"a\", as in line 2, expected each image once"),
             ("2\na\\b.c 0 0 1\na/b.c 0 1 1\n", "line 3, image: found \"a/b.c\", as in line 2"),
         ] {
             assert!(message(text).starts_with(expected), "{text:?}: {}", message(text));

@@ -1,4 +1,4 @@
-"""A ball of a source, by Mitsuba's own `measured`, beside a ball of its pack, by the plugin: ΔE between the pictures."""
+"""A ball of a source, by Mitsuba's own `measured`, beside a ball of its pack, by the plugin: ΔE between the renderings."""
 
 import json
 import os
@@ -12,12 +12,12 @@ from common import RED, pack, run
 SIZE = 64
 # Of each pixel, a square number: under the synthetic environment, and under the photographed one, which is noisier.
 SAMPLES, MANY_SAMPLES = 1024, 4096
-# Of the picture that is saved.
+# Of the rendering that is saved.
 LARGE_SIZE, FEW_SAMPLES = 128, 256
 # Largest mean ΔE: half of what is just visible, and more of what the converted file loses besides.
 LARGEST = 1.0
 # Of albedos: a converted file with a larger error stands for its source no more.
-MOST_LOST = 0.05
+MAX_LOST = 0.05
 
 # XYZ of linear sRGB, D65.
 TO_XYZ = np.array([
@@ -36,8 +36,8 @@ def lab(image):
 
 
 def differences(image, reference, exposure):
-    """ΔE (CIE76) of each pixel of a picture, both exposed and clipped alike."""
-    a, b = (lab(np.clip(picture * exposure, 0.0, 1.0)) for picture in (image, reference))
+    """ΔE (CIE76) of each pixel of a rendering, both exposed and clipped alike."""
+    a, b = (lab(np.clip(rendering * exposure, 0.0, 1.0)) for rendering in (image, reference))
     return np.linalg.norm(a - b, axis=-1)
 
 
@@ -52,7 +52,7 @@ def sky():
 
 
 def ball(bsdf, light, seed, samples, size=SIZE):
-    """A picture of a ball, linear RGB, and where the ball is."""
+    """A rendering of a ball, linear RGB, and where the ball is."""
     scene = mi.load_dict({
         "type": "scene",
         "integrator": {"type": "path", "max_depth": 2, "hide_emitters": True},
@@ -76,7 +76,7 @@ def ball(bsdf, light, seed, samples, size=SIZE):
 
 
 class Comparison(NamedTuple):
-    """Two pictures, the exposure of both, where the ball is, mean ΔE, and that and the noise in words."""
+    """Two renderings, the exposure of both, where the ball is, mean ΔE, and that and the noise in words."""
 
     reference: np.ndarray
     image: np.ndarray
@@ -106,7 +106,7 @@ def converted(name, source, folder):
     return {"type": "measured", "filename": path}, np.abs(albedos).max()
 
 
-def check_demo(results, folder, picture):
+def check_demo(results, folder, rendering):
     """Demo materials under the synthetic environment, as files that `brdfc convert` writes; saved where asked for."""
     light = {"bitmap": sky()}
     columns = []
@@ -114,14 +114,14 @@ def check_demo(results, folder, picture):
         own, _ = converted(name, source, folder)
         ours = {"type": "brdfc", "filename": pack(name, folder)}
         found = compare(own, ours, light, SAMPLES)
-        if picture:
+        if rendering:
             both = [ball(bsdf, light, 1, FEW_SAMPLES, LARGE_SIZE)[0] for bsdf in (own, ours)]
             columns.append(np.concatenate(both, axis=0) * found.exposure)
         results.add(f"ball of {name}: measured (converted), brdfc", found.error < LARGEST, found.figure)
-    if picture:
+    if rendering:
         sheet = np.concatenate(columns, axis=1).astype(np.float32)
         bitmap = mi.Bitmap(np.clip(sheet, 0.0, 1.0))
-        bitmap.convert(mi.Bitmap.PixelFormat.RGB, mi.Struct.Type.UInt8, srgb_gamma=True).write(picture)
+        bitmap.convert(mi.Bitmap.PixelFormat.RGB, mi.Struct.Type.UInt8, srgb_gamma=True).write(rendering)
     # Another material must be noticed.
     own, _ = converted("plastic", RED, folder)
     found = compare(own, {"type": "brdfc", "filename": pack("brushed", folder)}, light, SAMPLES)
@@ -146,20 +146,20 @@ def check_data(results, folder, data):
         file = os.path.join(folder, f"{name}.ktx2")
         run("encode", source, "-o", file, "--quiet")
         light = {"filename": museum}
-        # `measured` looks up the viewer where its files have the light: another picture where a material is not reciprocal.
+        # `measured` looks up the viewer where its files have the light: another rendering where a material is not reciprocal.
         ours = {"type": "brdfc", "filename": file, "exchanged": True}
         found = compare(own, ours, light, MANY_SAMPLES)
         plain, _ = ball({**ours, "exchanged": False}, light, 2, MANY_SAMPLES)
         plain = differences(plain, found.reference, found.exposure)[found.inside].mean()
         how = "measured" if is_rgl else "measured (converted)"
-        if lost > MOST_LOST:
+        if lost > MAX_LOST:
             figure = f"{found.figure}, but `brdfc convert` changed its albedo by up to {lost:.3f}"
             results.skip(f"ball of {name}: {how}, brdfc", figure)
             continue
         results.add(f"ball of {name}: {how}, brdfc", found.error < LARGEST, f"{found.figure}; not exchanged: {plain:.2f}")
 
 
-def check(results, folder, data, picture):
-    """Adds all lines; `picture`: where the sheet of demo materials is saved, or none."""
-    check_demo(results, folder, picture)
+def check(results, folder, data, rendering):
+    """Adds all lines; `rendering`: where the sheet of demo materials is saved, or none."""
+    check_demo(results, folder, rendering)
     check_data(results, folder, data)

@@ -1,9 +1,9 @@
-//! Light stacks: what is written is read, and what is wrong is said.
+//! RTI captures: what is written is read, and what is wrong is said.
 
 use brdfc_jobs::btf_stack::StackFormat;
-use brdfc_jobs::light_stack::write_light_stack;
+use brdfc_jobs::rti_capture::write_rti_capture;
 use brdfc_source::InputError;
-use brdfc_source::light_stack::LightStack;
+use brdfc_source::rti_capture::RtiCapture;
 use brdfc_testing::shared_data;
 use std::path::Path;
 
@@ -18,12 +18,12 @@ fn pixels(light: usize) -> Vec<[f32; 3]> {
 }
 
 fn write_stack(folder: &Path, format: StackFormat) {
-    let list = write_light_stack(folder, &LIGHTS, SIZE, format, pixels).unwrap();
+    let list = write_rti_capture(folder, &LIGHTS, SIZE, format, pixels).unwrap();
     assert!(list.ends_with("dirs.lp"));
 }
 
 fn error(path: &Path) -> String {
-    LightStack::open(path).expect_err("an error").to_string()
+    RtiCapture::open(path).expect_err("an error").to_string()
 }
 
 /// A stack whose images are whatever `save` makes of their names, under lights at different heights.
@@ -45,7 +45,7 @@ fn exr_stacks_come_back_to_the_bit() {
     let folder = tempfile::tempdir().unwrap();
     write_stack(folder.path(), StackFormat::Exr);
     for path in [folder.path().to_owned(), folder.path().join("dirs.lp")] {
-        let stack = LightStack::open(&path).unwrap();
+        let stack = RtiCapture::open(&path).unwrap();
         assert_eq!((stack.len(), stack.size()), (4, SIZE));
         assert_eq!(stack.lights()[..3], LIGHTS[..3]);
         let diagonal = stack.lights()[3];
@@ -55,7 +55,7 @@ fn exr_stacks_come_back_to_the_bit() {
             assert_eq!(([image.width, image.height], image.pixels), (SIZE, pixels(light)));
             assert!(stack.file(light).ends_with(format!("000{light}.exr")));
         }
-        assert!(stack.image(4).unwrap_err().to_string().ends_with("light: found 4; allowed less than 4"));
+        assert!(stack.image(4).unwrap_err().to_string().ends_with("light: found 4, expected less than 4"));
         let facts = stack.facts();
         assert_eq!(
             (facts.lights, facts.polar_angles, &facts.extensions[..]),
@@ -69,7 +69,7 @@ fn exr_stacks_come_back_to_the_bit() {
 fn png_stacks_are_clipped_srgb_and_the_same_every_time() {
     let folders = [tempfile::tempdir().unwrap(), tempfile::tempdir().unwrap()];
     folders.iter().for_each(|folder| write_stack(folder.path(), StackFormat::Png));
-    let image = LightStack::open(folders[0].path()).unwrap().image(3).unwrap();
+    let image = RtiCapture::open(folders[0].path()).unwrap().image(3).unwrap();
     for (found, written) in image.pixels.iter().flatten().zip(pixels(3).iter().flatten()) {
         // Half a code is at most this much of linear light.
         assert!((found - written.min(1.0)).abs() < 0.0046, "{found} {written}");
@@ -84,7 +84,7 @@ fn png_stacks_are_clipped_srgb_and_the_same_every_time() {
 fn what_is_no_stack_is_not_written() {
     let folder = tempfile::tempdir().unwrap();
     let write = |lights: &[[f32; 3]], pixels: usize| {
-        let write = write_light_stack(folder.path(), lights, [2, 2], StackFormat::Png, |_| vec![[0.5; 3]; pixels]);
+        let write = write_rti_capture(folder.path(), lights, [2, 2], StackFormat::Png, |_| vec![[0.5; 3]; pixels]);
         write.unwrap_err().to_string()
     };
     assert!(write(&[], 4).contains("number of lights: found 0"));
@@ -111,7 +111,7 @@ fn eight_and_sixteen_bits_and_grey_and_jpeg() {
         };
         image.save(path).unwrap();
     });
-    let stack = LightStack::open(folder.path()).unwrap();
+    let stack = RtiCapture::open(folder.path()).unwrap();
     for (light, name) in names.iter().enumerate() {
         let expected = if light < 2 { [1.0, 0.502_886_5, 0.003_035_27] } else { [0.502_886_5; 3] };
         let image = stack.image(light).unwrap();
@@ -132,17 +132,17 @@ fn names_may_have_folders_that_are_there_or_not() {
     }
     let list = folder.path().join("x.lp");
     std::fs::write(&list, "4\nin\\a.png 0 0 1\nC:\\b.png 0 1 1\n/photos/c.png 1 0 1\ngone/d.png 1 1 1\n").unwrap();
-    let stack = LightStack::open(&list).unwrap();
+    let stack = RtiCapture::open(&list).unwrap();
     for (light, end) in ["in/a.png", "b.png", "c.png", "d.png"].into_iter().enumerate() {
         assert_eq!(stack.file(light), folder.path().join(end));
     }
     std::fs::write(&list, "2\n\nb.png 0 0 1\ngone/b.png 1 1 1\n").unwrap();
     assert!(
         error(&list)
-            .ends_with("x.lp: line 4, image: found \"gone/b.png\", the file of line 3; allowed each image once")
+            .ends_with("x.lp: line 4, image: found \"gone/b.png\", the file of line 3, expected each image once")
     );
     std::fs::write(&list, "2\nb.png 0 0 1\nin/b.jpg 1 1 1\n").unwrap();
-    let expected = "x.lp: line 3, image: found \"in/b.jpg\", which is not there; allowed a file, relative to this one or beside it";
+    let expected = "x.lp: line 3, image: found \"in/b.jpg\", which is not there, expected a file, relative to this one or beside it";
     assert!(error(&list).ends_with(expected), "{}", error(&list));
 }
 
@@ -152,26 +152,26 @@ fn images_of_two_sizes_too_large_or_broken() {
     let save = |width: u32, height: u32| image::RgbImage::new(width, height).save(folder.path().join("b.jpg")).unwrap();
     stack_of(folder.path(), &["a.png", "b.jpg"], |path, _| grey(path));
     save(2, 4);
-    assert!(error(folder.path()).ends_with("b.jpg: image size: found 2 x 4; allowed 4 x 2, as a.png has"));
+    assert!(error(folder.path()).ends_with("b.jpg: image size: found 2 x 4, expected 4 x 2, as a.png has"));
     save(4097, 1);
-    assert!(error(folder.path()).ends_with("b.jpg: image size: found 4097 x 1; allowed 1 to 4096 along each side"));
+    assert!(error(folder.path()).ends_with("b.jpg: image size: found 4097 x 1, expected 1 to 4096 along each side"));
     std::fs::write(folder.path().join("b.jpg"), "no image").unwrap();
     let told = error(folder.path());
     assert!(
-        told.contains("b.jpg: image: found ") && told.ends_with("allowed a whole PNG, JPEG or EXR image"),
+        told.contains("b.jpg: image: found ") && told.ends_with("expected a whole PNG, JPEG or EXR image"),
         "{told}"
     );
     std::fs::write(folder.path().join("b.jpg"), b"GIF89a\x01\x00\x01\x00").unwrap();
-    assert!(error(folder.path()).ends_with("b.jpg: image: found some other layout; allowed PNG, JPEG or EXR"));
+    assert!(error(folder.path()).ends_with("b.jpg: image: found some other layout, expected PNG, JPEG or EXR"));
     // Every cut of a JPEG is an error or an image, when it is opened or when it is read.
     let noise = image::RgbImage::from_fn(4, 2, |x, y| image::Rgb([(x * 60) as u8, (y * 99) as u8, 7]));
     noise.save(folder.path().join("b.jpg")).unwrap();
     let whole = std::fs::read(folder.path().join("b.jpg")).unwrap();
-    assert!(LightStack::open(folder.path()).unwrap().image(1).is_ok());
+    assert!(RtiCapture::open(folder.path()).unwrap().image(1).is_ok());
     let mut refused = [0; 2];
     for length in 0..whole.len() {
         std::fs::write(folder.path().join("b.jpg"), &whole[..length]).unwrap();
-        let opened = LightStack::open(folder.path());
+        let opened = RtiCapture::open(folder.path());
         refused[0] += usize::from(opened.is_err());
         let read = opened.and_then(|stack| stack.image(1));
         assert!(matches!(read, Ok(_) | Err(InputError::Format { .. })), "{length}");
@@ -185,7 +185,7 @@ fn lists_that_are_none_or_several() {
     let folder = tempfile::tempdir().unwrap();
     assert!(
         error(folder.path())
-            .ends_with("lists of lights: found none; allowed one file .lp in a folder, or the path of one")
+            .ends_with("lists of lights: found none, expected one file .lp in a folder, or the path of one")
     );
     grey(&folder.path().join("a.png"));
     let list = folder.path().join("b.lp");
@@ -195,9 +195,9 @@ fn lists_that_are_none_or_several() {
     };
     assert!(
         told(b"1\na.png 0 0 0")
-            .ends_with("b.lp: line 2, direction: found a vector of length 0; allowed any other length")
+            .ends_with("b.lp: line 2, direction: found a vector of length 0, expected any other length")
     );
-    assert!(told(b"2\na.png 0 0 1").contains("b.lp: line 1, number of lights: found 2; allowed 1"));
+    assert!(told(b"2\na.png 0 0 1").contains("b.lp: line 1, number of lights: found 2, expected 1"));
     assert!(
         told(b"\x89PNG\r\n\x1a\n\0").ends_with("UTF-8; it looks like a PNG image (.png)")
             || told(b"\0").contains("NUL")
@@ -205,11 +205,11 @@ fn lists_that_are_none_or_several() {
     assert!(told(&[7, 0, 255]).contains("b.lp: line 1, text: found a NUL byte"));
     assert!(told(b"").contains("number of lights: found an empty file"));
     std::fs::write(&list, "1\na.png 0 0 1").unwrap();
-    assert!(LightStack::open(folder.path()).is_ok());
+    assert!(RtiCapture::open(folder.path()).is_ok());
     std::fs::write(folder.path().join("a.LP"), "").unwrap();
-    assert!(error(folder.path()).contains("lists of lights: found a.LP, b.lp; allowed one file .lp"));
-    assert!(LightStack::open(&list).is_ok());
-    let io = LightStack::open(&folder.path().join("none.lp"));
+    assert!(error(folder.path()).contains("lists of lights: found a.LP, b.lp, expected one file .lp"));
+    assert!(RtiCapture::open(&list).is_ok());
+    let io = RtiCapture::open(&folder.path().join("none.lp"));
     assert!(matches!(io, Err(InputError::Io { .. })));
 }
 
@@ -217,7 +217,7 @@ fn lists_that_are_none_or_several() {
 #[test]
 fn a_real_stack() {
     let Some(folder) = shared_data("rti/icon") else { return };
-    let stack = LightStack::open(&folder).unwrap();
+    let stack = RtiCapture::open(&folder).unwrap();
     assert_eq!((stack.len(), stack.size()), (72, [402, 395]));
     assert!(stack.file(0).ends_with("image01.jpg"));
     for (found, stated) in stack.lights()[0].iter().zip([0.205_158_6, -0.237_020_6, 0.949_595_3]) {

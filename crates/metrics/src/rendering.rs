@@ -5,7 +5,7 @@ use super::sampling::{from_polar_cosine, points};
 use super::values::values_of_list;
 use brdfc_core::pair_list::PairList;
 use brdfc_core::{Source, Tally};
-use brdfc_formats::PictureSummary;
+use brdfc_formats::RenderingSummary;
 use brdfc_formats::crop::DirectionRange;
 use brdfc_formats::direction::{DirectionPair, Vector, cross, dot};
 use palette::Lab;
@@ -16,7 +16,7 @@ use std::sync::{Arc, OnceLock};
 
 /// Pixels across the ball.
 const DIAMETER: usize = 160;
-/// Directions to the distant lights of the three pictures: from the side, from the viewer, and grazing.
+/// Directions to the distant lights of the three renderings: from the side, from the viewer, and grazing.
 const LIGHTS: [Vector; 3] = [[-0.5, 0.6, 0.62], [0.2, 0.2, 0.96], [-0.9, 0.3, -0.1]];
 /// Pixels whose cosine to the light or to the viewer is not above this are left out.
 const LEAST_COSINE: f64 = 0.02;
@@ -25,10 +25,10 @@ const COARSE: usize = 8;
 /// Share of pixels whose largest channel is no brighter than white.
 const WHITE: f64 = 0.98;
 
-/// Colour differences between pictures of two materials: a ball of 160 pixels under each of three distant lights, seen from
-/// afar. White is the 98th percentile of the largest channel of the reference's three pictures.
+/// Colour differences between renderings of two materials: a ball of 160 pixels under each of three distant lights, seen from
+/// afar. White is the 98th percentile of the largest channel of the reference's three renderings.
 #[derive(Debug, Clone, PartialEq, Default, serde::Serialize, serde::Deserialize, schemars::JsonSchema)]
-pub struct PictureError {
+pub struct RenderingError {
     /// Pixels compared.
     pub pixels: usize,
     /// What radiance is multiplied by; 1 where all is black.
@@ -39,27 +39,27 @@ pub struct PictureError {
     pub delta_e_2000: Spread,
 }
 
-impl PictureError {
+impl RenderingError {
     /// The form that a pack holds.
-    pub fn summary(&self) -> PictureSummary {
+    pub fn summary(&self) -> RenderingSummary {
         let [mean, p95, max] = [self.delta_e.mean, self.delta_e.p95, self.delta_e.max].map(|v| v as f32);
-        PictureSummary { mean, p95, max }
+        RenderingSummary { mean, p95, max }
     }
 }
 
-/// The direction pairs of the pixels of all three pictures. The tangent points along the ball's latitude.
-pub fn picture_pairs() -> Arc<PairList> {
+/// The direction pairs of the pixels of all three renderings. The tangent points along the ball's latitude.
+pub fn rendering_pairs() -> Arc<PairList> {
     static PAIRS: OnceLock<Arc<PairList>> = OnceLock::new();
     PairList::kept(&PAIRS, || LIGHTS.into_par_iter().flat_map_iter(lit_by).collect())
 }
 
 /// The direction pairs of the pixels within a range of directions.
 fn pairs_of(directions: DirectionRange) -> Arc<PairList> {
-    if directions.is_all() { picture_pairs() } else { Arc::new(PairList::new(pairs_within(directions))) }
+    if directions.is_all() { rendering_pairs() } else { Arc::new(PairList::new(pairs_within(directions))) }
 }
 
 /// Every eighth of them, for estimates.
-pub(super) fn coarse_picture_pairs(directions: DirectionRange) -> Arc<PairList> {
+pub(super) fn coarse_rendering_pairs(directions: DirectionRange) -> Arc<PairList> {
     Arc::new(PairList::new(pairs_of(directions).iter().copied().step_by(COARSE).collect()))
 }
 
@@ -75,10 +75,10 @@ fn pairs_within(directions: DirectionRange) -> Vec<DirectionPair> {
     // Of a range along the horizon half is enough.
     let [light_least, view_least] = [light_high, view_high].map(|highest| LEAST_COSINE.min(highest / 2.0));
     let shown = |pair: &DirectionPair| pair.incoming[2] > light_least && pair.outgoing[2] > view_least;
-    points(1).take(picture_pairs().len()).map(pair).filter(shown).collect()
+    points(1).take(rendering_pairs().len()).map(pair).filter(shown).collect()
 }
 
-/// The direction pairs of the pixels of a picture.
+/// The direction pairs of the pixels of a rendering.
 fn lit_by(light: Vector) -> Vec<DirectionPair> {
     let mut pairs = Vec::new();
     let light = scaled(light, 1.0 / dot(light, light).sqrt());
@@ -101,16 +101,16 @@ fn lit_by(light: Vector) -> Vec<DirectionPair> {
     pairs
 }
 
-/// Pictures of a source, for others to be compared with.
-pub struct ReferencePicture {
+/// Renderings of a source, for others to be compared with.
+pub struct ReferenceRendering {
     pairs: Arc<PairList>,
     pixels: Vec<[f32; 3]>,
     colours: Vec<Lab<D65, f64>>,
     exposure: f64,
 }
 
-impl ReferencePicture {
-    /// Pictures of a source, and what it had to mend. Within a range of directions they are not of a ball, of which little
+impl ReferenceRendering {
+    /// Renderings of a source, and what it had to repair. Within a range of directions they are not of a ball, of which little
     /// may be left, but of as many pixels that are spread over it: viewers by projected area, lights by solid angle.
     pub fn new(source: &dyn Source, directions: DirectionRange) -> (Self, Tally) {
         Self::of_pairs(source, pairs_of(directions))
@@ -129,8 +129,8 @@ impl ReferencePicture {
         self.exposure
     }
 
-    /// Compares pictures of an approximation with them. Pixels that hold no number in either are left out.
-    pub fn compare(&self, approximation: &dyn Source) -> PictureError {
+    /// Compares renderings of an approximation with them. Pixels that hold no number in either are left out.
+    pub fn compare(&self, approximation: &dyn Source) -> RenderingError {
         let (found, _) = pixels(approximation, &self.pairs);
         let difference = |(k, found): (usize, &[f32; 3])| {
             let expected = &self.pixels[k];
@@ -144,7 +144,7 @@ impl ReferencePicture {
         };
         let differences: Vec<Option<(f64, f64)>> = found.par_iter().enumerate().map(difference).collect();
         let (delta_e, delta_e_2000) = differences.into_iter().flatten().unzip();
-        PictureError {
+        RenderingError {
             pixels: found.len(),
             exposure: self.exposure,
             delta_e: spread(delta_e),
@@ -177,11 +177,11 @@ mod tests {
     use brdfc_core::address::parse_synth;
     use brdfc_formats::crop::Elevations;
 
-    fn on_a_ball(reference: &dyn Source, approximation: &dyn Source) -> PictureError {
-        ReferencePicture::new(reference, DirectionRange::ALL).0.compare(approximation)
+    fn on_a_ball(reference: &dyn Source, approximation: &dyn Source) -> RenderingError {
+        ReferenceRendering::new(reference, DirectionRange::ALL).0.compare(approximation)
     }
 
-    fn error(reference: &str, approximation: &str) -> PictureError {
+    fn error(reference: &str, approximation: &str) -> RenderingError {
         let [a, b] = [reference, approximation].map(|address| parse_synth(address).expect("an address"));
         on_a_ball(a.as_ref(), b.as_ref())
     }
@@ -214,7 +214,7 @@ mod tests {
         let within = |from: f32, to: f32| {
             let range = Elevations { from, to };
             let directions = DirectionRange { light: range, view: range };
-            ReferencePicture::new(a.as_ref(), directions).0.compare(b.as_ref())
+            ReferenceRendering::new(a.as_ref(), directions).0.compare(b.as_ref())
         };
         let (ball, nearly_all) = (on_a_ball(a.as_ref(), b.as_ref()), within(0.0, 89.9));
         let ratio = nearly_all.delta_e.mean / ball.delta_e.mean;

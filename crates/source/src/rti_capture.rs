@@ -1,11 +1,11 @@
-//! Light stacks: photographs of one view under known lights. Layout: `crates/readers/src/light_stack.md`.
+//! RTI captures: photographs of one view under known lights. Layout: `crates/readers/src/rti_capture.md`.
 
 use crate::InputError;
 use crate::misnamed::wrong_contents;
 use crate::photograph::{Image, common_size};
 use crate::read::{MAX_TEXT_BYTES, extension_of, read_file};
 use brdfc_formats::FormatError;
-use brdfc_readers::light_stack::LightPositions;
+use brdfc_readers::rti_capture::LightPositions;
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};
 
@@ -16,13 +16,13 @@ const MAX_ENTRIES: usize = 1 << 20;
 
 /// Photographs of one view, of one size, each under one distant light.
 #[derive(Debug, Clone)]
-pub struct LightStack {
+pub struct RtiCapture {
     directions: Vec<[f32; 3]>,
     files: Vec<PathBuf>,
     size: [usize; 2],
 }
 
-impl LightStack {
+impl RtiCapture {
     /// Opens an `.lp` file, or a folder that has exactly one.
     ///
     /// Reads the header of every image, and no pixels.
@@ -78,7 +78,7 @@ impl LightStack {
     }
 
     /// What is worth knowing of it.
-    pub fn facts(&self) -> LightStackFacts {
+    pub fn facts(&self) -> RtiCaptureFacts {
         let polar = |direction: &[f32; 3]| {
             let [x, y, z] = direction.map(f64::from);
             x.hypot(y).atan2(z).to_degrees()
@@ -86,7 +86,7 @@ impl LightStack {
         let angles = self.directions.iter().map(polar);
         let (least, most) = angles.fold((90.0f64, 0.0f64), |(least, most), angle| (least.min(angle), most.max(angle)));
         let extensions: BTreeSet<String> = self.files.iter().map(|file| extension_of(file)).collect();
-        LightStackFacts {
+        RtiCaptureFacts {
             lights: self.len(),
             // Directions are no better than 32-bit floats.
             polar_angles: [least, most].map(|angle| (angle * 1e3).round() / 1e3),
@@ -96,9 +96,9 @@ impl LightStack {
     }
 }
 
-/// What is worth knowing of a light stack.
+/// What is worth knowing of an RTI capture.
 #[derive(Debug, Clone, PartialEq, serde::Serialize, schemars::JsonSchema)]
-pub struct LightStackFacts {
+pub struct RtiCaptureFacts {
     /// Lights, each with one image.
     pub lights: usize,
     /// Least and largest angle of a light to the direction of view, degrees.
@@ -109,12 +109,12 @@ pub struct LightStackFacts {
     pub extensions: Vec<String>,
 }
 
-impl LightStackFacts {
+impl RtiCaptureFacts {
     /// Lines for people: names and values.
     pub fn in_words(&self) -> Vec<(&'static str, String)> {
         let Self { lights, polar_angles: [least, most], size: [width, height], extensions } = self;
         vec![
-            ("kind", "light stack: photographs of one view under known lights".to_owned()),
+            ("kind", "RTI capture: photographs of one view under known lights".to_owned()),
             ("lights", lights.to_string()),
             ("angles to the view", format!("{least} to {most} degrees")),
             ("images", format!(".{}", extensions.join(", ."))),
@@ -124,7 +124,7 @@ impl LightStackFacts {
 }
 
 /// Whether a path is a list of lights, or a folder that has one, by names.
-pub fn is_light_stack(path: &Path) -> bool {
+pub fn is_rti_capture(path: &Path) -> bool {
     if path.is_dir() { lists(path).is_ok_and(|lists| !lists.is_empty()) } else { extension_of(path) == EXTENSION }
 }
 
@@ -134,7 +134,7 @@ fn lists(folder: &Path) -> Result<Vec<PathBuf>, InputError> {
     let io = |error| InputError::io(folder, error);
     for (number, entry) in std::fs::read_dir(folder).map_err(io)?.enumerate() {
         if number == MAX_ENTRIES {
-            let error = FormatError::whole("files", format!("more than {MAX_ENTRIES}"), "those of one light stack");
+            let error = FormatError::whole("files", format!("more than {MAX_ENTRIES}"), "those of one RTI capture");
             return Err(InputError::format(folder, error));
         }
         let path = entry.map_err(io)?.path();
@@ -155,7 +155,7 @@ fn read_list(path: &Path) -> Result<(PathBuf, LightPositions), InputError> {
     Ok((list, lights))
 }
 
-/// The list of a light stack and the photographs that are there, be it whole or not.
+/// The list of an RTI capture and the photographs that are there, be it whole or not.
 pub(crate) fn files_of_stack(path: &Path) -> Vec<PathBuf> {
     let Ok((list, lights)) = read_list(path) else { return Vec::new() };
     let folder = list.parent().unwrap_or(Path::new(""));

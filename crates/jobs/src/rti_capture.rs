@@ -1,8 +1,8 @@
-//! Writes light stacks. Layout: `crates/readers/src/light_stack.md`.
+//! Writes RTI captures. Layout: `crates/readers/src/rti_capture.md`.
 
 use super::btf_stack::{StackFormat, write_pixels};
 use super::write::write_atomic;
-use brdfc_readers::light_stack::LightPositions;
+use brdfc_readers::rti_capture::LightPositions;
 use std::io::{Error, ErrorKind};
 use std::path::{Path, PathBuf};
 
@@ -18,7 +18,7 @@ pub const LIST: &str = "dirs.lp";
 /// # Errors
 /// What cannot be written; what [`LightPositions::parse`] refuses of the lights; a number of pixels other than `size` says, or
 /// 0; values that are NaN or infinite.
-pub fn write_light_stack(
+pub fn write_rti_capture(
     folder: &Path,
     lights: &[[f32; 3]],
     size: [usize; 2],

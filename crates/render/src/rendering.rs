@@ -91,7 +91,7 @@ pub fn from_exr(bytes: &[u8]) -> Result<LinearImage, FormatError> {
 pub const RAMP: [[f64; 3]; 5] =
     [[6.0, 6.0, 14.0], [74.0, 18.0, 110.0], [186.0, 50.0, 84.0], [247.0, 140.0, 28.0], [252.0, 250.0, 180.0]];
 
-/// ΔE at the light end of the colour scale of pictures of differences.
+/// ΔE at the light end of the colour scale of renderings of differences.
 pub const DELTA_E_FULL_SCALE: f64 = 10.0;
 
 /// Values as colours from dark (0) to pale yellow (`full_scale` and more).
