@@ -3,10 +3,11 @@
 //!
 //! `cargo run --release --example spheres`
 //!
-//! Of the first, columns are materials; rows are the source, the pack that `brdfc encode` makes without options, and the
-//! wavelet pack of `--codec wavelet`, 4:1. What they cost is printed. Of the second, rows are materials; columns are the
-//! source, then wavelet packs as the paper ranks slices, at 4:1, 16:1 and 32:1 with 8 bits. The camera is orthographic and looks along -z. One point light shines on each
-//! sphere; the colour of a pixel is equation 1 of Claustres et al. 2007, `f_r I cos θi / |x - x_light|²`.
+//! In the first image, columns are materials; rows are the source, the pack that `brdfc encode` makes without options, and the wavelet
+//! pack of `--codec wavelet`, 4:1. Their costs are printed. In the second image, rows are materials; columns are the source, then
+//! wavelet packs with the paper's ranking of slices, at 4:1, 16:1 and 32:1 with 8 bits. The camera is orthographic and looks along
+//! -z. One point light shines on each sphere; the colour of a pixel is equation 1 of Claustres et al. 2007,
+//! `f_r I cos θi / |x - x_light|²`.
 
 use brdfc::encode::encoders::wavelet::recipe::{Recipe, Target};
 use brdfc_core::PackSource;
@@ -29,10 +30,10 @@ const TILE: usize = 160;
 const RADIUS: f64 = 74.0;
 /// Samples per pixel and axis.
 const SAMPLES: usize = 3;
-/// Where the light is, in radii from the sphere's centre.
+/// Position of the light relative to the sphere's centre, in radii.
 const LIGHT: Vector = [-2.5, 3.0, 4.0];
-/// A white matte surface that faces the light, as far away as the sphere's centre, has this linear value; 1 is the
-/// brightest that the rendering can show.
+/// Linear value of a white matte surface that faces the light, as far away as the sphere's centre; 1 is the maximum of the
+/// image.
 const EXPOSURE: f64 = 1.5;
 /// Linear value of the background.
 const BACKGROUND: f64 = 0.12;
@@ -56,7 +57,7 @@ fn main() -> Result<(), Box<dyn Error>> {
         draw(&mut packs, [row, 0], source.as_ref());
         draw(&mut ratios, [0, row], source.as_ref());
         let by_default = PackRecipe::default();
-        // What '--codec wavelet' makes, and below what the paper ranks by.
+        // The result of '--codec wavelet', and below the ranking of the paper.
         for (line, recipe) in (1..).zip([by_default, PackRecipe::Wavelet(Recipe::visible())]) {
             let made = encode(source.as_ref(), &recipe, &())?;
             println!("{name}, {}: {}", made.codec.variant(), cost(&made));
@@ -72,7 +73,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     write(&ratios, &root.join("docs/spheres.png"))
 }
 
-/// Bytes, fetches and how wrong it looks.
+/// Formats bytes, fetches and visible error.
 fn cost(made: &EncodedPack) -> String {
     let rendering = &made.off_grid.rendering.delta_e;
     let (bytes, fetches) = (made.pack.gpu_bytes(), made.pack.fetches());
@@ -118,7 +119,7 @@ fn shade(material: &dyn Source, x: f64, y: f64) -> Vector {
         return [BACKGROUND; 3];
     }
     let normal = [x, y, height.sqrt()];
-    // The tangent runs along circles of latitude: the poles of the frame are top and bottom of the outline.
+    // The tangent follows circles of latitude: the poles of the frame are at the top and bottom of the outline.
     let tangent = normalize([normal[2], 0.0, -normal[0]]);
     let bitangent = cross(normal, tangent);
     let to_light = [LIGHT[0] - x, LIGHT[1] - y, LIGHT[2] - normal[2]];

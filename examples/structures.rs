@@ -2,7 +2,7 @@
 //!
 //! `cargo run --release --example structures -- FOLDER [STRUCTURE...]`
 //!
-//! A structure is an address without its prefix, such as `knit?count=8`; without any, all are drawn with defaults.
+//! A structure is an address without its prefix, such as `knit?count=8`. By default, all are drawn with default parameters.
 //! Files are `FOLDER/0.png`, `FOLDER/1.png`, and so on.
 
 use brdfc_core::address::parse_synth;
@@ -17,10 +17,10 @@ use std::path::Path;
 
 /// Pixels along a view.
 const SIZE: usize = 768;
-/// Width of what a view shows, in tiles.
+/// Width of a view, in tiles.
 const WIDTH: f64 = 2.0;
 
-/// An orthographic view of a square of the plane: its frame, and what is nearest at each pixel.
+/// An orthographic view of a square of the plane: its frame, and the nearest surface at each pixel.
 struct View {
     axes: [Vector; 3],
     /// Depth (towards the viewer), triangle and barycentric coordinates.
@@ -99,7 +99,7 @@ fn rendering(mesh: &PeriodicMesh, materials: &[Box<dyn Source>], towards: Vector
             }
             sum
         };
-        // Towards 60 degrees from the mirror direction there is no highlight.
+        // There is no highlight at 60 degrees from the mirror direction.
         let diffuse = || reflected(normal, add_scaled(frame[2].map(|n| 0.5 * n), 0.75f64.sqrt(), tangent));
         // The same place in the tile that the sun's map shows.
         let lit = (-2..3).flat_map(|ty| (-2..3).map(move |tx| [f64::from(tx), f64::from(ty), 0.0])).any(|tile| {
@@ -108,7 +108,7 @@ fn rendering(mesh: &PeriodicMesh, materials: &[Box<dyn Source>], towards: Vector
             inside(px) && inside(py) && depth > sun.nearest[py as usize * sun.size + px as usize].0 - 0.006
         });
         let direct = reflected(light, towards).map(|f| if lit { 3.4 * f * dot(normal, light).max(0.0) } else { 0.0 });
-        // A little light from all around, as if the surface were diffuse.
+        // A little ambient light, as if the surface were diffuse.
         let around = diffuse().map(|f| 0.55 * f * (0.6 + 0.4 * normal[2]).max(0.0));
         Rgb(std::array::from_fn(|c| {
             let value = tint[c] * (direct[c] + around[c]);
@@ -128,7 +128,7 @@ fn main() -> Result<(), Box<dyn Error>> {
         let addresses = structure.default_materials().iter();
         let materials = addresses.map(|address| parse_synth(address)).collect::<Result<Vec<_>, _>>()?;
         let mut sheet = RgbImage::new(2 * SIZE as u32, SIZE as u32);
-        // From above is not quite from above, so that a view has an upright: -y is below.
+        // Slightly oblique, so that the view has an upright direction: -y is below.
         for (column, [theta, phi]) in [[FRAC_PI_4, -1.2], [1e-6, -FRAC_PI_2]].into_iter().enumerate() {
             let view = rendering(&mesh, &materials, from_polar(theta, phi));
             image::imageops::replace(&mut sheet, &view, (column * SIZE) as i64, 0);

@@ -1,7 +1,8 @@
-//! How fast a material, an environment or a texture varies, as a map: `brdfc bandwidth`.
+//! Bandwidth maps of materials, environments and textures: `brdfc bandwidth`.
 //!
-//! Renderers shade only where, and as finely as, such maps ask for; `formats/src/bandwidth/spec.md` has the layout. `epsilon` is
-//! the share of the largest coefficient below which a sum of coefficients does not count, in [`EPSILON_RANGE`].
+//! A map states how fast its input varies, so that renderers can choose where and how finely to shade;
+//! `formats/src/bandwidth/spec.md` describes the layout. `epsilon` is the threshold, as a fraction of the largest coefficient,
+//! below which a sum of coefficients is ignored; its range is [`EPSILON_RANGE`].
 
 pub use brdfc_bandwidth::facts::BandwidthFacts;
 pub use brdfc_bandwidth::resolution::{RESOLUTIONS, Resolution};
@@ -16,7 +17,7 @@ use brdfc_render::rendering::{bandwidth_panel, rgb_png};
 use brdfc_source::radiance_image::open_radiance_image;
 use brdfc_source::tile_image::open_colours;
 
-/// What a map is made of.
+/// Kind of input for a map.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Kind {
     /// The lobes of a material, each transformed at a resolution.
@@ -27,7 +28,7 @@ pub enum Kind {
     Texture(Placement),
 }
 
-/// An input that was read.
+/// An opened input.
 pub enum Subject {
     /// A material.
     Material(Material, Resolution),
@@ -38,10 +39,10 @@ pub enum Subject {
 }
 
 impl Subject {
-    /// Reads an input; images are of radiance (.exr, .hdr) or of colours (.png, .jpg).
+    /// Opens an input. Images contain radiance (.exr, .hdr) or colours (.png, .jpg).
     ///
     /// # Errors
-    /// What cannot be read or is of another kind.
+    /// Returns an error if the input cannot be read or is of another kind.
     pub fn open(input: &Input, kind: Kind) -> Result<Self, Error> {
         let image = || -> Result<FileImage<3>, Error> {
             let radiance = holds_radiance(input)? == Some(true);
@@ -54,10 +55,10 @@ impl Subject {
         })
     }
 
-    /// The map, with repairs of a material's values.
+    /// Computes the map, and counts repairs of a material's values.
     ///
     /// # Errors
-    /// `epsilon` out of range; sides of a texture that are not positive.
+    /// Returns an error if `epsilon` is out of range or a side of the texture is not positive.
     pub fn map(&self, epsilon: f64) -> Result<(BandwidthMap, Option<Tally>), Error> {
         let [least, most] = EPSILON_RANGE;
         if !(least..=most).contains(&epsilon) {
@@ -81,10 +82,10 @@ impl Subject {
     }
 }
 
-/// Whether an image file holds radiance (.exr, .hdr), not colours (.png, .jpg), by its extension; nothing of other files.
+/// Returns true if the extension says radiance (.exr, .hdr), false if it says colours (.png, .jpg), `None` for other files.
 ///
 /// # Errors
-/// A stream that cannot be read.
+/// Returns an error if a stream cannot be read.
 pub fn holds_radiance(input: &Input) -> Result<Option<bool>, Error> {
     Ok(match input.extension()?.as_str() {
         "exr" | "hdr" => Some(true),
@@ -93,7 +94,7 @@ pub fn holds_radiance(input: &Input) -> Result<Option<bool>, Error> {
     })
 }
 
-/// A map as a PNG: from dark (1/256 of the largest value and less) to pale yellow.
+/// Encodes a map as a PNG, from dark (at most 1/256 of the largest value) to pale yellow.
 pub fn rendering(map: &BandwidthMap) -> Vec<u8> {
     rgb_png(&bandwidth_panel(map))
 }

@@ -1,4 +1,4 @@
-//! The error of one input against another: `brdfc compare`.
+//! Error of one input compared with another: `brdfc compare`.
 
 pub use brdfc_flat_btf::probes::ColourErrors;
 pub use brdfc_formats::crop::DirectionRange;
@@ -16,7 +16,7 @@ use brdfc_source::rti_capture::is_rti_capture;
 
 const SEED: u64 = 2007;
 
-/// What an input is compared as.
+/// Kind of comparison.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Kind {
     /// By [`photographs`].
@@ -28,10 +28,10 @@ pub enum Kind {
 }
 
 impl Kind {
-    /// What the reference is compared as.
+    /// Selects the comparison by the kind of the reference.
     ///
     /// # Errors
-    /// A folder that cannot be read, or holds several flat BTFs.
+    /// Returns an error if a folder cannot be read or contains several flat BTFs.
     pub fn of(reference: &Input) -> Result<Self, Error> {
         Ok(match reference.path() {
             Some(path) if is_rti_capture(path) => Self::RtiCapture,
@@ -41,37 +41,37 @@ impl Kind {
     }
 }
 
-/// Where reflectances are compared.
+/// Direction pairs of a comparison.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub enum Pairs {
-    /// At the pairs at which packs are measured, 65536 of three kinds.
+    /// The 65536 pairs of three kinds at which packs are measured.
     #[default]
     OfEncoder,
-    /// At so many random pairs, uniform over both hemispheres, with a fixed seed.
+    /// This number of random pairs, uniform over both hemispheres, with a fixed seed.
     Random(usize),
-    /// At these pairs.
+    /// These pairs.
     Given(Vec<DirectionPair>),
 }
 
-/// How far one material is from another.
+/// Result of a comparison.
 #[derive(Debug, Clone)]
 pub struct Compared {
     /// Direction pairs.
     pub pairs: usize,
-    /// Directions that are compared: those that both materials hold, or all where pairs are given.
+    /// Compared directions: those that both materials contain, or all if pairs are given.
     pub directions: DirectionRange,
-    /// What was measured.
+    /// Measured errors.
     pub comparison: Comparison,
 }
 
-/// Measures `b` against `a`. Directions that only one of two packs holds are left out.
+/// Compares `b` with `a`, at directions that both contain.
 ///
 /// # Errors
-/// Packs without a direction in common; no pairs.
+/// Returns an error if packs have no direction in common or there are no pairs.
 pub fn reflectances(a: &Material, b: &Material, pairs: Pairs) -> Result<Compared, Error> {
     let [of_a, of_b] = [a, b].map(|material| material.facts().directions());
     let both = of_a.common(of_b).ok_or_else(|| {
-        let allowed = "packs that have some in common";
+        let allowed = "packs with directions in common";
         Error::check(format!("directions: found a pack for {of_a}, and one for {of_b}, expected {allowed}"))
     })?;
     let set = match pairs {
@@ -86,13 +86,13 @@ pub fn reflectances(a: &Material, b: &Material, pairs: Pairs) -> Result<Compared
     Ok(Compared { pairs: set.pairs.len(), directions: set.directions, comparison })
 }
 
-/// Measures a flat BTF against another of the same surface, at random places, by ΔE (CIE76).
+/// Compares two flat BTFs of the same surface at random positions, by ΔE (CIE76).
 ///
 /// # Errors
-/// Files that cannot be read, are broken or are no flat BTF; one without values for views.
+/// Returns an error if a file cannot be read, is damaged or is not a flat BTF, or if one has no values for views.
 pub fn flat_btfs(a: &Input, b: &Input) -> Result<FlatComparison, Error> {
     let open = |name: &str, input: &Input| {
-        let no_flat_btf = || Error::wrong_usage(name, input, "a flat BTF, as A is one");
+        let no_flat_btf = || Error::wrong_usage(name, input, "a flat BTF, because A is one");
         open_flat_material(input)?.ok_or_else(no_flat_btf)
     };
     compare_flat(&open("A", a)?, &open("B", b)?).ok_or_else(|| Error::wrong_input(a, "the light form", "the full form"))

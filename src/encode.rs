@@ -1,4 +1,4 @@
-//! Encoding with all its parts: recipes, what was tried, how long stages took. [`Material::encode`](crate::Material::encode) is
+//! Encoding in detail: recipes, candidates, duration of stages. [`Material::encode`](crate::Material::encode) does the work of
 //! `brdfc encode`.
 
 pub use brdfc_jobs::encode::{

@@ -1,6 +1,6 @@
 //! Flat BTFs of surfaces with relief, and of ordinary BTFs: `brdfc flatten`.
 //!
-//! [`Surface::open`] reads what [`run`] flattens; [`open_asset`] reads what it wrote.
+//! [`Surface::open`] reads the input of [`run`]; [`open_asset`] reads its output.
 
 pub use brdfc_flat_btf::encode::{FlattenRecipe, Form};
 pub use brdfc_flat_btf::factored::FactoredTarget;

@@ -1,4 +1,4 @@
-//! What an input is: `brdfc info`.
+//! Descriptions of inputs: `brdfc info`.
 
 pub use brdfc_core::Symmetry;
 pub use brdfc_core::address::{SYNTH_PREFIX, split_query};
@@ -21,14 +21,14 @@ use brdfc_source::read::MAX_FILE_BYTES;
 use std::collections::BTreeMap;
 use std::fs::File;
 
-/// The textures of a pack by the name of the file, those in its key/value data as `NAME#KEY`.
+/// Lists the textures of a pack by file name; textures in key/value data are named `NAME#KEY`.
 ///
 /// # Errors
-/// A file that cannot be read or is no pack.
+/// Returns an error if the file cannot be read or is not a pack.
 pub fn files(input: &Input) -> Result<BTreeMap<String, PackFile>, Error> {
     let wrong = |error| InputError::Format { name: input.to_string(), error };
     if input.extension()? != "ktx2" {
-        // What cannot be read says so first.
+        // Report an unreadable file first.
         if let Some(path) = input.path() {
             File::open(path).map_err(|error| Error::from(InputError::Io { name: input.to_string(), error }))?;
         }
@@ -37,10 +37,10 @@ pub fn files(input: &Input) -> Result<BTreeMap<String, PackFile>, Error> {
     Ok(pack_files(&input.short_name(), &input.read(MAX_FILE_BYTES)?).map_err(wrong)?)
 }
 
-/// The features that a device needs for all textures of a pack.
+/// Lists the features that a device needs for all textures of a pack.
 ///
 /// # Errors
-/// As [`files`].
+/// Returns the errors of [`files`].
 pub fn device_needs(input: &Input) -> Result<DeviceNeeds, Error> {
     Ok(files(input)?.into_values().fold(DeviceNeeds::default(), |all, file| all.with(file.device)))
 }

@@ -1,4 +1,4 @@
-//! Measured appearance for GPUs: materials become packs with their measured errors, scenes become folders of packs.
+//! Measured appearance for GPUs: encodes materials as packs with measured errors, and scenes as folders of packs.
 //!
 //! ```no_run
 //! # fn main() -> Result<(), brdfc::Error> {
@@ -11,15 +11,14 @@
 //! # }
 //! ```
 //!
-//! Every failure is an [`Error`] with an [`ErrorKind`]; those of checks have a kind of their own. Long work takes a
-//! [`Progress`], which hears of its stages and may stop it. Work takes as many threads as the rayon pool that it is called in has, and
-//! nothing is printed.
+//! Every failure is an [`Error`] with an [`ErrorKind`]; failed checks have a kind of their own. Long work takes a [`Progress`],
+//! which observes its stages and can stop it. Work uses the threads of the current rayon pool. The library prints nothing.
 //! The same input, options and version give the same bytes on any number of threads.
 //!
-//! There is a module for each verb of the command line, which is a client of this library.
+//! Each verb of the command line, which is a client of this library, has a module.
 //!
-//! Engines load packs with the crate `brdfc-formats`, which needs nothing of this one. `docs/library.md` has examples, among
-//! them a `build.rs`.
+//! Engines load packs with the crate `brdfc-formats`, which does not depend on this one. `docs/library.md` has examples,
+//! including a `build.rs`.
 
 #[cfg(doctest)]
 #[doc = include_str!("../docs/library.md")]

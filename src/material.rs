@@ -1,4 +1,4 @@
-//! Materials: whatever has reflectance.
+//! Materials: inputs with reflectance.
 
 use crate::{
     Budget, EncodeOptions, Error, Facts, FitLimits, Input, Pack, PackRecipe, Progress, SearchRecipe, Source,
@@ -7,27 +7,27 @@ use crate::{
 use brdfc_jobs::encode::encode;
 use brdfc_source::open::{Opened, open as open_input};
 
-/// A material that was opened: a measurement, an analytic model, or a pack.
+/// An opened material: a measurement, an analytic model, or a pack.
 pub struct Material {
     opened: Opened,
 }
 
-/// Opens a file (MERL, a scan, RGL, a pack) or an analytic model such as `synth:ggx?alpha=0.2`. An `OsString` is read as a command
-/// line has it: there `-` is standard input.
+/// Opens a file (MERL, a scan, RGL, a pack) or an analytic model such as `synth:ggx?alpha=0.2`. An `OsString` is parsed like a
+/// command-line argument: `-` is standard input.
 ///
 /// # Errors
-/// Files that cannot be read ([`ErrorKind::Io`](crate::ErrorKind::Io)) or do not follow their layout, unknown kinds, wrong
-/// addresses ([`ErrorKind::Input`](crate::ErrorKind::Input)).
+/// Returns an error if a file cannot be read ([`ErrorKind::Io`](crate::ErrorKind::Io)), or does not follow its layout, is of an
+/// unknown kind, or has an invalid address ([`ErrorKind::Input`](crate::ErrorKind::Input)).
 pub fn open(input: impl Into<Input>) -> Result<Material, Error> {
     Ok(Material::new(open_input(input, None)?))
 }
 
-/// What a pack may be asked for by: a [`Budget`], [`EncodeOptions`], or a whole recipe.
+/// Request for a pack: a [`Budget`], [`EncodeOptions`], or a complete recipe.
 pub trait PackRequest {
-    /// The recipe, and what is asked of the fit to a scan.
+    /// Resolves the recipe, and the limits of the fit to a scan.
     ///
     /// # Errors
-    /// Options out of range or that do not go together.
+    /// Returns an error if options are out of range or cannot be combined.
     fn resolve(self) -> Result<(PackRecipe, FitLimits), Error>;
 }
 
@@ -61,11 +61,11 @@ impl Material {
         Self { opened }
     }
 
-    /// A pack within a [`Budget`], by [`EncodeOptions`], or by a whole [`PackRecipe`].
+    /// Encodes a pack within a [`Budget`], with [`EncodeOptions`], or with a complete [`PackRecipe`].
     ///
     /// # Errors
-    /// A budget that no pack meets, or an error that says little because the fit to a scan is the weaker part
-    /// ([`ErrorKind::Check`](crate::ErrorKind::Check)); options out of range or that do not go together
+    /// Returns an error if no pack meets the budget, or if the fit to a scan dominates the error
+    /// ([`ErrorKind::Check`](crate::ErrorKind::Check)), and if options are out of range or cannot be combined
     /// ([`ErrorKind::Usage`](crate::ErrorKind::Usage)).
     pub fn encode(&self, request: impl PackRequest) -> Result<Pack, Error> {
         let pack = self.encode_closest(request, &())?;
@@ -75,23 +75,23 @@ impl Material {
         }
     }
 
-    /// The same, reporting to `progress`; where no pack meets a budget, the best of those that were tried:
-    /// [`Pack::missed`] says what it misses.
+    /// Encodes like [`Self::encode`] and reports to `progress`. If no pack meets a budget, it returns the best candidate;
+    /// [`Pack::missed`] describes what it misses.
     ///
     /// # Errors
-    /// As [`Self::encode`], and cancellation.
+    /// Returns the other errors of [`Self::encode`], and cancellation.
     pub fn encode_closest(&self, request: impl PackRequest, progress: &dyn Progress) -> Result<Pack, Error> {
         let (recipe, fit) = request.resolve()?;
         let encoded = encode(self.source(), &recipe, progress)?;
         Pack::new(encoded, &self.opened, fit, recipe.asked_errors(), progress)
     }
 
-    /// `f_r` and what holds for all of it.
+    /// Returns `f_r` and its global properties.
     pub fn source(&self) -> &dyn Source {
         self.opened.source.as_ref()
     }
 
-    /// What kind of input it is, with what is worth knowing about it.
+    /// Returns the kind of input, with facts about it.
     pub fn facts(&self) -> &Facts {
         &self.opened.facts
     }

@@ -1,4 +1,4 @@
-//! Packs of materials, with what was measured while they were made.
+//! Packs of materials, with the measurements made during encoding.
 
 use crate::{Error, FitLimits, MaterialReport, Progress};
 use brdfc_formats::BrdfPack;
@@ -19,12 +19,12 @@ pub struct Pack {
     missed: Option<String>,
 }
 
-/// How far a pack is from its source.
+/// Errors of a pack compared with its source.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Errors {
     /// Mean ΔE*ab of renderings of a ball under lights from all sides.
     pub delta_e: f64,
-    /// Its 95th percentile.
+    /// 95th percentile of the same ΔE.
     pub delta_e_p95: f64,
     /// Mean relative error `ε_r`, a fraction.
     pub relative: f64,
@@ -46,24 +46,24 @@ impl Pack {
         Ok(Self { encoded, report, gates, missed })
     }
 
-    /// What was found of the fit to a scan where something was asked of it.
+    /// Results of the checks of the fit to a scan, if any were requested.
     pub fn gates(&self) -> &[GateResult] {
         &self.gates
     }
 
-    /// The measured errors that are looked at first; [`Self::report`] has all.
+    /// Main measured errors; [`Self::report`] has all.
     pub fn errors(&self) -> Errors {
         let rendering = &self.encoded.off_grid.rendering.delta_e;
         let relative = self.encoded.off_grid.norms.relative_mean;
         Errors { delta_e: rendering.mean, delta_e_p95: rendering.p95, relative }
     }
 
-    /// What no pack that was tried meets, and what is wrong with the fit to a scan; `None` if the pack is what was asked for.
+    /// Describes the limits that no candidate meets, and problems of the fit to a scan; `None` if the pack meets the request.
     pub fn missed(&self) -> Option<&str> {
         self.missed.as_deref()
     }
 
-    /// What was measured and tried, as `brdfc encode --json` prints it.
+    /// Report of measurements and candidates, as `brdfc encode --json` prints it.
     pub fn report(&self) -> &MaterialReport {
         &self.report
     }
@@ -78,7 +78,7 @@ impl Pack {
         self.encoded.pack.gpu_bytes()
     }
 
-    /// Texture fetches of a look-up.
+    /// Texture fetches per look-up.
     pub fn fetches(&self) -> u32 {
         self.encoded.pack.fetches()
     }
@@ -88,10 +88,10 @@ impl Pack {
         &self.encoded.pack
     }
 
-    /// Writes the file, whole or not at all.
+    /// Writes the file, either completely or not at all.
     ///
     /// # Errors
-    /// A place that cannot be written to.
+    /// Returns an error if the file cannot be written.
     pub fn write(&self, path: impl AsRef<Path>) -> Result<(), Error> {
         write_file(path.as_ref(), self.bytes())
     }

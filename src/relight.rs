@@ -1,4 +1,4 @@
-//! Photographs under known lights as one pack that is lit from anywhere: `brdfc pwt`.
+//! Photographs under known lights as one pack that can be relit from any direction: `brdfc pwt`.
 //!
 //! [`LightInput::open`] reads them, [`make`] makes a polynomial wavelet tree, [`make_map`] a polynomial texture map (.ptm).
 

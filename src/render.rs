@@ -1,8 +1,8 @@
-//! Packs drawn by the shaders that engines use and by the CPU, with how far apart they are: `brdfc render`, with the feature
+//! Renderings of packs by the shaders that engines use and by the CPU, with their differences: `brdfc render`, with the feature
 //! `render`.
 //!
 //! [`Gpu::open`] opens a graphics adapter, [`views`] draws a [`Scene`] of materials, [`Verification`] measures the renderings.
-//! [`AdaptiveRenderer`] shades where predicted bandwidth asks for it.
+//! [`AdaptiveRenderer`] shades where predicted bandwidth requires it.
 
 pub use brdfc_bandwidth::map::environment_map;
 pub use brdfc_formats::bindings::FrameBlock;
@@ -43,11 +43,11 @@ use brdfc_render::adaptive::ANY_LEVEL;
 use brdfc_render::flat::reference_plane;
 use brdfc_render::rendering::{heat_map, octave_map};
 
-/// Bandwidth and importance samples of a material for adaptive shading: from `maps` where these are both, else from its source or
-/// its pack.
+/// Bandwidth and importance samples of a material for adaptive shading: from `maps` if it has both, otherwise from the source or
+/// the pack.
 ///
 /// # Errors
-/// Maps that do not fit the material.
+/// Returns an error if the maps do not fit the material.
 pub fn lookups(material: &Material<'_>, maps: &[AnyPack]) -> Result<Lookups, Error> {
     let unpacked;
     let source = match material.source {
@@ -66,11 +66,11 @@ pub fn lookups(material: &Material<'_>, maps: &[AnyPack]) -> Result<Lookups, Err
     found.map_err(|error| Error::internal(error.to_string()))
 }
 
-/// Draws the surface that a flat BTF was made of on a plane, `repeat` tiles per unit of uv; nothing where its geometry or a
-/// material was a file, or where it has light of bounces.
+/// Draws the surface from which a flat BTF was made on a plane, with `repeat` tiles per unit of uv. Returns `None` if its geometry
+/// or a material came from a file, or if it contains light of bounces.
 ///
 /// # Errors
-/// Addresses that this version does not know.
+/// Returns an error for addresses that this version does not know.
 pub fn draw_surface(scene: &Scene, frame: Frame, asset: &AssetFile, repeat: u32) -> Result<Option<LinearImage>, Error> {
     let (source, materials) = (&asset.source, &asset.materials);
     let from_formula = is_synth(source) || source == PLANE;
@@ -94,8 +94,8 @@ pub fn draw_surface(scene: &Scene, frame: Frame, asset: &AssetFile, repeat: u32)
     Ok(Some(reference_plane(scene, frame, &model, &appearance, repeat)))
 }
 
-/// The photograph whose light is nearest to where a light is, seen from the middle of the rendering, and the angle between the two
-/// in degrees.
+/// Finds the photograph whose light is nearest to that of the scene, seen from the middle of the rendering. Returns its number and
+/// the angle between the two lights in degrees.
 pub fn nearest_photograph(stack: &RtiCapture, light: &PointLight) -> (usize, f64) {
     let [x, y, z] = light.position;
     let length = dot(light.position, light.position).sqrt();
@@ -105,8 +105,8 @@ pub fn nearest_photograph(stack: &RtiCapture, light: &PointLight) -> (usize, f64
     (best, cosine(&best).clamp(-1.0, 1.0).acos().to_degrees())
 }
 
-/// Bandwidth, levels and variance of a prediction of `width` x `height` points side by side, as a PNG: logarithms, from dark to
-/// pale yellow. The background is dark.
+/// Encodes bandwidth, levels and variance of a prediction of `width` x `height` points side by side, as a PNG: logarithms, from
+/// dark to pale yellow, on a dark background.
 pub fn prediction_png(prediction: &Prediction, [width, height]: [usize; 2]) -> Vec<u8> {
     let coarsest = prediction.level.iter().filter(|level| **level != ANY_LEVEL).max().copied().unwrap_or(0);
     let fineness = |level: &i32| if *level == ANY_LEVEL { 0.0 } else { 1.0 - *level as f32 / (coarsest + 1) as f32 };

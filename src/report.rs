@@ -1,7 +1,7 @@
 //! Pages about the packs of a build, or about a flat BTF: `brdfc report`.
 //!
-//! [`Reports::open`] reads a folder of packs, [`gather`] compares them with their sources, [`html`], [`csv()`] and [`sheet_png`] are
-//! what to write. [`FlatPage`] is the same of a flat BTF.
+//! [`Reports::open`] reads a folder of packs, [`gather`] compares them with their sources, and [`html`], [`csv()`] and
+//! [`sheet_png`] format the result. [`FlatPage`] does the same for a flat BTF.
 
 pub use brdfc_jobs::report::page::{
     FlatPage, Page, PageReport, Reports, ViewLink, csv, flat_csv, flat_html, gather, html, is_flat_btf,
@@ -12,7 +12,7 @@ pub use brdfc_source::flat_btf::flat_btf_file;
 use brdfc_jobs::report::page::sheet;
 use brdfc_render::rendering::rgb_png;
 
-/// All materials of a page as a PNG: source, pack and ΔE, with labels and the colour scale of differences.
+/// Draws all materials of a page as a PNG: source, pack and ΔE, with labels and the colour scale of differences.
 pub fn sheet_png(page: &Page) -> Vec<u8> {
     rgb_png(&sheet(page))
 }

@@ -1,6 +1,6 @@
-//! Directions drawn in proportion to a material's lobes, as a pack: `brdfc samples`.
+//! Importance samples of a material's lobes, as a pack: `brdfc samples`.
 //!
-//! `formats/src/importance/spec.md` has the layout.
+//! `formats/src/importance/spec.md` describes the layout.
 
 pub use brdfc_formats::importance::ImportancePack;
 pub use brdfc_importance::{HalfGrid, ImportanceFacts, ImportanceRecipe};
@@ -11,7 +11,7 @@ use brdfc_importance::importance_samples;
 /// Draws half vectors for each outgoing direction, and counts repairs of the material's values.
 ///
 /// # Errors
-/// Numbers of the recipe that are out of range, see [`ImportanceRecipe::check`].
+/// Returns an error if a number of the recipe is out of range, see [`ImportanceRecipe::check`].
 pub fn draw(material: &Material, recipe: &ImportanceRecipe) -> Result<(ImportancePack, Tally), Error> {
     let source = material.source();
     recipe.check(source.symmetry().isotropic).map_err(|error| Error::usage(error.to_string()))?;

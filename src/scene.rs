@@ -1,4 +1,4 @@
-//! Builds in detail: plans, parts for several machines, watching files. [`Build`](crate::Build) is `brdfc build`.
+//! Builds in detail: plans, parts for several machines, watching files. [`Build`](crate::Build) does the work of `brdfc build`.
 
 pub use brdfc_jobs::depfile::depfile;
 pub use brdfc_jobs::encode::Predicted;
@@ -18,8 +18,8 @@ pub use brdfc_jobs::scene::works::{Shard, Work};
 
 use brdfc_jobs::store::{Staging, placing};
 
-/// Removes the unfinished files of all builds of this process, which is about to exit: for handlers of signals. Waits for
-/// finished files that are being moved; none are moved while the guard lives.
+/// Removes the unfinished files of all builds of this process, which is about to exit: for signal handlers. Waits for finished
+/// files that are being moved; no files are moved while the guard lives.
 #[must_use]
 pub fn abandon() -> impl Sized {
     let guard = placing();

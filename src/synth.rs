@@ -13,7 +13,7 @@ use brdfc_readers::meso::{obj, ply};
 use brdfc_readers::{scan, scan_csv};
 use brdfc_source::simulate::{merl_file, scan as simulate};
 
-/// What is written.
+/// Format of the file.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Target {
     /// A MERL table of a model (.binary).
@@ -28,10 +28,10 @@ pub enum Target {
     Ply,
 }
 
-/// The bytes of a file of `MODEL?param=value&...` or `STRUCTURE?param=value&...`, with or without `synth:`.
+/// Writes a file of `MODEL?param=value&...` or `STRUCTURE?param=value&...`, with or without `synth:`, and returns its bytes.
 ///
 /// # Errors
-/// What is no such model or structure; parameters, dimensions or plans out of range.
+/// Returns an error for an unknown model or structure, and for parameters, dimensions or plans out of range.
 pub fn file(address: &str, target: Target) -> Result<Vec<u8>, Error> {
     let text = address.strip_prefix(SYNTH_PREFIX).unwrap_or(address);
     let wrong = |error: AddressError| Error::input(format!("{address}: {error}"));

@@ -1,6 +1,6 @@
-//! Whether packs, folders of builds and reports are whole: `brdfc verify`.
+//! Integrity of packs, folders of builds and reports: `brdfc verify`.
 //!
-//! [`Checks::add`] takes paths, [`Checks::run`] reads every file: packs by their checksum and layout, what a `report.json` lists by
-//! its hash, figures of a report by the hash of the list that has them as well.
+//! [`Checks::add`] takes paths, and [`Checks::run`] reads every file. It checks packs by their checksum and layout, files of a
+//! `report.json` by their hashes, and figures of a report also by the hash of its list.
 
 pub use brdfc_jobs::verify::{CheckedFile, Checks};

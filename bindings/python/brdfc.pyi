@@ -9,19 +9,19 @@ from numpy.typing import ArrayLike, NDArray
 __version__: str
 
 class _TablePack(TypedDict):
-    """A table pack: `formats/src/table/spec.md` has the meaning of each field."""
+    """A table pack; `formats/src/table/spec.md` describes each field."""
 
     kind: Literal["table"]
     channels: int
     """1 or 3."""
     symmetry: int
-    """1 reciprocal, 2 mirror, 4 half turn, 8 reflected, added."""
+    """Sum of 1 (reciprocal), 2 (mirror), 4 (half turn) and 8 (reflected)."""
     nodes: tuple[int, int, int, int]
-    """Along θ_h, θ_d, φ_d and φ_h, of the whole table."""
+    """Number of nodes along θ_h, θ_d, φ_d and φ_h, for the whole table."""
     first: tuple[int, int]
-    """First column and row that the texture has; not 0 of cropped packs alone."""
+    """First column and row of the texture; nonzero only for cropped packs."""
     size: tuple[int, int]
-    """Columns and rows that it has."""
+    """Columns and rows of the texture."""
     mean: float
     """μ, 1/sr."""
     bias: float
@@ -29,17 +29,17 @@ class _TablePack(TypedDict):
     low: NDArray[np.float32]
     """(3,): ln(f / μ + ε) of a texel of 0."""
     span: NDArray[np.float32]
-    """(3,): from a texel of 0 to one of 1."""
+    """(3,): difference of ln(f / μ + ε) between texels of 1 and 0."""
     slope: float
     knots: NDArray[np.float32]
     """(17,)."""
     values: NDArray[np.float32]
     """(layers, slices, rows, columns, 3): texels, 0 to 1, grey ones three times."""
     curve: Union[NDArray[np.float32], None]
-    """(levels + 1, nodes, 3) of factored packs, the finest level first: what is added to the logarithm."""
+    """(levels + 1, nodes, 3), the finest level first: added to the logarithm. Only for factored packs."""
 
 class _WaveletPack(TypedDict):
-    """A wavelet pack: `formats/src/wavelet/spec.md` has the meaning of each field."""
+    """A wavelet pack; `formats/src/wavelet/spec.md` describes each field."""
 
     kind: Literal["wavelet"]
     channels: int
@@ -50,96 +50,96 @@ class _WaveletPack(TypedDict):
     stored_levels: int
     bits: int
     first: tuple[int, int]
-    """First column and row of outer cells that slices have; not 0 of cropped packs alone."""
+    """First column and row of outer cells in the slices; nonzero only for cropped packs."""
     size: tuple[int, int]
-    """Columns and rows that they have."""
+    """Columns and rows of the slices."""
     mean: float
     """μ, 1/sr."""
     bias: float
     """ε."""
     index: NDArray[np.uint16]
-    """(4^N,): the slice of each coefficient, 0 where it has none."""
+    """(4^N,): the slice of each coefficient, 0 if it has none."""
     scales: NDArray[np.float32]
     """(slices, 2): scale and offset."""
     texels: Union[NDArray[np.uint8], NDArray[np.uint16]]
-    """(slices, rows, columns, 1 or 4): the largest integer is 1."""
+    """(slices, rows, columns, 1 or 4): the largest integer represents 1."""
     lift: Union[NDArray[np.float32], None]
-    """(4^N,) of lifted packs: what the lower half of a coefficient's pair counts of both."""
+    """(4^N,): weight of the lower half in the pair of each coefficient. Only for energy-preserving packs."""
 
 @final
 class Material:
     """A measured file, a model or a pack: f_r at direction pairs."""
 
     def eval(self, wi: ArrayLike, wo: ArrayLike, lod: Union[float, None] = None) -> NDArray[np.float32]:
-        """f_r at direction pairs, in 1/sr, linear RGB (Rec. 709): float32 of shape (..., 3).
+        """Returns f_r at direction pairs, in 1/sr, linear RGB (Rec. 709): float32 of shape (..., 3).
 
         wi (to the light) and wo (to the viewer) are unit vectors in the frame x = tangent, y = bitangent, z = normal, of
-        shape (..., 3); shapes are brought together as by NumPy's own functions. Lengths may be off by 1 %. Values are 0
-        where a direction is at or below the horizon; those of measurements may be slightly negative. lod is the level of
-        detail of a pack: 0, the coarsest, to `levels`, the finest, which is taken without it.
+        shape (..., 3); shapes are broadcast by the rules of NumPy. Lengths may be off by 1 %. Values are 0 if a direction
+        is at or below the horizon; values of measurements may be slightly negative. lod is the level of detail of a pack:
+        0, the coarsest, to `levels`, the finest (default: the finest).
 
-        Raises ValueError for other shapes, vectors of other lengths, and levels that there are not.
+        Raises ValueError for other shapes, vectors of other lengths, and levels out of range.
         """
 
     def pack(self) -> Union[_TablePack, _WaveletPack]:
-        """Header and texels of a pack, for decoders elsewhere. Raises ValueError for all but packs."""
+        """Header and texels of a pack, for other decoders. Raises ValueError if the material is not a pack."""
 
     @property
     def kind(self) -> str:
-        """What it is, as `brdfc info --json` says: "merl", "table-pack" and so on."""
+        """Kind of the material, as in `brdfc info --json`: "merl", "table-pack" and so on."""
 
     @property
     def isotropic(self) -> bool:
-        """Whether it is known to look the same when turned about the normal. False for all wavelet packs, which do not say."""
+        """True if the material is known to be isotropic. False for all wavelet packs, which do not store it."""
 
     @property
     def reciprocal(self) -> bool:
-        """Whether it is known that light and viewer may be exchanged."""
+        """True if the material is known to be reciprocal."""
 
     @property
     def grey(self) -> bool:
-        """Whether the three channels are equal everywhere."""
+        """True if the three channels are equal everywhere."""
 
     @property
     def levels(self) -> int:
-        """Levels of detail besides the finest; 0 of all but packs."""
+        """Number of levels of detail coarser than the finest; 0 for materials that are not packs."""
 
     @property
     def facts(self) -> dict[str, Any]:
-        """What `brdfc info --json` says of it."""
+        """The facts of `brdfc info --json`."""
 
 @final
 class Relightable:
-    """A rendering under any light, or a surface with relief under any light and seen from anywhere."""
+    """A polynomial wavelet tree (one view under any light) or a flat BTF (any view under any light)."""
 
     def eval(
         self, uv: ArrayLike, wi: ArrayLike, wo: Union[ArrayLike, None] = None, lod: Union[float, None] = None
     ) -> NDArray[np.float32]:
-        """Linear RGB, 1 is white, at places: float32 of shape (..., 3).
+        """Returns linear RGB at positions, 1 is white: float32 of shape (..., 3).
 
-        uv, of shape (..., 2), is 0 to 1, across and down, and goes on beyond. wi (to the light) and wo (to the viewer, for
-        flat BTFs alone) are unit vectors as those of `Material.eval`, of shape (..., 3); shapes are brought together as by
-        NumPy's own functions. lod is the level of detail: 0, the coarsest, to `levels`, the finest, which is taken without
-        it.
+        uv, of shape (..., 2), is 0 to 1, across and down, and may exceed this range. wi (to the light) and wo (to the
+        viewer, only for flat BTFs) are unit vectors as in `Material.eval`, of shape (..., 3); shapes are broadcast by the
+        rules of NumPy. lod is the level of detail: 0, the coarsest, to `levels`, the finest (default: the finest).
 
-        Raises ValueError for other shapes, vectors of other lengths, levels that there are not, and where wo is missing.
+        Raises ValueError for other shapes, vectors of other lengths, levels out of range, and a missing wo.
         """
 
     @property
     def kind(self) -> Literal["pwt", "flat-btf"]:
-        """What it is."""
+        """Kind of the pack."""
 
     @property
     def has_views(self) -> bool:
-        """Whether values depend on where they are seen from, so that `eval` needs wo."""
+        """True if values depend on the view, so that `eval` needs wo."""
 
     @property
     def levels(self) -> int:
-        """Levels of detail besides the finest."""
+        """Number of levels of detail coarser than the finest."""
 
 def open(input: Union[str, os.PathLike[str]]) -> Union[Material, Relightable]:
-    """Opens a measured file, a pack or an address as in `synth:ggx?alpha=0.3`.
+    """Opens a measured file, a pack or an address such as `synth:ggx?alpha=0.3`.
 
-    A `Material` has values at direction pairs; a `Relightable`, of flat BTFs and polynomial wavelet trees, at places of a
-    rendering. Raises OSError for what cannot be read, ValueError for what breaks its layout.
+    Returns a `Material`, which has values at direction pairs, or for flat BTFs and polynomial wavelet trees a
+    `Relightable`, which has values at positions. Raises OSError if the file cannot be read, and ValueError if it does not
+    follow its layout.
     """

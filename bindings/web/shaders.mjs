@@ -1,5 +1,5 @@
-// Writes src/shaders.ts: the decoders of the pages of 'brdfc view' as 'brdfc shader' prints them, without comments. BRDFC names the
-// program. Copies the modules that are also part of these pages.
+// Writes src/shaders.ts: the decoders of the pages of 'brdfc view', as printed by 'brdfc shader', without comments. BRDFC is the
+// path of the program. Also copies the modules that are shared with these pages.
 import { execFileSync } from 'node:child_process';
 import { copyFileSync, readFileSync, writeFileSync } from 'node:fs';
 
@@ -12,7 +12,7 @@ for (const name of ['levels.js', 'upload_webgl.js', 'upload_webgpu.js']) {
     copyFileSync(`${view}/shared/${name}`, `src/${name}`);
 }
 
-/** Without comments, indentation and empty lines. */
+/** Removes comments, indentation and empty lines. */
 const bare = (text) => text
     .split('\n')
     .map((line) => line.replace(/\/\/.*$/, '').trim())
@@ -50,19 +50,19 @@ writeFileSync('src/shaders.ts', `// Made by shaders.mjs.
 /** A kind of pack. */
 export type DecoderName = ${decoders.map((decoder) => `'${decoder}'`).join(' | ')};
 
-/** A decoder, and what it declares. */
+/** A decoder, and its declarations. */
 export interface DecoderShader {
     /** GLSL ES 3.00: declarations and functions. */
     essl300: string;
-    /** WGSL, likewise. */
+    /** WGSL: declarations and functions. */
     wgsl: string;
     /** Version of the bindings. */
     version: number;
-    /** Of packs of BRDFs, expressions of \`wi\`, \`wo\` and \`level\`, and of \`distance\`. */
+    /** Expressions of \`wi\`, \`wo\` and \`level\`, and of \`distance\`; only for packs of BRDFs. */
     brdf?: { filtered: string; exact: string; level_of_detail: string };
     /**
-     * Bindings of group 1. Uniform blocks have their bytes and the offset of each field; textures their dimension, what samples are
-     * (\`float\`, also of normalised integers, or \`uint\`), and whether the shader filters them.
+     * Bindings of group 1. Uniform blocks have their bytes and the offset of each field; textures their dimension, sample type
+     * (\`float\`, also for normalised integers, or \`uint\`), and whether the shader filters them.
      */
     bindings: {
         slot: number;
@@ -74,7 +74,7 @@ export interface DecoderShader {
         bytes?: number;
         offsets?: Record<string, number>;
     }[];
-    /** What to call. */
+    /** Functions to call. */
     functions: { name: string; signature: string }[];
 }
 

@@ -1,11 +1,11 @@
-//! Finds what decides the bytes of packs: a hash of all sources that encode, and of the versions of what they use. A build
-//! whose encoders are the same keeps what an earlier one made, whatever else has changed in the program.
+//! Hashes all sources that determine the bytes of packs, and the versions of their dependencies. Builds reuse packs of earlier
+//! builds with the same hash, even if other parts of the program have changed.
 
 use std::hash::{DefaultHasher, Hasher as _};
 use std::path::{Path, PathBuf};
 
-/// Relative to this crate. What prints, draws or manages files is not among them.
-const DECIDES: [&str; 11] = [
+/// Sources that determine the bytes of packs, relative to this crate. Code that prints, draws or manages files is not included.
+const SOURCES: [&str; 11] = [
     "../../formats/src",
     "../core/src",
     "../readers/src",
@@ -19,7 +19,7 @@ const DECIDES: [&str; 11] = [
     "../../Cargo.lock",
 ];
 
-/// One of them, which is missing where this crate was unpacked by itself.
+/// One of the sources, which is missing if this crate was unpacked by itself.
 const CHECKOUT: &str = "../../formats/src";
 
 fn main() {
@@ -29,7 +29,7 @@ fn main() {
         println!("cargo:rustc-env=BRDFC_ENCODERS={}", std::env::var("CARGO_PKG_VERSION").unwrap_or_default());
         return;
     }
-    for place in DECIDES {
+    for place in SOURCES {
         println!("cargo:rerun-if-changed={place}");
         gather(Path::new(place), &mut files);
     }
@@ -37,7 +37,7 @@ fn main() {
     let mut hasher = DefaultHasher::new();
     for file in &files {
         let bytes = std::fs::read(file).unwrap_or_else(|error| panic!("{}: {error}", file.display()));
-        // Checked out with other line ends, it is the same source.
+        // Ignores line endings, which depend on the checkout.
         bytes.split(|byte| *byte == b'\r').for_each(|piece| hasher.write(piece));
         hasher.write(file.to_string_lossy().replace('\\', "/").as_bytes());
     }
@@ -54,8 +54,8 @@ fn gather(place: &Path, files: &mut Vec<PathBuf>) {
     let entries = std::fs::read_dir(place).unwrap_or_else(|error| panic!("{}: {error}", place.display()));
     for entry in entries.flatten() {
         let path = entry.path();
-        let kept = path.is_dir() && !path.ends_with("tests") && !path.ends_with("testdata");
-        if kept || path.extension().is_some_and(|extension| extension == "rs" || extension == "wgsl") {
+        let is_source_folder = path.is_dir() && !path.ends_with("tests") && !path.ends_with("testdata");
+        if is_source_folder || path.extension().is_some_and(|extension| extension == "rs" || extension == "wgsl") {
             gather(&path, files);
         }
     }

@@ -1,19 +1,19 @@
-//! Holds frames of Bevy against renderings of `brdfc render`, or puts renderings side by side.
+//! Compares frames of Bevy with renderings of `brdfc render`, or puts images side by side.
 //!
 //! usage: compare LIMIT EXPECTED.png FOUND.png [LIMIT EXPECTED.png FOUND.png...]
-//!        compare --row OUT.png PICTURE.png...
+//!        compare --row OUT.png IMAGE.png...
 //!
 //! LIMIT is the largest mean ΔE (CIE 1976) over the pixels of surfaces.
 
 use image::{Rgb, RgbImage};
 use std::process::ExitCode;
 
-/// In codes of 255: closer to the corner of the expected rendering is background.
+/// Threshold in 8-bit levels: pixels closer to the corner of the expected rendering are background.
 const SAME: u8 = 2;
-/// The share of a rendering that has to be surface.
-const LEAST_SURFACE: f64 = 0.125;
-/// How far the renderings of two materials are apart at least, in limits: else the comparison is blind.
-const LEAST_APART: f64 = 5.0;
+/// Minimum fraction of a rendering that must be surface.
+const MIN_SURFACE: f64 = 0.125;
+/// Minimum difference of the renderings of two materials, as a multiple of the limit; otherwise the comparison is blind.
+const MIN_APART: f64 = 5.0;
 
 type Failure = Box<dyn std::error::Error>;
 
@@ -27,7 +27,7 @@ fn main() -> ExitCode {
     }
 }
 
-/// A frame, and what it is held against.
+/// A frame, and the expected rendering.
 struct Pair {
     limit: f64,
     expected: RgbImage,
@@ -47,7 +47,7 @@ fn run(arguments: &[String]) -> Result<(), Failure> {
         return Err("no renderings are named".into());
     }
     let pair = |[limit, expected, found]: &[String; 3]| -> Result<Pair, Failure> {
-        let limit = limit.parse().map_err(|_| format!("{limit}: a limit is a number"))?;
+        let limit = limit.parse().map_err(|_| format!("LIMIT: found {limit}, expected a number"))?;
         Ok(Pair { limit, expected: read(expected)?, name: found.clone(), found: read(found)? })
     };
     let pairs = triples.iter().map(pair).collect::<Result<Vec<_>, _>>()?;
@@ -55,15 +55,15 @@ fn run(arguments: &[String]) -> Result<(), Failure> {
         let Difference { mean, p95, codes, pixels } =
             difference(expected, found).map_err(|error| format!("{name}: {error}"))?;
         println!(
-            "{name}: ΔE {mean:.2} in the mean, {p95:.2} at 95 %, codes {codes} of 255 apart at most, over {pixels} pixels"
+            "{name}: mean ΔE {mean:.2}, 95 %: {p95:.2}, at most {codes} 8-bit levels apart, over {pixels} pixels"
         );
         if mean > *limit {
-            return Err(format!("{name}: a mean ΔE of {mean:.3}; at most {limit} is allowed").into());
+            return Err(format!("{name}: mean ΔE: found {mean:.3}, expected at most {limit}").into());
         }
     }
     for [one, other] in pairs.array_windows() {
         let apart = difference(&one.expected, &other.found)?.mean;
-        if apart < LEAST_APART * one.limit {
+        if apart < MIN_APART * one.limit {
             return Err(format!("{} and {} look alike: a mean ΔE of {apart:.3}", one.name, other.name).into());
         }
     }
@@ -78,9 +78,9 @@ fn read(path: &str) -> Result<RgbImage, Failure> {
 struct Difference {
     /// ΔE.
     mean: f64,
-    /// ΔE, 95th percentile.
+    /// 95th percentile of ΔE.
     p95: f64,
-    /// The largest of any channel.
+    /// Largest difference of any channel.
     codes: u8,
     pixels: usize,
 }
@@ -91,7 +91,7 @@ fn difference(expected: &RgbImage, found: &RgbImage) -> Result<Difference, Failu
     }
     let background = *expected.get_pixel(0, 0);
     let covered = |pixel: &Rgb<u8>| (0..3).any(|k| pixel[k].abs_diff(background[k]) > SAME);
-    let least = (LEAST_SURFACE * f64::from(expected.width() * expected.height())) as usize;
+    let least = (MIN_SURFACE * f64::from(expected.width() * expected.height())) as usize;
     for image in [expected, found] {
         let surface = image.pixels().filter(|pixel| covered(pixel)).count();
         let lit = image.pixels().filter(|pixel| pixel.0.iter().any(|code| *code > background[0])).count();

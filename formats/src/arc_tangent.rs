@@ -1,7 +1,7 @@
-//! The arctangent of shaders. Each decoder has one of its own name, so that a module may hold several decoders.
+//! Arctangent for shaders. Each decoder has a copy under its own name, so that one module can contain several decoders.
 
-/// WGSL of an `atan2` named by a decoder's prefixes of functions and of constants, which it appends to its file: the twin of
-/// [`polynomial_atan2`](crate::direction::polynomial_atan2).
+/// WGSL of an `atan2` whose name starts with the function and constant prefixes of a decoder, appended to the decoder's
+/// source. It computes the same as [`polynomial_atan2`](crate::direction::polynomial_atan2).
 macro_rules! arc_tangent_wgsl {
     ($function:literal, $constants:literal) => {
         concat!(

@@ -1,4 +1,4 @@
-//! Packs of BRDFs: what engines draw materials from, whichever codec made them.
+//! Interface that all BRDF packs share, independent of the codec.
 
 use crate::bindings::Bindings;
 use crate::crop::DirectionRange;
@@ -9,71 +9,73 @@ use crate::wavelet::Filter;
 use crate::{ErrorSummary, RenderingSummary};
 use std::fmt::Debug;
 
-/// A pack of a BRDF, whichever its codec.
+/// Common interface of BRDF packs.
 pub trait Brdf: Debug + Send + Sync {
-    /// The variant of its codec, as `--codec` takes it: the name of the codec where it has one variant alone.
+    /// Codec variant, as `--codec` takes it; the name of the codec if it has only one variant.
     fn variant(&self) -> &'static str;
 
-    /// Colour channels that are stored, 1 or 3.
+    /// Stored colour channels, 1 or 3.
     fn channels(&self) -> u32;
 
-    /// `μ`, 1/sr.
+    /// `μ`, mean of all samples, 1/sr.
     fn mean(&self) -> f32;
 
-    /// Bytes on a GPU.
+    /// Size on a GPU, bytes.
     fn gpu_bytes(&self) -> u64;
 
-    /// Directions that it is for.
+    /// Directions that the pack covers.
     fn directions(&self) -> DirectionRange;
 
-    /// Levels of detail less one: level 0 is the coarsest, level `levels` the finest.
+    /// Index of the finest level of detail; level 0 is the coarsest.
     fn levels(&self) -> u32;
 
-    /// Texture fetches of one look-up at a level of detail, slices filtered by the sampler. `filter` is that of wavelet packs.
+    /// Texture fetches of one look-up at a level of detail, with slices filtered by the sampler. Table packs ignore
+    /// `filter`.
     fn fetches_at(&self, level: u32, filter: Filter) -> u32;
 
-    /// Texture fetches of one look-up at the finest level of detail, with the filter that errors are measured with.
+    /// Texture fetches of one look-up at the finest level of detail, with the filter used for error measurements.
     fn fetches(&self) -> u32 {
         self.fetches_at(self.levels(), Filter::Bilinear)
     }
 
-    /// Its error against the source at direction pairs that depend on no codec; zeros if it was not measured.
+    /// Error against the source at independent test directions; zeros if it was not measured.
     fn off_grid(&self) -> ErrorSummary;
 
-    /// Its colour differences from the source in renderings, where the pack says them.
+    /// Colour differences between renderings of the pack and of the source, if the pack stores them.
     fn rendering(&self) -> Option<RenderingSummary> {
         None
     }
 
-    /// The bindings of its shader.
+    /// Bindings of the pack's shader.
     fn bindings(&self) -> Bindings<'_>;
 
-    /// The bytes of the KTX2 file.
+    /// Contents of the KTX2 file.
     fn to_bytes(&self, supercompress: bool) -> Vec<u8>;
 
-    /// Unpacks it for random access.
+    /// Decompresses the pack for random access.
     fn decoder(&self) -> Box<dyn BrdfDecoder>;
 }
 
-/// A pack of a BRDF, unpacked for random access.
+/// A BRDF pack, decompressed for random access.
 pub trait BrdfDecoder: Debug + Send + Sync {
-    /// Levels of detail less one: level 0 is the coarsest, level `levels` the finest.
+    /// Index of the finest level of detail; level 0 is the coarsest.
     fn levels(&self) -> u32;
 
-    /// Whether all three channels are equal everywhere.
+    /// Returns true if all three channels are equal everywhere.
     fn is_grey(&self) -> bool;
 
-    /// The symmetries that decoded values obey exactly, up to rounding.
+    /// Symmetries that decoded values have up to rounding.
     fn symmetry(&self) -> Symmetry {
         Symmetry::NONE
     }
 
-    /// `f_r` at a direction pair, linear RGB, 1/sr, not negative. `level` is a level of detail, 0 (the coarsest) to
-    /// [`Self::levels`]. `filter` is that of wavelet packs; tables are filtered exactly.
+    /// `f_r` of a direction pair: linear RGB, 1/sr, not negative. `level` is a level of detail from 0 (the coarsest) to
+    /// [`Self::levels`]. Wavelet packs use `filter`; table packs are always filtered exactly.
     fn eval(&self, pair: DirectionPair, level: f32, filter: Filter) -> [f32; 3];
 
-    /// [`Self::eval`] of many pairs with the filter that errors are measured with; `values` has as many as `pairs`. Decoders that
-    /// look up angles first take them from `angles`, which finds them once for all packs.
+    /// Evaluates [`Self::eval`] for many pairs with the filter used for error measurements. `values` and `pairs` have
+    /// the same length. Decoders that need half-difference angles take them from `angles`, so that several packs can
+    /// share one computation.
     fn eval_block<'a>(
         &self,
         pairs: &[DirectionPair],

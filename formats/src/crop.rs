@@ -1,8 +1,9 @@
-//! Which directions a pack is for, and which part of its texture it therefore holds.
+//! Range of directions that a pack covers, and the part of its texture that it stores.
 //!
-//! A pack whose scene sees it from some directions only need not hold the others. Its numbers of cells or nodes stay those
-//! of the whole, and so do positions in them; a *window* says which of them the texture has. Beyond, a look-up finds the
-//! nearest value of the window. Entry `brdfc.crop`, in packs of both kinds: `formats/src/container/spec.md`.
+//! A pack for a scene with a limited range of directions need not store the others. Its cell or node counts remain
+//! those of the full grid, and so do positions in the grid; a *window* gives the part that the texture holds. Look-ups
+//! outside the window return the nearest value inside. Stored under `brdfc.crop` in table and wavelet packs:
+//! `formats/src/container/spec.md`.
 
 use crate::FormatError;
 use crate::container::Texture;
@@ -16,9 +17,9 @@ const CROP: &str = "brdfc.crop";
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize, schemars::JsonSchema))]
 pub struct Elevations {
-    /// The lowest.
+    /// Lowest elevation.
     pub from: f32,
-    /// The highest.
+    /// Highest elevation.
     pub to: f32,
 }
 
@@ -26,13 +27,14 @@ impl Elevations {
     /// From the horizon to the normal.
     pub const ALL: Self = Self { from: 0.0, to: 90.0 };
 
-    /// Whether a unit vector is within; to a hundred-thousandth, so that neither end is lost by rounding.
+    /// Returns true if a unit vector is in the range, with a tolerance of 1e-5 so that rounding does not exclude an
+    /// end.
     pub fn contain(self, direction: Vector) -> bool {
         let [low, high] = self.sines();
         (low - 1e-5..=high + 1e-5).contains(&direction[2])
     }
 
-    /// Sines of both, which are z of unit vectors.
+    /// Sines of both ends, which are z coordinates of unit vectors.
     pub fn sines(self) -> [f64; 2] {
         [self.from, self.to].map(|angle| f64::from(angle).to_radians().sin())
     }
@@ -42,13 +44,13 @@ impl Elevations {
         [90.0 - self.to, 90.0 - self.from].map(|angle| f64::from(angle).to_radians())
     }
 
-    /// The smallest range that holds both.
+    /// Smallest range that contains both.
     #[must_use]
     pub fn with(self, other: Self) -> Self {
         Self { from: self.from.min(other.from), to: self.to.max(other.to) }
     }
 
-    /// Whether it is a range.
+    /// Returns true if `0 <= from < to <= 90`.
     pub fn is_valid(self) -> bool {
         0.0 <= self.from && self.from < self.to && self.to <= 90.0
     }
@@ -60,79 +62,79 @@ impl Default for Elevations {
     }
 }
 
-/// `20° to 90°`.
+/// Formats the range as `20° to 90°`.
 impl std::fmt::Display for Elevations {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         write!(f, "{}° to {}°", self.from, self.to)
     }
 }
 
-/// Directions that a pack is for.
+/// Directions that a pack covers.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize, schemars::JsonSchema))]
 pub struct DirectionRange {
-    /// Of lights.
+    /// Elevations of lights.
     pub light: Elevations,
-    /// Of viewers.
+    /// Elevations of viewers.
     pub view: Elevations,
 }
 
 impl DirectionRange {
-    /// All that are above the horizon.
+    /// All directions above the horizon.
     pub const ALL: Self = Self { light: Elevations::ALL, view: Elevations::ALL };
 
-    /// Whether both directions of a pair are within.
+    /// Returns true if both directions of a pair are in range.
     pub fn contains(self, pair: DirectionPair) -> bool {
         self.light.contain(pair.incoming) && self.view.contain(pair.outgoing)
     }
 
-    /// Whether nothing is outside.
+    /// Returns true if the range covers all directions.
     pub fn is_all(self) -> bool {
         self == Self::ALL
     }
 
-    /// What is in both, if anything is.
+    /// Intersection of both ranges, or `None` if it is empty.
     pub fn common(self, other: Self) -> Option<Self> {
         let both = |a: Elevations, b: Elevations| Elevations { from: a.from.max(b.from), to: a.to.min(b.to) };
         let common = Self { light: both(self.light, other.light), view: both(self.view, other.view) };
         (common.light.is_valid() && common.view.is_valid()).then_some(common)
     }
 
-    /// The smallest range that holds both.
+    /// Smallest range that contains both.
     #[must_use]
     pub fn with(self, other: Self) -> Self {
         Self { light: self.light.with(other.light), view: self.view.with(other.view) }
     }
 }
 
-/// `light from 0° to 60°, seen from 20° to 90°`.
+/// Formats the range as `light from 0° to 60°, seen from 20° to 90°`.
 impl std::fmt::Display for DirectionRange {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         write!(f, "light from {}, seen from {}", self.light, self.view)
     }
 }
 
-/// A rectangle of a texture's first two axes.
+/// Rectangle of a texture's first two axes.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Window {
-    /// The first column and row that are stored.
+    /// First stored column and row.
     pub first: [u32; 2],
-    /// How many are.
+    /// Number of stored columns and rows.
     pub size: [u32; 2],
 }
 
 impl Window {
-    /// All of a texture.
+    /// Window that covers a texture of `size`.
     pub fn whole(size: [u32; 2]) -> Self {
         Self { first: [0, 0], size }
     }
 
-    /// From the first to the last column and row that are needed.
+    /// Window from the first to the last column and row, inclusive.
     pub fn between(first: [u32; 2], last: [u32; 2]) -> Self {
         Self { first, size: [last[0] - first[0] + 1, last[1] - first[1] + 1] }
     }
 
-    /// The texels of a slice that has `columns` columns, a row at a time: the bytes of the window.
+    /// Bytes of the window, one row at a time, from the texels of a slice with `columns` columns.
     pub(crate) fn cut(self, texels: &[u8], columns: u32, texel_bytes: usize) -> impl Iterator<Item = &[u8]> {
         let [first_column, first_row] = self.first.map(|n| n as usize);
         let [width, height] = self.size.map(|n| n as usize);
@@ -142,7 +144,7 @@ impl Window {
         })
     }
 
-    /// Whether it has at least so many columns and rows, and is within a texture.
+    /// Returns true if the window has at least `fewest` columns and rows and lies within a texture of `whole` texels.
     fn is_within(self, whole: [u32; 2], fewest: u32) -> bool {
         (0..2).all(|axis| {
             self.size[axis] >= fewest
@@ -151,20 +153,21 @@ impl Window {
     }
 }
 
-/// What a pack leaves out.
+/// Directions that a pack covers and the part of its texture that it stores.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Crop {
-    /// What it is for.
+    /// Directions that the pack covers.
     pub directions: DirectionRange,
-    /// What its texture holds.
+    /// Stored part of the texture.
     pub window: Window,
 }
 
 impl Crop {
-    /// Checks ranges: elevations, and a window of at least `fewest` columns and rows within a texture of this size.
+    /// Checks the elevations, and that the window has at least `fewest` columns and rows within a texture of `whole`
+    /// texels.
     ///
     /// # Errors
-    /// Names what is out of range.
+    /// Returns an error that names the value out of range.
     pub fn check(&self, whole: [u32; 2], fewest: u32) -> Result<(), FormatError> {
         for (range, field) in [(self.directions.light, "light"), (self.directions.view, "view")] {
             if !range.is_valid() {
@@ -183,7 +186,7 @@ impl Crop {
         Ok(())
     }
 
-    /// The entry of a file.
+    /// Key and value for a file.
     pub(crate) fn entry(&self) -> (String, Vec<u8>) {
         let Self { directions: DirectionRange { light, view }, window } = self;
         let numbers = [light.from, light.to, view.from, view.to].map(f32::to_bits);
@@ -191,7 +194,7 @@ impl Crop {
         (CROP.to_owned(), words.flat_map(u32::to_le_bytes).collect())
     }
 
-    /// That of a texture, if it has one.
+    /// Reads the crop of a texture, if it has one.
     pub(crate) fn of(texture: &Texture, whole: [u32; 2], fewest: u32) -> Result<Option<Self>, FormatError> {
         let Some(bytes) = texture.entries.get(CROP) else { return Ok(None) };
         let mut cursor = Cursor::new(sized(bytes, CROP, 32)?);
@@ -234,7 +237,7 @@ mod tests {
     }
 
     #[test]
-    fn what_is_out_of_range_is_named() {
+    fn errors_name_the_value_out_of_range() {
         let good = Crop { directions: DirectionRange::ALL, window: Window { first: [1, 2], size: [3, 2] } };
         assert!(good.check([4, 4], 2).is_ok());
         let field = |crop: Crop| crop.check([4, 4], 2).unwrap_err().field;

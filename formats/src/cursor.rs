@@ -1,8 +1,8 @@
-//! Checked little-endian reads from a byte slice, and words as bytes.
+//! Checked little-endian reads from a byte slice, and conversion of words to bytes.
 
 use crate::FormatError;
 
-/// Words as a uniform block has them: little-endian, zeros behind them.
+/// Little-endian words of a uniform block, padded with zeros to `N` bytes.
 pub(crate) fn block_bytes<const N: usize>(words: impl IntoIterator<Item = u32>) -> [u8; N] {
     let mut bytes = [0; N];
     for (target, word) in bytes.chunks_exact_mut(4).zip(words) {
@@ -11,7 +11,7 @@ pub(crate) fn block_bytes<const N: usize>(words: impl IntoIterator<Item = u32>) 
     bytes
 }
 
-/// A position in a byte slice; every read checks the length first and names the field it wanted.
+/// Read position in a byte slice. Every read checks the remaining length; errors name the field.
 #[derive(Debug, Clone)]
 pub struct Cursor<'a> {
     bytes: &'a [u8],

@@ -1,71 +1,72 @@
-//! What is known of a codec apart from its packs: each has one [`Descriptor`], in its own folder.
+//! Static description of a codec. Each codec has one [`Descriptor`] in its own folder.
 
-/// A codec, for engines and for people.
+/// Description of a codec, for engines and for documentation.
 #[derive(Debug, Clone, Copy)]
 pub struct Descriptor {
-    /// The name of its decoder: in files, and on the command line.
+    /// Name of its decoder, in files and on the command line.
     pub name: &'static str,
-    /// The version of the bindings of its shader, which packs have as well: of another version they are refused.
+    /// Version of its shader bindings. Packs store it; readers reject packs of another version.
     pub version: u32,
-    /// What a pack of it is called in messages.
+    /// Name of one pack in messages, with article.
     pub in_words: &'static str,
-    /// What packs of it are called.
+    /// Name of such packs in the plural.
     pub plural: &'static str,
-    /// The page that describes the files, from the root of the repository.
+    /// Path of the specification page, relative to the repository root.
     pub specification: &'static str,
-    /// The WGSL that every other language is translated from. It has no entry point.
+    /// WGSL source, from which all other shading languages are translated. It has no entry point.
     pub wgsl: fn() -> String,
-    /// What engines call of it, the first one foremost.
+    /// Functions that engines call, the main one first.
     pub functions: &'static [&'static str],
-    /// How a query of three groups of four numbers, `a`, `b` and `c`, is answered: the body of the compute shader that SPIR-V has
-    /// in place of a piece to paste.
+    /// Evaluation of a query of three groups of four numbers, `a`, `b` and `c`. It is the body of the compute shader
+    /// that SPIR-V users get instead of source to include.
     pub answer: Answer,
-    /// How shaders evaluate packs of it as BRDFs, if they are.
+    /// Evaluation as a BRDF; `None` for codecs of other assets.
     pub brdf: Option<BrdfShader>,
 }
 
-/// How a shader evaluates a pack of a BRDF: WGSL expressions.
+/// WGSL expressions that evaluate a pack as a BRDF.
 #[derive(Debug, Clone, Copy)]
 pub struct BrdfShader {
-    /// Whether a pack of this codec is bound; otherwise its uniform block is zero.
+    /// True if a pack of this codec is bound; otherwise its uniform block is zero.
     pub is_bound: &'static str,
-    /// Statements that return `f_r` of `wi`, `wo` and `level`; the sampler filters where `hardware` is true, otherwise the shader.
+    /// Statements that return `f_r` of `wi`, `wo` and `level`. The sampler filters if `hardware` is true, otherwise the
+    /// shader.
     pub either: &'static str,
     /// `f_r` of `wi`, `wo` and `level`, filtered by the sampler.
     pub filtered: &'static str,
-    /// The same, filtered by the shader: exact, and for devices whose samplers do not filter the texture.
+    /// `f_r` filtered by the shader: exact, and needed on devices whose samplers cannot filter the texture format.
     pub exact: &'static str,
-    /// Whether packs may have texels of 16 bits a channel, which samplers filter on some devices only.
+    /// True if packs may have 16-bit channels, which only some devices filter.
     pub may_be_wide: bool,
-    /// The level of detail at `distance` from the viewer.
+    /// Level of detail at `distance` from the viewer.
     pub level_of_detail: &'static str,
 }
 
-/// How a query is answered.
+/// Inputs, outputs and code of a query.
 #[derive(Debug, Clone, Copy)]
 pub struct Answer {
-    /// What the groups of a query hold, in words.
+    /// Description of the query's groups.
     pub takes: &'static str,
-    /// What an answer holds, in words.
+    /// Description of the result.
     pub gives: &'static str,
-    /// A WGSL expression of `a`, `b` and `c`, of calls alone: in GLSL and HLSL it is the same where `vec4f`, `u32` and `select` are
-    /// macros.
+    /// WGSL expression of `a`, `b` and `c` that consists of calls only, so that it is also valid GLSL and HLSL with
+    /// `vec4f`, `u32` and `select` defined as macros.
     pub body: &'static str,
-    /// How the expression becomes four numbers, where it is a struct.
+    /// Conversion of the result to four numbers if it is a struct.
     pub of_struct: Option<StructAnswer>,
 }
 
-/// An answer that a shader gives as a struct.
+/// Struct that a shader returns as the result of a query.
 #[derive(Debug, Clone, Copy)]
 pub struct StructAnswer {
-    /// The WGSL type.
+    /// WGSL type.
     pub name: &'static str,
     /// Its numbers: a WGSL expression of `$answer`.
     pub numbers: &'static str,
 }
 
 impl StructAnswer {
-    /// The numbers of a value, a WGSL expression.
+    /// WGSL expression of the numbers of `value`.
     pub fn numbers_of(&self, value: &str) -> String {
         self.numbers.replace("$answer", value)
     }

@@ -1,38 +1,38 @@
-//! Which grid cell means which pair of directions. Encoder and decoder share this file.
+//! Mapping between grid cells and pairs of directions, shared by encoder and decoder.
 //!
-//! A pack holds a table over two hemispheres, `outer` and `inner`, each on the same N x N grid. The outer axis is the
-//! image inside a slice (filtered by the sampler), the inner axis is wavelet transformed over slices.
-//! A [`Parameterisation`] says which pair of hemisphere points a direction pair is.
+//! A wavelet pack holds a table over two hemispheres, `outer` and `inner`, each on the same N x N grid. The outer axis
+//! is the image in a slice, filtered by the sampler; the inner axis is wavelet-transformed over slices. A
+//! [`Parameterisation`] maps a direction pair to a point on each hemisphere.
 
 /// A vector in the local frame: x = tangent, y = bitangent, z = normal.
 pub type Vector = [f64; 3];
 
-/// Unit vectors away from the surface: to the light and to the viewer.
+/// Unit vectors that point away from the surface, to the light and to the viewer.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct DirectionPair {
-    /// To the light, `wi`.
+    /// Direction to the light, `wi`.
     pub incoming: Vector,
-    /// To the viewer, `wo`.
+    /// Direction to the viewer, `wo`.
     pub outgoing: Vector,
 }
 
 impl DirectionPair {
-    /// A pair from unit vectors.
+    /// Pair of unit vectors.
     pub fn new(incoming: Vector, outgoing: Vector) -> Self {
         Self { incoming, outgoing }
     }
 
-    /// A pair from polar angles to the normal and azimuths from the tangent, radians.
+    /// Pair from polar angles to the normal and azimuths from the tangent, radians.
     pub fn from_angles(theta_i: f64, phi_i: f64, theta_o: f64, phi_o: f64) -> Self {
         Self::new(from_polar(theta_i, phi_i), from_polar(theta_o, phi_o))
     }
 
-    /// Light and viewer exchanged.
+    /// The pair with light and viewer exchanged.
     pub fn exchanged(self) -> Self {
         Self::new(self.outgoing, self.incoming)
     }
 
-    /// Whether both directions are above the horizon, `z > 0`.
+    /// Returns true if both directions are above the horizon, `z > 0`.
     pub fn is_above_horizon(self) -> bool {
         self.incoming[2] > 0.0 && self.outgoing[2] > 0.0
     }
@@ -63,7 +63,7 @@ pub fn add_scaled(a: Vector, s: f64, b: Vector) -> Vector {
     [a[0] + s * b[0], a[1] + s * b[1], a[2] + s * b[2]]
 }
 
-/// A vector scaled to length 1; a zero vector becomes the normal.
+/// Scales a vector to length 1; a zero vector becomes the normal.
 pub fn normalize(v: Vector) -> Vector {
     let length = dot(v, v).sqrt();
     if length > 0.0 { [v[0] / length, v[1] / length, v[2] / length] } else { [0.0, 0.0, 1.0] }
@@ -93,7 +93,7 @@ pub fn cell_centre(column: usize, row: usize, n: usize) -> Vector {
     from_tangent_pole([(column as f64 + 0.5) * step, (row as f64 + 0.5) * step])
 }
 
-/// How a direction pair becomes two points on hemispheres.
+/// Mapping of a direction pair to two points on hemispheres.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 #[cfg_attr(
     feature = "serde",
@@ -109,11 +109,11 @@ pub enum Parameterisation {
 }
 
 impl Parameterisation {
-    /// The names scripts use.
+    /// Names for command line and files.
     pub const NAMES: [(&'static str, Self); 2] =
         [("tangent-pole", Self::TangentPole), ("half-difference", Self::HalfDifference)];
 
-    /// The name scripts use.
+    /// Name for command line and files.
     pub fn name(self) -> &'static str {
         match self {
             Self::TangentPole => "tangent-pole",
@@ -121,7 +121,7 @@ impl Parameterisation {
         }
     }
 
-    /// The number in a pack's header.
+    /// Number in a pack's header.
     pub fn code(self) -> u32 {
         match self {
             Self::TangentPole => 0,
@@ -145,9 +145,9 @@ impl Parameterisation {
         }
     }
 
-    /// The direction pair of outer and inner hemisphere points.
+    /// Direction pair of an outer and an inner hemisphere point.
     ///
-    /// With half vectors a direction may come out below the horizon: see [`DirectionPair::is_above_horizon`].
+    /// With half vectors a direction may be below the horizon: see [`DirectionPair::is_above_horizon`].
     pub fn from_axes(self, outer: Vector, inner: Vector) -> DirectionPair {
         match self {
             Self::TangentPole => DirectionPair::new(outer, inner),
@@ -159,7 +159,7 @@ impl Parameterisation {
     }
 }
 
-/// Turns `v` by the shortest rotation that takes the unit vector `axis` (above the horizon) to the normal.
+/// Rotates `v` by the shortest rotation that takes the unit vector `axis` (above the horizon) to the normal.
 pub fn rotate_to_normal(axis: Vector, v: Vector) -> Vector {
     let [x, y, z] = axis;
     let s = (x * v[0] + y * v[1]) / (1.0 + z);
@@ -175,13 +175,13 @@ pub fn rotate_from_normal(axis: Vector, v: Vector) -> Vector {
 
 /// `atan2(y, x)` for `y >= 0`, radians in `[0, π]`, within 3e-7 of the exact angle.
 ///
-/// A fixed polynomial in f32 (odd, minimax on [0, 1]), so that a shader that copies it gets the same bits: the
-/// built-in functions of GPUs are not precise enough to agree.
+/// Odd minimax polynomial on [0, 1] with a fixed order of f32 operations, so that shaders can reproduce it: built-in
+/// functions of GPUs are not precise enough to agree.
 pub fn polynomial_atan2(y: f32, x: f32) -> f32 {
     polynomial_atan2_each([y], [x])[0]
 }
 
-/// [`polynomial_atan2`] of several pairs at once, for which there are wide instructions.
+/// [`polynomial_atan2`] of several pairs at once, for SIMD.
 pub fn polynomial_atan2_each<const N: usize>(y: [f32; N], x: [f32; N]) -> [f32; N] {
     const C: [f32; 8] = [
         9.999_993_4e-1,
@@ -208,7 +208,7 @@ pub fn polynomial_atan2_each<const N: usize>(y: [f32; N], x: [f32; N]) -> [f32; 
     })
 }
 
-/// `from - angle` where the condition holds, else the angle: without a branch, which directions at random would make slow.
+/// `from - angle` if the condition holds, else `angle`. Branch-free, because random directions would be mispredicted.
 pub(crate) fn subtracted_if(condition: bool, from: f32, angle: f32) -> f32 {
     let bits = u32::from(condition).wrapping_neg();
     f32::from_bits(from.to_bits() & bits) + f32::from_bits(angle.to_bits() ^ (bits & 0x8000_0000))

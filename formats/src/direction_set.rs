@@ -1,11 +1,11 @@
-//! Lists of directions at which image stacks are measured.
+//! Lists of directions at which BTFs and RTI captures are sampled.
 
 use crate::FormatError;
 use crate::direction::{Vector, dot, from_polar, normalize, subtract};
 
-/// Most directions of one set: as many as a flat BTF has layers.
+/// Maximum number of directions of a set, equal to the maximum number of layers of a flat BTF.
 pub const MAX_DIRECTIONS: usize = crate::container::MAX_LAYERS as usize;
-/// Unit vectors closer than this, 0.014 degrees, are the same direction: [`crate::direction_mesh`] cannot blend between them.
+/// Unit vectors closer than this, 0.014 degrees, count as equal: [`crate::direction_mesh`] cannot blend between them.
 pub const SAME_DIRECTION: f64 = 2.5e-4;
 
 /// Rings of the Bonn database of 2003: polar angle, count, first azimuth; degrees. 81 directions (Sattler, Sarlette and
@@ -30,18 +30,18 @@ const UBO2014_RINGS: [(f64, usize, f64); 10] = [
 /// Directions of the upper hemisphere, in a fixed order.
 #[derive(Debug, Clone, PartialEq)]
 pub struct DirectionSet {
-    /// What to call it in reports.
+    /// Name for reports.
     pub name: String,
     /// Polar angle to the normal and azimuth from the tangent, degrees.
     pub angles: Vec<[f64; 2]>,
 }
 
 impl DirectionSet {
-    /// A checked set.
+    /// Creates a validated set.
     ///
     /// # Errors
-    /// No direction or more than [`MAX_DIRECTIONS`], polar angles outside [0, 90), azimuths outside [-360, 360], two
-    /// directions within [`SAME_DIRECTION`].
+    /// Returns an error if there is no direction or more than [`MAX_DIRECTIONS`], a polar angle is outside [0, 90), an
+    /// azimuth is outside [-360, 360], or two directions are within [`SAME_DIRECTION`].
     pub fn new(name: impl Into<String>, angles: Vec<[f64; 2]>) -> Result<Self, FormatError> {
         let set = Self { name: name.into(), angles };
         let count = set.angles.len();
@@ -54,29 +54,29 @@ impl DirectionSet {
         match first_pair_of_equals(&set.directions()) {
             Some((first, second)) => Err(FormatError::whole(
                 format!("direction {second}"),
-                format!("direction {first} again"),
-                "directions that differ",
+                format!("the same as direction {first}"),
+                "directions that differ from each other",
             )),
             None => Ok(set),
         }
     }
 
-    /// The 81 directions of the BTF database of Bonn University, 2003.
+    /// The 81 directions of the Bonn University BTF database, 2003.
     pub fn ubo2003() -> Self {
         Self::from_rings("ubo2003", &UBO2003_RINGS)
     }
 
-    /// The 151 directions of the BTF database of Bonn University, 2014.
+    /// The 151 directions of the Bonn University BTF database, 2014.
     pub fn ubo2014() -> Self {
         Self::from_rings("ubo2014", &UBO2014_RINGS)
     }
 
-    /// The normal and `zeniths - 1` rings of `azimuths` directions each; polar angles in equal steps up to
-    /// `max_zenith_degrees`, azimuths from 0. `1 + (zeniths - 1) * azimuths` directions.
+    /// The normal and `zeniths - 1` rings of `azimuths` directions each, `1 + (zeniths - 1) * azimuths` directions in
+    /// total. Polar angles are equally spaced up to `max_zenith_degrees`; azimuths start at 0.
     ///
     /// # Errors
-    /// Counts of 0, more than [`MAX_DIRECTIONS`] directions, a largest polar angle outside (0, 90), rings so fine
-    /// that directions coincide.
+    /// Returns an error if a count is 0, there are more than [`MAX_DIRECTIONS`] directions, the largest polar angle is
+    /// outside (0, 90), or rings are so fine that directions coincide.
     pub fn grid(zeniths: usize, azimuths: usize, max_zenith_degrees: f64) -> Result<Self, FormatError> {
         for (field, count) in [("zeniths", zeniths), ("azimuths", azimuths)] {
             if count == 0 {
@@ -102,23 +102,23 @@ impl DirectionSet {
         self.angles.iter().map(|[theta, phi]| from_polar(theta.to_radians(), phi.to_radians())).collect()
     }
 
-    /// How many directions there are.
+    /// Number of directions.
     pub fn len(&self) -> usize {
         self.angles.len()
     }
 
-    /// Whether there are none.
+    /// Returns true if the set is empty.
     pub fn is_empty(&self) -> bool {
         self.angles.is_empty()
     }
 
-    /// Index of the direction at the smallest angle to `direction` (any length but 0), the first of several; 0 for an
-    /// empty set.
+    /// Index of the direction at the smallest angle to `direction` (any non-zero length), the first of several. Returns
+    /// 0 for an empty set.
     pub fn nearest(&self, direction: Vector) -> usize {
-        let wanted = normalize(direction);
+        let target = normalize(direction);
         let mut best = (0, f64::INFINITY);
         for (index, found) in self.directions().into_iter().enumerate() {
-            let difference = subtract(found, wanted);
+            let difference = subtract(found, target);
             let distance = dot(difference, difference);
             if distance < best.1 {
                 best = (index, distance);
@@ -133,12 +133,12 @@ impl DirectionSet {
     }
 }
 
-/// `count` directions at polar angle `theta`, in equal steps of azimuth from `first`; degrees.
+/// `count` directions at polar angle `theta`, equally spaced in azimuth from `first`; degrees.
 fn ring(theta: f64, count: usize, first: f64) -> Vec<[f64; 2]> {
     (0..count).map(|k| [theta, first + 360.0 * k as f64 / count as f64]).collect()
 }
 
-/// Field, number and what is allowed, where an angle is out of range.
+/// Returns the field, the value and the expected range of the first angle that is out of range.
 pub fn wrong_angle([theta, phi]: [f64; 2]) -> Option<(&'static str, f64, &'static str)> {
     if !(0.0..90.0).contains(&theta) {
         return Some(("theta_deg", theta, "0 to less than 90"));
@@ -146,7 +146,7 @@ pub fn wrong_angle([theta, phi]: [f64; 2]) -> Option<(&'static str, f64, &'stati
     (!(-360.0..=360.0).contains(&phi)).then_some(("phi_deg", phi, "-360 to 360"))
 }
 
-/// The first index whose direction stood before, behind the index where it did.
+/// Returns the first pair of equal directions: the earlier index, then the later.
 pub fn first_pair_of_equals(directions: &[Vector]) -> Option<(usize, usize)> {
     let same = |a: Vector, b: Vector| {
         let difference = subtract(a, b);

@@ -1,15 +1,15 @@
-//! The one error type of every reader: where, what was found, what is allowed.
+//! The error type of every reader: the place, the value found and the values expected.
 
 use std::borrow::Cow;
 use std::fmt;
 use std::ops::RangeInclusive;
 
-/// Where in an input something is wrong.
+/// Place of an error in an input.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub enum Place {
-    /// A byte offset from the start of the file, for binary layouts.
+    /// Byte offset from the start of the file, for binary layouts.
     Byte(u64),
-    /// A line, counted from 1, for text layouts.
+    /// Line number, counted from 1, for text layouts.
     Line(u64),
     /// The input as a whole.
     Whole,
@@ -27,31 +27,31 @@ impl fmt::Display for Place {
 
 /// An input that does not follow its layout.
 ///
-/// Reads as `byte 4, theta_d count: found 0, expected 1 to 4096`. The caller, who knows it, adds the file's name.
+/// Reads as `byte 4, theta_d count: found 0, expected 1 to 4096`. It does not name the file; the caller does.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
 #[error("{place}{field}: found {found}, expected {allowed}")]
 pub struct FormatError {
-    /// Where.
+    /// Place of the error.
     pub place: Place,
-    /// Which field of the layout, in the words of its page.
+    /// Field of the layout, named as on its specification page.
     pub field: Cow<'static, str>,
-    /// What stands there.
+    /// Value in the input.
     pub found: String,
-    /// What may stand there.
+    /// Values that the layout allows.
     pub allowed: String,
 }
 
-/// What a file says, as much of it as a message has room for.
+/// Truncates text from a file to a length that fits a message.
 fn shortened(text: String) -> String {
-    const LONGEST: usize = 200;
-    match text.char_indices().nth(LONGEST) {
+    const MAX_LENGTH: usize = 200;
+    match text.char_indices().nth(MAX_LENGTH) {
         Some((end, _)) => format!("{}... ({} characters)", &text[..end], text.chars().count()),
         None => text,
     }
 }
 
 impl FormatError {
-    /// An error at a byte offset.
+    /// Error at a byte offset.
     pub fn at_byte(
         offset: u64,
         field: impl Into<Cow<'static, str>>,
@@ -61,7 +61,7 @@ impl FormatError {
         Self::at(Place::Byte(offset), field, found, allowed)
     }
 
-    /// An error at a line, counted from 1.
+    /// Error at a line, counted from 1.
     pub fn at_line(
         line: u64,
         field: impl Into<Cow<'static, str>>,
@@ -71,15 +71,15 @@ impl FormatError {
         Self::at(Place::Line(line), field, found, allowed)
     }
 
-    /// An error of the input as a whole.
+    /// Error that concerns the input as a whole.
     pub fn whole(field: impl Into<Cow<'static, str>>, found: impl Into<String>, allowed: impl Into<String>) -> Self {
         Self::at(Place::Whole, field, found, allowed)
     }
 
-    /// Whether a number is in a range.
+    /// Checks that a number is in a range.
     ///
     /// # Errors
-    /// One of the input as a whole, if it is not.
+    /// Returns an error with [`Place::Whole`] if it is not.
     pub fn check_range<T: PartialOrd + fmt::Display>(
         field: impl Into<Cow<'static, str>>,
         found: T,
@@ -111,7 +111,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn what_a_file_says_is_shortened() {
+    fn long_values_are_truncated() {
         let error = FormatError::whole("name", "é".repeat(70_000), "UTF-8").to_string();
         assert!(error.ends_with("é... (70000 characters), expected UTF-8") && error.len() < 500, "{error}");
         assert_eq!(FormatError::whole("name", "short", "x").found, "short");

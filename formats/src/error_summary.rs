@@ -1,13 +1,13 @@
-//! What a pack says of its own error: norms against the source, as measured when it was made.
+//! Error norms that a pack stores about itself, measured against the source when the pack was made.
 
 use crate::FormatError;
 use crate::cursor::Cursor;
 
-/// Error norms of a pack against its source, as measured when it was made. Ratios are fractions, not per cent.
+/// Error norms of a pack against its source, measured when the pack was made. Ratios are fractions, not per cent.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, schemars::JsonSchema))]
 pub struct ErrorSummary {
-    /// Samples compared.
+    /// Number of samples compared.
     pub samples: u32,
     /// RMS of `f' - f`, 1/sr.
     pub rms: f32,
@@ -23,14 +23,14 @@ pub struct ErrorSummary {
     pub log_rms: f32,
     /// RMS of `ln(1 + f' cos θi) - ln(1 + f cos θi)` over all samples.
     pub cosine_log_rms: f32,
-    /// Largest difference of directional albedo over incoming angles.
+    /// Largest difference in directional albedo over all incoming angles.
     pub albedo_max_difference: f32,
-    /// Mean of `|f'(i, o) - f'(o, i)| / f` of the pack: how far it is from reciprocal.
+    /// Mean of `|f'(i, o) - f'(o, i)| / f` of the pack: its deviation from reciprocity.
     pub reciprocity: f32,
 }
 
 impl ErrorSummary {
-    /// Bytes in an entry: `samples`, then the ratios in the order of the fields.
+    /// Size in a KTX2 value, bytes: `samples`, then the ratios in field order.
     pub(crate) const BYTES: usize = 40;
 
     pub(crate) fn to_bytes(self) -> [u8; Self::BYTES] {
@@ -48,7 +48,7 @@ impl ErrorSummary {
         in_bytes(std::iter::once(self.samples).chain(ratios.map(f32::to_bits)))
     }
 
-    /// Reads what [`Self::to_bytes`] wrote into the entry of this key.
+    /// Reads the value that [`Self::to_bytes`] wrote under `key`.
     pub(crate) fn from_bytes(bytes: &[u8], key: &'static str) -> Result<Self, FormatError> {
         let mut cursor = Cursor::new(bytes);
         let samples = cursor.u32(key)?;
@@ -78,8 +78,8 @@ impl ErrorSummary {
     }
 }
 
-/// Colour differences between renderings of a pack and of its source, as measured when it was made: ΔE*ab (CIE 1976) over the
-/// pixels of balls under fixed lights.
+/// Colour differences between renderings of a pack and of its source, measured when the pack was made: ΔE*ab (CIE 1976)
+/// over the pixels of spheres under fixed lights.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, schemars::JsonSchema))]
 pub struct RenderingSummary {
@@ -92,7 +92,7 @@ pub struct RenderingSummary {
 }
 
 impl RenderingSummary {
-    /// Bytes in an entry.
+    /// Size in a KTX2 value, bytes.
     pub(crate) const BYTES: usize = 12;
 
     pub(crate) fn to_bytes(self) -> [u8; Self::BYTES] {
@@ -119,7 +119,7 @@ fn not_negative<const N: usize>(cursor: &mut Cursor<'_>, key: &'static str) -> R
     for value in &mut values {
         *value = cursor.f32(key)?;
         if !(0.0..=f32::MAX).contains(value) {
-            return Err(FormatError::whole(key, value.to_string(), "numbers that are not negative"));
+            return Err(FormatError::whole(key, value.to_string(), "non-negative numbers"));
         }
     }
     Ok(values)

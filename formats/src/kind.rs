@@ -1,11 +1,13 @@
-//! Which pack a KTX2 file is: decided here alone, once, before any texel is unpacked. The list of codecs is in `lib.rs`.
+//! Kind of the pack in a KTX2 file. It is determined here only, once, before any texel is decompressed. `lib.rs` lists
+//! the codecs.
 
 use crate::bindings::PackFile;
 use crate::container::PackedTexture;
 use crate::{FormatError, Pack, PackKind};
 
-/// Makes [`PackKind`], [`Pack`] and [`BrdfPack`] of one line for each codec. Of BRDFs: its name in Rust, its pack, its folder; of
-/// others: the name, the type that [`Pack`] holds, the type that reads a pack, the folder.
+/// Generates [`PackKind`], [`Pack`] and [`BrdfPack`] from one line per codec. Lines of BRDFs have the variant, the pack
+/// type and the module; other lines have the variant, the type that [`Pack`] holds, the type that reads a pack and the
+/// module.
 macro_rules! codecs {
     (
         brdfs: { $($(#[$brdf_doc:meta])* $brdf:ident($brdf_pack:ident): $brdf_folder:ident;)* }
@@ -16,7 +18,8 @@ macro_rules! codecs {
             $($others)*
         }
 
-        /// A pack of a BRDF, of any codec. It dereferences to what all of them have.
+        /// A pack of a BRDF, of any codec. It dereferences to the trait that all of them implement,
+        /// [`Brdf`](crate::Brdf).
         #[derive(Debug, Clone, PartialEq)]
         #[allow(clippy::large_enum_variant)]
         pub enum BrdfPack {
@@ -36,7 +39,7 @@ macro_rules! codecs {
         impl TryFrom<Pack> for BrdfPack {
             type Error = PackKind;
 
-            /// The pack if it is one of a BRDF, otherwise its kind.
+            /// Returns the pack if it is a BRDF, otherwise its kind.
             fn try_from(pack: Pack) -> Result<Self, PackKind> {
                 match pack {
                     $(Pack::$brdf(pack) => Ok(Self::$brdf(pack)),)*
@@ -46,7 +49,7 @@ macro_rules! codecs {
         }
 
         impl BrdfPack {
-            /// The kind of the pack.
+            /// Kind of the pack.
             pub fn kind(&self) -> PackKind {
                 match self {
                     $(Self::$brdf(_) => PackKind::$brdf,)*
@@ -55,17 +58,17 @@ macro_rules! codecs {
         }
     };
     ($($(#[$doc:meta])* $kind:ident($held:ty): $pack:ident, $folder:ident;)*) => {
-        /// What a pack is.
+        /// Kind of a pack, one per codec.
         #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
         pub enum PackKind {
             $($(#[$doc])* $kind,)*
         }
 
         impl PackKind {
-            /// All of them.
+            /// All kinds.
             pub const ALL: [Self; [$(Self::$kind),*].len()] = [$(Self::$kind),*];
 
-            /// What is known of the codec apart from its packs.
+            /// Static description of the codec.
             pub fn descriptor(self) -> &'static $crate::Descriptor {
                 match self {
                     $(Self::$kind => &$crate::$folder::descriptor::DESCRIPTOR,)*
@@ -73,7 +76,7 @@ macro_rules! codecs {
             }
         }
 
-        /// A pack of any kind, checked by the rules of its layout.
+        /// A pack of any kind, validated against the rules of its layout.
         #[derive(Debug, Clone, PartialEq)]
         #[allow(clippy::large_enum_variant)]
         pub enum Pack {
@@ -87,14 +90,14 @@ macro_rules! codecs {
                 })
             }
 
-            /// What it is.
+            /// Kind of the pack.
             pub fn kind(&self) -> PackKind {
                 match self {
                     $(Self::$kind(_) => PackKind::$kind,)*
                 }
             }
 
-            /// What its shader has bound.
+            /// Bindings of its shader.
             pub fn bindings(&self) -> $crate::bindings::Bindings<'_> {
                 match self {
                     $(Self::$kind(pack) => pack.bindings(),)*
@@ -105,40 +108,41 @@ macro_rules! codecs {
 }
 
 impl PackKind {
-    /// The kind of a texture, by its decoder; nothing where it is no pack, or one of another program.
+    /// Kind of a texture, from the decoder that it names. `None` if it is not a pack or names an unknown decoder.
     pub fn of(texture: &PackedTexture<'_>) -> Option<Self> {
         Self::from_name(PackFile::decoder_of(texture)?)
     }
 
-    /// The kind that a decoder of this name is for.
+    /// Kind whose decoder has this name.
     pub fn from_name(name: &str) -> Option<Self> {
         Self::ALL.into_iter().find(|kind| kind.name() == name)
     }
 
-    /// The name of its decoder: in files, and on the command line.
+    /// Name of the decoder, in files and on the command line.
     pub fn name(self) -> &'static str {
         self.descriptor().name
     }
 
-    /// What a pack of it is called in messages.
+    /// Name of such a pack in messages, with article.
     pub fn in_words(self) -> &'static str {
         self.descriptor().in_words
     }
 }
 
 impl Pack {
-    /// Reads and checks a KTX2 file.
+    /// Reads and validates a KTX2 file.
     ///
     /// # Errors
-    /// What is no KTX2 file, no pack of a known kind, or breaks the rules of its kind.
+    /// Returns an error if the bytes are not a KTX2 file, not a pack of a known kind, or violate the rules of that
+    /// kind.
     pub fn from_bytes(bytes: &[u8]) -> Result<Self, FormatError> {
         Self::from_packed(PackedTexture::from_bytes(bytes)?)
     }
 
-    /// [`Self::from_bytes`] of a file whose container has been read.
+    /// Same as [`Self::from_bytes`] for a file whose container has been read.
     ///
     /// # Errors
-    /// As [`Self::from_bytes`].
+    /// Same as [`Self::from_bytes`].
     pub fn from_packed(packed: PackedTexture<'_>) -> Result<Self, FormatError> {
         let file = PackFile::from_packed(packed)?;
         let Some(kind) = PackKind::from_name(&file.bindings.decoder) else {
@@ -190,7 +194,7 @@ mod tests {
     }
 
     #[test]
-    fn packs_without_mipmaps_refuse_them() {
+    fn packs_without_mipmaps_reject_them() {
         let mut texture = Texture::from_bytes(&example().to_bytes(false)).unwrap();
         texture.levels = 2;
         texture.texels.extend_from_within(..16);

@@ -1,7 +1,7 @@
-//! The byte layouts of packs, their CPU decoders and their shaders.
+//! Byte layouts, CPU decoders and shaders of packs.
 //!
-//! An engine that loads packs links this crate alone. The normative description of each layout is the page beside its
-//! code: `src/*/spec.md`.
+//! An engine that loads packs needs only this crate. Each layout is specified normatively in the `spec.md` of its
+//! module: `src/*/spec.md`.
 //!
 //! Conventions: the local frame is x = tangent, y = bitangent, z = normal; directions are unit vectors that point away
 //! from the surface (`incoming` to the light, `outgoing` to the viewer); values are `f_r` in 1/sr, linear RGB with
@@ -45,7 +45,7 @@ use pwt::PwtPack;
 use table::TablePack;
 use wavelet::WaveletPack;
 
-// The codecs, a line for each.
+// One line per codec.
 codecs! {
     brdfs: {
         /// A table pack, plain or factored.
@@ -65,7 +65,7 @@ codecs! {
     }
 }
 
-/// The example of the README compiles.
+/// The examples of the README compile.
 #[cfg(doctest)]
 #[doc = include_str!("../README.md")]
 struct Readme;

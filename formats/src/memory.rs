@@ -1,11 +1,11 @@
-//! Memory whose size a file says: where there is none, that is an error of the file, not the end of the process.
+//! Fallible allocation for sizes that a file declares: running out of memory is a [`FormatError`], not an abort.
 
 use crate::FormatError;
 
 /// An empty vector with room for `count` elements.
 ///
 /// # Errors
-/// So much memory is not to be had; `field` is what asks for it.
+/// Returns an error if the allocation fails; `field` names the data that needs it.
 pub fn reserved<T>(field: &'static str, count: usize) -> Result<Vec<T>, FormatError> {
     let mut vector = Vec::new();
     vector.try_reserve_exact(count).map_err(|_| missing::<T>(field, count))?;
@@ -15,17 +15,17 @@ pub fn reserved<T>(field: &'static str, count: usize) -> Result<Vec<T>, FormatEr
 /// A vector of `count` elements, all `value`.
 ///
 /// # Errors
-/// As [`reserved`].
+/// Same as [`reserved`].
 pub fn filled<T: Clone>(field: &'static str, count: usize, value: T) -> Result<Vec<T>, FormatError> {
     let mut vector = reserved(field, count)?;
     vector.resize(count, value);
     Ok(vector)
 }
 
-/// Appends an element, `most` of which are allowed.
+/// Appends an element to a vector of at most `most` elements.
 ///
 /// # Errors
-/// One more than `most`; as [`reserved`].
+/// Returns an error if the vector already has `most` elements, or as [`reserved`].
 pub fn push_within<T>(vector: &mut Vec<T>, element: T, most: usize, field: &'static str) -> Result<(), FormatError> {
     if vector.len() >= most {
         return Err(FormatError::whole(field, format!("more than {most}"), format!("at most {most}")));
@@ -37,10 +37,10 @@ pub fn push_within<T>(vector: &mut Vec<T>, element: T, most: usize, field: &'sta
 
 fn missing<T>(field: &'static str, count: usize) -> FormatError {
     let size = in_words((count as u64).saturating_mul(size_of::<T>() as u64));
-    FormatError::whole(field, format!("{count}, which take {size}"), "as much as there is memory for")
+    FormatError::whole(field, format!("{count}, which take {size}"), "as much as fits in memory")
 }
 
-/// Bytes with a binary unit.
+/// Formats a number of bytes with a binary unit.
 pub fn in_words(count: u64) -> String {
     const UNITS: [&str; 5] = ["KiB", "MiB", "GiB", "TiB", "PiB"];
     if count < 1024 {
@@ -56,10 +56,10 @@ mod tests {
     use super::*;
 
     #[test]
-    fn what_cannot_be_had_is_an_error() {
+    fn failed_allocations_are_errors() {
         assert_eq!(filled("cells", 3, 1u8).unwrap(), [1; 3]);
         let error = filled("cells", 1 << 50, [0f32; 4]).unwrap_err().to_string();
-        let expected = "cells: found 1125899906842624, which take 16.00 PiB, expected as much as there is memory for";
+        let expected = "cells: found 1125899906842624, which take 16.00 PiB, expected as much as fits in memory";
         assert_eq!(error, expected);
         assert!(reserved::<u64>("cells", usize::MAX).is_err());
         let mut vector = vec![0u8; 2];

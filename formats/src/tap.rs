@@ -1,5 +1,5 @@
-//! Samples around a position and their weights, as decoders of textures and filters of images find them: arithmetic in a
-//! fixed order.
+//! Sample indices and weights for filtering at a position, used by texture decoders and image filters. The order of
+//! operations is fixed.
 
 /// Two neighbouring samples along one axis and the weight of the second.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -11,19 +11,19 @@ pub struct Tap {
 }
 
 impl Tap {
-    /// The samples around a position, counted from the border of the first of `count`; their centres are at halves. Beyond the
-    /// ends they repeat, or the last one goes on.
+    /// Samples around a position in units of samples from the border of the first of `count`; sample centres are at
+    /// halves. Beyond the ends, indices wrap around if `repeats`, otherwise they are clamped.
     pub fn new(position: f32, count: u32, repeats: bool) -> Self {
         Self::around(position - 0.5, count, repeats)
     }
 
-    /// [`Self::new`] of a position that is counted from the centre of the first sample.
+    /// Same as [`Self::new`] with the position counted from the centre of the first sample.
     pub fn around(at: f32, count: u32, repeats: bool) -> Self {
         let lower = at.floor();
         Self::of_samples(lower as i32, at - lower, count, repeats)
     }
 
-    /// [`Self::around`] in double precision, for positions far from the first sample.
+    /// Same as [`Self::around`] in double precision, for positions far from the first sample.
     pub fn around_f64(at: f64, count: u32, repeats: bool) -> Self {
         let lower = at.floor();
         Self::of_samples(lower as i32, (at - lower) as f32, count, repeats)
@@ -36,23 +36,23 @@ impl Tap {
         Self { samples: [sample(first), sample(first.saturating_add(1))], weight }
     }
 
-    /// Indices of the samples, for slices.
+    /// Indices of the samples as `usize`.
     pub fn indices(self) -> [usize; 2] {
         self.samples.map(|sample| sample as usize)
     }
 
-    /// Samples with their weights.
+    /// Indices with their weights.
     fn weighted(self) -> [(u32, f32); 2] {
         [(self.samples[0], 1.0 - self.weight), (self.samples[1], self.weight)]
     }
 }
 
-/// The texels around a parameter, whose centres are at `(i + ½) / size`, with period 1.
+/// Texels around a parameter with period 1; texel centres are at `(i + ½) / size`.
 pub(crate) fn periodic_tap(parameter: f32, size: u32) -> Tap {
     Tap::new(parameter * size as f32, size, true)
 }
 
-/// Four samples with their weights: rows outside, columns inside.
+/// Four samples with their weights, column fastest.
 pub(crate) fn footprint(column: Tap, row: Tap) -> [([u32; 2], f32); 4] {
     let mut samples = [([0; 2], 0.0); 4];
     for (r, (row, row_weight)) in row.weighted().into_iter().enumerate() {
@@ -63,14 +63,14 @@ pub(crate) fn footprint(column: Tap, row: Tap) -> [([u32; 2], f32); 4] {
     samples
 }
 
-/// The value between four samples, which `sample` gives by column and row: along the rows first.
+/// Bilinear interpolation of the four values that `sample` returns by column and row, along rows first.
 pub fn bilinear<const N: usize>([column, row]: [Tap; 2], sample: impl Fn([usize; 2]) -> [f32; N]) -> [f32; N] {
     let between = |[a, b]: [[f32; N]; 2], weight: f32| std::array::from_fn(|k| a[k] + weight * (b[k] - a[k]));
     let along = |row: usize| between(column.indices().map(|column| sample([column, row])), column.weight);
     between(row.indices().map(along), row.weight)
 }
 
-/// The fraction, 0 to below 1. Numbers that have none become 0.
+/// Fractional part, in [0, 1); 0 for non-finite numbers.
 pub(crate) fn wrap(x: f32) -> f32 {
     let fraction = x - x.floor();
     // A tiny negative number has a fraction that rounds to 1.
@@ -108,7 +108,7 @@ mod tests {
         assert_eq!(bilinear(taps, |[column, row]| [column as f32 + 10.0 * row as f32, 7.0]), [5.25, 7.0]);
     }
 
-    /// What the shaders do for parameters from 0 to below 1: they take the last texel, and the first, by comparisons.
+    /// Shaders select the last and the first texel by comparison for parameters in [0, 1).
     #[test]
     fn remainders_are_what_shaders_compare() {
         let below_one = f32::from_bits(1.0f32.to_bits() - 1);
@@ -124,9 +124,9 @@ mod tests {
         }
     }
 
-    /// Whatever the position, there are such samples.
+    /// Indices are valid for any position.
     #[test]
-    fn positions_that_are_no_places() {
+    fn positions_that_are_not_finite_or_huge() {
         for position in [f32::NAN, f32::INFINITY, f32::NEG_INFINITY, f32::MAX, f32::MIN] {
             for repeats in [false, true] {
                 assert!(Tap::new(position, 5, repeats).samples.iter().all(|k| *k < 5), "{position} {repeats}");

@@ -1,15 +1,15 @@
-//! Exponential and logarithm in f32 without branches, so that loops over them become vector code. The standard ones
-//! are calls, and a grid asks for ten million of them.
+//! Branch-free exponential and logarithm in f32, which compilers vectorise in loops. The functions of the standard
+//! library are calls and do not vectorise; one grid needs about ten million evaluations.
 //!
-//! Polynomials are minimax fits on the reduced range, made for this file; the tests bound their error.
+//! The polynomials are minimax fits on the reduced range. The tests bound their error.
 
-/// `exp(x)`, within 2.5e-7 relative for `|x| <= 80`; outside it saturates.
+/// `exp(x)` with a relative error below 2.5e-7 for `|x| <= 80`; saturates outside.
 #[inline]
 pub fn exp(x: f32) -> f32 {
     const C: [f32; 5] = [0.5, 1.666_652e-1, 4.166_620_6e-2, 8.368_882e-3, 1.395_047_8e-3];
     const LN2_HIGH: f32 = 0.693_359_4;
     const LN2_LOW: f32 = -2.121_944_4e-4;
-    // Adding and taking away 1.5 * 2^23 rounds to the nearest integer.
+    // Adding and subtracting 1.5 * 2^23 rounds to the nearest integer.
     const ROUND: f32 = 12_582_912.0;
     let x = x.clamp(-87.0, 88.0);
     let k = (x * std::f32::consts::LOG2_E + ROUND) - ROUND;
@@ -19,16 +19,16 @@ pub fn exp(x: f32) -> f32 {
     (1.0 + (r + r * r * p)) * scale
 }
 
-/// `ln(1 + x)`, within 3e-7 relative for `x > -1` where `1 + x` is a normal number.
+/// `ln(1 + x)` with a relative error below 3e-7 for `x > -1` where `1 + x` is a normal number.
 #[inline]
 pub fn ln_1p(x: f32) -> f32 {
     let y = 1.0 + x;
-    // What rounding 1 + x lost: matters for small x.
+    // Rounding error of 1 + x, which matters for small x.
     let lost = if y < 4.0 { x - (y - 1.0) } else { 0.0 };
     ln(y) + lost / y
 }
 
-/// `ln(y)` for positive normal numbers, within 3e-7 relative.
+/// `ln(y)` of positive normal numbers with a relative error below 3e-7.
 #[inline]
 pub fn ln(y: f32) -> f32 {
     let (exponent, z, bend) = ln_parts(y);
@@ -36,7 +36,7 @@ pub fn ln(y: f32) -> f32 {
     z + small + exponent * 0.693_359_4
 }
 
-/// `y = 2^exponent (1 + z)` with a mantissa in `[√½, √2)`, and `ln(1 + z) - z`.
+/// Splits `y = 2^exponent (1 + z)` with a mantissa in `[√½, √2)`, and evaluates `ln(1 + z) - z`.
 #[inline]
 pub fn ln_parts(y: f32) -> (f32, f32, f32) {
     const C: [f32; 8] = [

@@ -1,4 +1,4 @@
-//! `brdfc bandwidth`: how fast a material, an environment or a texture varies, as a map.
+//! `brdfc bandwidth`: bandwidth maps of materials, environments and textures.
 
 use super::output::{
     json_or, note, note_directions, note_repairs, output_parser, print, print_report, refuse_unfit_output, write_file,
@@ -16,10 +16,10 @@ use serde::Serialize;
 use std::path::PathBuf;
 use std::time::Instant;
 
-/// Precompute how fast a material, an environment or a texture varies.
+/// Precompute a map of how fast a material, an environment or a texture varies.
 ///
-/// Renderers shade only where, and as finely as, such maps ask for: see formats/src/bandwidth/spec.md. Prints the largest and the
-/// mean bandwidth.
+/// Renderers use such maps to decide where, and how finely, to shade; formats/src/bandwidth/spec.md describes the layout.
+/// Prints the largest and the mean bandwidth.
 #[derive(Debug, Args)]
 #[command(after_help = "\
 Examples:
@@ -32,23 +32,23 @@ pub struct Arguments {
     /// The map to write, or - for stdout.
     #[arg(long, short, value_name = "MAP.ktx2", value_parser = output_parser())]
     output: PathBuf,
-    /// What the input is, where its extension does not say.
+    /// Kind of the input, if its extension does not tell.
     #[arg(long, value_enum)]
     kind: Option<Kind>,
-    /// Pixels per side at which each lobe of a material is transformed: a power of two from 32 to 1024 (default 64), or auto
-    /// to double it, to at most 256, as long as a highlight is narrower than that shows. A note says where it limits values.
+    /// Pixels per side at which each lobe of a material is transformed: a power of two from 32 to 1024 (default: 64). With auto,
+    /// the program doubles it, up to 256, while highlights are narrower than the resolution shows. A note reports values that it limits.
     #[arg(long, value_name = "N|auto", allow_hyphen_values = true)]
     resolution: Option<String>,
-    /// Coefficients whose sum is below this share of the largest one do not count, 0.0001 to 0.1.
+    /// Threshold: ignore coefficients whose sum is below this fraction of the largest one, 0.0001 to 0.1.
     #[arg(long, value_name = "E", default_value_t = DEFAULT_EPSILON)]
     epsilon: f64,
-    /// Width and height of a texture in metres.
+    /// Width and height of a texture in metres, such as 0.3x0.2, each 1e-6 to 1e6. Required for textures.
     #[arg(long, value_name = "WxH", allow_hyphen_values = true)]
     size: Option<String>,
-    /// The texture does not repeat: what lies beyond its border does not count.
+    /// Treat the texture as one that does not repeat, and ignore everything beyond its border.
     #[arg(long)]
     no_tile: bool,
-    /// Write the map as a rendering, too: from dark (calm, 1/256 of the largest value and less) to pale yellow.
+    /// Also write the map as an image, from dark (at most 1/256 of the largest value) to pale yellow.
     #[cfg(feature = "render")]
     #[arg(long, value_name = "MAP.png")]
     rendering: Option<PathBuf>,
@@ -64,20 +64,20 @@ enum Kind {
     Texture,
 }
 
-/// What `--json` prints, and 'brdfc info --json' of a map.
+/// Report of `--json`, and of 'brdfc info --json' for a map.
 #[derive(Debug, Serialize, schemars::JsonSchema)]
 pub struct Report {
     /// Layout of this report.
     version: u32,
     /// 'bandwidth-map'.
     kind: &'static str,
-    /// What it says of itself, and its values.
+    /// Metadata of the map, and its values.
     #[serde(flatten)]
     facts: BandwidthFacts,
-    /// What evaluating a material had to repair; not of images, nor of a map that was there.
+    /// Repairs to a material's values; absent for images and for existing maps.
     #[serde(rename = "repaired")]
     repairs: Option<Tally>,
-    /// Seconds that reading and finding the bandwidth took; not of a map that was there.
+    /// Seconds spent on reading and computing; absent for existing maps.
     seconds: Option<Seconds>,
 }
 
@@ -128,7 +128,7 @@ pub(super) fn info(map: &BandwidthMap, common: Common) -> Result<(), Error> {
     print(&json_or(common, &report, report.text()))
 }
 
-/// What is to be done, from the flags.
+/// Resolves the kind of map from the flags.
 fn recipe(arguments: &Arguments) -> Result<bandwidth::Kind, Error> {
     let usage = |text: String| Err(Error::usage(text));
     let [least, most] = EPSILON_RANGE;
@@ -143,14 +143,14 @@ fn recipe(arguments: &Arguments) -> Result<bandwidth::Kind, Error> {
     });
     if (kind == Kind::Brdf) != radiance.is_none() {
         let found = if radiance.is_none() { "no image" } else { "an image" };
-        let allowed = "brdf for materials; environment or texture for .exr, .hdr, .png and .jpg";
+        let allowed = "brdf for materials, environment or texture for .exr, .hdr, .png and .jpg";
         return usage(format!("--kind: found {} of {found}, expected {allowed}", format!("{kind:?}").to_lowercase()));
     }
     if kind != Kind::Brdf && arguments.resolution.is_some() {
-        return usage("--resolution: found an image, expected for materials".to_owned());
+        return usage("--resolution does not apply to images, only to materials".to_owned());
     }
     if kind != Kind::Texture && (arguments.size.is_some() || arguments.no_tile) {
-        return usage("--size, --no-tile: found no texture, expected for textures".to_owned());
+        return usage("--size and --no-tile apply only to textures".to_owned());
     }
     Ok(match kind {
         Kind::Brdf => {
@@ -168,7 +168,7 @@ fn recipe(arguments: &Arguments) -> Result<bandwidth::Kind, Error> {
     })
 }
 
-/// Width and height of a texture.
+/// Parses `--size`: width and height of a texture in metres.
 fn metres(arguments: &Arguments) -> Result<[f64; 2], Error> {
     let side = |part: &str| part.parse::<f64>().ok().filter(|side| (1e-6..=1e6).contains(side));
     let found = arguments.size.as_deref().unwrap_or("none");
@@ -204,7 +204,7 @@ pub(super) fn run(arguments: &Arguments, common: Common) -> Result<(), Error> {
     print_report(common, &arguments.output, &json_or(common, &report, report.text()))
 }
 
-/// The rendering is another file than the input and the map, and a PNG.
+/// Checks that `--rendering` is a PNG and differs from the input and the map.
 #[cfg(feature = "render")]
 fn check_rendering(arguments: &Arguments) -> Result<(), Error> {
     use super::output::{refuse_other_extension, refuse_overwriting, refuse_same_outputs};

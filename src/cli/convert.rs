@@ -1,4 +1,4 @@
-//! `brdfc convert`: any source as a measured file that other programs read.
+//! `brdfc convert`: writes a source in a file format of other programs.
 
 use super::output::{json_or, output_parser, print_report, refuse_flags, refuse_unfit_output, write_file};
 use super::synth::dimensions;
@@ -11,12 +11,12 @@ use clap::Args;
 use serde::Serialize;
 use std::path::{Path, PathBuf};
 
-/// Write a material or a pack as a file that other programs read, and say what that costs.
+/// Convert a material or a pack to a file format of other programs, and measure the error.
 ///
-/// The extension says which: .binary is a MERL table, for isotropic materials, of 90 x 90 x 180 values as most readers want it;
-/// .bsdf is a material of the RGL database, in RGB, as Mitsuba's 'measured' reads it; .csv is a list of direction pairs with their
-/// values. What was written is read again and held against the input, at the pairs
-/// at which packs are measured.
+/// The extension selects the format. .binary is a MERL table for isotropic materials; most readers expect 90 x 90 x 180
+/// values. .bsdf is a material of the RGL database in RGB, which Mitsuba's 'measured' reads. .csv is a list of direction pairs
+/// with values. The program reads the written file back and compares it with the input at the pairs at which packs are
+/// measured.
 #[derive(Debug, Args)]
 #[command(after_help = "\
 Examples:
@@ -33,26 +33,26 @@ pub struct Arguments {
     /// Samples of a MERL table along theta_h, theta_d and phi_d (default: 90x90x180).
     #[arg(long, value_name = "HxDxP", allow_hyphen_values = true)]
     dimensions: Option<String>,
-    /// Incoming and outgoing polar angles, 0 to 85 degrees, and outgoing azimuths of a list (default: 12x24x48). Incoming azimuths
-    /// are 8, of isotropic materials 1.
+    /// Incoming polar angles, outgoing polar angles and outgoing azimuths of a list, each 2 to 1000 (default: 12x24x48). Polar
+    /// angles range from 0 to 85 degrees. Isotropic materials have 1 incoming azimuth, others 8.
     #[arg(long, value_name = "IxOxA", allow_hyphen_values = true)]
     grid: Option<String>,
 }
 
-/// What `--json` prints.
+/// Report of `--json`.
 #[derive(Debug, Serialize, schemars::JsonSchema)]
 pub struct Report {
     /// Layout of this report.
     version: u32,
     /// 'merl', 'rgl' or 'csv'.
     kind: &'static str,
-    /// What was converted.
+    /// The input.
     source: Facts,
-    /// Values in the file: cells of a table that are not below the horizon, or rows of a list.
+    /// Values in the file: cells of a table above the horizon, or rows of a list.
     values: usize,
     /// Bytes of the file.
     bytes_on_disk: usize,
-    /// The file against the input.
+    /// Comparison of the file with the input.
     #[serde(flatten)]
     comparison: Comparison,
 }
@@ -79,12 +79,12 @@ pub(super) fn run(arguments: &Arguments, common: Common) -> Result<(), Error> {
     print_report(common, output, &json_or(common, &report, text))
 }
 
-/// What the name of the output asks for.
+/// Selects the target format by the extension of the output.
 fn target(arguments: &Arguments) -> Result<(&'static str, Target), Error> {
     let is = |name: &str| arguments.output.extension().is_some_and(|extension| extension.eq_ignore_ascii_case(name));
     let flags = [
-        (arguments.dimensions.is_some() && !is("binary"), "--dimensions", "with a file in .binary"),
-        (arguments.grid.is_some() && !is("csv"), "--grid", "with a file in .csv"),
+        (arguments.dimensions.is_some() && !is("binary"), "--dimensions", ".binary files"),
+        (arguments.grid.is_some() && !is("csv"), "--grid", ".csv files"),
     ];
     refuse_flags(arguments.output.display(), &flags)?;
     if is("csv") {
@@ -96,21 +96,21 @@ fn target(arguments: &Arguments) -> Result<(&'static str, Target), Error> {
     Ok(("merl", Target::Merl(dimensions(arguments.dimensions.as_deref().unwrap_or("90x90x180"))?)))
 }
 
-/// Most numbers of each kind.
-const MOST: usize = 1000;
-/// Most rows of an anisotropic list.
+/// Maximum of each number of `--grid`.
+const MAX: usize = 1000;
+/// Maximum number of rows of an anisotropic list.
 const MAX_ROWS: usize = 10_000_000;
 
 fn pair_grid(text: &str) -> Result<PairGrid, Error> {
     let parts: Vec<usize> = text.split('x').map(|part| part.parse().unwrap_or(0)).collect();
     match parts[..] {
         [incoming, outgoing, azimuths]
-            if parts.iter().all(|part| (2..=MOST).contains(part)) && 8 * incoming * outgoing * azimuths <= MAX_ROWS =>
+            if parts.iter().all(|part| (2..=MAX).contains(part)) && 8 * incoming * outgoing * azimuths <= MAX_ROWS =>
         {
             Ok(PairGrid { incoming, outgoing, azimuths })
         }
         _ => Err(Error::usage(format!(
-            "--grid: found {text}, expected three numbers from 2 to {MOST}, such as 12x24x48, of at most {} pairs",
+            "--grid: found {text}, expected three numbers from 2 to {MAX}, such as 12x24x48, of at most {} pairs",
             MAX_ROWS / 8
         ))),
     }

@@ -1,4 +1,4 @@
-//! `brdfc encode`: one input to one pack.
+//! `brdfc encode`: encodes one material as a pack.
 
 use super::options::PackOptions;
 use super::output::{json_or, note, output_parser, print_report, refuse_unfit_output};
@@ -13,8 +13,9 @@ use std::path::PathBuf;
 
 /// Encode one material as a pack for GPUs.
 ///
-/// Without options: the smallest pack whose renderings look like those of its source (a mean ΔE of 0.5, 95 % below 2). Prints
-/// what was tried, and bytes, fetches and errors of what was kept; the errors stand in the pack too.
+/// Without options, the result is the smallest pack, among sizes in doublings, whose renderings look like those of its
+/// source (mean ΔE 0.5, 95th percentile below 2). Prints every candidate, and the bytes, fetches and errors of the selected pack, which also contains
+/// its errors.
 #[derive(Debug, Args)]
 #[command(after_help = "\
 Examples:
@@ -33,17 +34,17 @@ pub struct Arguments {
     options: PackOptions,
 }
 
-/// What `--json` prints.
+/// Report of `--json`.
 #[derive(Debug, Serialize, schemars::JsonSchema)]
 pub struct Report {
     /// Layout of this report.
     version: u32,
     /// The input.
     input: Facts,
-    /// What was made and measured.
+    /// The pack and its measured errors.
     #[serde(flatten)]
     report: MaterialReport,
-    /// What was found of the fit to a scan where something was asked of it.
+    /// Results of the checks of the fit to a scan, if any were requested.
     gates: Vec<GateResult>,
     /// Seconds per stage.
     stages: Vec<StageTime>,
@@ -52,7 +53,7 @@ pub struct Report {
 pub(super) fn run(arguments: &Arguments, common: Common) -> Result<(), Error> {
     let request = arguments.options.request()?;
     refuse_unfit_output(&arguments.output, &["ktx2"], arguments.input.path().as_slice())?;
-    // An interrupt ends the process at once: there is one file, which is whole or not there.
+    // An interrupt ends the process at once: the single output file is either complete or absent.
     let progress = Materials::new(1, false, common);
     let name = arguments.output.file_name().map_or_else(String::new, |name| name.to_string_lossy().into_owned());
     let part = progress.part(&name);

@@ -1,4 +1,4 @@
-//! `brdfc eval`: values at given direction pairs.
+//! `brdfc eval`: evaluates a source at given direction pairs.
 
 use super::inputs::refuse_stdin_twice;
 use super::output::{as_flag, note_directions, note_repairs, output_parser, print, refuse_unfit_output, write_file};
@@ -11,13 +11,13 @@ use std::path::{Path, PathBuf};
 
 /// Evaluate a source or pack at direction pairs.
 ///
-/// The CSV has a header with wi_x,wi_y,wi_z,wo_x,wo_y,wo_z (unit vectors in the frame x = tangent, y = bitangent,
-/// z = normal; other columns are kept); f_r,f_g,f_b (1/sr, linear RGB) are appended, in place of columns of these names. Scans are smoothed at the asked
-/// directions themselves, packs are filtered bilinearly.
+/// The CSV has a header with wi_x,wi_y,wi_z,wo_x,wo_y,wo_z: unit vectors in the frame x = tangent, y = bitangent, z = normal.
+/// The output has the same columns, followed by f_r,f_g,f_b (1/sr, linear RGB), which replace existing columns of these names.
+/// Scans are smoothed at the requested directions, and packs are filtered bilinearly.
 ///
-/// Of a polynomial wavelet tree ('brdfc pwt') and of a flat BTF the CSV says where: u,v (0 to 1, across and
-/// down; of a flat BTF v is 1 minus the v of its shader), wi_x,wi_y,wi_z, and for a flat BTF wo_x,wo_y,wo_z; r,g,b (linear, 1 is
-/// white) are appended.
+/// For a polynomial wavelet tree ('brdfc pwt') or a flat BTF, the CSV also has positions: u,v (0 to 1, across and down),
+/// wi_x,wi_y,wi_z and, for a flat BTF, wo_x,wo_y,wo_z. The v of a flat BTF is 1 minus the v of its shader. The output
+/// columns are r,g,b (linear, 1 is white).
 #[derive(Debug, Args)]
 #[command(after_help = "\
 Examples:
@@ -28,20 +28,20 @@ Examples:
 pub struct Arguments {
     /// A path, - for stdin, or synth:MODEL?param=value&...; a flat BTF or its folder.
     input: Input,
-    /// Direction pairs or texels, or - for stdin.
+    /// CSV of direction pairs or positions, or - for stdin.
     #[arg(long, value_name = "IN.csv")]
     directions: Input,
-    /// Where to write; stdout if absent, or -.
+    /// Output file, or - for stdout (default: stdout).
     #[arg(long, short, value_name = "OUT.csv", value_parser = output_parser())]
     output: Option<PathBuf>,
-    /// Level of detail of a pack, 0 (coarsest) to its number of levels (finest, the default).
+    /// Level of detail of a pack, from 0 (coarsest) to its number of levels (finest, the default).
     #[arg(long, value_name = "L")]
     lod: Option<f32>,
 }
 
-/// Columns of values.
+/// Output columns of reflectance.
 const VALUES: [&str; 3] = ["f_r", "f_g", "f_b"];
-/// Columns of values that are no reflectances.
+/// Output columns of colour.
 const COLOURS: [&str; 3] = ["r", "g", "b"];
 
 pub(super) fn run(arguments: &Arguments, common: Common) -> Result<(), Error> {
@@ -64,7 +64,7 @@ pub(super) fn run(arguments: &Arguments, common: Common) -> Result<(), Error> {
     write(arguments, &bytes, VALUES, values.iter())
 }
 
-/// Values at places of a rendering or a tile.
+/// Evaluates positions of an image or a tile.
 fn texels(arguments: &Arguments, relightable: &Relightable, bytes: &[u8]) -> Result<(), Error> {
     let directions = &arguments.directions;
     let queries = texels_from_bytes(bytes, relightable.has_views())
@@ -72,7 +72,7 @@ fn texels(arguments: &Arguments, relightable: &Relightable, bytes: &[u8]) -> Res
     let finest = relightable.levels() as f32;
     let level = arguments.lod.unwrap_or(finest);
     if !(0.0..=finest).contains(&level) {
-        let allowed = format!("0 to {finest}, the levels that there are");
+        let allowed = format!("0 to {finest}, the available levels");
         return Err(Error::wrong_usage("--lod", format_number(level), allowed));
     }
     write(arguments, bytes, COLOURS, relightable.values(&queries, level).iter())
@@ -92,7 +92,7 @@ fn write<'a, T: ToString + 'a>(
     }
 }
 
-/// The records of the input, each with its value.
+/// Appends the values to the records of the input.
 fn appended<'a, T: ToString + 'a>(
     bytes: &[u8],
     columns: [&str; 3],
@@ -101,10 +101,10 @@ fn appended<'a, T: ToString + 'a>(
     let mut reader = csv::ReaderBuilder::new().trim(csv::Trim::All).comment(Some(b'#')).from_reader(bytes);
     let mut writer = csv::Writer::from_writer(Vec::new());
     let found = reader.headers()?.clone();
-    // Values that are there already are another source's: the first of two columns with one name counts.
-    let kept: Vec<bool> = found.iter().map(|name| !columns.contains(&name)).collect();
+    // Existing value columns come from another source. Readers take the first of two columns with one name, so drop them.
+    let retained: Vec<bool> = found.iter().map(|name| !columns.contains(&name)).collect();
     let others = |record: &csv::StringRecord| -> csv::StringRecord {
-        record.iter().zip(&kept).filter(|(_, kept)| **kept).map(|(field, _)| field).collect()
+        record.iter().zip(&retained).filter(|(_, retained)| **retained).map(|(field, _)| field).collect()
     };
     let mut header = others(&found);
     columns.iter().for_each(|name| header.push_field(name));

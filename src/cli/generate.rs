@@ -1,4 +1,4 @@
-//! `brdfc generate`: shell completions and man pages, for whoever packages the program.
+//! `brdfc generate`: shell completions and man pages, for packagers.
 
 use super::Error;
 use super::output::{make_folder, print, write_file};
@@ -7,45 +7,45 @@ use clap_complete::{Generator, Shell, generate};
 use clap_mangen::Man;
 use std::path::PathBuf;
 
-/// Write shell completions or man pages into a folder, and print which.
+/// Write shell completions or man pages into a folder, and print their paths.
 #[derive(Debug, Args)]
 #[command(after_help = "\
 Examples:
   brdfc generate completions --out completions
   brdfc generate man --out man/man1")]
 pub struct Arguments {
-    /// What to write.
+    /// Files to write.
     #[arg(value_enum)]
-    what: What,
-    /// The folder; made if there is none.
+    what: Kind,
+    /// Output folder, created if missing.
     #[arg(long, short, value_name = "DIR")]
     out: PathBuf,
 }
 
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
-enum What {
+enum Kind {
     /// Completions for bash, elvish, fish, PowerShell and zsh.
     Completions,
-    /// A man page of the program, and one of each command.
+    /// A man page for the program, and one for each command.
     Man,
 }
 
 pub(super) fn run(arguments: &Arguments, command: clap::Command) -> Result<(), Error> {
     let files = match arguments.what {
-        What::Completions => completions(command),
-        What::Man => pages(command)?,
+        Kind::Completions => completions(command),
+        Kind::Man => pages(command)?,
     };
     make_folder(&arguments.out)?;
-    let mut told = String::new();
+    let mut paths = String::new();
     for (name, bytes) in files {
         let path = arguments.out.join(name);
         write_file(&path, &bytes)?;
-        told += &format!("{}\n", path.display());
+        paths += &format!("{}\n", path.display());
     }
-    print(&told)
+    print(&paths)
 }
 
-/// A script for each shell.
+/// Generates a completion script for each shell.
 fn completions(mut command: clap::Command) -> Vec<(String, Vec<u8>)> {
     let name = command.get_name().to_owned();
     let script = |shell: &Shell| {
@@ -56,7 +56,7 @@ fn completions(mut command: clap::Command) -> Vec<(String, Vec<u8>)> {
     Shell::value_variants().iter().map(script).collect()
 }
 
-/// A page of the program, and of each command that its help lists.
+/// Generates a man page for the program, and one for each command in its help.
 fn pages(command: clap::Command) -> Result<Vec<(String, Vec<u8>)>, Error> {
     let mut command = command.disable_help_subcommand(true);
     command.build();
@@ -70,7 +70,7 @@ fn pages(command: clap::Command) -> Result<Vec<(String, Vec<u8>)>, Error> {
     std::iter::once(&command).chain(commands).map(page).collect()
 }
 
-/// A page as every formatter shows it: examples keep their lines, and what is no ASCII has its number.
+/// Adapts a page to all formatters: examples keep their lines, and characters outside ASCII become escapes.
 fn typeset(page: &str) -> String {
     const EXTRA: &str = ".SH EXTRA\n";
     let page = match page.split_once(EXTRA) {

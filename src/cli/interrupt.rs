@@ -1,4 +1,4 @@
-//! Interrupts that stop long work between two steps, and end the process where the next step is far.
+//! Interrupts: stop long work between two steps, or end the process if the next step is far.
 
 use crate::Error;
 use crate::output::tell;
@@ -8,25 +8,25 @@ use brdfc_terminal::INTERRUPTED;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Duration;
 
-/// Time for a step to end by itself; people wait half a second at most.
+/// Time that a step gets to finish; people wait at most half a second.
 const PATIENCE: Duration = Duration::from_millis(250);
 
 static AT_WORK: AtomicBool = AtomicBool::new(true);
 static ASKED: AtomicBool = AtomicBool::new(false);
 
-/// Whether there is work that an interrupt breaks off, as there is at first. Where there is none it ends the program as it was
-/// meant to end, with exit code 0.
+/// Sets whether an interrupt breaks off work (initially true). If there is no work, an interrupt ends the program normally,
+/// with exit code 0.
 pub fn at_work(at_work: bool) {
     AT_WORK.store(at_work, Ordering::Relaxed);
 }
 
-/// Whether an interrupt came.
+/// Returns true if an interrupt arrived.
 pub fn is_asked() -> bool {
     ASKED.load(Ordering::Relaxed)
 }
 
-/// From now on an interrupt sets the flag that this returns, and soon after ends the process. Nothing is half written: finished
-/// files are put in place all together.
+/// Makes interrupts set the returned flag, and soon after end the process. No file is left incomplete: the finished files
+/// are moved into place together.
 pub fn watch() -> Result<&'static AtomicBool, Error> {
     ctrlc::set_handler(|| {
         ASKED.store(true, Ordering::Relaxed);

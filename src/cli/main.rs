@@ -1,4 +1,4 @@
-//! The command line: one file per subcommand, flags to a resolved recipe to one call.
+//! Command line: one file per subcommand, which converts flags to a recipe and makes one call.
 
 mod bandwidth;
 mod build_scene;
@@ -60,7 +60,7 @@ enum Command {
     Flatten(Box<flatten::Arguments>),
     #[cfg(feature = "render")]
     Render(Box<render::Arguments>),
-    /// Not in this program: it was built without its feature 'render'.
+    /// Not available: this program was built without its feature 'render'.
     #[cfg(not(feature = "render"))]
     Render {
         /// Anything.
@@ -77,7 +77,7 @@ enum Command {
 }
 
 impl Command {
-    /// The name of a command that prints no report.
+    /// Returns the name of a command that prints no report.
     fn without_report(&self) -> Option<&'static str> {
         match self {
             Self::Eval(_) => Some("eval"),
@@ -93,21 +93,21 @@ const WITH_REPORT: &str = "bandwidth, build, compare, convert, encode, flatten, 
 
 const EXAMPLES: &str = "\
 Examples:
-  brdfc build scene.toml                              make the packs of a scene
+  brdfc build scene.toml                              build the packs of a scene
   brdfc build scans --max-delta-e 1                   the smallest packs of a folder of scans
-  brdfc watch scene.toml                              make them again whenever something changes
-  brdfc encode red-plastic.binary -o red.ktx2         make the smallest pack that looks right
+  brdfc watch scene.toml                              rebuild them when an input changes
+  brdfc encode red-plastic.binary -o red.ktx2         the smallest pack without visible error
   brdfc encode paint.brdf -o paint.ktx2 --max-error 0.02
-  brdfc compare paint.brdf paint.ktx2                 how wrong is it?
+  brdfc compare paint.brdf paint.ktx2                 measure the error of the pack
   brdfc info paint.ktx2
-  brdfc convert paint.brdf -o paint.binary            for other programs
-  brdfc render paint.ktx2 -o paint.png                what does it look like?
-  brdfc view paint.ktx2 paint.brdf -o paint.html      turned and lit in a browser, beside its source
-  brdfc report packs -o report.html                   a page for others: renderings, errors, checks
-  brdfc verify packs                                  is every file still what the build wrote?
-  brdfc flatten synth:button -o button                flat BTF of a surface with relief
-  brdfc pwt icon -o icon.ktx2                         photographs under known lights, lit again
-  brdfc bandwidth museum.exr -o museum.ktx2           how fast does it vary?
+  brdfc convert paint.brdf -o paint.binary            convert it for other programs
+  brdfc render paint.ktx2 -o paint.png                draw it with the shaders that engines use
+  brdfc view paint.ktx2 paint.brdf -o paint.html      a page that draws it next to its source
+  brdfc report packs -o report.html                   a page of renderings, errors and checks
+  brdfc verify packs                                  check that every file is intact
+  brdfc flatten synth:button -o button                the flat BTF of a surface with relief
+  brdfc pwt icon -o icon.ktx2                         an RTI capture as a pack that can be relit
+  brdfc bandwidth museum.exr -o museum.ktx2           a map of how fast it varies
   brdfc samples red-plastic.binary -o red.samples.ktx2
   brdfc shader table --language essl300               the decoder for an engine
 
@@ -118,7 +118,7 @@ const EXIT_CODES: &str = "\
 Exit codes: 0 done; 1 a check failed (error budget missed, comparison differs); 2 wrong usage; 3 invalid input;
 4 cannot read or write; 5 no usable graphics adapter; 6 internal error; 130 interrupted.";
 
-/// What stands below the list of commands.
+/// Help below the list of commands.
 fn after_help() -> String {
     format!("{EXAMPLES}\nFiles: {}.\n\n{EXIT_CODES}", brdfc::inspect::known_files())
 }
@@ -128,7 +128,7 @@ fn command() -> clap::Command {
     let command = Cli::command()
         .mut_args(usage::with_negatives)
         .mut_subcommands(|command| command.mut_args(usage::with_negatives));
-    // There the flag of this name is a check of the rendering.
+    // `--max-delta-e` of `render` checks the rendering, so the encoding option gets another name there.
     #[cfg(feature = "render")]
     let command = command
         .mut_subcommand("render", |command| command.mut_arg("pack_delta_e", |argument| argument.long("pack-delta-e")));
@@ -141,7 +141,7 @@ fn main() -> ExitCode {
 
 fn run(cli: Cli, common: Common) -> Result<(), Error> {
     if let (true, Some(name)) = (common.json, cli.command.without_report()) {
-        return Err(Error::usage(format!("--json: found with {name}, expected with {WITH_REPORT}")));
+        return Err(Error::usage(format!("--json does not apply to {name}, only to {WITH_REPORT}")));
     }
     match cli.command {
         Command::Build(arguments) => build_scene::run(&arguments, common),

@@ -1,28 +1,28 @@
-//! Flags that say how a pack is made.
+//! Flags that determine how a pack is encoded and stored.
 
 use super::Error;
 use brdfc::encode::OptionError;
 use brdfc::{EncodeOptions, FitLimits, PackRecipe};
 use clap::Args;
 
-/// How a pack is made, and how it is stored.
+/// Encoding and storage options of a pack.
 #[derive(Debug, Args)]
 pub struct PackOptions {
     #[command(flatten)]
     encode: EncodeOptions,
-    /// Store texels as they are, without Zstandard.
+    /// Store texels uncompressed, without Zstandard.
     #[arg(long)]
     no_supercompression: bool,
 }
 
 impl PackOptions {
-    /// Whether any is given.
+    /// Returns true if any option is given.
     #[cfg(feature = "render")]
     pub fn any(&self) -> bool {
         self.encode != EncodeOptions::default() || self.no_supercompression
     }
 
-    /// The recipe, and what is asked of the fit to a scan.
+    /// Resolves the recipe, and the limits of the fit to a scan.
     pub fn request(&self) -> Result<(PackRecipe, FitLimits), Error> {
         let in_flags = |error: OptionError| {
             let (flag, OptionError { found, allowed, .. }) = (error.field.replace('_', "-"), error);

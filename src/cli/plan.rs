@@ -1,4 +1,4 @@
-//! `brdfc plan`: a build as a graph of jobs.
+//! `brdfc plan`: prints a build as a graph of jobs.
 
 use super::build_scene::tell_left_out;
 use super::output::{check_folder, print, print_json};
@@ -11,26 +11,26 @@ use std::path::{Path, PathBuf};
 
 /// Print a build as a graph of jobs, for engines that run such graphs on many machines.
 ///
-/// There is a job for each material and part, which keeps what it makes in the store of the output folder (.brdfc-cache), and
-/// one at the end that puts all in place. The result has the bytes of one 'brdfc build'. Paths are those of the folder in
-/// which this is run, and have to be UTF-8.
+/// The graph has a job for each material and part, which writes its result to the store of the output folder (.brdfc-cache),
+/// and a final job that moves all results into place. The result is identical to that of one 'brdfc build', byte for byte. Paths
+/// are relative to the current folder and must be UTF-8.
 #[derive(Debug, Args)]
 #[command(after_help = "\
 Examples:
   brdfc plan scene.toml --format ninja > build.ninja && ninja
   brdfc plan scene.toml --format json")]
 pub struct Arguments {
-    /// What 'brdfc build' takes, but for its options: a manifest, or files, folders and patterns of measured materials, and
-    /// synth: addresses.
+    /// Inputs of 'brdfc build', without its options: a manifest, or files, folders and patterns of measured materials, and synth:
+    /// addresses.
     #[arg(value_name = "SCENE.toml|DIR|FILE", required = true)]
     inputs: Vec<OsString>,
     /// Folder for packs and reports.
     #[arg(long, short, value_name = "DIR", default_value = Build::DEFAULT_FOLDER)]
     out: PathBuf,
-    /// What is printed; --json goes with json alone.
+    /// Format of the output; --json requires json.
     #[arg(long, value_enum)]
     format: Format,
-    /// How jobs call this program, where it is not in the PATH.
+    /// Path with which jobs call this program, if it is not in the PATH.
     #[arg(long, value_name = "PATH", default_value = "brdfc")]
     program: OsString,
 }
@@ -43,11 +43,11 @@ enum Format {
     Json,
 }
 
-/// A name as the commands of jobs have it.
+/// Returns a name for use in the commands of jobs.
 fn in_commands(what: &str, name: &OsStr) -> Result<String, Error> {
     name.to_str().map(str::to_owned).ok_or_else(|| {
         let found = name.display();
-        Error::wrong_usage(what, found, "UTF-8: the name is a part of commands ('brdfc build' takes any name)")
+        Error::wrong_usage(what, found, "UTF-8, because the name is part of commands ('brdfc build' accepts any name)")
     })
 }
 
@@ -63,7 +63,9 @@ pub(super) fn run(arguments: &Arguments, common: Common) -> Result<(), Error> {
     let graph = Graph::new(&plan, &places);
     match arguments.format {
         Format::Json => print_json(&graph),
-        Format::Ninja if common.json => Err(Error::wrong_usage("--json", "with --format ninja", "with --format json")),
+        Format::Ninja if common.json => {
+            Err(Error::usage("--json does not apply to --format ninja, only to --format json"))
+        }
         Format::Ninja => print(&graph.ninja()),
     }
 }

@@ -1,4 +1,4 @@
-//! Progress on stderr: a bar with the time left on a terminal, plain lines elsewhere.
+//! Progress on stderr: a bar with the remaining time on a terminal, plain lines elsewhere.
 
 use super::Common;
 use super::interrupt;
@@ -9,7 +9,7 @@ use std::io::IsTerminal;
 use std::sync::atomic::{AtomicBool, AtomicU64, AtomicUsize, Ordering};
 use std::time::{Duration, Instant};
 
-/// Stages in order, with their rough share of the time of a scattered scan, in per cent of a pack's.
+/// Stages in order, with their approximate share of a pack's time for a scattered scan, in per cent.
 const SHARES: [(Stage, u64); 13] = [
     (Stage::Read, 2),
     (Stage::Resample, 70),
@@ -25,17 +25,17 @@ const SHARES: [(Stage, u64); 13] = [
     (Stage::ImportanceSamples, 40),
     (Stage::Write, 1),
 ];
-/// Those that only environment lighting needs.
-const OF_MAPS: [Stage; 2] = [Stage::BandwidthMap, Stage::ImportanceSamples];
+/// Stages that only environment lighting needs.
+const MAP_STAGES: [Stage; 2] = [Stage::BandwidthMap, Stage::ImportanceSamples];
 
-/// Progress over a number of materials, the environment counted as one.
+/// Progress over several materials; the environment counts as one.
 pub(super) struct Materials<'a> {
-    /// Set where the work is of no use any more; an interrupt counts, too.
+    /// Set when the result is no longer needed. An interrupt has the same effect.
     cancelled: Option<&'a AtomicBool>,
     bar: ProgressBar,
     lines: bool,
     shares: Vec<(Stage, u64)>,
-    /// Of one material.
+    /// Length of the bar for one material.
     whole: u64,
     total: usize,
     finished: AtomicUsize,
@@ -44,20 +44,20 @@ pub(super) struct Materials<'a> {
 }
 
 impl<'a> Materials<'a> {
-    /// Of all that a plan has.
+    /// Progress of all materials of a plan.
     pub(super) fn of(plan: &Plan, common: Common) -> Self {
         let maps = plan.environment.is_some();
         Self::new(plan.jobs.len() + usize::from(maps), maps, common)
     }
 
-    /// Ends when this is set. No plain lines where there is no terminal.
+    /// Stops when `cancelled` is set, and prints no plain lines.
     pub(super) fn without_lines_until(self, cancelled: &'a AtomicBool) -> Self {
         Self { cancelled: Some(cancelled), lines: false, ..self }
     }
 
-    /// Of `total` materials, with maps or without.
+    /// Progress of `total` materials, with or without maps.
     pub(super) fn new(total: usize, maps: bool, common: Common) -> Self {
-        let shares: Vec<_> = SHARES.into_iter().filter(|(stage, _)| maps || !OF_MAPS.contains(stage)).collect();
+        let shares: Vec<_> = SHARES.into_iter().filter(|(stage, _)| maps || !MAP_STAGES.contains(stage)).collect();
         let whole = shares.iter().map(|(_, share)| share).sum();
         let terminal = std::io::stderr().is_terminal();
         let bar = bar(whole * total as u64, "{bar:30} {percent:>3} %  {eta} left  {msg}", terminal && !common.quiet);
@@ -75,9 +75,9 @@ impl<'a> Materials<'a> {
     }
 }
 
-/// A bar on stderr, which goes away when it is dropped; none of it unless `shown`.
-pub(super) fn bar(length: u64, template: &str, shown: bool) -> ProgressBar {
-    if !shown {
+/// Makes a bar on stderr, which disappears when dropped; hidden unless `visible`.
+pub(super) fn bar(length: u64, template: &str, visible: bool) -> ProgressBar {
+    if !visible {
         return ProgressBar::hidden();
     }
     let bar =
@@ -98,7 +98,7 @@ impl Progress for Materials<'_> {
     }
 }
 
-/// The progress of one material.
+/// Progress of one material.
 struct Material<'a> {
     all: &'a Materials<'a>,
     name: &'a str,
@@ -112,7 +112,7 @@ impl Progress for Material<'_> {
     fn stage(&self, stage: Stage, _: usize) -> Result<(), Cancelled> {
         let all = self.all;
         all.bar.set_message(format!("{}: {}", self.name, stage.name()));
-        // The stage before this one is done.
+        // The previous stage is complete.
         let before = all.shares.iter().position(|(known, _)| *known == stage).and_then(|at| at.checked_sub(1));
         let share = before.map_or(0, |at| all.shares[at].1);
         all.bar.set_position(share + all.position.fetch_add(share, Ordering::Relaxed));

@@ -1,4 +1,4 @@
-//! `brdfc pwt`: photographs under known lights to one pack that can be lit again.
+//! `brdfc pwt`: one pack from photographs under known lights, for relighting.
 
 use super::output::{json_or, note, output_parser, print_report, refuse_flags, refuse_unfit_output, write_file};
 use super::{Common, Error};
@@ -15,12 +15,12 @@ use serde::Serialize;
 use std::path::PathBuf;
 use std::time::Instant;
 
-/// Make a polynomial wavelet tree: photographs of one view under known lights as a pack that is lit from anywhere.
+/// Make a polynomial wavelet tree: photographs of one view under known lights, as a pack that can be relit from any direction.
 ///
-/// INPUT is a folder of photographs with a list of lights (.lp), the list, a BTF (a folder of images or a .btf file) or a flat BTF,
-/// of which one view is taken, or a polynomial texture map (.ptm). Coordinates, degree, smoothness and scale are chosen by
-/// what they do at lights that a fit has not seen, and terms get the resolution that they need. With an output .ptm a
-/// polynomial texture map is fitted, for viewers that know no packs.
+/// INPUT is a folder of photographs with a list of lights (.lp), the list itself, one view of a BTF (a folder of images or a .btf
+/// file) or of a flat BTF, or a polynomial texture map (.ptm). By default, cross-validation at lights outside the fit selects
+/// coordinates, degree, smoothness and scale, and each term gets the resolution that it needs. If the output is a .ptm, the
+/// program fits a polynomial texture map instead, for viewers that do not read packs.
 #[derive(Debug, Args)]
 #[command(after_help = "\
 Examples:
@@ -36,69 +36,69 @@ pub struct Arguments {
     /// The pack (.ktx2) or polynomial texture map (.ptm) to write, or - for a pack on stdout.
     #[arg(long, short, value_name = "PACK.ktx2|MAP.ptm", value_parser = output_parser())]
     output: PathBuf,
-    /// Signal-to-noise ratio of sRGB codes to reach, dB.
+    /// Minimum signal-to-noise ratio, in dB, of 8-bit sRGB levels.
     #[arg(long, value_name = "DB", group = "target")]
     quality: Option<f64>,
-    /// Mean ΔE (CIE76) to stay below.
+    /// Maximum mean ΔE (CIE76).
     #[arg(long, value_name = "E", group = "target")]
     max_delta_e: Option<f64>,
-    /// Most bytes on a GPU, mipmaps included: a number with or without KiB or MiB.
+    /// Maximum bytes on a GPU, including mipmaps: a number, optionally with KiB or MiB.
     #[arg(long, value_name = "BYTES", group = "target", value_parser = bytes_from_text)]
     max_bytes: Option<u64>,
-    /// Share of the squared error that terms and details are to take away, 0 to 1.
+    /// Minimum fraction of the squared error that terms and details remove, 0 to 1.
     #[arg(long, value_name = "SHARE", group = "target")]
     energy: Option<f64>,
-    /// Most dB that may be lost at unseen lights by leaving terms and details out (default: 0.3).
+    /// Maximum loss in dB at unseen lights from dropping terms and details (default: 0.3).
     #[arg(long, value_name = "DB", group = "target")]
     loss: Option<f64>,
-    /// Which view of a BTF, from 0 (default: 0).
+    /// View of a BTF, from 0 (default: 0).
     #[arg(long, value_name = "V", value_parser = any_whole_number::<usize>("0 to the number of views - 1"))]
     view: Option<usize>,
-    /// The renderings are tiles that repeat, as those of BTFs are.
+    /// Treat the images as tiles that repeat, as those of BTFs are.
     #[arg(long)]
     tile: bool,
-    /// In what the terms are polynomials of the light: of the paraboloid, of its x and y, or harmonics of the hemisphere (default: the
-    /// best).
+    /// Coordinates of the light in which the terms are polynomials: the paraboloid, its x and y, or harmonics of the hemisphere
+    /// (default: the best).
     #[arg(long, value_name = "NAME", value_parser = names(&LightCoordinates::ALL, LightCoordinates::name))]
     coordinates: Option<LightCoordinates>,
     /// Highest degree, 0 to 5 (default: the best).
     #[arg(long, value_name = "D", value_parser = any_whole_number::<u32>("0 to 5"))]
     degree: Option<u32>,
-    /// How smooth the fit is where no light is: a penalty, 0 or more (default: the best).
+    /// Smoothness of the fit between the lights: a ridge penalty, 0 or more (default: the best).
     #[arg(long, value_name = "L")]
     ridge: Option<f64>,
-    /// The scale of values that are fitted (default: the best).
+    /// Scale of the fitted values (default: the best).
     #[arg(long, value_name = "NAME", value_parser = names(&DomainName::ALL, DomainName::name))]
     domain: Option<DomainName>,
-    /// The wavelet (default: haar).
+    /// Wavelet of the tree (default: haar).
     #[arg(long, value_name = "NAME", value_parser = names(&Wavelet::ALL, Wavelet::name))]
     wavelet: Option<Wavelet>,
     /// Levels of the tree, 0 to 8 (default: up to 5).
     #[arg(long, value_name = "N", value_parser = any_whole_number::<u32>("0 to 8"))]
     levels: Option<u32>,
-    /// How often details are split further where that costs fewer bits, 0 to 4 (default: 1).
+    /// Maximum number of further splits of details, each made only if it costs fewer bits, 0 to 4 (default: 1).
     #[arg(long, value_name = "N", value_parser = any_whole_number::<u32>("0 to 4"))]
     packets: Option<u32>,
-    /// Leave so many lights out of the fit, and measure there.
+    /// Number of lights to exclude from the fit and to measure at.
     #[arg(long, value_name = "N", default_value_t = 0, value_parser = any_whole_number::<usize>("0 to the number of lights - 1"))]
     hold_out: usize,
-    /// Which lights are left out: the seed of a permutation.
+    /// Seed of the permutation that selects the excluded lights.
     #[arg(long, value_name = "SEED", default_value_t = 0, requires = "hold_out")]
     seed: u64,
     /// Layout of a .ptm.
     #[arg(long, value_parser = one_of(&MODELS))]
     model: Option<MapModel>,
-    /// Store texels as they are, without Zstandard.
+    /// Store texels uncompressed, without Zstandard.
     #[arg(long)]
     no_supercompression: bool,
 }
 
 const MODELS: [(&str, MapModel, &str); 2] = [
-    ("rgb", MapModel::Rgb, "A polynomial for each channel (default)"),
-    ("lrgb", MapModel::Lrgb, "One polynomial, and a colour that it multiplies"),
+    ("rgb", MapModel::Rgb, "One polynomial per channel (default)"),
+    ("lrgb", MapModel::Lrgb, "One polynomial, multiplied by a colour"),
 ];
 
-/// Parses one of these by its name.
+/// Parses one of several values by its name.
 fn names<T: Copy + Send + Sync + 'static>(
     all: &'static [T],
     name: fn(T) -> &'static str,
@@ -107,7 +107,7 @@ fn names<T: Copy + Send + Sync + 'static>(
     PossibleValuesParser::new(all.iter().map(|one| name(*one)).collect::<Vec<_>>()).map(find)
 }
 
-/// What `--json` prints.
+/// Report of `--json`.
 #[derive(Debug, Serialize, schemars::JsonSchema)]
 pub struct Report {
     /// Layout of this report.
@@ -118,7 +118,7 @@ pub struct Report {
     seconds: Seconds,
 }
 
-/// What was made.
+/// Result.
 #[derive(Debug, Serialize, schemars::JsonSchema)]
 #[serde(tag = "kind", rename_all = "kebab-case")]
 #[allow(clippy::large_enum_variant)]
@@ -133,7 +133,7 @@ enum Made {
         size: [u32; 2],
         /// Bytes of the file.
         bytes_on_disk: usize,
-        /// Errors at the lights that were fitted.
+        /// Errors at the fitted lights.
         #[serde(flatten)]
         errors: StackErrors,
     },
@@ -144,7 +144,7 @@ enum Made {
 pub struct Seconds {
     /// Reading and decoding.
     read: f64,
-    /// Fitting, choosing and measuring.
+    /// Fitting, selecting and measuring.
     encode: f64,
 }
 
@@ -178,7 +178,7 @@ fn recipe(arguments: &Arguments) -> Result<PwtRecipe, Error> {
     Ok(recipe)
 }
 
-/// Refuses options that say nothing of a polynomial texture map.
+/// Rejects options that do not apply to a polynomial texture map.
 fn refuse_flags_of_packs(arguments: &Arguments) -> Result<(), Error> {
     let given = [
         (arguments.quality.is_some(), "--quality"),
@@ -197,7 +197,7 @@ fn refuse_flags_of_packs(arguments: &Arguments) -> Result<(), Error> {
         (arguments.hold_out != 0, "--hold-out"),
         (arguments.no_supercompression, "--no-supercompression"),
     ];
-    refuse_flags("an output .ptm", &given.map(|(given, flag)| (given, flag, "with a pack")))
+    refuse_flags("an output .ptm", &given.map(|(given, flag)| (given, flag, "packs")))
 }
 
 pub(super) fn run(arguments: &Arguments, common: Common) -> Result<(), Error> {
@@ -207,18 +207,18 @@ pub(super) fn run(arguments: &Arguments, common: Common) -> Result<(), Error> {
         refuse_flags_of_packs(arguments)?;
     }
     refuse_unfit_output(&arguments.output, &["ktx2", PTM], arguments.input.path().as_slice())?;
-    refuse_flags("a pack", &[(!is_map && arguments.model.is_some(), "--model", "with an output .ptm")])?;
+    refuse_flags("a pack", &[(!is_map && arguments.model.is_some(), "--model", "an output .ptm")])?;
     let start = Instant::now();
     let input = LightInput::open(&arguments.input, arguments.view)?;
     let of_map = matches!(input, LightInput::Map(_));
     if matches!(input, LightInput::Pack(_)) && !is_map {
-        let text = format!("{}: found a pack, expected with an output .ptm", arguments.input);
+        let text = format!("{}: found a pack, expected an --output that ends in .ptm", arguments.input);
         return Err(Error::usage(text));
     }
     let photographs = matches!(input, LightInput::Renderings(_));
     let mut samples = input.into_samples();
     if photographs && any_above_white(&samples) {
-        note(common, &arguments.input, "values above 1, which is white, are fitted; dB count them as 1");
+        note(common, &arguments.input, "the fit includes values above 1 (white); the dB treat them as 1");
     }
     samples.repeats |= arguments.tile;
     let read = start.elapsed().as_secs_f64();
@@ -243,15 +243,15 @@ pub(super) fn run(arguments: &Arguments, common: Common) -> Result<(), Error> {
     let report = PwtReport::new(&made, bytes.len());
     let missed = (!report.met).then(|| missed(&recipe, &report));
     if !report.met {
-        note(common, &arguments.input, "the best that there is was written");
+        note(common, &arguments.input, "no pack meets the target; wrote the best one");
     }
-    let text = in_words(&report, seconds);
+    let text = summary(&report, seconds);
     let report = Report { version: 1, made: Made::Pwt(report), seconds };
     print_report(common, &arguments.output, &json_or(common, &report, text))?;
     missed.map_or(Ok(()), |text| Err(Error::check(text)))
 }
 
-/// What is wrong with photographs, by the input's name.
+/// Prefixes errors of photographs with the name of the input.
 fn of_input(input: &Input, error: Error) -> Error {
     if error.kind() == ErrorKind::Input { error.prefixed(input) } else { error }
 }
@@ -259,12 +259,14 @@ fn of_input(input: &Input, error: Error) -> Error {
 fn missed(recipe: &PwtRecipe, report: &PwtReport) -> String {
     match recipe.target {
         Target::Quality(psnr) => {
-            format!("quality: found {} dB, expected {psnr} dB or more", table::apart(report.psnr, psnr))
+            format!("quality: found {} dB, expected at least {psnr} dB", table::apart(report.psnr, psnr))
         }
-        Target::DeltaE(limit) => format!("mean ΔE: found {}, expected {limit}", table::apart(report.delta_e, limit)),
-        Target::Bytes(bytes) => format!("bytes on a GPU: found {}, expected {bytes}", report.bytes_on_gpu),
-        Target::Energy(share) => format!("energy: found less with all terms and details, expected {share} or more"),
-        Target::Loss(loss) => format!("loss: found more than {loss} dB, expected {loss} dB or less"),
+        Target::DeltaE(limit) => {
+            format!("mean ΔE: found {}, expected at most {limit}", table::apart(report.delta_e, limit))
+        }
+        Target::Bytes(bytes) => format!("bytes on a GPU: found {}, expected at most {bytes}", report.bytes_on_gpu),
+        Target::Energy(share) => format!("energy: found less with all terms and details, expected at least {share}"),
+        Target::Loss(loss) => format!("loss: found more than {loss} dB, expected at most {loss} dB"),
     }
 }
 
@@ -290,7 +292,7 @@ fn write_map(
     print_report(common, &arguments.output, &json_or(common, &Report { version: 1, made, seconds }, text))
 }
 
-fn in_words(report: &PwtReport, seconds: Seconds) -> String {
+fn summary(report: &PwtReport, seconds: Seconds) -> String {
     let decimals = |value: Option<f64>| value.map_or("-".to_owned(), |value| format!("{value:.2}"));
     let tried = report.tried.iter().map(|c| {
         [

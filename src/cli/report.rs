@@ -17,13 +17,13 @@ use std::path::{Path, PathBuf};
 
 /// Write a page about the packs in a folder, or about a flat BTF: renderings, errors, checks.
 ///
-/// One file of HTML that needs no network and reads without scripts; its figures are written beside it, under its name with
-/// .csv and .json. Renderings are drawn by the CPU's decoder. Packs are compared with their sources where these still are
-/// where the build found them.
+/// The page is a single HTML file that works without a network and without scripts. Its figures are written next to it, under
+/// its name with .csv and .json. The CPU's decoder draws the renderings. Packs are compared with their sources if these are
+/// still where the build found them.
 ///
-/// With --against the page begins with what got worse than in an earlier build, and that is exit code 1.
+/// With --against, the page begins with the figures that got worse since an earlier build, and the exit code is 1 if any did.
 ///
-/// Schemas of --json: 'report', of a flat BTF 'flat-btf'.
+/// Schemas of --json: 'report'; 'flat-btf' for a flat BTF.
 #[derive(Debug, Args)]
 #[command(after_help = "\
 Examples:
@@ -32,23 +32,23 @@ Examples:
   brdfc report packs -o report.html --against last-week/report.json --tolerance 5%
   brdfc report button -o button.html")]
 pub struct Arguments {
-    /// The folder that 'brdfc build' filled, or the report.json in it; a flat BTF, or the folder with it.
+    /// The folder that 'brdfc build' filled, or the report.json in it; a flat BTF, or its folder.
     #[arg(value_name = "DIR")]
     folder: PathBuf,
     /// The page to write: .html.
     #[arg(long, short, value_name = "REPORT.html")]
     output: PathBuf,
-    /// Of a build: write all materials as one rendering, too, with labels and the colour scale of differences: source, pack
+    /// Builds only: also write an image of all materials, with labels and the colour scale of differences: source, pack
     /// and ΔE.
     #[arg(long, value_name = "IMAGE.png")]
     sheet: Option<PathBuf>,
-    /// Write a page that draws all packs in a browser, too, as 'brdfc view' does, and link to it: in the folder of the page.
+    /// Also write a page that draws all packs in a browser, as 'brdfc view' does, and link to it; in the folder of the main page.
     #[arg(long, value_name = "VIEW.html")]
     view: Option<PathBuf>,
-    /// Of a build: the report.json of an earlier one, or its folder.
+    /// Builds only: compare with an earlier build, given by its report.json or folder.
     #[arg(long, value_name = "OLD")]
     against: Option<PathBuf>,
-    /// By what share a figure may be worse than before: a fraction or a percentage, 0.05 or 5%.
+    /// Tolerance of --against: the fraction or percentage by which a figure may be worse, 0.05 or 5%.
     #[arg(long, value_name = "SHARE", default_value = "2%", requires = "against")]
     tolerance: Fraction,
 }
@@ -88,7 +88,7 @@ pub(super) fn run(arguments: &Arguments, common: Common) -> Result<(), Error> {
     if let Some(path) = &arguments.sheet {
         refuse_overwriting("--sheet", path, &built)?;
     }
-    // An interrupt ends the process at once: files are whole or not there.
+    // An interrupt ends the process at once: each file is either complete or absent.
     let progress = Materials::new(reports.count(), false, common);
     let mut page = gather(reports, tolerance, &progress)?;
     page.view = write_view(arguments, &progress)?;
@@ -108,8 +108,8 @@ pub(super) fn run(arguments: &Arguments, common: Common) -> Result<(), Error> {
     remark(common, &format!("{}: {}", output.display(), counted(page.materials.len(), "material")));
     match page.regressions.len() {
         0 => Ok(()),
-        1 => Err(Error::check("one figure is worse than before, or not as it was asked for")),
-        count => Err(Error::check(format!("{count} figures are worse than before, or not as they were asked for"))),
+        1 => Err(Error::check("one figure is worse than before or misses its limit")),
+        count => Err(Error::check(format!("{count} figures are worse than before or miss their limits"))),
     }
 }
 
@@ -117,7 +117,7 @@ fn is_html(path: &Path) -> bool {
     path.extension().is_some_and(|e| e.eq_ignore_ascii_case("html") || e.eq_ignore_ascii_case("htm"))
 }
 
-/// The page of `--view`.
+/// Writes the page of `--view`.
 fn write_view(arguments: &Arguments, progress: &dyn Progress) -> Result<Option<ViewLink>, Error> {
     let Some(path) = &arguments.view else { return Ok(None) };
     let items = open_items(&[Input::from(&arguments.folder)], ViewOptions { sources: true }, progress)?;
@@ -126,25 +126,25 @@ fn write_view(arguments: &Arguments, progress: &dyn Progress) -> Result<Option<V
     Ok(Some(ViewLink::new(&name, items.into_iter().map(|item| item.name))))
 }
 
-/// It stands beside the page that links to it, and is no other file.
+/// Checks that the page of `--view` is next to the page that links to it, and overwrites no other file.
 fn refuse_unfit_view(path: &Path, output: &Path, others: &[&Path]) -> Result<(), Error> {
     let [folder, of_output] = [path, output].map(|path| folder_of(path).canonicalize().ok());
     let is_same = path.file_name() == output.file_name();
     if !is_html(path) || is_same || folder != of_output {
         let found = path.display();
-        let allowed = "another name than the page's that ends in .html, in its folder";
+        let allowed = "another name in the folder of the page, ending in .html";
         return Err(Error::wrong_usage("--view", found, allowed));
     }
     refuse_overwriting("--view", path, others)
 }
 
-/// A page and its figures are files of their own, in a folder that is there.
-fn refuse_pages_over(output: &Path, beside: [&PathBuf; 2], inputs: &[&Path]) -> Result<(), Error> {
+/// Checks that the page and its figures overwrite no input, and that the folder exists.
+fn refuse_pages_over(output: &Path, figures: [&PathBuf; 2], inputs: &[&Path]) -> Result<(), Error> {
     refuse_overwriting("--output", output, inputs)?;
-    for path in beside {
+    for path in figures {
         refuse_overwriting("--output", path, inputs).map_err(|_| {
             Error::usage(format!(
-                "--output: found {}, whose figures would be written over {}, an input, expected another name or folder",
+                "--output: found {}, whose figures would overwrite the input {}, expected another name or folder",
                 output.display(),
                 path.display()
             ))
@@ -153,16 +153,16 @@ fn refuse_pages_over(output: &Path, beside: [&PathBuf; 2], inputs: &[&Path]) -> 
     refuse_missing_folder(output)
 }
 
-/// The folder of a build; its report may be named as well.
+/// Returns the folder of a build, which may be given by its report.
 fn build_folder(path: &Path) -> &Path {
     if path.file_name().is_some_and(|name| name == REPORT) { folder_of(path) } else { path }
 }
 
-/// The page of a flat BTF.
+/// Writes the page of a flat BTF.
 fn of_flat_btf(arguments: &Arguments, common: Common) -> Result<(), Error> {
     let (folder, output) = (arguments.folder.as_path(), arguments.output.as_path());
     let given = [(arguments.against.is_some(), "--against"), (arguments.sheet.is_some(), "--sheet")];
-    let flags = given.map(|(given, flag)| (given, flag, "with a build"));
+    let flags = given.map(|(given, flag)| (given, flag, "builds"));
     refuse_flags(format!("{}, a flat BTF", folder.display()), &flags)?;
     let file = flat_btf_file(folder)?;
     let [csv_path, json_path] = ["csv", "json"].map(|extension| output.with_extension(extension));

@@ -1,6 +1,6 @@
-//! `brdfc samples`: directions drawn in proportion to a material's lobes, as a pack.
+//! `brdfc samples`: importance samples of a material's lobes, as a pack.
 
-use super::info::{importance_in_words, lines_of};
+use super::info::{importance_lines, lines_of};
 use super::output::{
     json_or, note_directions, note_repairs, output_parser, print_report, refuse_unfit_output, write_file,
 };
@@ -14,10 +14,11 @@ use serde::Serialize;
 use std::path::PathBuf;
 use std::time::Instant;
 
-/// Precompute directions that follow a material's lobes, for rendering with few samples.
+/// Precompute importance samples of a material's lobes, for rendering with few samples.
 ///
-/// For each outgoing direction, half vectors are drawn in proportion to reflectance and cosine; each comes with its
-/// density. Renderers take as many as they need, from anywhere in the list: see formats/src/importance/spec.md.
+/// For each outgoing direction, the pack contains half vectors drawn in proportion to reflectance times cosine, each with its
+/// density. A renderer may take any number of them, from any position in the list; formats/src/importance/spec.md
+/// describes the layout.
 #[derive(Debug, Args)]
 #[command(after_help = "\
 Examples:
@@ -30,7 +31,7 @@ pub struct Arguments {
     /// The pack to write, or - for stdout.
     #[arg(long, short, value_name = "SAMPLES.ktx2", value_parser = output_parser())]
     output: PathBuf,
-    /// Samples of each outgoing direction, 1 to 8192.
+    /// Samples per outgoing direction, 1 to 8192.
     #[arg(long, value_name = "M", default_value_t = ImportanceRecipe::default().samples, value_parser = any_whole_number::<u32>("1 to 8192"))]
     count: u32,
     /// Polar angles of the outgoing direction, 1 to 1024 (default: 64 for isotropic materials, 32 for others).
@@ -39,40 +40,40 @@ pub struct Arguments {
     /// Azimuths of the outgoing direction, a multiple of 4 up to 256 (default: 16). Isotropic materials have one.
     #[arg(long, value_name = "A", value_parser = any_whole_number::<u32>("a multiple of 4 up to 256"))]
     azimuths: Option<u32>,
-    /// Rings of the table of half vectors that is inverted, 1 to 4096: closer together near the normal.
+    /// Rings of the table of half vectors that is inverted, 1 to 4096, with finer spacing near the normal.
     #[arg(long, value_name = "N", default_value_t = HalfGrid::DEFAULT.polar, value_parser = any_whole_number::<usize>("1 to 4096"))]
     rings: usize,
-    /// Cells of each ring, an even number, 2 to 4096.
+    /// Cells per ring of this table, an even number from 2 to 4096.
     #[arg(long, value_name = "N", default_value_t = HalfGrid::DEFAULT.azimuths, value_parser = any_whole_number::<usize>("an even number, 2 to 4096"))]
     cells: usize,
-    /// Share of the samples that does not follow the lobe, above 0 up to 1: it bounds the error where the table misses
-    /// something.
+    /// Fraction of the samples that do not follow the lobe, above 0, up to 1. They bound the error where the table misses a
+    /// feature.
     #[arg(long, value_name = "S", default_value_t = ImportanceRecipe::default().defensive)]
     defensive: f64,
 }
 
-/// What `--json` prints.
+/// Report of `--json`.
 #[derive(Debug, Serialize, schemars::JsonSchema)]
 pub struct Report {
     /// Layout of this report.
     version: u32,
     /// 'importance-pack'.
     kind: &'static str,
-    /// What the pack holds.
+    /// Contents of the pack.
     #[serde(flatten)]
     facts: ImportanceFacts,
     /// Rings of the table of half vectors.
     rings: usize,
     /// Cells of each ring.
     cells: usize,
-    /// Share of the samples that does not follow the lobe.
+    /// Fraction of the samples that do not follow the lobe.
     defensive: f64,
     /// Bytes of the file.
     bytes_on_disk: usize,
-    /// What had to be repaired.
+    /// Counts of repairs.
     #[serde(rename = "repaired")]
     repairs: Tally,
-    /// Seconds that reading and drawing took.
+    /// Seconds spent on reading and sampling.
     seconds: Seconds,
 }
 
@@ -85,7 +86,7 @@ pub struct Seconds {
     samples: f64,
 }
 
-/// What the recipe calls things, and the flags that set them.
+/// Names of the recipe's fields in errors, and the flags that set them.
 const FLAGS: [(&str, &str); 7] = [
     ("polar rows", "--polar"),
     ("azimuth columns", "--azimuths"),
@@ -93,7 +94,7 @@ const FLAGS: [(&str, &str); 7] = [
     ("half vectors of a ring", "--cells"),
     ("rings of half vectors", "--rings"),
     ("defensive share", "--defensive"),
-    // All of them: polar angles by azimuths.
+    // All rows: polar angles times azimuths.
     ("rows", "--polar by --azimuths"),
 ];
 
@@ -109,7 +110,7 @@ fn recipe(arguments: &Arguments) -> ImportanceRecipe {
     }
 }
 
-/// A number out of range, by the flag that it came from.
+/// Converts an out-of-range error of the recipe to an error of its flag.
 fn wrong_flag(error: FormatError) -> Error {
     match FLAGS.iter().find(|(field, _)| error.field.ends_with(field)) {
         Some((_, flag)) => Error::wrong_usage(flag, error.found, error.allowed),
@@ -119,7 +120,7 @@ fn wrong_flag(error: FormatError) -> Error {
 
 pub(super) fn run(arguments: &Arguments, common: Common) -> Result<(), Error> {
     let recipe = recipe(arguments);
-    // What the material does not decide is refused before it is read.
+    // Reject settings that do not depend on the material before reading it.
     recipe.check(true).map_err(wrong_flag)?;
     refuse_unfit_output(&arguments.output, &["ktx2"], arguments.input.path().as_slice())?;
     let start = Instant::now();
@@ -128,9 +129,8 @@ pub(super) fn run(arguments: &Arguments, common: Common) -> Result<(), Error> {
     note_directions(common, &arguments.input, source);
     let read = start.elapsed().as_secs_f64();
     let isotropic = source.symmetry().isotropic;
-    if let (Some(azimuths), true) = (arguments.azimuths, isotropic) {
-        let text = format!("--azimuths: found {azimuths} of an isotropic material, expected for anisotropic ones");
-        return Err(Error::usage(text));
+    if arguments.azimuths.is_some() && isotropic {
+        return Err(Error::usage("--azimuths does not apply to isotropic materials, only to anisotropic ones"));
     }
     recipe.check(isotropic).map_err(wrong_flag)?;
     let start = Instant::now();
@@ -155,7 +155,7 @@ pub(super) fn run(arguments: &Arguments, common: Common) -> Result<(), Error> {
 
 impl Report {
     fn text(&self) -> String {
-        let mut lines = importance_in_words(&self.facts);
+        let mut lines = importance_lines(&self.facts);
         lines.push(("bytes on disk", table::bytes(self.bytes_on_disk as u64)));
         lines.push(("half vectors", format!("{} rings of {} cells", self.rings, self.cells)));
         lines.push(("defensive share", table::percent(self.defensive)));

@@ -1,4 +1,4 @@
-//! `brdfc schema`: JSON schemas of what `--json` prints.
+//! `brdfc schema`: JSON schemas of the reports of `--json`.
 
 use super::Error;
 use super::output::print_json;
@@ -11,7 +11,7 @@ use schemars::schema_for;
 Examples:
   brdfc schema encode > encode.schema.json")]
 pub struct Arguments {
-    /// Which report.
+    /// Report to describe.
     #[arg(value_enum)]
     report: Report,
 }
@@ -30,12 +30,12 @@ enum Report {
     Compare,
     /// 'brdfc convert --json'.
     Convert,
-    /// 'brdfc info --json' of a material, a pack that is drawn, importance samples, photographs under known lights, or a
+    /// 'brdfc info --json' for a material, a pack that is drawn, importance samples, photographs under known lights, or a
     /// polynomial wavelet tree or texture map.
     Info,
     /// 'brdfc info --files --json'.
     Files,
-    /// 'brdfc bandwidth --json', and 'brdfc info --json' of a bandwidth map.
+    /// 'brdfc bandwidth --json', and 'brdfc info --json' for a bandwidth map.
     Bandwidth,
     /// 'brdfc samples --json'.
     Samples,
@@ -43,15 +43,15 @@ enum Report {
     Shader,
     /// 'brdfc pwt --json'.
     Pwt,
-    /// 'brdfc info --json' of a structure, a mesh, a height map, or images.
+    /// 'brdfc info --json' for a structure, a mesh, a height map, or images.
     InfoSurface,
     /// 'brdfc flatten --json'.
     Flatten,
-    /// 'brdfc info --json' and 'brdfc report --json' of a flat BTF.
+    /// 'brdfc info --json' and 'brdfc report --json' for a flat BTF.
     FlatBtf,
     /// 'brdfc plan --format json'.
     Plan,
-    /// 'brdfc report --json' of a build, and the .json beside its page.
+    /// 'brdfc report --json' for a build, and the .json next to its page.
     #[value(name = "report")]
     Page,
     /// 'brdfc verify --json'.

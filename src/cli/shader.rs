@@ -1,4 +1,4 @@
-//! `brdfc shader`: the decoder of a kind of pack in an engine's language.
+//! `brdfc shader`: prints the decoder of a kind of pack in an engine's language.
 
 use super::output::{
     output_parser, print, print_json, print_report, refuse_missing_folder, refuse_overwriting, to_json, write_file,
@@ -16,10 +16,10 @@ use std::path::{Path, PathBuf};
 
 /// Write the shader that decodes a kind of pack, in the language of an engine.
 ///
-/// What comes out is a piece to be pasted into a shader of your own: declarations and functions. At its top stands what to
-/// call, what to bind, and where the fields of the uniform block are. SPIR-V cannot be pasted: there it is a compute shader that
-/// decodes a list of queries. With --json and no file, what to call and to bind is all that is printed. docs/engines has a page
-/// for each language.
+/// The output is code to paste into your own shader: declarations and functions. Comments at its top list the functions to call,
+/// the resources to bind, and the fields of the uniform block. SPIR-V cannot be pasted, so it is a compute shader that decodes
+/// a list of queries. With --json and without a file, the program prints only the functions and bindings. docs/engines has
+/// a page for each language.
 #[derive(Debug, Args)]
 #[command(after_help = "\
 Examples:
@@ -31,7 +31,7 @@ Examples:
 pub struct Arguments {
     #[arg(value_name = "KIND", help = kinds())]
     kind: OsString,
-    /// The language.
+    /// Language of the shader.
     #[arg(long, short, value_parser = PossibleValuesParser::new(Language::ALL.map(Language::name)).map(|name| language(&name)))]
     language: Language,
     /// The file to write (default: standard output).
@@ -45,45 +45,45 @@ fn kinds() -> String {
     format!("{} or {last}; or a pack", others.join(", "))
 }
 
-/// One of the names that clap lets through.
+/// Converts a name that clap has checked.
 fn language(name: &str) -> Language {
     Language::from_name(name).expect("a name of one")
 }
 
-/// What `--json` prints.
+/// Report of `--json`.
 #[derive(Debug, Serialize, schemars::JsonSchema)]
 pub struct Report {
     /// Layout of this report.
     version: u32,
     /// 'shader'.
     kind: &'static str,
-    /// Which kind of pack it decodes.
+    /// Kind of pack that it decodes.
     decoder: &'static str,
     /// The language.
     language: &'static str,
     /// Bytes of the file.
     bytes_on_disk: usize,
-    /// Version of the decoder's bindings: packs of another version are for another decoder.
+    /// Version of the decoder's bindings; packs of another version need another decoder.
     bindings_version: u32,
-    /// What to bind, and what to call.
+    /// Resources to bind and functions to call.
     #[serde(flatten)]
     interface: Interface,
-    /// Of packs of BRDFs, how a shader evaluates one, in languages whose functions take no bindings.
+    /// Evaluation of a BRDF in a shader; only for packs of BRDFs, in languages whose functions take no bindings.
     #[serde(skip_serializing_if = "Option::is_none")]
     brdf: Option<Brdf>,
-    /// Of SPIR-V, what runs.
+    /// Compute shader; only for SPIR-V.
     #[serde(skip_serializing_if = "Option::is_none")]
     entry_point: Option<EntryPoint>,
 }
 
-/// Expressions that evaluate a pack of a BRDF, the same in WGSL, GLSL, GLSL ES 3.00 and HLSL.
+/// Expressions that evaluate a pack of a BRDF, identical in WGSL, GLSL, GLSL ES 3.00 and HLSL.
 #[derive(Debug, Serialize, schemars::JsonSchema)]
 struct Brdf {
-    /// `f_r` of `wi`, `wo` and `level`, filtered by a sampler.
+    /// `f_r` of `wi`, `wo` and `level`, interpolated by a sampler.
     filtered: &'static str,
-    /// The same, filtered by the shader.
+    /// The same, interpolated by the shader.
     exact: &'static str,
-    /// The level of detail at `distance` from the viewer.
+    /// Level of detail at `distance` from the viewer.
     level_of_detail: &'static str,
 }
 
@@ -94,18 +94,18 @@ pub(super) fn run(arguments: &Arguments, common: Common) -> Result<(), Error> {
         if output.extension().is_some_and(|extension| extension == "ktx2") {
             let found = output.display();
             return Err(Error::usage(format!(
-                "--output: found {found}, as packs are called, expected another extension"
+                "--output: found {found}, which has the extension of packs, expected another extension"
             )));
         }
         refuse_missing_folder(output)?;
     }
     let decoder = decoder(&arguments.kind)?;
     if output.is_none() && !common.json && arguments.language == Language::Spirv && std::io::stdout().is_terminal() {
-        let text = "--output: found none, and a terminal, expected a file or a pipe: SPIR-V is no text";
+        let text = "--output: found a terminal, expected a file or a pipe for SPIR-V, which is binary";
         return Err(Error::usage(text.to_owned()));
     }
     let shader = shader(decoder, arguments.language);
-    // Functions in MSL take what is bound as parameters, and SPIR-V is a whole shader.
+    // Functions in MSL take bound resources as parameters, and SPIR-V is a complete shader.
     let takes_no_bindings = !matches!(arguments.language, Language::Msl | Language::Spirv);
     let report = Report {
         version: 1,
@@ -137,13 +137,13 @@ impl From<BrdfShader> for Brdf {
     }
 }
 
-/// The decoder that is named, or that of a pack.
+/// Returns the named decoder, or that of a pack.
 fn decoder(kind: &OsString) -> Result<PackKind, Error> {
     if let Some(decoder) = kind.to_str().and_then(PackKind::from_name) {
         return Ok(decoder);
     }
     let path = Path::new(kind);
-    // What may be meant as a file is missing as one.
+    // The argument may be the path of a missing file.
     let is_word = path.extension().is_none() && path.components().count() == 1;
     if is_word && !path.exists() {
         let names = PackKind::ALL.map(PackKind::name).join(", ");

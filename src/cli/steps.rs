@@ -1,4 +1,4 @@
-//! Progress of one long job on stderr: a bar with the time left on a terminal, plain lines elsewhere.
+//! Progress of one long job on stderr: a bar with the remaining time on a terminal, plain lines elsewhere.
 
 use super::Common;
 use super::output::tell;
@@ -10,10 +10,10 @@ use std::sync::Mutex;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::{Duration, Instant};
 
-/// Plain lines come at least this far apart.
+/// Minimum time between plain lines.
 const BETWEEN_LINES: Duration = Duration::from_secs(5);
 
-/// Steps of stages, one after the other.
+/// Steps of consecutive stages.
 pub(super) struct Steps<'a> {
     bar: ProgressBar,
     lines: bool,

@@ -1,4 +1,4 @@
-//! `brdfc synth`: analytic models as files.
+//! `brdfc synth`: writes analytic models as files.
 
 use super::Error;
 use super::output::{as_flag, is_stream, output_parser, refuse_flags, refuse_missing_folder, write_file};
@@ -13,9 +13,9 @@ use std::path::{Path, PathBuf};
 
 /// Write an analytic model as a measured file, or a structure as a mesh.
 ///
-/// The extension says which: .binary is a MERL table, .brdf and .csv are scattered scans with seeded noise, gaps and
-/// duplicates (.brdf with a spectrum of 31 bands that has the model's colour). .obj and .ply hold one tile of a
-/// structure, with its tints as vertex colours.
+/// The extension selects the format. .binary is a MERL table. .brdf and .csv are scattered scans with seeded noise, gaps and
+/// duplicates; .brdf has a spectrum of 31 bands with the model's colour. .obj and .ply contain one tile of a structure, with its
+/// tints as vertex colours.
 #[derive(Debug, Args)]
 #[command(after_help = models())]
 pub struct Arguments {
@@ -24,7 +24,7 @@ pub struct Arguments {
     /// The file to write, or - for stdout.
     #[arg(long, short, value_name = "FILE", value_parser = output_parser())]
     output: PathBuf,
-    /// What goes to stdout, whose name does not say.
+    /// Format of stdout, which has no extension.
     #[arg(long, value_enum)]
     kind: Option<Extension>,
     /// Samples of a MERL table along theta_h, theta_d and phi_d (default: 90x90x180).
@@ -36,13 +36,13 @@ pub struct Arguments {
     /// Incoming polar angles of a scan, between 10 and 80 degrees (default: 8).
     #[arg(long, value_parser = whole_number::<usize>(1..=1000))]
     incidences: Option<usize>,
-    /// Incoming azimuths of a scan; default 1 for isotropic models, 8 for others.
+    /// Incoming azimuths of a scan (default: 1 for isotropic models, 8 for others).
     #[arg(long, value_parser = whole_number::<usize>(1..=1000))]
     azimuths: Option<usize>,
-    /// Standard deviation of a scan's noise, a fraction of the value (default: 0).
+    /// Standard deviation of a scan's noise, as a fraction of the value (default: 0).
     #[arg(long)]
     noise: Option<f64>,
-    /// Fraction of the outgoing hemisphere that a scan does not see (default: 0).
+    /// Fraction of the outgoing hemisphere that a scan does not cover (default: 0).
     #[arg(long)]
     gaps: Option<f64>,
     /// Fraction of a scan's rows that repeat a direction pair (default: 0).
@@ -63,7 +63,7 @@ fn models() -> String {
     )
 }
 
-/// What a file's name ends with.
+/// File extension.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
 enum Extension {
     /// A MERL table.
@@ -93,7 +93,7 @@ pub(super) fn run(arguments: &Arguments) -> Result<(), Error> {
     write_file(&arguments.output, &file(&arguments.model, target).map_err(as_flag)?)
 }
 
-/// The kind of file, which has to fit what is written.
+/// Determines the kind of file, and checks that it fits the model or structure.
 fn kind(arguments: &Arguments, text: &str) -> Result<Extension, Error> {
     let output: &Path = &arguments.output;
     let name = split_query(text).0;
@@ -103,7 +103,7 @@ fn kind(arguments: &Arguments, text: &str) -> Result<Extension, Error> {
     let stream = extension.is_none() && is_stream(output) && !output.is_dir();
     if !stream && arguments.kind.is_some() {
         let found = output.display();
-        return Err(Error::usage(format!("--kind: found with {found}, expected with - for stdout")));
+        return Err(Error::usage(format!("--kind does not apply to {found}, only to - for stdout")));
     }
     let wrong = |allowed: &str| {
         Err(Error::usage(if stream {
@@ -122,11 +122,11 @@ fn kind(arguments: &Arguments, text: &str) -> Result<Extension, Error> {
     }
 }
 
-/// Options that would have no effect.
+/// Rejects options that would have no effect.
 fn check_options(arguments: &Arguments, kind: Extension) -> Result<(), Error> {
     let found = arguments.output.display();
     let of_tables = arguments.dimensions.is_some() && kind != Extension::Binary;
-    refuse_flags(&found, &[(of_tables, "--dimensions", "with a file in .binary")])?;
+    refuse_flags(&found, &[(of_tables, "--dimensions", ".binary files")])?;
     if matches!(kind, Extension::Brdf | Extension::Csv) {
         return Ok(());
     }
@@ -139,7 +139,7 @@ fn check_options(arguments: &Arguments, kind: Extension) -> Result<(), Error> {
         (arguments.duplicates.is_some(), "--duplicates"),
         (arguments.seed.is_some(), "--seed"),
     ];
-    refuse_flags(&found, &of_scans.map(|(given, flag)| (given, flag, "with a file in .brdf or .csv")))
+    refuse_flags(&found, &of_scans.map(|(given, flag)| (given, flag, ".brdf and .csv files")))
 }
 
 pub(super) fn dimensions(text: &str) -> Result<Dimensions, Error> {
@@ -148,7 +148,7 @@ pub(super) fn dimensions(text: &str) -> Result<Dimensions, Error> {
         [theta_half, theta_difference, phi_difference] => Dimensions { theta_half, theta_difference, phi_difference },
         _ => Dimensions { theta_half: 0, theta_difference: 0, phi_difference: 0 },
     };
-    // In the words that were given.
+    // Report the size as it was given.
     let wrong = |error: FormatError| Error::wrong_usage("--dimensions", text, error.allowed);
     dimensions.check_for_writing().map_err(wrong)?;
     Ok(dimensions)

@@ -1,4 +1,4 @@
-//! `brdfc verify`: whether packs, folders and reports are whole.
+//! `brdfc verify`: checks that packs, folders and reports are intact.
 
 use super::output::{print, print_json, printable, refuse_dash, remark};
 use super::steps::Steps;
@@ -10,13 +10,13 @@ use serde::Serialize;
 use std::path::PathBuf;
 use std::sync::atomic::AtomicBool;
 
-/// Check that packs, folders of builds and reports are whole.
+/// Check that packs, folders of builds and reports are intact.
 ///
-/// Packs are read to their last texel and held against their checksum. The files that a report.json lists are held against their
-/// hashes, and its figures against those of each MATERIAL.json. A file that is missing, damaged or changed is printed, and is exit
-/// code 1; so is a folder with nothing to check.
+/// The program reads packs to their last texel and compares them with their checksums, compares the files that a report.json
+/// lists with their hashes, and compares its figures with those of each MATERIAL.json. It prints every file that is missing,
+/// damaged or modified. The exit code is 1 if there are any, or if a folder contains nothing to check.
 ///
-/// Whether errors are small enough is what the gates of a build, and report --against, are for.
+/// To check whether errors are small enough, use the gates of a build or report --against.
 ///
 /// Schema of --json: 'verify'.
 #[derive(Debug, Args)]
@@ -26,25 +26,25 @@ Examples:
   brdfc verify paint.ktx2 leather.ktx2
   brdfc verify packs/report.json --json")]
 pub struct Arguments {
-    /// Packs (.ktx2), folders of builds or of packs, a report.json or MATERIAL.json in such a folder.
+    /// Packs (.ktx2), folders of builds or of packs, a report.json, or a MATERIAL.json in such a folder.
     #[arg(value_name = "PATH", required = true)]
     paths: Vec<PathBuf>,
 }
 
-/// What `--json` prints.
+/// Report of `--json`.
 #[derive(Debug, Serialize, schemars::JsonSchema)]
 pub struct Report {
     /// Layout of this report.
     version: u32,
-    /// Every file that was checked.
+    /// Checked files.
     files: Vec<CheckedFile>,
-    /// How many of them are missing, damaged or changed.
+    /// Number of files that are missing, damaged or modified.
     faults: usize,
 }
 
 pub(super) fn run(arguments: &Arguments, common: Common) -> Result<(), Error> {
     let mut checks = Checks::default();
-    // A path that cannot be checked is no reason to leave out the others.
+    // Check the other paths even if one cannot be checked.
     let mut refused: Option<Error> = None;
     for path in &arguments.paths {
         if let Err(error) = refuse_dash(path).and_then(|()| checks.add(path)) {
@@ -75,9 +75,9 @@ pub(super) fn run(arguments: &Arguments, common: Common) -> Result<(), Error> {
     }
     match faults {
         0 => {
-            remark(common, &format!("{}: whole", counted(count, "file")));
+            remark(common, &format!("{}: intact", counted(count, "file")));
             Ok(())
         }
-        _ => Err(Error::check(format!("{faults} of {} not whole", counted(count, "file")))),
+        _ => Err(Error::check(format!("{faults} of {} not intact", counted(count, "file")))),
     }
 }

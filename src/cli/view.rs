@@ -1,4 +1,4 @@
-//! `brdfc view`: a page that draws packs.
+//! `brdfc view`: writes a page that draws packs.
 
 use super::output::{print_report, refuse_unfit_output, remark, to_json, write_file};
 use super::steps::Steps;
@@ -12,20 +12,20 @@ use serde::Serialize;
 use std::path::{Path, PathBuf};
 use std::sync::atomic::AtomicBool;
 
-/// Write a page that draws packs: turned, lit and held against each other by whoever opens it.
+/// Write a page that draws packs, for viewing them in a browser with any rotation, light and comparison.
 ///
-/// One file of HTML that needs no network and no server. It draws by WebGPU, or by WebGL 2, with the decoders that engines
-/// use: on a ball, a cloth, a teapot or a plane; what 'brdfc pwt' made as a rendering under a light that moves. With two
-/// materials it splits the screen, and says how far they are apart (ΔE) under the pointer and over the view. What is no pack,
-/// such as what a pack was made of, is drawn as a table of 128 KiB, whose own error is said.
+/// The page is a single HTML file that needs no network and no server. It draws with WebGPU or WebGL 2, using the decoders of
+/// engines, on a ball, a cloth, a teapot or a plane; it draws packs of 'brdfc pwt' as an image under a moving light. With two
+/// materials it splits the screen and displays their difference (ΔE) under the pointer and over the view. It draws materials
+/// that are not packs, such as the source of a pack, from a table of 128 KiB, and displays the error of that table.
 ///
-/// Behind a # the page's address may ask for more, with & between: scene=cloth, left=NAME, right=NAME, mode=split, one or
-/// difference, coarser=1, api=webgl2 or webgpu, embed (the rendering alone).
+/// The address of the page may set options after a #, separated by &: scene=cloth, left=NAME, right=NAME, mode=split, one or
+/// difference, coarser=1, api=webgl2 or webgpu, embed (only the rendering).
 #[derive(Debug, Args)]
 #[command(after_help = "\
 Examples:
   brdfc view red.ktx2 -o red.html
-  brdfc view red.ktx2 red-plastic.binary -o red.html        beside what it was made of
+  brdfc view red.ktx2 red-plastic.binary -o red.html        compared with its source
   brdfc view small.ktx2 large.ktx2 -o sizes.html
   brdfc view packs -o all.html                              all packs of a build, each with its source
   brdfc view button -o button.html                          a flat BTF
@@ -38,12 +38,12 @@ pub struct Arguments {
     /// The page to write: .html.
     #[arg(long, short, value_name = "VIEW.html", value_parser = super::output::output_parser())]
     output: PathBuf,
-    /// Of builds, the packs alone.
+    /// For builds, draw only the packs, without their sources.
     #[arg(long)]
     no_sources: bool,
 }
 
-/// What `--json` prints.
+/// Report of `--json`.
 #[derive(Debug, Serialize, schemars::JsonSchema)]
 pub struct Report {
     /// Layout of this report.
@@ -52,22 +52,22 @@ pub struct Report {
     kind: &'static str,
     /// Bytes of the page.
     bytes_on_disk: usize,
-    /// Bytes of it that are no pack's.
+    /// Bytes of the page without packs.
     bytes_alone: usize,
-    /// What it draws, the left one first.
+    /// Materials, the left one first.
     items: Vec<Item>,
 }
 
 /// A material of the page.
 #[derive(Debug, Serialize, schemars::JsonSchema)]
 struct Item {
-    /// What the page calls it.
+    /// Name on the page.
     name: String,
-    /// What decodes it, as `brdfc shader` calls it.
+    /// Decoder, by its name in `brdfc shader`.
     decoder: &'static str,
     /// Bytes of its textures on a GPU.
     bytes_on_gpu: u64,
-    /// What the page says of it.
+    /// Description on the page.
     facts: String,
 }
 
@@ -88,7 +88,7 @@ pub(super) fn run(arguments: &Arguments, common: Common) -> Result<(), Error> {
     refuse_stdin_twice(&inputs)?;
     let paths: Vec<&Path> = arguments.inputs.iter().filter_map(Input::path).collect();
     refuse_unfit_output(output, &["html", "htm"], &paths)?;
-    // An interrupt ends the process at once: files are whole or not there.
+    // An interrupt ends the process at once: each file is either complete or absent.
     let cancelled = AtomicBool::new(false);
     let steps = Steps::new(common, &cancelled);
     let items = open_items(&arguments.inputs, ViewOptions { sources: !arguments.no_sources }, &steps)?;
@@ -109,7 +109,7 @@ pub(super) fn run(arguments: &Arguments, common: Common) -> Result<(), Error> {
     remark(
         common,
         &format!(
-            "{}: {}, {} of it the page itself",
+            "{}: {}, including {} for the page itself",
             output.display(),
             size(report.bytes_on_disk),
             size(report.bytes_alone)

@@ -1,6 +1,6 @@
-//! `brdfc watch`: a build that is made again whenever what it reads changes.
+//! `brdfc watch`: builds again when an input changes.
 
-use super::build_scene::{BuildArguments, tell_left_out, tell_what_matters};
+use super::build_scene::{BuildArguments, print_diagnostics, tell_left_out};
 use super::interrupt;
 use super::output::{print_if_read, remark, tell};
 use super::progress::Materials;
@@ -13,20 +13,20 @@ use serde::Serialize;
 use std::sync::atomic::AtomicBool;
 use std::time::{Duration, Instant};
 
-/// Seconds between two looks, with --poll.
+/// Default seconds between two checks, with --poll.
 const POLL_SECONDS: std::ops::RangeInclusive<f64> = 0.1..=3600.0;
-/// So many names of files are told.
-const NAMED: usize = 3;
+/// Maximum number of file names in a line.
+const MAX_NAMED: usize = 3;
 
-/// Build, and build again whenever the manifest or what it names changes.
+/// Build, and build again whenever the manifest or one of its files changes.
 ///
-/// It takes what 'brdfc build' takes. Until Ctrl-C it watches the manifest, the sources of materials that the scene uses, the
-/// environment, and whether other files match a pattern or stand in a folder that is given. What a change does not touch is
-/// taken from the store of the output folder (.brdfc-cache). A change in the middle of a build ends it, and it begins
-/// again. A build that fails is told, and leaves the output folder as the last good one made it.
+/// The arguments are those of 'brdfc build'. Until Ctrl-C, the program watches the manifest, the sources of materials that the
+/// scene uses, the environment, and the set of files that match a pattern or are in a given folder. Results that a change
+/// does not affect come from the store of the output folder (.brdfc-cache). A change during a build cancels it and starts another.
+/// A build that fails is reported, and leaves the output folder as the last successful one made it.
 ///
-/// One line on stderr says of each build what changed, what was made and how long it took, and notes are those of what it
-/// made. With --json a report of each build goes to stdout, on one line (schema: 'brdfc schema watch').
+/// For each build, one line on stderr states what changed, what was built and how long it took; notes concern newly built
+/// materials. With --json, a report of each build goes to stdout, on one line (schema: 'brdfc schema watch').
 #[derive(Debug, Args)]
 #[command(after_help = "\
 Examples:
@@ -36,31 +36,31 @@ Examples:
 pub struct Arguments {
     #[command(flatten)]
     build: BuildArguments,
-    /// Look at the files every S seconds, 0.1 to 3600, and do not wait for the system to tell of changes: where others write
-    /// to a network drive it does not tell.
+    /// Check the files every S seconds, 0.1 to 3600, instead of waiting for notifications of the system. Use it for network
+    /// drives, where the system does not notify about changes by other machines.
     #[arg(long, value_name = "S")]
     poll: Option<f64>,
     #[command(flatten, next_help_heading = "Encoding")]
     options: EncodeOptions,
 }
 
-/// What `--json` prints of each build.
+/// Report of `--json`, printed for each build.
 #[derive(Debug, Serialize, schemars::JsonSchema)]
 pub struct Report {
     /// Layout of this report.
     version: u32,
-    /// Files that changed since the build before; none of the first.
+    /// Files that changed since the previous build; empty for the first one.
     changed: Vec<Change>,
-    /// Seconds from the look that saw them to the end.
+    /// Seconds from the detection of the change to the end of the build.
     seconds: f64,
     /// Files that were written into the output folder.
     written: Vec<String>,
     /// Files that were removed from it.
     removed: Vec<String>,
-    /// What failed, in one sentence; then the folder is as it was, unless a limit was missed and nothing else.
+    /// Failures, in one sentence. The folder is then unchanged, except if the only failure is a missed limit.
     #[serde(skip_serializing_if = "Option::is_none")]
     error: Option<String>,
-    /// The build; absent if there was nothing that could be built.
+    /// The build; absent if there was nothing to build.
     #[serde(skip_serializing_if = "Option::is_none")]
     build: Option<BuildReport>,
 }
@@ -76,7 +76,7 @@ pub(super) fn run(arguments: &Arguments, common: Common) -> Result<(), Error> {
     let mut events = FileEvents::new(poll);
     let mut look = watched.look();
     let (mut changed, mut is_first) = (Vec::new(), true);
-    // What the last build that came to its end began with.
+    // State at the start of the last completed build.
     let mut before = look.clone();
     loop {
         let started = Instant::now();
@@ -124,7 +124,7 @@ fn seconds(seconds: f64) -> Result<Duration, Error> {
     Err(Error::usage(format!("--poll: found {}, expected {least} to {most} seconds", format_number(seconds))))
 }
 
-/// A build that came to its end, well or not.
+/// A completed build, successful or not.
 struct Ended {
     report: BuildReport,
     changes: Option<Changes>,
@@ -132,7 +132,7 @@ struct Ended {
 }
 
 fn one_build(arguments: &Arguments, common: Common, is_first: bool, cancelled: &AtomicBool) -> Result<Ended, Error> {
-    // What never changes is told once.
+    // Remarks that never change are printed once.
     let once = Common { quiet: common.quiet || !is_first, ..common };
     let build = arguments.build.build(&arguments.options)?.whole(true);
     tell_left_out(&build, once);
@@ -140,7 +140,7 @@ fn one_build(arguments: &Arguments, common: Common, is_first: bool, cancelled: &
     let progress = Materials::of(plan, once).without_lines_until(cancelled);
     let built = build.run_with(plan, &progress)?;
     drop(progress);
-    tell_what_matters(&built, common, is_first);
+    print_diagnostics(&built, common, is_first);
     Ok(Ended { report: built.report, changes: built.changes, verdict: built.outcomes.verdict() })
 }
 
@@ -153,7 +153,7 @@ fn report(built: Result<Ended, Error>, changed: Vec<Change>, seconds: f64) -> Re
     Report { version: 1, changed, seconds, written: changes.written, removed: changes.removed, error, build }
 }
 
-/// Reports what a build did. False: the reader of the reports has closed the pipe.
+/// Prints the result of a build. Returns false if the reader of the reports closed the pipe.
 fn tell_build(report: &Report, is_first: bool, common: Common) -> Result<bool, Error> {
     if let Some(error) = &report.error {
         tell(&format!("brdfc: {error}"));
@@ -166,13 +166,13 @@ fn tell_build(report: &Report, is_first: bool, common: Common) -> Result<bool, E
     print_if_read(&(serde_json::to_string(report).expect("reports are plain data") + "\n"))
 }
 
-/// What was made, in words.
+/// Summarises the result.
 fn result(report: &Report) -> String {
-    let Some(build) = &report.build else { return "failed, the output folder is as it was".to_owned() };
+    let Some(build) = &report.build else { return "failed, the output folder is unchanged".to_owned() };
     let of_materials = build.materials.iter().map(|entry| entry.cached);
     let of_all = of_materials.chain(build.environment.iter().map(|entry| entry.cached));
-    let count = |wanted| of_all.clone().filter(|cached| *cached == wanted).count();
-    let mut text = format!("{} made, {} kept", count(Some(false)), count(Some(true)));
+    let count = |target| of_all.clone().filter(|cached| *cached == target).count();
+    let mut text = format!("{} built, {} cached", count(Some(false)), count(Some(true)));
     if count(None) > 0 {
         text += &format!(", {} failed", count(None));
     }
@@ -182,7 +182,7 @@ fn result(report: &Report) -> String {
         }
     }
     if report.written.is_empty() && report.removed.is_empty() {
-        text += ", the output folder is as it was";
+        text += ", the output folder is unchanged";
     }
     text
 }
@@ -191,15 +191,15 @@ fn files(count: usize) -> String {
     counted(count, "file")
 }
 
-/// What changed, in words.
+/// Summarises the changes.
 fn changes(changed: &[Change]) -> String {
     let word = |what| match what {
         What::Changed => "changed",
         What::New => "new",
         What::Gone => "gone",
     };
-    // A line is one, whatever the names.
+    // Escape line ends, so that the summary stays on one line.
     let named = changed.iter().map(|change| format!("{} {}", change.file.replace('\n', "\\n"), word(change.what)));
-    let text = join_truncated(&named.collect::<Vec<_>>(), NAMED);
-    if text.is_empty() { "changed and back".to_owned() } else { text }
+    let text = join_truncated(&named.collect::<Vec<_>>(), MAX_NAMED);
+    if text.is_empty() { "changed and reverted".to_owned() } else { text }
 }

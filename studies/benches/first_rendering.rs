@@ -1,15 +1,15 @@
-//! How long a browser that was just started takes to the first rendering of pages that `brdfc view` wrote, and how many it draws in a
-//! second then: `cargo bench -p brdfc-benches --bench first_rendering -- PAGE.html...`
+//! Measures the time from the start of a browser to the first rendering of pages that `brdfc view` wrote, and the frame
+//! rate afterwards: `cargo bench -p brdfc-benches --bench first_rendering -- PAGE.html...`
 
 use brdfc_testing::browser::{result_of_page, with_script};
 use std::process::ExitCode;
 
 /// Pixels of the rendering.
 const SIZE: [usize; 2] = [696, 700];
-/// Starts of the browser for each page and interface.
+/// Starts of the browser for each page and API.
 const STARTS: usize = 5;
 
-/// Milliseconds until the first rendering was drawn, and renderings a second, of which some are drawn.
+/// Milliseconds until the first rendering, and renderings per second, averaged over several.
 const SCRIPT: &str = "
 const first = await brdfcView.first;
 await fetch('/result', { method: 'POST', body: JSON.stringify([first, await brdfcView.speed(3)]) });
@@ -19,8 +19,8 @@ fn main() -> ExitCode {
     // Cargo adds '--bench'.
     let pages: Vec<String> = std::env::args().skip(1).filter(|argument| !argument.starts_with("--")).collect();
     if pages.is_empty() {
-        // As where all benchmarks are run.
-        println!("skipped: first_rendering: no PAGE.html is named, which 'brdfc view' writes");
+        // This is the case if all benchmarks are run.
+        println!("skipped: first_rendering: needs a PAGE.html written by 'brdfc view'");
         return ExitCode::SUCCESS;
     }
     println!("{:<28} {:<7} {:>8} {:>8} {:>8} {:>10}", "page", "", "median", "least", "most", "renderings/s");

@@ -1,4 +1,5 @@
-//! One benchmark per stage, on inputs made in memory with fixed seeds: `cargo bench -p brdfc-benches`, with `-- haar` for some.
+//! One benchmark per stage, on inputs made in memory with fixed seeds: `cargo bench -p brdfc-benches`, with `-- haar`
+//! for a selection.
 //!
 //! The grid is 32 x 32 per hemisphere unless the name says otherwise. All stages use every core.
 
@@ -123,7 +124,7 @@ fn stages() -> Stages {
 fn encoding(criterion: &mut Criterion) {
     let s = stages();
     let order = ranking(&slice_energies(&s.coefficients), GRID.levels);
-    let kept = keep(&order, s.pack.slices() - 1);
+    let selected = keep(&order, s.pack.slices() - 1);
     let mut group = criterion.benchmark_group("encode");
     group.bench_function("log", |b| b.iter(|| log_encode(black_box(&s.table), s.encoding)));
     group.bench_function("smooth", |b| b.iter(|| smooth(black_box(&s.logarithms))));
@@ -131,7 +132,9 @@ fn encoding(criterion: &mut Criterion) {
     group.bench_function("slice energies and ranking", |b| {
         b.iter(|| ranking(&slice_energies(black_box(&s.coefficients)), GRID.levels))
     });
-    group.bench_function("quantise, 4:1", |b| b.iter(|| quantise(black_box(&s.coefficients), &kept, &s.pack.header)));
+    group.bench_function("quantise, 4:1", |b| {
+        b.iter(|| quantise(black_box(&s.coefficients), &selected, &s.pack.header))
+    });
 }
 
 fn decoding(criterion: &mut Criterion) {
@@ -167,7 +170,7 @@ fn measuring(criterion: &mut Criterion) {
     let mut group = criterion.benchmark_group("measure");
     group.bench_function("on the grid", |b| b.iter(|| grid_error(black_box(&s.table), &decoder, DirectionRange::ALL)));
     group.throughput(Throughput::Elements(set.pairs.len() as u64));
-    group.bench_function("off the grid", |b| b.iter(|| compare(&s.source, &decoded, &set)));
+    group.bench_function("at independent test directions", |b| b.iter(|| compare(&s.source, &decoded, &set)));
 }
 
 fn bandwidth(criterion: &mut Criterion) {
@@ -184,7 +187,7 @@ fn bandwidth(criterion: &mut Criterion) {
     group.bench_function("environment 2048 x 1024", |b| b.iter(|| environment_bandwidth(black_box(&sky), width, 0.01)));
 }
 
-/// What adaptive shading spends before it shades, and forward shading beside it.
+/// Preparation of adaptive shading, and forward shading for comparison.
 fn adaptive(criterion: &mut Criterion) {
     use brdfc_bandwidth::map::environment_map;
     use brdfc_render::adaptive::{AdaptiveScene, DistantLight, Lookups, Settings, forward, predict};
@@ -225,8 +228,8 @@ fn packing(criterion: &mut Criterion) {
     }
 }
 
-/// The fit of a stack of 400 x 400 texels under 72 lights to 36 terms, the bare matrix product of that size, and the whole
-/// way to a pack.
+/// Fits a stack of 400 x 400 texels under 72 lights with 36 terms, computes the bare matrix product of that size, and
+/// encodes a complete pack.
 fn relighting(criterion: &mut Criterion) {
     use brdfc_formats::pwt::{LightBasis, LightCoordinates};
     use brdfc_pwt::design::Design;
@@ -258,7 +261,7 @@ fn relighting(criterion: &mut Criterion) {
     let weights: Vec<f32> = (0..design.terms() * LIGHTS).map(|k| (k % 7) as f32).collect();
     let flat: Vec<f32> = values.concat();
     let mut product = vec![0.0; design.terms() * SIDE * SIDE];
-    // On two cores, a half each, the values of a half behind each other.
+    // One half per core, with the values of each half contiguous.
     let half = SIDE * SIDE / 2;
     group.bench_function("bare matrix product, two cores", |b| {
         b.iter(|| {

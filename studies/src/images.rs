@@ -1,4 +1,4 @@
-//! How wrong packs look on the cloth, against the paper's velvet (section 6.3 of Claustres et al. 2007).
+//! Visible errors of packs on the cloth, compared with the paper's velvet (section 6.3 of Claustres et al. 2007).
 
 use brdfc_core::Source;
 use brdfc_formats::BrdfPack;
@@ -17,7 +17,7 @@ use serde::Serialize;
 
 /// Mean ΔE of the paper's velvet.
 pub const PAPER_MEAN: f64 = 1.3;
-/// Standard deviation of the same.
+/// Standard deviation of ΔE of the paper's velvet.
 pub const PAPER_SIGMA: f64 = 2.29;
 
 /// One material on the cloth.
@@ -25,45 +25,46 @@ pub const PAPER_SIGMA: f64 = 2.29;
 pub struct ImageRow {
     /// The input.
     pub material: String,
-    /// Mean and standard deviation of ΔE, shader against source; slices ranked by what is seen, bias 0.0003.
+    /// Mean and standard deviation of ΔE, shader against source, with perceptually weighted ranking of slices and bias
+    /// 0.0003.
     pub shader: [f64; 2],
-    /// The same of the default recipe: slices ranked by energy, bias 0.01.
+    /// Mean and standard deviation of ΔE with the default recipe: slices ranked by energy, bias 0.01.
     pub shader_by_energy: [f64; 2],
     /// CPU from the pack against source: codec error.
     pub pack: [f64; 2],
-    /// CPU from the whole table, unquantised, against source: what the grid alone loses.
+    /// CPU from the complete table, unquantised, against source: errors of the grid alone.
     pub table: [f64; 2],
     /// Mean CIEDE2000, shader against source.
     pub delta_e_2000: f64,
-    /// dB, shader against source; absent if there is no difference.
+    /// PSNR, shader against source, dB; absent without a difference.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub psnr: Option<f64>,
     /// Factor from radiance to the display's range.
     pub exposure: f64,
-    /// What drew.
+    /// Adapter that drew the shader's rendering.
     #[serde(skip)]
     pub adapter: Option<AdapterDescription>,
 }
 
 impl ImageRow {
-    /// Whether the shader is as good as the paper's velvet.
+    /// Returns true if the shader is as good as the paper's velvet.
     pub fn passes(&self) -> bool {
         self.shader[0] <= PAPER_MEAN && self.shader[1] <= PAPER_SIGMA
     }
 
-    /// Whether the grid alone is worse than the paper's velvet, so that no pack of it can be as good.
+    /// Returns true if the grid alone is worse than the paper's velvet, so that no pack with it can be as good.
     pub fn grid_is_the_limit(&self) -> bool {
         !(self.table[0] <= PAPER_MEAN && self.table[1] <= PAPER_SIGMA)
     }
 }
 
-/// Why there is no row.
+/// Errors of the study.
 #[derive(Debug, thiserror::Error)]
 pub enum StudyError {
-    /// The driver.
+    /// The driver reported an error.
     #[error(transparent)]
     Gpu(#[from] GpuError),
-    /// The encoder.
+    /// The encoder failed.
     #[error(transparent)]
     Encode(#[from] EncodeError),
 }
@@ -71,7 +72,7 @@ pub enum StudyError {
 /// Encodes a material at 4:1 with 8 bits, and draws it on the cloth with 512 x 512 pixels of 4 samples.
 ///
 /// # Errors
-/// What the driver reports.
+/// Returns an error that the driver reports.
 pub fn on_the_cloth(gpu: &Gpu, material: &str, source: &dyn Source) -> Result<ImageRow, StudyError> {
     let by_energy = Recipe { measure_off_grid: false, ..Recipe::default() };
     let recipe = Recipe { measure_off_grid: false, ..Recipe::visible() };

@@ -16,23 +16,23 @@ use std::time::Instant;
 pub const FRAMES: usize = 6;
 /// Units that the camera moves back between two frames.
 const STEP: f64 = 0.3;
-/// Flicker is measured where the terrain is at least this far away: a step of the camera moves it by less than a pixel,
-/// so that smooth renderings hardly change.
+/// Minimum distance at which flicker is measured: a step of the camera moves the terrain there by less than a pixel, so
+/// that smooth renderings hardly change.
 const FAR: f64 = 60.0;
 /// Pixels of a frame, and of a small one.
 const FRAME: Frame = Frame { width: 512, height: 288, samples: 1 };
 const SMALL: Frame = Frame { width: 128, height: 72, samples: 1 };
-/// Samples per pixel and axis of the frames that flicker as little as a rendering can.
+/// Samples per pixel and axis of the reference frames with minimal flicker.
 const SMOOTH_SAMPLES: usize = 4;
-/// Runs of a timing, of which the fastest counts.
+/// Number of runs of a timing, of which the fastest counts.
 const RUNS: usize = 5;
 /// Speed-ups against the finest level that the paper prints, from the second finest down.
 const PAPER: [f64; 4] = [1.3, 1.8, 2.7, 5.7];
 
-/// What levels of detail gain.
+/// Effect of levels of detail.
 #[derive(Debug, Clone, Serialize, JsonSchema)]
 pub struct LevelOfDetail {
-    /// What drew.
+    /// Adapter that drew the frames.
     pub adapter: AdapterDescription,
     /// Pixels of a frame.
     pub size: [usize; 2],
@@ -40,7 +40,7 @@ pub struct LevelOfDetail {
     pub shaded: usize,
     /// Triangles.
     pub triangles: usize,
-    /// Lights, each of which asks for one evaluation per pixel.
+    /// Lights, each of which costs one evaluation per pixel.
     pub lights: usize,
     /// A row for each level, the finest first.
     pub levels: Vec<LevelTime>,
@@ -52,11 +52,11 @@ pub struct LevelOfDetail {
     pub finest: Flicker,
     /// Level by distance, one sample per pixel.
     pub by_distance: Flicker,
-    /// Finest level, 16 samples per pixel: what flickers here is the scene itself.
+    /// Finest level, 16 samples per pixel: flicker of the scene itself.
     pub smooth: Flicker,
 }
 
-/// What changes from frame to frame.
+/// Changes from frame to frame.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, JsonSchema)]
 pub struct Flicker {
     /// Variance of the display's luminance (0 to 1) over six frames moving away, mean over pixels
@@ -64,7 +64,7 @@ pub struct Flicker {
     pub variance: f64,
     /// Mean luminance of the display.
     pub luminance: f64,
-    /// Variance over the squared mean: what is left of the flicker when brightness is taken off.
+    /// Variance divided by the squared mean, independent of brightness.
     pub relative: f64,
 }
 
@@ -77,14 +77,15 @@ pub struct LevelTime {
     pub fetches: [u32; 2],
     /// Seconds of a frame, nearest and bilinear.
     pub seconds: [f64; 2],
-    /// How many times faster than the finest level, nearest and bilinear; frames without lights taken off.
+    /// Speed-up relative to the finest level, nearest and bilinear, after subtracting the time of frames without
+    /// lights.
     pub speed_up: [f64; 2],
-    /// What the paper prints at as many levels below its finest.
+    /// Speed-up in the paper, at the same number of levels below its finest.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub paper: Option<f64>,
 }
 
-/// Frames of the animation, for renderings.
+/// Frames of the animation, for image files.
 pub struct Animation {
     /// Finest level, one sample per pixel.
     pub finest: Vec<LinearImage>,
@@ -96,10 +97,11 @@ pub struct Animation {
     pub exposure: f64,
 }
 
-/// Measures a pack on the terrain, on few pixels if it is to be `small`. `progress` hears what is done.
+/// Measures a pack on the terrain, with few pixels if `small`. Calls `progress` with a description of each finished
+/// step.
 ///
 /// # Errors
-/// What the driver reports.
+/// Returns an error that the driver reports.
 pub fn level_of_detail(
     gpu: &Gpu,
     pack: &BrdfPack,
@@ -188,7 +190,7 @@ fn display_luminance(pixel: [f32; 3], exposure: f64) -> f64 {
     (luminance(pixel) * exposure).clamp(0.0, 1.0)
 }
 
-/// Whether a pixel of the first frame shows terrain that is [`FAR`] away.
+/// Mask of the pixels of the first frame that show terrain at a distance of at least [`FAR`].
 fn far_pixels(scene: &Scene, frame: Frame) -> Vec<bool> {
     let is_far = |hit: &Option<Hit>| {
         hit.as_ref().is_some_and(|hit| ShadingPoint::new(&scene.parts[0], hit, scene.camera.eye).distance >= FAR)
@@ -196,7 +198,7 @@ fn far_pixels(scene: &Scene, frame: Frame) -> Vec<bool> {
     trace(scene, frame).0.iter().map(is_far).collect()
 }
 
-/// Temporal variance of luminance over frames, of those of the chosen pixels that show a surface in all of them.
+/// Temporal variance of luminance over frames, for selected pixels that show a surface in all of them.
 pub fn flicker(frames: &[LinearImage], chosen: &[bool], exposure: f64) -> Flicker {
     let (mut variances, mut means, mut count) = (0.0, 0.0, 0usize);
     for pixel in 0..frames[0].pixels.len() {
@@ -236,7 +238,7 @@ mod tests {
         let mut frames = [frame([0.2, 0.5]), frame([0.4, 0.5])];
         let found = flicker(&frames, &[true; 2], 1.0);
         assert!((found.variance - 0.005).abs() < 1e-6 && (found.relative - 0.005 / 0.16).abs() < 1e-5, "{found:?}");
-        // What is not covered in every frame does not count.
+        // Pixels that are not covered in every frame do not count.
         frames[1].coverage[0] = 0.5;
         assert!(flicker(&frames, &[true; 2], 1.0).variance < 1e-12);
         frames[1].coverage[0] = 1.0;

@@ -1,4 +1,4 @@
-//! Studies that repeat the papers' tables and figures, the papers' own numbers beside ours.
+//! Studies that reproduce the papers' tables and figures, and list the papers' own numbers next to ours.
 
 #[cfg(feature = "render")]
 pub mod adaptive;
@@ -24,37 +24,37 @@ pub use wavelet::{StudyRow, wavelet_table_1};
 
 use serde::Serialize;
 
-/// Which studies there are.
+/// The studies.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, clap::ValueEnum)]
 pub enum Study {
     /// Table 1 of Claustres et al. 2007: errors of Lewis, Ward and Poulin-Fournier at 4:1, 16:1 and 32:1.
     WaveletBrdf,
-    /// Section 4 of Hadim et al. 2009: reconstruction, coherency, sizes and interpolation of flat BTFs. Takes minutes for
-    /// each of synth:button, folds, knit and sponge, which are the default.
+    /// Section 4 of Hadim et al. 2009: reconstruction, coherency, sizes and interpolation of flat BTFs. Takes minutes
+    /// for each of synth:button, folds, knit and sponge (the default).
     FlatBtf,
-    /// Figure 1 (b) of Baril et al. 2008: photographs under known lights as polynomial texture maps, hemispherical harmonics and polynomial
-    /// wavelet trees, at fitted lights and at lights held out. With --out: relighting.png.
+    /// Figure 1 (b) of Baril et al. 2008: photographs under known lights as polynomial texture maps, hemispherical
+    /// harmonics and polynomial wavelet trees, at fitted and at held-out lights. With --out: relighting.png.
     Relighting,
-    /// Ways to store the BTF of a structure, ordinary and flat, beside each other: polynomial texture maps, hemispherical
-    /// harmonics, polynomial wavelet trees, factors; bytes, fetches, errors at fitted lights and at lights held out. Takes
-    /// minutes for each of synth:button, folds, knit and sponge, which are the default. With --out: btf.svg.
+    /// Methods to store the BTF of a structure, ordinary and flat: polynomial texture maps, hemispherical harmonics,
+    /// polynomial wavelet trees, factors; bytes, fetches, errors at fitted and at held-out lights. Takes minutes for
+    /// each of synth:button, folds, knit and sponge (the default). With --out: btf.svg.
     Btf,
     /// Rays per second against a repeated structure. With --out: mesh.ply and rays.bin for other programs.
     Rays,
-    /// Section 6.3: evaluations per second, shader and CPU decoder.
+    /// Section 6.3: evaluations per second of shader and CPU decoder.
     Throughput,
-    /// Packs beside what could be used instead: zfp, SZ3, BC6H and BC7, a fitted GGX. Bytes, times, errors; with --out
-    /// codecs.svg. Takes minutes.
+    /// Packs compared with zfp, SZ3, BC6H and BC7, and a fitted GGX: bytes, times, errors. Takes minutes. With --out:
+    /// codecs.svg.
     Codecs,
-    /// Run time against error: codecs, sizes, grids, bits and smoothing swept, and which settings no other beats. Takes minutes for
-    /// each material; with --out pareto.svg.
+    /// Run time and error: sweeps codecs, sizes, grids, bits and smoothing, and prints the Pareto fronts. Takes minutes
+    /// for each material. With --out: pareto.svg.
     Pareto,
     /// Section 6.3, figure 10: a terrain with and without levels of detail, time per level, flicker.
     LevelOfDetail,
     /// Section 6.3, figure 9: colour differences on a cloth, shader against source, 4:1 and 8 bits.
     Images,
-    /// Section 5 of Bagher et al. 2012: samples that adaptive and forward shading need for the same error, of every
-    /// material on two shapes, on the CPU. Minutes for each material.
+    /// Section 5 of Bagher et al. 2012: samples that adaptive and forward shading need for the same error, for every
+    /// material on two shapes, on the CPU. Takes minutes for each material.
     Adaptive,
     /// Figure 12 of Bagher et al. 2012: predicted pixel bandwidth against windowed Fourier transforms, on a sphere.
     PixelBandwidth,
@@ -64,7 +64,7 @@ pub enum Study {
     Antialiasing,
 }
 
-/// Figures of a study.
+/// Results of a study.
 #[derive(Debug, Serialize, schemars::JsonSchema)]
 #[serde(tag = "study", rename_all = "kebab-case")]
 pub enum StudyResult {
@@ -75,26 +75,26 @@ pub enum StudyResult {
     },
     /// Tables 1, 2 and 3 and figure 10 of Hadim et al. 2009.
     FlatBtf {
-        /// What was computed.
+        /// Settings of the study.
         settings: flat_btf::StudySettings,
-        /// One for each model.
+        /// One row for each model.
         rows: Vec<flat_btf::ModelRow>,
     },
-    /// Ways to store photographs under known lights.
+    /// Methods to store photographs under known lights.
     Relighting(relighting::RelightingStudy),
-    /// Ways to store BTFs.
+    /// Methods to store BTFs.
     Btf(btf::BtfStudy),
     /// Rays per second.
     Rays(rays::RayStudy),
-    /// Run time against error.
+    /// Run time and error.
     Pareto(pareto::ParetoStudy),
     /// Evaluations per second.
     #[cfg(feature = "render")]
     Throughput(throughput::Throughput),
-    /// Packs beside what could be used instead.
+    /// Packs compared with alternatives.
     #[cfg(feature = "render")]
     Codecs(codecs::CodecStudy),
-    /// The terrain.
+    /// The terrain with and without levels of detail.
     #[cfg(feature = "render")]
     LevelOfDetail(level_of_detail::LevelOfDetail),
     /// Colour differences on the cloth.

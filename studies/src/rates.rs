@@ -1,4 +1,4 @@
-//! How many evaluations per second, by shaders and on the CPU.
+//! Evaluations per second, by shaders and on the CPU.
 
 use super::timing::best_of;
 use brdfc_formats::direction::DirectionPair;
@@ -14,11 +14,11 @@ use std::time::Instant;
 const SHADER_PAIRS: usize = 1 << 17;
 /// Pairs per run on the CPU.
 const CPU_PAIRS: usize = 1 << 15;
-/// Runs, of which the fastest counts.
+/// Number of runs, of which the fastest counts.
 const RUNS: usize = 3;
 const SEED: u64 = 5;
 
-/// Compiled shaders and the pairs that they are run on.
+/// Compiled shaders and the pairs that they evaluate.
 pub(crate) struct Rates<'g> {
     evaluators: Vec<(PackKind, Evaluator<'g>)>,
     pairs: Vec<DirectionPair>,
@@ -44,7 +44,7 @@ impl<'g> Rates<'g> {
         self.shader_of(evaluator, &evaluator.load(pack, filter)?, level, slices)
     }
 
-    /// Evaluations per second of what is loaded.
+    /// Evaluations per second of a loaded pack.
     pub(crate) fn shader_of(
         &self,
         evaluator: &Evaluator<'_>,
@@ -53,7 +53,7 @@ impl<'g> Rates<'g> {
         slices: SliceFilter,
     ) -> Result<f64, GpuError> {
         let on_device = evaluator.load_pairs(&self.pairs, level, slices)?;
-        // The first run compiles and moves what is left to move.
+        // The first run compiles and transfers remaining data.
         evaluator.run(loaded, &on_device)?;
         let mut best = f64::INFINITY;
         for _ in 0..RUNS {

@@ -1,5 +1,5 @@
-//! Figure 1 (b) of Baril et al. 2008: polynomial wavelet trees beside what photographs under known lights are stored as
-//! today, at lights that were fitted and at lights that were held out.
+//! Figure 1 (b) of Baril et al. 2008: polynomial wavelet trees compared with the current formats for photographs under
+//! known lights, at fitted and at held-out lights.
 
 use brdfc_formats::FormatError;
 use brdfc_formats::pwt::{LightBasis, LightCoordinates, PwtDecoder, PwtPack};
@@ -12,61 +12,61 @@ use brdfc_readers::ptm::Ptm;
 use serde::Serialize;
 use std::time::Instant;
 
-/// What a study of relighting computes.
+/// Settings of a study of relighting.
 #[derive(Debug, Clone, PartialEq, Serialize, schemars::JsonSchema)]
 pub struct RelightingSettings {
     /// Columns and rows: cropped to multiples of 32.
     pub size: [usize; 2],
-    /// Lights.
+    /// Number of lights.
     pub lights: usize,
-    /// Lights that are held out.
+    /// Number of held-out lights.
     pub held_out: usize,
-    /// Seeds of the permutations that say which.
+    /// Seeds of the permutations that select them.
     pub seeds: Vec<u64>,
 }
 
-/// A way to store photographs under known lights; figures are means over the seeds.
+/// Result of a method to store photographs under known lights. Values are means over the seeds.
 #[derive(Debug, Clone, PartialEq, Serialize, schemars::JsonSchema)]
 pub struct RelightingRow {
-    /// What it is.
+    /// Name of the method.
     pub method: String,
-    /// Bytes on a GPU, mipmaps included.
+    /// Bytes on a GPU, including mipmaps.
     pub bytes: f64,
-    /// Of those of the polynomial texture map.
+    /// Share of the bytes of the polynomial texture map.
     pub share: f64,
-    /// Fetches of a pixel.
+    /// Fetches per pixel.
     pub fetches: f64,
     /// Signal-to-noise ratio at the fitted lights, dB.
     pub psnr: f64,
-    /// The same at the lights held out.
+    /// Signal-to-noise ratio at the held-out lights, dB.
     pub held_out_psnr: f64,
     /// Mean ΔE at the fitted lights.
     pub delta_e: f64,
-    /// The same at the lights held out.
+    /// Mean ΔE at the held-out lights.
     pub held_out_delta_e: f64,
-    /// Seconds to make it.
+    /// Seconds to encode.
     pub seconds: f64,
 }
 
 /// A study of relighting.
 #[derive(Debug, Clone, PartialEq, Serialize, schemars::JsonSchema)]
 pub struct RelightingStudy {
-    /// What was computed.
+    /// Settings of the study.
     pub settings: RelightingSettings,
-    /// One for each way.
+    /// One row for each method.
     pub rows: Vec<RelightingRow>,
 }
 
-/// The ways that are compared.
+/// The compared methods.
 #[derive(Debug, Clone, Copy, PartialEq)]
 enum Method {
-    /// A polynomial texture map as the file has it.
+    /// A polynomial texture map as in its file format.
     Map(MapModel),
     /// All terms from a level on.
     Plain(LightBasis, u32),
-    /// A tree of at most so many bytes, as a share of the map's.
+    /// A tree with a maximum size, as a share of the map's.
     Share(f64),
-    /// A tree as it is made without options.
+    /// A tree with the encoder's default options.
     Default,
 }
 
@@ -99,7 +99,7 @@ enum Made {
 
 fn made(method: Method, samples: &LightSamples) -> Result<(Made, f64, f64), FormatError> {
     match method {
-        // Two or four coefficients of a channel to a texel of four.
+        // Two or four coefficients of a channel per texel of four.
         Method::Map(model) => {
             let fetches = if model == MapModel::Rgb { 5.0 } else { 3.0 };
             Ok((Made::Map(fit_map(samples, model)?), map_bytes(samples.size, model), fetches))
@@ -125,10 +125,10 @@ fn errors(made: &Made, samples: &LightSamples) -> StackErrors {
     }
 }
 
-/// Compares all ways on some photographs. `done` is called after each.
+/// Compares all methods on photographs. Calls `done` after each.
 ///
 /// # Errors
-/// Photographs out of range; no light left to fit.
+/// Returns an error for photographs out of range, or if no light is left to fit.
 pub fn relighting(
     samples: &LightSamples,
     held_out: usize,
@@ -167,17 +167,17 @@ pub fn relighting(
     Ok(RelightingStudy { settings, rows })
 }
 
-/// A photograph that was held out, and what a polynomial texture map and a tree of at most 30 % of its bytes make of it:
+/// A held-out photograph, and its reconstructions by a polynomial texture map and a tree of at most 30 % of its bytes:
 /// linear RGB, side by side.
 ///
 /// # Errors
-/// As [`relighting`].
+/// Returns the errors of [`relighting`].
 pub fn relit(samples: &LightSamples, held_out: usize) -> Result<LinearImage, FormatError> {
     let samples = samples.cropped(32);
     let lights = samples.lights.len();
     let order = permutation(lights, 0);
     let unseen = &order[..held_out.clamp(1, lights.max(2) - 1)];
-    // Of those held out the one nearest to halfway down.
+    // Among the held-out lights, the one nearest to halfway down.
     let off = |light: &usize| (samples.lights[*light][2] - std::f32::consts::FRAC_1_SQRT_2).abs();
     let shown = unseen.iter().copied().min_by(|a, b| off(a).total_cmp(&off(b)));
     let shown = shown.unwrap_or(0);

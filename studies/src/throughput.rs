@@ -10,7 +10,7 @@ use serde::Serialize;
 /// Rates of packs.
 #[derive(Debug, Clone, Serialize, JsonSchema)]
 pub struct Throughput {
-    /// What ran the shader.
+    /// Adapter that ran the shader.
     pub adapter: AdapterDescription,
     /// Threads of the last column.
     pub threads: usize,
@@ -21,10 +21,10 @@ pub struct Throughput {
 /// Evaluations per second of one pack.
 #[derive(Debug, Clone, Serialize, JsonSchema)]
 pub struct Rate {
-    /// The variant of its codec, as `--codec` takes it.
+    /// The variant of its codec, as in `--codec`.
     pub codec: String,
-    /// Of wavelet packs `nearest` or `bilinear`, over the four inner cells; slices are filtered bilinearly by the sampler in
-    /// both. Of packs that have one filter `trilinear`.
+    /// For wavelet packs `nearest` or `bilinear`, over the four inner cells; in both, the sampler filters slices
+    /// bilinearly. For packs with a single filter `trilinear`.
     pub filter: String,
     /// Level of detail.
     pub level: u32,
@@ -42,7 +42,7 @@ pub struct Rate {
     pub cpu_all: f64,
 }
 
-/// One row that is to be measured.
+/// A row to measure.
 struct Case<'a> {
     pack: &'a BrdfPack,
     filter: Filter,
@@ -50,10 +50,10 @@ struct Case<'a> {
     level: u32,
 }
 
-/// Measures packs. `progress` hears how many rows of how many are done.
+/// Measures packs. Calls `progress` with the number of finished rows and the total.
 ///
 /// # Errors
-/// What the driver reports.
+/// Returns an error that the driver reports.
 pub fn throughput(gpu: &Gpu, packs: &[BrdfPack], progress: impl Fn(usize, usize)) -> Result<Throughput, GpuError> {
     let rates = Rates::new(gpu)?;
     let cases: Vec<Case<'_>> = packs.iter().flat_map(cases).collect();
@@ -78,7 +78,7 @@ pub fn throughput(gpu: &Gpu, packs: &[BrdfPack], progress: impl Fn(usize, usize)
     Ok(Throughput { adapter: gpu.description().clone(), threads: rayon::current_num_threads(), rows })
 }
 
-/// What is measured of a pack: every level of detail, with both filters where it has two.
+/// Measurements of a pack: every level of detail, with both filters if it has two.
 fn cases(pack: &BrdfPack) -> impl Iterator<Item = Case<'_>> {
     let filters = if pack.fetches_at(0, Filter::Slices) == pack.fetches_at(0, Filter::Bilinear) {
         vec![(Filter::Bilinear, "trilinear")]

@@ -1,9 +1,9 @@
-//! How long something takes.
+//! Timing of functions.
 
 use std::hint::black_box;
 use std::time::Instant;
 
-/// Seconds of the fastest of so many runs.
+/// Seconds of the fastest of `runs` runs.
 pub(crate) fn best_of<T>(runs: usize, run: impl Fn() -> T) -> f64 {
     let time = |_| {
         let start = Instant::now();

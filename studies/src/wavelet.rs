@@ -1,4 +1,4 @@
-//! Error studies that repeat tables of the papers.
+//! Error studies that reproduce tables of the papers.
 
 use brdfc_core::address::{AddressError, canonical, parse_model};
 use brdfc_jobs::encode::EncodeError;
@@ -6,14 +6,14 @@ use brdfc_wavelet::encode::encode;
 use brdfc_wavelet::recipe::{Recipe, Target};
 use serde::Serialize;
 
-/// One cell of Table 1 of Claustres et al. 2007, ours and theirs.
+/// One cell of Table 1 of Claustres et al. 2007, with our result and the paper's.
 #[derive(Debug, Clone, PartialEq, Serialize, schemars::JsonSchema)]
 pub struct StudyRow {
     /// The model's address with all parameters.
     pub model: String,
     /// Compression ratio `r_c`.
     pub ratio: f64,
-    /// Slices kept of 1024.
+    /// Number of stored slices of 1024.
     pub slices: usize,
     /// Mean value of the table, 1/sr.
     pub mean: f64,
@@ -58,13 +58,13 @@ const MODELS: [Model; 3] = [
 ];
 const RATIOS: [f64; 3] = [4.0, 16.0, 32.0];
 
-/// Why the study could not run: a fault of the program.
+/// Errors of the study, which are bugs of the program.
 #[derive(Debug, thiserror::Error)]
 pub enum StudyError {
-    /// A model's address.
+    /// A model's address is wrong.
     #[error(transparent)]
     Address(#[from] AddressError),
-    /// The encoder.
+    /// The encoder failed.
     #[error(transparent)]
     Encode(#[from] EncodeError),
 }
@@ -72,7 +72,7 @@ pub enum StudyError {
 /// Table 1's lower half: analytic models on a 32 x 32 x 32 x 32 tangent-pole table.
 ///
 /// # Errors
-/// None that an input could cause.
+/// Returns an error only for a bug of the program.
 pub fn wavelet_table_1() -> Result<Vec<StudyRow>, StudyError> {
     let mut rows = Vec::new();
     for Model { address, paper_mean, paper } in MODELS {

@@ -33,11 +33,11 @@ using Bytes = std::vector<char>;
 
 // Runs, of which the fastest counts.
 constexpr int runs = 5;
-// Rays that a thread takes at once.
+// Rays per batch of a thread.
 constexpr size_t chunk = 4096;
-// Distances that differ by less are the same answer: coordinates of a repeated mesh are as coarse as this.
+// Tolerance of distances: the coordinates of a repeated mesh are this coarse.
 constexpr float tolerance = 1e-4f;
-// Ends of rays are moved on by this much: the last triangles lie on them.
+// Offset by which ray ends are moved on, because the last triangles lie on them.
 constexpr float margin = 1e-4f;
 
 struct Ray {
@@ -128,7 +128,7 @@ float blocked(RTCScene scene, const Ray& ray) {
     return query.tfar < 0 ? 1.0f : 0.0f;
 }
 
-// Seconds of the fastest run on so many threads.
+// Seconds of the fastest run with this number of threads.
 double seconds(unsigned threads, size_t rays, const std::function<void(size_t, size_t)>& trace) {
     double best = std::numeric_limits<double>::infinity();
     for (int run = 0; run < runs; ++run) {

@@ -1,4 +1,4 @@
-"""What 'brdfc convert' writes for Mitsuba 3, evaluated by Mitsuba's own 'measured' and by this program.
+"""Output of 'brdfc convert' for Mitsuba 3, evaluated by Mitsuba's own 'measured' and by this program.
 
 Prints a line for each material, and exits with 1 where both readers differ by more than 1e-4 of a value, or a material by more
 than its bound from its source. Needs the packages 'mitsuba' and 'numpy'; BRDFC names the program.
@@ -16,7 +16,7 @@ import numpy as np
 
 PROGRAM = os.environ.get("BRDFC", "target/release/brdfc")
 PAIRS = 2000
-# Of a value and 0.001 1/sr, in the mean, up to 85 degrees.
+# Maximum mean error relative to the value plus 0.001 1/sr, up to 85 degrees.
 MATERIALS = {
     "synth:lambert?kd=0.5": 0.02,
     "synth:ggx?kd=0.2&alpha=0.3": 0.02,
@@ -46,7 +46,7 @@ def by_mitsuba(file, incoming, outgoing):
         interaction = mi.SurfaceInteraction3f()
         interaction.wi = mi.Vector3f(*wi)
         value = bsdf.eval(context, interaction, mi.Vector3f(*wo))
-        # Its values have the cosine.
+        # Its values include the cosine.
         values.append([value[k] / wo[2] for k in range(3)])
     return np.array(values)
 

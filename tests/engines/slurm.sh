@@ -15,7 +15,7 @@ done
 slurm=$PWD/slurm host=$(hostname -s)
 mkdir -p "$slurm/state" "$slurm/spool"
 export SLURM_CONF=$slurm/slurm.conf
-# Free ports, so that nothing that runs already is in the way.
+# Free ports, so that a running cluster does not conflict.
 ports=$(python3 -c 'import socket
 s = [socket.socket() for _ in range(2)]
 [x.bind(("127.0.0.1", 0)) for x in s]
@@ -67,7 +67,7 @@ for _ in $(seq 100); do sinfo -h -o %T 2>/dev/null | grep -q idle && break; slee
 sinfo -h -o %T 2>/dev/null | grep -q idle ||
     skip "no node comes up: $(tail -n 1 "$slurm/slurmctld.out") $(tail -n 1 "$slurm/slurmd.out")"
 
-# What docs/many-machines.md shows.
+# The commands of docs/many-machines.md.
 cat >array.sh <<END
 #!/bin/sh
 exec "$brdfc" build "$scene" --out packs --quiet --jobs 1 --shard "\$SLURM_ARRAY_TASK_ID/$shards"

@@ -1,20 +1,19 @@
-//! What `docs/ARCHITECTURE.md` names is there.
+//! Checks that everything that `docs/ARCHITECTURE.md` names exists.
 //!
-//! In backticks stand paths of files and folders, items as `brdfc_crate::module::item` or
-//! `brdfc_crate::module::Type::item`, and functions of shaders as `file.wgsl::function`. `NAME` and the like in a path are
-//! places to fill in.
+//! Backticks contain paths of files and folders, items as `brdfc_crate::module::item` or `brdfc_crate::module::Type::item`, and
+//! functions of shaders as `file.wgsl::function`. `NAME` and similar words in a path are placeholders.
 
 use crate::layers::code::{code_of, declares};
 use std::path::{Path, PathBuf};
 
-/// Files whose functions are shaders.
+/// Files with shader functions.
 const SHADER: &str = ".wgsl::";
 
 fn root() -> &'static Path {
     Path::new(env!("CARGO_MANIFEST_DIR"))
 }
 
-/// What stands in backticks, line by line, code blocks left out.
+/// Texts in backticks, line by line, without code blocks.
 fn quoted(text: &str) -> Vec<Vec<&str>> {
     let mut in_block = false;
     let of_line = |line| -> Vec<&str> { str::split(line, '`').skip(1).step_by(2).collect() };
@@ -27,14 +26,14 @@ fn quoted(text: &str) -> Vec<Vec<&str>> {
         .collect()
 }
 
-/// The folder of a crate, by the name that code has for it.
+/// Finds the folder of a crate by its name in code.
 fn folder_of(name: &str) -> Option<PathBuf> {
     let short = name.strip_prefix("brdfc_")?;
     let folders = [short.to_owned(), format!("crates/{short}"), format!("crates/codecs/{short}")];
     folders.into_iter().map(|folder| root().join(folder)).find(|folder| folder.join("Cargo.toml").is_file())
 }
 
-/// The file of the module that a path leads into, from the root of the repository, and the names that are left.
+/// Finds the file of the module that a path leads to, from the root of the repository, and the remaining names.
 fn module_file<'a>(path: &[&'a str]) -> Option<(PathBuf, Vec<&'a str>)> {
     let src = folder_of(path.first()?)?.join("src");
     let (mut file, mut folder, mut used) = (src.join("lib.rs"), src, 1);
@@ -46,13 +45,13 @@ fn module_file<'a>(path: &[&'a str]) -> Option<(PathBuf, Vec<&'a str>)> {
     Some((file.strip_prefix(root()).unwrap().to_owned(), path[used..].to_vec()))
 }
 
-/// `NAME` and the like.
+/// Returns true for placeholders such as `NAME`.
 fn is_place_to_fill_in(text: &str) -> bool {
     let is_capital = |part: &str| ["NAME", "VERB", "STUDY"].contains(&part);
     text.split(['/', '.', '_']).any(is_capital)
 }
 
-/// What is wrong with one quotation, and the file that it leads to.
+/// Describes the error of one quotation, and returns the file that it leads to.
 fn checked(text: &str) -> Result<Option<PathBuf>, String> {
     if let Some((file, function)) = text.split_once(SHADER) {
         let file = format!("{file}.wgsl");
@@ -86,7 +85,7 @@ fn what_the_architecture_page_names_is_there() {
         for text in line {
             match checked(text) {
                 Err(problem) => wrong.push(problem),
-                // Beside a function stands the file that it is in.
+                // The file of a function is next to it.
                 Ok(Some(file)) if text.starts_with("brdfc_") => {
                     items += 1;
                     if files.iter().filter(|other| **other == file).count() < 2 {
@@ -111,7 +110,7 @@ const NAMED_OTHERWISE: [&str; 9] = [
     // `Angles::of`.
     "table_brdf_angles",
     "wavelet_brdf_tap",
-    // What a sampler does.
+    // Done by a sampler.
     "flat_btf_sampled_block",
     // Ahead of time on the CPU: the mean of light around a direction.
     "joined",
@@ -150,7 +149,7 @@ fn shaders_and_their_twins_have_one_name() {
     assert_eq!(without_twins(control), ["reflect"]);
 }
 
-/// Text files of the repository by their paths, those that only say what once was left out.
+/// Text files of the repository by their paths, without those that only describe earlier versions.
 fn texts() -> Vec<(PathBuf, String)> {
     let mut folders = ["crates", "docs", "examples", "formats", "src", "studies", "tests"].map(PathBuf::from).to_vec();
     let mut texts = vec![];

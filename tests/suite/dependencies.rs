@@ -1,9 +1,9 @@
-//! How many crates of others the default build compiles: each costs everybody who builds the program.
+//! Number of external crates that the default build compiles: each one costs every person who builds the program.
 
 use std::collections::BTreeSet;
 use std::process::Command;
 
-/// Crates of the default build on Linux, without our own, with those that build scripts and macros need.
+/// External crates of the default build on Linux, including those that build scripts and macros need.
 const CRATES: usize = 185;
 
 #[test]
@@ -16,7 +16,7 @@ fn the_default_build_has_no_more_crates() {
         .unwrap();
     assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
     let printed = String::from_utf8(output.stdout).unwrap();
-    // Name and version, without what is behind them: of our own, a path.
+    // Name and version, without the rest of the line; our own crates have a path.
     let name = |line: &str| line.split(' ').take(2).collect::<Vec<_>>().join(" ");
     let is_ours = |line: &&str| line.contains(&format!("({}", env!("CARGO_MANIFEST_DIR")));
     let (ours, others): (Vec<&str>, Vec<&str>) = printed.lines().filter(|line| !line.is_empty()).partition(is_ours);

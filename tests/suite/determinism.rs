@@ -4,7 +4,7 @@ use crate::common::cli::{Folder, inputs};
 use std::collections::BTreeMap;
 use std::path::Path;
 
-/// One material of every kind of source, with every kind of target.
+/// One material for every kind of source and target.
 const SCENE: &str = "\
 [scene]
 name = 'all kinds'
@@ -135,9 +135,9 @@ fn the_cache_keeps_bytes_and_notices_every_change() {
     folder.write("out/table.brdf.ktx2", b"broken");
     assert_eq!(cached("table", &[]), (true, true), "a broken pack is put in place again");
     assert_same(&first, &folder.products("out"));
-    let kept = blake3::hash(&first["table.brdf.ktx2"]).to_hex();
+    let retained = blake3::hash(&first["table.brdf.ktx2"]).to_hex();
     folder.write("out/table.brdf.ktx2", b"broken");
-    folder.write(&format!("out/.brdfc-cache/objects/{kept}"), b"broken");
+    folder.write(&format!("out/.brdfc-cache/objects/{retained}"), b"broken");
     assert_eq!(cached("table", &[]), (false, true), "without a whole one it is made again");
     for (name, bytes) in folder.files("out/.brdfc-cache/entries") {
         let mut flipped = bytes;

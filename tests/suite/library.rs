@@ -1,4 +1,4 @@
-//! The library as programs use it.
+//! The library, as programs use it.
 
 use brdfc::{Budget, Build, Cancelled, EncodeOptions, ErrorKind, Progress, Stage};
 use brdfc_testing::program::Folder;
@@ -78,7 +78,7 @@ fn a_scene_is_built_and_fails_on_what_is_required() {
 }
 
 #[test]
-fn materials_are_built_kept_and_taken_from_elsewhere() {
+fn materials_are_built_cached_and_reused_from_elsewhere() {
     let folder = folder();
     let at = |name: &str| folder.path().join(name);
     std::fs::create_dir(at("scans")).unwrap();
@@ -97,11 +97,11 @@ fn materials_are_built_kept_and_taken_from_elsewhere() {
     assert_eq!(made(build("second").reuse([at("first")]).run().unwrap()), [Some(true); 2]);
     let packs = ["first", "second"].map(|out| std::fs::read(at(out).join("b.brdf.ktx2")).unwrap());
     assert!(packs[0] == packs[1]);
-    // An input of a build is neither replaced nor removed by it.
+    // A build neither replaces nor removes its inputs.
     let error = Build::from_materials([at("first/b.brdf.ktx2")]).unwrap().out(at("first")).run().unwrap_err();
     assert!(error.kind() == ErrorKind::Usage && error.message().contains("found an input"), "{error}");
     assert!(std::fs::read(at("first/b.brdf.ktx2")).unwrap() == packs[0], "{error}");
-    // Who stops a build in a stage has nothing changed, whatever 'check' says afterwards.
+    // A build that is cancelled in a stage changes nothing, even if 'check' succeeds afterwards.
     let before = std::fs::read(at("first/report.json")).unwrap();
     let again = build("first").cache(false);
     let stopped = again.run_with(&again.plan().unwrap(), &InStage).unwrap_err();
@@ -109,7 +109,7 @@ fn materials_are_built_kept_and_taken_from_elsewhere() {
     assert!(at("first/a.brdf.ktx2").exists() && std::fs::read(at("first/report.json")).unwrap() == before);
 }
 
-/// Stops whatever begins, and only there.
+/// Cancels at the start of each stage, and only there.
 struct InStage;
 
 impl Progress for InStage {
@@ -122,10 +122,10 @@ impl Progress for InStage {
     }
 }
 
-/// Hears of stages, and stops at one.
-struct Heard(Mutex<Vec<Stage>>, Option<Stage>);
+/// Records stages, and cancels at one.
+struct Recorder(Mutex<Vec<Stage>>, Option<Stage>);
 
-impl Progress for Heard {
+impl Progress for Recorder {
     fn check(&self) -> Result<(), Cancelled> {
         let stops = self.1.is_some() && self.0.lock().unwrap().last() == self.1.as_ref();
         if stops { Err(Cancelled) } else { Ok(()) }
@@ -142,12 +142,12 @@ impl Progress for Heard {
 }
 
 #[test]
-fn long_work_is_heard_of_and_stopped() {
+fn long_work_is_observed_and_cancelled() {
     let model = brdfc::open(MODEL).unwrap();
-    let all = Heard(Mutex::default(), None);
+    let all = Recorder(Mutex::default(), None);
     model.encode_closest(Budget::default(), &all).unwrap();
     let last = *all.0.lock().unwrap().last().unwrap();
-    let stopped = Heard(Mutex::default(), Some(last));
+    let stopped = Recorder(Mutex::default(), Some(last));
     assert_eq!(model.encode_closest(Budget::default(), &stopped).unwrap_err().kind(), ErrorKind::Cancelled);
 }
 

@@ -1,4 +1,4 @@
-//! Packages are whole: what a published crate compiles is in its own folder.
+//! Packages are complete: everything that a published crate compiles is in its own folder.
 
 use crate::layers::code::rust_files;
 use crate::layers::members;

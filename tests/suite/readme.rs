@@ -1,9 +1,9 @@
-//! The commands of the program in README.md and on the pages under docs/ work, and print what the pages say they print (the rules
-//! are those of `brdfc_testing::pages`); links lead somewhere; manifests on the pages parse.
+//! The commands of the program in README.md and on the pages under docs/ work, and print what the pages show (by the rules of
+//! `brdfc_testing::pages`); links resolve; manifests on the pages parse.
 //!
 //!     ./scripts/bless readme
 //!
-//! writes what commands print to the pages instead of comparing it.
+//! writes the output of commands to the pages instead of comparing it.
 
 use brdfc_jobs::scene::manifest::Manifest;
 use brdfc_testing::pages::{
@@ -11,8 +11,8 @@ use brdfc_testing::pages::{
 };
 use brdfc_testing::repository;
 
-/// Lines of the README, and characters of a line of prose.
-const MAX_LINES: usize = 250;
+/// Maximum lines of the README, and maximum characters of a line of prose.
+const MAX_LINES: usize = 150;
 const MAX_CHARACTERS: usize = 120;
 
 const BRDFC: Program = Program {
@@ -25,7 +25,7 @@ const BRDFC: Program = Program {
     can_draw: false,
 };
 
-/// Whether commands that draw work here.
+/// True if commands that draw work here.
 fn can_draw() -> bool {
     #[cfg(feature = "render")]
     let found = crate::common::has_adapter();
@@ -55,6 +55,9 @@ fn pages_that_are_wrong_are_refused() {
     assert!(!refused(
         "<!-- not run: slow -->\n```sh\nbrdfc flatten synth:button -o x\nbrdfc-bench --study rays\n./scripts/test\n```\n"
     ));
+    assert!(!refused(
+        "<!-- file: a.toml -->\n```toml\n[materials]\n```\n```sh\nbrdfc build a.toml # exit code 1\n```\n"
+    ));
     assert!(refused("```sh\nrm -r packs\n```\n"), "a command of others");
     assert!(refused("```sh\nbrdfc schema nothing\n```\n"), "a command that fails");
     assert!(refused("```sh\nbrdfc --version\n```\n\n```text\nbrdfc 77\n```\n"), "another output");
@@ -65,7 +68,7 @@ fn pages_that_are_wrong_are_refused() {
 
 #[test]
 #[cfg(unix)]
-fn outputs_are_written_where_they_stand() {
+fn outputs_are_written_in_place() {
     let page = "```sh\nbrdfc --version\n```\n\n```text\nold\n```\n\nold\n";
     let blessed = run_page(&BRDFC, "page", page, true, &mut Counts::default());
     let version = concat!("brdfc ", env!("CARGO_PKG_VERSION"));
@@ -91,10 +94,10 @@ fn times_and_adapters_are_masked() {
     assert_eq!(adapter.as_deref(), Some("llvmpipe (LLVM 15), a software driver"));
 }
 
-/// The part of a link that names a heading, as hosts of repositories make it.
+/// Makes the anchor of a heading, as repository hosts do.
 fn anchor(heading: &str) -> String {
-    let kept = heading.trim().chars().filter(|c| c.is_alphanumeric() || [' ', '-', '_'].contains(c));
-    kept.map(|c| if c == ' ' { '-' } else { c }).collect::<String>().to_lowercase()
+    let retained = heading.trim().chars().filter(|c| c.is_alphanumeric() || [' ', '-', '_'].contains(c));
+    retained.map(|c| if c == ' ' { '-' } else { c }).collect::<String>().to_lowercase()
 }
 
 /// A page without its fenced blocks.
@@ -152,7 +155,7 @@ fn the_manifests_in_the_docs_parse() {
         for block in blocks(&page).into_iter().filter(|block| block.language == "toml") {
             let text = &page[block.at];
             let manifest = Manifest::parse(text).unwrap_or_else(|error| panic!("{name}: {error}\n{text}"));
-            // An asset takes the place of materials.
+            // An asset replaces materials.
             let asset = manifest.render.asset.is_some();
             assert!(asset || !manifest.materials.is_empty() && !manifest.uses.is_empty());
             examples += 1;
@@ -161,16 +164,16 @@ fn the_manifests_in_the_docs_parse() {
     assert!(examples > 0);
 }
 
-/// The message about an unknown key lists all that are known.
+/// The message about an unknown key lists all known keys.
 #[test]
 fn every_key_of_the_manifest_is_described() {
-    let page = read("docs/scene.md");
+    let page = read("docs/manifest.md");
     for table in
         ["[scene]", "[defaults]", "[materials.a]", "[[uses]]", "[render]", "[render.camera]", "[[render.lights]]"]
     {
         let error = Manifest::parse(&format!("{table}\nno_such_key = 1\n")).unwrap_err();
         for key in error.allowed.split(", ") {
-            assert!(page.contains(&format!("\n| `{key}` |")), "docs/scene.md does not describe {key} of {table}");
+            assert!(page.contains(&format!("\n| `{key}` |")), "docs/manifest.md does not describe {key} of {table}");
         }
     }
 }

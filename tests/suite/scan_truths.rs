@@ -1,4 +1,4 @@
-//! Scans of known models: what is printed of a pack is what it is off by, or the fit is reported as the weaker part.
+//! Scans of known models: the printed error of a pack is its true error, or the fit is reported as the weaker part.
 
 use brdfc::compare::{Pairs, reflectances};
 use brdfc::encode::remarks;
@@ -7,7 +7,7 @@ use brdfc_testing::program::Folder;
 use std::f64::consts::{FRAC_PI_2, PI};
 use std::fmt::Write as _;
 
-/// How a model is scanned.
+/// Simulated scan of a model.
 struct Scan {
     name: &'static str,
     model: &'static str,
@@ -17,11 +17,11 @@ struct Scan {
     steepest: f64,
     /// Relative noise of each value.
     noise: f64,
-    /// Whether a direction pair, by its polar angles in degrees, is left out.
+    /// Returns true if a direction pair, given by its polar angles in degrees, is missing.
     gap: fn(f64, f64) -> bool,
-    /// What every row is repeated by.
+    /// Factor of the repeated copy of every row.
     repeated: Option<f64>,
-    /// Whether the fit is good enough to be believed: a control for the others.
+    /// True if the fit should be good enough to be trusted: a control for the others.
     believed: bool,
 }
 
@@ -116,7 +116,7 @@ fn printed_errors_are_true_or_the_fit_is_reported() {
         let decoded = brdfc::open(file).expect("a pack");
         let compared = reflectances(&truth, &decoded, Pairs::OfEncoder).expect("comparable");
         let (printed, real) = (pack.errors().delta_e, compared.comparison.rendering.delta_e.mean);
-        let reported = remarks(pack.report()).iter().any(|line| line.contains("the weaker part"));
+        let reported = remarks(pack.report()).iter().any(|line| line.contains("less accurate than the pack"));
         let fit = pack.report().fit.as_ref().expect("a scan has a fit");
         writeln!(lines, "{}: printed {printed:.3}, true {real:.3}, reported {reported}, {fit:?}", scan.name)
             .expect("memory");

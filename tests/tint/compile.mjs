@@ -1,7 +1,7 @@
 // Compiles WGSL with Tint, the compiler of Chrome, by Dawn's null backend: no graphics card, no driver, no browser.
 //
-// In, on stdin: JSON, a list of { name, source }. Out: JSON, { features, modules }, the optional features that the device
-// was made with, none, and for each module a list of messages { type, line, column, text }.
+// Input on stdin: JSON, a list of { name, source }. Output: JSON, { features, modules }: the optional features of the device (none),
+// and for each module a list of messages { type, line, column, text }.
 // Exit code 3: the package 'webgpu' is not installed here, or does not run on this system.
 
 import { text } from 'node:stream/consumers';

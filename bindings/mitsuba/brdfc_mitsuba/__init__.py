@@ -10,15 +10,15 @@ __all__ = ["register"]
 
 
 def register():
-    """Registers the plugin for the variant that is set; once more for another one.
+    """Registers the plugin for the current variant; call it again after a change of the variant.
 
-    Raises ValueError for variants that are neither `scalar_rgb`, `llvm_ad_rgb` nor `cuda_ad_rgb`, or where none is set.
+    Raises ValueError if the variant is not `scalar_rgb`, `llvm_ad_rgb` or `cuda_ad_rgb`, or if none is set.
     """
     import mitsuba as mi
 
     variant = mi.variant()
     if variant is None or not variant.endswith("_rgb"):
-        raise ValueError(f"brdfc: found the variant {variant}, expected scalar_rgb, llvm_ad_rgb and cuda_ad_rgb")
+        raise ValueError(f"brdfc: found the variant {variant}, expected scalar_rgb, llvm_ad_rgb or cuda_ad_rgb")
     from .bsdf import pack_bsdf
 
     mi.register_bsdf("brdfc", pack_bsdf())

@@ -1,4 +1,4 @@
-"""Arithmetic that the decoders share: of Dr.Jit arrays in the variants that have them, else of single numbers."""
+"""Arithmetic of the decoders: on Dr.Jit arrays in the variants that have them, otherwise on single numbers."""
 
 import drjit as dr
 import mitsuba as mi
@@ -7,9 +7,9 @@ import numpy as np
 PI = np.float32(np.pi).item()
 HALF_PI = np.float32(0.5 * np.pi).item()
 TAU = np.float32(2.0 * np.pi).item()
-LARGEST = np.finfo(np.float32).max.item()
+MAX_FLOAT = np.finfo(np.float32).max.item()
 
-# Of an odd polynomial, minimax on [0, 1], the highest power first: those of `formats/src/direction.rs`.
+# Coefficients of an odd polynomial, minimax on [0, 1], the highest power first, from `formats/src/direction.rs`.
 ATAN = (
     -4.0545664e-3,
     2.1862958e-2,
@@ -23,12 +23,12 @@ ATAN = (
 
 
 def is_jit():
-    """Whether numbers of the current variant are arrays of Dr.Jit."""
+    """True if numbers of the current variant are arrays of Dr.Jit."""
     return dr.is_jit_v(mi.Float)
 
 
 class Buffer:
-    """Rows of one or three numbers, or of one integer, that are looked up by their indices.
+    """Rows of one or three numbers, or of one integer, accessed by index.
 
     `rows`: a NumPy array of shape (N,) or (N, 3).
     """
@@ -43,7 +43,7 @@ class Buffer:
             self.data = rows.tolist()
 
     def __getitem__(self, index):
-        """A number, or a colour; `index` is within the rows."""
+        """Returns a number or a colour; `index` must be within the rows."""
         if not is_jit():
             return mi.Color3f(self.data[index]) if self.colours else self.data[index]
         dtype = mi.Color3f if self.colours else mi.UInt32 if self.integers else mi.Float
@@ -51,7 +51,7 @@ class Buffer:
 
 
 def lower_and_weight(at, count):
-    """The node below a position along an axis of `count` nodes, and the weight of the next: clamped to the edge."""
+    """Node below a position along an axis of `count` nodes, and the weight of the next node; clamped to the edge."""
     at = dr.clip(at, 0.0, float(count - 1))
     lower = dr.minimum(mi.UInt32(at), max(count - 2, 0))
     return lower, at - mi.Float(lower)
@@ -80,9 +80,9 @@ def polynomial_atan2(y, x):
 def from_log(value, mean, bias):
     """f = μ (exp(v) - ε), from 0 to the largest number."""
     f = mean * (dr.exp(value) - bias)
-    return dr.select(f > 0.0, dr.minimum(f, LARGEST), 0.0)
+    return dr.select(f > 0.0, dr.minimum(f, MAX_FLOAT), 0.0)
 
 
 def safe_direction(v, active):
-    """The direction, or the normal where it does not count: so that nothing is divided by 0."""
+    """The direction, or the normal where it is inactive, to avoid divisions by 0."""
     return mi.Vector3f(dr.select(active, v.x, 0.0), dr.select(active, v.y, 0.0), dr.select(active, v.z, 1.0))

@@ -19,21 +19,21 @@ DECODERS = {"table": TableDecoder, "wavelet": WaveletDecoder}
 
 
 def pack_bsdf():
-    """The class of BSDFs of the variant that is set: each has a base class of its own."""
+    """Makes the BSDF class of the current variant; each variant has its own base class."""
 
     class PackBSDF(mi.BSDF):
         """A table or wavelet pack, seen from its front.
 
-        Parameters: `filename`, of a pack; `lod`, the level of detail, from 0, the coarsest, without it the finest;
-        `exchanged`, false unless it is given: light and viewer are exchanged, as `measured` does with its files.
+        Parameters: `filename` of the pack; `lod`, the level of detail, from 0, the coarsest (default: the finest);
+        `exchanged`, true to exchange light and viewer, as `measured` does with its files (default: false).
 
-        Tangent and bitangent are those of the shading frame. The light stands where the pack's incoming direction is, the
-        viewer where its outgoing one is: also of packs that are not reciprocal.
+        Tangent and bitangent are those of the shading frame. The pack's incoming direction points to the light and its
+        outgoing direction to the viewer, also for packs that are not reciprocal.
 
-        Raises ValueError for what is no such pack, OSError for what cannot be read.
+        Raises ValueError if the file is not such a pack, and OSError if it cannot be read.
         """
 
-        # Samples that are drawn by the cosine alone: so that the density is above 0 wherever there is light.
+        # Fraction of samples drawn by the cosine alone, so that the density is above 0 for all directions of light.
         cosine_share = 0.1
 
         def __init__(self, props):
@@ -81,7 +81,7 @@ def pack_bsdf():
             return result, dr.select(drawn, value, mi.Color3f(0.0))
 
         def eval(self, ctx, si, wo, active=True):
-            # Paths come from the viewer, or from the light.
+            # Paths start at the viewer or at the light.
             from_viewer = ctx.mode == mi.TransportMode.Radiance
             light, viewer = (wo, si.wi) if from_viewer != self.exchanged else (si.wi, wo)
             return self.decoder.eval(light, viewer, active & self.is_enabled(ctx)) * dr.maximum(wo.z, 0.0)

@@ -1,8 +1,8 @@
-"""Which directions light is looked for in: a tabulated density of half vectors for each direction of view.
+"""Sampling of light directions: a tabulated density of half vectors for each direction of view.
 
 `u = sqrt(θ_h / (π/2))` and `v = φ_h / 2π + 1/2` of a half vector have a density that is continuous and bilinear between
-nodes, and interpolated between directions of view: those of `measured` are of the same kind. Half vectors of isotropic
-materials are turned until the viewer is above the tangent.
+nodes, and interpolated between directions of view, like those of `measured`. Half vectors of isotropic materials are
+rotated so that the viewer is above the tangent.
 """
 
 import drjit as dr
@@ -12,7 +12,7 @@ import numpy as np
 # Nodes along the viewer's polar angle and azimuth, along u and v.
 ISOTROPIC = (32, 1, 128, 65)
 ANISOTROPIC = (12, 25, 64, 65)
-# Of the viewer: at the horizon values are 0.
+# Largest polar angle of the viewer, because values are 0 at the horizon.
 MAX_ANGLE = np.radians(89.5)
 
 
@@ -24,7 +24,7 @@ def half_vectors(u, v):
 
 
 def node_densities(of_drawn, theta, phi, u, v):
-    """f cos θ_i of each (v, u) for a viewer at `theta`, `phi`, as a density over du dv that is not normalised."""
+    """f cos θ_i of each (v, u) for a viewer at `theta`, `phi`, as an unnormalised density over du dv."""
     h, area = half_vectors(*np.meshgrid(u, v))
     o = np.array([np.sin(theta) * np.cos(phi), np.sin(theta) * np.sin(phi), np.cos(theta)])
     cosine = h @ o
@@ -34,15 +34,15 @@ def node_densities(of_drawn, theta, phi, u, v):
     count = np.count_nonzero(lit)
     value = of_drawn(i[lit], np.broadcast_to(o, (count, 3))).mean(axis=1)
     density[lit] = np.maximum(value, 0.0) * i[lit][:, 2] * area[lit] * 4.0 * cosine[lit]
-    # What is black everywhere has to be normalised, too.
+    # A black material needs a density that can be normalised, too.
     return density if density.any() else np.ones(lit.shape)
 
 
 class LobeDistribution:
-    """Directions of light for a direction of view, about as `f cos θ_i` is.
+    """Distribution of light directions for a direction of view, approximately proportional to `f cos θ_i`.
 
-    `of_drawn(drawn, given)`: f_r at directions of light and of view of shape (N, 3). `isotropic`: turning both changes
-    nothing.
+    `of_drawn(drawn, given)`: f_r at directions of light and of view of shape (N, 3). `isotropic`: rotating both about
+    the normal does not change f_r.
     """
 
     def __init__(self, of_drawn, isotropic):
@@ -52,7 +52,7 @@ class LobeDistribution:
         phis = np.linspace(-np.pi, np.pi, azimuths) if azimuths > 1 else np.zeros(1)
         u, v = np.linspace(0.0, 1.0, columns), np.linspace(0.0, 1.0, rows)
         data = np.array([[node_densities(of_drawn, theta, phi, u, v) for phi in phis] for theta in thetas])
-        # Tiny and huge numbers would lose digits.
+        # Normalised, because tiny and huge numbers would lose digits.
         data = (data / data.max(axis=(2, 3), keepdims=True)).astype(np.float32)
         if isotropic:
             self.table = mi.MarginalContinuous2D1(np.ascontiguousarray(data[:, 0]), [thetas.tolist()])
@@ -60,12 +60,12 @@ class LobeDistribution:
             self.table = mi.MarginalContinuous2D2(data, [thetas.tolist(), phis.tolist()])
 
     def viewer(self, o):
-        """What the density depends on, and the azimuth that half vectors are turned by."""
+        """Parameters of the density, and the azimuth by which half vectors are rotated."""
         theta, phi = dr.acos(dr.clip(o.z, -1.0, 1.0)), dr.atan2(o.y, o.x)
         return ([theta], phi) if self.isotropic else ([theta, phi], 0.0)
 
     def sample(self, o, sample, active=True):
-        """A direction, below the horizon sometimes, from two numbers in [0, 1]."""
+        """Draws a direction, possibly below the horizon, from two numbers in [0, 1]."""
         given, turn = self.viewer(o)
         at, _ = self.table.sample(sample, given, active)
         theta, phi = 0.5 * dr.pi * at.x * at.x, dr.two_pi * (at.y - 0.5) + turn

@@ -54,7 +54,7 @@ class TableDecoder:
         return dr.select(active, value, mi.Color3f(0.0))
 
     def log_values(self, i, o):
-        """ln(f / μ + ε) on either side of the level of detail, and the weight of the coarser."""
+        """ln(f / μ + ε) at the levels on either side of the level of detail, and the weight of the coarser one."""
         angles = self.angles(i, o)
         at, layers, layer_weight = self.position_of(angles)
         value = self.sample(at, layers[0])

@@ -10,7 +10,7 @@ SQRT_2 = np.sqrt(np.float32(2.0)).item()
 
 
 def rise(h, lower):
-    """How far the logarithm of the mean of two halves is above the mean of their logarithms: ln(s exp(h) + (1 - s) exp(-h)).
+    """Difference between the logarithm of the mean of two halves and the mean of their logarithms: ln(s exp(h) + (1 - s) exp(-h)).
 
     Halves are `h` above and below it, and the lower one counts `lower` of both.
     """
@@ -59,7 +59,7 @@ class WaveletDecoder:
         return log_value
 
     def filtered(self, outer, column, row):
-        """One inner cell, filtered over outer cells: of lifted packs each reconstructed by itself."""
+        """One inner cell, filtered over outer cells; for energy-preserving packs, each cell is reconstructed separately."""
         if self.lift is None:
             return self.reconstruct(outer, column, row)
         log_value = mi.Color3f(0.0)
@@ -79,7 +79,7 @@ class WaveletDecoder:
             longitude = 2 * side * side + child_row * side + parent_column
             part = self.fraction if j == self.whole else 1.0
             weight = part * 2.0 ** (j - levels)
-            # How far the lower halves are above the mean.
+            # Difference between the lower halves and the mean.
             a = weight * self.coefficient(latitude, outer)
             b = weight * SQRT_2 * self.coefficient(longitude, outer)
             value += dr.select((child_row & 1) == 0, a, -a) + dr.select((child_column & 1) == 0, b, -b)
@@ -112,7 +112,7 @@ class WaveletDecoder:
         return tap(longitude), tap(colatitude)
 
     def footprint(self, columns, rows):
-        """The four outer cells where a slice has them, each with its weight; of cropped packs the nearest there are."""
+        """The four outer cells of a slice, each with its weight; for cropped packs the nearest existing ones."""
 
         def stored(cell, axis):
             first, size = self.first[axis], self.size[axis]

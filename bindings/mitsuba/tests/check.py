@@ -1,4 +1,4 @@
-"""All checks of the plugin, a line each. Run by ../check; exits with 1 where one fails.
+"""All checks of the plugin, one line each. Run by ../check; exits with 1 if one fails.
 
 usage: check.py DATA [PICTURE.png]
 """
@@ -16,7 +16,7 @@ import sampling
 import twin
 from common import Results
 
-# Pairs in the scalar variant, where Python is called for each.
+# Pairs in the scalar variant, which calls Python for each.
 FEW = 200
 
 
@@ -29,7 +29,7 @@ def main():
         brdfc_mitsuba.register()
         loading.check(results, folder)
         twin.check(results, folder, FEW, most=4)
-        # Without a library it cannot be set; with an old one the process ends.
+        # Without the library the variant cannot be set; with an old one the process exits.
         if not os.path.isfile(os.environ.get("DRJIT_LIBLLVM_PATH", "")):
             for what in ("decoders (llvm_ad_rgb)", "sampling", "renderings"):
                 results.skip(what, "no libLLVM 17 or newer; on Debian or Ubuntu: apt-get install libllvm19")

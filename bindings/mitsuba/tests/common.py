@@ -1,4 +1,4 @@
-"""What the checks share: the program, packs, directions, a table of results."""
+"""Helpers of the checks: the program, packs, directions, a table of results."""
 
 import os
 import subprocess
@@ -23,7 +23,7 @@ PACKS = {
 
 
 class Results:
-    """Lines of a table, and whether all passed."""
+    """Table of results."""
 
     def __init__(self):
         self.failed, self.skipped, self.passed = [], [], 0
@@ -47,7 +47,7 @@ class Results:
 
 
 def run(*arguments):
-    """What the program prints."""
+    """Runs the program, and returns its output."""
     done = subprocess.run([PROGRAM, *arguments], capture_output=True, text=True)
     if done.returncode != 0:
         raise RuntimeError(f"brdfc {' '.join(arguments)}: {done.stderr}")
@@ -55,7 +55,7 @@ def run(*arguments):
 
 
 def pack(name, folder):
-    """The file of one of PACKS, which is made where it is not there yet."""
+    """Returns the file of one of PACKS, which is made if it does not exist."""
     source, options = PACKS[name]
     path = os.path.join(folder, f"{name}.ktx2")
     if not os.path.exists(path):
@@ -85,7 +85,7 @@ def pairs(random, count, mirror):
 
 
 def as_read(v):
-    """Directions that reading does not change: it brings them to length 1 in double precision."""
+    """Directions that reading does not change, although it normalises them in double precision."""
     for _ in range(8):
         double = v.astype(np.float64)
         v = (double / np.linalg.norm(double, axis=1, keepdims=True)).astype(np.float32)

@@ -1,4 +1,4 @@
-"""What is loaded and what is refused, and a rendering in the variant that is set."""
+"""Accepted and rejected parameters, and a rendering in the current variant."""
 
 import os
 
@@ -10,7 +10,7 @@ from common import RED, pack
 
 
 def refusal(parameters):
-    """What is said of parameters that are not allowed."""
+    """Returns the error of invalid parameters."""
     try:
         mi.load_dict({"type": "brdfc", **parameters})
     except (RuntimeError, ValueError, OSError) as error:
@@ -32,7 +32,7 @@ def check(results, folder):
     }
     for what, (parameters, expected) in cases.items():
         text = refusal(parameters)
-        results.add(f"refused: {what}", expected in text, expected if expected in text else text)
+        results.add(f"rejected: {what}", expected in text, expected if expected in text else text)
     bsdf = mi.load_dict({"type": "brdfc", "filename": file})
     results.add("flags: isotropic", not mi.has_flag(bsdf.flags(), mi.BSDFFlags.Anisotropic), str(bsdf).split("[")[0])
     bsdf = mi.load_dict({"type": "twosided", "bsdf": {"type": "brdfc", "filename": pack("brushed", folder)}})
@@ -57,4 +57,4 @@ def check(results, folder):
     except ValueError as error:
         text = str(error)
     mi.set_variant("scalar_rgb")
-    results.add("refused: a spectral variant", "found the variant scalar_spectral" in text, text)
+    results.add("rejected: a spectral variant", "found the variant scalar_spectral" in text, text)

@@ -1,4 +1,4 @@
-"""A ball of a source, by Mitsuba's own `measured`, beside a ball of its pack, by the plugin: ΔE between the renderings."""
+"""A ball of a source, by Mitsuba's own `measured`, compared with a ball of its pack, by the plugin: ΔE between the renderings."""
 
 import json
 import os
@@ -10,13 +10,13 @@ import numpy as np
 from common import RED, pack, run
 
 SIZE = 64
-# Of each pixel, a square number: under the synthetic environment, and under the photographed one, which is noisier.
+# Samples per pixel, square numbers: under the synthetic environment, and under the photographed one, which is noisier.
 SAMPLES, MANY_SAMPLES = 1024, 4096
-# Of the rendering that is saved.
+# Samples per pixel of the saved rendering.
 LARGE_SIZE, FEW_SAMPLES = 128, 256
-# Largest mean ΔE: half of what is just visible, and more of what the converted file loses besides.
-LARGEST = 1.0
-# Of albedos: a converted file with a larger error stands for its source no more.
+# Maximum mean ΔE: half of a just visible difference, plus the loss of the converted file.
+MAX_DELTA_E = 1.0
+# Maximum error of albedos: a converted file with a larger error no longer represents its source.
 MAX_LOST = 0.05
 
 # XYZ of linear sRGB, D65.
@@ -36,7 +36,7 @@ def lab(image):
 
 
 def differences(image, reference, exposure):
-    """ΔE (CIE76) of each pixel of a rendering, both exposed and clipped alike."""
+    """ΔE (CIE76) of each pixel of two renderings, with the same exposure and clipping."""
     a, b = (lab(np.clip(rendering * exposure, 0.0, 1.0)) for rendering in (image, reference))
     return np.linalg.norm(a - b, axis=-1)
 
@@ -52,7 +52,7 @@ def sky():
 
 
 def ball(bsdf, light, seed, samples, size=SIZE):
-    """A rendering of a ball, linear RGB, and where the ball is."""
+    """Renders a ball in linear RGB; returns the image and a mask of the ball."""
     scene = mi.load_dict({
         "type": "scene",
         "integrator": {"type": "path", "max_depth": 2, "hide_emitters": True},
@@ -62,7 +62,7 @@ def ball(bsdf, light, seed, samples, size=SIZE):
             "sampler": {"type": "multijitter", "sample_count": samples},
             "film": {"type": "hdrfilm", "width": size, "height": size, "rfilter": {"type": "box"}},
         },
-        # Poles above and below, so that tangents go around.
+        # Poles at top and bottom, so that tangents follow circles of latitude.
         "ball": {
             "type": "sphere",
             "to_world": mi.ScalarTransform4f().rotate([1, 0, 0], 90),
@@ -76,7 +76,7 @@ def ball(bsdf, light, seed, samples, size=SIZE):
 
 
 class Comparison(NamedTuple):
-    """Two renderings, the exposure of both, where the ball is, mean ΔE, and that and the noise in words."""
+    """Two renderings, their exposure, the mask of the ball, the mean ΔE, and a text with ΔE and noise."""
 
     reference: np.ndarray
     image: np.ndarray
@@ -87,7 +87,7 @@ class Comparison(NamedTuple):
 
 
 def compare(own, ours, light, samples):
-    """A ball of Mitsuba's own plugin, and one of a pack, which is rendered again for its noise."""
+    """Renders a ball with Mitsuba's own plugin, and one of a pack, the latter twice to measure its noise."""
     reference, inside = ball(own, light, 1, samples)
     image, _ = ball(ours, light, 2, samples)
     again, _ = ball(ours, light, 3, samples)
@@ -99,7 +99,7 @@ def compare(own, ours, light, samples):
 
 
 def converted(name, source, folder):
-    """A source as a file of Mitsuba's `measured`, and the largest error of that file's albedos."""
+    """Converts a source to a file of Mitsuba's `measured`; returns it and the largest error of its albedos."""
     path = os.path.join(folder, f"{name}.bsdf")
     report = json.loads(run("convert", source, "-o", path, "--quiet", "--json"))
     albedos = [np.subtract(angle["reference"], angle["approximation"]) for angle in report["albedo"]]
@@ -107,7 +107,7 @@ def converted(name, source, folder):
 
 
 def check_demo(results, folder, rendering):
-    """Demo materials under the synthetic environment, as files that `brdfc convert` writes; saved where asked for."""
+    """Demo materials under the synthetic environment, as files of `brdfc convert`; the sheet is saved if requested."""
     light = {"bitmap": sky()}
     columns = []
     for name, source in (("plastic", RED), ("brushed", "synth:ward?kd=0.2&ax=0.1&ay=0.4"), ("satin", "synth:ggx?alpha=0.4")):
@@ -117,19 +117,19 @@ def check_demo(results, folder, rendering):
         if rendering:
             both = [ball(bsdf, light, 1, FEW_SAMPLES, LARGE_SIZE)[0] for bsdf in (own, ours)]
             columns.append(np.concatenate(both, axis=0) * found.exposure)
-        results.add(f"ball of {name}: measured (converted), brdfc", found.error < LARGEST, found.figure)
+        results.add(f"ball of {name}: measured (converted), brdfc", found.error < MAX_DELTA_E, found.figure)
     if rendering:
         sheet = np.concatenate(columns, axis=1).astype(np.float32)
         bitmap = mi.Bitmap(np.clip(sheet, 0.0, 1.0))
         bitmap.convert(mi.Bitmap.PixelFormat.RGB, mi.Struct.Type.UInt8, srgb_gamma=True).write(rendering)
-    # Another material must be noticed.
+    # Another material must be detected.
     own, _ = converted("plastic", RED, folder)
     found = compare(own, {"type": "brdfc", "filename": pack("brushed", folder)}, light, SAMPLES)
-    results.add("ball of plastic: another pack is noticed", found.error > LARGEST, found.figure)
+    results.add("ball of plastic: another pack is detected", found.error > MAX_DELTA_E, found.figure)
 
 
 def check_data(results, folder, data):
-    """Measured materials under a photographed environment, which are not part of the repository."""
+    """Measured materials under a photographed environment; both are not part of the repository."""
     museum = os.path.join(data, "env/museum.exr")
     materials = {}
     for name in ("cc_ibiza_sunset", "colodur_napoli_4f", "paper_white", "vch_golden_yellow"):
@@ -146,7 +146,7 @@ def check_data(results, folder, data):
         file = os.path.join(folder, f"{name}.ktx2")
         run("encode", source, "-o", file, "--quiet")
         light = {"filename": museum}
-        # `measured` looks up the viewer where its files have the light: another rendering where a material is not reciprocal.
+        # `measured` exchanges viewer and light of its files, which changes renderings of materials that are not reciprocal.
         ours = {"type": "brdfc", "filename": file, "exchanged": True}
         found = compare(own, ours, light, MANY_SAMPLES)
         plain, _ = ball({**ours, "exchanged": False}, light, 2, MANY_SAMPLES)
@@ -156,10 +156,10 @@ def check_data(results, folder, data):
             figure = f"{found.figure}, but `brdfc convert` changed its albedo by up to {lost:.3f}"
             results.skip(f"ball of {name}: {how}, brdfc", figure)
             continue
-        results.add(f"ball of {name}: {how}, brdfc", found.error < LARGEST, f"{found.figure}; not exchanged: {plain:.2f}")
+        results.add(f"ball of {name}: {how}, brdfc", found.error < MAX_DELTA_E, f"{found.figure}; not exchanged: {plain:.2f}")
 
 
 def check(results, folder, data, rendering):
-    """Adds all lines; `rendering`: where the sheet of demo materials is saved, or none."""
+    """Adds all lines; `rendering` is the path for the sheet of demo materials, or None."""
     check_demo(results, folder, rendering)
     check_data(results, folder, data)

@@ -1,4 +1,4 @@
-"""The plugin's sampling: chi-square tests, white furnace, variance beside plain cosine sampling."""
+"""The plugin's sampling: chi-square tests, white furnace, variance compared with plain cosine sampling."""
 
 import os
 import time
@@ -9,13 +9,13 @@ import numpy as np
 
 from common import GOLDEN, pack
 
-# Of incoming directions, degrees; azimuth 30 degrees.
+# Polar angles of incoming directions, degrees; azimuth 30 degrees.
 ANGLES = (0.0, 30.0, 60.0, 80.0, 87.0)
 AZIMUTH = np.radians(30.0)
-# Packs of each form; the last one is for some directions alone, and its texels are arbitrary.
+# Packs of each form; the last one covers only some directions, and its texels are arbitrary.
 CROPPED = os.path.join(GOLDEN, "table/golden/any-texels-symmetry-13-layers-3-cropped.ktx2")
 TESTED = ("plastic", "brushed", "factored", "satin", "cropped")
-# Chance that a right density fails one of the tests.
+# Probability that a correct density fails one of the tests.
 SIGNIFICANCE = 0.01
 SAMPLES = 1_000_000
 
@@ -26,7 +26,7 @@ def direction(angle):
 
 
 def chi_square(file, angle, wrong=False):
-    """Whether samples have the density that `pdf` says, and the p-value. `wrong`: the density of another direction."""
+    """Tests whether samples follow `pdf`; returns the result and the p-value. `wrong`: the density of another direction."""
     parameter = f'<string name="filename" value="{file}"/>'
     sample, _ = mi.chi2.BSDFAdapter("brdfc", parameter, wi=direction(angle))
     _, pdf = mi.chi2.BSDFAdapter("brdfc", parameter, wi=direction(angle + 1.5 if wrong else angle))
@@ -37,7 +37,7 @@ def chi_square(file, angle, wrong=False):
         sample_dim=3,
         sample_count=SAMPLES,
         res=151,
-        # Narrow lobes stand in a few cells at the pole: with 16 steps a cell their integrals are off.
+        # Narrow lobes occupy a few cells at the pole: with 16 steps per cell their integrals are inaccurate.
         ires=64,
     )
     # As many tests as there are angles and packs.
@@ -53,11 +53,11 @@ def check_densities(results, folder):
         angles = ", ".join(f"{angle:g}" for angle in ANGLES)
         results.add(f"chi-square, {name} at {angles}°", all(passed for passed, _ in found), f"p = {values}")
     passed, p = chi_square(pack("brushed", folder), 60.0, wrong=True)
-    results.add("chi-square: the density of 61.5° is noticed at 60°", not passed, f"p = {p:.1e}")
+    results.add("chi-square: the density of 61.5° is detected at 60°", not passed, f"p = {p:.1e}")
 
 
 def furnace(file, seed):
-    """Mean radiance of a sphere under light of radiance 1 from everywhere, and its standard error."""
+    """Mean radiance of a sphere under uniform light of radiance 1, and its standard error."""
     scene = mi.load_dict({
         "type": "scene",
         "integrator": {"type": "path", "max_depth": 2},
@@ -77,17 +77,17 @@ def furnace(file, seed):
 
 
 def check_furnace(results, folder):
-    """A white matte surface sends out all of the light; one of 95 % does not."""
+    """A white matte surface reflects all light; one with an albedo of 95 % does not."""
     for name, white in (("white", True), ("grey", False)):
         mean, error = furnace(pack(name, folder), seed=3)
-        # A thousandth: what texels round, and directions that single numbers round.
+        # A thousandth, for the rounding of texels and of directions in single precision.
         is_white = abs(mean - 1.0) < 4.0 * error + 1e-3
-        what = "white furnace, albedo 1" if white else "white furnace: albedo 0.95 is noticed"
+        what = "white furnace, albedo 1" if white else "white furnace: albedo 0.95 is detected"
         results.add(what, is_white == white, f"radiance {mean:.5f}, standard error {error:.1e}")
 
 
 def estimates(bsdf, angle, count, seed):
-    """Of each sample, the light that is sent to a viewer at `angle` under radiance 1: mean of the channels."""
+    """Radiance of each sample towards a viewer at `angle` under radiance 1, averaged over the channels."""
     interaction = dr.zeros(mi.SurfaceInteraction3f, count)
     interaction.wi = direction(angle)
     sampler = mi.PCG32(size=count, initstate=seed)
@@ -97,7 +97,7 @@ def estimates(bsdf, angle, count, seed):
 
 
 def check_variance(results, folder):
-    """The plugin's samples against cosine samples: the same means, and how many times the variance."""
+    """Compares the plugin's samples with cosine samples: equal means, and the ratio of the variances."""
     from brdfc_mitsuba.bsdf import pack_bsdf
 
     class CosineBSDF(pack_bsdf()):
@@ -120,7 +120,7 @@ def check_variance(results, folder):
 
 
 def check_speed(results, folder):
-    """Values and densities of so many pairs, in one kernel that has been compiled."""
+    """Time for values and densities of many pairs, in one compiled kernel."""
     for name in ("plastic", "brushed", "satin"):
         bsdf = mi.load_dict({"type": "brdfc", "filename": pack(name, folder)})
         fastest = 0.0

@@ -1,4 +1,4 @@
-"""The plugin's decoders against those of the program, by the wheel: packs of all forms."""
+"""The plugin's decoders compared with those of the program (by the wheel), for packs of all forms."""
 
 import glob
 import os
@@ -10,13 +10,13 @@ import numpy as np
 
 from common import GOLDEN, PACKS, pack, pairs
 
-# Of the value and με.
+# Maximum error relative to the value plus με.
 BOUND = 1e-4
 COUNT = 10_000
 
 
 def values(bsdf, wi, wo):
-    """Values of f cos θ_i of the plugin, light at wi, viewer at wo: arrays of shape (N, 3)."""
+    """Values of f cos θ_i of the plugin for light at wi and viewer at wo: arrays of shape (N, 3)."""
     context = mi.BSDFContext()
     if dr.is_jit_v(mi.Float):
         interaction = dr.zeros(mi.SurfaceInteraction3f, len(wi))
@@ -31,11 +31,11 @@ def values(bsdf, wi, wo):
 
 
 def largest_error(file, lod, wi, wo):
-    """The largest error, that of answers to other pairs, and how many answers are not 0."""
+    """The largest error, the largest error for other pairs, and the number of nonzero values."""
     material = brdfc.open(file)
     level = {} if lod is None else {"lod": lod}
     found = values(mi.load_dict({"type": "brdfc", "filename": file, **level}), wi, wo).astype(np.float64)
-    # The directions as they are: lengths of single numbers are not quite 1.
+    # Directions without normalisation: their lengths are not exactly 1 in single precision.
     expected = material.eval(wi, wo, lod).astype(np.float64)
     cosine = np.maximum(wi[:, 2:].astype(np.float64), 0.0)
     floor = material.facts["mean"] * material.facts["bias"]
@@ -49,7 +49,7 @@ def largest_error(file, lod, wi, wo):
 
 
 def files(folder):
-    """Packs by their kind: those of the corpus, and some that are made."""
+    """Packs by kind: those of the corpus, and some that are made here."""
     made = [pack(name, folder) for name in PACKS if name not in ("white", "grey")]
     golden = {
         kind: sorted(glob.glob(os.path.join(GOLDEN, kind, "golden", "*.ktx2"))) for kind in ("table", "wavelet")
@@ -68,7 +68,7 @@ def check(results, folder, count, most=None):
         for file in all_files[::step]:
             finest = brdfc.open(file).levels
             for lod in [None] if finest == 0 else [None, 0.0, 0.6 * finest]:
-                # Half vectors at the normal have no azimuth. Arbitrary texels depend on what rounding makes of it; scalar
+                # Half vectors at the normal have no azimuth. With arbitrary texels the value depends on its rounding; scalar
                 # variants compute in double precision.
                 mirror = "any-texels" not in file and dr.is_jit_v(mi.Float)
                 wi, wo = pairs(random, count, mirror)
@@ -80,4 +80,4 @@ def check(results, folder, count, most=None):
                     unnoticed.append(name)
         what = f"{kind} packs, {cases} cases of {count} pairs ({mi.variant()})"
         results.add(what, worst[0] < BOUND, f"largest error {worst[0]:.1e} of f + με: {worst[1]}")
-        results.add(f"{kind} packs: answers of other pairs are noticed", not unnoticed, ", ".join(unnoticed) or "all")
+        results.add(f"{kind} packs: answers of other pairs are detected", not unnoticed, ", ".join(unnoticed) or "all")

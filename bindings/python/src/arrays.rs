@@ -1,24 +1,24 @@
-//! Arrays of NumPy as vectors, and back.
+//! Conversion of NumPy arrays to vectors and back.
 
 use super::errors::wrong;
 use brdfc_formats::direction::{Vector, dot};
 use numpy::{PyArray1, PyArrayDyn, PyArrayMethods, PyReadonlyArray2};
 use pyo3::prelude::*;
 
-/// An argument of vectors of `axes` numbers each: an array of shape (..., `axes`), a single vector being one of shape (`axes`).
+/// An argument of vectors of `axes` numbers each: an array of shape (..., `axes`); a single vector has shape (`axes`).
 pub struct Argument<'py> {
     name: &'static str,
     array: Bound<'py, PyAny>,
     axes: usize,
-    /// Without the last one.
+    /// Shape without the last axis.
     shape: Vec<usize>,
 }
 
 impl<'py> Argument<'py> {
-    /// Whatever NumPy makes an array of.
+    /// Converts an argument to an array of NumPy.
     ///
     /// # Errors
-    /// ValueError: no real numbers, hidden ones, another last axis.
+    /// Returns ValueError for anything but real numbers, for masked numbers, and for another last axis.
     pub fn new(name: &'static str, numbers: &Bound<'py, PyAny>, axes: usize) -> PyResult<Self> {
         let numpy = numbers.py().import("numpy")?;
         let masked = numpy.getattr("ma")?;
@@ -41,15 +41,15 @@ impl<'py> Argument<'py> {
         Ok(Self { name, array, axes, shape })
     }
 
-    /// The shape that all arguments are brought to, by the rules of NumPy, without the last axis.
+    /// Broadcasts the shapes of all arguments by the rules of NumPy, without the last axis.
     ///
     /// # Errors
-    /// ValueError where one does not go with those before it.
+    /// Returns ValueError if a shape is incompatible with those before it.
     pub fn common_shape(all: &[&Self]) -> PyResult<Vec<usize>> {
         let mut common: Vec<usize> = Vec::new();
         for (number, argument) in all.iter().enumerate() {
             let (shape, count) = (&argument.shape, common.len().max(argument.shape.len()));
-            // Axes are counted from the last one; those that are not there are 1.
+            // Axes are counted from the last one; missing axes are 1.
             let side = |sides: &[usize], k: usize| (k + sides.len()).checked_sub(count).map_or(1, |at| sides[at]);
             let together = (0..count).map(|k| match (side(&common, k), side(shape, k)) {
                 (a, 1) => Some(a),
@@ -57,23 +57,23 @@ impl<'py> Argument<'py> {
                 (a, b) => (a == b).then_some(a),
             });
             common = together.collect::<Option<_>>().ok_or_else(|| {
-                let others: Vec<String> = all[..number].iter().map(|other| other.told()).collect();
-                let allowed = format!("one that goes with {}", others.join(" and "));
-                wrong(argument.name, format!("an array of shape {}", argument.told_shape()), allowed)
+                let others: Vec<String> = all[..number].iter().map(|other| other.named_shape()).collect();
+                let allowed = format!("a shape compatible with {}", others.join(" and "));
+                wrong(argument.name, format!("an array of shape {}", argument.shape_text()), allowed)
             })?;
         }
         Ok(common)
     }
 
-    /// Its vectors, repeated to a common shape; float32 is widened, integers become float64.
+    /// Returns the vectors, broadcast to a common shape; float32 is widened, integers become float64.
     ///
     /// # Errors
-    /// ValueError: numbers that are not finite.
+    /// Returns ValueError for numbers that are not finite.
     pub fn rows<const K: usize>(&self, common: &[usize]) -> PyResult<Vec<[f64; K]>> {
         let numpy = self.array.py().import("numpy")?;
         let whole: Vec<usize> = common.iter().copied().chain([K]).collect();
         let spread = numpy.call_method1("broadcast_to", (&self.array, whole))?;
-        // Not -1, which arrays without elements do not have.
+        // The count is given because -1 is not allowed for arrays without elements.
         let flat = spread.call_method1("reshape", ((common.iter().product::<usize>(), K),))?;
         let rows: Vec<[f64; K]> = if let Ok(single) = flat.extract::<PyReadonlyArray2<'_, f32>>() {
             single.as_array().rows().into_iter().map(|row| std::array::from_fn(|k| f64::from(row[k]))).collect()
@@ -88,11 +88,10 @@ impl<'py> Argument<'py> {
         }
     }
 
-    /// Its vectors as directions, brought to length 1. Lengths may be off by 1 %, as those of the lists that `brdfc eval`
-    /// reads.
+    /// Returns the vectors as normalised directions. Lengths may be off by 1 %, as in the lists that `brdfc eval` reads.
     ///
     /// # Errors
-    /// As [`Self::rows`]; ValueError of other lengths, with the row.
+    /// Returns the errors of [`Self::rows`], and ValueError with the row for other lengths.
     pub fn directions(&self, common: &[usize]) -> PyResult<Vec<Vector>> {
         let unit = |(row, v): (usize, Vector)| {
             let length = dot(v, v).sqrt();
@@ -108,17 +107,17 @@ impl<'py> Argument<'py> {
         format!("{}, row {at}", self.name)
     }
 
-    fn told(&self) -> String {
-        format!("{} of {}", self.told_shape(), self.name)
+    fn named_shape(&self) -> String {
+        format!("{} of {}", self.shape_text(), self.name)
     }
 
-    fn told_shape(&self) -> String {
+    fn shape_text(&self) -> String {
         let sides: Vec<String> = self.shape.iter().chain([&self.axes]).map(usize::to_string).collect();
         if sides.len() == 1 { format!("({},)", sides[0]) } else { format!("({})", sides.join(", ")) }
     }
 }
 
-/// An array of these vectors, of shape (..., 3).
+/// Makes an array of these vectors, of shape (..., 3).
 pub fn colours<'py>(
     py: Python<'py>,
     values: Vec<[f32; 3]>,

@@ -1,4 +1,4 @@
-//! Errors of the program as exceptions of Python, in the same words.
+//! Conversion of errors of the program to Python exceptions with the same message.
 
 use brdfc_formats::FormatError;
 use brdfc_source::InputError;
@@ -6,7 +6,7 @@ use pyo3::PyErr;
 use pyo3::exceptions::{PyFileNotFoundError, PyIsADirectoryError, PyOSError, PyPermissionError, PyValueError};
 use std::io::ErrorKind;
 
-/// An input that cannot be used: OSError or one of its kinds where it cannot be read, else ValueError.
+/// Converts the error of an input: OSError or one of its kinds if it cannot be read, otherwise ValueError.
 pub fn of_input(error: InputError) -> PyErr {
     let text = error.to_string();
     match error {
@@ -20,7 +20,7 @@ pub fn of_input(error: InputError) -> PyErr {
     }
 }
 
-/// An argument that is not allowed.
+/// Makes the error of an invalid argument.
 pub fn wrong(argument: impl Into<String>, found: impl Into<String>, allowed: impl Into<String>) -> PyErr {
     PyValueError::new_err(FormatError::whole(argument.into(), found, allowed).to_string())
 }

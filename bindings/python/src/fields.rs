@@ -10,7 +10,7 @@ use numpy::{PyArray1, PyArrayMethods};
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 
-/// What all packs have, and what decoders in Python read of a codec's own.
+/// Fields of all packs, and fields of a codec that decoders in Python read.
 pub fn of_pack<'py>(py: Python<'py>, pack: &BrdfPack) -> PyResult<Bound<'py, PyDict>> {
     let dict = PyDict::new(py);
     dict.set_item("kind", pack.kind().name())?;
@@ -49,7 +49,7 @@ fn add_table(dict: &Bound<'_, PyDict>, pack: &TablePack) -> PyResult<()> {
     Ok(())
 }
 
-/// Texels are integers, as they are stored.
+/// Texels are the stored integers.
 fn add_wavelet(dict: &Bound<'_, PyDict>, pack: &WaveletPack) -> PyResult<()> {
     let (py, header) = (dict.py(), &pack.header);
     dict.set_item("parameterisation", header.parameterisation.name())?;

@@ -1,6 +1,6 @@
 //! The module `brdfc` of Python: any source or pack as a function of direction pairs, in arrays of NumPy.
 //!
-//! What is called here is what `brdfc eval` calls, so the values have its bits. What users see is in `brdfc.pyi`.
+//! It calls the same functions as `brdfc eval`, so values are identical bit for bit. `brdfc.pyi` is the public documentation.
 
 #![forbid(unsafe_code)]
 
@@ -30,10 +30,10 @@ mod brdfc {
     #[allow(non_upper_case_globals)]
     const __version__: &str = env!("CARGO_PKG_VERSION");
 
-    /// Opens a measured file, a pack or an address as in `synth:ggx?alpha=0.3`.
+    /// Opens a measured file, a pack or an address such as `synth:ggx?alpha=0.3`.
     ///
-    /// A `Material` has values at direction pairs; a `Relightable`, of flat BTFs and polynomial wavelet trees, at places
-    /// of a rendering. Raises OSError for what cannot be read, ValueError for what breaks its layout.
+    /// Returns a `Material`, which has values at direction pairs, or for flat BTFs and polynomial wavelet trees a `Relightable`, which
+    /// has values at positions. Raises OSError if the file cannot be read, and ValueError if it does not follow its layout.
     #[pyfunction]
     fn open<'py>(py: Python<'py>, input: PathBuf) -> PyResult<Bound<'py, PyAny>> {
         let input = input.to_str().map_or_else(|| Input::from(&input), Input::from);

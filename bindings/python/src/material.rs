@@ -1,4 +1,4 @@
-//! Whatever has values at direction pairs.
+//! Materials with values at direction pairs.
 
 use super::arrays::{Argument, colours};
 use super::errors::wrong;
@@ -17,7 +17,7 @@ use pyo3::prelude::*;
 use pyo3::types::PyDict;
 use rayon::prelude::*;
 
-/// Pairs that a thread takes at a time.
+/// Pairs per task of a thread.
 const CHUNK: usize = 256;
 
 /// A measured file, a model or a pack: f_r at direction pairs.
@@ -26,15 +26,15 @@ pub struct Material {
     name: String,
     source: Box<dyn Source>,
     facts: Facts,
-    /// Of a pack, what decodes it at any level of detail.
+    /// The pack and its decoder, if the material is a pack.
     decoded: Option<(BrdfPack, Box<dyn BrdfDecoder>)>,
 }
 
 impl Material {
-    /// Opens whatever has reflectance.
+    /// Opens a material.
     ///
     /// # Errors
-    /// Inputs that cannot be read or do not follow their layout.
+    /// Returns an error if the input cannot be read or does not follow its layout.
     pub fn open(input: &Input) -> Result<Self, InputError> {
         let name = input.to_string();
         if input.extension()? != "ktx2" {
@@ -47,7 +47,7 @@ impl Material {
         Ok(Self { name, source, facts, decoded: Some((pack, decoder)) })
     }
 
-    /// The level of detail that is meant.
+    /// Resolves the level of detail.
     fn level(&self, lod: Option<f32>) -> PyResult<f32> {
         let finest = self.levels() as f32;
         match (lod, &self.decoded) {
@@ -68,14 +68,14 @@ impl Material {
 
 #[pymethods]
 impl Material {
-    /// f_r at direction pairs, in 1/sr, linear RGB (Rec. 709): float32 of shape (..., 3).
+    /// Returns f_r at direction pairs, in 1/sr, linear RGB (Rec. 709): float32 of shape (..., 3).
     ///
     /// wi (to the light) and wo (to the viewer) are unit vectors in the frame x = tangent, y = bitangent, z = normal, of
-    /// shape (..., 3); shapes are brought together as by NumPy's own functions. Lengths may be off by 1 %. Values are 0 where
-    /// a direction is at or below the horizon; those of measurements may be slightly negative. lod is the level of detail of a
-    /// pack: 0, the coarsest, to `levels`, the finest, which is taken without it.
+    /// shape (..., 3); shapes are broadcast by the rules of NumPy. Lengths may be off by 1 %. Values are 0 if a direction is at or
+    /// below the horizon; values of measurements may be slightly negative. lod is the level of detail of a pack: 0, the coarsest,
+    /// to `levels`, the finest (default: the finest).
     ///
-    /// Raises ValueError for other shapes, vectors of other lengths, and levels that there are not.
+    /// Raises ValueError for other shapes, vectors of other lengths, and levels out of range.
     #[pyo3(signature = (wi, wo, lod = None))]
     fn eval<'py>(
         &self,
@@ -99,47 +99,47 @@ impl Material {
         colours(py, values, &shape)
     }
 
-    /// What it is, as `brdfc info --json` says: merl, table-pack and so on.
+    /// Kind of the material, as in `brdfc info --json`: merl, table-pack and so on.
     #[getter]
     fn kind(&self) -> String {
         let facts = serde_json::to_value(&self.facts).unwrap_or_default();
         facts["kind"].as_str().unwrap_or_default().to_owned()
     }
 
-    /// Whether it is known to look the same when turned about the normal. False for all wavelet packs, which do not say.
+    /// True if the material is known to be isotropic. False for all wavelet packs, which do not store it.
     #[getter]
     fn isotropic(&self) -> bool {
         self.source.symmetry().isotropic
     }
 
-    /// Whether it is known that light and viewer may be exchanged.
+    /// True if the material is known to be reciprocal.
     #[getter]
     fn reciprocal(&self) -> bool {
         self.source.symmetry().reciprocal
     }
 
-    /// Whether the three channels are equal everywhere.
+    /// True if the three channels are equal everywhere.
     #[getter]
     fn grey(&self) -> bool {
         self.source.is_grey()
     }
 
-    /// Levels of detail besides the finest; 0 of all but packs.
+    /// Number of levels of detail coarser than the finest; 0 for materials that are not packs.
     #[getter]
     fn levels(&self) -> u32 {
         self.facts.levels().unwrap_or(0)
     }
 
-    /// What `brdfc info --json` says of it, as a dict.
+    /// The facts of `brdfc info --json`, as a dict.
     #[getter]
     fn facts<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
         let text = serde_json::to_string(&self.facts).map_err(|error| wrong("facts", error.to_string(), "JSON"))?;
         py.import("json")?.call_method1("loads", (text,))
     }
 
-    /// Header and texels of a pack, for decoders elsewhere: a dict, whose fields are on the page of its layout.
+    /// Header and texels of a pack, for other decoders: a dict with the fields of the layout's specification.
     ///
-    /// Raises ValueError for all but packs.
+    /// Raises ValueError if the material is not a pack.
     fn pack<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
         match &self.decoded {
             Some((pack, _)) => fields::of_pack(py, pack),

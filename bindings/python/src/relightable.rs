@@ -1,4 +1,4 @@
-//! Whatever has values at places of a rendering: polynomial wavelet trees and flat BTFs.
+//! Inputs with values at positions: polynomial wavelet trees and flat BTFs.
 
 use super::arrays::{Argument, colours};
 use super::errors::wrong;
@@ -9,14 +9,14 @@ use numpy::PyArrayDyn;
 use pyo3::prelude::*;
 use rayon::prelude::*;
 
-/// A rendering under any light, or a surface with relief under any light and seen from anywhere.
+/// A polynomial wavelet tree (one view under any light) or a flat BTF (any view under any light).
 #[pyclass(frozen, module = "brdfc")]
 pub struct Relightable {
     inner: brdfc_jobs::pwt::Relightable,
 }
 
 impl Relightable {
-    /// What was opened.
+    /// Wraps an opened input.
     pub fn new(inner: brdfc_jobs::pwt::Relightable) -> Self {
         Self { inner }
     }
@@ -24,14 +24,13 @@ impl Relightable {
 
 #[pymethods]
 impl Relightable {
-    /// Linear RGB, 1 is white, at places: float32 of shape (..., 3).
+    /// Returns linear RGB at positions, 1 is white: float32 of shape (..., 3).
     ///
-    /// uv, of shape (..., 2), is 0 to 1, across and down, and goes on beyond. wi (to the light) and wo (to the viewer, for
-    /// flat BTFs alone) are unit vectors as those of `Material.eval`, of shape (..., 3); shapes are brought together as by
-    /// NumPy's own functions. lod is the level of detail: 0, the coarsest, to `levels`, the finest, which is taken without
-    /// it.
+    /// uv, of shape (..., 2), is 0 to 1, across and down, and may exceed this range. wi (to the light) and wo (to the viewer, only
+    /// for flat BTFs) are unit vectors as in `Material.eval`, of shape (..., 3); shapes are broadcast by the rules of NumPy. lod is
+    /// the level of detail: 0, the coarsest, to `levels`, the finest (default: the finest).
     ///
-    /// Raises ValueError for other shapes, vectors of other lengths, levels that there are not, and where wo is missing.
+    /// Raises ValueError for other shapes, vectors of other lengths, levels out of range, and a missing wo.
     #[pyo3(signature = (uv, wi, wo = None, lod = None))]
     fn eval<'py>(
         &self,
@@ -45,8 +44,8 @@ impl Relightable {
         let wo = match (wo, self.has_views()) {
             (Some(wo), true) => Some(Argument::new("wo", wo, 3)?),
             (None, false) => None,
-            (None, true) => return Err(wrong("wo", "nothing", "directions to the viewer, of a flat BTF")),
-            (Some(_), false) => return Err(wrong("wo", "directions", "none: it is a rendering of one view")),
+            (None, true) => return Err(wrong("wo", "nothing", "directions to the viewer for a flat BTF")),
+            (Some(_), false) => return Err(wrong("wo", "directions", "none, because it has only one view")),
         };
         let all: Vec<&Argument<'_>> = [&uv, &wi].into_iter().chain(&wo).collect();
         let shape = Argument::common_shape(&all)?;
@@ -58,7 +57,7 @@ impl Relightable {
         let finest = self.levels() as f32;
         let level = lod.unwrap_or(finest);
         if !(0.0..=finest).contains(&level) {
-            return Err(wrong("lod", format_number(level), format!("0 to {finest}, the levels that there are")));
+            return Err(wrong("lod", format_number(level), format!("0 to {finest}, the available levels")));
         }
         let value = |((uv, incoming), outgoing): ((&[f64; 2], &[f64; 3]), &[f64; 3])| {
             self.inner.value(&TexelQuery { uv: *uv, incoming: *incoming, outgoing: *outgoing }, level)
@@ -69,19 +68,19 @@ impl Relightable {
         colours(py, values, &shape)
     }
 
-    /// What it is: pwt or flat-btf.
+    /// Kind of the pack: pwt or flat-btf.
     #[getter]
     fn kind(&self) -> &'static str {
         if self.has_views() { "flat-btf" } else { "pwt" }
     }
 
-    /// Whether values depend on where they are seen from, so that `eval` needs wo.
+    /// True if values depend on the view, so that `eval` needs wo.
     #[getter]
     fn has_views(&self) -> bool {
         self.inner.has_views()
     }
 
-    /// Levels of detail besides the finest.
+    /// Number of levels of detail coarser than the finest.
     #[getter]
     fn levels(&self) -> u32 {
         self.inner.levels()

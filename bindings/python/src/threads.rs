@@ -1,18 +1,18 @@
-//! Threads that work at arrays.
+//! Thread pool for work on arrays.
 
 use pyo3::exceptions::PyRuntimeError;
 use pyo3::prelude::*;
 use rayon::{ThreadPool, ThreadPoolBuilder};
 use std::sync::{Arc, Mutex, PoisonError};
 
-/// Those of a process: a forked one has none of its parent's.
+/// Pool of the process with this id: a forked process has none of its parent's threads.
 static THREADS: Mutex<Option<(u32, Arc<ThreadPool>)>> = Mutex::new(None);
 
-/// All threads of the machine, or as many as RAYON_NUM_THREADS says. To be called with the interpreter's lock, so that no other
+/// Returns the thread pool: one thread per core, or RAYON_NUM_THREADS. Must be called with the interpreter's lock, so that no other
 /// thread forks meanwhile.
 ///
 /// # Errors
-/// RuntimeError where the system gives no threads.
+/// Returns RuntimeError if the system cannot start threads.
 pub fn threads(_: Python<'_>) -> PyResult<Arc<ThreadPool>> {
     let mut known = THREADS.lock().unwrap_or_else(PoisonError::into_inner);
     let process = std::process::id();
@@ -23,7 +23,7 @@ pub fn threads(_: Python<'_>) -> PyResult<Arc<ThreadPool>> {
     }
     let threads = ThreadPoolBuilder::new().build().map_err(|error| PyRuntimeError::new_err(error.to_string()))?;
     let threads = Arc::new(threads);
-    // The parent's are not told to end: nobody would hear.
+    // Do not drop the parent's pool: its threads do not exist here.
     std::mem::forget(known.replace((process, threads.clone())));
     Ok(threads)
 }

@@ -1,4 +1,4 @@
-"""The wheel against the program: values bit for bit, errors in the same words, speed. Run by ./check.
+"""The wheel compared with the program: values bit for bit, the same error messages, speed. Run by ./check.
 
 Exits with 1 where anything differs. BRDFC names the program, ROOT the repository.
 """
@@ -51,7 +51,7 @@ def write(path, columns):
 
 
 def by_program(name, path, columns, lod):
-    """What `brdfc eval` prints, rounded to single numbers."""
+    """Values of `brdfc eval`, rounded to single precision."""
     done = run("eval", name, "--directions", path, *(["--lod", str(lod)] if lod is not None else []))
     assert done.returncode == 0, done.stderr
     found = table_of(done.stdout)
@@ -97,8 +97,8 @@ def check_values(folder, random):
             expected = by_program(name, path, ["f_r", "f_g", "f_b"], lod)
             found = material.eval(i, o, lod)
             check(f"{what}, {os.path.basename(path)}", same_bits(found, expected), f"{len(i)} pairs, the same bits")
-        # Exchanged directions of a material that is not reciprocal, or other ones, must be noticed.
-        check(f"{what}, other pairs are noticed", not same_bits(material.eval(i[::-1], o, lod), expected))
+        # Exchanged directions of a material that is not reciprocal, or other ones, must be detected.
+        check(f"{what}, other pairs are detected", not same_bits(material.eval(i[::-1], o, lod), expected))
 
 
 def check_places(folder, random):
@@ -115,7 +115,7 @@ def check_places(folder, random):
         opened = brdfc.open(name)
         expected = by_program(name, path, ["r", "g", "b"], None)
         check(what, same_bits(opened.eval(uv, wi, *views), expected) and expected.any(), f"{count} places, the same bits")
-        check(f"{what}, others are noticed", not same_bits(opened.eval(uv[::-1], wi, *views), expected))
+        check(f"{what}, others are detected", not same_bits(opened.eval(uv[::-1], wi, *views), expected))
 
 
 def check_arrays(random):
@@ -133,7 +133,7 @@ def check_arrays(random):
     check("any shape", same_bits(grid.reshape(-1, 3), expected) and grid.shape == (20, 50, 3))
     check("a single pair", same_bits(material.eval(wi[7], wo[7]), expected[7]))
     table = material.eval(wi[:20, None], wo[None, :30])
-    check("shapes are brought together", table.shape == (20, 30, 3) and same_bits(table[7], material.eval(wi[7], wo[:30])))
+    check("shapes are broadcast", table.shape == (20, 30, 3) and same_bits(table[7], material.eval(wi[7], wo[:30])))
     check("a masked array that masks nothing", same_bits(material.eval(np.ma.array(wi), wo), expected))
     check("no pairs", material.eval(np.zeros((0, 3)), np.zeros((0, 3))).shape == (0, 3))
     below = (wi[:, 2] <= 0.0) | (wo[:, 2] <= 0.0)
@@ -142,7 +142,7 @@ def check_arrays(random):
 
 
 def check_processes(random):
-    """Forked processes evaluate, too, and open files, although this one has had threads."""
+    """Forked processes evaluate and open files, although this process has had threads."""
     paint, wi = os.path.join(DEMO, "blue_paint.brdf"), directions(random, 1000, 0.0)
     expected = brdfc.open(paint).eval(wi, wi[::-1])
     with multiprocessing.get_context("fork").Pool(2) as pool:
@@ -196,7 +196,7 @@ def check_errors(folder):
     calls = {
         "wi: found an array of shape (), expected (..., 3)": lambda: material.eval(1.0, up),
         "wo: found an array of shape (1, 2), expected (..., 3)": lambda: material.eval(up, [[0.0, 1.0]]),
-        "wo: found an array of shape (3, 3), expected one that goes with (2, 3) of wi": lambda: material.eval(up * 2, up * 3),
+        "wo: found an array of shape (3, 3), expected a shape compatible with (2, 3) of wi": lambda: material.eval(up * 2, up * 3),
         "wi: found masked numbers, expected none: leave out or fill what is masked": lambda: material.eval(
             np.ma.masked_less(up, 0.5), up
         ),
@@ -222,7 +222,7 @@ def check_speed(folder, random):
         start = time.perf_counter()
         material.eval(wi, wo)
         print(f"speed   {what}: {count / (time.perf_counter() - start) / 1e6:.2f} million evaluations/s")
-    # Of the last one, the slowest.
+    # For the last one, the slowest.
     thread, steps = threading.Thread(target=material.eval, args=(wi, wo)), 0
     thread.start()
     while thread.is_alive():

@@ -1,4 +1,4 @@
-// The list of bindings of a pack, a line each: the entry `brdfc.bindings`. Layout: formats/src/bindings/spec.md.
+// The list of bindings of a pack, one per line: the metadata `brdfc.bindings`. Layout: formats/src/bindings/spec.md.
 
 import { levelBytes, type Shape, TEXEL_FORMATS } from './container.js';
 import { refuse } from './refuse.js';
@@ -7,13 +7,13 @@ import { refuse } from './refuse.js';
 export const ENTRY = 'brdfc.bindings';
 
 const [MAX_BINDINGS, MAX_SLOTS, MAX_UNIFORM_BYTES, MAX_TEXEL_BYTES] = [32, 1000, 16384, 2 ** 30];
-/** Most textures, samplers and uniform blocks of a pack. */
+/** Maximum number of textures, samplers and uniform blocks of a pack. */
 const MAX_OF = { texture: 16, sampler: 16, uniform: 12 };
-/** Most columns, rows, and slices or layers. */
+/** Maximum number of columns, rows, and slices or layers. */
 const MAX_SIZES = { '2d': [8192, 8192, 1], '2d-array': [8192, 8192, 2048], '3d': [2048, 2048, 2048] };
 const NAME = /^[a-z0-9_-]{1,64}$/;
 
-/** A line: everything of a binding but its bytes. */
+/** A line: a binding without its bytes. */
 export type Line = { place: string; slot: number; name: string } & (
     | { kind: 'frame' }
     | { kind: 'uniform'; length: number }
@@ -21,7 +21,7 @@ export type Line = { place: string; slot: number; name: string } & (
     | { kind: 'sampler'; repeats: boolean }
 );
 
-/** Reads the entry; an error says which line is wrong, what it says, and what it may say. */
+/** Parses the list; errors state the line, the found and the expected value. */
 export function parseBindings(value: Uint8Array): { decoder: string; version: number; lines: Line[] } {
     const text = new TextDecoder('utf-8', { ignoreBOM: true }).decode(value);
     if (!text.endsWith('\n\0')) {
@@ -83,7 +83,7 @@ function checkTogether(lines: Line[]): void {
             refuse(line.place, `slot ${line.slot}`, 'slots that rise, each once');
         }
         if (lines.findIndex(({ name }) => name === line.name) < k) {
-            refuse(line.place, line.name, 'a name that stands once');
+            refuse(line.place, line.name, 'a unique name');
         }
         if (line.kind !== 'texture') {
             return;

@@ -10,7 +10,7 @@ const TABLE = Uint32Array.from({ length: 256 }, (_, byte) => {
     return code;
 });
 
-/** Holds a file against its checksum: the CRC-32 of zip, of the whole file with the four bytes of the checksum as zero. */
+/** Verifies the checksum of a file: the CRC-32 of zip over the whole file, with the four bytes of the checksum set to zero. */
 export function checkSum(bytes: Uint8Array, entries: Map<string, Uint8Array>): void {
     const value = entries.get(KEY);
     if (value?.length !== 4) {

@@ -3,7 +3,7 @@ import { ZSTDDecoder } from 'zstddec';
 import { levelSize } from './levels.js';
 import { refuse } from './refuse.js';
 
-/** Formats of texels, by their names in WebGPU: their numbers in Vulkan, and bytes of a texel. */
+/** Texel formats by their names in WebGPU: number in Vulkan and bytes per texel. */
 const FORMATS = {
     r8unorm: [9, 1],
     rg8unorm: [16, 2],
@@ -23,10 +23,10 @@ const FORMATS = {
 /** A texel format, by its name in WebGPU. */
 export type TexelFormat = keyof typeof FORMATS;
 
-/** All of them. */
+/** All texel formats. */
 export const TEXEL_FORMATS = Object.keys(FORMATS) as TexelFormat[];
 
-/** What kind of texture it is, and how large. */
+/** Kind and size of a texture. */
 export interface Shape {
     format: TexelFormat;
     dimension: '2d' | '2d-array' | '3d';
@@ -35,14 +35,14 @@ export interface Shape {
     levelCount: number;
 }
 
-/** A texture as a GPU takes it. */
+/** A texture, ready to upload to a GPU. */
 export interface TextureData extends Omit<Shape, 'levelCount'> {
     texelBytes: number;
     /** Texels of each mipmap level, the finest first: x fastest, then y, then slices or layers. */
     levels: Uint8Array<ArrayBuffer>[];
 }
 
-/** A KTX2 file: its texture, and its entries named `brdfc.*`. */
+/** A KTX2 file: its texture, and its metadata with keys `brdfc.*`. */
 export interface Container {
     shape: Shape;
     entries: Map<string, Uint8Array>;
@@ -82,9 +82,9 @@ function opened(bytes: Uint8Array): ReturnType<typeof read> {
 }
 
 /**
- * Reads everything of a KTX2 file but its texels.
+ * Reads everything of a KTX2 file except its texels.
  *
- * @throws Error for what is no KTX2 file, or has a format that no pack has.
+ * @throws Error if the file is not a KTX2 file or has a format that packs do not use.
  */
 export function readContainer(bytes: Uint8Array): Container {
     const file = opened(bytes);
@@ -108,13 +108,13 @@ export function readContainer(bytes: Uint8Array): Container {
         for (const [level, expected] of levelBytes(shape).entries()) {
             const { levelData, uncompressedByteLength } = file.levels[level];
             const isPacked = file.supercompressionScheme === 2;
-            // Before memory is asked for.
+            // Checked before memory is allocated.
             const length = isPacked ? uncompressedByteLength : levelData.length;
             const data = length === expected && isPacked ? (await decoder()).decode(levelData, expected) : levelData;
             if (length !== expected || data.length !== expected) {
                 refuse(`level ${level}`, `${length === expected ? data.length : length} bytes`, expected);
             }
-            // A copy of what is a view into the file: typed arrays want aligned bytes.
+            // Copy the view into the file, because typed arrays need aligned bytes.
             levels.push(isPacked ? (data as Uint8Array<ArrayBuffer>) : new Uint8Array(data));
         }
         return textureOf(shape, levels);

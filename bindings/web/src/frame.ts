@@ -3,16 +3,16 @@ import { refuse } from './refuse.js';
 const FILTERS = ['shader', 'sampler'] as const;
 const BLENDS = ['nearest', 'slices', 'bilinear'] as const;
 
-/** What changes with the frame rather than with the pack. */
+/** Settings of a frame, independent of the pack. */
 export interface FrameOptions {
     /**
-     * Who filters: the sampler (default), or the shader with exact weights, which is slower. BRDF packs have a function for
-     * each, whatever stands here.
+     * Filtering by the sampler (default), or by the shader with exact weights, which is slower. The decoders of BRDF packs
+     * have a function for each and ignore this setting.
      */
     filter?: (typeof FILTERS)[number];
-    /** Of wavelet packs: between which cells values are blended (default: `bilinear`). */
+    /** Interpolation between cells of wavelet packs (default: `bilinear`). */
     wavelet?: (typeof BLENDS)[number];
-    /** α of the level of detail: from the distance 1 / α on, packs that have levels are drawn coarser (default: 0.15). */
+    /** α of the level of detail: packs with levels are drawn coarser from the distance 1 / α (default: 0.15). */
     distanceScale?: number;
 }
 

@@ -1,8 +1,8 @@
 /**
  * Packs of measured appearance in a browser.
  *
- * `loadPack` reads what `brdfc` writes; a pack says itself what to bind, and the decoders of this package in GLSL ES 3.00 and in
- * WGSL are at hand. `uploadWebGl` and `uploadWebGpu` bind it; `brdfc/three` makes materials for three.js.
+ * `loadPack` reads packs of `brdfc`. A pack lists its own bindings, and this package contains the decoders in GLSL ES 3.00 and
+ * in WGSL. `uploadWebGl` and `uploadWebGpu` upload and bind it; `brdfc/three` makes materials for three.js.
  */
 export { type Container, readContainer, type Shape, type TexelFormat, type TextureData } from './container.js';
 export type { FrameOptions } from './frame.js';

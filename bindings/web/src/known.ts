@@ -5,7 +5,7 @@ import { type DecoderShader, SHADERS } from './shaders.js';
 
 type Binding = Omit<DecoderShader['bindings'][number], 'offsets'>;
 
-/** The decoder of this package that a pack names, if there is one; the pack has to bind everything as it is declared. */
+/** Returns the decoder that a pack names, if this package has it; the pack must bind everything as declared. */
 export function known(decoder: string, version: number, resources: Resource[]): DecoderShader | undefined {
     const shader = Object.hasOwn(SHADERS, decoder) ? (SHADERS as Record<string, DecoderShader>)[decoder] : undefined;
     if (shader !== undefined && version !== shader.version) {
@@ -21,7 +21,7 @@ export function known(decoder: string, version: number, resources: Resource[]): 
     return shader;
 }
 
-/** A resource of a pack as the shader that fits it declares it. */
+/** A resource of a pack, as its shader declares it. */
 function bindingOf(resource: Resource): Binding {
     const { slot, name, kind } = resource;
     switch (kind) {

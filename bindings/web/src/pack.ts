@@ -5,48 +5,49 @@ import { type FrameOptions, frameBlock } from './frame.js';
 import { known } from './known.js';
 import { refuse } from './refuse.js';
 
-/** What is bound: a uniform block, a texture, or a sampler. */
+/** A bound resource: a uniform block, a texture, or a sampler. */
 export type Contents =
     | { kind: 'uniform'; bytes: Uint8Array<ArrayBuffer> }
     | { kind: 'texture'; texture: TextureData; filtered: boolean; repeats: boolean }
     | { kind: 'sampler'; repeats: boolean };
 
-/** A binding of group 1 of the WGSL, and the name that it has in every language. */
+/** A binding of group 1 of the WGSL, with its name in every language. */
 export type Resource = { slot: number; name: string } & Contents;
 
 /** A decoder of packs. */
 export interface Shader {
-    /** GLSL ES 3.00: declarations and functions. Uniform blocks hold one struct each, with the name of the binding. */
+    /** GLSL ES 3.00: declarations and functions. Each uniform block contains one struct with the name of the binding. */
     essl300: string;
-    /** WGSL, likewise. */
+    /** WGSL: declarations and functions. */
     wgsl: string;
 }
 
-/** A pack, ready to be bound. */
+/** A pack, ready to bind. */
 export interface Pack {
-    /** Which decoder it has. */
+    /** Name of its decoder. */
     decoder: string;
     /** Version of the decoder's bindings. */
     version: number;
-    /** The decoder: that of `SHADERS`, or the one of the options. */
+    /** Decoder, from `SHADERS` or from the options. */
     shader?: Shader;
-    /** What to bind, by ascending slots. */
+    /** Bindings, by ascending slots. */
     resources: Resource[];
 }
 
-/** How a pack is loaded. */
+/** Options of loading. */
 export interface Options extends FrameOptions {
-    /** Whether the file is held against its checksum. */
+    /** Verifies the checksum of the file. */
     verify?: boolean;
-    /** The decoder, for packs whose decoder is not in `SHADERS`, or in place of that one. */
+    /** Decoder for packs whose decoder is not in `SHADERS`, or to replace that one. */
     shader?: Shader;
 }
 
 /**
  * Loads a pack of any codec.
  *
- * @param source an address, or the bytes of the file.
- * @throws Error for what is no pack, and for one whose images are not as its bindings say: where, what was found, what is allowed.
+ * @param source URL, or the bytes of the file.
+ * @throws Error if the file is not a pack, or if its images do not match its bindings. The message states the place, the found
+ * and the expected value.
  */
 export async function loadPack(source: string | URL | ArrayBuffer | Uint8Array, options: Options = {}): Promise<Pack> {
     if (!(typeof source === 'string' || source instanceof URL)) {
@@ -60,7 +61,7 @@ export async function loadPack(source: string | URL | ArrayBuffer | Uint8Array, 
     return within(`${source}: `, () => read(bytes, options));
 }
 
-/** Does something with a file; errors begin with its name. */
+/** Calls a function for a file; errors begin with the name of the file. */
 async function within<T>(prefix: string, work: () => T | Promise<T>): Promise<T> {
     try {
         return await work();
@@ -69,7 +70,7 @@ async function within<T>(prefix: string, work: () => T | Promise<T>): Promise<T>
     }
 }
 
-/** Takes an entry of the file that a line names. */
+/** Returns the metadata of the file that a line names. */
 type Take = (key: string, line: Line) => Uint8Array<ArrayBuffer>;
 
 async function read(bytes: Uint8Array, options: Options): Promise<Pack> {
@@ -115,7 +116,7 @@ async function read(bytes: Uint8Array, options: Options): Promise<Pack> {
     return { decoder, version, shader: options.shader ?? known(decoder, version, resources), resources };
 }
 
-/** Texels of an image, which has to be as the line says. */
+/** Returns the texels of an image, which must match its line. */
 async function texels(line: Line & { kind: 'texture' }, file: Container, take: Take): Promise<TextureData> {
     const { place, shape, stored, name } = line;
     if (stored === 'empty') {

@@ -1,4 +1,4 @@
-/** Throws what is wrong, where, and what would be right. */
+/** Throws an error with the place, the found and the expected value. */
 export function refuse(place: string, found: unknown, allowed: unknown): never {
     throw new Error(`${place}: found ${found}, expected ${allowed}`);
 }

@@ -7,14 +7,14 @@ import { isWide, widened } from './widened.js';
 
 export { MAX_LIGHTS };
 
-/** A light at a point: radiance falls with the square of the distance. */
+/** A point light: irradiance falls with the square of the distance. */
 export interface PointLight {
     position: THREE.Vector3;
     /** Radiant intensity, linear RGB. */
     intensity: THREE.Color;
 }
 
-/** What a shader of three.js has bound for a pack: for the constructor of a `ShaderMaterial` of GLSL 3, whose shader has the decoder. */
+/** Bindings of a pack for the constructor of a `ShaderMaterial` of GLSL 3 whose shader contains the decoder. */
 export interface PackBindings {
     /** Textures. */
     uniforms: Record<string, THREE.IUniform<THREE.ExternalTexture>>;
@@ -32,7 +32,7 @@ export function packBindings(pack: Pack, renderer: THREE.WebGLRenderer): PackBin
         if (resource.kind === 'texture') {
             uniforms[resource.name] = { value: uploaded(renderer, resource) };
         } else if (resource.kind === 'uniform' && block !== undefined) {
-            // As words: three.js keeps the bits of integers.
+            // As integers, because three.js preserves their bits.
             const words = Object.assign(new THREE.Uniform(new Uint32Array(resource.bytes.buffer)), { type: 'uint' });
             uniformsGroups.push(new THREE.UniformsGroup().setName(block).add(words));
         }
@@ -44,12 +44,12 @@ function glsl({ decoder, shader }: Pack): string {
     return shader?.essl300 ?? refuse('pack', `no shader of the decoder ${decoder}`, 'one of the package, or of the options of loadPack');
 }
 
-/** A texture of the renderer's context, which three.js takes as it is. */
+/** A texture of the renderer's context, which three.js uses unchanged. */
 function uploaded(renderer: THREE.WebGLRenderer, { texture: data, filtered, repeats }: Resource & { kind: 'texture' }): THREE.ExternalTexture {
     const gl = renderer.getContext() as WebGL2RenderingContext;
     const { texture } = uploadTexture(gl, widened(data), filtered, repeats);
     const external = new THREE.ExternalTexture(texture);
-    // Of 3D textures three.js does not look at the source.
+    // three.js ignores the source of 3D textures.
     held(renderer, external).__webglTexture = texture;
     external.addEventListener('dispose', () => {
         renderer.properties.remove(external);
@@ -58,18 +58,18 @@ function uploaded(renderer: THREE.WebGLRenderer, { texture: data, filtered, repe
     return external;
 }
 
-/** What three.js holds for a texture: nothing after it was freed, or the context lost. */
+/** Properties that three.js stores for a texture; empty after it was freed or the context was lost. */
 function held(renderer: THREE.WebGLRenderer, texture: THREE.Texture): { __webglTexture?: WebGLTexture } {
     return renderer.properties.get(texture) as { __webglTexture?: WebGLTexture };
 }
 
 /**
  * A material that draws a pack under up to eight point lights: a BRDF (table or wavelet), a flat BTF, or a polynomial wavelet tree.
- * Geometries need tangents where the material is anisotropic, and uv where it is a flat BTF or a tree; `computeTangents` makes them.
- * Instances, batches, bones and morph targets are placed as by three.js' own materials.
+ * Geometries need tangents for anisotropic materials, and uv for flat BTFs and trees; `computeTangents` makes tangents.
+ * Instances, batches, bones and morph targets are supported as by three.js' own materials.
  *
- * Radiance is linear: set `renderer.outputColorSpace` and tone mapping as for any other material. `dispose()` frees the pack's
- * textures, too.
+ * Radiance is linear: set `renderer.outputColorSpace` and tone mapping as for any other material. `dispose()` also frees the
+ * pack's textures.
  */
 export function packMaterial(pack: Pack, renderer: THREE.WebGLRenderer, lights: PointLight[]): THREE.ShaderMaterial {
     checkLights(lights);
@@ -88,16 +88,16 @@ export function packMaterial(pack: Pack, renderer: THREE.WebGLRenderer, lights: 
         vertexShader: VERTEX,
         fragmentShader: fragment,
     });
-    let isTold = false;
+    let hasWarned = false;
     const isAnisotropic = needsTangents(pack);
     material.addEventListener('dispose', () => {
         Object.values(uniforms).forEach(({ value }) => value.dispose());
         uniformsGroups.forEach((group) => group.dispose());
     });
-    // As other materials, it is uploaded again where it is drawn after that, or after its context was lost.
+    // Like other materials, it is uploaded again if it is drawn after that, or after its context was lost.
     material.onBeforeRender = (_renderer, _scene, _camera, geometry) => {
-        if (isAnisotropic && !isTold && !geometry.getAttribute('tangent')) {
-            isTold = true;
+        if (isAnisotropic && !hasWarned && !geometry.getAttribute('tangent')) {
+            hasWarned = true;
             console.warn('brdfc: an anisotropic pack on a geometry without tangents: geometry.computeTangents()');
         }
         if (Object.values(uniforms).some(({ value }) => held(renderer, value).__webglTexture === undefined)) {

@@ -1,4 +1,4 @@
-// Shaders of the material for three.js: its own chunks place the vertices, a pack's decoder says what is reflected.
+// Shaders of the material for three.js: chunks of three.js place the vertices, and the decoder of the pack computes reflection.
 
 import type { Pack } from './pack.js';
 import { refuse } from './refuse.js';
@@ -6,12 +6,12 @@ import type { DecoderShader } from './shaders.js';
 
 type Brdf = NonNullable<DecoderShader['brdf']>;
 
-/** Most lights of a material. */
+/** Maximum number of lights of a material. */
 export const MAX_LIGHTS = 8;
 
-/** `reflected`, radiance over irradiance from one direction with the cosine, and the level of detail, of decoders of surfaces. */
+/** `reflected` (radiance over irradiance from one direction, with the cosine) and the level of detail, for decoders of surfaces. */
 const SURFACES: Record<string, string> = {
-    // From behind v is negated, so that it goes along the bitangent there, too.
+    // On the back v is negated, so that it follows the bitangent there, too.
     'flat-btf': `
 float levelAt(float distance) {
     return factored_mipmap_level(dFdx(surfaceUv), dFdy(surfaceUv));
@@ -31,7 +31,7 @@ vec3 reflected(vec3 wi, vec3 wo, float level) {
 `,
 };
 
-/** Before the decoder: what comes from the vertices. */
+/** Inputs from the vertex shader, before the decoder. */
 const VARYINGS = `
 in vec3 worldPosition;
 in vec3 worldNormal;
@@ -89,17 +89,17 @@ uniform vec3 lightIntensities[${MAX_LIGHTS}];
 out vec4 colour;
 void main() {
     #include <logdepthbuf_fragment>
-    // To an orthographic camera nothing is far away.
+    // An orthographic camera has no distance.
     vec3 axis = vec3(viewMatrix[0][2], viewMatrix[1][2], viewMatrix[2][2]);
     vec3 toEye = normalize(isOrthographic ? axis : cameraPosition - worldPosition);
     float level = levelAt(isOrthographic ? 1e-6 : length(cameraPosition - worldPosition));
-    // What is seen from behind has its normal there.
+    // The back has its normal on that side.
     vec3 n = normalize(worldNormal) * (gl_FrontFacing ? 1.0 : -1.0);
-    // Normals of smooth meshes turn away from the viewer at outlines, where nothing has a value.
+    // Interpolated normals face away from the viewer at outlines, where values would be 0.
     float facing = dot(n, toEye);
     n = facing < 0.02 ? normalize(n + toEye * (0.02 - facing)) : n;
     vec3 t = worldTangent.xyz - n * dot(n, worldTangent.xyz);
-    // Without tangents, any that is perpendicular to the normal.
+    // Without tangents, any vector perpendicular to the normal.
     t = normalize(dot(t, t) > 1e-12 ? t : cross(abs(n.z) < 0.9 ? vec3(0.0, 0.0, 1.0) : vec3(1.0, 0.0, 0.0), n));
     vec3 b = cross(n, t) * (worldTangent.w < 0.0 ? -1.0 : 1.0);
     vec3 wo = vec3(dot(toEye, t), dot(toEye, b), dot(toEye, n));
@@ -120,7 +120,7 @@ void main() {
 }
 `;
 
-/** The same of a BRDF, whichever its decoder. */
+/** The same for BRDFs, with any decoder. */
 function ofBrdf({ filtered, exact, level_of_detail: level }: Brdf, isWide: boolean): string {
     return `
 float levelAt(float distance) {
@@ -132,7 +132,7 @@ vec3 reflected(vec3 wi, vec3 wo, float level) {
 `;
 }
 
-/** The shader of a pack, `decoder` in GLSL; `isWide`: it filters texels itself, as samplers do not filter floats of 32 bits. */
+/** Fragment shader of a pack, with `decoder` in GLSL; `isWide`: filter texels in the shader, because samplers do not filter 32-bit floats. */
 export function fragmentShader({ decoder: name, shader }: Pack, decoder: string, isWide: boolean): string {
     const { brdf } = (shader ?? {}) as Partial<DecoderShader>;
     const surface = Object.hasOwn(SURFACES, name) ? SURFACES[name] : undefined;
@@ -141,7 +141,7 @@ export function fragmentShader({ decoder: name, shader }: Pack, decoder: string,
     return VARYINGS + decoder + reflected + FRAGMENT;
 }
 
-/** Whether it tells directions around the normal apart: a table of several layers, or a flat BTF. */
+/** Returns true if the pack is anisotropic: a table of several layers, or a flat BTF. */
 export function needsTangents({ decoder, shader, resources }: Pack): boolean {
     const { bindings = [] } = (shader ?? {}) as Partial<DecoderShader>;
     return decoder === 'flat-btf' || resources.some((resource) => {

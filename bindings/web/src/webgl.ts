@@ -4,13 +4,13 @@ import { widened } from './widened.js';
 
 /** A pack in a WebGL 2 context. */
 export interface WebGlPack {
-    /** Binds its textures from this unit on and its blocks from this point on, for a program in use; says how many it took. */
+    /** Binds textures and blocks from these units on, for the program in use; returns the number of units used. */
     bind(program: WebGLProgram, firstUnit?: number, firstBlock?: number): { units: number; blocks: number };
-    /** Frees what it holds. */
+    /** Frees its textures and buffers. */
     dispose(): void;
 }
 
-/** Uploads a pack. Its shader, `pack.shader.essl300`, is to be pasted behind `#version 300 es`. */
+/** Uploads a pack. Paste its shader, `pack.shader.essl300`, after `#version 300 es`. */
 export function uploadWebGl(gl: WebGL2RenderingContext, pack: Pack): WebGlPack {
     const buffers = new Map<string, WebGLBuffer>();
     const textures: { name: string; target: number; texture: WebGLTexture }[] = [];
@@ -51,7 +51,7 @@ export function uploadWebGl(gl: WebGL2RenderingContext, pack: Pack): WebGlPack {
     };
 }
 
-/** Of each uniform block of a program, the name of the struct that it holds: that of a binding. */
+/** Names of the structs in the uniform blocks of a program, which are those of the bindings. */
 function blockNames(gl: WebGL2RenderingContext, program: WebGLProgram): string[] {
     return Array.from({ length: gl.getProgramParameter(program, gl.ACTIVE_UNIFORM_BLOCKS) }, (_, index) => {
         const [member] = gl.getActiveUniformBlockParameter(program, index, gl.UNIFORM_BLOCK_ACTIVE_UNIFORM_INDICES);

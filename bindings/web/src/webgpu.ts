@@ -4,18 +4,18 @@ import { isWide, widened } from './widened.js';
 
 /** A pack on a WebGPU device: group 1 of `pack.shader.wgsl`. */
 export interface WebGpuPack {
-    /** The layout of the group, for `createPipelineLayout`: also of what a pipeline's functions do not use. */
+    /** Layout of the group for `createPipelineLayout`, including bindings that a pipeline does not use. */
     layout: GPUBindGroupLayout;
     group: GPUBindGroup;
-    /** Frees what it holds. */
+    /** Frees its textures and buffers. */
     dispose(): void;
 }
 
 /**
  * Uploads a pack.
  *
- * @throws Error where a device lacks `float32-filterable` for a pack whose sampler filters floats of 32 bits, or integers of 16 bits,
- * which become such floats where it lacks `texture-formats-tier1`, too.
+ * @throws Error if the device lacks `float32-filterable` and the sampler of the pack filters 32-bit floats, or 16-bit integers,
+ * which become such floats without `texture-formats-tier1`.
  */
 export function uploadWebGpu(device: GPUDevice, pack: Pack): WebGpuPack {
     const widens = !device.features.has('texture-formats-tier1');

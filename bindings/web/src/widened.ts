@@ -1,13 +1,13 @@
 import type { TextureData } from './container.js';
 import type { Pack } from './pack.js';
 
-/** Whether a sampler would have to filter 32-bit floats, which WebGL 2 and WebGPU promise of none. */
+/** Returns true if a sampler would have to filter 32-bit floats, which WebGL 2 and WebGPU do not guarantee. */
 export function isWide({ resources }: Pack, isWidened: boolean): boolean {
     const wide = isWidened ? /32float|16unorm/ : /32float/;
     return resources.some((resource) => resource.kind === 'texture' && resource.filtered && wide.test(resource.texture.format));
 }
 
-/** Texels of 16-bit integers as 32-bit floats of four components: WebGL 2 has no such integers, WebGPU has them as a feature. */
+/** Converts texels of 16-bit integers to 32-bit floats of four components: such integers do not exist in WebGL 2 and are a feature in WebGPU. */
 export function widened(data: TextureData): TextureData {
     if (data.format !== 'r16unorm' && data.format !== 'rgba16unorm') {
         return data;

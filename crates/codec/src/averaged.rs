@@ -1,11 +1,11 @@
-//! What it costs to make a material the same from both sides.
+//! Error that symmetrising a material adds.
 
 use brdfc_core::{Source, Symmetry, Tally};
 use brdfc_formats::direction::DirectionPair;
 use brdfc_metrics::compare::Reference;
 use serde::{Deserialize, Serialize};
 
-/// How far the mean of both ways is from a source, before anything is packed.
+/// Distance of a symmetrised source from the source itself, before anything is packed.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, schemars::JsonSchema)]
 pub struct AveragingCost {
     /// Mean ΔE*ab of renderings.
@@ -15,14 +15,14 @@ pub struct AveragingCost {
 }
 
 impl AveragingCost {
-    /// Of a source, and its values as others are compared with them.
+    /// Measures the cost for a source. `reference` holds its values.
     pub fn of(source: &dyn Source, reference: &Reference) -> Self {
         let found = reference.compare(&Averaged(source));
         Self { delta_e: found.rendering.delta_e.mean, relative_error: found.norms.relative_mean }
     }
 }
 
-/// The mean of both ways.
+/// A symmetrised source: the mean over both orders of the two directions.
 struct Averaged<'a>(&'a dyn Source);
 
 impl Source for Averaged<'_> {
@@ -50,7 +50,7 @@ mod tests {
         AveragingCost::of(source, &Reference::new(source, PairSet::comparison()))
     }
 
-    /// A material whose value is the cosine to the light: the mean of both ways is off by half the difference of cosines.
+    /// A material whose value is the cosine to the light: symmetrising is off by half the difference of cosines.
     struct OneWay;
 
     impl Source for OneWay {
@@ -64,7 +64,7 @@ mod tests {
     }
 
     #[test]
-    fn what_is_the_same_from_both_sides_costs_nothing() {
+    fn reciprocal_materials_cost_nothing() {
         let ggx = parse_synth("synth:ggx?alpha=0.3").expect("an address");
         let none = cost(ggx.as_ref());
         assert!(none.delta_e < 1e-6 && none.relative_error < 1e-9, "{none:?}");

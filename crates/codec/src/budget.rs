@@ -4,7 +4,7 @@ use brdfc_core::words::{bytes, format_number, percent};
 use brdfc_metrics::fraction::Fraction;
 use serde::{Deserialize, Serialize};
 
-/// An option out of range.
+/// Error of an option out of range.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
 #[error("{field}: found {found}, expected {allowed}")]
 pub struct OptionError {
@@ -12,91 +12,90 @@ pub struct OptionError {
     pub field: &'static str,
     /// Its value.
     pub found: String,
-    /// Values that it may have.
+    /// Valid values.
     pub allowed: String,
 }
 
 impl OptionError {
-    /// An option with the value that was found and the values that it may have.
+    /// Creates an error from the value found and the valid values.
     pub fn new(field: &'static str, found: impl Into<String>, allowed: impl Into<String>) -> Self {
         Self { field, found: found.into(), allowed: allowed.into() }
     }
 }
 
-/// Limits of a pack. Those that are absent are none.
+/// Limits of a pack. Absent limits do not apply.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, schemars::JsonSchema)]
 pub struct Budget {
     /// Largest mean ΔE*ab of renderings, and four times that for its 95th percentile.
     pub delta_e: Option<f64>,
-    /// Least share of the light in the highlight that is kept where least of it is, 0 to 1.
+    /// Smallest retained share of the highlight's light over all incoming directions, 0 to 1.
     pub highlight: Option<f64>,
-    /// Largest `ε_r` off the grid, a fraction.
+    /// Largest `ε_r` at independent test directions, a fraction.
     pub error: Option<f64>,
-    /// Most bytes on a GPU.
+    /// Maximum of bytes on a GPU.
     pub bytes: Option<u64>,
-    /// Most texture fetches of a look-up.
+    /// Maximum of texture fetches per look-up.
     pub fetches: Option<u32>,
 }
 
-/// The 95th percentile of ΔE may be so many times the mean that is allowed.
+/// Ratio of the limits of the 95th percentile and of the mean of ΔE.
 pub const TAIL: f64 = 4.0;
-/// Least share of the highlight's light that is kept where ΔE is limited, unless another share is asked for.
+/// Default of the smallest retained share of the highlight's light where ΔE is limited.
 pub const HIGHLIGHT: f64 = 0.9;
 
 impl Default for Budget {
-    /// A mean ΔE of 0.5 with 95 % below 2: differences that are hardly seen side by side; and nine tenths of the highlight's light,
-    /// which renderings of a ball hide.
+    /// A mean ΔE of 0.5 with 95 % below 2: differences that are hardly visible side by side; and 90 % of the
+    /// highlight's light, which renderings of a ball hide.
     fn default() -> Self {
         Self { delta_e: Some(0.5), highlight: Some(HIGHLIGHT), ..Self::NONE }
     }
 }
 
 impl Budget {
-    /// No limit yet: what is added makes it one. Where nothing says how good or how large a pack is to be, the ΔE of the default
-    /// decides.
+    /// No limits; a base for the builder methods. Without limits of error or size, the default limit of ΔE applies.
     pub const NONE: Self = Self { delta_e: None, highlight: None, error: None, bytes: None, fetches: None };
 
-    /// With a largest mean ΔE*ab of renderings, 1e-6 to 100, and four times that for the 95th percentile.
+    /// Sets the largest mean ΔE*ab of renderings, 1e-6 to 100, and four times that for the 95th percentile.
     #[must_use]
     pub fn delta_e(self, largest: f64) -> Self {
         Self { delta_e: Some(largest), ..self }
     }
 
-    /// With a least share of the highlight's light that is kept, 0 (any) to 0.999.
+    /// Sets the smallest retained share of the highlight's light, 0 (any) to 0.999.
     #[must_use]
     pub fn highlight(self, least: f64) -> Self {
         Self { highlight: Some(least), ..self }
     }
 
-    /// With a largest `ε_r`, a fraction.
+    /// Sets the largest `ε_r`, a fraction.
     #[must_use]
     pub fn error(self, largest: f64) -> Self {
         Self { error: Some(largest), ..self }
     }
 
-    /// With a number of bytes on a GPU that is the most.
+    /// Sets the maximum of bytes on a GPU.
     #[must_use]
     pub fn bytes(self, most: u64) -> Self {
         Self { bytes: Some(most), ..self }
     }
 
-    /// With a number of texture fetches that is the most.
+    /// Sets the maximum of texture fetches.
     #[must_use]
     pub fn fetches(self, most: u32) -> Self {
         Self { fetches: Some(most), ..self }
     }
 
-    /// Whether it says how good a pack has to be.
+    /// Returns true if an error limit is set.
     pub fn limits_error(&self) -> bool {
         self.delta_e.is_some() || self.error.is_some()
     }
 
-    /// Whether it says how much of a highlight is to be kept.
+    /// Returns true if the retained share of a highlight is limited.
     pub fn limits_highlight(&self) -> bool {
         self.highlight.is_some_and(|least| least > 0.0)
     }
 
-    /// All limits: `ΔE at most 0.5, at most 1 fetch`.
+    /// Summary of all limits: `ΔE at most 0.5, at most 1 fetch`.
     pub fn in_words(&self) -> String {
         let Self { delta_e, highlight, error, bytes: most, fetches } = self;
         let limits = [
@@ -109,17 +108,17 @@ impl Budget {
         limits.into_iter().flatten().collect::<Vec<_>>().join(", ")
     }
 
-    /// Values of ΔE that may be a limit.
+    /// Valid limits of ΔE.
     pub const DELTA_E: &str = "1e-6 to 100";
-    /// Shares of the highlight that may be a limit.
+    /// Valid limits of the highlight.
     pub const HIGHLIGHTS: &str = "0 to 0.999, such as 0.9 or 90%";
-    /// Numbers of fetches that may be a limit.
+    /// Valid limits of fetches.
     pub const FETCHES: &str = "1 or more";
 
-    /// A budget of these limits.
+    /// Creates a budget from these limits.
     ///
     /// # Errors
-    /// The first that is out of range, under the name of its key.
+    /// Returns an error for the first that is out of range, under the name of its key.
     pub fn checked(
         delta_e: Option<f64>,
         highlight: Option<Fraction>,

@@ -1,4 +1,4 @@
-//! A pack with what was measured while making it.
+//! Packs with the measurements of their encoding.
 
 use super::{AveragingCost, Trial};
 use brdfc_core::Tally;
@@ -6,50 +6,50 @@ use brdfc_formats::BrdfPack;
 use brdfc_metrics::compare::Comparison;
 use brdfc_metrics::norms::Norms;
 
-/// What a codec reports of a pack.
+/// Report of a codec about a pack.
 pub trait BrdfReport {
-    /// The variant of the codec, as `--codec` takes it: the name of the codec where it has one variant alone.
+    /// The variant of the codec, as `--codec` takes it: the name of the codec if it has a single variant.
     fn variant(&self) -> &'static str;
 
-    /// How large the pack is, in the codec's own units: `13x6x6`.
+    /// Size of the pack in the codec's own units: `13x6x6`.
     fn size(&self) -> String;
 
-    /// Error against the samples that the pack was made from, of codecs that have a grid of them.
+    /// Error against the samples that the pack was made from, for codecs with a grid of them.
     fn on_grid(&self) -> Option<&Norms> {
         None
     }
 }
 
-/// A pack with what was measured while making it; `R` is the report of its codec.
+/// A pack with the measurements of its encoding; `R` is the report of its codec.
 #[derive(Debug, Clone)]
 pub struct Encoded<R> {
     /// The pack.
     pub pack: BrdfPack,
-    /// Bytes on a GPU that it has less than one for all directions.
+    /// Bytes on a GPU that cropping saves, compared with a pack for all directions.
     pub cropped_bytes: u64,
     /// The file.
     pub bytes: Vec<u8>,
-    /// What its codec reports.
+    /// Report of the codec.
     pub codec: R,
     /// Error against the source, at direction pairs and in renderings that depend on no codec.
     pub off_grid: Comparison,
-    /// Values of the source that it was made from.
+    /// Number of evaluations of the source.
     pub evaluated: u64,
     /// Repairs of those values.
     pub tally: Tally,
-    /// What it costs that values are reciprocal, where that was asked for.
+    /// Error that symmetrising adds, where reciprocal values were requested.
     pub averaging: Option<AveragingCost>,
-    /// The packs that a search tried, from coarse to fine.
+    /// Packs that a search tried, from coarse to fine.
     pub tried: Vec<Trial>,
-    /// The limits that no pack of a search meets; this is the best of them.
+    /// Limits that no pack of a search meets; this pack is the closest.
     pub missed: Option<String>,
-    /// Of a search within a range of directions: bytes on a GPU of the pack that meets the same limits over all directions, if
-    /// that was looked for and found.
+    /// Bytes on a GPU of the pack that meets the same limits over all directions. Present only after a search within a
+    /// range of directions that looked for such a pack and found one.
     pub of_all_directions: Option<u64>,
 }
 
 impl<R> Encoded<R> {
-    /// A pack that no search made.
+    /// Wraps a pack that no search made.
     pub fn new(pack: BrdfPack, bytes: Vec<u8>, codec: R, off_grid: Comparison, tally: Tally) -> Self {
         Self {
             pack,
@@ -66,7 +66,7 @@ impl<R> Encoded<R> {
         }
     }
 
-    /// The same with another report.
+    /// Converts the report.
     pub fn map<S>(self, report: impl FnOnce(R) -> S) -> Encoded<S> {
         Encoded {
             pack: self.pack,
@@ -83,7 +83,7 @@ impl<R> Encoded<R> {
         }
     }
 
-    /// The pack as one that a search tried, with the report of its codec.
+    /// Summary of the pack as a trial of a search, with the report of its codec.
     pub fn trial(&self, report: &dyn BrdfReport, meets: bool) -> Trial {
         let rendering = &self.off_grid.rendering.delta_e;
         Trial {

@@ -4,71 +4,69 @@ use brdfc_core::progress::Cancelled;
 use brdfc_formats::FormatError;
 use brdfc_formats::crop::DirectionRange;
 
-/// Why a source did not become a pack.
+/// Reason why a source did not become a pack.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum EncodeError {
-    /// An error budget that the codec cannot meet.
+    /// Error budget that the codec cannot meet.
     #[error("error budget: found {:.4} % relative error with {best}, expected {} %", 100.0 * found, 100.0 * allowed)]
     BudgetMissed {
         /// The smallest `ε_r`, a fraction.
         found: f64,
         /// The budget.
         allowed: f64,
-        /// How it was reached.
+        /// Settings that reached it.
         best: String,
     },
-    /// A limit of error that was asked of a black material, of which nothing is measured.
+    /// Error limit for a black material, where no error can be measured.
     #[error(
-        "error budget: found a material that is black everywhere, expected one with reflectance, or the budget says \
-         nothing"
+        "error budget: found a material that is black everywhere, expected one with reflectance, or no \
+         limit of error"
     )]
     NothingMeasured,
-    /// A byte budget below the smallest pack of the codec.
-    #[error("{field}: found {allowed} bytes, expected at least {smallest}, which hold {what}")]
+    /// Byte budget below the smallest pack of the codec.
+    #[error("{field}: found {allowed} bytes, expected at least {smallest}, the size of {what}")]
     TooFewBytes {
-        /// Which budget.
+        /// Name of the budget.
         field: &'static str,
         /// The budget.
         allowed: u64,
         /// Bytes of the smallest pack.
         smallest: u64,
-        /// What the smallest pack is.
+        /// Contents of the smallest pack.
         what: &'static str,
     },
-    /// A fetch budget below that of any pack.
-    #[error("fetch budget: found {allowed}, expected at least {fewest}, which is what is asked for needs: {why}")]
+    /// Fetch budget below that of any pack.
+    #[error("fetch budget: found {allowed}, expected at least {fewest}: {why}")]
     TooFewFetches {
         /// The budget.
         allowed: u32,
-        /// Fewest that any pack has.
+        /// Minimum over all packs of the request.
         fewest: u32,
-        /// What these are for, in words.
+        /// Reason for the minimum.
         why: &'static str,
     },
-    /// A size that no pack has, asked for by an option.
+    /// Invalid size in an option.
     #[error("{field}: found {found}, expected {allowed}")]
     Size {
-        /// Of what.
+        /// Name of the option.
         field: &'static str,
         /// The size.
         found: String,
-        /// What it may be.
+        /// Valid sizes.
         allowed: String,
     },
-    /// A source that is a pack for other directions.
-    #[error(
-        "directions: found a pack for {has}, as a source, expected one that has some of those that are needed: {needed}"
-    )]
+    /// Source pack for other directions.
+    #[error("directions: found a source pack for {has}, expected one that overlaps the requested {needed}")]
     OtherDirections {
         /// Directions of the source.
         has: DirectionRange,
-        /// Directions that are needed.
+        /// Requested directions.
         needed: DirectionRange,
     },
-    /// A pack that breaks the rules of its own layout.
+    /// Pack that breaks the rules of its own layout.
     #[error(transparent)]
     Format(#[from] FormatError),
-    /// The caller asked to stop.
+    /// Cancellation by the caller.
     #[error(transparent)]
     Cancelled(#[from] Cancelled),
 }

@@ -1,13 +1,13 @@
-//! What is asked of the fit of a source that is completed from samples.
+//! Limits for the fit of a source that is completed from samples.
 
 use super::{Budget, EncodeOptions, OptionError};
 
-/// Limits of a fit. They decide nothing about a pack: whether its measured error counts.
+/// Limits of a fit. They decide whether a measured error counts; the pack stays the same.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
 pub struct FitLimits {
-    /// Largest `ε_r` of samples, or of whole incidences, that are left out of the fit.
+    /// Largest `ε_r` of samples, or of whole incidences, left out of the fit.
     pub error: Option<f64>,
-    /// Whether limits of a pack's error count as met where the fit is the weaker part.
+    /// True if limits of a pack's error count as met even where the fit has the larger error.
     pub trusted: bool,
 }
 
@@ -21,7 +21,7 @@ pub struct ErrorLimits {
 }
 
 impl ErrorLimits {
-    /// Both limits together.
+    /// Combines both limits.
     #[must_use]
     pub fn and(self, other: Self) -> Self {
         let least = |a: Option<f64>, b: Option<f64>| [a, b].into_iter().flatten().reduce(f64::min);
@@ -36,10 +36,10 @@ impl From<&Budget> for ErrorLimits {
 }
 
 impl EncodeOptions {
-    /// The limits of the fit.
+    /// Limits of the fit.
     ///
     /// # Errors
-    /// One that is out of range.
+    /// Returns an error for a value out of range.
     pub fn fit_limits(&self) -> Result<FitLimits, OptionError> {
         let share = |error: brdfc_metrics::fraction::Fraction| {
             error.checked().map_err(|allowed| OptionError::new("max_fit_error", error.to_string(), allowed))

@@ -1,13 +1,13 @@
-//! Samples of a source that an earlier encoding made.
+//! Cache of samples that an earlier encoding made.
 
 use brdfc_core::Tally;
 
-/// A cache of what codecs sample of one source, which costs most where the source is a scan. `()` caches nothing.
+/// Cache of a source's samples, which are most expensive for scans. `()` caches nothing.
 pub trait GridCache {
-    /// Bytes that were put under this name, and what was repaired in them.
+    /// Bytes stored under this name, with the repairs made in them.
     fn take(&self, name: &str) -> Option<(Vec<u8>, Tally)>;
 
-    /// Stores bytes, which are made only by a cache that stores them. Failing to is no error: they are sampled again.
+    /// Stores bytes. `values` runs only if the cache stores them. Failures are ignored: the samples are taken again.
     fn put(&self, name: &str, values: &dyn Fn() -> Vec<u8>, tally: &Tally);
 }
 

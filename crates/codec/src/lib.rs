@@ -1,5 +1,5 @@
-//! What every encoder of BRDFs has, whichever its codec: options that users ask by, a recipe that says everything that decides the
-//! bytes of a pack, an encoding with its measured errors, a report, one error. `brdfc_encode` lists the codecs.
+//! Base of all BRDF encoders: user options, recipes (everything that decides the bytes of a pack), encodings with their
+//! measured errors, reports and errors. `brdfc_encode` lists the codecs.
 
 mod averaged;
 mod budget;
@@ -21,4 +21,4 @@ pub use grid_cache::GridCache;
 pub use options::{EncodeOptions, Variant, range_of};
 pub use recipe::{BrdfRecipe, Encode, Predicted};
 pub use trial::Trial;
-pub use words::errors_in_words;
+pub use words::format_errors;

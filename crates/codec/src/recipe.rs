@@ -1,4 +1,4 @@
-//! Recipes: everything that decides the bytes of a pack besides the source.
+//! Recipes: everything besides the source that decides the bytes of a pack.
 
 use super::{BrdfReport, EncodeError, EncodeOptions, Encoded, ErrorLimits, GridCache, OptionError, Variant};
 use brdfc_core::Source;
@@ -6,32 +6,32 @@ use brdfc_core::progress::Progress;
 use brdfc_formats::crop::DirectionRange;
 use serde::{Deserialize, Serialize};
 
-/// A recipe of a pack of a BRDF, as scenes and plans see it.
+/// Recipe of a BRDF pack, as scenes and plans see it.
 pub trait BrdfRecipe {
-    /// The variant of the codec that is made, as `--codec` takes it; one that stands for several where a search chooses.
+    /// Variant of the codec, as `--codec` takes it. A search that chooses the variant has a name of its own.
     fn variant(&self) -> &'static str;
 
-    /// What limits the pack's size or error, in a few words for a plan: `ΔE at most 0.5`.
+    /// Short summary of the limits of size or error for a plan: `ΔE at most 0.5`.
     fn target(&self) -> String;
 
-    /// Directions that the pack is for.
+    /// Directions that the pack covers.
     fn directions(&self) -> DirectionRange;
 
-    /// Limits the pack to what look-ups within a range of directions touch.
+    /// Limits the pack to the data of look-ups within a range of directions.
     fn limit_directions(&mut self, directions: DirectionRange);
 
-    /// Whether cropped directions make the pack smaller. Otherwise they leave room for finer values.
+    /// Returns true if cropped directions make the pack smaller. Otherwise they leave room for finer values.
     fn has_fixed_size(&self) -> bool;
 
-    /// Whether several packs are tried.
+    /// Returns true if several packs are tried.
     fn is_search(&self) -> bool {
         false
     }
 
-    /// Whether a limit of error decides how large the pack becomes.
+    /// Returns true if an error limit decides the size of the pack.
     fn limits_error(&self) -> bool;
 
-    /// The limits of error that were asked for, unlike those of the default budget.
+    /// Error limits that the user set, without those of the default budget.
     fn asked_errors(&self) -> ErrorLimits;
 
     /// Skips measuring the error against the source, unless the error decides something.
@@ -40,17 +40,17 @@ pub trait BrdfRecipe {
     /// Sets whether texels are compressed in the file.
     fn set_supercompress(&mut self, supercompress: bool);
 
-    /// Levels of detail that are stored, and that there are in all, where finer ones can be left out.
+    /// Stored and total number of levels of detail, where finer ones can be left out.
     fn stored_levels(&self) -> Option<[u32; 2]> {
         None
     }
 
-    /// Leaves out levels of detail that are finer than `finest` of the number of levels.
+    /// Leaves out levels of detail finer than `finest`, a function of the number of levels.
     fn limit_levels(&mut self, finest: &dyn Fn(u32) -> u32) {
         let _ = finest;
     }
 
-    /// Levels of detail that are coarser than the finest, where coarser ones can be left out.
+    /// Number of levels of detail coarser than the finest, where coarser ones can be left out.
     fn coarser_levels(&self) -> u32 {
         0
     }
@@ -60,32 +60,32 @@ pub trait BrdfRecipe {
         let _ = most;
     }
 
-    /// Memory that the encoding takes at most, without the source, bytes.
+    /// Upper bound of the memory of an encoding without the source, bytes.
     fn memory(&self) -> u64;
 
-    /// The size of the pack before it is made.
+    /// Size of the pack before it is encoded.
     fn predict(&self) -> Predicted;
 }
 
-/// A recipe that one encoder follows.
+/// A recipe that an encoder follows.
 pub trait Encode: BrdfRecipe + Sized {
-    /// What is reported of a pack.
+    /// Report of a pack.
     type Report: BrdfReport;
 
-    /// What users may ask for.
+    /// Variants that users may choose.
     const VARIANTS: &'static [Variant];
 
-    /// The recipe of a variant, from options that it has. `options.codec` is the codec that users named; it is absent where other
-    /// options chose the codec.
+    /// Creates the recipe of a variant from its options. `options.codec` is the codec that the user named; it is absent
+    /// where other options chose the codec.
     ///
     /// # Errors
-    /// Options that are out of range or do not go together. The budget has been checked.
+    /// Returns an error for options that are out of range or conflict. The budget has been checked.
     fn from_options(variant: &str, options: &EncodeOptions) -> Result<Self, OptionError>;
 
-    /// Encodes a source, evaluated on a grid of the cache where it is there.
+    /// Encodes a source. Samples come from the cache where it has them.
     ///
     /// # Errors
-    /// Limits that no pack of the codec meets, sizes out of range, cancellation.
+    /// Returns an error for limits that no pack of the codec meets, sizes out of range, or cancellation.
     fn encode(
         &self,
         source: &dyn Source,
@@ -93,24 +93,24 @@ pub trait Encode: BrdfRecipe + Sized {
         progress: &dyn Progress,
     ) -> Result<Encoded<Self::Report>, EncodeError>;
 
-    /// Bytes on a GPU of the levels of detail that [`BrdfRecipe::limit_levels`] left out, where the report tells.
+    /// Bytes on a GPU of the levels of detail that [`BrdfRecipe::limit_levels`] left out, where the report has them.
     fn bytes_of_left_out_levels(&self, report: &Self::Report, channels: u32) -> Option<u64> {
         let _ = (report, channels);
         None
     }
 }
 
-/// Bytes on a GPU that a pack will have: grey and coloured ones differ, and a search ends where its budget is met.
+/// Predicted bytes on a GPU. A range, because grey and coloured packs differ and a search ends where its budget is met.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, schemars::JsonSchema)]
 pub struct Predicted {
-    /// At least.
+    /// Lower bound.
     pub least: u64,
-    /// At most.
+    /// Upper bound.
     pub most: u64,
 }
 
 impl Predicted {
-    /// Of a pack that is there.
+    /// Prediction for an existing pack.
     pub fn exactly(bytes: u64) -> Self {
         Self { least: bytes, most: bytes }
     }

@@ -1,8 +1,8 @@
-//! What is told of a pack that was tried.
+//! Measurements of a pack that a search tried.
 
 use serde::{Deserialize, Serialize};
 
-/// One pack that was tried.
+/// A pack that a search tried.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, schemars::JsonSchema)]
 pub struct Trial {
     /// The variant of its codec, as `--codec` takes it.
@@ -17,11 +17,11 @@ pub struct Trial {
     pub delta_e: f64,
     /// Its 95th percentile.
     pub delta_e_p95: f64,
-    /// `ε_r` off the grid, a fraction.
+    /// `ε_r` at independent test directions, a fraction.
     pub relative_error: f64,
-    /// Share of the highlight's light that is kept where least is; absent where there is no highlight.
+    /// Smallest retained share of the highlight's light over all incoming directions; absent without a highlight.
     #[serde(default)]
     pub highlight: Option<f64>,
-    /// Whether it meets the budget.
+    /// True if it meets the budget.
     pub meets: bool,
 }

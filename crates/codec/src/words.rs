@@ -1,10 +1,10 @@
-//! Figures of packs as people read them.
+//! Formatted figures of packs.
 
 use brdfc_core::words::percent;
 use brdfc_formats::ErrorSummary;
 
-/// The errors of a pack in one line.
-pub fn errors_in_words(errors: &ErrorSummary) -> String {
+/// Formats the errors of a pack in one line.
+pub fn format_errors(errors: &ErrorSummary) -> String {
     let ratio = |value: f32| percent(f64::from(value));
     format!(
         "ε_r {} (95 %: {}, 99 %: {}, largest: {}), ε {:.3e} 1/sr, reciprocity {}",

@@ -7,31 +7,31 @@
 //! number    = a decimal number, such as 0.3, 20 or 1.5e-2
 //! ```
 //!
-//! Names are those of [`MODELS`], in lower case; there are no spaces and no escapes. A colour is one number for all
-//! channels, or three: linear red, green and blue. Parameters may come in any order, each at most once; those left out
-//! take their defaults. A shorthand (`alpha` of `ggx`) sets several parameters and counts as each of them. On most command
-//! lines an address needs quotes: `"synth:lewis?kd=0.6&n=20"`.
+//! Names are those of [`MODELS`], in lower case, without spaces or escapes. A colour is one number for all channels, or
+//! three: linear red, green and blue. Parameters may come in any order, each at most once; omitted ones have their
+//! defaults. A shorthand (`alpha` of `ggx`) sets several parameters and counts as each of them. On most command lines
+//! an address needs quotes: `"synth:lewis?kd=0.6&n=20"`.
 
 use super::Source;
 use super::analytic::{Analytic, MODELS, Parameter, ParameterKind, Shorthand};
 use std::fmt::Write;
 
-/// What the address of an analytic model starts with.
+/// Prefix of the addresses of analytic models.
 pub const SYNTH_PREFIX: &str = "synth:";
 
-/// An address that is not one of an analytic model.
+/// Error of an invalid address of an analytic model.
 ///
 /// Reads as ``n of lewis: found `-1`, expected 0 to 10000``.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
 #[error("{part}: found {found}, expected {allowed}{}", did_you_mean(.suggestion))]
 pub struct AddressError {
-    /// Which part of the address.
+    /// Part of the address.
     pub part: String,
-    /// What stands there.
+    /// Text found.
     pub found: String,
-    /// What may stand there.
+    /// Valid text.
     pub allowed: String,
-    /// The allowed name nearest to the one found, if any is near.
+    /// Valid name closest to the text found, if any is close.
     pub suggestion: Option<String>,
 }
 
@@ -50,17 +50,17 @@ impl AddressError {
     }
 }
 
-/// Whether an input is the address of an analytic model and not a path.
+/// Returns true if an input is the address of an analytic model, not a path.
 pub fn is_synth(input: &str) -> bool {
     input.starts_with(SYNTH_PREFIX)
 }
 
-/// The model at an address, `synth:MODEL?param=value&...`; see the module for the grammar.
+/// Parses the address of a model, `synth:MODEL?param=value&...`; see the module for the grammar.
 ///
 /// # Errors
 ///
-/// When the prefix is missing, the model or a parameter is unknown, or a value is missing, doubled, not a number, or out
-/// of range.
+/// Returns an error if the prefix is missing, the model or a parameter is unknown, or a value is missing, repeated, not
+/// a number, or out of range.
 pub fn parse_synth(address: &str) -> Result<Box<dyn Source>, AddressError> {
     let model = address
         .strip_prefix(SYNTH_PREFIX)
@@ -68,11 +68,11 @@ pub fn parse_synth(address: &str) -> Result<Box<dyn Source>, AddressError> {
     Ok(parse_model(model)?)
 }
 
-/// The model of an address without its prefix, `MODEL?param=value&...`.
+/// Parses the address of a model without its prefix, `MODEL?param=value&...`.
 ///
 /// # Errors
 ///
-/// As [`parse_synth`].
+/// Same as [`parse_synth`].
 pub fn parse_model(text: &str) -> Result<Box<dyn Analytic>, AddressError> {
     let (name, query) = split_query(text);
     let info = find_named("model", name, &MODELS, |m| m.name)?;
@@ -80,16 +80,16 @@ pub fn parse_model(text: &str) -> Result<Box<dyn Analytic>, AddressError> {
     Ok((info.build)(&values))
 }
 
-/// The name in an address without its prefix, and the parameters behind its `?`, if there is one.
+/// Splits an address without its prefix into the name and the parameters after `?`, if any.
 pub fn split_query(text: &str) -> (&str, Option<&str>) {
     text.split_once('?').map_or((text, None), |(name, query)| (name, Some(query)))
 }
 
-/// The one of `items` that has a name; `part` says what they are.
+/// Finds an item by name; `part` names the kind of items in errors.
 ///
 /// # Errors
 ///
-/// When none has.
+/// Returns an error if no item has the name.
 pub fn find_named<T: Copy>(
     part: &str,
     name: &str,
@@ -101,12 +101,12 @@ pub fn find_named<T: Copy>(
     found.map(|k| items[k]).ok_or_else(|| AddressError::unknown_name(part, name, &names))
 }
 
-/// The values of `parameters`, in their order, from the part of an address behind the `?`; those left out have their
-/// defaults, and a number stands in all three channels. `owner` is the name that errors give.
+/// Parses the part of an address after `?` into the values of `parameters`, in their order. Omitted parameters have
+/// their defaults, and a number fills all three channels. `owner` is the name in errors.
 ///
 /// # Errors
 ///
-/// When a parameter is unknown, or a value is missing, doubled, not a number, or out of range.
+/// Returns an error if a parameter is unknown, or a value is missing, repeated, not a number, or out of range.
 pub fn parse_parameters(
     owner: &str,
     parameters: &[Parameter],
@@ -120,7 +120,7 @@ pub fn parse_parameters(
     Ok(parameters.iter().zip(values).map(|(p, value)| value.unwrap_or([p.default; 3])).collect())
 }
 
-/// The address of a model with every parameter, in the model's order, each number in its shortest exact form.
+/// Address of a model with every parameter, in the model's order, each number in its shortest exact form.
 ///
 /// Models with the same values have the same canonical address, and it parses to the same values.
 pub fn canonical(model: &dyn Analytic) -> String {
@@ -128,7 +128,7 @@ pub fn canonical(model: &dyn Analytic) -> String {
     canonical_address(info.name, info.parameters, &model.values())
 }
 
-/// The address of anything with parameters, as [`canonical`].
+/// Canonical address of any name with parameters, as [`canonical`].
 pub fn canonical_address(name: &str, parameters: &[Parameter], values: &[[f64; 3]]) -> String {
     let mut text = format!("{SYNTH_PREFIX}{name}");
     for (k, (parameter, value)) in parameters.iter().zip(values).enumerate() {
@@ -143,12 +143,12 @@ pub fn canonical_address(name: &str, parameters: &[Parameter], values: &[[f64; 3
     text
 }
 
-/// A list of all models with their parameters, ranges and defaults, for help texts.
+/// Lists all models with their parameters, ranges and defaults, for help texts.
 pub fn describe_models() -> String {
     MODELS.iter().map(|info| describe(info.name, info.meaning, info.parameters, info.shorthands)).collect()
 }
 
-/// What a name in addresses stands for, and its parameters, ranges and defaults, for help texts.
+/// Describes a name of addresses with its parameters, ranges and defaults, for help texts.
 pub fn describe(name: &str, meaning: &str, parameters: &[Parameter], shorthands: &[Shorthand]) -> String {
     let names = parameters.iter().map(|p| p.name).chain(shorthands.iter().map(|s| s.name));
     let width = names.map(str::len).fold(9, usize::max);
@@ -225,13 +225,13 @@ fn nearest<'a>(found: &str, allowed: &[&'a str]) -> Option<&'a str> {
     let near = |name: &&str| {
         let distance = strsim::damerau_levenshtein(&found, name);
         let longest = found.chars().count().max(name.len());
-        // At least one letter in common, and at most one in three wrong.
+        // Requires one common letter, and allows one wrong letter in three.
         (distance < longest && distance <= longest.div_ceil(3)).then_some(distance)
     };
     allowed.iter().filter_map(|name| near(name).map(|d| (d, *name))).min_by_key(|&(d, _)| d).map(|(_, name)| name)
 }
 
-/// The text between back quotes, control characters escaped.
+/// Wraps a text in back quotes and escapes control characters.
 fn quoted(text: &str) -> String {
     format!("`{}`", text.escape_debug())
 }
@@ -250,7 +250,7 @@ mod tests {
     }
 
     #[test]
-    fn defaults_fill_what_is_left_out() {
+    fn defaults_fill_omitted_parameters() {
         assert_eq!(canonical_of("lambert"), "synth:lambert?kd=0.5");
         assert_eq!(canonical_of("lewis?n=5e1"), "synth:lewis?kd=0.6&ks=0.3&n=50");
         assert_eq!(canonical_of("ward?ay=0.25&kd=0.6,0.1,.1"), "synth:ward?kd=0.6,0.1,0.1&ks=0.1&ax=0.15&ay=0.25");
@@ -268,7 +268,7 @@ mod tests {
     }
 
     #[test]
-    fn errors_name_the_part_and_what_is_allowed() {
+    fn errors_name_the_part_and_valid_values() {
         for (text, expected) in [
             ("", "model: found ``, expected lambert, lewis, ward, poulin, ggx, velvet"),
             (
@@ -319,7 +319,7 @@ mod tests {
 
     proptest! {
         #[test]
-        fn any_text_is_parsed_or_refused(text in "(lambert|lewis|ward|poulin|ggx|velvet|x)?\\??[a-z=&,.0-9_-]{0,30}") {
+        fn any_text_is_parsed_or_rejected(text in "(lambert|lewis|ward|poulin|ggx|velvet|x)?\\??[a-z=&,.0-9_-]{0,30}") {
             if let Ok(model) = parse_model(&text) {
                 let address = canonical(model.as_ref());
                 let again = parse_model(&address[SYNTH_PREFIX.len()..]).unwrap();

@@ -1,15 +1,15 @@
-//! Numbers of bytes as people write them.
+//! Numbers of bytes with units, as users write them.
 
 use serde::de::{Deserializer, Error, Unexpected, Visitor};
 use std::fmt;
 
-/// Allowed numbers of bytes, for messages.
+/// Description of valid numbers of bytes, for messages.
 pub const ALLOWED: &str = "a whole number of bytes, such as 16384, 16KiB or 1MiB";
 
-/// Parses a whole number, alone or with KiB, MiB or GiB, which may be shortened to their first letters.
+/// Parses a whole number, alone or with the unit KiB, MiB or GiB (or their first letters).
 ///
 /// # Errors
-/// What is allowed instead.
+/// Returns a description of valid values.
 pub fn bytes_from_text(text: &str) -> Result<u64, String> {
     let number = text.trim_end_matches(|c: char| c.is_ascii_alphabetic());
     let unit = match text[number.len()..].to_ascii_lowercase().as_str() {
@@ -26,7 +26,7 @@ pub fn bytes_from_text(text: &str) -> Result<u64, String> {
 /// Deserialises a key of a manifest: a number or a text.
 ///
 /// # Errors
-/// What is no number of bytes.
+/// Returns an error for values that are no number of bytes.
 pub fn bytes_from_manifest<'de, D: Deserializer<'de>>(deserializer: D) -> Result<Option<u64>, D::Error> {
     struct NumberOrText;
     impl Visitor<'_> for NumberOrText {

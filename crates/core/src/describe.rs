@@ -1,32 +1,32 @@
-//! What is worth knowing of an input, as `brdfc info` prints it.
+//! Facts about an input, as `brdfc info` prints them.
 
 use super::StrayRows;
 use brdfc_formats::crop::DirectionRange;
 
-/// What is worth knowing of an input, as its reader says it.
+/// Facts about an input, from its reader.
 pub trait Describe {
     /// Lines for people: names and values. [`Self::in_words`] adds the directions.
     fn lines(&self) -> Vec<(&'static str, String)>;
 
-    /// Measured samples that came in; 0 for models.
+    /// Number of measured samples; 0 for models.
     fn samples(&self) -> u64;
 
-    /// Directions that a pack is for.
+    /// Directions that the input covers.
     fn directions(&self) -> DirectionRange {
         DirectionRange::ALL
     }
 
-    /// Levels of detail less one, of packs alone: level 0 is the coarsest.
+    /// Levels of detail less one, for packs only: level 0 is the coarsest.
     fn levels(&self) -> Option<u32> {
         None
     }
 
-    /// Rows with a negative channel, which was raised to 0.
+    /// Number of rows with a negative channel, which was raised to 0.
     fn rows_raised(&self) -> u64 {
         0
     }
 
-    /// Rows of a scan that stray from the azimuth of incidence of the others.
+    /// Rows of a scan whose azimuth of incidence differs from that of the others.
     fn stray_rows(&self) -> Option<StrayRows> {
         None
     }
@@ -36,7 +36,7 @@ pub trait Describe {
         let mut lines = self.lines();
         let directions = self.directions();
         if !directions.is_all() {
-            lines.push(("directions", format!("{directions}; errors are of these")));
+            lines.push(("directions", format!("{directions}; errors are measured there")));
         }
         lines
     }

@@ -1,9 +1,9 @@
-//! Half-difference angles as tables in the layout of MERL have them.
+//! Half-difference angles in the layout of MERL tables.
 
 use brdfc_formats::direction::{DirectionPair, dot, half_vector};
 use std::f64::consts::FRAC_PI_2;
 
-/// Where a pair is in any table in the layout of MERL, whatever its sizes.
+/// Position of a pair in a table of any size in the layout of MERL.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct HalfDifference {
     /// Root of `theta_h` as a share of `π/2`.
@@ -15,15 +15,15 @@ pub struct HalfDifference {
 }
 
 impl HalfDifference {
-    /// Of a pair.
+    /// Position of a pair.
     pub fn of(pair: DirectionPair) -> Self {
         let [theta_h, theta_d, phi_difference] = half_difference_angles(pair);
         Self { half_root: (theta_h / FRAC_PI_2).sqrt(), difference_share: theta_d / FRAC_PI_2, phi_difference }
     }
 }
 
-/// Angles `(theta_h, theta_d, phi_d)` of a pair, radians: half vector's polar angle, and the difference vector in
-/// the half vector's frame (Rusinkiewicz 1998). `phi_d` is in `[-π, π]`.
+/// Angles `(theta_h, theta_d, phi_d)` of a pair, radians: polar angle of the half vector, and the difference vector in
+/// the frame of the half vector (Rusinkiewicz 1998). `phi_d` is in `[-π, π]`.
 pub fn half_difference_angles(pair: DirectionPair) -> [f64; 3] {
     let (i, o) = (pair.incoming, pair.outgoing);
     let h = half_vector(pair);

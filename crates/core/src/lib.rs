@@ -1,5 +1,5 @@
-//! What every stage shares, without files: reflectance that can be evaluated at a direction pair, tallies of repairs, progress
-//! and cancelling, and numbers as people write and read them.
+//! Shared base of all stages, without files: reflectance as a function of direction pairs, tallies of repairs, progress
+//! and cancellation, and formatted numbers.
 
 pub mod address;
 pub mod analytic;

@@ -1,4 +1,4 @@
-//! Packs as sources: what an engine would see.
+//! Packs as sources, with the values that an engine computes.
 
 use super::pair_list::PairBlock;
 use super::{Source, Symmetry, Tally};
@@ -7,7 +7,7 @@ use brdfc_formats::direction::DirectionPair;
 use brdfc_formats::wavelet::Filter;
 use brdfc_formats::{Brdf, BrdfDecoder};
 
-/// A pack of a BRDF, decoded at a level of detail with the filter that errors are measured with: wavelet packs bilinearly on both
+/// A BRDF pack, decoded at a level of detail with the filter of error measurements: wavelet packs bilinearly on both
 /// hemispheres, tables exactly.
 #[derive(Debug)]
 pub struct PackSource {

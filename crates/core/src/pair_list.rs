@@ -1,4 +1,4 @@
-//! Direction pairs that one source after another is evaluated at, with the angles that looking them up begins with.
+//! Lists of direction pairs at which several sources are evaluated, with the angles of their look-ups.
 
 use super::half_difference::HalfDifference;
 use brdfc_formats::direction::{DirectionPair, polynomial_atan2};
@@ -8,11 +8,11 @@ use std::f32::consts::FRAC_PI_2;
 use std::ops::Deref;
 use std::sync::{Arc, OnceLock};
 
-/// Pairs per block: fixed, so that sums over blocks do not depend on threads.
+/// Number of pairs per block: fixed, so that sums over blocks do not depend on threads.
 pub const BLOCK: usize = 1024;
 
-/// Direction pairs. Their angles depend on no source: they are found when the first source asks for them, block by block, and
-/// kept. With what else is kept that is at most 100 bytes beside the 48 of a pair.
+/// List of direction pairs. Their angles are the same for all sources: the first source that needs them computes them,
+/// block by block, and the list caches them. All caches take at most 100 bytes per pair, in addition to the pair's 48.
 #[derive(Debug, Clone)]
 pub struct PairList {
     pairs: Vec<DirectionPair>,
@@ -24,7 +24,7 @@ pub struct PairList {
 #[derive(Debug, Clone)]
 struct Visited {
     pairs: Vec<DirectionPair>,
-    /// Of each pair of the list, where it is among them.
+    /// Index into `pairs`, for each pair of the list.
     places: Vec<u32>,
 }
 
@@ -35,18 +35,18 @@ struct BlockAngles {
 }
 
 impl PairList {
-    /// Of pairs in this order.
+    /// Creates a list of pairs, evaluated in this order.
     pub fn new(pairs: Vec<DirectionPair>) -> Self {
         let angles = pairs.chunks(BLOCK).map(|_| BlockAngles::default()).collect();
         Self { pairs, visited: None, angles }
     }
 
-    /// The list that a cell holds, made when it is first asked for: of constants that many sources are evaluated at, in an order
-    /// in which a large table is read from its beginning to its end.
+    /// The list in a cell, created at first use. It is for constant lists at which many sources are evaluated: the
+    /// order of evaluation reads a large table from its beginning to its end.
     ///
-    /// The cell is not locked meanwhile, so that `make` may work on all threads. Of two that make the list at once one throws
-    /// its own away.
-    pub fn kept(cell: &OnceLock<Arc<Self>>, make: impl FnOnce() -> Vec<DirectionPair>) -> Arc<Self> {
+    /// The cell is not locked while `make` runs, so that `make` may use all threads. If two threads create the list at
+    /// once, one result is discarded.
+    pub fn cached(cell: &OnceLock<Arc<Self>>, make: impl FnOnce() -> Vec<DirectionPair>) -> Arc<Self> {
         if let Some(list) = cell.get() {
             return Arc::clone(list);
         }
@@ -55,16 +55,16 @@ impl PairList {
         Arc::clone(cell.get_or_init(|| Arc::new(Self { visited, ..list })))
     }
 
-    /// How many blocks there are; all but the last have [`BLOCK`] pairs.
+    /// Number of blocks; all but the last have [`BLOCK`] pairs.
     pub fn block_count(&self) -> usize {
         self.angles.len()
     }
 
-    /// The block of this number: pairs that are evaluated one after the other. [`Self::in_order`] puts what is found of all
-    /// blocks in the order of the list.
+    /// The block of this number: pairs that are evaluated one after the other. [`Self::in_order`] returns results of
+    /// all blocks to the order of the list.
     ///
     /// # Panics
-    /// If there are not so many.
+    /// If there is no such block.
     pub fn block(&self, number: usize) -> PairBlock<'_> {
         let first = number * BLOCK;
         let end = self.pairs.len().min(first + BLOCK);
@@ -72,7 +72,7 @@ impl PairList {
         PairBlock { pairs: &pairs[first..end], angles: &self.angles[number] }
     }
 
-    /// What was found of the pairs of all blocks, in the order of the list.
+    /// Reorders the results of all blocks to the order of the list.
     pub fn in_order<T: Copy + Send + Sync>(&self, found: Vec<T>) -> Vec<T> {
         match &self.visited {
             Some(visited) => {
@@ -87,7 +87,7 @@ impl PairList {
 const RINGS: usize = 90;
 
 impl Visited {
-    /// By rings, as a table in the layout of MERL has them one after the other.
+    /// Sorts pairs by the rings of a table in the layout of MERL.
     fn of(pairs: &[DirectionPair]) -> Self {
         let rings: Vec<usize> = pairs.par_iter().with_min_len(BLOCK).copied().map(ring).collect();
         let mut ends = vec![0u32; RINGS * RINGS + 1];
@@ -105,7 +105,7 @@ impl Visited {
     }
 }
 
-/// The ring that a pair is in, roughly: it decides what is near, not what is found.
+/// Approximate ring of a pair. It decides the order of evaluation, not the values.
 fn ring(pair: DirectionPair) -> usize {
     let (i, o) = (pair.incoming.map(|c| c as f32), pair.outgoing.map(|c| c as f32));
     let sum = [i[0] + o[0], i[1] + o[1], i[2] + o[2]];
@@ -125,7 +125,7 @@ impl Deref for PairList {
     }
 }
 
-/// Lists of the same pairs are the same.
+/// Lists are equal if their pairs are; caches and the order of evaluation do not count.
 impl PartialEq for PairList {
     fn eq(&self, other: &Self) -> bool {
         self.pairs == other.pairs
@@ -145,12 +145,12 @@ impl<'a> PairBlock<'a> {
         self.pairs
     }
 
-    /// Where each is in tables in the layout of MERL.
+    /// Positions of the pairs in tables in the layout of MERL.
     pub fn half_difference(self) -> &'a [HalfDifference] {
         self.angles.half_difference.get_or_init(|| self.pairs.iter().copied().map(HalfDifference::of).collect())
     }
 
-    /// Where each is in table packs.
+    /// Positions of the pairs in table packs.
     pub fn of_tables(self) -> &'a [Angles] {
         self.angles.of_tables.get_or_init(|| self.pairs.iter().copied().map(Angles::of).collect())
     }
@@ -167,12 +167,12 @@ mod tests {
         (0..count).map(pair).collect()
     }
 
-    /// Whatever order they are evaluated in, what is found stands in that of the list.
+    /// Results are in the order of the list, independent of the order of evaluation.
     #[test]
-    fn kept_lists_are_evaluated_by_rings_and_come_back_in_order() {
+    fn cached_lists_are_evaluated_by_rings_with_results_in_order() {
         static CELL: OnceLock<Arc<PairList>> = OnceLock::new();
         let expected = pairs(3 * BLOCK + 17);
-        let list = PairList::kept(&CELL, || expected.clone());
+        let list = PairList::cached(&CELL, || expected.clone());
         assert_eq!((&list[..], list.block_count()), (&expected[..], 4));
         let evaluated = |list: &PairList| -> Vec<DirectionPair> {
             (0..list.block_count()).flat_map(|k| list.block(k).pairs().to_vec()).collect()
@@ -181,7 +181,7 @@ mod tests {
         let of_rings: Vec<usize> = visited.iter().copied().map(ring).collect();
         assert!(of_rings.is_sorted() && visited != expected);
         assert_eq!(list.in_order(visited), expected);
-        assert!(Arc::ptr_eq(&list, &PairList::kept(&CELL, || unreachable!("it is kept"))));
+        assert!(Arc::ptr_eq(&list, &PairList::cached(&CELL, || unreachable!("it is cached"))));
         let plain = PairList::new(expected.clone());
         assert_eq!((evaluated(&plain), plain.in_order(expected.clone())), (expected.clone(), expected));
     }

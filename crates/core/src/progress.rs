@@ -1,4 +1,4 @@
-//! What long work says of itself, and how it is stopped. Stages know no clock, no terminal and no signal.
+//! Progress and cancellation of long work. Stages know no clock, no terminal and no signal.
 
 /// A stage of long work.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
@@ -34,7 +34,7 @@ pub enum Stage {
 }
 
 impl Stage {
-    /// What reports call it.
+    /// Name in reports.
     pub fn name(self) -> &'static str {
         match self {
             Self::Read => "read",
@@ -49,7 +49,7 @@ impl Stage {
             Self::Threshold => "threshold",
             Self::Quantise => "quantise",
             Self::MeasureOnGrid => "measure on the grid",
-            Self::MeasureOffGrid => "measure off the grid",
+            Self::MeasureOffGrid => "measure at test directions",
             Self::Pack => "pack",
             Self::BandwidthMap => "bandwidth map",
             Self::ImportanceSamples => "importance samples",
@@ -68,40 +68,40 @@ impl Stage {
     }
 }
 
-/// The work was stopped by whoever asked for it.
+/// Error of cancelled work.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, thiserror::Error)]
 #[error("cancelled")]
 pub struct Cancelled;
 
-/// Hears of the progress of long work and may stop it. Calls may come from several threads.
+/// Observer of long work, which may cancel it. Calls may come from several threads.
 pub trait Progress: Sync {
-    /// Whether to carry on.
+    /// Checks for cancellation.
     ///
     /// # Errors
-    /// When the work is to stop; so for all methods.
+    /// Returns an error if the work is cancelled. All methods do.
     fn check(&self) -> Result<(), Cancelled> {
         Ok(())
     }
 
-    /// A stage of so many steps starts; the one before it is done.
+    /// Starts a stage of `steps` steps; the previous one is done.
     fn stage(&self, _stage: Stage, _steps: usize) -> Result<(), Cancelled> {
         self.check()
     }
 
-    /// A step of the stage is done.
+    /// Completes a step of the stage.
     fn step(&self) -> Result<(), Cancelled> {
         self.check()
     }
 
-    /// The progress of a named part of the work, such as one of several materials: `Box::new(self)` where parts are nothing of their
-    /// own.
+    /// Progress of a named part of the work, such as one of several materials. Observers without separate parts return
+    /// `Box::new(self)`.
     fn part<'a>(&'a self, name: &'a str) -> Box<dyn Progress + 'a>;
 
-    /// The work is finished, and whether it succeeded.
+    /// Ends the work; `succeeded` is its outcome.
     fn finished(&self, _succeeded: bool) {}
 }
 
-/// So that whoever hears of the whole can hear of its parts, too.
+/// Lets an observer of the whole work observe its parts, too.
 impl<P: Progress + ?Sized> Progress for &P {
     fn check(&self) -> Result<(), Cancelled> {
         (**self).check()
@@ -124,7 +124,7 @@ impl<P: Progress + ?Sized> Progress for &P {
     }
 }
 
-/// Ignores everything.
+/// Ignores all events.
 impl Progress for () {
     fn part<'a>(&'a self, _: &'a str) -> Box<dyn Progress + 'a> {
         Box::new(())

@@ -1,5 +1,5 @@
-//! What a source is: reflectance that can be evaluated at any direction pair, and, where it was completed from samples, what it takes to
-//! see how well they predict each other.
+//! Sources: reflectance as a function of direction pairs and, where it is completed from samples, the cross-validation
+//! of those samples.
 
 use super::Tally;
 use super::pair_list::PairBlock;
@@ -7,16 +7,16 @@ use brdfc_formats::Symmetry;
 use brdfc_formats::crop::DirectionRange;
 use brdfc_formats::direction::DirectionPair;
 
-/// A reflectance function that can be asked for `f_r` anywhere.
+/// A reflectance function that gives `f_r` for any direction pair.
 pub trait Source: Send + Sync {
     /// `f_r` at a direction pair, linear RGB, 1/sr.
     ///
-    /// Values are what the data says: interpolated measurements may be slightly negative. Zero where either direction
-    /// is at or below the horizon (`z <= 0`). What had to be repaired on the way is counted in `tally`.
+    /// Values follow the data: interpolated measurements may be slightly negative. Zero where either direction is at or
+    /// below the horizon (`z <= 0`). `tally` counts repairs.
     fn eval(&self, pair: DirectionPair, tally: &mut Tally) -> [f64; 3];
 
-    /// Values at the pairs of a block, which has as many: the same bits as those of [`Self::eval`]. Sources that look up angles
-    /// first take the block's, which are found once for all sources.
+    /// Values at the pairs of a block, as many as it has, with the same bits as [`Self::eval`]. Sources that need
+    /// angles use those of the block, which are computed once for all sources.
     fn eval_block(&self, block: PairBlock<'_>, tally: &mut Tally, values: &mut [[f64; 3]]) {
         for (value, pair) in values.iter_mut().zip(block.pairs()) {
             *value = self.eval(*pair, tally);
@@ -26,51 +26,51 @@ pub trait Source: Send + Sync {
     /// The symmetries that `eval` obeys exactly, up to rounding.
     fn symmetry(&self) -> Symmetry;
 
-    /// Whether all three channels are equal everywhere, so that one is enough.
+    /// Returns true if all three channels are equal everywhere, so that one is enough.
     fn is_grey(&self) -> bool {
         false
     }
 
-    /// Directions at which values are known: of a pack that was made for some only, these. Elsewhere `eval` gives the nearest
-    /// that there are.
+    /// Directions at which values are known: for a cropped pack, its range. Elsewhere `eval` gives the nearest known
+    /// value.
     fn directions(&self) -> DirectionRange {
         DirectionRange::ALL
     }
 
-    /// The samples that the source is completed from; `None` where values between them are known, or interpolated in cells.
+    /// The samples that the source is completed from; `None` if all values are known, or interpolated in cells.
     fn completion(&self) -> Option<&dyn Completion> {
         None
     }
 }
 
-/// How samples are parted for cross-validation.
+/// Split of samples for cross-validation.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Parts {
-    /// Every tenth sample: how well a gap within what was measured is filled.
+    /// Every tenth sample: measures interpolation between neighbouring samples.
     Samples,
-    /// Every tenth incidence, or one of fewer, with all its samples: how well a gap between incidences is filled.
+    /// Every tenth incidence, or one of fewer, with all its samples: measures interpolation between incidences.
     Incidences,
 }
 
-/// Most parts of either kind.
+/// Maximum number of folds of either kind.
 pub const MAX_PARTS: usize = 10;
 
-/// A source that is completed without some of the samples, and these.
+/// A source that is completed without some of the samples, and the omitted samples.
 pub struct Fold {
-    /// What the others give.
+    /// The source completed from the other samples.
     pub source: Box<dyn Source>,
-    /// The samples that were left out: direction pairs with their values, 1/sr.
+    /// The omitted samples: direction pairs with their values, 1/sr.
     pub left_out: Vec<(DirectionPair, [f64; 3])>,
 }
 
-/// Samples of one direction pair, mirror images included, that were measured more than once.
+/// Direction pairs, including mirror images, that were measured more than once.
 #[derive(Debug, Clone, Copy, PartialEq, serde::Serialize, serde::Deserialize, schemars::JsonSchema)]
 pub struct Repeats {
-    /// Direction pairs that were measured more than once.
+    /// Number of direction pairs that were measured more than once.
     pub pairs: usize,
     /// Their share of all direction pairs.
     pub share: f64,
-    /// Sum over them of largest minus smallest values, as a share of the sum of the largest: 0 where all agree.
+    /// Sum over them of the largest minus the smallest value, as a share of the sum of the largest: 0 if all agree.
     pub spread: f64,
     /// The largest `1 - smallest / largest` of a channel.
     pub largest: f64,
@@ -78,16 +78,16 @@ pub struct Repeats {
 
 /// The samples that a source is completed from.
 pub trait Completion: Sync {
-    /// How many folds there are, at most [`MAX_PARTS`]; 0 where the samples have one incidence alone.
+    /// Number of folds, at most [`MAX_PARTS`]; 0 if all samples have the same incidence.
     fn fold_count(&self, parts: Parts) -> usize;
 
-    /// One of the folds; nothing where too few samples are left to complete a source from.
+    /// One of the folds; `None` if too few samples remain to complete a source.
     fn fold(&self, parts: Parts, number: usize) -> Option<Fold>;
 
-    /// The larger of the angles between the lights and between the viewers of a direction pair and of the nearest sample, which
-    /// may be turned, mirrored or exchanged as the material's symmetries allow; radians.
+    /// Distance of a direction pair from the nearest sample: the larger of the angles between their lights and between
+    /// their viewers, radians. The sample may be rotated, mirrored or exchanged by the material's symmetries.
     fn distance(&self, pair: DirectionPair) -> f64;
 
-    /// Samples that repeat; nothing where none does.
+    /// Repeated samples; `None` without any.
     fn repeats(&self) -> Option<Repeats>;
 }

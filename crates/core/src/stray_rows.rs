@@ -1,25 +1,25 @@
-//! Rows of a scan that are taken otherwise than they say.
+//! Rows of a scan whose azimuth of incidence is ignored.
 
 use super::words::percent;
 
-/// Rows of another azimuth of incidence than the others of their scan, too few to be a measurement of anisotropy: they are
-/// taken as those of an isotropic material.
+/// Rows whose azimuth of incidence differs from that of the others, too few for a measurement of anisotropy: the
+/// material is taken as isotropic.
 #[derive(Debug, Clone, Copy, PartialEq, serde::Serialize, serde::Deserialize, schemars::JsonSchema)]
 pub struct StrayRows {
-    /// How many.
+    /// Number of such rows.
     pub rows: usize,
-    /// Rows of the scan.
+    /// Number of rows of the scan.
     pub of: usize,
-    /// Line of the file that the first starts at, where there is a file.
+    /// Line of the file at which the first one starts; absent without a file.
     pub line: Option<u64>,
     /// Azimuth of incidence of the first, degrees.
     pub azimuth: f64,
-    /// Mean difference to what is fitted to the other rows, as a fraction of the larger value.
+    /// Mean difference from a fit to the other rows, as a fraction of the larger value.
     pub difference: f64,
 }
 
 impl StrayRows {
-    /// A line for people.
+    /// Summary in one line.
     pub fn in_words(&self) -> String {
         let Self { rows, of, azimuth, .. } = self;
         let (have, first) = if *rows == 1 { ("has", "") } else { ("have", "the first ") };

@@ -1,25 +1,25 @@
-//! Counts of what an evaluation had to repair, so that nothing is repaired in silence.
+//! Counts of repairs during evaluation.
 
 use std::ops::AddAssign;
 
-/// How often an evaluation could not follow the plain path. All zero for analytic models.
+/// Counts of evaluations and repairs. All repairs are zero for analytic models.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq, serde::Serialize, serde::Deserialize, schemars::JsonSchema)]
 pub struct Tally {
-    /// Direction pairs evaluated.
+    /// Number of evaluated direction pairs.
     pub evaluations: u64,
-    /// Interpolations of which some, but not all, cells were invalid: their weights were renormalised.
+    /// Interpolations with some, but not all, cells invalid: their weights were renormalised.
     pub partly_invalid: u64,
-    /// Interpolations of which every cell was invalid: the nearest valid cell stood in.
+    /// Interpolations with all cells invalid: the nearest valid cell was used.
     pub nearest_valid: u64,
-    /// Local fits that fell from quadratic to linear degree.
+    /// Local fits whose degree was reduced from quadratic to linear.
     pub fell_to_linear: u64,
-    /// Local fits that fell to a constant (a weighted mean).
+    /// Local fits whose degree was reduced to a constant (a weighted mean).
     pub fell_to_constant: u64,
     /// Local fits whose value was clamped to the range of its neighbours.
     pub clamped_to_neighbours: u64,
-    /// Values that were negative (measurement noise, colours out of gamut) or no number, and were raised to zero.
+    /// Values that were negative (measurement noise, colours out of gamut) or NaN, and were raised to zero.
     pub negative_raised: u64,
-    /// Values that were larger than a pack may hold, and were lowered to the largest.
+    /// Values that exceeded the maximum of a pack, and were lowered to it.
     pub largest_lowered: u64,
 }
 

@@ -1,8 +1,8 @@
-//! Whole numbers as flags have them.
+//! Whole numbers of flags.
 
 use std::ops::RangeInclusive;
 
-/// Parses whole numbers of a range. Errors say what is allowed, also for negative numbers.
+/// Returns a parser of whole numbers in a range. Errors give the range, also for negative numbers.
 pub fn whole_number<T: TryFrom<u64>>(range: RangeInclusive<u64>) -> impl Fn(&str) -> Result<T, String> + Clone {
     move |text| {
         let number = text.parse().ok().filter(|number| range.contains(number));
@@ -14,7 +14,7 @@ pub fn whole_number<T: TryFrom<u64>>(range: RangeInclusive<u64>) -> impl Fn(&str
     }
 }
 
-/// Parses whole numbers whose range is checked elsewhere; `allowed` describes it.
+/// Returns a parser of whole numbers whose range is checked elsewhere; `allowed` describes it.
 pub fn any_whole_number<T: TryFrom<u64>>(allowed: &'static str) -> impl Fn(&str) -> Result<T, String> + Clone {
     move |text| {
         let number = text.parse().ok().and_then(|number| T::try_from(number).ok());

@@ -1,4 +1,4 @@
-//! Numbers as people read them.
+//! Formatted numbers.
 
 pub use brdfc_formats::memory::in_words as bytes;
 
@@ -16,7 +16,7 @@ pub fn percent(fraction: f64) -> String {
     }
 }
 
-/// Formats a number as people write it: with an exponent where there would be many zeros.
+/// Formats a number for people: with an exponent instead of many zeros.
 pub fn format_number<T: Display + LowerExp + Copy + Into<f64>>(number: T) -> String {
     let size = number.into().abs();
     if size == 0.0 || !size.is_finite() || (1e-6..1e15).contains(&size) {
@@ -26,12 +26,12 @@ pub fn format_number<T: Display + LowerExp + Copy + Into<f64>>(number: T) -> Str
     }
 }
 
-/// So many of what has this name: `1 file`, `2 files`.
+/// Formats a count with its noun: `1 file`, `2 files`.
 pub fn counted(count: usize, name: &str) -> String {
     format!("{count} {name}{}", if count == 1 { "" } else { "s" })
 }
 
-/// Joins the first names of a list, at most `most`, and says how many more there are.
+/// Joins the first names of a list, at most `most`, and counts the rest.
 pub fn join_truncated(names: &[impl AsRef<str>], most: usize) -> String {
     let named: Vec<&str> = names.iter().take(most).map(AsRef::as_ref).collect();
     let more = names.len() - named.len();

@@ -1,4 +1,4 @@
-//! The codecs of BRDFs: [`codecs!`] has one line for each.
+//! List of BRDF codecs: [`codecs!`] has one line for each.
 
 use brdfc_codec::{
     BrdfRecipe, BrdfReport, Encode, EncodeError, EncodeOptions, Encoded, GridCache, OptionError, Variant,
@@ -11,17 +11,17 @@ use encoders::{table, wavelet};
 use serde::{Deserialize, Serialize};
 use std::ops::{Deref, DerefMut};
 
-/// The encoders, each with the types of its recipe.
+/// The encoders with the types of their recipes.
 pub mod encoders {
     pub use brdfc_table as table;
     pub use brdfc_wavelet as wavelet;
 }
 
-/// Makes [`PackRecipe`], [`CodecReport`] and [`PackFacts`] of one line for each codec: the name of its pack in [`BrdfPack`], its
-/// recipe, its report, what is worth knowing of its packs, and what `brdfc info` calls them.
+/// Generates [`PackRecipe`], [`CodecReport`] and [`PackFacts`] from one line per codec: the name of its pack in
+/// [`BrdfPack`], its recipe, its report, the facts about its packs, and their name in `brdfc info`.
 macro_rules! codecs {
     ($($(#[$doc:meta])* $codec:ident: $recipe:ty, $report:ty, $facts:ty, $kind:literal;)*) => {
-        /// How a source becomes a pack. It dereferences to what all recipes have.
+        /// Recipe of a pack. It dereferences to the common part of all recipes.
         #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
         pub enum PackRecipe {
             $($(#[$doc])* $codec($recipe),)*
@@ -46,13 +46,13 @@ macro_rules! codecs {
         }
 
         impl PackRecipe {
-            /// The codecs, as users ask for them.
-            pub(super) const CODECS: &[AskedCodec] = &[$(AskedCodec {
+            /// The codecs that users can choose.
+            pub(super) const CODECS: &[CodecEntry] = &[$(CodecEntry {
                 variants: <$recipe>::VARIANTS,
                 recipe: |variant, options| Ok(Self::$codec(<$recipe>::from_options(variant, options)?)),
             }),*];
 
-            /// What kind of pack it makes.
+            /// Kind of the pack.
             pub fn kind(&self) -> PackKind {
                 match self {
                     $(Self::$codec(_) => PackKind::$codec,)*
@@ -71,7 +71,8 @@ macro_rules! codecs {
                 }
             }
 
-            /// Bytes on a GPU of the levels of detail that [`BrdfRecipe::limit_levels`] left out of a pack, where its report tells.
+            /// Bytes on a GPU of the levels of detail that [`BrdfRecipe::limit_levels`] left out of a pack, where its
+            /// report has them.
             pub fn bytes_of_left_out_levels(&self, report: &CodecReport, channels: u32) -> Option<u64> {
                 match (self, report) {
                     $((Self::$codec(recipe), CodecReport::$codec(report)) => {
@@ -88,7 +89,7 @@ macro_rules! codecs {
             }
         })*
 
-        /// The report of a pack, by its codec. It dereferences to what all reports have.
+        /// Report of a pack, by its codec. It dereferences to the common part of all reports.
         #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, schemars::JsonSchema)]
         #[serde(rename_all = "kebab-case")]
         pub enum CodecReport {
@@ -105,7 +106,7 @@ macro_rules! codecs {
             }
         }
 
-        /// What is worth knowing of a pack of a BRDF, by its codec.
+        /// Facts about a BRDF pack, by its codec.
         #[derive(Debug, Clone, PartialEq, Serialize, schemars::JsonSchema)]
         #[serde(tag = "kind")]
         pub enum PackFacts {
@@ -137,15 +138,15 @@ codecs! {
     Wavelet: wavelet::recipe::Recipe, wavelet::WaveletReport, wavelet::WaveletPackFacts, "wavelet-pack";
 }
 
-/// A codec, as users ask for it.
-pub(super) struct AskedCodec {
-    /// What they may ask for.
+/// A codec that users can choose.
+pub(super) struct CodecEntry {
+    /// Its variants.
     pub(super) variants: &'static [Variant],
-    /// The recipe of a variant, see [`Encode::from_options`].
+    /// Creates the recipe of a variant, see [`Encode::from_options`].
     pub(super) recipe: fn(&str, &EncodeOptions) -> Result<PackRecipe, OptionError>,
 }
 
-/// A pack of any codec with what was measured while making it.
+/// A pack of any codec with the measurements of its encoding.
 pub type EncodedPack = Encoded<CodecReport>;
 
 impl Describe for PackFacts {
@@ -197,7 +198,7 @@ impl Default for PackRecipe {
 }
 
 impl PackRecipe {
-    /// The same without the error against the source, unless the error decides something.
+    /// Skips the error against the source, unless the error decides something.
     #[must_use]
     pub fn without_measuring(mut self) -> Self {
         self.skip_measuring();

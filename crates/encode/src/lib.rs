@@ -1,4 +1,4 @@
-//! Source to pack of a BRDF: the list of codecs, and which of them options ask for.
+//! Encoding of BRDFs: the list of codecs, and the choice of a codec from options.
 
 mod codecs;
 mod options;

@@ -1,29 +1,29 @@
-//! Options become recipes.
+//! Conversion of options to recipes.
 
 use super::PackRecipe;
-use super::codecs::AskedCodec;
+use super::codecs::CodecEntry;
 use brdfc_codec::{Budget, EncodeOptions, OptionError, Variant};
 use brdfc_metrics::fraction::Fraction;
 use brdfc_table::search::recipe::SearchRecipe;
 use std::sync::LazyLock;
 
-/// A variant of a codec, which users ask for by its name or by options that it has.
+/// A variant of a codec, chosen by its name or by its options.
 #[derive(Clone, Copy, PartialEq)]
-struct Asked {
+struct Choice {
     codec: usize,
     variant: &'static Variant,
 }
 
-impl Asked {
+impl Choice {
     /// All variants, the default first.
     fn all() -> impl Iterator<Item = Self> {
         let codecs = PackRecipe::CODECS.iter().enumerate();
-        codecs.flat_map(|(codec, AskedCodec { variants, .. })| {
+        codecs.flat_map(|(codec, CodecEntry { variants, .. })| {
             variants.iter().map(move |variant| Self { codec, variant })
         })
     }
 
-    /// The variant of a name.
+    /// Finds the variant of a name.
     fn named(name: &str) -> Result<Self, OptionError> {
         let unknown = || OptionError::new("codec", format!("\"{name}\""), codec_names());
         Self::all().find(|asked| asked.variant.name == name).ok_or_else(unknown)
@@ -37,8 +37,9 @@ impl Asked {
         options.given().all(|(option, _)| self.has(option))
     }
 
-    /// The variant that options without a codec ask for: `preferred` if it has them all, then the last variant of its codec that has
-    /// them all, then the first of any. Where none has them all, the first that has the first option.
+    /// The variant that options without a codec select: `preferred` if it has all of them, then the last variant of its
+    /// codec that has all, then the first of any codec. If none has all of them, the first variant that has the first
+    /// option.
     fn by_options(options: &EncodeOptions, preferred: Option<Self>) -> Self {
         let all: Vec<Self> = Self::all().collect();
         let of_codec = |asked: &&Self| preferred.is_some_and(|preferred| preferred.codec == asked.codec);
@@ -48,7 +49,7 @@ impl Asked {
         fits.or_else(|| all.iter().copied().find(|asked| asked.has(first))).unwrap_or(all[0])
     }
 
-    /// The error of an option that it does not have.
+    /// Error of an option that the variant does not have.
     fn refuses(&self, option: &'static str, found: &str, options: &EncodeOptions) -> OptionError {
         let asks = options.given().map(|(other, _)| other).find(|other| self.has(other));
         let with = match asks {
@@ -56,12 +57,12 @@ impl Asked {
             _ => format!("the codec {}", self.variant.name),
         };
         let having = join(Self::all().filter(|asked| asked.has(option)));
-        OptionError::new(option, format!("{found} with {with}"), format!("it with the codec {having}"))
+        OptionError::new(option, format!("{found} with {with}"), format!("the codec {having}"))
     }
 }
 
-/// Names: `auto, table or factored`.
-fn join(asked: impl Iterator<Item = Asked>) -> String {
+/// Joins names: `auto, table or factored`.
+fn join(asked: impl Iterator<Item = Choice>) -> String {
     let names: Vec<&str> = asked.map(|asked| asked.variant.name).collect();
     match names.split_last() {
         Some((last, others @ [_, ..])) => format!("{} or {last}", others.join(", ")),
@@ -69,48 +70,48 @@ fn join(asked: impl Iterator<Item = Asked>) -> String {
     }
 }
 
-/// The names that `--codec` takes, in words.
+/// The names that `--codec` takes, as a list for people.
 pub fn codec_names() -> &'static str {
-    static NAMES: LazyLock<String> = LazyLock::new(|| join(Asked::all()));
+    static NAMES: LazyLock<String> = LazyLock::new(|| join(Choice::all()));
     &NAMES
 }
 
 impl PackRecipe {
-    /// The recipe of options; what they leave open comes from `defaults`, then from [`PackRecipe::default`].
+    /// Creates the recipe of options. `defaults` fill open ones, then [`PackRecipe::default`].
     ///
-    /// Limits come from one of the two, all together. Defaults that do not go with the codec that the options ask for are left out.
+    /// All limits come from the same one of the two. Defaults that conflict with the codec of the options are dropped.
     ///
     /// # Errors
-    /// Values out of range; options that do not go together.
+    /// Returns an error for values out of range and for conflicting options.
     pub fn from_options(options: &EncodeOptions, defaults: &EncodeOptions) -> Result<Self, OptionError> {
         let (asked, all) = merged(options, defaults)?;
         if let Some((option, found)) = all.given().find(|(option, _)| !asked.has(option)) {
             return Err(asked.refuses(option, &found, &all));
         }
-        // Limits out of range are told before options of one codec.
+        // Reports limits out of range before options of a single codec.
         all.budget()?;
         all.fit_limits()?;
         (Self::CODECS[asked.codec].recipe)(asked.variant.name, &all)
     }
 }
 
-/// Options over defaults, such as those of the command line over those of a manifest, without the defaults that do not go with
-/// the codec that the options ask for. What is wrong with the options is found where a recipe is made of them.
+/// Merges options over defaults, such as those of the command line over those of a manifest. Defaults that conflict
+/// with the codec of the options are dropped. Invalid options pass; [`PackRecipe::from_options`] reports them.
 pub fn options_over(options: &EncodeOptions, defaults: &EncodeOptions) -> EncodeOptions {
     merged(options, defaults).map_or_else(|_| options.over(defaults), |(_, all)| all)
 }
 
-/// The variant that options ask for, and the options over those defaults that go with it.
-fn merged(options: &EncodeOptions, defaults: &EncodeOptions) -> Result<(Asked, EncodeOptions), OptionError> {
-    let of = |options: &EncodeOptions| options.codec.as_deref().map(Asked::named).transpose();
-    // Limits that are replaced ask for nothing.
+/// The variant that options select, and the options merged over the defaults that go with it.
+fn merged(options: &EncodeOptions, defaults: &EncodeOptions) -> Result<(Choice, EncodeOptions), OptionError> {
+    let of = |options: &EncodeOptions| options.codec.as_deref().map(Choice::named).transpose();
+    // Limits that are replaced select nothing.
     let defaults = &if options.has_limits() { defaults.without_limits() } else { defaults.clone() };
-    let by_default = of(defaults)?.unwrap_or_else(|| Asked::by_options(defaults, None));
-    let asked = of(options)?.unwrap_or_else(|| Asked::by_options(options, Some(by_default)));
+    let by_default = of(defaults)?.unwrap_or_else(|| Choice::by_options(defaults, None));
+    let asked = of(options)?.unwrap_or_else(|| Choice::by_options(options, Some(by_default)));
     if asked == by_default {
         return Ok((asked, options.over(defaults)));
     }
-    // A bias is meant for the codec that its neighbours ask for, if they do.
+    // A bias belongs to the codec that its neighbours select, if any.
     let is_neutral = defaults.codec.is_none() && asked.has_all_of(defaults);
     let keeps_bias = asked.codec == by_default.codec || is_neutral;
     let fitting = defaults.only(|option| asked.has(option) && (keeps_bias || option != "bias"));

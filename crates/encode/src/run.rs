@@ -1,4 +1,4 @@
-//! One source to one pack, as a recipe says.
+//! Encoding of one source as a recipe says.
 
 use super::{EncodedPack, PackRecipe};
 use brdfc_codec::{EncodeError, GridCache};
@@ -8,19 +8,20 @@ use brdfc_core::progress::Progress;
 /// Encodes a source.
 ///
 /// # Errors
-/// Recipes that cannot be followed, cancellation. A budget that nothing meets is none: see [`EncodedPack`]'s `missed`.
+/// Returns an error for recipes that cannot be followed and for cancellation. A missed budget is no error: see
+/// [`EncodedPack`]'s `missed`.
 pub fn encode(source: &dyn Source, recipe: &PackRecipe, progress: &dyn Progress) -> Result<EncodedPack, EncodeError> {
     encode_cached(source, recipe, &(), progress)
 }
 
-/// Encodes a source whose grids are cached.
+/// Encodes a source with cached samples.
 pub fn encode_cached(
     source: &dyn Source,
     recipe: &PackRecipe,
     cache: &dyn GridCache,
     progress: &dyn Progress,
 ) -> Result<EncodedPack, EncodeError> {
-    // A pack that was made for some directions only says nothing of others.
+    // A source pack for a range of directions says nothing about others.
     let (has, needed) = (source.directions(), recipe.directions());
     let common = has.common(needed).ok_or(EncodeError::OtherDirections { has, needed })?;
     let mut recipe = recipe.clone();
@@ -38,7 +39,7 @@ mod tests {
     use std::cell::RefCell;
     use std::sync::atomic::{AtomicUsize, Ordering};
 
-    /// Counts how often it is asked.
+    /// Source that counts its evaluations.
     struct Counted(Box<dyn Source>, AtomicUsize);
 
     impl Source for Counted {
@@ -92,7 +93,7 @@ mod tests {
         assert!(
             afresh > 0 && made.bytes == fresh.bytes && made.tally == fresh.tally && made.evaluated == fresh.evaluated
         );
-        // Another grid is another table; what has not as many values is none.
+        // Another grid needs other samples; an entry with too few values is ignored.
         assert!(asked(&recipe(2, 8.0), &cache).0 > 0);
         cache.0.borrow_mut().iter_mut().for_each(|(_, values, _)| values.truncate(values.len() - 4));
         let (evaluations, made) = asked(&recipe(3, 8.0), &cache);

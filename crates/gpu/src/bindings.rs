@@ -1,4 +1,4 @@
-//! Buffers, textures, samplers and bind groups on the device: of what a pack says that its shader has bound, and of anything else.
+//! Buffers, textures, samplers and bind groups on the device, for packs and for everything else.
 
 use super::device::{Gpu, GpuError};
 use brdfc_formats::bindings::{Binding, FrameBlock, MAX_UNIFORM_BYTES, Resource, Texels};
@@ -14,7 +14,7 @@ use wgpu::{
 
 /// A uniform block.
 pub const UNIFORM: BindingType = buffer_type(BufferBindingType::Uniform);
-/// A sampler that filters.
+/// A filtering sampler.
 pub(super) const SAMPLER: BindingType = BindingType::Sampler(SamplerBindingType::Filtering);
 /// A 2D texture.
 pub(super) const IMAGE: BindingType = texture_type(FILTERED, TextureViewDimension::D2);
@@ -22,7 +22,7 @@ pub(super) const IMAGE: BindingType = texture_type(FILTERED, TextureViewDimensio
 pub(super) const LAYERS: BindingType = texture_type(FILTERED, TextureViewDimension::D2Array);
 /// A 3D texture.
 pub(super) const VOLUME: BindingType = texture_type(FILTERED, TextureViewDimension::D3);
-/// A 2D texture that is not filtered, as of 32-bit floats.
+/// A 2D texture without filtering, such as of 32-bit floats.
 pub(super) const UNFILTERED: BindingType =
     texture_type(TextureSampleType::Float { filterable: false }, TextureViewDimension::D2);
 /// A 2D texture of integers.
@@ -39,7 +39,7 @@ pub const fn buffer_type(ty: BufferBindingType) -> BindingType {
     BindingType::Buffer { ty, has_dynamic_offset: false, min_binding_size: None }
 }
 
-/// What fits this.
+/// Binding type of a resource.
 pub(super) fn type_of(resource: &Resource<'_>) -> BindingType {
     match resource {
         Resource::Frame | Resource::Uniform(_) => UNIFORM,
@@ -62,7 +62,7 @@ fn view_dimension(extent: Extent) -> TextureViewDimension {
     }
 }
 
-/// What is bound where a pack has nothing for a slot of this type: zeros.
+/// Zeros, which are bound to a slot of this type if a pack has nothing for it.
 fn nothing(ty: BindingType) -> Resource<'static> {
     match ty {
         BindingType::Buffer { .. } => Resource::Uniform(vec![0; MAX_UNIFORM_BYTES as usize].into()),
@@ -80,7 +80,7 @@ fn nothing(ty: BindingType) -> Resource<'static> {
     }
 }
 
-/// A layout of these bindings by their numbers.
+/// Creates a layout of these bindings, given with their numbers.
 pub fn layout(
     gpu: &Gpu,
     label: &str,
@@ -92,7 +92,7 @@ pub fn layout(
     gpu.device.create_bind_group_layout(&BindGroupLayoutDescriptor { label: Some(label), entries: &entries })
 }
 
-/// A bind group of these, by their numbers.
+/// Creates a bind group of these resources, given with their numbers.
 pub fn group<'a>(
     gpu: &Gpu,
     layout: &BindGroupLayout,
@@ -103,7 +103,7 @@ pub fn group<'a>(
     gpu.device.create_bind_group(&BindGroupDescriptor { label: None, layout, entries: &entries })
 }
 
-/// What was uploaded.
+/// An uploaded resource.
 enum Uploaded {
     Uniform(Buffer),
     Texture(TextureView),
@@ -118,7 +118,7 @@ pub struct Slots {
 }
 
 impl Slots {
-    /// A layout of these slots.
+    /// Creates a layout of these slots.
     pub fn new(
         gpu: &Gpu,
         label: &str,
@@ -129,17 +129,17 @@ impl Slots {
         Self { layout: layout(gpu, label, visibility, types.iter().copied()), types }
     }
 
-    /// A layout of what packs have bound.
+    /// Creates a layout for the bindings of packs.
     pub fn of(gpu: &Gpu, label: &str, visibility: ShaderStages, bindings: &[Binding<'_>]) -> Self {
         let types = bindings.iter().map(|binding| (binding.slot, type_of(&binding.resource)));
         Self::new(gpu, label, visibility, types)
     }
 
-    /// Uploads what packs have bound, and makes a bind group of it and of these textures, which are there already. Slots for which
-    /// there is nothing have zeros.
+    /// Uploads the bindings of a pack and makes a bind group of them and of these existing textures. Slots without a
+    /// resource have zeros.
     ///
     /// # Errors
-    /// As `texture`; what the driver reports.
+    /// Returns the errors of `texture`; any error that the driver reports.
     pub fn bind(
         &self,
         gpu: &Gpu,
@@ -180,7 +180,7 @@ fn upload(gpu: &Gpu, resource: &Resource<'_>, frame: FrameBlock) -> Result<Uploa
     })
 }
 
-/// Linear, also between mipmap levels.
+/// A linear sampler, also between mipmap levels.
 fn sampler(gpu: &Gpu, repeats: bool) -> Sampler {
     let address = if repeats { AddressMode::Repeat } else { AddressMode::ClampToEdge };
     gpu.device.create_sampler(&SamplerDescriptor {
@@ -197,7 +197,7 @@ fn sampler(gpu: &Gpu, repeats: bool) -> Sampler {
 /// Uploads a texture: texels level by level from the finest, layer by layer.
 ///
 /// # Errors
-/// [`GpuError::TooLarge`] for more than the adapter takes, and for other bytes than the extent says.
+/// Returns [`GpuError::TooLarge`] for more than the adapter takes, or if the number of bytes does not match the extent.
 pub(super) fn texture(
     gpu: &Gpu,
     format: TexelFormat,
@@ -231,7 +231,7 @@ impl Gpu {
         self.device.create_buffer_init(&BufferInitDescriptor { label: None, contents, usage })
     }
 
-    /// A texture with mipmap levels: all layers of the finest first.
+    /// Creates a texture with mipmap levels: all layers of the finest first.
     pub(super) fn texture(&self, format: TextureFormat, extent: Extent, levels: u32, bytes: &[u8]) -> TextureView {
         let (dimension, view_dimension, [width, height, depth_or_array_layers]) = match extent {
             Extent::D2([width, height]) => (TextureDimension::D2, TextureViewDimension::D2, [width, height, 1]),
@@ -254,7 +254,7 @@ impl Gpu {
     }
 }
 
-/// How wgpu calls a texel format.
+/// The wgpu format of a texel format.
 pub fn texture_format(format: TexelFormat) -> TextureFormat {
     match format {
         TexelFormat::R8Unorm => TextureFormat::R8Unorm,

@@ -1,4 +1,4 @@
-//! Finding an adapter, opening a device, and turning whatever wgpu reports into errors.
+//! Selection of an adapter, opening of a device, and conversion of wgpu's failures to errors.
 
 use schemars::JsonSchema;
 use serde::Serialize;
@@ -8,38 +8,38 @@ use wgpu::{
     PollType, PowerPreference, RequestAdapterOptions,
 };
 
-/// Graphics that cannot be used, or failed on the way.
+/// Errors of the graphics adapter or its driver.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
 pub enum GpuError {
-    /// No adapter, or none that was asked for.
+    /// There is no adapter, or none with the requested name.
     #[error("no usable graphics adapter: {0}")]
     NoAdapter(String),
     /// The driver failed.
     #[error("graphics: {0}")]
     Failed(String),
-    /// What is asked for does not fit the adapter.
+    /// The request exceeds the adapter's limits.
     #[error("{0}")]
     TooLarge(String),
 }
 
-/// Which adapter to use.
+/// Choice of an adapter.
 #[derive(Debug, Clone, Default, PartialEq, Eq)]
 pub enum AdapterChoice {
-    /// The fastest there is.
+    /// The fastest adapter.
     #[default]
     Best,
-    /// The first whose name or driver contains this text, whatever its case.
+    /// The first adapter whose name or driver contains this text, ignoring case.
     Named(String),
 }
 
-/// What drew.
+/// Adapter that drew an image.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, JsonSchema)]
 pub struct AdapterDescription {
     /// The adapter's name.
     pub name: String,
     /// The driver and its version.
     pub driver: String,
-    /// Whether it is a program on the CPU.
+    /// True if the adapter is a program on the CPU.
     pub software: bool,
 }
 
@@ -57,10 +57,10 @@ pub struct Gpu {
 }
 
 impl Gpu {
-    /// Opens an adapter; no display is needed.
+    /// Opens an adapter. Needs no display.
     ///
     /// # Errors
-    /// [`GpuError::NoAdapter`] where there is none, or where it lacks textures of 16-bit components.
+    /// Returns [`GpuError::NoAdapter`] if there is none, or if it lacks textures of 16-bit components.
     pub fn open(choice: &AdapterChoice) -> Result<Self, GpuError> {
         let mut descriptor = InstanceDescriptor::new_without_display_handle();
         descriptor.backends = Backends::VULKAN;
@@ -79,13 +79,13 @@ impl Gpu {
             AdapterChoice::Named(text) => {
                 let all = pollster::block_on(instance.enumerate_adapters(Backends::VULKAN));
                 let names: Vec<String> = all.iter().map(|adapter| adapter.get_info().name).collect();
-                let wanted = text.to_lowercase();
+                let requested = text.to_lowercase();
                 let fits = |info: wgpu::AdapterInfo| {
-                    info.name.to_lowercase().contains(&wanted) || info.driver.to_lowercase().contains(&wanted)
+                    info.name.to_lowercase().contains(&requested) || info.driver.to_lowercase().contains(&requested)
                 };
                 all.into_iter().find(|adapter| fits(adapter.get_info())).ok_or_else(|| {
-                    let there = if names.is_empty() { "none".to_owned() } else { names.join(", ") };
-                    GpuError::NoAdapter(format!("none is called {text}; found {there}"))
+                    let available = if names.is_empty() { "none".to_owned() } else { names.join(", ") };
+                    GpuError::NoAdapter(format!("found {available}, expected a name or driver with {text}"))
                 })?
             }
         };
@@ -122,12 +122,12 @@ impl Gpu {
         Ok(Self { device, queue, description, error })
     }
 
-    /// What it is.
+    /// Description of the adapter.
     pub fn description(&self) -> &AdapterDescription {
         &self.description
     }
 
-    /// The first error since the last call, if any.
+    /// Returns the first error since the last call.
     #[doc(hidden)]
     pub fn check(&self) -> Result<(), GpuError> {
         match self.error.lock().map(|mut slot| slot.take()) {
@@ -144,7 +144,7 @@ impl Gpu {
         self.check()
     }
 
-    /// A buffer that [`Self::read`] takes.
+    /// Creates a buffer for [`Self::read`].
     #[doc(hidden)]
     pub fn read_buffer(&self, bytes: u64) -> wgpu::Buffer {
         self.device.create_buffer(&wgpu::BufferDescriptor {
@@ -155,7 +155,7 @@ impl Gpu {
         })
     }
 
-    /// Waits for the queue and hands a buffer's bytes to `take`.
+    /// Waits for the queue and passes the bytes of a buffer to `take`.
     #[doc(hidden)]
     pub fn read<T>(&self, buffer: &wgpu::Buffer, take: impl FnOnce(&[u8]) -> T) -> Result<T, GpuError> {
         let (sender, receiver) = std::sync::mpsc::channel();
@@ -168,7 +168,7 @@ impl Gpu {
         Ok(value)
     }
 
-    /// Waits for the queue and takes `count` values of a buffer, from the one of this index on.
+    /// Waits for the queue and returns `count` values of a buffer, starting at this index.
     pub(super) fn read_values<T: bytemuck::Pod>(
         &self,
         source: &wgpu::Buffer,

@@ -1,4 +1,4 @@
-//! Draws scenes whose parts have packs of either codec.
+//! Drawing of scenes whose parts have packs of any BRDF codec.
 
 use super::bindings::Slots;
 use super::device::{Gpu, GpuError};
@@ -13,36 +13,36 @@ use brdfc_metrics::image::LinearImage;
 use brdfc_render::scene::{Camera, Frame, Scene};
 use wgpu::ShaderStages;
 
-/// The whole shader: decoders, surfaces, environment, scene.
+/// The complete shader: decoders, surfaces, environment, scene.
 pub fn scene_source() -> String {
     let scene = include_str!("scene.wgsl");
     [&pack::brdf_source(), &view_wgsl(), PERIODIC_WGSL, SURFACE_WGSL, ENVIRONMENT_WGSL, scene].join("\n")
 }
 
-/// Who filters slices over the outer direction.
+/// Unit that filters slices over the outer direction.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum SliceFilter {
-    /// The texture unit, as engines do: weights of few bits.
+    /// The texture unit, as in engines: weights have few bits.
     Hardware,
-    /// The shader, with exact weights: the same bits as the CPU decoder where arithmetic is correctly rounded.
+    /// The shader, with exact weights: bit-identical to the CPU decoder where arithmetic is correctly rounded.
     Exact,
 }
 
-/// How packs are decoded in an image.
+/// Decoding of packs in an image.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Decoding {
-    /// Over inner and outer cells.
+    /// Filter over inner and outer cells.
     pub filter: Filter,
-    /// Who filters slices.
+    /// Unit that filters slices.
     pub slices: SliceFilter,
-    /// A fixed level of detail, or the one that follows from the distance.
+    /// A fixed level of detail; `None` to follow the distance.
     pub level: Option<f32>,
     /// `α` of the level of detail, per unit of distance. Positive.
     pub distance_scale: f64,
 }
 
 impl Decoding {
-    /// What decoders are told of it.
+    /// Uniform block for the decoders.
     pub(super) fn frame_block(&self) -> FrameBlock {
         FrameBlock {
             distance_scale: self.distance_scale as f32,
@@ -51,7 +51,7 @@ impl Decoding {
         }
     }
 
-    /// The words `level` and `hardware` as shaders take them.
+    /// The shader's words `level` and `hardware`.
     pub(super) fn words(&self) -> [u32; 2] {
         let level = self.level.map_or(-1.0, |level| level.max(0.0)).to_bits();
         [level, u32::from(self.slices == SliceFilter::Hardware)]
@@ -69,7 +69,7 @@ impl<'g> Renderer<'g> {
     /// Compiles the shaders.
     ///
     /// # Errors
-    /// What the driver reports.
+    /// Returns an error that the driver reports.
     pub fn new(gpu: &'g Gpu) -> Result<Self, GpuError> {
         let slots = pack::slots(gpu, ShaderStages::FRAGMENT);
         let surface_layout = surface::layout(gpu);
@@ -80,10 +80,10 @@ impl<'g> Renderer<'g> {
     /// Uploads a scene with one pack for each of its parts.
     ///
     /// # Panics
-    /// If there are not as many packs as parts.
+    /// If the number of packs differs from the number of parts.
     ///
     /// # Errors
-    /// What the driver reports.
+    /// Returns an error that the driver reports.
     pub fn load(&self, scene: &Scene, packs: &[&BrdfPack], decoding: Decoding) -> Result<LoadedScene, GpuError> {
         assert_eq!(packs.len(), scene.parts.len(), "one pack for each part");
         let gpu = self.rasteriser.gpu;
@@ -96,18 +96,19 @@ impl<'g> Renderer<'g> {
         load(gpu, &self.rasteriser.view_layout, scene, groups, decoding.words())
     }
 
-    /// Colour and depth of `width` x `height` pixels.
+    /// Allocates colour and depth of `width` x `height` pixels.
     ///
     /// # Errors
-    /// More than the adapter's limit per side.
+    /// Returns an error for more pixels per side than the adapter's limit.
     pub fn target(&self, width: usize, height: usize) -> Result<Target, GpuError> {
         self.rasteriser.target(width, height)
     }
 
-    /// Draws one sample per pixel, `sample` = `[column, row]` of the `samples` x `samples` in each, and waits for it.
+    /// Draws one sample per pixel, `sample` = `[column, row]` of the `samples` x `samples` in each, and waits until it
+    /// is done.
     ///
     /// # Errors
-    /// What the driver reports.
+    /// Returns an error that the driver reports.
     pub fn draw_sample(
         &self,
         scene: &LoadedScene,
@@ -122,7 +123,7 @@ impl<'g> Renderer<'g> {
     /// Draws a whole image: the mean of `samples²` samples per pixel, summed in a fixed order.
     ///
     /// # Errors
-    /// Images beyond the adapter's limits; what the driver reports.
+    /// Returns an error for images beyond the adapter's limits; any error that the driver reports.
     pub fn draw(&self, scene: &LoadedScene, camera: &Camera, frame: Frame) -> Result<LinearImage, GpuError> {
         self.rasteriser.draw(scene, camera, frame)
     }

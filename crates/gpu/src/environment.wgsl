@@ -1,7 +1,7 @@
-// Looks up an environment, a texture `environment` that the shader declares. Appended to
+// Look-up in an environment, a texture `environment` that the shader declares. Appended to
 // `formats/src/wavelet/decode.wgsl` and `periodic.wgsl`; the CPU twin is `crates/render/src/environment.rs`.
 
-// Latitude-longitude image: row 0 is up, columns go round by azimuth and wrap.
+// Latitude-longitude image: row 0 is up, columns follow the azimuth and wrap.
 fn environment_at(direction: vec3<f32>) -> vec3<f32> {
     let size = textureDimensions(environment);
     let half_turn = wavelet_brdf_atan2(abs(direction.z), direction.x);

@@ -1,4 +1,4 @@
-//! Draws scenes whose parts are all of one flat BTF.
+//! Drawing of scenes whose parts all use one flat BTF.
 
 use super::device::{Gpu, GpuError};
 use super::flat_textures;
@@ -10,18 +10,19 @@ use brdfc_render::flat::{FlatForm, FlatMaterial};
 use brdfc_render::scene::{Frame, Scene};
 use wgpu::ShaderStages;
 
-/// The whole shader: decoders, scene.
+/// The complete shader: decoders, scene.
 pub fn flat_scene_source() -> String {
     [&flat_btf_value_wgsl(), &view_wgsl(), include_str!("flat_scene.wgsl")].join("\n")
 }
 
-/// Draws a scene whose parts are all of one flat BTF, by the shader with exact filters.
+/// Draws a scene whose parts all use one flat BTF, by the shader with exact filters.
 ///
 /// # Errors
-/// [`GpuError::TooLarge`] where the adapter cannot hold the material or the image; what the driver reports.
+/// Returns [`GpuError::TooLarge`] if the adapter cannot hold the material or the image; any error that the driver
+/// reports.
 ///
 /// # Panics
-/// For the full form of a material without values of views: see [`FlatMaterial::has_views`].
+/// For the full form of a material without the values of its views: see [`FlatMaterial::has_views`].
 pub fn draw_flat_btf(
     gpu: &Gpu,
     scene: &Scene,
@@ -32,14 +33,14 @@ pub fn draw_flat_btf(
     draw_flat_btf_by(gpu, flat_scene_source(), scene, frame, material, form)
 }
 
-/// [`draw_flat_btf`] by another shader than [`flat_scene_source`], such as a broken one. Values of views go along only for the
-/// full form.
+/// Draws like [`draw_flat_btf`] with another shader than [`flat_scene_source`], such as a deliberately broken one.
+/// Uploads values of views only for the full form.
 ///
 /// # Errors
-/// As there; a source that does not validate, with the compiler's message.
+/// Returns the errors of [`draw_flat_btf`]; an error if the source does not validate.
 ///
 /// # Panics
-/// As there.
+/// As [`draw_flat_btf`].
 pub fn draw_flat_btf_by(
     gpu: &Gpu,
     source: String,

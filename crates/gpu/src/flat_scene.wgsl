@@ -19,7 +19,7 @@ fn shade(in: Varying, @builtin(front_facing) front: bool) -> @location(0) vec4<f
     let v = normalize(view.eye.xyz - in.position);
     let n = normalize(in.normal);
     let frame = turned_frame(select(-n, n, front), in.tangent, v);
-    // From behind, v is negated, so that it goes along the bitangent there, too.
+    // On back faces v is negated, so that it runs along the bitangent there, too.
     let uv = select(vec2<f32>(in.uv.x, -in.uv.y), in.uv, front) * f32(material.repeat);
     let wo = vec3<f32>(dot(v, frame[0]), dot(v, frame[1]), dot(v, frame[2]));
     var radiance = vec3<f32>(0.0);

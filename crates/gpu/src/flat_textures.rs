@@ -12,7 +12,7 @@ use wgpu::{
     TextureDescriptor, TextureDimension, TextureUsages, TextureView, TextureViewDescriptor, TextureViewDimension,
 };
 
-/// What textures hold, for messages; most layers of shadows are lights.
+/// Names of the textures in messages. The texture with the most layers is that of shadows, with one layer per light.
 const PARTS: [(&str, &str); 5] = [
     ("flat_btf_reference", "reference plane"),
     ("flat_btf_packed_indirection", "indirection"),
@@ -21,10 +21,10 @@ const PARTS: [(&str, &str); 5] = [
     ("factored_basis", "basis"),
 ];
 const SHADOW: &str = "factored_shadow";
-/// What to do about views that are too large.
+/// Advice for views that are too large.
 const ADVICE: &str = "draw the light form, or make the flat BTF with fewer texels";
 
-/// The layout of group 1.
+/// Layout of group 1.
 pub fn slots(gpu: &Gpu, stages: ShaderStages) -> Slots {
     let own = [UNIFORM, UNFILTERED, IMAGE, SAMPLER, IMAGE, IMAGE, LAYERS, IMAGE];
     let factored = [UNIFORM, LAYERS, LAYERS, INTEGERS, SAMPLER];
@@ -32,11 +32,11 @@ pub fn slots(gpu: &Gpu, stages: ShaderStages) -> Slots {
     Slots::new(gpu, "flat BTF", stages, [(FRAME_SLOT, UNIFORM)].into_iter().chain(types))
 }
 
-/// Uploads a flat BTF; without `values`, or where there are none, textures of the full form are one empty texel, and so is that
-/// of `directions`, which only `flat_btf_value` reads.
+/// Uploads a flat BTF. Without `values`, textures of the full form are one empty texel. So is the texture of
+/// `directions`, which only `flat_btf_value` reads.
 ///
 /// # Errors
-/// [`GpuError::TooLarge`] for more than the adapter takes; what the driver reports.
+/// Returns [`GpuError::TooLarge`] for more than the adapter takes; any error that the driver reports.
 pub fn upload(
     gpu: &Gpu,
     slots: &Slots,
@@ -52,7 +52,7 @@ pub fn upload(
     slots.bind(gpu, &bindings.all, frame, &[(VALUES_SLOT, &views)])
 }
 
-/// Whether an adapter takes the textures.
+/// Returns an error unless an adapter takes the textures.
 fn fits(bindings: &Bindings<'_>, limits: &Limits) -> Result<(), GpuError> {
     for (name, texels) in bindings.textures() {
         let ([width, height, layers], most) = (texels.extent.size(), limits.max_texture_dimension_2d);
@@ -72,7 +72,7 @@ fn fits(bindings: &Bindings<'_>, limits: &Limits) -> Result<(), GpuError> {
     Ok(())
 }
 
-/// All views and lights in one 2D array.
+/// Uploads all views and lights as one 2D array.
 fn atlas(gpu: &Gpu, decoder: &FlatBtfDecoder, views: &[FlatView]) -> Result<TextureView, GpuError> {
     let (atlas, count) = (decoder.atlas(), views.len() as u32);
     let [width, height] = atlas_extent(atlas, count, &gpu.device.limits())?;
@@ -91,7 +91,7 @@ fn atlas(gpu: &Gpu, decoder: &FlatBtfDecoder, views: &[FlatView]) -> Result<Text
         let megabytes = (u64::from(width) * u64::from(height) * u64::from(count) * 4) >> 20;
         GpuError::TooLarge(format!("the views take {megabytes} MiB of graphics memory ({error}): {ADVICE}"))
     })?;
-    // One layer at a time: no second copy of everything in memory.
+    // One layer at a time, to avoid a second copy of everything in memory.
     for (layer, view) in (0..count).zip(views) {
         let origin = Origin3d { x: 0, y: 0, z: layer };
         let target = TexelCopyTextureInfo { texture: &texture, mip_level: 0, origin, aspect: TextureAspect::All };
@@ -104,7 +104,7 @@ fn atlas(gpu: &Gpu, decoder: &FlatBtfDecoder, views: &[FlatView]) -> Result<Text
     Ok(texture.create_view(&TextureViewDescriptor { dimension, ..TextureViewDescriptor::default() }))
 }
 
-/// Width and height of the array of `views` layers, or why an adapter does not take it.
+/// Width and height of the array of `views` layers. Returns an error if the adapter does not take it.
 fn atlas_extent(atlas: Atlas, views: u32, limits: &Limits) -> Result<[u32; 2], GpuError> {
     let [width, height] = if views == 0 { [1, 1] } else { atlas.extent() };
     let (most, most_layers) = (limits.max_texture_dimension_2d, limits.max_texture_array_layers);
@@ -139,7 +139,7 @@ mod tests {
              light form, or make the flat BTF with fewer texels"
         );
         assert!(extent(257, 81, 81).is_err() && extent(256, 81, 82).is_err());
-        // Nothing is uploaded without views.
+        // Without views, the array is one empty texel.
         assert_eq!(extent(4096, 81, 0), Ok([1, 1]));
     }
 }

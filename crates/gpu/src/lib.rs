@@ -1,4 +1,4 @@
-//! Everything that touches wgpu.
+//! GPU renderer and device access, built on wgpu.
 
 mod adaptive;
 pub mod bindings;

@@ -1,4 +1,4 @@
-//! Scenes on the device: buffers and bind groups of what `view.wgsl` declares.
+//! Scenes on the device: the buffers and bind groups that `view.wgsl` declares.
 
 use super::bindings;
 use super::device::{Gpu, GpuError};
@@ -29,11 +29,11 @@ pub(super) struct LoadedPart {
     pub(super) groups: Vec<BindGroup>,
 }
 
-/// Uploads a scene, with bind group 0 of this layout; `groups` are the bind groups from 1 on of each part, `settings` the words `level` and
-/// `hardware` of the shader's `View`.
+/// Uploads a scene, with bind group 0 of this layout. `groups` are the bind groups from 1 on of each part, `settings`
+/// the words `level` and `hardware` of the shader's `View`.
 ///
 /// # Errors
-/// What the driver reports.
+/// Returns an error that the driver reports.
 pub(super) fn load(
     gpu: &Gpu,
     view_layout: &BindGroupLayout,
@@ -100,7 +100,7 @@ pub(super) fn view_words(
     for (target, row) in words.chunks_exact_mut(4).zip(rows) {
         (0..3).for_each(|k| target[k] = (row[k] as f32).to_bits());
     }
-    // Pixels are sampled at their centres: the image moves by what the wanted point is off.
+    // Pixels are sampled at their centres: the image moves by the offset of the sample from the centre.
     let off = |index: usize| 0.5 - (index as f64 + 0.5) / samples as f64;
     words[16] = ((2.0 * off(sample[0]) / width) as f32).to_bits();
     words[17] = ((-2.0 * off(sample[1]) / height) as f32).to_bits();

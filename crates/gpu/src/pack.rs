@@ -1,5 +1,5 @@
-//! Packs of BRDFs on the device: one bind group for all codecs, so that one shader draws them all. Zeros are bound for what the
-//! codec of a pack does not use.
+//! Packs of BRDFs on the device: one bind group for all codecs, so that one shader draws them all. Slots that a pack's
+//! codec does not use are bound to zeros.
 
 use super::bindings::{IMAGE, INTEGERS, LAYERS, SAMPLER, Slots, UNFILTERED, UNIFORM, VOLUME};
 use super::device::Gpu;
@@ -24,7 +24,7 @@ pub(super) fn brdf_source() -> String {
         let mut text = String::new();
         let mut all = codecs().peekable();
         while let Some((_, shader)) = all.next() {
-            // The last needs no condition: one of them is bound.
+            // The last codec needs no condition, since one of them is bound.
             text += &match all.peek() {
                 Some(_) => format!("if {} {{\n{}}}\n", shader.is_bound, of(shader)),
                 None => of(shader),
@@ -43,7 +43,7 @@ pub(super) fn brdf_source() -> String {
         )
 }
 
-/// Slots of group 1 that the decoders of all codecs have.
+/// Slots of group 1 that the decoders of all codecs use.
 pub(super) fn slot_types() -> BTreeMap<u32, BindingType> {
     let bindings = codecs().flat_map(|(kind, _)| &Generated::of(kind).interface.bindings);
     bindings.map(|binding| (binding.binding, type_of(&binding.kind))).collect()
@@ -65,7 +65,7 @@ fn type_of(kind: &BindingKind) -> BindingType {
     }
 }
 
-/// The layout of group 1.
+/// Layout of group 1.
 pub fn slots(gpu: &Gpu, stages: ShaderStages) -> Slots {
     Slots::new(gpu, "pack", stages, slot_types())
 }

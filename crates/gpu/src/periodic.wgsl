@@ -1,4 +1,4 @@
-// Indices of what repeats.
+// Periodic indices.
 
 fn wrapped(index: i32, size: i32) -> i32 {
     let rest = index % size;

@@ -1,4 +1,4 @@
-//! Draws scenes whose parts are all of one polynomial wavelet tree.
+//! Drawing of scenes whose parts all use one polynomial wavelet tree.
 
 use super::device::{Gpu, GpuError};
 use super::pwt_textures;
@@ -10,15 +10,15 @@ use brdfc_render::pwt::PwtMaterial;
 use brdfc_render::scene::{Frame, Scene};
 use wgpu::ShaderStages;
 
-/// The whole shader: decoder and scene.
+/// The complete shader: decoder and scene.
 pub fn pwt_scene_source() -> String {
     [PWT_WGSL, &view_wgsl(), include_str!("pwt_scene.wgsl")].join("\n")
 }
 
-/// Draws a scene whose parts are all of one pack. Mipmap levels follow from how uv changes between pixels.
+/// Draws a scene whose parts all use one pack. Mipmap levels follow from the change of uv between pixels.
 ///
 /// # Errors
-/// [`GpuError::TooLarge`] where the adapter cannot hold the pack or the image; what the driver reports.
+/// Returns [`GpuError::TooLarge`] if the adapter cannot hold the pack or the image; any error that the driver reports.
 pub fn draw_pwt(
     gpu: &Gpu,
     scene: &Scene,
@@ -29,10 +29,10 @@ pub fn draw_pwt(
     draw_pwt_by(gpu, pwt_scene_source(), scene, frame, material, sampling)
 }
 
-/// [`draw_pwt`] by another shader than [`pwt_scene_source`], such as a broken one.
+/// Draws like [`draw_pwt`] with another shader than [`pwt_scene_source`], such as a deliberately broken one.
 ///
 /// # Errors
-/// As there; a source that does not validate, with the compiler's message.
+/// Returns the errors of [`draw_pwt`]; an error if the source does not validate.
 pub fn draw_pwt_by(
     gpu: &Gpu,
     source: String,

@@ -2,7 +2,7 @@
 // the CPU twin is `crates/render/src/pwt` with `shading_point.rs`.
 
 struct PwtMaterial {
-    repeat: u32, // renderings per unit of uv
+    repeat: u32, // images per unit of uv
     reserved_0: u32,
     reserved_1: u32,
     reserved_2: u32,
@@ -14,7 +14,7 @@ const PI: f32 = 3.14159274;
 
 @fragment
 fn shade(in: Varying, @builtin(front_facing) front: bool) -> @location(0) vec4<f32> {
-    // v goes down in the rendering, and along the bitangent on the surface.
+    // v runs down in the image, and along the bitangent on the surface.
     let down = select(in.uv.y, 1.0 - in.uv.y, front);
     let uv = vec2<f32>(in.uv.x, down) * f32(material.repeat);
     let level = pwt_mipmap_level(dpdx(uv), dpdy(uv));

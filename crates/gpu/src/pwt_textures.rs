@@ -1,4 +1,4 @@
-//! Polynomial wavelet trees on the device: what `formats/src/pwt/pwt.wgsl` has bound.
+//! Polynomial wavelet trees on the device: the bindings of `formats/src/pwt/pwt.wgsl`.
 
 use super::bindings::{LAYERS, SAMPLER, Slots, UNIFORM};
 use super::device::{Gpu, GpuError};
@@ -6,22 +6,22 @@ use brdfc_formats::bindings::{FRAME_SLOT, FrameBlock};
 use brdfc_formats::pwt::{MAX_TEXTURES, PwtPack};
 use wgpu::{BindGroup, ShaderStages};
 
-/// The layout of group 1: the sampler is behind the last texture.
+/// Layout of group 1. The sampler follows the last texture.
 pub fn slots(gpu: &Gpu, stages: ShaderStages) -> Slots {
     let types = [UNIFORM].into_iter().chain([LAYERS; MAX_TEXTURES]).chain([SAMPLER]);
     let types = [(FRAME_SLOT, UNIFORM)].into_iter().chain((9..).zip(types));
     Slots::new(gpu, "polynomial wavelet tree", stages, types)
 }
 
-/// Uploads a pack with all of its mipmap levels; textures that it has not are one empty texel.
+/// Uploads a pack with all of its mipmap levels. Missing textures are one empty texel.
 ///
 /// # Errors
-/// [`GpuError::TooLarge`] for more than the adapter takes; what the driver reports.
+/// Returns [`GpuError::TooLarge`] for more than the adapter takes; any error that the driver reports.
 pub fn upload(gpu: &Gpu, slots: &Slots, pack: &PwtPack, frame: FrameBlock) -> Result<BindGroup, GpuError> {
     let (extent, most) = (pack.header().extent, gpu.device.limits().max_texture_dimension_2d);
     let side = extent[0].max(extent[1]);
     if side > most {
-        return Err(GpuError::TooLarge(format!("a rendering of {side} texels on a side; this adapter takes {most}")));
+        return Err(GpuError::TooLarge(format!("an image of {side} texels on a side; this adapter takes {most}")));
     }
     slots.bind(gpu, &pack.bindings().all, frame, &[])
 }

@@ -1,4 +1,4 @@
-//! The rasteriser: scenes into linear images of 32-bit floats, whatever their materials.
+//! The rasteriser, which draws scenes with any materials into linear images of 32-bit floats.
 
 use super::bindings::{self, UNIFORM, buffer_type};
 use super::device::{Gpu, GpuError};
@@ -16,7 +16,7 @@ use wgpu::{
     TextureDimension, TextureFormat, TextureUsages, VertexBufferLayout, VertexState, VertexStepMode, vertex_attr_array,
 };
 
-/// What the shaders of scenes have in common: camera, lights, corners, `project`. Bind group 0.
+/// Declarations that the shaders of scenes share: camera, lights, corners, `project`. Bind group 0.
 pub fn view_wgsl() -> String {
     [SHADING_POINT_WGSL, CORNER_WGSL, include_str!("view.wgsl")].concat()
 }
@@ -25,7 +25,7 @@ const COLOUR: TextureFormat = TextureFormat::Rgba32Float;
 const DEPTH: TextureFormat = TextureFormat::Depth32Float;
 /// Bytes of a pixel of the target.
 const PIXEL: u64 = 16;
-/// Rows are read back in bands of about this size.
+/// Approximate size of the bands in which rows are read back.
 const BAND_BYTES: u64 = 32 << 20;
 
 /// Compiled pipelines, one for each pass over the scene.
@@ -40,7 +40,7 @@ struct Pass {
     colours: usize,
 }
 
-/// Colours and depth of a frame: the colours of all passes, pass by pass.
+/// Colours and depth of a frame. The colours of all passes follow each other.
 pub struct Target {
     colours: Vec<(wgpu::Texture, wgpu::TextureView)>,
     depth_view: wgpu::TextureView,
@@ -52,10 +52,12 @@ impl Target {
     }
 }
 
-/// Draws a scene whose parts all have `textures` as group 1, with its layout, and these words as a uniform block in group 2.
+/// Draws a scene whose parts all have `textures` as group 1, with its layout, and these words as a uniform block in
+/// group 2.
 ///
 /// # Errors
-/// A source that does not validate, with the compiler's message; images beyond the adapter's limits; what the driver reports.
+/// Returns an error if the source does not validate, with the compiler's message; for images beyond the adapter's
+/// limits; any error that the driver reports.
 pub(super) fn draw_with_one_material(
     gpu: &Gpu,
     source: String,
@@ -77,16 +79,16 @@ impl<'g> Rasteriser<'g> {
     /// Compiles a shader with the entry points `project` and `shade`. `layouts` are those of the groups from 1 on.
     ///
     /// # Errors
-    /// What the driver reports.
+    /// Returns an error that the driver reports.
     pub(super) fn new(gpu: &'g Gpu, source: String, layouts: &[&BindGroupLayout]) -> Result<Self, GpuError> {
         Self::with_passes(gpu, source, layouts, &[("shade", 1)])
     }
 
-    /// The same with any passes over the scene: the fragment entry point of each, and how many colours it writes. Every
-    /// pass begins with an empty depth buffer, so that all of them see the same surfaces.
+    /// Compiles a shader with any passes over the scene: the fragment entry point of each, and the number of colours it
+    /// writes. Every pass starts with an empty depth buffer, so that all of them see the same surfaces.
     ///
     /// # Errors
-    /// What the driver reports.
+    /// Returns an error that the driver reports.
     pub(super) fn with_passes(
         gpu: &'g Gpu,
         source: String,
@@ -149,10 +151,10 @@ impl<'g> Rasteriser<'g> {
         Ok(Self { gpu, passes, view_layout })
     }
 
-    /// Colour and depth of `width` x `height` pixels.
+    /// Allocates colour and depth of `width` x `height` pixels.
     ///
     /// # Errors
-    /// More than the adapter's limit per side.
+    /// Returns an error for more pixels per side than the adapter's limit.
     pub(super) fn target(&self, width: usize, height: usize) -> Result<Target, GpuError> {
         let most = self.gpu.device.limits().max_texture_dimension_2d as usize;
         if width > most || height > most {
@@ -184,10 +186,11 @@ impl<'g> Rasteriser<'g> {
         Ok(Target { colours, depth_view })
     }
 
-    /// Draws one sample per pixel, `sample` = `[column, row]` of the `samples` x `samples` in each, and waits for it.
+    /// Draws one sample per pixel, `sample` = `[column, row]` of the `samples` x `samples` in each, and waits until it
+    /// is done.
     ///
     /// # Errors
-    /// What the driver reports.
+    /// Returns an error that the driver reports.
     pub(super) fn draw_sample(
         &self,
         scene: &LoadedScene,
@@ -242,7 +245,7 @@ impl<'g> Rasteriser<'g> {
     /// Draws a whole image: the mean of `samples²` samples per pixel, summed in a fixed order.
     ///
     /// # Errors
-    /// Images beyond the adapter's limits; what the driver reports.
+    /// Images beyond the adapter's limits; any error that the driver reports.
     pub(super) fn draw(&self, scene: &LoadedScene, camera: &Camera, frame: Frame) -> Result<LinearImage, GpuError> {
         let target = self.target(frame.width, frame.height)?;
         let mut sums = vec![[0.0f64; 4]; frame.width * frame.height];

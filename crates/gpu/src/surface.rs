@@ -1,4 +1,5 @@
-//! Surfaces of parts and the environment on the device: what `surface.wgsl` declares, and an environment's texture.
+//! Surfaces of parts and the environment on the device: the bindings of `surface.wgsl`, and the texture of an
+//! environment.
 
 use super::bindings::{self, UNFILTERED, UNIFORM};
 use super::device::{Gpu, GpuError};
@@ -6,19 +7,19 @@ use brdfc_formats::container::{Extent, TexelFormat};
 use brdfc_render::scene::{Environment, Part};
 use wgpu::{BindGroup, BindGroupLayout, BindingResource, BufferUsages, ShaderStages, TextureFormat, TextureView};
 
-/// Indices of what repeats.
+/// Periodic indices.
 pub const PERIODIC_WGSL: &str = include_str!("periodic.wgsl");
 /// Bumps and local frames. Bind group 2.
 pub const SURFACE_WGSL: &str = include_str!("surface.wgsl");
-/// The look-up of environments, without bindings.
+/// Look-up in environments, without bindings.
 pub const ENVIRONMENT_WGSL: &str = include_str!("environment.wgsl");
 
-/// The layout of the group of a part: surface, heights, environment.
+/// Layout of the group of a part: surface, heights, environment.
 pub(super) fn layout(gpu: &Gpu) -> BindGroupLayout {
     bindings::layout(gpu, "surface", ShaderStages::FRAGMENT, [(0, UNIFORM), (1, UNFILTERED), (2, UNFILTERED)])
 }
 
-/// Uploads the surface of the part of this index.
+/// Uploads the surface of the part with this index.
 pub(super) fn upload(
     gpu: &Gpu,
     layout: &BindGroupLayout,
@@ -40,7 +41,7 @@ pub(super) fn upload(
 /// Uploads an environment.
 ///
 /// # Errors
-/// More than the adapter's limit per side.
+/// Returns an error for more texels per side than the adapter's limit.
 pub(super) fn environment(gpu: &Gpu, environment: &Environment) -> Result<TextureView, GpuError> {
     let texels: Vec<[f32; 4]> = environment.pixels.iter().map(|p| [p[0], p[1], p[2], 1.0]).collect();
     let extent = Extent::D2([environment.width as u32, environment.height as u32]);

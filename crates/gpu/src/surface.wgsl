@@ -1,4 +1,4 @@
-// What a surface has besides its BRDF, and its local frame. Appended to `view.wgsl` and `periodic.wgsl`; the CPU
+// Properties of a surface besides its BRDF, and its local frame. Appended to `view.wgsl` and `periodic.wgsl`; the CPU
 // twin is `crates/render/src/shading_point.rs` with `environment.rs`.
 
 struct Surface {

@@ -1,5 +1,5 @@
-//! One scene drawn several ways, so that errors can be told apart: by the shader from packs, and on the CPU from packs,
-//! from whole tables and from sources.
+//! One scene drawn in several ways, to separate sources of error: by the shader from packs, and on the CPU from packs,
+//! from complete table packs and from sources.
 
 use crate::{Decoding, Gpu, GpuError, Renderer};
 use brdfc_core::Source;
@@ -16,38 +16,38 @@ use brdfc_render::within::{outside, share_left_out, without};
 /// One material of a scene's part.
 #[derive(Clone, Copy)]
 pub struct Material<'a> {
-    /// What engines get.
+    /// Pack that engines load.
     pub pack: &'a BrdfPack,
-    /// What it was made from, if that is at hand.
+    /// Source of the pack, if available.
     pub source: Option<&'a dyn Source>,
-    /// All slices at 16 bits: what the grid alone loses.
+    /// All slices at 16 bits, which have only the errors of the grid.
     pub table: Option<&'a BrdfPack>,
 }
 
-/// The same view, drawn in different ways.
+/// One view, drawn in several ways.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Views {
     /// By the shader, from packs.
     pub shader: LinearImage,
     /// Ray cast on the CPU from packs, with exact filters.
     pub pack: LinearImage,
-    /// Ray cast on the CPU from whole tables, where every part has one.
+    /// Ray cast on the CPU from complete tables, if every part has one.
     pub table: Option<LinearImage>,
-    /// Ray cast on the CPU from sources, where every part has one.
+    /// Ray cast on the CPU from sources, if every part has one.
     pub source: Option<LinearImage>,
-    /// Share of the pixels that show a surface which are left out of all views, as they ask packs for directions that they
-    /// were not made for.
+    /// Share of the surface pixels that are left out of all views, because they need directions outside their pack's
+    /// domain.
     pub left_out: f64,
 }
 
 impl Views {
-    /// The best there is to compare with: the sources, or else the packs.
+    /// The best reference: the sources if available, otherwise the packs.
     pub fn reference(&self) -> &LinearImage {
         self.source.as_ref().unwrap_or(&self.pack)
     }
 }
 
-/// A pack on the CPU, decoded as a shader with exact filters does.
+/// A pack on the CPU, decoded like a shader with exact filters.
 pub struct PackReflectance {
     decoder: Box<dyn BrdfDecoder>,
     decoding: Decoding,
@@ -71,13 +71,13 @@ impl Reflectance for PackReflectance {
     }
 }
 
-/// Draws a scene in every way that its materials allow. One material per part. Pixels that ask a pack for directions that
-/// it was not made for are left out.
+/// Draws a scene in every way that its materials allow, with one material per part. Leaves out pixels that need
+/// directions outside their pack's domain.
 ///
-/// All views share the positions of their samples, so that differences are of shading, not of outlines.
+/// All views share the positions of their samples, so that they differ in shading but not in outlines.
 ///
 /// # Errors
-/// What the driver reports.
+/// Returns an error that the driver reports.
 pub fn views(
     gpu: &Gpu,
     scene: &Scene,
@@ -113,6 +113,12 @@ pub fn views(
     let ranges: Vec<DirectionRange> = materials.iter().map(|material| material.pack.directions()).collect();
     let outside = outside(scene, frame, &hits, &ranges);
     let left_out = share_left_out(&hits, frame, &outside);
-    let kept = |image: LinearImage| without(image, &outside);
-    Ok(Views { shader: kept(shader), pack: kept(pack), table: table.map(kept), source: source.map(kept), left_out })
+    let masked = |image: LinearImage| without(image, &outside);
+    Ok(Views {
+        shader: masked(shader),
+        pack: masked(pack),
+        table: table.map(masked),
+        source: source.map(masked),
+        left_out,
+    })
 }

@@ -1,4 +1,4 @@
-//! Writes the images of a BTF stack. Layout: `crates/readers/src/btf_stack.md`.
+//! Writes images of BTF stacks. Layout: `crates/readers/src/btf_stack.md`.
 
 use super::write::write_atomic;
 use brdfc_readers::btf_stack::{ImageAngles, image_name};
@@ -10,17 +10,17 @@ use exr::prelude::{
 use std::io::{Cursor, Error, ErrorKind};
 use std::path::{Path, PathBuf};
 
-/// Kind of the images of a stack.
+/// Image format of a stack.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub enum StackFormat {
-    /// 8-bit sRGB codes; values are clipped to [0, 1].
+    /// 8-bit sRGB levels; values are clipped to [0, 1].
     Png,
-    /// 16-bit floats, linear; values are clipped to those that are finite, and losslessly compressed.
+    /// Linear 16-bit floats, losslessly compressed; values are clipped to the finite range.
     Exr,
 }
 
 impl StackFormat {
-    /// Extension of files, without the point.
+    /// File extension without the dot.
     pub fn extension(self) -> &'static str {
         match self {
             Self::Png => "png",
@@ -29,14 +29,15 @@ impl StackFormat {
     }
 }
 
-/// Writes one image into `folder`, under the name that [`image_name`] gives it, and returns its path. Folders are made
-/// where there are none; the file is whole or not there.
+/// Writes one image into `folder` with a name by [`image_name`], and returns its path. Creates missing folders, and writes the
+/// file atomically.
 ///
 /// `number` is `light index * views + view index`. `pixels` are linear RGB (Rec. 709 primaries), 1 = a white diffuser
 /// that faces the light, row by row from the top (y = 1), left to right. `size` is pixels per row, and rows.
 ///
 /// # Errors
-/// What cannot be written; a number of pixels other than `size` says, or 0; values that are NaN or infinite.
+/// Returns an error if the file cannot be written, the number of pixels is 0 or does not match `size`, or a value is NaN or
+/// infinite.
 pub fn write_image(
     folder: &Path,
     number: usize,
@@ -50,7 +51,7 @@ pub fn write_image(
     Ok(path)
 }
 
-/// Writes an image of any stack, and the folders above it where there are none; it is whole or not there.
+/// Writes an image of any stack atomically, and creates missing folders.
 pub(crate) fn write_pixels(
     path: &Path,
     pixels: &[[f32; 3]],

@@ -1,4 +1,4 @@
-//! Builds: scenes become folders of packs.
+//! Builds folders of packs from scenes.
 
 use crate::encode::{EncodeOptions, options_over};
 use crate::error::Error;
@@ -20,32 +20,33 @@ use std::collections::BTreeMap;
 use std::ffi::OsString;
 use std::path::{Path, PathBuf};
 
-/// A build that was set up: what `brdfc build` does.
+/// Settings of a build, as `brdfc build` runs it.
 ///
-/// What was made before of the same source by the same options is kept. The output folder changes at the end, all at once.
+/// A build reuses packs that were made from the same sources with the same options. It replaces the files in the output folder at
+/// the end, all at once.
 #[derive(Debug, Clone)]
 pub struct Build {
     manifest: Manifest,
     /// The manifest's file, if there is one.
     file: Option<PathBuf>,
-    /// What the scene was read from, for messages.
+    /// Names of the inputs, for messages.
     inputs: String,
-    /// Files of folders that are no kind of material.
+    /// Files in input folders that are not materials.
     left_out: Vec<PathBuf>,
-    /// The folders that were given, and those in which files match a pattern: a new file there may be a material.
+    /// Input folders, and folders of patterns, where a new file may be a material.
     folders: Vec<PathBuf>,
     options: EncodeOptions,
     settings: BuildSettings,
 }
 
 impl Build {
-    /// Where packs go by default.
+    /// Default output folder.
     pub const DEFAULT_FOLDER: &str = "packs";
 
-    /// The packs that a scene needs: `docs/scene.md` describes the manifest. Materials that it does not use are not opened.
+    /// Builds the packs that a scene needs. `docs/manifest.md` describes the manifest. Unused materials are not opened.
     ///
     /// # Errors
-    /// A manifest that cannot be read, or is none; patterns in it that nothing matches.
+    /// Returns an error if the manifest cannot be read or is invalid, or if a pattern in it matches no file.
     pub fn from_manifest(path: impl AsRef<Path>) -> Result<Self, Error> {
         let path = path.as_ref();
         let (_, manifest) = read_manifest(path)?;
@@ -60,10 +61,10 @@ impl Build {
         })
     }
 
-    /// The packs of files, folders, patterns and `synth:` addresses, each named after its file.
+    /// Builds packs of files, folders, patterns and `synth:` addresses. Packs are named after their files.
     ///
     /// # Errors
-    /// Inputs without any material; two materials of one name.
+    /// Returns an error if the inputs have no material, or if two materials have one name.
     pub fn from_materials<I: Into<OsString>>(inputs: impl IntoIterator<Item = I>) -> Result<Self, Error> {
         let inputs: Vec<OsString> = inputs.into_iter().map(Into::into).collect();
         let named = given(&inputs);
@@ -79,10 +80,10 @@ impl Build {
         })
     }
 
-    /// Either: a manifest if that is what is given.
+    /// Builds a manifest if the input is one, otherwise materials.
     ///
     /// # Errors
-    /// As [`Self::from_manifest`] and [`Self::from_materials`]; a manifest among other inputs.
+    /// Returns the errors of [`Self::from_manifest`] and [`Self::from_materials`], and an error for a manifest among other inputs.
     pub fn from_inputs(inputs: &[OsString]) -> Result<Self, Error> {
         match manifest_among(inputs)? {
             Some(path) => Self::from_manifest(path),
@@ -90,62 +91,62 @@ impl Build {
         }
     }
 
-    /// How materials are encoded that do not say so themselves.
+    /// Sets the options of materials that have none of their own.
     #[must_use]
     pub fn options(self, options: EncodeOptions) -> Self {
         Self { options, ..self }
     }
 
-    /// Folder for packs and reports, by default `packs`. A build makes it if it is missing.
+    /// Sets the folder for packs and reports, by default `packs`. A build creates it if missing.
     #[must_use]
     pub fn out(mut self, folder: impl Into<PathBuf>) -> Self {
         self.settings.out = folder.into();
         self
     }
 
-    /// Other output folders, from which what they have is taken.
+    /// Sets other output folders from which packs are reused.
     #[must_use]
     pub fn reuse(mut self, folders: impl IntoIterator<Item = PathBuf>) -> Self {
         self.settings.from = folders.into_iter().collect();
         self
     }
 
-    /// Whether what was made before is used; by default it is.
+    /// Sets whether earlier packs are reused. Default: true.
     #[must_use]
     pub fn cache(mut self, cache: bool) -> Self {
         self.settings.looks_up = cache;
         self
     }
 
-    /// Whether materials of earlier builds stay that this one does not ask for.
+    /// Sets whether to retain materials of earlier builds that this one does not request.
     #[must_use]
     pub fn keep(mut self, keep: bool) -> Self {
         self.settings.keep = keep;
         self
     }
 
-    /// Whether files may be replaced that no build wrote.
+    /// Sets whether to replace files that no build wrote.
     #[must_use]
     pub fn force(mut self, force: bool) -> Self {
         self.settings.force = force;
         self
     }
 
-    /// Whether the first failure ends the build, and leaves the folder as it was.
+    /// Sets whether the first failure ends the build and leaves the folder unchanged.
     #[must_use]
     pub fn fail_fast(mut self, fail_fast: bool) -> Self {
         self.settings.fail_fast = fail_fast;
         self
     }
 
-    /// Whether a failure leaves the folder as it was, after all others were made.
+    /// Sets whether a failure leaves the folder unchanged, after all other materials were made.
     #[must_use]
     pub fn whole(mut self, whole: bool) -> Self {
         self.settings.whole = whole;
         self
     }
 
-    /// Bytes that the materials in work may take together, by default 300 MiB for each thread of the pool.
+    /// Sets the memory limit for concurrent materials, in bytes. Default: 300 MiB for each thread of the pool.
     #[must_use]
     pub fn memory(mut self, bytes: u64) -> Self {
         self.settings.memory = Some(bytes);
@@ -157,15 +158,15 @@ impl Build {
         self.file.as_deref()
     }
 
-    /// Files of folders that are no kind of material.
+    /// Files in input folders that are not materials.
     pub fn left_out(&self) -> &[PathBuf] {
         &self.left_out
     }
 
-    /// What the build will do. Options win over the table `defaults` of the manifest, not over what a material says of itself.
+    /// Plans the build. Options override the table `defaults` of the manifest, but not options of materials.
     ///
     /// # Errors
-    /// Options out of range or that do not go together; nothing to build.
+    /// Returns an error if options are out of range or incompatible, or if there is nothing to build.
     pub fn plan(&self) -> Result<Plan, Error> {
         let mut manifest = self.manifest.clone();
         manifest.defaults.options = options_over(&self.options, &manifest.defaults.options);
@@ -176,7 +177,7 @@ impl Build {
         }
         if plan.is_empty() {
             return Err(Error::check(format!(
-                "nothing to build: found {}, and no use of any, in {}, expected one or more ([[uses]], material = \"...\")",
+                "nothing to build: found {} and no use of any in {}, expected one use or more ([[uses]], material = \"...\")",
                 counted(plan.skipped.len(), "material"),
                 self.inputs,
             )));
@@ -184,26 +185,27 @@ impl Build {
         Ok(plan)
     }
 
-    /// The files that are read, and the folders in which a new file would be one of them, for `cargo::rerun-if-changed` and the
-    /// like.
+    /// The files that the build reads, and the folders where a new file may become an input, for `cargo::rerun-if-changed` and
+    /// similar uses.
     ///
     /// # Errors
-    /// As [`Self::plan`].
+    /// Returns the errors of [`Self::plan`].
     pub fn files(&self) -> Result<Vec<PathBuf>, Error> {
         let plan = self.plan()?;
         let files = self.files_of(&plan).into_iter().map(Path::to_owned);
         Ok(files.chain(self.folders.iter().cloned()).collect())
     }
 
-    /// The files alone, of a plan that is there.
+    /// The files that the build reads, for an existing plan.
     pub fn files_of<'a>(&'a self, plan: &'a Plan) -> Vec<&'a Path> {
         plan.sources().chain(self.manifest()).collect()
     }
 
-    /// Builds, and fails if a material fails, misses its budget or does not pass its gates.
+    /// Runs the build.
     ///
     /// # Errors
-    /// All of that, with the materials' names; a folder that cannot be written to, or holds files that no build wrote.
+    /// Returns an error if a material fails, misses its budget or fails its gates, with the materials' names, and if the folder
+    /// cannot be written to or holds files that no build wrote.
     pub fn run(&self) -> Result<BuildReport, Error> {
         let built = self.run_with(&self.plan()?, &())?;
         let problems = built.outcomes.problems();
@@ -216,17 +218,17 @@ impl Build {
         }
     }
 
-    /// Builds a plan of this build and reports to `progress`. Materials that fail are in the result, not an error.
+    /// Runs a plan of this build and reports to `progress`. The result includes failed materials.
     ///
     /// # Errors
-    /// A folder that cannot be written to, or holds files that no build wrote; cancellation.
+    /// Returns an error if the folder cannot be written to or holds files that no build wrote, or if cancelled.
     pub fn run_with(&self, plan: &Plan, progress: &dyn Progress) -> Result<Built, Error> {
         self.prepare(plan)?;
         build(plan, &self.settings, progress)
     }
 
-    /// Says what the build would do and between which sizes packs would be, and makes nothing; with `explains`, also what is needed
-    /// of each material, and why.
+    /// Reports a planned build with bounds of the sizes of packs, without building. With `explains`, also reports the requirements of
+    /// each material and their reasons.
     pub fn predict(&self, plan: &Plan, explains: bool) -> BuildReport {
         let folder = PackFolder::looked_at(&self.settings.out).filter(|_| self.settings.looks_up);
         let known = |job: &Job| folder.as_ref()?.known(job);
@@ -240,26 +242,26 @@ impl Build {
         report
     }
 
-    /// What is needed of each material of a finished build, and why.
+    /// Requirements of each material of a finished build, and their reasons.
     pub fn explain(&self, plan: &Plan, outcomes: &Outcomes) -> Vec<Explained> {
         let folder = PackFolder::looked_at(&self.settings.out);
         explain(plan, &outcomes.made().collect(), &|job, source| folder.as_ref()?.known_of(job, source))
     }
 
-    /// Makes some parts of [`Plan::works`] and keeps them in the store of the output folder, from which a whole build takes them.
-    /// Of each part: whether it was made now.
+    /// Makes some parts of [`Plan::works`] and stores them in the output folder's store, for reuse by a complete build. The result
+    /// for each part is true if it was made now.
     ///
     /// # Errors
-    /// A folder that cannot be written to.
+    /// Returns an error if the folder cannot be written to.
     pub fn run_works(&self, works: &[Work<'_>], progress: &dyn Progress) -> Result<Vec<Result<bool, Error>>, Error> {
         let made = build_works(works, &self.settings, progress)?;
         Ok(made.into_iter().map(|made| made.map_err(Error::from)).collect())
     }
 
-    /// Makes the output folder, unless what goes there would be written over what is read.
+    /// Creates the output folder.
     ///
     /// # Errors
-    /// Either; a folder that cannot be made.
+    /// Returns an error if an output would overwrite an input, or if the folder cannot be created.
     pub fn prepare(&self, plan: &Plan) -> Result<(), Error> {
         let out = self.settings.out.as_path();
         refuse_overwriting_any("--out", plan.files().map(|file| out.join(file)), &self.files_of(plan))?;

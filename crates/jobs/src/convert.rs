@@ -1,4 +1,4 @@
-//! Any source as a measured file that other programs read, with the error that this brings.
+//! Converts any source to a measured file for other programs, and measures the error of the conversion.
 
 use crate::error::Error;
 use brdfc_core::Source;
@@ -20,18 +20,18 @@ use brdfc_source::{MerlSource, RglSource};
 use std::cell::{Cell, RefCell};
 use std::f64::consts::TAU;
 
-/// The largest polar angle of rows, degrees.
-const STEEPEST_DEGREES: f64 = 85.0;
-/// Incoming azimuths of a list of an anisotropic material.
+/// Largest polar angle of rows, degrees.
+const MAX_POLAR_DEGREES: f64 = 85.0;
+/// Number of incoming azimuths in a list of an anisotropic material.
 const INCOMING_AZIMUTHS: usize = 8;
 
-/// Largest share by which values of what is taken for isotropic change as pairs are turned. Wavelet packs of isotropic materials stay
-/// below it at 16:1, where a roughness that differs by a third between its axes does not.
+/// Largest relative change of an isotropic material's values when pairs are turned. Wavelet packs of isotropic materials at 16:1 stay
+/// below it; materials whose roughness differs by a third between the axes do not.
 const MAX_ANISOTROPY: f64 = 0.08;
-/// Azimuths of which a table has the mean, where a material does not say that it is isotropic.
+/// Number of azimuths over which tables average, if a material does not declare itself isotropic.
 const TURNS: usize = 4;
 
-/// What is written.
+/// Output format.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Target {
     /// A MERL table, for isotropic materials.
@@ -53,27 +53,27 @@ pub struct PairGrid {
     pub azimuths: usize,
 }
 
-/// What was written.
+/// A converted file.
 #[derive(Debug, Clone)]
 pub struct Converted {
     /// The file.
     pub bytes: Vec<u8>,
-    /// Values in it.
+    /// Number of values in it.
     pub values: usize,
-    /// The file as this program reads it, against the source.
+    /// Comparison of the file, as this program reads it, with the source.
     pub comparison: Comparison,
 }
 
-/// Why a source does not go into a file.
+/// Errors of conversions.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
 pub enum ConvertError {
-    /// A MERL table of what varies as it is turned about its normal.
+    /// A MERL table of an anisotropic material.
     #[error(
-        "material: found values that change as it is turned about its normal, expected an isotropic one, or a .csv or .bsdf file: MERL \
-         tables have no azimuth"
+        "material: found an anisotropic material, expected an isotropic one: MERL tables have no azimuth; write a .csv or .bsdf \
+         file instead"
     )]
     Anisotropic,
-    /// What was written cannot be read: a table or a list too small.
+    /// The file is invalid: a table or a list is too small.
     #[error(transparent)]
     Format(#[from] FormatError),
 }
@@ -96,15 +96,15 @@ impl From<MerlError> for ConvertError {
     }
 }
 
-/// Resamples a source, and measures what was written against it, at the pairs at which packs are measured.
+/// Resamples a source, and compares the file with it at the direction pairs of packs.
 ///
 /// # Errors
-/// An anisotropic source for a MERL table.
+/// Returns an error if an anisotropic source is converted to a MERL table, or if the size is too small.
 pub fn convert(source: &dyn Source, target: Target) -> Result<Converted, ConvertError> {
     let set = PairSet::within(source.directions());
     match target {
         Target::Merl(dimensions) => {
-            // Wavelet packs do not say so.
+            // Wavelet packs do not declare isotropy, so it is measured.
             if !source.symmetry().isotropic && anisotropy(source) > MAX_ANISOTROPY {
                 return Err(ConvertError::Anisotropic);
             }
@@ -130,14 +130,14 @@ pub fn convert(source: &dyn Source, target: Target) -> Result<Converted, Convert
     }
 }
 
-/// The bytes of a MERL table and how many cells have a value.
+/// Bytes of a MERL table, and the number of cells with a value.
 fn merl_table(source: &dyn Source, dimensions: Dimensions) -> (Vec<u8>, usize) {
     let write = |value: &dyn Fn([f64; 3]) -> Option<[f64; 3]>| {
         let mut bytes = Vec::new();
         merl::write(&mut bytes, dimensions, value).expect("memory can be written to");
         bytes
     };
-    // Once for the directions, which are then evaluated all together, and once for their values.
+    // The first pass collects the directions to evaluate them together; the second writes the values.
     let asked = RefCell::new(Vec::new());
     let above = |angles| Some(pair_of_angles(angles)).filter(|pair| pair.is_above_horizon());
     write(&|angles| {
@@ -154,7 +154,7 @@ fn merl_table(source: &dyn Source, dimensions: Dimensions) -> (Vec<u8>, usize) {
     (bytes, values.len())
 }
 
-/// Values at pairs; where the source is not known to be isotropic, means over azimuths.
+/// Values at pairs, as means over azimuths if the source is not known to be isotropic.
 fn means_over_azimuths(source: &dyn Source, pairs: &[DirectionPair]) -> Vec<[f64; 3]> {
     let turns = if source.symmetry().isotropic { 1 } else { TURNS };
     let mut sums = vec![[0.0; 3]; pairs.len()];
@@ -169,8 +169,7 @@ fn means_over_azimuths(source: &dyn Source, pairs: &[DirectionPair]) -> Vec<[f64
     sums
 }
 
-/// How far values change as pairs are turned about the normal: differences over the larger values, by the light that both directions
-/// see.
+/// Relative change of values when pairs are turned about the normal, weighted by both cosines.
 fn anisotropy(source: &dyn Source) -> f64 {
     let at = |k: u32, step: f64| (f64::from(k) * step).fract();
     let pair = |k: u32| {
@@ -198,14 +197,14 @@ fn anisotropy(source: &dyn Source) -> f64 {
     if all > 0.0 { apart / all } else { 0.0 }
 }
 
-/// Both directions, turned about the normal.
+/// Turns both directions about the normal.
 fn turned(pair: DirectionPair, angle: f64) -> DirectionPair {
     let (sine, cosine) = angle.sin_cos();
     let turn = |[x, y, z]: [f64; 3]| [cosine * x - sine * y, sine * x + cosine * y, z];
     if angle == 0.0 { pair } else { DirectionPair::new(turn(pair.incoming), turn(pair.outgoing)) }
 }
 
-/// The bytes of an RGL material and how many values it has.
+/// Bytes of an RGL material, and the number of values in it.
 fn rgl(source: &dyn Source) -> Result<(Vec<u8>, usize), FormatError> {
     let evaluated = |pairs: &[DirectionPair]| values_of_list(source, &PairList::new(pairs.to_vec())).0;
     let grid = RglGrid::of(source.symmetry().isotropic);
@@ -218,7 +217,7 @@ fn rgl(source: &dyn Source) -> Result<(Vec<u8>, usize), FormatError> {
 
 /// Rows over a grid of directions.
 fn rows(source: &dyn Source, grid: PairGrid) -> Vec<Row> {
-    let polar = |k: usize, count: usize| (STEEPEST_DEGREES * k as f64 / (count - 1).max(1) as f64).to_radians();
+    let polar = |k: usize, count: usize| (MAX_POLAR_DEGREES * k as f64 / (count - 1).max(1) as f64).to_radians();
     let turned = if source.symmetry().isotropic { 1 } else { INCOMING_AZIMUTHS };
     let mut angles = Vec::new();
     for i in 0..grid.incoming {

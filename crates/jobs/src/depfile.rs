@@ -1,8 +1,8 @@
-//! Rules that tell other build systems what a build read.
+//! Dependency files for other build systems.
 
 use std::path::Path;
 
-/// A rule for make and ninja: `target` depends on files that are there. Addresses are none.
+/// Writes a rule for make and ninja: `target` depends on the inputs that exist as files.
 pub fn depfile(target: &Path, inputs: &[&Path]) -> Vec<u8> {
     let mut rule = escaped(target);
     rule.push(b':');
@@ -14,7 +14,7 @@ pub fn depfile(target: &Path, inputs: &[&Path]) -> Vec<u8> {
     rule
 }
 
-/// Names need not be UTF-8.
+/// Escapes a path, which need not be UTF-8.
 fn escaped(path: &Path) -> Vec<u8> {
     let mut text = Vec::new();
     for byte in path.as_os_str().as_encoded_bytes() {

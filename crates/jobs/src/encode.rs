@@ -1,4 +1,4 @@
-//! How a pack of a BRDF is asked for and made.
+//! Options and encoders of BRDF packs.
 
 pub use brdfc_codec::{Budget, EncodeOptions, ErrorLimits, FitLimits, OptionError, range_of};
 pub use brdfc_encode::*;

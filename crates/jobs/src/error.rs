@@ -1,4 +1,4 @@
-//! The one error of the library. What stages fail by becomes this one here.
+//! The library's error type, and conversions from the errors of its stages.
 
 use crate::encode::{EncodeError, OptionError};
 use brdfc_core::address::SYNTH_PREFIX;
@@ -10,28 +10,28 @@ use std::convert::Infallible;
 use std::fmt::Display;
 use std::path::Path;
 
-/// What kind of failure an error is: what a caller does about it, and the exit code of a program.
+/// Kind of an error, which determines the exit code.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
 #[non_exhaustive]
 pub enum ErrorKind {
-    /// A check failed: a budget is missed, a gate is closed, there is nothing to measure.
+    /// A check failed: a budget is missed, a gate failed, or there is nothing to measure.
     Check,
     /// Wrong options or arguments.
     Usage,
     /// Invalid input.
     Input,
-    /// Cannot read or write.
+    /// A file cannot be read or written.
     Io,
-    /// No graphics adapter that can be used.
+    /// No usable graphics adapter.
     NoAdapter,
-    /// A fault of this library.
+    /// A bug in this library.
     Internal,
-    /// The caller asked to stop.
+    /// The caller cancelled the work.
     Cancelled,
 }
 
 impl ErrorKind {
-    /// The exit code that `docs/command-line.md` promises; of several failures the largest counts.
+    /// The exit code, as in `docs/command-line.md`. Of several failures the largest counts.
     pub fn exit_code(self) -> u8 {
         match self {
             Self::Check => 1,
@@ -45,7 +45,7 @@ impl ErrorKind {
     }
 }
 
-/// Why something was not done: a kind, and a sentence with the file, the field or the line, what was found and what is allowed.
+/// An error: a kind, and a message that names the file, field or line, what was found and what was expected.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
 #[error("{message}")]
 pub struct Error {
@@ -54,90 +54,90 @@ pub struct Error {
 }
 
 impl Error {
-    /// An error of a kind.
+    /// Creates an error.
     pub fn new(kind: ErrorKind, message: impl ToString) -> Self {
         Self { kind, message: message.to_string() }
     }
 
-    /// A check that failed.
+    /// Creates an error about a failed check.
     pub fn check(message: impl ToString) -> Self {
         Self::new(ErrorKind::Check, message)
     }
 
-    /// Wrong options or arguments.
+    /// Creates an error about wrong options or arguments.
     pub fn usage(message: impl ToString) -> Self {
         Self::new(ErrorKind::Usage, message)
     }
 
-    /// Invalid input.
+    /// Creates an error about invalid input.
     pub fn input(message: impl ToString) -> Self {
         Self::new(ErrorKind::Input, message)
     }
 
-    /// What cannot be read or written.
+    /// Creates an error about a file that cannot be read or written.
     pub fn io(message: impl ToString) -> Self {
         Self::new(ErrorKind::Io, message)
     }
 
-    /// No graphics adapter that can be used.
+    /// Creates an error about a missing graphics adapter.
     pub fn no_adapter(message: impl ToString) -> Self {
         Self::new(ErrorKind::NoAdapter, message)
     }
 
-    /// A fault of this library.
+    /// Creates an error about a bug in this library.
     pub fn internal(message: impl ToString) -> Self {
         Self::new(ErrorKind::Internal, message)
     }
 
-    /// The caller asked to stop.
+    /// Creates an error about cancelled work.
     pub fn cancelled() -> Self {
         Self::new(ErrorKind::Cancelled, "cancelled")
     }
 
-    /// What kind of failure it is.
+    /// The kind of the error.
     pub fn kind(&self) -> ErrorKind {
         self.kind
     }
 
-    /// The sentence.
+    /// The message.
     pub fn message(&self) -> &str {
         &self.message
     }
 
-    /// The same kind of failure with another sentence.
+    /// Replaces the message.
     #[must_use]
     pub fn with_message(self, message: impl ToString) -> Self {
         Self { message: message.to_string(), ..self }
     }
 
-    /// The same failure of `name`, which its sentence begins with.
+    /// Prefixes the message with `name`.
     #[must_use]
     pub fn prefixed(self, name: impl Display) -> Self {
         let message = format!("{name}: {}", self.message);
         Self { message, ..self }
     }
 
-    /// An option or argument that is not as it may be.
+    /// Creates an error about an invalid option or argument.
     pub fn wrong_usage(option: impl Display, found: impl Display, allowed: impl Display) -> Self {
         Self::usage(format!("{option}: found {found}, expected {allowed}"))
     }
 
-    /// An input that is not as it may be.
+    /// Creates an error about an invalid input.
     pub fn wrong_input(input: impl Display, found: impl Display, allowed: impl Display) -> Self {
         Self::input(format!("{input}: found {found}, expected {allowed}"))
     }
 
-    /// What the program made breaks the rules of its own layout.
+    /// Creates an error about an invalid pack that this library made.
     pub fn own_layout(error: FormatError) -> Self {
-        Self::internal(format!("a pack that its own layout refuses: {error}"))
+        Self::internal(format!("bug: made an invalid pack: {error}"))
     }
 
-    /// A file or a stream that cannot be written.
+    /// Creates an error about a file or a stream that cannot be written.
     pub fn write(path: impl AsRef<Path>, error: &std::io::Error) -> Self {
         Self::io(format!("{}: cannot write: {error}", path.as_ref().display()))
     }
 
-    /// A file that cannot be read.
+    /// Creates an error about a file that cannot be read.
     pub fn read(path: &Path, error: &std::io::Error) -> Self {
         Self::io(format!("{}: cannot read: {error}", path.display()))
     }

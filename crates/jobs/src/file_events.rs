@@ -1,5 +1,4 @@
-//! Waiting until files may have changed: the system tells of it, or some time goes by. Whether anything did is for the caller
-//! to look at.
+//! Waits until files may have changed: until the system reports a change, or an interval has passed. The caller checks for changes.
 
 use notify::{RecommendedWatcher, RecursiveMode, Watcher as _};
 use std::collections::BTreeMap;
@@ -7,22 +6,22 @@ use std::path::{Path, PathBuf};
 use std::sync::mpsc::{Receiver, SyncSender, sync_channel};
 use std::time::Duration;
 
-/// Between two looks where the system tells of changes: network drives and replaced folders keep still about some.
-const WITH_EVENTS: Duration = Duration::from_secs(10);
-/// Where it tells of none.
-const WITHOUT_EVENTS: Duration = Duration::from_secs(2);
+/// Interval between checks if the system reports changes. It does not report all changes on network drives and in replaced folders.
+const INTERVAL_WITH_EVENTS: Duration = Duration::from_secs(10);
+/// Interval between checks if the system does not report changes.
+const INTERVAL_WITHOUT_EVENTS: Duration = Duration::from_secs(2);
 
-/// Folders, and whether those below them count too.
+/// Folders, and true for those that are watched recursively.
 pub type Folders = BTreeMap<PathBuf, bool>;
 
-/// What the system tells of folders.
+/// File events of folders.
 pub struct FileEvents {
     watcher: Option<RecommendedWatcher>,
     followed: Folders,
     sender: SyncSender<()>,
     receiver: Receiver<()>,
-    every: Duration,
-    /// Why the system tells of none.
+    interval: Duration,
+    /// Reason why the system reports no changes.
     problem: Option<String>,
 }
 
@@ -31,15 +30,15 @@ pub struct FileEvents {
 pub struct Waker(SyncSender<()>);
 
 impl Waker {
-    /// Ends the wait that goes on, or else the next one.
+    /// Ends the current wait, or else the next one.
     pub fn wake(&self) {
-        // Where somebody did before, that is enough.
+        // An error means that a wake-up is already pending.
         let _ = self.0.try_send(());
     }
 }
 
 impl FileEvents {
-    /// Of no folder yet. With `poll` the system is not asked: every wait takes so long.
+    /// Creates events without folders. With `poll`, every wait takes this long and system events are not used.
     pub fn new(poll: Option<Duration>) -> Self {
         let (sender, receiver) = sync_channel(1);
         let mut events = Self {
@@ -47,18 +46,18 @@ impl FileEvents {
             followed: Folders::new(),
             sender,
             receiver,
-            every: poll.unwrap_or(WITH_EVENTS),
+            interval: poll.unwrap_or(INTERVAL_WITH_EVENTS),
             problem: None,
         };
         if poll.is_none() {
             let waker = events.waker();
-            // Who reads, as the looks do, changes nothing.
-            let heard = move |event: notify::Result<notify::Event>| {
+            // Read access, as by the checks themselves, changes nothing.
+            let observer = move |event: notify::Result<notify::Event>| {
                 if !event.is_ok_and(|event| event.kind.is_access()) {
                     waker.wake();
                 }
             };
-            match notify::recommended_watcher(heard) {
+            match notify::recommended_watcher(observer) {
                 Ok(watcher) => events.watcher = Some(watcher),
                 Err(error) => events.fail(&error.to_string()),
             }
@@ -68,24 +67,24 @@ impl FileEvents {
 
     fn fail(&mut self, error: &str) {
         self.watcher = None;
-        self.every = WITHOUT_EVENTS;
+        self.interval = INTERVAL_WITHOUT_EVENTS;
         self.problem = Some(format!(
-            "the system does not tell when files change ({error}): they are looked at every {} s",
-            WITHOUT_EVENTS.as_secs()
+            "the system does not report file changes ({error}); files are checked every {} s",
+            INTERVAL_WITHOUT_EVENTS.as_secs()
         ));
     }
 
-    /// Why the system tells of no changes, once.
+    /// Reason why the system reports no changes; returned once.
     pub fn problem(&mut self) -> Option<String> {
         self.problem.take()
     }
 
-    /// Who ends a wait from elsewhere.
+    /// A handle that ends a wait from another thread.
     pub fn waker(&self) -> Waker {
         Waker(self.sender.clone())
     }
 
-    /// Follows these folders and no others; whether some are new, where changes before now went unheard.
+    /// Follows exactly these folders. Returns true if some are new, in which earlier changes were not observed.
     pub fn follow(&mut self, folders: &Folders) -> bool {
         let Some(watcher) = &mut self.watcher else { return false };
         let gone: Vec<PathBuf> = self
@@ -95,7 +94,7 @@ impl FileEvents {
             .map(|(p, _)| p.clone())
             .collect();
         for path in gone {
-            // A folder that went away is not followed any more.
+            // Removed folders are no longer watched, so an error is ignored.
             let _ = watcher.unwatch(&path);
             self.followed.remove(&path);
         }
@@ -110,10 +109,10 @@ impl FileEvents {
                     self.followed.insert(path.clone(), *deep);
                     any_new = true;
                 }
-                // It went away just now, and the next look finds another in its place.
+                // It was just removed; the next check finds its replacement.
                 Err(_) if !path.exists() => {}
                 Err(error) => {
-                    self.fail(&told(path, &error));
+                    self.fail(&problem_text(path, &error));
                     return true;
                 }
             }
@@ -121,20 +120,20 @@ impl FileEvents {
         any_new
     }
 
-    /// Follows none: a folder that was replaced is another one of the same name.
+    /// Stops following all folders, because folders may have been replaced by others of the same name.
     pub fn forget(&mut self) {
         self.follow(&Folders::new());
     }
 
     /// Waits until something may have changed.
     pub fn wait(&self) {
-        let _ = self.receiver.recv_timeout(self.every);
+        let _ = self.receiver.recv_timeout(self.interval);
     }
 }
 
-fn told(path: &Path, error: &notify::Error) -> String {
+fn problem_text(path: &Path, error: &notify::Error) -> String {
     let reason = match &error.kind {
-        notify::ErrorKind::MaxFilesWatch => "there are more folders than it follows".to_owned(),
+        notify::ErrorKind::MaxFilesWatch => "too many folders to watch".to_owned(),
         notify::ErrorKind::Io(error) => error.to_string(),
         _ => error.to_string(),
     };
@@ -159,7 +158,7 @@ mod tests {
     }
 
     #[test]
-    fn folders_are_followed_once_and_anew_after_they_were_forgotten() {
+    fn folders_are_followed_once_and_again_after_forget() {
         let folder = tempfile::tempdir().unwrap();
         let mut events = FileEvents::new(None);
         let folders = Folders::from([(folder.path().to_owned(), false)]);
@@ -168,6 +167,6 @@ mod tests {
         events.forget();
         assert!(events.follow(&folders));
         let gone = Folders::from([(folder.path().join("gone"), true)]);
-        assert!(!events.follow(&gone) && events.problem().is_none(), "what is not there is no fault of the system");
+        assert!(!events.follow(&gone) && events.problem().is_none(), "a missing folder is not a problem of the system");
     }
 }

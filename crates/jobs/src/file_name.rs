@@ -1,20 +1,20 @@
-//! Names of files, on whatever system they travel to.
+//! File names that are portable between systems.
 
 use std::path::{Component, Path};
 use unicode_normalization::UnicodeNormalization as _;
 
-/// Whether it is the name of a file in a folder, and of nothing elsewhere.
+/// Returns true for a plain file name, without a path to another folder.
 pub fn is_plain(name: &str) -> bool {
     let mut components = Path::new(name).components();
     matches!((components.next(), components.next()), (Some(Component::Normal(_)), None))
 }
 
-/// A name with its accents composed (Unicode's form C), as people type it: macOS tells names of files in other forms.
+/// Composes accents (Unicode normalization form C), because macOS returns file names in other forms.
 pub fn composed(name: &str) -> String {
     name.nfc().collect()
 }
 
-/// What two names have in common that are one file on some system: they differ in case or in how accents are written.
+/// Folds case and accents. Names with the same result are one file on some systems.
 pub fn folded(name: &str) -> String {
     name.nfc().flat_map(char::to_lowercase).nfc().collect()
 }

@@ -1,18 +1,18 @@
-//! The keys of a table, as the type that it is read into has them.
+//! Keys of a TOML section, from the type into which it is deserialised.
 
 use serde::de::{Deserialize, Deserializer, Error, Visitor};
 
-/// The names of the fields of a struct that is read from a table.
+/// Names of the fields of a struct.
 ///
 /// # Panics
-/// For a type that is no struct: a mistake of the caller.
+/// Panics if the type is not a struct.
 pub fn keys_of<'de, T: Deserialize<'de>>() -> &'static [&'static str] {
     let mut keys = None;
     let _ = T::deserialize(Keys(&mut keys));
     keys.expect("a struct")
 }
 
-/// Notes which fields are asked for, and gives none.
+/// Deserializer that records the requested fields and then fails.
 struct Keys<'a>(&'a mut Option<&'static [&'static str]>);
 
 impl<'de> Deserializer<'de> for Keys<'_> {

@@ -1,4 +1,5 @@
-//! The main job: a scene manifest becomes packs. What no use asks for is not opened, computed or written.
+//! Jobs of the commands: builds from scene manifests, encodings, flat BTFs, reports, viewer pages and verification. Builds open,
+//! compute and write only what the uses of a scene require.
 
 pub mod btf_stack;
 pub mod build;

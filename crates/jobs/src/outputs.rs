@@ -1,4 +1,4 @@
-//! Files and folders that are written: never over what is read.
+//! Output files and folders, which never overwrite inputs.
 
 use crate::error::Error;
 use crate::write::write_atomic;
@@ -6,7 +6,7 @@ use brdfc_source::input_files::files_behind;
 use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 
-/// Writes a whole file, or nothing. Whoever reads a pipe may stop: that is no error.
+/// Writes a file atomically. A closed pipe is no error.
 pub fn write_file(path: &Path, bytes: &[u8]) -> Result<(), Error> {
     match write_atomic(path, bytes) {
         Err(error) if error.kind() == std::io::ErrorKind::BrokenPipe => Ok(()),
@@ -14,7 +14,7 @@ pub fn write_file(path: &Path, bytes: &[u8]) -> Result<(), Error> {
     }
 }
 
-/// An output that is one of the inputs, or of the files that an input is read from, would destroy a measurement. `option` is what names the output.
+/// Returns an error if the output is one of the input files, including files that inputs refer to. `option` names the output.
 pub fn refuse_overwriting(option: &str, output: &Path, inputs: &[&Path]) -> Result<(), Error> {
     let Ok(target) = output.canonicalize() else { return Ok(()) };
     let is_it = |file: &PathBuf| file.canonicalize().is_ok_and(|path| path == target);
@@ -24,7 +24,7 @@ pub fn refuse_overwriting(option: &str, output: &Path, inputs: &[&Path]) -> Resu
     Ok(())
 }
 
-/// [`refuse_overwriting`] of many outputs.
+/// Applies [`refuse_overwriting`] to many outputs.
 pub fn refuse_overwriting_any(
     option: &str,
     outputs: impl IntoIterator<Item = PathBuf>,
@@ -38,7 +38,7 @@ pub fn refuse_overwriting_any(
     }
 }
 
-/// An output folder that is something else is found before the work.
+/// Returns an error if an output folder is a file or a stream.
 pub fn check_folder(path: &Path) -> Result<(), Error> {
     refuse_dash(path)?;
     if path.exists() && !path.is_dir() {
@@ -47,16 +47,16 @@ pub fn check_folder(path: &Path) -> Result<(), Error> {
     Ok(())
 }
 
-/// A folder is no stream.
+/// Returns an error if a folder is `-`, which stands for a stream.
 pub fn refuse_dash(path: &Path) -> Result<(), Error> {
     if path != Path::new("-") {
         return Ok(());
     }
-    let text = "-: found in the place of a folder, expected the name of one";
+    let text = "-: found a stream, expected the name of a folder";
     Err(Error::usage(text))
 }
 
-/// Makes an output folder where there is none.
+/// Creates an output folder if it is missing.
 pub fn make_folder(path: &Path) -> Result<(), Error> {
     check_folder(path)?;
     std::fs::create_dir_all(path).map_err(|error| Error::write(path, &error))

@@ -1,4 +1,4 @@
-//! KTX2 files of packs as their bytes say it: what a loader that drops entries, or a device that has to hold them, wants to know.
+//! Properties of packs' KTX2 files: key/value data for loaders that drop it, and required features of devices.
 
 use base64::Engine as _;
 use base64::engine::general_purpose::STANDARD;
@@ -9,30 +9,30 @@ use schemars::JsonSchema;
 use serde::Serialize;
 use std::collections::BTreeMap;
 
-/// Entries that hold a KTX2 file each.
+/// Prefix of keys whose values are KTX2 files.
 const NESTED: &str = "brdfc.image.";
 
 /// One texture of a file.
 #[derive(Debug, Clone, PartialEq, Serialize, JsonSchema)]
 pub struct PackFile {
-    /// How a texel is stored, by its name in WebGPU.
+    /// Texel format, by its name in WebGPU.
     pub texel_format: &'static str,
     /// '2d', '2d-array' or '3d'.
     pub dimension: &'static str,
     /// Columns, rows, and slices or layers.
     pub size: [u32; 3],
-    /// Mipmap levels.
+    /// Number of mipmap levels.
     pub levels: u32,
-    /// What it asks of a device.
+    /// Required features of a device.
     pub device: DeviceNeeds,
-    /// The file's entries, in Base64: loaders of ordinary KTX2 files drop them.
+    /// The file's key/value data in Base64, which loaders of ordinary KTX2 files drop.
     pub entries: BTreeMap<String, String>,
 }
 
-/// The textures of a file by this name, with those that its entries hold, as `NAME#ENTRY`.
+/// The textures of a file, by name. Textures in its key/value data are named `NAME#KEY`.
 ///
 /// # Errors
-/// What is no KTX2 file.
+/// Returns an error if the file is not a valid KTX2 file.
 pub fn pack_files(name: &str, file: &[u8]) -> Result<BTreeMap<String, PackFile>, FormatError> {
     let packed = PackedTexture::from_bytes(file)?;
     let mut files = BTreeMap::new();
@@ -55,7 +55,7 @@ fn of_texture(packed: &PackedTexture<'_>) -> PackFile {
     }
 }
 
-/// Entries of a pack's file, in Base64.
+/// Key/value data of a pack's file in Base64; empty if the file is invalid.
 pub fn entries(file: &[u8]) -> BTreeMap<String, String> {
     PackedTexture::from_bytes(file).map(|packed| encoded(&packed.entries)).unwrap_or_default()
 }

@@ -9,15 +9,15 @@ use std::path::{Path, PathBuf};
 /// Name of the list of lights.
 pub const LIST: &str = "dirs.lp";
 
-/// Writes a stack into `folder`, images `0000.png` and so on, and at the end [`LIST`], whose path it returns. The folder is
-/// made where there is none.
+/// Writes a capture into `folder`: images `0000.png` and so on, then [`LIST`], whose path it returns. Creates the folder if it is
+/// missing.
 ///
 /// `lights` point to the lights, z > 0, of any length but 0. `image` gives the pixels of a light: linear RGB (Rec. 709
-/// primaries), 1 = full scale of codes, row by row from the top, left to right. `size` is pixels per row, and rows.
+/// primaries), 1 = the largest level, row by row from the top, left to right. `size` is pixels per row, and rows.
 ///
 /// # Errors
-/// What cannot be written; what [`LightPositions::parse`] refuses of the lights; a number of pixels other than `size` says, or
-/// 0; values that are NaN or infinite.
+/// Returns an error if a file cannot be written, [`LightPositions::parse`] rejects the lights, the number of pixels is 0 or does
+/// not match `size`, or a value is NaN or infinite.
 pub fn write_rti_capture(
     folder: &Path,
     lights: &[[f32; 3]],

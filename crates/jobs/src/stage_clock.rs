@@ -1,35 +1,35 @@
-//! Times of stages.
+//! Measures the times of stages.
 
 use crate::report::material::StageTime;
 use brdfc_core::progress::{Cancelled, Progress, Stage};
 use std::sync::{Mutex, PoisonError};
 use std::time::Instant;
 
-/// Times the stages of what it passes on.
+/// Measures the times of stages and forwards progress to a listener.
 pub struct StageClock<'a> {
     listener: &'a dyn Progress,
-    /// When each stage began.
+    /// Start of each stage.
     starts: Mutex<Vec<(Stage, Instant)>>,
 }
 
 impl<'a> StageClock<'a> {
-    /// A clock that passes everything on to `listener`.
+    /// Creates a clock that forwards all progress to `listener`.
     pub fn new(listener: &'a dyn Progress) -> Self {
         Self { listener, starts: Mutex::default() }
     }
 
-    /// Times of the stages that ended.
+    /// Times of the finished stages.
     pub fn so_far(&self) -> Vec<StageTime> {
         times(&self.starts.lock().unwrap_or_else(PoisonError::into_inner), None)
     }
 
-    /// Ends the last stage and gives all times.
+    /// Ends the last stage and returns all times.
     pub fn finish(self) -> Vec<StageTime> {
         times(&self.starts.into_inner().unwrap_or_else(PoisonError::into_inner), Some(Instant::now()))
     }
 }
 
-/// Times from each start to the next; of the last one to `end`.
+/// Times from each start to the next, and from the last start to `end`.
 fn times(starts: &[(Stage, Instant)], end: Option<Instant>) -> Vec<StageTime> {
     let ends = starts.iter().skip(1).map(|(_, start)| *start).chain(end);
     let time = |((stage, start), end): (&(Stage, Instant), Instant)| StageTime {

@@ -1,4 +1,4 @@
-//! Whether packs, folders of builds and reports are whole: by checksums, by hashes, and by what one file says of another.
+//! Verifies packs, folders of builds and reports by checksums, hashes and cross-references.
 
 use crate::error::Error;
 use crate::output_folder::OutputFolder;
@@ -21,24 +21,24 @@ use std::path::{Path, PathBuf};
 /// A file that was checked.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, schemars::JsonSchema)]
 pub struct CheckedFile {
-    /// Its path, as it was given or in the folder that was.
+    /// Its path, as given or in the given folder.
     pub file: String,
-    /// What it is: the name of a pack's decoder, 'report' or 'list'; absent if that cannot be read.
+    /// Its kind: the name of a pack's decoder, 'report' or 'list'; absent if it cannot be read.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub kind: Option<&'static str>,
-    /// What is wrong with it; absent if it is whole.
+    /// Description of its fault; absent if it is valid.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub fault: Option<String>,
 }
 
-/// What one file is held against.
+/// Check of one file.
 #[derive(Debug, Clone)]
 enum Check {
-    /// A pack, by its checksum and its layout; one that a report lists, by its hash, too.
+    /// A pack: its checksum and layout, and its hash if a report lists it.
     Pack(Option<Digest>),
     /// A `MATERIAL.json` with this hash.
     List(Digest),
-    /// What is known already.
+    /// A result that is already known.
     Known(CheckedFile),
 }
 
@@ -49,11 +49,11 @@ pub struct Checks {
 }
 
 impl Checks {
-    /// What is to be checked of a path: a pack (`.ktx2`); a folder of a build, by its `report.json`, or of packs; a `report.json` or a
-    /// `MATERIAL.json`, with the files that it lists. Packs in the folder of a build that no report lists are checked by themselves.
+    /// Adds the checks of a path: a pack (`.ktx2`), the folder of a build with a `report.json`, a folder of packs, or a `report.json` or
+    /// `MATERIAL.json` with the files that it lists. Packs in the folder of a build that its report does not list are checked alone.
     ///
     /// # Errors
-    /// A path that is not there or is none of these; a folder without packs.
+    /// Returns an error if the path does not exist or is of another kind, or if a folder has no packs.
     pub fn add(&mut self, path: &Path) -> Result<(), Error> {
         let metadata = path.metadata().map_err(|error| Error::read(path, &error))?;
         if metadata.is_dir() {
@@ -102,11 +102,11 @@ impl Checks {
         self.checks.push((path.to_owned(), Check::Known(file)));
     }
 
-    /// A `report.json` with its files, which are returned.
+    /// Adds a `report.json` with its files, which are returned.
     fn add_report(&mut self, path: &Path) -> BTreeSet<PathBuf> {
         let folder = folder_of(path);
         if OutputFolder::is_unfinished(folder) {
-            let fault = "a build was stopped while files changed places; 'brdfc build' finishes it";
+            let fault = "a build was stopped while it replaced files; 'brdfc build' finishes it";
             self.known(folder, None, Some(fault.to_owned()));
         }
         let report = match BuildReport::open(path) {
@@ -131,7 +131,7 @@ impl Checks {
         files
     }
 
-    /// A `report.json` or a `MATERIAL.json`: what the file says decides, not its name.
+    /// Adds a `report.json` or a `MATERIAL.json`, distinguished by content, not by name.
     fn add_json(&mut self, path: &Path) {
         let is_list = read_file(path, MAX_TEXT_BYTES).is_ok_and(|bytes| {
             let parsed: Result<serde_json::Value, _> = serde_json::from_slice(&bytes);
@@ -153,15 +153,15 @@ impl Checks {
         }
     }
 
-    /// How many files there are to check.
+    /// Number of files to check.
     pub fn count(&self) -> usize {
         self.checks.len()
     }
 
-    /// Checks them, in the order in which they were added.
+    /// Runs all checks. Results are in the order in which they were added.
     ///
     /// # Errors
-    /// Cancellation.
+    /// Returns an error if cancelled.
     pub fn run(self, progress: &dyn Progress) -> Result<Vec<CheckedFile>, Error> {
         progress.stage(Stage::Verify, self.checks.len())?;
         let files = self.checks.into_par_iter().map(|(path, check)| {
@@ -178,7 +178,7 @@ impl Checks {
     }
 }
 
-/// A file that may be listed, by its bytes: what it is, or what is wrong with it.
+/// Checks the bytes of a file, and its hash if a report lists it.
 fn checked(
     path: &Path,
     limit: u64,
@@ -197,7 +197,7 @@ fn pack_kind(bytes: &[u8]) -> Result<&'static str, String> {
     Pack::from_bytes(bytes).map(|pack| pack.kind().name()).map_err(|error| error.to_string())
 }
 
-/// The bytes of a file, and whether they are others than a report lists.
+/// The bytes of a file, and the fault if their hash differs from the listed one.
 fn bytes_of(path: &Path, limit: u64, listed: Option<Digest>) -> Result<(Vec<u8>, Option<String>), String> {
     let bytes = read_file(path, limit).map_err(|error| {
         let text = error.to_string();
@@ -209,7 +209,7 @@ fn bytes_of(path: &Path, limit: u64, listed: Option<Digest>) -> Result<(Vec<u8>,
     Ok((bytes, fault))
 }
 
-/// What is wrong with a report by itself: every figure of a material is in its list as well, whose hash the report has.
+/// Fault of a report by itself. A material's figures must match its list, whose hash is in the report.
 fn report_fault(report: &BuildReport) -> Option<String> {
     for entry in &report.materials {
         let Some(list) = entry.file() else { continue };
@@ -240,19 +240,19 @@ fn list_in(path: &Path) -> Result<MaterialFile, String> {
     let list: MaterialFile = serde_json::from_slice(&bytes)
         .map_err(|error| format!("found {}, expected {allowed}", json_problem(&error)))?;
     if let Some(name) = list.parts.values().find(|name| !crate::file_name::is_plain(name)) {
-        return Err(format!("found the file {name:?}, which leads out of its folder, expected {allowed}"));
+        return Err(format!("found the file {name:?}, which is outside its folder, expected {allowed}"));
     }
     match list.version {
         MATERIAL_VERSION => Ok(list),
-        version => Err(format!("found version {version} of the layout, expected {MATERIAL_VERSION}")),
+        version => Err(format!("found layout version {version}, expected {MATERIAL_VERSION}")),
     }
 }
 
-/// What is wrong with a list: it has the entries of its pack, the checksum among them.
+/// Fault of a list. It must have the key/value data of its pack, including the checksum.
 fn list_fault(list: &MaterialFile, folder: &Path) -> Option<String> {
     let Some(name) = list.parts.get(PACK) else { return Some("invalid parts: expected a pack".to_owned()) };
     let bytes = read_file(&folder.join(name), MAX_FILE_BYTES).ok()?;
-    (entries(&bytes) != list.report.entries).then(|| format!("invalid entries: expected those of {name}"))
+    (entries(&bytes) != list.report.entries).then(|| format!("invalid key/value data: expected that of {name}"))
 }
 
 #[cfg(test)]
@@ -267,7 +267,7 @@ mod tests {
         checks.run(&())
     }
 
-    /// Every bit of a small pack, one after the other.
+    /// Flips each bit of a small pack in turn.
     #[test]
     fn each_flipped_bit_is_found() {
         let folder = tempfile::tempdir().expect("a folder");

@@ -1,29 +1,32 @@
-//! Files that are whole or not there.
+//! Atomic writes of files.
 
 use crate::store::{PREFIX, SUFFIX};
 use std::io::Write;
 use std::path::Path;
 
-/// Whether a path is a name of standard output.
+/// Returns true if a path is a name of standard output.
 pub fn is_standard_output(path: &Path) -> bool {
     ["/dev/stdout", "/dev/fd/1", "/proc/self/fd/1"].into_iter().any(|name| path == Path::new(name))
 }
 
-/// A folder; an empty name is that of the working folder.
+/// Returns the folder, or `.` for an empty path.
 pub fn or_here(folder: &Path) -> &Path {
     if folder.as_os_str().is_empty() { Path::new(".") } else { folder }
 }
 
-/// The folder that a file is in.
+/// The folder that contains a file.
 pub fn folder_of(file: &Path) -> &Path {
     or_here(file.parent().unwrap_or(Path::new("")))
 }
 
-/// Writes `bytes` to a temporary file beside `path`, then renames it. A device or pipe is written to directly; a link
-/// stays, and the file that it points to is replaced.
+/// Writes `bytes` to a temporary file next to `path`, then renames it. Devices and pipes are written to directly. A
+/// link stays, and its target is replaced.
+///
+/// # Errors
+/// Returns an error if the folder does not exist, the path is a folder, or the file cannot be written.
 pub fn write_atomic(path: &Path, bytes: &[u8]) -> std::io::Result<()> {
     if is_standard_output(path) {
-        // It may be a file that others go on writing to: neither replaced nor started again.
+        // Standard output may be a file that other programs also write to: it is neither replaced nor truncated.
         let mut stdout = std::io::stdout().lock();
         return stdout.write_all(bytes).and_then(|()| stdout.flush());
     }
@@ -46,7 +49,7 @@ pub fn write_atomic(path: &Path, bytes: &[u8]) -> std::io::Result<()> {
     #[cfg(unix)]
     builder.permissions(std::os::unix::fs::PermissionsExt::from_mode(0o666));
     let mut file = builder.tempfile_in(folder).map_err(of_target)?;
-    // Whoever sweeps the folder sees that somebody works with it.
+    // A locked file is in use: other processes do not remove it as abandoned.
     let _ = file.as_file().try_lock();
     file.write_all(bytes).map_err(of_target)?;
     file.flush().map_err(of_target)?;
@@ -54,12 +57,12 @@ pub fn write_atomic(path: &Path, bytes: &[u8]) -> std::io::Result<()> {
     Ok(())
 }
 
-/// The error without the name of the temporary file, which says nothing to anybody.
+/// Removes the name of the temporary file from an error, which would not help the user.
 fn of_target(error: std::io::Error) -> std::io::Error {
     if error.raw_os_error().is_some() {
         return error;
     }
-    // The library has no other way to the system's words, which stand in front of the name.
+    // The library has no other access to the system's message, which precedes the name.
     let text = error.to_string();
     std::io::Error::new(error.kind(), text.split(" at path ").next().unwrap_or_default())
 }
@@ -69,7 +72,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn replaces_whole_files_and_leaves_nothing_behind() {
+    fn files_are_replaced_and_no_temporary_file_remains() {
         let folder = tempfile::tempdir().unwrap();
         let path = folder.path().join("pack.ktx2");
         write_atomic(&path, b"first").unwrap();
@@ -89,7 +92,7 @@ mod tests {
     /// `/dev/full` through a temporary file that names itself in its errors.
     #[test]
     #[cfg(target_os = "linux")]
-    fn errors_have_the_words_of_the_system() {
+    fn errors_have_the_message_of_the_system() {
         let full = || std::fs::OpenOptions::new().write(true).open("/dev/full").unwrap();
         let plain = full().write_all(b"x").unwrap_err();
         let mut named =
@@ -101,7 +104,7 @@ mod tests {
 
     #[test]
     #[cfg(unix)]
-    fn links_stay_links() {
+    fn links_remain_links() {
         let folder = tempfile::tempdir().unwrap();
         let (link, target) = (folder.path().join("link"), folder.path().join("target"));
         std::os::unix::fs::symlink(&target, &link).unwrap();

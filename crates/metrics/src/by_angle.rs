@@ -1,4 +1,4 @@
-//! Where a pack errs: by the angle of incoming light, and at which pairs the most.
+//! Errors of a pack by the angle of incoming light, and its worst direction pairs.
 
 use super::sampling::PairSet;
 use super::values::values_of_list;
@@ -6,52 +6,52 @@ use brdfc_core::Source;
 use brdfc_formats::direction::DirectionPair;
 use serde::{Deserialize, Serialize};
 
-/// Degrees that are taken together.
+/// Width of a bin, degrees.
 const BIN: f64 = 10.0;
 const BINS: usize = 9;
-/// Values below this share of the mean are left out of ratios, as they are of `ε_r`.
+/// Values below this share of the mean are left out of ratios, as in `ε_r`.
 const FLOOR: f64 = 1e-3;
 
-/// Error of the pairs whose incoming direction has a polar angle within ten degrees.
+/// Error of the pairs whose incoming direction has a polar angle within a bin of ten degrees.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, schemars::JsonSchema)]
 pub struct AngleError {
-    /// The smallest polar angle of incoming light, degrees; the largest is ten more.
+    /// Smallest polar angle of incoming light, degrees; the largest is ten more.
     pub from: f64,
-    /// Samples above the floor.
+    /// Number of samples above the floor.
     pub samples: u64,
-    /// Mean of `|f' - f| / f` over them; 0 where there are none.
+    /// Mean of `|f' - f| / f` over them; 0 without any.
     pub relative_mean: f64,
 }
 
-/// A pair at which both sides differ.
+/// A pair at which reference and approximation differ.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, schemars::JsonSchema)]
 pub struct WorstPair {
-    /// To the light.
+    /// Direction to the light.
     pub incoming: [f64; 3],
-    /// To the viewer.
+    /// Direction to the viewer.
     pub outgoing: [f64; 3],
     /// `f_r` of the reference, 1/sr.
     pub reference: [f64; 3],
     /// `f_r` of the approximation, 1/sr.
     pub approximation: [f64; 3],
-    /// Largest difference of `ln(1 + f cos θi)` of a channel.
+    /// Largest difference of `ln(1 + f cos θi)` over the channels.
     pub difference: f64,
 }
 
-/// Errors by incoming angle, and pairs where they are largest.
+/// Errors by incoming angle, and the pairs with the largest errors.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, schemars::JsonSchema)]
 pub struct ByAngle {
-    /// From the normal to the horizon.
+    /// Bins from the normal to the horizon.
     pub angles: Vec<AngleError>,
-    /// The largest first; of pairs that lie close together the first alone.
+    /// Worst pairs, the largest difference first, one per group of close pairs.
     pub worst: Vec<WorstPair>,
 }
 
-/// Directions closer than this are close together: cosine.
+/// Cosine of the angle below which directions are close.
 const CLOSE: f64 = 0.985;
 const WORST: usize = 5;
 
-/// Compares at the pairs of a set. Negative values of the reference count as 0.
+/// Compares two sources at the pairs of a set. Negative values of the reference count as 0.
 pub fn by_angle(reference: &dyn Source, approximation: &dyn Source, set: &PairSet) -> ByAngle {
     let (expected, _) = values_of_list(reference, &set.pairs);
     let (found, _) = values_of_list(approximation, &set.pairs);
@@ -71,7 +71,7 @@ pub fn by_angle(reference: &dyn Source, approximation: &dyn Source, set: &PairSe
         }
         pairs.push(worst_pair(pair, f, *g));
     }
-    // Of equal ones the first: an order that no thread changes.
+    // The sort is stable: the order does not depend on threads.
     pairs.sort_by(|a, b| b.difference.total_cmp(&a.difference));
     let mut worst: Vec<WorstPair> = Vec::new();
     for pair in pairs.iter().filter(|pair| pair.difference > 0.0) {
@@ -107,7 +107,7 @@ mod tests {
     use super::*;
     use brdfc_core::{Symmetry, Tally};
 
-    /// Right but for light from below 60 degrees, which is twice as bright; and far too bright at one place.
+    /// Correct, except that light from below 60 degrees is twice as bright, and one place is far too bright.
     struct Wrong;
 
     impl Source for Wrong {

@@ -1,4 +1,4 @@
-//! Error of one source against another at chosen direction pairs: what a user of a pack sees.
+//! Error of one source against another at chosen direction pairs, as a user of a pack sees it.
 
 use super::highlight::{Highlight, HighlightError};
 use super::norms::{NormSums, Norms};
@@ -11,23 +11,24 @@ use brdfc_formats::crop::DirectionRange;
 use rayon::prelude::*;
 use std::borrow::Cow;
 
-/// Direction pairs, of those given, that reciprocity is measured at.
+/// Number of the given direction pairs at which reciprocity is measured.
 const RECIPROCITY_PAIRS: usize = 2048;
 
-/// Everything that is measured between a reference and an approximation.
+/// All measurements between a reference and an approximation.
 #[derive(Debug, Clone, PartialEq, Default, serde::Serialize, serde::Deserialize, schemars::JsonSchema)]
 pub struct Comparison {
     /// `μ`: mean of the reference over the uniform pairs and over channels, 1/sr.
     pub mean: f64,
     /// Norms over all samples.
     pub norms: Norms,
-    /// How different renderings of both look.
+    /// Differences between renderings of both.
     pub rendering: RenderingError,
     /// Directional albedo at a few incoming directions.
     pub albedo: Vec<AlbedoPoint>,
     /// Largest difference of albedo over those directions and channels.
     pub albedo_max_difference: f64,
-    /// How much of the highlight is kept where least of it is; absent where the reference has none.
+    /// Retained light of the highlight, at the incoming direction where it is smallest; absent where the reference has
+    /// no highlight.
     #[serde(default)]
     pub highlight: Option<HighlightError>,
     /// Mean of `|f'(i, o) - f'(o, i)| / f` of the approximation.
@@ -35,7 +36,7 @@ pub struct Comparison {
 }
 
 impl Comparison {
-    /// The form that a pack holds.
+    /// The errors as a pack stores them.
     pub fn summary(&self) -> ErrorSummary {
         self.norms.summary(self.albedo_max_difference, self.reciprocity)
     }
@@ -48,20 +49,20 @@ pub struct AlbedoPoint {
     pub theta: f64,
     /// Incoming azimuth, degrees.
     pub phi: f64,
-    /// `∫ f cos θo dωo` of the reference, linear RGB; over the directions that are compared.
+    /// `∫ f cos θo dωo` of the reference, linear RGB, over the compared directions.
     pub reference: [f64; 3],
-    /// The same of the approximation.
+    /// The same for the approximation.
     pub approximation: [f64; 3],
 }
 
-/// Where an albedo is found, and what the source has there.
+/// Direction pairs of an albedo, and the values of the source there.
 struct AlbedoReference {
     at: Cow<'static, AlbedoPairs>,
     value: [f64; 3],
     highlight: Option<Highlight>,
 }
 
-/// A source as others are compared with: its values at the pairs of a set, of renderings and of albedos, found once.
+/// A reference source, evaluated once at the pairs of a set, of renderings and of albedos.
 pub struct Reference {
     set: PairSet,
     grey: bool,
@@ -72,7 +73,7 @@ pub struct Reference {
     tally: Tally,
 }
 
-/// Whether a material of this mean `f_r`, 1/sr, is black: packs hold nothing so small.
+/// Returns true if a material with this mean `f_r`, 1/sr, is black: it is below the values that packs can store.
 pub fn is_black(mean: f64) -> bool {
     mean < f64::from(f32::MIN_POSITIVE)
 }
@@ -96,25 +97,25 @@ impl Reference {
         Self { grey: source.is_grey(), mean: mean_value(&values[..set.of_mean]), set, values, rendering, albedo, tally }
     }
 
-    /// What the source had to repair.
+    /// Repairs in the source.
     pub fn tally(&self) -> Tally {
         self.tally
     }
 
-    /// What radiance of the source's renderings is multiplied by.
+    /// Factor from radiance to the values of the source's renderings.
     pub fn exposure(&self) -> f64 {
         self.rendering.exposure()
     }
 
-    /// Whether the source is black at all pairs.
+    /// Returns true if the source is black at all pairs.
     pub fn is_black(&self) -> bool {
         is_black(self.mean)
     }
 
     /// Compares an approximation with the source, and renderings of both.
     ///
-    /// The `μ` of the relative norms' floor is the source's mean over pairs of the set: the figures depend on the two sources and on
-    /// nothing else. Negative values of the source count as 0, as they do in a pack.
+    /// The `μ` of the relative norms' floor is the source's mean over pairs of the set: the figures depend on the two
+    /// sources alone. Negative values of the source count as 0, as in a pack.
     pub fn compare(&self, approximation: &dyn Source) -> Comparison {
         let (pairs, mean) = (&self.set.pairs, self.mean);
         let channels = if self.grey && approximation.is_grey() { 1 } else { 3 };
@@ -155,7 +156,7 @@ impl Reference {
                 let [theta, phi] = at.angles;
                 let (values, _) = values_of_list(approximation, &at.pairs);
                 let point = AlbedoPoint { theta, phi, reference: *value, approximation: albedo(at, &values) };
-                (point, highlight.as_ref().map(|highlight| highlight.kept(at, &values)))
+                (point, highlight.as_ref().map(|highlight| highlight.retained(at, &values)))
             })
             .unzip();
         let highlight = highlights.into_iter().flatten().min_by(|a, b| a.kept().total_cmp(&b.kept()));
@@ -164,7 +165,7 @@ impl Reference {
             .flat_map(|point| (0..3).map(|c| (point.approximation[c] - point.reference[c]).abs()))
             .fold(0.0, f64::max);
         let mut norms = sums.norms();
-        // The channels of one pair err together: they are one sample.
+        // The errors of one pair's channels are correlated: they count as one sample.
         norms.relative_standard_error *= f64::from(channels as u32).sqrt();
         let rendering = self.rendering.compare(approximation);
         Comparison { mean, norms, rendering, albedo, albedo_max_difference, highlight, reciprocity: reciprocity.mean() }
@@ -177,7 +178,7 @@ pub fn compare(reference: &dyn Source, approximation: &dyn Source, set: &PairSet
     (reference.compare(approximation), reference.tally())
 }
 
-/// `∫ f cos θo dωo` at an incoming direction, of values at its pairs.
+/// `∫ f cos θo dωo` at an incoming direction, from the values at its pairs.
 fn albedo(at: &AlbedoPairs, values: &[[f64; 3]]) -> [f64; 3] {
     let mut sum = [0.0; 3];
     for (f, counted) in values.iter().zip(&at.counted) {
@@ -192,7 +193,7 @@ fn mean_value(values: &[[f64; 3]]) -> f64 {
     if values.is_empty() { 0.0 } else { sums.sum::<f64>() / (3 * values.len()) as f64 }
 }
 
-/// Sum of `|f'(i, o) - f'(o, i)| / f` over samples above the floor.
+/// Mean of `|f'(i, o) - f'(o, i)| / f` over samples above the floor.
 #[derive(Debug, Clone, Copy, Default)]
 pub struct Reciprocity {
     sum: f64,
@@ -200,7 +201,7 @@ pub struct Reciprocity {
 }
 
 impl Reciprocity {
-    /// Adds a sample: reference, approximation, and approximation with directions exchanged.
+    /// Adds a sample: reference, approximation, and approximation with exchanged directions.
     pub fn add(&mut self, f: f64, g: f64, exchanged: f64, mean: f64) {
         if f >= super::norms::RELATIVE_FLOOR * mean && f > 0.0 {
             self.sum += (g - exchanged).abs() / f;
@@ -214,7 +215,7 @@ impl Reciprocity {
         self.count += other.count;
     }
 
-    /// The mean; 0 for no samples.
+    /// The mean; 0 without samples.
     pub fn mean(self) -> f64 {
         if self.count == 0 { 0.0 } else { self.sum / self.count as f64 }
     }

@@ -1,5 +1,5 @@
-//! The error of a source that was completed from samples, against the material that was sampled: estimated by
-//! cross-validation, as that material is not known anywhere else.
+//! Error of a source that was completed from samples, against the sampled material. It is estimated by
+//! cross-validation, because no other data of that material exist.
 
 use super::norms::NormSums;
 use super::rendering::{ReferenceRendering, coarse_rendering_pairs};
@@ -9,37 +9,40 @@ use brdfc_core::{Source, Tally};
 use brdfc_formats::crop::DirectionRange;
 use rayon::prelude::*;
 
-/// Folds that are in memory together, each nearly as large as the source; within a fold, threads share the pixels.
+/// Number of folds in memory at the same time, each nearly as large as the source; within a fold, threads share the
+/// pixels.
 const FOLDS_AT_ONCE: usize = 2;
 
-/// Angle between a pixel's light or viewer and that of the nearest sample from which on the pixel counts as uncovered, degrees.
+/// A pixel counts as uncovered if its light or viewer is at least this angle from that of the nearest sample, degrees.
 pub const COVERED: f64 = 10.0;
-/// Share of uncovered pixels from which on the fit is mostly a guess.
+/// The fit counts as mostly a guess above this share of uncovered pixels.
 pub const MAX_UNCOVERED: f64 = 0.1;
-/// Spread of repeats from which on they disagree: the larger of two values is twice the smaller.
+/// Repeats disagree above this spread: the larger of two values is twice the smaller.
 pub const MAX_SPREAD: f64 = 0.5;
-/// Share of the direction pairs from which on those that repeat speak for all.
+/// Repeats are representative above this share of the direction pairs.
 const MANY_REPEATS: f64 = 0.1;
-/// A fit without one incidence spans twice the gap. An error that grows with its square is then larger by three times itself, and each
-/// gap is opened from both its ends.
+/// Each incidence that is left out doubles a gap. If the error grows with the square of the gap, it becomes four times
+/// as large, and each gap is doubled from both its ends.
 const GAPS: f64 = 1.0 / 6.0;
-/// Share of a pack's own ΔE from which on the fit is the weaker part: the sum of both, as of independent errors, is a fifth larger.
+/// The fit is the larger error above this share of a pack's own ΔE: the sum of both, as of independent errors, is a
+/// fifth larger.
 const WEAKER: f64 = 0.7;
 
-/// How far a completed source may be from what was sampled.
+/// Estimated distance of a completed source from the sampled material.
 #[derive(Debug, Clone, Copy, PartialEq, serde::Serialize, serde::Deserialize, schemars::JsonSchema)]
 pub struct FitError {
-    /// `ε_r` of samples that were left out in ten parts, each predicted from the others; absent where too few are left.
+    /// `ε_r` of samples that were left out in ten parts, each predicted from the others; absent if too few remain.
     pub samples: Option<f64>,
-    /// The same of incidences that were left out whole; absent where there is one alone, or where too few samples are left.
+    /// `ε_r` of incidences that were left out whole; absent if there is a single one, or if too few samples remain.
     pub incidences: Option<f64>,
-    /// Estimate of the mean ΔE between renderings of the source and of the sampled material; absent where nothing can be left out.
+    /// Estimate of the mean ΔE between renderings of the source and of the sampled material; absent without
+    /// cross-validation.
     pub delta_e: Option<f64>,
-    /// The largest angle between the light or the viewer of a pixel of the ball and that of the nearest sample, degrees.
+    /// Largest angle between the light or the viewer of a pixel of the ball and that of the nearest sample, degrees.
     pub farthest: f64,
     /// Share of the ball's pixels at which that angle is larger than 10 degrees.
     pub uncovered: f64,
-    /// Samples of one direction pair; absent where none repeats.
+    /// Repeated direction pairs; absent without any.
     pub repeats: Option<Repeats>,
 }
 
@@ -47,7 +50,7 @@ impl FitError {
     /// Cross-validates a source that is completed from samples, for renderings within a range of directions.
     ///
     /// # Errors
-    /// Cancellation.
+    /// Returns an error if the work is cancelled.
     pub fn measure(
         source: &dyn Source,
         completion: &dyn Completion,
@@ -71,14 +74,14 @@ impl FitError {
             }
             let count = folds.len();
             let folds: Vec<_> = folds.into_iter().flatten().collect();
-            // Folds that cannot be fitted are those whose samples nothing predicts.
+            // If a fold cannot be fitted, no sample predicts the samples that it leaves out.
             if folds.is_empty() || folds.len() < count {
                 return None;
             }
             let mut all = folds[0].0.clone();
             folds[1..].iter().for_each(|(sums, _)| all.merge(sums));
             let differences: Vec<f64> = folds.iter().map(|(_, delta_e)| *delta_e).collect();
-            // Of what is black there is nothing to predict.
+            // A black material has nothing to predict.
             let norms = all.norms();
             (norms.counted() > 0).then_some((norms.relative_mean, differences))
         };
@@ -108,12 +111,12 @@ impl FitError {
         })
     }
 
-    /// The larger of both `ε_r`; absent where nothing can be left out.
+    /// The larger `ε_r` of the two; absent without cross-validation.
     pub fn error(&self) -> Option<f64> {
         [self.samples, self.incidences].into_iter().flatten().reduce(f64::max)
     }
 
-    /// Why the samples do not say what the material is, whatever the pack; nothing where they do.
+    /// Reason why the samples do not determine the material, for any pack; `None` if they do.
     pub fn gaps(&self) -> Option<String> {
         if self.uncovered > MAX_UNCOVERED {
             let (share, farthest) = (100.0 * self.uncovered, self.farthest);
@@ -130,8 +133,8 @@ impl FitError {
         self.delta_e.is_none().then(|| "too few samples to leave any out".to_owned())
     }
 
-    /// Why the error of a pack, whose renderings differ from those of the source by this mean ΔE, says too little: its error against
-    /// the material that was sampled is larger. Nothing where the fit is the stronger part.
+    /// Reason why the error of a pack is not meaningful: its error against the sampled material is larger. `pack` is
+    /// the mean ΔE between renderings of the pack and of the source. `None` if the fit has the smaller error.
     pub fn weakness(&self, pack: f64) -> Option<String> {
         let weaker = |fit: &f64| *fit > WEAKER * pack;
         let of_fit =
@@ -140,7 +143,7 @@ impl FitError {
     }
 }
 
-/// How well a fold predicts what was left out of it.
+/// Norms of the predictions of a fold for the samples that it leaves out.
 fn predicted(fold: &Fold, grey: bool) -> NormSums {
     let channels = if grey { 1 } else { 3 };
     let samples = &fold.left_out;

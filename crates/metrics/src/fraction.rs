@@ -1,4 +1,4 @@
-//! Fractions as people write them.
+//! Fractions and percentages of options.
 
 use brdfc_core::words::format_number;
 use serde::de::Error as _;
@@ -6,18 +6,18 @@ use serde::{Deserialize, Deserializer};
 use std::fmt;
 use std::str::FromStr;
 
-/// A share of something: `0.03` or `3%`. A bare number above 1 may be either, and is for [`Fraction::checked`] to refuse.
+/// A share: `0.03` or `3%`. A bare number above 1 is ambiguous; [`Fraction::checked`] rejects it.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Fraction {
     value: f64,
     is_percentage: bool,
 }
 
-/// What may stand in place of what is no fraction.
+/// Description of valid fractions, for messages.
 pub const ALLOWED: &str = "a fraction, such as 0.03, or a percentage, such as 3%";
 
 impl Fraction {
-    /// A bare number.
+    /// Creates a fraction from a bare number.
     pub fn bare(value: f64) -> Self {
         Self { value, is_percentage: false }
     }
@@ -25,10 +25,11 @@ impl Fraction {
     /// The share as a number, 0 or more.
     ///
     /// # Errors
-    /// What is allowed instead of a negative number, of what is no number, and of a bare number above 1.
+    /// Returns a description of valid values for a negative number, for text that is no number, and for a bare number
+    /// above 1.
     pub fn checked(self) -> Result<f64, String> {
         let Self { value, is_percentage } = self;
-        // No error is so large, and nobody wants to read it.
+        // No error is that large, and such numbers are unreadable.
         if !(0.0..=1e6).contains(&value) {
             return Err(ALLOWED.to_owned());
         }
@@ -43,7 +44,7 @@ impl Fraction {
     }
 }
 
-/// As it was written.
+/// Writes the fraction as the user wrote it.
 impl fmt::Display for Fraction {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         if self.is_percentage {
@@ -99,7 +100,7 @@ mod tests {
     }
 
     #[test]
-    fn what_may_mean_either_is_refused() {
+    fn ambiguous_numbers_are_rejected() {
         assert_eq!(checked("3").unwrap_err(), "a fraction or a percentage: write 0.03 or 3%");
         for text in ["-1", "-1%", "NaN", "inf", "x", "%", ""] {
             assert!(checked(text).unwrap_err().contains("such as 0.03"), "{text}");

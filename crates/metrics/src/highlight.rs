@@ -1,27 +1,27 @@
-//! Light in the highlight: what renderings of a ball hide where a highlight is narrower than a pixel, and what clipping at white
-//! hides where it is brighter.
+//! Light in the highlight. Renderings of a ball hide errors of highlights that are narrower than a pixel, and clipping
+//! at white hides those of brighter ones.
 
 use super::sampling::AlbedoPairs;
 use brdfc_core::words::percent;
 
 /// The highlight is where `f_r` is more than this share of its peak.
 const OF_PEAK: f64 = 0.1;
-/// Largest share of the hemisphere's projected solid angle that a highlight covers: what is wider is seen in renderings.
+/// Largest share of the hemisphere's projected solid angle that a highlight covers: renderings show wider ones.
 const WIDEST: f64 = 0.25;
-/// Least share of the reflected light that a highlight has to hold to count.
+/// Smallest share of the reflected light in a highlight that counts.
 const LEAST_LIGHT: f64 = 0.01;
-/// Largest incoming polar angle at which highlights are looked at, degrees: beyond it half of a lobe is below the horizon.
+/// Largest incoming polar angle of measured highlights, degrees: beyond it half of a lobe is below the horizon.
 const STEEPEST: f64 = 75.0;
 
-/// How much of a highlight an approximation keeps, at the incoming direction where it keeps least.
+/// Retained light of a highlight, at the incoming direction where the approximation retains least.
 #[derive(Debug, Clone, Copy, PartialEq, serde::Serialize, serde::Deserialize, schemars::JsonSchema)]
 pub struct HighlightError {
     /// Incoming polar angle, degrees.
     pub theta: f64,
     /// Share of the reflected light that is in the highlight.
     pub share: f64,
-    /// `∫ f cos θo dωo` of the approximation over the reference's highlight, as a ratio to the reference's: 1 where no light is
-    /// lost. The sum of the channels.
+    /// `∫ f cos θo dωo` of the approximation over the reference's highlight, as a ratio to the reference's: 1 if no
+    /// light is lost. The sum of the channels.
     pub light: f64,
     /// Largest value of the approximation in the highlight, as a ratio to the reference's.
     pub peak: f64,
@@ -30,12 +30,12 @@ pub struct HighlightError {
 }
 
 impl HighlightError {
-    /// The share of the light that is kept, at most 1.
+    /// Retained share of the light, at most 1.
     pub fn kept(&self) -> f64 {
         self.light.min(1.0)
     }
 
-    /// `37 % of its light at 15°, peak 1/265`.
+    /// Summary: `37 % of its light at 15°, peak 1/265`.
     pub fn in_words(&self) -> String {
         let peak = match self.peak {
             0.0 => "none".to_owned(),
@@ -58,7 +58,7 @@ pub(super) struct Highlight {
 }
 
 impl Highlight {
-    /// Of values at the pairs of an albedo; nothing where there is no highlight, or none that counts.
+    /// Finds the highlight in values at the pairs of an albedo; `None` if there is no highlight, or none that counts.
     pub(super) fn of(at: &AlbedoPairs, values: &[[f64; 3]]) -> Option<Self> {
         let grey: Vec<f64> = values.iter().map(mean).collect();
         let peak = grey.iter().copied().fold(0.0, f64::max);
@@ -71,8 +71,8 @@ impl Highlight {
         (peak > 0.0 && counts).then_some(Self { theta: at.angles[0], inside, light, share, peak })
     }
 
-    /// How much of it an approximation keeps, by its values at the same pairs.
-    pub(super) fn kept(&self, at: &AlbedoPairs, values: &[[f64; 3]]) -> HighlightError {
+    /// Measures the light that an approximation retains, from its values at the same pairs.
+    pub(super) fn retained(&self, at: &AlbedoPairs, values: &[[f64; 3]]) -> HighlightError {
         let grey: Vec<f64> = values.iter().map(mean).collect();
         let found = self.inside.iter().map(|k| grey[*k as usize]).fold(0.0, f64::max);
         HighlightError {
@@ -105,19 +105,20 @@ mod tests {
     }
 
     #[test]
-    fn what_has_no_highlight_loses_none() {
+    fn materials_without_highlight_lose_none() {
         assert_eq!(compared("synth:lambert", "synth:lambert?kd=0.1").highlight, None);
     }
 
     #[test]
-    fn the_same_material_keeps_all() {
+    fn the_same_material_retains_all() {
         let same = compared("synth:ggx?alpha=0.02", "synth:ggx?alpha=0.02").highlight.expect("a highlight");
         assert_eq!((same.light, same.peak), (1.0, 1.0), "{same:?}");
     }
 
-    /// A highlight that is gone is not to be seen on the ball, whose pixels are wider; here it is.
+    /// Pixels of the ball are wider than this highlight, so renderings do not show that it is missing; this measure
+    /// does.
     #[test]
-    fn a_narrow_highlight_that_is_missing_is_missed() {
+    fn a_missing_narrow_highlight_is_detected() {
         let gone = compared("synth:ggx?kd=0.5&alpha=0.003", "synth:lambert?kd=0.5");
         let highlight = gone.highlight.expect("a highlight");
         assert!(highlight.light < 0.05 && highlight.peak < 0.01, "{highlight:?}");

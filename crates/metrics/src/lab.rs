@@ -1,6 +1,7 @@
 //! CIE L*a*b* of linear RGB, fast enough for whole BTFs.
 
-/// Cube root of numbers from 0 to 1, within 1e-6 relative: a guess from the bits, then two steps of Halley's method.
+/// Cube root of numbers from 0 to 1, within 1e-6 relative: an initial guess from the bits, then two steps of Halley's
+/// method.
 #[inline]
 fn cube_root(x: f32) -> f32 {
     let guess = f32::from_bits(x.to_bits() / 3 + 0x2a51_37a0);
@@ -11,8 +12,8 @@ fn cube_root(x: f32) -> f32 {
     step(step(guess))
 }
 
-/// L*a*b* (D65) of linear RGB with the primaries of sRGB. White is (1, 1, 1); components are clipped to 0 to 1 first, as
-/// they are in a rendering.
+/// L*a*b* (D65) of linear RGB with the primaries of sRGB. White is (1, 1, 1); components are clipped to 0 to 1 first,
+/// as in a rendering.
 #[inline]
 pub fn lab(colour: [f32; 3]) -> [f32; 3] {
     let [r, g, b] = colour.map(|c| c.clamp(0.0, 1.0));
@@ -25,7 +26,7 @@ pub fn lab(colour: [f32; 3]) -> [f32; 3] {
     [116.0 * fy - 16.0, 500.0 * (fx - fy), 200.0 * (fy - fz)]
 }
 
-/// [`lab`] of several colours at once, by channel: the same bits, for which there are wide instructions.
+/// [`lab`] of several colours at once, by channel, with the same bits, but in wide instructions.
 pub fn lab_each<const N: usize>(colours: &[[f32; N]; 3]) -> [[f32; N]; 3] {
     let mut all = [[0.0; N]; 3];
     for k in 0..N {

@@ -1,4 +1,4 @@
-//! Error norms: how far one reflectance function is from another.
+//! Error norms: distances between reflectance functions.
 
 pub mod by_angle;
 pub mod compare;

@@ -1,14 +1,14 @@
-//! The error norms of `docs/accuracy.md`, over any number of samples, in a form that merges in order.
+//! The error norms of `docs/accuracy.md`, from sums that merge in a fixed order.
 
 use brdfc_formats::ErrorSummary;
 use brdfc_formats::vector_math::ln_1p;
 
-/// Samples with `f` below this fraction of the mean are left out of relative norms and counted apart.
+/// Samples with `f` below this fraction of the mean are left out of relative norms and counted separately.
 pub const RELATIVE_FLOOR: f64 = 1e-3;
 
-/// Bits of an f32 that are dropped to make a histogram bin: 256 bins per factor of two, 0.4 % wide.
+/// Number of low bits of an f32 that a histogram bin drops: 256 bins per factor of two, 0.4 % wide.
 const BIN_SHIFT: u32 = 15;
-/// Samples that are worked on at once in single precision.
+/// Number of samples processed at once in single precision.
 const LANES: usize = 256;
 /// Ratios outside 2^-40 to 2^40 fall into the first and the last bin.
 const FIRST_BIN: u32 = (127 - 40) << (23 - BIN_SHIFT);
@@ -25,7 +25,7 @@ pub struct Norms {
     pub rms: f64,
     /// `ε_r` of section 6.2 of Claustres et al. 2007: mean of `|f' - f| / f`, a fraction.
     pub relative_mean: f64,
-    /// Standard error of `ε_r`, as of as many independent samples.
+    /// Standard error of `ε_r`, assuming independent samples.
     pub relative_standard_error: f64,
     /// 95th percentile of `|f' - f| / f`, to 0.4 %.
     pub relative_p95: f64,
@@ -40,7 +40,7 @@ pub struct Norms {
 }
 
 impl Norms {
-    /// The form that a pack holds, with the largest difference of albedos and the reciprocity error.
+    /// The errors as a pack stores them, with the largest difference of albedos and the reciprocity error.
     pub fn summary(&self, albedo_max_difference: f64, reciprocity: f64) -> ErrorSummary {
         let narrow = |v: f64| (v as f32).min(f32::MAX);
         ErrorSummary {
@@ -59,13 +59,13 @@ impl Norms {
 }
 
 impl Norms {
-    /// Samples that the relative and log norms rest on.
+    /// Number of samples in the relative and log norms.
     pub fn counted(&self) -> u64 {
         self.samples - self.below_floor
     }
 }
 
-/// Sums on the way to [`Norms`]. Merging in a fixed order gives the same bits on any number of threads.
+/// Sums for [`Norms`]. Merging in a fixed order gives the same bits on any number of threads.
 #[derive(Debug, Clone)]
 pub struct NormSums {
     mean: f64,
@@ -81,7 +81,7 @@ pub struct NormSums {
 }
 
 impl NormSums {
-    /// No samples yet; `mean` is the `μ` that the floor refers to.
+    /// No samples; `mean` is the `μ` of the floor.
     pub fn new(mean: f64) -> Self {
         Self {
             mean,
@@ -102,7 +102,7 @@ impl NormSums {
         let difference = g - f;
         self.samples += 1;
         self.square += difference * difference;
-        // ln(1 + g c) - ln(1 + f c), as one logarithm that keeps small differences.
+        // ln(1 + g c) - ln(1 + f c), as one logarithm that preserves small differences.
         let cosine_log = (difference * cos_theta_i / (1.0 + f * cos_theta_i)).ln_1p();
         self.cosine_log_square += cosine_log * cosine_log;
         if f < RELATIVE_FLOOR * self.mean || f <= 0.0 {
@@ -118,8 +118,8 @@ impl NormSums {
         self.log_square += log * log;
     }
 
-    /// Adds many samples of one incoming cosine: references `f`, approximations `g`. The same norms as [`Self::add`] in
-    /// single precision, about 1e-6 of each sample's value.
+    /// Adds many samples with the same incoming cosine: references `f`, approximations `g`. The same norms as
+    /// [`Self::add`], in single precision: about 1e-6 of each sample's value.
     pub fn add_row(&mut self, f: &[f32], g: &[f32], cos_theta_i: f32) {
         let floor = ((RELATIVE_FLOOR * self.mean) as f32).max(f32::MIN_POSITIVE);
         let least = (1e-6 * self.mean) as f32;
@@ -131,7 +131,7 @@ impl NormSums {
             for k in 0..f.len() {
                 let d = g[k] - f[k];
                 let base = f[k].max(floor);
-                // Samples below the floor count as exact here, and are counted apart.
+                // Samples below the floor count as exact here; a separate count holds their number.
                 let above = if f[k] >= floor { 1.0 } else { 0.0 };
                 let l = above * ln_1p((g[k].max(least) - base) / base);
                 let c = ln_1p(d * cos_theta_i / (1.0 + f[k] * cos_theta_i));
@@ -144,7 +144,7 @@ impl NormSums {
             self.log_square += sum(&log[..n]);
             self.cosine_log_square += sum(&cosine_log[..n]);
             self.relative += sum(&relative[..n]);
-            // Squares of large ratios are no numbers in single precision.
+            // Squares of large ratios overflow in single precision.
             self.relative_square += relative[..n].iter().map(|ratio| f64::from(*ratio).powi(2)).sum::<f64>();
             for (k, ratio) in relative[..n].iter().enumerate() {
                 if f[k] >= floor {
@@ -172,7 +172,7 @@ impl NormSums {
         }
     }
 
-    /// The norms; all zero for no samples.
+    /// The norms; all zero without samples.
     pub fn norms(&self) -> Norms {
         let per = |sum: f64, count: u64| if count == 0 { 0.0 } else { sum / count as f64 };
         let counted = self.samples - self.below_floor;
@@ -211,7 +211,7 @@ fn bin_of(ratio: f32) -> usize {
     ((ratio.to_bits() >> BIN_SHIFT).saturating_sub(FIRST_BIN) as usize).min(BINS - 1)
 }
 
-/// Sum in a fixed order of eight strands, which vector code keeps.
+/// Sums in eight lanes and in a fixed order, which the compiler can vectorise.
 fn sum(values: &[f32]) -> f64 {
     let mut strands = [0.0f32; 8];
     let (groups, rest) = values.as_chunks::<8>();

@@ -1,4 +1,4 @@
-//! How different two materials look on a ball, without drawing one.
+//! Visible difference between two materials on a ball, without rendering one.
 
 use super::image::{Spread, colour_difference, shown_colour, spread};
 use super::sampling::{from_polar_cosine, points};
@@ -14,24 +14,24 @@ use rayon::prelude::*;
 use std::f64::consts::TAU;
 use std::sync::{Arc, OnceLock};
 
-/// Pixels across the ball.
+/// Diameter of the ball, pixels.
 const DIAMETER: usize = 160;
 /// Directions to the distant lights of the three renderings: from the side, from the viewer, and grazing.
 const LIGHTS: [Vector; 3] = [[-0.5, 0.6, 0.62], [0.2, 0.2, 0.96], [-0.9, 0.3, -0.1]];
-/// Pixels whose cosine to the light or to the viewer is not above this are left out.
+/// Pixels are left out if their cosine to the light or to the viewer is not above this.
 const LEAST_COSINE: f64 = 0.02;
-/// One of so many pixels is drawn where the mean of a difference is only estimated.
+/// One pixel in this many is drawn for estimates of a mean difference.
 const COARSE: usize = 8;
-/// Share of pixels whose largest channel is no brighter than white.
+/// Share of pixels whose largest channel is not brighter than white.
 const WHITE: f64 = 0.98;
 
-/// Colour differences between renderings of two materials: a ball of 160 pixels under each of three distant lights, seen from
-/// afar. White is the 98th percentile of the largest channel of the reference's three renderings.
+/// Colour differences between renderings of two materials: a ball of 160 pixels under each of three distant lights,
+/// with a distant viewer. White is the 98th percentile of the largest channel of the reference's three renderings.
 #[derive(Debug, Clone, PartialEq, Default, serde::Serialize, serde::Deserialize, schemars::JsonSchema)]
 pub struct RenderingError {
-    /// Pixels compared.
+    /// Number of compared pixels.
     pub pixels: usize,
-    /// What radiance is multiplied by; 1 where all is black.
+    /// Factor from radiance to display values; 1 if all pixels are black.
     pub exposure: f64,
     /// ΔE*ab (CIE 1976).
     pub delta_e: Spread,
@@ -40,7 +40,7 @@ pub struct RenderingError {
 }
 
 impl RenderingError {
-    /// The form that a pack holds.
+    /// The errors as a pack stores them.
     pub fn summary(&self) -> RenderingSummary {
         let [mean, p95, max] = [self.delta_e.mean, self.delta_e.p95, self.delta_e.max].map(|v| v as f32);
         RenderingSummary { mean, p95, max }
@@ -50,7 +50,7 @@ impl RenderingError {
 /// The direction pairs of the pixels of all three renderings. The tangent points along the ball's latitude.
 pub fn rendering_pairs() -> Arc<PairList> {
     static PAIRS: OnceLock<Arc<PairList>> = OnceLock::new();
-    PairList::kept(&PAIRS, || LIGHTS.into_par_iter().flat_map_iter(lit_by).collect())
+    PairList::cached(&PAIRS, || LIGHTS.into_par_iter().flat_map_iter(lit_by).collect())
 }
 
 /// The direction pairs of the pixels within a range of directions.
@@ -58,13 +58,13 @@ fn pairs_of(directions: DirectionRange) -> Arc<PairList> {
     if directions.is_all() { rendering_pairs() } else { Arc::new(PairList::new(pairs_within(directions))) }
 }
 
-/// Every eighth of them, for estimates.
+/// Every eighth pair, for estimates.
 pub(super) fn coarse_rendering_pairs(directions: DirectionRange) -> Arc<PairList> {
     Arc::new(PairList::new(pairs_of(directions).iter().copied().step_by(COARSE).collect()))
 }
 
-/// Direction pairs of pixels that show a range of directions: viewers as a ball from afar has them, which is by projected
-/// area, and lights from everywhere, by solid angle.
+/// Direction pairs of pixels within a range of directions: viewers by projected area, as on a distant ball, and lights
+/// from everywhere, by solid angle.
 fn pairs_within(directions: DirectionRange) -> Vec<DirectionPair> {
     let ([light_low, light_high], [view_low, view_high]) = (directions.light.sines(), directions.view.sines());
     let direction = |z: f64, turn: f64| from_polar_cosine(z, TAU * turn);
@@ -72,7 +72,7 @@ fn pairs_within(directions: DirectionRange) -> Vec<DirectionPair> {
         let view = (view_low.powi(2) + (view_high.powi(2) - view_low.powi(2)) * c).sqrt();
         DirectionPair::new(direction(light_low + (light_high - light_low) * a, b), direction(view, d))
     };
-    // Of a range along the horizon half is enough.
+    // For a range along the horizon half is enough.
     let [light_least, view_least] = [light_high, view_high].map(|highest| LEAST_COSINE.min(highest / 2.0));
     let shown = |pair: &DirectionPair| pair.incoming[2] > light_least && pair.outgoing[2] > view_least;
     points(1).take(rendering_pairs().len()).map(pair).filter(shown).collect()
@@ -101,7 +101,7 @@ fn lit_by(light: Vector) -> Vec<DirectionPair> {
     pairs
 }
 
-/// Renderings of a source, for others to be compared with.
+/// Renderings of a reference source.
 pub struct ReferenceRendering {
     pairs: Arc<PairList>,
     pixels: Vec<[f32; 3]>,
@@ -110,13 +110,14 @@ pub struct ReferenceRendering {
 }
 
 impl ReferenceRendering {
-    /// Renderings of a source, and what it had to repair. Within a range of directions they are not of a ball, of which little
-    /// may be left, but of as many pixels that are spread over it: viewers by projected area, lights by solid angle.
+    /// Renders a source. The tally counts its repairs. For a range of directions the pixels are not those of a ball,
+    /// which might show little of the range, but as many pixels spread over the range: viewers by projected area,
+    /// lights by solid angle.
     pub fn new(source: &dyn Source, directions: DirectionRange) -> (Self, Tally) {
         Self::of_pairs(source, pairs_of(directions))
     }
 
-    /// Pixels of these direction pairs.
+    /// Renders pixels with these direction pairs.
     pub(super) fn of_pairs(source: &dyn Source, pairs: Arc<PairList>) -> (Self, Tally) {
         let (pixels, tally) = pixels(source, &pairs);
         let exposure = exposure(&pixels);
@@ -124,12 +125,12 @@ impl ReferenceRendering {
         (Self { pairs, pixels, colours, exposure }, tally)
     }
 
-    /// What radiance is multiplied by to be shown.
+    /// Factor from radiance to display values.
     pub fn exposure(&self) -> f64 {
         self.exposure
     }
 
-    /// Compares renderings of an approximation with them. Pixels that hold no number in either are left out.
+    /// Compares renderings of an approximation with the reference. Pixels that are not finite in either are left out.
     pub fn compare(&self, approximation: &dyn Source) -> RenderingError {
         let (found, _) = pixels(approximation, &self.pairs);
         let difference = |(k, found): (usize, &[f32; 3])| {
@@ -193,7 +194,7 @@ mod tests {
         assert!(same.pixels > 40_000, "{}", same.pixels);
     }
 
-    /// A matte ball shows `f cos θ` under white at the 98th percentile: L* of the mean is that of known numbers.
+    /// A matte ball shows `f cos θ` under white at the 98th percentile, so L* of its mean is known.
     #[test]
     fn a_darker_grey_has_a_known_difference() {
         let half = error("synth:lambert?kd=0.8", "synth:lambert?kd=0.4");
@@ -201,13 +202,13 @@ mod tests {
         let largest = 116.0 * (1.0 - 0.5f64.cbrt());
         assert!((half.delta_e.max - largest).abs() < 0.05, "{half:?}");
         assert!(half.delta_e.mean > 0.6 * largest && half.delta_e.mean < largest, "{half:?}");
-        // Brightness is exposed away, so that it does not matter how bright both are.
+        // The exposure normalises brightness: the brightness of the two does not matter.
         let darker = error("synth:lambert?kd=0.08", "synth:lambert?kd=0.04");
         assert!((darker.delta_e.mean - half.delta_e.mean).abs() < 1e-3);
     }
 
-    /// Over the whole range they are as different as on a ball, which is lit by three lights alone; and of a narrow one
-    /// there are as many pixels.
+    /// Over the full range the difference is as on a ball, although that has three lights only. A narrow range has as
+    /// many pixels.
     #[test]
     fn a_range_of_directions_is_as_a_ball_where_it_is_wide() {
         let [a, b] = ["synth:ggx?alpha=0.3", "synth:ggx?alpha=0.34"].map(|address| parse_synth(address).unwrap());

@@ -1,4 +1,4 @@
-//! Fixed sets of directions to compare at: the same on every run and machine.
+//! Fixed sets of directions for comparisons: the same in every run and on every machine.
 
 use brdfc_core::pair_list::PairList;
 use brdfc_formats::crop::{DirectionRange, Elevations};
@@ -9,41 +9,42 @@ use rayon::prelude::*;
 use std::f64::consts::{FRAC_PI_2, FRAC_PI_4, PI, TAU};
 use std::sync::{Arc, OnceLock};
 
-/// Pairs of [`PairSet::comparison`] with both directions uniform over the hemisphere's solid angle.
+/// Number of pairs of [`PairSet::comparison`] with both directions uniform over the hemisphere's solid angle.
 pub const UNIFORM_PAIRS: usize = 1 << 15;
-/// Pairs near the mirror direction: half vectors up to 45 degrees off the normal, denser by the square root towards it.
+/// Number of pairs near the mirror direction: half vectors up to 45 degrees from the normal, denser by the square root
+/// towards it.
 pub const MIRROR_PAIRS: usize = 1 << 14;
-/// Pairs of which one direction is 75 to 88 degrees off the normal, the incoming and the outgoing in turn.
+/// Number of pairs with one direction 75 to 88 degrees from the normal, alternately the incoming and the outgoing one.
 pub const GRAZING_PAIRS: usize = 1 << 14;
 
-/// Direction pairs to compare at.
+/// Direction pairs of a comparison.
 #[derive(Debug, Clone, PartialEq)]
 pub struct PairSet {
     /// The pairs.
     pub pairs: Arc<PairList>,
-    /// How many of them, from the first on, are what the mean is of.
+    /// Number of pairs, from the first on, that the mean is computed from.
     pub of_mean: usize,
-    /// Where renderings and albedos are compared.
+    /// Directions in which renderings and albedos are compared.
     pub directions: DirectionRange,
 }
 
 impl PairSet {
-    /// Any pairs; the mean is of all.
+    /// A set of any pairs; the mean is over all.
     pub fn new(pairs: Vec<DirectionPair>) -> Self {
         Self { of_mean: pairs.len(), pairs: Arc::new(PairList::new(pairs)), directions: DirectionRange::ALL }
     }
 
-    /// The direction pairs at which sources are compared off any grid: 65,536, the same on every run, spread evenly in three
-    /// strata. They depend on no codec, so that errors at them compare between any two packs. The mean is of the uniform
-    /// ones: where light is mirrored at grazing angles few pairs would outweigh all others.
+    /// The independent test directions of comparisons: 65,536 pairs, the same in every run, spread evenly in three
+    /// strata. They depend on no codec, so errors of any two packs are comparable. The mean is over the uniform ones: a
+    /// few pairs with mirrored light at grazing angles would dominate it otherwise.
     pub fn comparison() -> Self {
         static PAIRS: OnceLock<Arc<PairList>> = OnceLock::new();
-        let pairs = PairList::kept(&PAIRS, comparison_pairs);
+        let pairs = PairList::cached(&PAIRS, comparison_pairs);
         Self { pairs, of_mean: UNIFORM_PAIRS, directions: DirectionRange::ALL }
     }
 
-    /// Those of a pack that is for a range of directions: as many uniform ones, all within it; of the other strata, those
-    /// that are.
+    /// Test pairs of a pack for a range of directions: as many uniform ones, all within the range, and those pairs of
+    /// the other strata that are within it.
     pub fn within(directions: DirectionRange) -> Self {
         let all = Self::comparison();
         if directions.is_all() {
@@ -85,16 +86,16 @@ fn comparison_pairs() -> Vec<DirectionPair> {
     pairs
 }
 
-/// Points of the unit cube of four dimensions that fill it evenly: multiples of the powers of `1/g`, where `g` is the root
-/// of `g^5 = g + 1` (Roberts 2018, "The unreasonable effectiveness of quasirandom sequences"), from the one of this number
-/// on.
+/// Points that fill the four-dimensional unit cube evenly: multiples of the powers of `1/g`, where `g` is the root of
+/// `g^5 = g + 1` (Roberts 2018, "The unreasonable effectiveness of quasirandom sequences"), starting with number
+/// `first`.
 pub fn points(first: u32) -> impl Iterator<Item = [f64; 4]> {
     const G: f64 = 1.167_303_978_261_418_7;
     let steps = [1.0 / G, 1.0 / (G * G), 1.0 / (G * G * G), 1.0 / (G * G * G * G)];
     (first..).map(move |k| steps.map(|step| (0.5 + f64::from(k) * step).fract()))
 }
 
-/// The unit vector of this z and azimuth, radians.
+/// Unit vector with this z and azimuth, radians.
 pub(super) fn from_polar_cosine(z: f64, phi: f64) -> Vector {
     let r = (1.0 - z * z).max(0.0).sqrt();
     [r * phi.cos(), r * phi.sin(), z]
@@ -128,21 +129,23 @@ pub fn cosine_directions(side: usize) -> Vec<Vector> {
 
 /// Directions per axis of each half of [`albedo_samples`].
 const ALBEDO_SIDE: usize = 16;
-/// Smallest angle between half vector and normal that lobes are looked for at, radians.
+/// Smallest sampled angle between half vector and normal, radians.
 const NARROWEST: f64 = 1e-4;
 
-/// Outgoing directions and what each counts in `∫ f cos θo dωo` at an incoming direction, which is the sum of `f` times that.
+/// Outgoing directions and their weights in `∫ f cos θo dωo` at an incoming direction: the integral is the weighted sum
+/// of `f`.
 ///
-/// Half of them have cosine density, half reflect the light at half vectors whose angle to the normal is spread over its
-/// logarithm, so that lobes of any width are met. Both are weighted by the balance heuristic (Veach and Guibas 1995). Those below the
-/// horizon are left out. A matte white has 1 exactly, narrow lobes are within a few percent.
+/// Half of them have cosine density. The other half reflect the light at half vectors whose angle to the normal is
+/// spread over its logarithm, so that they hit lobes of any width. Both are weighted by the balance heuristic (Veach
+/// and Guibas 1995). Directions below the horizon are left out. A matte white has 1 exactly, narrow lobes are within a
+/// few percent.
 pub fn albedo_samples(incoming: Vector) -> Vec<(Vector, f64)> {
     let cosine = cosine_directions(ALBEDO_SIDE);
     let step = 1.0 / ALBEDO_SIDE as f64;
     let widths = (FRAC_PI_2 / NARROWEST).ln();
     let mirrored = (0..ALBEDO_SIDE * ALBEDO_SIDE).map(|k| {
         let t = ((k / ALBEDO_SIDE) as f64 + 0.5) * step;
-        // Rings are turned against each other.
+        // Rings are rotated against each other.
         let phi = ((k % ALBEDO_SIDE) as f64 + 0.5 + 0.618 * (k / ALBEDO_SIDE) as f64) * step * TAU;
         let half = from_polar(FRAC_PI_2 * ((t - 1.0) * widths).exp(), phi);
         let twice = 2.0 * dot(incoming, half);
@@ -158,25 +161,25 @@ pub fn albedo_samples(incoming: Vector) -> Vec<(Vector, f64)> {
         (outgoing, outgoing[2] / (density * cosine.len() as f64))
     };
     let mut samples: Vec<(Vector, f64)> = cosine.iter().copied().chain(mirrored).filter(seen).map(counted).collect();
-    // Exact for what is matte.
+    // Exact for matte materials.
     let white: f64 = samples.iter().map(|(_, counted)| counted / PI).sum();
     samples.iter_mut().for_each(|(_, counted)| *counted /= white);
     samples
 }
 
-/// Polar angles that albedos are found at, in steps of 5 degrees.
+/// Number of polar angles of albedos, in steps of 5 degrees.
 const ALBEDO_STEPS: usize = 18;
 
-/// Where an albedo is found.
+/// Direction pairs of an albedo.
 #[derive(Debug, Clone)]
 pub struct AlbedoPairs {
     /// Polar angle and azimuth of the incoming direction, degrees.
     pub angles: [f64; 2],
     /// The incoming direction.
     pub incoming: Vector,
-    /// It and each outgoing one of [`albedo_samples`].
+    /// Pairs with each outgoing direction of [`albedo_samples`].
     pub pairs: PairList,
-    /// What each counts.
+    /// Weight of each pair.
     pub counted: Vec<f64>,
 }
 
@@ -190,8 +193,8 @@ impl AlbedoPairs {
         Self { angles: [theta, phi], incoming, pairs: PairList::new(pairs), counted }
     }
 
-    /// Those for albedo curves: incoming directions from 0 to 85 degrees in steps of 5, at the azimuths 0 and, for anisotropic
-    /// materials, 90 degrees.
+    /// Pairs of albedo curves: incoming directions from 0 to 85 degrees in steps of 5, at the azimuths 0 and, for
+    /// anisotropic materials, 90 degrees.
     pub fn of_curves(isotropic: bool) -> Vec<&'static Self> {
         static ALL: [OnceLock<AlbedoPairs>; 2 * ALBEDO_STEPS] = [const { OnceLock::new() }; 2 * ALBEDO_STEPS];
         let count = if isotropic { ALBEDO_STEPS } else { 2 * ALBEDO_STEPS };
@@ -199,7 +202,7 @@ impl AlbedoPairs {
         ALL[..count].par_iter().enumerate().map(|(k, cell)| cell.get_or_init(|| Self::new(angles(k)))).collect()
     }
 
-    /// Those of them that are within a range of outgoing directions.
+    /// The pairs within a range of outgoing directions.
     pub fn within(&self, view: Elevations) -> Self {
         let inside = self.pairs.iter().zip(&self.counted).filter(|(pair, _)| view.contain(pair.outgoing));
         let (pairs, counted) = inside.map(|(pair, counted)| (*pair, *counted)).unzip();
@@ -247,8 +250,8 @@ mod tests {
         assert_eq!(PairSet::within(DirectionRange::ALL), PairSet::comparison());
     }
 
-    /// Known albedos: of a matte white, and of the part of a lobe around the mirror direction, however narrow: `f` is such that
-    /// what it sends out is the solid angle of half vectors within `width`.
+    /// Known albedos: of a matte white, and of the part of a lobe of any width around the mirror direction: `f` makes
+    /// the reflected light equal to the solid angle of half vectors within `width`.
     #[test]
     fn albedos_of_lobes_of_any_width() {
         for theta in [0.0, 0.5, 1.2, 1.45] {
@@ -274,12 +277,12 @@ mod tests {
         }
     }
 
-    /// Means over the uniform pairs are integrals: far closer than as many random ones.
+    /// Means over the uniform pairs are integrals, far more accurate than with as many random pairs.
     #[test]
     fn uniform_pairs_integrate() {
         let pairs = &PairSet::comparison().pairs[..UNIFORM_PAIRS];
         let mean = |f: &dyn Fn(&DirectionPair) -> f64| pairs.iter().map(f).sum::<f64>() / pairs.len() as f64;
-        // Of random ones the standard error would be 1.6e-3.
+        // The standard error with random pairs would be 1.6e-3.
         assert!((mean(&|pair| pair.incoming[2]) - 0.5).abs() < 4e-4);
         assert!((mean(&|pair| pair.outgoing[2].powi(2)) - 1.0 / 3.0).abs() < 4e-4);
         assert!(mean(&|pair| pair.incoming[0] * pair.outgoing[0]).abs() < 1e-3);

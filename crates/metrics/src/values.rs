@@ -8,7 +8,7 @@ use rayon::prelude::*;
 /// Direction pairs per unit of parallel work: fixed, so that sums do not depend on threads.
 pub const CHUNK: usize = BLOCK;
 
-/// Values of a source at direction pairs, with what had to be repaired.
+/// Evaluates a source at direction pairs. The tally counts repairs.
 pub fn values_at(source: &dyn Source, pairs: &[DirectionPair]) -> (Vec<[f64; 3]>, Tally) {
     each_chunk(pairs.len(), |number, values, tally| {
         for (value, pair) in values.iter_mut().zip(&pairs[number * CHUNK..]) {
@@ -17,7 +17,7 @@ pub fn values_at(source: &dyn Source, pairs: &[DirectionPair]) -> (Vec<[f64; 3]>
     })
 }
 
-/// The same of a list that other sources are evaluated at, too.
+/// Evaluates a source at a list of pairs that other sources share.
 pub fn values_of_list(source: &dyn Source, list: &PairList) -> (Vec<[f64; 3]>, Tally) {
     let fill =
         |number, values: &mut [[f64; 3]], tally: &mut Tally| source.eval_block(list.block(number), tally, values);

@@ -1,5 +1,5 @@
-//! Packs evaluated at direction pairs by the shader: what tests hold against the CPU decoder, and what throughput is
-//! measured on.
+//! Packs evaluated at direction pairs by the shader, for comparison with the CPU decoder and for throughput
+//! measurements.
 
 use super::items::{ItemPipeline, Items};
 use brdfc_formats::bindings::FrameBlock;
@@ -12,32 +12,32 @@ use brdfc_gpu::bindings::Slots;
 use brdfc_gpu::{Gpu, GpuError, SliceFilter, pack};
 use wgpu::ShaderStages;
 
-/// The compute entry point over the decoder.
+/// The compute entry point with the decoder of wavelet packs.
 pub const EVALUATE_WGSL: &str =
     concat!(include_str!("evaluate_wavelet.wgsl"), include_str!("evaluate.wgsl"), include_str!("items.wgsl"));
 
-/// The same over the decoder of table packs.
+/// The compute entry point with the decoder of table packs.
 pub const EVALUATE_TABLE_WGSL: &str =
     concat!(include_str!("evaluate_table.wgsl"), include_str!("evaluate.wgsl"), include_str!("items.wgsl"));
 
-/// The entry point alone, for a decoder that has the functions that it calls.
+/// The entry point alone, for a decoder with the functions that it calls.
 pub const EVALUATE_ENTRY_WGSL: &str = concat!(include_str!("evaluate.wgsl"), include_str!("items.wgsl"));
 
-/// Most pairs at once: 32 bytes each in two buffers, within what every adapter binds.
+/// Maximum number of pairs at once: 32 bytes each in two buffers, within the limits of every adapter.
 const MAX_PAIRS: usize = 1 << 21;
 
-/// What the shader returns for a pair.
+/// Result of the shader for a pair.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Evaluated {
-    /// `ln(f / μ + ε)`; 0 where a direction is not above the horizon.
+    /// `ln(f / μ + ε)`; 0 if a direction is not above the horizon.
     pub log_value: [f32; 3],
     /// `f_r`, 1/sr.
     pub f_r: [f32; 3],
-    /// What the function `fetches` of the entry point returns: 0 unless the source was instrumented.
+    /// Result of the entry point's function `fetches`: 0 unless the source is instrumented.
     pub fetches: f32,
 }
 
-/// A pack on the device, with the filter that it is evaluated with.
+/// A pack on the device, with its filter.
 pub struct LoadedPack {
     group: wgpu::BindGroup,
 }
@@ -46,8 +46,8 @@ pub struct LoadedPack {
 pub struct Evaluator<'g> {
     pipeline: ItemPipeline<'g>,
     slots: Slots,
-    /// The variable `change` of the entry point, for decoders in which a test made changes that depend on it. It is that of pairs
-    /// which are loaded from then on.
+    /// Value of the entry point's variable `change`, for decoders in which a test made changes that depend on it.
+    /// Applies to pairs that are loaded afterwards.
     pub change: u32,
 }
 
@@ -60,7 +60,7 @@ impl<'g> Evaluator<'g> {
     /// Compiles the shipped shader of wavelet packs.
     ///
     /// # Errors
-    /// What the driver reports.
+    /// Returns an error that the driver reports.
     pub fn new(gpu: &'g Gpu) -> Result<Self, GpuError> {
         Self::with_shaders(gpu, WAVELET_BRDF_WGSL, EVALUATE_WGSL)
     }
@@ -68,15 +68,15 @@ impl<'g> Evaluator<'g> {
     /// Compiles the shipped shader of table packs.
     ///
     /// # Errors
-    /// What the driver reports.
+    /// Returns an error that the driver reports.
     pub fn of_tables(gpu: &'g Gpu) -> Result<Self, GpuError> {
         Self::with_shaders(gpu, TABLE_BRDF_WGSL, EVALUATE_TABLE_WGSL)
     }
 
-    /// Compiles the shipped shader of a codec of BRDFs, for `f_r` alone: log values are 0.
+    /// Compiles the shipped shader of a BRDF codec, for `f_r` alone: log values are 0.
     ///
     /// # Errors
-    /// What the driver reports.
+    /// Returns an error that the driver reports.
     pub fn of(gpu: &'g Gpu, kind: PackKind, brdf: BrdfShader) -> Result<Self, GpuError> {
         let BrdfShader { either, level_of_detail, .. } = brdf;
         let calls = format!(
@@ -88,31 +88,31 @@ impl<'g> Evaluator<'g> {
         Self::with_shaders(gpu, &(kind.descriptor().wgsl)(), &(calls + EVALUATE_ENTRY_WGSL))
     }
 
-    /// Compiles other sources, such as instrumented ones. `entry` is pasted behind `decoder`.
+    /// Compiles other sources, such as instrumented ones. `entry` is appended to `decoder`.
     ///
     /// # Errors
-    /// Sources that do not validate, with the compiler's message.
+    /// Returns an error with the compiler's message if a source does not validate.
     pub fn with_shaders(gpu: &'g Gpu, decoder: &str, entry: &str) -> Result<Self, GpuError> {
         let slots = pack::slots(gpu, ShaderStages::COMPUTE);
         let pipeline = ItemPipeline::new(gpu, "evaluate", format!("{decoder}\n{entry}"), &slots.layout)?;
         Ok(Self { pipeline, slots, change: 0 })
     }
 
-    /// Uploads a pack of the codec whose shader was compiled. `filter` is that of wavelet packs.
+    /// Uploads a pack of the compiled shader's codec. `filter` is that of wavelet packs.
     ///
     /// # Errors
-    /// What the driver reports.
+    /// Returns an error that the driver reports.
     pub fn load(&self, pack: &BrdfPack, filter: Filter) -> Result<LoadedPack, GpuError> {
         let frame = FrameBlock { blend: filter, ..FrameBlock::default() };
         let group = self.slots.bind(self.pipeline.gpu(), &pack.bindings().all, frame, &[])?;
         Ok(LoadedPack { group })
     }
 
-    /// Uploads at most 2 million pairs, with the level of detail and the way that slices are filtered. A negative level
-    /// is minus the distance from which the shader finds the level.
+    /// Uploads at most 2 million pairs, with the level of detail and the unit that filters slices. A negative level is
+    /// minus the distance that determines the level in the shader.
     ///
     /// # Errors
-    /// Too many pairs; what the driver reports.
+    /// Returns an error for too many pairs; any error that the driver reports.
     pub fn load_pairs(
         &self,
         pairs: &[DirectionPair],
@@ -120,17 +120,18 @@ impl<'g> Evaluator<'g> {
         slices: SliceFilter,
     ) -> Result<LoadedPairs, GpuError> {
         if pairs.len() > MAX_PAIRS {
-            return Err(GpuError::TooLarge(format!("{} direction pairs at once; at most {MAX_PAIRS}", pairs.len())));
+            let text = format!("found {} direction pairs, expected at most {MAX_PAIRS}", pairs.len());
+            return Err(GpuError::TooLarge(text));
         }
         let words: Vec<[f32; 8]> = pairs.iter().map(pair_words).collect();
         let mode = self.change << 1 | u32::from(slices == SliceFilter::Hardware);
         Ok(LoadedPairs { items: self.pipeline.load(&words, pairs.len(), 32, [level.to_bits(), mode])? })
     }
 
-    /// Evaluates once and waits for it, without reading back.
+    /// Evaluates once and waits until it is done, without reading back.
     ///
     /// # Errors
-    /// What the driver reports.
+    /// Returns an error that the driver reports.
     pub fn run(&self, pack: &LoadedPack, pairs: &LoadedPairs) -> Result<(), GpuError> {
         self.pipeline.run(&pairs.items, &pack.group)
     }
@@ -138,7 +139,7 @@ impl<'g> Evaluator<'g> {
     /// Evaluates and reads back, in the order of `pairs`. `level` as in [`Self::load_pairs`].
     ///
     /// # Errors
-    /// What the driver reports.
+    /// Returns an error that the driver reports.
     pub fn eval(
         &self,
         pack: &LoadedPack,

@@ -1,4 +1,4 @@
-//! Any WGSL function over a list of numbers: what tests hold against its CPU twin.
+//! Any WGSL function over a list of numbers, for comparison with its CPU twin.
 
 use super::items::ItemPipeline;
 use brdfc_formats::bindings::{Binding, FrameBlock};
@@ -9,7 +9,7 @@ use wgpu::{BindGroup, ShaderStages};
 /// The compute entry point: it calls `fn compute(at: u32)`, which reads `input` and writes `output`.
 pub const COMPUTE_WGSL: &str = concat!(include_str!("compute.wgsl"), include_str!("items.wgsl"));
 
-/// Most numbers in or out at once, within what every adapter binds.
+/// Maximum number of numbers in or out at once, within the limits of every adapter.
 const MAX_NUMBERS: usize = 1 << 24;
 
 /// A compiled shader with its resources.
@@ -19,11 +19,11 @@ pub struct Compute<'g> {
 }
 
 impl<'g> Compute<'g> {
-    /// Compiles `source`, which defines `compute(at: u32)`, in front of [`COMPUTE_WGSL`], and uploads what its group 1
-    /// has bound.
+    /// Compiles `source`, which defines `compute(at: u32)`, followed by [`COMPUTE_WGSL`], and uploads the bindings of
+    /// its group 1.
     ///
     /// # Errors
-    /// A source that does not validate, with the compiler's message; textures that do not fit.
+    /// Returns an error if the source does not validate, with the compiler's message, or if textures do not fit.
     pub fn new(gpu: &'g Gpu, source: &str, bindings: &[Binding<'_>], frame: FrameBlock) -> Result<Self, GpuError> {
         let slots = Slots::of(gpu, "bindings", ShaderStages::COMPUTE, bindings);
         let bound = slots.bind(gpu, bindings, frame, &[])?;
@@ -31,16 +31,18 @@ impl<'g> Compute<'g> {
         Ok(Self { pipeline, bound })
     }
 
-    /// Runs over `count` items and reads back: `width` numbers of `input` belong to an item, and `width_out` numbers of
-    /// the output.
+    /// Runs over `count` items and reads back. Each item has `width` numbers of `input` and `width_out` numbers of the
+    /// output.
     ///
     /// # Errors
-    /// An input of another length, too many numbers; what the driver reports.
+    /// Returns an error for an input of another length or too many numbers; any error that the driver reports.
     pub fn run(&self, input: &[f32], width: usize, width_out: usize) -> Result<Vec<f32>, GpuError> {
         let count = input.len() / width.max(1);
         let numbers = count.saturating_mul(width_out.max(width));
         if count * width != input.len() || numbers > MAX_NUMBERS {
-            let text = format!("{} numbers in items of {width} and {width_out}; at most {MAX_NUMBERS}", input.len());
+            let found = input.len();
+            let text =
+                format!("found {found} numbers in items of {width} and {width_out}, expected at most {MAX_NUMBERS}");
             return Err(GpuError::TooLarge(text));
         }
         if count * width_out == 0 {

@@ -1,4 +1,4 @@
-// Evaluates a pack at a list of direction pairs, one per item. Stands behind the decoder of its codec and
+// Evaluates a pack at a list of direction pairs, one per item. Goes after the decoder of its codec and
 // `evaluate_wavelet.wgsl` or `evaluate_table.wgsl`, before `items.wgsl`.
 
 struct Pair {
@@ -7,7 +7,7 @@ struct Pair {
 }
 
 struct Values {
-    log_value: vec4<f32>, // ln(f / μ + ε), and the fetch count where the source was instrumented
+    log_value: vec4<f32>, // ln(f / μ + ε), and the fetch count if the source is instrumented
     f_r: vec4<f32>,
 }
 
@@ -18,11 +18,11 @@ fn fetches() -> f32 {
     return 0.0;
 }
 
-// Which of the changes that a test made to a shader is in force, from 1 on; 0 where none is.
+// Number of the active change that a test made to a shader, from 1; 0 for none.
 var<private> change: u32 = 0u;
 
-// The parameters are a level of detail, a negative one minus the distance that it follows from, and in the last bit 1 where the
-// sampler filters slices, 0 for manual weights; above it the change.
+// The parameters are a level of detail (negative: minus the distance that determines it), and flags: the last bit is 1
+// if the sampler filters slices, 0 for manual weights; the bits above are the change.
 fn compute(at: u32) {
     let wi = pairs[at].incoming.xyz;
     let wo = pairs[at].outgoing.xyz;

@@ -1,5 +1,5 @@
-// Evaluates a flat BTF at a list of queries, one per item. Stands between `formats/src/flat_btf/decoder.wgsl`
-// and `items.wgsl`.
+// Evaluates a flat BTF at a list of queries, one per item. Goes between `formats/src/flat_btf/decoder.wgsl` and
+// `items.wgsl`.
 
 struct FlatBtfQuery {
     uv: vec4<f32>,

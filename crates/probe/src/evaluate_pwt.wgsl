@@ -1,5 +1,5 @@
-// Evaluates a polynomial wavelet tree at a list of queries, one per item. Stands between `formats/src/pwt/pwt.wgsl`
-// and `items.wgsl`.
+// Evaluates a polynomial wavelet tree at a list of queries, one per item. Goes between `formats/src/pwt/pwt.wgsl` and
+// `items.wgsl`.
 
 struct PwtQuery {
     place: vec4<f32>, // uv and level
@@ -7,7 +7,7 @@ struct PwtQuery {
 }
 
 struct PwtAnswer {
-    channels: vec4<f32>, // and the fetch count where the source was instrumented
+    channels: vec4<f32>, // and the fetch count if the source is instrumented
     value: vec4<f32>,
 }
 

@@ -1,4 +1,4 @@
-// What `evaluate.wgsl` calls, of table packs.
+// Functions that `evaluate.wgsl` calls, for table packs.
 
 fn log_value_of(wi: vec3<f32>, wo: vec3<f32>, level: f32, hardware: bool) -> vec3<f32> {
     let values = table_brdf_log_values(wi, wo, level, hardware);

@@ -1,4 +1,4 @@
-// What `evaluate.wgsl` calls, of wavelet packs.
+// Functions that `evaluate.wgsl` calls, for wavelet packs.
 
 fn log_value_of(wi: vec3<f32>, wo: vec3<f32>, level: f32, hardware: bool) -> vec3<f32> {
     return wavelet_brdf_log_value(wi, wo, level, hardware);

@@ -1,4 +1,4 @@
-//! Flat BTFs evaluated by the shader: what tests hold against the CPU decoder.
+//! Flat BTFs evaluated by the shader, for comparison with the CPU decoder.
 
 use super::items::ItemPipeline;
 use brdfc_formats::bindings::FrameBlock;
@@ -11,10 +11,10 @@ use wgpu::ShaderStages;
 /// The compute entry point over the decoder.
 pub const EVALUATE_FLAT_BTF_WGSL: &str = concat!(include_str!("evaluate_flat_btf.wgsl"), include_str!("items.wgsl"));
 
-/// Most queries at once: 112 bytes each, within what every adapter binds.
+/// Maximum number of queries at once: 112 bytes each, within the limits of every adapter.
 const MAX_QUERIES: usize = 1 << 20;
 
-/// Where, from where and under which light a flat BTF is looked at.
+/// Point, viewer and light at which a flat BTF is evaluated.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct FlatBtfQuery {
     /// Point of the reference plane, in tiles.
@@ -29,10 +29,10 @@ pub struct FlatBtfQuery {
     pub lights: ViewWeights,
 }
 
-/// What the shader returns for a query.
+/// Result of the shader for a query.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct FlatBtfAnswer {
-    /// Parameters and height of what is seen.
+    /// Parameters and height of the visible point.
     pub indirection: [f32; 3],
     /// The full form; zero without views.
     pub full: [f32; 3],
@@ -55,15 +55,15 @@ impl<'g> FlatBtfEvaluator<'g> {
     /// Compiles the shipped shader.
     ///
     /// # Errors
-    /// What the driver reports.
+    /// Returns an error that the driver reports.
     pub fn new(gpu: &'g Gpu) -> Result<Self, GpuError> {
         Self::with_shader(gpu, FLAT_BTF_WGSL)
     }
 
-    /// Compiles another decoder, such as a broken one.
+    /// Compiles another decoder, such as a deliberately broken one.
     ///
     /// # Errors
-    /// A source that does not validate, with the compiler's message.
+    /// Returns an error with the compiler's message if the source does not validate.
     pub fn with_shader(gpu: &'g Gpu, decoder: &str) -> Result<Self, GpuError> {
         let slots = flat_textures::slots(gpu, ShaderStages::COMPUTE);
         let source = format!("{decoder}\n{EVALUATE_FLAT_BTF_WGSL}");
@@ -71,10 +71,10 @@ impl<'g> FlatBtfEvaluator<'g> {
         Ok(Self { pipeline, slots })
     }
 
-    /// Uploads the parts. Without views the texture of the full form is one empty texel.
+    /// Uploads a flat BTF. Without views the texture of the full form is one empty texel.
     ///
     /// # Errors
-    /// More than the adapter takes; what the driver reports.
+    /// Returns an error for more than the adapter takes; any error that the driver reports.
     pub fn load(&self, decoder: &FlatBtfDecoder, frame: FrameBlock) -> Result<LoadedFlatBtf, GpuError> {
         let gpu = self.pipeline.gpu();
         Ok(LoadedFlatBtf { group: flat_textures::upload(gpu, &self.slots, decoder, frame, true, None)? })
@@ -83,7 +83,7 @@ impl<'g> FlatBtfEvaluator<'g> {
     /// Evaluates and reads back, in the order of `queries`.
     ///
     /// # Errors
-    /// What the driver reports.
+    /// Returns an error that the driver reports.
     pub fn eval(&self, loaded: &LoadedFlatBtf, queries: &[FlatBtfQuery]) -> Result<Vec<FlatBtfAnswer>, GpuError> {
         let mut all = Vec::with_capacity(queries.len());
         for chunk in queries.chunks(MAX_QUERIES) {

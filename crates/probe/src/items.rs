@@ -1,4 +1,4 @@
-//! Shaders that go over a list of items, one per invocation: what evaluates packs at queries, and any function of numbers.
+//! Compute shaders over a list of items, one per invocation, which evaluate packs or any function of numbers.
 
 use brdfc_gpu::bindings::{self, UNIFORM, buffer_type};
 use brdfc_gpu::{Gpu, GpuError};
@@ -10,9 +10,9 @@ use wgpu::{
 
 /// Invocations of a workgroup.
 const GROUP: u32 = 64;
-/// Workgroups of a row; more go to the next row.
+/// Workgroups per row of a dispatch; further groups go to the next row.
 const ROW_OF_GROUPS: u32 = 1024;
-/// Bytes that stand in for the items of an empty list, as no binding is empty: those of the largest item or more.
+/// Padding for an empty list, since no binding may be empty: at least as many bytes as the largest item.
 const NO_ITEMS: [u8; 256] = [0; 256];
 
 /// A compiled shader.
@@ -33,7 +33,7 @@ impl<'g> ItemPipeline<'g> {
     /// Compiles a source that ends with `items.wgsl`. `resources` is the layout of its group 1.
     ///
     /// # Errors
-    /// A source that does not validate, with the compiler's message, which calls it by its label.
+    /// Returns an error if the source does not validate, with the compiler's message, which contains the label.
     pub(super) fn new(
         gpu: &'g Gpu,
         label: &str,
@@ -65,15 +65,15 @@ impl<'g> ItemPipeline<'g> {
         Ok(Self { gpu, pipeline, item_layout })
     }
 
-    /// What it was compiled for.
+    /// Device that the shader was compiled for.
     pub(super) fn gpu(&self) -> &'g Gpu {
         self.gpu
     }
 
-    /// Uploads items as the shader declares them, with two words that all of them see. An answer has `answer_bytes`.
+    /// Uploads items as the shader declares them, with two words that all of them share. An answer has `answer_bytes`.
     ///
     /// # Errors
-    /// What the driver reports.
+    /// Returns an error that the driver reports.
     pub(super) fn load<T: bytemuck::Pod>(
         &self,
         items: &[T],
@@ -97,10 +97,10 @@ impl<'g> ItemPipeline<'g> {
         Ok(Items { group, answers, count })
     }
 
-    /// Runs once and waits for it, without reading back.
+    /// Runs once and waits until it is done, without reading back.
     ///
     /// # Errors
-    /// What the driver reports.
+    /// Returns an error that the driver reports.
     pub(super) fn run(&self, items: &Items, resources: &BindGroup) -> Result<(), GpuError> {
         self.gpu.queue.submit([self.pass(items, resources).finish()]);
         self.gpu.wait()
@@ -109,7 +109,7 @@ impl<'g> ItemPipeline<'g> {
     /// Runs once and reads back all answers, in the order of the items.
     ///
     /// # Errors
-    /// What the driver reports.
+    /// Returns an error that the driver reports.
     pub(super) fn answers<A: bytemuck::Pod>(&self, items: &Items, resources: &BindGroup) -> Result<Vec<A>, GpuError> {
         if items.count == 0 {
             return Ok(Vec::new());

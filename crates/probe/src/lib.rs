@@ -1,5 +1,5 @@
-//! Decoders of packs, and any other WGSL function, over lists of queries: what tests compare with the CPU, and what studies
-//! measure. Nothing of it is in the program.
+//! Runs decoders of packs, and any other WGSL function, over lists of queries. Tests compare the results with the CPU,
+//! and studies measure them. The program does not include this crate.
 
 mod brdf;
 mod compute;

@@ -1,4 +1,4 @@
-//! Polynomial wavelet trees evaluated by the shader: what tests hold against the CPU decoder.
+//! Polynomial wavelet trees evaluated by the shader, for comparison with the CPU decoder.
 
 use super::items::ItemPipeline;
 use brdfc_formats::bindings::FrameBlock;
@@ -11,28 +11,28 @@ use wgpu::ShaderStages;
 /// The compute entry point over the decoder.
 pub const EVALUATE_PWT_WGSL: &str = concat!(include_str!("evaluate_pwt.wgsl"), include_str!("items.wgsl"));
 
-/// Most queries at once: 32 bytes each, within what every adapter binds.
+/// Maximum number of queries at once: 32 bytes each, within the limits of every adapter.
 const MAX_QUERIES: usize = 1 << 21;
 
-/// Where and under which light a rendering is looked at.
+/// Place and light at which a tree is evaluated.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct PwtQuery {
-    /// 0 to 1 across the rendering and down from its top.
+    /// 0 to 1 across the image and down from its top.
     pub uv: [f32; 2],
-    /// Mipmap level, 0 at the rendering's own resolution.
+    /// Mipmap level, 0 at the image's own resolution.
     pub level: f32,
     /// Unit vector to the light.
     pub light: [f32; 3],
 }
 
-/// What the shader returns for a query.
+/// Result of the shader for a query.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct PwtAnswer {
     /// Channels in the domain of the pack.
     pub channels: [f32; 3],
     /// Linear RGB.
     pub value: [f32; 3],
-    /// Fetches of the channels, where the entry point was instrumented; else 0.
+    /// Fetches of the channels if the entry point is instrumented, otherwise 0.
     pub fetches: f32,
 }
 
@@ -51,15 +51,15 @@ impl<'g> PwtEvaluator<'g> {
     /// Compiles the shipped shader.
     ///
     /// # Errors
-    /// What the driver reports.
+    /// Returns an error that the driver reports.
     pub fn new(gpu: &'g Gpu) -> Result<Self, GpuError> {
         Self::with_shaders(gpu, PWT_WGSL, EVALUATE_PWT_WGSL)
     }
 
-    /// Compiles another decoder and entry point, such as a broken or an instrumented one.
+    /// Compiles another decoder and entry point, such as a deliberately broken or an instrumented one.
     ///
     /// # Errors
-    /// A source that does not validate, with the compiler's message.
+    /// Returns an error with the compiler's message if a source does not validate.
     pub fn with_shaders(gpu: &'g Gpu, decoder: &str, entry_point: &str) -> Result<Self, GpuError> {
         let slots = pwt_textures::slots(gpu, ShaderStages::COMPUTE);
         let source = format!("{decoder}\n{entry_point}");
@@ -70,15 +70,15 @@ impl<'g> PwtEvaluator<'g> {
     /// Uploads a pack.
     ///
     /// # Errors
-    /// More than the adapter takes; what the driver reports.
+    /// Returns an error for more than the adapter takes; any error that the driver reports.
     pub fn load(&self, pack: &PwtPack, frame: FrameBlock) -> Result<LoadedPwt, GpuError> {
         Ok(LoadedPwt { group: pwt_textures::upload(self.pipeline.gpu(), &self.slots, pack, frame)? })
     }
 
-    /// Evaluates and reads back, in the order of `queries`. Below the horizon channels are whatever the terms give.
+    /// Evaluates and reads back, in the order of `queries`. Channels below the horizon are extrapolated.
     ///
     /// # Errors
-    /// What the driver reports.
+    /// Returns an error that the driver reports.
     pub fn eval(&self, loaded: &LoadedPwt, queries: &[PwtQuery]) -> Result<Vec<PwtAnswer>, GpuError> {
         let mut all = Vec::with_capacity(queries.len());
         for chunk in queries.chunks(MAX_QUERIES) {

@@ -1,5 +1,5 @@
-//! Tables of the library ALTA as text, `.dat`: scattered measurements whose header names how directions and values are
-//! written. Layout: `crates/readers/src/alta.md`.
+//! Text tables of the ALTA library, `.dat`: scattered measurements whose header gives the parameterisation of
+//! directions and values. Layout: `crates/readers/src/alta.md`.
 
 use super::scan::{Scan, check_value, checked_row, number, quoted};
 use crate::file_kind::{Begins, FileKind, begins_with};
@@ -15,25 +15,26 @@ pub static KIND: FileKind = FileKind {
     begins: Begins::Text(|text| text.lines().any(|line| begins_with(line, &["#PARAM_IN", "#DIM "]))),
 };
 
-/// Rows whose outgoing direction has a smaller cosine to the normal say nothing about `f_r` where values hold that cosine.
+/// Smallest cosine of the outgoing direction to the normal, for values that include that cosine: rows below it
+/// determine no `f_r`.
 pub const SMALLEST_COSINE: f64 = 0.01;
 
-/// A table, its rows as a scan.
+/// A table with its rows as a scan.
 #[derive(Debug, Clone, PartialEq)]
 pub struct AltaTable {
     /// Rows above the horizon. Incoming is ALTA's light, outgoing its view.
     pub scan: Scan,
-    /// Rows that were left out: a direction below the horizon, or nearly at it where the value holds its cosine.
+    /// Number of rows left out: a direction is below the horizon, or nearly at it if values include the cosine.
     pub left_out: usize,
-    /// How the file says directions, its `PARAM_IN`.
+    /// Parameterisation of directions, `PARAM_IN`.
     pub directions: &'static str,
-    /// What the file's values are, its `PARAM_OUT`.
+    /// Quantity of the values, `PARAM_OUT`.
     pub values: &'static str,
-    /// Values of a row: 1 or 3.
+    /// Number of values of a row: 1 or 3.
     pub channels: usize,
 }
 
-/// How a row says its two directions, ALTA's `PARAM_IN`.
+/// Parameterisation of the two directions of a row, ALTA's `PARAM_IN`.
 struct Directions {
     name: &'static str,
     numbers: usize,
@@ -42,21 +43,21 @@ struct Directions {
 }
 
 impl Directions {
-    /// Whether a turn about the normal is left open, as only isotropic materials allow.
+    /// Returns true if the rotation about the normal is open, which requires isotropic materials.
     fn is_isotropic(&self) -> bool {
         self.numbers < 4
     }
 
-    /// Whether the numbers are angles; else they are components of vectors.
+    /// Returns true if the numbers are angles, false if they are components of vectors.
     fn has_angles(&self) -> bool {
         self.numbers < 6
     }
 }
 
-/// What a row's values are, ALTA's `PARAM_OUT`.
+/// Quantity of a row's values, ALTA's `PARAM_OUT`.
 struct Values {
     name: &'static str,
-    /// Whether they hold the cosine of the view to the normal.
+    /// True if values include the cosine of the view to the normal.
     cosine: bool,
     channels: &'static [usize],
 }
@@ -82,8 +83,8 @@ impl AltaTable {
     /// Parses a table.
     ///
     /// # Errors
-    /// Text that is not UTF-8, a header that lacks `DIM`, `PARAM_IN` or `PARAM_OUT` or names what is not known, rows of
-    /// another length, numbers that do not parse, values out of range, no rows above the horizon.
+    /// Returns an error for text that is not UTF-8, a header that lacks `DIM`, `PARAM_IN` or `PARAM_OUT` or has unknown
+    /// values, rows of another length, numbers that do not parse, values out of range, and no rows above the horizon.
     pub fn from_bytes(bytes: &[u8]) -> Result<Self, FormatError> {
         let text = text::checked(bytes)?;
         let header = Header::read(text)?;
@@ -98,7 +99,7 @@ impl AltaTable {
             let numbers =
                 tokens.into_iter().map(|token| number(token, line, "value")).collect::<Result<Vec<_>, _>>()?;
             if numbers.len() != width {
-                let allowed = format!("{width}, as DIM says");
+                let allowed = format!("{width}, as in #DIM");
                 return Err(FormatError::at_line(line, "row", format!("{} numbers", numbers.len()), allowed));
             }
             let (directions, values) = numbers.split_at(header.directions.numbers);
@@ -133,10 +134,10 @@ impl AltaTable {
     }
 }
 
-/// How far below the horizon a direction may lie and still count as rounding.
+/// Largest distance below the horizon that counts as rounding.
 const ROUNDING: f64 = 1e-9;
 
-/// What the lines that start with `#` say.
+/// Contents of the lines that start with `#`.
 struct Header {
     directions: &'static Directions,
     values: &'static Values,
@@ -176,7 +177,7 @@ impl Header {
             _ => {
                 let dimensions = values.channels.iter().map(|count| format!("{} {count}", directions.numbers));
                 let dimensions = dimensions.collect::<Vec<_>>().join(" or ");
-                let allowed = format!("{dimensions}, as {} and {} have", directions.name, values.name);
+                let allowed = format!("{dimensions} for {} and {}", directions.name, values.name);
                 return Err(FormatError::at_line(line, "#DIM", quoted(&words.join(" ")), allowed));
             }
         };
@@ -191,23 +192,23 @@ impl Header {
     }
 }
 
-/// The direction of polar angle `theta` and azimuth `phi`.
+/// Direction with polar angle `theta` and azimuth `phi`.
 fn polar(theta: f64, phi: f64) -> Vector {
     [theta.sin() * phi.cos(), theta.sin() * phi.sin(), theta.cos()]
 }
 
-/// The direction of polar angle `theta` in the plane of x and z.
+/// Direction with polar angle `theta` in the plane of x and z.
 fn meridian(theta: f64) -> Vector {
     polar(theta, 0.0)
 }
 
-/// The direction whose polar angle is the length of `(x, y)`, and whose azimuth is theirs.
+/// Direction whose polar angle is the length of `(x, y)`, with the azimuth of `(x, y)`.
 fn projected(x: f64, y: f64) -> Vector {
     polar(x.hypot(y), y.atan2(x))
 }
 
-/// Light and view of half vector and difference vector, each as polar angle and azimuth (Rusinkiewicz 1998). ALTA's
-/// difference vector is the view in the frame of the half vector.
+/// Light and view from half vector and difference vector, each given by polar angle and azimuth (Rusinkiewicz 1998).
+/// ALTA's difference vector is the view in the frame of the half vector.
 fn half_and_difference([theta_h, phi_h]: [f64; 2], [theta_d, phi_d]: [f64; 2]) -> [Vector; 2] {
     let [x, y, z] = polar(theta_d, phi_d);
     // About y by θ_h, then about z by φ_h.
@@ -216,7 +217,7 @@ fn half_and_difference([theta_h, phi_h]: [f64; 2], [theta_d, phi_d]: [f64; 2]) -
     [mirrored(view, polar(theta_h, phi_h)), view]
 }
 
-/// Light at polar angle `theta`, and the view whose mirror direction lies opposite to the light's about `back`, Schlick's
+/// Light at polar angle `theta`, and the view whose mirror direction is opposite to the light's about `back`, Schlick's
 /// back vector: `v = 2 (r · k) k - r` with `r` the light's mirror direction.
 fn back_vector(theta: f64, back: Vector) -> [Vector; 2] {
     let light = meridian(theta);
@@ -231,13 +232,13 @@ fn mirrored(v: Vector, axis: Vector) -> Vector {
 
 fn unit(v: Vector) -> Option<Vector> {
     let largest = v.into_iter().map(f64::abs).fold(0.0, f64::max);
-    // Squares of very short and very long vectors are no numbers.
+    // Squares of very short and very long vectors overflow or underflow.
     let v = v.map(|c| c / largest);
     let length = brdfc_formats::direction::dot(v, v).sqrt();
     length.is_finite().then(|| v.map(|c| c / length))
 }
 
-/// Polar angle and azimuth. Rounding below the horizon is taken for the horizon.
+/// Polar angle and azimuth. Directions below the horizon within rounding are set to the horizon.
 fn angles(v: Vector) -> [f64; 2] {
     [v[0].hypot(v[1]).atan2(v[2].max(0.0)), v[1].atan2(v[0])]
 }
@@ -267,7 +268,7 @@ mod tests {
 
     /// One pair of directions in all parameterisations.
     #[test]
-    fn every_parameterisation_says_the_same() {
+    fn parameterisations_agree() {
         let (light, view) = (from_polar(0.5, 0.0), from_polar(0.8, 1.1));
         let half = half_vector(DirectionPair::new(light, view));
         let [theta_h, phi_h] = angles(half);
@@ -292,7 +293,8 @@ mod tests {
             assert!(close(found.incoming, light) && close(found.outgoing, view), "{name}: {found:?}");
             assert_eq!(row.value, [2.5; 3]);
         }
-        // Two that leave a turn about the normal open: isotropic, so rows are turned to the light's azimuth.
+        // Two parameterisations leave the rotation about the normal open: isotropic, so rows are rotated to the light's
+        // azimuth.
         for (name, numbers) in [
             ("ISOTROPIC_TV_TL_DPHI", "0.8 0.5 -1.1".to_owned()),
             ("RUSIN_TH_TD_PD", format!("{theta_h} {theta_d} {phi_d}")),
@@ -318,13 +320,13 @@ mod tests {
     }
 
     #[test]
-    fn colours_are_kept_apart() {
+    fn colours_are_separate() {
         let table = table("SPHERICAL_TL_PL_TV_PV", "RGB_COLOR", "4 3", "0 0 0.1 0 1 2 3").unwrap();
         assert_eq!(table.scan.rows[0].value, [1.0, 2.0, 3.0]);
     }
 
     #[test]
-    fn errors_name_the_line_and_what_is_known() {
+    fn errors_name_the_line_and_valid_values() {
         let good = "ISOTROPIC_TL_TV_PROJ_DPHI";
         for (found, expected) in [
             (
@@ -337,7 +339,7 @@ mod tests {
             ),
             (
                 message(good, "INV_STERADIAN", "2 1", "0 0 1"),
-                "line 1, #DIM: found \"2 1\", expected 3 1 or 3 3, as ISOTROPIC_TL_TV_PROJ_DPHI and INV_STERADIAN have",
+                "line 1, #DIM: found \"2 1\", expected 3 1 or 3 3 for ISOTROPIC_TL_TV_PROJ_DPHI and INV_STERADIAN",
             ),
             (
                 message(good, "INV_STERADIAN", "3 1", "30 0.1 0.2 1"),
@@ -348,7 +350,7 @@ mod tests {
                 message("RGB_COLOR extra", "INV_STERADIAN", "3 1", "0 0 0 1"),
                 "line 2, #PARAM_IN: found \"RGB_COLOR extra\", expected ISOTROPIC_TL",
             ),
-            (message(good, "INV_STERADIAN", "3 1", "0 0 0"), "line 4, row: found 3 numbers, expected 4, as DIM says"),
+            (message(good, "INV_STERADIAN", "3 1", "0 0 0"), "line 4, row: found 3 numbers, expected 4, as in #DIM"),
             (message(good, "INV_STERADIAN", "3 1", "0 0 x 1"), "line 4, value: found \"x\", expected a finite number"),
             (
                 message(good, "INV_STERADIAN", "3 1", "0 0 0 1e13"),

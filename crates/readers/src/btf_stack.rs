@@ -5,17 +5,17 @@ use brdfc_formats::FormatError;
 use brdfc_formats::direction_set::{DirectionSet, MAX_DIRECTIONS, wrong_angle};
 use std::collections::BTreeMap;
 
-/// Extensions of images, lower case; the case of names does not count.
+/// Extensions of images, in lower case; names may have any case.
 pub const EXTENSIONS: [&str; 4] = ["png", "jpg", "jpeg", "exr"];
 
-/// Names have angles to this many decimals of a degree at most.
+/// Maximum number of decimals of angles in names, degrees.
 const DECIMALS: usize = 4;
-/// Digits before the point that an angle has at least.
+/// Minimum number of digits of an angle before the point.
 const DIGITS: usize = 3;
-/// Longest run of digits that is read.
+/// Longest run of digits that is accepted.
 const MAX_DIGITS: usize = 16;
 
-/// Directions of one image: polar angle to the normal and azimuth from the tangent, degrees.
+/// Directions of one image: polar angle from the normal and azimuth from the tangent, degrees.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct ImageAngles {
     /// To the light: `tl`, `pl`.
@@ -24,28 +24,28 @@ pub struct ImageAngles {
     pub view: [f64; 2],
 }
 
-/// Every image of a stack, sorted by direction.
+/// Index of all images of a stack, sorted by direction.
 #[derive(Debug, Clone, PartialEq)]
 pub struct StackIndex {
     /// Directions to the viewer, by polar angle, then azimuth.
     pub views: DirectionSet,
     /// Directions to the light, by polar angle, then azimuth.
     pub lights: DirectionSet,
-    /// Path of each image as it was given: view `v` and light `l` at `v * lights.len() + l`.
+    /// Path of each image as given: view `v` and light `l` at `v * lights.len() + l`.
     pub files: Vec<String>,
 }
 
-/// Path of an image below the stack's folder: `tv030_pv030/00008 tl000 pl000 tv030 pv030.png`.
+/// Path of an image relative to the stack's folder: `tv030_pv030/00008 tl000 pl000 tv030 pv030.png`.
 ///
-/// `number` is `light index * views + view index`; `extension` is without the point. Angles are rounded to 1e-4
-/// degrees, azimuths brought to [0, 360).
+/// `number` is `light index * views + view index`; `extension` has no point. Angles are rounded to 1e-4 degrees,
+/// azimuths wrapped to [0, 360).
 pub fn image_name(number: usize, angles: ImageAngles, extension: &str) -> String {
     let [tl, pl] = angles.light.map(angle_text);
     let [tv, pv] = angles.view.map(angle_text);
     format!("tv{tv}_pv{pv}/{number:05} tl{tl} pl{pl} tv{tv} pv{pv}.{extension}")
 }
 
-/// Three digits at least, then decimals where there are any.
+/// Formats an angle with at least three digits, then decimals if there are any.
 fn angle_text(degrees: f64) -> String {
     let scale = 10f64.powi(DECIMALS as i32);
     let rounded = ((degrees.rem_euclid(360.0) * scale).round() / scale).rem_euclid(360.0);
@@ -53,13 +53,14 @@ fn angle_text(degrees: f64) -> String {
     text.trim_end_matches('0').trim_end_matches('.').to_owned()
 }
 
-/// Directions that an image's name states. Folders and the extension do not count.
+/// Parses the directions in an image's name. Folders and the extension do not count.
 ///
 /// # Errors
-/// A part that is missing, twice there or malformed; angles out of range; anything else in the name.
+/// Returns an error for parts that are missing, repeated or malformed, angles out of range, and anything else in the
+/// name.
 pub fn parse_name(path: &str) -> Result<ImageAngles, FormatError> {
     let name = path.rsplit('/').next().unwrap_or(path);
-    // The last point may be that of an angle.
+    // The last point may belong to an angle.
     let stem = match name.rsplit_once('.') {
         Some((stem, extension)) if !extension.starts_with(|c: char| c.is_ascii_digit()) => stem,
         _ => name,
@@ -78,7 +79,7 @@ pub fn parse_name(path: &str) -> Result<ImageAngles, FormatError> {
         }
         let number = number(&token[part.len()..]);
         *slot = Some(number.ok_or_else(|| {
-            wrong(part, quoted(token), "at least three digits after it, decimals behind a point: tl037.5")
+            wrong(part, quoted(token), "at least three digits after it, decimals after a point: tl037.5")
         })?);
     }
     let angle = |(part, slot): (&'static str, Option<f64>)| {
@@ -99,7 +100,7 @@ pub fn parse_name(path: &str) -> Result<ImageAngles, FormatError> {
     Ok(ImageAngles { light: direction(tl, pl)?, view: direction(tv, pv)? })
 }
 
-/// Digits, at least three before the point, and some behind it where there is one.
+/// Parses digits: at least three before the point, and at least one after it if there is one.
 fn number(text: &str) -> Option<f64> {
     let (whole, decimals) = text.split_once('.').map_or((text, None), |(whole, decimals)| (whole, Some(decimals)));
     let digits = |part: &str, least: usize| {
@@ -109,17 +110,17 @@ fn number(text: &str) -> Option<f64> {
     good.then(|| text.parse().ok()).flatten()
 }
 
-/// Whether a file counts as an image of a stack, by its extension.
+/// Returns true if a file counts as an image of a stack, by its extension.
 pub fn is_image(path: &str) -> bool {
     let name = path.rsplit('/').next().unwrap_or(path);
     name.rsplit_once('.')
         .is_some_and(|(_, extension)| EXTENSIONS.iter().any(|known| extension.eq_ignore_ascii_case(known)))
 }
 
-/// A direction whose order is that of its angles: degrees that are not negative sort as their bits do.
+/// Sort key of a direction: non-negative degrees sort by their bits.
 type Key = [u64; 2];
 
-/// One key per direction: no azimuth at the normal, and 360 is 0.
+/// Unique key of a direction: the azimuth at the normal is 0, and 360 is 0.
 fn key([theta, phi]: [f64; 2]) -> Key {
     let phi = if theta == 0.0 || phi == 360.0 { 0.0 } else { phi };
     // Adding 0 turns -0 into 0.
@@ -128,11 +129,12 @@ fn key([theta, phi]: [f64; 2]) -> Key {
 
 impl StackIndex {
     /// Sorts the images among `paths` (with `/` between folders, relative to the stack); other files are ignored. The
-    /// order of `paths` does not count.
+    /// order of `paths` does not matter.
     ///
     /// # Errors
-    /// Names that [`parse_name`] refuses, two images of one view and light, no images, missing images, more than
-    /// [`MAX_DIRECTIONS`] views or lights, directions closer than [`brdfc_formats::direction_set::SAME_DIRECTION`].
+    /// Returns an error for names that [`parse_name`] rejects, two images of one view and light, no images, missing
+    /// images, more than [`MAX_DIRECTIONS`] views or lights, and directions closer than
+    /// [`brdfc_formats::direction_set::SAME_DIRECTION`].
     pub fn new(paths: &[String]) -> Result<Self, FormatError> {
         let Found { views, lights, images } = Found::new(paths)?;
         check_complete(&views, &lights, &images)?;
@@ -142,23 +144,23 @@ impl StackIndex {
     /// Path of one image.
     ///
     /// # Panics
-    /// If the view or the light is none of the stack.
+    /// If there is no such view or light.
     pub fn file(&self, view: usize, light: usize) -> &str {
         assert!(view < self.views.len() && light < self.lights.len(), "view {view}, light {light}");
         &self.files[view * self.lights.len() + light]
     }
 }
 
-/// What a stack has, be it complete or not.
+/// Contents of a stack, complete or not.
 #[derive(Debug, Clone, PartialEq)]
 pub struct StackContents {
     /// Directions to the viewer, by polar angle, then azimuth.
     pub views: DirectionSet,
     /// Directions to the light, by polar angle, then azimuth.
     pub lights: DirectionSet,
-    /// Paths of the images as they were given, by view, then light.
+    /// Paths of the images as given, by view, then light.
     pub files: Vec<String>,
-    /// Views x lights without an image.
+    /// Number of pairs of views and lights without an image.
     pub missing: usize,
 }
 
@@ -166,7 +168,7 @@ impl StackContents {
     /// Sorts the images among `paths` as [`StackIndex::new`] does.
     ///
     /// # Errors
-    /// As [`StackIndex::new`], but for missing images.
+    /// Same as [`StackIndex::new`], except for missing images.
     pub fn new(paths: &[String]) -> Result<Self, FormatError> {
         let Found { views, lights, images } = Found::new(paths)?;
         let missing = views.len() * lights.len() - images.len();
@@ -205,7 +207,7 @@ impl<'a> Found<'a> {
 
 fn directions(name: &'static str, keys: impl Iterator<Item = Key>) -> Result<DirectionSet, FormatError> {
     let keys: std::collections::BTreeSet<Key> = keys.collect();
-    // Before the comparison of all pairs.
+    // Checked before all pairs are compared.
     if keys.len() > MAX_DIRECTIONS {
         return Err(FormatError::whole(name, keys.len().to_string(), format!("at most {MAX_DIRECTIONS}")));
     }
@@ -219,8 +221,8 @@ fn check_complete(
     lights: &DirectionSet,
     images: &BTreeMap<(Key, Key), &String>,
 ) -> Result<(), FormatError> {
-    let wanted = views.len() * lights.len();
-    let missing = wanted - images.len();
+    let expected = views.len() * lights.len();
+    let missing = expected - images.len();
     if missing == 0 {
         return Ok(());
     }
@@ -232,7 +234,7 @@ fn check_complete(
     });
     Err(FormatError::whole(
         "stack",
-        format!("{missing} of {wanted} images missing{name}"),
+        format!("{missing} of {expected} images missing{name}"),
         format!("all {} x {} of views and lights", views.len(), lights.len()),
     ))
 }
@@ -259,7 +261,7 @@ mod tests {
         let name = "tv030_pv030/00008 tl000 pl000 tv030 pv030.png";
         assert_eq!(image_name(8, angles, "png"), name);
         assert_eq!(parse_name(name), Ok(angles));
-        // No number, no folder, underscores, no extension: all the same.
+        // Variants of the name: no number, no folder, underscores, no extension.
         for other in ["tl000 pl000 tv030 pv030.jpg", "7_tl000_pl000_tv030_pv030", "a b/1 pl000 tl000  tv030 pv030.exr"]
         {
             assert_eq!(parse_name(other), Ok(angles), "{other}");

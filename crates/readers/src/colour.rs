@@ -1,16 +1,16 @@
-//! Spectra to linear RGB.
+//! Conversion of spectra to linear RGB.
 //!
 //! A reflectance spectrum `s(λ)` under equal energy light has the tristimulus values `X = ∫ s x̄ dλ / ∫ x̄ dλ` (and
 //! likewise Y, Z) of the CIE 1931 2-degree observer. The white of equal energy light, `(1, 1, 1)`, is adapted to D65,
-//! the white of Rec. 709, by the linear Bradford transform, so that a surface that reflects all wavelengths alike is
-//! grey. All of it is linear in `s`: one weight per wavelength and channel, which [`rgb_weights`] computes.
+//! the white of Rec. 709, by the linear Bradford transform, so that a flat spectrum is grey. Everything is linear in
+//! `s`: one weight per wavelength and channel, which [`rgb_weights`] computes.
 
 use brdfc_formats::FormatError;
 
-/// Wavelengths in nm that [`rgb_weights`] takes, lowest and highest.
+/// Lowest and highest wavelength that [`rgb_weights`] accepts, nm.
 pub const WAVELENGTH_RANGE_NM: [f64; 2] = [100.0, 3000.0];
 
-/// Wavelengths in nm at which the tabulated observer starts and ends.
+/// First and last wavelength of the tabulated observer, nm.
 pub const VISIBLE_RANGE_NM: [f64; 2] = [380.0, 780.0];
 
 const OBSERVER_STEP_NM: f64 = 5.0;
@@ -26,18 +26,18 @@ const PRIMARIES: [[f64; 2]; 3] = [[0.64, 0.33], [0.30, 0.60], [0.15, 0.06]];
 /// Chromaticity x, y of the white D65 (ITU-R BT.709, item 1.4).
 const WHITE: [f64; 2] = [0.3127, 0.3290];
 
-/// Weights that turn a sampled spectrum into linear RGB (Rec. 709 primaries): channel `c` is `Σ_k s[k] weights[k][c]`.
+/// Weights that convert a sampled spectrum to linear RGB (Rec. 709 primaries): channel `c` is `Σ_k s[k] weights[k][c]`.
 ///
-/// `wavelengths_nm`: strictly increasing, in [`WAVELENGTH_RANGE_NM`], any spacing. The spectrum is taken to be linear
-/// between the samples and constant outside them, and is integrated exactly against the observer, itself linear
-/// between its tabulated points. Returns one `[r, g, b]` per wavelength; each channel sums to 1, so that a flat
-/// spectrum of value `v` becomes `[v, v, v]` up to rounding, and a single wavelength is grey. Saturated spectra may have
-/// channels outside `[0, 1]`: they lie outside the gamut.
+/// `wavelengths_nm`: strictly increasing, in [`WAVELENGTH_RANGE_NM`], any spacing. The spectrum is linear between the
+/// samples and constant outside them, and is integrated exactly against the observer, which is linear between its
+/// tabulated points. Returns one `[r, g, b]` per wavelength; each channel sums to 1, so that a flat spectrum of value
+/// `v` becomes `[v, v, v]` up to rounding, and a single wavelength is grey. Saturated spectra may have channels outside
+/// `[0, 1]`: they are outside the gamut.
 ///
 /// # Errors
 ///
-/// When there is no wavelength, one is not finite or out of range, they do not increase, or none of the sampled range
-/// lies in [`VISIBLE_RANGE_NM`].
+/// Returns an error for no wavelength, wavelengths that are not finite, out of range or not increasing, and a sampled
+/// range outside [`VISIBLE_RANGE_NM`].
 pub fn rgb_weights(wavelengths_nm: &[f64]) -> Result<Vec<[f64; 3]>, FormatError> {
     check(wavelengths_nm)?;
     let mut xyz = vec![[0.0; 3]; wavelengths_nm.len()];
@@ -85,7 +85,7 @@ fn check(wavelengths_nm: &[f64]) -> Result<(), FormatError> {
     Ok(())
 }
 
-/// Ends of the spans in which spectrum and observer are both linear, increasing.
+/// Ends of the intervals in which spectrum and observer are both linear, increasing.
 fn integration_points(wavelengths_nm: &[f64]) -> Vec<f64> {
     let [start, end] = VISIBLE_RANGE_NM;
     let mut points: Vec<f64> = (0..OBSERVER.len()).map(|k| start + OBSERVER_STEP_NM * k as f64).collect();
@@ -95,9 +95,9 @@ fn integration_points(wavelengths_nm: &[f64]) -> Vec<f64> {
     points
 }
 
-/// Which samples a wavelength's value comes from.
+/// Samples that determine the value at a wavelength.
 enum Hat {
-    /// Outside the sampled range: the end sample alone.
+    /// Outside the sampled range: the end sample only.
     End(usize),
     /// Between sample `left`, at `from` nm, and the next, `width` nm on.
     Between { left: usize, from: f64, width: f64 },
@@ -143,8 +143,8 @@ fn scale_columns_to_one(rows: &mut [[f64; 3]]) {
     }
 }
 
-/// XYZ relative to the white `(1, 1, 1)` to linear RGB: Bradford adaptation to D65, then the inverse of the primaries'
-/// matrix (Lindbloom, "RGB/XYZ matrices").
+/// Converts XYZ relative to the white `(1, 1, 1)` to linear RGB: Bradford adaptation to D65, then the inverse of the
+/// primaries' matrix (Lindbloom, "RGB/XYZ matrices").
 fn xyz_equal_energy_to_rgb() -> Matrix {
     let white = xyz_of_chromaticity(WHITE);
     let cones_source = transform(&BRADFORD, [1.0; 3]);
@@ -174,7 +174,7 @@ fn multiply(a: &Matrix, b: &Matrix) -> Matrix {
     std::array::from_fn(|r| std::array::from_fn(|c| (0..3).map(|k| a[r][k] * b[k][c]).sum()))
 }
 
-/// By cofactors; the matrices here are well conditioned.
+/// Inverse by cofactors; the matrices here are well conditioned.
 fn inverse(m: &Matrix) -> Matrix {
     let minor = |r: usize, c: usize| {
         let ([r1, r2], [c1, c2]) = ([(r + 1) % 3, (r + 2) % 3], [(c + 1) % 3, (c + 2) % 3]);
@@ -270,18 +270,18 @@ const OBSERVER: [[f64; 3]; 81] = [
     [0.000042, 0.000015, 0.0],
 ];
 
-/// sRGB code, 0 to 1, of a linear value by the transfer function of IEC 61966-2-1. Clipped to 0 to 1; NaN becomes 0.
+/// sRGB value, 0 to 1, of a linear value by the transfer function of IEC 61966-2-1. Clipped to 0 to 1; NaN becomes 0.
 pub fn encode_srgb(linear: f64) -> f64 {
     let linear = if linear.is_nan() { 0.0 } else { linear.clamp(0.0, 1.0) };
     if linear <= 0.003_130_8 { 12.92 * linear } else { 1.055 * linear.powf(1.0 / 2.4) - 0.055 }
 }
 
-/// Linear value of an sRGB code, both 0 to 1: the inverse of [`encode_srgb`].
+/// Linear value of an sRGB value, both 0 to 1: the inverse of [`encode_srgb`].
 pub fn decode_srgb(code: f64) -> f64 {
     if code <= 0.040_45 { code / 12.92 } else { ((code + 0.055) / 1.055).powf(2.4) }
 }
 
-/// The nearest sRGB code of 8 bits.
+/// The nearest 8-bit sRGB level.
 pub fn encode_srgb_byte(linear: f64) -> u8 {
     (255.0 * encode_srgb(linear)).round() as u8
 }
@@ -305,7 +305,7 @@ mod tests {
     }
 
     #[test]
-    fn srgb_codes_go_both_ways() {
+    fn srgb_values_round_trip() {
         for code in 0..=255u8 {
             assert_eq!(encode_srgb_byte(decode_srgb(f64::from(code) / 255.0)), code);
         }
@@ -351,10 +351,11 @@ mod tests {
         assert!(close(rgb(&[550.0], |_| 0.3), [0.3; 3], 1e-15));
     }
 
-    /// The reference was computed by `colour-science` 0.4.7: the 17 values made linear at 1 nm from 380 to 780 nm with
-    /// constant ends; `sd_to_XYZ(method="Integration")` under equal energy with the CIE 1931 2-degree observer;
-    /// `chromatic_adaptation` ("Von Kries", "Bradford") from the XYZ of a flat spectrum to D65 (0.3127, 0.3290); derived
-    /// matrix of "ITU-R BT.709". Once with the observer at 5 nm made linear, as here, and once with the one at 1 nm.
+    /// The reference was computed by `colour-science` 0.4.7: the 17 values, interpolated linearly at 1 nm from 380 to
+    /// 780 nm with constant ends; `sd_to_XYZ(method="Integration")` under equal energy with the CIE 1931 2-degree
+    /// observer; `chromatic_adaptation` ("Von Kries", "Bradford") from the XYZ of a flat spectrum to D65 (0.3127,
+    /// 0.3290); derived matrix of "ITU-R BT.709". Once with the observer interpolated from 5 nm, as here, and once with
+    /// the one at 1 nm.
     #[test]
     fn agrees_with_an_independent_computation() {
         let wavelengths = steps(400, 720, 20);

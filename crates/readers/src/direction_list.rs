@@ -1,4 +1,4 @@
-//! Sets of directions as CSV. Layout: `crates/readers/src/btf_stack.md`, section "Direction lists".
+//! Direction sets as CSV. Layout: `crates/readers/src/btf_stack.md`, section "Direction lists".
 
 use crate::scan_csv::Table;
 use brdfc_formats::FormatError;
@@ -10,7 +10,8 @@ pub const COLUMNS: [&str; 3] = ["index", "theta_deg", "phi_deg"];
 /// Parses a CSV with the columns [`COLUMNS`]: `index` counts the records from 0.
 ///
 /// # Errors
-/// As [`DirectionSet::new`], with the line; a wrong header or index, what is no number.
+/// Returns an error for sets that [`DirectionSet::new`] rejects, with the line, for a wrong header or index, and for
+/// text that is not a number.
 pub fn from_csv(bytes: &[u8]) -> Result<DirectionSet, FormatError> {
     let mut table = Table::open(bytes)?;
     let columns = table.find(&COLUMNS)?;
@@ -42,7 +43,7 @@ pub fn from_csv(bytes: &[u8]) -> Result<DirectionSet, FormatError> {
     Ok(set)
 }
 
-/// The set as CSV, which [`from_csv`] reads back to the same bits.
+/// Formats a set as CSV, which [`from_csv`] reads back to the same bits.
 pub fn to_csv(set: &DirectionSet) -> String {
     let mut text = COLUMNS.join(",") + "\n";
     for (index, [theta, phi]) in set.angles.iter().enumerate() {
@@ -77,7 +78,7 @@ mod tests {
         assert!(text(&many).starts_with("line 2050, record: found one more direction, expected at most 2048"));
         let error = from_csv(b"index,theta,phi\n").unwrap_err().to_string();
         assert!(error.contains("column theta_deg"), "{error}");
-        // Just far enough apart: no error.
+        // Just far enough apart to be valid.
         let near = format!("{head}0,10,0\n1,10.015,0\n");
         assert_eq!(from_csv(near.as_bytes()).unwrap().len(), 2);
     }

@@ -1,17 +1,17 @@
-//! A kind of file, and how its files begin.
+//! File kinds and their magic bytes.
 
-/// A kind of file that its first bytes tell.
+/// A kind of file that is recognised by its first bytes.
 #[derive(Debug)]
 pub struct FileKind {
-    /// What such a file is, with an article, and what to do with it.
+    /// Description with an article, and advice.
     pub description: &'static str,
-    /// Extensions of such files that are read, in lower case; the usual one first.
+    /// Extensions of files that are read, in lower case; the usual one first.
     pub extensions: &'static [&'static str],
-    /// How they begin.
+    /// Start of the files.
     pub begins: Begins,
 }
 
-/// How files of one kind begin.
+/// Start of files of one kind.
 #[derive(Debug)]
 pub enum Begins {
     /// With one of these.
@@ -23,7 +23,7 @@ pub enum Begins {
 }
 
 impl FileKind {
-    /// Whether a file of `length` bytes that begins with `start`, which may be text, is of it.
+    /// Returns true if a file of `length` bytes that begins with `start`, which may be `text`, is of this kind.
     pub(crate) fn is_of(&self, start: &[u8], length: u64, text: Option<&str>) -> bool {
         match self.begins {
             Begins::With(signatures) => signatures.iter().any(|signature| start.starts_with(signature)),
@@ -33,7 +33,7 @@ impl FileKind {
     }
 }
 
-/// Whether a line of text begins with one of these words.
+/// Returns true if a line of text begins with one of these words.
 pub(crate) fn begins_with(line: &str, words: &[&str]) -> bool {
     words.iter().any(|word| line.starts_with(word))
 }

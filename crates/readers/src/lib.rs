@@ -1,7 +1,7 @@
-//! Readers of measured data and meshes: bytes to typed and checked structs, one file per layout.
+//! Readers of measured data and meshes, from bytes to typed and checked structs; one file per layout.
 //!
-//! Each layout has a normative page beside its reader. Readers check every length against the data at hand before they
-//! ask for memory, and say where, what was found and what is allowed when a file does not follow its layout.
+//! Each layout has a normative page next to its reader. Readers check every length against the data before they
+//! allocate memory. Errors say where the file violates its layout, what was found and what was expected.
 
 pub mod alta;
 pub mod btf_stack;

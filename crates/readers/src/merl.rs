@@ -5,7 +5,7 @@ use brdfc_formats::{FormatError, memory};
 use std::f64::consts::{FRAC_PI_2, PI};
 use std::io::{Read, Seek, SeekFrom, Write};
 
-/// MERL tables: the header fits the length.
+/// MERL tables: their length matches the header.
 pub static KIND: FileKind = FileKind {
     description: "a MERL table (.binary)",
     extensions: &["binary"],
@@ -14,11 +14,11 @@ pub static KIND: FileKind = FileKind {
 
 /// Size of the header: three little-endian `i32`.
 pub const HEADER_BYTES: u64 = 12;
-/// What a stored number is multiplied by to give `f_r` in 1/sr, for R, G and B.
+/// Factors from stored numbers to `f_r` in 1/sr, for R, G and B.
 pub const SCALES: [f64; 3] = [1.0 / 1500.0, 1.15 / 1500.0, 1.66 / 1500.0];
-/// Most samples per axis.
+/// Maximum number of samples per axis.
 pub const MAX_DIMENSION: usize = 4096;
-/// Largest stored number; far above any reflectance, and a bound that keeps single precision safe.
+/// Largest stored number, far above any reflectance; the limit keeps single precision safe.
 pub const MAX_STORED: f64 = 1e30;
 
 /// Number of samples along each angle, in the order of the header.
@@ -36,13 +36,13 @@ impl Dimensions {
     /// The dimensions of the MERL database.
     pub const MERL: Self = Self { theta_half: 90, theta_difference: 90, phi_difference: 180 };
 
-    /// Most cells of a table that is written.
+    /// Maximum number of cells of a written table.
     pub const MAX_CELLS: usize = 1 << 28;
 
-    /// Checks sides and their product.
+    /// Checks the sides and their product.
     ///
     /// # Errors
-    /// A side that is not 1 to [`MAX_DIMENSION`], more than [`Self::MAX_CELLS`] cells.
+    /// Returns an error for a side that is not 1 to [`MAX_DIMENSION`], and for more than [`Self::MAX_CELLS`] cells.
     pub fn check_for_writing(self) -> Result<(), FormatError> {
         let Self { theta_half, theta_difference, phi_difference } = self;
         let sides = [theta_half, theta_difference, phi_difference];
@@ -54,25 +54,25 @@ impl Dimensions {
         Err(FormatError::whole("dimensions", sides.map(|n| n.to_string()).join("x"), allowed))
     }
 
-    /// Cells of one colour plane.
+    /// Number of cells of one colour plane.
     pub fn cells(self) -> usize {
         self.theta_half * self.theta_difference * self.phi_difference
     }
 
-    /// Azimuth after which the table repeats. π: reciprocity makes half a turn enough, and the database stores no more.
-    /// 2π when there are four azimuths per theta_d sample (90 x 90 x 360), the layout of full-turn files.
+    /// Period of the azimuth. π, because reciprocity makes half a turn enough, and the database stores no more. 2π if
+    /// there are four azimuths per theta_d sample (90 x 90 x 360), the layout of full-turn files.
     pub fn azimuth_period(self) -> f64 {
         if self.is_full_turn() { 2.0 * PI } else { PI }
     }
 
-    /// Whether the azimuths cover a full turn.
+    /// Returns true if the azimuths cover a full turn.
     pub fn is_full_turn(self) -> bool {
         self.phi_difference == 4 * self.theta_difference
     }
 
     /// Angles `(theta_half, theta_difference, phi_difference)` of the sample with these indices, radians.
     ///
-    /// Samples sit on the lower edges of their bins, so index 0 is angle 0: `theta_h = (i/n)² π/2`.
+    /// Samples are on the lower edges of their bins, so index 0 is angle 0: `theta_h = (i/n)² π/2`.
     pub fn sample_angles(self, i: usize, j: usize, k: usize) -> [f64; 3] {
         let u = i as f64 / self.theta_half as f64;
         [
@@ -82,10 +82,10 @@ impl Dimensions {
         ]
     }
 
-    /// Reads the header that `start` begins with, of a file of `length` bytes.
+    /// Reads the header at the beginning of `start`, for a file of `length` bytes.
     ///
     /// # Errors
-    /// A header that is cut; dimensions out of range or not matching `length`.
+    /// Returns an error for a truncated header, and for dimensions that are out of range or do not match `length`.
     pub fn from_header(start: &[u8], length: u64) -> Result<Self, FormatError> {
         let fields = start.as_chunks::<4>().0;
         let [a, b, c] = *fields.first_chunk::<3>().ok_or_else(|| too_short(start.len() as u64))?;
@@ -123,19 +123,19 @@ impl Dimensions {
 pub struct Merl {
     /// Samples per axis.
     pub dimensions: Dimensions,
-    /// `f_r` in 1/sr, `[theta_h][theta_d][phi_d]`, phi_d fastest. NaN in all channels where the cell is invalid
-    /// (a negative number in any channel of the file: below the horizon, or not measured).
+    /// `f_r` in 1/sr, `[theta_h][theta_d][phi_d]`, phi_d fastest. NaN in all channels if the cell is invalid (a
+    /// negative number in any channel of the file: below the horizon, or not measured).
     pub values: Vec<[f32; 3]>,
-    /// Cells that hold a measurement, at least 1.
+    /// Number of cells with a measurement, at least 1.
     pub valid_cells: usize,
 }
 
 impl Merl {
-    /// Reads a file of known `length`, through small buffers that walk along the three colour planes side by side.
+    /// Reads a file of known `length` through small buffers, one for each of the three colour planes.
     ///
     /// # Errors
-    /// Dimensions out of range or not matching `length`, more cells than there is memory for, a read that ends early or
-    /// fails, NaN, infinite or absurd numbers, no valid cell at all.
+    /// Returns an error for dimensions that are out of range or do not match `length`, more cells than there is memory
+    /// for, a read that ends early or fails, NaN, infinite or absurd numbers, and no valid cell.
     pub fn read(mut input: impl Read + Seek, length: u64) -> Result<Self, MerlError> {
         const BLOCK: usize = 1 << 13;
         let mut header = [0u8; HEADER_BYTES as usize];
@@ -191,19 +191,19 @@ impl Merl {
         Self::read(std::io::Cursor::new(bytes), bytes.len() as u64)
     }
 
-    /// Whether every cell equals its mirror image (`phi_d` to `-phi_d`) to within a fraction `tolerance`.
+    /// Returns true if every cell equals its mirror image (`phi_d` to `-phi_d`) to within a fraction `tolerance`.
     pub fn is_mirror_symmetric(&self, tolerance: f32) -> bool {
         self.is_unchanged_by(|k, n| if k == 0 { 0 } else { n - k }, tolerance)
     }
 
-    /// Whether every cell equals its reciprocal (`phi_d` to `phi_d + π`) to within a fraction `tolerance`. True by
-    /// layout where the azimuths cover half a turn.
+    /// Returns true if every cell equals its reciprocal (`phi_d` to `phi_d + π`) to within a fraction `tolerance`.
+    /// Always true if the azimuths cover half a turn.
     pub fn is_reciprocal(&self, tolerance: f32) -> bool {
         !self.dimensions.is_full_turn()
             || self.is_unchanged_by(|k, n| if k + n / 2 < n { k + n / 2 } else { k + n / 2 - n }, tolerance)
     }
 
-    /// Stops at the first ring with a difference, which measured data has early.
+    /// Stops at the first ring with a difference, which is early in measured data.
     fn is_unchanged_by(&self, partner: impl Fn(usize, usize) -> usize, tolerance: f32) -> bool {
         let n = self.dimensions.phi_difference;
         self.values.chunks_exact(n).all(|ring| {
@@ -217,8 +217,8 @@ impl Merl {
     }
 }
 
-/// Writes a MERL file. `value(theta_h, theta_d, phi_d)` gives `f_r` in 1/sr, or `None` for an invalid cell, stored
-/// as -1.
+/// Writes a MERL file. `value(theta_h, theta_d, phi_d)` gives `f_r` in 1/sr, or `None` for an invalid cell, stored as
+/// -1.
 pub fn write(
     output: &mut impl Write,
     dimensions: Dimensions,
@@ -246,10 +246,10 @@ pub fn write(
     Ok(())
 }
 
-/// Why a MERL file could not be read: the disk, or what stands in the file.
+/// Error of reading a MERL file: of the disk, or of the contents.
 #[derive(Debug, thiserror::Error)]
 pub enum MerlError {
-    /// The layout is not followed.
+    /// The file violates the layout.
     #[error(transparent)]
     Format(#[from] FormatError),
     /// The input could not be read.
@@ -262,10 +262,10 @@ fn too_short(length: u64) -> FormatError {
 }
 
 fn read_exact(input: &mut impl Read, buffer: &mut [u8], offset: u64) -> Result<(), MerlError> {
-    let wanted = buffer.len();
+    let needed = buffer.len();
     input.read_exact(buffer).map_err(|error| {
         if error.kind() == std::io::ErrorKind::UnexpectedEof {
-            FormatError::at_byte(offset, "table", "end of data", format!("{wanted} more bytes")).into()
+            FormatError::at_byte(offset, "table", "end of data", format!("{needed} more bytes")).into()
         } else {
             MerlError::Io(error)
         }
@@ -304,7 +304,7 @@ mod tests {
     }
 
     #[test]
-    fn what_is_written_is_read() {
+    fn files_round_trip() {
         let bytes = file(SMALL, |[h, d, p]| (d < 1.0).then_some([h, 10.0 + d, p]));
         let merl = Merl::from_bytes(&bytes).unwrap();
         assert_eq!(merl.dimensions, SMALL);
@@ -324,7 +324,7 @@ mod tests {
     }
 
     #[test]
-    fn samples_sit_on_lower_bin_edges() {
+    fn samples_are_on_lower_bin_edges() {
         assert_eq!(Dimensions::MERL.sample_angles(0, 0, 0), [0.0; 3]);
         let degrees = Dimensions::MERL.sample_angles(30, 7, 11).map(f64::to_degrees);
         for (found, expected) in degrees.into_iter().zip([10.0, 7.0, 11.0]) {

@@ -1,4 +1,4 @@
-//! Polynomial texture maps, `.ptm`: what a pixel is under any light, as a polynomial. Layout:
+//! Polynomial texture maps, `.ptm`: pixels as polynomials in the light's direction. Layout:
 //! `crates/readers/src/ptm.md`.
 
 use super::scan::{number, quoted};
@@ -12,16 +12,16 @@ pub static KIND: FileKind = FileKind {
     begins: Begins::With(&[b"PTM_1."]),
 };
 
-/// Most pixels per row, and most rows.
+/// Maximum width and height, pixels.
 pub const MAX_SIZE: u32 = 1 << 16;
-/// Coefficients of a polynomial: of u², v², uv, u, v and 1, in this order.
+/// Number of coefficients of a polynomial: of u², v², uv, u, v and 1, in this order.
 pub const TERMS: usize = 6;
-/// What files begin with.
+/// Version at the beginning of files.
 pub const VERSION: &str = "PTM_1.2";
 
 const RGB: &str = "PTM_FORMAT_RGB";
 const LRGB: &str = "PTM_FORMAT_LRGB";
-/// Largest bias, in either direction, that quantisation chooses.
+/// Largest magnitude of a bias that quantisation chooses.
 const MAX_BIAS: f64 = (1u32 << 30) as f64;
 
 /// A polynomial for each pixel.
@@ -48,7 +48,7 @@ pub enum PtmModel {
 }
 
 impl PtmModel {
-    /// As files name it.
+    /// Name of the format in files.
     pub fn name(&self) -> &'static str {
         match self {
             Self::Rgb(_) => RGB,
@@ -57,17 +57,18 @@ impl PtmModel {
     }
 }
 
-/// The six terms of a light whose unit vector has these x and y.
+/// The six terms of a light with these x and y of its unit vector.
 pub fn terms([u, v]: [f32; 2]) -> [f64; TERMS] {
     let (u, v) = (f64::from(u), f64::from(v));
     [u * u, v * v, u * v, u, v, 1.0]
 }
 
 impl Ptm {
-    /// Puts bytes together, a coefficient being `(byte - bias) * scale`.
+    /// Creates a map from bytes, with coefficients `(byte - bias) * scale`.
     ///
     /// # Errors
-    /// Sides of 0 or more than [`MAX_SIZE`]; another number of pixels; scales that are 0 or not finite.
+    /// Returns an error for sides of 0 or more than [`MAX_SIZE`], another number of pixels, and scales that are 0 or
+    /// not finite.
     pub fn new(size: [u32; 2], scale: [f32; TERMS], bias: [i32; TERMS], model: PtmModel) -> Result<Self, FormatError> {
         let count = pixel_count(size)?;
         let lengths = match &model {
@@ -75,7 +76,7 @@ impl Ptm {
             PtmModel::Lrgb { luminance, colour } => [luminance.len(), colour.len()],
         };
         if let Some(found) = lengths.into_iter().find(|length| *length as u64 != count) {
-            let allowed = format!("{count} of {} x {}", size[0], size[1]);
+            let allowed = format!("{count} for {} x {}", size[0], size[1]);
             return Err(FormatError::whole("pixels", found.to_string(), allowed));
         }
         if let Some(scale) = scale.into_iter().find(|scale| !is_scale(*scale)) {
@@ -84,15 +85,15 @@ impl Ptm {
         Ok(Self { size, scale, bias, model })
     }
 
-    /// Quantises coefficients of u², v², uv, u, v and 1 for each channel of each pixel, in codes of 0 to 255. Pixels stand
-    /// row by row from the top.
+    /// Quantises coefficients of u², v², uv, u, v and 1 for each channel of each pixel, in 8-bit levels. Pixels are row
+    /// by row from the top.
     ///
-    /// Each term has the least scale with which a byte reaches from its lowest to its highest coefficient: each comes back
-    /// to within half of [`Self::scale`], which is 1/255 of that range, or 2^-30 of the largest coefficient where that is
-    /// more. A term that is the same everywhere is exact.
+    /// Each term has the smallest scale with which a byte spans its lowest to its highest coefficient. The error of
+    /// each coefficient is at most half of [`Self::scale`], which is 1/255 of that range, or 2^-30 of the largest
+    /// coefficient if that is more. Terms that are constant over all pixels are exact.
     ///
     /// # Errors
-    /// As [`Self::new`]; coefficients that are not finite.
+    /// Same as [`Self::new`]. Also returns an error for coefficients that are not finite.
     pub fn from_coefficients_rgb(size: [u32; 2], pixels: &[[[f32; TERMS]; 3]]) -> Result<Self, FormatError> {
         let rule = Quantisation::of(pixels.as_flattened())?;
         let bytes = pixels.iter().map(|pixel| pixel.map(|coefficients| rule.bytes(coefficients))).collect();
@@ -102,7 +103,7 @@ impl Ptm {
     /// Quantises coefficients of the polynomial that multiplies `colour`, as [`Self::from_coefficients_rgb`] does.
     ///
     /// # Errors
-    /// As [`Self::from_coefficients_rgb`].
+    /// Same as [`Self::from_coefficients_rgb`].
     pub fn from_coefficients_lrgb(
         size: [u32; 2],
         luminance: &[[f32; TERMS]],
@@ -113,17 +114,17 @@ impl Ptm {
         Self::new(size, rule.scale, rule.bias, PtmModel::Lrgb { luminance: bytes, colour: colour.to_vec() })
     }
 
-    /// Pixels per row, and rows.
+    /// Width and height, pixels.
     pub fn size(&self) -> [u32; 2] {
         self.size
     }
 
-    /// Of each term.
+    /// Scale of each term.
     pub fn scale(&self) -> [f32; TERMS] {
         self.scale
     }
 
-    /// Of each term: the byte that means 0.
+    /// Bias of each term: the byte that means 0.
     pub fn bias(&self) -> [i32; TERMS] {
         self.bias
     }
@@ -133,15 +134,15 @@ impl Ptm {
         &self.model
     }
 
-    /// Coefficients that bytes mean.
+    /// Coefficients that the bytes represent.
     pub fn coefficients(&self, bytes: [u8; TERMS]) -> [f64; TERMS] {
         std::array::from_fn(|term| (f64::from(bytes[term]) - f64::from(self.bias[term])) * f64::from(self.scale[term]))
     }
 
-    /// What a pixel is under a light whose unit vector has these x and y: RGB in codes, clamped to 0 to 255. `pixel` is
-    /// `row * width + column`, rows counted from the top.
+    /// Value of a pixel under a light with these x and y of its unit vector: RGB in 8-bit levels, clamped to 0 to 255.
+    /// `pixel` is `row * width + column`, rows counted from the top.
     ///
-    /// Only the result is clamped: a luminance above 255 may still meet a dark colour.
+    /// Only the result is clamped: a luminance above 255 may multiply a dark colour.
     ///
     /// # Panics
     /// If there is no such pixel.
@@ -149,7 +150,7 @@ impl Ptm {
         self.polynomials(pixel, light).map(|code| code.clamp(0.0, 255.0) as f32)
     }
 
-    /// [`Self::value`] before it is clamped.
+    /// Same as [`Self::value`], without the clamp.
     ///
     /// # Panics
     /// If there is no such pixel.
@@ -170,8 +171,8 @@ impl Ptm {
     /// Parses a file.
     ///
     /// # Errors
-    /// Another version or format, sizes, scales and biases out of range, a header that ends early, a file that is shorter
-    /// or longer than its header says.
+    /// Returns an error for another version or format, sizes, scales and biases out of range, a truncated header, and a
+    /// file that is shorter or longer than its header declares.
     pub fn from_bytes(bytes: &[u8]) -> Result<Self, FormatError> {
         let mut header = Header { bytes, at: 0, line: 1 };
         let version = header.word("version")?;
@@ -221,7 +222,7 @@ impl Ptm {
         Self::new(size, scale, bias, model)
     }
 
-    /// The bytes of a file.
+    /// Bytes of a file.
     pub fn to_bytes(&self) -> Vec<u8> {
         let [width, height] = self.size;
         let words = |numbers: Vec<String>| numbers.join(" ");
@@ -244,7 +245,8 @@ impl Ptm {
     }
 }
 
-/// Pixels by row from the last to the first, each from the left. Its own inverse: files have the bottom row first.
+/// Indices of pixels by row from the last to the first, each from the left. Its own inverse: files have the bottom row
+/// first.
 fn from_top(width: usize, count: usize) -> impl Iterator<Item = usize> {
     (0..count / width).rev().flat_map(move |row| row * width..(row + 1) * width)
 }
@@ -270,7 +272,7 @@ struct Header<'a> {
 }
 
 impl<'a> Header<'a> {
-    /// Longest word. What is longer belongs to no header.
+    /// Longest word, bytes. No header has longer ones.
     const LONGEST: usize = 256;
 
     fn word(&mut self, field: &'static str) -> Result<&'a str, FormatError> {
@@ -301,7 +303,7 @@ impl<'a> Header<'a> {
         scale.ok_or_else(|| self.wrong("scale", quoted(word), SCALES))
     }
 
-    /// Some programs write whole numbers with decimals.
+    /// Parses a bias. Some programs write whole numbers with decimals.
     fn bias(&mut self) -> Result<i32, FormatError> {
         let word = self.word("bias")?;
         let value = number(word, self.line, "bias")?;
@@ -309,7 +311,7 @@ impl<'a> Header<'a> {
         if whole { Ok(value as i32) } else { Err(self.wrong("bias", quoted(word), "a whole number of 32 bits")) }
     }
 
-    /// What follows the line end after the last word.
+    /// Pixels after the line end that follows the last word.
     fn end(mut self) -> Result<&'a [u8], FormatError> {
         while self.bytes.get(self.at).is_some_and(|byte| matches!(byte, b' ' | b'\t' | b'\r')) {
             self.at += 1;
@@ -347,11 +349,11 @@ impl Quantisation {
             if lowest < highest {
                 let least = ((highest - lowest) / 255.0).max(highest.max(-lowest) / MAX_BIAS);
                 let rounded = least as f32;
-                // A smaller one would not reach.
+                // A smaller scale would not span the range.
                 rule.scale[term] = if f64::from(rounded) < least { rounded.next_up() } else { rounded };
                 rule.bias[term] = -nearest(lowest, rule.scale[term]) as i32;
             } else if lowest.abs() > 0.0 && lowest.is_finite() {
-                // Byte 1 where that is positive, and else byte 0.
+                // Byte 1 if the coefficient is positive, otherwise byte 0.
                 (rule.scale[term], rule.bias[term]) = (lowest.abs() as f32, i32::from(lowest < 0.0));
             }
         }
@@ -366,7 +368,7 @@ impl Quantisation {
     }
 }
 
-/// Rounded in the same direction everywhere, so that whole steps between two values stay whole.
+/// Rounds in the same direction everywhere, so that whole steps between two values stay whole.
 fn nearest(value: f64, scale: f32) -> f64 {
     (value / f64::from(scale) + 0.5).floor()
 }

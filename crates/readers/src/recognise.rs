@@ -1,13 +1,13 @@
-//! What a file is by its first bytes, whatever its name says.
+//! Recognition of files by their first bytes, independent of their names.
 
 use crate::file_kind::{Begins, FileKind, begins_with};
 use crate::meso::{obj, ply};
 use crate::{alta, merl, ptm, rgl, rti_capture, scan, scan_csv, ubo_btf};
 
-/// How many bytes from the start of a file are enough to recognise it.
+/// Number of bytes from the start of a file that are enough to recognise it.
 pub const START_BYTES: usize = 4096;
 
-/// Every kind of file that is recognised. The first that fits counts.
+/// All recognised kinds of files. The first match counts.
 static KINDS: [&FileKind; 25] = [
     &merl::KIND,
     &rgl::KIND,
@@ -36,7 +36,7 @@ static KINDS: [&FileKind; 25] = [
     &TEXT,
 ];
 
-/// KTX2, which packs are.
+/// KTX2, the container of packs.
 pub static KTX2: FileKind = FileKind {
     description: "a KTX2 texture (.ktx2)",
     extensions: &["ktx2"],
@@ -63,7 +63,7 @@ static HDR: FileKind = FileKind {
     extensions: &["hdr"],
     begins: Begins::With(&[b"#?RADIANCE", b"#?RGBE", b"#?RADIANCE\nFORMAT=32-bit_rle_rgbe\n"]),
 };
-/// TIFF, which is not read.
+/// TIFF, which no reader supports.
 static TIFF: FileKind = FileKind {
     description: "a TIFF image",
     extensions: &[],
@@ -75,13 +75,13 @@ static ZIP: FileKind = FileKind {
     extensions: &[],
     begins: Begins::With(&[b"PK\x03\x04", b"PK\x05\x06", b"PK\x03\x04\x14\0"]),
 };
-/// Compressed by gzip.
+/// gzip-compressed data.
 static GZIP: FileKind = FileKind {
     description: "a file compressed by gzip, to be unpacked first",
     extensions: &[],
     begins: Begins::With(&[b"\x1f\x8b", b"\x1f\x8b\x08\0"]),
 };
-/// Compressed by Zstandard.
+/// Zstandard-compressed data.
 static ZSTANDARD: FileKind = FileKind {
     description: "a file compressed by Zstandard, to be unpacked first",
     extensions: &[],
@@ -90,9 +90,9 @@ static ZSTANDARD: FileKind = FileKind {
 /// A PDF.
 static PDF: FileKind =
     FileKind { description: "a PDF", extensions: &[], begins: Begins::With(&[b"%PDF-", b"%PDF-1.7\n"]) };
-/// What Git LFS leaves in the place of a file that was not fetched.
+/// Placeholder of Git LFS for a file that was not fetched.
 static LFS_POINTER: FileKind = FileKind {
-    description: "what Git LFS leaves in the place of a file: 'git lfs pull' fetches it",
+    description: "a Git LFS pointer; 'git lfs pull' fetches the file",
     extensions: &[],
     begins: Begins::With(&[b"version https://git-lfs", b"version https://git-lfs.github.com/spec/v1\noid sha256:0\n"]),
 };
@@ -101,7 +101,7 @@ static JSON: FileKind =
     FileKind { description: "JSON", extensions: &["json"], begins: Begins::With(&[b"{", b"{\"version\": 1}"]) };
 /// A web page.
 static HTML: FileKind = FileKind {
-    description: "a web page, perhaps what a server said in the place of the file",
+    description: "a web page, perhaps an error message of a server",
     extensions: &[],
     begins: Begins::Text(is_page),
 };
@@ -123,13 +123,13 @@ fn is_page(text: &str) -> bool {
     begins_with(&first, &["<!doctype html", "<html"])
 }
 
-/// The kind of a file of `length` bytes that begins with `start`; nothing where no known one begins so.
+/// Finds the kind of a file of `length` bytes that begins with `start`; `None` for unknown kinds.
 pub fn recognise(start: &[u8], length: u64) -> Option<&'static FileKind> {
     let text = text(&start[..start.len().min(START_BYTES)]);
     KINDS.into_iter().find(|kind| kind.is_of(start, length, text))
 }
 
-/// The text that bytes are, if they are; a character that is cut at the end is left out.
+/// Decodes bytes as text, without a truncated character at the end; `None` if they are not text.
 fn text(start: &[u8]) -> Option<&str> {
     let text = match std::str::from_utf8(start) {
         Ok(text) => text,
@@ -153,7 +153,7 @@ mod tests {
     fn files_are_recognised_by_their_first_bytes() {
         let merl: Vec<u8> = [2i32, 3, 4].into_iter().flat_map(i32::to_le_bytes).chain([0; 24 * 24]).collect();
         assert_eq!(kind(&merl), Some(merl::KIND.description));
-        assert_eq!(kind(&merl[..merl.len() - 1]), None, "a table is as long as its header says");
+        assert_eq!(kind(&merl[..merl.len() - 1]), None, "the length of a table must match its header");
         for (bytes, expected) in [
             (&b"\x89PNG\r\n\x1a\n\0\0\0\rIHDR"[..], &PNG),
             (b"\xff\xd8\xff\xe0\0\x10JFIF", &JPEG),

@@ -1,5 +1,5 @@
 //! Materials of the RGL database (Dupuy and Jakob 2018, "An adaptive parameterization for efficient material
-//! acquisition and rendering"), measured on a goniophotometer over a parameterisation made for each material.
+//! acquisition and rendering"), measured on a goniophotometer over a parameterisation adapted to each material.
 //!
 //! Layout: `crates/readers/src/rgl.md`.
 
@@ -13,18 +13,18 @@ use brdfc_formats::FormatError;
 pub static KIND: FileKind =
     FileKind { description: "an RGL material (.bsdf)", extensions: &["bsdf"], begins: Begins::With(&[tensor::MAGIC]) };
 
-/// Angles in files are rounded to single precision and may pass their limits by this much, radians.
+/// Tolerance of angles at their limits, radians: files round them to single precision.
 const ANGLE_SLACK: f64 = 1e-5;
 
-/// How far the middle of azimuths that cover a quadrant may be from the middle of that quadrant, radians.
+/// Largest distance between the middle of azimuths that cover a quadrant and the middle of that quadrant, radians.
 const QUADRANT_SLACK: f64 = 0.1;
 
-/// Shortest and longest wavelength that a file may state, nanometres.
+/// Shortest and longest valid wavelength, nanometres.
 const WAVELENGTH_RANGE: [f32; 2] = [1.0, 100_000.0];
 
 /// A table over the unit square, bilinear between its nodes, row-major: `values[row * columns + column]`.
 ///
-/// Nodes lie on the border of the square: column 0 at u = 0, the last column at u = 1; rows likewise along v.
+/// Nodes include the border of the square: column 0 at u = 0, the last column at u = 1; rows likewise along v.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Map {
     /// Nodes along v, at least 2.
@@ -49,29 +49,29 @@ pub enum Colour {
     },
 }
 
-/// What the azimuths of incidence cover, and so how a direction pair outside them is brought inside.
+/// Range of the azimuths of incidence, which determines how direction pairs outside are mapped into it.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Azimuths {
     /// At most two entries: an isotropic material, tabulated over the azimuth relative to the incident direction.
     Isotropic,
     /// The whole circle.
     Full,
-    /// Half a circle: the material does not change under half a turn about the normal.
+    /// Half a circle: the material is unchanged by half a turn about the normal.
     HalfTurn,
-    /// A quadrant: the material does not change under mirroring in `x = 0` and in `y = 0`.
+    /// A quadrant: the material is unchanged by mirroring in `x = 0` and in `y = 0`.
     Quadrant,
 }
 
 /// A checked RGL material.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Rgl {
-    /// What was measured; bytes that are not UTF-8 stand as U+FFFD.
+    /// Description of the measurement; bytes that are not UTF-8 become U+FFFD.
     pub description: String,
     /// Azimuths of the incident direction, radians, strictly increasing, in [-2π, 2π]; see `azimuths`.
     pub phi_i: Vec<f64>,
     /// Polar angles of the incident direction, radians, strictly increasing, in [0, π/2].
     pub theta_i: Vec<f64>,
-    /// What `phi_i` covers.
+    /// Range of `phi_i`.
     pub azimuths: Azimuths,
     /// Distribution of microfacet normals, 1/sr, not negative; u is the polar angle, v the azimuth.
     pub ndf: Map,
@@ -90,7 +90,7 @@ pub struct Rgl {
     pub colour_columns: usize,
     /// The measurement. Values may be slightly negative.
     pub colour: Colour,
-    /// Whether the colours still are to be multiplied by `ndf / (4 sigma)`.
+    /// True if the colours still have to be multiplied by `ndf / (4 sigma)`.
     pub jacobian: bool,
 }
 
@@ -103,10 +103,10 @@ impl Rgl {
         }
     }
 
-    /// The bytes of a file of RGB values, with the table of luminances that samplers want.
+    /// Bytes of a file of RGB values, with the table of luminances for samplers.
     ///
     /// # Panics
-    /// For spectra.
+    /// If the values are spectra.
     pub fn to_bytes(&self) -> Vec<u8> {
         let Colour::Rgb(colours) = &self.colour else { panic!("a file of RGB values") };
         let nodes = self.colour_rows * self.colour_columns;
@@ -135,10 +135,10 @@ impl Rgl {
 
     /// Reads a `.bsdf` file of the RGL database.
     ///
-    /// Errors: a broken container (see [`TensorFile::parse`]), a missing field, element types or shapes that do not fit
-    /// each other, axes that do not increase strictly or leave their range, azimuths that cover neither the circle nor a
-    /// half nor a quadrant of it, values that are not finite, negative densities, a table of visible normals that is all
-    /// zero.
+    /// Returns an error for a broken container (see [`TensorFile::parse`]), a missing field, element types or shapes
+    /// that do not match, axes that do not increase strictly or are out of range, azimuths that cover neither the
+    /// circle nor a half nor a quadrant of it, values that are not finite, negative densities, and a table of visible
+    /// normals that is all zero.
     pub fn from_bytes(bytes: &[u8]) -> Result<Self, FormatError> {
         let file = TensorFile::parse(bytes)?;
         let phi_i = axis(file.require("phi_i")?, -TAU, TAU)?;
@@ -213,7 +213,7 @@ impl Rgl {
     }
 }
 
-/// What the azimuths cover, by the number of times that their span goes into the circle, rounded.
+/// Range of the azimuths, from the rounded ratio of the circle to their span.
 fn azimuths(tensor: &Tensor, phi_i: &[f64]) -> Result<Azimuths, FormatError> {
     if phi_i.len() <= 2 {
         return Ok(Azimuths::Isotropic);
@@ -224,7 +224,7 @@ fn azimuths(tensor: &Tensor, phi_i: &[f64]) -> Result<Azimuths, FormatError> {
         1.0 if span <= TAU + ANGLE_SLACK => Ok(Azimuths::Full),
         2.0 => Ok(Azimuths::HalfTurn),
         4.0 => {
-            // Mirroring reaches a quadrant between two axes only.
+            // Mirroring maps only quadrants between two axes.
             let from_middle = ((first + last) / 2.0).rem_euclid(FRAC_PI_2) - FRAC_PI_2 / 2.0;
             if from_middle.abs() <= QUADRANT_SLACK {
                 return Ok(Azimuths::Quadrant);
@@ -242,7 +242,7 @@ fn expect_shape(tensor: &Tensor, shape: &[usize]) -> Result<(), FormatError> {
     Err(tensor.header_error("shape", format!("{:?}", tensor.shape), format!("{shape:?}")))
 }
 
-/// Rows and columns of a tensor whose other axes have the extents `leading`.
+/// Rows and columns of a tensor whose leading axes have the extents `leading`.
 fn table_shape(tensor: &Tensor, leading: &[usize]) -> Result<[usize; 2], FormatError> {
     match tensor.shape.strip_prefix(leading) {
         Some(&[rows, columns]) if rows >= 2 && columns >= 2 => Ok([rows, columns]),

@@ -1,4 +1,4 @@
-//! Directions to the lights of photographs of one view, `.lp`. Layout: `crates/readers/src/rti_capture.md`.
+//! Lists of light directions of photographs of one view, `.lp`. Layout: `crates/readers/src/rti_capture.md`.
 
 use super::scan::{number, quoted};
 use crate::file_kind::{Begins, FileKind};
@@ -11,13 +11,13 @@ use std::fmt::Write;
 pub static KIND: FileKind =
     FileKind { description: "the lights of an RTI capture (.lp)", extensions: &["lp"], begins: Begins::Text(is_list) };
 
-/// Most lights of a stack.
+/// Maximum number of lights of a capture.
 pub const MAX_LIGHTS: usize = 4096;
 
-/// The images of a stack with the directions to their lights, in the order of the file.
+/// The images of a capture with the directions to their lights, in the order of the file.
 #[derive(Debug, Clone, PartialEq)]
 pub struct LightPositions {
-    /// Name of each image as it stands in the file.
+    /// Name of each image as in the file.
     pub names: Vec<String>,
     /// Unit vectors to the lights, z > 0: x to the right of the images, y up, z to the viewer.
     pub directions: Vec<[f32; 3]>,
@@ -29,29 +29,29 @@ impl LightPositions {
     /// Parses a file.
     ///
     /// # Errors
-    /// What [`Self::parse`] refuses, NUL bytes, what is not UTF-8.
+    /// Returns an error for text that [`Self::parse`] rejects, NUL bytes, and invalid UTF-8.
     pub fn from_bytes(bytes: &[u8]) -> Result<Self, FormatError> {
         Self::parse(text::checked(bytes)?)
     }
 
-    /// Parses the text of a file: how many lights there are, then a line `NAME X Y Z` for each.
+    /// Parses the text of a file: the number of lights, then a line `NAME X Y Z` for each.
     ///
     /// # Errors
-    /// No lights, more than [`MAX_LIGHTS`], another number than is stated; a line that is no name and three finite
-    /// numbers; vectors of length 0, or at or below the horizon; an image that is named twice.
+    /// Returns an error for no lights, more than [`MAX_LIGHTS`], another number than declared, a line that is not a
+    /// name and three finite numbers, vectors of length 0 or at or below the horizon, and an image that is named twice.
     pub fn parse(text: &str) -> Result<Self, FormatError> {
         let mut lines = (1u64..).zip(text.lines()).filter(|(_, content)| !content.trim().is_empty());
         let (first, stated) = lines.next().ok_or_else(|| {
-            FormatError::whole("number of lights", "an empty file", "how many lights there are, then a line for each")
+            FormatError::whole("number of lights", "an empty file", "the number of lights, then a line for each")
         })?;
         let count = light_count(stated.trim(), first)?;
         let (mut names, mut directions, mut numbers) = (Vec::new(), Vec::new(), Vec::new());
         let mut seen = BTreeMap::new();
         for (line, content) in lines.by_ref().take(count) {
             let (name, direction) = light(content, line)?;
-            // Either separator may stand in names.
+            // Names may contain either separator.
             if let Some(before) = seen.insert(name.replace('\\', "/"), line) {
-                let found = format!("{}, as in line {before}", quoted(name));
+                let found = format!("{}, as on line {before}", quoted(name));
                 return Err(FormatError::at_line(line, "image", found, "each image once"));
             }
             names.push(name.to_owned());
@@ -60,13 +60,13 @@ impl LightPositions {
         }
         let found = directions.len() + lines.count();
         if found != count {
-            let allowed = format!("{found}, as many as lines follow");
+            let allowed = format!("{found}, the number of lines that follow");
             return Err(FormatError::at_line(first, "number of lights", count.to_string(), allowed));
         }
         Ok(Self { names, directions, lines: numbers })
     }
 
-    /// The text of a file with these names and directions, whose lines are not asked for.
+    /// Formats a list of these names and directions; its `lines` are not needed.
     pub fn to_text(names: &[String], directions: &[[f32; 3]]) -> String {
         let mut text = format!("{}\n", directions.len());
         for (name, [x, y, z]) in names.iter().zip(directions) {
@@ -78,7 +78,7 @@ impl LightPositions {
 }
 
 fn light_count(word: &str, line: u64) -> Result<usize, FormatError> {
-    let allowed = || format!("1 to {MAX_LIGHTS}, alone in the first line");
+    let allowed = || format!("1 to {MAX_LIGHTS}, alone on the first line");
     let wrong = |found: String| FormatError::at_line(line, "number of lights", found, allowed());
     let digits = !word.is_empty() && word.bytes().all(|byte| byte.is_ascii_digit());
     let count = if digits { word.parse::<usize>().ok() } else { None };
@@ -89,11 +89,11 @@ fn light_count(word: &str, line: u64) -> Result<usize, FormatError> {
     }
 }
 
-/// Name and unit vector of a line. Whatever stands before the last three words is the name.
+/// Name and unit vector of a line. The name is everything before the last three words.
 fn light(content: &str, line: u64) -> Result<(&str, [f32; 3]), FormatError> {
     let mut rest = content.trim();
-    let mut words = [""; 3];
-    for word in words.iter_mut().rev() {
+    let mut tokens = [""; 3];
+    for slot in tokens.iter_mut().rev() {
         let Some((before, last)) = rest.rsplit_once(|c: char| c.is_whitespace()) else {
             return Err(FormatError::at_line(
                 line,
@@ -102,10 +102,10 @@ fn light(content: &str, line: u64) -> Result<(&str, [f32; 3]), FormatError> {
                 "the name of an image, then x y z",
             ));
         };
-        (rest, *word) = (before.trim_end(), last);
+        (rest, *slot) = (before.trim_end(), last);
     }
     let mut vector = [0.0; 3];
-    for ((component, word), field) in vector.iter_mut().zip(words).zip(["x", "y", "z"]) {
+    for ((component, word), field) in vector.iter_mut().zip(tokens).zip(["x", "y", "z"]) {
         *component = number(word, line, field)?;
     }
     Ok((rest, unit(vector, line)?))
@@ -117,7 +117,7 @@ fn unit(vector: [f64; 3], line: u64) -> Result<[f32; 3], FormatError> {
     if largest == 0.0 {
         return wrong("direction", "a vector of length 0".to_owned(), "any other length");
     }
-    // Squares of what is not scaled may be too large or too small for a number.
+    // Squares of unscaled vectors may overflow or underflow.
     let scaled = vector.map(|c| c / largest);
     let length = scaled.iter().map(|c| c * c).sum::<f64>().sqrt();
     let direction = scaled.map(|c| (c / length) as f32);
@@ -128,7 +128,7 @@ fn unit(vector: [f64; 3], line: u64) -> Result<[f32; 3], FormatError> {
     wrong("direction", found, "z greater than 0")
 }
 
-/// Whether text begins as a list of lights does: a number alone, then a name and three numbers.
+/// Returns true if text begins like a list of lights: a number alone, then a name and three numbers.
 fn is_list(text: &str) -> bool {
     let mut lines = text.lines().map(str::trim).filter(|line| !line.is_empty());
     let (first, second) = (lines.next().unwrap_or(""), lines.next().unwrap_or(""));
@@ -156,13 +156,13 @@ mod tests {
     }
 
     #[test]
-    fn lengths_of_vectors_do_not_count() {
+    fn lengths_of_vectors_do_not_matter() {
         for scale in ["e-320", "e-200", "", "e200", "e307"] {
             let found = LightPositions::parse(&format!("1\na 3{scale} 0{scale} 4{scale}\n")).unwrap();
             let [x, y, z] = found.directions[0];
             assert!((x - 0.6).abs() < 1e-3 && y == 0.0 && (z - 0.8).abs() < 1e-3, "{scale}: {:?}", found.directions);
         }
-        // Coplanar lights and equal ones are for others to judge.
+        // Coplanar and equal lights are valid here.
         assert!(LightPositions::parse("3\na 0 0 1\nb 0 0.5 1\nc 0 0 1").is_ok());
     }
 
@@ -178,8 +178,11 @@ mod tests {
             ("+1\na 0 0 1", "line 1, number of lights: found \"+1\""),
             ("1.0\na 0 0 1", "line 1, number of lights: found \"1.0\""),
             ("a.jpg 0 0 1\n", "line 1, number of lights: found \"a.jpg 0 0 1\""),
-            ("2\na 0 0 1\n\n", "line 1, number of lights: found 2, expected 1, as many as lines follow"),
-            ("\n1\na 0 0 1\nb 0 0 1\nc", "line 2, number of lights: found 1, expected 3, as many as lines follow"),
+            ("2\na 0 0 1\n\n", "line 1, number of lights: found 2, expected 1, the number of lines that follow"),
+            (
+                "\n1\na 0 0 1\nb 0 0 1\nc",
+                "line 2, number of lights: found 1, expected 3, the number of lines that follow",
+            ),
             ("1\n0 0 1\n", "line 2, light: found \"0 0 1\", expected the name of an image, then x y z"),
             ("1\na 0 zero 1\n", "line 2, y: found \"zero\", expected a finite number"),
             ("1\na 0 0 inf\n", "line 2, z: found \"inf\""),
@@ -188,21 +191,21 @@ mod tests {
             ("1\na 0 1 0\n", "line 2, direction: found 0 1 0, at or below the horizon, expected z greater than 0"),
             ("1\na 0 1 -0.1\n", "line 2, direction: found 0 1 -0.1, at or below"),
             ("1\na 0 1 1e-50\n", "line 2, direction: found 0 1 0.0000"),
-            ("2\na 0 0 1\n a 0 1 1\n", "line 3, image: found \"a\", as in line 2, expected each image once"),
-            ("2\na\\b.c 0 0 1\na/b.c 0 1 1\n", "line 3, image: found \"a/b.c\", as in line 2"),
+            ("2\na 0 0 1\n a 0 1 1\n", "line 3, image: found \"a\", as on line 2, expected each image once"),
+            ("2\na\\b.c 0 0 1\na/b.c 0 1 1\n", "line 3, image: found \"a/b.c\", as on line 2"),
         ] {
             assert!(message(text).starts_with(expected), "{text:?}: {}", message(text));
         }
-        let told = |bytes: &[u8]| LightPositions::from_bytes(bytes).unwrap_err().to_string();
-        assert!(told(b"1\n\xff\xd8 0 0 1").starts_with("line 2, text: found byte 0xff"));
-        assert!(told(b"1\n\0").starts_with("line 2, text: found a NUL byte"));
+        let message_of = |bytes: &[u8]| LightPositions::from_bytes(bytes).unwrap_err().to_string();
+        assert!(message_of(b"1\n\xff\xd8 0 0 1").starts_with("line 2, text: found byte 0xff"));
+        assert!(message_of(b"1\n\0").starts_with("line 2, text: found a NUL byte"));
         let most = (0..MAX_LIGHTS).fold(format!("{MAX_LIGHTS}\n"), |text, k| text + &format!("{k} 0 {k} 1\n"));
         assert_eq!(LightPositions::parse(&most).unwrap().names.len(), MAX_LIGHTS);
     }
 
     proptest! {
         #[test]
-        fn what_is_written_is_read(
+        fn lists_round_trip(
             lights in prop::collection::vec(("[a-z ./\\\\]{0,8}[a-z]", -1e3f64..1e3, -1e3f64..1e3, 1e-3f64..1e3), 1..20),
         ) {
             let names: Vec<String> = (0..).zip(&lights).map(|(k, (name, ..))| format!("{k}{name}")).collect();

@@ -1,4 +1,4 @@
-//! Scattered gonioreflectometer scans as text, `.brdf`. Layout: `crates/readers/src/scan.md`.
+//! Text files of scattered gonioreflectometer scans, `.brdf`. Layout: `crates/readers/src/scan.md`.
 
 use crate::file_kind::{Begins, FileKind, first_line};
 use crate::{colour, text};
@@ -13,13 +13,13 @@ pub static KIND: FileKind = FileKind {
     begins: Begins::Text(|text| is_first_line(first_line(text))),
 };
 
-/// Most wavelengths of a scan.
+/// Maximum number of wavelengths of a scan.
 pub const MAX_WAVELENGTHS: usize = 10_000;
-/// Most rows of a scan.
+/// Maximum number of rows of a scan.
 pub const MAX_ROWS: usize = 1 << 22;
-/// Largest value a row may hold, 1/sr.
+/// Largest value of a row, 1/sr.
 pub const MAX_VALUE: f64 = 1e12;
-/// How far past the horizon a polar angle may lie and still count as rounding, radians; it is then set to π/2.
+/// Largest excess of a polar angle over π/2 that counts as rounding, radians; the angle is then set to π/2.
 pub const HORIZON_TOLERANCE: f64 = 1e-4;
 
 /// One measurement.
@@ -37,19 +37,19 @@ pub struct Row {
     pub value: [f64; 3],
 }
 
-/// A scattered scan in memory, at least one row, in the order of the file.
+/// A scattered scan in memory, with at least one row, in the order of the file.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct Scan {
-    /// Wavelengths in nm, strictly increasing; empty when the file held RGB.
+    /// Wavelengths in nm, strictly increasing; empty if the file has RGB.
     pub wavelengths: Vec<f64>,
     /// Measurements, at most [`MAX_ROWS`].
     pub rows: Vec<Row>,
-    /// Line of the file that each row starts at; empty where there is no file.
+    /// Line of the file at which each row starts; empty without a file.
     pub lines: Vec<u64>,
 }
 
 impl Scan {
-    /// Takes in a row that starts at `line` of the file.
+    /// Adds a row that starts at `line` of the file.
     pub(super) fn push(&mut self, row: Row, line: u64) -> Result<(), FormatError> {
         memory::push_within(&mut self.rows, row, MAX_ROWS, "rows")?;
         memory::push_within(&mut self.lines, line, MAX_ROWS, "rows")
@@ -58,8 +58,8 @@ impl Scan {
     /// Parses the text layout.
     ///
     /// # Errors
-    /// What is no text, counts and numbers that do not parse, angles out of range, rows of the wrong length, no rows,
-    /// more than [`MAX_ROWS`].
+    /// Returns an error for invalid text, counts and numbers that do not parse, angles out of range, rows of the wrong
+    /// length, no rows, and more than [`MAX_ROWS`].
     pub fn from_bytes(bytes: &[u8]) -> Result<Self, FormatError> {
         let text = text::checked(bytes)?;
         let mut lines = (1u64..).zip(text.lines().map(|line| line.split('#').next().unwrap_or("")));
@@ -112,8 +112,8 @@ impl Scan {
 
 /// Writes rows in the text layout with 31 bands from 400 to 700 nm.
 ///
-/// The layout holds spectra, not colours: each row gets the flattest spectrum (least squares) that reads back as its
-/// colour. A saturated colour's spectrum may be negative in places.
+/// The layout has spectra, not colours: each row gets the flattest spectrum (least squares) that reads back as its
+/// colour. The spectrum of a saturated colour may be partly negative.
 pub fn write(output: &mut impl Write, comment: &str, rows: &[Row]) -> std::io::Result<()> {
     let wavelengths: Vec<f64> = (0..31).map(|k| 400.0 + 10.0 * f64::from(k)).collect();
     let weights = colour::rgb_weights(&wavelengths).expect("31 wavelengths across the visible range");
@@ -187,7 +187,7 @@ fn read_wavelengths<'a>(
                     line,
                     "wavelengths",
                     format!("{} numbers", wavelengths.len()),
-                    format!("{count}, as the count says"),
+                    format!("{count}, the wavelength count"),
                 ));
             }
             return Ok((wavelengths, line));
@@ -247,7 +247,7 @@ pub(super) fn checked_row(angles: [f64; 4], value: [f64; 3], line: u64) -> Resul
     Ok(Row { theta_i, phi_i, theta_o, phi_o, value })
 }
 
-/// Whether a line can be the first of a scan: how many wavelengths, and perhaps the first of them.
+/// Returns true if a line can be the first of a scan: the number of wavelengths, and perhaps the first of them.
 fn is_first_line(line: &str) -> bool {
     let mut words = line.split_ascii_whitespace();
     let counts = words.next().is_some_and(|word| word.parse::<u32>().is_ok_and(|count| count > 0));
@@ -277,7 +277,7 @@ mod tests {
     }
 
     #[test]
-    fn what_is_written_is_read() {
+    fn scans_round_trip() {
         let row = Row { theta_i: 0.25, phi_i: 0.5, theta_o: 0.75, phi_o: -1.0, value: [0.125; 3] };
         let coloured = Row { value: [0.5, 0.25, 0.01], ..row };
         let mut bytes = Vec::new();

@@ -19,13 +19,13 @@ pub static KIND: FileKind = FileKind {
 
 /// Columns of a scan in angles, radians.
 pub const ANGLE_COLUMNS: [&str; 7] = ["theta_i", "phi_i", "theta_o", "phi_o", "r", "g", "b"];
-/// Columns of a scan in unit vectors: what `brdfc eval` writes.
+/// Columns of a scan in unit vectors, as `brdfc eval` writes them.
 pub const VECTOR_COLUMNS: [&str; 9] = ["wi_x", "wi_y", "wi_z", "wo_x", "wo_y", "wo_z", "f_r", "f_g", "f_b"];
-/// Columns that make a list of direction pairs.
+/// Columns of a list of direction pairs.
 pub const DIRECTION_COLUMNS: [&str; 6] = ["wi_x", "wi_y", "wi_z", "wo_x", "wo_y", "wo_z"];
-/// Columns that make a list of texels under lights; where they are seen from are the last of [`DIRECTION_COLUMNS`].
+/// Columns of a list of texels under lights; the last of [`DIRECTION_COLUMNS`] are the views.
 pub const TEXEL_COLUMNS: [&str; 8] = ["u", "v", "wi_x", "wi_y", "wi_z", "wo_x", "wo_y", "wo_z"];
-/// Most direction pairs of a list.
+/// Maximum number of direction pairs of a list.
 pub const MAX_DIRECTION_PAIRS: usize = 1 << 24;
 
 /// Parses a CSV scan: a header of [`ANGLE_COLUMNS`] or [`VECTOR_COLUMNS`], then one measurement per record.
@@ -58,9 +58,9 @@ pub fn from_bytes(bytes: &[u8]) -> Result<Scan, FormatError> {
     Ok(scan)
 }
 
-/// Parses a list of direction pairs: a header that holds [`DIRECTION_COLUMNS`], in any order, other columns ignored.
+/// Parses a list of direction pairs: a header with [`DIRECTION_COLUMNS`], in any order; other columns are ignored.
 ///
-/// Directions below the horizon are allowed here: `f_r` is zero there.
+/// Directions below the horizon are valid here: `f_r` is zero there.
 pub fn directions_from_bytes(bytes: &[u8]) -> Result<Vec<(Vector, Vector)>, FormatError> {
     let mut table = Table::open(bytes)?;
     let columns = table.find(&DIRECTION_COLUMNS)?;
@@ -71,22 +71,22 @@ pub fn directions_from_bytes(bytes: &[u8]) -> Result<Vec<(Vector, Vector)>, Form
     Ok(pairs)
 }
 
-/// A place on a rendering or a tile, lit and seen.
+/// A position on an image or a tile with light and view.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct TexelQuery {
-    /// Across and down, 0 to 1; beyond that as the rendering goes on.
+    /// Across and down, 0 to 1; beyond that range as the image continues.
     pub uv: [f64; 2],
     /// Unit vector to the light.
     pub incoming: Vector,
-    /// Unit vector to the viewer; the normal where none is asked for.
+    /// Unit vector to the viewer; the normal if none is given.
     pub outgoing: Vector,
 }
 
-/// Parses a list of texels: a header that holds [`TEXEL_COLUMNS`], without the last three if there is no view, in any
-/// order, other columns ignored.
+/// Parses a list of texels: a header with [`TEXEL_COLUMNS`], without the last three if there is no view, in any order;
+/// other columns are ignored.
 ///
 /// # Errors
-/// Columns that are missing, and what is no number or unit vector, with its line.
+/// Returns an error for missing columns, and for values that are no number or unit vector, with the line.
 pub fn texels_from_bytes(bytes: &[u8], with_view: bool) -> Result<Vec<TexelQuery>, FormatError> {
     let mut table = Table::open(bytes)?;
     let columns = table.find(&TEXEL_COLUMNS[..if with_view { 8 } else { 5 }])?;
@@ -121,11 +121,11 @@ pub fn write(output: &mut impl Write, rows: &[Row]) -> std::io::Result<()> {
 pub(crate) struct Table<'a> {
     reader: csv::Reader<Records<'a>>,
     header: Vec<String>,
-    /// Whether numbers may have a comma for a point, as they do where semicolons or tabs part them.
+    /// True if numbers may have a decimal comma, which is the case if the delimiter is a semicolon or a tab.
     has_commas: bool,
 }
 
-/// The bytes of a table, so many at a time as a record may have: what is quoted could be as long as the file.
+/// Bytes of a table, in portions of the longest record: a quoted field could be as long as the file.
 struct Records<'a> {
     bytes: &'a [u8],
     left: usize,
@@ -145,7 +145,7 @@ impl Read for Records<'_> {
 }
 
 impl<'a> Table<'a> {
-    /// Reads the header. Columns are parted by what it has most of: commas, semicolons or tabs.
+    /// Reads the header. The delimiter is the most frequent of comma, semicolon and tab.
     pub(crate) fn open(bytes: &'a [u8]) -> Result<Self, FormatError> {
         text::checked(bytes)?;
         let delimiter = delimiter(bytes);
@@ -160,9 +160,9 @@ impl<'a> Table<'a> {
         Ok(Self { reader, header, has_commas: delimiter != b',' })
     }
 
-    /// Index in the file of each wanted column.
-    pub(crate) fn find(&self, wanted: &[&'static str]) -> Result<Vec<(usize, &'static str)>, FormatError> {
-        wanted
+    /// Index in the file of each requested column.
+    pub(crate) fn find(&self, requested: &[&'static str]) -> Result<Vec<(usize, &'static str)>, FormatError> {
+        requested
             .iter()
             .map(|name| {
                 self.header.iter().position(|found| found == name).map(|index| (index, *name)).ok_or_else(|| {
@@ -170,14 +170,14 @@ impl<'a> Table<'a> {
                         1,
                         format!("column {name}"),
                         format!("only {}", scan::quoted(&self.header.join(","))),
-                        format!("a header with {}", wanted.join(",")),
+                        format!("a header with {}", requested.join(",")),
                     )
                 })
             })
             .collect()
     }
 
-    /// Line and numbers of the next record; none at the end.
+    /// Line and numbers of the next record; `None` at the end.
     pub(crate) fn next_numbers(
         &mut self,
         columns: &[(usize, &'static str)],
@@ -200,28 +200,31 @@ impl<'a> Table<'a> {
     }
 }
 
-/// What parts the columns of the first line that is no comment.
+/// Delimiter of the first line that is not a comment.
 pub fn delimiter(bytes: &[u8]) -> u8 {
     let is_header = |line: &&[u8]| !line.starts_with(b"#") && !line.trim_ascii().is_empty();
     let header = bytes.split(|byte| *byte == b'\n').find(is_header).unwrap_or_default();
-    let count = |wanted: &u8| header.iter().filter(|byte| *byte == wanted).count();
-    // The first of those that are as many.
+    let count = |delimiter: &u8| header.iter().filter(|byte| *byte == delimiter).count();
+    // The first of those with the same count.
     [b'\t', b';', b','].into_iter().max_by_key(count).unwrap_or(b',')
 }
 
-/// An error of the record that starts at `line`, where it does not know better.
+/// Error of the record that starts at `line`, unless the error has its own line.
 fn csv_error(error: &csv::Error, line: u64) -> FormatError {
     let line = error.position().map_or(line, csv::Position::line);
     match error.kind() {
-        csv::ErrorKind::UnequalLengths { expected_len, len, .. } => {
-            FormatError::at_line(line, "record", format!("{len} fields"), format!("{expected_len}, as the header has"))
-        }
+        csv::ErrorKind::UnequalLengths { expected_len, len, .. } => FormatError::at_line(
+            line,
+            "record",
+            format!("{len} fields"),
+            format!("{expected_len}, the number of columns"),
+        ),
         csv::ErrorKind::Io(error) => FormatError::at_line(line, "record", error.to_string(), text::allowed_length()),
         _ => FormatError::at_line(line, "record", error.to_string(), "comma-separated numbers"),
     }
 }
 
-/// Both directions of a record, brought to length 1; lengths may be off by 1 % (rounded decimals).
+/// Both directions of a record, normalised; lengths may be off by 1 % (rounded decimals).
 fn unit_vectors(n: &[f64], line: u64) -> Result<(Vector, Vector), FormatError> {
     let unit = |v: Vector, field: &'static str| {
         let length = dot(v, v).sqrt();
@@ -255,9 +258,9 @@ mod tests {
         assert_eq!(row.value, other.value);
     }
 
-    /// Files of programs in whose languages a number has a comma.
+    /// Files of programs in languages with a decimal comma.
     #[test]
-    fn semicolons_and_tabs_part_columns_too() {
+    fn semicolons_and_tabs_are_delimiters_too() {
         let plain = "# by hand, once\ntheta_i,phi_i,theta_o,phi_o,r,g,b\n0.5,0,0.25,1,1.5,2,3e-1\n";
         let rows = |text: &str| from_bytes(text.as_bytes()).map(|scan| scan.rows);
         let value = rows(plain).unwrap()[0].value;
@@ -268,7 +271,7 @@ mod tests {
             assert_eq!(rows(&points.replace('.', ",")).unwrap()[0].value, value);
             assert!(rows(&points.replace("1.5", "1,5,0")).is_err());
         }
-        assert!(rows(&plain.replace("1.5", "\"1,5\"")).is_err(), "where commas part columns, none is in a number");
+        assert!(rows(&plain.replace("1.5", "\"1,5\"")).is_err(), "with commas as delimiters, numbers have none");
     }
 
     #[test]
@@ -283,7 +286,7 @@ mod tests {
     }
 
     #[test]
-    fn what_is_written_is_read() {
+    fn scans_round_trip() {
         let row = Row { theta_i: 0.25, phi_i: 0.5, theta_o: 0.75, phi_o: -1.0, value: [0.5, 0.25, -0.125] };
         let mut bytes = Vec::new();
         write(&mut bytes, &[row]).unwrap();

@@ -1,4 +1,4 @@
-//! The tensor container of the RGL material database: named arrays behind one table of headers.
+//! The tensor container of the RGL material database: named arrays after a table of headers.
 //!
 //! Layout: `crates/readers/src/rgl.md`, section "Container".
 
@@ -10,10 +10,10 @@ use brdfc_formats::{FormatError, memory};
 /// First 12 bytes of every container.
 pub const MAGIC: &[u8; 12] = b"tensor_file\0";
 
-/// Major and minor version that follow the magic.
+/// Major and minor version, after the magic bytes.
 pub const VERSION: [u8; 2] = [1, 0];
 
-/// What one element of a tensor is, with its code in the file.
+/// Type of the elements of a tensor, with its code in the file.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 #[repr(u8)]
 pub enum ElementKind {
@@ -56,7 +56,7 @@ impl ElementKind {
         Self::F64,
     ];
 
-    /// The kind with this code, 1 to 11.
+    /// The type with this code, 1 to 11.
     pub fn from_code(code: u8) -> Option<Self> {
         Self::ALL.into_iter().find(|kind| *kind as u8 == code)
     }
@@ -72,12 +72,12 @@ impl ElementKind {
     }
 }
 
-/// One named array, its bytes still in the file.
+/// A named array with its bytes in the file.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Tensor<'a> {
     /// Name, unique in the file.
     pub name: &'a str,
-    /// What the elements are.
+    /// Type of the elements.
     pub kind: ElementKind,
     /// Extent along each axis, slowest first. Empty for a scalar. An extent may be zero.
     pub shape: Vec<usize>,
@@ -90,7 +90,7 @@ pub struct Tensor<'a> {
 }
 
 impl<'a> Tensor<'a> {
-    /// Refuses any other element kind.
+    /// Returns an error for any other element type.
     pub fn expect_kind(&self, kind: ElementKind) -> Result<(), FormatError> {
         if self.kind == kind {
             return Ok(());
@@ -98,14 +98,14 @@ impl<'a> Tensor<'a> {
         Err(self.header_error("element type", format!("{:?}", self.kind), format!("{kind:?}")))
     }
 
-    /// The elements as bytes; an error for any other kind.
+    /// The elements as bytes. Returns an error for any other type.
     pub fn bytes(&self) -> Result<&'a [u8], FormatError> {
         self.expect_kind(ElementKind::U8)?;
         Ok(self.data)
     }
 
-    /// The elements as single-precision values; an error for any other kind, and for a value that is not finite or
-    /// outside `minimum..=maximum`.
+    /// The elements as single-precision values. Returns an error for any other type, and for a value that is not finite
+    /// or outside `minimum..=maximum`.
     pub fn floats(&self, minimum: f32, maximum: f32) -> Result<Vec<f32>, FormatError> {
         self.expect_kind(ElementKind::F32)?;
         let (chunks, _) = self.data.as_chunks::<4>();
@@ -126,19 +126,19 @@ impl<'a> Tensor<'a> {
         Ok(values)
     }
 
-    /// An error about this tensor's header.
+    /// Creates an error about this tensor's header.
     pub fn header_error(&self, what: &str, found: impl Into<String>, allowed: impl Into<String>) -> FormatError {
         FormatError::at_byte(self.header_offset, format!("{} {what}", self.name), found, allowed)
     }
 
-    /// An error about the element at `index`, counted from 0 in storage order.
+    /// Creates an error about the element at `index`, counted from 0 in storage order.
     pub fn element_error(&self, index: usize, found: impl Into<String>, allowed: impl Into<String>) -> FormatError {
         let offset = self.data_offset + (index * self.kind.size()) as u64;
         FormatError::at_byte(offset, format!("{} element {index}", self.name), found, allowed)
     }
 }
 
-/// A container whose headers are all checked: every tensor lies inside the file, behind the headers.
+/// A container with checked headers: every tensor is inside the file, after the headers.
 #[derive(Debug, Clone)]
 pub struct TensorFile<'a> {
     tensors: Vec<Tensor<'a>>,
@@ -147,9 +147,9 @@ pub struct TensorFile<'a> {
 impl<'a> TensorFile<'a> {
     /// Reads the headers; the elements stay in `bytes`.
     ///
-    /// Errors: wrong magic or version, a truncated header, a name that is not UTF-8 or stands twice, an unknown element
-    /// code, extents whose product overflows, elements that overlap the headers or reach past the end of the file.
-    /// Memory asked for is at most proportional to the length of `bytes`.
+    /// Returns an error for a wrong magic or version, a truncated header, a name that is not UTF-8 or not unique, an
+    /// unknown element code, extents whose product overflows, and elements that overlap the headers or reach past the
+    /// end of the file. Allocated memory is at most proportional to the length of `bytes`.
     pub fn parse(bytes: &'a [u8]) -> Result<Self, FormatError> {
         let mut cursor = Cursor::new(bytes);
         let magic = cursor.take(MAGIC.len(), "magic")?;
@@ -168,11 +168,11 @@ impl<'a> TensorFile<'a> {
         let count = cursor.u32("field count")?;
         let mut tensors = Vec::new();
         let mut names = HashSet::new();
-        // No reservation by `count`: it is checked only by the reads that it leads to.
+        // No reservation by `count`, which only the following reads can verify.
         for _ in 0..count {
             let tensor = read_header(&mut cursor, bytes)?;
             if !names.insert(tensor.name) {
-                return Err(tensor.header_error("name", "a second field of this name", "names that stand once"));
+                return Err(tensor.header_error("name", "a second field of this name", "unique names"));
             }
             tensors.push(tensor);
         }
@@ -192,12 +192,12 @@ impl<'a> TensorFile<'a> {
         &self.tensors
     }
 
-    /// The tensor of a name.
+    /// Finds a tensor by name.
     pub fn get(&self, name: &str) -> Option<&Tensor<'a>> {
         self.tensors.iter().find(|tensor| tensor.name == name)
     }
 
-    /// The tensor of a name; an error where there is none.
+    /// Finds a tensor by name. Returns an error if there is none.
     pub fn require(&self, name: &'static str) -> Result<&Tensor<'a>, FormatError> {
         self.get(name).ok_or_else(|| FormatError::whole(name, "no such field", "a field of this name"))
     }
@@ -224,14 +224,14 @@ fn read_header<'a>(cursor: &mut Cursor<'a>, bytes: &'a [u8]) -> Result<Tensor<'a
     })?;
     let data_offset = cursor.u64("data offset")?;
     let shape_offset = cursor.position();
-    // The whole shape is read before room for it is made.
+    // The whole shape is read before memory for it is allocated.
     let (extents, _) = cursor.take(8 * rank, "shape")?.as_chunks::<8>();
     let too_big = |found: String| {
         FormatError::at_byte(
             shape_offset,
             format!("{name} shape"),
             found,
-            format!("elements that lie inside the file of {} bytes", bytes.len()),
+            format!("elements inside the file of {} bytes", bytes.len()),
         )
     };
     let mut shape = Vec::with_capacity(rank);
@@ -252,7 +252,7 @@ fn read_header<'a>(cursor: &mut Cursor<'a>, bytes: &'a [u8]) -> Result<Tensor<'a
     Ok(Tensor { name, kind, shape, header_offset, data_offset, data })
 }
 
-/// What a field of a file holds.
+/// Elements of a field.
 #[derive(Debug, Clone, Copy)]
 pub enum Elements<'a> {
     /// Bytes, `u8`.
@@ -261,8 +261,8 @@ pub enum Elements<'a> {
     Floats(&'a [f32]),
 }
 
-/// The bytes of a file of these fields: names, extents with the slowest axis first, elements. Each begins at a multiple of 8
-/// bytes.
+/// Bytes of a file of these fields: names, extents with the slowest axis first, elements. Each starts at a multiple of
+/// 8 bytes.
 pub fn to_bytes(fields: &[(&str, Vec<usize>, Elements<'_>)]) -> Vec<u8> {
     let headers: usize = fields.iter().map(|(name, shape, _)| 2 + name.len() + 2 + 1 + 8 + 8 * shape.len()).sum();
     let mut offset = MAGIC.len() + 2 + 4 + headers;

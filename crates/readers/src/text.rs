@@ -1,19 +1,19 @@
-//! What text is, whatever stands in it.
+//! Checks of text files.
 
 use brdfc_formats::FormatError;
 
 /// Longest line and longest record of a table, bytes.
 pub(crate) const MAX_LINE_BYTES: usize = 16 << 20;
 
-/// The text, without the byte order mark that some editors put before it.
+/// Decodes text, without the byte order mark that some editors write.
 ///
 /// # Errors
-/// NUL bytes, which are of a binary file; what is not UTF-8; a line of more than [`MAX_LINE_BYTES`].
+/// Returns an error for NUL bytes, which mean a binary file, invalid UTF-8, and a line of more than [`MAX_LINE_BYTES`].
 pub(crate) fn checked(bytes: &[u8]) -> Result<&str, FormatError> {
     let line_of = |at: usize| 1 + bytes[..at].iter().filter(|byte| **byte == b'\n').count() as u64;
     if let Some(at) = bytes.iter().position(|byte| *byte == 0) {
         let found = format!("a NUL byte, byte {at} of the file");
-        return Err(FormatError::at_line(line_of(at), "text", found, "text, which has none"));
+        return Err(FormatError::at_line(line_of(at), "text", found, "text without NUL bytes"));
     }
     let text = std::str::from_utf8(bytes).map_err(|error| {
         let at = error.valid_up_to();
@@ -29,12 +29,12 @@ pub(crate) fn checked(bytes: &[u8]) -> Result<&str, FormatError> {
     Ok(text.strip_prefix('\u{feff}').unwrap_or(text))
 }
 
-/// How an error says that a line or a record is too long.
+/// Describes a line or a record that is too long, for errors.
 pub(crate) fn too_long(what: &str) -> String {
     format!("a {what} of more than {}", brdfc_formats::memory::in_words(MAX_LINE_BYTES as u64))
 }
 
-/// What an error allows instead.
+/// Describes the valid length, for errors.
 pub(crate) fn allowed_length() -> String {
     format!("at most {MAX_LINE_BYTES} bytes")
 }
@@ -46,7 +46,7 @@ mod tests {
     #[test]
     fn binary_files_are_no_text() {
         let message = |bytes: &[u8]| checked(bytes).unwrap_err().to_string();
-        let expected = "line 2, text: found a NUL byte, byte 3 of the file, expected text, which has none";
+        let expected = "line 2, text: found a NUL byte, byte 3 of the file, expected text without NUL bytes";
         assert_eq!(message(b"a\nb\0\xff"), expected);
         assert_eq!(
             message(b"a\n\xff\0").split_once(';').unwrap().0,

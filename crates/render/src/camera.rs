@@ -4,14 +4,14 @@ use super::scene::{Camera, Frame};
 use super::vector::{cross, subtract};
 use brdfc_formats::direction::{Vector, dot, normalize};
 
-/// From corners to pixels in a shader.
+/// WGSL that projects corners to pixels.
 pub const CORNER_WGSL: &str = include_str!("corner.wgsl");
 
 impl Camera {
     /// Unit vectors to the right, upwards and forwards in the image.
     ///
-    /// A point `p` is at `x = right · r / (forward · r) / half_width`, y likewise, with `r = p - eye`; x and y are -1 to 1
-    /// over the image, y up.
+    /// A point `p` is at `x = right · r / (forward · r) / half_width`, y likewise, with `r = p - eye`; x and y are -1
+    /// to 1 over the image, y up.
     pub fn basis(&self) -> (Vector, Vector, Vector) {
         let forward = normalize(subtract(self.target, self.eye));
         let right = normalize(cross(forward, self.up));
@@ -24,7 +24,7 @@ impl Camera {
         [half_height * width as f64 / height as f64, half_height]
     }
 
-    /// Whether eye, target and up span a view.
+    /// Returns true if eye, target and up span a view.
     pub fn is_valid(&self) -> bool {
         let forward = subtract(self.target, self.eye);
         let right = cross(forward, self.up);
@@ -44,7 +44,7 @@ impl Camera {
 }
 
 impl Frame {
-    /// Where a sample of a pixel is, in pixels: `(i + ½) / samples` along both axes, sample by sample along rows.
+    /// Position of a sample of a pixel, in pixels: `(i + ½) / samples` along both axes, sample by sample along rows.
     pub fn sample_position(&self, pixel: usize, sample: usize) -> [f64; 2] {
         let at = |cell: usize, sub: usize| cell as f64 + (sub as f64 + 0.5) / self.samples as f64;
         [at(pixel % self.width, sample % self.samples), at(pixel / self.width, sample / self.samples)]
@@ -61,7 +61,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn rays_hit_what_projects_to_their_pixel() {
+    fn rays_hit_points_that_project_to_their_pixel() {
         let camera =
             Camera { eye: [1.0, 2.0, 5.0], target: [0.0, 0.5, -1.0], up: [0.1, 1.0, 0.0], field_of_view: 40.0 };
         let frame = Frame { width: 300, height: 200, samples: 1 };

@@ -11,12 +11,12 @@ use embedded_graphics::pixelcolor::{Rgb888, RgbColor};
 use embedded_graphics::text::{Baseline, Text};
 use std::convert::Infallible;
 
-/// What the columns of a cell are.
+/// Headings of the columns of a cell.
 pub const HEADS: [&str; 3] = ["source", "pack", "ΔE"];
 
-/// Columns and rows of the margin, and between cells.
+/// Margin around the sheet and between cells, pixels.
 const MARGIN: usize = 14;
-/// Between the renderings of a cell.
+/// Gap between the renderings of a cell, pixels.
 const GAP: usize = 2;
 /// One font for each script: Latin with the Δ, Greek; Western, Central European, Turkish and Baltic Latin; Cyrillic.
 type Fonts = [&'static MonoFont<'static>; 6];
@@ -36,19 +36,19 @@ const BOLD: Fonts = [
     &iso_8859_13::FONT_7X13_BOLD,
     &iso_8859_5::FONT_7X13_BOLD,
 ];
-/// Rows of a line of text.
+/// Height of a line of text, pixels.
 const LINE: usize = 16;
-/// Columns of a letter.
+/// Width of a letter, pixels.
 const LETTER: usize = 7;
-/// What stands for the middle of a name that is too long.
+/// Replacement for the middle of a name that is too long.
 const ELLIPSIS: &str = "...";
-/// Columns and rows of the bar of the colour scale.
+/// Width and height of the bar of the colour scale, pixels.
 const BAR: [usize; 2] = [200, 12];
-/// Ticks of the scale, besides that at 0.
+/// Ticks of the scale, except the one at 0.
 const TICKS: usize = 5;
-/// Columns beside the bar, for the first and the last number.
-const BESIDE: usize = 3 * LETTER;
-/// Width by height that many cells come close to.
+/// Space on each side of the bar, for the first and the last number, pixels.
+const BAR_MARGIN: usize = 3 * LETTER;
+/// Aspect ratio, width by height, that sheets of many cells approximate.
 const ASPECT: f64 = 4.0 / 3.0;
 const PAPER: u8 = 250;
 const INK: Rgb888 = Rgb888::new(28, 30, 33);
@@ -58,18 +58,18 @@ const BAD: Rgb888 = Rgb888::new(179, 38, 30);
 /// One material of a sheet.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Cell {
-    /// Its name, which is shortened in the middle where it is too long.
+    /// Its name, shortened in the middle if it is too long.
     pub name: String,
-    /// What stands below the name: bytes, errors.
+    /// Text below the name: bytes, errors.
     pub details: String,
-    /// Whether it failed: then `details` stand out.
+    /// True if the material failed; `details` are then highlighted.
     pub failed: bool,
-    /// A row per scene of source, pack and their difference; what there is none of stays blank.
+    /// One row per scene of source, pack and their difference. Missing panels stay blank.
     pub rows: Vec<[Option<Panel>; 3]>,
 }
 
-/// Draws the cells in as many columns as make the sheet about 4:3, left to right and down, above the colour scale. The same
-/// cells give the same bytes.
+/// Draws the cells left to right and down, above the colour scale, in as many columns as make the sheet about 4:3. The
+/// same cells give the same bytes.
 pub fn contact_sheet(cells: &[Cell]) -> Panel {
     let grid = Grid::of(cells);
     let [width, height] = grid.size();
@@ -97,28 +97,28 @@ pub fn contact_sheet(cells: &[Cell]) -> Panel {
         let colour = if cell.failed { BAD } else { SOFT };
         canvas.text(&shortened(&spelled(&cell.details), letters), [left, text + LINE], &PLAIN, colour);
     }
-    scale(&mut canvas, [MARGIN + BESIDE, height - MARGIN - BAR[1] - LINE]);
+    scale(&mut canvas, [MARGIN + BAR_MARGIN, height - MARGIN - BAR[1] - LINE]);
     canvas.0
 }
 
-/// Where cells stand.
+/// Layout of the cells.
 struct Grid {
-    /// Of the sheet.
+    /// Columns of cells in the sheet.
     columns: usize,
-    /// Of the sheet.
+    /// Rows of cells in the sheet.
     lines: usize,
     /// Rows of renderings in a cell.
     rows: usize,
-    /// Columns and rows of the largest rendering.
+    /// Width and height of the largest rendering, pixels.
     rendering: [usize; 2],
-    /// Columns and rows of a cell with its text.
+    /// Width and height of a cell with its text, pixels.
     cell: [usize; 2],
 }
 
 impl Grid {
     fn of(cells: &[Cell]) -> Self {
         let renderings = || cells.iter().flat_map(|cell| cell.rows.iter().flatten().flatten());
-        // Wide enough for the words above.
+        // Wide enough for the column headings.
         let width = renderings().map(|panel| panel.width).max().unwrap_or(0).max(8 * LETTER);
         let height = renderings().map(|panel| panel.height).max().unwrap_or(0);
         let rows = cells.iter().map(|cell| cell.rows.len()).max().unwrap_or(0);
@@ -135,7 +135,7 @@ impl Grid {
     }
 
     fn size(&self) -> [usize; 2] {
-        let narrowest = 2 * MARGIN + BAR[0] + 2 * BESIDE;
+        let narrowest = 2 * MARGIN + BAR[0] + 2 * BAR_MARGIN;
         let width = (MARGIN + self.columns * (self.cell[0] + MARGIN)).max(narrowest);
         [width, self.top(self.lines) + BAR[1] + LINE + MARGIN]
     }
@@ -148,13 +148,13 @@ impl Grid {
         MARGIN + LINE + line * (self.cell[1] + MARGIN)
     }
 
-    /// From the left of a cell to its rendering of this number.
+    /// Offset from the left of a cell to its rendering with this number.
     fn across(&self, number: usize) -> usize {
         number * (self.rendering[0] + GAP)
     }
 }
 
-/// The colours of differences with numbers below, its bar's left upper corner at `left`, `top`.
+/// Draws the colour scale of differences with numbers below. The upper left corner of its bar is at `left`, `top`.
 fn scale(canvas: &mut Canvas, [left, top]: [usize; 2]) {
     let [width, height] = BAR;
     let shares: Vec<f32> = (0..width).map(|x| x as f32 / (width - 1) as f32).collect();
@@ -178,7 +178,7 @@ fn font_of(letter: char, fonts: &Fonts) -> Option<&'static MonoFont<'static>> {
     fonts.iter().copied().find(has)
 }
 
-/// A text with letters that no font has as code points, such as `U+6F22`: names stay apart.
+/// Replaces letters that no font has by code points, such as `U+6F22`, so that names stay distinct.
 fn spelled(text: &str) -> String {
     let letter = |letter: char| match font_of(letter, &PLAIN) {
         Some(_) => letter.to_string(),
@@ -187,19 +187,19 @@ fn spelled(text: &str) -> String {
     text.chars().map(letter).collect()
 }
 
-/// A text of at most `most` letters: where it has more, the middle is left out.
+/// Shortens a text of more than `most` letters in the middle.
 fn shortened(text: &str, most: usize) -> String {
     let letters: Vec<char> = text.chars().collect();
     if letters.len() <= most {
         return text.to_owned();
     }
-    let kept = most.saturating_sub(ELLIPSIS.len());
-    let (first, last) = (kept.div_ceil(2), kept / 2);
+    let retained = most.saturating_sub(ELLIPSIS.len());
+    let (first, last) = (retained.div_ceil(2), retained / 2);
     let part = |letters: &[char]| letters.iter().collect::<String>();
     part(&letters[..first]) + ELLIPSIS + &part(&letters[letters.len() - last..])
 }
 
-/// A panel that is drawn on. What stands outside is left out.
+/// A panel to draw on. Clips to its borders.
 struct Canvas(Panel);
 
 impl Canvas {
@@ -211,7 +211,7 @@ impl Canvas {
         }
     }
 
-    /// Draws a text, `x` its left and `y` its upper border.
+    /// Draws a text with its upper left corner at `x`, `y`.
     fn text(&mut self, text: &str, [x, y]: [usize; 2], fonts: &Fonts, colour: Rgb888) {
         for (number, letter) in text.chars().enumerate() {
             let font = font_of(letter, fonts).unwrap_or(fonts[0]);
@@ -224,7 +224,7 @@ impl Canvas {
         }
     }
 
-    /// Draws a text around `x` in the soft colour.
+    /// Draws a text in the soft colour, centred at `x`.
     fn centred(&mut self, text: &str, [x, y]: [usize; 2]) {
         let width = text.chars().count() * LETTER;
         self.text(text, [x.saturating_sub(width.saturating_sub(1) / 2), y], &PLAIN, SOFT);
@@ -278,14 +278,14 @@ mod tests {
         panel.rgb[start..start + 3].try_into().unwrap()
     }
 
-    /// How many pixels of a rectangle are not paper.
+    /// Counts the pixels of a rectangle that are not paper.
     fn drawn(panel: &Panel, [left, top]: [usize; 2], [width, height]: [usize; 2]) -> usize {
         let points = (0..height).flat_map(|y| (0..width).map(move |x| [left + x, top + y]));
         points.filter(|at| pixel(panel, *at) != [PAPER; 3]).count()
     }
 
     #[test]
-    fn renderings_stand_side_by_side_above_their_label() {
+    fn renderings_are_side_by_side_above_their_label() {
         let sheet = contact_sheet(&[cell("red_plastic")]);
         let top = MARGIN + LINE;
         for (number, value) in [11, 22, 33].into_iter().enumerate() {
@@ -326,7 +326,7 @@ mod tests {
             let sheet = contact_sheet(&vec![cell("a"); count]);
             let top = sheet.height - MARGIN - BAR[1] - LINE;
             let ends = heat_map(&[0.0, DELTA_E_FULL_SCALE as f32], 2, 1, DELTA_E_FULL_SCALE).rgb;
-            let left = MARGIN + BESIDE;
+            let left = MARGIN + BAR_MARGIN;
             for y in [top, top + BAR[1] - 1] {
                 assert_eq!(pixel(&sheet, [left, y]), ends[..3]);
                 assert_eq!(pixel(&sheet, [left + BAR[0] - 1, y]), ends[3..]);

@@ -1,4 +1,4 @@
-// The way from a mesh's corners to pixels; the CPU twin is `camera.rs`.
+// Projection of a mesh's corners to pixels; the CPU twin is `camera.rs`.
 
 struct PointLight {
     position: vec4<f32>,
@@ -22,8 +22,8 @@ struct Varying {
     @location(3) uv: vec2<f32>,
 }
 
-// Pinhole projection with reversed, infinite depth. `right` and `up` are divided by half the width and height of the image plane at
-// distance 1; `shift` is of the image, in clip space.
+// Pinhole projection with reversed, infinite depth. `right` and `up` are divided by half the width and height of the
+// image plane at distance 1; `shift` is that of the image, in clip space.
 fn projected(corner: Corner, eye: vec3<f32>, right: vec3<f32>, up: vec3<f32>, forward: vec3<f32>, shift: vec2<f32>) -> Varying {
     let r = corner.position - eye;
     let w = dot(forward, r);

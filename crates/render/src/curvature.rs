@@ -1,24 +1,24 @@
 //! Curvature from a G-buffer.
 //!
-//! In f32 with additions, multiplications, divisions and square roots only, in a fixed order, so that a shader can do
-//! the same.
+//! Uses only f32 additions, multiplications, divisions and square roots, in a fixed order, so that a shader can compute
+//! the same values.
 
 use super::gbuffer::{BACKGROUND, GBuffer};
 use rayon::prelude::*;
 
-/// The curvature of points without a neighbour on the same surface: more than any surface shows.
+/// Curvature of points without a neighbour on the same surface: more than any surface has.
 pub const UNKNOWN: f32 = 1e9;
 
-/// A step that leaves the surface, over an edge that hides something, is at an angle to the normals at its ends: twice
-/// the sine of the largest angle between a step and the tangent planes that is still a step on one surface, squared.
-/// On a sphere, however large the step, the angle is 0.
+/// Limit for steps that leave the surface, over an edge that hides something. Such a step is at an angle to the normals
+/// at its ends. This is twice the sine of the largest angle between a step and the tangent planes that is still a step
+/// on one surface, squared. On a sphere the angle is 0 for steps of any length.
 const MAX_RISE_SQUARED: f32 = 0.0625;
 
-/// Normal curvature of every point, 1/unit of positions: the largest `|Δn| / |Δp|` over its eight neighbours on the same
-/// surface. 0 for the background, [`UNKNOWN`] where there is no such neighbour.
+/// Normal curvature of every point, 1/unit of positions: the largest `|Δn| / |Δp|` over its eight neighbours on the
+/// same surface. 0 for the background, [`UNKNOWN`] without such a neighbour.
 ///
-/// A direction of strongest curvature that lies between two neighbours is missed by up to 22.5° where the surface is seen
-/// head on (8 % less on a cylinder), and by more where it is foreshortened.
+/// If the direction of strongest curvature lies between two neighbours, the nearest one is up to 22.5° off where the
+/// surface is seen head on (8 % less on a cylinder), and more where it is foreshortened.
 pub fn curvature(buffer: &GBuffer) -> Vec<f32> {
     (0..buffer.part.len()).into_par_iter().map(|pixel| curvature_at(buffer, pixel)).collect()
 }
@@ -28,7 +28,7 @@ fn curvature_at(buffer: &GBuffer, pixel: usize) -> f32 {
         return 0.0;
     }
     let (x, y) = (pixel % buffer.width, pixel / buffer.width);
-    // Below 0: none found yet.
+    // Negative until a neighbour is found.
     let mut largest = -1.0f32;
     for row in y.saturating_sub(1)..(y + 2).min(buffer.height) {
         for column in x.saturating_sub(1)..(x + 2).min(buffer.width) {
@@ -71,7 +71,7 @@ mod tests {
         Camera { eye, target: [0.0; 3], up: [0.0, 1.0, 0.0], field_of_view: 30.0 }
     }
 
-    /// Around the axis at `angle` to x in the plane z = 0.
+    /// A cylinder around the axis at `angle` to x in the plane z = 0.
     fn cylinder(radius: f64, angle: f64) -> Mesh {
         let columns = 720;
         let along = [angle.cos(), angle.sin(), 0.0];
@@ -144,14 +144,14 @@ mod tests {
             let scene = plain_scene(cylinder(radius, 0.0), seen_from([0.0, 0.0, 6.0]));
             let found = inside(&GBuffer::new(&scene, FRAME));
             assert!(within(&found, 0.95 / radius, 1.05 / radius), "{found:?}");
-            // Between two neighbours some is missed, seen at 60° more.
+            // Between two neighbours some curvature is missed, and more at 60°.
             let turned = plain_scene(cylinder(radius, 0.39), seen_from([0.0, 0.0, 6.0]));
             let found = inside(&GBuffer::new(&turned, FRAME));
             assert!(within(&found, 0.75 / radius, 1.05 / radius), "{found:?}");
         }
     }
 
-    /// Also of the shapes that have a smooth and a bumpy half.
+    /// The shapes with a smooth and a bumpy half are included.
     #[test]
     fn smooth_halves_have_known_curvatures_and_bumpy_ones_more() {
         for (builtin, expected) in [(Builtin::BumpyBall, 1.0), (Builtin::RibbedTorus, 1.0 / 0.36)] {
@@ -172,7 +172,7 @@ mod tests {
         }
     }
 
-    /// A plane in front of another that faces elsewhere, of one part, and the same as two parts.
+    /// A plane in front of another with a different orientation, as one part and as two.
     #[test]
     fn outlines_and_other_parts_do_not_count() {
         let mut mesh = quad(3.0, 0.0);

@@ -1,4 +1,4 @@
-//! Looking up environments and height maps, as `environment.wgsl` and `surface.wgsl` do.
+//! Look-ups in environments and height maps, as in `environment.wgsl` and `surface.wgsl`.
 
 use super::scene::{Environment, HeightMap};
 use brdfc_formats::direction::{Vector, polynomial_atan2};
@@ -29,11 +29,11 @@ impl Environment {
 }
 
 impl Environment {
-    /// Means of luminance and of its square over the texels of an image of another size, row by row, by the solid angle of what
-    /// each covers. Luminance is held to 0 to `brightest` first.
+    /// Means of luminance and of its square over the texels of an image of another size, row by row, weighted by the
+    /// solid angle that each covers. Luminance is clamped to 0 to `brightest` first.
     ///
     /// # Panics
-    /// If there are no pixels, or not as many as the size says.
+    /// If there are no pixels, or if their number does not match the size.
     pub fn moments_over(&self, [width, height]: [usize; 2], brightest: f64) -> Vec<[f64; 2]> {
         assert!(self.width > 0 && self.height > 0 && self.pixels.len() == self.width * self.height, "whole rows");
         let columns: Vec<_> = (0..width).map(|at| overlaps(at, width, self.width)).collect();
@@ -62,7 +62,7 @@ impl Environment {
     }
 }
 
-/// Pixels of `from` along an axis that texel `at` of `count` covers, and from where to where in each, in pixels.
+/// Pixels of `from` along an axis that texel `at` of `count` covers, and the covered interval of each, in pixels.
 fn overlaps(at: usize, count: usize, from: usize) -> Vec<(usize, [f64; 2])> {
     let edge = |at: usize| at as f64 * from as f64 / count as f64;
     let (start, end) = (edge(at), edge(at + 1));
@@ -80,7 +80,7 @@ impl HeightMap {
         [du, dv].map(|difference| difference * self.size as f64)
     }
 
-    /// Bilinear, periodic. Texel centres at `(i + ½) / size`.
+    /// Bilinear, periodic height. Texel centres at `(i + ½) / size`.
     pub fn at(&self, uv: [f64; 2]) -> f64 {
         let [columns, rows] = uv.map(|c| Tap::around((c * self.size as f64 - 0.5) as f32, self.size as u32, true));
         let ([a, b], [c, d]) = (columns.indices(), rows.indices());
@@ -117,9 +117,9 @@ mod tests {
         assert!(up.iter().all(|c| c.is_finite()));
     }
 
-    /// One bright pixel brings as much light whatever the size; means of squares are at least squared means.
+    /// One bright pixel brings the same amount of light at every size; means of squares are at least squared means.
     #[test]
-    fn means_over_texels_keep_the_light() {
+    fn means_over_texels_are_energy_preserving() {
         for (from, to) in [([12, 6], [8, 4]), ([12, 6], [4, 2]), ([7, 3], [4, 2]), ([3, 5], [2, 4]), ([1, 1], [2, 1])] {
             for lit in 0..from[0] * from[1] {
                 let pixels = (0..from[0] * from[1]).map(|at| [if at == lit { 5.0 } else { 0.25 }; 3]).collect();

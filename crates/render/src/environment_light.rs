@@ -9,18 +9,18 @@ use brdfc_formats::direction::{DirectionPair, Vector};
 use rayon::prelude::*;
 use std::f64::consts::{PI, TAU};
 
-/// Runs of samples whose spread is the stated error.
+/// Number of runs of samples whose spread gives the error.
 const RUNS: usize = 16;
 
-/// An integral by samples.
+/// A Monte Carlo estimate of an integral.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Estimate {
     /// Linear RGB, W/(m² sr).
     pub radiance: Vector,
-    /// Standard error of each channel, from the spread of 16 runs of the sampler's sequence. The runs of a sequence that
-    /// fills space evenly make up for each other's gaps: their mean is better than this says.
+    /// Standard error of each channel, from the spread of 16 runs of the sampler's sequence. Runs of a sequence that
+    /// fills space evenly compensate for each other's gaps, so their mean is better than this.
     pub error: Vector,
-    /// How many samples it took.
+    /// Number of samples.
     pub samples: usize,
 }
 
@@ -39,7 +39,7 @@ pub fn integrand(
     [0, 1, 2].map(|k| f_r[k] * light[k] * incoming[2])
 }
 
-/// The mean over the first `samples` directions of a sampler, rounded up to 16 runs of the same length.
+/// Mean over the first `samples` directions of a sampler, rounded up to 16 runs of the same length.
 ///
 /// The sampler must reach every direction that reflects light.
 pub fn reflected(
@@ -71,7 +71,7 @@ pub fn reflected(
 }
 
 /// The integral as a sum over all texels, each divided into `per_side²` equal solid angles: slow, and independent of
-/// samplers. Its error falls with the square of `per_side` where lobe and environment are smooth.
+/// samplers. Its error is proportional to `1 / per_side²` if lobe and environment are smooth.
 pub fn quadrature(
     point: &ShadingPoint,
     environment: &Environment,

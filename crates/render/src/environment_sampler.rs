@@ -8,28 +8,28 @@ use brdfc_metrics::image::luminance;
 use rayon::prelude::*;
 use std::f64::consts::{PI, TAU};
 
-/// World-space directions as dense as an environment is bright there.
+/// Samples world-space directions in proportion to the brightness of an environment.
 ///
-/// A texel is drawn by cumulative distributions of rows and of columns in each row, by luminance and the sine of its
-/// colatitude, and a place around it as the bilinear look-up weights it. So the density follows the luminance of the
-/// look-up, but for the change of the sine within a texel.
+/// Draws a texel by cumulative distributions of rows and of columns in each row, by luminance and the sine of its
+/// colatitude, and a position around it with the weights of the bilinear look-up. So the density follows the luminance
+/// of the look-up, except for the change of the sine within a texel.
 #[derive(Debug, Clone, PartialEq)]
 pub struct EnvironmentSampler {
     width: usize,
     height: usize,
-    /// Share of the rows up to and including each.
+    /// Cumulative share of the rows.
     rows: Vec<f64>,
-    /// In each row, share of the columns up to and including each.
+    /// Cumulative share of the columns in each row.
     columns: Vec<f64>,
     /// Luminance times the sine of the colatitude, as shares of their sum.
     weights: Vec<f64>,
 }
 
 impl EnvironmentSampler {
-    /// The sampler of an environment. One that is black everywhere is sampled as one that is white.
+    /// The sampler of an environment. An environment that is black everywhere is sampled as a white one.
     ///
     /// # Panics
-    /// If the environment has no pixels, or not as many as its size says.
+    /// If the environment has no pixels, or if their number does not match its size.
     pub fn new(environment: &Environment) -> Self {
         let (width, height) = (environment.width, environment.height);
         assert!(width > 0 && environment.pixels.len() == width * height && height > 0, "pixels of this size");
@@ -49,12 +49,12 @@ impl EnvironmentSampler {
         Self { width, height, rows, columns, weights }
     }
 
-    /// The direction at a point of the unit square, world space, and its density, 1/sr.
+    /// Direction for a point of the unit square, world space, and its density, 1/sr.
     pub fn direction(&self, [u, v]: [f64; 2]) -> (Vector, f64) {
         let (row, down) = place(&self.rows, u);
         let (column, right) = place(&self.columns[row * self.width..(row + 1) * self.width], v);
         let height = self.height as f64;
-        // Beyond the poles there are no rows: what falls there belongs to the last one, which the look-up repeats.
+        // There are no rows beyond the poles: positions there belong to the last row, which the look-up repeats.
         let y = (row as f64 + 0.5 + tent(down)).abs();
         let y = if y > height { 2.0 * height - y } else { y };
         let x = (column as f64 + 0.5 + tent(right)).rem_euclid(self.width as f64);
@@ -68,7 +68,7 @@ impl EnvironmentSampler {
         self.density_at(phi / TAU * self.width as f64, theta / PI * self.height as f64)
     }
 
-    /// At a place in texels from the left and from the top.
+    /// Density at a position in texels from the left and from the top.
     fn density_at(&self, x: f64, y: f64) -> f64 {
         let (last, s, t) = (self.height as f64 - 1.0, x - 0.5, (y - 0.5).clamp(0.0, self.height as f64 - 1.0));
         let column = |step: f64| (s.floor() + step).rem_euclid(self.width as f64) as usize % self.width;
@@ -79,18 +79,18 @@ impl EnvironmentSampler {
         weight / self.jacobian(y)
     }
 
-    /// Steradians per texel at a place in texels from the top: `sin θ` times the angles that a texel spans.
+    /// Steradians per texel at a position in texels from the top: `sin θ` times the angles that a texel spans.
     fn jacobian(&self, y: f64) -> f64 {
         (PI * y / self.height as f64).sin() * (PI / self.height as f64) * (TAU / self.width as f64)
     }
 }
 
-/// An even share of 0 to 1 to a place of -1 to 1, distributed as `1 - |x|`.
+/// Maps a uniform number of 0 to 1 to a position of -1 to 1 with the density `1 - |x|`.
 fn tent(share: f64) -> f64 {
     if share < 0.5 { (2.0 * share).sqrt() - 1.0 } else { 1.0 - (2.0 * (1.0 - share)).sqrt() }
 }
 
-/// Weights to running sums as shares of their total, which is returned. Without any weight all are alike.
+/// Replaces weights by running sums as shares of their total, which is returned. Weights that are all 0 count as equal.
 fn to_shares(weights: &mut [f64]) -> f64 {
     let mut sum = 0.0;
     for weight in weights.iter_mut() {
@@ -105,7 +105,7 @@ fn to_shares(weights: &mut [f64]) -> f64 {
     sum
 }
 
-/// The step of a cumulative distribution that a share falls on, and where on the step, 0 to 1.
+/// The step of a cumulative distribution at a share, and the position on the step, 0 to 1.
 fn place(cumulative: &[f64], share: f64) -> (usize, f64) {
     let step = cumulative.partition_point(|running| *running <= share).min(cumulative.len() - 1);
     let before = if step == 0 { 0.0 } else { cumulative[step - 1] };
@@ -116,18 +116,18 @@ fn place(cumulative: &[f64], share: f64) -> (usize, f64) {
 /// An environment's sampler as seen from a surface: its directions in the local frame. Some are below the horizon.
 #[derive(Debug, Clone, Copy)]
 pub struct FramedEnvironmentSampler<'a> {
-    /// In world space.
+    /// Sampler in world space.
     pub environment: &'a EnvironmentSampler,
-    /// Whose frame.
+    /// Point with the local frame.
     pub point: &'a ShadingPoint,
-    /// Moves the sequence, see [`low_discrepancy`].
+    /// Shift of the sequence, see [`low_discrepancy`].
     pub shift: [f64; 2],
 }
 
 impl LobeSampler for FramedEnvironmentSampler<'_> {
     fn sample(&self, _: Vector, index: usize) -> (Vector, f64) {
         let (direction, density) = self.environment.direction(low_discrepancy(index, self.shift));
-        // At a pole the density is infinite, and the light of a direction nothing.
+        // At a pole the density is infinite, and the light of a single direction is 0.
         (self.point.local(direction), if density > 0.0 { 1.0 / density } else { 0.0 })
     }
 
@@ -142,7 +142,7 @@ mod tests {
     use crate::environment_light::texel_solid_angle;
     use crate::lobe_sampler::shift_of;
 
-    /// Dark, with a few bright texels, one beside a pole and one at the seam.
+    /// Dark, with a few bright texels, one next to a pole and one at the seam.
     fn spots() -> Environment {
         let (width, height) = (24, 12);
         let mut pixels = vec![[0.01; 3]; width * height];
@@ -152,7 +152,7 @@ mod tests {
         Environment { width, height, pixels }
     }
 
-    /// Sums over small cells of the sphere: direction and solid angle.
+    /// Cells of the sphere for sums: direction and solid angle.
     fn cells() -> impl Iterator<Item = (Vector, f64)> {
         (0..960 * 480).map(|index| {
             let (row, column) = (index / 960, index % 960);
@@ -206,7 +206,7 @@ mod tests {
         }
     }
 
-    /// The integral of luminance, which even sampling of the sphere misses by far.
+    /// The integral of luminance, which uniform sampling of the sphere misses by far.
     #[test]
     fn few_samples_find_small_sources() {
         let environment = spots();

@@ -1,12 +1,12 @@
-//! How far a pixel reaches in the coordinates of a surface.
+//! Footprints of pixels in the coordinates of a surface.
 
 use crate::scene::{Frame, Mesh, Scene};
 use crate::trace::Hit;
 use crate::vector::{cross, double, subtract};
 use brdfc_formats::direction::{Vector, dot};
 
-/// How uv changes to the pixel on the right and to that below, on the plane of the triangle that is hit at `[x, y]`.
-/// Infinite where a neighbour does not see that plane.
+/// Change of uv to the pixel on the right and to the pixel below, on the plane of the triangle that is hit at `[x, y]`.
+/// Infinite if a neighbour does not see that plane.
 pub(crate) fn footprint(scene: &Scene, frame: Frame, hit: &Hit, [x, y]: [f64; 2]) -> [[f64; 2]; 2] {
     let mesh = &scene.parts[hit.part as usize].mesh;
     let camera = &scene.camera;
@@ -19,7 +19,7 @@ pub(crate) fn footprint(scene: &Scene, frame: Frame, hit: &Hit, [x, y]: [f64; 2]
     [step(seen(x + 1.0, y)), step(seen(x, y + 1.0))]
 }
 
-/// The coordinates where a ray meets the plane of a triangle, as far as they go on beyond it.
+/// Extrapolated coordinates where a ray meets the plane of a triangle.
 fn plane_coordinates(mesh: &Mesh, triangle: u32, eye: Vector, ray: Vector) -> Option<[f64; 2]> {
     let corners = mesh.triangles[triangle as usize].map(|corner| &mesh.vertices[corner as usize]);
     let [a, b, c] = corners.map(|corner| double(corner.position));
@@ -38,16 +38,16 @@ fn plane_coordinates(mesh: &Mesh, triangle: u32, eye: Vector, ray: Vector) -> Op
     }))
 }
 
-/// The mipmap level of a pixel, from how uv changes to its neighbours, on `size` texels that repeat `repeat` times per unit of
-/// uv: the twin of `pwt_mipmap_level`.
+/// Mipmap level of a pixel, from the change of uv to its neighbours, on `size` texels that repeat `repeat` times per
+/// unit of uv: the twin of `pwt_mipmap_level`.
 pub(crate) fn mipmap_level([right, below]: [[f64; 2]; 2], repeat: u32, size: [usize; 2]) -> f32 {
     let texels = |axis: usize| f64::from(repeat) * size[axis] as f64;
     let squared = |step: [f64; 2]| (0..2).map(|axis| (step[axis] * texels(axis)).powi(2)).sum::<f64>();
     (0.5 * squared(right).max(squared(below)).max(1e-20).log2()).max(0.0) as f32
 }
 
-/// The mipmap level of one of `samples²` samples of a pixel, likewise: the mean, in octaves, of both sides of what it covers. By the
-/// longer side, what lies across it would be blurred away, and on a flat BTF that is next to what is hidden. The twin of
+/// Mipmap level of one of `samples²` samples of a pixel: the mean, in octaves, of both sides of its footprint. The
+/// longer side alone would blur detail across it, and mix neighbours with hidden texels on a flat BTF. The twin of
 /// `factored_mipmap_level`, less the octaves of `samples`.
 pub(crate) fn sample_level([right, below]: [[f64; 2]; 2], repeat: u32, size: usize, samples: usize) -> f32 {
     let texels = f64::from(repeat) * size as f64;
@@ -56,7 +56,7 @@ pub(crate) fn sample_level([right, below]: [[f64; 2]; 2], repeat: u32, size: usi
     (of_pixel - (samples as f64).log2()).max(0.0) as f32
 }
 
-/// Whether a triangle is seen from behind.
+/// Returns true if a triangle is seen from behind.
 pub(crate) fn from_behind(mesh: &Mesh, triangle: u32, to_viewer: Vector) -> bool {
     let corners = mesh.triangles[triangle as usize];
     let [a, b, c] = corners.map(|corner| double(mesh.vertices[corner as usize].position));

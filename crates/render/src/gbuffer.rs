@@ -1,4 +1,4 @@
-//! What an image sees, ahead of shading: a G-buffer on the CPU.
+//! G-buffers on the CPU: the visible surfaces of an image, before shading.
 
 use super::scene::{Frame, Scene};
 use super::shading_point::ShadingPoint;
@@ -7,7 +7,7 @@ use super::vector::{cross, double};
 use brdfc_formats::direction::{Vector, dot, normalize};
 use rayon::prelude::*;
 
-/// The part of pixels that show no surface.
+/// Part index of pixels that show no surface.
 pub const BACKGROUND: u32 = u32::MAX;
 
 /// Surface points of an image, one array for each value, row by row from the top. Values of the background are 0.
@@ -23,14 +23,14 @@ pub struct GBuffer {
     pub normal: Vec<[f32; 3]>,
     /// Unit tangents, at right angles to the normals.
     pub tangent: Vec<[f32; 3]>,
-    /// Direction in which the normal points in the image, across and down, a unit vector; to the right where it points to
-    /// the viewer.
+    /// Direction of the normal in the image, across and down, a unit vector; to the right if the normal points to the
+    /// viewer.
     pub across: Vec<[f32; 2]>,
     /// Unit vectors to the viewer.
     pub to_viewer: Vec<[f32; 3]>,
-    /// Coordinates of textures, as those of [`ShadingPoint`].
+    /// Texture coordinates, as those of [`ShadingPoint`].
     pub uv: Vec<[f32; 2]>,
-    /// How far away the viewer is.
+    /// Distance of the viewer.
     pub distance: Vec<f32>,
     /// Index of the part, or [`BACKGROUND`].
     pub part: Vec<u32>,
@@ -48,18 +48,18 @@ pub struct LocalFrame {
 }
 
 impl LocalFrame {
-    /// From world space into the frame.
+    /// Converts from world space to the frame.
     pub fn local(&self, v: [f32; 3]) -> [f32; 3] {
         [self.tangent, self.bitangent, self.normal].map(|axis| v[0] * axis[0] + v[1] * axis[1] + v[2] * axis[2])
     }
 
-    /// From the frame into world space.
+    /// Converts from the frame to world space.
     pub fn world(&self, v: [f32; 3]) -> [f32; 3] {
         [0, 1, 2].map(|k| v[0] * self.tangent[k] + v[1] * self.bitangent[k] + v[2] * self.normal[k])
     }
 }
 
-/// Where the normal points in the image.
+/// Direction of the normal in the image.
 fn across(point: &ShadingPoint, [right, up]: [Vector; 2]) -> [f32; 2] {
     let (x, y) = (dot(point.normal, right), -dot(point.normal, up));
     let length = x.hypot(y);
@@ -67,16 +67,16 @@ fn across(point: &ShadingPoint, [right, up]: [Vector; 2]) -> [f32; 2] {
 }
 
 impl GBuffer {
-    /// What a frame sees. Each sample is a point of its own: a frame of `samples` per pixel and axis is a buffer of
-    /// `samples` times the size, the one that a frame of that size and one sample has.
+    /// Traces a frame. Each sample is a point of its own: a frame of `samples` per pixel and axis gives the same buffer
+    /// as a frame of `samples` times the size with one sample.
     pub fn new(scene: &Scene, frame: Frame) -> Self {
         Self::of_hits(scene, frame, &trace(scene, frame))
     }
 
-    /// The same from the hits of the frame.
+    /// Makes the buffer from the hits of the frame.
     ///
     /// # Panics
-    /// If the hits are those of another frame.
+    /// If the hits belong to another frame.
     pub fn of_hits(scene: &Scene, frame: Frame, hits: &Hits) -> Self {
         let (samples, each) = (frame.samples, frame.samples_per_pixel());
         assert_eq!(hits.0.len(), frame.width * frame.height * each, "hits of this frame");
@@ -115,13 +115,13 @@ impl GBuffer {
         LocalFrame { tangent, bitangent, normal }
     }
 
-    /// The part that a pixel shows; `None` is the background.
+    /// Part that a pixel shows; `None` for the background.
     pub fn part_at(&self, pixel: usize) -> Option<usize> {
         let part = self.part[pixel];
         (part != BACKGROUND).then_some(part as usize)
     }
 
-    /// The point that a pixel shows, in double precision with an orthonormal frame; `None` is the background.
+    /// Point that a pixel shows, in double precision with an orthonormal frame; `None` for the background.
     pub fn shading_point(&self, pixel: usize) -> Option<ShadingPoint> {
         self.part_at(pixel)?;
         let unit = |v: [f32; 3]| normalize(double(v));
@@ -178,7 +178,7 @@ mod tests {
         let scene = Builtin::Sphere.scene();
         let fine = GBuffer::new(&scene, Frame { samples: 3, ..FRAME });
         assert_eq!(fine, GBuffer::new(&scene, Frame { width: 72, height: 48, samples: 1 }));
-        // The control: a buffer of the same size that looks elsewhere.
+        // The control: a buffer of the same size from another view.
         let mut moved = scene.clone();
         moved.camera.eye[0] += 0.01;
         assert_ne!(fine, GBuffer::new(&moved, Frame { samples: 3, ..FRAME }));

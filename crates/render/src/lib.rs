@@ -1,4 +1,4 @@
-//! The verifier: draws packs with the shaders that engines use, beside a CPU reference, on any Vulkan driver.
+//! Reference renderer: scenes, ray casting and adaptive shading on the CPU, which GPU renderings are compared with.
 
 pub mod adaptive;
 pub mod camera;

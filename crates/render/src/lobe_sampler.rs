@@ -1,25 +1,25 @@
-//! Directions to integrate over: importance sampling of lobes.
+//! Importance sampling of lobes: directions to integrate over.
 
 use brdfc_formats::direction::Vector;
 use std::f64::consts::{PI, TAU};
 
-/// Incoming directions for an outgoing one, more where they matter more.
+/// Samples incoming directions for an outgoing one, more densely where they matter more.
 ///
-/// The mean of `g(incoming) / density` over indices from 0 on is the integral of `g` over the directions that the sampler
-/// reaches, in solid angle. Directions are unit vectors in the local frame, and may lie below the horizon.
+/// The mean of `g(incoming) / density` over indices from 0 on is the integral of `g` over the directions that the
+/// sampler reaches, in solid angle. Directions are unit vectors in the local frame, and may lie below the horizon.
 pub trait LobeSampler: Sync {
-    /// The direction of an index, and the inverse of its density, sr; 0 for an index without a direction, which still
-    /// counts.
+    /// Direction of an index, and the inverse of its density, sr; 0 for an index without a direction, which still
+    /// counts as a sample.
     fn sample(&self, outgoing: Vector, index: usize) -> (Vector, f64);
 
-    /// Density of an incoming direction, 1/sr; 0 where no sample goes.
+    /// Density of an incoming direction, 1/sr; 0 for directions that the sampler does not reach.
     fn density(&self, outgoing: Vector, incoming: Vector) -> f64;
 }
 
-/// Hemisphere directions as dense as their cosine, for matte surfaces.
+/// Samples hemisphere directions in proportion to their cosine, for matte surfaces.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
 pub struct CosineSampler {
-    /// Moves the sequence, see [`low_discrepancy`].
+    /// Shift of the sequence, see [`low_discrepancy`].
     pub shift: [f64; 2],
 }
 
@@ -36,13 +36,13 @@ impl LobeSampler for CosineSampler {
     }
 }
 
-/// Two samplers in turn, weighted by the balance heuristic (Veach and Guibas 1995): what either of them samples well is
-/// sampled well. The density is the mean of both.
+/// Alternates between two samplers, weighted by the balance heuristic (Veach and Guibas 1995), so that the combination
+/// is good where either of them is. The density is the mean of both.
 #[derive(Clone, Copy)]
 pub struct BalancedSampler<'a> {
-    /// Gives the directions of even indices.
+    /// Sampler of even indices.
     pub first: &'a dyn LobeSampler,
-    /// Gives the others.
+    /// Sampler of odd indices.
     pub second: &'a dyn LobeSampler,
 }
 
@@ -59,8 +59,8 @@ impl LobeSampler for BalancedSampler<'_> {
     }
 }
 
-/// Points of the unit square that fill it evenly from the first on: radical inverses in the bases 2 and 3 (Halton 1960),
-/// moved by `shift` around the edges (Cranley and Patterson 1976). The bases 2 and 3 repeat after 2³² indices.
+/// Points that fill the unit square evenly from the first on: radical inverses in the bases 2 and 3 (Halton 1960),
+/// shifted by `shift` modulo 1 (Cranley and Patterson 1976). The bases 2 and 3 repeat after 2³² indices.
 pub fn low_discrepancy(index: usize, shift: [f64; 2]) -> [f64; 2] {
     let twos = f64::from((index as u32).reverse_bits()) / 4_294_967_296.0;
     let (mut threes, mut share, mut rest) = (0.0, 1.0 / 3.0, index as u32);
@@ -71,8 +71,8 @@ pub fn low_discrepancy(index: usize, shift: [f64; 2]) -> [f64; 2] {
     [twos + shift[0], threes + shift[1]].map(|u| u - u.floor())
 }
 
-/// A shift for each of many points that lie side by side, so that their errors are noise and no pattern: fractions of
-/// multiples of two irrational numbers (Roberts 2018).
+/// A different shift for each of many neighbouring points, so that their errors are noise without a pattern: fractions
+/// of multiples of two irrational numbers (Roberts 2018).
 pub fn shift_of(point: usize) -> [f64; 2] {
     [0.754_877_666_246_692_7, 0.569_840_290_998_053_3].map(|step| (point as f64 * step).fract())
 }
@@ -83,7 +83,7 @@ mod tests {
 
     const OUTGOING: Vector = [0.6, 0.0, 0.8];
 
-    /// All directions alike.
+    /// Uniform directions.
     struct Uniform;
 
     impl LobeSampler for Uniform {

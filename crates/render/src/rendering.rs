@@ -1,4 +1,4 @@
-//! Images as bytes: PNG for eyes, EXR for numbers.
+//! Encoding of images: PNG for display, EXR for values.
 
 use brdfc_formats::FormatError;
 use brdfc_formats::bandwidth::BandwidthMap;
@@ -26,7 +26,7 @@ pub struct Panel {
     pub rgb: Vec<u8>,
 }
 
-/// What a display shows: `clamp(exposure * radiance, 0, 1)` over the background, sRGB-encoded. What is no number is black.
+/// Displayed image: `clamp(exposure * radiance, 0, 1)` over the background, sRGB-encoded. NaN is black.
 pub fn to_panel(image: &LinearImage, exposure: f64) -> Panel {
     let behind = |k: usize, coverage: f32| f64::from(image.background[k] * (1.0 - coverage));
     let encode = |(pixel, coverage): (&[f32; 3], &f32)| {
@@ -37,7 +37,7 @@ pub fn to_panel(image: &LinearImage, exposure: f64) -> Panel {
     Panel { width: image.width, height: image.height, rgb }
 }
 
-/// PNG of [`to_panel`], which says that it is sRGB and names the exposure in a text chunk.
+/// PNG of [`to_panel`], marked as sRGB and with the exposure in a text chunk.
 pub fn to_png(image: &LinearImage, exposure: f64) -> Vec<u8> {
     encode_png(&to_panel(image, exposure), Some(("Exposure", exposure.to_string())))
 }
@@ -62,7 +62,7 @@ fn encode_png(panel: &Panel, text: Option<(&str, String)>) -> Vec<u8> {
     bytes
 }
 
-/// Linear RGB as 32-bit floats, losslessly compressed.
+/// EXR of linear RGB as 32-bit floats, losslessly compressed.
 pub fn to_exr(image: &LinearImage) -> Vec<u8> {
     let pixel = |at: Vec2<usize>| {
         let [r, g, b] = image.pixels[at.y() * image.width + at.x()];
@@ -77,10 +77,10 @@ pub fn to_exr(image: &LinearImage) -> Vec<u8> {
     bytes.into_inner()
 }
 
-/// RGB of an EXR: see [`radiance_image::from_exr`].
+/// Reads the RGB of an EXR: see [`radiance_image::from_exr`].
 ///
 /// # Errors
-/// As there.
+/// As [`radiance_image::from_exr`].
 pub fn from_exr(bytes: &[u8]) -> Result<LinearImage, FormatError> {
     let image = radiance_image::from_exr(bytes)?;
     let coverage = vec![1.0; image.pixels.len()];
@@ -91,7 +91,7 @@ pub fn from_exr(bytes: &[u8]) -> Result<LinearImage, FormatError> {
 pub const RAMP: [[f64; 3]; 5] =
     [[6.0, 6.0, 14.0], [74.0, 18.0, 110.0], [186.0, 50.0, 84.0], [247.0, 140.0, 28.0], [252.0, 250.0, 180.0]];
 
-/// ΔE at the light end of the colour scale of renderings of differences.
+/// ΔE at the light end of the colour scale of difference images.
 pub const DELTA_E_FULL_SCALE: f64 = 10.0;
 
 /// Values as colours from dark (0) to pale yellow (`full_scale` and more).
@@ -99,19 +99,21 @@ pub fn heat_map(values: &[f32], width: usize, height: usize, full_scale: f64) ->
     Panel { width, height, rgb: values.iter().flat_map(|value| ramp(f64::from(*value) / full_scale)).collect() }
 }
 
-/// ΔE per pixel of an image against its reference as [`heat_map`] up to [`DELTA_E_FULL_SCALE`].
+/// ΔE per pixel of an image against its reference as a [`heat_map`] up to [`DELTA_E_FULL_SCALE`].
 pub fn difference_panel(image: &LinearImage, reference: &LinearImage, exposure: f64) -> Panel {
     heat_map(&delta_e_map(image, reference, exposure), image.width, image.height, DELTA_E_FULL_SCALE)
 }
 
-/// Logarithms of values as colours from dark (`octaves` octaves below the largest, and less) to pale yellow (the largest).
+/// Logarithms of values as colours from dark (`octaves` octaves below the maximum, and less) to pale yellow (the
+/// maximum).
 pub fn octave_map(values: &[f32], width: usize, height: usize, octaves: f32) -> Panel {
     let largest = values.iter().copied().fold(f32::MIN_POSITIVE, f32::max);
     let shares: Vec<f32> = values.iter().map(|value| 1.0 + (value / largest).log2() / octaves).collect();
     heat_map(&shares, width, height, 1.0)
 }
 
-/// A bandwidth map, eight octaves below its largest value: of lobes a block per incoming direction, else an image.
+/// A bandwidth map, eight octaves below its largest value: for lobes one block per incoming direction, otherwise one
+/// image.
 pub fn bandwidth_panel(map: &BandwidthMap) -> Panel {
     let [width, height] = map.size().map(|side| side as usize);
     octave_map(&map.values(), width, height, 8.0)
@@ -207,7 +209,7 @@ mod tests {
     }
 
     #[test]
-    fn the_ramp_gets_lighter_and_lighter() {
+    fn the_lightness_of_the_ramp_increases() {
         use palette::{IntoColor, Lab, Srgb};
         let lightness = |i: i32| {
             let [r, g, b] = ramp(f64::from(i) / 100.0).map(|c| f64::from(c) / 255.0);
@@ -220,7 +222,7 @@ mod tests {
     }
 
     #[test]
-    fn panels_stand_side_by_side() {
+    fn panels_are_side_by_side() {
         let panel = |value: u8, width: usize| Panel { width, height: 2, rgb: vec![value; 6 * width] };
         let sheet = sheet(&[panel(1, 3), panel(2, 5)]);
         assert_eq!((sheet.width, sheet.height, sheet.rgb.len()), (12, 2, 72));

@@ -1,12 +1,12 @@
-//! Images from samples: what every renderer on the CPU does with the values of its rays.
+//! Averaging of samples, shared by all CPU renderers.
 
 use super::scene::{Frame, Scene};
 use brdfc_formats::direction::Vector;
 use brdfc_metrics::image::LinearImage;
 use rayon::prelude::*;
 
-/// An image of means over the samples of each pixel. `radiance` has the linear RGB of sample `(pixel, sample)`, or
-/// `None` where no surface is; samples are added up in their order.
+/// An image of means over the samples of each pixel. `radiance` returns the linear RGB of sample `(pixel, sample)`, or
+/// `None` if it shows no surface. Samples are added in order.
 pub(super) fn sample_means(
     scene: &Scene,
     frame: Frame,

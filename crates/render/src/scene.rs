@@ -1,4 +1,4 @@
-//! What is drawn: meshes, camera, lights. Both renderers, shader and CPU, read the same values.
+//! Scenes: meshes, camera, lights. Both renderers, shader and CPU, read the same values.
 //!
 //! World space is right-handed, y up, lengths in the scene's own unit.
 
@@ -7,7 +7,7 @@ use brdfc_formats::direction::Vector;
 /// A corner of a triangle.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Vertex {
-    /// Where it is.
+    /// Position in world space.
     pub position: [f32; 3],
     /// Unit shading normal.
     pub normal: [f32; 3],
@@ -26,7 +26,7 @@ pub struct Mesh {
     pub triangles: Vec<[u32; 3]>,
 }
 
-/// What a surface has besides its BRDF.
+/// Properties of a surface besides its BRDF.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct Surface {
     /// Heights that bend the normal.
@@ -48,7 +48,7 @@ pub struct HeightMap {
 /// A part of a scene: one mesh of one material.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Part {
-    /// The name that manifests give materials to.
+    /// The name by which manifests assign materials.
     pub name: &'static str,
     /// Its triangles.
     pub mesh: Mesh,
@@ -60,20 +60,20 @@ pub struct Part {
 #[derive(Debug, Clone, Copy, PartialEq, serde::Serialize)]
 #[serde(rename_all = "camelCase")]
 pub struct Camera {
-    /// Where it is.
+    /// Position of the pinhole.
     pub eye: Vector,
-    /// What it looks at.
+    /// Point that the camera looks at.
     pub target: Vector,
-    /// Which way is up in the image.
+    /// Up direction in the image.
     pub up: Vector,
     /// Vertical angle of view in degrees, between 0 and 180.
     pub field_of_view: f64,
 }
 
-/// A light of no extent.
+/// A point light.
 #[derive(Debug, Clone, Copy, PartialEq, serde::Serialize)]
 pub struct PointLight {
-    /// Where it is.
+    /// Position in world space.
     pub position: Vector,
     /// Radiant intensity, linear RGB, W/sr.
     pub intensity: [f64; 3],
@@ -91,22 +91,22 @@ pub struct Environment {
     pub pixels: Vec<[f32; 3]>,
 }
 
-/// Everything that is drawn.
+/// A complete scene.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Scene {
-    /// Parts, in the order that materials are given for.
+    /// Parts, in the order in which materials are given.
     pub parts: Vec<Part>,
-    /// From where.
+    /// Camera.
     pub camera: Camera,
-    /// Lit by.
+    /// Point lights.
     pub lights: Vec<PointLight>,
-    /// What mirrors show.
+    /// Environment, which mirrors reflect.
     pub environment: Environment,
-    /// What a rendering shows where no surface is: linear RGB of the display, 0 to 1, whatever the exposure.
+    /// Background of renderings: linear RGB of the display, 0 to 1, independent of the exposure.
     pub background: [f32; 3],
 }
 
-/// Size of an image and how finely its pixels are sampled.
+/// Size of an image and its number of samples per pixel.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Frame {
     /// Pixels per row.

@@ -1,4 +1,4 @@
-//! Shading on the CPU: the reference that the shader's images are compared with. `scene.wgsl` does the same steps.
+//! Shading on the CPU: the reference that the shader's images are compared with. `scene.wgsl` performs the same steps.
 
 use super::sample_means::sample_means;
 use super::scene::{Frame, PointLight, Scene, Surface};
@@ -9,13 +9,13 @@ use brdfc_core::{Source, Tally};
 use brdfc_formats::direction::{DirectionPair, Vector, dot};
 use brdfc_metrics::image::LinearImage;
 
-/// What can be asked for `f_r` when a surface is shaded.
+/// Source of `f_r` for shading.
 pub trait Reflectance: Sync {
-    /// `f_r`, linear RGB, 1/sr, not negative. `distance` is how far away the viewer is.
+    /// `f_r`, linear RGB, 1/sr, not negative. `distance` is that of the viewer.
     fn eval(&self, pair: DirectionPair, distance: f64) -> [f64; 3];
 }
 
-/// A source as it is, at every distance. Negative values of interpolated measurements count as 0.
+/// An unmodified source at every distance. Negative values of interpolated measurements count as 0.
 pub struct SourceReflectance<'a>(pub &'a dyn Source);
 
 impl Reflectance for SourceReflectance<'_> {
@@ -24,7 +24,7 @@ impl Reflectance for SourceReflectance<'_> {
     }
 }
 
-/// A material whose tangent is turned by 90 degrees. It looks the same where the material is isotropic, and only there.
+/// A material whose tangent is turned by 90 degrees. It looks the same only if the material is isotropic.
 pub struct Turned<'a>(pub &'a dyn Reflectance);
 
 impl Reflectance for Turned<'_> {
@@ -34,10 +34,10 @@ impl Reflectance for Turned<'_> {
     }
 }
 
-/// Shades what was hit, with one material for each part. Values of a pixel are the mean over its samples.
+/// Shades hits, with one material for each part. Values of a pixel are the mean over its samples.
 ///
 /// # Panics
-/// If there are fewer materials than parts, or hits of another frame.
+/// If there are fewer materials than parts, or if the hits belong to another frame.
 pub fn shade(scene: &Scene, frame: Frame, hits: &Hits, materials: &[&dyn Reflectance]) -> LinearImage {
     let samples = frame.samples_per_pixel();
     assert_eq!(hits.0.len(), frame.width * frame.height * samples, "hits of this frame");
@@ -81,7 +81,7 @@ fn from_light(light: &PointLight, point: &ShadingPoint, material: &dyn Reflectan
     [0, 1, 2].map(|channel| f_r[channel] * light.intensity[channel] * incoming[2] / distance_squared)
 }
 
-/// The direction that a mirror shows.
+/// Direction of the mirror reflection.
 fn mirrored(point: &ShadingPoint) -> Vector {
     let twice = 2.0 * dot(point.normal, point.to_viewer);
     add_scaled(point.to_viewer.map(|c| -c), twice, point.normal)
@@ -130,7 +130,7 @@ mod tests {
         Scene { lights: vec![light], ..plain_scene(quad(4.0, 0.0), CAMERA) }
     }
 
-    /// Where the pixel's ray meets the plane z = 0.
+    /// Point where the pixel's ray meets the plane z = 0.
     fn on_plane(pixel: usize) -> Vector {
         let [x, y] = FRAME.sample_position(pixel, 0);
         let d = CAMERA.ray(FRAME, x, y);

@@ -5,11 +5,11 @@ use super::trace::Hit;
 use super::vector::{add_scaled, cross, double, subtract};
 use brdfc_formats::direction::{Vector, dot, normalize};
 
-/// The frame in a shader.
+/// WGSL of the local frame.
 pub const SHADING_POINT_WGSL: &str = include_str!("shading_point.wgsl");
 
-/// Normals are bent until the viewer is at least this far above the horizon, as a cosine: shading normals of smooth
-/// meshes turn away from the viewer at outlines, where a BRDF has no value.
+/// Minimum cosine between normal and viewer, to which normals are bent. Shading normals of smooth meshes turn away from
+/// the viewer at outlines, where a BRDF has no value.
 const LOWEST_VIEW: f64 = 0.02;
 
 /// A point on a surface, seen from somewhere.
@@ -25,11 +25,11 @@ pub struct ShadingPoint {
     pub normal: Vector,
     /// Unit vector to the viewer, world space.
     pub to_viewer: Vector,
-    /// The same in the local frame, `wo`.
+    /// Unit vector to the viewer in the local frame, `wo`.
     pub outgoing: Vector,
-    /// How far away the viewer is.
+    /// Distance of the viewer.
     pub distance: f64,
-    /// Coordinates of textures. Seen from behind, v is negated, so that it goes along the bitangent there, too.
+    /// Texture coordinates. On back faces v is negated, so that it runs along the bitangent there, too.
     pub uv: [f64; 2],
 }
 
@@ -39,7 +39,7 @@ impl ShadingPoint {
         Self::bumped(&part.mesh, part.surface.bump.as_ref(), hit, eye)
     }
 
-    /// The same without the bump map of the part.
+    /// The point of a hit without the bump map of the part.
     pub fn without_bump(part: &Part, hit: &Hit, eye: Vector) -> Self {
         Self::bumped(&part.mesh, None, hit, eye)
     }
@@ -85,23 +85,23 @@ impl ShadingPoint {
         point
     }
 
-    /// A world-space vector in the frame x = tangent, y = bitangent, z = normal.
+    /// Converts a world-space vector to the frame x = tangent, y = bitangent, z = normal.
     pub fn local(&self, v: Vector) -> Vector {
         [dot(v, self.tangent), dot(v, self.bitangent), dot(v, self.normal)]
     }
 
-    /// A vector of the local frame in world space: the inverse of [`Self::local`].
+    /// Converts a vector of the local frame to world space: the inverse of [`Self::local`].
     pub fn world(&self, v: Vector) -> Vector {
         [0, 1, 2].map(|k| v[0] * self.tangent[k] + v[1] * self.bitangent[k] + v[2] * self.normal[k])
     }
 }
 
-/// The part of `v` at right angles to the unit vector `normal`, as a unit vector.
+/// The component of `v` at right angles to the unit vector `normal`, as a unit vector.
 fn orthonormal(v: Vector, normal: Vector) -> Vector {
     normalize(add_scaled(v, -dot(normal, v), normal))
 }
 
-/// The normal, turned towards the viewer where the viewer is on the horizon or below.
+/// The normal, turned towards the viewer if the viewer is at the horizon or below.
 fn bent(normal: Vector, to_viewer: Vector) -> Vector {
     let cosine = dot(normal, to_viewer);
     if cosine < LOWEST_VIEW { normalize(add_scaled(normal, LOWEST_VIEW - cosine, to_viewer)) } else { normal }
@@ -147,7 +147,7 @@ mod tests {
         assert_eq!(point.bitangent, cross(point.normal, point.tangent));
     }
 
-    /// A step along the tangent raises u, one along the bitangent raises v.
+    /// A step along the tangent increases u, one along the bitangent increases v.
     #[test]
     fn coordinates_follow_the_frame_from_both_sides() {
         for height in [4.0, -4.0] {

@@ -1,6 +1,6 @@
 // Local frames of surfaces; the CPU twin is `shading_point.rs`.
 
-// Shading normals are bent until the viewer is at least this far above the horizon.
+// Minimum cosine between normal and viewer, to which shading normals are bent.
 const LOWEST_VIEW: f32 = 0.02;
 
 // Tangent, bitangent and normal around a unit normal, which is turned towards the viewer at outlines.

@@ -1,4 +1,4 @@
-//! Which surface each sample of an image sees.
+//! Ray casting: the visible surface of each sample of an image.
 
 use super::scene::{Frame, Scene};
 use super::vector::{cross, double, subtract};
@@ -10,7 +10,7 @@ use obvhs::triangle::Triangle;
 use rayon::prelude::*;
 use std::time::Duration;
 
-/// What a ray sees first.
+/// The first intersection of a ray.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Hit {
     /// Index of the part.
@@ -21,14 +21,14 @@ pub struct Hit {
     pub barycentric: [f32; 2],
 }
 
-/// What the samples of an image see, pixel by pixel, samples of a pixel by rows; `None` is the background.
+/// Hits of the samples of an image, pixel by pixel, samples of a pixel by rows; `None` for the background.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Hits(pub Vec<Option<Hit>>);
 
-/// How far outside a triangle, in barycentric coordinates, a ray still hits it: closes the seams between triangles.
+/// Tolerance outside a triangle, in barycentric coordinates, which closes the seams between triangles.
 const EDGE: f64 = 1e-9;
 
-/// Casts one ray for each sample. Both sides of triangles are seen.
+/// Casts one ray for each sample. Both sides of triangles are visible.
 pub fn trace(scene: &Scene, frame: Frame) -> Hits {
     let mut triangles = Vec::new();
     let mut names = Vec::new();
@@ -42,7 +42,7 @@ pub fn trace(scene: &Scene, frame: Frame) -> Hits {
         return Hits(vec![None; frame.width * frame.height * frame.samples_per_pixel()]);
     }
     let single = |v: Vector| v.map(|c| c as f32);
-    // Into obvhs's vectors, whose version of glam is its own choice.
+    // Converts to obvhs's vectors, whose version of glam may differ.
     let corner = |v: Vector| single(v).into();
     let boxed: Vec<Triangle> =
         triangles.iter().map(|[a, b, c]| Triangle { v0: corner(*a), v1: corner(*b), v2: corner(*c) }).collect();
@@ -56,7 +56,7 @@ pub fn trace(scene: &Scene, frame: Frame) -> Hits {
         let direction = scene.camera.ray(frame, x, y);
         let mut nearest: Option<(f64, Hit)> = None;
         let ray = Ray::new_inf(origin, single(direction).into());
-        // The tree works in single precision, triangles are hit in double.
+        // The tree works in single precision, triangles are intersected in double.
         tree.ray_traverse(ray, &mut RayHit::none(), |_, id| {
             let number = tree.primitive_indices[id] as usize;
             let Some((distance, barycentric)) = intersect(&triangles[number], eye, direction) else {
@@ -135,7 +135,7 @@ mod tests {
             Camera { eye: [0.05, 0.1, -0.02], target: [1.0, 0.3, 0.2], up: [0.0, 1.0, 0.0], field_of_view: 120.0 };
         let scene = plain_scene(closed(), camera);
         assert!(trace(&scene, Frame { width: 200, height: 150, samples: 2 }).0.iter().all(Option::is_some));
-        // The control: with a triangle missing there is a hole.
+        // The control: a missing triangle leaves a hole.
         let mut open = scene.clone();
         let seen = trace(&scene, FRAME).0[0].unwrap().triangle as usize;
         open.parts[0].mesh.triangles.remove(seen);

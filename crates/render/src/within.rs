@@ -1,4 +1,4 @@
-//! Which pixels ask materials for directions that their packs were not made for.
+//! Pixels that need directions outside the domain of a material's pack.
 
 use super::scene::{Frame, Scene};
 use super::shading_point::ShadingPoint;
@@ -9,11 +9,11 @@ use brdfc_formats::direction::{DirectionPair, dot};
 use brdfc_metrics::image::LinearImage;
 use rayon::prelude::*;
 
-/// Of each pixel, whether a sample of it sees a part that is seen from outside the range of its material, be it lit or not, or
-/// lit from there; `directions` has one range for each part.
+/// For each pixel, true if one of its samples sees a part from outside the range of its material, lit or not, or lit
+/// from outside. `directions` has one range for each part.
 ///
 /// # Panics
-/// If there are fewer ranges than parts, or hits of another frame.
+/// If there are fewer ranges than parts, or if the hits belong to another frame.
 pub fn outside(scene: &Scene, frame: Frame, hits: &Hits, directions: &[DirectionRange]) -> Vec<bool> {
     let samples = frame.samples_per_pixel();
     assert_eq!(hits.0.len(), frame.width * frame.height * samples, "hits of this frame");
@@ -36,7 +36,7 @@ pub fn outside(scene: &Scene, frame: Frame, hits: &Hits, directions: &[Direction
     hits.0.par_chunks(samples).map(|pixel| pixel.iter().flatten().any(is_outside)).collect()
 }
 
-/// The rendering without these pixels: as if there were no surface.
+/// The image without these pixels, as if they showed no surface.
 #[must_use]
 pub fn without(mut image: LinearImage, left_out: &[bool]) -> LinearImage {
     for (pixel, _) in left_out.iter().enumerate().filter(|(_, out)| **out) {
@@ -46,13 +46,13 @@ pub fn without(mut image: LinearImage, left_out: &[bool]) -> LinearImage {
     image
 }
 
-/// Share of the pixels that show a surface which are left out.
+/// Share of the surface pixels that are left out.
 pub fn share_left_out(hits: &Hits, frame: Frame, left_out: &[bool]) -> f64 {
     let surfaces = hits.0.chunks(frame.samples_per_pixel()).filter(|pixel| pixel.iter().any(Option::is_some)).count();
     left_out.iter().filter(|out| **out).count() as f64 / surfaces.max(1) as f64
 }
 
-/// What a label says of it; nothing where nothing is left out.
+/// Label of this share, empty for 0.
 pub fn left_out_in_words(share: f64) -> String {
     if share > 0.0 { format!(", {:.1} % left out", 100.0 * share) } else { String::new() }
 }

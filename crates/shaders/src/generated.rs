@@ -1,5 +1,5 @@
-//! Translated decoders, as `generated.json` holds them. `brdfc-translate` makes them, and `./scripts/bless` writes the file: no
-//! program needs a translator for it.
+//! Translated decoders from `generated.json`. `brdfc-translate` makes them, and `./scripts/bless` writes the file, so
+//! that no program needs a translator.
 
 use crate::interface::Interface;
 use crate::language::Language;
@@ -8,10 +8,10 @@ use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 use std::sync::OnceLock;
 
-/// One decoder: all but the WGSL itself.
+/// One translated decoder. The WGSL itself is not included.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Generated {
-    /// What has to be bound, and what may be called.
+    /// Bindings and callable functions.
     pub interface: Interface,
     /// Lines of the declarations and functions, by the name of the language.
     pub texts: BTreeMap<String, Vec<String>>,
@@ -21,13 +21,13 @@ pub struct Generated {
 }
 
 impl Generated {
-    /// The file that holds all of them, by the name of the decoder.
+    /// Path of the file with all decoders, by the name of the decoder.
     pub const FILE: &str = "crates/shaders/src/generated.json";
 
-    /// That of a decoder.
+    /// Returns a translated decoder.
     ///
     /// # Panics
-    /// Where the file lacks it.
+    /// If the file lacks the decoder.
     pub fn of(decoder: PackKind) -> &'static Self {
         static ALL: OnceLock<BTreeMap<String, Generated>> = OnceLock::new();
         let all = ALL.get_or_init(|| serde_json::from_str(include_str!("generated.json")).expect("written by a test"));
@@ -45,7 +45,7 @@ mod hexadecimal {
     use serde::de::Error as _;
     use serde::{Deserialize as _, Deserializer, Serialize as _, Serializer};
 
-    /// Words of a line.
+    /// Words per line.
     const WORDS: usize = 12;
 
     pub fn serialize<S: Serializer>(words: &[u32], serializer: S) -> Result<S::Ok, S::Error> {

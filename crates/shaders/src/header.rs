@@ -1,4 +1,4 @@
-//! What stands at the top of a translated shader, as comments: what it is, what to call, what to bind.
+//! The header of a translated shader, as comments: description, functions, bindings.
 
 use crate::interface::{Binding, BindingKind, Interface};
 use crate::language::Language;
@@ -38,7 +38,7 @@ pub(crate) fn header(decoder: PackKind, language: Language, interface: &Interfac
         say(8, &function.about);
     }
     say(0, "");
-    say(0, "What to bind");
+    say(0, "Bindings");
     for binding in &interface.bindings {
         let Some(declared) = declared(language, interface, binding) else { continue };
         say(4, &declared);
@@ -58,19 +58,19 @@ pub(crate) fn header(decoder: PackKind, language: Language, interface: &Interfac
 fn paste(language: Language) -> &'static str {
     match language {
         Language::Wgsl => {
-            "Paste it before your own shader. Move bindings only where you do not bind by the list of the pack."
+            "Paste it before your own shader. Change binding numbers only if your code does not take them from the pack."
         }
-        Language::Glsl => "Paste it behind the #version line of your shader, 330 or higher.",
-        Language::Essl300 => "Paste it behind the line '#version 300 es' of your shader.",
-        Language::Hlsl => "Paste it before your own shader, and move the registers where they suit you.",
+        Language::Glsl => "Paste it after the #version line of your shader, 330 or higher.",
+        Language::Essl300 => "Paste it after the line '#version 300 es' of your shader.",
+        Language::Hlsl => "Paste it before your own shader, and change the registers as required.",
         Language::Msl => {
-            "Paste it before your own shader. What is bound are parameters of each function, in the order of what it uses."
+            "Paste it before your own shader. The bindings are parameters of each function, in the order in which it uses them."
         }
         Language::Spirv => "",
     }
 }
 
-/// A binding as the language declares it; nothing where it has none of its own.
+/// A binding as the language declares it; `None` if the language has no declaration for it.
 fn declared(language: Language, interface: &Interface, binding: &Binding) -> Option<String> {
     let Binding { binding: number, name, kind, .. } = binding;
     let place = match language {

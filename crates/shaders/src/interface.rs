@@ -1,19 +1,20 @@
-//! What a decoder's shader asks for and offers: bindings, the fields of its uniform blocks, the functions to call.
+//! Interface of a decoder's shader: bindings, the fields of its uniform blocks, the functions to call.
 
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-/// Everything outside of a shader that its user has to know.
+/// Everything that a user of a shader has to know about it.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 pub struct Interface {
     /// Bindings, by their numbers.
     pub bindings: Vec<Binding>,
-    /// Functions to call, the foremost first.
+    /// Functions to call, the main one first.
     pub functions: Vec<Function>,
 }
 
 impl Interface {
-    /// The name that GLSL has for the block of a binding: that of its struct, with the slot where several blocks have one struct.
+    /// Name of the block of a binding in GLSL: that of its struct, with the slot appended if several blocks share one
+    /// struct.
     pub fn block_name(&self, binding: &Binding) -> Option<String> {
         let of = |binding: &Binding| match &binding.kind {
             BindingKind::Uniform { block, .. } => Some(block.clone()),
@@ -32,18 +33,18 @@ pub struct Binding {
     pub binding: u32,
     /// Its name in every language.
     pub name: String,
-    /// What it is.
+    /// Type of the binding.
     #[serde(flatten)]
     pub kind: BindingKind,
-    /// What it holds.
+    /// Contents.
     pub about: String,
 }
 
-/// What is bound.
+/// Type of a binding.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(tag = "kind", rename_all = "kebab-case")]
 pub enum BindingKind {
-    /// A uniform block: its struct, as laid out by std140 and by WGSL alike.
+    /// A uniform block: its struct, with the same layout in std140 and in WGSL.
     Uniform {
         /// The name of the struct.
         block: String,
@@ -58,7 +59,7 @@ pub enum BindingKind {
         dimension: String,
         /// `float`, also of normalised integers, or `uint`.
         samples: String,
-        /// Whether a sampler filters it; otherwise the shader only loads texels.
+        /// True if a sampler filters it. Otherwise the shader only loads texels.
         filtered: bool,
     },
     /// A sampler. GLSL has none of its own: it belongs to each texture.
@@ -73,9 +74,9 @@ pub struct Field {
     /// Its type in WGSL.
     #[serde(rename = "type")]
     pub ty: String,
-    /// Where it begins, in bytes.
+    /// Offset in bytes.
     pub offset: u32,
-    /// What it holds.
+    /// Contents.
     pub about: String,
 }
 
@@ -86,7 +87,7 @@ pub struct Function {
     pub name: String,
     /// Its parameters and its result, in WGSL.
     pub signature: String,
-    /// What it does.
+    /// Purpose of the function.
     pub about: String,
 }
 

@@ -18,10 +18,10 @@ pub enum Language {
 }
 
 impl Language {
-    /// All of them.
+    /// All languages.
     pub const ALL: [Self; 6] = [Self::Wgsl, Self::Glsl, Self::Essl300, Self::Hlsl, Self::Msl, Self::Spirv];
 
-    /// What it is called on the command line.
+    /// Name on the command line.
     pub fn name(self) -> &'static str {
         match self {
             Self::Wgsl => "wgsl",
@@ -33,12 +33,12 @@ impl Language {
         }
     }
 
-    /// The language of this [`Self::name`].
+    /// The language with this [`Self::name`].
     pub fn from_name(name: &str) -> Option<Self> {
         Self::ALL.into_iter().find(|language| language.name() == name)
     }
 
-    /// The language and its version, for people.
+    /// The language and its version, for messages.
     pub fn title(self) -> &'static str {
         match self {
             Self::Wgsl => "WGSL",

@@ -1,8 +1,8 @@
-//! Decoders of packs in the shading languages of engines: the WGSL of `brdfc-formats`, translated ahead of time, with what has to
-//! be bound told at the top.
+//! Decoders of packs in the shading languages of engines: the WGSL of `brdfc-formats`, translated ahead of time, with a
+//! header that lists the bindings.
 //!
-//! What comes out is a piece to be pasted into a shader: declarations and functions, no entry point. SPIR-V has no such
-//! pieces: there it is a compute shader that decodes a list of queries.
+//! The output is a fragment of source to be pasted into a shader: declarations and functions, no entry point. SPIR-V
+//! has no such fragments, so its output is a compute shader that decodes a list of queries.
 //!
 //! [`Program`] is a whole program, for pages that draw.
 

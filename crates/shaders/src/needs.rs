@@ -1,39 +1,39 @@
-//! What textures ask of a device.
+//! Device features and limits that textures require.
 
 use brdfc_formats::container::{Extent, TexelFormat};
 use schemars::JsonSchema;
 use serde::Serialize;
 
-/// Largest sides and most layers that every device with WebGPU has, without asking for more.
+/// Maximum sides and layers that every device with WebGPU supports by default.
 const WEBGPU: Limits = Limits { side: 8192, depth: 2048, layers: 256 };
-/// And with WebGL 2, whose devices have as much as those of WebGPU where they are not old phones.
+/// Maximum sides and layers of WebGL 2. Except for old phones, its devices support as much as those of WebGPU.
 const WEBGL_2: Limits = Limits { side: 2048, depth: 256, layers: 256 };
 
 #[derive(Clone, Copy)]
 struct Limits {
-    /// Of 2D textures and arrays.
+    /// Limit for 2D textures and arrays.
     side: u32,
-    /// Of each side of a 3D texture.
+    /// Limit for each side of a 3D texture.
     depth: u32,
     layers: u32,
 }
 
-/// What textures ask of a device beyond what every one has. Nothing is asked where all are empty.
+/// Requirements of textures beyond the guaranteed features and limits. All fields are empty if there are none.
 #[derive(Debug, Clone, Default, PartialEq, Eq, Serialize, JsonSchema)]
 pub struct DeviceNeeds {
-    /// Optional features of WebGPU. A loader may unpack such texels to 32-bit floats instead, which samplers filter by the feature
-    /// 'float32-filterable' alone, and shaders without.
+    /// Optional features of WebGPU. A loader may instead unpack such texels to 32-bit floats. Samplers filter those
+    /// only with the feature 'float32-filterable', shaders without it.
     pub webgpu_features: Vec<&'static str>,
-    /// Extensions of WebGL 2, likewise.
+    /// Extensions of WebGL 2, with the same alternative.
     pub webgl_2_extensions: Vec<&'static str>,
-    /// What is beyond the default limits of WebGPU.
+    /// Sizes beyond the default limits of WebGPU.
     pub beyond_webgpu: Vec<String>,
-    /// What is beyond the least that WebGL 2 promises.
+    /// Sizes beyond the minimum limits of WebGL 2.
     pub beyond_webgl_2: Vec<String>,
 }
 
 impl DeviceNeeds {
-    /// Of one texture.
+    /// Requirements of one texture.
     pub fn of(format: TexelFormat, extent: Extent) -> Self {
         let is_wide = matches!(format, TexelFormat::R16Unorm | TexelFormat::Rgba16Unorm);
         Self {
@@ -44,7 +44,7 @@ impl DeviceNeeds {
         }
     }
 
-    /// Of both.
+    /// Requirements of both.
     #[must_use]
     pub fn with(mut self, other: Self) -> Self {
         let add = |all: &mut Vec<String>, more: Vec<String>| {
@@ -69,7 +69,7 @@ impl DeviceNeeds {
         self
     }
 
-    /// In a line.
+    /// Summary in one line.
     pub fn in_words(&self) -> String {
         let mut words = Vec::new();
         if !self.webgpu_features.is_empty() {
@@ -80,7 +80,7 @@ impl DeviceNeeds {
         if !self.beyond_webgpu.is_empty() {
             words.push(format!("more than WebGPU's default limits: {}", self.beyond_webgpu.join(", ")));
         } else if !self.beyond_webgl_2.is_empty() {
-            words.push(format!("more than WebGL 2 promises: {}", self.beyond_webgl_2.join(", ")));
+            words.push(format!("more than WebGL 2 guarantees: {}", self.beyond_webgl_2.join(", ")));
         }
         if words.is_empty() { "any with WebGPU or WebGL 2".to_owned() } else { words.join("; ") }
     }
@@ -90,7 +90,7 @@ fn beyond(extent: Extent, limits: Limits) -> Vec<String> {
     let mut all = Vec::new();
     let mut hold = |found: u32, allowed: u32, what: &str| {
         if found > allowed {
-            all.push(format!("{found} {what} of {allowed}"));
+            all.push(format!("{found} {what} (limit {allowed})"));
         }
     };
     match extent {

@@ -1,8 +1,8 @@
-//! Whole programs that draw, for WebGPU and for WebGL 2 alike.
+//! Whole programs that draw, for both WebGPU and WebGL 2.
 
 use serde::{Deserialize, Serialize};
 
-/// A vertex and a fragment shader in GLSL ES 3.00, as they are translated from one source in WGSL.
+/// A vertex and a fragment shader in GLSL ES 3.00, translated from one WGSL source.
 #[derive(Debug, Clone, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub struct TranslatedProgram {
     /// Lines of the vertex shader. Attributes have the locations of the WGSL.
@@ -11,14 +11,14 @@ pub struct TranslatedProgram {
     pub fragment: Vec<String>,
     /// Uniform blocks: those of both shaders.
     pub blocks: Vec<Named>,
-    /// Textures; GLSL has no samplers besides.
+    /// Textures. GLSL has no separate samplers.
     pub textures: Vec<Named>,
 }
 
 /// A vertex and a fragment shader.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize)]
 pub struct Program {
-    /// Both in WGSL, as they were given, without comments.
+    /// Both in WGSL, unchanged except for removed comments.
     pub wgsl: String,
     /// The vertex shader in GLSL ES 3.00. Attributes have the locations of the WGSL.
     pub vertex: String,
@@ -26,11 +26,11 @@ pub struct Program {
     pub fragment: String,
     /// Uniform blocks of the GLSL: those of both shaders.
     pub blocks: Vec<Named>,
-    /// Textures of the GLSL, which has no samplers besides.
+    /// Textures of the GLSL, which has no separate samplers.
     pub textures: Vec<Named>,
 }
 
-/// What a binding of the WGSL is called in the GLSL.
+/// Name in the GLSL of a binding of the WGSL.
 #[derive(Debug, Clone, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
 pub struct Named {
     /// Its group.
@@ -39,7 +39,7 @@ pub struct Named {
     pub binding: u32,
     /// Its name.
     pub name: String,
-    /// Of a texture that is filtered, the sampler, which is of the same group.
+    /// Sampler of a filtered texture, in the same group.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub sampler: Option<u32>,
 }
@@ -58,7 +58,7 @@ impl Program {
     }
 }
 
-/// Without comments, indentation and empty lines.
+/// Removes comments, indentation and empty lines.
 fn without_comments(text: &str) -> String {
     let bare = text.lines().map(|line| line.split("//").next().unwrap_or_default().trim());
     bare.filter(|line| !line.is_empty()).collect::<Vec<_>>().join("\n")

@@ -1,4 +1,4 @@
-//! From a decoder to a shader in a language.
+//! Assembly of a decoder's shader in a language.
 
 use crate::generated::Generated;
 use crate::header;
@@ -9,41 +9,41 @@ use brdfc_formats::PackKind;
 use schemars::JsonSchema;
 use serde::Serialize;
 
-/// Entry point of SPIR-V.
+/// Entry point of the SPIR-V.
 pub const ENTRY: &str = "evaluate";
-/// Queries of its workgroup.
+/// Queries per workgroup of the SPIR-V.
 pub const WORKGROUP: u32 = 64;
 
 /// A decoder in a language.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Shader {
-    /// Which decoder it is.
+    /// Kind of pack that it decodes.
     pub decoder: PackKind,
     /// Its language.
     pub language: Language,
-    /// What has to be bound, and what may be called.
+    /// Bindings and callable functions.
     pub interface: Interface,
-    /// Of SPIR-V, what runs.
+    /// Entry point of SPIR-V; `None` for other languages.
     pub entry_point: Option<EntryPoint>,
-    /// The file: text, or of SPIR-V its words, little-endian.
+    /// Contents of the file: text, or the words of SPIR-V, little-endian.
     pub bytes: Vec<u8>,
 }
 
-/// A compute shader that answers a list of queries: its group 0 has the queries, three groups of four f32 each, in the storage
-/// buffer of binding 0, and the answers, four f32 each, in that of binding 1.
+/// A compute shader that answers a list of queries. Its group 0 has the queries, three groups of four f32 each, in the
+/// storage buffer of binding 0, and the answers, four f32 each, in that of binding 1.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, JsonSchema)]
 pub struct EntryPoint {
     /// Its name.
     pub name: &'static str,
-    /// Queries of a workgroup, along x.
+    /// Queries per workgroup, along x.
     pub workgroup: u32,
-    /// What a query holds.
+    /// Contents of a query.
     pub takes: &'static str,
-    /// What an answer holds.
+    /// Contents of an answer.
     pub gives: &'static str,
 }
 
-/// A decoder: declarations and functions to be pasted into a shader, of SPIR-V a compute shader.
+/// Returns a decoder: declarations and functions to be pasted into a shader, or a compute shader in SPIR-V.
 pub fn shader(decoder: PackKind, language: Language) -> Shader {
     let generated = Generated::of(decoder);
     let interface = generated.interface.clone();

@@ -1,16 +1,16 @@
-//! How a translated text declares the functions of its interface.
+//! Declarations of an interface's functions in a translated text.
 
 use crate::interface::Interface;
 
 /// The signatures of an interface's functions in a translated text.
 ///
 /// # Panics
-/// Where a function is not in it.
+/// If the text lacks a function.
 pub(crate) fn signatures(text: &str, interface: &Interface) -> Vec<String> {
     interface.functions.iter().map(|function| signature(text, &function.name, function.parameters())).collect()
 }
 
-/// From the line of the name to the brace, with the names of parameters as they are in WGSL: the writers number them.
+/// Text from the line of the name to the brace, with the parameter names of the WGSL, since the writers number them.
 fn signature<'a>(text: &str, name: &str, parameters: impl Iterator<Item = [&'a str; 2]>) -> String {
     let call = format!(" {name}(");
     let is_it = |line: &&str| line.contains(&call) && !line.starts_with([' ', '\t', '}', '/']);

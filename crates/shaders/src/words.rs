@@ -1,6 +1,6 @@
-//! Words of comments in the letters that every compiler takes.
+//! Comments in characters that every compiler accepts.
 
-/// Letters outside of ASCII and what stands for them.
+/// Replacements of non-ASCII characters.
 const PLAIN: [(char, &str); 21] = [
     ('α', "alpha"),
     ('β', "beta"),
@@ -25,7 +25,7 @@ const PLAIN: [(char, &str); 21] = [
     ('°', " degrees"),
 ];
 
-/// The same in ASCII; what has no words is `?`.
+/// Converts to ASCII. Characters without a replacement become `?`.
 pub(crate) fn ascii(text: &str) -> String {
     let plain = |letter: char| match PLAIN.iter().find(|(other, _)| *other == letter) {
         Some((_, words)) => (*words).to_owned(),
@@ -35,7 +35,7 @@ pub(crate) fn ascii(text: &str) -> String {
     text.chars().map(plain).collect()
 }
 
-/// A comment of lines of at most `width` letters, each with this in front.
+/// A comment with lines of at most `width` characters, each starting with `front`.
 pub(crate) fn wrapped(text: &str, front: &str, width: usize) -> String {
     let mut lines = vec![String::new()];
     for word in text.split_whitespace() {

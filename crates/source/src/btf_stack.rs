@@ -1,4 +1,4 @@
-//! Folders of images, one per view and light: a BTF as it was measured.
+//! Folders of images, one per view and light: ordinary BTFs.
 
 use crate::InputError;
 use crate::photograph::{Image, common_size};
@@ -7,14 +7,14 @@ use brdfc_formats::direction_set::DirectionSet;
 use brdfc_readers::btf_stack::{StackContents, StackIndex, is_image};
 use std::path::{Path, PathBuf};
 
-/// Levels of folders that are searched: the stack's own and those in it.
+/// Number of searched levels of folders: the stack's own folder and its subfolders.
 const LEVELS: usize = 2;
-/// Most files and folders that are looked at.
+/// Maximum number of files and folders that are read.
 const MAX_ENTRIES: usize = 1 << 20;
 
-/// A complete stack of images of one size. The tile is rectified to the plane z = 0.
+/// A complete BTF stack with images of one size. The tile is rectified to the plane z = 0.
 ///
-/// Values are radiance divided by that of a white diffuser that faces the light: 1 is white.
+/// Values are radiance divided by that of a white diffuser that faces the light: white is 1.
 pub struct BtfStack {
     folder: PathBuf,
     index: StackIndex,
@@ -22,13 +22,14 @@ pub struct BtfStack {
 }
 
 impl BtfStack {
-    /// Opens a folder, whose images may stand in folders of their own. Linked folders are not entered.
+    /// Opens a folder, whose images may be in subfolders. Linked folders are skipped.
     ///
     /// Reads the header of every image, and no pixels.
     ///
     /// # Errors
-    /// What cannot be read; what [`StackIndex::new`] refuses; what is no PNG, JPEG or EXR; images of different sizes or
-    /// of more than [`MAX_SIZE`](crate::photograph::MAX_SIZE) pixels along a side.
+    /// Returns an error for unreadable files, names that [`StackIndex::new`] rejects, files that are not PNG, JPEG or
+    /// EXR, and images of different sizes or with more than [`MAX_SIZE`](crate::photograph::MAX_SIZE) pixels along a
+    /// side.
     pub fn open(folder: &Path) -> Result<Self, InputError> {
         let mut paths = Vec::new();
         let mut entries = 0;
@@ -49,18 +50,18 @@ impl BtfStack {
         &self.index.lights
     }
 
-    /// Pixels per row, and rows, of every image.
+    /// Width and height of every image, pixels.
     pub fn size(&self) -> [usize; 2] {
         self.size
     }
 
-    /// Reads one image, by its indices in [`BtfStack::views`] and [`BtfStack::lights`]. Nothing is kept.
+    /// Reads one image, by its indices in [`BtfStack::views`] and [`BtfStack::lights`], without caching it.
     ///
-    /// PNG and JPEG hold sRGB codes whatever their colour profile says, EXR linear values; alpha is ignored.
+    /// PNG and JPEG hold sRGB values, and their colour profiles are ignored; EXR holds linear values. Alpha is ignored.
     ///
     /// # Errors
-    /// An index that the stack has not; a file that cannot be read or decoded, or is no longer of the size that it had;
-    /// values that are no finite numbers.
+    /// Returns an error for an index out of range, a file that cannot be read or decoded or has changed its size, and
+    /// values that are not finite.
     pub fn view(&self, view: usize, light: usize) -> Result<Image, InputError> {
         for (field, index, count) in [("view", view, self.views().len()), ("light", light, self.lights().len())] {
             if index >= count {
@@ -72,10 +73,10 @@ impl BtfStack {
     }
 }
 
-/// What a folder of images has, be it complete or not, and the size of its images.
+/// Lists the images of a folder, complete or not, with their size.
 ///
 /// # Errors
-/// As [`BtfStack::open`], but for missing images.
+/// Same as [`BtfStack::open`], except for missing images.
 pub fn survey(folder: &Path) -> Result<(StackContents, [u32; 2]), InputError> {
     let mut paths = Vec::new();
     list(folder, "", LEVELS, &mut 0, &mut paths)?;
@@ -84,13 +85,13 @@ pub fn survey(folder: &Path) -> Result<(StackContents, [u32; 2]), InputError> {
     Ok((contents, size))
 }
 
-/// Whether a folder, or a folder in it, has a file with the extension of an image.
+/// Returns true if a folder or one of its subfolders has a file with the extension of an image.
 pub fn has_images(folder: &Path) -> bool {
     let mut paths = Vec::new();
     list(folder, "", LEVELS, &mut 0, &mut paths).is_ok() && paths.iter().any(|path| is_image(path))
 }
 
-/// The images of a folder that is an ordinary BTF, complete or not, as their names say; none of another folder.
+/// Image files of a folder that is an ordinary BTF by its file names, complete or not; empty for other folders.
 pub(crate) fn images_of(folder: &Path) -> Vec<PathBuf> {
     let mut paths = Vec::new();
     let listed = list(folder, "", LEVELS, &mut 0, &mut paths).ok();
@@ -103,7 +104,7 @@ fn size_of(folder: &Path, files: &[String]) -> Result<[u32; 2], InputError> {
     common_size(&paths, files.first().map_or("", String::as_str))
 }
 
-/// Files below `folder`, with `/` between folders, behind `prefix`.
+/// Lists the files below `folder`, with `/` between folders, after `prefix`.
 fn list(
     folder: &Path,
     prefix: &str,
@@ -122,7 +123,7 @@ fn list(
             ));
         }
         let name = format!("{prefix}{}", entry.file_name().to_string_lossy());
-        // The kind of a link is that of the link itself: no loops.
+        // Links are not followed, so there are no loops.
         let kind = entry.file_type().map_err(|error| InputError::io(&entry.path(), error))?;
         if kind.is_dir() {
             if levels > 1 {

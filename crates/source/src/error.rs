@@ -1,55 +1,55 @@
-//! Inputs that cannot be used.
+//! Errors of inputs.
 
 use brdfc_core::address::AddressError;
 use brdfc_formats::FormatError;
 use std::path::Path;
 
-/// An input that cannot be used, and whose fault that is.
+/// Error of an input that cannot be used.
 #[derive(Debug, thiserror::Error)]
 pub enum InputError {
-    /// What stands in the file breaks its layout.
+    /// The contents violate the layout of the file.
     #[error("{name}: {error}")]
     Format {
-        /// The input as it was named.
+        /// Name of the input, as the user gave it.
         name: String,
-        /// What is wrong.
+        /// Violation of the layout.
         error: FormatError,
     },
-    /// The same, and the file is by its bytes another kind than its name says.
+    /// The contents violate the layout, and look like a kind of file that does not match the extension.
     #[error("{name}: {error}; it looks like {looks_like}")]
     Misnamed {
-        /// The input as it was named.
+        /// Name of the input, as the user gave it.
         name: String,
-        /// What is wrong.
+        /// Violation of the layout.
         error: Box<FormatError>,
-        /// What it looks like, with an article.
+        /// Kind of the contents, with an article.
         looks_like: &'static str,
     },
     /// The file cannot be read.
     #[error("{name}: cannot read: {error}")]
     Io {
-        /// The input as it was named.
+        /// Name of the input, as the user gave it.
         name: String,
-        /// What the system says.
+        /// Error of the system.
         error: std::io::Error,
     },
-    /// The `synth:` address is wrong.
+    /// The `synth:` address is invalid.
     #[error("{name}: {error}")]
     Address {
-        /// The input as it was named.
+        /// Name of the input, as the user gave it.
         name: String,
-        /// What is wrong.
+        /// Error in the address.
         error: AddressError,
     },
 }
 
 impl InputError {
-    /// A file that breaks its layout.
+    /// Creates an error for a file that violates its layout.
     pub fn format(path: &Path, error: FormatError) -> Self {
         Self::Format { name: path.display().to_string(), error }
     }
 
-    /// A file that cannot be read.
+    /// Creates an error for a file that cannot be read.
     pub fn io(path: &Path, error: std::io::Error) -> Self {
         let name = if path.as_os_str().is_empty() { "an empty name".to_owned() } else { path.display().to_string() };
         Self::Io { name, error }

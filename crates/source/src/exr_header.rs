@@ -1,4 +1,4 @@
-//! What stands before the pixels of an EXR, looked at before the decoder asks for memory by its word.
+//! Checks of EXR headers, which bound allocations before decoding.
 
 use brdfc_formats::FormatError;
 use brdfc_formats::memory::in_words;
@@ -7,13 +7,14 @@ use exr::meta::header::Header;
 use exr::prelude::MetaData;
 use std::io::{BufRead, Seek};
 
-/// Most bytes of a block, a tile or a few lines with all channels, before compression: it is in memory as a whole.
+/// Maximum size of a block (a tile or a few lines with all channels) before compression, bytes: the decoder holds whole
+/// blocks in memory.
 const MAX_BLOCK_BYTES: u64 = 128 << 20;
 
-/// The headers of an EXR.
+/// Reads the headers of an EXR.
 ///
 /// # Errors
-/// What is no EXR; blocks of more than 128 MiB.
+/// Returns an error for files that are not EXR and for blocks of more than 128 MiB.
 pub(crate) fn exr_headers(bytes: impl BufRead + Seek, allowed: &'static str) -> Result<Vec<Header>, FormatError> {
     let meta = MetaData::read_from_buffered(bytes, false)
         .map_err(|error| FormatError::whole("EXR", error.to_string(), allowed))?;
@@ -35,7 +36,7 @@ pub(crate) fn exr_headers(bytes: impl BufRead + Seek, allowed: &'static str) -> 
 
 #[cfg(test)]
 pub(crate) mod testing {
-    /// A file of `channels` channels whose only block is too short.
+    /// A file with `channels` channels whose only block is too short.
     pub fn exr_of_channels(width: u32, height: u32, channels: usize) -> Vec<u8> {
         let mut bytes = Vec::from(20_000_630u32.to_le_bytes());
         bytes.extend(2u32.to_le_bytes());
@@ -63,7 +64,7 @@ pub(crate) mod testing {
         let blocks = height.div_ceil(16) as usize;
         let data = bytes.len() + 8 * blocks;
         (0..blocks).for_each(|_| bytes.extend((data as u64).to_le_bytes()));
-        // A deflate stream of nothing.
+        // Deflate stream without data.
         bytes.extend([&[0; 4][..], &8u32.to_le_bytes(), &[0x78, 0x9c, 3, 0, 0, 0, 0, 1]].concat());
         bytes
     }
@@ -86,7 +87,7 @@ mod tests {
             "EXR: found 12.21 GiB in a block of 1024 x 16 pixels, 200000 channels, expected at most 128.00 MiB";
         assert_eq!(heights_from_exr(&many).unwrap_err().to_string(), expected);
         assert_eq!(from_exr(&many).unwrap_err().to_string(), expected);
-        // What is in it decides nothing: with fewer channels it is the pixels that are wrong.
+        // The contents of the block do not matter: with fewer channels the pixels are the error.
         assert!(from_exr(&few).unwrap_err().to_string().ends_with("expected channels R, G and B"));
     }
 }

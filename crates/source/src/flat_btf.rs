@@ -1,4 +1,4 @@
-//! Flat BTFs: whether a path means one, and reading it.
+//! Flat BTFs as inputs.
 
 use crate::InputError;
 use crate::read::{MAX_FILE_BYTES, open_path, read_file};
@@ -9,15 +9,15 @@ use brdfc_formats::{FormatError, PackKind};
 use std::io::Read as _;
 use std::path::{Path, PathBuf};
 
-/// Most files that are looked at in a folder.
+/// Maximum number of files of a folder that are read.
 const MAX_ENTRIES: usize = 1 << 16;
-/// Most files that an error lists.
+/// Maximum number of files in an error.
 const MAX_LISTED: usize = 6;
 
-/// The file of the flat BTF that a path means: the path itself, or the only one in a folder. Nothing where there is none.
+/// Finds the file of a flat BTF: the path itself, or the only one in a folder. `None` if there is none.
 ///
 /// # Errors
-/// A folder with several, or that cannot be read.
+/// Returns an error for a folder with several flat BTFs, and for one that cannot be read.
 pub fn flat_btf_file(path: &Path) -> Result<Option<PathBuf>, InputError> {
     if !path.is_dir() {
         return Ok(is_flat_btf(path).then(|| path.to_owned()));
@@ -44,7 +44,7 @@ pub fn flat_btf_file(path: &Path) -> Result<Option<PathBuf>, InputError> {
     Err(InputError::format(path, FormatError::whole("flat BTFs", names, "one in a folder, or the path of its file")))
 }
 
-/// Whether a file begins as a flat BTF does.
+/// Returns true if a file starts like a flat BTF.
 fn is_flat_btf(file: &Path) -> bool {
     if !file.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("ktx2")) {
         return false;
@@ -54,31 +54,32 @@ fn is_flat_btf(file: &Path) -> bool {
     read.is_ok() && PackFile::decoder_in(&head) == Some(PackKind::FlatBtf.name())
 }
 
-/// Reads the flat BTF that a path means.
+/// Reads the flat BTF at a path.
 ///
 /// # Errors
-/// As [`flat_btf_file`]; a path that means none; a file that cannot be read or breaks the rules of its layout.
+/// Same as [`flat_btf_file`]. Also returns an error if the path has no flat BTF, and for a file that cannot be read or
+/// violates its layout.
 pub fn open_flat_btf(path: &Path) -> Result<FlatBtfFile, InputError> {
     let Some(file) = flat_btf_file(path)? else {
         if !path.is_dir() {
-            // Says so if there is nothing.
+            // Reports a missing file.
             open_path(path)?;
         }
-        let found = if path.is_dir() { "no file of one" } else { "another file" };
-        let error = FormatError::whole("flat BTF", found, "the NAME.ktx2 that 'brdfc flatten' writes, or its folder");
+        let found = if path.is_dir() { "none" } else { "another file" };
+        let error = FormatError::whole("flat BTF", found, "the NAME.ktx2 of 'brdfc flatten', or its folder");
         return Err(InputError::format(path, error));
     };
     let bytes = read_file(&file, MAX_FILE_BYTES)?;
     FlatBtfFile::from_bytes(&bytes).map_err(|error| InputError::format(&file, error))
 }
 
-/// A view of a flat BTF, decoded, and how many there are; no view where the number is beyond them.
+/// Decodes a view of a flat BTF, and returns the number of views; `None` if `view` is beyond them.
 ///
 /// # Errors
-/// The light form, which has none.
+/// Returns an error for the light form, which has no views.
 pub fn flat_view(file: &FlatBtfFile, view: u32) -> Result<(Option<FlatView>, u32), FormatError> {
     let Some(factored) = file.decoder.parts().values.factored() else {
-        return Err(FormatError::whole("flat BTF", "the light form, which has no views", "one of the full form"));
+        return Err(FormatError::whole("flat BTF", "the light form, which has no views", "the full form"));
     };
     let count = factored.header().views.len() as u32;
     Ok(((view < count).then(|| factored.view(view)), count))

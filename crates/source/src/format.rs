@@ -1,30 +1,30 @@
-//! What a reader of files that have reflectance says of itself, and of each file.
+//! Registration of readers for files with reflectance.
 
 use super::error::InputError;
 use super::input::InputFile;
 use brdfc_core::Source;
 use brdfc_readers::file_kind::FileKind;
 
-/// An input, ready for evaluation. `F` holds the facts of any input.
+/// An opened input, ready for evaluation. `F` is the type of its facts.
 pub struct Opened<F> {
-    /// Evaluates it.
+    /// Source of reflectance.
     pub source: Box<dyn Source>,
-    /// What it is.
+    /// Facts about the input.
     pub facts: F,
 }
 
-/// A kind of file that has reflectance: one constructor of each reader, one line of `FORMATS`.
+/// A kind of file with reflectance: a constructor of its reader, and an entry of `FORMATS`.
 pub struct Format<F> {
-    /// What people call it.
+    /// Name for people.
     pub name: &'static str,
-    /// What its files are called, and how they begin.
+    /// Extension and magic bytes of its files.
     pub kind: &'static FileKind,
-    /// Reads one.
+    /// Opens a file of this kind.
     pub(crate) open: fn(InputFile<'_>) -> Result<Opened<F>, InputError>,
 }
 
 impl<F> Format<F> {
-    /// What its files' names end with, in lower case.
+    /// Extension of its files, in lower case.
     pub fn extension(&self) -> &'static str {
         self.kind.extensions[0]
     }

@@ -1,9 +1,9 @@
-//! What a user names as an input: an address, a file, or standard input; and its bytes.
+//! Inputs of a user: an address, a file, or standard input.
 
 use super::error::InputError;
 use super::misnamed::wrong_contents;
 use super::read::{
-    HeardFile, MAX_FILE_BYTES, ReadListener, check_length, extension_of, open_heard, read_all_text, read_file,
+    MAX_FILE_BYTES, ObservedFile, ReadListener, check_length, extension_of, open_observed, read_all_text, read_file,
     read_text, read_within, up_to_nul,
 };
 use brdfc_core::address::is_synth;
@@ -16,10 +16,10 @@ use std::io::{Cursor, Read, Seek, SeekFrom};
 use std::path::{Path, PathBuf};
 use std::sync::{Arc, OnceLock};
 
-/// What standard input is called in messages.
+/// Name of standard input in messages.
 pub const STANDARD_INPUT: &str = "stdin";
 
-/// An input as it was named. Paths may be any that the system has, UTF-8 or not.
+/// An input, as the user named it. Paths need not be UTF-8.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Input {
     /// `synth:NAME?param=value&...`
@@ -30,15 +30,15 @@ pub enum Input {
     Stdin(StandardInput),
 }
 
-/// Standard input, which is read when its bytes are first asked for. Its clones share them.
+/// Standard input, read at first use. Clones share the bytes.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct StandardInput(Arc<OnceLock<Vec<u8>>>);
 
 impl StandardInput {
-    /// All bytes.
+    /// Reads all bytes.
     ///
     /// # Errors
-    /// What cannot be read; more than [`MAX_FILE_BYTES`].
+    /// Returns an error if standard input cannot be read or has more than [`MAX_FILE_BYTES`].
     pub fn bytes(&self) -> Result<&[u8], InputError> {
         if let Some(bytes) = self.0.get() {
             return Ok(bytes);
@@ -49,7 +49,7 @@ impl StandardInput {
 }
 
 impl Input {
-    /// The address, if it is one.
+    /// The address, if the input is one.
     pub fn address(&self) -> Option<&str> {
         match self {
             Self::Address(address) => Some(address),
@@ -57,7 +57,7 @@ impl Input {
         }
     }
 
-    /// The path, if it is one.
+    /// The path, if the input is one.
     pub fn path(&self) -> Option<&Path> {
         match self {
             Self::File(path) => Some(path),
@@ -65,12 +65,12 @@ impl Input {
         }
     }
 
-    /// Whether it is standard input.
+    /// Returns true for standard input.
     pub fn is_stdin(&self) -> bool {
         matches!(self, Self::Stdin(_))
     }
 
-    /// As reports name it: an address, or a file's name without its folder.
+    /// Short name for reports: an address, or a file's name without its folder.
     pub fn short_name(&self) -> String {
         match self.path().and_then(Path::file_name) {
             Some(name) => name.to_string_lossy().into_owned(),
@@ -78,11 +78,11 @@ impl Input {
         }
     }
 
-    /// What says which kind of file it is, in lower case: the extension, or for standard input the one of such files as
-    /// its bytes are of. Nothing of addresses, and where nothing says.
+    /// Extension that identifies the kind of file, in lower case. For standard input it is derived from the bytes.
+    /// Empty for addresses and unknown kinds.
     ///
     /// # Errors
-    /// Standard input that cannot be read.
+    /// Returns an error if standard input cannot be read.
     pub fn extension(&self) -> Result<String, InputError> {
         Ok(match self {
             Self::Address(_) => String::new(),
@@ -95,10 +95,10 @@ impl Input {
         })
     }
 
-    /// Reads it whole.
+    /// Reads the whole input.
     ///
     /// # Errors
-    /// What cannot be read, has more than `limit` bytes, or is an address.
+    /// Returns an error for an address, and for an input that cannot be read or has more than `limit` bytes.
     pub fn read(&self, limit: u64) -> Result<Cow<'_, [u8]>, InputError> {
         match self {
             Self::File(path) => Ok(read_file(path, limit)?.into()),
@@ -107,10 +107,10 @@ impl Input {
         }
     }
 
-    /// Reads text: to its end, or to the first NUL byte, which is the last one of what is returned.
+    /// Reads text to its end, or through the first NUL byte.
     ///
     /// # Errors
-    /// As [`Self::read`], of more than [`MAX_FILE_BYTES`].
+    /// Same as [`Self::read`], with [`MAX_FILE_BYTES`] as the limit.
     pub fn read_text(&self) -> Result<Cow<'_, [u8]>, InputError> {
         match self {
             Self::File(path) => Ok(read_text(path)?.into()),
@@ -119,7 +119,7 @@ impl Input {
         }
     }
 
-    /// A path that messages name it by.
+    /// Path that names the input in messages.
     pub(crate) fn named_path(&self) -> &Path {
         match self {
             Self::Address(address) => Path::new(address),
@@ -140,24 +140,24 @@ fn no_file(address: &str) -> InputError {
     InputError::Format { name: address.to_owned(), error }
 }
 
-/// Bytes, if there are at most `limit` of them.
+/// Checks that there are at most `limit` bytes.
 fn within<'a>(path: &Path, bytes: &'a [u8], limit: u64) -> Result<&'a [u8], InputError> {
     check_length(bytes.len() as u64, limit).map_err(|error| InputError::format(path, error))?;
     Ok(bytes)
 }
 
-/// An input that is open, and not read yet, or is in memory.
+/// An open input, not read yet or in memory.
 pub(crate) struct InputFile<'a> {
     pub(crate) path: &'a Path,
     pub(crate) file: Contents<'a>,
-    /// 0 for pipes.
+    /// Length in bytes, 0 for pipes.
     pub(crate) length: u64,
-    /// The level of detail that is asked for.
+    /// Requested level of detail.
     pub(crate) level: Option<f32>,
 }
 
 impl<'a> InputFile<'a> {
-    /// Opens a file or standard input. `listener` hears of files.
+    /// Opens a file or standard input. `listener` observes files.
     pub(crate) fn of(input: &'a Input, listener: &'a mut dyn ReadListener) -> Result<Self, InputError> {
         match input {
             Input::File(path) => Self::at(path, listener),
@@ -172,16 +172,16 @@ impl<'a> InputFile<'a> {
 
     /// Opens a file.
     pub(crate) fn at(path: &'a Path, listener: &'a mut dyn ReadListener) -> Result<Self, InputError> {
-        let (file, length) = open_heard(path, listener)?;
+        let (file, length) = open_observed(path, listener)?;
         Ok(Self { path, file: Contents::File(file), length, level: None })
     }
 
-    /// Reads the whole file, and what is in it.
+    /// Reads and parses the whole file.
     pub(crate) fn parse<T>(self, parse: impl FnOnce(&[u8]) -> Result<T, FormatError>) -> Result<T, InputError> {
         self.parse_within(MAX_FILE_BYTES, parse)
     }
 
-    /// [`Self::parse`] of at most `limit` bytes.
+    /// Same as [`Self::parse`], for at most `limit` bytes.
     pub(crate) fn parse_within<T>(
         self,
         limit: u64,
@@ -194,14 +194,14 @@ impl<'a> InputFile<'a> {
         parse(&bytes).map_err(|error| wrong_contents(self.path, &bytes, bytes.len() as u64, error))
     }
 
-    /// [`Self::parse`] of text, which is not read on where it has a NUL byte.
+    /// Same as [`Self::parse`], for text, which ends at a NUL byte.
     pub(crate) fn parse_text<T>(
         mut self,
         parse: impl FnOnce(&[u8]) -> Result<T, FormatError>,
     ) -> Result<T, InputError> {
         let bytes = read_all_text(self.path, &mut self.file, self.length)?;
         parse(&bytes).map_err(|error| {
-            // Behind a NUL byte there is more, by which it is recognised.
+            // The bytes after a NUL byte are needed to recognise the kind of file.
             if bytes.ends_with(&[0]) {
                 return self.wrong(error);
             }
@@ -209,14 +209,14 @@ impl<'a> InputFile<'a> {
         })
     }
 
-    /// The error of a layout that is not followed, with a hint where the file is of another kind than its name says.
+    /// Creates the error of a violated layout, with a hint if the contents do not match the extension.
     pub(crate) fn wrong(mut self, error: FormatError) -> InputError {
         let mut start = Vec::new();
         let found = self.file.seek(SeekFrom::Start(0)).and_then(|_| {
             let start_bytes = START_BYTES as u64;
             self.file.take(start_bytes).read_to_end(&mut start)
         });
-        // A pipe does not go back.
+        // A pipe cannot seek.
         if found.is_err() {
             start.clear();
         }
@@ -224,9 +224,9 @@ impl<'a> InputFile<'a> {
     }
 }
 
-/// Bytes of an input: a file or a pipe, or what was read already.
+/// Bytes of an input: a file or a pipe, or bytes in memory.
 pub(crate) enum Contents<'a> {
-    File(HeardFile<'a>),
+    File(ObservedFile<'a>),
     Memory(Cursor<&'a [u8]>),
 }
 
@@ -248,7 +248,7 @@ impl Seek for Contents<'_> {
     }
 }
 
-/// As a command line has it: `-` is standard input.
+/// Argument of a command line: `-` is standard input.
 impl From<OsString> for Input {
     fn from(text: OsString) -> Self {
         match text.to_str() {
@@ -259,7 +259,7 @@ impl From<OsString> for Input {
     }
 }
 
-/// As a manifest or a program has it: an address or a path.
+/// Value of a manifest or a program: an address or a path.
 impl From<&str> for Input {
     fn from(text: &str) -> Self {
         if is_synth(text) { Self::Address(text.to_owned()) } else { Self::File(text.into()) }
@@ -321,16 +321,16 @@ mod tests {
         let input = |bytes: &[u8]| Input::Stdin(StandardInput(Arc::new(OnceLock::from(bytes.to_vec()))));
         let five = input(b"a\0b\0c");
         assert_eq!(five.read(5).unwrap(), &b"a\0b\0c"[..]);
-        let told = five.read(4).unwrap_err().to_string();
-        assert_eq!(told, "stdin: file length: found 5 B, expected at most 4 B");
+        let message = five.read(4).unwrap_err().to_string();
+        assert_eq!(message, "stdin: file length: found 5 B, expected at most 4 B");
         assert_eq!(five.read_text().unwrap(), &b"a\0"[..]);
         assert_eq!(input(b"abc").read_text().unwrap(), &b"abc"[..]);
         let opened = |limit| {
-            let mut nobody = ();
-            InputFile::of(&five, &mut nobody).unwrap().parse_within(limit, |bytes| Ok(bytes.len()))
+            let mut listener = ();
+            InputFile::of(&five, &mut listener).unwrap().parse_within(limit, |bytes| Ok(bytes.len()))
         };
         assert_eq!(opened(5).unwrap(), 5);
-        assert_eq!(opened(4).unwrap_err().to_string(), told);
+        assert_eq!(opened(4).unwrap_err().to_string(), message);
         let text = InputFile::of(&five, &mut ()).unwrap().parse_text(|bytes| Ok(bytes.to_vec()));
         assert_eq!(text.unwrap(), b"a\0");
     }

@@ -1,13 +1,14 @@
-//! Which files an input is read from.
+//! Files of an input.
 
 use crate::btf_stack::images_of;
 use crate::flat_btf::flat_btf_file;
 use crate::rti_capture::{files_of_stack, is_rti_capture};
 use std::path::{Path, PathBuf};
 
-/// The files behind a path: itself, and of what stands in several files each of them, such as the photographs of an RTI capture.
+/// Files of a path: the path itself, or each file of an input that consists of several, such as the photographs of an
+/// RTI capture.
 ///
-/// Nothing is an error here: what cannot be read has no files.
+/// Never fails: inputs that cannot be read have no files.
 pub fn files_behind(path: &Path) -> Vec<PathBuf> {
     let mut files = vec![path.to_owned()];
     if is_rti_capture(path) {

@@ -1,20 +1,20 @@
-//! What is wrong with files of JSON.
+//! Errors of JSON files.
 
 use serde_json::error::Category;
 
-/// Says what a file of JSON is that is not what it should be.
+/// Describes why a file is not the expected JSON.
 pub fn json_problem(error: &serde_json::Error) -> String {
     let place = format!("line {}, column {}", error.line(), error.column());
     match error.classify() {
         Category::Eof if error.column() == 0 && error.line() == 1 => "an empty file".to_owned(),
-        Category::Eof => format!("JSON that ends too early, in {place}"),
-        Category::Syntax | Category::Io => format!("text that is no JSON, in {place}"),
+        Category::Eof => format!("truncated JSON, at {place}"),
+        Category::Syntax | Category::Io => format!("text that is not JSON, at {place}"),
         Category::Data => {
             let message = error.to_string();
             let message = message.split(" at line ").next().unwrap_or_default();
-            // What is expected may be named as the program names it.
+            // Types of the program would confuse users.
             let message = message.split(", expected struct ").next().unwrap_or_default();
-            format!("JSON of another layout, in {place}: {message}")
+            format!("JSON of another layout, at {place}: {message}")
         }
     }
 }
@@ -31,10 +31,10 @@ mod tests {
         }
         for (text, problem) in [
             ("", "an empty file"),
-            ("{\"_name\": \"x", "JSON that ends too early, in line 1, column 12"),
-            ("\0\0", "text that is no JSON, in line 1, column 1"),
-            ("3", "JSON of another layout, in line 1, column 1: invalid type: integer `3`"),
-            ("{}", "JSON of another layout, in line 1, column 2: missing field `_name`"),
+            ("{\"_name\": \"x", "truncated JSON, at line 1, column 12"),
+            ("\0\0", "text that is not JSON, at line 1, column 1"),
+            ("3", "JSON of another layout, at line 1, column 1: invalid type: integer `3`"),
+            ("{}", "JSON of another layout, at line 1, column 2: missing field `_name`"),
         ] {
             assert_eq!(json_problem(&serde_json::from_str::<Inner>(text).unwrap_err()), problem);
         }

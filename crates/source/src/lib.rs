@@ -1,4 +1,4 @@
-//! Files as sources of reflectance, and as images and surfaces that are compiled: opened, recognised, checked.
+//! Opens, recognises and checks input files: sources of reflectance, images and surfaces.
 
 pub mod btf_stack;
 mod error;

@@ -1,4 +1,4 @@
-//! MERL tables as a source.
+//! MERL tables as sources.
 
 use super::error::InputError;
 use super::format::{Format, Opened};
@@ -12,17 +12,17 @@ use brdfc_formats::direction::DirectionPair;
 use brdfc_readers::merl::{self, Merl, MerlError};
 use std::sync::OnceLock;
 
-/// Largest relative difference between a cell and its image that still counts as the rounding of a symmetric file.
+/// Largest relative difference between a cell and its image that counts as rounding in a symmetric file.
 const SYMMETRY_TOLERANCE: f32 = 1e-5;
 
-/// What is worth knowing of a MERL table.
+/// Facts about a MERL table.
 #[derive(Debug, Clone, PartialEq, serde::Serialize, schemars::JsonSchema)]
 pub struct MerlFacts {
     /// Samples along theta_h, theta_d and phi_d.
     pub dimensions: [usize; 3],
     /// Cells with a measurement.
     pub valid_cells: usize,
-    /// Cells without.
+    /// Cells without a measurement.
     pub invalid_cells: usize,
 }
 
@@ -73,10 +73,10 @@ pub struct MerlSource {
 }
 
 impl MerlSource {
-    /// Measures which symmetries the table obeys.
+    /// Measures the symmetries of the table.
     ///
-    /// The layout makes it isotropic, and reciprocal where it stores half a turn; mirror symmetry is a property of
-    /// the data, and measured files need not have it.
+    /// The layout makes it isotropic, and reciprocal if it stores half a turn. Mirror symmetry is a property of the
+    /// data, and measured files need not have it.
     pub fn new(table: Merl) -> Self {
         let symmetry = Symmetry {
             isotropic: true,
@@ -127,11 +127,11 @@ impl MerlSource {
             let value = self.table.values[cell];
             (0..3).for_each(|channel| sum[channel] += weight * f64::from(value[channel]));
         }
-        // One that is no number leaves none.
+        // A NaN makes the sum NaN.
         if sum[0].is_nan() { self.repaired(&corners, tally) } else { sum }
     }
 
-    /// The eight cells around a place, with their weights.
+    /// The eight cells around a position, with their weights.
     #[inline]
     fn corners(&self, h: Edge, d: Edge, k: Edge) -> [(usize, f64); 8] {
         let n = self.table.dimensions;
@@ -147,7 +147,7 @@ impl MerlSource {
         corners
     }
 
-    /// The mean of the cells that are valid, or the valid one that is nearest. Cells without weight are not missed.
+    /// Mean of the valid cells, or else the nearest valid one. Cells without weight do not count as missing.
     #[cold]
     fn repaired(&self, corners: &[(usize, f64); 8], tally: &mut Tally) -> [f64; 3] {
         let mut sum = [0.0; 3];
@@ -172,15 +172,15 @@ impl MerlSource {
         self.nearest_valid(corners[0].0)
     }
 
-    /// The valid cell nearest to a cell in steps along the axes; ties go to the cell reached first. For pairs
-    /// above the horizon whose eight cells are all invalid: rare, so the map is made when the first one comes.
+    /// The valid cell nearest to a cell in steps along the axes; ties go to the cell reached first. For pairs above the
+    /// horizon whose eight cells are all invalid. They are rare, so the map is built at first use.
     fn nearest_valid(&self, cell: usize) -> [f64; 3] {
         let nearest = self.nearest.get_or_init(|| nearest_valid_cells(&self.table));
         self.table.values[nearest[cell] as usize].map(f64::from)
     }
 }
 
-/// For each cell the valid cell that a breadth-first walk from all valid cells reaches it from.
+/// For each cell, the closest valid cell, found by a breadth-first search from all valid cells.
 fn nearest_valid_cells(table: &Merl) -> Vec<u32> {
     let n = table.dimensions;
     let mut nearest = vec![u32::MAX; n.cells()];
@@ -215,7 +215,7 @@ fn nearest_valid_cells(table: &Merl) -> Vec<u32> {
 /// Lower and upper sample along an axis, and the fraction between them.
 type Edge = (usize, usize, f64);
 
-/// For samples at integer positions; clamped at the last.
+/// Position among samples at integer positions; clamped at the last.
 fn edge_position(position: f64, count: usize) -> Edge {
     let lower = (position as usize).min(count - 1);
     if lower + 1 == count { (lower, lower, 0.0) } else { (lower, lower + 1, position - lower as f64) }
@@ -229,7 +229,7 @@ mod tests {
     use brdfc_readers::merl::{Dimensions, write};
     use std::f64::consts::FRAC_PI_2;
 
-    /// A pair with these half and difference angles; half vector in the tangent's azimuth.
+    /// A pair with these half and difference angles; the half vector is at the tangent's azimuth.
     fn pair_at([theta_h, theta_d, phi_d]: [f64; 3]) -> DirectionPair {
         let h = from_polar(theta_h, 0.0);
         let d = from_polar(theta_d, phi_d);
@@ -253,8 +253,8 @@ mod tests {
         }
     }
 
-    /// Linear in the warped coordinates, so trilinear interpolation is exact if and only if samples are taken to sit
-    /// on the lower bin edges; taken at bin centres the value would be off by half a step.
+    /// The values are linear in the warped coordinates, so trilinear interpolation is exact if and only if samples are
+    /// on the lower bin edges; with bin centres the value would be off by half a step.
     #[test]
     fn samples_are_on_edges_not_centres() {
         let n = Dimensions { theta_half: 10, theta_difference: 12, phi_difference: 24 };

@@ -10,23 +10,24 @@ use exr::prelude::{ReadChannels, ReadLayers, ReadSpecificChannel, Text, read};
 use std::io::Cursor;
 use std::ops::RangeInclusive;
 
-/// Columns and rows of a height map.
+/// Valid numbers of columns and rows of a height map.
 pub const HEIGHT_MAP_SIDE: RangeInclusive<usize> = 4..=8192;
-/// Most pixels of a height map: each is a vertex, and more cannot be laid flat in a reasonable time.
+/// Maximum number of pixels of a height map: each is a vertex, and larger ones cannot be flattened in a reasonable
+/// time.
 pub const HEIGHT_MAP_PIXELS: usize = 1 << 20;
-/// How many times smaller than its data a deflate stream can be.
+/// Largest compression ratio of a deflate stream.
 const MAX_DEFLATE_RATIO: usize = 1032;
 
-/// Geometry as it was given.
+/// Geometry of a file.
 #[derive(Debug, Clone, PartialEq)]
 pub enum MesoInput {
-    /// A mesh, not yet welded.
+    /// A mesh before welding.
     Mesh(TriangleMesh),
     /// Heights over the whole tile.
     Heights(HeightMap),
 }
 
-/// One height for each pixel; pixels cover the tile.
+/// A height for each pixel; the pixels cover the tile.
 #[derive(Debug, Clone, PartialEq)]
 pub struct HeightMap {
     /// Pixels per row, along x.
@@ -40,7 +41,7 @@ pub struct HeightMap {
 /// Opens a mesh (`.obj`, `.ply`) or a height map (`.png`, `.exr`).
 ///
 /// # Errors
-/// Files that cannot be read or do not follow their layout, other extensions.
+/// Returns an error for files that cannot be read or violate their layout, and for other extensions.
 pub fn open_meso(input: impl Into<Input>) -> Result<MesoInput, InputError> {
     let input = input.into();
     let extension = input.extension()?;
@@ -50,20 +51,20 @@ pub fn open_meso(input: impl Into<Input>) -> Result<MesoInput, InputError> {
         "png" => |bytes| heights_from_png(bytes).map(MesoInput::Heights),
         "exr" => |bytes| heights_from_exr(bytes).map(MesoInput::Heights),
         _ => {
-            // What is not there is told before what it is called.
+            // A missing file is reported before its extension.
             let length = InputFile::of(&input, &mut ())?.length;
             let (field, found) = match input.is_stdin() {
                 true if length == 0 => ("contents", "nothing".to_owned()),
                 true if extension.is_empty() => ("contents", "no known layout".to_owned()),
-                true => ("contents", format!("those of a file .{extension}")),
+                true => ("contents", format!("a .{extension} file")),
                 false => ("file name", found_extension(&extension)),
             };
             let error = FormatError::whole(field, found, ".obj or .ply (mesh), .png or .exr (height map)");
             return Err(InputError::format(input.named_path(), error));
         }
     };
-    let mut nobody = ();
-    let file = InputFile::of(&input, &mut nobody)?;
+    let mut listener = ();
+    let file = InputFile::of(&input, &mut listener)?;
     if extension == "obj" { file.parse_text(parse) } else { file.parse(parse) }
 }
 
@@ -73,20 +74,21 @@ fn check_size(field: &'static str, width: usize, height: usize) -> Result<(), Fo
         return Ok(());
     }
     let (least, most) = (HEIGHT_MAP_SIDE.start(), HEIGHT_MAP_SIDE.end());
-    let allowed = format!("{least} to {most} per side, and at most {HEIGHT_MAP_PIXELS} in all, as 1024 x 1024 has");
+    let allowed = format!("{least} to {most} per side, and at most {HEIGHT_MAP_PIXELS} in all, such as 1024 x 1024");
     Err(FormatError::whole(field, format!("{width} x {height} pixels"), allowed))
 }
 
-/// Stored values of a grey PNG over the largest, 255 or 65535; no transfer function is applied.
+/// Reads stored values of a grey PNG, divided by the largest, 255 or 65535, without a transfer function.
 ///
 /// # Errors
-/// What is no PNG, other sizes than [`HEIGHT_MAP_SIDE`] and [`HEIGHT_MAP_PIXELS`], colour, palettes, transparency, fewer than 8 bits.
+/// Returns an error for files that are not PNG, sizes beyond [`HEIGHT_MAP_SIDE`] and [`HEIGHT_MAP_PIXELS`], colour,
+/// palettes, transparency, and fewer than 8 bits.
 pub fn heights_from_png(bytes: &[u8]) -> Result<HeightMap, FormatError> {
     let allowed = "a grey PNG of 8 or 16 bits";
     let broken = |error: png::DecodingError| FormatError::whole("PNG", error.to_string(), allowed);
     let mut decoder = png::Decoder::new(Cursor::new(bytes));
     decoder.set_transformations(png::Transformations::IDENTITY);
-    // Only what stands before the pixels, without memory for them.
+    // Reads the header only, without memory for the pixels.
     let info = decoder.read_header_info().map_err(broken)?;
     let (width, height) = (info.width as usize, info.height as usize);
     check_size("PNG", width, height)?;
@@ -119,15 +121,17 @@ pub fn heights_from_png(bytes: &[u8]) -> Result<HeightMap, FormatError> {
     Ok(HeightMap { width, height, heights })
 }
 
-/// Channel Y of the first layer of an EXR, or else R, or else its only one.
+/// Reads a channel of the first layer of an EXR: Y, else R, else its only one.
 ///
 /// # Errors
-/// What is no EXR, other sizes than [`HEIGHT_MAP_SIDE`] and [`HEIGHT_MAP_PIXELS`], no such channel, values that are not finite.
+/// Returns an error for files that are not EXR, sizes beyond [`HEIGHT_MAP_SIDE`] and [`HEIGHT_MAP_PIXELS`], missing
+/// channels, and values that are not finite.
 pub fn heights_from_exr(bytes: &[u8]) -> Result<HeightMap, FormatError> {
     let allowed = "an EXR with a channel Y or R, or with one channel";
-    let broken = |error: exr::error::Error| FormatError::whole("EXR", error.to_string(), "a whole EXR, not deep");
-    // Sizes first: pixels are asked for only when they are few enough.
-    let headers = exr_headers(Cursor::new(bytes), "a whole EXR, not deep")?;
+    let broken =
+        |error: exr::error::Error| FormatError::whole("EXR", error.to_string(), "a complete EXR without deep data");
+    // Sizes are checked first; pixels are allocated only if they are few enough.
+    let headers = exr_headers(Cursor::new(bytes), "a complete EXR without deep data")?;
     for header in &headers {
         check_size("EXR", header.layer_size.x(), header.layer_size.y())?;
     }
@@ -234,10 +238,10 @@ mod tests {
             assert_eq!(error(4, 4, colour, depth, length), format!("PNG: found {found}{allowed}"));
         }
         let sizes = error(3, 4, ColorType::Grayscale, BitDepth::Eight, 12);
-        let limits = "expected 4 to 8192 per side, and at most 1048576 in all, as 1024 x 1024 has";
-        assert_eq!(sizes, format!("PNG: found 3 x 4 pixels; {limits}"));
+        let limits = "expected 4 to 8192 per side, and at most 1048576 in all, such as 1024 x 1024";
+        assert_eq!(sizes, format!("PNG: found 3 x 4 pixels, {limits}"));
         let large = error(1024, 1025, ColorType::Grayscale, BitDepth::Eight, 1024 * 1025);
-        assert_eq!(large, format!("PNG: found 1024 x 1025 pixels; {limits}"));
+        assert_eq!(large, format!("PNG: found 1024 x 1025 pixels, {limits}"));
         assert_eq!(HEIGHT_MAP_PIXELS, 1024 * 1024);
         assert!(error(4, 8193, ColorType::Grayscale, BitDepth::Eight, 4 * 8193).contains("4 x 8193"));
         assert!(heights_from_png(b"GIF89a").unwrap_err().to_string().ends_with(allowed));
@@ -280,7 +284,7 @@ mod tests {
         assert_eq!(channels, "EXR: found channels A, B, expected an EXR with a channel Y or R, or with one channel");
         let whole = exr_of(5, 4, &["Y"], |_, _| 0.0);
         let cut = heights_from_exr(&whole[..whole.len() / 2]).unwrap_err().to_string();
-        assert!(cut.ends_with("expected a whole EXR, not deep"), "{cut}");
+        assert!(cut.ends_with("expected a complete EXR without deep data"), "{cut}");
         assert!(error(5, 3, &["Y"], 0.0).contains("5 x 3 pixels, expected 4 to 8192 per side"));
         assert!(error(2048, 513, &["Y"], 0.0).contains("2048 x 513 pixels, expected 4 to 8192 per side, and at most"));
         assert!(error(8193, 4, &["Y"], 0.0).contains("8193 x 4"));
@@ -310,7 +314,7 @@ mod tests {
     }
 
     #[test]
-    fn files_are_told_apart_by_their_names() {
+    fn files_are_identified_by_their_names() {
         let folder = tempfile::tempdir().unwrap();
         let open = |name: &str, bytes: &[u8]| {
             let path = folder.path().join(name);

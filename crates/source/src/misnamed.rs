@@ -1,4 +1,4 @@
-//! Files of another kind than their names say.
+//! Files whose contents do not match their extensions.
 
 use super::error::InputError;
 use super::read::extension_of;
@@ -6,7 +6,8 @@ use brdfc_formats::FormatError;
 use brdfc_readers::recognise::recognise;
 use std::path::Path;
 
-/// The error of a file that breaks the layout that its name promises, with a hint where its bytes are of another one.
+/// Creates the error of a file that violates the layout of its extension, with a hint if its contents look like another
+/// kind.
 pub(crate) fn wrong_contents(path: &Path, start: &[u8], length: u64, error: FormatError) -> InputError {
     match recognise(start, length) {
         Some(kind) if !kind.extensions.contains(&extension_of(path).as_str()) => InputError::Misnamed {
@@ -23,19 +24,19 @@ mod tests {
     use super::*;
 
     #[test]
-    fn hints_are_for_names_that_lie() {
-        let told = |name: &str, bytes: &[u8]| {
+    fn misnamed_files_get_a_hint() {
+        let message = |name: &str, bytes: &[u8]| {
             let error = FormatError::whole("magic", "x", "y");
             wrong_contents(Path::new(name), bytes, bytes.len() as u64, error).to_string()
         };
         let png = b"\x89PNG\r\n\x1a\n";
-        assert_eq!(told("a.binary", png), "a.binary: magic: found x, expected y; it looks like a PNG image (.png)");
-        assert_eq!(told("a.PNG", png), "a.PNG: magic: found x, expected y");
-        assert!(told("a.brdf", b"theta_i,r\n").ends_with("; it looks like a scan or a list of directions (.csv)"));
-        assert!(told("a.binary", b"2\n450 650\n").ends_with("; it looks like a scan as text (.brdf)"));
-        // Any text may have been meant for any layout of text.
-        assert_eq!(told("a.csv", b"what is this?\n"), "a.csv: magic: found x, expected y");
-        assert!(told("a.ktx2", b"what is this?\n").ends_with("; it looks like text"));
-        assert_eq!(told("a.ktx2", b"\0\0\0\0"), "a.ktx2: magic: found x, expected y");
+        assert_eq!(message("a.binary", png), "a.binary: magic: found x, expected y; it looks like a PNG image (.png)");
+        assert_eq!(message("a.PNG", png), "a.PNG: magic: found x, expected y");
+        assert!(message("a.brdf", b"theta_i,r\n").ends_with("; it looks like a scan or a list of directions (.csv)"));
+        assert!(message("a.binary", b"2\n450 650\n").ends_with("; it looks like a scan as text (.brdf)"));
+        // Any text may be meant for any text format.
+        assert_eq!(message("a.csv", b"what is this?\n"), "a.csv: magic: found x, expected y");
+        assert!(message("a.ktx2", b"what is this?\n").ends_with("; it looks like text"));
+        assert_eq!(message("a.ktx2", b"\0\0\0\0"), "a.ktx2: magic: found x, expected y");
     }
 }

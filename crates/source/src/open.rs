@@ -1,4 +1,4 @@
-//! Opens any input: a path, a `synth:` address or standard input. [`FORMATS`] is the one table of files that have reflectance.
+//! Opens any input: a path, a `synth:` address or standard input. [`FORMATS`] lists all files with reflectance.
 
 pub use super::format::Format;
 pub use brdfc_core::Describe;
@@ -18,10 +18,11 @@ use brdfc_formats::{BrdfPack, FormatError};
 use std::ops::Deref;
 use std::path::Path;
 
-/// Makes [`Facts`] and [`FORMATS`] of one line for each kind of input: what is known of it, and the formats of its files.
+/// Generates [`Facts`] and [`FORMATS`] from one line per kind of input: the type of its facts, and the formats of its
+/// files.
 macro_rules! inputs {
     ($($(#[$meta:meta])* $kind:ident($facts:ty): $($format:expr),*;)*) => {
-        /// What kind of input it is, with what is worth knowing about it.
+        /// Kind of an input, with its facts.
         #[derive(Debug, Clone, PartialEq, serde::Serialize, schemars::JsonSchema)]
         #[serde(tag = "kind", rename_all = "kebab-case")]
         pub enum Facts {
@@ -44,7 +45,7 @@ macro_rules! inputs {
             }
         })*
 
-        /// Every kind of file that has reflectance.
+        /// All kinds of files with reflectance.
         pub static FORMATS: &[Format<Facts>] = &[$($($format,)*)*];
     };
 }
@@ -66,10 +67,10 @@ inputs! {
 /// An input, ready for evaluation.
 pub type Opened = format::Opened<Facts>;
 
-/// What is worth knowing of an analytic model.
+/// Facts about an analytic model.
 #[derive(Debug, Clone, PartialEq, serde::Serialize, schemars::JsonSchema)]
 pub struct SynthFacts {
-    /// The address with all parameters.
+    /// Address with all parameters.
     pub address: String,
 }
 
@@ -83,21 +84,21 @@ impl Describe for SynthFacts {
     }
 }
 
-/// The files that can be opened, for messages: `.binary (MERL), .brdf (scan) ...`.
+/// Supported files, for messages: `.binary (MERL), .brdf (scan) ...`.
 pub fn known_files() -> String {
     files_but_for("")
 }
 
-/// Those of them that have another extension.
+/// Supported files except those with `extension`.
 pub fn files_but_for(extension: &str) -> String {
     let others = FORMATS.iter().filter(|format| format.extension() != extension);
     others.map(|format| format!(".{} ({})", format.extension(), format.name)).collect::<Vec<_>>().join(", ")
 }
 
-/// Opens `input`. `level` is the level of detail that packs are decoded at; other inputs have none.
+/// Opens `input`. `level` is the level of detail of packs; other inputs have none.
 ///
 /// # Errors
-/// Files that cannot be read or do not follow their layout, unknown kinds, wrong addresses.
+/// Returns an error for files that cannot be read or violate their layout, unknown kinds, and invalid addresses.
 pub fn open(input: impl Into<Input>, level: Option<f32>) -> Result<Opened, InputError> {
     let input = input.into();
     match &input {
@@ -109,8 +110,8 @@ pub fn open(input: impl Into<Input>, level: Option<f32>) -> Result<Opened, Input
         }
         Input::File(path) => open_file(path, level),
         Input::Stdin(_) => {
-            let mut nobody = ();
-            let input_file = InputFile { level, ..InputFile::of(&input, &mut nobody)? };
+            let mut listener = ();
+            let input_file = InputFile { level, ..InputFile::of(&input, &mut listener)? };
             match format_of(&input.extension()?) {
                 Some(format) => (format.open)(input_file),
                 None => {
@@ -123,7 +124,7 @@ pub fn open(input: impl Into<Input>, level: Option<f32>) -> Result<Opened, Input
     }
 }
 
-/// A pack as an input, decoded at a level of detail; `None` is the finest.
+/// Wraps a pack as an input, decoded at a level of detail; `None` is the finest.
 pub fn opened(pack: &BrdfPack, level: Option<f32>) -> Opened {
     pack::opened(pack, level)
 }
@@ -135,15 +136,15 @@ fn format_of(extension: &str) -> Option<&'static Format<Facts>> {
 /// Opens a file.
 ///
 /// # Errors
-/// As [`open`].
+/// Same as [`open`].
 pub fn open_file(path: &Path, level: Option<f32>) -> Result<Opened, InputError> {
     open_file_heard(path, level, &mut ())
 }
 
-/// [`open_file`], with somebody who hears of what is read.
+/// Same as [`open_file`], with an observer of the bytes.
 ///
 /// # Errors
-/// As [`open`].
+/// Same as [`open`].
 pub fn open_file_heard(path: &Path, level: Option<f32>, listener: &mut dyn ReadListener) -> Result<Opened, InputError> {
     if path.is_dir() && is_rti_capture(path) {
         return Err(InputError::format(path, without_brdf("an RTI capture")));
@@ -155,11 +156,11 @@ pub fn open_file_heard(path: &Path, level: Option<f32>, listener: &mut dyn ReadL
         ptm::EXTENSION => return Err(input_file.wrong(without_brdf("a polynomial texture map"))),
         _ => {}
     }
-    // Before more than the start is read.
+    // The extension is checked before more than the start is read.
     let Some(format) = format_of(&extension) else {
         let mut allowed = format!("{}, or synth:MODEL", known_files());
         if is_ubo_btf(path) {
-            allowed += "; a BTF is for 'brdfc flatten'";
+            allowed += "; use 'brdfc flatten' for BTFs";
         }
         let error = FormatError::whole("file name", found_extension(&extension), allowed);
         return Err(input_file.wrong(error));
@@ -167,8 +168,8 @@ pub fn open_file_heard(path: &Path, level: Option<f32>, listener: &mut dyn ReadL
     (format.open)(input_file)
 }
 
-/// How a surface is refused that was measured from one direction of view.
+/// Error for a surface that was measured from a single view.
 fn without_brdf(what: &str) -> FormatError {
-    let found = format!("{what}: renderings of one view under many lights, which hold no BRDF");
+    let found = format!("{what}: images of one view under many lights, which hold no BRDF");
     FormatError::whole("input", found, format!("{}, or synth:MODEL; 'brdfc info' describes it", known_files()))
 }

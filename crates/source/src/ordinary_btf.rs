@@ -1,4 +1,4 @@
-//! Ordinary BTFs, whichever way they are stored: images of a tile for all pairs of a view and a light.
+//! Ordinary BTFs in any format: images of a tile for all pairs of a view and a light.
 
 use crate::InputError;
 use crate::btf_stack::BtfStack;
@@ -16,7 +16,7 @@ pub enum OrdinaryBtf {
 }
 
 impl OrdinaryBtf {
-    /// Whether a path is that of an ordinary BTF: a folder, or a file whose extension is `btf`.
+    /// Returns true if a path is that of an ordinary BTF: a folder, or a file with the extension `btf`.
     pub fn is_one(path: &Path) -> bool {
         path.is_dir() || is_ubo_btf(path)
     }
@@ -24,7 +24,7 @@ impl OrdinaryBtf {
     /// Opens a folder or a file.
     ///
     /// # Errors
-    /// As [`BtfStack::open`] and [`UboBtfFile::open`].
+    /// Same as [`BtfStack::open`] and [`UboBtfFile::open`].
     pub fn open(path: &Path) -> Result<Self, InputError> {
         Ok(if path.is_dir() {
             Self::Stack(BtfStack::open(path)?)
@@ -49,7 +49,7 @@ impl OrdinaryBtf {
         }
     }
 
-    /// Pixels per row, and rows, of every image.
+    /// Width and height of every image, pixels.
     pub fn size(&self) -> [usize; 2] {
         match self {
             Self::Stack(stack) => stack.size(),
@@ -57,11 +57,11 @@ impl OrdinaryBtf {
         }
     }
 
-    /// One image, read or computed, by its indices in [`Self::views`] and [`Self::lights`]: radiance divided by that of a
-    /// white diffuser that faces the light.
+    /// Reads or computes one image, by its indices in [`Self::views`] and [`Self::lights`]: radiance divided by that of
+    /// a white diffuser that faces the light.
     ///
     /// # Errors
-    /// As [`BtfStack::view`] and [`UboBtfFile::image`].
+    /// Same as [`BtfStack::view`] and [`UboBtfFile::image`].
     pub fn image(&self, view: usize, light: usize) -> Result<Image, InputError> {
         match self {
             Self::Stack(stack) => stack.view(view, light),

@@ -8,7 +8,7 @@ use brdfc_encode::PackFacts;
 use brdfc_formats::{BrdfPack, FormatError, Pack, PackKind};
 use brdfc_readers::recognise::KTX2;
 
-/// Packs of BRDFs as inputs, of whichever codec.
+/// BRDF packs of any codec as inputs.
 pub(crate) const fn format<F: From<PackFacts>>() -> Format<F> {
     Format { name: "pack", kind: &KTX2, open }
 }
@@ -18,7 +18,7 @@ fn open<F: From<PackFacts>>(input: InputFile<'_>) -> Result<Opened<F>, InputErro
     input.parse(|bytes| Ok(opened(&brdf_pack(Pack::from_bytes(bytes)?)?, level)))
 }
 
-/// A pack as an input, decoded at a level of detail; `None` is the finest.
+/// Wraps a pack as an input, decoded at a level of detail; `None` is the finest.
 pub(crate) fn opened<F: From<PackFacts>>(pack: &BrdfPack, level: Option<f32>) -> Opened<F> {
     Opened { source: Box::new(PackSource::new(&**pack, level)), facts: PackFacts::from(pack).into() }
 }
@@ -26,16 +26,16 @@ pub(crate) fn opened<F: From<PackFacts>>(pack: &BrdfPack, level: Option<f32>) ->
 /// Reads a pack of any kind.
 ///
 /// # Errors
-/// Files that cannot be read; packs of no known kind, or that break the rules of their layout.
+/// Returns an error for files that cannot be read, and for packs of unknown kinds or that violate their layout.
 pub fn open_pack(input: impl Into<Input>) -> Result<Pack, InputError> {
     let input = input.into();
     InputFile::of(&input, &mut ())?.parse(Pack::from_bytes)
 }
 
-/// Reads a pack of reflectances, of whichever codec.
+/// Reads a BRDF pack of any codec.
 ///
 /// # Errors
-/// As [`open_pack`]; a pack of another kind, which is named.
+/// Same as [`open_pack`]. Other kinds of packs are an error that names the kind.
 pub fn open_brdf_pack(input: impl Into<Input>) -> Result<BrdfPack, InputError> {
     let input = input.into();
     brdf_pack(open_pack(&input)?).map_err(|error| InputError::format(input.named_path(), error))
@@ -44,7 +44,7 @@ pub fn open_brdf_pack(input: impl Into<Input>) -> Result<BrdfPack, InputError> {
 fn brdf_pack(pack: Pack) -> Result<BrdfPack, FormatError> {
     BrdfPack::try_from(pack).map_err(|kind| {
         let allowed = match kind {
-            PackKind::FlatBtf => "a pack of a BRDF: a flat BTF has no one BRDF",
+            PackKind::FlatBtf => "a pack of a BRDF; a flat BTF has no single BRDF",
             _ => "a pack of a BRDF",
         };
         FormatError::whole("pack", kind.in_words(), allowed)

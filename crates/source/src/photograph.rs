@@ -1,4 +1,4 @@
-//! Photographs: PNG, JPEG and EXR images of a stack as linear RGB.
+//! Photographs: PNG, JPEG and EXR images of a BTF stack or RTI capture as linear RGB.
 
 use crate::InputError;
 use crate::exr_header::exr_headers;
@@ -10,30 +10,31 @@ use std::io::ErrorKind;
 use std::path::{Path, PathBuf};
 use std::sync::LazyLock;
 
-/// Most pixels per row and rows of an image.
+/// Maximum width and height of an image, pixels.
 pub const MAX_SIZE: u32 = 4096;
-/// Most memory that decoding one image may take: four f32 per pixel of the largest, twice.
+/// Maximum memory of decoding an image, bytes: four f32 per pixel of the largest, twice.
 const MAX_DECODER_BYTES: u64 = 1 << 30;
 
-/// Linear value of each 8-bit sRGB code.
+/// Linear value of each 8-bit sRGB level.
 static LINEAR_8: LazyLock<[f32; 256]> =
     LazyLock::new(|| std::array::from_fn(|code| decode_srgb(code as f64 / 255.0) as f32));
-/// Linear value of each 16-bit sRGB code.
+/// Linear value of each 16-bit sRGB level.
 static LINEAR_16: LazyLock<Vec<f32>> =
     LazyLock::new(|| (0..=u16::MAX).map(|code| decode_srgb(f64::from(code) / 65535.0) as f32).collect());
 
-/// One image of a stack: linear RGB (Rec. 709 primaries), 1 is the full scale of codes.
+/// A photograph: linear RGB (Rec. 709 primaries), 1 is the full scale of integer formats.
 ///
-/// Row 0 is the top, y = 1: pixel (column, row) has its centre at `((column + ½) / width, 1 - (row + ½) / height)`.
+/// Row 0 is the top, y = 1: the centre of pixel (column, row) is at `((column + ½) / width, 1 - (row + ½) / height)`.
 pub type Image = FileImage<3>;
 
 impl Image {
-    /// Reads an image of `size`, pixels per row and rows.
+    /// Reads an image of `size`, width and height in pixels.
     ///
-    /// PNG and JPEG hold sRGB codes whatever their colour profile says, EXR linear values; alpha is ignored.
+    /// PNG and JPEG hold sRGB values, and their colour profiles are ignored; EXR holds linear values. Alpha is ignored.
     ///
     /// # Errors
-    /// A file that cannot be read or decoded, or has another size; values that are no finite numbers.
+    /// Returns an error for a file that cannot be read or decoded, or has another size, and for values that are not
+    /// finite.
     pub(crate) fn read(path: &Path, size: [usize; 2]) -> Result<Self, InputError> {
         let mut reader = reader(path)?;
         if reader.format() == Some(ImageFormat::OpenExr) {
@@ -48,7 +49,8 @@ impl Image {
         let [width, height] = size;
         if [decoded.width() as usize, decoded.height() as usize] != size {
             let found = format!("{} x {}", decoded.width(), decoded.height());
-            let error = FormatError::whole("image size", found, format!("{width} x {height}, as when it was opened"));
+            let error =
+                FormatError::whole("image size", found, format!("{width} x {height}, the size when it was opened"));
             return Err(InputError::format(path, error));
         }
         let pixels = linear(decoded);
@@ -72,7 +74,7 @@ fn linear(decoded: DynamicImage) -> Vec<[f32; 3]> {
         DynamicImage::ImageLumaA16(image) => texels(&image, sixteen),
         DynamicImage::ImageRgb16(image) => texels(&image, sixteen),
         DynamicImage::ImageRgba16(image) => texels(&image, sixteen),
-        // EXR alone has floats.
+        // Only EXR has floats.
         _ => decoded.into_rgb32f().pixels().map(|pixel| pixel.0).collect(),
     }
 }
@@ -91,18 +93,18 @@ fn texels<P: image::Pixel>(
     }
 }
 
-/// Pixels per row, and rows, of all images: 0 of none. Reads their headers.
+/// Common width and height of all images, from their headers: 0 without images.
 ///
 /// # Errors
-/// What cannot be read or is no PNG, JPEG or EXR; images of different sizes or of more than [`MAX_SIZE`] pixels along a
-/// side, which name the first image `first`.
+/// Returns an error for files that cannot be read or are not PNG, JPEG or EXR, and for images of different sizes or
+/// with more than [`MAX_SIZE`] pixels along a side. `first` names the first image in errors.
 pub(crate) fn common_size(paths: &[PathBuf], first: &str) -> Result<[u32; 2], InputError> {
     let mut size = None;
     for path in paths {
         let found = image_size(path)?;
         let [width, height] = *size.get_or_insert(found);
         if found != [width, height] {
-            let allowed = format!("{width} x {height}, as {first} has");
+            let allowed = format!("{width} x {height}, the size of {first}");
             let error = FormatError::whole("image size", format!("{} x {}", found[0], found[1]), allowed);
             return Err(InputError::format(path, error));
         }
@@ -115,11 +117,11 @@ fn reader(path: &Path) -> Result<ImageReader<std::io::BufReader<std::fs::File>>,
     let reader = reader.map_err(|error| InputError::io(path, error))?;
     match reader.format() {
         Some(ImageFormat::Png | ImageFormat::Jpeg | ImageFormat::OpenExr) => Ok(reader),
-        _ => Err(InputError::format(path, FormatError::whole("image", "some other layout", "PNG, JPEG or EXR"))),
+        _ => Err(InputError::format(path, FormatError::whole("image", "an unknown format", "PNG, JPEG or EXR"))),
     }
 }
 
-/// The decoder has no limit of what it asks for to decode a block.
+/// Checks block sizes, because the decoder does not limit the memory of a block.
 fn check_exr(path: &Path) -> Result<(), InputError> {
     let file = std::fs::File::open(path).map_err(|error| InputError::io(path, error))?;
     let headers = exr_headers(std::io::BufReader::new(file), "a whole PNG, JPEG or EXR image");
@@ -137,7 +139,7 @@ fn image_size(path: &Path) -> Result<[u32; 2], InputError> {
 
 fn image_error(path: &Path, error: ImageError) -> InputError {
     match error {
-        // These say that the file ends early or is broken, not that it cannot be read.
+        // These errors mean a truncated or broken file, not a failed read.
         ImageError::IoError(error)
             if ![ErrorKind::UnexpectedEof, ErrorKind::InvalidData, ErrorKind::Other].contains(&error.kind()) =>
         {
@@ -145,7 +147,7 @@ fn image_error(path: &Path, error: ImageError) -> InputError {
         }
         ImageError::Limits(_) => {
             let allowed = format!("1 to {MAX_SIZE} along each side");
-            InputError::format(path, FormatError::whole("image size", "more pixels than a decoder takes", allowed))
+            InputError::format(path, FormatError::whole("image size", "too many pixels for the decoder", allowed))
         }
         error => {
             InputError::format(path, FormatError::whole("image", error.to_string(), "a whole PNG, JPEG or EXR image"))

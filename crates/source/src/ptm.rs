@@ -10,26 +10,26 @@ pub const EXTENSION: &str = "ptm";
 /// Reads a polynomial texture map.
 ///
 /// # Errors
-/// What cannot be read; what [`Ptm::from_bytes`] refuses.
+/// Returns an error for files that cannot be read or that [`Ptm::from_bytes`] rejects.
 pub fn open_ptm(input: &Input) -> Result<Ptm, InputError> {
     InputFile::of(input, &mut ())?.parse(Ptm::from_bytes)
 }
 
-/// What is worth knowing of a polynomial texture map.
+/// Facts about a polynomial texture map.
 #[derive(Debug, Clone, PartialEq, serde::Serialize, schemars::JsonSchema)]
 pub struct PtmFacts {
-    /// As the file names it: `PTM_FORMAT_RGB` or `PTM_FORMAT_LRGB`.
+    /// Format in the file: `PTM_FORMAT_RGB` or `PTM_FORMAT_LRGB`.
     pub format: String,
-    /// Pixels per row, and rows.
+    /// Width and height, pixels.
     pub size: [u32; 2],
-    /// What a step of the coefficients of u², v², uv, u, v and 1 is worth, in codes of 0 to 255.
+    /// Scales of the coefficients of u², v², uv, u, v and 1, in 8-bit levels.
     pub scale: [f32; TERMS],
-    /// Bytes that mean 0.
+    /// Stored bytes that mean 0.
     pub bias: [i32; TERMS],
 }
 
 impl PtmFacts {
-    /// Those of a map.
+    /// Facts about a map.
     pub fn new(ptm: &Ptm) -> Self {
         Self { format: ptm.model().name().to_owned(), size: ptm.size(), scale: ptm.scale(), bias: ptm.bias() }
     }

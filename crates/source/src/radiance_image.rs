@@ -1,4 +1,4 @@
-//! Images of radiance: OpenEXR and Radiance HDR.
+//! Radiance images: OpenEXR and Radiance HDR.
 
 use crate::InputError;
 use crate::exr_header::exr_headers;
@@ -11,25 +11,25 @@ use image::{ImageFormat, ImageReader, Limits};
 use std::io::Cursor;
 use std::path::Path;
 
-/// Most pixels per row, and most rows.
+/// Maximum width and height, pixels.
 pub const MAX_SIDES: [usize; 2] = [8192, 4096];
 
 /// Linear RGB, finite and not negative.
 pub type RadianceImage = FileImage<3>;
 
-/// Reads an image: a Radiance HDR by its extension .hdr, else an EXR.
+/// Reads an image: a Radiance HDR if its extension is .hdr, else an EXR.
 ///
 /// # Errors
-/// Files that cannot be read, or break the rules of [`from_exr`] and [`from_hdr`].
+/// Returns an error for files that cannot be read, or that [`from_exr`] and [`from_hdr`] reject.
 pub fn open_radiance_image(input: impl Into<Input>) -> Result<RadianceImage, InputError> {
     let input = input.into();
     parse(InputFile::of(&input, &mut ())?, &input.extension()?)
 }
 
-/// [`open_radiance_image`] of a file, with somebody who hears of what is read.
+/// Same as [`open_radiance_image`] for a file, with an observer of the bytes.
 ///
 /// # Errors
-/// As [`open_radiance_image`].
+/// Same as [`open_radiance_image`].
 pub fn open_radiance_image_heard(path: &Path, listener: &mut dyn ReadListener) -> Result<RadianceImage, InputError> {
     parse(InputFile::at(path, listener)?, &extension_of(path))
 }
@@ -38,13 +38,14 @@ fn parse(file: InputFile<'_>, extension: &str) -> Result<RadianceImage, InputErr
     file.parse(if extension == "hdr" { from_hdr } else { from_exr })
 }
 
-/// RGB of the first layer of an EXR that has them.
+/// Reads RGB of the first layer of an EXR that has these channels.
 ///
 /// # Errors
-/// What is no EXR with channels R, G and B; more than 8192 x 4096 pixels; values that are negative or no numbers.
+/// Returns an error for files that are not EXR with channels R, G and B, for more than 8192 x 4096 pixels, and for
+/// values that are negative or not finite.
 pub fn from_exr(bytes: &[u8]) -> Result<RadianceImage, FormatError> {
     let broken = |error: exr::error::Error| FormatError::whole("EXR", error.to_string(), "channels R, G and B");
-    // Sizes first: pixels are asked for only when they are small enough.
+    // Sizes are checked first; pixels are allocated only if the image is small enough.
     for header in exr_headers(Cursor::new(bytes), "channels R, G and B")? {
         check_size("EXR", header.layer_size.x(), header.layer_size.y())?;
     }
@@ -68,10 +69,10 @@ pub fn from_exr(bytes: &[u8]) -> Result<RadianceImage, FormatError> {
     checked("EXR", image)
 }
 
-/// A Radiance HDR (RGBE).
+/// Reads a Radiance HDR (RGBE).
 ///
 /// # Errors
-/// What is no such image; more than 8192 x 4096 pixels.
+/// Returns an error for other files, and for more than 8192 x 4096 pixels.
 pub fn from_hdr(bytes: &[u8]) -> Result<RadianceImage, FormatError> {
     let broken = |error: image::ImageError| {
         let allowed = format!("a whole Radiance HDR of at most {} x {} pixels", MAX_SIDES[0], MAX_SIDES[1]);
@@ -107,7 +108,7 @@ fn checked(field: &'static str, image: RadianceImage) -> Result<RadianceImage, F
 mod tests {
     use super::*;
 
-    /// A file of plain pixels of 4 bytes.
+    /// A file of uncompressed pixels of 4 bytes.
     fn hdr(width: u32, height: u32, rgbe: &[[u8; 4]]) -> Vec<u8> {
         let head = format!("#?RADIANCE\nFORMAT=32-bit_rle_rgbe\n\n-Y {height} +X {width}\n");
         [head.as_bytes(), rgbe.as_flattened()].concat()

@@ -1,4 +1,4 @@
-//! Reads files, within limits that are checked before memory is asked for.
+//! Reads files within limits, which are checked before memory is allocated.
 
 use super::error::InputError;
 use brdfc_core::words::bytes;
@@ -8,35 +8,36 @@ use std::fs::File;
 use std::io::{Read, Seek, SeekFrom};
 use std::path::Path;
 
-/// Largest file that is read. What is made of it in memory is at most a few times as large.
+/// Maximum size of an input file, bytes. Its decoded form takes at most a few times as much memory.
 pub const MAX_FILE_BYTES: u64 = 2 << 30;
-/// Largest file of text that people write: manifests, lists of directions.
+/// Maximum size of a text file that people write, such as manifests and lists of directions, bytes.
 pub const MAX_TEXT_BYTES: u64 = 16 << 20;
 
-/// Hears of a file that is read.
+/// Observer of file reads.
 pub trait ReadListener {
-    /// A file was opened; nothing of it was read yet. Its length in bytes is 0 for pipes.
+    /// Called when a file was opened, before it is read. Its length in bytes is 0 for pipes.
     ///
     /// # Errors
-    /// A file that is not to be read, such as one that is too large.
+    /// Returns an error if the file must not be read, for example because it is too large.
     fn opened(&mut self, _file: &File, _length: u64) -> Result<(), FormatError> {
         Ok(())
     }
 
-    /// Bytes of the file, in the order in which they are read: the same for each file of one kind and length.
+    /// Called with bytes of the file, in the order of reading: the order is the same for all files of a kind and
+    /// length.
     fn bytes(&mut self, _bytes: &[u8]) {}
 }
 
-/// Ignores everything.
+/// Ignores all events.
 impl ReadListener for () {}
 
-/// A file whose bytes a listener hears.
-pub(crate) struct HeardFile<'a> {
+/// A file whose bytes a listener observes.
+pub(crate) struct ObservedFile<'a> {
     file: File,
     listener: &'a mut dyn ReadListener,
 }
 
-impl Read for HeardFile<'_> {
+impl Read for ObservedFile<'_> {
     fn read(&mut self, buffer: &mut [u8]) -> std::io::Result<usize> {
         let count = self.file.read(buffer)?;
         self.listener.bytes(&buffer[..count]);
@@ -44,23 +45,23 @@ impl Read for HeardFile<'_> {
     }
 }
 
-impl Seek for HeardFile<'_> {
+impl Seek for ObservedFile<'_> {
     fn seek(&mut self, position: SeekFrom) -> std::io::Result<u64> {
         self.file.seek(position)
     }
 }
 
-/// [`open_path`], with somebody who hears of it.
-pub(crate) fn open_heard<'a>(
+/// Same as [`open_path`], with an observer.
+pub(crate) fn open_observed<'a>(
     path: &Path,
     listener: &'a mut dyn ReadListener,
-) -> Result<(HeardFile<'a>, u64), InputError> {
+) -> Result<(ObservedFile<'a>, u64), InputError> {
     let (file, length) = open_path(path)?;
     listener.opened(&file, length).map_err(|error| InputError::format(path, error))?;
-    Ok((HeardFile { file, listener }, length))
+    Ok((ObservedFile { file, listener }, length))
 }
 
-/// Opens what is no folder and no device; its length too, which is 0 for pipes.
+/// Opens a file or a pipe, but no folder and no device. The length is 0 for pipes.
 pub(crate) fn open_path(path: &Path) -> Result<(File, u64), InputError> {
     let io = |error| InputError::io(path, error);
     let file = File::open(path).map_err(io)?;
@@ -80,39 +81,38 @@ pub(crate) fn open_path(path: &Path) -> Result<(File, u64), InputError> {
     Ok((file, metadata.len()))
 }
 
-/// Reads a file or a pipe to its end if it has at most `limit` bytes.
+/// Reads a file or a pipe to its end, at most `limit` bytes.
 ///
 /// # Errors
-/// What cannot be read; folders and devices; more bytes.
+/// Returns an error for unreadable files, folders, devices, and files with more bytes.
 pub fn read_file(path: &Path, limit: u64) -> Result<Vec<u8>, InputError> {
     read_heard(path, limit, &mut ())
 }
 
-/// [`read_file`], with somebody who hears of it.
+/// Same as [`read_file`], with an observer.
 ///
 /// # Errors
-/// As [`read_file`].
+/// Same as [`read_file`].
 pub fn read_heard(path: &Path, limit: u64, listener: &mut dyn ReadListener) -> Result<Vec<u8>, InputError> {
-    let (file, length) = open_heard(path, listener)?;
+    let (file, length) = open_observed(path, listener)?;
     read_within(path, file, length, limit)
 }
 
-/// Reads a file or a pipe of text to its end, or to the first NUL byte, which is the last one of what is returned: text has
-/// none, so that whoever parses it refuses it there.
+/// Reads a text file or a pipe to its end, or through the first NUL byte. Parsers reject the NUL byte.
 ///
 /// # Errors
-/// As [`read_file`], of more than [`MAX_FILE_BYTES`].
+/// Same as [`read_file`], with [`MAX_FILE_BYTES`] as the limit.
 pub fn read_text(path: &Path) -> Result<Vec<u8>, InputError> {
     let (file, length) = open_path(path)?;
     read_all_text(path, file, length)
 }
 
-/// [`read_text`] of a file that is open.
+/// Same as [`read_text`], for an open file.
 pub(crate) fn read_all_text(path: &Path, file: impl Read, length: u64) -> Result<Vec<u8>, InputError> {
     read_within(path, UpToNul { file, found: false }, length, MAX_FILE_BYTES)
 }
 
-/// Ends behind the first NUL byte.
+/// Reader that ends after the first NUL byte.
 struct UpToNul<R> {
     file: R,
     found: bool,
@@ -130,13 +130,13 @@ impl<R: Read> Read for UpToNul<R> {
     }
 }
 
-/// What [`read_text`] reads of a file with these bytes.
+/// The part of these bytes that [`read_text`] returns.
 pub(crate) fn up_to_nul(bytes: &[u8]) -> &[u8] {
     let nul = bytes.iter().position(|byte| *byte == 0);
     &bytes[..nul.map_or(bytes.len(), |at| at + 1)]
 }
 
-/// Refuses files of more than `limit` bytes.
+/// Returns an error for files of more than `limit` bytes.
 pub(crate) fn check_length(length: u64, limit: u64) -> Result<(), FormatError> {
     if length <= limit {
         return Ok(());
@@ -144,23 +144,23 @@ pub(crate) fn check_length(length: u64, limit: u64) -> Result<(), FormatError> {
     Err(FormatError::whole("file length", bytes(length), format!("at most {}", bytes(limit))))
 }
 
-/// Reads to the end of what has at most `limit` bytes, `length` of them as far as is known. Errors name `path`.
+/// Reads at most `limit` bytes to the end. `length` is the expected length, and errors name `path`.
 pub(crate) fn read_within(path: &Path, file: impl Read, length: u64, limit: u64) -> Result<Vec<u8>, InputError> {
     let wrong = |error| InputError::format(path, error);
     check_length(length, limit).map_err(wrong)?;
     let mut contents = reserved("file length", length as usize).map_err(wrong)?;
-    // A pipe has no length, and a file may grow meanwhile.
+    // A pipe has no length, and a file may grow while it is read.
     file.take(limit + 1).read_to_end(&mut contents).map_err(|error| InputError::io(path, error))?;
     check_length(contents.len() as u64, limit).map_err(wrong)?;
     Ok(contents)
 }
 
-/// The extension of a file's name in lower case, or nothing.
+/// Extension of a file's name in lower case; empty without one.
 pub(crate) fn extension_of(path: &Path) -> String {
     path.extension().and_then(|e| e.to_str()).unwrap_or("").to_ascii_lowercase()
 }
 
-/// An extension as an error says that it was found.
+/// Formats an extension for errors.
 pub(crate) fn found_extension(extension: &str) -> String {
     if extension.is_empty() { "no extension".to_owned() } else { format!("extension .{extension}") }
 }

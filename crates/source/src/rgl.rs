@@ -19,24 +19,24 @@ use brdfc_core::Describe;
 use brdfc_core::{Source, Symmetry, Tally};
 use warp::{Cell, Incidence, VisibleNormals};
 
-/// Below this squared distance from the normal a direction has no azimuth but rounding noise.
+/// Directions within this squared distance of the normal have no azimuth except rounding noise.
 const NO_AZIMUTH: f64 = 1e-24;
 
-/// Largest relative difference of values that count as equal when a symmetry is looked for.
+/// Largest relative difference of values that count as equal in tests of symmetry.
 const SAME: f32 = 1e-6;
 
-/// What is worth knowing of an RGL material.
+/// Facts about an RGL material.
 #[derive(Debug, Clone, PartialEq, serde::Serialize, schemars::JsonSchema)]
 pub struct RglFacts {
-    /// What the file says of itself.
+    /// Description in the file.
     pub description: String,
-    /// Incoming azimuths measured.
+    /// Number of measured incoming azimuths.
     pub azimuths: usize,
-    /// Incoming polar angles measured.
+    /// Number of measured incoming polar angles.
     pub polar_angles: usize,
     /// Rows and columns of the colour tensor per incoming direction.
     pub resolution: [usize; 2],
-    /// Colour channels or wavelengths in the file.
+    /// Number of colour channels or wavelengths in the file.
     pub channels: usize,
 }
 
@@ -76,7 +76,7 @@ fn open<F: From<RglFacts>>(input: InputFile<'_>) -> Result<Opened<F>, InputError
     })
 }
 
-/// An RGL material, ready to be evaluated.
+/// An RGL material, ready for evaluation.
 #[derive(Debug, Clone)]
 pub struct RglSource {
     phi_i: Vec<f64>,
@@ -97,13 +97,14 @@ pub struct RglSource {
 }
 
 impl RglSource {
-    /// Prepares a material; spectra are turned into linear RGB here, once.
+    /// Prepares a material. Spectra are converted to linear RGB here, once.
     ///
     /// `weights` is called with the wavelengths (nanometres, increasing) of a spectral file and returns the linear RGB
-    /// that a value of 1 at each of them adds: a colour is the sum of weight times value over the wavelengths. It is
-    /// not called for an RGB file.
+    /// contribution of a value of 1 at each of them: a colour is the sum of weight times value over the wavelengths. It
+    /// is not called for an RGB file.
     ///
-    /// Errors: those of `weights`, a wrong number of weights, colours that leave the range of single precision.
+    /// Returns errors of `weights`, and an error for a wrong number of weights or colours beyond the range of single
+    /// precision.
     pub fn new(rgl: Rgl, weights: impl Fn(&[f64]) -> Result<Vec<[f64; 3]>, FormatError>) -> Result<Self, FormatError> {
         let weights = match &rgl.colour {
             Colour::Rgb(_) => vec![[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]],
@@ -113,7 +114,7 @@ impl RglSource {
             return Err(FormatError::whole(
                 "colour weights",
                 format!("{} weights", weights.len()),
-                format!("{}, one for each wavelength", rgl.channels()),
+                format!("{}, one per wavelength", rgl.channels()),
             ));
         }
         let (Colour::Rgb(values) | Colour::Spectra { values, .. }) = &rgl.colour;
@@ -141,7 +142,7 @@ impl RglSource {
         })
     }
 
-    /// The pair that the material does not tell from `pair` and whose incident direction was measured.
+    /// Maps `pair` by the symmetries of the material to an equivalent pair whose incident direction was measured.
     fn reduce(&self, pair: DirectionPair) -> DirectionPair {
         let [x, y, _] = pair.incoming;
         let (sin, cos) = self.middle.sin_cos();
@@ -203,15 +204,16 @@ impl Source for RglSource {
     }
 }
 
-/// `ndf / (4 sigma)` of a pair, with polar angle and azimuth of its incoming direction: what values are stored without. 0 where no
-/// microfacet is seen: only at the horizon, in a file that goes to zero there.
+/// `ndf / (4 sigma)` of a pair, with polar angle and azimuth of its incoming direction: the factor that stored values
+/// omit. 0 if no microfacet is visible, which occurs only at the horizon, in files that reach zero there.
 fn jacobian(ndf: &Map, sigma: &Map, pair: DirectionPair, [theta_i, phi_i]: [f64; 2], isotropic: bool) -> f64 {
     let sigma = warp::bilinear(sigma, polar_to_unit(theta_i), azimuth_to_unit(phi_i));
     let [u_m, v_m] = normal_to_unit(pair, isotropic);
     if sigma <= 0.0 { 0.0 } else { warp::bilinear(ndf, u_m, v_m) / (4.0 * sigma) }
 }
 
-/// Where the half vector of a pair is in the unit square: of isotropic materials its azimuth counts from that of incidence.
+/// Position of the half vector of a pair in the unit square. The azimuth of isotropic materials is relative to that of
+/// incidence.
 fn normal_to_unit(pair: DirectionPair, isotropic: bool) -> [f64; 2] {
     let (theta_m, phi_m) = polar(half_vector(pair));
     let v = azimuth_to_unit(match (isotropic, phi_m, polar(pair.incoming).1) {
@@ -222,13 +224,13 @@ fn normal_to_unit(pair: DirectionPair, isotropic: bool) -> [f64; 2] {
     [polar_to_unit(theta_m), v]
 }
 
-/// Polar angle and, where there is one, azimuth, radians.
+/// Polar angle and azimuth, if defined, radians.
 fn polar([x, y, z]: Vector) -> (f64, Option<f64>) {
     let squared = x * x + y * y;
     (squared.sqrt().atan2(z), (squared > NO_AZIMUTH).then(|| y.atan2(x)))
 }
 
-/// `u` of a polar angle in `[0, π/2]`: denser nodes at the normal.
+/// `u` of a polar angle in `[0, π/2]`: nodes are denser at the normal.
 fn polar_to_unit(theta: f64) -> f64 {
     (theta * FRAC_2_PI).sqrt()
 }
@@ -256,7 +258,7 @@ fn combine(values: &[f32], weights: &[[f64; 3]], nodes: usize) -> Result<Vec<[f3
     Ok(colours)
 }
 
-/// Isotropic where the file says so and no table depends on the azimuth of incidence.
+/// Symmetry of the tables: isotropic if the file declares it and no table depends on the azimuth of incidence.
 fn symmetry(rgl: &Rgl, colours: &[[f32; 3]]) -> Symmetry {
     let same = |a: f32, b: f32| (a - b).abs() <= SAME * a.abs().max(b.abs());
     let all_same = |values: &[f32], block: usize| {

@@ -11,10 +11,10 @@ use std::path::{Path, PathBuf};
 
 /// Extension of the lists of lights.
 pub const EXTENSION: &str = "lp";
-/// Most files of a folder that are looked at.
+/// Maximum number of files of a folder that are read.
 const MAX_ENTRIES: usize = 1 << 20;
 
-/// Photographs of one view, of one size, each under one distant light.
+/// An RTI capture: photographs of one view and of one size, each under one distant light.
 #[derive(Debug, Clone)]
 pub struct RtiCapture {
     directions: Vec<[f32; 3]>,
@@ -28,9 +28,9 @@ impl RtiCapture {
     /// Reads the header of every image, and no pixels.
     ///
     /// # Errors
-    /// What cannot be read; what [`LightPositions::from_bytes`] refuses; no list or several; images that are not there, the
-    /// same file twice; what is no PNG, JPEG or EXR; images of different sizes or of more than
-    /// [`MAX_SIZE`](crate::photograph::MAX_SIZE) pixels along a side.
+    /// Returns an error for unreadable files, lists that [`LightPositions::from_bytes`] rejects, no list or several,
+    /// missing images, the same image twice, files that are not PNG, JPEG or EXR, and images of different sizes or with
+    /// more than [`MAX_SIZE`](crate::photograph::MAX_SIZE) pixels along a side.
     pub fn open(path: &Path) -> Result<Self, InputError> {
         let (list, lights) = read_list(path)?;
         let files = files(&list, &lights)?;
@@ -43,7 +43,7 @@ impl RtiCapture {
         &self.directions
     }
 
-    /// Pixels per row, and rows, of every image.
+    /// Width and height of every image, pixels.
     pub fn size(&self) -> [usize; 2] {
         self.size
     }
@@ -54,7 +54,7 @@ impl RtiCapture {
         self.files.len()
     }
 
-    /// The image of a light.
+    /// File of the image under a light.
     ///
     /// # Panics
     /// If there is no such light.
@@ -62,13 +62,13 @@ impl RtiCapture {
         &self.files[light]
     }
 
-    /// Reads the image of a light. Nothing is kept.
+    /// Reads the image of a light, without caching it.
     ///
-    /// PNG and JPEG hold sRGB codes whatever their colour profile says, EXR linear values; alpha is ignored.
+    /// PNG and JPEG hold sRGB values, and their colour profiles are ignored; EXR holds linear values. Alpha is ignored.
     ///
     /// # Errors
-    /// A light that the stack has not; a file that cannot be read or decoded, or is no longer of the size that it had;
-    /// values that are no finite numbers.
+    /// Returns an error for an index out of range, a file that cannot be read or decoded or has changed its size, and
+    /// values that are not finite.
     pub fn image(&self, light: usize) -> Result<Image, InputError> {
         let Some(file) = self.files.get(light) else {
             let error = FormatError::whole("light", light.to_string(), format!("less than {}", self.len()));
@@ -77,7 +77,7 @@ impl RtiCapture {
         Image::read(file, self.size)
     }
 
-    /// What is worth knowing of it.
+    /// Facts about the capture.
     pub fn facts(&self) -> RtiCaptureFacts {
         let polar = |direction: &[f32; 3]| {
             let [x, y, z] = direction.map(f64::from);
@@ -88,7 +88,7 @@ impl RtiCapture {
         let extensions: BTreeSet<String> = self.files.iter().map(|file| extension_of(file)).collect();
         RtiCaptureFacts {
             lights: self.len(),
-            // Directions are no better than 32-bit floats.
+            // Directions have the precision of 32-bit floats.
             polar_angles: [least, most].map(|angle| (angle * 1e3).round() / 1e3),
             size: self.size,
             extensions: extensions.into_iter().collect(),
@@ -96,16 +96,16 @@ impl RtiCapture {
     }
 }
 
-/// What is worth knowing of an RTI capture.
+/// Facts about an RTI capture.
 #[derive(Debug, Clone, PartialEq, serde::Serialize, schemars::JsonSchema)]
 pub struct RtiCaptureFacts {
-    /// Lights, each with one image.
+    /// Number of lights, each with one image.
     pub lights: usize,
-    /// Least and largest angle of a light to the direction of view, degrees.
+    /// Smallest and largest angle between a light and the direction of view, degrees.
     pub polar_angles: [f64; 2],
-    /// Pixels per row, and rows.
+    /// Width and height, pixels.
     pub size: [usize; 2],
-    /// Extensions of the images, lower case, each once.
+    /// Extensions of the images, in lower case, without duplicates.
     pub extensions: Vec<String>,
 }
 
@@ -123,18 +123,18 @@ impl RtiCaptureFacts {
     }
 }
 
-/// Whether a path is a list of lights, or a folder that has one, by names.
+/// Returns true if a path is a list of lights by its name, or a folder that has one.
 pub fn is_rti_capture(path: &Path) -> bool {
     if path.is_dir() { lists(path).is_ok_and(|lists| !lists.is_empty()) } else { extension_of(path) == EXTENSION }
 }
 
-/// The lists of lights in a folder, sorted.
+/// Lists of lights in a folder, sorted.
 fn lists(folder: &Path) -> Result<Vec<PathBuf>, InputError> {
     let mut found = Vec::new();
     let io = |error| InputError::io(folder, error);
     for (number, entry) in std::fs::read_dir(folder).map_err(io)?.enumerate() {
         if number == MAX_ENTRIES {
-            let error = FormatError::whole("files", format!("more than {MAX_ENTRIES}"), "those of one RTI capture");
+            let error = FormatError::whole("files", format!("more than {MAX_ENTRIES}"), "the files of one RTI capture");
             return Err(InputError::format(folder, error));
         }
         let path = entry.map_err(io)?.path();
@@ -146,7 +146,7 @@ fn lists(folder: &Path) -> Result<Vec<PathBuf>, InputError> {
     Ok(found)
 }
 
-/// The list that a path means, and what it says.
+/// Finds and reads the list of a path.
 fn read_list(path: &Path) -> Result<(PathBuf, LightPositions), InputError> {
     let list = if path.is_dir() { the_list(path)? } else { path.to_owned() };
     let bytes = read_file(&list, MAX_TEXT_BYTES)?;
@@ -155,7 +155,7 @@ fn read_list(path: &Path) -> Result<(PathBuf, LightPositions), InputError> {
     Ok((list, lights))
 }
 
-/// The list of an RTI capture and the photographs that are there, be it whole or not.
+/// The list of an RTI capture and its existing photographs, complete or not.
 pub(crate) fn files_of_stack(path: &Path) -> Vec<PathBuf> {
     let Ok((list, lights)) = read_list(path) else { return Vec::new() };
     let folder = list.parent().unwrap_or(Path::new(""));
@@ -172,7 +172,7 @@ fn the_list(folder: &Path) -> Result<PathBuf, InputError> {
     let names: Vec<String> =
         all.iter().filter_map(|path| path.file_name()).map(|name| name.to_string_lossy().into_owned()).collect();
     let found = if names.is_empty() { "none".to_owned() } else { names.join(", ") };
-    let allowed = "one file .lp in a folder, or the path of one";
+    let allowed = "one .lp file in the folder, or the path of one";
     Err(InputError::format(folder, FormatError::whole("lists of lights", found, allowed)))
 }
 
@@ -186,18 +186,18 @@ fn files(list: &Path, lights: &LightPositions) -> Result<Vec<PathBuf>, InputErro
             InputError::format(list, FormatError::at_line(*line, "image", found, allowed))
         };
         let Some(file) = find(folder, name) else {
-            return Err(wrong(format!("{name:?}, which is not there"), "a file, relative to this one or beside it"));
+            return Err(wrong(format!("{name:?}, which does not exist"), "a file relative to this one, or next to it"));
         };
         let whole = file.canonicalize().map_err(|error| InputError::io(&file, error))?;
         if let Some(before) = seen.insert(whole, line) {
-            return Err(wrong(format!("{name:?}, the file of line {before}"), "each image once"));
+            return Err(wrong(format!("{name:?}, as on line {before}"), "each image once"));
         }
         files.push(file);
     }
     Ok(files)
 }
 
-/// The file of a name: relative to `folder`, or else the last part of it alone.
+/// Finds a file by name: relative to `folder`, or else by its last component alone.
 fn find(folder: &Path, name: &str) -> Option<PathBuf> {
     let slashes = name.replace('\\', "/");
     let last = slashes.rsplit('/').next().unwrap_or("");

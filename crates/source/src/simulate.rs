@@ -1,4 +1,4 @@
-//! Simulated measurements of a source: what a goniometer or a MERL rig would have recorded of it.
+//! Simulated measurements of a source, as a goniometer or a MERL rig would record them.
 
 use brdfc_core::words::format_number;
 use brdfc_core::{Source, Tally};
@@ -10,18 +10,18 @@ use rand::{RngExt as _, SeedableRng as _};
 use rand_chacha::ChaCha8Rng;
 use std::f64::consts::{FRAC_PI_2, PI, TAU};
 
-/// The bytes of a MERL file of a source. Cells whose directions are below the horizon are invalid.
+/// Bytes of a MERL file of a source. Cells whose directions are below the horizon are invalid.
 pub fn merl_file(source: &dyn Source, dimensions: Dimensions) -> Vec<u8> {
     let mut bytes = Vec::new();
     merl::write(&mut bytes, dimensions, |angles| {
         let pair = pair_of_angles(angles);
         pair.is_above_horizon().then(|| source.eval(pair, &mut Tally::default()).map(|f| f.max(0.0)))
     })
-    .expect("memory can be written to");
+    .expect("writing to memory succeeds");
     bytes
 }
 
-/// A pair with these half and difference angles, the half vector in the tangent's azimuth.
+/// A pair with these half and difference angles; the half vector is at the tangent's azimuth.
 pub fn pair_of_angles([theta_h, theta_d, phi_d]: [f64; 3]) -> DirectionPair {
     let half = from_polar(theta_h, 0.0);
     DirectionPair::new(
@@ -30,30 +30,30 @@ pub fn pair_of_angles([theta_h, theta_d, phi_d]: [f64; 3]) -> DirectionPair {
     )
 }
 
-/// How a scan is simulated.
+/// Parameters of a simulated scan.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct ScanPlan {
-    /// Rows, repeated ones included.
+    /// Number of rows, including repeated ones.
     pub rows: usize,
-    /// Incoming polar angles, evenly between 10 and 80 degrees.
+    /// Number of incoming polar angles, evenly between 10 and 80 degrees.
     pub incidences: usize,
-    /// Incoming azimuths over the full turn; by default 1 for isotropic materials, 8 for others.
+    /// Number of incoming azimuths over the full turn; by default 1 for isotropic materials, 8 for others.
     pub azimuths: Option<usize>,
     /// Standard deviation of the multiplicative noise, a fraction.
     pub noise: f64,
-    /// Fraction of the outgoing hemisphere that is hidden, as a detector's own shadow is.
+    /// Fraction of the outgoing hemisphere that is hidden, for example by the detector.
     pub gaps: f64,
-    /// Fraction of rows that repeat an earlier direction pair, with noise of their own.
+    /// Fraction of rows that repeat an earlier direction pair, with independent noise.
     pub duplicates: f64,
-    /// Seed of everything random.
+    /// Seed of the random generator.
     pub seed: u64,
 }
 
 impl ScanPlan {
-    /// Checks that a scan can be simulated.
+    /// Checks the parameters.
     ///
     /// # Errors
-    /// The first field out of range.
+    /// Returns an error for the first field out of range.
     pub fn check(&self) -> Result<(), FormatError> {
         let wrong = |field: &'static str, found: String, allowed: &str| Err(FormatError::whole(field, found, allowed));
         for (field, count) in
@@ -78,7 +78,7 @@ pub fn scan(source: &dyn Source, plan: &ScanPlan) -> Vec<Row> {
     let azimuths = plan.azimuths.unwrap_or(if source.symmetry().isotropic { 1 } else { 8 });
     let mut generator = ChaCha8Rng::seed_from_u64(plan.seed);
     let hidden: Vec<Vector> = (0..4).map(|_| upper_direction(&mut generator)).collect();
-    // Four caps of solid angle 2π (1 - c) hide the asked fraction of 2π, where they do not overlap.
+    // Four caps of solid angle 2π (1 - c) hide the requested fraction of 2π, where they do not overlap.
     let cosine = 1.0 - plan.gaps / hidden.len() as f64;
     let repeated = (plan.duplicates * plan.rows as f64).round() as usize;
     let mut rows: Vec<Row> = Vec::with_capacity(plan.rows);
@@ -109,7 +109,7 @@ pub fn scan(source: &dyn Source, plan: &ScanPlan) -> Vec<Row> {
     rows
 }
 
-/// Uniform over the hemisphere down to 85 degrees from the normal, the reach of real rigs.
+/// Uniform direction in the hemisphere down to 85 degrees from the normal, the reach of real rigs.
 fn upper_direction(generator: &mut ChaCha8Rng) -> Vector {
     let lowest = 85f64.to_radians().cos();
     let z = lowest + (1.0 - lowest) * generator.random::<f64>();

@@ -1,4 +1,4 @@
-//! Images that colour a surface or say where its materials are.
+//! Images of surface colours and of material shares.
 
 use crate::InputError;
 use crate::input::{Input, InputFile};
@@ -8,11 +8,11 @@ use brdfc_readers::colour::decode_srgb;
 use image::{DynamicImage, ImageBuffer, ImageError, ImageFormat, ImageReader, Limits, Pixel, Primitive};
 use std::io::Cursor;
 
-/// Most pixels along a side.
+/// Maximum width and height, pixels.
 const MAX_SIZE: u32 = 8192;
-/// Largest file.
+/// Maximum size of a file, bytes.
 const MAX_BYTES: u64 = 1 << 30;
-/// Most memory that decoding may take: four channels of 16 bits for the most pixels.
+/// Maximum memory of decoding, bytes: four channels of 16 bits for the largest image.
 const MAX_DECODER_BYTES: u64 = 8 * (MAX_SIZE as u64).pow(2);
 
 /// An image of `N` channels; row 0 is the top.
@@ -26,24 +26,24 @@ pub struct FileImage<const N: usize> {
     pub pixels: Vec<[f32; N]>,
 }
 
-/// Reads a PNG or JPEG of 8 or 16 bits: linear RGB of its sRGB codes.
+/// Reads a PNG or JPEG of 8 or 16 bits as linear RGB, decoded from sRGB.
 ///
 /// # Errors
-/// Files that cannot be read, are no such image, or are larger than 8192 pixels along a side.
+/// Returns an error for files that cannot be read, are of another format, or are larger than 8192 pixels along a side.
 pub fn open_colours(input: impl Into<Input>) -> Result<FileImage<3>, InputError> {
     let linear = |c: f32| decode_srgb(f64::from(c)) as f32;
     open(&input.into(), |[r, g, b, _], _| [r, g, b].map(linear))
 }
 
-/// Reads a PNG or JPEG of 8 or 16 bits: its channels as they stand in the file, 0 to 1; the fourth is 0 where it has none.
+/// Reads a PNG or JPEG of 8 or 16 bits: its stored channels, 0 to 1; the fourth is 0 if the file has none.
 ///
 /// # Errors
-/// As [`open_colours`].
+/// Same as [`open_colours`].
 pub fn open_shares(input: impl Into<Input>) -> Result<FileImage<4>, InputError> {
     open(&input.into(), |[r, g, b, a], has_alpha| [r, g, b, if has_alpha { a } else { 0.0 }])
 }
 
-/// Reads an image; of each pixel what `of` makes of its RGBA, and of whether the file has a fourth channel.
+/// Reads an image. `of` converts the RGBA of each pixel; its flag is true if the file has a fourth channel.
 fn open<const N: usize>(input: &Input, of: impl Fn([f32; 4], bool) -> [f32; N]) -> Result<FileImage<N>, InputError> {
     let decoded = InputFile::of(input, &mut ())?.parse_within(MAX_BYTES, decode)?;
     let of = |pixel| of(pixel, decoded.color().has_alpha());
@@ -62,7 +62,7 @@ fn open<const N: usize>(input: &Input, of: impl Fn([f32; 4], bool) -> [f32; N]) 
     Ok(FileImage { width: decoded.width() as usize, height: decoded.height() as usize, pixels })
 }
 
-/// Straight from what was decoded: a copy of four floats for each pixel is more than all the rest.
+/// Converts directly from the decoded pixels: a copy of four floats per pixel would be larger than all the rest.
 fn convert<P: Pixel<Subpixel: Into<f32>>, const N: usize>(
     image: &ImageBuffer<P, Vec<P::Subpixel>>,
     of: impl Fn([f32; 4]) -> [f32; N],
@@ -80,10 +80,10 @@ fn decode(bytes: &[u8]) -> Result<DynamicImage, FormatError> {
         || ImageReader::new(Cursor::new(bytes)).with_guessed_format().map_err(|error| wrong(error.to_string()));
     let format = reader()?.format();
     if !matches!(format, Some(ImageFormat::Png | ImageFormat::Jpeg)) {
-        return Err(wrong(format.map_or("some other layout".to_owned(), |format| format!("{format:?}"))));
+        return Err(wrong(format.map_or("an unknown format".to_owned(), |format| format!("{format:?}"))));
     }
-    // Before the decoder's own limits, whose errors name no sizes.
-    let (width, height) = reader()?.into_dimensions().map_err(|error| wrong(in_words(error)))?;
+    // Checks the size before the decoder does, whose errors name no sizes.
+    let (width, height) = reader()?.into_dimensions().map_err(|error| wrong(limit_message(error)))?;
     if width > MAX_SIZE || height > MAX_SIZE {
         return Err(wrong(format!("{width} x {height} pixels")));
     }
@@ -92,12 +92,12 @@ fn decode(bytes: &[u8]) -> Result<DynamicImage, FormatError> {
     (limits.max_image_width, limits.max_image_height) = (Some(MAX_SIZE), Some(MAX_SIZE));
     limits.max_alloc = Some(MAX_DECODER_BYTES);
     reader.limits(limits);
-    reader.decode().map_err(|error| wrong(in_words(error)))
+    reader.decode().map_err(|error| wrong(limit_message(error)))
 }
 
-fn in_words(error: ImageError) -> String {
+fn limit_message(error: ImageError) -> String {
     match error {
-        ImageError::Limits(_) => "more pixels than a decoder takes".to_owned(),
+        ImageError::Limits(_) => "too many pixels for the decoder".to_owned(),
         error => error.to_string(),
     }
 }
@@ -130,7 +130,7 @@ mod tests {
         let exr = encoded(image::DynamicImage::from(grey(255).into_rgb32f()), ImageFormat::OpenExr);
         let error = opened("a.png", &exr).unwrap_err();
         assert!(error.contains("found OpenExr, expected a whole PNG or JPEG"), "{error}");
-        assert!(opened("a.png", b"text").unwrap_err().contains("some other layout"));
+        assert!(opened("a.png", b"text").unwrap_err().contains("an unknown format"));
         let wide = encoded(image::GrayImage::new(8193, 1).into(), ImageFormat::Png);
         assert!(opened("a.png", &wide).unwrap_err().contains("found 8193 x 1 pixels"));
     }

@@ -10,16 +10,16 @@ use brdfc_readers::ubo_btf::{Description, ReadError, UboBtf};
 use std::io::{BufReader, Read, Seek, SeekFrom};
 use std::path::{Path, PathBuf};
 
-/// Extension of such files, without the point.
+/// Extension of the files.
 pub const EXTENSION: &str = "btf";
-/// Most bytes of a file; its matrices take no more memory than the file itself.
+/// Maximum size of a file, bytes; its matrices take no more memory than the file.
 pub const MAX_BYTES: u64 = 4 << 30;
 
-/// A file whose matrices are in memory; images are computed when they are asked for.
+/// A file with its matrices in memory; images are computed on demand.
 pub struct UboBtfFile {
     path: PathBuf,
     btf: UboBtf,
-    /// What brings values under each light to radiance relative to a white diffuser that faces it.
+    /// Factor of each light that converts values to radiance relative to a white diffuser that faces the light.
     factors: Vec<f32>,
 }
 
@@ -27,7 +27,8 @@ impl UboBtfFile {
     /// Opens a file.
     ///
     /// # Errors
-    /// What cannot be read; more than [`MAX_BYTES`]; what [`UboBtf::from_reader`] refuses.
+    /// Returns an error for files that cannot be read, have more than [`MAX_BYTES`], or that [`UboBtf::from_reader`]
+    /// rejects.
     pub fn open(path: &Path) -> Result<Self, InputError> {
         let (mut file, length) = open_path(path)?;
         check_length(length, MAX_BYTES).map_err(|error| InputError::format(path, error))?;
@@ -37,7 +38,7 @@ impl UboBtfFile {
                 let mut start = Vec::new();
                 let again = file.seek(SeekFrom::Start(0));
                 let read = again.and_then(|_| file.take(START_BYTES as u64).read_to_end(&mut start));
-                // The layout's error says more than that the start cannot be read again.
+                // The error of the layout is more helpful than that of reading the start again.
                 read.map_or_else(
                     |_| InputError::format(path, error.clone()),
                     |_| wrong_contents(path, &start, length, error.clone()),
@@ -60,17 +61,17 @@ impl UboBtfFile {
         &self.btf.description().lights
     }
 
-    /// Texels per row, and rows.
+    /// Width and height, texels.
     pub fn size(&self) -> [usize; 2] {
         self.btf.description().size
     }
 
-    /// What the file says of itself.
+    /// Description in the file.
     pub fn description(&self) -> &Description {
         self.btf.description()
     }
 
-    /// The BTF as it stands in the file: values without the cosine of the light, unless it says that they have it.
+    /// The BTF as stored: values without the cosine of the light, unless the file declares that they include it.
     pub fn btf(&self) -> &UboBtf {
         &self.btf
     }
@@ -78,10 +79,10 @@ impl UboBtfFile {
     /// Computes one image: radiance divided by that of a white diffuser that faces the light, row 0 at the top.
     ///
     /// # Errors
-    /// Indices that [`Self::views`] and [`Self::lights`] have not.
+    /// Returns an error for indices out of range of [`Self::views`] and [`Self::lights`].
     pub fn image(&self, view: usize, light: usize) -> Result<Image, InputError> {
         let mut pixels = self.btf.image(view, light).map_err(|error| InputError::format(&self.path, error))?;
-        // The light is one of the file's, or there is no image.
+        // The light is in range, because the image exists.
         let factor = self.factors[light];
         pixels.iter_mut().flatten().for_each(|value| *value *= factor);
         let [width, height] = self.size();
@@ -89,7 +90,7 @@ impl UboBtfFile {
     }
 }
 
-/// Whether a path has the extension of such files.
+/// Returns true if a path has the extension of these files.
 pub fn is_ubo_btf(path: &Path) -> bool {
     path.extension().is_some_and(|extension| extension.eq_ignore_ascii_case(EXTENSION))
 }

@@ -1,4 +1,4 @@
-//! Sets of directions and maps of views, as flags name them.
+//! Direction sets and indirection maps, as flags specify them.
 
 use crate::Error;
 use brdfc_core::words::format_number;
@@ -11,22 +11,22 @@ use brdfc_source::read::MAX_TEXT_BYTES;
 use std::fmt::Display;
 use std::path::Path;
 
-/// Views of the indirection map by default: azimuths as close as those of `ubo2003` at its largest polar angle, where
-/// views that are blended lose most.
+/// Default views of the indirection map. Their azimuths are as close as those of `ubo2003` at its largest polar angle, where
+/// blending views loses most.
 pub const INDIRECTION: &str = "16x24";
 
-/// The set where none is named.
+/// Default direction set.
 pub fn default_set() -> Input {
     "ubo2003".into()
 }
 
-/// Two numbers with an `x` between them.
+/// Parses two numbers separated by an `x`.
 fn pair(text: &str) -> Option<[u32; 2]> {
     let (a, b) = text.split_once('x')?;
     Some([a.parse().ok()?, b.parse().ok()?])
 }
 
-/// A set of directions by its name, or from a file.
+/// Resolves a direction set by name, or reads it from a file.
 pub fn direction_set(option: &str, input: &Input) -> Result<DirectionSet, Error> {
     let text = input.path().and_then(Path::to_str).unwrap_or_default();
     let named = |set: DirectionSet, name: &str| DirectionSet { name: name.to_owned(), ..set };
@@ -43,7 +43,7 @@ pub fn direction_set(option: &str, input: &Input) -> Result<DirectionSet, Error>
             return Err(wrong(&text, allowed));
         };
         if zeniths == 1 {
-            let allowed = "2 polar angles or more: the first is the zenith, to which azimuths and DEGREES say nothing";
+            let allowed = "2 polar angles or more, because the first is the zenith";
             return Err(wrong(&text, allowed));
         }
         return DirectionSet::grid(zeniths as usize, azimuths as usize, angle)
@@ -60,7 +60,7 @@ pub fn direction_set(option: &str, input: &Input) -> Result<DirectionSet, Error>
         .map_err(|error| Error::input(format!("{input}: {error}")))
 }
 
-/// The indirection map that `--texels`, `--indirection` and `--largest-angle`, in degrees, ask for, of any size.
+/// Makes the header of the indirection map for `--texels`, `--indirection` and `--largest-angle` (in degrees).
 pub fn map_header(texels: u32, indirection: &str, largest_angle: f64) -> Result<IndirectionHeader, Error> {
     if !(largest_angle > 0.0 && largest_angle <= 89.0) {
         return Err(Error::wrong_usage("--largest-angle", format_number(largest_angle), "above 0, up to 89 degrees"));
@@ -76,7 +76,7 @@ pub fn map_header(texels: u32, indirection: &str, largest_angle: f64) -> Result<
     Ok(header)
 }
 
-/// What is wrong with a recipe, by the flags that ask for it.
+/// Describes an error of a recipe by the flags that set it.
 pub fn in_flags(error: &FormatError) -> String {
     let FormatError { field, found, allowed, .. } = error;
     match field.as_ref() {

@@ -1,7 +1,7 @@
-//! What graphics drivers look for in the environment.
+//! Environment variables of graphics drivers.
 
-/// Runs the program once more where `XDG_RUNTIME_DIR` is not set: a layer of Mesa's Vulkan driver would complain about
-/// that on stderr, though no display is needed. The variable cannot be set in a process whose threads may read it.
+/// Restarts the program if `XDG_RUNTIME_DIR` is not set: a layer of Mesa's Vulkan driver would report that on stderr, although
+/// no display is needed. The variable cannot be set in a process whose threads may read it.
 #[cfg(target_os = "linux")]
 pub fn prepare() {
     use std::os::unix::process::CommandExt;
@@ -10,11 +10,11 @@ pub fn prepare() {
         return;
     }
     let Ok(program) = std::env::current_exe() else { return };
-    // Only returns if it fails; then the complaint stays.
+    // Returns only if it fails; then the driver's message stays.
     let _ =
         std::process::Command::new(program).args(std::env::args_os().skip(1)).env(NAME, std::env::temp_dir()).exec();
 }
 
-/// Nothing to do elsewhere.
+/// No-op on other systems.
 #[cfg(not(target_os = "linux"))]
 pub fn prepare() {}

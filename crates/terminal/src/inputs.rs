@@ -1,9 +1,9 @@
-//! What is true of all inputs.
+//! Checks that apply to all inputs.
 
 use super::Error;
 use brdfc_source::Input;
 
-/// Standard input has one reader. `inputs` are the names of arguments with what they are.
+/// Rejects a second use of standard input. `inputs` are the names of arguments with their values.
 pub fn refuse_stdin_twice(inputs: &[(&str, Option<&Input>)]) -> Result<(), Error> {
     let names: Vec<&str> =
         inputs.iter().filter(|(_, input)| input.is_some_and(Input::is_stdin)).map(|(name, _)| *name).collect();

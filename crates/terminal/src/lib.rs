@@ -1,5 +1,4 @@
-//! What programs on the command line share: flags that all have, results to stdout, remarks to stderr, tables, errors with exit
-//! codes.
+//! Shared parts of command-line programs: common flags, results on stdout, remarks on stderr, tables, errors with exit codes.
 
 mod common;
 pub mod directions;

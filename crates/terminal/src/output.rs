@@ -1,4 +1,4 @@
-//! Results to stdout, remarks to stderr.
+//! Results on stdout, remarks on stderr.
 
 use super::{Common, Error};
 use brdfc_core::{Source, Tally};
@@ -16,13 +16,13 @@ use std::ffi::OsStr;
 use std::io::Write;
 use std::path::{Path, PathBuf};
 
-/// Prints text to stdout. A pipe that is closed early is no error, and no reason to leave out what comes behind: a check that
-/// failed has failed, whoever reads of it.
+/// Prints text to stdout. A pipe that is closed early is not an error and does not end the program, because a later check
+/// may still fail.
 pub fn print(text: &str) -> Result<(), Error> {
     print_if_read(text).map(drop)
 }
 
-/// Prints text to stdout, and says whether somebody still reads.
+/// Prints text to stdout. Returns false if the reader has closed the pipe.
 pub fn print_if_read(text: &str) -> Result<bool, Error> {
     let mut stdout = std::io::stdout().lock();
     match stdout.write_all(text.as_bytes()).and_then(|()| stdout.flush()) {
@@ -37,30 +37,30 @@ pub fn print_json(value: &impl Serialize) -> Result<(), Error> {
     print(&to_json(value))
 }
 
-/// JSON with a final newline.
+/// Formats JSON with a final newline.
 pub fn to_json(value: &impl Serialize) -> String {
     serde_json::to_string_pretty(value).expect("results are plain data") + "\n"
 }
 
-/// What is printed of a report: JSON where that was asked for, or else this text.
+/// Returns the report as JSON if requested, otherwise this text.
 pub fn json_or(common: Common, report: &impl Serialize, text: String) -> String {
     if common.json { to_json(report) } else { text }
 }
 
-/// Parses the one file that a command writes: `-` is standard output.
+/// Parses the single output file of a command; `-` is standard output.
 pub fn output_parser() -> impl TypedValueParser<Value = PathBuf> {
     PathBufValueParser::new().map(|path| if path == Path::new("-") { PathBuf::from(STANDARD_OUTPUT) } else { path })
 }
 
-/// What `-` is.
+/// Returns true if the path is `-`.
 const STANDARD_OUTPUT: &str = "/dev/stdout";
 
-/// Whether a path is a device, a pipe or standard output, whose name says nothing. A folder is refused by what writes.
+/// Returns true if a path is a device, a pipe or standard output, which have no extension. Folders fail when they are written.
 pub fn is_stream(path: &Path) -> bool {
     is_standard_output(path) || path.metadata().is_ok_and(|m| !m.is_file())
 }
 
-/// An output that is an input, could not be written, or would be taken for another kind by its name, is refused before it is made.
+/// Rejects an output that is also an input, cannot be written, or has the extension of another kind, before it is made.
 pub fn refuse_unfit_output(path: &Path, allowed: &[&str], inputs: &[&Path]) -> Result<(), Error> {
     refuse_overwriting("--output", path, inputs)?;
     if is_stream(path) {
@@ -83,15 +83,16 @@ pub fn refuse_other_extension(option: &str, path: &Path, allowed: &[&str]) -> Re
     Err(Error::usage(format!("{option}: found {found}, expected a name that ends in .{allowed}")))
 }
 
-/// Refuses the first of some flags that is given where it says nothing: of each whether it is given, and what it goes with.
+/// Rejects the first given flag that does not apply to `found`. Each flag has: whether it is given, its name, and what it
+/// applies to.
 pub fn refuse_flags(found: impl std::fmt::Display, flags: &[(bool, &str, &str)]) -> Result<(), Error> {
     match flags.iter().find(|(given, ..)| *given) {
-        Some((_, flag, allowed)) => Err(Error::wrong_usage(flag, format!("with {found}"), allowed)),
+        Some((_, flag, allowed)) => Err(Error::usage(format!("{flag} does not apply to {found}, only to {allowed}"))),
         None => Ok(()),
     }
 }
 
-/// Nothing can be written into a folder that is not there.
+/// Returns an error if the folder of a file does not exist.
 pub fn refuse_missing_folder(path: &Path) -> Result<(), Error> {
     let folder = folder_of(path);
     if folder.exists() {
@@ -100,7 +101,7 @@ pub fn refuse_missing_folder(path: &Path) -> Result<(), Error> {
     Err(Error::write(path, &std::io::Error::other(format!("there is no folder {}", folder.display()))))
 }
 
-/// Outputs that are one file: the later would be written over the earlier.
+/// Rejects outputs that are the same file, because the later one would overwrite the earlier one.
 pub fn refuse_same_outputs(outputs: &[(&str, Option<&Path>)]) -> Result<(), Error> {
     let given: Vec<(&str, &Path)> = outputs.iter().filter_map(|(option, path)| Some((*option, (*path)?))).collect();
     for (at, (option, path)) in given.iter().enumerate() {
@@ -114,61 +115,61 @@ pub fn refuse_same_outputs(outputs: &[(&str, Option<&Path>)]) -> Result<(), Erro
     Ok(())
 }
 
-/// A file beside a build is none of the build's own.
+/// Rejects a file with the path of one of the build's own files.
 pub fn refuse_own(option: &str, file: &Path, out: &Path) -> Result<(), Error> {
     if is_own(&place(file), &place(out)) {
         let found = file.display();
         return Err(Error::usage(format!(
-            "{option}: found {found}, a place of the build's own files, expected another name or folder"
+            "{option}: found {found}, which is reserved for the build, expected another name or folder"
         )));
     }
     Ok(())
 }
 
-/// Where a path leads, be there anything or not.
+/// Canonical path, whether or not the file exists.
 fn place(path: &Path) -> PathBuf {
     let parent = || Some(folder_of(path).canonicalize().ok()?.join(path.file_name()?));
     let there = path.canonicalize().ok().or_else(parent);
     there.or_else(|| std::path::absolute(path).ok()).unwrap_or_else(|| path.to_owned())
 }
 
-/// A line on stderr. A closed or full stderr is nobody to tell, and no reason to stop.
+/// Prints a line on stderr. Errors are ignored: a closed or full stderr does not end the program.
 pub fn tell(text: &str) {
     let _ = writeln!(std::io::stderr(), "{}", printable(text));
 }
 
-/// Text whose control characters, line ends apart, are escaped: what stands in a file must not steer a terminal.
+/// Escapes control characters other than line ends, so that the contents of a file cannot control a terminal.
 pub fn printable(text: &str) -> String {
     let escape = |c: char| if c.is_control() && c != '\n' { c.escape_default().to_string() } else { c.to_string() };
     text.chars().map(escape).collect()
 }
 
-/// A remark on stderr, unless quiet.
+/// Prints a remark on stderr, unless quiet.
 pub fn remark(common: Common, text: &str) {
     if !common.quiet {
         tell(text);
     }
 }
 
-/// A remark about an input: what had to be repaired, or what its figures do not show.
+/// Prints a remark about an input: a repair, or a limitation of its figures.
 pub fn note(common: Common, about: &impl std::fmt::Display, line: &str) {
     remark(common, &format!("note: {about}: {line}"));
 }
 
-/// Says what a source is for, if it does not hold all directions.
+/// Prints the directions of a source that does not cover all directions.
 pub fn note_directions(common: Common, input: &impl std::fmt::Display, source: &dyn Source) {
     let directions = source.directions();
     if !directions.is_all() {
-        note(common, input, &format!("the pack is for {directions}; elsewhere it has the nearest that it holds"));
+        note(common, input, &format!("the pack covers {directions}; other directions use the nearest covered one"));
     }
 }
 
-/// Reports repairs of an input's values.
+/// Prints repairs of an input's values.
 pub fn note_repairs(common: Common, input: &impl std::fmt::Display, repairs: &Tally) {
     repairs_in_words(repairs).iter().for_each(|line| note(common, input, line));
 }
 
-/// Prints a report. Behind a file that goes to standard output it would be taken for a part of it, so it is a remark then.
+/// Prints a report: to stdout, or as a remark if the output file goes to stdout.
 pub fn print_report(common: Common, output: &Path, text: &str) -> Result<(), Error> {
     if is_standard_output(output) {
         remark(common, text.trim_end());
@@ -177,7 +178,7 @@ pub fn print_report(common: Common, output: &Path, text: &str) -> Result<(), Err
     print(text)
 }
 
-/// Wrong settings of the library under the name of the flag that they came from.
+/// Prefixes a usage error of the library with `--`, because settings have the names of flags.
 pub fn as_flag(error: Error) -> Error {
     if error.kind() != ErrorKind::Usage {
         return error;

@@ -1,4 +1,4 @@
-//! From arguments to an exit code.
+//! Program entry: from arguments to an exit code.
 
 use super::{Common, Error, ErrorKind, Flags, output, usage};
 use clap::FromArgMatches;
@@ -6,17 +6,17 @@ use std::io::Write as _;
 use std::panic::AssertUnwindSafe;
 use std::process::ExitCode;
 
-/// What is told where the user stopped the work.
-pub const INTERRUPTED: &str = "interrupted; the output folder is as it was";
+/// Message after an interrupt.
+pub const INTERRUPTED: &str = "interrupted; the output folder is unchanged";
 
-/// The error of a program without the renderer.
+/// Returns the error of a program that was built without the renderer.
 pub fn without_renderer() -> Error {
     Error::no_adapter("no usable graphics adapter: this program was built without its feature 'render'")
 }
 
-/// Runs a program: parses its arguments, starts threads, does the work, prints errors, returns the exit code.
+/// Runs a program: parses its arguments, starts threads, does the work, prints errors and returns the exit code.
 ///
-/// `name` is what errors begin with, and `flags` are where the arguments have those that all programs share.
+/// Errors begin with `name`; `flags` returns the common flags from the arguments.
 pub fn run_program<A: FromArgMatches>(
     name: &str,
     command: clap::Command,
@@ -33,7 +33,7 @@ pub fn run_program<A: FromArgMatches>(
             }
             return match error.print().and_then(|()| std::io::stdout().flush()) {
                 _ if error.use_stderr() => ExitCode::from(2),
-                // A closed pipe is no reason to complain about help that nobody reads.
+                // A closed pipe is not an error: nothing reads the help.
                 Err(error) if error.kind() != std::io::ErrorKind::BrokenPipe => {
                     let error = Error::write("stdout", &error);
                     output::tell(&format!("{name}: {error}"));
@@ -65,7 +65,7 @@ pub fn run_program<A: FromArgMatches>(
     }
 }
 
-/// Hundreds of threads that wait for each other would do nothing else.
+/// Limits the number of threads, because hundreds of threads would only wait for each other.
 fn start_threads(asked: usize) -> Result<(), Error> {
     const PER_CORE: usize = 4;
     let threads = asked.min(PER_CORE * std::thread::available_parallelism().map_or(1, usize::from));

@@ -1,4 +1,4 @@
-//! Tables for people.
+//! Text tables.
 
 pub use brdfc_core::words::{bytes, percent};
 
@@ -9,17 +9,17 @@ use brdfc_metrics::compare::Comparison;
 use brdfc_metrics::norms::Norms;
 use unicode_width::UnicodeWidthStr as _;
 
-/// Rows with a header, numbers to the right, no frame: copies well into a terminal, a mail or a diff.
+/// Formats rows with a header, aligned to the right, without a frame.
 pub fn plain(header: &[&str], rows: impl IntoIterator<Item: AsRef<[String]>>) -> String {
     aligned(header, rows, |column| column > 0)
 }
 
-/// A table of words, aligned to the left.
+/// Formats rows with a header, aligned to the left.
 pub fn words(header: &[&str], rows: impl IntoIterator<Item: AsRef<[String]>>) -> String {
     aligned(header, rows, |_| false)
 }
 
-/// Columns as wide as their widest cell, two spaces apart.
+/// Makes columns as wide as their widest cell, two spaces apart.
 fn aligned(header: &[&str], rows: impl IntoIterator<Item: AsRef<[String]>>, right: impl Fn(usize) -> bool) -> String {
     let header: Vec<String> = header.iter().map(|name| (*name).to_owned()).collect();
     let rows: Vec<_> = rows.into_iter().collect();
@@ -37,7 +37,7 @@ fn aligned(header: &[&str], rows: impl IntoIterator<Item: AsRef<[String]>>, righ
     all().map(line).collect()
 }
 
-/// A row of the build table, without the material's name.
+/// Formats a row of the build table, without the material's name.
 pub fn material_row(report: &MaterialReport, seconds: Option<f64>) -> Vec<String> {
     let rendering = &report.off_grid.rendering.delta_e;
     vec![
@@ -75,7 +75,7 @@ pub const MATERIAL_HEADER: [&str; 14] = [
     "time",
 ];
 
-/// What was tried for a pack, a line each; `seconds` are those of the trials.
+/// Formats the candidates of a pack, one per line; `seconds` are the durations of the trials.
 pub fn trials(tried: &[Trial], seconds: &[f64]) -> String {
     let row = |(k, trial): (usize, &Trial)| {
         [
@@ -96,14 +96,14 @@ pub fn trials(tried: &[Trial], seconds: &[f64]) -> String {
     plain(&header, tried.iter().enumerate().map(row))
 }
 
-/// All norms of a comparison within a range of directions, a line each.
+/// Formats all norms of a comparison within a range of directions, one per line.
 pub fn comparison(comparison: &Comparison, directions: DirectionRange) -> String {
-    // Of a ball little may be within: pixels are spread over the range instead.
+    // Few pixels of a ball may be within the range, so pixels are distributed over the range instead.
     let of = if directions.is_all() { "of a ball" } else { "within the directions" };
     let Comparison { norms, rendering, .. } = comparison;
     let rows = [
         ("samples", norms.samples.to_string()),
-        ("below 0.1 % of the mean, left out of ratios", norms.below_floor.to_string()),
+        ("below 0.1 % of the mean, excluded from ratios", norms.below_floor.to_string()),
         ("ε, RMS difference (1/sr)", format!("{:.4e}", norms.rms)),
         ("ε_r, mean relative difference", relative(norms)),
         ("standard error of ε_r", percent(norms.relative_standard_error)),
@@ -116,7 +116,7 @@ pub fn comparison(comparison: &Comparison, directions: DirectionRange) -> String
         (&format!("ΔE {of}, 95th percentile"), format!("{:.3}", rendering.delta_e.p95)),
         (&format!("ΔE {of}, maximum"), format!("{:.3}", rendering.delta_e.max)),
         (&format!("ΔE2000 {of}, mean"), format!("{:.3}", rendering.delta_e_2000.mean)),
-        ("highlight, kept where least is", highlight_in_words(comparison)),
+        ("highlight, smallest retained fraction", highlight_text(comparison)),
         ("largest albedo difference", format!("{:.3e}", comparison.albedo_max_difference)),
         ("reciprocity error of B", percent(comparison.reciprocity)),
     ];
@@ -124,30 +124,30 @@ pub fn comparison(comparison: &Comparison, directions: DirectionRange) -> String
     if directions.is_all() { table } else { format!("directions: {directions}\n{table}") }
 }
 
-/// A share of which whole percents matter, never rounded up to a limit.
+/// Formats a fraction as a percentage with one decimal, rounded down so that it never reaches a limit.
 fn share(share: f64) -> String {
     format!("{:.1} %", (1000.0 * share).floor() / 10.0)
 }
 
-fn highlight_in_words(comparison: &Comparison) -> String {
+fn highlight_text(comparison: &Comparison) -> String {
     comparison.highlight.map_or("none".to_owned(), |highlight| highlight.in_words())
 }
 
-/// `ε_r`, or a dash where no sample was above the floor.
+/// Formats `ε_r`, or a dash if no sample is above the floor.
 fn relative(norms: &Norms) -> String {
     if norms.counted() == 0 { "-".to_owned() } else { percent(norms.relative_mean) }
 }
 
-/// A number with two decimals, or as many as it takes to see on which side of a limit it is.
+/// Formats a number with two decimals, or with as many as are needed to see on which side of a limit it is.
 pub fn apart(found: f64, limit: f64) -> String {
     let text = |decimals: usize| format!("{found:.decimals$}");
     let tells = |text: &String| {
-        text.parse::<f64>().is_ok_and(|told| (told > limit, told < limit) == (found > limit, found < limit))
+        text.parse::<f64>().is_ok_and(|parsed| (parsed > limit, parsed < limit) == (found > limit, found < limit))
     };
     (2..=12).map(text).find(tells).unwrap_or_else(|| found.to_string())
 }
 
-/// Three or four significant digits.
+/// Formats a value with three or four significant digits.
 pub fn significant(value: f64) -> String {
     match value.abs() {
         0.0 => "0".to_owned(),
@@ -160,7 +160,7 @@ pub fn significant(value: f64) -> String {
 #[cfg(feature = "render")]
 pub const IMAGE_HEADER: [&str; 6] = ["mean", "σ", "95 %", "max", "mean ΔE2000", "PSNR"];
 
-/// A comparison of images.
+/// Formats a comparison of images.
 #[cfg(feature = "render")]
 pub fn image_row(difference: &brdfc_metrics::image::ImageDifference) -> Vec<String> {
     let d = &difference.delta_e;

@@ -1,4 +1,4 @@
-//! Values of flags: what looks like a flag and is a value, and wrong ones in the words of all other errors.
+//! Values of flags: negative numbers, and errors in the form of all other errors.
 
 use brdfc_metrics::fraction::Fraction;
 use clap::error::{ContextKind, ContextValue, ErrorKind};
@@ -6,8 +6,8 @@ use std::any::TypeId;
 use std::error::Error;
 use std::num::{ParseFloatError, ParseIntError};
 
-/// A flag that takes what begins with `-` for a value where it wants a number: a check says what is allowed, be it -1, -.5,
-/// -5% or the next flag.
+/// Lets a numeric flag accept a value that begins with `-`, such as -1, -.5, -5% or the next flag, so that a check reports what
+/// is expected.
 pub fn with_negatives(argument: clap::Arg) -> clap::Arg {
     let numbers = [
         TypeId::of::<f64>(),
@@ -17,12 +17,12 @@ pub fn with_negatives(argument: clap::Arg) -> clap::Arg {
         TypeId::of::<u32>(),
         TypeId::of::<Fraction>(),
     ];
-    let wanted = argument.get_value_parser().type_id();
-    let number = argument.get_action().takes_values() && numbers.iter().any(|number| wanted == *number);
+    let value_type = argument.get_value_parser().type_id();
+    let number = argument.get_action().takes_values() && numbers.iter().any(|number| value_type == *number);
     if number { argument.allow_hyphen_values(true) } else { argument }
 }
 
-/// What is wrong with a value that could not be parsed, where the parser says what is allowed.
+/// Describes a value that could not be parsed, if the parser states what it expects.
 pub fn wrong_value(error: &clap::Error) -> Option<String> {
     match error.kind() {
         ErrorKind::ValueValidation => {}

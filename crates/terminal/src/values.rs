@@ -1,11 +1,11 @@
-//! Parsers of the values of flags.
+//! Parsers for the values of flags.
 
 pub use brdfc_core::byte_count::bytes_from_text;
 pub use brdfc_core::whole_number::{any_whole_number, whole_number};
 
 use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser};
 
-/// Parses one of these values by its name; behind it is what help says of it, if anything.
+/// Parses one of several values by its name; each has a help text, which may be empty.
 pub fn one_of<T: Copy + Send + Sync + 'static>(
     all: &'static [(&'static str, T, &'static str)],
 ) -> impl TypedValueParser<Value = T> {

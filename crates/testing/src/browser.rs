@@ -19,17 +19,17 @@ const OPTIONS: [&str; 12] = [
     "--no-first-run",
     "--enable-unsafe-webgpu",
     "--use-webgpu-adapter=swiftshader",
-    // Without it, canvases of WebGPU are not presented, and take the graphics process with them.
+    // Without it, canvases of WebGPU are not presented, and the graphics process crashes.
     "--use-vulkan=swiftshader",
     "--enable-features=Vulkan",
     "--use-angle=swiftshader",
     "--enable-unsafe-swiftshader",
 ];
-/// For a page to say what it found.
+/// Time limit for a page to post its result.
 const PATIENCE: Duration = Duration::from_secs(120);
 
-/// Posts the canvas after some frames, or what went wrong. The first may stand before a page has loaded all, or before what was lost
-/// is uploaded again; the third does not.
+/// Posts the canvas after some frames, or an error. The first frame may come before a page has loaded everything, or
+/// before it has uploaded lost resources again; the third does not.
 const LOOK: &str = "
 const FRAMES = 3;
 const say = (body) => parent.postMessage(body, '*');
@@ -44,7 +44,8 @@ if (globalThis.GPUAdapter) {
         return device;
     };
 }
-// Pages draw once they have loaded everything, and a canvas keeps what was drawn until the end of the frame's callbacks.
+// Pages draw once they have loaded everything, and a canvas retains its contents until the end of the frame's
+// callbacks.
 const frame = requestAnimationFrame.bind(window);
 let frames = 0;
 window.requestAnimationFrame = (draw) => frame((time) => {
@@ -58,19 +59,20 @@ window.requestAnimationFrame = (draw) => frame((time) => {
 });
 ";
 
-/// A file that a page may ask for: its path behind `/`, its media type, its bytes.
+/// A file of a page: its path after `/`, its media type, its bytes.
 pub type File<'a> = (&'a str, &'a str, &'a [u8]);
 
-/// How often a page is opened again that says nothing, or whose browser lost its graphics process: on a busy machine it may.
+/// Maximum number of attempts to open a page. On a busy machine it may post nothing, or its browser may lose the
+/// graphics process.
 const ATTEMPTS: usize = 3;
-/// What a page says whose browser lost it.
+/// Result of a page whose browser lost the graphics process.
 const LOST: &[u8] = b"error: OperationError: A valid external Instance reference no longer exists";
 
-/// Opens `/` of these files and waits for what the page sends to `/result` by POST. `None` where there is no browser, which is
-/// said.
+/// Opens `/` of these files and waits for the page to POST to `/result`. Returns `None` and prints a message if there
+/// is no browser.
 ///
 /// # Panics
-/// Where the page says nothing for two minutes, three times.
+/// If the page posts nothing for two minutes, three times.
 pub fn result_of_page(files: &[File<'_>]) -> Option<Vec<u8>> {
     let listener = TcpListener::bind("127.0.0.1:0").expect("a port of this machine");
     listener.set_nonblocking(true).expect("a socket that does not block");
@@ -83,13 +85,13 @@ pub fn result_of_page(files: &[File<'_>]) -> Option<Vec<u8>> {
         let _ = browser.wait();
         match posted {
             Some(posted) if !posted.starts_with(LOST) => return Some(posted),
-            _ => println!("a page is opened again"),
+            _ => println!("opening a page again"),
         }
     }
     panic!("the page said nothing for {} s, {ATTEMPTS} times", PATIENCE.as_secs());
 }
 
-/// Starts the browser; nothing where there is none.
+/// Starts the browser; returns `None` if there is none.
 fn browser(address: &str, profile: &Path) -> Option<Child> {
     let program = std::env::var("BRDFC_CHROMIUM");
     let programs = program.iter().map(String::as_str).chain(PROGRAMS);
@@ -100,18 +102,18 @@ fn browser(address: &str, profile: &Path) -> Option<Child> {
     });
     let started = started.next();
     if started.is_none() {
-        println!("skipped: no page is opened: there is no {}", PROGRAMS.join(", no "));
+        println!("skipped: pages need a browser; found no {}", PROGRAMS.join(", no "));
     }
     started
 }
 
-/// Answers requests until something is posted, or patience is at its end.
+/// Answers requests until a result is posted or the time limit is over.
 fn posted(listener: &TcpListener, files: &[File<'_>]) -> Option<Vec<u8>> {
     let end = Instant::now() + PATIENCE;
     let (sender, receiver) = mpsc::channel();
     std::thread::scope(|scope| {
         while Instant::now() < end {
-            // Browsers open connections ahead of their requests: none may hold up another.
+            // Browsers open connections ahead of their requests, which must not block others.
             if let Ok((stream, _)) = listener.accept() {
                 let sender = sender.clone();
                 scope.spawn(move || {
@@ -128,7 +130,7 @@ fn posted(listener: &TcpListener, files: &[File<'_>]) -> Option<Vec<u8>> {
     })
 }
 
-/// A page of `brdfc view` as a browser shows it: a rendering of this size, by one interface (`webgl2`, `webgpu`), and a script behind
+/// A page of `brdfc view` in a browser: a rendering of this size, by one API (`webgl2`, `webgpu`), and a script after
 /// its own.
 pub fn with_script(page: &str, [width, height]: [usize; 2], api: &str, script: &str) -> String {
     let size = format!("<style>#stage {{ width: {width}px; height: {height}px }}</style>");
@@ -137,7 +139,7 @@ pub fn with_script(page: &str, [width, height]: [usize; 2], api: &str, script: &
     page.replacen("</body>", &format!("<script type=\"module\">{script}</script></body>"), 1)
 }
 
-/// Opens pages of a list one after the other, which costs less than a browser for each: `ADDRESSES`, `WIDTH`, `HEIGHT`.
+/// Opens pages of a list one after another, which costs less than a browser for each: `ADDRESSES`, `WIDTH`, `HEIGHT`.
 const IN_TURN: &str = "<!doctype html><body><script type='module'>
 const renderings = [];
 for (const src of ADDRESSES) {
@@ -157,11 +159,11 @@ for (const src of ADDRESSES) {
 await fetch('/result', { method: 'POST', body: new Blob(renderings) });
 </script>";
 
-/// Renderings of the only canvas of each of these pages of files, some frames after it was opened, as the bytes of a PNG. `None`
-/// where there is no browser, which is said.
+/// Renderings of the only canvas of each of these pages, some frames after it was opened, as PNG. Returns `None` and
+/// prints a message if there is no browser.
 ///
 /// # Panics
-/// Where a page says nothing, or that something failed.
+/// If a page posts nothing, or an error.
 pub fn renderings_of_pages(
     addresses: &[String],
     [width, height]: [u32; 2],
@@ -170,7 +172,7 @@ pub fn renderings_of_pages(
     let page = IN_TURN.replace("ADDRESSES", &format!("{addresses:?}"));
     let page = page.replace("WIDTH", &width.to_string()).replace("HEIGHT", &height.to_string());
     let is_asked = |name: &str| addresses.iter().any(|address| address.split('?').next() == Some(name));
-    // Within the pages themselves, before their own scripts.
+    // In the pages themselves, before their own scripts.
     let looked_at = |name: &str, bytes: &[u8]| {
         let text = String::from_utf8_lossy(bytes);
         if is_asked(name) {
@@ -196,7 +198,7 @@ pub fn renderings_of_pages(
     Some(renderings)
 }
 
-/// Answers one request; what was posted, if that was it.
+/// Answers one request. Returns the posted bytes if it is the result.
 fn answer(mut stream: TcpStream, files: &[File<'_>]) -> std::io::Result<Option<Vec<u8>>> {
     stream.set_nonblocking(false)?;
     stream.set_read_timeout(Some(Duration::from_secs(3)))?;

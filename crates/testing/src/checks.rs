@@ -1,4 +1,5 @@
-//! Worst violations of the laws of reflectance, for any source. Every check is itself tested on a source that breaks it.
+//! Worst violations of the laws of reflectance, for any source. Every check is itself tested on a source that violates
+//! it.
 
 use brdfc_core::{Source, Tally};
 use brdfc_formats::direction::{DirectionPair, Vector, from_polar};

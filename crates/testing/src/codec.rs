@@ -1,4 +1,4 @@
-//! What tests ask of every codec.
+//! Interface between tests and each codec.
 
 use crate::engines::Case;
 use crate::golden::Hashes;
@@ -9,19 +9,19 @@ use std::ops::Range;
 /// Packs by name.
 pub type Files = Vec<(String, Vec<u8>)>;
 
-/// An entry of a pack that holds what was measured of it, and which of its bytes do: all of them where there is no range.
+/// An entry of a pack with measured values, and the range of bytes that has them; `None` for the whole entry.
 pub type Measured = (&'static str, Option<Range<usize>>);
 
-/// What tests know of a codec besides its descriptor.
+/// Test data of a codec, in addition to its descriptor.
 pub trait TestedCodec {
-    /// A pack of few bytes: tests change each bit of it.
+    /// A small pack: tests change each bit of it.
     fn small_pack(&self, supercompress: bool) -> Vec<u8>;
 
-    /// Packs with queries and what the CPU decoder answers.
+    /// Packs with queries and the answers of the CPU decoder.
     fn cases(&self) -> Vec<Case>;
 
-    /// Packs with queries and how far the sampler's filter may be from what the CPU decoder answers; none where a shader has no
-    /// sampler, or asks it for single texels.
+    /// Packs with queries and the error bounds of the sampler's filter against the CPU decoder. Empty if a shader has
+    /// no sampler, or reads only single texels with it.
     fn sampler_cases(&self) -> Vec<SamplerCase> {
         Vec::new()
     }
@@ -31,13 +31,14 @@ pub trait TestedCodec {
         Vec::new()
     }
 
-    /// What the decoder makes of a pack: hashes of the columns of the codec's lists but `contents` and `file`.
+    /// Hashes of the values that the decoder reads from a pack, for the columns of the codec's lists except `contents`
+    /// and `file`.
     ///
     /// # Panics
-    /// Where the pack is of another codec.
+    /// If the pack is of another codec.
     fn hashes(&self, pack: Pack) -> Hashes;
 
-    /// What its packs hold that does not follow from what the encoder stores.
+    /// Entries of its packs that do not follow from the encoder's stored data.
     fn measured(&self) -> &'static [Measured] {
         &[]
     }

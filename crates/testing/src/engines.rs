@@ -1,4 +1,4 @@
-//! Packs of every kind with queries, what is bound for them, and what the CPU decoders say: for tests of shaders that engines
+//! Packs of every kind with queries, bindings and the answers of the CPU decoders, for tests of shaders that engines
 //! compile.
 
 use crate::packs::pairs;
@@ -9,36 +9,36 @@ use brdfc_formats::{Answer, PackKind};
 use brdfc_shaders::Language;
 use std::collections::{BTreeMap, BTreeSet};
 
-/// Queries of a case: 64 x 64.
+/// Queries per case: 64 x 64.
 pub const SIDE: usize = 64;
 
-/// How far a decoder may be from its twin: of the value and what is added to it, of BRDFs με.
+/// Maximum difference between a decoder and its twin, relative to the value plus an offset, which for BRDFs is με.
 const BOUND: f64 = 1e-4;
 
 /// Three groups of four numbers.
 pub type Query = [[f32; 4]; 3];
 
-/// A pack, and what is asked of it.
+/// A pack with queries.
 pub struct Case {
     pub name: String,
     pub decoder: PackKind,
-    /// What is bound.
+    /// Resources of the decoder.
     pub bindings: Vec<Binding<'static>>,
-    /// What changes with the frame.
+    /// Frame-dependent parameters.
     pub frame: FrameBlock,
-    /// The same as files: one, or several maps.
+    /// The same resources as files: one, or several maps.
     pub files: Vec<Vec<u8>>,
     pub queries: Vec<Query>,
-    /// The CPU's answers, and what is added to each before errors are divided by it.
+    /// The CPU's answers, and the offset that is added to each before errors are divided by it.
     pub expected: Vec<([f32; 4], f32)>,
 }
 
-/// Of exact weights.
+/// Frame block with exact weights.
 pub(crate) const EXACT: FrameBlock =
     FrameBlock { distance_scale: 1.0, sampler_filters: false, blend: Filter::Bilinear };
 
 impl Case {
-    /// Slots, names and what is bound, the frame's block as the bytes that it has.
+    /// Slots, names and resources. The frame's block has its own bytes.
     pub fn bound(&self) -> impl Iterator<Item = (u32, &str, Resource<'_>)> {
         self.bindings.iter().map(|binding| {
             let resource = match &binding.resource {
@@ -49,12 +49,12 @@ impl Case {
         })
     }
 
-    /// Whether coordinates repeat that a sampler of this name is asked at.
+    /// Returns true if coordinates of a sampler with this name repeat.
     pub fn repeats(&self, sampler: Option<&str>) -> bool {
         let is_it = |binding: &&Binding<'_>| Some(&*binding.name) == sampler;
         self.bindings.iter().find(is_it).is_some_and(|it| it.resource == Resource::Sampler { repeats: true })
     }
-    /// The largest error of answers, relative to the value and what is added to it.
+    /// Largest error of the answers, relative to the value plus its offset.
     pub fn largest_error(&self, found: &[[f32; 4]]) -> f64 {
         assert_eq!(found.len(), self.expected.len());
         let of = |(found, (expected, floor)): (&[f32; 4], &([f32; 4], f32))| {
@@ -69,14 +69,14 @@ impl Case {
     }
 }
 
-/// What a user of a decoder calls to answer the query `a`, `b` and `c`: WGSL, and behind [`macros`] GLSL and HLSL.
+/// Code with which a user of a decoder answers the query `a`, `b` and `c`: WGSL, or GLSL and HLSL after [`macros`].
 pub fn call(decoder: PackKind) -> String {
     let Answer { body, of_struct, .. } = decoder.descriptor().answer;
     // Other languages have no function that takes the struct.
     of_struct.map_or(body.to_owned(), |answer| answer.numbers_of(body))
 }
 
-/// What a language has in place of words of a [`call`]: directives for its preprocessor.
+/// Preprocessor directives that define the WGSL names of a [`call`] in another language.
 pub fn macros(language: Language) -> String {
     let vector = match language {
         Language::Wgsl => return String::new(),
@@ -90,7 +90,7 @@ pub(crate) fn four([x, y, z]: [f32; 3], w: f32) -> [f32; 4] {
     [x, y, z, w]
 }
 
-/// Pairs at levels of detail; the shader filters.
+/// Pairs at levels of detail, filtered by the shader.
 pub(crate) fn brdf_queries(levels: u32, seed: u64) -> (Vec<DirectionPair>, Vec<Query>) {
     let pairs = pairs(SIDE * SIDE, seed);
     let single = |v: [f64; 3]| v.map(|c| c as f32);
@@ -104,10 +104,10 @@ pub(crate) fn brdf_queries(levels: u32, seed: u64) -> (Vec<DirectionPair>, Vec<Q
     (queries.iter().map(|[a, b, _]| DirectionPair::new(double(*a), double(*b))).collect(), queries)
 }
 
-/// Holds answers to all cases against the CPU's, and prints the largest errors.
+/// Compares answers to all cases with the CPU's, and prints the largest errors.
 ///
 /// # Panics
-/// Where one is beyond the bound; where answers would not show an error.
+/// If an answer is beyond the bound, or if the check could not detect an error.
 pub fn check(what: &str, cases: &[Case], found: &[Vec<[f32; 4]>]) {
     assert_eq!(cases.len(), found.len());
     let mut largest: BTreeMap<&str, f64> = BTreeMap::new();
@@ -116,9 +116,9 @@ pub fn check(what: &str, cases: &[Case], found: &[Vec<[f32; 4]>]) {
         println!("{what}: {}, {}: {error:.1e}", case.decoder.name(), case.name);
         let most = largest.entry(case.decoder.name()).or_default();
         *most = most.max(error);
-        // What is all black would agree with nothing.
+        // All-black answers would make the check meaningless.
         assert!(case.expected.iter().filter(|(value, _)| value[0] > 0.0).count() > SIDE * SIDE / 10, "{}", case.name);
-        // Answers of other queries are noticed.
+        // The control: answers of other queries are detected.
         let mut shifted = found.clone();
         shifted.rotate_left(1);
         let is_constant = case.expected.iter().all(|value| *value == case.expected[0]);

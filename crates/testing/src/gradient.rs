@@ -1,4 +1,4 @@
-//! A codec that exists nowhere else, for tests of loaders: they bind its pack by what the pack says alone.
+//! A codec that exists only here, for tests of loaders, which must bind its pack by its metadata alone.
 
 use crate::engines::{Query, SIDE};
 use crate::packs::Numbers;
@@ -12,16 +12,16 @@ use std::f32::consts::TAU;
 const RAMP: u32 = 8;
 const SHADE: [u32; 2] = [16, 8];
 const LEVELS: u32 = 4;
-/// Colours that are mixed.
+/// Colours at both ends of the gradient.
 const LOW: [f32; 4] = [0.1, 0.2, 0.3, 0.0];
 const HIGH: [f32; 4] = [0.9, 0.6, 0.2, 0.0];
-/// How far answers may be off: samplers of GPUs have weights of 8 bits.
+/// Maximum error of answers: samplers of GPUs have weights of 8 bits.
 const BOUND: f32 = 4e-3;
 
-/// What changes with the frame; the scale is not that of the default.
+/// Frame-dependent parameters. The scale differs from the default.
 pub const FRAME: FrameBlock = FrameBlock { distance_scale: 2.0, sampler_filters: true, blend: Filter::Bilinear };
 
-/// What evaluates a query, as [`call`](crate::engines::call) has it.
+/// Code that evaluates a query, as returned by [`call`](crate::engines::call).
 pub const CALL: &str = "vec4f(gradient(a.xy, a.z), 0.0)";
 
 const WGSL: &str = "
@@ -74,7 +74,7 @@ fn shade(level: u32) -> ([u32; 2], Vec<u16>) {
     ([width, height], (0..width * height).map(|k| half::encode(value(k))).collect())
 }
 
-/// What is bound.
+/// Resources of the decoder.
 pub fn bindings() -> Bindings<'static> {
     let block: Vec<u8> = [LOW, HIGH].as_flattened().iter().flat_map(|c| c.to_le_bytes()).collect();
     let texels: Vec<u8> = (0..LEVELS).flat_map(|level| shade(level).1).flat_map(u16::to_le_bytes).collect();
@@ -96,16 +96,16 @@ pub fn bindings() -> Bindings<'static> {
     )
 }
 
-/// Its pack.
+/// A file of its pack.
 pub fn file() -> Vec<u8> {
     bindings().to_file(BTreeMap::from([("brdfc.gradient".to_owned(), b"of no other".to_vec())]), true)
 }
 
-/// Places, also outside of a tile, and levels.
+/// Places, including some outside the tile, and levels.
 pub fn queries() -> Vec<Query> {
     let mut numbers = Numbers::new(17);
     let query = |k: usize| {
-        // Not where the ramp's texels meet.
+        // Avoid the boundaries of the ramp's texels.
         let column = f64::from(numbers.bits() % (3 * RAMP)) + numbers.between(0.01, 0.99);
         let u = (column / f64::from(RAMP) - 1.0) as f32;
         [[u, numbers.between(-1.0, 2.0) as f32, (k % 13) as f32 / 4.0, 0.0], [0.0; 4], [0.0; 4]]
@@ -113,7 +113,7 @@ pub fn queries() -> Vec<Query> {
     (0..SIDE * SIDE).map(query).collect()
 }
 
-/// What a shader has to answer.
+/// Expected answer of a shader.
 fn answer([[u, v, level, _], ..]: &Query) -> [f32; 4] {
     let at = |level: u32| {
         let ([width, height], texels) = shade(level);
@@ -137,10 +137,10 @@ fn answer([[u, v, level, _], ..]: &Query) -> [f32; 4] {
     [channel(0), channel(1), channel(2), 0.0]
 }
 
-/// Holds answers to [`queries`] against the CPU's.
+/// Compares answers to [`queries`] with the CPU's.
 ///
 /// # Panics
-/// Where one is beyond the bound; where answers to other queries would not show.
+/// If an answer is beyond the bound, or if the check could not detect answers to other queries.
 pub fn check(what: &str, found: &[[f32; 4]]) {
     let expected: Vec<[f32; 4]> = queries().iter().map(answer).collect();
     let largest = |found: &[[f32; 4]]| {
@@ -149,7 +149,7 @@ pub fn check(what: &str, found: &[[f32; 4]]) {
     };
     assert_eq!(found.len(), expected.len());
     let error = largest(found);
-    println!("agrees: {what}, a codec that exists nowhere else: {error:.1e}");
+    println!("agrees: {what}, a codec that exists only in tests: {error:.1e}");
     assert!(error < BOUND, "{what}: {error}");
     let mut shifted = found.to_vec();
     shifted.rotate_left(1);

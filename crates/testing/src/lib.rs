@@ -1,4 +1,4 @@
-//! What tests of several crates share: inputs made on the spot, checks of the laws of reflectance, and the folder of
+//! Inputs and checks shared by the tests of several crates: synthetic data, the laws of reflectance, and the folder of
 //! measured data.
 #![allow(missing_docs)]
 
@@ -20,7 +20,7 @@ pub mod wrapped;
 
 use std::path::{Path, PathBuf};
 
-/// The repository.
+/// Path of the repository.
 pub fn repository() -> &'static Path {
     Path::new(concat!(env!("CARGO_MANIFEST_DIR"), "/../.."))
 }
@@ -30,8 +30,8 @@ pub fn testdata(relative: &str) -> String {
     repository().join("testdata").join(relative).display().to_string()
 }
 
-/// A file or folder of the measured data, of the folder that `BRDFC_SHARED` names, or else of `../shared` beside the repository.
-/// Prints why a test that needs it is skipped where it is absent.
+/// A file or folder of the measured data, in the folder of `BRDFC_SHARED` or else in `../shared` next to the
+/// repository. If it is missing, prints that the test is skipped and returns `None`.
 pub fn shared_data(relative: &str) -> Option<PathBuf> {
     let root = std::env::var_os("BRDFC_SHARED").map_or_else(|| repository().join("../shared"), PathBuf::from);
     let path = root.join("data").join(relative);

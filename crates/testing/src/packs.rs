@@ -1,11 +1,11 @@
-//! What several tests of packs share. Each of them uses only a part.
+//! Helpers for tests of packs.
 use brdfc_formats::FormatError;
 use brdfc_formats::container::{Extent, MAX_TEXEL_BYTES, PackedTexture, TexelFormat, Texture, seal};
 use brdfc_formats::crop::{Crop, DirectionRange, Elevations, Window};
 use brdfc_formats::direction::DirectionPair;
 use std::collections::BTreeMap;
 
-/// Numbers that are the same on every run.
+/// Pseudo-random numbers that are the same on every run.
 pub struct Numbers(u64);
 
 impl Numbers {
@@ -18,7 +18,7 @@ impl Numbers {
         (self.0 >> 32) as u32
     }
 
-    /// In `[0, 1)`.
+    /// Number in `[0, 1)`.
     pub fn unit(&mut self) -> f64 {
         f64::from(self.bits()) / 4_294_967_296.0
     }
@@ -45,7 +45,7 @@ pub fn textures() -> Vec<(String, Texture)> {
             (Extent::D2Array([2, 3, 1]), 1),
             (Extent::D2Array([3, 2, 4]), 1),
             (Extent::D3([3, 2, 5]), 1),
-            // Down to a single texel, or not; sides that are odd, that are halved to 1 long before the other is.
+            // Some chains go down to a single texel. Some sides are odd, or reach 1 long before the other side.
             (Extent::D2([5, 3]), 3),
             (Extent::D2([4, 4]), 2),
             (Extent::D2([1, 9]), 4),
@@ -69,24 +69,24 @@ pub fn textures() -> Vec<(String, Texture)> {
 /// A texture with as many levels as its file has.
 ///
 /// # Errors
-/// Those of the container.
+/// Returns the error of the container.
 pub fn read_texture(bytes: &[u8]) -> Result<Texture, FormatError> {
     PackedTexture::from_bytes(bytes)?.unpack_levels(MAX_TEXEL_BYTES)
 }
 
-/// Changed bytes of a pack with the checksum that they need: a reader looks at what is behind it.
+/// Changed bytes of a pack with a valid checksum, so that a reader checks the rest.
 pub fn sealed(mut bytes: Vec<u8>) -> Vec<u8> {
     seal(&mut bytes);
     bytes
 }
 
-/// The entry of a pack's bindings.
+/// Key of a pack's bindings.
 pub const BINDINGS_ENTRY: &str = "brdfc.bindings";
 
-/// Puts other text into the bindings of a pack.
+/// Replaces text in the bindings of a pack.
 ///
 /// # Panics
-/// When there are no bindings with the old text.
+/// If there are no bindings with the old text.
 pub fn rebind(texture: &mut Texture, old: &str, new: &str) {
     let list = texture.entries.get_mut(BINDINGS_ENTRY).expect("a pack has bindings");
     let text = String::from_utf8(std::mem::take(list)).expect("bindings are text");
@@ -97,7 +97,7 @@ pub fn rebind(texture: &mut Texture, old: &str, new: &str) {
 /// Changes the image of a binding, a file in an entry.
 ///
 /// # Panics
-/// When there is no such image.
+/// If there is no such image.
 pub fn change_image(texture: &mut Texture, name: &str, change: impl FnOnce(&mut Texture)) {
     let entry = texture.entries.get_mut(&format!("brdfc.image.{name}")).expect("the entry of an image");
     let mut image = read_texture(entry).expect("our own image");
@@ -105,7 +105,7 @@ pub fn change_image(texture: &mut Texture, name: &str, change: impl FnOnce(&mut 
     *entry = image.to_bytes(false);
 }
 
-/// A direction, somewhat below the horizon at the lowest.
+/// A random direction, at most slightly below the horizon.
 pub fn unit_vector(numbers: &mut Numbers) -> [f32; 3] {
     let (z, azimuth) = (numbers.between(-0.2, 1.0), numbers.between(0.0, 6.3));
     let sine = (1.0 - z * z).sqrt();
@@ -124,9 +124,9 @@ pub fn pairs(count: usize, seed: u64) -> Vec<DirectionPair> {
         .collect()
 }
 
-/// Checks every line of a page's hex dumps against the bytes they show; returns the number of lines.
+/// Checks every line of a page's hex dumps against the bytes. Returns the number of lines.
 ///
-/// Prints the dump, to be put on the page where a test fails.
+/// Prints the dump, to be copied to the page if a test fails.
 pub fn check_dump(page: &str, bytes: &[u8]) -> usize {
     for (line, chunk) in bytes.chunks(16).enumerate() {
         let hex: Vec<String> = chunk.iter().map(|byte| format!("{byte:02x}")).collect();

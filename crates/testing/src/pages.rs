@@ -1,10 +1,12 @@
-//! Commands on the pages of the repository: each line of a fenced `sh` block is run, in the order of the page, in a folder of the
-//! page that holds a copy of the demo scene. A line may end in `# exit code N`. A `text` block right after a `sh` block is what
-//! the block's last line prints, and may be nowhere else. In it `[..]` marks what differs from run to run: times and
-//! adapters.
+//! Commands on the pages of the repository. Each line of a fenced `sh` block is run, in the order of the page, in a
+//! folder of the page with a copy of the demo scene. A line may end in `# exit code N`. A `text` block right after a
+//! `sh` block must be the output of the block's last line, and is not allowed anywhere else. In it `[..]` marks parts
+//! that differ from run to run: times and adapters.
 //!
-//! A `sh` block behind the comment `<!-- not run: WHY -->` is not run; the flags of its commands are still checked, and no `text`
-//! block may follow. Commands of another program of the repository are left to its own tests.
+//! A `sh` block after the comment `<!-- not run: WHY -->` is not run. The flags of its commands are still checked, and
+//! no `text` block may follow. Commands of another program of the repository are left to its own tests.
+//!
+//! A block after the comment `<!-- file: NAME -->` is written to that file in the folder of the page.
 
 use crate::repository;
 use std::ops::Range;
@@ -12,14 +14,17 @@ use std::panic::resume_unwind;
 use std::process::{Command, Output, Stdio};
 use std::sync::Mutex;
 
-/// What other lines of a block that is not run start with.
-const SET_UP: [&str; 16] = [
+/// Starts of other lines that are allowed in blocks that are not run.
+const SET_UP: [&str; 19] = [
     "pip install ",
     "python3 tests/",
     "./scripts/",
     "./bindings/",
     "./examples/",
-    "npm install ./bindings/web",
+    "BRDFC=$(command -v brdfc) ./bindings/web/build",
+    "npm install ",
+    "mkdir ../",
+    "cp red.ktx2 ../",
     "python3 -m http.server",
     "# ",
     "sudo apt-get install ",
@@ -33,24 +38,25 @@ const SET_UP: [&str; 16] = [
 ];
 /// Replaces times and adapters.
 const ANYTHING: &str = "[..]";
-/// How far a number may be from the one on the page: the last digit of mathematical functions is the machine's.
+/// Maximum relative difference between a number and the one on the page: the last digit of mathematical functions
+/// depends on the machine.
 const TOLERANCE: f64 = 0.01;
 /// The program whose commands are run.
 #[derive(Debug)]
 pub struct Program {
     /// Its name on the pages.
     pub name: &'static str,
-    /// Where it is.
+    /// Path of the program.
     pub path: &'static str,
-    /// How the pages run it.
+    /// Prefixes with which the pages run it.
     pub starts: &'static [&'static str],
-    /// How they run the other programs of the repository.
+    /// Prefixes with which the pages run the other programs of the repository.
     pub others: &'static [&'static str],
-    /// Whether a command draws.
+    /// Returns true if a command draws.
     pub draws: fn(&str) -> bool,
-    /// Whether it was built with the renderer.
+    /// True if the program was built with the renderer.
     pub renders: bool,
-    /// Whether commands that draw work here.
+    /// True if commands that draw work on this machine.
     pub can_draw: bool,
 }
 
@@ -86,31 +92,39 @@ pub fn read(page: &str) -> String {
 /// A fenced block of a page.
 #[derive(Debug)]
 pub struct Block {
-    /// What it is in.
+    /// Language of the block.
     pub language: String,
-    /// Where its text is in the page.
+    /// Range of its text in the page.
     pub at: Range<usize>,
-    /// Whether only blank lines part it from the block before.
+    /// True if only blank lines separate it from the block before.
     follows: bool,
-    /// Why it is not run.
+    /// Reason not to run it.
     not_run: Option<String>,
+    /// Name of the file with its text.
+    file: Option<String>,
 }
 
-/// Why the block after this line is not run.
+/// Reason not to run the block after this line.
 fn reason(line: &str) -> Option<&str> {
     line.strip_prefix("<!-- not run: ")?.strip_suffix(" -->")
+}
+
+/// Name of the file with the text of the block after this line.
+fn file_name(line: &str) -> Option<&str> {
+    line.strip_prefix("<!-- file: ")?.strip_suffix(" -->")
 }
 
 /// The fenced blocks of a page.
 pub fn blocks(page: &str) -> Vec<Block> {
     let mut blocks: Vec<Block> = Vec::new();
     let (mut inside, mut follows, mut at) = (false, false, 0);
-    let mut not_run = None;
+    let (mut not_run, mut file) = (None, None);
     for line in page.split_inclusive('\n') {
         let end = at + line.len();
         match (line.trim_end().strip_prefix("```"), inside) {
             (Some(language), false) => {
-                blocks.push(Block { language: language.to_owned(), at: end..end, follows, not_run: not_run.take() });
+                let (not_run, file) = (not_run.take(), file.take());
+                blocks.push(Block { language: language.to_owned(), at: end..end, follows, not_run, file });
                 inside = true;
             }
             (Some(_), true) => (inside, follows) = (false, true),
@@ -118,6 +132,7 @@ pub fn blocks(page: &str) -> Vec<Block> {
             (None, false) if line.trim().is_empty() => {}
             (None, false) => {
                 not_run = reason(line.trim_end()).map(str::to_owned);
+                file = file_name(line.trim_end()).map(str::to_owned);
                 follows = false;
             }
         }
@@ -143,7 +158,7 @@ impl Sandbox {
             std::fs::copy(&path, demo.join(path.file_name().unwrap())).unwrap();
         }
         let named = programs.path().join(program.name);
-        // A hard link where both are on one file system; the program is large.
+        // A hard link if both are on one file system, since the program is large.
         if std::fs::hard_link(program.path, &named).is_err() {
             std::fs::copy(program.path, &named).unwrap();
         }
@@ -164,7 +179,7 @@ impl Sandbox {
     }
 }
 
-/// The lines of a block, those that end in a backslash joined.
+/// The lines of a block, with those that end in a backslash joined.
 fn lines(block: &str) -> Vec<String> {
     block.replace("\\\n", " ").lines().filter(|line| !line.trim().is_empty()).map(str::to_owned).collect()
 }
@@ -178,13 +193,13 @@ impl Program {
         Some((format!("{} {}", self.name, rest.trim()), code))
     }
 
-    /// Whether a line runs another program of the repository.
+    /// Returns true if a line runs another program of the repository.
     pub fn is_of_others(&self, line: &str) -> bool {
         self.others.iter().any(|start| line.starts_with(start))
     }
 }
 
-/// Whether a line of a block that is not run is one that may stand there.
+/// Returns true if a line is allowed in a block that is not run.
 pub fn is_set_up(line: &str) -> bool {
     let word = |prefix: &str| line.strip_prefix(prefix).and_then(|rest: &str| rest.split_whitespace().next());
     let there = |path: String| repository().join(path).exists();
@@ -193,7 +208,7 @@ pub fn is_set_up(line: &str) -> bool {
         && word("cargo run --release --example ").is_none_or(|name| there(format!("examples/{name}.rs")))
 }
 
-/// How many commands were run, only parsed, and compared in what they print.
+/// Numbers of commands that were run, only parsed, and compared in their output.
 #[derive(Debug, Default)]
 pub struct Counts {
     /// Run.
@@ -204,15 +219,18 @@ pub struct Counts {
     pub compared: usize,
 }
 
-/// Runs a page; the page with the blocks of output that were printed.
+/// Runs a page. Returns the page with the blocks of output replaced by the printed ones.
 pub fn run_page(program: &Program, name: &str, page: &str, bless: bool, counts: &mut Counts) -> String {
     let mut blessed = page.to_owned();
     let sandbox = Sandbox::new(program);
-    // What the block before printed: nothing if it was skipped.
+    // Output of the block before; `None` if it was skipped.
     let mut printed = None;
     let mut new_texts = Vec::new();
     for block in blocks(page) {
         let text = &page[block.at.clone()];
+        if let Some(file) = &block.file {
+            std::fs::write(sandbox.work.path().join(file), text).unwrap();
+        }
         match (block.language.as_str(), &block.not_run) {
             ("sh", Some(_)) => {
                 for line in lines(text) {
@@ -220,14 +238,15 @@ pub fn run_page(program: &Program, name: &str, page: &str, bless: bool, counts: 
                         continue;
                     }
                     let Some((command, _)) = program.command(&line) else {
-                        assert!(is_set_up(&line), "{name}: neither ours nor known: {line}");
+                        let allowed = "a command of the repository or an allowed set-up line";
+                        assert!(is_set_up(&line), "{name}: found {line}, expected {allowed}");
                         continue;
                     };
                     if (program.draws)(&command) && !program.renders {
                         println!("skipped: {name}: {line}");
                         continue;
                     }
-                    // Wrong flags come before the help.
+                    // Wrong flags are reported before the help.
                     let output = sandbox.run(&format!("{command} --help"));
                     let errors = String::from_utf8_lossy(&output.stderr);
                     assert!(output.status.success(), "{name}: {command}\n{errors}");
@@ -241,8 +260,9 @@ pub fn run_page(program: &Program, name: &str, page: &str, bless: bool, counts: 
                         printed = Some((line, None));
                         continue;
                     }
-                    let (command, code) =
-                        program.command(&line).unwrap_or_else(|| panic!("{name}: not a command of ours: {line}"));
+                    let (command, code) = program
+                        .command(&line)
+                        .unwrap_or_else(|| panic!("{name}: found {line}, expected a command of this program"));
                     if (program.draws)(&command) && !program.can_draw {
                         println!("skipped: {name}: {line}");
                         printed = Some((command, None));
@@ -260,9 +280,9 @@ pub fn run_page(program: &Program, name: &str, page: &str, bless: bool, counts: 
                 let (command, found) =
                     printed.take().unwrap_or_else(|| panic!("{name}: output of commands that are not run:\n{text}"));
                 let Some((found, adapter)) = found else { continue };
-                // Other drivers round otherwise.
+                // Other drivers round differently.
                 if !adapter.is_none_or(|adapter| adapter.starts_with("llvmpipe")) {
-                    println!("skipped: {name}: what '{command}' prints with another driver");
+                    println!("skipped: {name}: output of '{command}', since it differs with this driver");
                 } else if bless {
                     new_texts.push((block.at.clone(), found));
                 } else {
@@ -279,7 +299,7 @@ pub fn run_page(program: &Program, name: &str, page: &str, bless: bool, counts: 
     blessed
 }
 
-/// Runs the commands of all pages, or writes what they print where `BRDFC_BLESS` is set.
+/// Runs the commands of all pages, or writes their output to the pages if `BRDFC_BLESS` is set.
 pub fn run_pages(program: &Program) -> Counts {
     let bless = std::env::var_os("BRDFC_BLESS").is_some();
     let pages = Mutex::new(pages_with_commands());
@@ -309,7 +329,7 @@ pub fn run_pages(program: &Program) -> Counts {
     counts
 }
 
-/// What a command printed, with `[..]` for times and adapters, and the adapter.
+/// Output of a command with `[..]` for times and adapters, and the adapter.
 pub fn masked(printed: &str) -> (String, Option<String>) {
     let mut adapter = None;
     let mut text = String::new();
@@ -335,14 +355,14 @@ pub fn masked(printed: &str) -> (String, Option<String>) {
 }
 
 fn assert_same_words(page: &str, command: &str, expected: &str, found: &str) {
-    let told = format!(
-        "{command}\n{page} says:\n{expected}\nit prints:\n{found}\n\
-         If this is meant: ./scripts/bless readme"
+    let message = format!(
+        "{command}\n{page} has:\n{expected}\nthe command prints:\n{found}\n\
+         If the change is intended, run ./scripts/bless readme"
     );
     let (a, b): (Vec<_>, Vec<_>) = (expected.split_whitespace().collect(), found.split_whitespace().collect());
-    assert_eq!(a.len(), b.len(), "{told}");
+    assert_eq!(a.len(), b.len(), "{message}");
     for (a, b) in a.into_iter().zip(b) {
-        assert!(same_word(a, b), "{a} is not {b}\n{told}");
+        assert!(same_word(a, b), "{a} is not {b}\n{message}");
     }
 }
 

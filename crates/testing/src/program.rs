@@ -1,4 +1,4 @@
-//! Runs a real program in a folder of its own.
+//! Runs a program in a folder of its own.
 
 use assert_cmd::Command;
 use serde_json::Value;
@@ -6,32 +6,32 @@ use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 use std::time::Duration;
 
-/// What a run left behind.
+/// Result of a run.
 #[derive(Debug)]
 pub struct Ran {
     /// The exit code.
     pub code: i32,
-    /// What it printed.
+    /// Text on standard output.
     pub stdout: String,
-    /// What it said beside that.
+    /// Text on standard error.
     pub stderr: String,
 }
 
 impl Ran {
-    /// The same, for runs that must have worked.
+    /// Checks that the run succeeded.
     #[track_caller]
     pub fn succeeded(self) -> Self {
         assert_eq!(self.code, 0, "{}", self.stderr);
         self
     }
 
-    /// The report that it printed.
+    /// Parses the JSON report on standard output.
     pub fn json(&self) -> Value {
         serde_json::from_str(&self.stdout).unwrap_or_else(|error| panic!("{error}: {}", self.stdout))
     }
 }
 
-/// A folder that is removed at the end, and is the working folder of every run in it.
+/// A temporary folder, the working folder of every run in it.
 pub struct Folder {
     folder: tempfile::TempDir,
     program: &'static str,
@@ -43,12 +43,12 @@ impl Folder {
         Self { folder: tempfile::tempdir().unwrap(), program }
     }
 
-    /// Where it is.
+    /// Path of the folder.
     pub fn path(&self) -> &Path {
         self.folder.path()
     }
 
-    /// A run that has not started; for standard input, environment and the like.
+    /// A run that has not started, for setting standard input, the environment and so on.
     pub fn command(&self, arguments: &[&str]) -> Command {
         let mut command = Command::new(self.program);
         command.current_dir(self.path()).args(arguments).timeout(Duration::from_secs(120));
@@ -73,24 +73,24 @@ impl Folder {
         path
     }
 
-    /// A file, which is there.
+    /// Reads a file, which must exist.
     pub fn read(&self, name: &str) -> Vec<u8> {
         std::fs::read(self.path().join(name)).unwrap_or_else(|error| panic!("{name}: {error}"))
     }
 
-    /// A file of text, which is there.
+    /// Reads a text file, which must exist.
     pub fn text(&self, name: &str) -> String {
         String::from_utf8(self.read(name)).unwrap()
     }
 
-    /// All files below a folder, hidden ones too, by path relative to it.
+    /// All files below a folder, including hidden ones, by path relative to it.
     pub fn files(&self, folder: &str) -> BTreeMap<String, Vec<u8>> {
         let mut files = BTreeMap::new();
         collect(&self.path().join(folder), "", &mut files);
         files
     }
 
-    /// What a build wrote for others to use: all but the cache.
+    /// Output of a build for other programs: everything except the cache.
     pub fn products(&self, folder: &str) -> BTreeMap<String, Vec<u8>> {
         let mut files = self.files(folder);
         files.retain(|name, _| !name.starts_with(".brdfc-cache/"));

@@ -1,42 +1,45 @@
-//! The cases of [`engines`](crate::engines) with the sampler filtering, and how far that may be from exact weights.
+//! The cases of [`engines`](crate::engines) with the sampler filtering, and the bounds of its differences from exact
+//! weights.
 //!
-//! GPUs hold a position between two texels in 8 bits, so a weight is off by up to [`STEP`] along each axis that is filtered. A
-//! linear filter is then off by that share of what the neighbours differ by, no more: so each query has a bound of its own.
+//! GPUs represent a position between two texels with 8 bits, so a weight is off by up to [`STEP`] along each filtered
+//! axis. A linear filter is then off by at most that share of the difference between neighbours, so each query has its
+//! own bound.
 //!
-//! The modules of codecs say what that means for theirs.
+//! The modules of codecs compute the bounds of theirs.
 
 use crate::engines::Case;
 use brdfc_formats::bindings::FrameBlock;
 use brdfc_formats::wavelet::Filter;
 use std::collections::BTreeMap;
 
-/// What a weight may be off by: samplers hold positions in units of texels with 8 bits behind the point, rounded either way.
+/// Maximum error of a weight: samplers represent positions in texels with 8 fractional bits, rounded either way.
 pub const STEP: f32 = 1.0 / 256.0;
 
-/// Samplers filter.
+/// Frame block with a filtering sampler.
 pub(crate) const SAMPLED: FrameBlock =
     FrameBlock { distance_scale: 1.0, sampler_filters: true, blend: Filter::Bilinear };
 
-/// What other arithmetic adds, as [`engines`](crate::engines) allows of exact weights, and rounding of what is filtered.
+/// Additional error by other arithmetic, as [`engines`](crate::engines) allows for exact weights, and by rounding of
+/// filtered values.
 pub(crate) const ROUNDING: f64 = 1e-4;
 
-/// How much of what they may be off answers are on the average, at most: positions are rounded to the nearest, so by a quarter of a
-/// step in the mean.
+/// Maximum mean error as a share of the bound: positions are rounded to the nearest, so by a quarter of a step on
+/// average.
 const MEAN_SHARE: f64 = 0.3;
 
-/// A case, and what the sampler may make of it.
+/// A case, and the error bounds for the sampler.
 pub struct SamplerCase {
     pub case: Case,
-    /// How far each number of an answer may be from what is expected.
+    /// Bounds for each number of an answer.
     pub allowed: Vec<[f64; 4]>,
-    /// Whether anything is filtered by the sampler along the texture's columns: not where there is one, nor of lifted wavelet
-    /// packs, whose cells are reconstructed one by one.
+    /// True if the sampler filters along the texture's columns. False with a single column, and for energy-preserving
+    /// wavelet packs, whose cells are reconstructed one by one.
     pub is_filtered: bool,
 }
 
 impl SamplerCase {
-    /// Errors of answers: relative to the value and what is added to it, and as a share of what is allowed; of each the largest
-    /// of its numbers.
+    /// Errors of answers: relative to the value plus its offset, and as a share of the bound. Each is the largest over
+    /// the numbers of the answer.
     fn errors(&self, found: &[[f32; 4]]) -> Vec<[f64; 2]> {
         assert_eq!(found.len(), self.allowed.len());
         let of = |at: usize| {
@@ -52,7 +55,7 @@ impl SamplerCase {
     }
 }
 
-/// What a value of a BRDF may be off by where its logarithm is off by `logarithm`.
+/// Error bound for a BRDF value if its logarithm is off by `logarithm`.
 pub(crate) fn of_logarithm(logarithm: [f32; 3], expected: [f32; 3], floor: f32) -> [f64; 4] {
     let of = |k: usize| {
         let value = f64::from(expected[k]) + f64::from(floor);
@@ -61,11 +64,11 @@ pub(crate) fn of_logarithm(logarithm: [f32; 3], expected: [f32; 3], floor: f32) 
     [of(0), of(1), of(2), ROUNDING * f64::from(floor)]
 }
 
-/// Holds answers by the sampler against the CPU's, and prints largest, 99th percentile and mean of the errors. Answers that are no
-/// numbers are those of a device that does not filter such a texture.
+/// Compares answers by the sampler with the CPU's, and prints the largest, 99th percentile and mean error. Answers that
+/// are not finite come from a device that does not filter such a texture.
 ///
 /// # Panics
-/// Where an answer is beyond its bound, or the mean of them beyond a share of it.
+/// If an answer is beyond its bound, or the mean is beyond its share.
 pub fn check_sampler(what: &str, cases: &[SamplerCase], found: &[Vec<[f32; 4]>]) {
     assert_eq!(found.len(), cases.len());
     let mut all: BTreeMap<&str, [f64; 4]> = BTreeMap::new();
@@ -83,7 +86,7 @@ pub fn check_sampler(what: &str, cases: &[SamplerCase], found: &[Vec<[f32; 4]>])
         let (largest, p99) = (relative[relative.len() - 1], relative[relative.len() * 99 / 100]);
         let share = errors.iter().map(|[_, share]| *share).fold(0.0, f64::max);
         println!(
-            "{what}: {decoder}, {name}: largest {largest:.1e}, 99 % {p99:.1e}, mean {:.1e}; of the bound {share:.2}, in the mean {:.3}",
+            "{what}: {decoder}, {name}: largest {largest:.1e}, 99 % {p99:.1e}, mean {:.1e}; of the bound {share:.2}, mean {:.3}",
             mean(0),
             mean(1)
         );
@@ -104,10 +107,10 @@ pub fn check_sampler(what: &str, cases: &[SamplerCase], found: &[Vec<[f32; 4]>])
     }
 }
 
-/// Notices answers by a shader that looks half a texel beside.
+/// Checks that the bounds detect answers by a shader whose look-ups are off by half a texel.
 ///
 /// # Panics
-/// Where those of a case are within the bounds, or most of all are.
+/// If no answer of a case, or less than half of all answers, are beyond the bounds.
 pub fn check_shifted(what: &str, cases: &[SamplerCase], found: &[Vec<[f32; 4]>]) {
     let (mut beyond, mut all) = (0, 0);
     for (case, found) in cases.iter().zip(found).filter(|(case, found)| case.is_filtered && !is_skipped(found)) {
@@ -116,7 +119,7 @@ pub fn check_shifted(what: &str, cases: &[SamplerCase], found: &[Vec<[f32; 4]>])
         beyond += noticed;
         all += found.len();
     }
-    println!("{what}: {beyond} of {all} answers half a texel beside are beyond their bounds");
+    println!("{what}: {beyond} of {all} answers with look-ups off by half a texel are beyond their bounds");
     assert!(2 * beyond > all, "{what}: {beyond} of {all}");
 }
 

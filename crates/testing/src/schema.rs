@@ -12,10 +12,11 @@ fn compiled(schema: &Value) -> (Schemas, SchemaIndex) {
     (schemas, index)
 }
 
-/// Why `report` is not what the schema says, if it is not; members that the schema does not know count too.
+/// Describes a mismatch between `report` and the schema, if any. Members that the schema does not list count as
+/// mismatches.
 ///
 /// # Panics
-/// A schema that breaks the rules of its own draft.
+/// If the schema violates its own draft.
 pub fn complaint(schema: &Value, report: &Value) -> Option<String> {
     let mut strict = schema.clone();
     strict["unevaluatedProperties"] = json!(false);
@@ -26,7 +27,7 @@ pub fn complaint(schema: &Value, report: &Value) -> Option<String> {
 /// Checks a schema itself.
 ///
 /// # Panics
-/// Where it breaks the rules of its draft.
+/// If it violates its draft.
 pub fn check(schema: &Value) {
     compiled(schema);
 }

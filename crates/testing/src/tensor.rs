@@ -80,7 +80,7 @@ impl Container {
     }
 }
 
-/// Where a colour stands.
+/// Position at which a colour is evaluated.
 #[derive(Clone, Copy)]
 pub struct At {
     pub phi: usize,

@@ -1,9 +1,9 @@
-//! Sources made wrong on purpose.
+//! Deliberately wrong sources.
 
 use brdfc_core::{Source, Symmetry, Tally};
 use brdfc_formats::direction::DirectionPair;
 
-/// Claims symmetries, true or false, whatever the source has.
+/// Claims symmetries, true or false, regardless of the source's own.
 pub struct Claiming(pub Box<dyn Source>, pub Symmetry);
 
 impl Source for Claiming {
@@ -20,7 +20,7 @@ impl Source for Claiming {
     }
 }
 
-/// Not reciprocal: darker towards grazing incidence, and honest about it.
+/// Darker towards grazing incidence, so not reciprocal, and declares no reciprocity.
 pub struct OneWay(pub Box<dyn Source>);
 
 impl Source for OneWay {

@@ -1,4 +1,4 @@
-//! GLSL, of the desktop and of WebGL 2.
+//! GLSL for desktops and for WebGL 2.
 
 use crate::parsed::Parsed;
 use brdfc_shaders::{BindingKind, Interface, Language};
@@ -7,13 +7,13 @@ use naga::back::glsl::{Options, PipelineOptions, Version, Writer, WriterFlags};
 use naga::proc::BoundsCheckPolicies;
 use std::fmt::Write as _;
 
-/// The entry point that the writer asks for: it calls what is to be kept, and is cut off again.
+/// The entry point that the writer requires. It calls the functions to retain, and is removed afterwards.
 const ENTRY: &str = "brdfc_entry";
 
-/// Declarations and functions.
+/// Translates the declarations and functions.
 ///
 /// # Errors
-/// What the writer says.
+/// Returns the writer's error.
 pub(crate) fn piece(source: &str, interface: &Interface, language: Language) -> Result<String, String> {
     let mut calls = String::new();
     for function in &interface.functions {
@@ -50,7 +50,7 @@ pub(crate) fn piece(source: &str, interface: &Interface, language: Language) -> 
     Ok(without_entry(&text).ok_or("the writer puts the entry point elsewhere")?)
 }
 
-/// A name in place of another, where it is a whole word.
+/// Replaces a name wherever it is a whole word.
 fn replaced(text: &str, from: &str, to: &str) -> String {
     let mut pieces = text.split(from);
     let mut whole = pieces.next().unwrap_or_default().to_owned();
@@ -62,11 +62,11 @@ fn replaced(text: &str, from: &str, to: &str) -> String {
     whole
 }
 
-/// Without the version, the entry point and what it writes to.
+/// Removes the version, the entry point and its output.
 fn without_entry(text: &str) -> Option<String> {
     let (pieces, _) = text.split_once("\nvoid main() {")?;
-    let kept = pieces.lines().filter(|line| !line.starts_with("#version") && !line.starts_with("layout(location"));
-    let mut lines: Vec<&str> = kept.collect();
+    let is_retained = |line: &&str| !line.starts_with("#version") && !line.starts_with("layout(location");
+    let mut lines: Vec<&str> = pieces.lines().filter(is_retained).collect();
     // No two empty lines in a row.
     lines.dedup_by(|a, b| a.trim().is_empty() && b.trim().is_empty());
     Some(lines.join("\n").trim().to_owned() + "\n")

@@ -4,10 +4,10 @@ use crate::parsed::Parsed;
 use brdfc_shaders::{BindingKind, Interface};
 use naga::back::hlsl::{Options, PipelineOptions, Writer};
 
-/// Declarations and functions.
+/// Translates the declarations and functions.
 ///
 /// # Errors
-/// What the writer says.
+/// Returns the writer's error.
 pub(crate) fn piece(parsed: &Parsed, interface: &Interface) -> Result<String, String> {
     let options = Options { fake_missing_bindings: true, ..Options::default() };
     let mut text = String::new();
@@ -17,7 +17,7 @@ pub(crate) fn piece(parsed: &Parsed, interface: &Interface) -> Result<String, St
     Ok(with_listed_zeros(&with_plain_samplers(&text, interface)))
 }
 
-/// Arrays that begin with zeros, which the writer casts from one, as lists: not every compiler takes the cast.
+/// Lists the zeros of arrays that the writer casts from one zero, since not every compiler accepts the cast.
 fn with_listed_zeros(text: &str) -> String {
     let line = |line: &str| {
         let listed = || {
@@ -31,8 +31,8 @@ fn with_listed_zeros(text: &str) -> String {
     text.lines().map(line).collect()
 }
 
-/// The writer looks samplers up in a heap, as wgpu does; engines bind each to a register of its own. They count registers
-/// without spaces, too.
+/// Replaces the sampler heap, which the writer uses like wgpu, by one register per sampler, as engines bind them. Also
+/// removes register spaces, which engines do not use.
 fn with_plain_samplers(text: &str, interface: &Interface) -> String {
     let declaration = |line: &str| {
         let sampler = interface.bindings.iter().find(|binding| {

@@ -1,13 +1,13 @@
-//! What a decoder's shader asks for and offers, found by naga in the WGSL, with the words of its comments.
+//! Extraction of a decoder's interface from the WGSL by naga, with descriptions from its comments.
 
 use super::parsed::Parsed;
 use brdfc_shaders::{Binding, BindingKind, Field, Function, Interface};
 use naga::{AddressSpace, GlobalVariable, Handle, ImageDimension, Module, ScalarKind, TypeInner};
 
-/// The interface of a WGSL source and the module that naga makes of it.
+/// Returns the interface of a WGSL source and its naga module.
 ///
 /// # Panics
-/// Where a function is not in the source.
+/// If the source lacks a function.
 pub(crate) fn interface(source: &str, Parsed { module, info }: &Parsed, functions: &[&str]) -> Interface {
     let sampled: Vec<Handle<GlobalVariable>> = module
         .functions
@@ -63,7 +63,7 @@ fn kind(source: &str, module: &Module, variable: &GlobalVariable, filtered: bool
     }
 }
 
-/// What stands behind the code of the first line of that kind, or the comment above it, which may be one for several bindings.
+/// The comment after the code of the first line of that kind, or above it. One comment may be for several bindings.
 fn words_above(source: &str, is_it: impl Fn(&str) -> bool) -> String {
     let lines: Vec<&str> = source.lines().collect();
     let Some(at) = lines.iter().position(|line| is_it(line)) else { return String::new() };

@@ -1,5 +1,5 @@
-//! Translates the decoders of packs, and pages that draw them, with naga. Tests and `./scripts/bless` use it; the program has the
-//! results.
+//! Translates the decoders of packs, and pages that draw them, with naga. Tests and `./scripts/bless` use it; the
+//! program contains the results.
 
 mod glsl;
 mod hlsl;
@@ -19,7 +19,7 @@ use std::collections::BTreeMap;
 /// Translates a decoder into every language.
 ///
 /// # Errors
-/// What the translator cannot say in a language.
+/// Returns an error if a language cannot express the decoder.
 pub fn translate(decoder: PackKind) -> Result<Generated, String> {
     let source = (decoder.descriptor().wgsl)();
     let parsed = Parsed::new(&source)?;

@@ -1,12 +1,12 @@
-//! Metal's language.
+//! Metal Shading Language.
 
 use crate::parsed::Parsed;
 use naga::back::msl::{Options, PipelineOptions, write_string};
 
-/// Declarations and functions.
+/// Translates the declarations and functions.
 ///
 /// # Errors
-/// What the writer says.
+/// Returns the writer's error.
 pub(crate) fn piece(parsed: &Parsed) -> Result<String, String> {
     let options = Options { lang_version: (2, 0), fake_missing_bindings: true, ..Options::default() };
     let (text, _) = write_string(&parsed.module, &parsed.info, &options, &PipelineOptions::default())

@@ -1,9 +1,9 @@
-//! Sources as naga reads them.
+//! Sources parsed by naga.
 
 use naga::Module;
 use naga::valid::{Capabilities, ModuleInfo, ValidationFlags, Validator};
 
-/// A source that has been parsed and checked.
+/// A parsed and validated source.
 pub(crate) struct Parsed {
     pub module: Module,
     pub info: ModuleInfo,
@@ -12,7 +12,7 @@ pub(crate) struct Parsed {
 impl Parsed {
     pub(crate) fn new(source: &str) -> Result<Self, String> {
         let module = naga::front::wgsl::parse_str(source).map_err(|error| error.emit_to_string(source))?;
-        // What WebGPU has without features.
+        // Capabilities of WebGPU without optional features.
         let mut validator = Validator::new(ValidationFlags::all(), Capabilities::empty());
         let info = validator.validate(&module).map_err(|error| error.emit_to_string(source))?;
         Ok(Self { module, info })

@@ -9,7 +9,7 @@ use naga::{GlobalVariable, Handle, ShaderStage};
 /// Translates WGSL with a vertex and a fragment entry point.
 ///
 /// # Errors
-/// What does not parse, is not valid, or cannot be said in GLSL ES 3.00.
+/// Returns an error if the source does not parse or validate, or if GLSL ES 3.00 cannot express it.
 pub fn program(wgsl: &str, vertex: &str, fragment: &str) -> Result<TranslatedProgram, String> {
     let parsed = Parsed::new(wgsl)?;
     let mut program = TranslatedProgram::default();
@@ -33,7 +33,7 @@ pub fn program(wgsl: &str, vertex: &str, fragment: &str) -> Result<TranslatedPro
             _ => program.fragment = lines,
         }
     }
-    // The writer says them in the order of a hash.
+    // The writer lists them in hash order.
     program.blocks.sort();
     program.textures.sort();
     Ok(program)

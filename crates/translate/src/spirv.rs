@@ -9,7 +9,7 @@ use naga::back::spv::{Options, PipelineOptions, WriterFlags, write_vec};
 /// The words of the module.
 ///
 /// # Errors
-/// What the writer says.
+/// Returns the writer's error.
 pub(crate) fn module(decoder: PackKind, source: &str) -> Result<Vec<u32>, String> {
     let parsed = Parsed::new(&evaluation(decoder, source))?;
     let options = Options { lang_version: (1, 3), flags: WriterFlags::DEBUG, ..Options::default() };

@@ -1,4 +1,4 @@
-//! One frame to a file, without a window.
+//! Writes one frame to a file, without a window.
 
 use crate::Arguments;
 use bevy::app::{PluginGroupBuilder, ScheduleRunnerPlugin};
@@ -10,20 +10,20 @@ use bevy::render::{ExtractSchedule, MainWorld, RenderApp, RenderPlugin};
 use bevy::window::{ExitCondition, WindowPlugin};
 use std::time::Duration;
 
-/// Frames with nothing left to compile, before the one that counts: pipelines are asked for a frame after their material.
+/// Frames without pending compilation before the frame is captured: pipelines are requested one frame after their material.
 const QUIET_FRAMES: u32 = 10;
-/// Then something is wrong.
-const LONGEST_WAIT: Duration = Duration::from_secs(300);
+/// Timeout.
+const MAX_WAIT: Duration = Duration::from_secs(300);
 
-/// The material that has to be there before the frame is drawn.
+/// The material that must be loaded before the frame is drawn.
 #[derive(Resource)]
 pub struct Awaited(pub UntypedHandle);
 
-/// What is drawn into.
+/// Image that the camera draws to.
 #[derive(Resource)]
 pub struct Target(pub Handle<Image>);
 
-/// Draws one frame, writes it and leaves.
+/// Draws one frame, writes it and exits.
 pub struct FramePlugin;
 
 impl Plugin for FramePlugin {
@@ -47,7 +47,7 @@ pub fn headless(plugins: impl PluginGroup) -> PluginGroupBuilder {
     plugins
 }
 
-/// An image for the camera.
+/// Makes an image for the camera.
 pub fn target(size: UVec2) -> Image {
     Image::new_target_texture(size.x, size.y, TextureFormat::Rgba8UnormSrgb, None)
 }
@@ -75,10 +75,10 @@ fn draw_when_ready(
     (awaited, target, arguments): (Res<Awaited>, Res<Target>, Res<Arguments>),
 ) {
     if let LoadState::Failed(_) = assets.load_state(&awaited.0) {
-        // Bevy has said why.
+        // Bevy has reported the error.
         exit.write(AppExit::error());
-    } else if time.elapsed() > LONGEST_WAIT {
-        eprintln!("error: no frame after {} seconds", LONGEST_WAIT.as_secs());
+    } else if time.elapsed() > MAX_WAIT {
+        eprintln!("error: no frame after {} seconds", MAX_WAIT.as_secs());
         exit.write(AppExit::error());
     } else if !assets.is_loaded_with_dependencies(&awaited.0) {
         progress.quiet_frames = 0;

@@ -17,14 +17,14 @@ usage: brdfc-bevy PACK.ktx2 [OPTION...]
 
 Draws a ball from a pack of a BRDF or a flat BTF: in a window (cargo feature 'window'), or one frame to a file.
 
-  --frame OUT.png       the file
-  --size WIDTHxHEIGHT   of the frame, pixels (default 256x256)
-  --samples N           1 or 4 samples of outlines in a pixel (default 4)
-  --repeat N            tiles of a flat BTF along a unit of uv (default 1)
-  --light KIND          point, spot or directional (default point)
+  --frame OUT.png       write one frame to this file
+  --size WIDTHxHEIGHT   size of the frame in pixels, each 1 to 8192 (default: 256x256)
+  --samples N           samples per pixel at outlines, 1 or 4 (default: 4)
+  --repeat N            tiles of a flat BTF per unit of uv, 1 to 1000 (default: 1)
+  --light KIND          point, spot or directional (default: point)
 ";
 
-/// Radiant intensity of the light, W/sr, and where it stands. It shines at the origin; a directional light is as bright there.
+/// Radiant intensity and position of the light, W/sr. It points at the origin; a directional light is as bright there.
 const INTENSITY: f32 = 60.0;
 const LIGHT: Vec3 = Vec3::new(-3.0, 3.0, 4.0);
 const EYE: Vec3 = Vec3::new(0.0, 0.6, 4.4);
@@ -39,7 +39,7 @@ enum LightKind {
     Directional,
 }
 
-/// What the command line asks for.
+/// Command-line arguments.
 #[derive(Debug, Clone, PartialEq, Resource)]
 struct Arguments {
     pack: PathBuf,
@@ -51,7 +51,7 @@ struct Arguments {
 }
 
 impl Arguments {
-    /// Nothing where help is asked for.
+    /// Parses the arguments; `None` if help is requested.
     fn parse(mut words: impl Iterator<Item = String>) -> Result<Option<Self>, String> {
         let (mut pack, mut frame, mut size) = (None, None, UVec2::splat(256));
         let (mut repeat, mut samples, mut light) = (1, 4, LightKind::Point);
@@ -66,7 +66,7 @@ impl Arguments {
                         text.split_once('x').and_then(|(x, y)| Some(UVec2::new(x.parse().ok()?, y.parse().ok()?)));
                     size = sides
                         .filter(|size| size.min_element() > 0 && size.max_element() <= 8192)
-                        .ok_or(format!("--size {text}: it is WIDTHxHEIGHT, of 1 to 8192 pixels"))?;
+                        .ok_or(format!("--size: found {text}, expected WIDTHxHEIGHT, each 1 to 8192"))?;
                 }
                 "--repeat" => {
                     let text = value()?;
@@ -74,7 +74,7 @@ impl Arguments {
                         .parse()
                         .ok()
                         .filter(|repeat| (1..=1000).contains(repeat))
-                        .ok_or(format!("--repeat {text}: it is a number of tiles from 1 to 1000"))?;
+                        .ok_or(format!("--repeat: found {text}, expected 1 to 1000"))?;
                 }
                 "--samples" => {
                     let text = value()?;
@@ -82,14 +82,14 @@ impl Arguments {
                         .parse()
                         .ok()
                         .filter(|samples| [1, 4].contains(samples))
-                        .ok_or(format!("--samples {text}: it is 1 or 4"))?;
+                        .ok_or(format!("--samples: found {text}, expected 1 or 4"))?;
                 }
                 "--light" => {
                     light = match value()?.as_str() {
                         "point" => LightKind::Point,
                         "spot" => LightKind::Spot,
                         "directional" => LightKind::Directional,
-                        other => return Err(format!("--light {other}: it is point, spot or directional")),
+                        other => return Err(format!("--light: found {other}, expected point, spot or directional")),
                     };
                 }
                 _ if word.starts_with('-') => return Err(format!("unknown option {word}")),
@@ -97,7 +97,7 @@ impl Arguments {
                 _ => return Err(format!("a second pack: {word}")),
             }
         }
-        Ok(Some(Self { pack: pack.ok_or("no pack is named")?, frame, size, repeat, samples, light }))
+        Ok(Some(Self { pack: pack.ok_or("no pack is given")?, frame, size, repeat, samples, light }))
     }
 }
 
@@ -114,7 +114,7 @@ fn main() -> AppExit {
         }
     };
     let mut app = App::new();
-    // The pack is named on the command line, not in the folder of a game's assets.
+    // The pack is given on the command line, not in a folder of assets.
     let assets = AssetPlugin { unapproved_path_mode: UnapprovedPathMode::Allow, ..default() };
     let plugins = DefaultPlugins.set(assets);
     match &arguments.frame {
@@ -125,23 +125,23 @@ fn main() -> AppExit {
             app.add_plugins(plugins).add_systems(Update, move_light);
         }
         None => {
-            eprintln!("error: there is no window in this build; add '--features window', or '--frame OUT.png'");
+            eprintln!("error: this build has no window; build with '--features window', or use '--frame OUT.png'");
             return AppExit::from_code(2);
         }
     }
     app.add_plugins(PackMaterialPlugin)
         .insert_resource(arguments)
-        // The background of the ball of `brdfc render`.
+        // The background of `brdfc render`.
         .insert_resource(ClearColor(Color::linear_rgb(0.1, 0.1, 0.11)))
         .add_systems(Startup, set_up)
         .run()
 }
 
-/// Goes around the ball in a window.
+/// Moves around the ball in a window.
 #[derive(Component)]
 struct Moving;
 
-/// The pack on a ball, a light, a camera.
+/// Adds a ball with the pack, a light and a camera.
 fn set_up(
     mut commands: Commands,
     arguments: Res<Arguments>,
@@ -149,7 +149,7 @@ fn set_up(
     mut meshes: ResMut<Assets<Mesh>>,
     mut images: ResMut<Assets<Image>>,
 ) -> Result {
-    // Anisotropic materials need tangents: along circles of latitude, once the poles of Bevy's ball are up and down.
+    // Anisotropic materials need tangents: along circles of latitude, after the poles of Bevy's ball are turned to top and bottom.
     let ball = Sphere::new(1.0).mesh().uv(144, 72).with_generated_tangents()?;
     let upright = Transform::from_rotation(Quat::from_rotation_x(-std::f32::consts::FRAC_PI_2));
     let path = AssetPath::from_path_buf(std::path::absolute(&arguments.pack)?);
@@ -159,7 +159,7 @@ fn set_up(
     commands.spawn((Mesh3d(meshes.add(ball)), MeshMaterial3d(material.clone()), upright));
     commands.insert_resource(frame::Awaited(material.untyped()));
 
-    // Bevy asks for the flux of the whole sphere, of spot lights, too.
+    // Bevy expects the flux over the whole sphere, also for spot lights.
     let (intensity, range) = (4.0 * std::f32::consts::PI * INTENSITY, 1000.0);
     let mut light = commands.spawn((Moving, Transform::from_translation(LIGHT).looking_at(Vec3::ZERO, Vec3::Y)));
     match arguments.light {
@@ -177,7 +177,7 @@ fn set_up(
         Camera3d::default(),
         Projection::from(PerspectiveProjection { fov: FIELD_OF_VIEW.to_radians(), ..default() }),
         Transform::from_translation(EYE).looking_at(Vec3::ZERO, Vec3::Y),
-        // Radiance 1 is white, and whatever is brighter.
+        // Radiance of 1 and above is white.
         Exposure { ev100: -f32::log2(1.2) },
         Tonemapping::None,
         DebandDither::Disabled,
@@ -191,7 +191,7 @@ fn set_up(
     Ok(())
 }
 
-/// Once around in 10 seconds.
+/// Moves the light around once in 10 seconds.
 fn move_light(time: Res<Time>, mut lights: Query<&mut Transform, With<Moving>>) {
     let turn = Quat::from_rotation_y(time.elapsed_secs() * std::f32::consts::TAU / 10.0);
     for mut light in &mut lights {
@@ -214,13 +214,13 @@ mod tests {
         assert_eq!(arguments.frame, Some("out.png".into()));
         assert_eq!(parsed("--help"), Ok(None));
         for (line, said) in [
-            ("", "no pack is named"),
+            ("", "no pack is given"),
             ("a.ktx2 b.ktx2", "a second pack: b.ktx2"),
             ("a.ktx2 --frame", "--frame needs a value"),
-            ("a.ktx2 --size 0x5", "--size 0x5: it is WIDTHxHEIGHT, of 1 to 8192 pixels"),
-            ("a.ktx2 --repeat 0", "--repeat 0: it is a number of tiles from 1 to 1000"),
-            ("a.ktx2 --samples 2", "--samples 2: it is 1 or 4"),
-            ("a.ktx2 --light sun", "--light sun: it is point, spot or directional"),
+            ("a.ktx2 --size 0x5", "--size: found 0x5, expected WIDTHxHEIGHT, each 1 to 8192"),
+            ("a.ktx2 --repeat 0", "--repeat: found 0, expected 1 to 1000"),
+            ("a.ktx2 --samples 2", "--samples: found 2, expected 1 or 4"),
+            ("a.ktx2 --light sun", "--light: found sun, expected point, spot or directional"),
             ("a.ktx2 --fast", "unknown option --fast"),
         ] {
             assert_eq!(parsed(line), Err(said.to_owned()));

@@ -1,4 +1,4 @@
-// Bevy's lights on a pack. It stands behind a decoder and two functions:
+// Bevy's lights for a pack. Include it after a decoder and two functions:
 //
 //     pack_level(uv)               // a level of detail, where control flow is uniform
 //     pack_reflected(surface, wi)  // f_r times the cosine of the incoming direction, 1/sr
@@ -15,7 +15,7 @@
     shadows,
 }
 
-// Cosine between normal and viewer at outlines, where interpolated normals would turn away.
+// Minimum cosine between normal and viewer: at outlines, interpolated normals would face away.
 const LOWEST_VIEW: f32 = 0.02;
 
 // A point of the surface.
@@ -24,7 +24,7 @@ struct PackSurface {
     wo: vec3<f32>,       // to the viewer, in the frame
     distance: f32,       // from the viewer
     uv: vec2<f32>,       // as textures have it: v goes down
-    level: f32,          // what `pack_level` says
+    level: f32,          // the result of `pack_level`
 }
 
 @fragment
@@ -73,7 +73,7 @@ fn fragment(in: forward_io::VertexOutput, @builtin(front_facing) front: bool) ->
         radiance += share * reflected(surface, scene::lights.directional_lights[k].direction_to_light, irradiance);
     }
 
-    // Fog, and tone mapping where the view has no texture of a larger range.
+    // Fog, and tone mapping if the view has no HDR texture.
     var input = pbr_types::pbr_input_new();
     input.frag_coord = in.position;
     input.world_position = in.world_position;
@@ -102,7 +102,7 @@ fn surface_at(
     let along = in.world_tangent.xyz;
     let side = select(1.0, -1.0, in.world_tangent.w < 0.0);
 #else
-    // Any direction will do.
+    // Any direction is sufficient.
     let along = select(vec3<f32>(1.0, 0.0, 0.0), vec3<f32>(0.0, 1.0, 0.0), abs(n.x) > 0.7);
     let side = 1.0;
 #endif
@@ -112,7 +112,7 @@ fn surface_at(
     return PackSurface(frame, v * frame, distance, uv, level);
 }
 
-// Radiance from irradiance `irradiance` at right angles to the unit vector `l` to the light.
+// Radiance from `irradiance`, measured perpendicular to the unit vector `l` to the light.
 fn reflected(surface: PackSurface, l: vec3<f32>, irradiance: vec3<f32>) -> vec3<f32> {
     let wi = l * surface.frame;
     if wi.z <= 0.0 {
@@ -121,7 +121,7 @@ fn reflected(surface: PackSurface, l: vec3<f32>, irradiance: vec3<f32>) -> vec3<
     return pack_reflected(surface, wi) * irradiance;
 }
 
-// A point or spot light without its cone: a point, whatever its radius. Bevy lets lights end at their range.
+// A point or spot light without its cone, treated as a point with any radius. Bevy's lights end at their range.
 fn from_near_light(surface: PackSurface, position: vec3<f32>, id: u32) -> vec3<f32> {
     let to_light = scene::clustered_lights.data[id].position_radius.xyz - position;
     let squared = max(dot(to_light, to_light), 0.0001);
@@ -135,7 +135,7 @@ fn near_light_throws_shadows(id: u32) -> bool {
     return (scene::clustered_lights.data[id].flags & flags::POINT_LIGHT_FLAGS_SHADOWS_ENABLED_BIT) != 0u;
 }
 
-// The share of a spot light within its cone.
+// The fraction of a spot light within its cone.
 fn cone(position: vec3<f32>, id: u32) -> f32 {
     let data = scene::clustered_lights.data[id].light_custom_data;
     let below = (scene::clustered_lights.data[id].flags & flags::POINT_LIGHT_FLAGS_SPOT_LIGHT_Y_NEGATIVE) != 0u;

@@ -1,7 +1,7 @@
 //! A Bevy material that draws the packs of `brdfc`: BRDFs and flat BTFs, under Bevy's point, spot and directional lights.
 //!
-//! Add [`PackMaterialPlugin`], load a `.ktx2` as a [`PackMaterial`], and put it on a mesh by [`MeshMaterial3d`]. The mesh needs
-//! normals, tangents where the pack tells directions around the normal apart, and uv for flat BTFs.
+//! Add [`PackMaterialPlugin`], load a `.ktx2` as a [`PackMaterial`], and put it on a mesh with [`MeshMaterial3d`]. The mesh needs
+//! normals, tangents if the pack is anisotropic, and uv for flat BTFs.
 
 use crate::pack_resources::upload;
 use crate::pack_shader::add_shader;
@@ -27,7 +27,7 @@ use serde::{Deserialize, Serialize};
 use std::marker::PhantomData;
 use std::sync::LazyLock;
 
-/// What differs between decoders: which of their functions the material calls, and what a mesh has to have.
+/// Functions that the material calls in a decoder, and the attributes that a mesh must have.
 struct PackDecoder {
     kind: PackKind,
     shader: Handle<Shader>,
@@ -35,7 +35,7 @@ struct PackDecoder {
     needs_uv: bool,
 }
 
-/// Those that the material draws: of all BRDFs, and of flat BTFs.
+/// Decoders of all BRDFs, and of flat BTFs.
 static DECODERS: LazyLock<Vec<PackDecoder>> =
     LazyLock::new(|| PackKind::ALL.into_iter().filter_map(PackDecoder::of).collect());
 
@@ -56,7 +56,7 @@ fn pack_reflected(surface: PackSurface, wi: vec3<f32>) -> vec3<f32> {{
 }}
 "
             ),
-            // Of tiles, v goes along the bitangent, against that of textures.
+            // For tiles, v follows the bitangent, opposite to the v of textures.
             None if needs_uv => "
 fn pack_level(uv: vec2<f32>) -> f32 {
     return factored_mipmap_level(dpdx(uv * pack_repeat.xy), dpdy(uv * pack_repeat.xy));
@@ -74,24 +74,24 @@ fn pack_reflected(surface: PackSurface, wi: vec3<f32>) -> vec3<f32> {
     }
 }
 
-/// Whether a pack tells directions around the normal apart: all do but tables of one layer, by the word `layers` of their block.
+/// Returns true if a pack is anisotropic: all are, except tables of one layer (field `layers` of their block).
 fn is_anisotropic(bindings: &Bindings<'_>) -> bool {
     word(bindings, "table_brdf_parameters", 3) != Some(1)
 }
 
-/// Tiles per unit of uv, in front of each decoder's calls. The slot is one that the pack leaves free, so pipelines define it.
+/// Tiles per unit of uv, before each decoder's calls. The slot must be free in the pack, so pipelines define it.
 const REPEAT_WGSL: &str = "@group(1) @binding(#{PACK_REPEAT_SLOT}) var<uniform> pack_repeat: vec4<f32>;\n";
-/// The name of layouts, also of the empty one that the material's pipelines have until they know their pack.
+/// Name of layouts, including the empty one that the material's pipelines have until their pack is known.
 const LABEL: &str = "brdfc_pack";
 
-/// A word of a uniform block, where the pack has that block.
+/// Reads a word of a uniform block, if the pack has that block.
 fn word(bindings: &Bindings<'_>, block: &str, index: usize) -> Option<u32> {
     let found = bindings.all.iter().find(|binding| binding.name == block).map(|binding| &binding.resource);
     let Some(Resource::Uniform(bytes)) = found else { return None };
     bytes.as_chunks::<4>().0.get(index).map(|word| u32::from_le_bytes(*word))
 }
 
-/// The material, its shaders and the loader of packs.
+/// Registers the material, its shaders and the loader of packs.
 pub struct PackMaterialPlugin;
 
 impl Plugin for PackMaterialPlugin {
@@ -114,24 +114,24 @@ impl Plugin for PackMaterialPlugin {
     }
 }
 
-/// A material of a pack, which is on the GPU already.
+/// Material of a pack that is already on the GPU.
 #[derive(Asset, TypePath, Debug, Clone)]
 pub struct PackMaterial {
     group: BindGroup,
     key: PackMaterialKey,
 }
 
-/// What a pipeline is chosen by.
+/// Key of a pipeline.
 #[derive(Debug, Clone, PartialEq, Eq, Hash)]
 pub struct PackMaterialKey {
     layout: Vec<BindGroupLayoutEntry>,
-    /// Of [`DECODERS`].
+    /// Index in [`DECODERS`].
     decoder: usize,
     repeat_slot: u32,
     needs_tangents: bool,
 }
 
-/// Each pack has a layout of its own, so its group is made where it is loaded.
+/// Each pack has a layout of its own, so its bind group is made when it is loaded.
 impl AsBindGroup for PackMaterial {
     type Data = PackMaterialKey;
     type Param = ();
@@ -147,7 +147,7 @@ impl AsBindGroup for PackMaterial {
         _: &PipelineCache,
         (): &mut SystemParamItem<'_, '_, Self::Param>,
     ) -> Result<PreparedBindGroup, AsBindGroupError> {
-        // The group itself keeps what is bound.
+        // The group itself keeps its resources alive.
         Ok(PreparedBindGroup { bindings: BindingResources(Vec::new()), bind_group: self.group.clone() })
     }
 
@@ -182,7 +182,7 @@ impl Material for PackMaterial {
         key: MaterialPipelineKey<Self>,
     ) -> Result<(), SpecializedMeshPipelineError> {
         let PackMaterialKey { layout: entries, decoder, repeat_slot, needs_tangents } = key.bind_group_data;
-        // An error that names the attribute, where the mesh has none.
+        // The mesh reports an error with the name of a missing attribute.
         if DECODERS[decoder].needs_uv {
             layout.0.get_layout(&[Mesh::ATTRIBUTE_UV_0.at_shader_location(2)])?;
         }
@@ -192,7 +192,7 @@ impl Material for PackMaterial {
         for group in descriptor.layout.iter_mut().filter(|group| group.label == LABEL) {
             group.entries.clone_from(&entries);
         }
-        // Shadows and depth have no fragment shader of this material.
+        // The passes for shadows and depth have no fragment shader of this material.
         if let Some(fragment) = &mut descriptor.fragment
             && fragment.shader == DECODERS[0].shader
         {
@@ -203,12 +203,12 @@ impl Material for PackMaterial {
     }
 }
 
-/// How a pack is drawn.
+/// Settings of a pack's material.
 #[derive(Debug, Clone, Serialize, Deserialize)]
 pub struct PackSettings {
-    /// `α` of the level of detail: from the distance 1 / α on, packs that have levels are drawn coarser.
+    /// `α` of the level of detail: packs with levels are drawn coarser from the distance 1 / α.
     pub distance_scale: f32,
-    /// Whether wavelet packs are filtered over incoming directions, too: that takes four times as many fetches.
+    /// Also filters wavelet packs over incoming directions, which takes four times as many fetches.
     pub smooth: bool,
     /// Tiles of a flat BTF per unit of uv.
     pub repeat: Vec2,
@@ -223,7 +223,7 @@ impl Default for PackSettings {
 /// Finds the decoder of a pack in [`DECODERS`].
 ///
 /// # Errors
-/// A decoder that the material does not have, or a version of it that is not that of its shader.
+/// Returns an error if the material does not have the decoder, or has another version of it.
 fn decoder_of(bindings: &Bindings<'_>) -> Result<usize, FormatError> {
     let name = &*bindings.decoder;
     let Some(decoder) = DECODERS.iter().position(|decoder| decoder.kind.name() == name) else {
@@ -238,26 +238,26 @@ fn decoder_of(bindings: &Bindings<'_>) -> Result<usize, FormatError> {
     Ok(decoder)
 }
 
-/// The lowest slot that a pack leaves free.
+/// Returns the lowest slot that a pack leaves free.
 fn free_slot(bindings: &Bindings<'_>) -> u32 {
     let is_free = |slot: &u32| bindings.all.iter().all(|binding| binding.slot != *slot);
     (0..).find(is_free).expect("a pack has few slots")
 }
 
-/// Why a pack was not loaded.
+/// Error of loading a pack.
 #[derive(Debug, thiserror::Error)]
 pub enum PackError {
     /// The file cannot be read.
     #[error(transparent)]
     Io(#[from] std::io::Error),
-    /// The file is no pack, or one that this material or this device does not draw.
+    /// The file is not a pack, or a pack that this material or this device does not support.
     #[error(transparent)]
     Format(#[from] FormatError),
 }
 
 const EXTENSIONS: &[&str] = &["ktx2"];
 
-/// Loads packs as materials, by `asset_server.load::<PackMaterial>("paint.ktx2")`, where there is a device to upload them to.
+/// Loads packs as materials, with `asset_server.load::<PackMaterial>("paint.ktx2")`, if there is a device to upload them to.
 #[derive(TypePath)]
 pub struct PackLoader {
     device: RenderDevice,

@@ -1,4 +1,4 @@
-//! Uploads a pack of any codec by the pack's own list of bindings.
+//! Uploads a pack of any codec, using its own list of bindings.
 
 use bevy::image::{ImageAddressMode, ImageSamplerDescriptor};
 use bevy::render::render_resource::*;
@@ -7,10 +7,10 @@ use brdfc_formats::FormatError;
 use brdfc_formats::bindings::{Bindings, FrameBlock, Resource, Texels};
 use serde::de::value::{Error, StrDeserializer};
 
-/// Uploads what a pack lists and makes a bind group of it, by slots.
+/// Uploads the resources of a pack, and makes a bind group of them by slots.
 ///
 /// # Errors
-/// A texture that the device does not filter.
+/// Returns an error for a texture that the device cannot filter.
 pub fn upload(
     bindings: Bindings<'_>,
     frame: FrameBlock,
@@ -67,11 +67,11 @@ pub fn upload(
     Ok((layout, group))
 }
 
-/// Texels in a format that a device with these features has, and filters where a sampler does: 16-bit integers may become 32-bit
-/// floats. Every device loads these, but only one with `FLOAT32_FILTERABLE` filters them.
+/// Converts texels to a format that a device with these features supports, and filters if a sampler does: 16-bit integers may become
+/// 32-bit floats. Every device loads these, but only one with `FLOAT32_FILTERABLE` filters them.
 ///
 /// # Errors
-/// A texture that the device does not filter.
+/// Returns an error for a texture that the device cannot filter.
 fn supported<'a>(name: &str, mut texels: Texels<'a>, features: WgpuFeatures) -> Result<Texels<'a>, FormatError> {
     let stored = texels.format.name();
     let is_supported = |texels: &Texels<'_>| {
@@ -89,7 +89,7 @@ fn supported<'a>(name: &str, mut texels: Texels<'a>, features: WgpuFeatures) -> 
     Ok(texels)
 }
 
-/// What wgpu has for a word of WebGPU: packs name formats and dimensions by these.
+/// Converts a word of WebGPU to its wgpu type; packs use these words for formats and dimensions.
 fn webgpu<T: serde::Deserialize<'static>>(word: &'static str) -> T {
     T::deserialize(StrDeserializer::<Error>::new(word)).expect("a word of WebGPU")
 }

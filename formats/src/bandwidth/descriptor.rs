@@ -1,4 +1,4 @@
-//! What is known of the codec apart from its packs.
+//! Static description of the codec.
 
 use super::shader::{BANDWIDTH_WGSL, DECODER};
 use crate::descriptor::{Answer, Descriptor};

@@ -1,14 +1,15 @@
-//! Which values of a map may be too low, because the image that was transformed has too few pixels for them.
+//! Values of a map that may be too low because the transformed image has too few pixels.
 
 use super::{BandwidthKind, BandwidthMap, CELLS};
 use std::f64::consts::{FRAC_PI_2, PI};
 
-/// Cycles per pixel above which the transform has no finer level that could tell where detail ends.
+/// Cycles per pixel above which the transform has no finer level to detect the limit of detail.
 const QUARTER: f64 = 0.25;
 
 impl BandwidthMap {
-    /// Share of the values of a BRDF's map, 0 to 1, that are a quarter of a cycle per pixel of the lobes' images or more:
-    /// lobes may vary faster there than their images show. `None` of other maps, whose images are what they are.
+    /// Fraction of the values of a BRDF's map, 0 to 1, of at least a quarter of a cycle per pixel of the lobe images.
+    /// Lobes may vary faster there than their images resolve. `None` for other kinds of maps, whose images are the
+    /// original data.
     pub fn limited(&self) -> Option<f64> {
         if self.header().kind != BandwidthKind::Brdf {
             return None;

@@ -1,6 +1,7 @@
-//! Maps of local bandwidth: how fast a BRDF lobe, an environment or a texture varies. Layout: `formats/src/bandwidth/spec.md`.
+//! Maps of local bandwidth: rate of variation of BRDF lobes, environments or textures. Layout:
+//! `formats/src/bandwidth/spec.md`.
 //!
-//! The look-ups are f32 arithmetic in a fixed order: `formats/src/bandwidth/map.wgsl` gives the same bits.
+//! Look-ups are f32 operations in a fixed order, and `formats/src/bandwidth/map.wgsl` produces the same bits.
 
 use crate::FormatError;
 use crate::bindings::PackFile;
@@ -15,17 +16,17 @@ use std::f32::consts::{FRAC_PI_2, PI, TAU};
 pub const CELLS: u32 = 16;
 /// Texels per side of a BRDF's map.
 pub const BRDF_SIDE: u32 = CELLS * CELLS;
-/// Most texels per side of any map.
+/// Maximum texels per side of a map.
 pub const MAX_SIDE: u32 = 512;
-/// Most pixels per side of what was transformed.
+/// Maximum pixels per side of the transformed image.
 pub const MAX_TRANSFORMED: u32 = 1 << 16;
 
 const VERSION: u32 = 1;
-/// The entry that makes a texture this kind of pack.
+/// Key that identifies a bandwidth map.
 pub const BANDWIDTH_ENTRY: &str = "brdfc.bandwidth";
 const HEADER_BYTES: usize = 40;
 
-/// Of what a map is, and what only that kind has.
+/// Subject of a map, with the properties that only that kind has.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum BandwidthKind {
     /// Lobes of a BRDF: cycles per radian of the outgoing direction.
@@ -36,13 +37,13 @@ pub enum BandwidthKind {
     Texture {
         /// Width and height of the texture in metres, positive.
         metres: [f32; 2],
-        /// Whether it repeats.
+        /// True if the texture repeats.
         tiles: bool,
     },
 }
 
 impl BandwidthKind {
-    /// The name scripts use.
+    /// Name for command line and files.
     pub fn name(self) -> &'static str {
         match self {
             Self::Brdf => "brdf",
@@ -51,7 +52,7 @@ impl BandwidthKind {
         }
     }
 
-    /// The unit of the values.
+    /// Unit of the values.
     pub fn unit(self) -> &'static str {
         match self {
             Self::Brdf | Self::Environment => "cycles per radian",
@@ -68,41 +69,41 @@ impl BandwidthKind {
     }
 }
 
-/// What a map says of itself.
+/// Header of a bandwidth map.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct BandwidthHeader {
-    /// Of what it is.
+    /// Subject of the map.
     pub kind: BandwidthKind,
-    /// `ε` of the rule that found the values, positive, at most 1.
+    /// `ε` of the rule by which the values were determined, positive, at most 1.
     pub epsilon: f32,
-    /// Width and height of the image that was transformed, each 1 to [`MAX_TRANSFORMED`]; of BRDFs, of each lobe.
+    /// Width and height of the transformed image, each 1 to [`MAX_TRANSFORMED`]; for BRDFs, of each lobe.
     pub transformed: [u32; 2],
 }
 
-/// A map in memory.
+/// A bandwidth map in memory.
 #[derive(Debug, Clone, PartialEq)]
 pub struct BandwidthMap {
     header: BandwidthHeader,
     size: [u32; 2],
-    /// What texels are multiplied by.
+    /// Factor of texel values.
     scale: f32,
     /// Halves, row by row.
     texels: Vec<u16>,
 }
 
 impl BandwidthMap {
-    /// A map of `size` values, row by row. They are rounded to halves; where the largest is beyond the halves, all are
-    /// divided by a power of two first.
+    /// Creates a map from `size` values, row by row. Values are rounded to halves; if the largest exceeds the range of
+    /// halves, all are divided by a power of two first.
     ///
     /// # Errors
-    /// A header out of range, a size that the kind does not have, another number of values, values that are negative or no
-    /// finite numbers.
+    /// Returns an error if the header is out of range, the size does not fit the kind, the number of values is wrong,
+    /// or a value is negative or not finite.
     pub fn new(header: BandwidthHeader, size: [u32; 2], values: &[f32]) -> Result<Self, FormatError> {
         check_header(&header)?;
         check_size(&header, size)?;
-        let wanted = u64::from(size[0]) * u64::from(size[1]);
-        if values.len() as u64 != wanted {
-            let allowed = format!("{wanted}, as its size says");
+        let expected = u64::from(size[0]) * u64::from(size[1]);
+        if values.len() as u64 != expected {
+            let allowed = format!("{expected}, as its size says");
             return Err(FormatError::whole("values of a bandwidth map", values.len().to_string(), allowed));
         }
         if let Some(at) = values.iter().position(|v| !(v.is_finite() && *v >= 0.0)) {
@@ -117,7 +118,7 @@ impl BandwidthMap {
         Ok(Self { header, size, scale, texels })
     }
 
-    /// What it says of itself.
+    /// Header of the map.
     pub fn header(&self) -> &BandwidthHeader {
         &self.header
     }
@@ -127,7 +128,7 @@ impl BandwidthMap {
         self.size
     }
 
-    /// What texels are multiplied by.
+    /// Factor of texel values.
     pub fn scale(&self) -> f32 {
         self.scale
     }
@@ -137,18 +138,18 @@ impl BandwidthMap {
         self.texels.iter().map(|texel| half::decode(*texel) * self.scale).collect()
     }
 
-    /// The texels as a GPU takes them: little-endian halves.
+    /// Texels in GPU layout: little-endian halves.
     pub fn texel_bytes(&self) -> Vec<u8> {
         self.texels.iter().flat_map(|texel| texel.to_le_bytes()).collect()
     }
 
-    /// Bandwidth of the lobe of `incoming` at `outgoing`, at the nearest cell, in cycles per radian. Directions are unit
-    /// vectors in the frame z = normal; those below the horizon have the last cell. 0 of other kinds of maps.
+    /// Bandwidth of the lobe of `incoming` at `outgoing`, from the nearest cell, in cycles per radian. Directions are
+    /// unit vectors in the frame z = normal; those below the horizon use the last cell. 0 for other kinds of maps.
     pub fn brdf(&self, incoming: [f32; 3], outgoing: [f32; 3]) -> f32 {
         self.brdf_cells(brdf_cell(incoming), brdf_cell(outgoing))
     }
 
-    /// [`Self::brdf`] of directions whose [`brdf_cell`] is known.
+    /// Same as [`Self::brdf`] for directions whose [`brdf_cell`] is known.
     pub fn brdf_cells(&self, [i, j]: [u32; 2], [k, l]: [u32; 2]) -> f32 {
         if self.header.kind != BandwidthKind::Brdf {
             return 0.0;
@@ -156,8 +157,8 @@ impl BandwidthMap {
         self.texel([i * CELLS + k, j * CELLS + l])
     }
 
-    /// Bandwidth of an environment in a direction of any length, `x = sin θ cos φ, y = cos θ, z = sin θ sin φ`, at the nearest
-    /// texel, in cycles per radian. 0 of other kinds of maps.
+    /// Bandwidth of an environment in a direction of any length, `x = sin θ cos φ, y = cos θ, z = sin θ sin φ`, from
+    /// the nearest texel, in cycles per radian. 0 for other kinds of maps.
     pub fn environment(&self, direction: [f32; 3]) -> f32 {
         if self.header.kind != BandwidthKind::Environment {
             return 0.0;
@@ -165,7 +166,7 @@ impl BandwidthMap {
         self.texel(self.environment_texel(direction))
     }
 
-    /// What [`Self::environment`] finds, row by row.
+    /// Values of [`Self::environment`] for all texels, row by row.
     pub fn environment_values(&self) -> Vec<f32> {
         match self.header.kind {
             BandwidthKind::Environment => self.values(),
@@ -173,7 +174,7 @@ impl BandwidthMap {
         }
     }
 
-    /// Column and row that [`Self::environment`] looks at: where other images of this size have what belongs to it.
+    /// Column and row that [`Self::environment`] reads, also valid for other images of the same size.
     pub fn environment_texel(&self, direction: [f32; 3]) -> [u32; 2] {
         let [x, y, z] = direction;
         let turn = azimuth(x, z) / TAU;
@@ -181,11 +182,11 @@ impl BandwidthMap {
         [index(turn, self.size[0]), index(fall, self.size[1])]
     }
 
-    /// [`brdf_cell`] of one direction and [`Self::environment_texel`] of another at once, which takes less time.
+    /// [`brdf_cell`] of one direction and [`Self::environment_texel`] of another, faster than two calls.
     pub fn cell_and_texel(&self, local: [f32; 3], world: [f32; 3]) -> ([u32; 2], [u32; 2]) {
         let ([a, b, c], [x, y, z]) = (local, world);
-        let beside = [b.abs(), (a * a + b * b).sqrt(), z.abs(), (x * x + z * z).sqrt()];
-        let [ab, ac, xz, xy] = polynomial_atan2_each(beside, [a, c, x, y]);
+        let legs = [b.abs(), (a * a + b * b).sqrt(), z.abs(), (x * x + z * z).sqrt()];
+        let [ab, ac, xz, xy] = polynomial_atan2_each(legs, [a, c, x, y]);
         let turned = [subtracted_if(b < 0.0, TAU, ab), ac, subtracted_if(z < 0.0, TAU, xz), xy];
         let whole = [TAU, FRAC_PI_2, TAU, PI];
         let count = [CELLS, CELLS, self.size[0], self.size[1]];
@@ -193,8 +194,9 @@ impl BandwidthMap {
         ([i, j], [column, row])
     }
 
-    /// Bandwidth of a texture at the nearest texel, in cycles per metre. `(0, 0)` is the corner of the first texel, v goes with
-    /// the rows, a texture is 1 wide and high; beyond, it repeats or ends as the header says. 0 of other kinds of maps.
+    /// Bandwidth of a texture at the nearest texel, in cycles per metre. `(0, 0)` is the corner of the first texel, v
+    /// follows the rows, and the texture has width and height 1; outside it repeats or is clamped as the header says. 0
+    /// for other kinds of maps.
     pub fn texture(&self, uv: [f32; 2]) -> f32 {
         let BandwidthKind::Texture { tiles, .. } = self.header.kind else { return 0.0 };
         let inside = |c: f32| if tiles { c - c.floor() } else { c };
@@ -205,7 +207,7 @@ impl BandwidthMap {
         half::decode(self.texels[(row * self.size[0] + column) as usize]) * self.scale
     }
 
-    /// The bytes of the KTX2 file.
+    /// Contents of the KTX2 file.
     pub fn to_bytes(&self, supercompress: bool) -> Vec<u8> {
         let h = &self.header;
         let [kind, unit] = h.kind.codes();
@@ -229,28 +231,28 @@ impl BandwidthMap {
         self.bindings().to_file(BTreeMap::from([(BANDWIDTH_ENTRY.to_owned(), header)]), supercompress)
     }
 
-    /// Reads and checks a KTX2 file.
+    /// Reads and validates a KTX2 file.
     ///
     /// # Errors
-    /// Whatever breaks the rules of `formats/src/bandwidth/spec.md`.
+    /// Returns an error if the file violates `formats/src/bandwidth/spec.md`.
     pub fn from_bytes(bytes: &[u8]) -> Result<Self, FormatError> {
         Self::from_file(PackFile::from_bytes(bytes)?)
     }
 
-    /// [`Self::from_bytes`] of a file whose bindings have been read.
+    /// Same as [`Self::from_bytes`] for a file whose bindings have been read.
     ///
     /// # Errors
-    /// As [`Self::from_bytes`].
+    /// Same as [`Self::from_bytes`].
     pub fn from_file(mut file: PackFile) -> Result<Self, FormatError> {
         let map = Self::from_texture(&file.take_own())?;
         file.check_same(&map.bindings())?;
         Ok(map)
     }
 
-    /// Reads and checks a texture with the entry of its header, as a file has them.
+    /// Reads and validates a texture with the header among its key/value data.
     ///
     /// # Errors
-    /// As [`Self::from_bytes`].
+    /// Same as [`Self::from_bytes`].
     pub fn from_texture(texture: &Texture) -> Result<Self, FormatError> {
         texture.check_one_level()?;
         let (header, scale) = read_header(entry(texture, BANDWIDTH_ENTRY, "a bandwidth map")?)?;
@@ -260,7 +262,7 @@ impl BandwidthMap {
         let Extent::D2(size) = texture.extent else { return Err(wrong_size(texture.extent, "a 2D texture")) };
         check_size(&header, size)?;
         let texels: Vec<u16> = texture.texels.as_chunks::<2>().0.iter().map(|half| u16::from_le_bytes(*half)).collect();
-        // Bits of the positive finite halves.
+        // Bits of finite non-negative halves.
         if let Some(at) = texels.iter().position(|texel| *texel >= 0x7c00) {
             return Err(wrong_texel(size, at, half::decode(texels[at])));
         }
@@ -273,9 +275,9 @@ fn azimuth(x: f32, y: f32) -> f32 {
     subtracted_if(y < 0.0, TAU, polynomial_atan2(y.abs(), x))
 }
 
-/// The one of `count` equal parts of `[0, 1]` that a share is in; the last ones take what is beyond.
+/// Index of the part of `[0, 1]`, divided into `count` equal parts, that contains a fraction; clamped at the ends.
 fn index(share: f32, count: u32) -> u32 {
-    // Not a number is no share: 0.
+    // NaN becomes 0.
     let at = if share > 0.0 { share * count as f32 } else { 0.0 };
     (at.min(count as f32 - 1.0)) as u32
 }
@@ -301,7 +303,7 @@ fn check_size(header: &BandwidthHeader, size: [u32; 2]) -> Result<(), FormatErro
     if header.kind == BandwidthKind::Brdf {
         return match size == [BRDF_SIDE; 2] {
             true => Ok(()),
-            false => Err(wrong_size(Extent::D2(size), format!("{BRDF_SIDE} x {BRDF_SIDE} of a BRDF"))),
+            false => Err(wrong_size(Extent::D2(size), format!("{BRDF_SIDE} x {BRDF_SIDE} for a BRDF"))),
         };
     }
     match size.iter().all(|side| (1..=MAX_SIDE).contains(side)) {
@@ -329,7 +331,7 @@ fn check_header(header: &BandwidthHeader) -> Result<(), FormatError> {
     Ok(())
 }
 
-/// The header, and the scale of the texels.
+/// Reads the header and the scale of the texels.
 fn read_header(bytes: &[u8]) -> Result<(BandwidthHeader, f32), FormatError> {
     let mut cursor = Cursor::new(sized(bytes, BANDWIDTH_ENTRY, HEADER_BYTES)?);
     let wrong = |field: &str, found: String, allowed: &str| {
@@ -355,15 +357,15 @@ fn read_header(bytes: &[u8]) -> Result<(BandwidthHeader, f32), FormatError> {
         other => return Err(wrong("kind", other.to_string(), "0 (brdf), 1 (environment) or 2 (texture)")),
     };
     if unit != kind.codes()[1] {
-        let allowed = format!("{} ({}) of the kind {}", kind.codes()[1], kind.unit(), kind.name());
+        let allowed = format!("{} ({}) for the kind {}", kind.codes()[1], kind.unit(), kind.name());
         return Err(wrong("unit", unit.to_string(), &allowed));
     }
     let is_texture = matches!(kind, BandwidthKind::Texture { .. });
     if !is_texture && (metres.map(f32::to_bits) != [0; 2] || tiles != 0) {
         let found = format!("{} x {} metres, tiles {tiles}", metres[0], metres[1]);
-        return Err(wrong("metres", found, "0 of what is no texture"));
+        return Err(wrong("metres", found, "0 for other kinds than textures"));
     }
-    // A power of two from 1 to 2^127 has no mantissa.
+    // Powers of two from 1 to 2^127 have a zero mantissa.
     if !(scale.is_normal() && scale >= 1.0 && scale.to_bits() & 0x7f_ffff == 0 && scale <= 2f32.powi(112)) {
         return Err(wrong("scale", scale.to_string(), "a power of two from 1 to 2^112"));
     }
@@ -384,7 +386,7 @@ mod tests {
     }
 
     #[test]
-    fn cells_are_found_at_their_centres() {
+    fn centres_map_to_their_cells() {
         let map = map(BandwidthKind::Brdf, [256; 2]);
         let centre = |i: u32, j: u32| {
             let (azimuth, polar) = (TAU * (i as f32 + 0.5) / 16.0, FRAC_PI_2 * (j as f32 + 0.5) / 16.0);

@@ -1,35 +1,35 @@
-// Maps of local bandwidth on a GPU: how fast a BRDF lobe, an environment or a texture varies.
+// Maps of local bandwidth: rate of variation of BRDF lobes, environments or textures.
 //
 // After Bagher, Soler, Subr, Belcour and Holzschuch 2012, "Interactive rendering of acquired materials on dynamic
-// geometry using bandwidth prediction", section 2.4. The layout is described in `formats/src/bandwidth/spec.md`; the
-// CPU look-ups with the same steps in the same order are those of `BandwidthMap` of the crate `brdfc-formats`.
+// geometry using bandwidth prediction", section 2.4. Layout: `formats/src/bandwidth/spec.md`. The CPU look-ups of
+// `BandwidthMap` of the crate `brdfc-formats` perform the same steps in the same order.
 //
-// To use it: paste this file before your own shader, move the bindings where they suit you, and call
+// Usage: prepend this file to your own shader, move the bindings as needed, and call
 //
 //     let rho = bandwidth_brdf(wi, wo);         // cycles per radian of the outgoing direction
 //     let light = bandwidth_environment(d);     // cycles per radian of the direction
 //     let spatial = bandwidth_texture(uv);      // cycles per metre
 //
-// wi and wo are unit vectors in the frame x = tangent, y = bitangent, z = normal; d is any vector in the frame of
-// the environment. A map that is not there is a texture of one texel and a
-// block of zeros; what a shader does not call has nothing bound.
+// wi and wo are unit vectors in the frame x = tangent, y = bitangent, z = normal; d is any vector in the frame of the
+// environment. For a missing map, bind a texture of one texel and a block of zeros. Functions that a shader does not
+// call need no bindings.
 
-// 16 bytes: `BandwidthMap::uniform` of `brdfc-formats`, of each map.
+// 16 bytes: `BandwidthMap::uniform` of `brdfc-formats`, one block per map.
 struct BandwidthParameters {
-    scale: f32,   // what texels are multiplied by
-    tiles: u32,   // of a texture: 1 where it repeats
+    scale: f32,   // factor of texel values
+    tiles: u32,   // 1 if a texture repeats
     reserved_0: u32,
     reserved_1: u32,
 }
 
 @group(1) @binding(29) var<uniform> bandwidth_brdf_parameters: BandwidthParameters;
-// The texture as it is in the KTX2 file.
+// Texture of the KTX2 file.
 @group(1) @binding(30) var bandwidth_brdf_map: texture_2d<f32>;
 @group(1) @binding(31) var<uniform> bandwidth_environment_parameters: BandwidthParameters;
-// The texture as it is in the KTX2 file.
+// Texture of the KTX2 file.
 @group(1) @binding(32) var bandwidth_environment_map: texture_2d<f32>;
 @group(1) @binding(33) var<uniform> bandwidth_texture_parameters: BandwidthParameters;
-// The texture as it is in the KTX2 file.
+// Texture of the KTX2 file.
 @group(1) @binding(34) var bandwidth_texture_map: texture_2d<f32>;
 
 const BANDWIDTH_PI: f32 = 3.14159274;
@@ -37,24 +37,24 @@ const BANDWIDTH_HALF_PI: f32 = 1.57079637;
 const BANDWIDTH_TAU: f32 = 6.28318548;
 const BANDWIDTH_CELLS: u32 = 16u;
 
-// Of a lobe, in cycles per radian of the outgoing direction.
+// Bandwidth of a lobe, in cycles per radian of the outgoing direction.
 fn bandwidth_brdf(incoming: vec3<f32>, outgoing: vec3<f32>) -> f32 {
     return bandwidth_brdf_cells(bandwidth_cell(incoming), bandwidth_cell(outgoing));
 }
 
-// Of directions whose cells are known.
+// The same for directions whose cells are known.
 fn bandwidth_brdf_cells(incoming: vec2<u32>, outgoing: vec2<u32>) -> f32 {
     let at = incoming * BANDWIDTH_CELLS + outgoing;
     return textureLoad(bandwidth_brdf_map, at, 0).x * bandwidth_brdf_parameters.scale;
 }
 
-// In cycles per radian of a direction, in the frame of the environment.
+// Bandwidth of an environment, in cycles per radian of a direction in its frame.
 fn bandwidth_environment(direction: vec3<f32>) -> f32 {
     let at = bandwidth_environment_texel(direction);
     return textureLoad(bandwidth_environment_map, at, 0).x * bandwidth_environment_parameters.scale;
 }
 
-// Column and row: where other images of this size have what belongs to it.
+// Column and row in the map, also valid for other images of the same size.
 fn bandwidth_environment_texel(direction: vec3<f32>) -> vec2<u32> {
     let size = textureDimensions(bandwidth_environment_map);
     let sine = sqrt(direction.x * direction.x + direction.z * direction.z);
@@ -63,7 +63,7 @@ fn bandwidth_environment_texel(direction: vec3<f32>) -> vec2<u32> {
     return vec2<u32>(bandwidth_index(turn, size.x), bandwidth_index(fall, size.y));
 }
 
-// v goes with the rows of the texture.
+// Bandwidth of a texture; v follows its rows.
 fn bandwidth_texture(uv: vec2<f32>) -> f32 {
     let size = textureDimensions(bandwidth_texture_map);
     var inside = uv;
@@ -82,7 +82,7 @@ fn bandwidth_cell(direction: vec3<f32>) -> vec2<u32> {
     return vec2<u32>(bandwidth_index(turn, BANDWIDTH_CELLS), bandwidth_index(fall, BANDWIDTH_CELLS));
 }
 
-// The one of `count` equal parts of [0, 1] that a share is in; the last ones take what is beyond.
+// Index of the part of [0, 1], divided into `count` equal parts, that contains a fraction; clamped at the ends.
 fn bandwidth_index(share: f32, count: u32) -> u32 {
     let at = select(0.0, share * f32(count), share > 0.0);
     return u32(min(at, f32(count) - 1.0));

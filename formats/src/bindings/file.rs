@@ -1,4 +1,5 @@
-//! A pack as a file: its own texture, further images and uniform blocks in entries, and the list of bindings that names them.
+//! File of a pack: its own texture, further images and uniform blocks as key/value data, and the list of bindings that
+//! names them.
 
 use super::text::{self, ENTRY, Kind, wrong};
 use super::{Binding, Bindings, Resource, Stored, Texels};
@@ -7,25 +8,25 @@ use crate::container::{MAX_TEXEL_BYTES, PackedTexture, Texture, checksum};
 use std::borrow::Cow;
 use std::collections::BTreeMap;
 
-/// What the entry of an image begins with; the name of its binding follows. The value is a KTX2 file.
+/// Prefix of the key of an image, followed by the name of its binding. The value is a KTX2 file.
 const IMAGE: &str = "brdfc.image.";
-/// What the entry of a uniform block begins with; the name of its binding follows. The value is the block.
+/// Prefix of the key of a uniform block, followed by the name of its binding. The value is the block.
 const UNIFORM: &str = "brdfc.uniform.";
 
-/// A pack whose bindings have been read, without knowledge of its codec.
+/// A pack whose bindings have been read, independent of its codec.
 #[derive(Debug, Clone, PartialEq)]
 pub struct PackFile {
-    /// What a shader that decodes it has bound.
+    /// Bindings of the shader that decodes the pack.
     pub bindings: Bindings<'static>,
-    /// The other entries named `brdfc.*`: what the codec says of itself.
+    /// Other `brdfc.*` key/value data, specific to the codec.
     pub entries: BTreeMap<String, Vec<u8>>,
 }
 
 impl Bindings<'_> {
-    /// The bytes of a KTX2 file with these bindings, and entries of the codec's own.
+    /// Contents of a KTX2 file with these bindings and the codec's own key/value data.
     ///
     /// # Panics
-    /// When no texture is that of the file: a mistake of the caller.
+    /// Panics if no texture is stored as the texture of the file.
     pub fn to_file(&self, own: BTreeMap<String, Vec<u8>>, supercompress: bool) -> Vec<u8> {
         let mut entries = own;
         entries.insert(ENTRY.to_owned(), self.to_text().into_bytes());
@@ -62,35 +63,34 @@ impl Texels<'_> {
 }
 
 impl PackFile {
-    /// Reads a pack of any codec: checksum, bindings, and whether its images are as the bindings say.
+    /// Reads a pack of any codec. Checks the checksum, the bindings, and that images match the bindings.
     ///
     /// # Errors
-    /// What is no pack, is damaged, or has other images than its bindings name.
+    /// Returns an error if the file is not a pack, is damaged, or has images that differ from its bindings.
     pub fn from_bytes(bytes: &[u8]) -> Result<Self, FormatError> {
         Self::from_packed(PackedTexture::from_bytes(bytes)?)
     }
 
-    /// [`Self::from_bytes`] of a file whose container has been read.
+    /// Same as [`Self::from_bytes`] for a file whose container has been read.
     ///
     /// # Errors
-    /// As [`Self::from_bytes`].
+    /// Same as [`Self::from_bytes`].
     pub fn from_packed(mut packed: PackedTexture<'_>) -> Result<Self, FormatError> {
         let mut entries = std::mem::take(&mut packed.entries);
         let Some(list) = entries.remove(ENTRY) else {
             let keys: Vec<&str> = entries.keys().map(String::as_str).collect();
-            let found =
-                if keys.is_empty() { "no brdfc entries".to_owned() } else { format!("only {}", keys.join(", ")) };
-            return Err(FormatError::whole(ENTRY, found, "the entries of a pack"));
+            let found = if keys.is_empty() { "no brdfc keys".to_owned() } else { format!("only {}", keys.join(", ")) };
+            return Err(FormatError::whole(ENTRY, found, "the keys of a pack"));
         };
         packed.check_sum(entries.remove(checksum::ENTRY).as_deref())?;
         let (decoder, version, lines) = text::parse(&list)?;
-        // All sizes before any texel is unpacked.
+        // All sizes are checked before any texel is decompressed.
         let mut left = MAX_TEXEL_BYTES;
         for line in &lines {
             if let Kind::Texture { format, extent, levels, .. } = line.kind {
                 let bytes = extent.texels_of_levels(levels) * format.texel_bytes() as u64;
                 left = left.checked_sub(bytes).ok_or_else(|| {
-                    let allowed = format!("at most {MAX_TEXEL_BYTES} of all images");
+                    let allowed = format!("at most {MAX_TEXEL_BYTES} for all images");
                     wrong(line.number, &format!("{bytes} bytes of texels more"), &allowed)
                 })?;
             }
@@ -112,10 +112,12 @@ impl PackFile {
                 }
                 Kind::Texture { stored, format, extent, levels, sampler } => {
                     let sampler = sampler.map(|name| Cow::Owned(name.to_owned()));
-                    let wanted = Texels { levels: *levels, sampler, ..Texels::empty(*format, *extent) };
+                    let expected = Texels { levels: *levels, sampler, ..Texels::empty(*format, *extent) };
                     Resource::Texture(match stored {
-                        Stored::Empty => wanted,
-                        Stored::File => filled(own.take().expect("checked to be one"), wanted, "texture", line.number)?,
+                        Stored::Empty => expected,
+                        Stored::File => {
+                            filled(own.take().expect("checked to be one"), expected, "texture", line.number)?
+                        }
                         Stored::Entry => {
                             let key = format!("{IMAGE}{}", line.name);
                             let value = entries.remove(&key).ok_or_else(|| missing(line.number, &key))?;
@@ -125,13 +127,14 @@ impl PackFile {
                             };
                             let image = PackedTexture::from_bytes(&value).map_err(inside)?;
                             if let Some(entry) = image.entries.keys().next() {
-                                return Err(inside(FormatError::whole("entries", entry.clone(), "none of brdfc")));
+                                return Err(inside(FormatError::whole("keys", entry.clone(), "no brdfc keys")));
                             }
-                            let texels =
-                                filled(image, wanted, &key, line.number).map_err(|error| match error.field == key {
+                            let texels = filled(image, expected, &key, line.number).map_err(|error| {
+                                match error.field == key {
                                     true => error,
                                     false => inside(error),
-                                })?;
+                                }
+                            })?;
                             Texels { stored: Stored::Entry, ..texels }
                         }
                     })
@@ -140,13 +143,14 @@ impl PackFile {
             all.push(Binding { slot: line.slot, name: line.name.to_owned().into(), resource });
         }
         if let Some(key) = entries.keys().find(|key| key.starts_with(IMAGE) || key.starts_with(UNIFORM)) {
-            return Err(FormatError::whole(key.clone(), "an entry that no binding names", format!("those of {ENTRY}")));
+            let allowed = format!("keys that {ENTRY} names");
+            return Err(FormatError::whole(key.clone(), "a key that no binding names", allowed));
         }
         let bindings = Bindings { decoder: decoder.to_owned().into(), version, all };
         Ok(Self { bindings, entries })
     }
 
-    /// The name of a pack's decoder, from the first [`Self::HEAD_BYTES`] of its file; nothing of other files.
+    /// Name of a pack's decoder from the first [`Self::HEAD_BYTES`] of its file; `None` for other files.
     pub fn decoder_in(head: &[u8]) -> Option<&str> {
         let first = [ENTRY.as_bytes(), b"\0decoder "].concat();
         let at = head.windows(first.len()).position(|bytes| bytes == first)? + first.len();
@@ -154,47 +158,48 @@ impl PackFile {
         std::str::from_utf8(head[at..].split(|byte| matches!(byte, b' ' | b'\n')).next()?).ok()
     }
 
-    /// Bytes of a file that say which decoder it has.
+    /// Length of the start of a file that contains the name of the decoder, bytes.
     pub const HEAD_BYTES: usize = 4096;
 
-    /// The name of the file's decoder, if a texture is a pack.
+    /// Name of the decoder if the texture is a pack.
     pub(crate) fn decoder_of<'t>(packed: &'t PackedTexture<'_>) -> Option<&'t str> {
         let line = packed.entries.get(ENTRY)?.split(|byte| *byte == b'\n').next()?;
         std::str::from_utf8(line).ok()?.strip_prefix("decoder ")?.split(' ').next()
     }
 
-    /// Whether bindings are those that its codec makes of the pack: everything but texels, which are what the pack was read from.
+    /// Checks that the bindings equal those that the codec derives from the pack. Texels are not compared, as the pack
+    /// was read from them.
     ///
     /// # Errors
-    /// The first line or block that differs.
+    /// Returns an error that names the first line or block that differs.
     pub(crate) fn check_same(&self, made: &Bindings<'_>) -> Result<(), FormatError> {
-        let (found, wanted) = (self.bindings.to_text(), made.to_text());
-        let [mut found, mut wanted] = [&found, &wanted].map(|text| text.trim_end_matches('\0').lines());
+        let (found, expected) = (self.bindings.to_text(), made.to_text());
+        let [mut found, mut expected] = [&found, &expected].map(|text| text.trim_end_matches('\0').lines());
         for number in 1.. {
-            match (found.next(), wanted.next()) {
+            match (found.next(), expected.next()) {
                 (None, None) => break,
-                (found, wanted) if found == wanted => {}
-                (found, wanted) => {
-                    let [found, wanted] = [found, wanted].map(|line| line.unwrap_or("no line"));
-                    return Err(wrong(number, found, &format!("{wanted}, as the other entries say")));
+                (found, expected) if found == expected => {}
+                (found, expected) => {
+                    let [found, expected] = [found, expected].map(|line| line.unwrap_or("no line"));
+                    return Err(wrong(number, found, &format!("{expected}, as the codec's metadata says")));
                 }
             }
         }
-        for (found, wanted) in self.bindings.all.iter().zip(&made.all) {
-            if let (Resource::Uniform(found_bytes), Resource::Uniform(wanted_bytes)) =
-                (&found.resource, &wanted.resource)
-                && let Some(at) = (0..wanted_bytes.len()).find(|at| found_bytes[*at] != wanted_bytes[*at])
+        for (found, expected) in self.bindings.all.iter().zip(&made.all) {
+            if let (Resource::Uniform(found_bytes), Resource::Uniform(expected_bytes)) =
+                (&found.resource, &expected.resource)
+                && let Some(at) = (0..expected_bytes.len()).find(|at| found_bytes[*at] != expected_bytes[*at])
             {
                 let (at, key) = (at / 4 * 4, format!("{UNIFORM}{}", found.name));
                 let word = |bytes: &[u8]| format!("{:02x?}", &bytes[at..at + 4]);
-                let allowed = format!("{}, as the other entries say", word(wanted_bytes));
+                let allowed = format!("{}, as the codec's metadata says", word(expected_bytes));
                 return Err(FormatError::whole(format!("{key} byte {at}"), word(found_bytes), allowed));
             }
         }
         Ok(())
     }
 
-    /// Takes the texels of a binding, with the codec's own entries; nothing where none are stored.
+    /// Takes the texels of a binding, with the codec's own key/value data; `None` if none are stored.
     pub(crate) fn take_texture(&mut self, name: &str) -> Option<Texture> {
         let binding = self.bindings.all.iter_mut().find(|binding| binding.name == name)?;
         match &mut binding.resource {
@@ -206,7 +211,7 @@ impl PackFile {
         }
     }
 
-    /// Takes the texels of the file itself, with the codec's own entries.
+    /// Takes the texels of the file itself, with the codec's own key/value data.
     pub(crate) fn take_own(&mut self) -> Texture {
         let is_own = |binding: &&Binding<'_>| matches!(&binding.resource, Resource::Texture(texels) if texels.stored == Stored::File);
         let name = self.bindings.all.iter().find(is_own).map(|binding| binding.name.clone());
@@ -214,22 +219,22 @@ impl PackFile {
     }
 }
 
-/// Texels of an image that is as a binding says.
+/// Texels of an image whose format, extent and levels match its binding.
 fn filled(
     image: PackedTexture<'_>,
-    wanted: Texels<'static>,
+    expected: Texels<'static>,
     key: &str,
     line: usize,
 ) -> Result<Texels<'static>, FormatError> {
-    if (image.format, image.extent, image.levels) != (wanted.format, wanted.extent, wanted.levels) {
+    if (image.format, image.extent, image.levels) != (expected.format, expected.extent, expected.levels) {
         let found = format!("{} levels of {} texels of {}", image.levels, image.extent, image.format.name());
-        let allowed = format!("{} levels of {} texels of {}", wanted.levels, wanted.extent, wanted.format.name());
+        let allowed = format!("{} levels of {} texels of {}", expected.levels, expected.extent, expected.format.name());
         return Err(FormatError::whole(key.to_owned(), found, format!("{allowed}, as {ENTRY} line {line} says")));
     }
     let texture = image.unpack_levels(MAX_TEXEL_BYTES)?;
-    Ok(Texels { stored: Stored::File, bytes: texture.texels.into(), ..wanted })
+    Ok(Texels { stored: Stored::File, bytes: texture.texels.into(), ..expected })
 }
 
 fn missing(line: usize, key: &str) -> FormatError {
-    FormatError::whole(key.to_owned(), "no such entry", format!("one, as {ENTRY} line {line} says"))
+    FormatError::whole(key.to_owned(), "no such key", format!("the key that {ENTRY} line {line} names"))
 }

@@ -1,15 +1,15 @@
-//! The block that changes with the frame, the same for all decoders.
+//! Uniform block with per-frame values, shared by all decoders.
 
 use crate::cursor::block_bytes;
 use crate::wavelet::{DEFAULT_DISTANCE_SCALE, Filter};
 
-/// Its slot.
+/// Slot of the block.
 pub const FRAME_SLOT: u32 = 0;
 
-/// What declares the block; every decoder begins with it.
+/// Declaration of the block, at the start of every decoder.
 pub const FRAME_WGSL: &str = include_str!("frame.wgsl");
 
-/// Several decoders as one source: what they all begin with stands once.
+/// Concatenates several decoders into one source, with the shared declaration only once.
 pub fn combined_wgsl<'a>(decoders: impl IntoIterator<Item = &'a str>) -> String {
     let mut source = FRAME_WGSL.to_owned();
     for decoder in decoders {
@@ -19,14 +19,14 @@ pub fn combined_wgsl<'a>(decoders: impl IntoIterator<Item = &'a str>) -> String 
     source
 }
 
-/// The block `BrdfcFrame` of `frame.wgsl`.
+/// Values of the block `BrdfcFrame` of `frame.wgsl`.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct FrameBlock {
-    /// `α` of levels of detail, per unit of distance. Positive.
+    /// `α` of the level of detail, per unit of distance. Positive.
     pub distance_scale: f32,
-    /// Whether samplers filter; else the shader does, with exact weights.
+    /// True if samplers filter; false if the shader filters with exact weights.
     pub sampler_filters: bool,
-    /// Between which cells wavelet packs blend values.
+    /// Cells that wavelet packs blend.
     pub blend: Filter,
 }
 
@@ -37,15 +37,15 @@ impl Default for FrameBlock {
 }
 
 impl FrameBlock {
-    /// Bytes of the block.
+    /// Size of the block, bytes.
     pub const SIZE: usize = 16;
 
-    /// The default with exact weights.
+    /// Default values with exact weights.
     pub fn exact() -> Self {
         Self { sampler_filters: false, ..Self::default() }
     }
 
-    /// The block as shaders read it: little-endian, fields in order, 4 bytes of zero at the end.
+    /// The block as shaders read it: little-endian fields in order, padded with 4 zero bytes.
     pub fn to_bytes(self) -> [u8; Self::SIZE] {
         let blend = match self.blend {
             Filter::Nearest => 0,

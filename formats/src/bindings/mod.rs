@@ -1,5 +1,5 @@
-//! What a shader that decodes a pack has bound, as the pack itself says it: an engine uploads a pack by this list, without
-//! knowing its codec. Layout: `spec.md` in this folder.
+//! Shader bindings of a pack, as listed in the file. An engine can upload a pack by this list without knowing its
+//! codec. Layout: `spec.md` in this folder.
 
 mod file;
 mod frame;
@@ -11,115 +11,115 @@ pub use frame::{FRAME_SLOT, FRAME_WGSL, FrameBlock, combined_wgsl};
 use crate::container::{Extent, TexelFormat};
 use std::borrow::Cow;
 
-/// Most bindings of a pack.
+/// Maximum number of bindings of a pack.
 pub const MAX_BINDINGS: usize = 32;
-/// Slots are below this, as WebGPU allows in a bind group.
+/// Slots are below this: WebGPU's limit for a bind group.
 pub const MAX_SLOTS: u32 = 1000;
-/// Most bytes of a uniform block: what WebGL 2 promises.
+/// Maximum size of a uniform block, bytes: the minimum that WebGL 2 guarantees.
 pub const MAX_UNIFORM_BYTES: u32 = 16384;
-/// Most textures of a pack, and most samplers: what WebGPU promises a shader stage.
+/// Maximum number of textures of a pack, and of samplers: WebGPU's guarantee for a shader stage.
 pub const MAX_TEXTURES: usize = 16;
-/// Most uniform blocks of a pack: what WebGPU promises a shader stage.
+/// Maximum number of uniform blocks of a pack: WebGPU's guarantee for a shader stage.
 pub const MAX_UNIFORMS: usize = 12;
 
-/// What the decoder of a pack has bound.
+/// Bindings of a pack's decoder.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Bindings<'a> {
-    /// Which decoder: the name that `brdfc shader` has for it.
+    /// Name of the decoder, as `brdfc shader` lists it.
     pub decoder: Cow<'a, str>,
     /// Version of the decoder's bindings, 1 or more.
     pub version: u32,
-    /// By ascending slots.
+    /// Bindings in ascending order of slots.
     pub all: Vec<Binding<'a>>,
 }
 
 /// One binding.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Binding<'a> {
-    /// Its number in group 1 of the WGSL decoder; no two decoders share one but [`FRAME_SLOT`].
+    /// Binding number in group 1 of the WGSL decoder. No two decoders share a slot except [`FRAME_SLOT`].
     pub slot: u32,
-    /// The name of the variable in the shader, in every language.
+    /// Name of the shader variable, in every shading language.
     pub name: Cow<'a, str>,
-    /// What is bound.
+    /// Bound resource.
     pub resource: Resource<'a>,
 }
 
-/// What is bound.
+/// A bound resource.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Resource<'a> {
     /// The block of [`FrameBlock`], which the engine fills.
     Frame,
-    /// The bytes of a uniform block: a multiple of 16, at most [`MAX_UNIFORM_BYTES`].
+    /// Contents of a uniform block: a multiple of 16 bytes, at most [`MAX_UNIFORM_BYTES`].
     Uniform(Cow<'a, [u8]>),
     /// A texture.
     Texture(Texels<'a>),
-    /// A sampler with a linear filter, also between mipmap levels.
+    /// A sampler with linear filtering within and between mipmap levels.
     Sampler {
-        /// Whether coordinates repeat; else they are clamped to the edge.
+        /// True if coordinates repeat; false if they are clamped to the edge.
         repeats: bool,
     },
 }
 
-/// Where a pack has the texels of a binding.
+/// Location of the texels of a binding in a pack.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Stored {
     /// The texture of the KTX2 file itself.
     File,
-    /// A KTX2 file in an entry of the file, `brdfc.image.NAME`.
+    /// A KTX2 file as the value of the key `brdfc.image.NAME`.
     Entry,
-    /// Nowhere: one texel of zero is bound, as the decoder does not read it.
+    /// Not stored: the decoder does not read it, and one texel of zero is bound.
     Empty,
 }
 
-/// Texels as a GPU takes them.
+/// Texels in GPU layout.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Texels<'a> {
-    /// Where they are stored.
+    /// Location in the pack.
     pub stored: Stored,
-    /// How a texel is stored.
+    /// Texel format.
     pub format: TexelFormat,
-    /// 2D, 2D array or 3D, and the number of texels along each axis.
+    /// Dimension and number of texels along each axis.
     pub extent: Extent,
-    /// Mipmap levels.
+    /// Number of mipmap levels.
     pub levels: u32,
-    /// The sampler that filters it; a texture without one is only loaded from.
+    /// Name of the sampler that filters the texture; `None` if the shader only loads texels.
     pub sampler: Option<Cow<'a, str>>,
-    /// x fastest, then y, then z or the layer, then the level from the finest; little-endian components.
+    /// Texels: x fastest, then y, then z or the layer, then levels from the finest; little-endian components.
     pub bytes: Cow<'a, [u8]>,
 }
 
 impl<'a> Texels<'a> {
-    /// Texels of one level that are only loaded from, in an entry.
+    /// Texels of one level without a sampler, stored as key/value data.
     pub fn new(format: TexelFormat, extent: Extent, bytes: impl Into<Cow<'a, [u8]>>) -> Self {
         Self { stored: Stored::Entry, format, extent, levels: 1, sampler: None, bytes: bytes.into() }
     }
 
-    /// One texel of zero, for a texture that the decoder does not read: `extent` has ones.
+    /// One texel of zero, for a texture that the decoder does not read. All sides of `extent` are 1.
     pub fn empty(format: TexelFormat, extent: Extent) -> Self {
         let bytes = vec![0; format.texel_bytes()];
         Self { stored: Stored::Empty, ..Self::new(format, extent, bytes) }
     }
 
-    /// The same texels as the texture of the file itself.
+    /// The same texels, stored as the texture of the file itself.
     #[must_use]
     pub fn of_file(self) -> Self {
         Self { stored: Stored::File, ..self }
     }
 
-    /// The same texels filtered by the sampler of this name.
+    /// The same texels, filtered by the sampler with this name.
     #[must_use]
     pub fn sampled(self, sampler: &'a str) -> Self {
         Self { sampler: Some(sampler.into()), ..self }
     }
 
-    /// The same texels with so many mipmap levels.
+    /// The same texels, with `levels` mipmap levels.
     #[must_use]
     pub fn with_levels(self, levels: u32) -> Self {
         Self { levels, ..self }
     }
 
-    /// Texels of 16-bit integers as 32-bit floats of four components, for devices that have such integers only as a feature,
-    /// or not at all, as WebGL 2. All others as they are.
+    /// Converts 16-bit unorm texels to four 32-bit floats, for devices without 16-bit unorm formats, such as WebGL 2.
+    /// Other formats are unchanged.
     #[must_use]
     pub fn widened(self) -> Self {
         let channels = match self.format {
@@ -136,29 +136,29 @@ impl<'a> Texels<'a> {
 }
 
 impl<'a> Binding<'a> {
-    /// The block of [`FrameBlock`].
+    /// Binding of the block of [`FrameBlock`].
     pub fn frame() -> Self {
         Self { slot: FRAME_SLOT, name: "brdfc_frame".into(), resource: Resource::Frame }
     }
 
-    /// A uniform block of these bytes.
+    /// Binding of a uniform block with these bytes.
     pub fn uniform(slot: u32, name: &'a str, bytes: impl Into<Cow<'a, [u8]>>) -> Self {
         Self { slot, name: name.into(), resource: Resource::Uniform(bytes.into()) }
     }
 
-    /// A texture of these texels.
+    /// Binding of a texture with these texels.
     pub fn texture(slot: u32, name: &'a str, texels: Texels<'a>) -> Self {
         Self { slot, name: name.into(), resource: Resource::Texture(texels) }
     }
 
-    /// A sampler.
+    /// Binding of a sampler.
     pub fn sampler(slot: u32, name: &'a str, repeats: bool) -> Self {
         Self { slot, name: name.into(), resource: Resource::Sampler { repeats } }
     }
 }
 
 impl Binding<'_> {
-    /// The same with bytes of its own.
+    /// Copies borrowed bytes.
     pub fn into_owned(self) -> Binding<'static> {
         let own = |name: Cow<'_, str>| Cow::Owned(name.into_owned());
         let bytes = |bytes: Cow<'_, [u8]>| Cow::Owned(bytes.into_owned());
@@ -182,12 +182,12 @@ impl Binding<'_> {
 }
 
 impl<'a> Bindings<'a> {
-    /// The same with bytes of their own.
+    /// Copies borrowed bytes.
     pub fn into_owned(self) -> Vec<Binding<'static>> {
         self.all.into_iter().map(Binding::into_owned).collect()
     }
 
-    /// The bindings of a version of a decoder, by ascending slots.
+    /// Bindings of a version of a decoder, in ascending order of slots.
     pub fn new(decoder: &'a str, version: u32, all: impl IntoIterator<Item = Binding<'a>>) -> Self {
         Self { decoder: decoder.into(), version, all: all.into_iter().collect() }
     }
@@ -200,13 +200,13 @@ impl<'a> Bindings<'a> {
         })
     }
 
-    /// Bytes of its textures on a GPU.
+    /// Size of the textures on a GPU, bytes.
     pub fn gpu_bytes(&self) -> u64 {
         let stored = self.textures().filter(|(_, texels)| texels.stored != Stored::Empty);
         stored.map(|(_, texels)| texels.bytes.len() as u64).sum()
     }
 
-    /// The texture of the file itself.
+    /// Texels that are stored as the texture of the file itself.
     pub(crate) fn of_file(&self) -> Option<&Texels<'a>> {
         self.textures().map(|(_, texels)| texels).find(|texels| texels.stored == Stored::File)
     }

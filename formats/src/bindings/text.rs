@@ -1,4 +1,4 @@
-//! The list of bindings as text, a line each: the entry `brdfc.bindings`.
+//! Text form of the list of bindings, one per line, under the key `brdfc.bindings`.
 
 use super::{
     Bindings, FRAME_SLOT, MAX_BINDINGS, MAX_SLOTS, MAX_TEXTURES, MAX_UNIFORM_BYTES, MAX_UNIFORMS, Resource, Stored,
@@ -7,16 +7,16 @@ use crate::FormatError;
 use crate::container::{Extent, TexelFormat};
 use std::collections::BTreeSet;
 
-/// The entry that makes a texture a pack.
+/// Key that identifies a texture as a pack.
 pub(super) const ENTRY: &str = "brdfc.bindings";
 
-/// Longest name of a binding or a decoder.
+/// Maximum length of the name of a binding or a decoder.
 const MAX_NAME: usize = 64;
 
-/// What a line says of a binding: everything but its bytes.
+/// A line that describes a binding, without its bytes.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct Line<'t> {
-    /// Its number in the entry, from 1.
+    /// Line number, from 1.
     pub number: usize,
     pub slot: u32,
     pub name: &'t str,
@@ -33,11 +33,11 @@ pub(super) enum Kind<'t> {
 
 const STORED: [(&str, Stored); 3] = [("file", Stored::File), ("entry", Stored::Entry), ("empty", Stored::Empty)];
 const ADDRESSING: [(&str, bool); 2] = [("clamp", false), ("repeat", true)];
-/// In place of a sampler's name, of textures that are only loaded from.
+/// Stands for the sampler of textures that the shader only loads.
 const NO_SAMPLER: &str = "-";
 
 impl Bindings<'_> {
-    /// The value of the entry.
+    /// Value for [`ENTRY`].
     pub(super) fn to_text(&self) -> String {
         let mut text = format!("decoder {} {}\n", self.decoder, self.version);
         for binding in &self.all {
@@ -63,20 +63,20 @@ impl Bindings<'_> {
     }
 }
 
-/// Reads the entry: decoder, version and lines, checked by themselves and with each other.
+/// Parses the value of [`ENTRY`]: decoder, version and lines. Checks each line and their combination.
 ///
 /// # Errors
-/// The line, what it says, and what it may say.
+/// Returns an error that names the line, its contents and the expected contents.
 pub(super) fn parse(value: &[u8]) -> Result<(&str, u32, Vec<Line<'_>>), FormatError> {
     let text = std::str::from_utf8(value).ok().and_then(|text| text.strip_suffix("\n\0"));
     let text = text.ok_or_else(|| {
         FormatError::whole(
             ENTRY,
-            format!("{} bytes that are no such text", value.len()),
-            "lines of UTF-8 and a zero byte",
+            format!("{} bytes of another form", value.len()),
+            "lines of UTF-8 text that end with a zero byte",
         )
     })?;
-    // Not `lines`, which takes a carriage return for a part of the line's end.
+    // `lines` would also accept carriage returns before line ends.
     let mut lines = text.split('\n');
     let first = lines.next().unwrap_or_default();
     let (decoder, version) = match first.split(' ').collect::<Vec<_>>()[..] {
@@ -96,7 +96,7 @@ pub(super) fn parse(value: &[u8]) -> Result<(&str, u32, Vec<Line<'_>>), FormatEr
 fn parse_line(at: usize, line: &str) -> Result<Line<'_>, FormatError> {
     let words: Vec<&str> = line.split(' ').collect();
     let [slot, name, kind, ref rest @ ..] = words[..] else {
-        return Err(wrong(at, line, "a slot, a name, and what is bound"));
+        return Err(wrong(at, line, "a slot, a name and a resource"));
     };
     let slot = number(at, slot, 0..=MAX_SLOTS - 1)?;
     if !is_name(name) {
@@ -104,7 +104,7 @@ fn parse_line(at: usize, line: &str) -> Result<Line<'_>, FormatError> {
     }
     let kind = match (kind, rest) {
         ("frame", []) if slot == FRAME_SLOT => Kind::Frame,
-        ("frame", []) => return Err(wrong(at, &slot.to_string(), "slot 0 of a frame")),
+        ("frame", []) => return Err(wrong(at, &slot.to_string(), "slot 0 for a frame")),
         ("uniform", [bytes]) => {
             let bytes = number(at, bytes, 16..=MAX_UNIFORM_BYTES)?;
             if bytes % 16 != 0 {
@@ -115,21 +115,22 @@ fn parse_line(at: usize, line: &str) -> Result<Line<'_>, FormatError> {
         ("sampler", [mode]) => Kind::Sampler { repeats: one_of(at, mode, &ADDRESSING)? },
         ("texture", [stored, dimension, format, width, height, depth, levels, sampler]) => {
             let stored = one_of(at, stored, &STORED)?;
-            let format = TexelFormat::from_name(format).ok_or_else(|| wrong(at, format, "a texel format of packs"))?;
+            let format =
+                TexelFormat::from_name(format).ok_or_else(|| wrong(at, format, "a texel format that packs support"))?;
             let [width, height, depth] =
                 [(width, 1), (height, 1), (depth, 1)].map(|(side, least)| number(at, side, least..=u32::MAX));
             let size = [width?, height?, depth?];
             let extent = Extent::from_dimension(dimension, size).ok_or_else(|| {
-                wrong(at, &format!("{dimension} of {size:?}"), "2d, 2d-array or 3d, of a size that packs have")
+                wrong(at, &format!("{dimension} of {size:?}"), "2d, 2d-array or 3d, of a size that packs support")
             })?;
             let levels = number(at, levels, 1..=extent.most_levels())?;
             if stored == Stored::Empty && (size != [1; 3] || levels != 1) {
-                return Err(wrong(at, &format!("{size:?}"), "one texel where nothing is stored"));
+                return Err(wrong(at, &format!("{size:?}"), "one texel for an empty texture"));
             }
             let sampler = (*sampler != NO_SAMPLER).then_some(*sampler);
             Kind::Texture { stored, format, extent, levels, sampler }
         }
-        _ => return Err(wrong(at, line, "frame, uniform, texture or sampler, and what belongs to it")),
+        _ => return Err(wrong(at, line, "frame, uniform, texture or sampler with its fields")),
     };
     Ok(Line { number: at, slot, name, kind })
 }
@@ -138,19 +139,19 @@ fn check_together(lines: &[Line<'_>]) -> Result<(), FormatError> {
     let mut names = BTreeSet::new();
     for (k, line) in lines.iter().enumerate() {
         if k > 0 && line.slot <= lines[k - 1].slot {
-            return Err(wrong(line.number, &format!("slot {}", line.slot), "slots that rise, each once"));
+            return Err(wrong(line.number, &format!("slot {}", line.slot), "slots in ascending order, each once"));
         }
         if !names.insert(line.name) {
-            return Err(wrong(line.number, line.name, "a name that stands once"));
+            return Err(wrong(line.number, line.name, "a unique name"));
         }
         if let Kind::Texture { sampler: Some(sampler), format, .. } = &line.kind {
             let is_there =
                 lines.iter().any(|other| other.name == *sampler && matches!(other.kind, Kind::Sampler { .. }));
             if !is_there {
-                return Err(wrong(line.number, sampler, "a sampler of the list, or -"));
+                return Err(wrong(line.number, sampler, "the name of a sampler in the list, or -"));
             }
             if format.is_integer() {
-                return Err(wrong(line.number, sampler, "-, as integers are not filtered"));
+                return Err(wrong(line.number, sampler, "-, because integers are not filtered"));
             }
         }
     }
@@ -177,7 +178,7 @@ fn is_name(word: &str) -> bool {
     (1..=MAX_NAME).contains(&word.len()) && word.bytes().all(is_letter)
 }
 
-/// A number without leading zeros.
+/// Parses a number without leading zeros.
 fn number(at: usize, word: &str, range: std::ops::RangeInclusive<u32>) -> Result<u32, FormatError> {
     let found = word.parse::<u32>().ok().filter(|found| found.to_string() == word && range.contains(found));
     found.ok_or_else(|| wrong(at, word, &format!("{} to {}", range.start(), range.end())))

@@ -1,15 +1,15 @@
-//! The checksum of a pack: the entry `brdfc.checksum`, by which damage anywhere in a file is found.
+//! Checksum of a pack under the key `brdfc.checksum`. It detects damage anywhere in the file.
 
 use crate::FormatError;
 
-/// CRC-32 (as of zip and PNG) of the whole file, with these four bytes taken as zero.
+/// CRC-32 (the polynomial of zip and PNG) of the whole file, with these four bytes taken as zero.
 pub(crate) const ENTRY: &str = "brdfc.checksum";
 
-/// Bytes of its value.
+/// Size of the value, bytes.
 pub(crate) const BYTES: usize = 4;
 
-/// Puts the right checksum into the bytes of a pack, if they have an entry for it: for tools that change a file, and for
-/// tests of what damage the other checks find.
+/// Updates the checksum of a pack in place, if it has one. For tools that modify files, and for tests of the other
+/// checks.
 pub fn seal(bytes: &mut [u8]) {
     if let Some(at) = place(bytes) {
         let sum = sum(bytes, at);
@@ -17,13 +17,13 @@ pub fn seal(bytes: &mut [u8]) {
     }
 }
 
-/// Holds a file against its checksum.
+/// Compares a file with its checksum.
 ///
 /// # Errors
-/// No checksum; another one.
+/// Returns an error if the checksum is missing or does not match.
 pub(super) fn check(bytes: &[u8], stored: Option<&[u8]>) -> Result<(), FormatError> {
     let (Some(stored), Some(at)) = (stored.and_then(|stored| stored.first_chunk::<BYTES>()), place(bytes)) else {
-        return Err(FormatError::whole(ENTRY, "none", "one of 4 bytes"));
+        return Err(FormatError::whole(ENTRY, "none", "a value of 4 bytes"));
     };
     let (found, stored) = (sum(bytes, at), u32::from_le_bytes(*stored));
     if found == stored {
@@ -41,7 +41,7 @@ fn sum(bytes: &[u8], at: usize) -> u32 {
     hasher.finalize()
 }
 
-/// Where the value of the entry begins.
+/// Offset of the value in the file.
 fn place(bytes: &[u8]) -> Option<usize> {
     let word = |at: usize| Some(u32::from_le_bytes(*bytes.get(at..)?.first_chunk()?) as usize);
     let (mut at, mut left) = (word(56)?, word(60)?);
@@ -66,7 +66,7 @@ mod tests {
     use crate::importance::{ImportanceHeader, ImportancePack};
 
     #[test]
-    fn every_flipped_bit_is_found() {
+    fn every_flipped_bit_is_detected() {
         let header = ImportanceHeader { polar: 2, azimuths: 1, samples: 2 };
         let pack = ImportancePack::new(header, vec![[0.0, 0.0, 1.0, 1.0]; 4]).unwrap();
         for supercompress in [false, true] {

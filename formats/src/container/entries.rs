@@ -1,15 +1,15 @@
-//! The `brdfc.*` entries of a texture, as the layouts of packs read them.
+//! Access to the `brdfc.*` key/value data of a texture.
 
 use crate::FormatError;
 use crate::container::{Extent, TexelFormat, Texture};
 use std::collections::BTreeMap;
 
-/// The value of an entry that `kind`, such as "a wavelet pack", has.
+/// Value of `key`. `kind`, such as "a wavelet pack", names the pack in errors.
 pub(crate) fn entry<'a>(texture: &'a Texture, key: &'static str, kind: &str) -> Result<&'a [u8], FormatError> {
     value_of(&texture.entries, key, kind)
 }
 
-/// [`entry`] of a file's entries.
+/// Same as [`entry`] for the key/value data alone.
 pub(crate) fn value_of<'a>(
     entries: &'a BTreeMap<String, Vec<u8>>,
     key: &'static str,
@@ -17,12 +17,12 @@ pub(crate) fn value_of<'a>(
 ) -> Result<&'a [u8], FormatError> {
     entries.get(key).map(Vec::as_slice).ok_or_else(|| {
         let keys: Vec<_> = entries.keys().map(String::as_str).collect();
-        let found = if keys.is_empty() { "no brdfc entries".to_owned() } else { format!("only {}", keys.join(", ")) };
-        FormatError::whole(key, found, format!("the entries of {kind}"))
+        let found = if keys.is_empty() { "no brdfc keys".to_owned() } else { format!("only {}", keys.join(", ")) };
+        FormatError::whole(key, found, format!("the keys of {kind}"))
     })
 }
 
-/// Whether the texels of `what` are those that the entry `key` says.
+/// Checks that the texels of `what` have the format and extent that the value of `key` declares.
 pub(crate) fn check_texels(
     texture: &Texture,
     what: &'static str,
@@ -37,7 +37,7 @@ pub(crate) fn check_texels(
     Err(FormatError::whole(what, found, format!("{extent} texels of {format:?}, as {key} says")))
 }
 
-/// The value if it has the length that it must have.
+/// Returns the value if it has the expected length.
 pub(crate) fn sized<'a>(bytes: &'a [u8], key: &'static str, length: usize) -> Result<&'a [u8], FormatError> {
     if bytes.len() == length {
         return Ok(bytes);

@@ -1,19 +1,19 @@
-//! What kind of texture a pack is, how large, and how large its mipmap levels are.
+//! Dimension, size and mipmap levels of textures.
 
 use crate::FormatError;
 use std::fmt;
 
-/// Orientation of a 3D texture, in the `KTXorientation` entry: x right, y down, z inwards.
+/// Orientation of a 3D texture, as `KTXorientation` value: x right, y down, z inwards.
 pub const ORIENTATION_3D: &str = "rdi";
 /// Orientation of 2D textures and their arrays: x right, y down.
 pub const ORIENTATION_2D: &str = "rd";
-/// Most texels along one axis of a 3D texture: the limit of WebGPU.
+/// Maximum texels along an axis of a 3D texture: WebGPU's default limit.
 pub const MAX_EXTENT: u32 = 2048;
-/// Most texels along one axis of a 2D texture: the limit of WebGPU.
+/// Maximum texels along an axis of a 2D texture: WebGPU's default limit.
 pub const MAX_EXTENT_2D: u32 = 8192;
-/// Most layers of a 2D array, as desktop drivers have them. WebGPU promises 256.
+/// Maximum layers of a 2D array, as desktop drivers support. WebGPU guarantees 256.
 pub const MAX_LAYERS: u32 = 2048;
-/// What kind of texture a pack is, and how large.
+/// Dimension and size of a texture.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Extent {
     /// A 2D texture: width and height, each 1 to [`MAX_EXTENT_2D`].
@@ -25,7 +25,7 @@ pub enum Extent {
 }
 
 impl Extent {
-    /// Columns, rows, and slices or layers: 1 of a 2D texture.
+    /// Columns, rows, and slices or layers (1 for a 2D texture).
     pub fn size(self) -> [u32; 3] {
         match self {
             Self::D2([width, height]) => [width, height, 1],
@@ -33,7 +33,7 @@ impl Extent {
         }
     }
 
-    /// What WebGPU calls its dimension: `2d`, `2d-array` or `3d`.
+    /// WebGPU name of the view dimension: `2d`, `2d-array` or `3d`.
     pub fn dimension(self) -> &'static str {
         match self {
             Self::D2(_) => "2d",
@@ -42,7 +42,7 @@ impl Extent {
         }
     }
 
-    /// The extent of this [`Self::dimension`] and [`Self::size`], if packs have such.
+    /// Extent with this [`Self::dimension`] and [`Self::size`], or `None` if packs cannot have it.
     pub fn from_dimension(dimension: &str, [width, height, depth]: [u32; 3]) -> Option<Self> {
         let extent = match dimension {
             "2d" if depth == 1 => Self::D2([width, height]),
@@ -54,7 +54,7 @@ impl Extent {
         (Self::from_fields(extent.fields()) == Ok(extent)).then_some(extent)
     }
 
-    /// Texels.
+    /// Number of texels.
     pub fn texels(self) -> u64 {
         match self {
             Self::D2(sides) => sides.into_iter().map(u64::from).product(),
@@ -62,7 +62,7 @@ impl Extent {
         }
     }
 
-    /// The extent of a mipmap level, 0 the finest: each side halved as often, rounded down, 1 at least.
+    /// Extent of a mipmap level, 0 the finest: each side is halved `level` times, rounded down, at least 1.
     pub fn level(self, level: u32) -> Self {
         let side = |side: u32| side.checked_shr(level).unwrap_or(0).max(1);
         match self {
@@ -72,7 +72,7 @@ impl Extent {
         }
     }
 
-    /// Mipmap levels down to the one of a single texel.
+    /// Number of mipmap levels down to a single texel.
     pub fn most_levels(self) -> u32 {
         let largest = match self {
             Self::D2(sides) => sides.into_iter().max(),
@@ -82,12 +82,12 @@ impl Extent {
         largest.unwrap_or(1).max(1).ilog2() + 1
     }
 
-    /// Texels of the finest `levels` levels together.
+    /// Total number of texels in the finest `levels` levels.
     pub fn texels_of_levels(self, levels: u32) -> u64 {
         (0..levels).map(|level| self.level(level).texels()).sum()
     }
 
-    /// Width, height, depth and layer count of the header; 0 is the depth and the layer count of what has none.
+    /// Width, height, depth and layer count as in the KTX2 header; depth and layer count are 0 if they do not apply.
     pub(super) fn fields(self) -> [u32; 4] {
         match self {
             Self::D2([width, height]) => [width, height, 0, 0],
@@ -103,7 +103,7 @@ impl Extent {
             ("pixelWidth", 1..=side),
             ("pixelHeight", 1..=side),
             ("pixelDepth", 0..=MAX_EXTENT),
-            // Arrays of 3D textures are in the format, but hardly anything reads them.
+            // KTX2 allows arrays of 3D textures, but hardly any reader supports them.
             ("layerCount", 0..=if depth == 0 { MAX_LAYERS } else { 0 }),
         ]
         .into_iter()
@@ -149,7 +149,7 @@ mod tests {
         let chain = |extent: Extent| -> Vec<Extent> { (0..extent.most_levels()).map(|n| extent.level(n)).collect() };
         let flat = [[7, 5], [3, 2], [1, 1]];
         assert_eq!(chain(Extent::D2([7, 5])), flat.map(Extent::D2));
-        // Layers are as many on every level.
+        // All levels have the same number of layers.
         assert_eq!(chain(Extent::D2Array([7, 5, 9])), flat.map(|[width, height]| Extent::D2Array([width, height, 9])));
         // Depth is halved, and may be the largest side.
         assert_eq!(chain(Extent::D3([2, 1, 8])), [[2, 1, 8], [1, 1, 4], [1, 1, 2], [1, 1, 1]].map(Extent::D3));
@@ -184,7 +184,7 @@ mod tests {
             }
             assert_eq!(Extent::D3([1, 1, side]).most_levels(), levels);
         }
-        // Past the last, and past the bits of a side, it stays there.
+        // Levels beyond the last stay there, even past the bits of a side.
         for level in [3, 31, 32, u32::MAX] {
             assert_eq!(Extent::D3([7, 5, 4]).level(level), Extent::D3([1, 1, 1]), "{level}");
         }
@@ -196,7 +196,7 @@ mod tests {
         assert_eq!(Extent::D2([7, 5]).texels_of_levels(3), 35 + 6 + 1);
         assert_eq!(Extent::D2Array([7, 5, 9]).texels_of_levels(3), 9 * (35 + 6 + 1));
         assert_eq!(Extent::D3([4, 4, 4]).texels_of_levels(3), 64 + 8 + 1);
-        // The largest of all fits.
+        // The largest extent does not overflow.
         let largest = Extent::D2Array([MAX_EXTENT_2D, MAX_EXTENT_2D, MAX_LAYERS]);
         assert_eq!(largest.texels_of_levels(14), u64::from(MAX_LAYERS) * ((1 << 28) - 1) / 3);
     }

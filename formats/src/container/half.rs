@@ -1,9 +1,10 @@
-//! IEEE 754 half precision, as textures of 16-bit floats store it.
+//! IEEE 754 half precision, as used in textures of 16-bit floats.
 
 /// Largest finite half.
 pub const MAX: f32 = 65504.0;
 
-/// The bits of the half nearest to `value`, ties to even; infinity beyond the largest half, a quiet NaN for NaN.
+/// Bits of the half nearest to `value`, ties to even. Values beyond the largest half become infinity; NaN becomes a
+/// quiet NaN.
 pub fn encode(value: f32) -> u16 {
     let sign = ((value.to_bits() >> 16) & 0x8000) as u16;
     let magnitude = value.abs();
@@ -14,18 +15,18 @@ pub fn encode(value: f32) -> u16 {
     if magnitude >= 65520.0 {
         return sign | 0x7c00;
     }
-    // One ulp of the half around this value; 2^-24 is the step of subnormal halves.
+    // One ulp of the half around this value; subnormal halves have a step of 2^-24.
     let exponent = (magnitude.to_bits() >> 23) as i32 - 127;
     let step_exponent = exponent.max(-14) - 10;
-    // Scaling by a power of two is exact in f64. A carry out of the mantissa moves into the exponent by itself.
+    // Scaling by a power of two is exact in f64. A carry out of the mantissa increments the exponent.
     let steps = (f64::from(magnitude) * 2f64.powi(-step_exponent)).round_ties_even() as u32;
     let biased = if exponent < -14 { 0 } else { (exponent + 14) as u32 };
     sign | (biased * 1024 + steps) as u16
 }
 
-/// The value of a half, exactly; NaN for NaN.
+/// Exact value of a half; NaN for NaN.
 pub fn decode(bits: u16) -> f32 {
-    // The same digits and exponent as an f32, whose exponents are 112 lower: 2^112 is exact, of subnormals too.
+    // Reinterpreted as an f32 the exponent is 112 too low. Multiplication by 2^112 is exact, also for subnormals.
     let magnitude = match bits & 0x7fff {
         0x7c00 => f32::INFINITY,
         beyond if beyond > 0x7c00 => f32::NAN,
@@ -66,7 +67,7 @@ mod tests {
     }
 
     #[test]
-    fn every_half_comes_back() {
+    fn every_half_round_trips() {
         for bits in 0..=u16::MAX {
             let value = decode(bits);
             assert!(encode(value) == bits || value.is_nan() && (bits & 0x7fff) > 0x7c00, "{bits:#x}");

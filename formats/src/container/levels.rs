@@ -1,12 +1,12 @@
-//! Mipmap levels of a file: where they are, what is checked before they are unpacked, and unpacking.
+//! Mipmap levels of a file: their location, checks before decompression, and decompression.
 
 use crate::{FormatError, memory};
 use std::io::Cursor;
 
-/// Refuses level index entries of which two share bytes of the file.
+/// Checks that no two levels share bytes of the file.
 ///
 /// # Errors
-/// The coarser of the two, with its `byteOffset`.
+/// Returns an error at the `byteOffset` of the coarser one.
 pub(super) fn check_places(bytes: &[u8], levels: u32) -> Result<(), FormatError> {
     let entries = bytes.get(ktx2::Header::LENGTH..).unwrap_or(&[]).as_chunks::<{ ktx2::LevelIndex::LENGTH }>().0;
     let entries = entries.iter().take(levels as usize).map(ktx2::LevelIndex::from_bytes);
@@ -16,17 +16,18 @@ pub(super) fn check_places(bytes: &[u8], levels: u32) -> Result<(), FormatError>
     for (&(first, length, one), &(second, _, other)) in places.iter().zip(places.iter().skip(1)) {
         if first.saturating_add(length) > second {
             let (coarser, offset, finer) = if one > other { (one, first, other) } else { (other, second, one) };
-            let allowed = format!("what is outside the bytes of level {finer}");
+            let allowed = format!("an offset outside the bytes of level {finer}");
             return Err(FormatError::at_byte(entry_of(coarser), "byteOffset", offset.to_string(), allowed));
         }
     }
     Ok(())
 }
 
-/// Unpacks levels one behind the other, of `sizes` bytes of texels.
+/// Decompresses levels into one buffer, one after the other. `sizes` are their decompressed lengths in bytes.
 ///
 /// # Errors
-/// What a level index or frame says that is not so, before memory is asked for; texels that cannot be unpacked.
+/// Returns an error if the level index or a frame contradicts `sizes` (before memory is allocated), or if decompression
+/// fails.
 pub(super) fn unpack(reader: &ktx2::Reader<&[u8]>, scheme: u32, sizes: &[u64]) -> Result<Vec<u8>, FormatError> {
     let levels = || reader.levels().zip(sizes).enumerate();
     for (number, (level, size)) in levels() {
@@ -44,7 +45,7 @@ pub(super) fn unpack(reader: &ktx2::Reader<&[u8]>, scheme: u32, sizes: &[u64]) -
         zstd::bulk::Decompressor::new()
             .and_then(|mut decompressor| decompressor.decompress_to_buffer(level.data, &mut texels))
             .map_err(|error| wrong_frame(number, error.to_string(), *size))?;
-        // A frame that is too long finds room, that of the coarser levels.
+        // A frame that is too long would fit into the space of coarser levels.
         let found = (texels.get_ref().len() - before) as u64;
         if found != *size {
             return Err(wrong_frame(number, format!("{found} bytes"), *size));
@@ -53,17 +54,17 @@ pub(super) fn unpack(reader: &ktx2::Reader<&[u8]>, scheme: u32, sizes: &[u64]) -
     Ok(texels.into_inner())
 }
 
-/// Offset of a level index entry in the file.
+/// Offset of a level index record in the file.
 fn entry_of(number: usize) -> u64 {
     (ktx2::Header::LENGTH + number * ktx2::LevelIndex::LENGTH) as u64
 }
 
-/// What a level with wrong Zstandard data is told as.
+/// Error for a level with invalid Zstandard data.
 fn wrong_frame(number: usize, found: String, size: u64) -> FormatError {
     FormatError::whole(format!("level {number}"), found, format!("Zstandard data of {size} bytes"))
 }
 
-/// Whether a level of `size` bytes of texels may be in its data, before memory for them is asked for.
+/// Checks that the data of a level can contain `size` bytes of texels, before memory is allocated.
 fn check(level: &ktx2::Level<'_>, number: usize, scheme: u32, size: u64) -> Result<(), FormatError> {
     let entry = entry_of(number);
     let wrong_size = |offset, field, found: u64| {
@@ -76,13 +77,13 @@ fn check(level: &ktx2::Level<'_>, number: usize, scheme: u32, size: u64) -> Resu
         0 if level.data.len() as u64 == size => Ok(()),
         0 => Err(wrong_size(entry + 8, "byteLength", level.data.len() as u64)),
         2 => {
-            // A frame says how long its contents are.
+            // Frames declare their content size.
             let declared = zstd::zstd_safe::get_frame_content_size(level.data).ok().flatten();
             if declared != Some(size) {
                 let found = declared.map_or("no content size".to_owned(), |n| format!("a frame of {n} bytes"));
                 return Err(wrong_frame(number, found, size));
             }
-            // A block of 128 KiB takes 4 bytes at least.
+            // A block of up to 128 KiB takes at least 4 bytes.
             if size > (level.data.len() as u64 / 4 + 1) << 17 {
                 return Err(wrong_frame(number, format!("{} bytes, too few for that", level.data.len()), size));
             }

@@ -1,5 +1,5 @@
-//! Packs for the GPU: KTX2 files whose `brdfc.*` entries say what the texels mean. Layout: `spec.md` in this folder, and
-//! one page per kind of pack.
+//! GPU-ready container: KTX2 files whose `brdfc.*` key/value data describes the texels. Layout: `spec.md` in this
+//! folder, and one page per kind of pack.
 
 pub(crate) mod checksum;
 pub(crate) mod entries;

@@ -1,36 +1,36 @@
-//! Colours in 32 bits: three mantissas of 9 bits that share an exponent of 5, as `VK_FORMAT_E5B9G9R9_UFLOAT_PACK32` and
-//! `rgb9e5ufloat` store them. Red is in bits 0 to 8, green in 9 to 17, blue in 18 to 26, the exponent in 27 to 31.
+//! Colours in 32 bits: three 9-bit mantissas with a shared 5-bit exponent, as in `VK_FORMAT_E5B9G9R9_UFLOAT_PACK32` and
+//! `rgb9e5ufloat`. Red is in bits 0 to 8, green in 9 to 17, blue in 18 to 26, the exponent in 27 to 31.
 
 /// Largest component, `511 / 512 * 2^16`.
 pub const MAX: f32 = 65408.0;
-/// The largest component of a colour of `2^-16` to [`MAX`] is off by at most this part of itself.
+/// Maximum relative error of the largest component of a colour between `2^-16` and [`MAX`].
 pub const PRECISION: f32 = 1.0 / 512.0;
 
 const MANTISSA_BITS: i32 = 9;
 const BIAS: i32 = 15;
 
-/// The nearest colour, rounded as Vulkan and OpenGL specify it. Components are clamped to `0..=`[`MAX`]; NaN becomes 0.
+/// Nearest colour, rounded as Vulkan and OpenGL specify it. Components are clamped to `0..=`[`MAX`]; NaN becomes 0.
 pub fn encode(colour: [f32; 3]) -> u32 {
-    // NaN is not above 0 either.
+    // NaN is not greater than 0, so it becomes 0.
     let clamped = colour.map(|c| f64::from(if c > 0.0 { c.min(MAX) } else { 0.0 }));
     let largest = clamped.into_iter().fold(0.0, f64::max);
     let exponent = floor_log2(largest).max(-BIAS - 1) + 1 + BIAS;
-    // Quotients by powers of two and the added half are exact in f64.
+    // Division by powers of two and the added half are exact in f64.
     let steps = |c: f64, exponent: i32| (c / 2f64.powi(exponent - BIAS - MANTISSA_BITS) + 0.5).floor() as u32;
     let exponent = exponent + i32::from(steps(largest, exponent) == 1 << MANTISSA_BITS);
     let [r, g, b] = clamped.map(|c| steps(c, exponent));
     r | g << 9 | b << 18 | (exponent as u32) << 27
 }
 
-/// The colour of a texel, exactly.
+/// Exact colour of a texel.
 #[inline]
 pub fn decode(texel: u32) -> [f32; 3] {
-    // 2^(exponent - 24): always a normal number, whose bits are cheaper than a power.
+    // 2^(exponent - 24) is always a normal number; assembling its bits is cheaper than a power.
     let step = f32::from_bits(((texel >> 27) + (127 - BIAS - MANTISSA_BITS) as u32) << 23);
     [texel, texel >> 9, texel >> 18].map(|bits| (bits & 511) as f32 * step)
 }
 
-/// Floor of the binary logarithm; far below every exponent in use for 0.
+/// Floor of the binary logarithm; for 0, a number far below every exponent in use.
 fn floor_log2(value: f64) -> i32 {
     (value.to_bits() >> 52) as i32 - 1023
 }
@@ -78,8 +78,8 @@ mod tests {
         }
 
         #[test]
-        fn decoded_texels_come_back(texel in any::<u32>()) {
-            // Texels with small mantissas have another form with a lower exponent: the colour is what comes back.
+        fn decoded_texels_round_trip(texel in any::<u32>()) {
+            // Texels with small mantissas have an equivalent form with a lower exponent, so colours are compared.
             prop_assert_eq!(decode(encode(decode(texel))), decode(texel));
         }
     }

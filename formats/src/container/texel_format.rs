@@ -1,7 +1,7 @@
-//! How texels of packs are stored, and how a KTX2 file describes that. Layout: `formats/src/container/spec.md`.
+//! Texel formats of packs and their KTX2 data format descriptors. Layout: `formats/src/container/spec.md`.
 
-/// Texel formats that packs use. The 16-bit unorm ones are optional everywhere; all others are core, and all but those of
-/// 32-bit floats and integers can be filtered.
+/// Texel formats that packs use. The 16-bit unorm formats are optional in all graphics APIs. All others are core, and
+/// filterable except 32-bit floats and integers.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum TexelFormat {
     /// One component of 8 bits, `VK_FORMAT_R8_UNORM`.
@@ -26,16 +26,16 @@ pub enum TexelFormat {
     R32Uint,
     /// Four unsigned integers of 32 bits, `VK_FORMAT_R32G32B32A32_UINT`.
     Rgba32Uint,
-    /// Three mantissas of 9 bits that share an exponent, in one word: `VK_FORMAT_E5B9G9R9_UFLOAT_PACK32`. See
+    /// Three 9-bit mantissas with a shared exponent in one word, `VK_FORMAT_E5B9G9R9_UFLOAT_PACK32`. See
     /// [`super::rgb9e5`].
     Rgb9E5,
-    /// Three components of 10 bits and one of 2 in one word, `VK_FORMAT_A2B10G10R10_UNORM_PACK32`: red is in the lowest
-    /// bits. See [`super::rgb10a2`].
+    /// Three components of 10 bits and one of 2 in one word, red in the lowest bits,
+    /// `VK_FORMAT_A2B10G10R10_UNORM_PACK32`. See [`super::rgb10a2`].
     Rgb10A2Unorm,
 }
 
 impl TexelFormat {
-    /// Every format.
+    /// All formats.
     pub const ALL: [Self; 13] = [
         Self::R8Unorm,
         Self::Rg8Unorm,
@@ -52,7 +52,7 @@ impl TexelFormat {
         Self::Rgb10A2Unorm,
     ];
 
-    /// What WebGPU calls it.
+    /// WebGPU name.
     pub fn name(self) -> &'static str {
         match self {
             Self::R8Unorm => "r8unorm",
@@ -71,17 +71,17 @@ impl TexelFormat {
         }
     }
 
-    /// The format of this [`Self::name`].
+    /// Format with this WebGPU name.
     pub fn from_name(name: &str) -> Option<Self> {
         Self::ALL.into_iter().find(|format| format.name() == name)
     }
 
-    /// Whether it holds integers, which no sampler filters.
+    /// Returns true for integer formats, which samplers cannot filter.
     pub fn is_integer(self) -> bool {
         matches!(self, Self::R32Uint | Self::Rgba32Uint)
     }
 
-    /// Words stored per texel: one per component, or a single one of packed components.
+    /// Words per texel: one per component, or one for packed formats.
     pub fn components(self) -> usize {
         match self {
             Self::R8Unorm | Self::R16Unorm | Self::R16Float | Self::R32Uint | Self::Rgb9E5 | Self::Rgb10A2Unorm => 1,
@@ -123,7 +123,7 @@ impl TexelFormat {
         }
     }
 
-    /// The data format descriptor, with its length in front. Values are linear and have no colour meaning of their own.
+    /// Data format descriptor, with its length in front. Values are linear and have no colour semantics.
     pub(super) fn descriptor(self) -> Vec<u8> {
         let linear = Some(ktx2::TransferFunction::Linear);
         let (block, type_size) = ktx2::dfd::Basic::from_format_with(self.vulkan(), false, linear, None, None)

@@ -1,7 +1,7 @@
-//! The KTX2 container of every pack. Layout: `formats/src/container/spec.md`.
+//! KTX2 container of every pack. Layout: `formats/src/container/spec.md`.
 //!
-//! Headers, level index and data format descriptor are the `ktx2` crate's; this file sequences them by the rules of
-//! the Khronos validator and holds incoming files to the few shapes that packs have.
+//! The `ktx2` crate handles header, level index and data format descriptor. This module orders them by the rules of the
+//! Khronos validator and restricts files to the forms that packs use.
 
 use super::checksum;
 use super::extent::Extent;
@@ -11,36 +11,36 @@ use crate::FormatError;
 use std::borrow::Cow;
 use std::collections::BTreeMap;
 
-/// Who wrote the file, in the `KTXwriter` entry. Holds no version, so that bytes change with contents alone.
+/// Value of `KTXwriter`. It has no version, so that files change only with their contents.
 pub const WRITER: &str = "brdfc";
-/// Most bytes of texels in one pack, after decompression.
+/// Maximum size of the texels of a pack after decompression, bytes.
 pub const MAX_TEXEL_BYTES: u64 = 1 << 30;
-/// Zstandard level: past this the files hardly shrink, and time grows.
+/// Zstandard level; higher levels hardly shrink files and take longer.
 const ZSTD_LEVEL: i32 = 3;
-/// Where the header has `levelCount`.
+/// Offset of `levelCount` in the header.
 const LEVEL_COUNT: u64 = 40;
 
-/// A texture, and its entries.
+/// A texture and its key/value data.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Texture {
-    /// How a texel is stored.
+    /// Texel format.
     pub format: TexelFormat,
-    /// 2D, 2D array or 3D, and the number of texels along each axis.
+    /// Dimension and number of texels along each axis.
     pub extent: Extent,
-    /// Key/value entries named `brdfc.*`; the container adds its own `KTX*` entries.
+    /// Key/value data under `brdfc.*` keys; the container adds the `KTX*` keys.
     pub entries: BTreeMap<String, Vec<u8>>,
-    /// Mipmap levels, 1 to as many as [`Extent::most_levels`] allows.
+    /// Number of mipmap levels, 1 to [`Extent::most_levels`].
     pub levels: u32,
-    /// Texels, x fastest, then y, then z or the layer, then the level from the finest; little-endian components.
+    /// Texels: x fastest, then y, then z or the layer, then levels from the finest; little-endian components.
     pub texels: Vec<u8>,
 }
 
 impl Texture {
-    /// The bytes of the file.
+    /// Contents of the file.
     ///
     /// # Panics
-    /// When there are no levels or more than the extent has, or `texels` does not have the length that format, extent and
-    /// levels call for: mistakes of the caller.
+    /// Panics if the number of levels is 0 or more than the extent has, or if `texels` does not have the length that
+    /// format, extent and levels require.
     pub fn to_bytes(&self, supercompress: bool) -> Vec<u8> {
         let [width, height, depth, layers] = self.extent.fields();
         let texel_bytes = self.format.texel_bytes();
@@ -68,7 +68,7 @@ impl Texture {
 
         let descriptor_offset = ktx2::Header::LENGTH + levels.len() * ktx2::LevelIndex::LENGTH;
         let entries_offset = descriptor_offset + descriptor.len();
-        // Levels are aligned to whole texels and 4 bytes, unless supercompressed; all our texel sizes are powers of two.
+        // Levels are aligned to whole texels and 4 bytes unless supercompressed; all texel sizes are powers of two.
         let alignment = if supercompress { 1 } else { texel_bytes.max(4) };
         let mut end = entries_offset + entries.len();
         // The coarsest level comes first.
@@ -118,7 +118,7 @@ impl Texture {
         bytes
     }
 
-    /// Entries sorted by the bytes of their keys, each padded to 4 bytes.
+    /// Key/value data sorted by key bytes, each padded to 4 bytes.
     fn entry_bytes(&self) -> Vec<u8> {
         let text = |s: &str| format!("{s}\0").into_bytes();
         let mut all = self.entries.clone();
@@ -135,43 +135,44 @@ impl Texture {
         bytes
     }
 
-    /// Reads a file of one level that [`Self::to_bytes`] could have written; other KTX2 files are refused with the reason.
+    /// Reads a single-level file of the form that [`Self::to_bytes`] writes.
     ///
     /// # Errors
-    /// Anything that is not a 2D texture, 2D array or 3D texture of one level in one of the [`TexelFormat`]s,
-    /// uncompressed or with Zstandard. [`PackedTexture::unpack_levels`] takes several.
+    /// Returns an error if the file is not a 2D texture, 2D array or 3D texture with one level in one of the
+    /// [`TexelFormat`]s, without supercompression or with Zstandard. [`PackedTexture::unpack_levels`] reads several
+    /// levels.
     pub fn from_bytes(bytes: &[u8]) -> Result<Self, FormatError> {
         Self::from_bytes_within(bytes, MAX_TEXEL_BYTES)
     }
 
-    /// [`Self::from_bytes`] for a pack whose texels take at most `limit` bytes: known before they are unpacked.
+    /// Same as [`Self::from_bytes`], with a limit in bytes on the texels, checked before decompression.
     ///
     /// # Errors
-    /// As [`Self::from_bytes`], and more texels than `limit`.
+    /// Same as [`Self::from_bytes`]; also returns an error if the texels take more than `limit` bytes.
     pub fn from_bytes_within(bytes: &[u8], limit: u64) -> Result<Self, FormatError> {
         PackedTexture::from_bytes(bytes)?.unpack(limit)
     }
 
-    /// Bytes of texels on a GPU, of all levels.
+    /// Size of all levels on a GPU, bytes.
     pub fn texel_bytes(&self) -> u64 {
         self.texels.len() as u64
     }
 
-    /// Refuses mipmaps: for packs whose layout has none.
+    /// Returns an error if there are several mipmap levels.
     pub(crate) fn check_one_level(&self) -> Result<(), FormatError> {
         if self.levels == 1 { Ok(()) } else { Err(several_levels(self.levels)) }
     }
 }
 
-/// A [`Texture`] whose texels have not been unpacked: enough to tell what it is.
+/// A [`Texture`] whose texels are still compressed; format, extent and key/value data are available.
 pub struct PackedTexture<'a> {
-    /// How a texel is stored.
+    /// Texel format.
     pub format: TexelFormat,
-    /// Texels along each axis.
+    /// Dimension and number of texels along each axis.
     pub extent: Extent,
-    /// Key/value entries named `brdfc.*`.
+    /// Key/value data under `brdfc.*` keys.
     pub entries: BTreeMap<String, Vec<u8>>,
-    /// Mipmap levels, 1 to as many as [`Extent::most_levels`] allows.
+    /// Number of mipmap levels, 1 to [`Extent::most_levels`].
     pub levels: u32,
     scheme: u32,
     bytes: &'a [u8],
@@ -179,17 +180,18 @@ pub struct PackedTexture<'a> {
 }
 
 impl<'a> PackedTexture<'a> {
-    /// Reads everything but the texels.
+    /// Reads everything except the texels.
     ///
     /// # Errors
-    /// As [`Texture::from_bytes`], but for several levels, which are taken; levels that share bytes of the file.
+    /// Same as [`Texture::from_bytes`], but several levels are valid. Also returns an error if levels share bytes of
+    /// the file.
     pub fn from_bytes(bytes: &'a [u8]) -> Result<Self, FormatError> {
         let refused = |error| {
-            let allowed = "a whole KTX2 file";
+            let allowed = "a complete KTX2 file";
             match error {
                 ktx2::ParseError::BadMagic => FormatError::at_byte(0, "identifier", "other bytes", allowed),
                 ktx2::ParseError::UnexpectedEnd => {
-                    FormatError::whole("container", format!("{} bytes, which end too early", bytes.len()), allowed)
+                    FormatError::whole("container", format!("{} bytes, which are too few", bytes.len()), allowed)
                 }
                 other => FormatError::whole("container", other.to_string(), allowed),
             }
@@ -201,7 +203,7 @@ impl<'a> PackedTexture<'a> {
                 12,
                 "vkFormat",
                 header.format.map_or("undefined or unknown".to_owned(), |f| f.value().to_string()),
-                "9, 16, 37, 64, 70, 76, 91, 97, 103, 109 or 123",
+                "9, 16, 37, 64, 70, 76, 91, 97, 98, 103, 107, 109 or 123",
             )
         })?;
         check_descriptor(bytes, &header.index, format)?;
@@ -225,30 +227,31 @@ impl<'a> PackedTexture<'a> {
         let mut entries = BTreeMap::new();
         for (key, value) in reader.key_value_data().filter(|(key, _)| key.starts_with("brdfc.")) {
             if entries.insert(key.to_owned(), value.to_owned()).is_some() {
-                return Err(FormatError::whole(key.to_owned(), "two entries of this name", "one"));
+                return Err(FormatError::whole(key.to_owned(), "a duplicate key", "unique keys"));
             }
         }
         let scheme = u32::from_le_bytes([bytes[44], bytes[45], bytes[46], bytes[47]]);
         Ok(Self { format, extent, entries, levels: header.level_count, scheme, bytes, reader })
     }
 
-    /// Holds the file against the value of its checksum's entry.
+    /// Compares the file with the value of its checksum.
     ///
     /// # Errors
-    /// No checksum; another one.
+    /// Returns an error if the checksum is missing or does not match.
     pub(crate) fn check_sum(&self, stored: Option<&[u8]>) -> Result<(), FormatError> {
         checksum::check(self.bytes, stored)
     }
 
-    /// Bytes of texels on a GPU, of all levels.
+    /// Size of all levels on a GPU, bytes.
     pub fn texel_bytes(&self) -> u64 {
         self.extent.texels_of_levels(self.levels) * self.format.texel_bytes() as u64
     }
 
-    /// Unpacks texels of at most `limit` bytes: known before.
+    /// Decompresses the texels, which may take at most `limit` bytes. The size is checked before decompression.
     ///
     /// # Errors
-    /// More than one level; more texels; texels that are not as the rest says.
+    /// Returns an error if there is more than one level, the texels take more than `limit` bytes, or the data is
+    /// inconsistent.
     pub fn unpack(self, limit: u64) -> Result<Texture, FormatError> {
         if self.levels != 1 {
             return Err(several_levels(self.levels));
@@ -256,10 +259,10 @@ impl<'a> PackedTexture<'a> {
         self.unpack_levels(limit)
     }
 
-    /// [`Self::unpack`] of all mipmap levels, which together take at most `limit` bytes.
+    /// Same as [`Self::unpack`] for all mipmap levels, which together may take at most `limit` bytes.
     ///
     /// # Errors
-    /// More texels; texels that are not as the rest says.
+    /// Returns an error if the texels take more than `limit` bytes or the data is inconsistent.
     pub fn unpack_levels(self, limit: u64) -> Result<Texture, FormatError> {
         let size = self.texel_bytes();
         let limit = limit.min(MAX_TEXEL_BYTES);
@@ -279,7 +282,7 @@ fn several_levels(found: u32) -> FormatError {
     FormatError::at_byte(LEVEL_COUNT, "levelCount", found.to_string(), "1")
 }
 
-/// Compares bytes, before the `ktx2` crate parses them: it panics at a block dimension of 256.
+/// Compares raw bytes before the `ktx2` crate parses them, because it panics at a block dimension of 256.
 fn check_descriptor(bytes: &[u8], index: &ktx2::Index, format: TexelFormat) -> Result<(), FormatError> {
     let start = index.dfd_byte_offset as usize;
     let found = bytes.get(start..).and_then(|rest| rest.get(..index.dfd_byte_length as usize));
@@ -288,5 +291,5 @@ fn check_descriptor(bytes: &[u8], index: &ktx2::Index, format: TexelFormat) -> R
     }
     let found = if found.is_some() { "another description" } else { "end of data" };
     let place = u64::from(index.dfd_byte_offset);
-    Err(FormatError::at_byte(place, "data format descriptor", found, "the one of vkFormat, linear"))
+    Err(FormatError::at_byte(place, "data format descriptor", found, "the linear descriptor of vkFormat"))
 }

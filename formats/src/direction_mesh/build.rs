@@ -1,22 +1,22 @@
-//! Triangles and segments, and which of them each cell of the grid has to try.
+//! Construction of triangles and segments, and of the grid of candidates.
 
 use crate::FormatError;
 use std::collections::BTreeSet;
 
 /// Words before the cells.
 pub(super) const HEADER_WORDS: usize = 4;
-/// Smallest distance of two directions; about twice that of their paraboloid coordinates at the normal.
-const SMALLEST_DISTANCE: f64 = 1e-4;
-/// Height over length below which a triangle is a line: a few times the rounding of f32 coordinates.
+/// Minimum distance of two directions, about twice that of their paraboloid coordinates at the normal.
+const MIN_DISTANCE: f64 = 1e-4;
+/// Ratio of height to length below which a triangle counts as a line: a few times the rounding of f32 coordinates.
 const FLAT: f64 = 1e-6;
-/// By how much regions are widened, so that rounding in f32 never looks into a cell that lacks them.
+/// Widening of regions, so that f32 rounding never selects a cell that lacks them.
 const SLACK: f64 = 1e-5;
-/// Most cells along an axis.
+/// Maximum number of cells along an axis.
 pub(super) const MAX_GRID: usize = 128;
 
 type Point = [f64; 2];
 
-/// Where `normal · p + offset >= 0`; the normal has length 1.
+/// Half plane `normal · p + offset >= 0`; the normal has length 1.
 #[derive(Clone, Copy)]
 struct HalfPlane {
     normal: Point,
@@ -24,7 +24,7 @@ struct HalfPlane {
 }
 
 impl HalfPlane {
-    /// Points at or ahead of `through`, looking along `direction`.
+    /// Points at or ahead of `through` in the direction `direction`.
     fn ahead(through: Point, direction: Point) -> Self {
         let length = direction[0].hypot(direction[1]);
         let normal = [direction[0] / length, direction[1] / length];
@@ -37,13 +37,13 @@ impl HalfPlane {
     }
 }
 
-/// A convex region where a triangle or segment may give the weights.
+/// Convex region in which a triangle or segment may determine the weights.
 struct Region {
     triangle: u32,
     planes: Vec<HalfPlane>,
 }
 
-/// The words of a mesh over points in paraboloid coordinates.
+/// Words of a mesh over points in paraboloid coordinates.
 pub(super) fn words(points: &[[f32; 2]]) -> Result<Vec<u32>, FormatError> {
     let exact: Vec<Point> = points.iter().map(|p| p.map(f64::from)).collect();
     check_distances(&exact)?;
@@ -71,22 +71,23 @@ pub(super) fn words(points: &[[f32; 2]]) -> Result<Vec<u32>, FormatError> {
     Ok(words)
 }
 
-/// About four cells per direction.
+/// Grid size for about four cells per direction.
 fn grid_size(directions: usize) -> usize {
     (2..MAX_GRID).find(|grid| grid * grid >= 4 * directions).unwrap_or(MAX_GRID)
 }
 
 fn check_distances(points: &[Point]) -> Result<(), FormatError> {
     for (second, b) in points.iter().enumerate() {
-        if let Some(first) = points[..second].iter().position(|a| 2.0 * length(subtract(*a, *b)) < SMALLEST_DISTANCE) {
-            let found = format!("less than {SMALLEST_DISTANCE} from direction {first}");
-            return Err(FormatError::whole(format!("direction {second}"), found, "farther apart, to interpolate"));
+        if let Some(first) = points[..second].iter().position(|a| 2.0 * length(subtract(*a, *b)) < MIN_DISTANCE) {
+            let found = format!("less than {MIN_DISTANCE} from direction {first}");
+            let allowed = "directions that are farther apart, for interpolation";
+            return Err(FormatError::whole(format!("direction {second}"), found, allowed));
         }
     }
     Ok(())
 }
 
-/// A point that only flat triangles touch would never get its weight.
+/// Checks that all points are used: a point touched only by flat triangles would never get its weight.
 fn check_all_used(triangles: &[[u32; 3]], points: usize) -> Result<(), FormatError> {
     let mut used = vec![false; points];
     for corner in triangles.iter().flatten() {
@@ -96,13 +97,13 @@ fn check_all_used(triangles: &[[u32; 3]], points: usize) -> Result<(), FormatErr
         Some(index) => Err(FormatError::whole(
             format!("direction {index}"),
             "only triangles that are nearly lines",
-            "directions that are all on one line, or none nearly on a line between others at the rim",
+            "directions all on one line, or none nearly on a line between others at the rim",
         )),
         None => Ok(()),
     }
 }
 
-/// Delaunay triangles, counter-clockwise, each from its smallest index on, sorted. None when all points are in line.
+/// Delaunay triangles, counter-clockwise, each from its smallest index on, sorted. Empty if all points are collinear.
 fn triangulate(points: &[Point]) -> Vec<[u32; 3]> {
     let input: Vec<delaunator::Point> = points.iter().map(|&p| p.into()).collect();
     let result = delaunator::triangulate(&input);
@@ -126,7 +127,7 @@ fn triangulate(points: &[Point]) -> Vec<[u32; 3]> {
     triangles
 }
 
-/// Points in line as segments from neighbour to neighbour, in both directions; one point as one segment.
+/// Collinear points as segments between neighbours, in both directions; a single point as one segment.
 fn chain(points: &[Point]) -> (Vec<[u32; 3]>, Vec<Region>) {
     if points.len() == 1 {
         return (vec![[0; 3]], vec![Region { triangle: 0, planes: Vec::new() }]);
@@ -158,7 +159,7 @@ fn chain(points: &[Point]) -> (Vec<[u32; 3]>, Vec<Region>) {
     (segments, regions)
 }
 
-/// Triangles followed by the segments of the hull. Regions: the triangles themselves, the strips beyond the segments
+/// Triangles followed by the segments of the hull. Regions are the triangles themselves, the strips beyond the segments
 /// and the wedges beyond the corners.
 fn with_hull(points: &[Point], mut triangles: Vec<[u32; 3]>) -> (Vec<[u32; 3]>, Vec<Region>) {
     let mut regions = Vec::new();
@@ -175,8 +176,8 @@ fn with_hull(points: &[Point], mut triangles: Vec<[u32; 3]>) -> (Vec<[u32; 3]>, 
         let along = subtract(to, from);
         let segment = triangles.len() as u32;
         triangles.push([a, b, b]);
-        let beside = HalfPlane::ahead(from, negative(left(along)));
-        let planes = vec![beside, HalfPlane::ahead(from, along), HalfPlane::ahead(to, negative(along))];
+        let outside = HalfPlane::ahead(from, negative(left(along)));
+        let planes = vec![outside, HalfPlane::ahead(from, along), HalfPlane::ahead(to, negative(along))];
         regions.push(Region { triangle: segment, planes });
         for &(_, c) in outer.range((b, 0)..=(b, u32::MAX)) {
             let next = subtract(points[c as usize], to);
@@ -187,7 +188,7 @@ fn with_hull(points: &[Point], mut triangles: Vec<[u32; 3]>) -> (Vec<[u32; 3]>, 
     (triangles, regions)
 }
 
-/// The numbers of all regions that touch each cell, ascending.
+/// Indices of all regions that touch each cell, ascending.
 fn cells(grid: usize, regions: &[Region]) -> Vec<Vec<u32>> {
     let step = 2.0 / grid as f64;
     let mut cells = vec![Vec::new(); grid * grid];
@@ -208,7 +209,7 @@ fn cells(grid: usize, regions: &[Region]) -> Vec<Vec<u32>> {
     cells
 }
 
-/// Whether a square has a point in all half planes.
+/// Returns true if a square has a point in all half planes.
 fn touches(planes: &[HalfPlane], low: Point, step: f64) -> bool {
     let centre = [low[0] + 0.5 * step, low[1] + 0.5 * step];
     let beyond =
@@ -224,21 +225,21 @@ fn touches(planes: &[HalfPlane], low: Point, step: f64) -> bool {
     !polygon.is_empty()
 }
 
-/// The part of a convex polygon in a half plane (Sutherland and Hodgman 1974).
+/// Clips a convex polygon to a half plane (Sutherland and Hodgman 1974).
 fn clip(polygon: &[Point], plane: &HalfPlane) -> Vec<Point> {
-    let mut kept = Vec::with_capacity(polygon.len() + 1);
+    let mut clipped = Vec::with_capacity(polygon.len() + 1);
     for (k, &p) in polygon.iter().enumerate() {
         let q = polygon[(k + 1) % polygon.len()];
         let (here, there) = (plane.depth(p), plane.depth(q));
         if here >= 0.0 {
-            kept.push(p);
+            clipped.push(p);
         }
         if (here >= 0.0) != (there >= 0.0) {
             let t = here / (here - there);
-            kept.push([p[0] + t * (q[0] - p[0]), p[1] + t * (q[1] - p[1])]);
+            clipped.push([p[0] + t * (q[0] - p[0]), p[1] + t * (q[1] - p[1])]);
         }
     }
-    kept
+    clipped
 }
 
 fn subtract(a: Point, b: Point) -> Point {
@@ -249,7 +250,7 @@ fn negative(a: Point) -> Point {
     [-a[0], -a[1]]
 }
 
-/// Turned by a quarter, counter-clockwise.
+/// Rotates a vector by 90 degrees counter-clockwise.
 fn left(a: Point) -> Point {
     [-a[1], a[0]]
 }

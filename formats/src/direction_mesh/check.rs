@@ -1,21 +1,21 @@
-//! Whether words that were read are those of a mesh.
+//! Validation of the words of a mesh.
 
 use super::build::{HEADER_WORDS, MAX_GRID};
 use crate::FormatError;
 use crate::direction_set::MAX_DIRECTIONS;
 
 const FIELD: &str = "directions";
-/// Most triangles and segments for a direction: of n points there are fewer than 2 n triangles and 2 n segments.
+/// Maximum number of triangles and segments per direction: n points have fewer than 2 n triangles and 2 n segments.
 const MAX_TRIANGLES: usize = 4;
 
 fn wrong(what: &str, found: impl ToString, allowed: impl Into<String>) -> FormatError {
     FormatError::whole(format!("{FIELD}, {what}"), found.to_string(), allowed)
 }
 
-/// How many words belong to the mesh that a list begins with.
+/// Number of words of the mesh at the start of a list.
 ///
 /// # Errors
-/// Counts that no mesh has; fewer words than they ask for.
+/// Returns an error if counts are out of range or there are fewer words than the counts require.
 pub(super) fn length(words: &[u32]) -> Result<usize, FormatError> {
     let Some(&[grid, directions, triangles, candidates]) = words.first_chunk::<HEADER_WORDS>() else {
         return Err(wrong("words", words.len(), format!("{HEADER_WORDS} or more")));
@@ -36,15 +36,15 @@ pub(super) fn length(words: &[u32]) -> Result<usize, FormatError> {
     }
     let length = HEADER_WORDS + cells + 1 + candidates + 3 * triangles + 2 * directions;
     if words.len() < length {
-        return Err(wrong("words", words.len(), format!("{length}, as its counts say")));
+        return Err(wrong("words", words.len(), format!("{length}, as its counts require")));
     }
     Ok(length)
 }
 
-/// Whether the words of a mesh, as many as [`length`] says, lead nowhere else.
+/// Checks that all indices of a mesh are in range. `words` has the length that [`length`] returns.
 ///
 /// # Errors
-/// The first word that does.
+/// Returns an error that names the first word out of range.
 pub(super) fn check(words: &[u32]) -> Result<(), FormatError> {
     let (cells, rest) = words[HEADER_WORDS..].split_at((words[0] * words[0]) as usize + 1);
     let (candidates, rest) = rest.split_at(words[3] as usize);

@@ -1,23 +1,24 @@
-// Three samples of a direction set and their weights, for any direction.
+// Interpolation between sampled directions: three samples and their weights for any direction.
 //
-// The words are described in `direction_mesh/mod.rs` of the crate `brdfc-formats`, whose `DirectionMesh::weights` does the
-// same steps in the same order. They stand in a texture, row by row: it may hold several meshes, each from a row of its own.
+// The words are specified in `direction_mesh/mod.rs` of the crate `brdfc-formats`, whose `DirectionMesh::weights`
+// performs the same steps in the same order. They are stored in a texture, row by row, which may hold several meshes,
+// each starting in a row of its own.
 //
-// To use it: paste this file before your own shader, move the binding where it suits you, and call
+// Usage: prepend this file to your own shader, move the binding as needed, and call
 //
 //     let samples = direction_mesh_weights(direction, row);
 //
-// It loads 5 texels, and up to 10 for every triangle and segment of the direction's cell.
+// It loads 5 texels, and up to 10 for each triangle and segment of the direction's cell.
 
 // One channel of 32 bits, unsigned integers. Not filtered.
 @group(1) @binding(28) var direction_mesh_words: texture_2d<u32>;
 
 struct DirectionMeshWeights {
-    indices: vec3<u32>,  // into the set; may repeat with weight 0
-    weights: vec3<f32>,  // not negative, sum 1
+    indices: vec3<u32>,  // indices into the set; may repeat with weight 0
+    weights: vec3<f32>,  // non-negative, sum 1
 }
 
-// `direction` is a unit vector in the frame x = tangent, y = bitangent, z = normal; the mesh begins in the row `row`.
+// `direction` is a unit vector in the frame x = tangent, y = bitangent, z = normal; `row` is the first row of the mesh.
 fn direction_mesh_weights(direction: vec3<f32>, row: u32) -> DirectionMeshWeights {
     let scale = 1.0 + max(direction.z, 0.0);
     let p = vec2<f32>(
@@ -51,7 +52,7 @@ fn direction_mesh_weights(direction: vec3<f32>, row: u32) -> DirectionMeshWeight
         var w = vec3<f32>(1.0, 0.0, 0.0);
         var distance: f32;
         if corners.y == corners.z {
-            // A segment, which counts on its right side: the hull is on the left.
+            // A segment applies on its right side, because the hull is on the left.
             let squared = e1.x * e1.x + e1.y * e1.y;
             var t = 0.0;
             if squared > 0.0 {
@@ -86,7 +87,7 @@ fn direction_mesh_weights(direction: vec3<f32>, row: u32) -> DirectionMeshWeight
             w = vec3<f32>(c0 / sum, c1 / sum, c2 / sum);
             let x = q.x - (w.y * e1.x + w.z * e2.x);
             let y = q.y - (w.y * e1.y + w.z * e2.y);
-            // Outside the hull the corner of a segment is to win.
+            // Outside the hull the corner of a segment must win.
             distance = 4.0 * (x * x + y * y);
         }
         if k == first || distance < best {

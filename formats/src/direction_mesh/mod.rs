@@ -1,33 +1,34 @@
-//! Interpolation between the directions of a set: three samples and their weights for any direction.
+//! Interpolation between sampled directions: three samples and their weights for any direction.
 //!
-//! The samples are triangulated (Delaunay) in paraboloid coordinates `(x, y) / (1 + z)`, and a direction gets the
-//! barycentric weights of its triangle. Outside the convex hull it gets those of the nearest point of the hull, in the
-//! same plane: that is the one choice that is continuous everywhere. Directions below the horizon are taken with z = 0.
+//! The samples are triangulated (Delaunay) in paraboloid coordinates `(x, y) / (1 + z)`; a direction has the
+//! barycentric weights of its triangle. Outside the convex hull it has the weights of the nearest point of the hull in
+//! the same plane, the only choice that is continuous everywhere. Directions below the horizon are projected to z = 0.
 //!
-//! Weights are 1 at a sample, not negative, sum up to 1 within rounding, and reproduce linear functions of paraboloid
+//! Weights are 1 at a sample, non-negative, sum to 1 within rounding, and reproduce linear functions of paraboloid
 //! coordinates inside the hull.
 //!
-//! Sets without a triangle: one direction has weight 1 everywhere; of two directions, or of several on one line in
-//! paraboloid coordinates (a plane through the normal), the two around the nearest point of the line are blended.
+//! Sets without a triangle: a single direction has weight 1 everywhere. With two directions, or several that are
+//! collinear in paraboloid coordinates (in a plane through the normal), the two around the nearest point of the line
+//! are blended.
 //!
 //! # Words for a shader
 //!
-//! Everything that a look-up needs is one list of `u32`, in a texture or a buffer, in f32 throughout. `n` directions, `t`
-//! triangles and segments, `G` x `G` cells over [-1, 1]² of paraboloid coordinates, `c` candidates:
+//! A look-up reads one list of `u32`, in a texture or a buffer, and computes in f32. The list describes `n` directions,
+//! `t` triangles and segments, `G` x `G` cells over [-1, 1]² of paraboloid coordinates, and `c` candidates:
 //!
-//! | from word | words | what |
+//! | from word | words | contents |
 //! |---|---|---|
 //! | 0 | 4 | `G`, `n`, `t`, `c` |
-//! | 4 | `G² + 1` | cell `row * G + column`: its first candidate; then `c` |
-//! | `5 + G²` | `c` | candidates: numbers of triangles and segments, ascending within a cell |
+//! | 4 | `G² + 1` | first candidate of cell `row * G + column`; then `c` |
+//! | `5 + G²` | `c` | candidates: indices of triangles and segments, ascending within a cell |
 //! | `5 + G² + c` | `3 t` | directions at the corners of each triangle; a segment from a to b is a, b, b |
 //! | `5 + G² + c + 3 t` | `2 n` | x, y of each direction in paraboloid coordinates, bits of f32 |
 //!
-//! Triangles are counter-clockwise. Segments are the edges of the hull, with the hull on the left; of sets in line, the
-//! pieces of the line in both directions. A cell lists each triangle that it overlaps and each segment that is nearest
-//! to some point of it on the segment's right. [`DIRECTION_MESH_WGSL`] is the look-up as
-//! WGSL; [`DirectionMesh::weights`] does the same steps in the same order, so that both give the same bits wherever the
-//! adapter divides with correct rounding and fuses nothing.
+//! Triangles are counter-clockwise. Segments are the edges of the hull, with the hull on the left; for collinear sets
+//! they are the pieces of the line in both directions. A cell lists each triangle that overlaps it and each segment
+//! that is nearest to some point of the cell on the segment's right. [`DIRECTION_MESH_WGSL`] is the look-up in WGSL.
+//! [`DirectionMesh::weights`] performs the same steps in the same order, so that both give the same bits on adapters
+//! with correctly rounded division and without fused operations.
 
 mod build;
 mod check;
@@ -36,7 +37,7 @@ use crate::FormatError;
 use crate::direction_set::DirectionSet;
 use build::HEADER_WORDS;
 
-/// The WGSL twin of [`DirectionMesh::weights`], over words in a texture: see the file.
+/// WGSL version of [`DirectionMesh::weights`], for words in a texture; see the file.
 pub const DIRECTION_MESH_WGSL: &str = include_str!("direction_mesh.wgsl");
 
 /// A triangulated set of directions.
@@ -49,31 +50,32 @@ impl DirectionMesh {
     /// Triangulates a set.
     ///
     /// # Errors
-    /// What [`DirectionSet::new`] refuses; directions less than 1e-4 apart, which f32 cannot tell apart well enough.
+    /// Returns an error as [`DirectionSet::new`], or if directions are less than 1e-4 apart, which f32 cannot
+    /// distinguish reliably.
     pub fn new(set: &DirectionSet) -> Result<Self, FormatError> {
         let set = DirectionSet::new(set.name.clone(), set.angles.clone())?;
         let points: Vec<[f32; 2]> = set.directions().iter().map(|d| paraboloid(d.map(|c| c as f32))).collect();
         Ok(Self { words: build::words(&points)? })
     }
 
-    /// The mesh that a list begins with: what [`Self::words`] gave. What follows is left alone.
+    /// Reads the mesh at the start of a list, in the form of [`Self::words`]. Words after it are ignored.
     ///
     /// # Errors
-    /// Lists that end too early, and numbers that would lead a look-up out of them.
+    /// Returns an error if the list is too short or an index is out of range.
     pub fn from_words(words: &[u32]) -> Result<Self, FormatError> {
         let mesh = Self { words: words[..check::length(words)?].to_vec() };
         check::check(&mesh.words)?;
         Ok(mesh)
     }
 
-    /// Directions of the set.
+    /// Number of directions of the set.
     pub fn directions(&self) -> usize {
         self.words[1] as usize
     }
 
     /// Indices into the set and weights of three directions, which may repeat with weight 0.
     ///
-    /// `direction` is a unit vector; what is no number gets some sample of the set.
+    /// `direction` is a unit vector; NaN gives an arbitrary sample.
     pub fn weights(&self, direction: [f32; 3]) -> ([u32; 3], [f32; 3]) {
         let words = &self.words[..];
         let point = paraboloid(direction);
@@ -100,7 +102,7 @@ impl DirectionMesh {
             let mut w = [1.0, 0.0, 0.0];
             let mut distance;
             if corners[1] == corners[2] {
-                // A segment, which counts on its right side: the hull is on the left.
+                // A segment applies on its right side, because the hull is on the left.
                 let squared = e1[0] * e1[0] + e1[1] * e1[1];
                 let mut t = 0.0;
                 if squared > 0.0 {
@@ -133,7 +135,7 @@ impl DirectionMesh {
                 w = [c0 / sum, c1 / sum, c2 / sum];
                 let x = q[0] - (w[1] * e1[0] + w[2] * e2[0]);
                 let y = q[1] - (w[1] * e1[1] + w[2] * e2[1]);
-                // Outside the hull the corner of a segment is to win.
+                // Outside the hull the corner of a segment must win.
                 distance = 4.0 * (x * x + y * y);
             }
             if k == first || distance < best {
@@ -145,12 +147,12 @@ impl DirectionMesh {
         (indices, weights)
     }
 
-    /// The words of the table above.
+    /// Words of the table above.
     pub fn words(&self) -> &[u32] {
         &self.words
     }
 
-    /// Corners of the triangles: indices into the set, counter-clockwise seen from above. None for sets in line.
+    /// Corners of the triangles: indices into the set, counter-clockwise seen from above. Empty for collinear sets.
     pub fn triangles(&self) -> Vec<[u32; 3]> {
         let grid = self.words[0] as usize;
         let start = HEADER_WORDS + grid * grid + 1 + self.words[3] as usize;
@@ -160,14 +162,14 @@ impl DirectionMesh {
     }
 }
 
-/// `(x, y) / (1 + z)`, from z = 0 up; in [-1, 1] whatever the direction is.
-#[expect(clippy::manual_clamp, reason = "what is no number becomes -1")]
+/// `(x, y) / (1 + z)` with z clamped to at least 0; in [-1, 1] for any direction.
+#[expect(clippy::manual_clamp, reason = "NaN becomes -1")]
 fn paraboloid([x, y, z]: [f32; 3]) -> [f32; 2] {
     let scale = 1.0 + z.max(0.0);
     [(x / scale).max(-1.0).min(1.0), (y / scale).max(-1.0).min(1.0)]
 }
 
-/// Which of `grid` cells over [-1, 1] holds a coordinate.
+/// Cell, among `grid` cells over [-1, 1], that contains a coordinate.
 fn cell(coordinate: f32, grid: usize) -> usize {
     let size = grid as f32;
     ((coordinate + 1.0) * 0.5 * size).min(size - 1.0) as usize

@@ -118,7 +118,7 @@ fn sets_in_line_are_blended_along_it() {
     assert!((all[2] - share).abs() < 1e-6 && (all[0] + share - 1.0).abs() < 1e-6, "{all:?}");
     assert_eq!(spread(&mesh, 3, at(80.0, 180.0)), [0.0, 1.0, 0.0]);
     assert_eq!(spread(&mesh, 3, at(89.0, 0.0)), [0.0, 0.0, 1.0]);
-    // Beside the line: what is straight across on it.
+    // Off the line: the point straight across on it.
     let aside = spread(&mesh, 3, at(60.0, 90.0));
     let foot = tangent(10.0) / (tangent(10.0) + tangent(40.0));
     assert!((aside[0] - foot).abs() < 1e-6, "{aside:?}");
@@ -129,8 +129,8 @@ fn directions_too_close_for_f32_are_refused() {
     let close =
         |apart: f64| DirectionSet { name: String::new(), angles: vec![[0.0, 0.0], [50.0, 10.0], [50.0 + apart, 10.0]] };
     let error = DirectionMesh::new(&close(0.01)).unwrap_err().to_string();
-    assert!(error.starts_with("direction 2: found direction 1 again"), "{error}");
-    // What a set may hold can be blended, at the horizon, too, where coordinates are densest.
+    assert!(error.starts_with("direction 2: found the same as direction 1"), "{error}");
+    // Sets within the limits can be interpolated, also at the horizon, where coordinates are densest.
     assert!(DirectionMesh::new(&close(0.02)).is_ok());
     let low = DirectionSet { name: String::new(), angles: vec![[0.0, 0.0], [89.9, 10.0], [89.9, 10.015]] };
     assert!(DirectionMesh::new(&low).is_ok());
@@ -139,7 +139,7 @@ fn directions_too_close_for_f32_are_refused() {
 }
 
 #[test]
-fn what_is_no_direction_gets_some_sample() {
+fn invalid_directions_get_an_arbitrary_sample() {
     for set in sets() {
         let mesh = mesh(&set);
         for bad in [[f32::NAN; 3], [f32::INFINITY, 0.0, 0.0], [0.0; 3], [1e30, -1e30, -1.0], [0.0, f32::NAN, 1.0]] {
@@ -239,7 +239,7 @@ proptest! {
         let mesh = mesh(&set);
         let plain = without_grid(&mesh);
         for direction in directions {
-            // At a corner several triangles say the same.
+            // At a corner several triangles agree.
             let [with, without] = [&mesh, &plain].map(|mesh| spread(mesh, set.len(), direction));
             prop_assert_eq!(with, without, "{:?}", direction);
         }
@@ -282,7 +282,7 @@ proptest! {
 }
 
 #[test]
-fn words_come_back_and_lead_nowhere_else() {
+fn words_round_trip_and_stay_in_range() {
     let mesh = mesh(&DirectionSet::ubo2003());
     let longer = [mesh.words(), &[7, 7]].concat();
     assert_eq!(DirectionMesh::from_words(&longer).unwrap(), mesh);

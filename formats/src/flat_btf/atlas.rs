@@ -1,51 +1,51 @@
-//! How the flat values lie on a GPU: one 2D array with a layer per view, in which lights are tiles, so that a shader binds
-//! a single texture. `formats/src/flat_btf/spec.md` describes it.
+//! GPU layout of uncompressed flat values: a 2D array with one layer per view, in which each light is a tile, so that a
+//! shader binds a single texture. Specified in `formats/src/flat_btf/spec.md`.
 
 use super::flat_view::FlatView;
 
-/// Where the lights of a view are in their layer: tiles of `T x T` texels, `columns = ceil(sqrt(lights))` to a row.
+/// Layout of the lights of a view in their layer: tiles of `T x T` texels in rows of `columns = ceil(sqrt(lights))`.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Atlas {
-    /// `T`, texels of a tile per side.
+    /// `T`, texels per side of a tile.
     pub size: u32,
-    /// Tiles in use.
+    /// Number of tiles in use.
     pub lights: u32,
 }
 
 impl Atlas {
-    /// The atlas of these lights.
+    /// Atlas for `lights` lights.
     pub fn new(size: u32, lights: u32) -> Self {
         Self { size, lights }
     }
 
-    /// Tiles in a row.
+    /// Number of tiles in a row.
     pub fn columns(self) -> u32 {
         let root = self.lights.isqrt();
         root + u32::from(root * root < self.lights)
     }
 
-    /// Rows of tiles.
+    /// Number of rows of tiles.
     pub fn rows(self) -> u32 {
         self.lights.div_ceil(self.columns().max(1))
     }
 
-    /// Width and height of a layer, texels. May be beyond what an adapter takes.
+    /// Width and height of a layer, texels. May exceed the limits of an adapter.
     pub fn extent(self) -> [u32; 2] {
         [self.columns() * self.size, self.rows() * self.size]
     }
 
-    /// Texels of a layer, those of tiles without a light included.
+    /// Number of texels of a layer, including tiles without a light.
     pub fn texels(self) -> u64 {
         self.extent().into_iter().map(u64::from).product()
     }
 
-    /// The first texel, `(column, row)`, of a light's tile.
+    /// First texel, `(column, row)`, of a light's tile.
     pub fn origin(self, light: u32) -> [u32; 2] {
         let columns = self.columns();
         [light % columns * self.size, light / columns * self.size]
     }
 
-    /// The layer of a view: packed texels, row by row; 0 where there is no light.
+    /// Layer of a view: packed texels, row by row; 0 in unused tiles.
     pub fn layer(self, view: &FlatView) -> Vec<u32> {
         let [width, height] = self.extent().map(|n| n as usize);
         let size = self.size as usize;

@@ -1,8 +1,8 @@
-//! The CPU decoder of flat BTFs, the reference that shaders are held against. Equation and section numbers are those of
-//! Hadim et al. 2009; FBTF are the views, VDIM is the indirection map.
+//! CPU decoder of flat BTFs, the reference for shaders. Equations and sections refer to Hadim et al. 2009; FBTF are the
+//! views, VDIM is the indirection map.
 //!
-//! Every step is f32 arithmetic in a fixed order without fused operations, so that a shader that follows it with
-//! manual filtering gives the same bits.
+//! All steps are f32 operations in a fixed order without fused operations. A shader that follows them with manual
+//! filtering produces the same bits.
 
 use super::atlas::Atlas;
 use super::displacement::{DisplacementMap, SAME_SIDE};
@@ -17,32 +17,32 @@ use crate::direction::polynomial_atan2;
 use crate::tap::{Tap, footprint, periodic_tap, wrap};
 use std::f32::consts::TAU;
 
-/// What a decoder reads: the parts of one asset.
+/// Parts of one asset that a decoder reads.
 #[derive(Debug, Clone, PartialEq)]
 pub struct FlatBtfParts {
-    /// What a view along the normal sees.
+    /// Parameters visible in the view along the normal.
     pub reference: ReferenceMap,
-    /// How that moves with the view.
+    /// View-dependent displacement of these parameters.
     pub indirection: Indirection,
     /// Normals for the light form.
     pub normal: NormalMap,
     /// Reflectances for the light form.
     pub diffuse: DiffuseMap,
-    /// What texels show in each view under each light.
+    /// Appearance of texels in each view under each light.
     pub values: FlatValues,
 }
 
-/// How what is seen through the reference plane moves with the view.
+/// View-dependent displacement of the surface point visible through the reference plane.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Indirection {
     /// The part `indirection`: directions, distances and heights.
     Samples(IndirectionMap),
-    /// The part `displacement`: less accurate, without heights, and a sixteenth of the bytes or less.
+    /// The part `displacement`: less accurate, without heights, at most a sixteenth of the size.
     Compact(DisplacementMap),
 }
 
 impl Indirection {
-    /// The map of directions and distances, where it is one.
+    /// The indirection map, if that is the stored form.
     pub fn samples(&self) -> Option<&IndirectionMap> {
         match self {
             Self::Samples(map) => Some(map),
@@ -50,7 +50,7 @@ impl Indirection {
         }
     }
 
-    /// Sizes and views; the size is that of the blocks.
+    /// Sizes and views. For displacements, the size is the number of blocks.
     pub fn header(&self) -> &IndirectionHeader {
         match self {
             Self::Samples(map) => map.header(),
@@ -71,19 +71,19 @@ impl From<IndirectionMap> for Indirection {
     }
 }
 
-/// What texels show in each view under each light.
+/// Appearance of texels in each view under each light.
 #[derive(Debug, Clone, PartialEq)]
 pub enum FlatValues {
-    /// Nothing: the light form alone.
+    /// No values: only the light form is available.
     None,
-    /// All views in order, one at least.
+    /// All views in order, at least one.
     Views(Vec<FlatView>),
-    /// Shadows and weights of texels, and components of views and lights.
+    /// Factored values: shadows and weights of texels, and components of views and lights.
     Factored(Box<FactoredFlatBtf>),
 }
 
 impl FlatValues {
-    /// Views that are stored as they are: none of any other kind.
+    /// Uncompressed views; empty for other forms.
     pub fn views(&self) -> &[FlatView] {
         match self {
             Self::Views(views) => views,
@@ -91,7 +91,7 @@ impl FlatValues {
         }
     }
 
-    /// The product, where they are one.
+    /// Factored values, if that is the stored form.
     pub fn factored(&self) -> Option<&FactoredFlatBtf> {
         match self {
             Self::Factored(asset) => Some(asset),
@@ -108,23 +108,23 @@ impl FlatValues {
         }
     }
 
-    /// Mipmap levels of the texels.
+    /// Number of mipmap levels of the texels.
     pub fn levels(&self) -> u32 {
         self.factored().map_or(1, |asset| asset.header().levels)
     }
 }
 
-/// Parts that fit together, ready for random access.
+/// Matching parts, ready for random access.
 #[derive(Debug, Clone, PartialEq)]
 pub struct FlatBtfDecoder {
     parts: FlatBtfParts,
 }
 
 impl FlatBtfDecoder {
-    /// Checks that the parts belong together.
+    /// Creates a decoder after checking that the parts match.
     ///
     /// # Errors
-    /// Names the part whose size, view or directions are not those of the others.
+    /// Returns an error that names the part whose size, view or directions differ from the others.
     pub fn new(parts: FlatBtfParts) -> Result<Self, FormatError> {
         let (reference, size) = (parts.reference.size(), parts.diffuse.size());
         let same = |part: &'static str, found: u32, allowed: u32, of: &str| {
@@ -165,29 +165,29 @@ impl FlatBtfDecoder {
         Ok(Self { parts })
     }
 
-    /// What it reads.
+    /// Parts of the asset.
     pub fn parts(&self) -> &FlatBtfParts {
         &self.parts
     }
 
-    /// The parts again.
+    /// Returns the parts.
     pub fn into_parts(self) -> FlatBtfParts {
         self.parts
     }
 
-    /// How stored views lie on a GPU; without any light where there are none.
+    /// GPU layout of uncompressed views; has no lights if there are none.
     pub fn atlas(&self) -> Atlas {
         let lights = self.parts.values.views().first().map_or(0, |view| view.header().lights.len());
         Atlas::new(self.parts.diffuse.size(), lights as u32)
     }
 
-    /// Equations 2 and 3, `VDIM_v = VDIM_n + d_v δ_v`: the parameters, 0 to below 1, and the height in tiles of what is seen through a point of the reference
-    /// plane. `uv` is in tiles, of any size; `view` is a unit vector to the viewer.
+    /// Equations 2 and 3, `VDIM_v = VDIM_n + d_v δ_v`. Returns the parameters, in [0, 1), and the height in tiles of
+    /// the surface point visible through a point of the reference plane. `uv` is in tiles and unbounded; `view` is a
+    /// unit vector to the viewer.
     ///
-    /// The directions of four view samples are blended and normalised, their distances are blended
-    /// linearly. Directions below the horizon are seen from the largest polar angle. Compact displacements are blended in the
-    /// view's own frame, and have no heights: theirs is 0. They and their reference are interpolated between the centres of
-    /// texels.
+    /// The directions of four view samples are blended and normalised; their distances are blended linearly. Views
+    /// below the horizon are clamped to the largest polar angle. Compact displacements are blended in the view's own
+    /// frame and have height 0. They and their reference are interpolated between texel centres.
     pub fn indirection(&self, uv: [f32; 2], view: [f32; 3]) -> [f32; 3] {
         let reference = &self.parts.reference;
         let size = reference.size();
@@ -221,8 +221,8 @@ impl FlatBtfDecoder {
         }
     }
 
-    /// The parameters that the view along the normal sees: between the centres of texels, as far as they are on one side of
-    /// a silhouette with the texel that `uv` is in.
+    /// Parameters of the view along the normal, interpolated between texel centres on the same side of a silhouette as
+    /// the texel that contains `uv`.
     fn smooth_reference(&self, uv: [f32; 2]) -> [f32; 2] {
         let (size, parameters) = (self.parts.reference.size(), self.parts.reference.parameters());
         let apart = |difference: [f32; 2]| {
@@ -232,11 +232,11 @@ impl FlatBtfDecoder {
         one_side(uv.map(|c| periodic_tap(wrap(c), size)), |[i, j]| parameters[(j * size + i) as usize], apart)
     }
 
-    /// Equation 1, `BTF = FBTF(VDIM)`, relative to a white diffuser that faces the light. Views and lights are blended by the
-    /// weights, texels bilinearly with period 1.
+    /// Equation 1, `BTF = FBTF(VDIM)`, relative to a white diffuser that faces the light. Views and lights are blended
+    /// by weight; texels are filtered bilinearly with period 1.
     ///
     /// # Panics
-    /// Without stored views, or with weights for views or lights that are not there: a mistake of the caller.
+    /// Panics without uncompressed views, or if weights refer to views or lights that do not exist.
     pub fn full(&self, uv: [f32; 2], view: [f32; 3], views: ViewWeights, lights: ViewWeights) -> [f32; 3] {
         let [u, v, _] = self.indirection(uv, view);
         let (size, stored) = (self.parts.diffuse.size(), self.parts.values.views());
@@ -261,11 +261,11 @@ impl FlatBtfDecoder {
         value
     }
 
-    /// Equation 1 of whatever values there are: [`Self::full`] of stored views, which have the finest level alone, or
+    /// Equation 1 for values of any form: [`Self::full`] for uncompressed views, which have only the finest level, or
     /// [`FactoredFlatBtf::value`] at a level of detail, 0 the finest.
     ///
     /// # Panics
-    /// Without values, or with weights for views or lights that are not there: a mistake of the caller.
+    /// Panics without values, or if weights refer to views or lights that do not exist.
     pub fn value(
         &self,
         uv: [f32; 2],
@@ -282,7 +282,7 @@ impl FlatBtfDecoder {
         }
     }
 
-    /// The light form of section 3.5: a diffuse colour lit under a normal map. `light` is a unit vector to the light.
+    /// Light form of section 3.5: a diffuse colour lit with a normal map. `light` is a unit vector to the light.
     pub fn light_form(&self, uv: [f32; 2], view: [f32; 3], light: [f32; 3]) -> [f32; 3] {
         let [u, v, _] = self.indirection(uv, view);
         let size = self.parts.diffuse.size();
@@ -296,8 +296,8 @@ impl FlatBtfDecoder {
     }
 }
 
-/// Where a view is among the samples of a block, polar angle first: what `u` and `v` of section 3.5 and figure 7 address,
-/// where a shader leaves the blending to the sampler.
+/// Position of a view among the samples of a block, polar angle first: the coordinates `u` and `v` of section 3.5 and
+/// figure 7, by which a sampler can blend.
 fn view_position(header: &IndirectionHeader, [x, y, z]: [f32; 3]) -> [f32; 2] {
     let polar = polynomial_atan2((x * x + y * y).sqrt(), z).min(header.largest_angle);
     let azimuth = polynomial_atan2(y.abs(), x);
@@ -306,7 +306,7 @@ fn view_position(header: &IndirectionHeader, [x, y, z]: [f32; 3]) -> [f32; 2] {
     [column, azimuth / TAU * header.azimuth_samples as f32]
 }
 
-/// A sum of weighted samples `(k, a)`, in their order.
+/// Sum of weighted samples `(k, a)`, in their order.
 fn blended<const N: usize>(samples: &[([u32; 2], f32); 4], sample: impl Fn(u32, u32) -> [f32; N]) -> [f32; N] {
     let mut blended = [0.0f32; N];
     for ([k, a], weight) in samples {
@@ -318,8 +318,8 @@ fn blended<const N: usize>(samples: &[([u32; 2], f32); 4], sample: impl Fn(u32, 
     blended
 }
 
-/// Four values interpolated, as far as they are on one side of a silhouette with the nearest; that one stands for the others.
-/// `apart` gives the difference of two that are.
+/// Interpolates four values on the same side of a silhouette as the nearest. Values on the other side are replaced by
+/// the nearest. `apart` returns the difference of two values.
 fn one_side(
     [column, row]: [Tap; 2],
     value: impl Fn([u32; 2]) -> [f32; 2],
@@ -338,7 +338,7 @@ fn one_side(
     smooth
 }
 
-/// The samples around a position from 0 to `last`.
+/// Samples around a position from 0 to `last`.
 fn block_tap(position: f32, last: u32) -> Tap {
     let lower = (position as u32).min(last - 1);
     Tap { samples: [lower, lower + 1], weight: position - lower as f32 }

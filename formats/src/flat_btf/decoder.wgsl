@@ -1,48 +1,48 @@
-// Flat BTFs on a GPU: a BTF on the parameters of its meso-geometry, found through a view-dependent indirection.
+// Flat BTFs: a BTF over the parameters of its meso-geometry, with a view-dependent indirection to them.
 //
-// After Hadim, Pacanowski, Granier and Schlick 2009, "Flat bidirectional texture functions"; section and equation
-// numbers below are theirs. The layout of the files is described in `formats/src/flat_btf/spec.md`; the CPU decoder
-// with the same steps in the same order is `FlatBtfDecoder` of the crate `brdfc-formats`.
+// After Hadim, Pacanowski, Granier and Schlick 2009, "Flat bidirectional texture functions"; sections and equations
+// refer to that paper. File layout: `formats/src/flat_btf/spec.md`. The CPU decoder `FlatBtfDecoder` of the crate
+// `brdfc-formats` performs the same steps in the same order.
 //
-// To use it: paste this file before your own shader, move the bindings where they suit you, and call
+// Usage: prepend this file to your own shader, move the bindings as needed, and call
 //
-//     let seen = flat_btf_indirection(uv, view);        // parameters and height of the surface point that is seen
+//     let seen = flat_btf_indirection(uv, view);        // parameters and height of the visible surface point
 //     let value = flat_btf_light_form(uv, view, light);  // normal map and diffuse colour
-//     let value = flat_btf_full(uv, view, views, lights); // every sampled view and light
+//     let value = flat_btf_full(uv, view, views, lights); // all sampled views and lights
 //
-// uv is in tiles, of any size. view (to the viewer) and light (to the light) are unit vectors in the frame x =
+// uv is in tiles and unbounded. view (to the viewer) and light (to the light) are unit vectors in the frame x =
 // tangent, y = bitangent, z = normal. Values are linear RGB: radiance divided by that of a white diffuser that faces
 // the light.
 //
-// The indirection costs 5 fetches with manual filtering and 2 with the sampler, by displacements 24 and 12; the light form 8
-// more; the full form 4 more for each pair of a view and a light whose weights are not 0.
+// The indirection takes 5 fetches with manual filtering and 2 with the sampler, or 24 and 12 with displacements; the
+// light form takes 8 more; the full form takes 4 more for each pair of a view and a light whose weights are not 0.
 
-// The same fields, in the same order, as `FlatBtfParameters` of `brdfc-formats`. 48 bytes.
+// Same fields and order as `FlatBtfParameters` of `brdfc-formats`. 48 bytes.
 struct FlatBtfParameters {
     size: u32,             // T: the flat BTF has T x T texels
     reference_size: u32,   // M: the reference plane has M x M texels
-    zenith_samples: u32,   // Z, polar angles of the views
-    azimuth_samples: u32,  // A, azimuths of the views
+    zenith_samples: u32,   // Z, number of polar angles of the views
+    azimuth_samples: u32,  // A, number of azimuths of the views
     largest_angle: f32,    // φ_max, radians
     atlas_columns: u32,    // lights in a row of the atlas
     reserved_2: u32,
-    blocks: u32,           // N: the image `displacement` has N x N blocks; 0: there is the image `indirection`
-    largest_tangent: f32,  // of a polar angle, of displacements
-    values: u32,           // of views and lights: 0 none, 1 all of them, 2 factored
+    blocks: u32,           // N: the image `displacement` has N x N blocks; 0 with the image `indirection`
+    largest_tangent: f32,  // largest tangent of a polar angle in displacements
+    values: u32,           // form of the values: 0 none, 1 uncompressed views, 2 factored
     reserved_0: u32,
     reserved_1: u32,
 }
 
-// Three sampled directions and their weights; what has a weight of 0 is not fetched.
+// Three sampled directions and their weights; directions with weight 0 are not fetched.
 struct FlatBtfWeights {
     indices: vec3<u32>,
     weights: vec3<f32>,
 }
 
 @group(1) @binding(15) var<uniform> flat_btf_parameters: FlatBtfParameters;
-// M x M texels of two 32-bit floats, as in the image `reference`. Not filtered.
+// M x M texels of two 32-bit floats, the image `reference`. Not filtered.
 @group(1) @binding(16) var flat_btf_reference: texture_2d<f32>;
-// The image `indirection`: direction, distance, height in halves. Or the image `displacement`: two bytes.
+// The image `indirection`: direction, distance, height as halves. Or the image `displacement`: two bytes.
 @group(1) @binding(17) var flat_btf_packed_indirection: texture_2d<f32>;
 // Linear filter, clamp to edge.
 @group(1) @binding(18) var flat_btf_sampler: sampler;
@@ -52,16 +52,16 @@ struct FlatBtfWeights {
 @group(1) @binding(20) var flat_btf_diffuse: texture_2d<f32>;
 // One layer per view. Light l has the tile of T x T texels at column l mod atlas_columns, row l / atlas_columns.
 @group(1) @binding(21) var flat_btf_values: texture_2d_array<f32>;
-// N x N texels of four halves, the ranges of the image `displacement`; else any 2D texture.
+// N x N texels of four halves, the ranges of the image `displacement`; otherwise any 2D texture.
 @group(1) @binding(22) var flat_btf_ranges: texture_2d<f32>;
 
-// How far neighbours may be apart, in units of their distance on the reference plane, to be on one side of a silhouette.
+// Maximum difference of neighbours on the same side of a silhouette, in units of their distance on the reference plane.
 const FLAT_BTF_SAME_SIDE: f32 = 4.0;
 const FLAT_BTF_PI: f32 = 3.14159274;
 const FLAT_BTF_HALF_PI: f32 = 1.57079637;
 const FLAT_BTF_TAU: f32 = 6.28318548;
-// How far the sampler stays from the border of a block, in texels: coordinates have rounding errors, and a fetch that
-// is rounded outwards would blend with the next block.
+// Distance of the sampler from the border of a block, in texels: coordinates have rounding errors, and a fetch that is
+// rounded outwards would blend with the next block.
 const FLAT_BTF_GUARD: f32 = 0.001953125;
 
 // Two neighbouring samples along one axis.
@@ -71,7 +71,8 @@ struct FlatBtfTap {
     weight: f32,   // of the upper sample
 }
 
-// Equation 3: parameters, 0 to below 1, and height in tiles of what is seen through a point of the reference plane.
+// Equation 3: parameters, in [0, 1), and height in tiles of the surface point visible through a point of the reference
+// plane.
 fn flat_btf_indirection(uv: vec2<f32>, view: vec3<f32>) -> vec3<f32> {
     let size = flat_btf_parameters.reference_size;
     let i = min(u32(flat_btf_wrap(uv.x) * f32(size)), size - 1u);
@@ -84,7 +85,7 @@ fn flat_btf_indirection(uv: vec2<f32>, view: vec3<f32>) -> vec3<f32> {
     }
     let reference = textureLoad(flat_btf_reference, vec2<u32>(i, j), 0);
     let blended = flat_btf_block(i, j, size, position);
-    // The blend of directions is brought back to length 1: directional in azimuth, linear in distance.
+    // The blended direction is renormalised: directions are blended over azimuth, distances linearly.
     let length = sqrt(blended.x * blended.x + blended.y * blended.y);
     let scale = select(0.0, blended.z / length, length > 0.0);
     let u = flat_btf_wrap(reference.x + scale * blended.x);
@@ -92,8 +93,8 @@ fn flat_btf_indirection(uv: vec2<f32>, view: vec3<f32>) -> vec3<f32> {
     return vec3<f32>(u, v, blended.w);
 }
 
-// The parameters that the view along the normal sees: between the centres of texels, as far as they are on one side of a
-// silhouette with the texel that uv is in.
+// Parameters of the view along the normal, interpolated between texel centres on the same side of a silhouette as the
+// texel that contains uv.
 fn flat_btf_smooth_reference(uv: vec2<f32>) -> vec2<f32> {
     let size = flat_btf_parameters.reference_size;
     let column = flat_btf_periodic_tap(flat_btf_wrap(uv.x), size);
@@ -116,7 +117,7 @@ fn flat_btf_smooth_reference(uv: vec2<f32>) -> vec2<f32> {
     return found;
 }
 
-// The displacement of what is seen, interpolated like the reference, and turned from the view's own frame.
+// Displacement of the visible point, interpolated like the reference and rotated from the view's own frame.
 fn flat_btf_displacement(uv: vec2<f32>, position: vec2<f32>, view: vec3<f32>) -> vec2<f32> {
     let blocks = flat_btf_parameters.blocks;
     let length = sqrt(view.x * view.x + view.y * view.y);
@@ -152,14 +153,14 @@ fn flat_btf_displacement(uv: vec2<f32>, position: vec2<f32>, view: vec3<f32>) ->
     return vec2<f32>(x, y);
 }
 
-// What block (i, j) stands for in a view: along its azimuth, and across.
+// Displacement of block (i, j) in a view: along and across its azimuth.
 fn flat_btf_in_view(i: u32, j: u32, position: vec2<f32>) -> vec2<f32> {
     let shares = flat_btf_block(i, j, flat_btf_parameters.blocks, position);
     let range = textureLoad(flat_btf_ranges, vec2<u32>(i, j), 0);
     return vec2<f32>(range.x + range.y * shares.x, range.z + range.w * shares.y);
 }
 
-// A blend of the view samples of a block, of so many blocks per side.
+// Blend of the view samples of a block, with `blocks` blocks per side.
 fn flat_btf_block(i: u32, j: u32, blocks: u32, position: vec2<f32>) -> vec4<f32> {
     if brdfc_frame.sampler_filters == 1u {
         return flat_btf_sampled_block(i, j, blocks, position);
@@ -188,7 +189,7 @@ fn flat_btf_full(uv: vec2<f32>, view: vec3<f32>, views: FlatBtfWeights, lights: 
     return value;
 }
 
-// Section 3.5: the light form, a diffuse colour lit under a normal map.
+// Section 3.5: the light form, a diffuse colour lit with a normal map.
 fn flat_btf_light_form(uv: vec2<f32>, view: vec3<f32>, light: vec3<f32>) -> vec3<f32> {
     let seen = flat_btf_indirection(uv, view);
     let column = flat_btf_periodic_tap(seen.x, flat_btf_parameters.size);
@@ -223,7 +224,7 @@ fn flat_btf_sample(view: u32, light: u32, column: FlatBtfTap, row: FlatBtfTap) -
     return value;
 }
 
-// Where a view is among the samples of a block: polar angle in units of columns, azimuth in units of rows.
+// Position of a view among the samples of a block: polar angle in columns, azimuth in rows.
 fn flat_btf_view_position(view: vec3<f32>) -> vec2<f32> {
     let angle = flat_btf_atan2(sqrt(view.x * view.x + view.y * view.y), view.z);
     let polar = min(angle, flat_btf_parameters.largest_angle);
@@ -234,7 +235,7 @@ fn flat_btf_view_position(view: vec3<f32>) -> vec2<f32> {
     return vec2<f32>(column, row);
 }
 
-// The four view samples around a position, blended with manual weights.
+// Four view samples around a position, blended with manual weights.
 fn flat_btf_loaded_block(i: u32, j: u32, position: vec2<f32>) -> vec4<f32> {
     let column = flat_btf_block_tap(position.x, flat_btf_parameters.zenith_samples - 1u);
     let row = flat_btf_block_tap(position.y, flat_btf_parameters.azimuth_samples);
@@ -249,8 +250,8 @@ fn flat_btf_loaded_block(i: u32, j: u32, position: vec2<f32>) -> vec4<f32> {
     return value;
 }
 
-// The same by the sampler. With t = φ / φ_max and so many blocks as N this is the paper's u = (i + α t + β) / N with α = (Z - 1) / Z
-// and β = 1 / 2Z; for the azimuth α = A / (A + 1) and β = 1 / 2(A + 1).
+// The same with the sampler. With t = φ / φ_max and N = `blocks` this is the paper's u = (i + α t + β) / N with α = (Z
+// - 1) / Z and β = 1 / 2Z; for the azimuth α = A / (A + 1) and β = 1 / 2(A + 1).
 fn flat_btf_sampled_block(i: u32, j: u32, blocks: u32, position: vec2<f32>) -> vec4<f32> {
     let samples = vec2<f32>(f32(flat_btf_parameters.zenith_samples), f32(flat_btf_parameters.azimuth_samples + 1u));
     let inside = clamp(position, vec2<f32>(FLAT_BTF_GUARD), samples - (1.0 + FLAT_BTF_GUARD));
@@ -260,19 +261,19 @@ fn flat_btf_sampled_block(i: u32, j: u32, blocks: u32, position: vec2<f32>) -> v
     return value;
 }
 
-// The fraction, 0 to below 1. A tiny negative number has a fraction that rounds to 1.
+// Fractional part, in [0, 1). A tiny negative number has a fraction that rounds to 1.
 fn flat_btf_wrap(x: f32) -> f32 {
     let fraction = x - floor(x);
     return select(0.0, fraction, fraction < 1.0);
 }
 
-// The samples around a position from 0 to last.
+// Samples around a position from 0 to last.
 fn flat_btf_block_tap(position: f32, last: u32) -> FlatBtfTap {
     let lower = min(u32(position), last - 1u);
     return FlatBtfTap(lower, lower + 1u, position - f32(lower));
 }
 
-// The texels around a parameter, whose centres are at (i + 1/2) / size, with period 1.
+// Texels around a parameter with period 1; texel centres are at (i + 1/2) / size.
 fn flat_btf_periodic_tap(parameter: f32, size: u32) -> FlatBtfTap {
     let position = parameter * f32(size) - 0.5;
     let below = floor(position);
@@ -281,7 +282,7 @@ fn flat_btf_periodic_tap(parameter: f32, size: u32) -> FlatBtfTap {
     return FlatBtfTap(lower, upper, position - below);
 }
 
-// Which of four samples, rows outside, is nearest.
+// Index of the nearest of four samples, rows outside.
 fn flat_btf_nearest_tap(column: FlatBtfTap, row: FlatBtfTap) -> u32 {
     return select(0u, 1u, column.weight >= 0.5) + select(0u, 2u, row.weight >= 0.5);
 }

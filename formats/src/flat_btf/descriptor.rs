@@ -1,4 +1,4 @@
-//! What is known of the codec apart from its packs.
+//! Static description of the codec.
 
 use super::shader::{DECODER, flat_btf_value_wgsl};
 use crate::descriptor::{Answer, Descriptor};

@@ -1,4 +1,4 @@
-//! The part `directions`: what blends the sampled views and lights, ready for a shader.
+//! The part `directions`: meshes that interpolate sampled views and lights, in the form that shaders read.
 
 use super::decoder::FlatValues;
 use super::layout::{self, check_format, wrong_extent};
@@ -8,29 +8,30 @@ use crate::direction_mesh::DirectionMesh;
 use crate::direction_set::DirectionSet;
 
 const PART: &str = "directions";
-/// Texels in a row.
+/// Texels per row.
 const WIDTH: usize = 256;
-/// The row of the views' mesh. The one before says where that of the lights begins, and their lowest height.
+/// First row of the views' mesh. The row before it has the first row of the lights' mesh and the height of the lowest
+/// light.
 const FIRST_ROW: usize = 1;
-/// More rows than two meshes of as many directions as are allowed have.
+/// More rows than two meshes of the maximum size need.
 const MAX_ROWS: u32 = 4096;
 
-/// What blends sampled views and lights: three samples of each for any direction.
+/// Meshes that interpolate sampled views and lights, with three samples of each per look-up.
 #[derive(Debug, Clone, PartialEq)]
 pub struct SampledDirections {
-    /// Of views.
+    /// Mesh of the views.
     pub views: DirectionMesh,
-    /// Of lights.
+    /// Mesh of the lights.
     pub lights: DirectionMesh,
     /// Cosine of the largest polar angle of a sampled light, above 0.
     pub lowest_light: f32,
 }
 
 impl SampledDirections {
-    /// Polar angles and azimuths of views and lights, radians.
+    /// Creates meshes from polar angles and azimuths, radians.
     ///
     /// # Errors
-    /// Directions that cannot be blended: what [`DirectionMesh::new`] refuses.
+    /// Returns an error if directions cannot be interpolated, as [`DirectionMesh::new`].
     pub fn new(views: &[[f32; 2]], lights: &[[f32; 2]]) -> Result<Self, FormatError> {
         let mesh = |name: &str, angles: &[[f32; 2]]| {
             let angles = angles.iter().map(|angles| angles.map(|angle| f64::from(angle).to_degrees()));
@@ -41,10 +42,10 @@ impl SampledDirections {
         Ok(Self { views: mesh("views", views)?, lights: mesh("lights", lights)?, lowest_light })
     }
 
-    /// Those of an asset; nothing of one that has no values of views.
+    /// Meshes of an asset; `None` if it has no values.
     ///
     /// # Errors
-    /// As [`Self::new`].
+    /// Same as [`Self::new`].
     pub fn of(values: &FlatValues) -> Result<Option<Self>, FormatError> {
         values.directions().map(|[views, lights]| Self::new(views, lights)).transpose()
     }
@@ -56,8 +57,9 @@ impl SampledDirections {
         [WIDTH as u32, (FIRST_ROW + rows(&self.views) + lights) as u32]
     }
 
-    /// The texture's words, row by row: the row of the lights' mesh and the bits of the cosine; from the second row on the
-    /// views' mesh, and from a row of its own that of the lights, where it is another one.
+    /// Words of the texture, row by row. The first row has the first row of the lights' mesh and the bits of the
+    /// cosine; the views' mesh starts in the second row. The lights' mesh starts in a row of its own, unless it equals
+    /// that of the views.
     pub fn texels(&self) -> Vec<u32> {
         let mut words = vec![FIRST_ROW as u32, self.lowest_light.to_bits()];
         let mut add = |mesh: &DirectionMesh| {
@@ -73,7 +75,7 @@ impl SampledDirections {
         words
     }
 
-    /// Reads and checks the image of a file.
+    /// Reads and validates the image of a file.
     pub(super) fn from_texture(texture: &Texture) -> Result<Self, FormatError> {
         check_format(texture, PART, TexelFormat::R32Uint)?;
         let rows = match texture.extent {
@@ -95,12 +97,12 @@ impl SampledDirections {
         }
         let mesh = |row: usize| DirectionMesh::from_words(&words[row * WIDTH..]);
         let read = Self { views: mesh(FIRST_ROW)?, lights: mesh(lights)?, lowest_light };
-        // Nothing behind the meshes, and both where a writer puts them.
+        // Meshes must be where a writer puts them, with nothing after them.
         if read.texels() != words {
             return Err(FormatError::whole(
                 PART,
-                "meshes in other places",
-                "the views', then the lights' where it is another one",
+                "meshes at other positions",
+                "the mesh of the views, then that of the lights unless they are equal",
             ));
         }
         Ok(read)

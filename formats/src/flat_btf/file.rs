@@ -1,4 +1,4 @@
-//! A flat BTF as one file: what its shader has bound, entries that say what the images are, and which texels its views see.
+//! File of a flat BTF: shader bindings, headers of the images, and the visibility mask.
 
 use super::decoder::{FlatBtfDecoder, FlatBtfParts, FlatValues, Indirection};
 use super::directions::SampledDirections;
@@ -10,33 +10,34 @@ use crate::FormatError;
 use crate::bindings::{Bindings, PackFile};
 use std::collections::BTreeMap;
 
-/// The entry of a KTX2 file: which texels each view sees. No shader reads it.
+/// Key of the visibility mask, a KTX2 file. Shaders do not read it.
 const MASK: &str = "brdfc.flat-btf.mask";
-/// The entry of what the encoder says: settings and measured errors, JSON.
+/// Key of the encoder's report: settings and measured errors, JSON.
 const REPORT: &str = "brdfc.flat-btf.report";
 
-/// A flat BTF as a file has it.
+/// A flat BTF as stored in a file.
 #[derive(Debug, Clone, PartialEq)]
 pub struct FlatBtfFile {
-    /// What is decoded.
+    /// Decoder with the parts of the asset.
     pub decoder: FlatBtfDecoder,
-    /// What blends sampled views and lights; nothing of the light form.
+    /// Meshes that interpolate sampled views and lights; `None` for the light form.
     pub directions: Option<SampledDirections>,
-    /// Which texels are seen in which view, where the file says so.
+    /// Texels visible in each view, if the file has the mask.
     pub mask: Option<VisibilityMask>,
-    /// What its encoder says of it, as JSON text; empty where it says nothing.
+    /// Report of the encoder, as JSON text; empty if there is none.
     pub report: String,
 }
 
 impl FlatBtfFile {
-    /// A file of a decoder and what its encoder knows of visibility, without a report.
+    /// Creates a file from a decoder and an optional mask, without a report.
     ///
     /// # Errors
-    /// Values of all views as they are, which no file holds; views or lights that cannot be blended; a mask of other sizes.
+    /// Returns an error if the values are uncompressed views, which files cannot hold, if views or lights cannot be
+    /// interpolated, or if the mask has another size.
     pub fn new(decoder: FlatBtfDecoder, mask: Option<VisibilityMask>) -> Result<Self, FormatError> {
         let values = &decoder.parts().values;
         if let FlatValues::Views(views) = values {
-            let found = format!("{} views as they are", views.len());
+            let found = format!("{} uncompressed views", views.len());
             return Err(FormatError::whole("values of a flat BTF", found, "factored ones, or the light form"));
         }
         let directions = SampledDirections::of(values)?;
@@ -57,7 +58,7 @@ impl FlatBtfFile {
         Err(FormatError::whole(MASK, found, allowed))
     }
 
-    /// The bytes of the KTX2 file.
+    /// Contents of the KTX2 file.
     pub fn to_bytes(&self, supercompress: bool) -> Vec<u8> {
         let parts = self.decoder.parts();
         let mut entries = BTreeMap::from([match &parts.indirection {
@@ -76,37 +77,37 @@ impl FlatBtfFile {
         self.bindings().to_file(entries, supercompress)
     }
 
-    /// What its shader has bound.
+    /// Bindings of the file's shader.
     pub fn bindings(&self) -> Bindings<'_> {
         self.decoder.bindings(true, self.directions.as_ref())
     }
 
-    /// Bytes of its textures on a GPU.
+    /// GPU memory of the textures, bytes.
     pub fn gpu_bytes(&self) -> u64 {
         self.bindings().gpu_bytes()
     }
 
-    /// Reads and checks a KTX2 file.
+    /// Reads and validates a KTX2 file.
     ///
     /// # Errors
-    /// Whatever breaks the rules of `formats/src/flat_btf/spec.md`.
+    /// Returns an error if the file violates `formats/src/flat_btf/spec.md`.
     pub fn from_bytes(bytes: &[u8]) -> Result<Self, FormatError> {
         Self::from_file(PackFile::from_bytes(bytes)?)
     }
 
-    /// [`Self::from_bytes`] of a file whose bindings have been read.
+    /// Same as [`Self::from_bytes`] for a file whose bindings have been read.
     ///
     /// # Errors
-    /// As [`Self::from_bytes`].
+    /// Same as [`Self::from_bytes`].
     pub fn from_file(mut file: PackFile) -> Result<Self, FormatError> {
         let report = file.entries.remove(REPORT).unwrap_or_default();
         let report = String::from_utf8(report)
-            .map_err(|error| FormatError::whole(REPORT, format!("bytes that are no text: {error}"), "JSON in UTF-8"))?;
+            .map_err(|error| FormatError::whole(REPORT, format!("invalid UTF-8: {error}"), "JSON"))?;
         let mask = file.entries.remove(MASK).map(|bytes| read_mask(&bytes)).transpose()?;
         let diffuse = DiffuseMap::from_texture(&file.take_own())?;
         let mut image = |name: &'static str| {
             let texture = file.take_texture(name);
-            move || texture.ok_or_else(|| FormatError::whole(name, "no texels", "those of a flat BTF"))
+            move || texture.ok_or_else(|| FormatError::whole(name, "no texels", "texels of a flat BTF"))
         };
         let (reference, packed, normal) = (image(REFERENCE)()?, image(PACKED)()?, image(NORMAL)()?);
         let (ranges, directions) = (image(RANGES), image(DIRECTIONS));
@@ -128,7 +129,7 @@ impl FlatBtfFile {
         let reference = ReferenceMap::from_texture(&reference)?;
         let parts = FlatBtfParts { reference, indirection, normal: NormalMap::from_texture(&normal)?, diffuse, values };
         let made = Self::new(FlatBtfDecoder::new(parts)?, mask)?;
-        // Meshes may differ where more than three points are on a circle: those of the file count.
+        // Triangulations may differ if more than three points are on a circle; the stored ones are used.
         let counts = |some: &SampledDirections| [some.views.directions(), some.lights.directions()];
         let [found, allowed] = [&stored, &made.directions].map(|some| some.as_ref().map(counts));
         if found != allowed {

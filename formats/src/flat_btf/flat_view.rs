@@ -1,4 +1,4 @@
-//! Values of the flat BTF for one view and all lights, before they are factored, and which texels each view sees.
+//! Values of a flat BTF for one view and all lights before factorisation, and the visibility mask.
 
 use super::layout::{check_square, floats, square_layers};
 use crate::FormatError;
@@ -10,27 +10,27 @@ use std::collections::BTreeMap;
 const PART: &str = "flat";
 const VIEWS: &str = "brdfc.views";
 const LIGHTS: &str = "brdfc.lights";
-/// Most views, and most lights.
+/// Maximum number of views, and of lights.
 pub const MAX_DIRECTIONS: u32 = MAX_LAYERS;
 
-/// A view, and the directions of all views and lights, which are the same in the whole asset.
+/// A view, and the directions of all views and lights, which are the same throughout the asset.
 #[derive(Debug, Clone, PartialEq)]
 pub struct FlatHeader {
     /// `T`, texels per side, 1 to 8192.
     pub size: u32,
-    /// Which of the views, from 0.
+    /// Index of this view, from 0.
     pub view: u32,
-    /// Polar angle, 0 to π/2, and azimuth, 0 up to 2π, of all views, radians. 1 to [`MAX_DIRECTIONS`].
+    /// Polar angle, 0 to π/2, and azimuth, [0, 2π), of all views, radians. 1 to [`MAX_DIRECTIONS`].
     pub views: Vec<[f32; 2]>,
-    /// The same of all lights.
+    /// Same for all lights.
     pub lights: Vec<[f32; 2]>,
 }
 
 impl FlatHeader {
-    /// Whether everything is in range.
+    /// Checks all ranges.
     ///
     /// # Errors
-    /// Too many directions, or such that are out of range; a view that is none of them.
+    /// Returns an error if there are too many directions, a direction is out of range, or the view does not exist.
     pub fn check(&self) -> Result<(), FormatError> {
         check_directions(&self.views, &self.lights)?;
         if self.view as usize >= self.views.len() {
@@ -41,13 +41,13 @@ impl FlatHeader {
     }
 }
 
-/// Unit vectors of polar angles and azimuths, radians: sines and cosines in double precision, rounded.
+/// Unit vectors for polar angles and azimuths, radians. Sines and cosines are computed in double precision and rounded.
 pub fn unit_vectors(angles: &[[f32; 2]]) -> Vec<[f32; 3]> {
     let vector = |[polar, azimuth]: &[f32; 2]| from_polar(f64::from(*polar), f64::from(*azimuth)).map(|c| c as f32);
     angles.iter().map(vector).collect()
 }
 
-/// Whether views and lights are as many as allowed, and angles in range.
+/// Checks the numbers of views and lights, and the ranges of their angles.
 pub(super) fn check_directions(views: &[[f32; 2]], lights: &[[f32; 2]]) -> Result<(), FormatError> {
     for (key, directions) in [(VIEWS, views), (LIGHTS, lights)] {
         if !(1..=MAX_DIRECTIONS as usize).contains(&directions.len()) {
@@ -59,7 +59,7 @@ pub(super) fn check_directions(views: &[[f32; 2]], lights: &[[f32; 2]]) -> Resul
                 (0.0..=std::f32::consts::FRAC_PI_2).contains(polar) && (0.0..std::f32::consts::TAU).contains(azimuth);
             if !good {
                 let (field, found) = (format!("{key} direction {k}"), format!("{polar}, {azimuth}"));
-                let allowed = "a polar angle of 0 to π/2 and an azimuth of 0 to below 2π";
+                let allowed = "a polar angle of 0 to π/2 and an azimuth of 0 to less than 2π";
                 return Err(FormatError::whole(field, found, allowed));
             }
         }
@@ -67,13 +67,13 @@ pub(super) fn check_directions(views: &[[f32; 2]], lights: &[[f32; 2]]) -> Resul
     Ok(())
 }
 
-/// The entries that tell views and lights.
+/// Keys and values of views and lights.
 pub(super) fn direction_entries(views: &[[f32; 2]], lights: &[[f32; 2]]) -> BTreeMap<String, Vec<u8>> {
     let bytes = |directions: &[[f32; 2]]| directions.iter().flatten().flat_map(|c| c.to_le_bytes()).collect();
     BTreeMap::from([(VIEWS.to_owned(), bytes(views)), (LIGHTS.to_owned(), bytes(lights))])
 }
 
-/// Views and lights, as many as a header of `kind` says.
+/// Reads views and lights. Their numbers come from a header of `kind`.
 pub(super) fn read_directions(
     texture: &Texture,
     kind: &str,
@@ -93,17 +93,17 @@ pub struct FlatView {
 }
 
 impl FlatView {
-    /// A view from its texels of [`crate::container::rgb9e5`]: light by light, each `T x T` row by row.
+    /// Creates a view from its [`crate::container::rgb9e5`] texels: light by light, each `T x T` row by row.
     ///
     /// # Errors
-    /// A header out of range, another number of texels than `T x T x lights`.
+    /// Returns an error if the header is out of range or the number of texels is not `T x T x lights`.
     pub fn new(header: FlatHeader, texels: Vec<u32>) -> Result<Self, FormatError> {
         header.check()?;
         check_square(PART, header.size, header.lights.len() as u32, MAX_DIRECTIONS, texels.len())?;
         Ok(Self { header, texels })
     }
 
-    /// Which view, of which views and lights.
+    /// Header of the view.
     pub fn header(&self) -> &FlatHeader {
         &self.header
     }
@@ -113,17 +113,17 @@ impl FlatView {
         &self.texels
     }
 
-    /// The packed texels of a light, row by row.
+    /// Packed texels of a light, row by row.
     ///
     /// # Panics
-    /// Without such a light.
+    /// Panics if there is no such light.
     pub fn light(&self, light: u32) -> &[u32] {
         let length = self.header.size as usize * self.header.size as usize;
         &self.texels[light as usize * length..][..length]
     }
 }
 
-/// The part `mask`: which texels of the flat BTF are seen in which view; values of the others were filled in.
+/// The part `mask`: texels of the flat BTF visible in each view. Values of the other texels were filled in.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct VisibilityMask {
     size: u32,
@@ -134,10 +134,10 @@ pub struct VisibilityMask {
 impl VisibilityMask {
     const PART: &'static str = "mask";
 
-    /// A mask from its texels, view by view, each `T x T` row by row: 255 where seen, 0 where not.
+    /// Creates a mask from its texels, view by view, each `T x T` row by row: 255 if visible, otherwise 0.
     ///
     /// # Errors
-    /// Sizes out of range, another number of texels, other values.
+    /// Returns an error if sizes are out of range, the number of texels is wrong, or there are other values.
     pub fn new(size: u32, views: u32, texels: Vec<u8>) -> Result<Self, FormatError> {
         check_square(Self::PART, size, views, MAX_DIRECTIONS, texels.len())?;
         if let Some(at) = texels.iter().position(|texel| !matches!(texel, 0 | 255)) {
@@ -157,17 +157,17 @@ impl VisibilityMask {
         self.views
     }
 
-    /// Whether texel `(column, row)` is seen in a view.
+    /// Returns true if texel `(column, row)` is visible in a view.
     ///
     /// # Panics
-    /// Outside of the mask.
+    /// Panics outside the mask.
     pub fn is_seen(&self, view: u32, [column, row]: [u32; 2]) -> bool {
         assert!(column < self.size, "column {column} of {}", self.size);
         let [size, view, column, row] = [self.size, view, column, row].map(|n| n as usize);
         self.texels[(view * size + row) * size + column] == 255
     }
 
-    /// The bytes of its KTX2 file, which is an entry of the flat BTF.
+    /// Contents of its KTX2 file, which is a value in the flat BTF.
     pub(super) fn to_bytes(&self) -> Vec<u8> {
         Texture {
             format: TexelFormat::R8Unorm,
@@ -179,7 +179,7 @@ impl VisibilityMask {
         .to_bytes(true)
     }
 
-    /// Reads and checks its KTX2 file.
+    /// Reads and validates its KTX2 file.
     pub(super) fn from_bytes(bytes: &[u8]) -> Result<Self, FormatError> {
         let texture = Texture::from_bytes(bytes)?;
         let [size, views] = square_layers(&texture, Self::PART, TexelFormat::R8Unorm)?;

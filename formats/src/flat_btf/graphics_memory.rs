@@ -1,4 +1,4 @@
-//! What flat BTFs take in graphics memory, as the bindings of `formats/src/flat_btf/spec.md` hold them.
+//! GPU memory of flat BTFs, for the bindings in `formats/src/flat_btf/spec.md`.
 
 use super::atlas::Atlas;
 use super::decoder::{FlatBtfParts, FlatValues, Indirection};
@@ -6,14 +6,14 @@ use super::directions::SampledDirections;
 use super::flat_view::FlatView;
 use crate::container::{Extent, TexelFormat};
 
-/// Bytes of the values of one view as they are, `size` x `size` texels under so many lights: a layer of the atlas, with the tiles
-/// that no light has.
+/// GPU memory of the uncompressed values of one view with `size` x `size` texels, bytes: a layer of the atlas,
+/// including unused tiles.
 pub fn view_gpu_bytes(size: u32, lights: u32) -> u64 {
     Atlas::new(size, lights).texels() * TexelFormat::Rgb9E5.texel_bytes() as u64
 }
 
 impl FlatBtfParts {
-    /// Bytes of texels in graphics memory, those of values only where there are some.
+    /// GPU memory of all textures, bytes. Textures of values count only if there are values.
     pub fn gpu_bytes(&self) -> u64 {
         let bytes = |extent: [u32; 2], format: TexelFormat| Extent::D2(extent).texels() * format.texel_bytes() as u64;
         let values = match &self.values {
@@ -24,7 +24,7 @@ impl FlatBtfParts {
             }
             FlatValues::Factored(asset) => asset.gpu_bytes(),
         };
-        // Nothing is bound of directions that cannot be blended.
+        // Directions that cannot be interpolated are not bound.
         let directions = SampledDirections::of(&self.values).ok().flatten();
         bytes([self.reference.size(); 2], TexelFormat::Rg32Float)
             + match &self.indirection {

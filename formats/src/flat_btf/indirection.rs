@@ -1,5 +1,5 @@
-//! The part `indirection`: for every texel of the reference plane a block of view samples, which a sampler can blend
-//! without reaching into the next block (section 3.5 of Hadim et al. 2009).
+//! The part `indirection`: a block of view samples for each texel of the reference plane. A sampler can blend within a
+//! block without reaching into the next one (section 3.5 of Hadim et al. 2009).
 
 use super::MAX_COORDINATE;
 use super::layout::{VERSION, check_format, half_bytes, halves, is_coordinate, word, wrong_extent};
@@ -10,21 +10,21 @@ use crate::container::{Extent, MAX_EXTENT_2D, TexelFormat, Texture, half};
 use crate::cursor::Cursor;
 
 const PART: &str = "indirection";
-/// The entry that tells an indirection map.
+/// Key of the header.
 const HEADER: &str = "brdfc.indirection";
-/// Most samples of the polar angle.
+/// Maximum number of polar-angle samples.
 pub const MAX_ZENITH_SAMPLES: u32 = 256;
-/// Most samples of the azimuth.
+/// Maximum number of azimuth samples.
 pub const MAX_AZIMUTH_SAMPLES: u32 = 256;
 
-/// Sizes of an indirection map, and which views its samples are.
+/// Header of an indirection map: sizes, and the views of its samples.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct IndirectionHeader {
     /// `M`, texels of the reference plane per side, 1 to 4096.
     pub size: u32,
-    /// `Z`, samples of the polar angle, 2 to [`MAX_ZENITH_SAMPLES`]: sample `k` is at `k φ_max / (Z - 1)`.
+    /// `Z`, number of polar-angle samples, 2 to [`MAX_ZENITH_SAMPLES`]: sample `k` is at `k φ_max / (Z - 1)`.
     pub zenith_samples: u32,
-    /// `A`, samples of the azimuth, 3 to [`MAX_AZIMUTH_SAMPLES`]: sample `a` is at `2π a / A`.
+    /// `A`, number of azimuth samples, 3 to [`MAX_AZIMUTH_SAMPLES`]: sample `a` is at `2π a / A`.
     pub azimuth_samples: u32,
     /// `φ_max`, the largest polar angle, radians, above 0 up to π/2.
     pub largest_angle: f32,
@@ -47,15 +47,15 @@ impl IndirectionHeader {
         [polar, std::f64::consts::TAU * f64::from(a) / f64::from(self.azimuth_samples)]
     }
 
-    /// Checks ranges and that the texture is not too large.
+    /// Checks all ranges, and that the texture is not too large.
     ///
     /// # Errors
-    /// Names the field that is out of range.
+    /// Returns an error that names the field that is out of range.
     pub fn check(&self) -> Result<(), FormatError> {
         self.check_as(HEADER, PART)
     }
 
-    /// The same, of an entry and a part of these names.
+    /// Same as [`Self::check`]; `entry` and `part` name the data in errors.
     pub(super) fn check_as(&self, entry: &str, part: &'static str) -> Result<(), FormatError> {
         for (value, (field, range)) in self.to_words().into_iter().zip(FIELDS) {
             FormatError::check_range(format!("{entry} {field}"), value, range)?;
@@ -95,17 +95,17 @@ impl IndirectionHeader {
     }
 }
 
-/// Sizes of a header, and their ranges.
+/// Names and ranges of the sizes in a header.
 pub(super) const FIELDS: [(&str, std::ops::RangeInclusive<u32>); 3] = [
     ("size", 1..=MAX_EXTENT_2D / 2),
     ("zenith samples", 2..=MAX_ZENITH_SAMPLES),
     ("azimuth samples", 3..=MAX_AZIMUTH_SAMPLES),
 ];
 
-/// Displacements of the parameters for all sampled views, packed by texels of the reference plane.
+/// Displacements of the parameters for all sampled views, in blocks by texel of the reference plane.
 ///
-/// A texel of the texture is `(δx, δy, d, z)`: unit direction and length of the displacement, in parameters, and the
-/// height of the seen point in tiles. A displacement of length 0 may have a direction of 0.
+/// Each texel of the texture is `(δx, δy, d, z)`: unit direction and length of the displacement, in parameters, and the
+/// height of the visible point in tiles. A displacement of length 0 may have direction 0.
 #[derive(Debug, Clone, PartialEq)]
 pub struct IndirectionMap {
     header: IndirectionHeader,
@@ -114,28 +114,29 @@ pub struct IndirectionMap {
 }
 
 impl IndirectionMap {
-    /// A map from the texels of the texture, as halves.
+    /// Creates a map from the texels of the texture, as halves.
     ///
     /// # Errors
-    /// A header or number of texels out of range, texels that break the rules of `formats/src/flat_btf/spec.md`.
+    /// Returns an error if the header or the number of texels is out of range, or texels violate
+    /// `formats/src/flat_btf/spec.md`.
     pub fn new(header: IndirectionHeader, texels: Vec<[u16; 4]>) -> Result<Self, FormatError> {
         header.check()?;
         let [width, height] = header.extent();
-        let wanted = u64::from(width) * u64::from(height);
-        if texels.len() as u64 != wanted {
+        let expected = u64::from(width) * u64::from(height);
+        if texels.len() as u64 != expected {
             let field = format!("texels of the part {PART}");
-            return Err(FormatError::whole(field, texels.len().to_string(), format!("{wanted}, as the header says")));
+            return Err(FormatError::whole(field, texels.len().to_string(), format!("{expected}, as the header says")));
         }
         check_blocks(&header, &texels)?;
         Ok(Self { header, texels })
     }
 
-    /// A map from displacements: `sample([i, j], k, a)` is the displacement from the reference, in parameters, and the
-    /// height in tiles of what is seen through texel `(i, j)` in view `(k, a)`, `a` below `A`. The displacement of the
-    /// pole, `k = 0`, is taken to be 0. Called in the order of the texture's rows.
+    /// Creates a map from displacements. `sample([i, j], k, a)` returns the displacement from the reference, in
+    /// parameters, and the height in tiles of the point visible through texel `(i, j)` in view `(k, a)`, `a` below `A`.
+    /// The displacement at the pole, `k = 0`, is set to 0. `sample` is called in the order of the texture's rows.
     ///
     /// # Errors
-    /// As [`Self::new`]: distances and heights beyond [`MAX_COORDINATE`], or NaN.
+    /// Same as [`Self::new`], for example if distances or heights exceed [`MAX_COORDINATE`] or are NaN.
     pub fn from_displacements(
         header: IndirectionHeader,
         mut sample: impl FnMut([u32; 2], u32, u32) -> ([f32; 2], f32),
@@ -168,12 +169,12 @@ impl IndirectionMap {
         &self.header
     }
 
-    /// The texels of the texture as halves, row by row.
+    /// Texels of the texture as halves, row by row.
     pub fn texels(&self) -> &[[u16; 4]] {
         &self.texels
     }
 
-    /// The texels as a GPU takes them.
+    /// Texels in GPU layout.
     pub fn texel_bytes(&self) -> Vec<u8> {
         half_bytes(&self.texels)
     }
@@ -184,18 +185,18 @@ impl IndirectionMap {
         self.texels[row as usize * self.header.extent()[0] as usize + column as usize].map(half::decode)
     }
 
-    /// The displacement of that sample, in parameters.
+    /// Displacement of that sample, in parameters.
     pub fn displacement(&self, texel: [u32; 2], k: u32, a: u32) -> [f32; 2] {
         let [x, y, distance, _] = self.sample(texel, k, a);
         [x * distance, y * distance]
     }
 
-    /// The entry of the header.
+    /// Key and value of the header.
     pub(super) fn entry(&self) -> (String, Vec<u8>) {
         (HEADER.to_owned(), self.header.to_bytes())
     }
 
-    /// Reads and checks the image of a file with its entry.
+    /// Reads and validates the image of a file with its header.
     pub(super) fn from_texture(texture: &Texture) -> Result<Self, FormatError> {
         let header = IndirectionHeader::from_bytes(entry(texture, HEADER, "an indirection map")?)?;
         check_format(texture, PART, TexelFormat::Rgba16Float)?;
@@ -207,7 +208,7 @@ impl IndirectionMap {
     }
 }
 
-/// Direction and length of a displacement, apart.
+/// Splits a displacement into direction and length.
 fn encode([x, y]: [f32; 2], height: f32) -> [u16; 4] {
     let [x, y] = [f64::from(x), f64::from(y)];
     let distance = x.hypot(y);
@@ -223,22 +224,22 @@ fn check_blocks(header: &IndirectionHeader, texels: &[[u16; 4]]) -> Result<(), F
     for (row, line) in texels.chunks_exact(width).enumerate() {
         for (column, texel) in line.iter().enumerate() {
             let [x, y, distance, height] = texel.map(half::decode);
-            let refused = |allowed: &str| {
+            let rejected = |allowed: &str| {
                 let field = format!("{PART} texel ({column}, {row})");
                 Err(FormatError::whole(field, format!("[{x}, {y}, {distance}, {height}]"), allowed))
             };
             if !(0.0..=MAX_COORDINATE).contains(&distance) || !is_coordinate(height) {
-                return refused("a distance of 0 to 1024 and a height of -1024 to 1024");
+                return rejected("a distance of 0 to 1024 and a height of -1024 to 1024");
             }
             let nowhere = [x, y, distance] == [0.0; 3];
             if !(nowhere || is_unit(&[x, y])) {
-                return refused("a unit direction, or 0 with a distance of 0");
+                return rejected("a unit direction, or 0 with a distance of 0");
             }
             if column % zenith == 0 && (distance != 0.0 || texel[..2] != line[column + 1][..2]) {
-                return refused("at the pole a distance of 0 and the direction of the next sample");
+                return rejected("a distance of 0 and the direction of the next sample, at the pole");
             }
             if row % rows == rows - 1 && *texel != texels[(row + 1 - rows) * width + column] {
-                return refused("in the last row of a block the same as in its first");
+                return rejected("the same value as in the first row of the block, in its last row");
             }
         }
     }

@@ -1,23 +1,23 @@
-//! What the parts of a flat BTF have in common when they are read: sizes, formats and ranges.
+//! Checks that all parts of a flat BTF share: sizes, formats and ranges.
 
 use super::MAX_COORDINATE;
 use crate::FormatError;
 use crate::container::{Extent, MAX_EXTENT_2D, TexelFormat, Texture};
 use crate::cursor::Cursor;
 
-/// The only version of the entries.
+/// Version of the headers.
 pub(super) const VERSION: u32 = 1;
 
-/// Reads a 2D texture of equal sides: its side.
+/// Reads a square 2D texture. Returns its side.
 pub(super) fn square(texture: &Texture, part: &'static str, format: TexelFormat) -> Result<u32, FormatError> {
     check_format(texture, part, format)?;
     match texture.extent {
         Extent::D2([width, height]) if width == height => Ok(width),
-        other => Err(wrong_extent(part, other, "a 2D texture of equal sides")),
+        other => Err(wrong_extent(part, other, "a square 2D texture")),
     }
 }
 
-/// Reads a 2D array of equal sides: its side and number of layers.
+/// Reads a 2D array of square layers. Returns its side and number of layers.
 pub(super) fn square_layers(
     texture: &Texture,
     part: &'static str,
@@ -26,7 +26,7 @@ pub(super) fn square_layers(
     check_format(texture, part, format)?;
     match texture.extent {
         Extent::D2Array([width, height, layers]) if width == height => Ok([width, layers]),
-        other => Err(wrong_extent(part, other, "a 2D array of equal sides")),
+        other => Err(wrong_extent(part, other, "a 2D array of square layers")),
     }
 }
 
@@ -43,7 +43,7 @@ pub(super) fn wrong_extent(part: &'static str, found: Extent, allowed: impl Into
     FormatError::whole(format!("size of the part {part}"), found.to_string(), allowed)
 }
 
-/// Checks a side and the number of texels that were handed over for it.
+/// Checks a side and the number of texels.
 pub(super) fn check_square(
     part: &'static str,
     size: u32,
@@ -56,34 +56,34 @@ pub(super) fn check_square(
         return Err(FormatError::whole(field, size.to_string(), format!("1 to {MAX_EXTENT_2D} texels")));
     }
     FormatError::check_range(format!("layers of the part {part}"), layers, 1..=most_layers)?;
-    let wanted = u64::from(size) * u64::from(size) * u64::from(layers);
-    if found as u64 != wanted {
+    let expected = u64::from(size) * u64::from(size) * u64::from(layers);
+    if found as u64 != expected {
         let field = format!("texels of the part {part}");
-        return Err(FormatError::whole(field, found.to_string(), format!("{wanted}, as its size says")));
+        return Err(FormatError::whole(field, found.to_string(), format!("{expected}, as its size says")));
     }
     Ok(())
 }
 
-/// Checks every texel of a square.
+/// Checks all texels of a square.
 pub(super) fn check_texels<T>(
     part: &'static str,
     size: u32,
     texels: &[T],
     allowed: &str,
-    shown: impl Fn(&T) -> String,
+    format: impl Fn(&T) -> String,
     good: impl Fn(&T) -> bool,
 ) -> Result<(), FormatError> {
     let Some(at) = texels.iter().position(|texel| !good(texel)) else { return Ok(()) };
     let (column, row) = (at % size as usize, at / size as usize);
-    Err(FormatError::whole(format!("{part} texel ({column}, {row})"), shown(&texels[at]), allowed))
+    Err(FormatError::whole(format!("{part} texel ({column}, {row})"), format(&texels[at]), allowed))
 }
 
-/// Whether a coordinate is a number in range.
+/// Returns true if a coordinate is a number in range.
 pub(super) fn is_coordinate(value: f32) -> bool {
     value.abs() <= MAX_COORDINATE
 }
 
-/// Reads a word of an entry and checks it.
+/// Reads and validates a word of a header.
 pub(super) fn word(
     cursor: &mut Cursor<'_>,
     key: &'static str,
@@ -99,7 +99,7 @@ pub(super) fn word(
     Err(FormatError::whole(format!("{key} {field}"), value.to_string(), allowed))
 }
 
-/// Texels of `N` floats of 32 bits.
+/// Texels of `N` 32-bit floats.
 pub(super) fn floats<const N: usize>(bytes: &[u8]) -> Vec<[f32; N]> {
     bytes.as_chunks::<4>().0.as_chunks::<N>().0.iter().map(|texel| texel.map(f32::from_le_bytes)).collect()
 }

@@ -1,4 +1,4 @@
-//! The parts of a flat BTF that no view or light changes: position, normal, diffuse colour and reference.
+//! Parts of a flat BTF that do not depend on view or light: normals, diffuse colour and reference.
 
 use super::layout::{
     check_square, check_texels, floats, half_bytes, halves, is_coordinate, square, words as packed_words,
@@ -6,15 +6,15 @@ use super::layout::{
 use crate::FormatError;
 use crate::container::{TexelFormat, Texture, half, rgb9e5};
 
-/// How far the squared length of a direction of halves may be from 1.
+/// Maximum deviation of the squared length of a direction in halves from 1.
 const UNIT_TOLERANCE: f32 = 1.0 / 128.0;
 
-/// Whether a vector is a unit vector after its components were rounded to halves.
+/// Returns true for unit vectors, up to rounding of components to halves.
 pub(super) fn is_unit(v: &[f32]) -> bool {
     (v.iter().map(|c| c * c).sum::<f32>() - 1.0).abs() <= UNIT_TOLERANCE
 }
 
-/// The part `normal`: unit shading normals, in the frame of the reference plane.
+/// The part `normal`: unit shading normals in the frame of the reference plane.
 #[derive(Debug, Clone, PartialEq)]
 pub struct NormalMap {
     size: u32,
@@ -25,10 +25,11 @@ pub struct NormalMap {
 impl NormalMap {
     const PART: &'static str = "normal";
 
-    /// `T x T` unit vectors, row by row; components are rounded to halves.
+    /// Creates a map from `T x T` unit vectors, row by row; components are rounded to halves.
     ///
     /// # Errors
-    /// A size of 0 or above 8192, another number of normals, vectors that are not of unit length.
+    /// Returns an error if the size is 0 or above 8192, the number of normals is wrong, or a vector does not have unit
+    /// length.
     pub fn new(size: u32, normals: Vec<[f32; 3]>) -> Result<Self, FormatError> {
         check_square(Self::PART, size, 1, 1, normals.len())?;
         check_texels(Self::PART, size, &normals, "a unit vector", |n| format!("{n:?}"), |n| is_unit(n))?;
@@ -44,19 +45,19 @@ impl NormalMap {
         self.size
     }
 
-    /// The normals as halves hold them, row by row.
+    /// Normals rounded to halves, row by row.
     pub fn normals(&self) -> &[[f32; 3]] {
         &self.normals
     }
 
-    /// The texels as a GPU takes them: four halves each, the last of them 0.
+    /// Texels in GPU layout: four halves each, the last of them 0.
     pub fn texel_bytes(&self) -> Vec<u8> {
         let texels: Vec<_> =
             self.normals.iter().map(|[x, y, z]| [half::encode(*x), half::encode(*y), half::encode(*z), 0]).collect();
         half_bytes(&texels)
     }
 
-    /// Reads and checks the image of a file.
+    /// Reads and validates the image of a file.
     pub(super) fn from_texture(texture: &Texture) -> Result<Self, FormatError> {
         let size = square(texture, Self::PART, TexelFormat::Rgba16Float)?;
         let texels = halves(&texture.texels);
@@ -75,19 +76,19 @@ pub struct DiffuseMap {
 impl DiffuseMap {
     const PART: &'static str = "diffuse";
 
-    /// `T x T` texels of [`rgb9e5`], row by row.
+    /// Creates a map from `T x T` texels of [`rgb9e5`], row by row.
     ///
     /// # Errors
-    /// A size of 0 or above 8192, another number of texels.
+    /// Returns an error if the size is 0 or above 8192, or the number of texels is wrong.
     pub fn new(size: u32, texels: Vec<u32>) -> Result<Self, FormatError> {
         check_square(Self::PART, size, 1, 1, texels.len())?;
         Ok(Self { size, texels })
     }
 
-    /// [`Self::new`] from linear RGB.
+    /// Same as [`Self::new`] from linear RGB.
     ///
     /// # Errors
-    /// As [`Self::new`].
+    /// Same as [`Self::new`].
     pub fn from_colours(size: u32, colours: &[[f32; 3]]) -> Result<Self, FormatError> {
         Self::new(size, colours.iter().map(|colour| rgb9e5::encode(*colour)).collect())
     }
@@ -97,20 +98,20 @@ impl DiffuseMap {
         self.size
     }
 
-    /// The packed texels, row by row.
+    /// Packed texels, row by row.
     pub fn texels(&self) -> &[u32] {
         &self.texels
     }
 
-    /// Reads and checks the image of a file.
+    /// Reads and validates the image of a file.
     pub(super) fn from_texture(texture: &Texture) -> Result<Self, FormatError> {
         let size = square(texture, Self::PART, TexelFormat::Rgb9E5)?;
         Self::new(size, packed_words(&texture.texels))
     }
 }
 
-/// The part `reference`: parameters of the surface point that is seen through each texel of the reference plane `z = 0`
-/// in the view along the normal. Not to be filtered.
+/// The part `reference`: parameters of the surface point visible through each texel of the reference plane `z = 0` in
+/// the view along the normal. Must not be filtered.
 #[derive(Debug, Clone, PartialEq)]
 pub struct ReferenceMap {
     size: u32,
@@ -120,10 +121,11 @@ pub struct ReferenceMap {
 impl ReferenceMap {
     const PART: &'static str = "reference";
 
-    /// `M x M` pairs of parameters, row by row. Only their fractions matter.
+    /// Creates a map from `M x M` pairs of parameters, row by row. Only their fractional parts matter.
     ///
     /// # Errors
-    /// A size of 0 or above 8192, another number of pairs, parameters beyond [`super::MAX_COORDINATE`] or NaN.
+    /// Returns an error if the size is 0 or above 8192, the number of pairs is wrong, or parameters exceed
+    /// [`super::MAX_COORDINATE`] or are NaN.
     pub fn new(size: u32, parameters: Vec<[f32; 2]>) -> Result<Self, FormatError> {
         check_square(Self::PART, size, 1, 1, parameters.len())?;
         let good = |p: &[f32; 2]| p.iter().all(|c| is_coordinate(*c));
@@ -136,12 +138,12 @@ impl ReferenceMap {
         self.size
     }
 
-    /// The parameters, row by row: texel `(i, j)` has its centre at `((i + ½) / M, (j + ½) / M)` on the plane.
+    /// Parameters, row by row: texel `(i, j)` has its centre at `((i + ½) / M, (j + ½) / M)` on the plane.
     pub fn parameters(&self) -> &[[f32; 2]] {
         &self.parameters
     }
 
-    /// Reads and checks the image of a file.
+    /// Reads and validates the image of a file.
     pub(super) fn from_texture(texture: &Texture) -> Result<Self, FormatError> {
         let size = square(texture, Self::PART, TexelFormat::Rg32Float)?;
         Self::new(size, floats::<2>(&texture.texels))

@@ -1,8 +1,9 @@
-//! Packs of flat BTFs (Hadim, Pacanowski, Granier and Schlick 2009, "Flat bidirectional texture functions"): a BTF on the
-//! parameters of its meso-geometry, and the view-dependent indirection that finds it. Byte layout: `spec.md` in this folder.
+//! Flat BTFs (Hadim, Pacanowski, Granier and Schlick 2009, "Flat bidirectional texture functions"): a BTF over the
+//! parameters of its meso-geometry, and a view-dependent indirection from the reference plane to these parameters. Byte
+//! layout: `spec.md` in this folder.
 //!
-//! One asset is one file, [`FlatBtfFile`], whose images are types of this module. Coordinates of the surface are in tiles: the
-//! tile is the unit square, repeated; parameters likewise have period 1.
+//! One asset is one file, [`FlatBtfFile`], whose images are types of this module. Surface coordinates are in tiles: the
+//! tile is the unit square, repeated. Parameters also have period 1.
 
 mod atlas;
 mod decoder;
@@ -31,5 +32,5 @@ pub use indirection::{IndirectionHeader, IndirectionMap, MAX_AZIMUTH_SAMPLES, MA
 pub use maps::{DiffuseMap, NormalMap, ReferenceMap};
 pub use view_weights::{BlendedDirection, ViewWeights};
 
-/// Largest absolute value of a coordinate, height or distance in a file: tiles, or periods of the parameters.
+/// Maximum absolute value of a coordinate, height or distance in a file: tiles, or periods of the parameters.
 pub const MAX_COORDINATE: f32 = 1024.0;

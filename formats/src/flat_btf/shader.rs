@@ -1,4 +1,4 @@
-//! What a shader needs besides the textures of a flat BTF: `formats/src/flat_btf/decoder.wgsl` and its uniform block.
+//! Shader side of flat BTFs: `formats/src/flat_btf/decoder.wgsl` and its uniform block.
 
 use super::directions::SampledDirections;
 use super::factored::FactoredFlatBtf;
@@ -10,57 +10,57 @@ use crate::cursor::block_bytes;
 use crate::direction_mesh::DIRECTION_MESH_WGSL;
 use crate::flat_btf::{FlatBtfDecoder, FlatValues, Indirection};
 
-/// The name of the decoder and the version of its bindings.
+/// Name of the decoder and version of its bindings.
 pub(super) const DECODER: (&str, u32) = ("flat-btf", 2);
 
-/// The WGSL decoder. It declares a uniform block, six textures and a sampler in bind group 1; see the file.
+/// WGSL decoder. It declares a uniform block, six textures and a sampler in bind group 1; see the file.
 pub const FLAT_BTF_WGSL: &str = concat!(
     include_str!("../bindings/frame.wgsl"),
     include_str!("decoder.wgsl"),
     arc_tangent_wgsl!("flat_btf", "FLAT_BTF")
 );
 
-/// All that a flat BTF of any form is drawn by: [`FLAT_BTF_WGSL`], the factored values, the weights of views and lights, and
-/// `flat_btf_value`, which puts them together.
+/// WGSL for drawing a flat BTF of any form: [`FLAT_BTF_WGSL`], factored values, interpolation of views and lights, and
+/// `flat_btf_value`, which combines them.
 pub fn flat_btf_value_wgsl() -> String {
     [FLAT_BTF_WGSL, FACTORED_WGSL, DIRECTION_MESH_WGSL, include_str!("value.wgsl")].join("\n")
 }
 
-/// How far a sampler's blend of view samples may be from exact weights, along each of the two angles, in units of the
-/// difference of neighbouring samples.
+/// Maximum error of a sampler's blend of view samples against exact weights, along each of the two angles, in units of
+/// the difference of neighbouring samples.
 ///
-/// `1/512` is the distance that the shader keeps from the border of a block; the rest is for samplers, whose weights have
-/// 8 bits or fewer. Software drivers were measured at `1/512` in all.
+/// The shader keeps a distance of `1/512` from the border of a block; the rest allows for samplers with weights of 8
+/// bits or fewer. Software drivers had a total error of `1/512`.
 pub const FLAT_BTF_FILTER_PRECISION: f32 = 1.0 / 128.0;
 
-/// The uniform block `FlatBtfParameters` of the shader.
+/// Values of the uniform block `FlatBtfParameters`.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct FlatBtfParameters {
     /// `T`, texels of the flat BTF per side.
     pub size: u32,
     /// `M`, texels of the reference plane per side.
     pub reference_size: u32,
-    /// `Z`, samples of the polar angle.
+    /// `Z`, number of polar-angle samples.
     pub zenith_samples: u32,
-    /// `A`, samples of the azimuth.
+    /// `A`, number of azimuth samples.
     pub azimuth_samples: u32,
     /// `φ_max`, radians.
     pub largest_angle: f32,
     /// Lights in a row of the atlas; 0 without views.
     pub atlas_columns: u32,
-    /// `N`, blocks of displacements per side; 0 where there is an indirection map.
+    /// `N`, blocks of displacements per side; 0 with an indirection map.
     pub blocks: u32,
     /// Tangent of the largest polar angle of displacements.
     pub largest_tangent: f32,
-    /// What there is of views and lights: 0 nothing, 1 all values, 2 factored ones.
+    /// Form of the values: 0 none, 1 uncompressed views, 2 factored.
     pub values: u32,
 }
 
 impl FlatBtfParameters {
-    /// Bytes of the block.
+    /// Size of the block, bytes.
     pub const SIZE: usize = 48;
 
-    /// The parameters of an asset.
+    /// Parameters of an asset.
     pub fn new(decoder: &FlatBtfDecoder) -> Self {
         let header = decoder.parts().indirection.header();
         let (blocks, largest_tangent) = match &decoder.parts().indirection {
@@ -84,7 +84,7 @@ impl FlatBtfParameters {
         }
     }
 
-    /// The block as the shader reads it: little-endian, fields in order, zeros where none is.
+    /// The block as the shader reads it: little-endian fields in order, padded with zeros.
     pub fn to_bytes(&self) -> [u8; Self::SIZE] {
         let words = [
             self.size,
@@ -102,8 +102,8 @@ impl FlatBtfParameters {
     }
 }
 
-/// The slot of the values of all views, a layer to each: [`FlatBtfDecoder::bindings`] leaves it empty, as they may be too large to be
-/// in memory twice.
+/// Slot of the uncompressed values, one layer per view. [`FlatBtfDecoder::bindings`] leaves it empty, because the
+/// values may be too large to hold twice in memory.
 pub const VALUES_SLOT: u32 = 21;
 
 pub(super) const REFERENCE: &str = "flat_btf_reference";
@@ -118,8 +118,8 @@ const SAMPLER: &str = "flat_btf_sampler";
 const FACTORED_SAMPLER: &str = "factored_sampler";
 
 impl FlatBtfDecoder {
-    /// What its shader has bound. Without `values` nothing is bound of what is factored: the light form does without, as it does
-    /// without `directions`, which blend views and lights.
+    /// Bindings of the shader. Without `values`, factored textures are empty, and without `directions`, meshes are; the
+    /// light form needs neither.
     pub fn bindings(&self, values: bool, directions: Option<&SampledDirections>) -> Bindings<'_> {
         let parts = self.parts();
         let square = |size: u32| Extent::D2([size; 2]);
@@ -163,7 +163,7 @@ impl FlatBtfDecoder {
     }
 }
 
-/// What the shader of factored values has bound besides: of nothing, textures of one texel.
+/// Additional bindings for factored values. Without an asset, textures have one texel.
 pub fn factored_bindings(asset: Option<&FactoredFlatBtf>) -> [Binding<'_>; 5] {
     let no_layers = |format| Texels::empty(format, Extent::D2Array([1; 3]));
     let (parameters, weights, shadow, basis) = match asset {

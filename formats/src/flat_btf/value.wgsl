@@ -1,15 +1,15 @@
-// Flat BTFs on a GPU, in one call: what is seen, between the sampled views and lights.
+// Flat BTFs in one call: the value between sampled views and lights.
 //
-// The CPU twin is `FlatMaterial::value` of the crate `brdfc-render`.
+// The CPU version is `FlatMaterial::value` of the crate `brdfc-render`.
 //
-// To use it: paste it behind `decoder.wgsl`, `factored/factored.wgsl` and `direction_mesh.wgsl`, whose texture is the file
-// `directions`, and call
+// Usage: append this file to `decoder.wgsl`, `factored/factored.wgsl` and `direction_mesh.wgsl`, whose texture is the
+// image `direction_mesh_words` of the file, and call
 //
-//     let level = factored_mipmap_level(dpdx(uv), dpdy(uv)); // in a fragment shader, where control flow is uniform
+//     let level = factored_mipmap_level(dpdx(uv), dpdy(uv)); // in a fragment shader, in uniform control flow
 //     let value = flat_btf_value(uv, level, view, light);
 //
-// uv is in tiles, of any size; view and light are unit vectors in the frame x = tangent, y = bitangent, z = normal. A light
-// of intensity I at the distance d adds value * I / (π d²) to the radiance: the cosine is in the value.
+// uv is in tiles and unbounded; view and light are unit vectors in the frame x = tangent, y = bitangent, z = normal. A
+// light of intensity I at the distance d adds value * I / (π d²) to the radiance: the value includes the cosine.
 
 // Radiance divided by that of a white diffuser that faces the light: linear RGB, 0 below the horizon.
 fn flat_btf_value(uv: vec2<f32>, level_of_detail: f32, view: vec3<f32>, light: vec3<f32>) -> vec3<f32> {
@@ -19,7 +19,7 @@ fn flat_btf_value(uv: vec2<f32>, level_of_detail: f32, view: vec3<f32>, light: v
     if flat_btf_parameters.values == 0u {
         return flat_btf_light_form(uv, view, light);
     }
-    // Where the lights' mesh begins, and the cosine of the largest polar angle of a sampled light.
+    // First row of the lights' mesh, and cosine of the largest polar angle of a sampled light.
     let row = textureLoad(direction_mesh_words, vec2<u32>(0u, 0u), 0).x;
     let lowest_light = bitcast<f32>(textureLoad(direction_mesh_words, vec2<u32>(1u, 0u), 0).x);
     let seen_from = direction_mesh_weights(view, 1u);

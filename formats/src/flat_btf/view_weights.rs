@@ -1,19 +1,19 @@
-//! Which of the sampled directions a look-up blends.
+//! Weights of sampled directions in a look-up.
 
-/// Three of the sampled directions and how much each of them counts.
+/// Three sampled directions and their weights.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct ViewWeights {
-    /// Which of the views, or of the lights.
+    /// Indices of views or lights.
     pub indices: [u32; 3],
-    /// Their weights, with a sum of 1. What has a weight of 0 is not looked at.
+    /// Weights with a sum of 1. Directions with weight 0 are not read.
     pub weights: [f32; 3],
 }
 
-/// A direction that is asked for, and the sampled ones that stand for it.
+/// A requested direction and the sampled directions that approximate it.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct BlendedDirection {
     /// Unit vector away from the surface.
     pub direction: [f32; 3],
-    /// Sampled ones.
+    /// Sampled directions.
     pub samples: ViewWeights,
 }

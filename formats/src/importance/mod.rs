@@ -1,4 +1,4 @@
-//! Importance samples of a BRDF for every outgoing direction. Layout: `spec.md` in this folder.
+//! Importance samples of a BRDF for each outgoing direction. Layout: `spec.md` in this folder.
 
 pub(crate) mod descriptor;
 mod pack;

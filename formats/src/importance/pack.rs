@@ -1,6 +1,6 @@
-//! The importance-sample pack: directions drawn in proportion to a material's lobe, with their densities, for every
-//! outgoing direction ("Interactive rendering of acquired materials on dynamic geometry using bandwidth prediction",
-//! 2012, section 3.3). Byte layout: `formats/src/importance/spec.md`.
+//! Importance-sample pack: directions drawn in proportion to a material's lobe, with their densities, for each outgoing
+//! direction (Bagher et al. 2012, "Interactive rendering of acquired materials on dynamic geometry using bandwidth
+//! prediction", section 3.3). Byte layout: `formats/src/importance/spec.md`.
 
 use crate::FormatError;
 use crate::bindings::{Binding, Bindings, PackFile, Texels};
@@ -10,27 +10,28 @@ use crate::cursor::{Cursor, block_bytes};
 use std::collections::BTreeMap;
 use std::ops::RangeInclusive;
 
-/// The name of the decoder and the version of its bindings.
+/// Name of the decoder and version of its bindings.
 pub(super) const DECODER: (&str, u32) = ("importance", 1);
 
-/// The WGSL look-up. It declares a uniform block and a texture in bind group 1; see the file.
+/// WGSL look-up. It declares a uniform block and a texture in bind group 1; see the file.
 pub const IMPORTANCE_WGSL: &str = include_str!("pack.wgsl");
 
-/// The entry that makes a texture this kind of pack.
+/// Key that identifies an importance-sample pack.
 pub const IMPORTANCE_ENTRY: &str = "brdfc.importance";
 
 const VERSION: u32 = 1;
-/// How far the squared length of a half vector may be from 1.
+/// Maximum deviation of the squared length of a half vector from 1.
 const UNIT_TOLERANCE: f32 = 1e-5;
 
 /// Sizes of a pack.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct ImportanceHeader {
-    /// `P`, polar angles of the outgoing direction, 1 to 1024.
+    /// `P`, number of polar angles of the outgoing direction, 1 to 1024.
     pub polar: u32,
-    /// `A`, azimuths of the outgoing direction: 1 for isotropic materials, else a multiple of 4 up to 256.
+    /// `A`, number of azimuths of the outgoing direction: 1 for isotropic materials, otherwise a multiple of 4 up to
+    /// 256.
     pub azimuths: u32,
-    /// `M`, samples of each outgoing direction, 1 to 8192.
+    /// `M`, samples per outgoing direction, 1 to 8192.
     pub samples: u32,
 }
 
@@ -38,10 +39,10 @@ const FIELDS: [(&str, RangeInclusive<u32>); 3] =
     [("polar rows", 1..=1024), ("azimuth columns", 1..=256), ("samples", 1..=MAX_EXTENT_2D)];
 
 impl ImportanceHeader {
-    /// Bytes of the uniform block that the shader reads.
+    /// Size of the uniform block, bytes.
     pub const UNIFORM_SIZE: usize = 16;
 
-    /// Whether samples are turned to the azimuth of the outgoing direction.
+    /// Returns true if samples are rotated to the azimuth of the outgoing direction.
     pub fn isotropic(&self) -> bool {
         self.azimuths == 1
     }
@@ -51,10 +52,10 @@ impl ImportanceHeader {
         self.polar * self.azimuths
     }
 
-    /// The row of the outgoing directions around this unit vector.
+    /// Row of the cell that contains this unit vector.
     ///
-    /// Polar angles are in equal steps of `sqrt(1 - z)`, which is nearly the angle. Azimuths are in equal steps of `y` on
-    /// the lines of the square `|x| + |y| = 1`: no row is on either side of a mirror plane.
+    /// Polar angles are equally spaced in `sqrt(1 - z)`, which is nearly proportional to the angle. Azimuths are
+    /// equally spaced in `y` along the sides of the square `|x| + |y| = 1`, so that no row crosses a mirror plane.
     pub fn row(&self, outgoing: [f32; 3]) -> u32 {
         let [x, y, z] = outgoing;
         let polar = (((1.0 - z).max(0.0).sqrt() * self.polar as f32) as u32).min(self.polar - 1);
@@ -62,7 +63,7 @@ impl ImportanceHeader {
             return polar;
         }
         let length = x.abs() + y.abs();
-        // From 0 at the tangent by 1 at the bitangent to below 4.
+        // 0 at the tangent, 1 at the bitangent, below 4 in total.
         let first = if length > 0.0 { y.abs() / length } else { 0.0 };
         let half = if x < 0.0 { 2.0 - first } else { first };
         let turn = if y < 0.0 { 4.0 - half } else { half };
@@ -70,8 +71,8 @@ impl ImportanceHeader {
         polar * self.azimuths + azimuth
     }
 
-    /// The outgoing direction in the middle of a row, a unit vector. `shift` moves it across the row in polar angle, from
-    /// -½ at its upper border to ½ at its lower one.
+    /// Outgoing direction at the centre of a row, a unit vector. `shift` moves it across the row in polar angle, from
+    /// -½ at the upper border to ½ at the lower one.
     pub fn outgoing(&self, row: u32, shift: f64) -> [f64; 3] {
         let (polar, azimuth) = (row / self.azimuths, row % self.azimuths);
         let root = (f64::from(polar) + 0.5 + shift) / f64::from(self.polar);
@@ -87,16 +88,15 @@ impl ImportanceHeader {
         [r * x / length, r * y / length, z]
     }
 
-    /// The uniform block `ImportanceParameters` of the shader: little-endian, fields in order, 4 bytes of zero at the
-    /// end.
+    /// The uniform block `ImportanceParameters`: little-endian fields in order, padded with 4 zero bytes.
     pub fn uniform(&self) -> [u8; Self::UNIFORM_SIZE] {
         block_bytes(self.words())
     }
 
-    /// Checks ranges.
+    /// Checks all ranges.
     ///
     /// # Errors
-    /// Names the field that is out of range.
+    /// Returns an error that names the field that is out of range.
     pub fn check(&self) -> Result<(), FormatError> {
         for (value, (field, range)) in self.words().into_iter().zip(FIELDS) {
             FormatError::check_range(format!("{IMPORTANCE_ENTRY} {field}"), value, range)?;
@@ -139,9 +139,10 @@ impl ImportanceHeader {
     }
 }
 
-/// Samples of a material's lobe, for all outgoing directions.
+/// Samples of a material's lobe for all outgoing directions.
 ///
-/// A texel is a unit half vector in the local frame, above the horizon, and its density per steradian of half vectors.
+/// Each texel has a unit half vector in the local frame, above the horizon, and its density per steradian of half
+/// vectors.
 #[derive(Debug, Clone, PartialEq)]
 pub struct ImportancePack {
     header: ImportanceHeader,
@@ -149,16 +150,16 @@ pub struct ImportancePack {
 }
 
 impl ImportancePack {
-    /// A pack of `M x rows` texels, row by row.
+    /// Creates a pack from `M x rows` texels, row by row.
     ///
     /// # Errors
-    /// A header out of range, another number of texels, half vectors that are not of unit length or point down, densities
-    /// that are not positive and finite.
+    /// Returns an error if the header is out of range, the number of texels is wrong, a half vector does not have unit
+    /// length or points down, or a density is not positive and finite.
     pub fn new(header: ImportanceHeader, texels: Vec<[f32; 4]>) -> Result<Self, FormatError> {
         header.check()?;
-        let wanted = u64::from(header.rows()) * u64::from(header.samples);
-        if texels.len() as u64 != wanted {
-            let allowed = format!("{wanted}, as the header says");
+        let expected = u64::from(header.rows()) * u64::from(header.samples);
+        if texels.len() as u64 != expected {
+            let allowed = format!("{expected}, as the header says");
             return Err(FormatError::whole("importance texels", texels.len().to_string(), allowed));
         }
         for (at, [x, y, z, density]) in texels.iter().enumerate() {
@@ -173,7 +174,7 @@ impl ImportancePack {
         Ok(Self { header, texels })
     }
 
-    /// Sizes.
+    /// Sizes of the pack.
     pub fn header(&self) -> ImportanceHeader {
         self.header
     }
@@ -183,17 +184,17 @@ impl ImportancePack {
         &self.texels
     }
 
-    /// Bytes on a GPU.
+    /// Size on a GPU, bytes.
     pub fn gpu_bytes(&self) -> u64 {
         std::mem::size_of_val(&self.texels[..]) as u64
     }
 
-    /// Sample `index`, modulo M, for an outgoing unit vector: the incoming unit vector, and the inverse of its density
-    /// per steradian, `4 (wo · h) / p(h)`.
+    /// Sample `index`, modulo M, for an outgoing unit vector. Returns the incoming unit vector and the inverse of its
+    /// density per steradian, `4 (wo · h) / p(h)`.
     ///
-    /// `N` samples with any `N` consecutive indices estimate an integral over incoming directions by the mean of
-    /// `value / density`. The inverse is 0 where a direction comes out below the horizon: such samples count among the N
-    /// and bring nothing.
+    /// The mean of `value / density` over any `N` consecutive indices estimates an integral over incoming directions.
+    /// The inverse is 0 if the incoming direction is below the horizon; such samples count among the `N` and contribute
+    /// nothing.
     pub fn sample(&self, outgoing: [f32; 3], index: u32) -> ([f32; 3], f32) {
         let [x, y, z] = outgoing;
         let column = index % self.header.samples;
@@ -209,20 +210,20 @@ impl ImportancePack {
         let projection = x * half[0] + y * half[1] + z * half[2];
         let double = 2.0 * projection;
         let incoming = [double * half[0] - x, double * half[1] - y, double * half[2] - z];
-        // A half vector seen from behind has its incoming direction below the horizon.
+        // Seen from behind the half vector, the incoming direction is below the horizon.
         if incoming[2] <= 0.0 || z <= 0.0 {
             return (incoming, 0.0);
         }
         (incoming, 4.0 * projection / density)
     }
 
-    /// The bytes of the KTX2 file.
+    /// Contents of the KTX2 file.
     pub fn to_bytes(&self, supercompress: bool) -> Vec<u8> {
         let entries = BTreeMap::from([(IMPORTANCE_ENTRY.to_owned(), self.header.to_bytes())]);
         self.bindings().to_file(entries, supercompress)
     }
 
-    /// What its shader has bound.
+    /// Bindings of the pack's shader.
     pub fn bindings(&self) -> Bindings<'_> {
         let texels: Vec<u8> = self.texels.iter().flatten().flat_map(|c| c.to_le_bytes()).collect();
         let extent = Extent::D2([self.header.samples, self.header.rows()]);
@@ -233,28 +234,28 @@ impl ImportancePack {
         Bindings::new(DECODER.0, DECODER.1, all)
     }
 
-    /// Reads and checks a KTX2 file.
+    /// Reads and validates a KTX2 file.
     ///
     /// # Errors
-    /// Whatever breaks the rules of `formats/src/importance/spec.md`.
+    /// Returns an error if the file violates `formats/src/importance/spec.md`.
     pub fn from_bytes(bytes: &[u8]) -> Result<Self, FormatError> {
         Self::from_file(PackFile::from_bytes(bytes)?)
     }
 
-    /// [`Self::from_bytes`] of a file whose bindings have been read.
+    /// Same as [`Self::from_bytes`] for a file whose bindings have been read.
     ///
     /// # Errors
-    /// As [`Self::from_bytes`].
+    /// Same as [`Self::from_bytes`].
     pub fn from_file(mut file: PackFile) -> Result<Self, FormatError> {
         let pack = Self::from_texture(&file.take_own())?;
         file.check_same(&pack.bindings())?;
         Ok(pack)
     }
 
-    /// Reads and checks a texture with the entry of its header, as a file has them.
+    /// Reads and validates a texture with the header among its key/value data.
     ///
     /// # Errors
-    /// As [`Self::from_bytes`].
+    /// Same as [`Self::from_bytes`].
     pub fn from_texture(texture: &Texture) -> Result<Self, FormatError> {
         texture.check_one_level()?;
         let header = ImportanceHeader::from_bytes(entry(texture, IMPORTANCE_ENTRY, "an importance-sample pack")?)?;

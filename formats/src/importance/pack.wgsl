@@ -1,28 +1,27 @@
 // Directions drawn in proportion to a material's lobe.
 //
-// The layout of the file is described in `formats/src/importance/spec.md`; the CPU decoder with the same steps in
-// the same order is `ImportancePack::sample` of the crate `brdfc-formats`.
+// Layout: `formats/src/importance/spec.md`. The CPU decoder `ImportancePack::sample` of the crate `brdfc-formats`
+// performs the same steps in the same order.
 //
-// To use it: paste this file before your own shader, move the two bindings where they suit you, and sum over any N
-// consecutive indices:
+// Usage: prepend this file to your own shader, move the two bindings as needed, and sum over any N consecutive indices:
 //
 //     let drawn = importance_sample(outgoing, first + i);
 //     sum += drawn.inverse_density * radiance(drawn.incoming) * f_r(drawn.incoming, outgoing) * drawn.incoming.z;
 //
 // sum / N is the reflected radiance. outgoing (to the viewer) and incoming (to the light) are unit vectors in the
-// frame x = tangent, y = bitangent, z = normal. One fetch.
+// frame x = tangent, y = bitangent, z = normal. It takes one fetch.
 
 // 16 bytes: `ImportanceHeader::uniform` of `brdfc-formats`.
 struct ImportanceParameters {
-    polar: u32,     // P, polar angles of the outgoing direction
-    azimuths: u32,  // A, its azimuths; 1: the material is isotropic
-    samples: u32,   // M, samples of each outgoing direction
+    polar: u32,     // P, number of polar angles of the outgoing direction
+    azimuths: u32,  // A, number of azimuths; 1: the material is isotropic
+    samples: u32,   // M, samples per outgoing direction
     reserved: u32,
 }
 
 struct ImportanceSample {
     incoming: vec3<f32>,
-    // 1 / density per steradian of incoming directions; 0 where the sample is to be counted and to bring nothing.
+    // 1 / density per steradian of incoming directions; 0 if the sample counts but contributes nothing.
     inverse_density: f32,
 }
 
@@ -30,7 +29,7 @@ struct ImportanceSample {
 // M x (P A) texels of four 32-bit floats, as in the file. Not filtered.
 @group(1) @binding(36) var importance_texels: texture_2d<f32>;
 
-// The sample of this index, which wraps around; outgoing is a unit vector.
+// Sample with this index, modulo M; outgoing is a unit vector.
 fn importance_sample(outgoing: vec3<f32>, index: u32) -> ImportanceSample {
     let at = vec2<u32>(index % importance_parameters.samples, importance_row(outgoing));
     let texel = textureLoad(importance_texels, at, 0);
@@ -46,8 +45,8 @@ fn importance_sample(outgoing: vec3<f32>, index: u32) -> ImportanceSample {
     return ImportanceSample(incoming, 4.0 * projection / texel.w);
 }
 
-// Whether A is 1. From the texture, as lavapipe of Mesa 22.3 writes past its own memory where a compute shader has many uniform
-// blocks and a late one decides a branch.
+// Returns true if A is 1. Reads the texture, because lavapipe of Mesa 22.3 writes out of bounds if a compute shader has
+// many uniform blocks and a late one decides a branch.
 fn importance_is_isotropic() -> bool {
     return textureDimensions(importance_texels).y == importance_parameters.polar;
 }
@@ -65,14 +64,14 @@ fn importance_turned(half_vector: vec3<f32>, outgoing: vec3<f32>) -> vec3<f32> {
     return half_vector;
 }
 
-// The row of the outgoing directions around this one.
+// Row of the cell that contains an outgoing direction.
 fn importance_row(outgoing: vec3<f32>) -> u32 {
     let root = sqrt(max(1.0 - outgoing.z, 0.0));
     let polar = min(u32(root * f32(importance_parameters.polar)), importance_parameters.polar - 1u);
     if importance_is_isotropic() {
         return polar;
     }
-    // From 0 at the tangent by 1 at the bitangent to below 4.
+    // 0 at the tangent, 1 at the bitangent, below 4 in total.
     let length = abs(outgoing.x) + abs(outgoing.y);
     var turn = 0.0;
     if length > 0.0 {

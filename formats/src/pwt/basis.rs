@@ -1,25 +1,25 @@
-//! Functions of the light's direction whose weighted sum a texel is: polynomials of a degree from 0 to 5.
+//! Basis functions of the light direction: polynomials of degree 0 to 5. A texel is a weighted sum of them.
 //!
-//! Every step is f32 arithmetic in a fixed order; `formats/src/pwt/pwt.wgsl` takes the same ones.
+//! All steps are f32 operations in a fixed order, the same as in `formats/src/pwt/pwt.wgsl`.
 
-/// In what the polynomials are.
+/// Coordinates of the light direction in the polynomials.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize, schemars::JsonSchema))]
 #[cfg_attr(feature = "serde", serde(rename_all = "kebab-case"))]
 pub enum LightCoordinates {
     /// `(x, y) / (1 + z)`, the paraboloid of section 2 of the paper (Heidrich and Seidel 1998).
     Paraboloid,
-    /// `(x, y)`, those of polynomial texture maps (Malzbender, Gelb and Wolters 2001).
+    /// `(x, y)`, as in polynomial texture maps (Malzbender, Gelb and Wolters 2001).
     Projected,
     /// Hemispherical harmonics (Gautron, Křivánek, Pattanaik and Bouatouch 2004).
     Hemisphere,
 }
 
 impl LightCoordinates {
-    /// All of them, by the number that files have.
+    /// All variants, indexed by their number in files.
     pub const ALL: [Self; 3] = [Self::Paraboloid, Self::Projected, Self::Hemisphere];
 
-    /// The name that scripts use.
+    /// Name for command line and files.
     pub fn name(self) -> &'static str {
         match self {
             Self::Paraboloid => "paraboloid",
@@ -29,36 +29,36 @@ impl LightCoordinates {
     }
 }
 
-/// Highest degree of any pack.
+/// Maximum degree.
 pub const MAX_DEGREE: u32 = 5;
-/// Most terms: those of hemispherical harmonics up to [`MAX_DEGREE`].
+/// Maximum number of terms: hemispherical harmonics up to [`MAX_DEGREE`].
 pub const MAX_TERMS: usize = 36;
 
-/// All terms up to a degree. Terms of lower degree come first, so that fewer degrees are a shorter list.
+/// All terms up to a degree, in ascending order of degree. A lower maximum degree gives a prefix of the list.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub struct LightBasis {
-    /// In what the polynomials are.
+    /// Coordinates of the light direction.
     pub coordinates: LightCoordinates,
     /// Highest degree, 0 to [`MAX_DEGREE`].
     pub degree: u32,
 }
 
 impl LightBasis {
-    /// Terms of all degrees.
+    /// Number of terms of all degrees.
     pub fn terms(self) -> usize {
         let n = self.degree as usize + 1;
         if self.coordinates == LightCoordinates::Hemisphere { n * n } else { n * (n + 1) / 2 }
     }
 
-    /// The degree of a term.
+    /// Degree of a term.
     pub fn degree_of(self, term: usize) -> u32 {
         (0..self.degree).find(|degree| term < Self { degree: *degree, ..self }.terms()).unwrap_or(self.degree)
     }
 
-    /// Every term at a unit vector to the light, above the horizon; 0 behind the last one.
+    /// All terms for a unit vector to the light, above the horizon; 0 after the last one.
     ///
-    /// Of degree `d`: `u^d, u^(d-1) v, …, v^d`; or the harmonics `l = d`, `m = -d` to `d`, without their norms:
-    /// `P_d^|m|(2z - 1)` times `cos(mφ)` or, where m is negative, `sin(|m|φ)`.
+    /// Terms of degree `d`: `u^d, u^(d-1) v, …, v^d`; or the harmonics `l = d`, `m = -d` to `d`, without normalisation:
+    /// `P_d^|m|(2z - 1)` times `cos(mφ)` or, for negative m, `sin(|m|φ)`.
     pub fn evaluate(self, light: [f32; 3]) -> [f32; MAX_TERMS] {
         let [x, y, z] = light;
         let mut terms = [0.0; MAX_TERMS];
@@ -70,7 +70,7 @@ impl LightBasis {
         terms
     }
 
-    /// Each degree is the one before times u, and its last term times v.
+    /// The terms of each degree are those of the previous degree times u, then the last of those times v.
     fn powers(self, u: f32, v: f32, terms: &mut [f32; MAX_TERMS]) {
         terms[0] = 1.0;
         let mut before = 0;
@@ -84,7 +84,8 @@ impl LightBasis {
         }
     }
 
-    /// `sin θ' e^(iφ)`, with `cos θ' = 2z - 1`, is `2 sqrt(z / (1 + z)) (x + iy)`: nothing is divided by 0 at the pole.
+    /// `sin θ' e^(iφ)` with `cos θ' = 2z - 1` is `2 sqrt(z / (1 + z)) (x + iy)`, which avoids a division by 0 at the
+    /// pole.
     fn harmonics(self, x: f32, y: f32, z: f32, terms: &mut [f32; MAX_TERMS]) {
         let shifted = 2.0 * z - 1.0;
         let scale = 2.0 * (z / (1.0 + z)).sqrt();
@@ -116,7 +117,7 @@ impl LightBasis {
 mod tests {
     use super::*;
 
-    /// Midpoints of equal areas of the hemisphere.
+    /// Midpoints of equal-area cells of the hemisphere.
     fn directions() -> impl Iterator<Item = [f32; 3]> {
         const N: usize = 60;
         (0..N * 4 * N).map(|k| {
@@ -155,8 +156,8 @@ mod tests {
         assert_eq!(basis.evaluate([0.6, 0.0, 0.8])[..3], [1.0, 0.6 / 1.8, 0.0]);
     }
 
-    /// Known answer: harmonics of unlike order or degree are orthogonal over the hemisphere; those of the paraboloid are
-    /// not.
+    /// Known answer: harmonics of unlike order or degree are orthogonal over the hemisphere; those of the paraboloid
+    /// are not.
     #[test]
     fn harmonics_are_orthogonal() {
         let worst = |coordinates| {

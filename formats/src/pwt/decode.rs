@@ -1,38 +1,37 @@
-//! The CPU decoder, the reference that shaders are held against: f32 arithmetic in a fixed order without fused
-//! operations.
+//! CPU decoder, the reference for shaders: f32 operations in a fixed order without fused operations.
 
 use super::basis::MAX_TERMS;
 use super::pack::PwtPack;
 use crate::tap::Tap;
 use std::ops::Range;
 
-/// A pack ready for random access.
+/// Decoder of one pack.
 #[derive(Debug, Clone)]
 pub struct PwtDecoder {
     pack: PwtPack,
 }
 
 impl PwtDecoder {
-    /// The decoder of a pack.
+    /// Decoder of a pack.
     pub fn new(pack: PwtPack) -> Self {
         Self { pack }
     }
 
-    /// What it decodes.
+    /// Decoded pack.
     pub fn pack(&self) -> &PwtPack {
         &self.pack
     }
 
-    /// The pack again.
+    /// Returns the pack.
     pub fn into_pack(self) -> PwtPack {
         self.pack
     }
 
-    /// Linear RGB at a point of the rendering under a light, 0 or more; black where the light is not above the horizon.
+    /// Linear RGB at a point of the image under a light, 0 or more; black if the light is not above the horizon.
     ///
-    /// `uv` is 0 to 1 across the rendering, down from its top; beyond that a tile repeats and other renderings go on as at
-    /// their border. `level` is the mipmap level, 0 at the rendering's own resolution; between whole ones two are blended.
-    /// `light` is a unit vector.
+    /// `uv` is 0 to 1 across the image, down from its top. Outside, tiles repeat and other images are clamped to their
+    /// border. `level` is the mipmap level, 0 at the full resolution of the image; fractions blend two levels. `light`
+    /// is a unit vector.
     pub fn value(&self, uv: [f32; 2], level: f32, light: [f32; 3]) -> [f32; 3] {
         if light[2] <= 0.0 {
             return [0.0; 3];
@@ -40,8 +39,7 @@ impl PwtDecoder {
         self.linear(self.channels(uv, level, &self.pack.header().weights(light)))
     }
 
-    /// The channels at a point, in the domain of the pack: sums over terms, whose weights
-    /// [`super::PwtHeader::weights`] gives.
+    /// Channels at a point, in the domain of the pack: sums over terms with weights from [`super::PwtHeader::weights`].
     pub fn channels(&self, uv: [f32; 2], level: f32, weights: &[f32; MAX_TERMS]) -> [f32; 3] {
         let header = self.pack.header();
         let mut uv = uv;
@@ -69,7 +67,7 @@ impl PwtDecoder {
         channels
     }
 
-    /// Linear RGB of channels.
+    /// Converts channels to linear RGB.
     pub fn linear(&self, channels: [f32; 3]) -> [f32; 3] {
         let header = self.pack.header();
         let [a, b, c] = channels;
@@ -93,8 +91,8 @@ impl PwtDecoder {
         })
     }
 
-    /// Bytes that [`Self::unpacked`] takes. A small file may ask for many: a rendering of 8192 x 8192 texels whose only
-    /// texture is coarse.
+    /// Memory that [`Self::unpacked`] needs, bytes. Small files can need much: an image of 8192 x 8192 texels with a
+    /// single coarse texture.
     pub fn unpacked_bytes(&self, level: u32) -> u64 {
         let header = self.pack.header();
         let texels: u64 =
@@ -102,17 +100,17 @@ impl PwtDecoder {
         4 * texels * header.components().count() as u64
     }
 
-    /// A mipmap level of the rendering, 0 to [`super::PwtHeader::levels`], with every term at its resolution: for whole
-    /// renderings. Beyond that it is the coarsest. Values are those of [`Self::channels`] at the centres of texels.
+    /// Decompresses a mipmap level of the image, 0 to [`super::PwtHeader::levels`], with all terms at its resolution,
+    /// for drawing whole images. Larger levels give the coarsest. Values equal [`Self::channels`] at texel centres.
     pub fn unpacked(&self, level: u32) -> UnpackedLevel<'_> {
         let height = self.pack.header().size[1].div_ceil(1 << level.min(self.pack.header().levels));
         self.unpacked_rows(level, 0..height as usize)
     }
 
-    /// Some rows of [`Self::unpacked`], for renderings that are better not held whole.
+    /// Decompresses only some rows of [`Self::unpacked`], for images that are too large to hold as a whole.
     ///
     /// # Panics
-    /// If there are no such rows.
+    /// Panics if the rows are out of range.
     pub fn unpacked_rows(&self, level: u32, rows: Range<usize>) -> UnpackedLevel<'_> {
         let header = self.pack.header();
         let level = level.min(header.levels);
@@ -140,7 +138,7 @@ impl PwtDecoder {
         UnpackedLevel { decoder: self, left_out, size: size.map(|side| side as usize), planes }
     }
 
-    /// [`Self::sample`] of all rows and columns, each row of texels filtered once.
+    /// [`Self::sample`] for all rows and columns; each row of texels is filtered once.
     fn filtered(&self, texture: usize, component: usize, level: u32, columns: &[Tap], rows: &[Tap]) -> Vec<f32> {
         let channels = self.pack.header().textures[texture].channels as usize;
         let (first, sides) = self.pack.level_of(texture, level);
@@ -156,18 +154,18 @@ impl PwtDecoder {
             };
             columns.iter().map(filter).collect()
         };
-        let mut kept: [(u32, Vec<f32>); 2] = [(u32::MAX, Vec::new()), (u32::MAX, Vec::new())];
+        let mut cached: [(u32, Vec<f32>); 2] = [(u32::MAX, Vec::new()), (u32::MAX, Vec::new())];
         let mut values = Vec::with_capacity(columns.len() * rows.len());
         for tap in rows {
             for (slot, row) in tap.samples.into_iter().enumerate() {
-                if kept[slot].0 != row {
-                    // The lower row of the rows before is the upper one now.
+                if cached[slot].0 != row {
+                    // The previous lower row is now the upper one.
                     let other = 1 - slot;
-                    let line = if kept[other].0 == row { kept[other].1.clone() } else { along(row) };
-                    kept[slot] = (row, line);
+                    let line = if cached[other].0 == row { cached[other].1.clone() } else { along(row) };
+                    cached[slot] = (row, line);
                 }
             }
-            let [(_, upper), (_, lower)] = &kept;
+            let [(_, upper), (_, lower)] = &cached;
             values.extend(upper.iter().zip(lower).map(|(upper, lower)| upper + tap.weight * (lower - upper)));
         }
         values
@@ -178,7 +176,7 @@ impl PwtDecoder {
         [0, 1].map(|axis| Tap::new(uv[axis] * sides[axis] as f32, sides[axis], self.pack.header().repeats))
     }
 
-    /// A number of the texels of a level, 0 to 1: filtered along columns first.
+    /// Number of the texels of a level, 0 to 1, filtered along columns first.
     fn sample(&self, texture: usize, component: usize, level: u32, [column, row]: [Tap; 2]) -> f32 {
         let channels = self.pack.header().textures[texture].channels as usize;
         let (first, [width, height]) = self.pack.level_of(texture, level);
@@ -197,20 +195,20 @@ impl PwtDecoder {
     }
 }
 
-/// A mipmap level of a rendering, ready for many lights.
+/// A mipmap level of an image, decompressed for evaluation under many lights.
 #[derive(Debug, Clone)]
 pub struct UnpackedLevel<'a> {
     decoder: &'a PwtDecoder,
-    /// Rows of the level before the first that is here.
+    /// Number of rows before the first that is held.
     left_out: usize,
-    /// Columns, and rows that are here.
+    /// Columns, and rows that are held.
     size: [usize; 2],
-    /// Channel, term, and a value per texel of the rendering.
+    /// Channel, term, and a value per texel of the image.
     planes: Vec<(usize, usize, Vec<f32>)>,
 }
 
 impl UnpackedLevel<'_> {
-    /// Columns, and rows that are here.
+    /// Columns, and rows that are held.
     pub fn size(&self) -> [usize; 2] {
         self.size
     }
@@ -218,7 +216,7 @@ impl UnpackedLevel<'_> {
     /// Linear RGB of some rows of the level under the light of these weights.
     ///
     /// # Panics
-    /// If they are not here.
+    /// Panics if the rows are not held.
     pub fn rows(&self, rows: Range<usize>, weights: &[f32; MAX_TERMS]) -> Vec<[f32; 3]> {
         let width = self.size[0];
         let mut rendering = Vec::with_capacity(rows.len() * width);

@@ -1,4 +1,4 @@
-//! What is known of the codec apart from its packs.
+//! Static description of the codec.
 
 use super::shader::{DECODER, PWT_WGSL};
 use crate::descriptor::{Answer, Descriptor};

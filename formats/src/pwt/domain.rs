@@ -1,15 +1,15 @@
-//! In which scale texels are sums of terms.
+//! Scale in which texels are sums of terms.
 
 use crate::vector_math::{exp, ln};
 
-/// A scale of linear values, 0 or more. Errors of least squares spread over it evenly.
+/// Scale of linear, non-negative values. A least-squares fit distributes its errors evenly over the scale.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Domain {
     /// The values themselves.
     Linear,
-    /// The codes of sRGB, 0 to 1 for the values 0 to 1.
+    /// sRGB-encoded values, 0 to 1 for linear 0 to 1.
     Display,
-    /// Cube roots, as lightness has them.
+    /// Cube roots, as in CIE lightness.
     CubeRoot,
     /// `ln(value + ε)`.
     Logarithm {
@@ -18,11 +18,11 @@ pub enum Domain {
     },
 }
 
-/// Largest value that comes out: the largest half.
+/// Largest decoded value: the largest half.
 pub const LARGEST: f32 = 65504.0;
 
 impl Domain {
-    /// The name that scripts use.
+    /// Name for command line and files.
     pub fn name(self) -> &'static str {
         match self {
             Self::Linear => "linear",
@@ -32,7 +32,7 @@ impl Domain {
         }
     }
 
-    /// The number that files have, and `ε`, 0 where there is none.
+    /// Number in files, and `ε`, 0 if there is none.
     pub fn code(self) -> (u32, f32) {
         match self {
             Self::Linear => (0, 0.0),
@@ -42,7 +42,7 @@ impl Domain {
         }
     }
 
-    /// The domain of a number.
+    /// Domain with this number in files.
     pub fn from_code(code: u32, epsilon: f32) -> Option<Self> {
         match code {
             0 => Some(Self::Linear),
@@ -53,15 +53,15 @@ impl Domain {
         }
     }
 
-    /// A linear value on this scale. What is negative counts as 0, but for [`Self::Display`], whose slope goes on: polynomials
-    /// of codes go below 0.
+    /// Encodes a linear value. Negative values count as 0, except for [`Self::Display`], which continues linearly,
+    /// because polynomials of sRGB-encoded values can be negative.
     pub fn encode(self, value: f32) -> f32 {
         let mut values = [value];
         self.encode_each(&mut values);
         values[0]
     }
 
-    /// [`Self::encode`] of many values: the same bits, for which there are wide instructions.
+    /// [`Self::encode`] for many values, with the same bits; uses SIMD.
     pub fn encode_each(self, values: &mut [f32]) {
         match self {
             Self::Linear => values.iter_mut().for_each(|v| *v = v.max(0.0)),
@@ -71,16 +71,16 @@ impl Domain {
         }
     }
 
-    /// The linear value, 0 to [`LARGEST`].
+    /// Decodes to a linear value, 0 to [`LARGEST`].
     pub fn decode(self, value: f32) -> f32 {
         let mut values = [value];
         self.decode_each(&mut values);
         values[0]
     }
 
-    /// [`Self::decode`] of many values: the same bits.
+    /// [`Self::decode`] for many values, with the same bits.
     pub fn decode_each(self, values: &mut [f32]) {
-        // What is no number is 0.
+        // NaN becomes 0.
         let within = |linear: f32, value: f32| if linear > 0.0 && !value.is_nan() { linear.min(LARGEST) } else { 0.0 };
         match self {
             Self::Linear => values.iter_mut().for_each(|v| *v = within(*v, *v)),
@@ -91,7 +91,7 @@ impl Domain {
     }
 }
 
-/// Smallest number whose logarithm is taken.
+/// Smallest argument of the logarithm.
 const TINY: f32 = 1e-30;
 
 #[inline]
@@ -120,7 +120,7 @@ mod tests {
     const ALL: [Domain; 4] = [Domain::Linear, Domain::Display, Domain::CubeRoot, Domain::Logarithm { epsilon: 0.01 }];
 
     #[test]
-    fn there_and_back() {
+    fn values_round_trip() {
         for domain in ALL {
             let (code, epsilon) = domain.code();
             assert_eq!(Domain::from_code(code, epsilon), Some(domain));

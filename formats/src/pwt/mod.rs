@@ -1,8 +1,8 @@
-//! Packs of polynomial wavelet trees (Baril, Boubekeur, Gioia and Schlick 2008, "Polynomial wavelet trees for
-//! bidirectional texture functions"): a rendering under any light from above. Byte layout: `spec.md` in this folder.
+//! Polynomial wavelet trees (Baril, Boubekeur, Gioia and Schlick 2008, "Polynomial wavelet trees for bidirectional
+//! texture functions"): an image under any light from above. Byte layout: `spec.md` in this folder.
 //!
-//! Each texel is a polynomial of the light's direction. Its coefficients are textures with mipmaps, and one that needs no
-//! fine detail has no fine levels.
+//! Each texel is a polynomial of the light direction. Its coefficients are stored in mipmapped textures; coefficients
+//! without fine detail have no fine levels.
 
 mod basis;
 mod decode;

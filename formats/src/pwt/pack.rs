@@ -1,4 +1,4 @@
-//! A pack in memory, and its file.
+//! Pack in memory, and its file.
 
 use super::header::{MAX_TEXTURES, PWT_ENTRY, PwtErrors, PwtHeader, TextureHeader};
 use crate::FormatError;
@@ -7,19 +7,19 @@ use crate::container::entries::entry;
 use crate::container::{Extent, MAX_TEXEL_BYTES, TexelFormat, Texture};
 use std::collections::BTreeMap;
 
-/// A light-dependent rendering: every term of the light as mipmapped texels, from the level on that it needs.
+/// An image under variable light: all terms of the light as mipmapped texels, each from the finest level that it needs.
 #[derive(Debug, Clone, PartialEq)]
 pub struct PwtPack {
     header: PwtHeader,
-    /// Of each texture all mipmap levels from its finest, layer by layer, row by row from the top.
+    /// All mipmap levels of each texture from its finest, layer by layer, row by row from the top.
     texels: Vec<Vec<u8>>,
 }
 
-/// The bindings of the textures. A pack has the first ones.
+/// Bindings of the textures. A pack uses the first ones.
 pub(super) const TEXTURES: [&str; MAX_TEXTURES] = ["pwt_texture_0", "pwt_texture_1", "pwt_texture_2", "pwt_texture_3"];
 
 impl TextureHeader {
-    /// How its texels are stored.
+    /// Texel format.
     pub fn texel_format(&self) -> TexelFormat {
         match self.channels {
             1 => TexelFormat::R8Unorm,
@@ -30,10 +30,10 @@ impl TextureHeader {
 }
 
 impl PwtPack {
-    /// A pack of these texels: of each texture all mipmap levels, from its finest to the coarsest.
+    /// Creates a pack from texels: for each texture all mipmap levels, from its finest to the coarsest.
     ///
     /// # Errors
-    /// A header out of range; another number of texels.
+    /// Returns an error if the header is out of range or the number of texels is wrong.
     pub fn new(header: PwtHeader, texels: Vec<Vec<u8>>) -> Result<Self, FormatError> {
         header.check()?;
         if texels.len() != header.textures.len() {
@@ -43,50 +43,50 @@ impl PwtPack {
         let pack = Self { header, texels };
         pack.check_bytes()?;
         for texture in 0..pack.texels.len() {
-            let (found, wanted) = (pack.texels[texture].len() as u64, pack.texture_bytes(texture));
-            if found != wanted {
+            let (found, expected) = (pack.texels[texture].len() as u64, pack.texture_bytes(texture));
+            if found != expected {
                 let field = format!("bytes of texture {texture}");
-                return Err(FormatError::whole(field, found.to_string(), format!("{wanted}, as the header says")));
+                return Err(FormatError::whole(field, found.to_string(), format!("{expected}, as the header says")));
             }
         }
         Ok(pack)
     }
 
-    /// The same with other errors.
+    /// Replaces the errors.
     #[must_use]
     pub fn with_errors(mut self, errors: PwtErrors) -> Self {
         self.header.errors = errors;
         self
     }
 
-    /// What it says of itself.
+    /// Header of the pack.
     pub fn header(&self) -> &PwtHeader {
         &self.header
     }
 
-    /// Texels of a texture, all mipmap levels from its finest, layer by layer.
+    /// Texels of a texture: all mipmap levels from its finest, layer by layer.
     pub fn texels(&self, texture: usize) -> &[u8] {
         &self.texels[texture]
     }
 
-    /// Where a mipmap level of a texture, counted from its own finest, begins in [`Self::texels`], and its sides.
+    /// Offset in [`Self::texels`] and size of a mipmap level of a texture, counted from its own finest.
     pub fn level_of(&self, texture: usize, level: u32) -> (usize, [u32; 2]) {
         let extent = self.texture_shape(texture);
         let before = extent.texels_of_levels(level) as usize * self.header.textures[texture].channels as usize;
         (before, self.header.texture_extent(texture).map(|side| side >> level))
     }
 
-    /// Mipmap levels of a texture.
+    /// Number of mipmap levels of a texture.
     pub fn levels_of(&self, texture: usize) -> u32 {
         self.header.levels - self.header.textures[texture].level + 1
     }
 
-    /// Bytes on a GPU, all levels included.
+    /// GPU memory of all levels, bytes.
     pub fn gpu_bytes(&self) -> u64 {
         (0..self.texels.len()).map(|texture| self.texture_bytes(texture)).sum()
     }
 
-    /// Sides and layers of a texture.
+    /// Size and layers of a texture.
     pub fn texture_shape(&self, texture: usize) -> Extent {
         let [width, height] = self.header.texture_extent(texture);
         Extent::D2Array([width, height, self.header.textures[texture].layers()])
@@ -97,24 +97,24 @@ impl PwtPack {
         texels * u64::from(self.header.textures[texture].channels)
     }
 
-    /// The bytes of the KTX2 file.
+    /// Contents of the KTX2 file.
     pub fn to_bytes(&self, supercompress: bool) -> Vec<u8> {
         let entries = BTreeMap::from([(PWT_ENTRY.to_owned(), self.header.to_bytes())]);
         self.bindings().to_file(entries, supercompress)
     }
 
-    /// Reads and checks a KTX2 file.
+    /// Reads and validates a KTX2 file.
     ///
     /// # Errors
-    /// Whatever breaks the rules of `formats/src/pwt/spec.md`.
+    /// Returns an error if the file violates `formats/src/pwt/spec.md`.
     pub fn from_bytes(bytes: &[u8]) -> Result<Self, FormatError> {
         Self::from_file(PackFile::from_bytes(bytes)?)
     }
 
-    /// [`Self::from_bytes`] of a file whose bindings have been read.
+    /// Same as [`Self::from_bytes`] for a file whose bindings have been read.
     ///
     /// # Errors
-    /// As [`Self::from_bytes`].
+    /// Same as [`Self::from_bytes`].
     pub fn from_file(mut file: PackFile) -> Result<Self, FormatError> {
         let own = file.take_own();
         let header = PwtHeader::from_bytes(entry(&own, PWT_ENTRY, "a polynomial wavelet tree")?)?;
@@ -134,7 +134,7 @@ impl PwtPack {
         Ok(pack)
     }
 
-    /// Refuses more texels than any texture of the container has.
+    /// Checks that all textures together are within the limit of the container.
     fn check_bytes(&self) -> Result<(), FormatError> {
         let bytes: u64 = (0..self.header.textures.len()).map(|texture| self.texture_bytes(texture)).sum();
         if bytes <= MAX_TEXEL_BYTES {
@@ -146,14 +146,14 @@ impl PwtPack {
 
     fn check_texture(&self, index: usize, texture: &Texture) -> Result<(), FormatError> {
         let found = (texture.format, texture.extent, texture.levels);
-        let wanted = (self.header.textures[index].texel_format(), self.texture_shape(index), self.levels_of(index));
-        if found == wanted {
+        let expected = (self.header.textures[index].texel_format(), self.texture_shape(index), self.levels_of(index));
+        if found == expected {
             return Ok(());
         }
         let summary = |(format, extent, levels): (TexelFormat, Extent, u32)| {
             format!("{levels} levels of {extent} texels of {format:?}")
         };
-        let allowed = format!("{}, as {PWT_ENTRY} says", summary(wanted));
+        let allowed = format!("{}, as {PWT_ENTRY} says", summary(expected));
         Err(FormatError::whole(TEXTURES[index], summary(found), allowed))
     }
 }

@@ -1,37 +1,37 @@
-// Decoder of polynomial wavelet trees. Layout: formats/src/pwt/spec.md. Bindings are in group 1; textures that a pack does
-// not have are any others. Every function has a twin in formats/src/pwt.
+// Decoder of polynomial wavelet trees. Layout: formats/src/pwt/spec.md. Bindings are in group 1; any texture can be
+// bound for those that a pack lacks. All functions have Rust versions in formats/src/pwt.
 
 struct PwtParameters {
-    size: vec2<f32>,          // columns and rows of the rendering
-    extent: vec2<f32>,        // and of its texels
+    size: vec2<f32>,          // columns and rows of the image
+    extent: vec2<f32>,        // columns and rows of texels
     repeats: u32,             // 1: a tile
-    coordinates: u32,         // of the light: 0 paraboloid, 1 projected, 2 hemisphere
+    coordinates: u32,         // coordinates of the light: 0 paraboloid, 1 projected, 2 hemisphere
     degree: u32,
     domain: u32,              // 0 linear, 1 display, 2 cube root, 3 logarithm
     epsilon: f32,
     textures: u32,
     levels: u32,              // coarsest mipmap level
     reserved: u32,
-    first_level: vec4<u32>,   // of each texture, how often the rendering's sides were halved
-    layers: vec4<u32>,        // of each texture
-    channels: vec4<u32>,      // of each texture
+    first_level: vec4<u32>,   // per texture, number of times that the image was halved
+    layers: vec4<u32>,        // per texture
+    channels: vec4<u32>,      // per texture
     colour: array<vec4<f32>, 3>,
     triangle: array<vec4<f32>, 167>,
     components: array<vec4<f32>, 128>, // channel, term, scale, low
 }
 
-// The same fields, in the same order, as `PwtParameters` of `brdfc-formats` writes them.
+// Same fields and order as `PwtParameters` of `brdfc-formats`.
 @group(1) @binding(9) var<uniform> pwt: PwtParameters;
-@group(1) @binding(10) var pwt_texture_0: texture_2d_array<f32>; // the first of the pack, with its mipmaps
-@group(1) @binding(11) var pwt_texture_1: texture_2d_array<f32>; // the second, or any
-@group(1) @binding(12) var pwt_texture_2: texture_2d_array<f32>; // the third, or any
-@group(1) @binding(13) var pwt_texture_3: texture_2d_array<f32>; // the fourth, or any
-@group(1) @binding(14) var pwt_sampler: sampler; // linear, linear between levels; repeats for tiles, else clamps
+@group(1) @binding(10) var pwt_texture_0: texture_2d_array<f32>; // first texture of the pack, with its mipmaps
+@group(1) @binding(11) var pwt_texture_1: texture_2d_array<f32>; // second texture, or any
+@group(1) @binding(12) var pwt_texture_2: texture_2d_array<f32>; // third texture, or any
+@group(1) @binding(13) var pwt_texture_3: texture_2d_array<f32>; // fourth texture, or any
+@group(1) @binding(14) var pwt_sampler: sampler; // linear within and between levels; repeat for tiles, otherwise clamp
 
 const PWT_LARGEST: f32 = 65504.0;
 
-// Linear RGB at a point of the rendering, 0 to 1 across it and down from its top. Level 0 is the rendering's own resolution.
-// `wi` is a unit vector to the light.
+// Linear RGB at a point of the image, 0 to 1 across it and down from its top. Level 0 is full resolution. `wi` is a
+// unit vector to the light.
 fn pwt_value(uv: vec2<f32>, level: f32, wi: vec3<f32>) -> vec3<f32> {
     if wi.z <= 0.0 {
         return vec3<f32>(0.0);
@@ -40,14 +40,14 @@ fn pwt_value(uv: vec2<f32>, level: f32, wi: vec3<f32>) -> vec3<f32> {
     return pwt_linear(pwt_channels(uv, level, &weights));
 }
 
-// The mipmap level of a pixel, from how uv changes to its neighbours.
+// Mipmap level of a pixel, from the differences of uv to its neighbours.
 fn pwt_mipmap_level(right: vec2<f32>, below: vec2<f32>) -> f32 {
     let across = right * pwt.size;
     let down = below * pwt.size;
     return max(0.5 * log2(max(max(dot(across, across), dot(down, down)), 1e-20)), 0.0);
 }
 
-// What each term counts for under a light. For distant lights it is the same everywhere: once per light is enough.
+// Weights of all terms under a light. For distant lights they are the same everywhere, so once per light is enough.
 fn pwt_weights(wi: vec3<f32>) -> array<f32, 36> {
     var terms = pwt_evaluate(wi);
     var weights: array<f32, 36>;
@@ -65,7 +65,7 @@ fn pwt_weights(wi: vec3<f32>) -> array<f32, 36> {
     return weights;
 }
 
-// Every term of the light.
+// All terms of the light.
 fn pwt_evaluate(wi: vec3<f32>) -> array<f32, 36> {
     if pwt.coordinates == 2u {
         return pwt_harmonics(wi.x, wi.y, max(wi.z, 0.0));
@@ -126,7 +126,7 @@ fn pwt_harmonics(x: f32, y: f32, z: f32) -> array<f32, 36> {
     return terms;
 }
 
-// The channels at a point, in the domain of the pack: one fetch per layer where the sampler filters.
+// Channels at a point, in the domain of the pack: one fetch per layer if the sampler filters.
 fn pwt_channels(uv: vec2<f32>, level: f32, weights: ptr<function, array<f32, 36>>) -> vec3<f32> {
     let within = select(clamp(uv, vec2<f32>(0.0), vec2<f32>(1.0)), uv - floor(uv), pwt.repeats == 1u);
     let at = within * (pwt.size / pwt.extent);
@@ -199,7 +199,7 @@ fn pwt_load(index: u32, layer: u32, texel: vec2<i32>, level: u32) -> vec4<f32> {
     }
 }
 
-// Linear RGB of channels.
+// Converts channels to linear RGB.
 fn pwt_linear(channels: vec3<f32>) -> vec3<f32> {
     let value = channels.x * pwt.colour[0].rgb + channels.y * pwt.colour[1].rgb + channels.z * pwt.colour[2].rgb;
     var linear = value;
@@ -212,6 +212,6 @@ fn pwt_linear(channels: vec3<f32>) -> vec3<f32> {
         case 2u: { linear = value * value * value; }
         default: { linear = exp(min(value, vec3<f32>(80.0))) - pwt.epsilon; }
     }
-    // What is no number is 0.
+    // NaN becomes 0.
     return select(vec3<f32>(0.0), min(linear, vec3<f32>(PWT_LARGEST)), linear > vec3<f32>(0.0));
 }

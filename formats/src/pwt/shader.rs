@@ -1,32 +1,32 @@
-//! What a shader needs besides the textures of a pack: `formats/src/pwt/pwt.wgsl` and its uniform block.
+//! Shader side of polynomial wavelet trees: `formats/src/pwt/pwt.wgsl` and its uniform block.
 
 use super::header::{MAX_COMPONENTS, MAX_TEXTURES, TextureHeader};
 use super::pack::{PwtPack, TEXTURES};
 use crate::bindings::{Binding, Bindings, Texels};
 use crate::container::{Extent, TexelFormat};
 
-/// The name of the decoder and the version of its bindings.
+/// Name of the decoder and version of its bindings.
 pub(super) const DECODER: (&str, u32) = ("pwt", 1);
 
-/// The WGSL decoder. It declares a uniform block, four textures and a sampler in bind group 1; see the file.
+/// WGSL decoder. It declares a uniform block, four textures and a sampler in bind group 1; see the file.
 pub const PWT_WGSL: &str = concat!(include_str!("../bindings/frame.wgsl"), include_str!("pwt.wgsl"));
 
-/// How far a value that the sampler filters may be from exact weights, in units of the largest difference of
-/// neighbouring texels: samplers have weights of 8 bits or fewer.
+/// Maximum error of hardware filtering against exact weights, in units of the largest difference of neighbouring
+/// texels. Samplers use weights of 8 bits or fewer.
 pub const PWT_FILTER_PRECISION: f32 = 1.0 / 128.0;
 
-/// Rows of four of the numbers of the triangle: 36 terms.
+/// Rows of four numbers of the triangle: 36 terms.
 const TRIANGLE_ROWS: usize = 167;
 
-/// The uniform block `PwtParameters` of the shader.
+/// The uniform block `PwtParameters`.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct PwtParameters;
 
 impl PwtParameters {
-    /// Bytes of the block.
+    /// Size of the block, bytes.
     pub const SIZE: usize = 16 * (6 + 3 + TRIANGLE_ROWS + MAX_COMPONENTS);
 
-    /// The block of a pack as the shader reads it: little-endian, fields in order, zeros where nothing is.
+    /// The block of a pack as the shader reads it: little-endian fields in order, padded with zeros.
     pub fn to_bytes(pack: &PwtPack) -> Vec<u8> {
         let header = pack.header();
         let (domain, epsilon) = header.domain.code();
@@ -55,9 +55,9 @@ impl PwtParameters {
 }
 
 impl PwtPack {
-    /// What its shader has bound.
+    /// Bindings of the pack's shader.
     pub fn bindings(&self) -> Bindings<'_> {
-        /// The slot of the first texture; the uniform block is before it.
+        /// Slot of the first texture; the uniform block precedes it.
         const FIRST_TEXTURE: u32 = 10;
         const SAMPLER: &str = "pwt_sampler";
         let texels = |index: usize| {

@@ -1,4 +1,4 @@
-//! Table packs among packs of BRDFs.
+//! [`Brdf`] for table packs.
 
 use super::descriptor::DESCRIPTOR;
 use super::{Angles, TableDecoder, TablePack};

@@ -1,24 +1,25 @@
-//! Where a direction pair is in a table: half-difference angles, folded by the symmetry of the material.
+//! Position of a direction pair in a table: half-difference angles, folded by the symmetry of the material.
 
 use crate::direction::{DirectionPair, Vector, add_scaled, dot, polynomial_atan2};
 use std::f32::consts::{FRAC_PI_2, PI, TAU};
 
-/// Which pairs of directions have the same value, besides those that are turned about the normal where there is one layer.
+/// Symmetries that map direction pairs to the same value. With one layer the table is also invariant under rotation
+/// about the normal.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize, schemars::JsonSchema))]
 pub struct TableSymmetry {
-    /// Light and viewer may be exchanged: `φ_d` and `φ_d + π` are the same.
+    /// Light and viewer can be exchanged: `φ_d` and `φ_d + π` are equivalent.
     pub reciprocal: bool,
-    /// `φ_d` and `-φ_d` are the same. Of isotropic materials: what is left of the plane of incidence is as what is right.
+    /// `φ_d` and `-φ_d` are equivalent. For isotropic materials: reflection in the plane of incidence.
     pub mirror: bool,
-    /// `φ_h` and `φ_h + π` are the same.
+    /// `φ_h` and `φ_h + π` are equivalent.
     pub half_turn: bool,
-    /// `(φ_h, φ_d)` and `(-φ_h, -φ_d)` are the same: tangent and bitangent are axes of symmetry, or the tangent alone.
+    /// `(φ_h, φ_d)` and `(-φ_h, -φ_d)` are equivalent: tangent and bitangent are axes of symmetry, or only the tangent.
     pub reflected: bool,
 }
 
 impl TableSymmetry {
-    /// As a pack has it: one bit each, in the order of the fields.
+    /// Bits in a pack, one per field, in field order from the lowest.
     pub fn bits(self) -> u32 {
         let flags = [self.reciprocal, self.mirror, self.half_turn, self.reflected];
         flags.into_iter().rev().fold(0, |bits, flag| bits << 1 | u32::from(flag))
@@ -30,40 +31,40 @@ impl TableSymmetry {
         (bits < 16).then(|| Self { reciprocal: flag(0), mirror: flag(1), half_turn: flag(2), reflected: flag(3) })
     }
 
-    /// Largest `φ_d` of a table, where it is folded or starts again.
+    /// Largest `φ_d` of a table, where it is mirrored or repeats.
     pub fn difference_period(self) -> f32 {
         (if self.mirror { PI } else { TAU }) / (if self.reciprocal { 2.0 } else { 1.0 })
     }
 
-    /// Largest `φ_h` of a table, where it is folded or starts again.
+    /// Largest `φ_h` of a table, where it is mirrored or repeats.
     pub fn half_period(self) -> f32 {
         (if self.reflected { PI } else { TAU }) / (if self.half_turn { 2.0 } else { 1.0 })
     }
 }
 
-/// Half-difference angles (Rusinkiewicz 1998), `θ_d` as a share of what it can be.
+/// Half-difference angles (Rusinkiewicz 1998), with `θ_d` as a fraction of its maximum.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Angles {
-    /// `θ_h`, of the half vector to the normal, `0..=π/2`.
+    /// `θ_h`, angle of the half vector to the normal, `0..=π/2`.
     pub theta_half: f32,
-    /// `φ_h`, its azimuth from the tangent, `-π..=π`.
+    /// `φ_h`, azimuth of the half vector from the tangent, `-π..=π`.
     pub phi_half: f32,
-    /// `θ_d / θ_d,max`, `0..=1`: the angle between half vector and light, over the largest with which both directions are
-    /// above the horizon, `θ_d,max = atan2(cos θ_h, sin θ_h |cos φ_d|)`.
+    /// `θ_d / θ_d,max`, `0..=1`. `θ_d` is the angle between half vector and light; `θ_d,max = atan2(cos θ_h, sin θ_h
+    /// |cos φ_d|)` is the largest for which both directions are above the horizon.
     pub ratio: f32,
-    /// `φ_d`, azimuth of the light about the half vector from the great circle away from the normal, `-π..=π`. With a
-    /// half vector at the normal it is the light's azimuth.
+    /// `φ_d`, azimuth of the light about the half vector, measured from the great circle away from the normal,
+    /// `-π..=π`. If the half vector is the normal, it is the azimuth of the light.
     pub phi_difference: f32,
 }
 
 impl Angles {
-    /// The angles of a pair above the horizon. Arithmetic in f32 in a fixed order, for shaders to do the same.
+    /// Angles of a pair above the horizon. The f32 operations have a fixed order, which shaders follow.
     pub fn of(pair: DirectionPair) -> Self {
         let (angles, [x, y]) = Self::but_phi_half(pair);
         Self { phi_half: azimuth(y, x), ..angles }
     }
 
-    /// The angles with a `φ_h` of 0, and the half vector's part along tangent and bitangent, which tells it.
+    /// Angles with `φ_h = 0`, and the tangent and bitangent components of the half vector, from which `φ_h` follows.
     pub(super) fn but_phi_half(pair: DirectionPair) -> (Self, [f32; 2]) {
         let (i, o) = (pair.incoming.map(|c| c as f32), pair.outgoing.map(|c| c as f32));
         let sum = [i[0] + o[0], i[1] + o[1], i[2] + o[2]];
@@ -74,7 +75,7 @@ impl Angles {
         let sine = square.sqrt();
         let theta_half = polynomial_atan2(sine, h[2]);
         let theta_difference = polynomial_atan2(length(apart), sum_length);
-        // Both times sin θ_h: away from the normal, and to the left of that. x is (i · h) h.z - i.z without the difference of
+        // Both times sin θ_h: away from the normal, and to its left. x is (i · h) h.z - i.z without the difference of
         // nearly equal numbers.
         let x = h[2] * (i[0] * h[0] + i[1] * h[1]) - i[2] * square;
         let y = i[1] * h[0] - i[0] * h[1];
@@ -86,7 +87,7 @@ impl Angles {
         (Self { theta_half, phi_half: 0.0, ratio, phi_difference: azimuth(y, x) }, [h[0], h[1]])
     }
 
-    /// The pair of these angles, the inverse of [`Self::of`].
+    /// Pair with these angles, the inverse of [`Self::of`].
     pub fn pair(self) -> DirectionPair {
         let [theta_half, phi_half, ratio, phi_difference] =
             [self.theta_half, self.phi_half, self.ratio, self.phi_difference].map(f64::from);
@@ -102,7 +103,7 @@ impl Angles {
         DirectionPair::new(incoming, outgoing)
     }
 
-    /// `φ_h` as a share of its period, and `φ_d` as one of its, both folded by the symmetry: `0..=1`.
+    /// `φ_h` and `φ_d` as fractions of their periods after folding by the symmetry, each `0..=1`.
     pub fn folded(self, symmetry: TableSymmetry) -> [f32; 2] {
         let (mut half, mut difference) = (self.phi_half, self.phi_difference);
         if symmetry.reflected {
@@ -134,16 +135,16 @@ impl Angles {
     }
 }
 
-/// Angles as all tables of a symmetry see them.
+/// Angles after folding, shared by all tables with the same symmetry.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Folded {
-    /// Root of `θ_h` as a share of `π/2`, `0..=1`.
+    /// Square root of `θ_h` as a fraction of `π/2`, `0..=1`.
     pub root: f32,
-    /// As of [`Angles`].
+    /// Same as [`Angles::ratio`].
     pub ratio: f32,
-    /// `φ_h` as a share of its period, `0..=1`.
+    /// `φ_h` as a fraction of its period, `0..=1`.
     pub half_share: f32,
-    /// `φ_d` as a share of its period, `0..=1`.
+    /// `φ_d` as a fraction of its period, `0..=1`.
     pub difference_share: f32,
 }
 
@@ -156,7 +157,7 @@ impl Folded {
     }
 }
 
-/// Where a value is in the texture: in units of nodes, from the first.
+/// Position of a value in the texture, in nodes from the first.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Position {
     /// Along `θ_h`.
@@ -165,9 +166,9 @@ pub struct Position {
     pub row: f32,
     /// Along `φ_d`, within a layer.
     pub slice: f32,
-    /// The layers on either side of `φ_h`.
+    /// Layers on both sides of `φ_h`.
     pub layers: [u32; 2],
-    /// Weight of the second.
+    /// Weight of the second layer.
     pub layer_weight: f32,
 }
 
@@ -231,7 +232,7 @@ mod tests {
 
     proptest! {
         #[test]
-        fn pairs_come_back(theta in 1e-3f32..1.5, phi in -3.1f32..3.1, ratio in 0.02f32..0.99, turn in -3.1f32..3.1) {
+        fn pairs_round_trip(theta in 1e-3f32..1.5, phi in -3.1f32..3.1, ratio in 0.02f32..0.99, turn in -3.1f32..3.1) {
             let angles = Angles { theta_half: theta, phi_half: phi, ratio, phi_difference: turn };
             let pair = angles.pair();
             prop_assert!(pair.is_above_horizon());
@@ -242,7 +243,7 @@ mod tests {
             prop_assert!((found.phi_difference - turn).abs() < 1e-5 / (ratio * theta.min(1.0)), "{found:?}");
         }
 
-        /// Each symmetry maps a pair and its image to the same place, and no other pair.
+        /// Each symmetry maps a pair and its image to the same position, and no other pair.
         #[test]
         fn symmetric_pairs_fold_together(
             theta in 0.1f64..1.4, phi in -3.0f64..3.0, other in 0.1f64..1.4, turn in -3.0f64..3.0,
@@ -250,7 +251,7 @@ mod tests {
             let pair = DirectionPair::from_angles(theta, phi, other, turn);
             let at = |pair, bits| Angles::of(pair).folded(symmetry(bits));
             let near = |a: [f32; 2], b: [f32; 2]| {
-                // Where a period ends, it begins again.
+                // Periods wrap around.
                 let apart = |a: f32, b: f32| ((a - b).abs()).min(1.0 - (a - b).abs());
                 apart(a[0], b[0]) < 1e-3 && apart(a[1], b[1]) < 1e-3
             };

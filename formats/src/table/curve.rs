@@ -1,20 +1,21 @@
-//! The curve of a factored pack: what of the logarithm depends on `θ_h` alone, as the distribution of half vectors in a
-//! microfacet model does. Finer than the table's columns, it keeps narrow highlights. Layout: `spec.md`.
+//! Curve of a factored table pack: the part of the logarithm that depends only on `θ_h`, like the distribution of half
+//! vectors in a microfacet model. It is finer than the table's columns and preserves narrow highlights. Layout:
+//! `spec.md`.
 
 use crate::FormatError;
 use crate::container::{Extent, TexelFormat, Texture, half};
 use std::f32::consts::FRAC_PI_2;
 
-/// The binding of a curve.
+/// Name of the binding.
 pub(super) const CURVE: &str = "table_brdf_curve";
 
-/// Fewest and most nodes.
+/// Range of the number of nodes.
 const NODES: std::ops::RangeInclusive<usize> = 2..=256;
-/// Most levels of detail besides the finest.
+/// Maximum number of coarser levels of detail.
 const MAX_LEVELS: u32 = 15;
 
-/// A curve over `θ_h` that is added to the table: logarithms at nodes that stand at `θ_h = (k / (n - 1))² π/2`. A row for
-/// each level of detail, the finest first. Halves are finest near 0, where a table's curve has what is seen most.
+/// Curve over `θ_h` that is added to the table: logarithms at nodes `θ_h = (k / (n - 1))² π/2`, one row per level of
+/// detail, the finest first. Halves are most precise near 0, where curves have the values of bright highlights.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Curve {
     levels: u32,
@@ -23,11 +24,12 @@ pub struct Curve {
 }
 
 impl Curve {
-    /// A curve for a pack of 1 or 3 channels, of finite values that are rounded to halves: `[row][node]`, a row for the
-    /// finest level of detail and for each of `levels` coarser ones.
+    /// Curve for a pack with 1 or 3 channels. `values` are finite, `[row][node]`, and are rounded to halves. There is a
+    /// row for the finest level of detail and for each of `levels` coarser ones.
     ///
     /// # Errors
-    /// Fewer than 2 or more than 256 nodes, more than 15 levels, rows of different lengths, values that no half holds.
+    /// Returns an error if there are fewer than 2 or more than 256 nodes, more than 15 levels, rows of different
+    /// lengths, or values beyond the range of halves.
     pub fn new(channels: u32, levels: u32, values: &[[f32; 3]]) -> Result<Self, FormatError> {
         let half = |value: f32| half::encode(value).to_le_bytes();
         let texels = match format(channels) {
@@ -39,27 +41,27 @@ impl Curve {
         Ok(curve)
     }
 
-    /// How texels are stored: one half, or four, of which the last is 1.
+    /// Texel format: one half, or four with the last set to 1.
     pub fn texel_format(&self) -> TexelFormat {
         self.format
     }
 
-    /// How many nodes a row has.
+    /// Number of nodes in a row.
     pub fn nodes(&self) -> usize {
         self.texels.len() / self.format.texel_bytes() / (self.levels as usize + 1)
     }
 
-    /// Levels of detail besides the finest; there is a row more.
+    /// Number of coarser levels of detail; there is one more row.
     pub fn levels(&self) -> u32 {
         self.levels
     }
 
-    /// The texture's bytes: rows from the finest level on.
+    /// Bytes of the texture: rows from the finest level.
     pub fn texels(&self) -> &[u8] {
         &self.texels
     }
 
-    /// What is added to the logarithm, grey ones three times: `[row][node]`.
+    /// Values added to the logarithm, `[row][node]`; grey values are repeated three times.
     pub fn values(&self) -> Vec<[f32; 3]> {
         let half = |bytes: [u8; 2]| half::decode(u16::from_le_bytes(bytes));
         match self.format {
@@ -71,7 +73,7 @@ impl Curve {
         }
     }
 
-    /// Where `θ_h` is, in units of nodes.
+    /// Position of `θ_h` in nodes.
     pub fn position(nodes: usize, theta_half: f32) -> f32 {
         (theta_half / FRAC_PI_2).min(1.0).sqrt() * (nodes - 1) as f32
     }
@@ -86,22 +88,22 @@ impl Curve {
     }
 
     fn check(&self) -> Result<(), FormatError> {
-        let refused = |field: &str, found: String, allowed: &str| {
+        let rejected = |field: &str, found: String, allowed: &str| {
             Err(FormatError::whole(format!("{CURVE} {field}"), found, allowed))
         };
         FormatError::check_range(format!("{CURVE} levels"), self.levels, 0..=MAX_LEVELS)?;
         let row = self.format.texel_bytes() * (self.levels as usize + 1);
         if !self.texels.len().is_multiple_of(row) {
-            return refused("rows", format!("{} bytes", self.texels.len()), "rows of one length");
+            return rejected("rows", format!("{} bytes", self.texels.len()), "rows of one length");
         }
         FormatError::check_range(format!("{CURVE} nodes"), self.nodes(), NODES)?;
         if let Some(value) = self.values().into_iter().flatten().find(|value| !value.is_finite()) {
-            return refused("texel", value.to_string(), "a number");
+            return rejected("texel", value.to_string(), "a number");
         }
         Ok(())
     }
 
-    /// Nodes, and rows.
+    /// Nodes by rows.
     pub(super) fn extent(&self) -> Extent {
         Extent::D2([self.nodes() as u32, self.levels + 1])
     }

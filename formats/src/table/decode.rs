@@ -1,7 +1,7 @@
-//! The CPU decoder of table packs: the reference that shaders are held against.
+//! CPU decoder of table packs, the reference for shaders.
 //!
-//! Every step up to the last exponential is f32 arithmetic in a fixed order without fused operations, so that a shader that
-//! follows it with manual filtering gives the same bits.
+//! All steps before the last exponential are f32 operations in a fixed order without fused operations. A shader that
+//! follows them with manual filtering produces the same bits.
 
 use super::coordinates::{Angles, Position};
 use super::curve::Curve;
@@ -18,12 +18,12 @@ struct UnpackedCurve {
 }
 
 impl UnpackedCurve {
-    /// How many rows a level of detail is below the finest, which has the first one.
+    /// Number of rows between the finest level of detail, which has the first row, and `level`.
     fn rows_below_finest(&self, level: f32) -> f32 {
         (self.levels as f32 - level).clamp(0.0, self.levels as f32)
     }
 
-    /// A row at `θ_h`, filtered linearly.
+    /// Linearly filtered row at `θ_h`.
     fn along(&self, row: u32, angles: Angles) -> [f32; 3] {
         let nodes = self.values.len() / (self.levels as usize + 1);
         let at = Curve::position(nodes, angles.theta_half);
@@ -33,18 +33,18 @@ impl UnpackedCurve {
     }
 }
 
-/// Logarithms `ln(f / μ + ε)` on either side of a level of detail.
+/// Logarithms `ln(f / μ + ε)` at the two levels around a level of detail.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct LogValues {
-    /// Of the whole level that is asked for, or of the finer one beside it.
+    /// Value at the finer level, or at the requested level if it is whole.
     pub fine: [f32; 3],
-    /// Of the coarser one.
+    /// Value at the coarser level.
     pub coarse: [f32; 3],
-    /// How much of the coarser one is wanted, `0.0..=1.0`.
+    /// Weight of the coarser value, `0.0..=1.0`.
     pub coarse_weight: f32,
 }
 
-/// A pack made ready for random access.
+/// Decoder of one pack, with decompressed values.
 #[derive(Debug, Clone)]
 pub struct TableDecoder {
     header: TableHeader,
@@ -54,30 +54,30 @@ pub struct TableDecoder {
 }
 
 impl TableDecoder {
-    /// Unpacks texels.
+    /// Decompresses the texels of a pack.
     pub fn new(pack: &TablePack) -> Self {
         let unpacked = |curve: &Curve| UnpackedCurve { levels: curve.levels(), values: curve.values() };
         let curve = pack.curve().map(unpacked);
         Self { header: *pack.header(), window: pack.window(), values: pack.values(), curve }
     }
 
-    /// Sizes and constants.
+    /// Sizes and constants of the pack.
     pub fn header(&self) -> &TableHeader {
         &self.header
     }
 
-    /// Levels of detail besides the finest, which is level `levels`; 0 is the coarsest.
+    /// Index of the finest level of detail; level 0 is the coarsest.
     pub fn levels(&self) -> u32 {
         self.curve.as_ref().map_or(0, |curve| curve.levels)
     }
 
-    /// `f_r` at a direction pair at the finest level of detail, linear RGB (grey packs repeat their channel), 1/sr, not
-    /// negative. Zero where a direction is at or below the horizon.
+    /// `f_r` of a direction pair at the finest level of detail: linear RGB (grey packs repeat their channel), 1/sr, not
+    /// negative. Returns zero if a direction is at or below the horizon.
     pub fn eval(&self, pair: DirectionPair) -> [f32; 3] {
         self.eval_at(pair, self.levels() as f32)
     }
 
-    /// [`Self::eval`] at a level of detail, from 0 to [`Self::levels`]; what is outside is the nearest of them.
+    /// Same as [`Self::eval`] at a level of detail, clamped to the range from 0 to [`Self::levels`].
     pub fn eval_at(&self, pair: DirectionPair, level: f32) -> [f32; 3] {
         if !pair.is_above_horizon() {
             return [0.0; 3];
@@ -85,16 +85,16 @@ impl TableDecoder {
         self.eval_angles(self.header.angles(pair), level)
     }
 
-    /// [`Self::eval_at`] of a pair above the horizon with these angles.
+    /// Same as [`Self::eval_at`] for a pair above the horizon with these angles.
     pub fn eval_angles(&self, angles: Angles, level: f32) -> [f32; 3] {
         let LogValues { fine, coarse, coarse_weight } = self.log_values_of(angles, level);
         let fine = fine.map(|value| self.from_log(value));
         if coarse_weight > 0.0 { between(fine, coarse.map(|value| self.from_log(value)), coarse_weight) } else { fine }
     }
 
-    /// What [`Self::eval_at`] decodes, of directions above the horizon. A shader with manual filtering and correctly
-    /// rounded arithmetic returns the same bits. Values, not their logarithms, are mixed between levels: so that all of
-    /// the light is kept there, too.
+    /// Logarithms that [`Self::eval_at`] decodes, for directions above the horizon. A shader with manual filtering and
+    /// correctly rounded arithmetic returns the same bits. Levels are blended by value, not by logarithm, to preserve
+    /// energy.
     pub fn log_values(&self, pair: DirectionPair, level: f32) -> LogValues {
         self.log_values_of(self.header.angles(pair), level)
     }
@@ -118,14 +118,14 @@ impl TableDecoder {
         LogValues { fine, coarse: if coarse_weight > 0.0 { on_row(row + 1) } else { fine }, coarse_weight }
     }
 
-    /// `f = μ (exp(v) - ε)`, raised to 0 where rounding made it negative, and lowered to the largest number.
+    /// `f = μ (exp(v) - ε)`, clamped to 0 and to the largest finite number.
     pub fn from_log(&self, value: f32) -> f32 {
         let f = self.header.mean * (value.exp() - self.header.bias);
         if f > 0.0 { f.min(f32::MAX) } else { 0.0 }
     }
 
-    /// Trilinear filtering of the eight texels around a position, columns first; of cropped packs at the nearest position
-    /// of the window.
+    /// Trilinear filtering of the eight texels around a position, columns first. In cropped packs the position is
+    /// clamped to the window.
     fn sample(&self, position: &Position, layer: u32) -> [f32; 3] {
         let Window { first, size: [columns, rows] } = self.window;
         let slices = self.header.slices();

@@ -1,10 +1,10 @@
-// Table packs on a GPU: f_r at a direction pair, from one filtered fetch (two for anisotropic materials), and one more of
-// a curve for factored packs (two between levels of detail).
+// Table packs: f_r of a direction pair, from one filtered fetch (two for anisotropic materials). Factored packs take
+// one more fetch of a curve (two between levels of detail).
 //
-// The pack layout and the equations are described in `formats/src/table/spec.md`; the CPU decoder with the same steps in
-// the same order is `TableDecoder` of the crate `brdfc-formats`. Half-difference angles after Rusinkiewicz 1998.
+// Layout and equations: `formats/src/table/spec.md`. The CPU decoder `TableDecoder` of the crate `brdfc-formats`
+// performs the same steps in the same order. Half-difference angles after Rusinkiewicz 1998.
 //
-// To use it: paste this file before your own shader, move the bindings where they suit you, and call
+// Usage: prepend this file to your own shader, move the bindings as needed, and call
 //
 //     let f_r = table_brdf(wi, wo);                 // the sampler filters
 //     let f_r = table_brdf_exact(wi, wo);           // manual filtering: eight loads for one fetch (two of a curve), the
@@ -12,33 +12,33 @@
 //     let f_r = table_brdf_at(wi, wo, level, true); // at a level of detail, such as table_brdf_level_of_detail(distance)
 //
 // wi (to the light) and wo (to the viewer) are unit vectors in the frame x = tangent, y = bitangent, z = normal. The
-// result is linear RGB in 1/sr, 0 where a direction is at or below the horizon.
+// result is linear RGB in 1/sr, 0 if a direction is at or below the horizon.
 
-// The same fields, in the same order, as `TableBrdfParameters` of `brdfc-formats`. 144 bytes.
+// Same fields and order as `TableBrdfParameters` of `brdfc-formats`. 144 bytes.
 struct TableBrdfParameters {
-    half_nodes: u32,                // columns, along θ_h: all, + 1024 x the first stored, + 1048576 x how many are
+    half_nodes: u32,                // columns, along θ_h: total + 1024 x first stored + 1048576 x number stored
     difference_nodes: u32,          // rows, along θ_d, likewise
     azimuth_nodes: u32,             // slices of a layer, along φ_d
     layers: u32,                    // along φ_h, 1: isotropic
-    symmetry: u32,                  // 1 reciprocal, 2 mirror, 4 half turn, 8 reflected; and 16 where it is grey
-    curve: u32,                     // of factored packs its nodes, and times 65536 the levels besides the finest; else 0
+    symmetry: u32,                  // 1 reciprocal, 2 mirror, 4 half turn, 8 reflected, 16 grey
+    curve: u32,                     // nodes + 65536 x coarser levels in factored packs; else 0
     mean: f32,                      // μ, 1/sr
     bias: f32,                      // ε
     low: vec3<f32>,                 // ln(f / μ + ε) of a texel of 0
-    slope: f32,                     // of the rows
-    span: vec3<f32>,                // from a texel of 0 to one of 1
+    slope: f32,                     // change of row density
+    span: vec3<f32>,                // difference between a texel of 1 and one of 0
     reserved: f32,
-    knots: array<vec4<f32>, 5>,     // share of the columns below θ_h = (k / 16)² π/2, 17 of them
+    knots: array<vec4<f32>, 5>,     // fraction of columns below θ_h = (k / 16)² π/2, 17 of them
 }
 
-// A cropped pack has not all columns and rows.
+// Cropped packs store only some of the columns and rows.
 
 @group(1) @binding(1) var<uniform> table_brdf_parameters: TableBrdfParameters;
-// The pack's texture as it is in the KTX2 file.
+// Texture of the KTX2 file.
 @group(1) @binding(2) var table_brdf_texels: texture_3d<f32>;
 // Linear filter, clamp to edge.
 @group(1) @binding(3) var table_brdf_sampler: sampler;
-// The curve of a factored pack, a row per level of detail; any texture where there is none.
+// Curve of a factored pack, a row per level of detail; any texture without a curve.
 @group(1) @binding(4) var table_brdf_curve: texture_2d<f32>;
 
 const TABLE_BRDF_PI: f32 = 3.14159274;
@@ -46,7 +46,8 @@ const TABLE_BRDF_HALF_PI: f32 = 1.57079637;
 const TABLE_BRDF_TAU: f32 = 6.28318548;
 const TABLE_BRDF_LARGEST: f32 = 3.4028234e38;
 
-// Half-difference angles of a pair, θ_d as a share of the largest with both directions above the horizon.
+// Half-difference angles of a pair, with θ_d as a fraction of the maximum for which both directions are above the
+// horizon.
 struct TableBrdfAngles {
     theta_half: f32,
     phi_half: f32,
@@ -54,18 +55,18 @@ struct TableBrdfAngles {
     phi_difference: f32,
 }
 
-// Where a value is in the texture, in units of nodes.
+// Position of a value in the texture, in nodes.
 struct TableBrdfPosition {
     at: vec3<f32>,         // column, row, slice of a layer
-    layers: vec2<u32>,     // on either side of φ_h
-    layer_weight: f32,     // of the second
+    layers: vec2<u32>,     // on both sides of φ_h
+    layer_weight: f32,     // weight of the second layer
 }
 
-// Logarithms ln(f / μ + ε) on either side of a level of detail.
+// Logarithms ln(f / μ + ε) at the two levels around a level of detail.
 struct TableBrdfLogValues {
-    fine: vec3<f32>,       // of the whole level that is asked for, or of the finer one beside it
-    coarse: vec3<f32>,     // of the coarser one
-    coarse_weight: f32,    // how much of that is wanted
+    fine: vec3<f32>,       // at the requested level if it is whole, otherwise at the finer level
+    coarse: vec3<f32>,     // at the coarser level
+    coarse_weight: f32,    // weight of the coarser value
 }
 
 // f_r with the sampler's trilinear filter.
@@ -78,7 +79,7 @@ fn table_brdf_exact(wi: vec3<f32>, wo: vec3<f32>) -> vec3<f32> {
     return table_brdf_at(wi, wo, f32(table_brdf_levels()), false);
 }
 
-// f_r at a level of detail, 0 to table_brdf_levels(), which is the finest; `hardware`: the sampler filters.
+// f_r at a level of detail, 0 to table_brdf_levels(), the finest. The sampler filters if `hardware` is true.
 fn table_brdf_at(wi: vec3<f32>, wo: vec3<f32>, level: f32, hardware: bool) -> vec3<f32> {
     if !(wi.z > 0.0 && wo.z > 0.0) {
         return vec3<f32>(0.0);
@@ -91,25 +92,24 @@ fn table_brdf_at(wi: vec3<f32>, wo: vec3<f32>, level: f32, hardware: bool) -> ve
     return fine;
 }
 
-// Levels of detail besides the finest.
+// Number of coarser levels of detail.
 fn table_brdf_levels() -> u32 {
     return table_brdf_parameters.curve >> 16u;
 }
 
-// The level of detail at a distance from the viewer: far is coarse.
+// Level of detail at a distance from the viewer: far is coarse.
 fn table_brdf_level_of_detail(distance: f32) -> f32 {
     let finest = f32(table_brdf_levels());
     return finest - clamp(log2(brdfc_frame.distance_scale * distance), 0.0, finest);
 }
 
-// f = μ (exp(v) - ε), from 0 to the largest number.
+// f = μ (exp(v) - ε), clamped to 0 and to the largest number.
 fn table_brdf_from_log(value: vec3<f32>) -> vec3<f32> {
     let f = table_brdf_parameters.mean * (exp(value) - table_brdf_parameters.bias);
     return select(vec3<f32>(0.0), min(f, vec3<f32>(TABLE_BRDF_LARGEST)), f > vec3<f32>(0.0));
 }
 
-// Both directions are above the horizon. Values, not logarithms, are mixed between levels: so that all of the light is
-// kept there, too.
+// Both directions are above the horizon. Levels are blended by value, not by logarithm, to preserve energy.
 fn table_brdf_log_values(wi: vec3<f32>, wo: vec3<f32>, level: f32, hardware: bool) -> TableBrdfLogValues {
     let angles = table_brdf_angles(wi, wo);
     let position = table_brdf_position(angles);
@@ -134,7 +134,7 @@ fn table_brdf_log_values(wi: vec3<f32>, wo: vec3<f32>, level: f32, hardware: boo
     return TableBrdfLogValues(fine, fine, 0.0);
 }
 
-// A row of the curve at θ_h. The finest level has the first one.
+// Row of the curve at θ_h. The finest level has the first row.
 fn table_brdf_along(theta_half: f32, row: u32, hardware: bool) -> vec3<f32> {
     let nodes = table_brdf_parameters.curve & 0xffffu;
     let at = sqrt(min(theta_half / TABLE_BRDF_HALF_PI, 1.0)) * f32(nodes - 1u);
@@ -148,11 +148,11 @@ fn table_brdf_along(theta_half: f32, row: u32, hardware: bool) -> vec3<f32> {
     return left + (at - f32(lower)) * (right - left);
 }
 
-// The texture at a position in a layer.
+// Texture value at a position in a layer.
 fn table_brdf_sample(position: vec3<f32>, layer: u32, hardware: bool) -> vec3<f32> {
     let axes = vec2<u32>(table_brdf_parameters.half_nodes, table_brdf_parameters.difference_nodes);
     let size = vec3<u32>(axes >> vec2<u32>(20u), table_brdf_slices());
-    // Beyond the window of a cropped pack the nearest position is taken.
+    // Positions outside the window of a cropped pack are clamped to it.
     let within = vec3<f32>(position.xy - vec2<f32>((axes >> vec2<u32>(10u)) & vec2<u32>(1023u)), position.z);
     let at = clamp(within, vec3<f32>(0.0), vec3<f32>(size - 1u));
     if hardware {
@@ -181,17 +181,17 @@ fn table_brdf_row(first: vec3<u32>, weight: f32) -> vec3<f32> {
     return left + weight * (right - left);
 }
 
-// A grey pack has its value in all channels.
+// Grey packs have the same value in all channels.
 fn table_brdf_colour(texel: vec4<f32>) -> vec3<f32> {
     return select(texel.rgb, texel.rrr, table_brdf_symmetric(16u));
 }
 
-// Columns or rows of a whole pack.
+// Columns or rows of an uncropped pack.
 fn table_brdf_nodes(axis: u32) -> u32 {
     return axis & 1023u;
 }
 
-// Slices of a layer: where φ_d starts again, the first stands behind the last, too.
+// Slices of a layer. If φ_d is periodic, a copy of the first slice follows the last.
 fn table_brdf_slices() -> u32 {
     return table_brdf_parameters.azimuth_nodes + select(1u, 0u, table_brdf_symmetric(2u));
 }
@@ -208,7 +208,7 @@ fn table_brdf_angles(i: vec3<f32>, o: vec3<f32>) -> TableBrdfAngles {
     let sine = sqrt(square);
     let theta_half = table_brdf_atan2(sine, h.z);
     let theta_difference = table_brdf_atan2(table_brdf_length(i - o), sum_length);
-    // Both times sin θ_h: away from the normal, and to the left of that. x is (i · h) h.z - i.z without the difference
+    // Both times sin θ_h: away from the normal, and to its left. x is (i · h) h.z - i.z without the difference
     // of nearly equal numbers.
     var x = i.x;
     var y = i.y;
@@ -220,7 +220,7 @@ fn table_brdf_angles(i: vec3<f32>, o: vec3<f32>) -> TableBrdfAngles {
     let cosine = select(1.0, abs(x) / across, across > 0.0);
     let largest = table_brdf_atan2(h.z, sine * cosine);
     let ratio = select(1.0, theta_difference / largest, theta_difference < largest);
-    // Isotropic tables have no use for φ_h.
+    // Isotropic tables ignore φ_h.
     var phi_half = 0.0;
     if table_brdf_parameters.layers > 1u {
         phi_half = table_brdf_azimuth(h.y, h.x);
@@ -247,7 +247,7 @@ fn table_brdf_position(angles: TableBrdfAngles) -> TableBrdfPosition {
     return TableBrdfPosition(at, vec2<u32>(lower, (lower + 1u) % layers), layer - f32(lower));
 }
 
-// φ_h and φ_d as shares of their periods, folded by the symmetry.
+// φ_h and φ_d as fractions of their periods, folded by the symmetry.
 fn table_brdf_folded(angles: TableBrdfAngles) -> vec2<f32> {
     let reciprocal = table_brdf_symmetric(1u);
     let mirror = table_brdf_symmetric(2u);
@@ -283,7 +283,7 @@ fn table_brdf_folded(angles: TableBrdfAngles) -> vec2<f32> {
     );
 }
 
-// Share of the columns below θ_h: straight between knots that stand in equal steps of the angle's square root.
+// Fraction of columns below θ_h: linear between knots that are equally spaced in the square root of the angle.
 fn table_brdf_column_share(theta_half: f32) -> f32 {
     let at = sqrt(min(theta_half / TABLE_BRDF_HALF_PI, 1.0)) * 16.0;
     let lower = min(u32(at), 15u);

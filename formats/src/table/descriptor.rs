@@ -1,4 +1,4 @@
-//! What is known of the codec apart from its packs.
+//! Static description of the codec.
 
 use super::shader::{DECODER, TABLE_BRDF_WGSL};
 use crate::descriptor::{Answer, BrdfShader, Descriptor};
@@ -12,7 +12,7 @@ pub(crate) const DESCRIPTOR: Descriptor = Descriptor {
     wgsl: || TABLE_BRDF_WGSL.to_owned(),
     functions: &["table_brdf", "table_brdf_exact", "table_brdf_at", "table_brdf_level_of_detail"],
     answer: Answer {
-        takes: "a: wi and the level of detail; b: wo and 1 where the sampler filters, else 0",
+        takes: "a: wi and the level of detail; b: wo and 1 if the sampler filters, otherwise 0",
         gives: "f_r",
         body: "vec4f(table_brdf_at(a.xyz, b.xyz, a.w, b.w == 1.0), 0.0)",
         of_struct: None,

@@ -1,4 +1,4 @@
-//! What a table pack says of itself: sizes, symmetry, where nodes stand, what texels mean. Layout: `spec.md`.
+//! Header of a table pack: sizes, symmetry, node positions, range of texels. Layout: `spec.md`.
 
 use super::coordinates::{Angles, Folded, Position, TableSymmetry};
 use crate::FormatError;
@@ -7,18 +7,18 @@ use crate::container::{MAX_EXTENT, TexelFormat};
 use crate::cursor::Cursor;
 use crate::direction::DirectionPair;
 
-/// The entry that makes a texture this kind of pack.
+/// Key that identifies a table pack.
 pub(super) const TABLE_ENTRY: &str = "brdfc.table";
 
 const VERSION: u32 = 1;
 
-/// Knots of the warp of `θ_h`: in equal steps of the angle's square root.
+/// Number of knots of the warp of `θ_h`, equally spaced in the square root of the angle.
 pub const KNOTS: usize = 17;
 
-/// Bytes of what a shader gets of a header, the curve's sizes included.
+/// Size of the uniform block, bytes, including the sizes of the curve.
 pub(super) const UNIFORM_BYTES: usize = 144;
 
-/// Numbers of nodes.
+/// Node counts.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize, schemars::JsonSchema))]
 pub struct Axes {
@@ -28,11 +28,11 @@ pub struct Axes {
     pub difference: u32,
     /// Along `φ_d`, 2 to 256.
     pub azimuth: u32,
-    /// Along `φ_h`, 1 for isotropic materials, to 256.
+    /// Along `φ_h`, 1 (isotropic materials) to 256.
     pub layers: u32,
 }
 
-/// Columns, rows and slices, and layers where there are more than one: `24x13x12`.
+/// Formats columns, rows and slices, and layers if there are several: `24x13x12`.
 impl std::fmt::Display for Axes {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         let Self { half, difference, azimuth, layers } = self;
@@ -46,71 +46,71 @@ impl std::fmt::Display for Axes {
 pub struct TableHeader {
     /// 1 (grey) or 3 (linear RGB).
     pub channels: u32,
-    /// Which pairs share a node.
+    /// Symmetry by which pairs share nodes.
     pub symmetry: TableSymmetry,
-    /// Numbers of nodes.
+    /// Node counts.
     pub axes: Axes,
     /// `μ` of the logarithms, 1/sr, positive.
     pub mean: f32,
     /// `ε` of the logarithms, positive.
     pub bias: f32,
-    /// `ln(f / μ + ε)` of a texel of 0.
+    /// `ln(f / μ + ε)` of a texel value of 0.
     pub low: [f32; 3],
-    /// What a texel of 1 is above that, not negative.
+    /// Difference between a texel value of 1 and `low`, not negative.
     pub span: [f32; 3],
-    /// How much denser rows are at `θ_d = 0` than at its largest: `row ∝ t (1 + slope (1 - t))`, within -0.95 and 0.95.
+    /// Change of row density from `θ_d = 0` to its maximum: `row ∝ t (1 + slope (1 - t))`, -0.95 to 0.95.
     pub slope: f32,
-    /// Where columns stand: their share at `θ_h = (k / 16)² π/2`, rising from 0 to 1.
+    /// Column positions: fraction of columns below `θ_h = (k / 16)² π/2`, rising from 0 to 1.
     pub knots: [f32; KNOTS],
 }
 
 impl TableHeader {
-    /// Slices of a layer. Where `φ_d` starts again, the first slice stands behind the last, too.
+    /// Slices of a layer. If `φ_d` is periodic, a copy of the first slice follows the last.
     pub fn slices(&self) -> u32 {
         self.axes.azimuth + u32::from(!self.symmetry.mirror)
     }
 
-    /// Size of the texture of a whole pack.
+    /// Size of the texture of an uncropped pack.
     pub fn extent(&self) -> [u32; 3] {
         [self.axes.half, self.axes.difference, self.slices() * self.axes.layers]
     }
 
-    /// Texels of that texture.
+    /// Number of texels of an uncropped pack.
     pub fn texels(&self) -> usize {
         self.extent().into_iter().map(|n| n as usize).product()
     }
 
-    /// How texels are stored: one half, or three components of 10 bits.
+    /// Texel format: one half, or three components of 10 bits.
     pub fn texel_format(&self) -> TexelFormat {
         if self.channels == 1 { TexelFormat::R16Float } else { TexelFormat::Rgb10A2Unorm }
     }
 
-    /// Whether the material looks the same when it is turned about the normal.
+    /// Returns true if the material is invariant under rotation about the normal.
     pub fn isotropic(&self) -> bool {
         self.axes.layers == 1
     }
 
-    /// Filtered fetches of the table in a look-up.
+    /// Filtered table fetches of one look-up.
     pub(super) fn fetches(&self) -> u32 {
         if self.isotropic() { 1 } else { 2 }
     }
 
-    /// Angles of a pair above the horizon; isotropic tables have no use for `φ_h`.
+    /// Angles of a pair above the horizon; isotropic tables ignore `φ_h`.
     pub(super) fn angles(&self, pair: DirectionPair) -> Angles {
         if self.isotropic() { Angles::but_phi_half(pair).0 } else { Angles::of(pair) }
     }
 
-    /// Where a pair above the horizon is in the texture.
+    /// Position of a pair above the horizon in the texture.
     pub fn position(&self, pair: DirectionPair) -> Position {
         self.position_of(self.angles(pair))
     }
 
-    /// Where these angles are in the texture.
+    /// Position of these angles in the texture.
     pub fn position_of(&self, angles: Angles) -> Position {
         self.place(Folded::new(angles, self.symmetry))
     }
 
-    /// Where these angles, folded by the table's symmetry, are in the texture.
+    /// Position of these angles, already folded by the table's symmetry, in the texture.
     #[inline]
     pub fn place(&self, folded: Folded) -> Position {
         let Folded { root, ratio, half_share, difference_share } = folded;
@@ -133,7 +133,7 @@ impl TableHeader {
         position
     }
 
-    /// Share of the columns below a `θ_h` with this root.
+    /// Fraction of columns below the `θ_h` with this square root.
     #[inline]
     fn column_share(&self, root: f32) -> f32 {
         let at = root * (KNOTS - 1) as f32;
@@ -141,16 +141,16 @@ impl TableHeader {
         self.knots[lower] + (at - lower as f32) * (self.knots[lower + 1] - self.knots[lower])
     }
 
-    /// Checks ranges.
+    /// Checks all ranges.
     ///
     /// # Errors
-    /// Names the field that is out of range.
+    /// Returns an error that names the field that is out of range.
     pub fn check(&self) -> Result<(), FormatError> {
-        let refused = |field: &str, found: String, allowed: &str| {
+        let rejected = |field: &str, found: String, allowed: &str| {
             Err(FormatError::whole(format!("{TABLE_ENTRY} {field}"), found, allowed))
         };
         if self.channels != 1 && self.channels != 3 {
-            return refused("channels", self.channels.to_string(), "1 or 3");
+            return rejected("channels", self.channels.to_string(), "1 or 3");
         }
         let Axes { half, difference, azimuth, layers } = self.axes;
         for (count, field) in [(half, "θ_h nodes"), (difference, "θ_d nodes"), (azimuth, "φ_d nodes")] {
@@ -158,28 +158,28 @@ impl TableHeader {
         }
         FormatError::check_range(format!("{TABLE_ENTRY} layers"), layers, 1..=256)?;
         if self.isotropic() && (self.symmetry.half_turn || self.symmetry.reflected) {
-            return refused("symmetry", self.symmetry.bits().to_string(), "0 to 3 with one layer");
+            return rejected("symmetry", self.symmetry.bits().to_string(), "0 to 3 with one layer");
         }
         if self.extent()[2] > MAX_EXTENT {
-            return refused("depth", self.extent()[2].to_string(), "1 to 2048, as 3D textures have");
+            return rejected("depth", self.extent()[2].to_string(), "1 to 2048, the limit of 3D textures");
         }
         for (value, field) in [(self.mean, "mean"), (self.bias, "bias")] {
             if !value.is_normal() || value < 0.0 {
-                return refused(field, value.to_string(), "a positive number");
+                return rejected(field, value.to_string(), "a positive number");
             }
         }
         for (low, span) in self.low.into_iter().zip(self.span) {
             if !low.is_finite() {
-                return refused("low", low.to_string(), "a number");
+                return rejected("low", low.to_string(), "a number");
             }
             if !(0.0..=f32::MAX).contains(&span) {
-                return refused("span", span.to_string(), "a number that is not negative");
+                return rejected("span", span.to_string(), "a non-negative number");
             }
         }
         FormatError::check_range(format!("{TABLE_ENTRY} slope"), self.slope, -0.95..=0.95)?;
         let rising = self.knots.windows(2).all(|pair| pair[0] < pair[1]);
         if !rising || self.knots[0] != 0.0 || self.knots[KNOTS - 1] != 1.0 {
-            return refused("knots", format!("{:?}", self.knots), "numbers that rise from 0 to 1");
+            return rejected("knots", format!("{:?}", self.knots), "numbers rising from 0 to 1");
         }
         Ok(())
     }
@@ -194,16 +194,16 @@ impl TableHeader {
 
     pub(super) fn from_bytes(bytes: &[u8]) -> Result<Self, FormatError> {
         let mut cursor = Cursor::new(sized(bytes, TABLE_ENTRY, 4 * (16 + KNOTS))?);
-        let refused = |field: &str, found: u32, allowed: &str| {
+        let rejected = |field: &str, found: u32, allowed: &str| {
             Err(FormatError::whole(format!("{TABLE_ENTRY} {field}"), found.to_string(), allowed))
         };
         let version = cursor.u32("version")?;
         if version != VERSION {
-            return refused("version", version, "1");
+            return rejected("version", version, "1");
         }
         let channels = cursor.u32("channels")?;
         let bits = cursor.u32("symmetry")?;
-        let Some(symmetry) = TableSymmetry::from_bits(bits) else { return refused("symmetry", bits, "0 to 15") };
+        let Some(symmetry) = TableSymmetry::from_bits(bits) else { return rejected("symmetry", bits, "0 to 15") };
         let axes = Axes {
             half: cursor.u32("θ_h nodes")?,
             difference: cursor.u32("θ_d nodes")?,
@@ -243,7 +243,7 @@ mod tests {
         }
     }
 
-    /// Ends of axes are the first and the last node, and known places lie between.
+    /// Axis ends map to the first and the last node; known values lie between.
     #[test]
     fn positions_are_known() {
         let at = |header: TableHeader, theta_half: f32, ratio: f32, phi_difference: f32, phi_half: f32| {
@@ -254,7 +254,7 @@ mod tests {
         assert_eq!([first.column, first.row, first.slice], [0.0; 3]);
         let last = at(mirror, FRAC_PI_2, 1.0, -std::f32::consts::PI, 0.0);
         assert_eq!([last.column, last.row, last.slice], [8.0, 4.0, 3.0]);
-        // Knots that rise by squares take the square root of the angle back.
+        // Knots that rise by squares undo the square root of the angle.
         let middle = at(mirror, 0.25 * FRAC_PI_2, 0.5, FRAC_PI_2, 0.0);
         assert!(
             (middle.column - 2.0).abs() < 1e-4 && (middle.row - 2.0).abs() < 1e-5 && (middle.slice - 1.5).abs() < 1e-5
@@ -263,10 +263,10 @@ mod tests {
         let sloped = at(header(0.5, 2, 1), 0.0, 0.5, 0.0, 0.0);
         assert!((sloped.row - 0.5 * 1.25 * 4.0).abs() < 1e-5, "{sloped:?}");
         assert_eq!(at(header(0.5, 2, 1), 0.0, 1.0, 0.0, 0.0).row, 4.0);
-        // Without a mirror the circle has four nodes, and the slice that stands twice.
+        // Without mirror symmetry the circle has four nodes and a copy of the first slice.
         let open = at(header(0.0, 0, 1), 0.0, 0.5, -FRAC_PI_2, 0.0);
         assert!((open.slice - 3.0).abs() < 1e-5 && header(0.0, 0, 1).slices() == 5);
-        // Layers go around, or end where they are reflected.
+        // Layers wrap around, or are clamped if they are reflected.
         let around = at(header(0.0, 0, 3), 0.3, 0.5, 0.0, -0.1);
         assert!(around.layers == [2, 0] && around.layer_weight > 0.9, "{around:?}");
         let reflected = at(header(0.0, 8, 3), 0.3, 0.5, 0.0, std::f32::consts::PI);

@@ -1,5 +1,5 @@
-//! Table packs: logarithms of `f_r` over half-difference angles, in one 3D texture that a sampler filters; of
-//! factored packs beside a curve over `θ_h`. Layout and equations: `spec.md` in this folder.
+//! Table packs: logarithms of `f_r` over half-difference angles in one 3D texture that a sampler filters. Factored
+//! packs add a curve over `θ_h`. Layout and equations: `spec.md` in this folder.
 
 mod brdf;
 mod coordinates;

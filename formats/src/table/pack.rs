@@ -1,4 +1,4 @@
-//! The table pack: its texture and what it says of itself. Byte layout: `spec.md`.
+//! Table pack: its texture and metadata. Byte layout: `spec.md`.
 
 use super::curve::{CURVE, Curve};
 use super::header::{TABLE_ENTRY, TableHeader, UNIFORM_BYTES};
@@ -10,8 +10,8 @@ use crate::{ErrorSummary, FormatError, RenderingSummary};
 use std::collections::BTreeMap;
 
 const ERRORS: &str = "brdfc.table.errors";
-/// Columns and rows that filtering takes.
-const FEWEST: u32 = 2;
+/// Minimum columns and rows, needed for filtering.
+const MIN_SIZE: u32 = 2;
 
 /// A table pack in memory.
 #[derive(Debug, Clone, PartialEq)]
@@ -20,18 +20,18 @@ pub struct TablePack {
     texels: Vec<u8>,
     curve: Option<Curve>,
     crop: Option<Crop>,
-    /// What a user sees: the filtered pack against the source, at direction pairs that depend on no grid.
+    /// Error of the filtered pack against the source at independent test directions.
     pub off_grid: ErrorSummary,
-    /// How different renderings of both look.
+    /// Colour differences between renderings of the pack and of the source.
     pub rendering: RenderingSummary,
 }
 
 impl TablePack {
-    /// A pack of values in `[0, 1]`, rounded to what texels hold: `[layer][slice][row][column]`, without the slice that
-    /// stands twice. Errors are 0 until they are measured.
+    /// Creates a pack from values in `[0, 1]`, `[layer][slice][row][column]`, without the copied slice. Values are
+    /// rounded to the texel format. Errors are 0 until they are measured.
     ///
     /// # Errors
-    /// A header out of range, another number of values.
+    /// Returns an error if the header is out of range or the number of values is wrong.
     pub fn new(header: TableHeader, values: &[[f32; 3]]) -> Result<Self, FormatError> {
         header.check()?;
         let slice = (header.axes.half * header.axes.difference) as usize;
@@ -52,43 +52,44 @@ impl TablePack {
         Ok(Self { header, texels, curve: None, crop: None, off_grid, rendering })
     }
 
-    /// The pack with a curve of as many channels added: a factored pack.
+    /// Adds a curve with the same number of channels, which makes a factored pack.
     ///
     /// # Errors
-    /// A curve of another number of channels.
+    /// Returns an error if the number of channels differs.
     pub fn with_curve(self, curve: Curve) -> Result<Self, FormatError> {
         curve.check_channels(self.header.channels)?;
         Ok(Self { curve: Some(curve), ..self })
     }
 
-    /// The pack without the texels outside a window.
+    /// Removes the texels outside a window.
     ///
     /// # Errors
-    /// A window that is not within the texture, or has less than two columns or rows; a pack that was cropped before.
+    /// Returns an error if the window is not within the texture or has less than two columns or rows, or if the pack is
+    /// already cropped.
     pub fn cropped(&self, crop: Crop) -> Result<Self, FormatError> {
         if self.crop.is_some() {
-            return Err(FormatError::whole("table pack", "one that is cropped", "a whole one"));
+            return Err(FormatError::whole("table pack", "a cropped pack", "an uncropped pack"));
         }
         let [columns, rows, _] = self.header.extent();
-        crop.check([columns, rows], FEWEST)?;
+        crop.check([columns, rows], MIN_SIZE)?;
         let texel_bytes = self.header.texel_format().texel_bytes();
         let slices = self.texels.chunks((columns * rows) as usize * texel_bytes);
         let texels = slices.flat_map(|slice| crop.window.cut(slice, columns, texel_bytes)).flatten().copied();
         Ok(Self { texels: texels.collect(), crop: Some(crop), ..self.clone() })
     }
 
-    /// What it leaves out.
+    /// Covered directions and stored window; `None` for uncropped packs.
     pub fn crop(&self) -> Option<&Crop> {
         self.crop.as_ref()
     }
 
-    /// Columns and rows that it has, of those that the header counts.
+    /// Stored columns and rows, in terms of the header's node counts.
     pub fn window(&self) -> Window {
         let [columns, rows, _] = self.header.extent();
         self.crop.map_or(Window::whole([columns, rows]), |crop| crop.window)
     }
 
-    /// Directions that it is for.
+    /// Directions that the pack covers.
     pub fn directions(&self) -> DirectionRange {
         self.crop.map_or(DirectionRange::ALL, |crop| crop.directions)
     }
@@ -104,12 +105,12 @@ impl TablePack {
         &self.header
     }
 
-    /// The texture's bytes, as in the file.
+    /// Bytes of the texture, as in the file.
     pub fn texels(&self) -> &[u8] {
         &self.texels
     }
 
-    /// Values in `[0, 1]` of all texels: `[layer][slice][row][column]`, grey ones three times.
+    /// Values in `[0, 1]` of all texels, `[layer][slice][row][column]`; grey values are repeated three times.
     pub fn values(&self) -> Vec<[f32; 3]> {
         match self.header.texel_format() {
             TexelFormat::R16Float => {
@@ -122,32 +123,32 @@ impl TablePack {
         }
     }
 
-    /// The curve of factored packs.
+    /// Curve of a factored pack.
     pub fn curve(&self) -> Option<&Curve> {
         self.curve.as_ref()
     }
 
-    /// Levels of detail besides the finest.
+    /// Number of coarser levels of detail.
     pub fn levels(&self) -> u32 {
         self.curve.as_ref().map_or(0, Curve::levels)
     }
 
-    /// Filtered fetches of a look-up.
+    /// Filtered fetches of one look-up.
     pub fn fetches(&self) -> u32 {
         self.header.fetches() + u32::from(self.curve.is_some())
     }
 
-    /// Bytes on a GPU of texels that a crop took away.
+    /// GPU memory saved by cropping, bytes.
     pub fn cropped_bytes(&self) -> u64 {
         (self.header.texels() * self.header.texel_format().texel_bytes() - self.texels.len()) as u64
     }
 
-    /// Bytes on a GPU: textures and uniform block.
+    /// GPU memory of textures and uniform block, bytes.
     pub fn gpu_bytes(&self) -> u64 {
         (self.texels.len() + self.curve.as_ref().map_or(0, |curve| curve.texels().len()) + UNIFORM_BYTES) as u64
     }
 
-    /// The bytes of the KTX2 file.
+    /// Contents of the KTX2 file.
     pub fn to_bytes(&self, supercompress: bool) -> Vec<u8> {
         let errors = [&self.off_grid.to_bytes()[..], &self.rendering.to_bytes()[..]].concat();
         let mut entries =
@@ -156,25 +157,25 @@ impl TablePack {
         self.bindings().to_file(entries, supercompress)
     }
 
-    /// Reads and checks a KTX2 file.
+    /// Reads and validates a KTX2 file.
     ///
     /// # Errors
-    /// Whatever breaks the rules of `formats/src/table/spec.md`.
+    /// Returns an error if the file violates `formats/src/table/spec.md`.
     pub fn from_bytes(bytes: &[u8]) -> Result<Self, FormatError> {
         Self::from_file(PackFile::from_bytes(bytes)?)
     }
 
-    /// [`Self::from_bytes`] of a file whose bindings have been read.
+    /// Same as [`Self::from_bytes`] for a file whose bindings have been read.
     ///
     /// # Errors
-    /// As [`Self::from_bytes`].
+    /// Same as [`Self::from_bytes`].
     pub fn from_file(mut file: PackFile) -> Result<Self, FormatError> {
         const WHAT: &str = "a table pack";
         let (texture, curve) = (file.take_own(), file.take_texture(CURVE));
         texture.check_one_level()?;
         let header = TableHeader::from_bytes(entry(&texture, TABLE_ENTRY, WHAT)?)?;
         let [columns, rows, slices] = header.extent();
-        let crop = Crop::of(&texture, [columns, rows], FEWEST)?;
+        let crop = Crop::of(&texture, [columns, rows], MIN_SIZE)?;
         let [width, height] = crop.map_or([columns, rows], |crop| crop.window.size);
         let extent = Extent::D3([width, height, slices]);
         check_texels(&texture, "texture", extent, header.texel_format(), TABLE_ENTRY)?;
@@ -202,11 +203,11 @@ impl TablePack {
         let slice = (columns * rows) as usize * self.header.texel_format().texel_bytes();
         for layer in self.texels.chunks(slice * self.header.slices() as usize) {
             if layer[..slice] != layer[layer.len() - slice..] {
-                let found = "a last slice of its own";
+                let found = "a last slice that differs from the first";
                 return Err(FormatError::whole(
                     "table layer",
                     found,
-                    "the first slice again, as φ_d starts again there",
+                    "a copy of the first slice, because φ_d is periodic",
                 ));
             }
         }

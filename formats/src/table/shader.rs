@@ -1,4 +1,4 @@
-//! What a shader needs besides a pack's texture: `formats/src/table/decode.wgsl` and its uniform block.
+//! Shader side of table packs: `formats/src/table/decode.wgsl` and its uniform block.
 
 use super::curve::{CURVE, Curve};
 use super::header::{KNOTS, TableHeader, UNIFORM_BYTES};
@@ -9,20 +9,20 @@ use crate::container::{Extent, TexelFormat};
 use crate::crop::Window;
 use crate::cursor::block_bytes;
 
-/// The name of the decoder and the version of its bindings.
+/// Name of the decoder and version of its bindings.
 pub(super) const DECODER: (&str, u32) = ("table", 1);
 
-/// The WGSL decoder. It declares a uniform block, two textures and a sampler in bind group 1; see the file.
+/// WGSL decoder. It declares a uniform block, two textures and a sampler in bind group 1; see the file.
 pub const TABLE_BRDF_WGSL: &str = concat!(
     include_str!("../bindings/frame.wgsl"),
     include_str!("decode.wgsl"),
     arc_tangent_wgsl!("table_brdf", "TABLE_BRDF")
 );
 
-/// Beside the bits of the symmetry.
+/// Flag next to the symmetry bits.
 const GREY: u32 = 16;
 
-/// The uniform block `TableBrdfParameters` of the shader.
+/// Values of the uniform block `TableBrdfParameters`.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct TableBrdfParameters {
     header: TableHeader,
@@ -32,10 +32,10 @@ pub struct TableBrdfParameters {
 }
 
 impl TableBrdfParameters {
-    /// Bytes of the block.
+    /// Size of the block, bytes.
     pub const SIZE: usize = UNIFORM_BYTES;
 
-    /// The parameters of a pack.
+    /// Parameters of a pack.
     pub fn new(pack: &TablePack) -> Self {
         let curve = pack.curve();
         Self {
@@ -46,7 +46,7 @@ impl TableBrdfParameters {
         }
     }
 
-    /// The block as the shader reads it: little-endian, fields in order, zeros behind the last knot.
+    /// The block as the shader reads it: little-endian fields in order, padded with zeros after the last knot.
     pub fn to_bytes(&self) -> [u8; Self::SIZE] {
         let TableHeader { channels, symmetry, axes, mean, bias, low, span, slope, knots } = self.header;
         let axis = |nodes: u32, k: usize| nodes | self.window.first[k] << 10 | self.window.size[k] << 20;
@@ -77,7 +77,7 @@ impl TableBrdfParameters {
 }
 
 impl TablePack {
-    /// What its shader has bound.
+    /// Bindings of the pack's shader.
     pub fn bindings(&self) -> Bindings<'_> {
         const SAMPLER: &str = "table_brdf_sampler";
         let curve = match self.curve() {

@@ -1,4 +1,4 @@
-//! Wavelet packs among packs of BRDFs.
+//! [`Brdf`] for wavelet packs.
 
 use super::descriptor::DESCRIPTOR;
 use super::{Filter, WaveletDecoder, WaveletPack};
@@ -32,7 +32,7 @@ impl Brdf for WaveletPack {
         self.header.levels
     }
 
-    /// A reconstruction for each inner cell, of lifted packs for each of its outer cells, too.
+    /// One reconstruction per inner cell; energy-preserving packs need one per outer cell as well.
     fn fetches_at(&self, level: u32, filter: Filter) -> u32 {
         let inner = if filter == Filter::Bilinear { 4 } else { 1 };
         let outer = if self.header.lifted && filter != Filter::Nearest { 4 } else { 1 };

@@ -1,7 +1,7 @@
-//! The CPU decoder of wavelet packs: the reference that shaders are held against.
+//! CPU decoder of wavelet packs, the reference for shaders.
 //!
-//! Every step is f32 arithmetic in a fixed order without fused operations, so that a shader that follows it with
-//! manual filtering gives the same bits up to the last exponential.
+//! All steps before the last exponential are f32 operations in a fixed order without fused operations. A shader that
+//! follows them with manual filtering produces the same bits.
 
 use super::haar::{self, Plain, detail_indices};
 use super::lift::{Lift, rise};
@@ -10,26 +10,25 @@ use crate::direction::{DirectionPair, Parameterisation, polynomial_atan2};
 use crate::wavelet::{Header, WaveletPack};
 use std::f32::consts::{PI, SQRT_2};
 
-/// How values between grid cells are found.
+/// Interpolation between grid cells.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Filter {
-    /// The nearest cell on both hemispheres.
+    /// Nearest cell on both hemispheres.
     Nearest,
-    /// Bilinear over four outer cells in each slice (what a sampler does), at the nearest inner cell: one
-    /// reconstruction.
+    /// Bilinear over four outer cells in each slice, as a sampler does, at the nearest inner cell: one reconstruction.
     Slices,
-    /// Bilinear over four outer cells in each slice (what a sampler does), and over the reconstructions at the four
+    /// Bilinear over four outer cells in each slice, as a sampler does, and over the reconstructions at the four
     /// nearest inner cells (section 5.4.2).
     Bilinear,
 }
 
-/// A pack made ready for random access.
+/// Decoder of one pack, with decompressed coefficients.
 #[derive(Debug, Clone)]
 pub struct WaveletDecoder {
     header: Header,
-    /// Outer cells that slices have.
+    /// Stored outer cells.
     window: Window,
-    /// Of lifted packs.
+    /// Weights of energy-preserving packs.
     lift: Option<Lift>,
     index: Vec<u16>,
     /// Coefficients `[slice][cell][channel]`, slice 0 all zero.
@@ -43,10 +42,10 @@ struct Tap {
     weight: f32,
 }
 
-/// The outer half of a look-up: up to four cells of a slice.
+/// Outer cells of a look-up and their weights: up to four cells of a slice.
 type Footprint = [(usize, f32); 4];
 
-/// Space that [`WaveletDecoder::decode_row`] works in.
+/// Scratch memory of [`WaveletDecoder::decode_row`].
 #[derive(Debug, Clone, Default)]
 pub struct RowScratch {
     coefficients: Vec<f32>,
@@ -54,7 +53,7 @@ pub struct RowScratch {
 }
 
 impl WaveletDecoder {
-    /// Unpacks texels to coefficients: `offset + scale * texel`.
+    /// Decompresses texels to coefficients: `offset + scale * texel`.
     pub fn new(pack: &WaveletPack) -> Self {
         let header = pack.header;
         let (window, channels) = (pack.window(), header.channels as usize);
@@ -75,15 +74,15 @@ impl WaveletDecoder {
         Self { header, window, lift, index: pack.index.clone(), coefficients }
     }
 
-    /// Sizes and constants.
+    /// Sizes and constants of the pack.
     pub fn header(&self) -> &Header {
         &self.header
     }
 
-    /// `f_r` at a direction pair, linear RGB (grey packs repeat their channel), 1/sr, not negative.
+    /// `f_r` of a direction pair: linear RGB (grey packs repeat their channel), 1/sr, not negative.
     ///
-    /// `level` is the level of detail, `0.0..=N`, clamped; fractions blend two levels (section 5.4.1): the coarser
-    /// value is on the way to the finer one. Zero where a direction is at or below the horizon.
+    /// `level` is the level of detail, clamped to `0.0..=N`. Fractions blend two levels (section 5.4.1); the coarser
+    /// value is an intermediate result of the finer one. Returns zero if a direction is at or below the horizon.
     pub fn eval(&self, pair: DirectionPair, level: f32, filter: Filter) -> [f32; 3] {
         if !pair.is_above_horizon() {
             return [0.0; 3];
@@ -91,8 +90,8 @@ impl WaveletDecoder {
         self.log_value(pair, level, filter).map(|v| self.from_log(v))
     }
 
-    /// The log-encoded value `ln(f / μ + ε)` that [`Self::eval`] decodes, of directions above the horizon. A shader
-    /// with manual filtering and correctly rounded arithmetic returns the same bits.
+    /// Log-encoded value `ln(f / μ + ε)` that [`Self::eval`] decodes, for directions above the horizon. A shader with
+    /// manual filtering and correctly rounded arithmetic returns the same bits.
     pub fn log_value(&self, pair: DirectionPair, level: f32, filter: Filter) -> [f32; 3] {
         let (outer, inner) = axes(self.header.parameterisation, pair);
         let [outer_column, outer_row] = self.taps(outer, filter != Filter::Nearest);
@@ -103,7 +102,7 @@ impl WaveletDecoder {
             return self.filtered(outer, inner_column.cells[0], inner_row.cells[0], level);
         };
         let mut log_value = [0.0f32; 3];
-        // The same order as `footprint`: rows outside, columns inside.
+        // Same order as `footprint`: rows outside, columns inside.
         for (row, row_weight) in [(0, 1.0 - inner_row.weight), (1, inner_row.weight)] {
             for (column, column_weight) in [(0, 1.0 - inner_column.weight), (1, inner_column.weight)] {
                 let weight = row_weight * column_weight;
@@ -116,8 +115,8 @@ impl WaveletDecoder {
         log_value
     }
 
-    /// The log-encoded value of one inner cell, filtered over outer cells: of coefficients, which is the same as of values
-    /// and what a sampler does. Not so of lifted packs, whose outer cells are reconstructed one by one.
+    /// Log-encoded value of one inner cell, filtered over outer cells. Filtering coefficients, as a sampler does,
+    /// equals filtering values, except for energy-preserving packs, whose outer cells are reconstructed one by one.
     fn filtered(&self, outer: &[(usize, f32)], column: usize, row: usize, level: f32) -> [f32; 3] {
         if self.lift.is_none() {
             return self.reconstruct(outer, column, row, level);
@@ -132,19 +131,18 @@ impl WaveletDecoder {
         log_value
     }
 
-    /// Inverse of the log encoding (section 5.1): `f = μ (exp(v) - ε)`, raised to 0 where rounding made it negative,
-    /// and lowered to the largest number where a pack with absurd scales overflows.
+    /// Inverse of the log encoding (section 5.1), `f = μ (exp(v) - ε)`, clamped to 0 and to the largest finite number.
     pub fn from_log(&self, value: f32) -> f32 {
         let f = self.header.mean * (value.exp() - self.header.bias);
-        // NaN, the difference of two infinities, is not above 0 either.
+        // NaN, the difference of two infinities, is not greater than 0, so it becomes 0.
         if f > 0.0 { f.min(f32::MAX) } else { 0.0 }
     }
 
-    /// Equation 2's synthesis along one path of the tree: the log-encoded value of one inner cell.
+    /// Synthesis (equation 2) along one path of the tree: log-encoded value of one inner cell.
     ///
-    /// A level adds the latitude detail, then the longitude detail, with the weights that repeated division by √2
-    /// gives: `2^-(N-j)` and `√2 2^-(N-j)`; the sign is that of the half the cell is in. Of lifted packs each first takes
-    /// away what it raised the mean by.
+    /// Each level adds the latitude detail, then the longitude detail, with the weights that repeated division by √2
+    /// gives: `2^-(N-j)` and `√2 2^-(N-j)`. The sign depends on the half that contains the cell. Energy-preserving
+    /// packs first subtract the rise of the mean.
     fn reconstruct(&self, footprint: &[(usize, f32)], column: usize, row: usize, level: f32) -> [f32; 3] {
         let levels = self.header.levels;
         let level = level.clamp(0.0, levels as f32);
@@ -179,18 +177,18 @@ impl WaveletDecoder {
         value
     }
 
-    /// The slice of a coefficient, 0 where it has none.
+    /// Slice of a coefficient, 0 if it has none.
     fn entry(&self, coefficient: usize) -> usize {
         usize::from(self.index[coefficient])
     }
 
-    /// One coefficient at the outer direction, through the index map.
+    /// Coefficient at the outer direction, through the index map.
     fn coefficient(&self, coefficient: usize, footprint: &[(usize, f32)]) -> [f32; 3] {
         let channels = self.header.channels as usize;
         let slice = self.entry(coefficient) * cells_of(self.window);
         let mut value = [0.0; 3];
         if slice == 0 {
-            // The zero slice: a shader fetches it, here the fetch is saved. The value is the same.
+            // Shaders fetch the zero slice; skipping it gives the same value.
             return value;
         }
         for (cell, weight) in footprint {
@@ -221,8 +219,9 @@ impl WaveletDecoder {
         })
     }
 
-    /// Log-encoded values of a whole row of the table at the finest level: all inner cells of one outer cell, for one
-    /// channel, by the inverse transform. Of a cropped pack, one outside the window is the nearest within. `output` has `cells` entries, longitude fastest.
+    /// Log-encoded values of a whole table row at the finest level: all inner cells of one outer cell, for one channel,
+    /// by the inverse transform. In a cropped pack an outer cell outside the window is clamped to it. `output` has
+    /// `cells` elements, longitude fastest.
     pub fn decode_row(&self, outer_cell: usize, channel: usize, output: &mut [f32], scratch: &mut RowScratch) {
         let (n, cells, channels) = (self.header.grid(), self.header.cells(), self.header.channels as usize);
         let stored = cells_of(self.window);
@@ -242,11 +241,11 @@ impl WaveletDecoder {
     }
 }
 
-/// `α` of [`level_of_detail`] that the paper found good, per unit of distance.
+/// `α` of [`level_of_detail`] from the paper, per unit of distance.
 pub const DEFAULT_DISTANCE_SCALE: f64 = 0.15;
 
-/// Level of detail at a distance `d` from the viewer: `l = N - clamp(log2(α d), 0, N)` (section 5.4.1, with the sense that
-/// its cost remark and renderings have: far is coarse). `levels` is `N`, `scale` is `α`.
+/// Level of detail at a distance `d` from the viewer: `l = N - clamp(log2(α d), 0, N)` (section 5.4.1, with the sign
+/// that its remark on cost and its renderings imply: far is coarse). `levels` is `N`, `scale` is `α`.
 pub fn level_of_detail(levels: u32, distance: f64, scale: f64) -> f64 {
     f64::from(levels) - (scale * distance).log2().clamp(0.0, f64::from(levels))
 }
@@ -264,12 +263,12 @@ fn component(texels: &[u8], index: usize, bytes: usize) -> f32 {
     }
 }
 
-/// Cells of a slice.
+/// Number of cells in a slice.
 fn cells_of(window: Window) -> usize {
     window.size.into_iter().map(|n| n as usize).product()
 }
 
-/// Where a cell of the grid is in a slice, or the nearest one that the slice has.
+/// Index in a slice of a grid cell, clamped to the window.
 fn stored_cell(window: Window, column: usize, row: usize) -> usize {
     let within = |cell: usize, axis: usize| {
         let (first, size) = (window.first[axis] as usize, window.size[axis] as usize);
@@ -290,7 +289,7 @@ fn footprint(column: Tap, row: Tap, window: Window) -> Footprint {
     cells
 }
 
-/// [`Parameterisation::to_axes`] in f32.
+/// Same as [`Parameterisation::to_axes`] in f32.
 fn axes(parameterisation: Parameterisation, pair: DirectionPair) -> ([f32; 3], [f32; 3]) {
     let (i, o) = (pair.incoming.map(|c| c as f32), pair.outgoing.map(|c| c as f32));
     match parameterisation {

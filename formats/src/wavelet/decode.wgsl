@@ -1,28 +1,30 @@
-// Wavelet BRDF packs on a GPU: f_r at a direction pair and a continuous level of detail.
+// Wavelet BRDF packs: f_r of a direction pair at a continuous level of detail.
 //
-// After Claustres, Barthe and Paulin 2007, "Wavelet encoding of BRDFs for real-time rendering"; section and equation
-// numbers below are theirs. The pack layout is described in `formats/src/wavelet/spec.md`; the CPU decoder with the
-// same steps in the same order is `WaveletDecoder` of the crate `brdfc-formats`.
+// After Claustres, Barthe and Paulin 2007, "Wavelet encoding of BRDFs for real-time rendering"; sections and equations
+// refer to that paper. Layout: `formats/src/wavelet/spec.md`. The CPU decoder `WaveletDecoder` of the crate
+// `brdfc-formats` performs the same steps in the same order.
 //
-// To use it: paste this file before your own shader, move the bindings where they suit you, and call
+// Usage: prepend this file to your own shader, move the bindings as needed, and call
 //
 //     let level = wavelet_brdf_level_of_detail(distance);
 //     let f_r = wavelet_brdf(wi, wo, level);         // hardware filtering of the outer direction
 //     let f_r = wavelet_brdf_exact(wi, wo, level);   // manual filtering: slower, the same bits as the CPU decoder
 //
 // wi (to the light) and wo (to the viewer) are unit vectors in the frame x = tangent, y = bitangent, z = normal. The
-// result is linear RGB in 1/sr, 0 where a direction is at or below the horizon.
+// result is linear RGB in 1/sr, 0 if a direction is at or below the horizon.
 //
-// One reconstruction costs 4 l + 1 texture fetches at level l, blended levels count as the finer one: two details
-// per level, each through the index map, and the scaling coefficient, which always is slice 1. Filter modes:
+// One reconstruction takes 4 l + 1 texture fetches at level l; blended levels count as the finer one. There are two
+// details per level, each read through the index map, and the scaling coefficient, which is always slice 1. Filter
+// modes:
 //
 //     0 nearest    one reconstruction; the exact path takes the nearest cell of a slice, the hardware path filters it
 //     1 slices     one reconstruction, slices filtered bilinearly (section 5.2)
 //     2 bilinear   four reconstructions around the inner direction, blended (section 5.4.2)
 //
-// Of lifted packs a sampler cannot filter the outer direction: both functions reconstruct its four cells one by one.
+// Samplers cannot filter the outer direction of energy-preserving packs: both functions reconstruct its four cells one
+// by one.
 
-// The same fields, in the same order, as `WaveletBrdfParameters` of `brdfc-formats`. 48 bytes.
+// Same fields and order as `WaveletBrdfParameters` of `brdfc-formats`. 48 bytes.
 struct WaveletBrdfParameters {
     levels: u32,             // N: each hemisphere has 2^N x 2^N cells
     parameterisation: u32,   // 0 tangent-pole, 1 half-difference
@@ -34,15 +36,15 @@ struct WaveletBrdfParameters {
     scaling_offset: f32,     // of slice 1
     slices: f32,             // depth of the 3D texture
     reserved_1: f32,
-    lifted: u32,             // 1 where coarser cells are logarithms of means, 0 where they are means of logarithms
-    window: u32,             // outer cells that slices have: first column, first row, columns, rows, 8 bits each
+    lifted: u32,             // 1 energy-preserving: coarser cells are logarithms of means; 0 means of logarithms
+    window: u32,             // stored outer cells: first column, first row, columns, rows, 8 bits each
 }
 
 @group(1) @binding(5) var<uniform> wavelet_brdf_parameters: WaveletBrdfParameters;
-// The pack's texture as it is in the KTX2 file.
+// Texture of the KTX2 file.
 @group(1) @binding(6) var wavelet_brdf_slices: texture_3d<f32>;
-// 2^N x 2^N texels of 32-bit floats, coefficient k at (k mod 2^N, k / 2^N): slice, its scale, its offset, and of lifted
-// packs what the lower half counts of both.
+// 2^N x 2^N texels of 32-bit floats, coefficient k at (k mod 2^N, k / 2^N): slice, its scale, its offset, and the share
+// of the lower half in energy-preserving packs.
 @group(1) @binding(7) var wavelet_brdf_index: texture_2d<f32>;
 // Linear filter, clamp to edge.
 @group(1) @binding(8) var wavelet_brdf_sampler: sampler;
@@ -60,7 +62,7 @@ struct WaveletBrdfTap {
     position: f32, // angle / π, in [0, 1]: the texture coordinate
 }
 
-// Where a direction is on its hemisphere.
+// Position of a direction on its hemisphere.
 struct WaveletBrdfTaps {
     column: WaveletBrdfTap,
     row: WaveletBrdfTap,
@@ -94,13 +96,13 @@ fn wavelet_brdf_exact(wi: vec3<f32>, wo: vec3<f32>, level: f32) -> vec3<f32> {
     return wavelet_brdf_from_log(wavelet_brdf_log_value(wi, wo, level, false));
 }
 
-// Inverse of the log encoding of section 5.1: f = μ (exp(v) - ε), from 0 to the largest number.
+// Inverse of the log encoding of section 5.1: f = μ (exp(v) - ε), clamped to 0 and to the largest number.
 fn wavelet_brdf_from_log(value: vec3<f32>) -> vec3<f32> {
     let f = wavelet_brdf_parameters.mean * (exp(value) - wavelet_brdf_parameters.bias);
     return select(vec3<f32>(0.0), min(f, vec3<f32>(WAVELET_BRDF_LARGEST)), f > vec3<f32>(0.0));
 }
 
-// The log-encoded value ln(f / μ + ε). Both directions are above the horizon.
+// Log-encoded value ln(f / μ + ε). Both directions are above the horizon.
 fn wavelet_brdf_log_value(wi: vec3<f32>, wo: vec3<f32>, level: f32, hardware: bool) -> vec3<f32> {
     let axes = wavelet_brdf_axes(wi, wo);
     let outer = wavelet_brdf_taps(axes.outer, brdfc_frame.blend > 0u);
@@ -118,8 +120,8 @@ fn wavelet_brdf_log_value(wi: vec3<f32>, wo: vec3<f32>, level: f32, hardware: bo
     return value;
 }
 
-// The value of one inner cell, filtered over outer cells: of coefficients, which is the same as of values and what a sampler
-// does. Not so of lifted packs, whose outer cells are reconstructed one by one.
+// Value of one inner cell, filtered over outer cells. Filtering coefficients, as a sampler does, equals filtering
+// values, except for energy-preserving packs, whose outer cells are reconstructed one by one.
 fn wavelet_brdf_filtered(
     outer: WaveletBrdfTaps,
     column: u32,
@@ -146,9 +148,9 @@ fn wavelet_brdf_only(tap: WaveletBrdfTap, upper: u32) -> WaveletBrdfTap {
     return WaveletBrdfTap(cell, cell, 0.0, tap.position);
 }
 
-// Section 5.3, equation 2's synthesis along one path of the tree. Level j refines 2^j x 2^j cells to twice as many per
-// axis: first the latitude detail with weight 2^-(N-j), then the longitude detail with weight √2 2^-(N-j). These are
-// the divisions by √2 of all levels taken together; the sign tells the halves apart.
+// Section 5.3, synthesis (equation 2) along one path of the tree. Level j refines 2^j x 2^j cells to twice as many per
+// axis: first the latitude detail with weight 2^-(N-j), then the longitude detail with weight √2 2^-(N-j). These
+// weights combine the divisions by √2 of all levels; the sign depends on the half.
 fn wavelet_brdf_reconstruct(
     outer: WaveletBrdfTaps,
     cells: u32,
@@ -178,7 +180,8 @@ fn wavelet_brdf_reconstruct(
         let longitude_weight = select(-(weight * WAVELET_BRDF_SQRT_2), weight * WAVELET_BRDF_SQRT_2, (child_column & 1u) == 0u);
         let a = wavelet_brdf_coefficient(latitude, outer, cells, hardware);
         let b = wavelet_brdf_coefficient(longitude, outer, cells, hardware);
-        // The coarser value is on the way to the finer one, so a blend of levels costs no second reconstruction.
+        // The coarser value is an intermediate result of the finer one, so blending levels needs no second
+        // reconstruction.
         let part = select(1.0, fraction, j == whole);
         if wavelet_brdf_parameters.lifted == 1u {
             let of_rows = part * latitude_weight * a;
@@ -192,13 +195,13 @@ fn wavelet_brdf_reconstruct(
     return value;
 }
 
-// 2^-n, exactly.
+// Exact 2^-n.
 fn wavelet_brdf_weight(n: u32) -> f32 {
     return bitcast<f32>((127u - n) << 23u);
 }
 
-// How far the logarithm of the mean of two halves is above the mean of their logarithms, where these are h above and below
-// it and the lower half counts `lower` of both: ln(lower exp(h) + (1 - lower) exp(-h)).
+// Difference between the logarithm of the mean of two halves and the mean of their logarithms. The logarithms are h
+// above and below their mean and the lower half has the weight `lower`: ln(lower exp(h) + (1 - lower) exp(-h)).
 fn wavelet_brdf_rise(h: vec3<f32>, lower: f32) -> vec3<f32> {
     let size = abs(h);
     let upper = 1.0 - lower;
@@ -207,18 +210,18 @@ fn wavelet_brdf_rise(h: vec3<f32>, lower: f32) -> vec3<f32> {
     return size + wavelet_brdf_ln(brighter + darker * wavelet_brdf_exp(-2.0 * size));
 }
 
-// exp(x) for x <= 0, within 2.5e-7 of the value down to -80. The built-in functions of GPUs differ; this one does not.
+// exp(x) for x <= 0 with a relative error below 2.5e-7 down to -80. Built-in functions differ between GPUs.
 fn wavelet_brdf_exp(value: vec3<f32>) -> vec3<f32> {
     let x = max(value, vec3<f32>(-87.0));
     let k = round(x * 1.442695);
     let r = (x - k * 0.6933594) - k * -2.1219444e-4;
     let p = 0.5 + r * (1.666652e-1 + r * (4.1666206e-2 + r * (8.368882e-3 + r * 1.3950478e-3)));
     let scale = bitcast<vec3<f32>>((vec3<i32>(k) + 127) << vec3<u32>(23u));
-    // Drivers add constants in an order of their own; there is none here.
+    // Drivers may reorder additions of constants; this expression has none.
     return scale + (r + r * r * p) * scale;
 }
 
-// ln(y) for numbers from 1/8 to 1, within 3e-7 of the value.
+// ln(y) for numbers from 1/8 to 1 with a relative error below 3e-7.
 fn wavelet_brdf_ln(y: vec3<f32>) -> vec3<f32> {
     let bits = bitcast<vec3<i32>>(y);
     let exponent = (bits - 0x3f3504f3) >> vec3<u32>(23u);
@@ -229,15 +232,15 @@ fn wavelet_brdf_ln(y: vec3<f32>) -> vec3<f32> {
     return vec3<f32>(exponent) * 0.6931472 + (z + z * z * (z * p - 0.5));
 }
 
-// Figure 6: the compression map. Slice, scale and offset of a coefficient, all 0 where it was dropped; and what the
-// fourth number of the map is.
+// Figure 6: the compression map. Slice, scale and offset of a coefficient, all 0 if it was dropped, and the fourth
+// component of the map.
 fn wavelet_brdf_entry(coefficient: u32) -> vec4<f32> {
     let levels = wavelet_brdf_parameters.levels;
     let texel = vec2<u32>(coefficient & ((1u << levels) - 1u), coefficient >> levels);
     return textureLoad(wavelet_brdf_index, texel, 0);
 }
 
-// One coefficient at the outer direction: offset + scale * texel. Slice 0 is all zero, so nothing branches on it.
+// Coefficient at the outer direction: offset + scale * texel. Slice 0 is all zero, so no branch is needed.
 fn wavelet_brdf_coefficient(entry: vec4<f32>, outer: WaveletBrdfTaps, cells: u32, hardware: bool) -> vec3<f32> {
     let window = wavelet_brdf_window();
     if hardware {
@@ -259,13 +262,13 @@ fn wavelet_brdf_coefficient(entry: vec4<f32>, outer: WaveletBrdfTaps, cells: u32
     return value;
 }
 
-// Outer cells that slices have, of those of the grid: first column, first row, columns, rows. A cropped pack has not all of
-// them; beyond, the nearest are taken.
+// Stored outer cells: first column, first row, columns, rows. Cells outside the window of a cropped pack are clamped to
+// it.
 fn wavelet_brdf_window() -> vec4<u32> {
     return (vec4<u32>(wavelet_brdf_parameters.window) >> vec4<u32>(0u, 8u, 16u, 24u)) & vec4<u32>(255u);
 }
 
-// A grey pack has its value in all channels.
+// Grey packs have the same value in all channels.
 fn wavelet_brdf_colour(texel: vec4<f32>) -> vec3<f32> {
     return select(texel.rgb, texel.rrr, wavelet_brdf_parameters.channels == 1u);
 }
@@ -287,7 +290,7 @@ fn wavelet_brdf_taps(direction: vec3<f32>, filtered: bool) -> WaveletBrdfTaps {
     return WaveletBrdfTaps(wavelet_brdf_tap(longitude, filtered), wavelet_brdf_tap(colatitude, filtered));
 }
 
-// The cells around an angle in [0, π], whose centres are at (i + 1/2) π / n; or the nearest one.
+// Cells around an angle in [0, π], with centres at (i + 1/2) π / n; or the nearest cell.
 fn wavelet_brdf_tap(angle: f32, filtered: bool) -> WaveletBrdfTap {
     let n = 1u << wavelet_brdf_parameters.levels;
     let relative = angle / WAVELET_BRDF_PI;

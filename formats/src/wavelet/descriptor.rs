@@ -1,4 +1,4 @@
-//! What is known of the codec apart from its packs.
+//! Static description of the codec.
 
 use super::layout::DECODER;
 use super::shader::WAVELET_BRDF_WGSL;
@@ -13,7 +13,7 @@ pub(crate) const DESCRIPTOR: Descriptor = Descriptor {
     wgsl: || WAVELET_BRDF_WGSL.to_owned(),
     functions: &["wavelet_brdf", "wavelet_brdf_exact", "wavelet_brdf_level_of_detail"],
     answer: Answer {
-        takes: "a: wi and the level of detail; b: wo and 1 where the sampler filters, else 0",
+        takes: "a: wi and the level of detail; b: wo and 1 if the sampler filters, otherwise 0",
         gives: "f_r",
         body: "vec4f(select(wavelet_brdf_exact(a.xyz, b.xyz, a.w), wavelet_brdf(a.xyz, b.xyz, a.w), \
                b.w == 1.0), 0.0)",

@@ -1,9 +1,9 @@
-//! The tree of Haar coefficients (section 4.2), and its synthesis. Analysis is the encoder's.
+//! Tree of Haar coefficients (section 4.2) and its synthesis. The encoder has the analysis.
 
 use super::lift::{Lift, rise};
 use num_traits::Float;
 
-/// Coefficient numbers of the latitude and the longitude detail of one step from level `j` to `j + 1`.
+/// Coefficient indices of the latitude and the longitude detail of one step from level `j` to `j + 1`.
 ///
 /// Coefficient 0 is the scaling coefficient. Level `j` starts at `4^j`: first `2^j x 2^j` latitude details, then
 /// `2^(j+1)` rows of `2^j` longitude details.
@@ -13,18 +13,18 @@ pub fn detail_indices(j: u32, parent_column: usize, parent_row: usize, child_row
     (first + parent_row * side + parent_column, 2 * first + child_row * side + parent_column)
 }
 
-/// How a mean is made of two halves.
+/// Mean of two halves.
 pub trait Mean<T> {
-    /// Whether anything is added at all.
+    /// True if the rise is not always zero.
     const RAISED: bool;
-    /// What is added to the mean of two rows, whose detail is `h`, for the pair `row` at level `j`; in units of the samples,
-    /// of which the detail has `unit`.
+    /// Rise over the mean of two rows with detail `h`, for the pair `row` at level `j`, in units of the samples. `unit`
+    /// is the unit of the detail.
     fn of_rows(&self, h: T, unit: T, j: u32, row: usize) -> T;
-    /// The same of two columns.
+    /// Same for two columns.
     fn of_columns(&self, h: T, unit: T, j: u32, column: usize) -> T;
 }
 
-/// The mean of what is transformed, as in the paper.
+/// Mean of the transformed values, as in the paper.
 pub struct Plain;
 
 impl<T: Float> Mean<T> for Plain {
@@ -39,7 +39,7 @@ impl<T: Float> Mean<T> for Plain {
     }
 }
 
-/// The logarithm of the mean of what logarithms are transformed of.
+/// Logarithm of the mean of values whose logarithms are transformed.
 impl Mean<f32> for Lift {
     const RAISED: bool = true;
 
@@ -52,8 +52,8 @@ impl Mean<f32> for Lift {
     }
 }
 
-/// Synthesis, the inverse of `l = (a + b) / √2`, `h = (a - b) / √2`: `a = (l + h) / √2`, `b = (l - h) / √2`, where `mean` is
-/// taken from `l` first. `split` is scratch space.
+/// Synthesis, the inverse of `l = (a + b) / √2`, `h = (a - b) / √2`: `a = (l + h) / √2`, `b = (l - h) / √2`, after
+/// subtraction of the rise from `l`. `split` is scratch memory.
 pub fn inverse<T: Float, M: Mean<T>>(coefficients: &[T], n: usize, mean: &M, samples: &mut [T], split: &mut Vec<T>) {
     let r = T::from(std::f64::consts::FRAC_1_SQRT_2).expect("every float holds 1/√2");
     split.clear();
@@ -88,7 +88,8 @@ pub fn inverse<T: Float, M: Mean<T>>(coefficients: &[T], n: usize, mean: &M, sam
     }
 }
 
-/// What a sample of 1 is among the details of rows and of columns of `half` pairs a side: `n / half`, and that over √2.
+/// Scale of a sample of 1 in the details of rows and of columns with `half` pairs per side: `n / half`, and that
+/// divided by √2.
 pub fn units<T: Float>(half: usize, n: usize) -> (T, T) {
     let rows = T::from(n / half).expect("every float holds small powers of two");
     (rows, rows * T::from(std::f64::consts::FRAC_1_SQRT_2).expect("every float holds 1/√2"))

@@ -1,4 +1,4 @@
-//! Bytes of the `brdfc.*` entries of a wavelet pack, and the rules a pack must keep. Normative text: `formats/src/wavelet/spec.md`.
+//! Key/value data of a wavelet pack and its validation. Normative text: `formats/src/wavelet/spec.md`.
 
 use super::lift::Lift;
 use super::shader::{WaveletBrdfParameters, index_texels};
@@ -12,22 +12,22 @@ use crate::wavelet::{Header, MAX_LEVELS, MAX_SLICES, SliceScale, WaveletPack};
 use crate::{ErrorSummary, FormatError};
 use std::collections::BTreeMap;
 
-/// The name of the decoder and the version of its bindings.
+/// Name of the decoder and version of its bindings.
 pub(super) const DECODER: (&str, u32) = ("wavelet", 1);
 
 const VERSION: u32 = 1;
-/// The entry that tells a wavelet pack.
+/// Key that identifies a wavelet pack.
 const HEADER: &str = "brdfc.wavelet";
 const INDEX: &str = "wavelet_brdf_index";
 const ERRORS: &str = "brdfc.wavelet.errors";
 
 impl WaveletPack {
-    /// The bytes of the KTX2 file.
+    /// Contents of the KTX2 file.
     pub fn to_bytes(&self, supercompress: bool) -> Vec<u8> {
         self.bindings().to_file(entries_of(self), supercompress)
     }
 
-    /// What its shader has bound.
+    /// Bindings of the pack's shader.
     pub fn bindings(&self) -> Bindings<'_> {
         const SAMPLER: &str = "wavelet_brdf_sampler";
         let grid = self.header.grid() as u32;
@@ -47,18 +47,18 @@ impl WaveletPack {
         )
     }
 
-    /// Reads and checks a KTX2 file.
+    /// Reads and validates a KTX2 file.
     ///
     /// # Errors
-    /// Whatever is not a pack that [`Self::to_bytes`] could have written: see `formats/src/wavelet/spec.md` for the rules.
+    /// Returns an error if the file violates `formats/src/wavelet/spec.md`.
     pub fn from_bytes(bytes: &[u8]) -> Result<Self, FormatError> {
         Self::from_file(PackFile::from_bytes(bytes)?)
     }
 
-    /// [`Self::from_bytes`] of a file whose bindings have been read.
+    /// Same as [`Self::from_bytes`] for a file whose bindings have been read.
     ///
     /// # Errors
-    /// As [`Self::from_bytes`].
+    /// Same as [`Self::from_bytes`].
     pub fn from_file(mut file: PackFile) -> Result<Self, FormatError> {
         let (texture, index) = (file.take_own(), file.take_texture(INDEX));
         let pack = from_texture(texture, index)?;
@@ -98,14 +98,14 @@ fn from_texture(texture: Texture, index: Option<Texture>) -> Result<WaveletPack,
     let [columns, rows] = crop.map_or([grid, grid], |crop| crop.window.size);
     let extent = Extent::D3([columns, rows, slices as u32]);
     check_texels(&texture, "texture", extent, header.texel_format(), HEADER)?;
-    let index = index.ok_or_else(|| FormatError::whole(INDEX, "no texels", "those of an index map"))?;
+    let index = index.ok_or_else(|| FormatError::whole(INDEX, "no texels", "texels of an index map"))?;
     let (index, scales) = read_index(&index, &header, slices)?;
     let errors = sized(entry(&texture, ERRORS)?, ERRORS, 2 * ErrorSummary::BYTES)?;
     let (on_grid, off_grid) = errors.split_at(ErrorSummary::BYTES);
     let (on_grid, off_grid) = (ErrorSummary::from_bytes(on_grid, ERRORS)?, ErrorSummary::from_bytes(off_grid, ERRORS)?);
     let slice_bytes = (columns * rows) as usize * header.texel_format().texel_bytes();
     if texture.texels[..slice_bytes].iter().any(|byte| *byte != 0) {
-        return Err(FormatError::whole("slice 0", "a texel that is not zero", "the zero slice"));
+        return Err(FormatError::whole("slice 0", "a non-zero texel", "zeros in all texels"));
     }
     Ok(WaveletPack { header, index, scales, on_grid, off_grid, crop, texels: texture.texels })
 }
@@ -140,23 +140,23 @@ fn read_header(bytes: &[u8]) -> Result<(Header, usize), FormatError> {
         }
     }
     let parameterisation = Parameterisation::from_code(code).expect("checked above");
-    let lifted = cursor.u32("lifted")?;
+    let lifted = cursor.u32("energy-preserving")?;
     if lifted > u32::from(parameterisation == Parameterisation::TangentPole) {
-        let allowed = "0, or 1 where the parameterisation is tangent-pole";
-        return Err(FormatError::whole(format!("{HEADER} lifted"), lifted.to_string(), allowed));
+        let allowed = "0, or 1 with the tangent-pole parameterisation";
+        return Err(FormatError::whole(format!("{HEADER} energy-preserving"), lifted.to_string(), allowed));
     }
     let lifted = lifted == 1;
     Ok((Header { parameterisation, levels, stored_levels, channels, bits, mean, bias, lifted }, slices))
 }
 
-/// How far the share of a lower half may be from the one that [`Lift`] finds: sines differ between platforms.
+/// Maximum deviation of the share of a lower half from the one that [`Lift`] computes: sines differ between platforms.
 const SHARE_TOLERANCE: f32 = 1e-6;
 
-/// The slices of all coefficients, and the scales of all slices.
+/// Slices of all coefficients, and scales of all slices.
 fn read_index(texture: &Texture, header: &Header, slices: usize) -> Result<(Vec<u16>, Vec<SliceScale>), FormatError> {
     check_texels(texture, INDEX, Extent::D2([header.grid() as u32; 2]), TexelFormat::Rgba32Float, HEADER)?;
     let lift = header.lifted.then(|| Lift::new(header.levels));
-    // Kept coefficients take slices 1, 2, ... in order; finer levels than the stored ones are all dropped.
+    // Stored coefficients use slices 1, 2, ... in order. Levels finer than the stored ones have no slices.
     let finest = 1usize << (2 * header.stored_levels);
     let (mut index, mut scales) = (Vec::with_capacity(header.cells()), vec![SliceScale::default()]);
     for (coefficient, texel) in texture.texels.as_chunks::<4>().0.as_chunks::<4>().0.iter().enumerate() {
@@ -164,11 +164,11 @@ fn read_index(texture: &Texture, header: &Header, slices: usize) -> Result<(Vec<
         let wrong = |field: &str, found: String, allowed: String| {
             Err(FormatError::whole(format!("{INDEX} coefficient {coefficient}, {field}"), found, allowed))
         };
-        let (next, kept) = (scales.len(), slice.to_bits() != 0);
-        if kept && (slice != next as f32 || coefficient >= finest) || coefficient == 0 && !kept {
+        let (next, stored) = (scales.len(), slice.to_bits() != 0);
+        if stored && (slice != next as f32 || coefficient >= finest) || coefficient == 0 && !stored {
             let allowed = match coefficient {
                 0 => "1, the scaling slice".to_owned(),
-                _ if coefficient >= finest => "0, as this level is not stored".to_owned(),
+                _ if coefficient >= finest => "0, because this level is not stored".to_owned(),
                 _ => format!("0 or {next}, the next slice"),
             };
             return wrong("slice", slice.to_string(), allowed);
@@ -178,13 +178,13 @@ fn read_index(texture: &Texture, header: &Header, slices: usize) -> Result<(Vec<
             return wrong("share of the lower half", share.to_string(), expected.to_string());
         }
         let fine = scale >= 0.0 && offset.is_finite() && (scale + offset).is_finite();
-        if !fine || !kept && [scale, offset].map(f32::to_bits) != [0; 2] {
+        if !fine || !stored && [scale, offset].map(f32::to_bits) != [0; 2] {
             let allowed =
-                if kept { "numbers with a finite sum, scale not negative" } else { "0 and 0, the zero slice" };
+                if stored { "numbers with a finite sum, non-negative scale" } else { "0 and 0 for the zero slice" };
             return wrong("scale and offset", format!("{scale} and {offset}"), allowed.to_owned());
         }
-        index.push(if kept { next as u16 } else { 0 });
-        if kept {
+        index.push(if stored { next as u16 } else { 0 });
+        if stored {
             scales.push(SliceScale { scale, offset });
         }
     }

@@ -1,28 +1,28 @@
-//! The lifting step of packs that keep light: their scaling coefficients are logarithms of means, where the paper's are
-//! means of logarithms, which are darker.
+//! Lifting step of energy-preserving packs: their scaling coefficients are logarithms of means. The paper uses means of
+//! logarithms, which are darker.
 //!
-//! Two halves whose logarithms are `p + h` and `p - h` have the mean `exp(p + rise)`, with `rise = ln cosh h` where both
-//! count alike. What is kept is `m = p + rise(h)` and `h`; synthesis takes `p = m - rise(h)` first.
-//! Whatever is done to `h`, scaled between levels of detail, rounded or dropped, the mean of both halves stays `exp(m)`.
+//! Two halves with equal weights and logarithms `p + h` and `p - h` have the mean `exp(p + rise)` with `rise = ln cosh
+//! h`. A pack stores `m = p + rise(h)` and `h`; synthesis first computes `p = m - rise(h)`. The mean of both halves
+//! remains `exp(m)` if `h` is scaled between levels of detail, rounded or dropped.
 //!
-//! Halves count by the light that they send out, `cos θ_o dω`, so that what is kept is the albedo of each incoming
-//! direction. Over the tangent-pole grid that weight is a product of `sin² φ` and `sin θ`.
+//! Halves are weighted by the light that they reflect, `cos θ_o dω`, so that the albedo of each incoming direction is
+//! preserved. On the tangent-pole grid the weight is a product of `sin² φ` and `sin θ`.
 
 use crate::vector_math::{exp, ln_parts};
 use std::f32::consts::LN_2;
 use std::f64::consts::PI;
 
-/// How the halves of each pair count, for a grid of `2^levels x 2^levels` cells.
+/// Weights of the halves of each pair, for a grid of `2^levels x 2^levels` cells.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Lift {
-    /// `[2^j - 1 + row]` of the parent.
+    /// Indexed by `2^j - 1 + row` of the parent.
     latitude: Vec<f32>,
-    /// `[2^j - 1 + column]` of the parent.
+    /// Indexed by `2^j - 1 + column` of the parent.
     longitude: Vec<f32>,
 }
 
 impl Lift {
-    /// The weights of a grid.
+    /// Weights of a grid.
     pub fn new(levels: u32) -> Self {
         let each = |share: fn(f64, f64) -> f64| {
             let of_level = |j: u32| {
@@ -34,17 +34,17 @@ impl Lift {
         Self { latitude: each(lower_row), longitude: each(lower_column) }
     }
 
-    /// What the lower of two rows counts of both: `0..1`. Of the pair `row` at level `j`.
+    /// Share of the lower of two rows, `0..1`, for the pair `row` at level `j`.
     pub fn latitude(&self, j: u32, row: usize) -> f32 {
         self.latitude[(1 << j) - 1 + row]
     }
 
-    /// The same of two columns.
+    /// Share of the lower of two columns, `0..1`, for the pair `column` at level `j`.
     pub fn longitude(&self, j: u32, column: usize) -> f32 {
         self.longitude[(1 << j) - 1 + column]
     }
 
-    /// The same of the pair of a coefficient, 0 of the scaling coefficient.
+    /// Share for the pair of a coefficient; 0 for the scaling coefficient.
     pub fn of_coefficient(&self, coefficient: usize) -> f32 {
         if coefficient == 0 {
             return 0.0;
@@ -59,20 +59,21 @@ impl Lift {
     }
 }
 
-/// Share of `∫ sin² φ` that is in the lower of two halves of `width` that meet at `middle`.
+/// Share of `∫ sin² φ` in the lower of two halves of `width` that meet at `middle`.
 fn lower_row(middle: f64, width: f64) -> f64 {
     0.5 - 0.5 * (2.0 * middle).sin() * width.sin().powi(2) / (width - 0.5 * (2.0 * middle).cos() * (2.0 * width).sin())
 }
 
-/// Share of `∫ sin θ` that is in the lower of two halves of `width` that meet at `middle`.
+/// Share of `∫ sin θ` in the lower of two halves of `width` that meet at `middle`.
 fn lower_column(middle: f64, width: f64) -> f64 {
     0.5 - 0.5 * (0.5 * width).tan() / middle.tan()
 }
 
-/// How far the logarithm of the mean of two halves is above the mean of their logarithms, where these are `h` above and
-/// below it and the lower half counts `lower` of both: `ln(lower exp(h) + (1 - lower) exp(-h))`, exactly 0 for `h = 0`.
+/// Difference between the logarithm of the mean of two halves and the mean of their logarithms. The logarithms are `h`
+/// above and below their mean and the lower half has the weight `lower`: `ln(lower exp(h) + (1 - lower) exp(-h))`,
+/// exactly 0 for `h = 0`.
 ///
-/// f32 arithmetic in a fixed order without fused operations, for shaders to give the same bits.
+/// f32 operations in a fixed order without fused operations, which shaders reproduce bit by bit.
 pub fn rise(h: f32, lower: f32) -> f32 {
     let (size, upper) = (h.abs(), 1.0 - lower);
     let (brighter, darker) = if h < 0.0 { (upper, lower) } else { (lower, upper) };
@@ -87,7 +88,7 @@ mod tests {
 
     proptest! {
         #[test]
-        fn the_mean_of_both_halves_is_kept(h in -30.0f32..30.0, lower in 0.125f32..0.875) {
+        fn the_mean_of_both_halves_is_preserved(h in -30.0f32..30.0, lower in 0.125f32..0.875) {
             let (h64, share) = (f64::from(h), f64::from(lower));
             let exact = (share * h64.exp() + (1.0 - share) * (-h64).exp()).ln();
             prop_assert!((f64::from(rise(h, lower)) - exact).abs() <= 4e-7 * (1.0 + h64.abs()), "{exact}");
@@ -104,9 +105,9 @@ mod tests {
         }
     }
 
-    /// Against sums over many thin cells.
+    /// Compares with sums over many thin cells.
     #[test]
-    fn weights_are_those_of_light_that_is_sent_out() {
+    fn weights_match_reflected_light() {
         const FINE: usize = 512;
         let weight = |power: i32, from: usize, to: usize| -> f64 {
             (from..to).map(|k| (PI * (k as f64 + 0.5) / FINE as f64).sin().powi(power)).sum()

@@ -1,37 +1,38 @@
-//! The wavelet BRDF pack (Claustres et al. 2007, section 5): kept coefficient slices as a 3D texture, and the map that
-//! finds them. Byte layout: `spec.md` and `layout.rs`.
+//! Wavelet BRDF pack (Claustres et al. 2007, section 5): stored coefficient slices as a 3D texture, and an index map
+//! from coefficients to slices. Byte layout: `spec.md` and `layout.rs`.
 
 use crate::container::TexelFormat;
 use crate::crop::{Crop, DirectionRange, Window};
 use crate::direction::Parameterisation;
 use crate::{ErrorSummary, FormatError};
 
-/// Most levels: 6 is a 64 x 64 grid per hemisphere.
+/// Maximum number of levels: 6 is a 64 x 64 grid per hemisphere.
 pub const MAX_LEVELS: u32 = 6;
-/// Most slices of a pack, the zero slice included: the depth limit of a 3D texture.
+/// Maximum number of slices of a pack, including the zero slice: the depth limit of a 3D texture.
 pub const MAX_SLICES: usize = crate::container::MAX_EXTENT as usize;
 
-/// Bytes of the index map on a GPU per coefficient.
+/// GPU memory of the index map per coefficient, bytes.
 const INDEX_BYTES: usize = 16;
 
-/// What a pack says of itself.
+/// Header of a wavelet pack.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Header {
-    /// What the two hemispheres of the table are.
+    /// Meaning of the two hemispheres of the table.
     pub parameterisation: Parameterisation,
     /// `N`: the grid of each hemisphere is `2^N x 2^N`, 1 to [`MAX_LEVELS`].
     pub levels: u32,
-    /// Levels of detail that may hold slices, 0 to `levels`: finer ones were not needed and are all zero.
+    /// Levels of detail that may have slices, 0 to `levels`; all coefficients of finer levels are zero.
     pub stored_levels: u32,
     /// Colour channels: 1 (grey) or 3 (linear RGB).
     pub channels: u32,
-    /// Significant bits per component: 8, or 10 to 16 in a texture of 16 bits.
+    /// Significant bits per component: 8, or 10 to 16 in a 16-bit texture.
     pub bits: u32,
     /// `μ`, mean of all samples of the table, 1/sr, positive.
     pub mean: f32,
     /// `ε` of the log encoding `ln(f / μ + ε)`, positive.
     pub bias: f32,
-    /// Whether coarser cells are logarithms of means, see [`super::lift`], or means of logarithms, as in the paper.
+    /// True for energy-preserving packs, whose coarser cells are logarithms of means, see [`super::lift`]; false for
+    /// means of logarithms, as in the paper.
     pub lifted: bool,
 }
 
@@ -46,7 +47,7 @@ impl Header {
         self.grid() * self.grid()
     }
 
-    /// How texels are stored: 1 or 4 components, of 8 or 16 bits.
+    /// Texel format: 1 or 4 components of 8 or 16 bits.
     pub fn texel_format(&self) -> TexelFormat {
         match (self.channels, self.bits) {
             (1, 8) => TexelFormat::R8Unorm,
@@ -57,7 +58,7 @@ impl Header {
     }
 }
 
-/// What makes stored numbers coefficients again: `coefficient = offset + scale * texel`, texel in `[0, 1]`.
+/// Dequantisation: `coefficient = offset + scale * texel`, texel in `[0, 1]`.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct SliceScale {
     /// Range of the slice, not negative.
@@ -71,30 +72,30 @@ pub struct SliceScale {
 pub struct WaveletPack {
     /// Sizes and constants.
     pub header: Header,
-    /// The paper's compression map: slice of each coefficient, 0 where it was dropped. `cells` entries.
-    /// Entry 0, the scaling coefficient, is slice 1.
+    /// Compression map of the paper: slice of each coefficient, 0 if it was dropped. Has `cells` elements. Element 0,
+    /// the scaling coefficient, has slice 1.
     pub index: Vec<u16>,
     /// One per slice; slice 0, the zero slice, has scale and offset 0.
     pub scales: Vec<SliceScale>,
-    /// Codec error: decoded samples against the table they were made from.
+    /// Codec error: decoded samples against the encoded table.
     pub on_grid: ErrorSummary,
-    /// What a user sees: the filtered pack against the source at direction pairs that depend on no grid.
+    /// Error of the filtered pack against the source at independent test directions.
     pub off_grid: ErrorSummary,
-    /// What it leaves out.
+    /// Covered directions and stored window; `None` for uncropped packs.
     pub crop: Option<Crop>,
     /// Texels `[slice][row][column][component]`, little-endian; column = longitude, row = colatitude of the outer
-    /// direction. With 3 channels the fourth component is full.
+    /// direction. With 3 channels the fourth component has its largest value.
     pub texels: Vec<u8>,
 }
 
 impl WaveletPack {
-    /// The pack without the outer cells outside a window.
+    /// Removes the outer cells outside a window.
     ///
     /// # Errors
-    /// A window that is not within the grid, or is empty; a pack that was cropped before.
+    /// Returns an error if the window is empty or not within the grid, or if the pack is already cropped.
     pub fn cropped(&self, crop: Crop) -> Result<Self, FormatError> {
         if self.crop.is_some() {
-            return Err(FormatError::whole("wavelet pack", "one that is cropped", "a whole one"));
+            return Err(FormatError::whole("wavelet pack", "a cropped pack", "an uncropped pack"));
         }
         let (grid, texel_bytes) = (self.header.grid() as u32, self.header.texel_format().texel_bytes());
         crop.check([grid, grid], 1)?;
@@ -103,13 +104,13 @@ impl WaveletPack {
         Ok(Self { texels: texels.collect(), crop: Some(crop), ..self.clone() })
     }
 
-    /// Outer cells that slices have, of those of the grid.
+    /// Stored outer cells, in terms of the grid.
     pub fn window(&self) -> Window {
         let grid = self.header.grid() as u32;
         self.crop.map_or(Window::whole([grid, grid]), |crop| crop.window)
     }
 
-    /// Directions that it is for.
+    /// Directions that the pack covers.
     pub fn directions(&self) -> DirectionRange {
         self.crop.map_or(DirectionRange::ALL, |crop| crop.directions)
     }
@@ -120,19 +121,19 @@ impl WaveletPack {
         [columns, rows, self.slices() as u32]
     }
 
-    /// Slices of the texture, the zero slice included.
+    /// Slices of the texture, including the zero slice.
     pub fn slices(&self) -> usize {
         self.scales.len()
     }
 
-    /// Bytes on a GPU: the texture, and the index map with one slice number, scale and offset per coefficient
-    /// (16 bytes, see [`crate::wavelet::shader`]).
+    /// GPU memory of the texture and the index map, bytes. The index map has a slice number, scale and offset per
+    /// coefficient (16 bytes, see [`crate::wavelet::shader`]).
     pub fn gpu_bytes(&self) -> u64 {
         gpu_bytes(&self.header, self.window(), self.slices())
     }
 }
 
-/// Bytes on a GPU of a pack with this many slices of such a window, the zero slice included.
+/// GPU memory of a pack with this many slices of such a window, including the zero slice, bytes.
 pub fn gpu_bytes(header: &Header, window: Window, slices: usize) -> u64 {
     let texture = (window.size[0] * window.size[1]) as usize * slices * header.texel_format().texel_bytes();
     (texture + INDEX_BYTES * header.cells()) as u64

@@ -1,4 +1,4 @@
-//! What a shader needs besides a pack's texture: `formats/src/wavelet/decode.wgsl`, its uniform block and its index map.
+//! Shader side of wavelet packs: `formats/src/wavelet/decode.wgsl`, its uniform block and its index map.
 
 use super::lift::Lift;
 use crate::arc_tangent::arc_tangent_wgsl;
@@ -6,22 +6,22 @@ use crate::crop::Window;
 use crate::cursor::block_bytes;
 use crate::wavelet::WaveletPack;
 
-/// The WGSL decoder. It declares a uniform block, two textures and a sampler in bind group 1; see the file.
+/// WGSL decoder. It declares a uniform block, two textures and a sampler in bind group 1; see the file.
 pub const WAVELET_BRDF_WGSL: &str = concat!(
     include_str!("../bindings/frame.wgsl"),
     include_str!("decode.wgsl"),
     arc_tangent_wgsl!("wavelet_brdf", "WAVELET_BRDF")
 );
 
-/// How far hardware filtering of 8-bit slices may be from exact weights, in units of a texel's range [0, 1].
+/// Maximum error of hardware filtering of 8-bit slices against exact weights, in units of a texel's range [0, 1].
 ///
-/// Samplers use weights of 8 bits or fewer; Vulkan asks for no more than 4. Software drivers were measured at 6.7e-3.
+/// Samplers use weights of 8 bits or fewer; Vulkan requires at least 4. Software drivers had a maximum error of 6.7e-3.
 pub const FILTER_PRECISION_8_BIT: f32 = 1.0 / 128.0;
 
-/// The same for slices of 16 bits on drivers that filter them in 32-bit floats, as software drivers do.
+/// Maximum error for 16-bit slices on drivers that filter them in 32-bit floats, as software drivers do.
 pub const FILTER_PRECISION_16_BIT: f32 = 2e-6;
 
-/// The uniform block `WaveletBrdfParameters` of the shader.
+/// Values of the uniform block `WaveletBrdfParameters`.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct WaveletBrdfParameters {
     /// `N`: each hemisphere has `2^N x 2^N` cells.
@@ -38,19 +38,19 @@ pub struct WaveletBrdfParameters {
     pub scaling_scale: f32,
     /// Offset of slice 1.
     pub scaling_offset: f32,
-    /// Depth of the texture, the zero slice included.
+    /// Depth of the texture, including the zero slice.
     pub slices: f32,
-    /// 1 of lifted packs, else 0.
+    /// 1 for energy-preserving packs, otherwise 0.
     pub lifted: u32,
-    /// The outer cells that slices have.
+    /// Stored outer cells.
     pub window: Window,
 }
 
 impl WaveletBrdfParameters {
-    /// Bytes of the block.
+    /// Size of the block, bytes.
     pub const SIZE: usize = 48;
 
-    /// The parameters of a pack.
+    /// Parameters of a pack.
     pub fn new(pack: &WaveletPack) -> Self {
         let header = &pack.header;
         Self {
@@ -67,7 +67,7 @@ impl WaveletBrdfParameters {
         }
     }
 
-    /// The block as the shader reads it: little-endian, fields in order, zeros where none is.
+    /// The block as the shader reads it: little-endian fields in order, padded with zeros.
     pub fn to_bytes(&self) -> [u8; Self::SIZE] {
         let Window { first: [column, row], size: [columns, rows] } = self.window;
         let window = column | row << 8 | columns << 16 | rows << 24;
@@ -89,8 +89,8 @@ impl WaveletBrdfParameters {
     }
 }
 
-/// The index map as texels of four 32-bit floats, `2^N x 2^N` of them: coefficient `k` at `(k mod 2^N, k / 2^N)` has its
-/// slice, the slice's scale and offset, and of lifted packs what the lower one of its halves counts, else 0.
+/// Index map as texels of four 32-bit floats, `2^N x 2^N` of them. Coefficient `k` at `(k mod 2^N, k / 2^N)` has its
+/// slice, scale and offset, and in energy-preserving packs the share of its lower half, otherwise 0.
 pub(super) fn index_texels(pack: &WaveletPack) -> Vec<[f32; 4]> {
     let lift = pack.header.lifted.then(|| Lift::new(pack.header.levels));
     let entry = |(coefficient, slice): (usize, &u16)| {

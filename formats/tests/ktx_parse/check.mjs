@@ -1,5 +1,5 @@
-// Reads every pack NAME.ktx2 of a folder with ktx-parse and compares it with what NAME.json and NAME.texels say.
-// Writing what was read has to give the same bytes: ktx-parse agrees on every rule of the layout.
+// Reads each pack NAME.ktx2 of a folder with ktx-parse and compares it with NAME.json and NAME.texels.
+// Writing the pack again must give the same bytes, so ktx-parse agrees on every rule of the layout.
 import assert from 'node:assert/strict';
 import { readFileSync, readdirSync } from 'node:fs';
 import { join } from 'node:path';

@@ -6,7 +6,7 @@ use brdfc_formats::container::{Extent, TexelFormat, Texture};
 use brdfc_testing::packs::{Numbers, check_dump, rebind, sealed};
 use naga::valid::{Capabilities, ValidationFlags, Validator};
 
-/// The map whose bytes stand on the page.
+/// The map in the dump of the page.
 fn example() -> BandwidthMap {
     let kind = BandwidthKind::Texture { metres: [0.5, 0.25], tiles: true };
     let header = BandwidthHeader { kind, epsilon: 0.01, transformed: [4, 2] };
@@ -29,7 +29,7 @@ fn maps() -> Vec<BandwidthMap> {
 }
 
 #[test]
-fn what_is_written_is_read() {
+fn maps_round_trip() {
     for map in maps() {
         for supercompress in [false, true] {
             let bytes = map.to_bytes(supercompress);
@@ -49,7 +49,7 @@ fn the_dump_on_the_page() {
 }
 
 #[test]
-fn no_truncation_and_no_corrupt_byte_panics() {
+fn truncated_and_corrupt_files_do_not_panic() {
     for map in &maps()[1..] {
         for supercompress in [false, true] {
             let bytes = map.to_bytes(supercompress);
@@ -94,8 +94,8 @@ fn fields_out_of_range_are_named() {
     for (word, value, expected) in [
         (0, 2, "brdfc.bandwidth version: found 2, expected 1"),
         (1, 3, "brdfc.bandwidth kind: found 3, expected 0 (brdf), 1 (environment) or 2 (texture)"),
-        (1, 1, "brdfc.bandwidth unit: found 1, expected 0 (cycles per radian) of the kind environment"),
-        (2, 0, "brdfc.bandwidth unit: found 0, expected 1 (cycles per metre) of the kind texture"),
+        (1, 1, "brdfc.bandwidth unit: found 1, expected 0 (cycles per radian) for the kind environment"),
+        (2, 0, "brdfc.bandwidth unit: found 0, expected 1 (cycles per metre) for the kind texture"),
         (3, 0, "brdfc.bandwidth epsilon: found 0, expected a positive number of at most 1"),
         (3, bits(f32::NAN), "brdfc.bandwidth epsilon: found NaN, expected"),
         (3, bits(1.5), "brdfc.bandwidth epsilon: found 1.5, expected"),
@@ -112,24 +112,24 @@ fn fields_out_of_range_are_named() {
         assert!(found.starts_with(expected), "{found}");
     }
     assert!(with(&environment, 8, 1).starts_with("brdfc.bandwidth metres: found 0 x 0 metres, tiles 1"));
-    assert_eq!(with(&environment, 1, 0), "size of a bandwidth map: found 5 x 3, expected 256 x 256 of a BRDF");
+    assert_eq!(with(&environment, 1, 0), "size of a bandwidth map: found 5 x 3, expected 256 x 256 for a BRDF");
     let mut entryless = cloth.clone();
     entryless.entries.remove("brdfc.bandwidth");
-    assert!(refusal(&entryless).starts_with("brdfc.bandwidth: found no brdfc entries"));
+    assert!(refusal(&entryless).starts_with("brdfc.bandwidth: found no brdfc keys"));
     let mut long = cloth.clone();
     long.entries.get_mut("brdfc.bandwidth").unwrap().push(0);
     assert_eq!(refusal(&long), "brdfc.bandwidth: found 41 bytes, expected 40 bytes");
 }
 
 #[test]
-fn texels_and_shapes_that_no_map_has() {
+fn invalid_texels_and_shapes() {
     let good = Texture::from_bytes(&example().to_bytes(false)).unwrap();
     for bad in [0x7c00u16, 0x7e00, 0x8000, 0xbc00, 0xffff] {
         let mut changed = good.clone();
         changed.texels[2..4].copy_from_slice(&bad.to_le_bytes());
         assert!(refusal(&changed).starts_with("bandwidth texel (1, 0): found "), "{bad:#x}");
     }
-    // Of another shape, as its bindings say.
+    // Another shape, declared by its bindings.
     let reshaped = |format: TexelFormat, extent: Extent| {
         let texels = vec![0; extent.texels() as usize * format.texel_bytes()];
         let mut changed = Texture { format, extent, texels, ..good.clone() };
@@ -145,7 +145,7 @@ fn texels_and_shapes_that_no_map_has() {
     }
     let wide = reshaped(TexelFormat::R16Float, Extent::D2([513, 1]));
     assert_eq!(wide, "size of a bandwidth map: found 513 x 1, expected 1 to 512 on each side");
-    // Of another kind than its bindings are for.
+    // A kind that differs from its bindings.
     let mut other = good.clone();
     rebind(&mut other, "33 bandwidth_texture_parameters", "31 bandwidth_texture_parameters");
     let expected = "brdfc.bindings line 2: found 31 bandwidth_texture_parameters uniform 16, expected 33 ";

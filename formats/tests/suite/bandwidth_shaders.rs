@@ -4,7 +4,7 @@ use brdfc_formats::bandwidth::propagation::PROPAGATION_WGSL;
 use brdfc_formats::importance::{IMPORTANCE_WGSL, ImportanceHeader};
 use naga::valid::{Capabilities, ValidationFlags, Validator};
 
-/// What naga says against a shader; no capability beyond those that WebGPU has without features.
+/// Error of naga for a shader, with no capabilities beyond WebGPU without features.
 fn complaint(text: &str) -> Option<String> {
     let module = match naga::front::wgsl::parse_str(text) {
         Ok(module) => module,

@@ -1,5 +1,5 @@
-//! Bindings of packs: what is written is read, each rule of their text and of the entries that they name is broken in turn,
-//! and a flipped bit anywhere is found.
+//! Bindings of packs: round trips, violations of each rule of the list and of the data that it names, and detection of
+//! any flipped bit.
 
 use brdfc_formats::bindings::{Binding, Bindings, MAX_BINDINGS, PackFile, Texels};
 use brdfc_formats::container::{Extent, PackedTexture, TexelFormat, Texture};
@@ -9,7 +9,7 @@ use brdfc_testing::packs::{BINDINGS_ENTRY, change_image, read_texture, rebind, s
 use proptest::prelude::*;
 use std::collections::BTreeMap;
 
-/// Bindings of a codec that there is not: a block, textures of all places and dimensions, a sampler.
+/// Bindings of a fictitious codec: a block, textures of all storage kinds and dimensions, a sampler.
 fn marble() -> Bindings<'static> {
     const SAMPLER: &str = "marble_sampler";
     let veins = Texels::new(TexelFormat::R8Unorm, Extent::D2([4, 2]), (0..11).collect::<Vec<u8>>());
@@ -29,12 +29,12 @@ fn marble() -> Bindings<'static> {
 
 const WORDS: &str = "brdfc.image.marble_words";
 
-/// An entry that the codec might have of its own.
+/// Key/value data of the fictitious codec itself.
 fn own() -> BTreeMap<String, Vec<u8>> {
     BTreeMap::from([("brdfc.marble".to_owned(), vec![1, 2, 3])])
 }
 
-/// The file as its container, whose entries a test may change.
+/// The file as a texture whose key/value data tests can change.
 fn texture() -> Texture {
     read_texture(&marble().to_file(own(), false)).unwrap()
 }
@@ -49,7 +49,7 @@ fn refusal(texture: &Texture) -> FormatError {
 }
 
 #[test]
-fn what_is_written_is_read() {
+fn files_round_trip() {
     for supercompress in [false, true] {
         let bytes = marble().to_file(own(), supercompress);
         let read = PackFile::from_bytes(&bytes).unwrap();
@@ -68,7 +68,7 @@ fn what_is_written_is_read() {
     assert_eq!(text, expected);
 }
 
-/// Each rule of the text, and what a message says where it is broken.
+/// Violations of each rule of the list, and their messages.
 #[test]
 fn lines_out_of_rule_are_named() {
     let long = "x".repeat(65);
@@ -82,14 +82,14 @@ fn lines_out_of_rule_are_named() {
         ("decoder marble 1", "decoder marble 01", "line 1: found 01, expected 1 to"),
         ("decoder marble 1", "decoder marble 1 ", "line 1: found decoder marble 1 , expected"),
         // Words of a line.
-        ("\n0 brdfc_frame frame", "\n", "line 2: found , expected a slot, a name, and what is bound"),
+        ("\n0 brdfc_frame frame", "\n", "line 2: found , expected a slot, a name and a resource"),
         ("\n0 brdfc_frame frame", "\n0 brdfc_frame", "line 2: found 0 brdfc_frame, expected a slot, a name"),
         (
             "0 brdfc_frame frame",
             "0 brdfc_frame frame\r",
             "line 2: found 0 brdfc_frame frame\r, expected frame, uniform",
         ),
-        ("0 brdfc_frame frame", "1 brdfc_frame frame", "line 2: found 1, expected slot 0 of a frame"),
+        ("0 brdfc_frame frame", "1 brdfc_frame frame", "line 2: found 1, expected slot 0 for a frame"),
         ("0 brdfc_frame frame", "0 brdfc_frame frame 16", "line 2: found 0 brdfc_frame frame 16, expected frame"),
         ("sampler repeat", "buffer 16", "line 7: found 44 marble_sampler buffer 16, expected frame, uniform, texture"),
         ("sampler repeat", "sampler", "line 7: found 44 marble_sampler sampler, expected"),
@@ -100,8 +100,8 @@ fn lines_out_of_rule_are_named() {
         ("40 marble", "-1 marble", "line 3: found -1, expected 0 to 999"),
         ("40 marble", "+40 marble", "line 3: found +40, expected 0 to 999"),
         ("40 marble", "4294967336 marble", "line 3: found 4294967336, expected 0 to 999"),
-        ("42 marble", "41 marble", "line 5: found slot 41, expected slots that rise, each once"),
-        ("42 marble", "3 marble", "line 5: found slot 3, expected slots that rise, each once"),
+        ("42 marble", "41 marble", "line 5: found slot 41, expected slots in ascending order, each once"),
+        ("42 marble", "3 marble", "line 5: found slot 3, expected slots in ascending order, each once"),
         // Names.
         ("42 marble_words texture", &name("marble words"), "line 5: found 42 marble words"),
         ("42 marble_words texture", &name("Marble"), "line 5: found Marble, expected a name of a to z"),
@@ -110,11 +110,7 @@ fn lines_out_of_rule_are_named() {
         ("42 marble_words texture", &name("märble"), "line 5: found märble, expected a name of a to z"),
         ("42 marble_words texture", &name(""), "line 5: found , expected a name of a to z"),
         ("42 marble_words texture", &name(&long), "line 5: found xxx"),
-        (
-            "42 marble_words texture",
-            &name("marble_sizes"),
-            "line 5: found marble_sizes, expected a name that stands once",
-        ),
+        ("42 marble_words texture", &name("marble_sizes"), "line 5: found marble_sizes, expected a unique name"),
         // Uniform blocks.
         ("uniform 32", "uniform 0", "line 3: found 0, expected 16 to 16384"),
         ("uniform 32", "uniform 20", "line 3: found 20, expected a multiple of 16"),
@@ -124,8 +120,8 @@ fn lines_out_of_rule_are_named() {
         ("texture entry 2d-array", "texture there 2d-array", "line 5: found there, expected file or entry or empty"),
         ("entry 2d-array", "entry cube", "line 5: found cube of [2, 1, 2], expected 2d, 2d-array or 3d"),
         ("entry 2d-array", "entry 2d", "line 5: found 2d of [2, 1, 2], expected 2d, 2d-array or 3d"),
-        ("r32uint", "r32float", "line 5: found r32float, expected a texel format of packs"),
-        ("r32uint", "r8unorm-srgb", "line 5: found r8unorm-srgb, expected a texel format of packs"),
+        ("r32uint", "r32float", "line 5: found r32float, expected a texel format that packs support"),
+        ("r32uint", "r8unorm-srgb", "line 5: found r8unorm-srgb, expected a texel format that packs support"),
         ("r32uint 2 1 2", "r32uint 0 1 2", "line 5: found 0, expected 1 to"),
         ("r32uint 2 1 2", "r32uint 2 8193 2", "line 5: found 2d-array of [2, 8193, 2], expected 2d, 2d-array"),
         ("r32uint 2 1 2", "r32uint 2 1 2049", "line 5: found 2d-array of [2, 1, 2049], expected 2d, 2d-array"),
@@ -137,14 +133,22 @@ fn lines_out_of_rule_are_named() {
         ("2 1 2 1 -", "2 1 2 0 -", "line 5: found 0, expected 1 to 2"),
         ("2 1 2 1 -", "2 1 2 3 -", "line 5: found 3, expected 1 to 2"),
         ("2 1 2 1 -", "2 1 2 1", "line 5: found 42 marble_words texture"),
-        ("rg8unorm 1 1 1 1", "rg8unorm 2 1 1 1", "line 8: found [2, 1, 1], expected one texel where nothing is stored"),
+        ("rg8unorm 1 1 1 1", "rg8unorm 2 1 1 1", "line 8: found [2, 1, 1], expected one texel for an empty texture"),
         // Samplers of textures.
-        ("1 1 marble_sampler", "1 1 marble_curve", "line 6: found marble_curve, expected a sampler of the list, or -"),
-        ("1 1 marble_sampler", "1 1 sampler", "line 6: found sampler, expected a sampler of the list, or -"),
+        (
+            "1 1 marble_sampler",
+            "1 1 marble_curve",
+            "line 6: found marble_curve, expected the name of a sampler in the list, or -",
+        ),
+        (
+            "1 1 marble_sampler",
+            "1 1 sampler",
+            "line 6: found sampler, expected the name of a sampler in the list, or -",
+        ),
         (
             "2 1 2 1 -",
             "2 1 2 1 marble_sampler",
-            "line 5: found marble_sampler, expected -, as integers are not filtered",
+            "line 5: found marble_sampler, expected -, because integers are not filtered",
         ),
         // The file's own texture.
         (
@@ -164,7 +168,7 @@ fn lines_out_of_rule_are_named() {
 }
 
 #[test]
-fn the_entry_is_lines_with_an_end() {
+fn the_list_ends_with_a_zero_byte() {
     let with_list = |list: &[u8]| {
         let mut texture = texture();
         texture.entries.insert(BINDINGS_ENTRY.to_owned(), list.to_vec());
@@ -178,11 +182,11 @@ fn the_entry_is_lines_with_an_end() {
         assert!(error.starts_with(BINDINGS_ENTRY), "{error}");
     }
     let latin = [&good[..20], &[0xe4], &good[20..]].concat();
-    assert!(with_list(&latin).ends_with("expected lines of UTF-8 and a zero byte"));
+    assert!(with_list(&latin).ends_with("expected lines of UTF-8 text that end with a zero byte"));
     assert!(with_list(b"decoder marble 1\n\0").starts_with("brdfc.bindings bindings: found none, expected 1 to 32"));
 }
 
-/// A pack with a texture of its own and these bindings besides.
+/// A pack with a texture of its own and these bindings.
 fn crowd(others: impl Iterator<Item = Binding<'static>>) -> Result<PackFile, FormatError> {
     let texels = Texels::new(TexelFormat::R8Unorm, Extent::D2([1, 1]), vec![0]).of_file();
     let all = [Binding::texture(0, "first", texels)].into_iter().chain(others);
@@ -194,7 +198,7 @@ fn named(slot: u32) -> &'static str {
 }
 
 #[test]
-fn more_than_a_device_has_is_refused() {
+fn more_bindings_than_devices_support_are_rejected() {
     let empty = || Texels::empty(TexelFormat::R8Unorm, Extent::D2([1, 1]));
     let texture = |slot| Binding::texture(slot, named(slot), empty());
     let sampler = |slot| Binding::sampler(slot, named(slot), false);
@@ -217,11 +221,11 @@ fn more_than_a_device_has_is_refused() {
 }
 
 #[test]
-fn entries_are_those_that_bindings_name() {
+fn keys_are_those_that_bindings_name() {
     for (key, line) in [("brdfc.uniform.marble_sizes", 3), (WORDS, 5)] {
         let mut missing = texture();
         missing.entries.remove(key);
-        let expected = format!("{key}: found no such entry, expected one, as brdfc.bindings line {line} says");
+        let expected = format!("{key}: found no such key, expected the key that brdfc.bindings line {line} names");
         assert_eq!(refusal(&missing).to_string(), expected);
     }
     for (change, found) in [(-16isize, 16), (-1, 31), (1, 33), (16, 48)] {
@@ -232,12 +236,12 @@ fn entries_are_those_that_bindings_name() {
             format!("brdfc.uniform.marble_sizes: found {found} bytes, expected 32, as brdfc.bindings line 3 says");
         assert_eq!(refusal(&resized).to_string(), expected);
     }
-    // Of no binding, or of one of another kind.
+    // Without a binding, or with a binding of another kind.
     for key in ["brdfc.image.marble", "brdfc.image.marble_sizes", "brdfc.image.", "brdfc.uniform.marble_words"] {
         let mut spare = texture();
         spare.entries.insert(key.to_owned(), spare.entries[WORDS].clone());
         let error = refusal(&spare);
-        assert_eq!((&*error.field, &*error.found), (key, "an entry that no binding names"));
+        assert_eq!((&*error.field, &*error.found), (key, "a key that no binding names"));
     }
     let mut without = texture();
     without.entries.remove(BINDINGS_ENTRY);
@@ -249,12 +253,12 @@ fn entries_are_those_that_bindings_name() {
     let at = bytes.windows(15).position(|bytes| bytes == b"brdfc.bindingz\0").unwrap();
     bytes[at + 13] = b's';
     let error = PackFile::from_bytes(&sealed(bytes)).unwrap_err().to_string();
-    assert_eq!(error, "brdfc.bindings: found two entries of this name, expected one");
+    assert_eq!(error, "brdfc.bindings: found a duplicate key, expected unique keys");
 }
 
-/// Images are as their lines say, in entries and of the file itself.
+/// Images match their lines, whether stored as key/value data or as the file itself.
 #[test]
-fn images_are_as_bindings_say() {
+fn images_match_their_bindings() {
     let with_words = |change: &dyn Fn(&mut Texture)| {
         let mut texture = texture();
         change_image(&mut texture, "marble_words", change);
@@ -277,7 +281,7 @@ fn images_are_as_bindings_say() {
             resize(image);
         });
         let found = format!("found {levels} levels of {extent} texels of {}", format.name());
-        assert_eq!(error, format!("{WORDS}: {found}; {says}"));
+        assert_eq!(error, format!("{WORDS}: {found}, {says}"));
     }
     // The file itself.
     let mut file = texture();
@@ -286,10 +290,10 @@ fn images_are_as_bindings_say() {
     let error = refusal(&file).to_string();
     let expected = "texture: found 3 levels of 2 x 4 texels of r8unorm, expected 3 levels of 4 x 2 texels of r8unorm";
     assert!(error.starts_with(expected), "{error}");
-    // An image is no pack.
+    // An image is not a pack.
     for key in [BINDINGS_ENTRY, "brdfc.checksum", "brdfc.note"] {
         let error = with_words(&|image| drop(image.entries.insert(key.to_owned(), vec![0; 4])));
-        assert_eq!(error, format!("{WORDS}, entries: found {key}, expected none of brdfc"));
+        assert_eq!(error, format!("{WORDS}, keys: found {key}, expected no brdfc keys"));
     }
     // No file, or the beginning of one.
     let image = texture().entries[WORDS].clone();
@@ -305,15 +309,15 @@ fn images_are_as_bindings_say() {
     assert_eq!(with_bytes(&[7; 200]).field, format!("{WORDS}, identifier"));
 }
 
-/// Sizes are known, and held against the file's bytes, before memory is asked for.
+/// Sizes are checked against the file's bytes before memory is allocated.
 #[test]
-fn images_that_unpack_to_very_much_are_refused_unread() {
+fn huge_images_are_rejected_before_decompression() {
     // All images together.
     let mut texture = texture();
     rebind(&mut texture, "r32uint 2 1 2 1 -", "r32uint 8192 8192 4 1 -");
     let error = refusal(&texture).to_string();
     let expected =
-        "brdfc.bindings line 5: found 1073741824 bytes of texels more, expected at most 1073741824 of all images";
+        "brdfc.bindings line 5: found 1073741824 bytes of texels more, expected at most 1073741824 for all images";
     assert_eq!(error, expected);
     // A frame that declares what its line says, in a few bytes.
     rebind(&mut texture, "r32uint 8192 8192 4 1 -", "r32uint 8192 8192 3 1 -");
@@ -334,15 +338,15 @@ fn images_that_unpack_to_very_much_are_refused_unread() {
     assert_eq!((&*error.field, &*error.found), (&*format!("{WORDS}, level 0"), "41 bytes, too few for that"));
 }
 
-/// A checksum is that of all bytes, in four bytes of its own.
+/// The checksum covers all bytes, with its own four taken as zero.
 #[test]
-fn files_without_their_checksum_are_refused() {
+fn files_without_their_checksum_are_rejected() {
     let bytes = marble().to_file(own(), true);
     assert_eq!(sealed(bytes.clone()), bytes);
     for value in [Vec::new(), vec![0; 3], vec![0; 5], vec![0; 8]] {
         let mut texture = texture();
         texture.entries.insert("brdfc.checksum".to_owned(), value);
-        assert_eq!(refusal(&texture).to_string(), "brdfc.checksum: found none, expected one of 4 bytes");
+        assert_eq!(refusal(&texture).to_string(), "brdfc.checksum: found none, expected a value of 4 bytes");
     }
     let mut longer = bytes.clone();
     longer.push(0);
@@ -357,7 +361,7 @@ fn files_without_their_checksum_are_refused() {
     }
 }
 
-/// A small pack of each codec, and of the one that there is not.
+/// A small pack of each codec and of the fictitious one.
 fn small_packs() -> Vec<(&'static str, Vec<u8>)> {
     let of = |supercompress| {
         let packs = PackKind::ALL.map(|kind| (kind.name(), tested(kind).small_pack(supercompress)));
@@ -367,7 +371,7 @@ fn small_packs() -> Vec<(&'static str, Vec<u8>)> {
 }
 
 #[test]
-fn every_flipped_bit_and_every_cut_is_found() {
+fn every_flipped_bit_and_every_truncation_is_detected() {
     for (codec, bytes) in small_packs() {
         let whole = PackFile::from_bytes(&bytes).unwrap();
         assert_eq!(whole.bindings.decoder, codec);
@@ -385,7 +389,7 @@ fn every_flipped_bit_and_every_cut_is_found() {
     }
 }
 
-/// Behind the checksum: an error, or a pack that is written and read again; of a codec, one that its reader may refuse.
+/// With a valid checksum: an error, or a pack that round-trips and that the reader of its codec may reject.
 #[test]
 fn no_single_corrupt_byte_panics() {
     for (codec, bytes) in small_packs() {
@@ -405,7 +409,7 @@ fn no_single_corrupt_byte_panics() {
     }
 }
 
-/// Parts are read alone: entries and levels stand where header and lengths say, whatever the codec is.
+/// Partial reads: key/value data and levels are at the offsets in the header, for any codec.
 #[test]
 fn parts_are_found_by_their_offsets() {
     let bytes = marble().to_file(own(), false);
@@ -464,16 +468,16 @@ proptest! {
     #![proptest_config(ProptestConfig::with_cases(300))]
 
     #[test]
-    fn any_bindings_come_back(bindings in any_bindings(), supercompress: bool) {
+    fn any_bindings_round_trip(bindings in any_bindings(), supercompress: bool) {
         let bytes = bindings.to_file(own(), supercompress);
         let read = PackFile::from_bytes(&bytes).unwrap();
         prop_assert_eq!(&read.bindings, &bindings);
         prop_assert_eq!(read.entries, own());
     }
 
-    /// The text has one form: what is read of changed text is written as that text.
+    /// The list has a canonical form: text that is read is written unchanged.
     #[test]
-    fn any_text_is_refused_or_read_as_it_is(edits in proptest::collection::vec((any::<u16>(), 0u8..4, "[a-z0-9 \n-]{0,3}"), 1..4)) {
+    fn any_text_is_rejected_or_read_unchanged(edits in proptest::collection::vec((any::<u16>(), 0u8..4, "[a-z0-9 \n-]{0,3}"), 1..4)) {
         let mut texture = texture();
         let mut text = String::from_utf8(texture.entries[BINDINGS_ENTRY].clone()).unwrap();
         for (place, cut, put) in edits {

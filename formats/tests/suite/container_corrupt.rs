@@ -1,10 +1,10 @@
-//! Broken textures of every kind and format, before any pack looks at them.
+//! Corrupt textures of all kinds and formats, before they are interpreted as packs.
 
 use brdfc_formats::container::{Extent, MAX_TEXEL_BYTES, PackedTexture, TexelFormat, Texture};
 use brdfc_testing::packs::read_texture;
 use std::collections::BTreeMap;
 
-/// Fields of the header, word by word from the width, as a reader takes or refuses them.
+/// Header fields, word by word from the width, that a reader accepts or rejects.
 #[test]
 fn kinds_and_limits_of_textures() {
     let texture = |format, extent: Extent| {
@@ -25,7 +25,7 @@ fn kinds_and_limits_of_textures() {
     }
     let good = texture(TexelFormat::Rgba32Float, Extent::D2([4, 4])).to_bytes(false);
     for (fields, field) in [
-        // The ktx2 crate says this one.
+        // This error comes from the ktx2 crate.
         ([0, 4, 0, 0], "container"),
         ([8193, 4, 0, 0], "pixelWidth"),
         // A height of 0 is a 1D texture.
@@ -47,12 +47,12 @@ fn kinds_and_limits_of_textures() {
         }
         assert_eq!(Texture::from_bytes(&bytes).unwrap_err().field, field, "{fields:?}");
     }
-    // One layer is an array all the same, and another file than no layers.
+    // An array with one layer is valid, and is a different file than one without layers.
     let one = texture(TexelFormat::R8Unorm, Extent::D2Array([4, 4, 1]));
     assert!(one.to_bytes(false) != texture(TexelFormat::R8Unorm, Extent::D2([4, 4])).to_bytes(false));
 }
 
-/// 5 x 3, 2 x 1 and 1 x 1 texels of a byte each.
+/// 5 x 3, 2 x 1 and 1 x 1 texels of one byte.
 fn three_levels() -> Texture {
     let (format, extent) = (TexelFormat::R8Unorm, Extent::D2([5, 3]));
     Texture { format, extent, entries: BTreeMap::new(), levels: 3, texels: (0..18).collect() }
@@ -63,14 +63,14 @@ fn with(bytes: &[u8], offset: usize, value: &[u8]) -> Vec<u8> {
 }
 
 #[test]
-fn level_counts_are_held_against_the_extent() {
+fn level_counts_are_checked_against_the_extent() {
     for supercompress in [false, true] {
         let bytes = three_levels().to_bytes(supercompress);
         for count in [0u32, 4, 32, u32::MAX] {
             let error = read_texture(&with(&bytes, 40, &count.to_le_bytes())).unwrap_err();
             assert_eq!(error.to_string(), format!("byte 40, levelCount: found {count}, expected 1 to 3"));
         }
-        // A count that is too small leaves level 0 where it was; packs of one level still want one.
+        // A count that is too small leaves level 0 in place; packs with one level still require a count of 1.
         let fewer = read_texture(&with(&bytes, 40, &[2])).unwrap();
         assert_eq!((fewer.levels, &fewer.texels[..]), (2, &three_levels().texels[..17]));
         assert_eq!(Texture::from_bytes(&with(&bytes, 40, &[1])).unwrap().texels, three_levels().texels[..15]);
@@ -83,7 +83,7 @@ fn level_counts_are_held_against_the_extent() {
 }
 
 #[test]
-fn all_levels_together_are_held_against_the_limit() {
+fn all_levels_together_are_checked_against_the_limit() {
     for supercompress in [false, true] {
         let bytes = three_levels().to_bytes(supercompress);
         let unpacked = |limit| PackedTexture::from_bytes(&bytes).unwrap().unpack_levels(limit);
@@ -92,7 +92,7 @@ fn all_levels_together_are_held_against_the_limit() {
         let error = unpacked(17).unwrap_err().to_string();
         assert_eq!(error, "byte 20, texture: found 18 bytes of texels, expected at most 17");
     }
-    // Level 0 alone is at the limit of every texture; the next is past it.
+    // Level 0 alone is at the limit of any texture; the next level exceeds it.
     let mut bytes = three_levels().to_bytes(false);
     for (offset, value) in [(20, 8192u32), (24, 8192), (32, 16)] {
         bytes = with(&bytes, offset, &value.to_le_bytes());
@@ -103,13 +103,13 @@ fn all_levels_together_are_held_against_the_limit() {
 }
 
 #[test]
-fn levels_that_are_not_where_and_what_the_index_says_are_refused() {
+fn levels_that_contradict_the_index_are_rejected() {
     let entry = |level: usize| 80 + 24 * level;
     for supercompress in [false, true] {
         let bytes = three_levels().to_bytes(supercompress);
         let offset = |level: usize| u64::from_le_bytes(*bytes[entry(level)..].first_chunk().unwrap());
         let refused = |broken: &[u8]| read_texture(broken).unwrap_err();
-        // Two entries changed places.
+        // Two exchanged records.
         let [first, second] = [0, 1].map(|level| &bytes[entry(level)..entry(level + 1)]);
         let swapped = with(&bytes, entry(0), &[second, first].concat());
         assert_eq!(refused(&swapped).field, "uncompressedByteLength");
@@ -119,21 +119,21 @@ fn levels_that_are_not_where_and_what_the_index_says_are_refused() {
             let found = format!("found {}, expected {size}, as format and extent say", size + 1);
             assert_eq!(error.to_string(), format!("byte {place}, uncompressedByteLength: {found}"));
         }
-        // One level in the bytes of another, from its first or its last on.
+        // A level within the bytes of another, from its first or its last on.
         for (coarse, fine) in [(1, 0), (2, 0), (2, 1)] {
             let length = u64::from(bytes[entry(fine) + 8]);
             for shift in [0, length - 1] {
                 let place = offset(fine) + shift;
                 let error = refused(&with(&bytes, entry(coarse), &place.to_le_bytes()));
-                // The last byte of level 0 is that of the file: what is longer passes its end.
+                // The last byte of level 0 is the last of the file, so longer levels exceed it.
                 let passes = error.field == "container" && shift > 0;
                 assert!(error.field == "byteOffset" || passes, "{coarse} {fine} {shift}: {error}");
             }
         }
         let overlapping = with(&bytes, entry(2), &offset(1).to_le_bytes());
         let error = refused(&overlapping).to_string();
-        let allowed = "expected what is outside the bytes of level 1";
-        assert_eq!(error, format!("byte 128, byteOffset: found {}; {allowed}", offset(1)));
+        let allowed = "expected an offset outside the bytes of level 1";
+        assert_eq!(error, format!("byte 128, byteOffset: found {}, {allowed}", offset(1)));
         // Past the end of the file, and past all offsets.
         for place in [bytes.len() as u64, u64::MAX] {
             assert_eq!(refused(&with(&bytes, entry(1), &place.to_le_bytes())).field, "container");
@@ -141,7 +141,7 @@ fn levels_that_are_not_where_and_what_the_index_says_are_refused() {
         // The index ends with the file.
         assert_eq!(refused(&bytes[..entry(3) - 1]).field, "data format descriptor");
     }
-    // Nobody looks at the order of levels in the file, or at their alignment.
+    // The order of levels in the file and their alignment are not checked.
     let texture = three_levels();
     let bytes = texture.to_bytes(false);
     let end = bytes.len() as u64;
@@ -152,9 +152,9 @@ fn levels_that_are_not_where_and_what_the_index_says_are_refused() {
     assert!(read_texture(&moved).unwrap() == texture);
 }
 
-/// Each level is one frame that says how long it is, whatever its neighbours have room for.
+/// Each level is one frame of the declared length; bytes of its neighbours do not extend it.
 #[test]
-fn frames_of_levels_are_held_to_their_own_size() {
+fn frames_of_levels_have_their_own_size() {
     let texture = three_levels();
     let frame = |texels: &[u8]| zstd::bulk::compress(texels, 3).unwrap();
     let good = [frame(&texture.texels[..15]), frame(&texture.texels[15..17]), frame(&texture.texels[17..])];
@@ -184,7 +184,7 @@ fn frames_of_levels_are_held_to_their_own_size() {
             assert_eq!(error.field, format!("level {level}"), "{name}: {error}");
         }
     }
-    // A coarse level that declares very much is refused before the fine ones are unpacked.
+    // A coarse level that declares a huge size is rejected before the fine ones are decompressed.
     let mut frames = good.clone();
     frames[0] = vec![0x28, 0xb5, 0x2f, 0xfd, 0x20, 15];
     frames[2] = [&[0x28, 0xb5, 0x2f, 0xfd, 0xa0][..], &u32::MAX.to_le_bytes()].concat();

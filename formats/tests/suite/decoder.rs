@@ -1,4 +1,4 @@
-//! What the decoder of wavelet packs promises, on packs made by hand.
+//! Properties of the decoder of wavelet packs, on hand-made packs.
 
 use brdfc_formats::direction::{DirectionPair, Parameterisation, cell_centre};
 use brdfc_formats::wavelet::{Filter, RowScratch, SliceScale, WaveletDecoder, WaveletPack};
@@ -7,7 +7,7 @@ use brdfc_testing::packs::pairs;
 
 const FILTERS: [Filter; 2] = [Filter::Nearest, Filter::Bilinear];
 
-/// The log-encoded value behind `f_r`, from the equation of the encoding.
+/// Log-encoded value of `f_r`, from the equation of the encoding.
 fn log_value(pack: &WaveletPack, f: f32) -> f64 {
     (f64::from(f) / f64::from(pack.header.mean) + f64::from(pack.header.bias)).ln()
 }
@@ -26,7 +26,7 @@ fn rows(pack: &WaveletPack) -> Vec<Vec<Vec<f32>>> {
         .collect()
 }
 
-/// Every outer and inner cell number, and the direction pair of their centres, where it is above the horizon.
+/// All outer and inner cell numbers, and the direction pairs of their centres if they are above the horizon.
 fn centres(pack: &WaveletPack) -> Vec<(usize, usize, DirectionPair)> {
     let n = pack.header.grid();
     let centre = |cell: usize| cell_centre(cell % n, cell / n, n);
@@ -170,7 +170,7 @@ fn dropped_coefficients_contribute_nothing() {
     let full = pack(header(Parameterisation::TangentPole, 2, 3, 8), 16, 9);
     let slice_bytes = full.header.cells() * 4;
     for dropped in 1..16 {
-        // The same coefficient once as a slice of zeros, once as an entry 0 of the index map.
+        // The same coefficient as a slice of zeros and as a 0 in the index map.
         let mut zeros = full.clone();
         zeros.scales[dropped + 1] = SliceScale::default();
         let mut absent = full.clone();
@@ -189,7 +189,7 @@ fn dropped_coefficients_contribute_nothing() {
                 changed += usize::from(full.eval(pair, 2.0, filter) != absent.eval(pair, 2.0, filter));
             }
         }
-        assert!(changed > 0, "coefficient {dropped} is of no use in this test");
+        assert!(changed > 0, "coefficient {dropped} has no effect in this test");
     }
 }
 
@@ -222,10 +222,10 @@ fn nothing_is_reflected_at_or_below_the_horizon() {
     }
 }
 
-/// Number of the coefficient that a half turn of the inner image brings `k` to; every detail changes its sign.
+/// Number of the coefficient to which a half turn of the inner image maps `k`; all details change sign.
 fn half_turn(k: usize) -> usize {
     let first = 1usize << (k.ilog2() / 2 * 2);
-    // Either kind of detail is one block, in reading order: latitude in [first, 2 first), longitude up to 4 first.
+    // Each kind of detail is one block, in reading order: latitude in [first, 2 first), longitude up to 4 first.
     if k < 2 * first { 3 * first - 1 - k } else { 6 * first - 1 - k }
 }
 

@@ -1,5 +1,5 @@
-//! The decoder against the equations of `formats/src/wavelet/spec.md`, written out again here in double precision without any of
-//! its helpers. With a mistake put into these equations, the two must disagree.
+//! Compares the decoder with the equations of `formats/src/wavelet/spec.md`, implemented here independently in double
+//! precision. With a mistake in these equations the two must disagree.
 
 use std::f64::consts::{PI, SQRT_2};
 
@@ -60,8 +60,8 @@ impl Equations<'_> {
         f64::from(scale.offset) + f64::from(scale.scale) * f64::from(stored) / full
     }
 
-    /// How far the mean of two halves is above the mean of their logarithms. Halves meet at `angle`; each has `width`, and
-    /// counts by the integral of `sin^power`.
+    /// Difference between the logarithm of the mean of two halves and the mean of their logarithms. Halves meet at
+    /// `angle`; each has `width` and is weighted by the integral of `sin^power`.
     fn rise(&self, h: f64, angle: f64, width: f64, power: i32) -> f64 {
         let mut counts = [-1.0, 1.0].map(|side| {
             let steps = 200;
@@ -158,7 +158,7 @@ impl Equations<'_> {
     }
 }
 
-/// The half vector, and the incoming direction turned about `half x normal` by the angle between them (Rodrigues).
+/// The half vector, and the incoming direction rotated about `half x normal` by the angle between them (Rodrigues).
 fn half_and_difference(pair: DirectionPair) -> ([f64; 3], [f64; 3]) {
     let dot = |a: [f64; 3], b: [f64; 3]| a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
     let cross =
@@ -172,12 +172,12 @@ fn half_and_difference(pair: DirectionPair) -> ([f64; 3], [f64; 3]) {
     (half, [0, 1, 2].map(|k| i[k] * cosine + turned[k] * sine + axis[k] * along))
 }
 
-/// Largest relative difference between decoder and equations, over directions, levels and channels.
+/// Largest relative difference between decoder and equations over directions, levels and channels.
 fn difference(pack: &WaveletPack, mistake: Mistake) -> f64 {
     differences(pack, mistake, 120)[0]
 }
 
-/// Largest differences over so many directions: relative to `f`, and to `f + μ ε`.
+/// Largest differences over `count` directions: relative to `f`, and to `f + μ ε`.
 fn differences(pack: &WaveletPack, mistake: Mistake, count: usize) -> [f64; 2] {
     let decoder = WaveletDecoder::new(pack);
     let equations = Equations { pack, mistake };
@@ -218,10 +218,10 @@ fn the_decoder_follows_the_equations() {
     }
 }
 
-/// The bound of the page, up to the largest grids; these texels are random, so that neighbouring cells differ more than
-/// those of any material.
+/// Checks the bound on the page, up to the largest grids. Texels are random, so that neighbouring cells differ more
+/// than in any material.
 #[test]
-fn the_page_says_how_far_the_decoder_is_from_the_equations() {
+fn the_decoder_is_within_the_bound_of_the_page() {
     let page = include_str!("../../src/wavelet/spec.md");
     assert!(
         page.contains(
@@ -232,7 +232,7 @@ fn the_page_says_how_far_the_decoder_is_from_the_equations() {
     for (_, parameterisation) in Parameterisation::NAMES {
         for (levels, bits) in [(1, 8), (2, 16), (3, 12), (4, 8), (5, 16), (6, 8)] {
             let mut made = pack(header(parameterisation, levels, 1, bits), 1 << levels, 31);
-            // As it is, and with values about ε.
+            // Unchanged, and with values about ε.
             for darker in [0.0, 5.5] {
                 made.scales[1].offset -= darker * made.header.grid() as f32;
                 let found = differences(&made, Mistake::None, 500);
@@ -247,7 +247,7 @@ fn the_page_says_how_far_the_decoder_is_from_the_equations() {
 }
 
 #[test]
-fn mistakes_of_lifted_packs_are_noticed() {
+fn mistakes_in_energy_preserving_packs_are_detected() {
     for mistake in [Mistake::NoRise, Mistake::EvenHalves, Mistake::SwappedHalves, Mistake::LatitudeSign] {
         let difference = difference(&pack(lifted(3, 3, 8), 64, 31), mistake);
         assert!(difference > 1e-3, "{mistake:?}: {difference:e}");
@@ -255,7 +255,7 @@ fn mistakes_of_lifted_packs_are_noticed() {
 }
 
 #[test]
-fn every_mistake_is_noticed() {
+fn every_mistake_is_detected() {
     use Mistake::{
         CellEdges, ColumnsFirst, LatitudeSign, LatitudeWeight, LongitudeSign, LongitudeWeight, NoBias, NoMean,
         ScalingWeight, SwappedAxes, SwappedDetails, TexelRange,

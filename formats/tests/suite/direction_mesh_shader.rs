@@ -1,4 +1,4 @@
-//! The WGSL of direction meshes without a graphics adapter: it validates.
+//! Validates the WGSL of direction meshes without a graphics adapter.
 
 use brdfc_formats::direction_mesh::DIRECTION_MESH_WGSL;
 use naga::valid::{Capabilities, ValidationFlags, Validator};
@@ -14,7 +14,7 @@ fn shader() -> String {
         }"
 }
 
-/// What naga says against a shader; no capability beyond those that WebGPU has without features.
+/// Error of naga for a shader, with no capabilities beyond WebGPU without features.
 fn complaint(text: &str) -> Option<String> {
     let module = match naga::front::wgsl::parse_str(text) {
         Ok(module) => module,

@@ -1,4 +1,5 @@
-//! Weights of views and lights by the rules of `formats/src/flat_btf/spec.md`, written out again here, against the look-up.
+//! Compares weights of views and lights with the rules of `formats/src/flat_btf/spec.md`, implemented here
+//! independently.
 
 use brdfc_formats::direction::{Vector, from_polar};
 use brdfc_formats::direction_mesh::DirectionMesh;
@@ -25,8 +26,8 @@ fn dot(a: Point, b: Point) -> f64 {
 /// Corners and weights.
 type Weights = Vec<(usize, f64)>;
 
-/// The rules, by trying everything. Where more than three points are on a circle any triangulation serves: all weights
-/// that one of them gives.
+/// The rules, by exhaustive search. If more than three points are on a circle any triangulation is valid, so this
+/// returns the weights of all of them.
 fn by_the_page(points: &[Point], q: Point, flat: f64) -> Vec<Weights> {
     let count = points.len();
     let (mut found, mut hull) = (Vec::new(), Vec::new());
@@ -59,7 +60,7 @@ fn by_the_page(points: &[Point], q: Point, flat: f64) -> Vec<Weights> {
             }
         }
     } else {
-        // In line: from each to each is as good as from each to the next, but for the weights.
+        // Collinear: segments between neighbours along the line.
         let mut order: Vec<usize> = (0..count).collect();
         order.sort_by(|a, b| points[*a][0].total_cmp(&points[*b][0]).then(points[*a][1].total_cmp(&points[*b][1])));
         hull.extend(order.windows(2).map(|pair| (pair[0], pair[1])));
@@ -130,7 +131,7 @@ fn the_look_up_follows_the_page() {
         let points: Vec<Point> = set.directions().into_iter().map(paraboloid).collect();
         let mesh = DirectionMesh::new(&set).unwrap();
         for k in 0..400 {
-            // All over, and below the horizon.
+            // All directions, including below the horizon.
             let direction = at([f64::from(k) * 97.0 / 400.0, f64::from(k) * 137.508]);
             let found = looked_up(&mesh, set.len(), direction);
             let allowed = by_the_page(&points, paraboloid(direction), 1e-6);
@@ -143,7 +144,7 @@ fn the_look_up_follows_the_page() {
     }
 }
 
-/// The table on the page.
+/// Checks the table on the page.
 #[test]
 fn the_worked_weights_of_the_page() {
     let page = include_str!("../../src/flat_btf/spec.md");

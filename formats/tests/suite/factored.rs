@@ -1,4 +1,4 @@
-//! Factored flat BTFs: known answers of the decoder, its filter, the shader's block, and parts that are refused.
+//! Factored flat BTFs: known answers of the decoder, its filter, the shader's block, and rejected parts.
 
 use brdfc_formats::FormatError;
 use brdfc_formats::flat_btf::factored::shader::{FACTORED_WGSL, FactoredParameters};
@@ -22,7 +22,7 @@ fn close(found: [f32; 3], expected: [f32; 3], tolerance: f32) {
     assert!(good, "{found:?} instead of {expected:?}");
 }
 
-/// An asset of one grey component whose value is known: lightness `100 w` in view 0, `50 w` in view 1, and shadows.
+/// An asset of one grey component with known values: lightness `100 w` in view 0, `50 w` in view 1, and shadows.
 fn grey(
     size: u32,
     levels: u32,
@@ -72,15 +72,15 @@ fn texels_are_shadow_times_sum() {
         close(asset.texel([x, 2]).value(1, 0), lightness(50.0 * weight), 1e-6);
         close(asset.texel([x, 2]).value(1, 2), lightness(50.0 * weight).map(|c| 0.2 * c), 1e-6);
         assert_eq!(asset.texel([x, 0]).value(0, 1), [0.0; 3]);
-        // At the centre of a texel the filter gives it.
+        // At the centre of a texel the filter returns that texel.
         let uv = [(x as f32 + 0.5) / 4.0, 0.625];
         assert_eq!(asset.value(uv, 0.0, towards(only(1)), towards(only(2))), asset.texel([x, 2]).value(1, 2));
     }
 }
 
-/// Weights are filtered, and pairs are blended, before the sum is made a colour; shadows are blended beside it.
+/// Weights are filtered and pairs are blended before the sum is converted to a colour; shadows are blended separately.
 #[test]
-fn sums_are_blended_before_they_are_a_colour() {
+fn sums_are_blended_before_conversion_to_a_colour() {
     let asset = grey(4, 1, |x, _| [0, 51, 102, 255][x as usize], |_, _, light| [255, 0, 51][light as usize]);
     // Between texels 1 and 2, and across the border between 3 and 0.
     for (u, weight) in [(0.5, 0.3), (0.4375, 0.25), (0.0, 0.5), (1.0, 0.5), (-3.0, 0.5), (0.9375, 0.75)] {
@@ -91,12 +91,12 @@ fn sums_are_blended_before_they_are_a_colour() {
     let blended = asset.value([0.875, 0.1], 0.0, towards(half), towards(only(0)));
     close(blended, lightness(75.0), 1e-5);
     close(asset.value([0.875, 0.1], 0.0, towards(half), towards(lights)), lightness(75.0).map(|c| 0.55 * c), 1e-5);
-    // The mean of the colours would be another.
+    // The mean of the colours differs.
     let [full, dim] = [100.0, 50.0].map(|value| lightness(value)[0]);
     assert!((blended[0] - 0.5 * (full + dim)).abs() > 0.05);
 }
 
-/// The level of detail blends two mipmap levels, and ends at the coarsest.
+/// The level of detail blends two mipmap levels, and is clamped to the coarsest.
 #[test]
 fn levels_of_detail() {
     let levels: [Vec<u8>; 3] = [[0, 51, 102, 255].to_vec(), vec![51, 204], vec![153]];
@@ -124,7 +124,8 @@ fn levels_of_detail() {
     }
 }
 
-/// Sides that are no powers of two, many components of both widths, no shadows: against a sum in double precision.
+/// Compares with a sum in double precision: sides that are not powers of two, many components of both widths, no
+/// shadows.
 #[test]
 fn sums_of_both_widths() {
     let sizes = Sizes { flat: 5, ..SMALL };
@@ -156,7 +157,7 @@ fn sums_of_both_widths() {
     }
 }
 
-/// The committed files by a decoder that was written from the page of the layout alone, in double precision and another
+/// Compares the committed files with a decoder written from the specification alone, in double precision and another
 /// language.
 #[test]
 fn the_committed_asset_has_known_values() {
@@ -180,12 +181,12 @@ fn the_committed_asset_has_known_values() {
     ] {
         close(asset.value(uv, detail, towards(only(view)), towards(only(light))), expected, 1e-6);
         let other = asset.value(uv, detail, towards(only((view + 1) % 3)), towards(only(light)));
-        assert!((other[0] - expected[0]).abs() > 1e-3, "another view shows something else");
+        assert!((other[0] - expected[0]).abs() > 1e-3, "another view differs");
     }
 }
 
 #[test]
-fn integers_come_back() {
+fn integers_round_trip() {
     let asset = factored(SMALL, TWO, 1);
     let most = |component: usize| if component < 4 { 32767 } else { 127 };
     let step = |view: usize, light: usize, colour: usize, component: usize| {
@@ -195,13 +196,13 @@ fn integers_come_back() {
     let basis = BasisMap::from_steps(asset.header().clone(), asset.basis().base(), step).unwrap();
     for (view, light, colour) in [(0, 0, 0), (2, 4, 2), (1, 3, 1)] {
         let found: Vec<f32> = basis.integers(view, light, colour).collect();
-        let wanted = |k: usize| step(view as usize, light as usize, colour, k).clamp(-most(k), most(k)) as f32;
-        assert_eq!(found, (0..8).map(wanted).collect::<Vec<f32>>());
+        let expected = |k: usize| step(view as usize, light as usize, colour, k).clamp(-most(k), most(k)) as f32;
+        assert_eq!(found, (0..8).map(expected).collect::<Vec<f32>>());
     }
 }
 
 #[test]
-fn graphics_memory_is_that_of_the_texels() {
+fn graphics_memory_is_the_sum_of_the_texels() {
     for shadow in [ShadowFormat::R8, ShadowFormat::None] {
         let asset = factored(Sizes { flat: 6, ..SMALL }, Factors { shadow, ..TWO }, 3);
         let bytes = [asset.weights().texels().len(), asset.shadow().map_or(0, |map| map.texels().len())];
@@ -210,7 +211,7 @@ fn graphics_memory_is_that_of_the_texels() {
 }
 
 #[test]
-fn parts_of_other_assets_are_refused() {
+fn parts_of_other_assets_are_rejected() {
     let asset = |sizes, factors| factored(sizes, factors, 3);
     let first = asset(SMALL, TWO);
     let refusal = |weights: &FactoredFlatBtf, shadow: Option<&FactoredFlatBtf>| {
@@ -232,7 +233,7 @@ fn parts_of_other_assets_are_refused() {
 }
 
 #[test]
-fn the_shader_validates_behind_that_of_flat_btfs() {
+fn the_shader_validates_after_that_of_flat_btfs() {
     let valid = |source: &str| {
         let module = naga::front::wgsl::parse_str(source).map_err(|error| error.emit_to_string(source))?;
         let checked = Validator::new(ValidationFlags::all(), Capabilities::empty()).validate(&module);
@@ -272,9 +273,9 @@ fn the_shader_validates_behind_that_of_flat_btfs() {
     }
 }
 
-/// What has a weight of 0 is not decoded, so that indices may be anything there.
+/// Directions with weight 0 are not decoded, so their indices can be anything.
 #[test]
-fn weights_of_0_are_left_alone() {
+fn directions_of_weight_0_are_ignored() {
     let asset = factored(SMALL, TWO, 9);
     let mut numbers = Numbers::new(2);
     for _ in 0..50 {
@@ -301,13 +302,13 @@ fn weights_of_0_are_left_alone() {
     assert_eq!(value(nowhere(2), nowhere(2)), value(only(2), only(2)));
 }
 
-/// A base alone: the colour of the direction that is asked for, not of the samples that stand for it.
+/// A base alone: the colour of the exact direction, not of the samples that approximate it.
 #[test]
-fn the_base_is_that_of_the_direction_itself() {
+fn the_base_uses_the_exact_direction() {
     let of = grey(2, 1, |_, _| 0, |_, _, _| 255);
     let basis = BasisMap::from_steps(of.header().clone(), &base_table(), |_, _, _, _| 0).unwrap();
     let range = |scale: f32, low: f32| WeightRange { scale, low };
-    // Albedo 0.4, 0.2, 0.1, gloss 0.5, a normal that leans by 2 atan(0.25).
+    // Albedo 0.4, 0.2, 0.1, gloss 0.5, a normal inclined by 2 atan(0.25).
     let ranges = [range(1.0, 0.0), range(0.5, 0.0), range(0.25, 0.0), range(1.25, 0.0)].into_iter();
     let slopes = [range(0.0, 0.25), range(0.0, 0.0), range(0.0, 0.0), range(0.0, 0.0)];
     let ranges = ranges.chain(slopes).chain([range(0.0, 0.0); 4]).collect();
@@ -321,11 +322,11 @@ fn the_base_is_that_of_the_direction_itself() {
             let [view, light] = [view, light].map(|direction| BlendedDirection { direction, samples: only(index) });
             asset.value([0.3, 0.7], 0.0, view, light)
         };
-        let wanted = base_table().colour(&texel, view, light);
-        assert!(wanted[0] > 0.1);
-        close(ask(light, 0), wanted, 1e-5);
-        close(ask(light, 1), wanted, 1e-5);
-        // Of lights that are lower than all sampled ones the lowest, of the same azimuth.
+        let expected = base_table().colour(&texel, view, light);
+        assert!(expected[0] > 0.1);
+        close(ask(light, 0), expected, 1e-5);
+        close(ask(light, 1), expected, 1e-5);
+        // Lights lower than all sampled ones are raised to the lowest, with the same azimuth.
         let lowest = asset.lowest_light();
         let low = [0.0, 1.0f32, 0.0];
         let raised = [0.0, (1.0 - lowest * lowest).sqrt(), lowest];

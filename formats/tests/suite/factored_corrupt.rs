@@ -1,4 +1,4 @@
-//! Broken and hostile values of factored flat BTFs: each is refused with a reason, or decodes to numbers.
+//! Corrupt and malicious factored flat BTFs: each is rejected with a reason, or decodes to finite numbers.
 
 use brdfc_formats::container::{Extent, TexelFormat};
 use brdfc_formats::flat_btf::FlatValues;
@@ -8,7 +8,7 @@ use brdfc_testing::codecs::flat_btf::{
     set_word,
 };
 
-/// The largest numbers that files may hold, all at once.
+/// The largest numbers that files can hold, all at once.
 #[test]
 fn the_largest_numbers_decode_to_numbers() {
     let asset = factored_example();
@@ -35,11 +35,11 @@ fn the_largest_numbers_decode_to_numbers() {
 }
 
 #[test]
-fn entries_of_other_lengths_are_refused() {
+fn values_of_other_lengths_are_rejected() {
     for (entry, long, short, without) in [
         (
             "brdfc.flat-btf.factored",
-            "157 bytes, expected 156 bytes, as groups says",
+            "157 bytes, expected 156 bytes, as groups requires",
             "60 bytes or more",
             "direction_mesh_words: found meshes of 3 views and 3 lights, expected none",
         ),
@@ -72,13 +72,18 @@ fn entries_of_other_lengths_are_refused() {
     }
 }
 
-/// Images that are not what the entries say.
+/// Images that contradict the headers.
 #[test]
-fn other_textures_are_refused() {
+fn other_textures_are_rejected() {
     for (part, extent, levels, expected) in [
         ("basis", Extent::D2([9, 47]), 1, "size of the part basis: found 9 x 47, expected a 2D texture of 9 x 46"),
         ("basis", Extent::D2([9, 46]), 2, "byte 40, levelCount: found 2, expected 1"),
-        ("weights", Extent::D2([4, 4]), 3, "size of the part weights: found 4 x 4, expected a 2D array of equal sides"),
+        (
+            "weights",
+            Extent::D2([4, 4]),
+            3,
+            "size of the part weights: found 4 x 4, expected a 2D array of square layers",
+        ),
         (
             "weights",
             Extent::D2Array([4, 2, 2]),
@@ -117,9 +122,9 @@ fn other_textures_are_refused() {
     }
 }
 
-/// Every field of the entries out of its range.
+/// Each header field out of its range.
 #[test]
-fn wrong_headers_are_refused() {
+fn wrong_headers_are_rejected() {
     let two = Factors { levels: 3, groups: 2, wide_groups: 1, shadow: ShadowFormat::R8 };
     let made = file(displacements(SMALL, 2, 3), FlatValues::Factored(Box::new(factored(SMALL, two, 3))));
     let with =
@@ -130,8 +135,8 @@ fn wrong_headers_are_refused() {
         (1, 0, "brdfc.flat-btf.factored size: found 0, expected 1 to 8192"),
         (2, 4, "brdfc.flat-btf.factored levels: found 4, expected 1 to 3"),
         (3, 17, "brdfc.flat-btf.factored groups: found 17, expected 1 to 16"),
-        (3, 3, "brdfc.flat-btf.factored length: found 156 bytes, expected 204 bytes, as groups says"),
-        (4, 3, "brdfc.flat-btf.factored wide groups: found 3, expected 0 to 2, the groups"),
+        (3, 3, "brdfc.flat-btf.factored length: found 156 bytes, expected 204 bytes, as groups requires"),
+        (4, 3, "brdfc.flat-btf.factored wide groups: found 3, expected 0 to 2, the number of groups"),
         (5, 2, "brdfc.flat-btf.factored shadow format: found 2, expected 0 to 1"),
         (6, 0, "brdfc.flat-btf.factored views: found 0, expected 1 to 2048"),
         (6, 4, "brdfc.views: found 24 bytes, expected 32 bytes"),
@@ -141,19 +146,15 @@ fn wrong_headers_are_refused() {
         (3, 0, "brdfc.flat-btf.factored groups: found 0, expected 1 to 16"),
         (6, 2049, "brdfc.flat-btf.factored views: found 2049, expected 1 to 2048"),
         (7, 0, "brdfc.flat-btf.factored lights: found 0, expected 1 to 2048"),
-        (9, nan, "brdfc.flat-btf.factored error: found NaN, expected a finite number that is not negative"),
-        (
-            13,
-            (-1.0f32).to_bits(),
-            "brdfc.flat-btf.factored error: found -1, expected a finite number that is not negative",
-        ),
+        (9, nan, "brdfc.flat-btf.factored error: found NaN, expected a finite non-negative number"),
+        (13, (-1.0f32).to_bits(), "brdfc.flat-btf.factored error: found -1, expected a finite non-negative number"),
         (
             14,
             1,
-            "brdfc.flat-btf.factored range of colours: found 1 to 0 and 0 to 0, expected two ranges whose first number is not the larger",
+            "brdfc.flat-btf.factored range of colours: found 1 to 0 and 0 to 0, expected two ranges with minimum <= maximum",
         ),
-        (15, nan, "brdfc.flat-btf.factored step: found NaN, expected a finite number that is not negative"),
-        (38, inf, "brdfc.flat-btf.factored step: found inf, expected a finite number that is not negative"),
+        (15, nan, "brdfc.flat-btf.factored step: found NaN, expected a finite non-negative number"),
+        (38, inf, "brdfc.flat-btf.factored step: found inf, expected a finite non-negative number"),
     ] {
         assert_eq!(with("brdfc.flat-btf.factored", word, value), expected);
     }
@@ -164,17 +165,17 @@ fn wrong_headers_are_refused() {
     assert_eq!(weights(0, 0), "brdfc.flat-btf.weights version: found 0, expected 1");
     assert_eq!(weights(1, 4), "brdfc.flat-btf.weights: found 136 bytes, expected 40 bytes");
     assert!(weights(5, nan).starts_with("brdfc.flat-btf.weights range 1"));
-    // The base alone is no asset, and its table has a range.
+    // The base alone is not an asset, and its table has a range.
     let range = WeightRange { scale: 1.0, low: 0.0 };
     let refused = WeightMap::new(1, 1, vec![range; 8], vec![0; 8]).unwrap_err().to_string();
-    assert_eq!(refused, "numbers of the part weights: found 8, expected a multiple of 4, 12 at least");
-    for (number, told) in [(nan, "NaN"), (inf, "inf"), ((-0.5f32).to_bits(), "-0.5"), (65_537.0f32.to_bits(), "65537")]
+    assert_eq!(refused, "numbers of the part weights: found 8, expected a multiple of 4, at least 12");
+    for (number, label) in [(nan, "NaN"), (inf, "inf"), ((-0.5f32).to_bits(), "-0.5"), (65_537.0f32.to_bits(), "65537")]
     {
-        // The table begins behind three views of nine texels.
+        // The table follows three views of nine texels.
         let word = 4 * (9 * 3 + 2 * 8 + 5) + 1;
         let error = refusal(&factored_file(), |file| set_texel(file, "factored_basis", word, &number.to_le_bytes()));
         let error = error.to_string();
-        assert!(error.starts_with("entry (2, 5) of the base: found [") && error.contains(told), "{error}");
+        assert!(error.starts_with("entry (2, 5) of the base: found [") && error.contains(label), "{error}");
     }
     assert_eq!(with("brdfc.flat-btf.shadow", 0, 2), "brdfc.flat-btf.shadow version: found 2, expected 1");
 }

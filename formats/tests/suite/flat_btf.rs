@@ -1,4 +1,4 @@
-//! Flat BTFs: known answers of the decoder, blends that stay in their block, and files that come back.
+//! Flat BTFs: known answers of the decoder, blends that stay in their block, and file round trips.
 
 use brdfc_formats::container::{half, rgb9e5};
 use brdfc_formats::flat_btf::factored::ShadowFormat;
@@ -15,7 +15,7 @@ fn from_angles(polar: f32, azimuth: f32) -> [f32; 3] {
     [polar.sin() * azimuth.cos(), polar.sin() * azimuth.sin(), polar.cos()]
 }
 
-/// Each texel of the reference plane sees the parameters above it.
+/// Each texel of the reference plane maps to the parameters above it.
 fn plane_reference(size: u32) -> ReferenceMap {
     let centre = |k: u32| (k as f32 + 0.5) / size as f32;
     let parameters = (0..size * size).map(|at| [centre(at % size), centre(at / size)]).collect();
@@ -35,7 +35,7 @@ fn asset(sizes: Sizes, sample: impl Fn([u32; 2], u32, u32) -> ([f32; 2], f32)) -
 const PLANE: Sizes =
     Sizes { flat: 8, reference: 8, zenith: 5, azimuth: 6, largest_angle: FRAC_PI_2, views: 3, lights: 5 };
 
-/// A flat plane shows what is right below, from wherever it is looked at: parameters are those of the texel's centre.
+/// A flat plane has no parallax: in all views the parameters are those of the texel's centre.
 #[test]
 fn a_plane_has_no_parallax() {
     let decoder = FlatBtfDecoder::new(asset(PLANE, |_, _, _| ([0.0; 2], 0.0))).unwrap();
@@ -48,9 +48,9 @@ fn a_plane_has_no_parallax() {
     }
 }
 
-/// At texel centres a plane of equal resolution gives the texels of the flat BTF, of each view and light.
+/// At texel centres a plane of equal resolution returns the texels of the flat BTF, for each view and light.
 #[test]
-fn a_plane_shows_the_flat_btf_as_it_is() {
+fn a_plane_returns_the_flat_btf_unchanged() {
     let parts = asset(PLANE, |_, _, _| ([0.0; 2], 0.0));
     let decoder = FlatBtfDecoder::new(parts.clone()).unwrap();
     for (view, light, [i, j]) in [(0, 0, [0, 0]), (1, 4, [7, 3]), (2, 2, [2, 7])] {
@@ -66,7 +66,7 @@ fn a_plane_shows_the_flat_btf_as_it_is() {
     );
 }
 
-/// The filter runs across the border of the tile: a reference at the parameter 0 blends the last texels with the first.
+/// The filter wraps around the border of the tile: a reference at parameter 0 blends the last texels with the first.
 #[test]
 fn filtering_is_periodic() {
     let mut parts = asset(Sizes { reference: 1, ..PLANE }, |_, _, _| ([0.0; 2], 0.0));
@@ -86,7 +86,7 @@ fn filtering_is_periodic() {
 }
 
 /// A plane at depth h below the reference is displaced by `-h tan φ` along the view. With samples that are linear in
-/// the angle the blend is exact along it, whatever the azimuth: directions are blended, not displacements.
+/// the angle the blend is exact along it for any azimuth, because directions are blended, not displacements.
 #[test]
 fn linear_displacements_are_rebuilt() {
     let slope = 0.25;
@@ -107,7 +107,7 @@ fn linear_displacements_are_rebuilt() {
         let [x, y] = reference.parameters()[(4 * j + i) as usize];
         let periodic = |c: f32| c - c.round();
         let [du, dv] = [periodic(u - x), periodic(v - y)];
-        // Halves are good to 2^-12 of a distance; 64 directions blended in between turn by less than 1e-3.
+        // Halves have a relative precision of 2^-12; blending between 64 directions turns them by less than 1e-3.
         let distance = slope * polar;
         assert!((du - distance * azimuth.cos()).abs() < 4e-4, "{polar} {azimuth}: {du}");
         assert!((dv - distance * azimuth.sin()).abs() < 4e-4, "{polar} {azimuth}: {dv}");
@@ -117,7 +117,7 @@ fn linear_displacements_are_rebuilt() {
 
 /// Equation 3 with four samples of known values, and the view halfway between all of them.
 #[test]
-fn directions_and_distances_blend_apart() {
+fn directions_and_distances_blend_separately() {
     let sizes = Sizes { reference: 1, zenith: 3, azimuth: 4, largest_angle: 1.0, ..PLANE };
     let parts = asset(sizes, |_, k, a| {
         let direction = [[1.0, 0.0], [0.0, 1.0], [-1.0, 0.0], [0.0, -1.0]][a as usize];
@@ -143,7 +143,7 @@ fn directions_and_distances_blend_apart() {
     assert_eq!(displaced(1.0, 0.3), displaced(2.5, 0.3));
 }
 
-/// All blocks but one hold the largest numbers; the one of the texel in question is all that counts.
+/// All blocks except one hold the largest numbers; only the block of the requested texel has an effect.
 #[test]
 fn blends_never_leave_a_block() {
     let sizes = Sizes { reference: 3, zenith: 3, azimuth: 4, largest_angle: 1.2, ..PLANE };
@@ -166,7 +166,7 @@ fn blends_never_leave_a_block() {
             assert!(found[2] == 0.25 || (found[2] - 0.25).abs() < 1e-6);
         }
     }
-    // The neighbours are different: the test would see them.
+    // The neighbours differ, so the test would detect them.
     assert!(among.indirection([0.1, 0.5], [0.0, 0.0, 1.0])[2] == 1024.0);
 }
 
@@ -186,7 +186,7 @@ fn any_query_gives_numbers_in_range() {
     }
 }
 
-/// The weighted sum of the full form is that of its pairs; a weight of 0 is not looked at.
+/// The full form is the weighted sum of its pairs; pairs with weight 0 are not read.
 #[test]
 fn views_and_lights_are_blended_by_their_weights() {
     let decoder = FlatBtfDecoder::new(flat_btf::parts(SMALL, 7)).unwrap();
@@ -239,7 +239,7 @@ fn views(parts: &mut FlatBtfParts) -> &mut Vec<FlatView> {
 }
 
 #[test]
-fn parts_that_do_not_fit_together_are_refused() {
+fn parts_that_do_not_match_are_rejected() {
     let good = flat_btf::parts(SMALL, 1);
     let refusal = |change: &dyn Fn(&mut FlatBtfParts)| {
         let mut parts = good.clone();
@@ -277,7 +277,7 @@ fn sizes() -> impl Strategy<Value = Sizes> {
 
 proptest! {
     #[test]
-    fn files_come_back(sizes in sizes(), seed in 0u64..1000, supercompress in any::<bool>(), compact in any::<bool>(), report in ".*") {
+    fn files_round_trip(sizes in sizes(), seed in 0u64..1000, supercompress in any::<bool>(), compact in any::<bool>(), report in ".*") {
         let factors = Factors { levels: 1, groups: 2, wide_groups: 1, shadow: ShadowFormat::R8 };
         let mut parts = flat_btf::parts(sizes, seed);
         parts.values = FlatValues::None;
@@ -290,7 +290,7 @@ proptest! {
         prop_assert_eq!(FlatBtfFile::from_bytes(&file.to_bytes(supercompress)).unwrap(), file);
     }
 
-    /// What went in comes out, to the precision of halves.
+    /// Displacements round-trip to the precision of halves.
     #[test]
     fn displacements_survive_the_packing(x in -2.0f32..2.0, y in -2.0f32..2.0, z in -2.0f32..2.0) {
         let header = IndirectionHeader { size: 2, zenith_samples: 3, azimuth_samples: 3, largest_angle: 1.0 };

@@ -1,4 +1,4 @@
-//! Broken and hostile flat BTFs: each is refused with a reason, or decodes to numbers.
+//! Corrupt and malicious flat BTFs: each is rejected with a reason, or decodes to finite numbers.
 
 use brdfc_formats::FormatError;
 use brdfc_formats::container::{Extent, TexelFormat, Texture, half};
@@ -10,7 +10,7 @@ use brdfc_testing::codecs::flat_btf::{
 };
 use std::collections::BTreeMap;
 
-/// Behind the checksum, of which other tests take care.
+/// With a valid checksum, which other tests cover.
 #[test]
 fn no_single_changed_byte_is_harmful() {
     for (supercompress, patterns) in [(false, &[1, 128, 0xff][..]), (true, &[0xff])] {
@@ -58,7 +58,7 @@ fn the_rules_of_a_block() {
     let map = flat_btf::example_indirection();
     let refusal = |at: usize, texel: [f32; 4]| {
         let mut texels = map.texels().to_vec();
-        // The pole of the row keeps to its own rule.
+        // The row of the pole has its own rule.
         let [x, y, ..] = texel;
         texels[at - at % 2] = [x, y, 0.0, 0.0].map(half::encode);
         texels[at] = texel.map(half::encode);
@@ -71,9 +71,9 @@ fn the_rules_of_a_block() {
         assert_eq!(refusal(3, bad), "a unit direction, or 0 with a distance of 0");
     }
     for bad in [[1.0, 0.0, 0.1, 0.0], [0.0, 1.0, 0.0, 0.0]] {
-        assert_eq!(refusal(0, bad), "at the pole a distance of 0 and the direction of the next sample");
+        assert_eq!(refusal(0, bad), "a distance of 0 and the direction of the next sample, at the pole");
     }
-    assert_eq!(refusal(7, [1.0, 0.0, 0.3, 0.5]), "in the last row of a block the same as in its first");
+    assert_eq!(refusal(7, [1.0, 0.0, 0.3, 0.5]), "the same value as in the first row of the block, in its last row");
 }
 
 #[test]
@@ -95,7 +95,7 @@ fn displacements_out_of_range_are_named() {
         assert_eq!(with(offset, value), format!("brdfc.displacement {field}"), "{value}");
     }
     assert_eq!(with(4, 1), "size of the part displacement");
-    // A half that is no number, and one that is too large.
+    // A NaN half, and one that is too large.
     for bits in [0x7e00u32, 0x6401] {
         let error = refusal(&made, |file| set_texel(file, ranges, 2, &bits.to_le_bytes()));
         assert_eq!(error.field, "range 1 of the part displacement");
@@ -109,14 +109,14 @@ fn displacements_out_of_range_are_named() {
     }
     let error = refusal(&made, |file| *image(file, packed).bytes.to_mut().last_mut().unwrap() ^= 1);
     assert!(error.to_string().contains("found other texels, expected those of the first row"), "{error}");
-    // Blocks have whole texels of the reference plane each.
+    // Blocks consist of whole texels of the reference plane.
     let odd = FlatBtfParts { indirection: flat_btf::displacements(SMALL, 3, 1).into(), ..flat_btf::parts(SMALL, 1) };
-    let told = FlatBtfDecoder::new(odd).unwrap_err().to_string();
-    assert_eq!(told, "size of the part displacement: found 3, expected a divisor of 2, the size of the part reference");
+    let text = FlatBtfDecoder::new(odd).unwrap_err().to_string();
+    assert_eq!(text, "size of the part displacement: found 3, expected a divisor of 2, the size of the part reference");
 }
 
 #[test]
-fn fields_of_the_entries_out_of_range_are_named() {
+fn header_fields_out_of_range_are_named() {
     let (light, factored) = (light_file(), factored_file());
     let with =
         |offset: usize, word: u32| refusal(&light, |file| set_word(file, "brdfc.indirection", offset, word)).field;
@@ -153,9 +153,9 @@ fn fields_of_the_entries_out_of_range_are_named() {
     }
 }
 
-/// Images and masks of other shapes or texels than a flat BTF has.
+/// Images and masks with shapes or texels that a flat BTF cannot have.
 #[test]
-fn other_kinds_of_textures_are_refused() {
+fn other_kinds_of_textures_are_rejected() {
     let shaped = |format, extent| refusal(&light_file(), |file| reshape(file, "flat_btf_diffuse", format, extent, 1));
     for extent in [Extent::D2([2, 1]), Extent::D2Array([1, 1, 2]), Extent::D3([1, 1, 2])] {
         assert_eq!(shaped(TexelFormat::Rgb9E5, extent).field, "size of the part diffuse", "{extent}");
@@ -168,7 +168,7 @@ fn other_kinds_of_textures_are_refused() {
         refusal(&light_file(), |file| drop(file.entries.insert("brdfc.flat-btf.mask".to_owned(), mask))).to_string()
     };
     for (extent, texel, expected) in [
-        (Extent::D2([4, 4]), 0, ", size of the part mask: found 4 x 4, expected a 2D array of equal sides"),
+        (Extent::D2([4, 4]), 0, ", size of the part mask: found 4 x 4, expected a 2D array of square layers"),
         (Extent::D2Array([4, 2, 3]), 0, ", size of the part mask: found 3 layers of 4 x 2, expected a 2D array of"),
         (Extent::D2Array([4, 4, 3]), 128, ", mask texel 0: found 128, expected 0 (filled in) or 255 (seen)"),
         (Extent::D2Array([2, 2, 3]), 0, ": found 2 x 2 texels of 3 views, expected 4 x 4 texels of each view"),
@@ -179,7 +179,7 @@ fn other_kinds_of_textures_are_refused() {
 }
 
 #[test]
-fn constructors_refuse_what_files_may_not_hold() {
+fn constructors_reject_invalid_parts() {
     let error = |result: Result<(), FormatError>| result.unwrap_err().to_string();
     assert_eq!(
         error(DiffuseMap::new(2, vec![0; 3]).map(drop)),
@@ -194,7 +194,7 @@ fn constructors_refuse_what_files_may_not_hold() {
     assert!(FlatView::new(header.clone(), vec![1]).is_ok() && FlatView::new(header.clone(), vec![1, 2]).is_err());
     assert!(FlatView::new(FlatHeader { lights: vec![], ..header.clone() }, vec![]).is_err());
     assert!(FlatView::new(FlatHeader { view: 1, ..header }, vec![1]).is_err());
-    // 256 texels of 33 rows pass the limit of a texture.
+    // 256 texels of 33 rows exceed the limit of a texture.
     let large = |size| IndirectionHeader { size, zenith_samples: 8, azimuth_samples: 32, largest_angle: 1.0 };
     assert_eq!(
         error(large(256).check()),

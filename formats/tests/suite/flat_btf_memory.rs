@@ -1,11 +1,11 @@
-//! What flat BTFs are said to take in graphics memory is what is uploaded.
+//! The reported GPU memory of flat BTFs equals the uploaded bytes.
 
 use brdfc_formats::flat_btf::{
     Atlas, FlatBtfDecoder, FlatBtfFile, FlatBtfParts, FlatValues, SampledDirections, VisibilityMask,
 };
 use brdfc_testing::codecs::flat_btf::{SMALL, Sizes, parts};
 
-/// As the bindings of a shader take them, part by part.
+/// Size of the bindings of a shader, part by part.
 fn uploaded(parts: FlatBtfParts) -> usize {
     let decoder = FlatBtfDecoder::new(parts).unwrap();
     let (atlas, parts) = (decoder.atlas(), decoder.parts());
@@ -30,7 +30,7 @@ fn unused_tiles_of_the_atlas_count() {
 }
 
 #[test]
-fn images_that_no_shader_reads_take_nothing() {
+fn images_that_no_shader_reads_take_no_memory() {
     let light = FlatBtfParts { values: FlatValues::None, ..parts(SMALL, 1) };
     let [size, views] = [light.diffuse.size(), 2];
     let decoder = FlatBtfDecoder::new(light).unwrap();

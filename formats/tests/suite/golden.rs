@@ -1,4 +1,4 @@
-//! Committed packs, those of other writers among them, are read to the values in their lists: see docs/goldens.md.
+//! Committed packs, including those of other writers, decode to the values in their lists: see docs/goldens.md.
 
 use brdfc_testing::codecs::{of_pack, tested};
 use brdfc_testing::golden::corpus::{add, entries, entry, packs};
@@ -6,7 +6,7 @@ use brdfc_testing::golden::lists::{codecs, corpus, encodes, kind};
 use brdfc_testing::golden::{Hashes, blessing, changes, foreign};
 use brdfc_testing::packs::sealed;
 
-/// Compares every codec's committed packs with their list. Blessing first adds those that no encoder makes.
+/// Compares every codec's committed packs with their list. Blessing first adds packs that no encoder makes.
 #[test]
 fn committed_packs_are_read_to_the_same_values() {
     for codec in codecs() {
@@ -34,9 +34,9 @@ fn every_pack_is_read_alike_in_every_form_of_file() {
     }
 }
 
-/// The negative control: a list notices a texel that is another, and a pack that a reader refuses.
+/// Negative control: the comparison detects a changed texel and a rejected pack.
 #[test]
-fn a_changed_byte_of_any_pack_is_noticed() {
+fn a_changed_byte_of_any_pack_is_detected() {
     for codec in codecs() {
         let packs = packs(codec);
         let listed = entries(&packs);
@@ -44,7 +44,7 @@ fn a_changed_byte_of_any_pack_is_noticed() {
             let is_noticed = |back: usize| {
                 let mut broken = bytes.clone();
                 broken[bytes.len() - back] ^= 1;
-                // Behind the checksum, which notices every bit.
+                // With a valid checksum, which otherwise detects every bit.
                 let broken = sealed(broken);
                 let mut found = listed.clone();
                 found.insert(file.clone(), entry(&broken));
@@ -52,14 +52,14 @@ fn a_changed_byte_of_any_pack_is_noticed() {
                 assert!(moved.contains(&"file"), "{codec}/{file}: {moved:?}");
                 moved.contains(&"values")
             };
-            // A colour in the last texels of all formats, or the last block of a frame, or a byte before: a frame may tell a
-            // run of zeros in several ways.
+            // A colour in the last texels of all formats, or the last block of a frame, or a byte before it: a frame
+            // can encode a run of zeros in several ways.
             assert!(is_noticed(8) || is_noticed(32), "{codec}/{file}");
         }
     }
 }
 
-/// What a message says, from which hashes moved.
+/// Messages for each set of changed hashes.
 #[test]
 fn failures_name_the_half_that_moved() {
     let said = |list: brdfc_testing::golden::List, moved: &[&str]| {
@@ -71,15 +71,15 @@ fn failures_name_the_half_that_moved() {
         text
     };
     for (moved, half) in [
-        (&["contents", "file", "values"][..], "pack: bytes and values moved: the forward half"),
-        (&["contents", "errors", "file"], "pack: bytes moved, values hold: the forward half"),
-        (&["errors", "file", "reflectances", "values"], "pack: values moved, what is stored holds: the inverse half"),
-        (&["reflectances"], "pack: values moved, what is stored holds: the inverse half"),
-        (&["errors", "file"], "pack: measured errors moved"),
-        (&["file"], "pack: bytes of the file moved"),
+        (&["contents", "file", "values"][..], "pack: bytes and values changed: the encoder"),
+        (&["contents", "errors", "file"], "pack: bytes changed, values did not: the encoder"),
+        (&["errors", "file", "reflectances", "values"], "pack: values changed, stored data did not: the decoder"),
+        (&["reflectances"], "pack: values changed, stored data did not: the decoder"),
+        (&["errors", "file"], "pack: measured errors changed"),
+        (&["file"], "pack: bytes of the file changed"),
     ] {
         assert!(said(encodes("wavelet"), moved).contains(half), "{moved:?}");
     }
-    assert!(said(corpus("wavelet"), &["values"]).contains("the inverse half"));
+    assert!(said(corpus("wavelet"), &["values"]).contains("the decoder changed"));
     assert!(said(corpus("wavelet"), &["file", "values"]).contains("not the one that was committed"));
 }

@@ -1,4 +1,4 @@
-//! Importance-sample packs: rows and their directions, files that come back, files that are refused.
+//! Importance-sample packs: rows and their directions, file round trips, rejected files.
 
 use brdfc_formats::container::{Extent, TexelFormat, Texture};
 use brdfc_formats::importance::{IMPORTANCE_ENTRY, ImportanceHeader, ImportancePack};
@@ -15,7 +15,7 @@ fn texture() -> Texture {
 }
 
 #[test]
-fn the_page_shows_the_bytes() {
+fn the_dump_on_the_page() {
     let bytes = example().to_bytes(false);
     assert_eq!(check_dump(include_str!("../../src/importance/spec.md"), &bytes), bytes.len().div_ceil(16));
 }
@@ -26,10 +26,10 @@ fn the_worked_value_of_the_page() {
     for (found, expected) in incoming.into_iter().chain([inverse]).zip([0.96, 0.0, 0.28, 6.4]) {
         assert!((found - expected).abs() < 1e-6, "{incoming:?} {inverse}");
     }
-    // Turned to the bitangent the half vector is the outgoing direction itself.
+    // Rotated to the bitangent the half vector equals the outgoing direction.
     let (incoming, inverse) = example().sample([0.0, 0.6, 0.8], 1);
     assert!((incoming[1] - 0.6).abs() < 1e-6 && (inverse - 8.0).abs() < 1e-5, "{incoming:?} {inverse}");
-    // From below nothing is seen; so nothing comes from below.
+    // Directions below the horizon have an inverse density of 0.
     assert_eq!(example().sample([0.6, 0.0, -0.8], 0).1, 0.0);
     assert_eq!(example().sample([-0.96, 0.0, 0.28], 0).1, 4.0 * 0.28);
     assert!(example().sample([0.96, 0.0, 0.28], 1).1 > 0.0 && example().sample([0.0, 0.0, 1.0], 1).1 > 0.0);
@@ -46,7 +46,7 @@ fn rows_hold_their_directions() {
                 assert_eq!(header.row(outgoing.map(|c| c as f32)), row, "{header:?} {shift}");
             }
         }
-        // Every direction has a row, and is less than a row's width from its middle.
+        // Every direction has a row, and is less than a row's width from its centre.
         let mut numbers = Numbers::new(3);
         for _ in 0..1000 {
             let outgoing = unit_vector(&mut numbers);
@@ -65,7 +65,7 @@ fn rows_hold_their_directions() {
 }
 
 #[test]
-fn files_come_back() {
+fn files_round_trip() {
     for (polar, azimuths, samples) in [(1, 1, 1), (3, 1, 7), (2, 8, 5)] {
         let header = ImportanceHeader { polar, azimuths, samples };
         let mut numbers = Numbers::new(9);
@@ -82,7 +82,7 @@ fn files_come_back() {
 }
 
 #[test]
-fn no_truncation_and_no_corrupt_byte_panics() {
+fn truncated_and_corrupt_files_do_not_panic() {
     for supercompress in [false, true] {
         let bytes = example().to_bytes(supercompress);
         for length in 0..bytes.len() {
@@ -104,7 +104,7 @@ fn no_truncation_and_no_corrupt_byte_panics() {
 }
 
 #[test]
-fn refusals_say_why() {
+fn errors_name_the_field() {
     let error = |texture: &Texture| ImportancePack::from_texture(texture).unwrap_err().to_string();
     let with_word = |at: usize, word: u32| {
         let mut texture = texture();
@@ -141,7 +141,7 @@ fn refusals_say_why() {
     assert!(error(&other).contains("Rgba16Float"));
     other = texture();
     other.entries.clear();
-    assert!(error(&other).starts_with("brdfc.importance: found no brdfc entries"), "{}", error(&other));
+    assert!(error(&other).starts_with("brdfc.importance: found no brdfc keys"), "{}", error(&other));
     other = texture();
     other.extent = Extent::D2Array([2, 1, 1]);
     assert!(error(&other).starts_with("texture: found 1 layers of 2 x 1"), "{}", error(&other));

@@ -1,10 +1,10 @@
-//! The rules of the Khronos validator, checked here from the raw bytes, since its binary is not at hand everywhere.
+//! Rules of the Khronos validator, checked here on the raw bytes, because its binary is not available everywhere.
 
 use brdfc_formats::container::{Extent, TexelFormat, Texture};
 use brdfc_formats::wavelet::WaveletPack;
 use std::collections::BTreeMap;
 
-/// The entry of the index map of a wavelet pack.
+/// Key of the index map of a wavelet pack.
 const IMAGE: &str = "brdfc.image.wavelet_brdf_index";
 
 struct Bytes<'a>(&'a [u8]);
@@ -23,7 +23,7 @@ impl Bytes<'_> {
     }
 }
 
-/// What a texture has to look like in a file.
+/// Expected representation of a texture in a file.
 #[derive(Clone)]
 struct Expected {
     vk_format: u32,
@@ -57,8 +57,8 @@ fn integers(components: u32) -> Vec<Sample> {
     (0..components).map(|k| (32 * k, 32, CHANNELS[k as usize], 0, 1)).collect()
 }
 
-/// A mantissa and the shared exponent, biased by 15, for each channel. 8448 is 2^13 + 2^8: what the validator of the
-/// Khronos tools asks for.
+/// A mantissa and the shared exponent, biased by 15, for each channel. 8448 is 2^13 + 2^8, which the validator of the
+/// Khronos tools requires.
 fn shared_exponent() -> Vec<Sample> {
     const EXPONENT: u8 = 0x20;
     (0..3u8).flat_map(|k| [(9 * u32::from(k), 9, k, 0, 8448), (27, 5, k | EXPONENT, 15, 31)]).collect()
@@ -87,7 +87,7 @@ fn expected(pack: &WaveletPack) -> Expected {
     }
 }
 
-/// By the tables of the Khronos data format specification.
+/// From the tables of the Khronos data format specification.
 fn expected_texture(texture: &Texture) -> Expected {
     let (vk_format, type_size, texel_bytes, samples) = match texture.format {
         TexelFormat::R8Unorm => (9, 1, 1, unorm(1, 8)),
@@ -187,7 +187,7 @@ fn entries(file: &Bytes<'_>) -> Vec<(String, Vec<u8>)> {
     entries
 }
 
-/// The index begins with level 0, the finest; in the file the coarsest comes first.
+/// The index begins with level 0, the finest; the file begins with the coarsest level.
 fn check_levels(file: &Bytes<'_>, expected: &Expected, supercompressed: bool) {
     let [width, height, depth, layers] = expected.fields.map(|n| n.max(1));
     assert!(1 << (expected.levels - 1) <= width.max(height).max(depth), "levelCount: halved below one texel");
@@ -212,7 +212,7 @@ fn check_levels(file: &Bytes<'_>, expected: &Expected, supercompressed: bool) {
     assert_eq!(end, file.0.len() as u64, "the file ends with level 0");
 }
 
-/// All checks; returns the entries.
+/// Runs all checks and returns the key/value data.
 fn check(bytes: &[u8], expected: &Expected, supercompressed: bool) -> Vec<(String, Vec<u8>)> {
     let file = Bytes(bytes);
     check_header(&file, expected, supercompressed);
@@ -226,7 +226,7 @@ fn check(bytes: &[u8], expected: &Expected, supercompressed: bool) -> Vec<(Strin
 }
 
 #[test]
-fn files_keep_the_rules_of_the_validator() {
+fn files_follow_the_rules_of_the_validator() {
     for (name, pack) in brdfc_testing::codecs::wavelet::packs() {
         for supercompress in [false, true] {
             println!("{name}, supercompress {supercompress}");
@@ -237,7 +237,7 @@ fn files_keep_the_rules_of_the_validator() {
                 ["brdfc.crop", IMAGE, "brdfc.uniform.wavelet_brdf_parameters", "brdfc.wavelet", "brdfc.wavelet.errors"];
             assert_eq!(keys[..2], ["brdfc.bindings", "brdfc.checksum"]);
             assert_eq!(keys[2..], ours[crop..]);
-            // The image in the entry is a file that keeps them, too.
+            // The image stored as key/value data also follows them.
             let image = &entries.iter().find(|(key, _)| key == IMAGE).unwrap().1;
             let texture = brdfc_testing::packs::read_texture(image).unwrap();
             assert_eq!(check(image, &expected_texture(&texture), supercompress).len(), 2);
@@ -246,7 +246,7 @@ fn files_keep_the_rules_of_the_validator() {
 }
 
 #[test]
-fn every_kind_of_texture_keeps_the_rules_of_the_validator() {
+fn every_kind_of_texture_follows_the_rules_of_the_validator() {
     let textures = brdfc_testing::packs::textures();
     assert_eq!(textures.len(), 13 * 11);
     for (name, texture) in textures {
@@ -267,7 +267,7 @@ fn every_kind_of_texture_keeps_the_rules_of_the_validator() {
 }
 
 #[test]
-fn another_reader_finds_the_same_texels_and_entries() {
+fn another_reader_finds_the_same_texels_and_metadata() {
     for (name, pack) in brdfc_testing::codecs::wavelet::packs() {
         for supercompress in [false, true] {
             println!("{name}, supercompress {supercompress}");
@@ -287,7 +287,7 @@ fn another_reader_finds_the_same_texels_and_entries() {
     }
 }
 
-/// Every entry against the pack it was made from, by the offsets in `formats/src/wavelet/spec.md`.
+/// Compares all key/value data with the original pack, at the offsets in `formats/src/wavelet/spec.md`.
 fn check_entries<'a>(pack: &WaveletPack, entry: impl Fn(&str) -> &'a [u8]) {
     let header = Bytes(entry("brdfc.wavelet"));
     let h = &pack.header;
@@ -336,20 +336,20 @@ fn check_entries<'a>(pack: &WaveletPack, entry: impl Fn(&str) -> &'a [u8]) {
 }
 
 #[test]
-fn reading_gives_back_what_was_written() {
+fn packs_round_trip() {
     for (name, pack) in brdfc_testing::codecs::wavelet::packs() {
         for supercompress in [false, true] {
             let read = WaveletPack::from_bytes(&pack.to_bytes(supercompress)).unwrap();
             assert_eq!(read, pack, "{name}");
-            // Equal numbers may differ in bits; files may not.
+            // Equal numbers can have different bits; files cannot.
             assert_eq!(read.to_bytes(false), pack.to_bytes(false), "{name}");
         }
     }
 }
 
-/// A rule that no file breaks proves little: the checks above must notice broken files.
+/// Negative control: the checks above detect broken files.
 #[test]
-fn the_checks_notice_broken_files() {
+fn the_checks_detect_broken_files() {
     let pack = brdfc_testing::codecs::wavelet::example();
     // One sample, like the pack, and three levels with padding between them.
     let texture = Texture {

@@ -1,4 +1,4 @@
-//! Packs are read by ktx-parse, which shares no code with this crate. Needs Node and its package registry.
+//! Reads packs with ktx-parse, which shares no code with this crate. Requires Node and its package registry.
 
 use std::collections::BTreeMap;
 use std::fmt::Write as _;
@@ -16,8 +16,8 @@ fn hex(bytes: &[u8]) -> String {
     })
 }
 
-/// What the script is to find in the file of a pack, as JSON. The bytes of the entries are those of `formats/src/wavelet/spec.md`,
-/// put together here; those that all packs have are as our own reader finds them.
+/// Expected findings of the script in the file of a pack, as JSON. The wavelet values are assembled here from
+/// `formats/src/wavelet/spec.md`; values that all packs have come from our own reader.
 fn expectation(pack: &WaveletPack, file: &[u8], supercompress: bool) -> String {
     let h = &pack.header;
     let vk_format = match (h.channels, h.bits) {
@@ -59,7 +59,7 @@ fn expectation(pack: &WaveletPack, file: &[u8], supercompress: bool) -> String {
     json([vk_format, component, width, height, pack.scales.len() as u32, 0, 1], &entries, supercompress)
 }
 
-/// The same of any texture.
+/// Expected findings for any texture.
 fn texture_expectation(texture: &Texture, supercompress: bool) -> String {
     let (vk_format, word) = match texture.format {
         TexelFormat::R8Unorm => (9, 1),
@@ -84,7 +84,7 @@ fn texture_expectation(texture: &Texture, supercompress: bool) -> String {
     json([vk_format, word, width, height, depth, layers, texture.levels], &texture.entries, supercompress)
 }
 
-/// Format, size of a word, width, height, depth, layers, levels.
+/// `fields` are format, size of a word, width, height, depth, layers, levels.
 fn json(fields: [u32; 7], entries: &BTreeMap<String, Vec<u8>>, supercompress: bool) -> String {
     let [vk_format, type_size, width, height, depth, layers, levels] = fields;
     let fields = [
@@ -110,7 +110,7 @@ fn run(folder: &Path, program: &str, arguments: &[&str]) -> std::io::Result<Outp
     Command::new(program).args(arguments).current_dir(folder).output()
 }
 
-/// A copy of the folder of the script with its packages, where they can be had.
+/// A copy of the folder of the script with its packages; `None` if they are not available.
 fn installed() -> Option<tempfile::TempDir> {
     let folder = tempfile::tempdir().unwrap();
     let source = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/ktx_parse");
@@ -150,7 +150,7 @@ fn another_implementation_reads_packs_and_writes_the_same_bytes() {
         for (_, pack) in brdfc_testing::codecs::wavelet::packs() {
             let file = pack.to_bytes(supercompress);
             save(&file, &expectation(&pack, &file, supercompress), &pack.texels);
-            // The image in an entry is a file of its own.
+            // The image stored as key/value data is a file of its own.
             let image = &PackedTexture::from_bytes(&file).unwrap().entries["brdfc.image.wavelet_brdf_index"];
             let texture = Texture::from_bytes(image).unwrap();
             save(image, &texture_expectation(&texture, supercompress), &texture.texels);
@@ -164,7 +164,7 @@ fn another_implementation_reads_packs_and_writes_the_same_bytes() {
     assert!(output.status.success(), "{problems}");
     assert_eq!(found.trim(), format!("{count} packs"));
 
-    // The script notices one texel that differs.
+    // The script detects a single different texel.
     let first = packs.join("0.texels");
     let mut texels = std::fs::read(&first).unwrap();
     *texels.last_mut().unwrap() ^= 1;

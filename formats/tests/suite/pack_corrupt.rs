@@ -1,5 +1,5 @@
-//! Broken and hostile packs: each is refused, or is a pack that decodes to numbers. None panics or asks for memory
-//! that its own size does not justify.
+//! Corrupt and malicious packs: each is rejected, or decodes to finite numbers. None panics or allocates memory that
+//! its own size does not justify.
 
 use std::collections::BTreeMap;
 
@@ -50,7 +50,7 @@ fn no_single_corrupt_byte_panics() {
             let mut broken = bytes.clone();
             let mut valid = 0;
             for offset in 0..bytes.len() {
-                // All patterns before the texels and in compressed data; texels as such may hold anything.
+                // All patterns before the texels and in compressed data; texels can hold anything.
                 let patterns: &[u8] = match offset {
                     _ if offset < start || supercompress => &[1, 2, 4, 8, 16, 32, 64, 128, 0xff, 0x7f],
                     _ => &[0x80],
@@ -82,7 +82,7 @@ fn values_of_the_header_fields_at_their_limits_do_not_panic() {
     }
 }
 
-/// The example as a texture, whose entries a test may change.
+/// The example as a texture whose key/value data tests can change.
 fn texture() -> Texture {
     Texture::from_bytes(&brdfc_testing::codecs::wavelet::example().to_bytes(false)).unwrap()
 }
@@ -96,7 +96,7 @@ fn refusal(texture: &Texture) -> FormatError {
     plain
 }
 
-/// Refusal after 4 bytes of an entry were replaced.
+/// Error after 4 bytes of a value were replaced.
 fn with_word(key: &str, offset: usize, word: [u8; 4]) -> FormatError {
     let mut texture = texture();
     texture.entries.get_mut(key).unwrap()[offset..offset + 4].copy_from_slice(&word);
@@ -113,7 +113,7 @@ fn header_fields_out_of_range_are_named() {
         (16, "channels", vec![0, 2, 4]),
         (20, "bits", vec![0, 7, 9, 17, u32::MAX]),
         (24, "slices", vec![0, 1, 2049, u32::MAX]),
-        (36, "lifted", vec![2, u32::MAX]),
+        (36, "energy-preserving", vec![2, u32::MAX]),
     ] {
         for value in values {
             let error = with_word("brdfc.wavelet", offset, value.to_le_bytes());
@@ -131,7 +131,7 @@ fn header_fields_out_of_range_are_named() {
 
 #[test]
 fn header_and_texture_agree() {
-    // Another size, slice count, channel count or depth than the texture has.
+    // A size, slice count, channel count or depth that differs from the texture.
     for (offset, value) in [(8, 2), (24, 2), (24, 4), (16, 3), (20, 16)] {
         assert_eq!(with_word("brdfc.wavelet", offset, u32::to_le_bytes(value)).field, "texture");
     }
@@ -140,7 +140,7 @@ fn header_and_texture_agree() {
 /// The binding of the index map.
 const INDEX: &str = "wavelet_brdf_index";
 
-/// Refusal after the words of coefficients, from the first on, were replaced: slice, scale, offset and share.
+/// Error after the words of coefficients, from the first on, were replaced: slice, scale, offset and share.
 fn with_index(coefficients: &[[f32; 4]]) -> FormatError {
     let mut texture = texture();
     change_image(&mut texture, INDEX, |image| {
@@ -165,20 +165,20 @@ fn the_index_map_counts_slices_in_order() {
         ([1.0, 0.0, 0.0, 0.0], ""),
         ([1.0, 2.0, 3.0, 0.0], ""),
     ] {
-        let kept = |slice: f32| if slice == 0.0 { [slice, 0.0, 0.0, 0.0] } else { [slice, 0.5, -0.25, 0.0] };
-        let error = with_index(&slices.map(kept));
+        let words = |slice: f32| if slice == 0.0 { [slice, 0.0, 0.0, 0.0] } else { [slice, 0.5, -0.25, 0.0] };
+        let error = with_index(&slices.map(words));
         assert_eq!(error.field, format!("{INDEX}{field}"), "{slices:?}");
     }
-    // Slices of a level that the header says is not stored.
+    // Slices of a level that the header declares as not stored.
     let error = with_word("brdfc.wavelet", 12, [0; 4]).to_string();
-    assert_eq!(error, "wavelet_brdf_index coefficient 2, slice: found 2, expected 0, as this level is not stored");
+    assert_eq!(error, "wavelet_brdf_index coefficient 2, slice: found 2, expected 0, because this level is not stored");
 }
 
 #[test]
 fn scales_are_finite_and_not_negative() {
     let good = [[1.0, 2.0, -1.0, 0.0], [0.0; 4], [2.0, 0.5, -0.25, 0.0], [0.0; 4]];
     for (coefficient, word, value, field) in [
-        // Those of the zero slice are zero.
+        // The zero slice has zeros.
         (1, 1, 1.0, "scale and offset"),
         (1, 1, -0.0, "scale and offset"),
         (1, 1, f32::NAN, "scale and offset"),
@@ -189,7 +189,7 @@ fn scales_are_finite_and_not_negative() {
         (0, 2, f32::NAN, "scale and offset"),
         (0, 2, f32::NEG_INFINITY, "scale and offset"),
         (2, 2, f32::INFINITY, "scale and offset"),
-        // The pack is not lifted.
+        // The pack is not energy-preserving.
         (2, 3, 0.5, "share of the lower half"),
         (0, 3, f32::NAN, "share of the lower half"),
     ] {
@@ -202,15 +202,15 @@ fn scales_are_finite_and_not_negative() {
     assert_eq!(error.field, "wavelet_brdf_index coefficient 0, scale and offset", "the largest coefficient overflows");
 }
 
-/// The uniform block repeats what the entries and the index map say; a shader reads the one, the CPU the others.
+/// The uniform block repeats the metadata and the index map, because shaders read the one and the CPU reads the others.
 #[test]
-fn uniform_block_and_entries_agree() {
+fn uniform_block_and_metadata_agree() {
     let error = with_index(&[[1.0, 2.0, -0.5, 0.0]]);
     assert_eq!(error.field, "brdfc.uniform.wavelet_brdf_parameters byte 28", "{error}");
     for word in 0..12 {
         let error = with_word("brdfc.uniform.wavelet_brdf_parameters", 4 * word, [7; 4]);
         assert_eq!(error.field, format!("brdfc.uniform.wavelet_brdf_parameters byte {}", 4 * word));
-        assert!(error.allowed.ends_with("as the other entries say"), "{error}");
+        assert!(error.allowed.ends_with("as the codec's metadata says"), "{error}");
     }
 }
 
@@ -236,14 +236,14 @@ fn errors_are_not_negative() {
 }
 
 #[test]
-fn every_entry_is_required_once_and_has_its_length() {
+fn every_key_is_required_once_and_has_its_length() {
     let keys: Vec<String> = texture().entries.into_keys().collect();
     assert_eq!(keys.len(), 6, "{keys:?}");
     for key in &keys {
         let mut missing = texture();
         missing.entries.remove(key);
         assert_eq!(&refusal(&missing).field, key);
-        // What is no text and no file of its own has one length.
+        // Values other than text and files have a fixed length.
         if ["brdfc.bindings", "brdfc.checksum", "brdfc.image.wavelet_brdf_index"].contains(&key.as_str()) {
             continue;
         }
@@ -256,20 +256,20 @@ fn every_entry_is_required_once_and_has_its_length() {
         }
     }
     let empty = Texture { entries: BTreeMap::new(), ..texture() };
-    assert_eq!(refusal(&empty).found, "no brdfc entries");
+    assert_eq!(refusal(&empty).found, "no brdfc keys");
 
-    // An entry named like another, of the same length: `brdfc.wavelet` has a NUL where it would go on.
+    // A key similar to another, of the same length: `brdfc.wavelet` has a NUL in place of its last character.
     let mut twice = texture();
     twice.entries.insert("brdfc.wavelez".into(), twice.entries["brdfc.wavelet"].clone());
     let mut bytes = twice.to_bytes(false);
     let at = bytes.windows(14).position(|w| w == b"brdfc.wavelez\0").unwrap();
     bytes[at + 12] = b't';
     let error = WaveletPack::from_bytes(&sealed(bytes)).unwrap_err();
-    assert_eq!((error.field.as_ref(), error.found.as_str()), ("brdfc.wavelet", "two entries of this name"));
+    assert_eq!((error.field.as_ref(), error.found.as_str()), ("brdfc.wavelet", "a duplicate key"));
 }
 
 #[test]
-fn entries_of_other_names_are_ignored() {
+fn other_keys_are_ignored() {
     let mut more = texture();
     more.entries.insert("brdfc.note".into(), vec![1, 2, 3]);
     let bytes = sealed(more.to_bytes(true));
@@ -296,7 +296,7 @@ fn with_level(level: &[u8], uncompressed: u64) -> Vec<u8> {
 }
 
 #[test]
-fn compressed_data_that_lie_about_their_length_are_refused() {
+fn compressed_data_with_wrong_lengths_are_rejected() {
     let texels = brdfc_testing::codecs::wavelet::example().texels;
     let frame = |bytes: &[u8]| zstd::bulk::compress(bytes, 3).unwrap();
     assert!(survives(&with_level(&frame(&texels), 12)));
@@ -308,14 +308,14 @@ fn compressed_data_that_lie_about_their_length_are_refused() {
         assert_eq!(whole[4..6], [0x20, 12], "single segment, content size in one byte");
         [&whole[..4], &[0xa0], &size.to_le_bytes(), &whole[6..]].concat()
     };
-    assert!(survives(&with_level(&declares(12), 12)), "the frame made by hand is a good one");
+    assert!(survives(&with_level(&declares(12), 12)), "the hand-made frame is valid");
     let streamed = zstd::stream::encode_all(&texels[..], 3).unwrap();
     for (name, level, uncompressed) in [
         ("longer than the extent", bomb.clone(), 12),
         ("longer, and the index says so", bomb.clone(), 1 << 26),
         ("shorter", frame(&texels[..11]), 12),
         ("declares more than it holds", declares(13), 12),
-        ("declares very much", declares(u32::MAX), 12),
+        ("declares a huge size", declares(u32::MAX), 12),
         ("declares less than it holds", declares(11), 12),
         ("a second frame", [frame(&texels), bomb].concat(), 12),
         ("a second frame of the right size", [frame(&texels), frame(&texels)].concat(), 12),
@@ -330,7 +330,7 @@ fn compressed_data_that_lie_about_their_length_are_refused() {
 }
 
 #[test]
-fn a_few_bytes_that_declare_a_gibibyte_are_refused_unread() {
+fn a_few_bytes_that_declare_a_gibibyte_are_rejected_early() {
     let mut level = vec![0x28, 0xb5, 0x2f, 0xfd, 0xa0];
     level.extend_from_slice(&(1u32 << 30).to_le_bytes());
     level.extend_from_slice(&[0; 32]);
@@ -345,7 +345,7 @@ fn a_few_bytes_that_declare_a_gibibyte_are_refused_unread() {
     assert!(error.starts_with(expected), "{error}");
 }
 
-/// The limit above is not too strict for the most compressible contents.
+/// The limit above does not reject the most compressible contents.
 #[test]
 fn a_large_texture_of_one_value_is_read() {
     let texels = vec![0; 1 << 26];
@@ -360,7 +360,7 @@ fn a_large_texture_of_one_value_is_read() {
 }
 
 #[test]
-fn extents_beyond_the_limits_are_refused_before_memory_is_asked_for() {
+fn extents_beyond_the_limits_are_rejected_before_allocation() {
     for extent in [[2048; 3], [2048, 2048, 512], [2049, 1, 1], [1, 2049, 1], [1, 1, 2049], [u32::MAX; 3], [0, 1, 1]] {
         for supercompress in [false, true] {
             let mut bytes = brdfc_testing::codecs::wavelet::example().to_bytes(supercompress);
@@ -375,7 +375,7 @@ fn extents_beyond_the_limits_are_refused_before_memory_is_asked_for() {
 }
 
 #[test]
-fn other_textures_are_refused() {
+fn other_textures_are_rejected() {
     let bytes = brdfc_testing::codecs::wavelet::example().to_bytes(false);
     for (offset, value, field) in [
         (0, 0, "identifier"),
@@ -396,14 +396,14 @@ fn other_textures_are_refused() {
         let mut broken = bytes.clone();
         broken[offset] = value;
         let error = Texture::from_bytes(&broken).unwrap_err();
-        // A second level index entry runs into the descriptor before its count is looked at.
+        // A second level index record runs into the descriptor before its count is checked.
         let whole = field == "levelCount" && error.field == "container";
         assert!(error.field == field || whole, "{offset} {value}: {error}");
     }
 }
 
 #[test]
-fn a_texture_that_is_no_pack_is_refused() {
+fn a_texture_that_is_not_a_pack_is_rejected() {
     let texture = Texture {
         format: TexelFormat::Rgba16Unorm,
         extent: Extent::D3([3, 1, 2]),
@@ -415,6 +415,6 @@ fn a_texture_that_is_no_pack_is_refused() {
         let bytes = texture.to_bytes(supercompress);
         assert_eq!(Texture::from_bytes(&bytes).unwrap(), texture);
         let error = WaveletPack::from_bytes(&bytes).unwrap_err();
-        assert_eq!(error.to_string(), "brdfc.bindings: found only brdfc.other, expected the entries of a pack");
+        assert_eq!(error.to_string(), "brdfc.bindings: found only brdfc.other, expected the keys of a pack");
     }
 }

@@ -1,4 +1,4 @@
-//! Packs of polynomial wavelet trees: files there and back, and look-ups whose answers are known.
+//! Polynomial wavelet trees: file round trips, and look-ups with known answers.
 
 use brdfc_formats::Pack;
 use brdfc_formats::pwt::{
@@ -18,7 +18,7 @@ fn decoder(header: PwtHeader, texels: Vec<Vec<u8>>) -> PwtDecoder {
 }
 
 #[test]
-fn files_are_read_as_they_were_written() {
+fn files_round_trip() {
     for (name, pack) in packs() {
         for supercompress in [false, true] {
             let bytes = pack.to_bytes(supercompress);
@@ -32,7 +32,7 @@ fn files_are_read_as_they_were_written() {
     }
 }
 
-/// One number that every texel has: that number times its weight, wherever, at every level.
+/// A component that is equal in all texels gives its value times its weight everywhere, at every level.
 #[test]
 fn constants_are_constant() {
     let header = plain([3, 2], [4, 4], 2, linear(1));
@@ -45,7 +45,7 @@ fn constants_are_constant() {
             let expected = 0.65 + 0.6 * 0.4;
             let found = decoder.value(uv, level, light);
             assert!(found.iter().all(|c| (c - expected).abs() < 1e-6), "{uv:?} {level}: {found:?}");
-            // A light at or below the horizon lights nothing.
+            // A light at or below the horizon has no effect.
             for z in [0.0, -0.0, -0.8] {
                 assert_eq!(decoder.value(uv, level, [0.6, 0.0, z]), [0.0; 3]);
             }
@@ -53,7 +53,7 @@ fn constants_are_constant() {
     }
 }
 
-/// Four texels: `0, 255` above `51, 102`, that are 0, 1 above 0.2, 0.4.
+/// Four texels: `0, 255` above `51, 102`, which mean 0, 1 above 0.2, 0.4.
 fn four(repeats: bool) -> PwtDecoder {
     let header = plain([2, 2], [2, 2], 1, linear(0));
     let header = PwtHeader { repeats, textures: vec![single(0, 0, 1.0, 0.0)], ..header };
@@ -91,26 +91,26 @@ fn texels_are_filtered_by_hand() {
 }
 
 #[test]
-fn tiles_repeat_and_renderings_go_on() {
-    let [rendering, tile] = [four(false), four(true)];
-    // At the left border a tile has half of either column.
-    assert!((grey(&rendering, [0.0, 0.25], 0.0) - 0.0).abs() < 1e-6);
+fn tiles_repeat_and_other_images_are_clamped() {
+    let [image, tile] = [four(false), four(true)];
+    // At the left border a tile blends both columns equally.
+    assert!((grey(&image, [0.0, 0.25], 0.0) - 0.0).abs() < 1e-6);
     assert!((grey(&tile, [0.0, 0.25], 0.0) - 0.5).abs() < 1e-6);
     assert_eq!(grey(&tile, [1.0, 0.25], 0.0), grey(&tile, [0.0, 0.25], 0.0));
     assert_eq!(grey(&tile, [-0.75, 3.25], 0.0), grey(&tile, [0.25, 0.25], 0.0));
-    assert_eq!(grey(&rendering, [-0.75, 3.25], 0.0), grey(&rendering, [0.0, 1.0], 0.0));
+    assert_eq!(grey(&image, [-0.75, 3.25], 0.0), grey(&image, [0.0, 1.0], 0.0));
     // Just below 0, where the remainder rounds to 1.
     assert!((grey(&tile, [-1e-9, 0.25], 0.0) - 0.5).abs() < 1e-6);
     for uv in [[f32::NAN, 0.0], [f32::INFINITY, 0.5], [f32::NEG_INFINITY, f32::NAN], [1e30, -1e30]] {
-        for decoder in [&rendering, &tile] {
+        for decoder in [&image, &tile] {
             assert!((0.0..=1.0).contains(&grey(decoder, uv, 0.3)), "{uv:?}");
         }
     }
 }
 
-/// What fills a rendering up to its extent is seen at its border alone.
+/// Padding up to the extent affects an image only at its border.
 #[test]
-fn coordinates_are_of_the_rendering_not_of_its_texels() {
+fn coordinates_are_relative_to_the_image_size() {
     let header = plain([3, 1], [4, 2], 1, linear(0));
     let header = PwtHeader { textures: vec![single(0, 0, 1.0, 0.0)], ..header };
     let decoder = decoder(header, vec![vec![0, 51, 102, 255, 0, 0, 0, 0, 0, 0]]);
@@ -118,14 +118,14 @@ fn coordinates_are_of_the_rendering_not_of_its_texels() {
         let found = grey(&decoder, [(x + 0.5) / 3.0, 0.5], 0.0);
         assert!((found - expected).abs() < 1e-6, "{x}: {found}");
     }
-    // Half way to the first texel behind the rendering, and to the row behind it.
+    // Half way to the first texel beyond the image, and to the row beyond it.
     assert!((grey(&decoder, [1.0, 0.5], 0.0) - 0.7).abs() < 1e-6);
     assert!((grey(&decoder, [0.5, 1.0], 0.0) - 0.1).abs() < 1e-6);
     assert_eq!(grey(&decoder, [1.5, 0.5], 0.0), grey(&decoder, [1.0, 0.5], 0.0));
 }
 
-/// All 36 harmonics, each a texture of one number: weights by the triangle, by hand for those that do not depend on the
-/// azimuth.
+/// All 36 harmonics, each a texture with one component: weights by the triangle, computed by hand for those that do not
+/// depend on the azimuth.
 #[test]
 fn weights_of_all_terms() {
     let basis = LightBasis { coordinates: LightCoordinates::Hemisphere, degree: 5 };
@@ -154,7 +154,7 @@ fn weights_of_all_terms() {
     ] {
         assert!((weights[term] - expected).abs() < 2e-6, "{term}: {} {expected}", weights[term]);
     }
-    // The last row adds twice the first term to the last; the last component alone is there.
+    // The last row adds twice the first term to the last; only the last component exists.
     header.triangle[630] = 2.0;
     let decoder = decoder(header, vec![vec![0; 36]]);
     let expected = (2.0 + weights[35]).max(0.0);
@@ -188,8 +188,8 @@ fn colours_and_domains() {
     }
 }
 
-/// Whole renderings are the look-ups at the centres of texels: bit for bit where sides are powers of two, as no centre is
-/// rounded then.
+/// Decompressed images equal look-ups at texel centres, bit for bit if sides are powers of two, because then centres
+/// are exact.
 #[test]
 fn unpacked_levels_are_the_look_ups() {
     let mut exact = 0;
@@ -204,12 +204,12 @@ fn unpacked_levels_are_the_look_ups() {
             assert_eq!([width, height], header.size.map(|side| side.div_ceil(1 << level) as usize));
             let texels = (width * height * header.components().count()) as u64;
             assert_eq!(decoder.unpacked_bytes(level), 4 * texels);
-            let rendering = unpacked.rows(0..height, &weights);
-            assert_eq!(unpacked.rows(height - 1..height, &weights)[..], rendering[(height - 1) * width..]);
-            for (k, found) in rendering.iter().enumerate() {
+            let image = unpacked.rows(0..height, &weights);
+            assert_eq!(unpacked.rows(height - 1..height, &weights)[..], image[(height - 1) * width..]);
+            for (k, found) in image.iter().enumerate() {
                 let at = [(k % width) as f32 + 0.5, (k / width) as f32 + 0.5];
                 let uv = [0, 1].map(|axis| at[axis] * (1 << level) as f32 / header.size[axis] as f32);
-                // Centres behind the border of a rendering are looked up at the border.
+                // Centres beyond the border of an image are clamped to it.
                 if !header.repeats && uv.iter().any(|c| *c > 1.0) {
                     continue;
                 }
@@ -223,7 +223,7 @@ fn unpacked_levels_are_the_look_ups() {
                 assert!(found.iter().zip(&expected).all(close), "{name} {level} {k}: {found:?} {expected:?}");
             }
         }
-        // Beyond the coarsest there is none.
+        // Levels beyond the coarsest are clamped.
         let last = decoder.unpacked(header.levels);
         let beyond = decoder.unpacked(u32::MAX);
         assert_eq!((beyond.size(), beyond.rows(0..1, &weights)), (last.size(), last.rows(0..1, &weights)));

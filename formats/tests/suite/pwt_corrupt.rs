@@ -1,4 +1,4 @@
-//! Broken and hostile packs of polynomial wavelet trees: each is refused, or is a pack that decodes to numbers.
+//! Corrupt and malicious polynomial wavelet trees: each is rejected, or decodes to finite numbers.
 
 use brdfc_formats::container::{Extent, TexelFormat, Texture};
 use brdfc_formats::pwt::{Domain, LightBasis, LightCoordinates, PWT_ENTRY, PwtDecoder, PwtHeader, PwtPack};
@@ -9,7 +9,7 @@ use std::collections::BTreeMap;
 
 const SECOND: &str = "brdfc.image.pwt_texture_1";
 
-/// Whether bytes are a pack, whatever their checksum is; then its values are numbers wherever they are looked up.
+/// Returns true if bytes are a pack after their checksum is updated; its values are then finite everywhere.
 fn survives(bytes: &[u8]) -> bool {
     let Ok(pack) = PwtPack::from_bytes(&sealed(bytes.to_vec())) else { return false };
     let decoder = PwtDecoder::new(pack);
@@ -66,7 +66,7 @@ fn file(pack: &PwtPack) -> Texture {
     read_texture(&pack.to_bytes(false)).unwrap()
 }
 
-/// Field and what was found, where one word of the entry of the example is another.
+/// Field and value found, after one word of the header of the example was replaced.
 fn with_word(offset: usize, word: u32) -> String {
     let error = changed(&example(), |entries| {
         entries.get_mut(PWT_ENTRY).unwrap()[offset..offset + 4].copy_from_slice(&word.to_le_bytes());
@@ -74,9 +74,9 @@ fn with_word(offset: usize, word: u32) -> String {
     format!("{}: {}", error.field, error.found)
 }
 
-/// The places are those of `formats/src/pwt/spec.md`.
+/// Offsets are those of `formats/src/pwt/spec.md`.
 #[test]
-fn refusals_name_the_field() {
+fn errors_name_the_field() {
     let nan = f32::NAN.to_bits();
     let infinite = f32::NEG_INFINITY.to_bits();
     for (offset, word, expected) in [
@@ -120,15 +120,15 @@ fn refusals_name_the_field() {
     ] {
         assert_eq!(with_word(offset, word), expected, "byte {offset}, {word}");
     }
-    // Degree 0 has one term, and the term of the second texture none.
+    // Degree 0 has one term, and the term of the second texture does not exist.
     assert!(with_word(32, 0).starts_with("brdfc.pwt "));
-    // What may be.
+    // Valid changes.
     for (offset, word) in [(84, u32::MAX), (88, 0), (24, 1)] {
         let mut texture = file(&example());
         texture.entries.get_mut(PWT_ENTRY).unwrap()[offset..offset + 4].copy_from_slice(&word.to_le_bytes());
         assert!(survives(&texture.to_bytes(false)), "byte {offset}, {word}");
     }
-    // A component as the uniform block does not say it.
+    // A component that differs from the uniform block.
     assert_eq!(with_word(176, 0), "brdfc.uniform.pwt byte 2844: [00, 00, 80, be]");
     let cut = |length: usize| changed(&example(), |entries| entries.get_mut(PWT_ENTRY).unwrap().truncate(length));
     assert_eq!(cut(99).to_string(), "brdfc.pwt length: found 99 bytes, expected 100 bytes or more");
@@ -138,17 +138,17 @@ fn refusals_name_the_field() {
 }
 
 #[test]
-fn textures_are_those_that_the_header_says() {
+fn textures_follow_from_the_header() {
     let second = file(&example()).entries[SECOND].clone();
     let missing = changed(&example(), |entries| drop(entries.remove(SECOND)));
     assert_eq!(
         missing.to_string(),
-        format!("{SECOND}: found no such entry, expected one, as brdfc.bindings line 5 says")
+        format!("{SECOND}: found no such key, expected the key that brdfc.bindings line 5 names")
     );
     let fourth = "brdfc.image.pwt_texture_3";
     let spare = changed(&example(), |entries| drop(entries.insert(fourth.to_owned(), second.clone())));
-    assert_eq!((&*spare.field, &*spare.found), (fourth, "an entry that no binding names"));
-    // What later versions add is passed over.
+    assert_eq!((&*spare.field, &*spare.found), (fourth, "a key that no binding names"));
+    // Additions of later versions are ignored.
     let mut later = file(&example());
     later.entries.insert("brdfc.later".to_owned(), second.clone());
     assert_eq!(PwtPack::from_bytes(&sealed(later.to_bytes(false))).unwrap(), example());
@@ -160,7 +160,7 @@ fn textures_are_those_that_the_header_says() {
     };
     let texture = Texture::from_bytes(&second).unwrap();
     let nested = Texture { entries: BTreeMap::from([(PWT_ENTRY.to_owned(), Vec::new())]), ..texture.clone() };
-    assert_eq!(with_second(&nested), format!("{SECOND}, entries: found brdfc.pwt, expected none of brdfc"));
+    assert_eq!(with_second(&nested), format!("{SECOND}, keys: found brdfc.pwt, expected no brdfc keys"));
     let wide = Texture { extent: Extent::D2Array([2, 1, 1]), texels: vec![0; 2], ..texture.clone() };
     let said = with_second(&wide);
     assert!(said.starts_with(&format!("{SECOND}: found 1 levels of 1 layers of 2 x 1")), "{said}");
@@ -168,7 +168,7 @@ fn textures_are_those_that_the_header_says() {
     assert!(with_second(&flat).starts_with(&format!("{SECOND}: ")));
     let other = Texture { format: TexelFormat::Rg8Unorm, texels: vec![0; 2], ..texture };
     assert!(with_second(&other).contains("expected 1 levels of "));
-    // As its binding says, and not as the header does.
+    // Matches its binding but not the header.
     let mut rebound = file(&example());
     rebind(
         &mut rebound,
@@ -183,23 +183,23 @@ fn textures_are_those_that_the_header_says() {
     (short.levels, short.texels) = (1, vec![0; 4]);
     let error = PwtPack::from_bytes(&sealed(short.to_bytes(false))).unwrap_err();
     assert!(error.field == "texture" && error.found.starts_with("1 levels"), "{error}");
-    // Of another kind, or of none.
+    // Another kind, or no header.
     let error = changed(&example(), |entries| drop(entries.insert(PWT_ENTRY.to_owned(), Vec::new())));
     assert_eq!(&*error.field, "brdfc.pwt length");
     let error = changed(&example(), |entries| drop(entries.remove(PWT_ENTRY))).to_string();
-    assert_eq!(error, "brdfc.pwt: found no brdfc entries, expected the entries of a polynomial wavelet tree");
+    assert_eq!(error, "brdfc.pwt: found no brdfc keys, expected the keys of a polynomial wavelet tree");
 }
 
-/// Sizes that a header may have and memory cannot: known before it is asked for.
+/// Sizes that a header can declare but memory cannot hold are rejected before allocation.
 #[test]
-fn large_headers_are_refused_early() {
+fn large_headers_are_rejected_early() {
     let basis = LightBasis { coordinates: LightCoordinates::Projected, degree: 0 };
     let header = plain([8192, 8192], [8192, 8192], 0, basis);
     let mut texture = single(0, 0, 1.0, 0.0);
     texture.components = vec![texture.components[0]; 17];
     let error = PwtPack::new(PwtHeader { textures: vec![texture], ..header }, vec![Vec::new()]).unwrap_err();
     assert_eq!(error.to_string(), "brdfc.pwt textures: found 1140850688 bytes of texels, expected at most 1073741824");
-    // A file of a few bytes may be a large rendering; what unpacking it takes is known.
+    // A file of a few bytes can be a large image; the memory for its decompression is known.
     let coarse = PwtHeader { textures: vec![single(12, 0, 1.0, 0.0)], ..plain([8192; 2], [8192; 2], 12, basis) };
     let pack = PwtPack::new(coarse, vec![vec![255; 4]]).unwrap();
     let bytes = pack.to_bytes(false);
@@ -215,7 +215,7 @@ fn headers_in_memory_are_checked_alike() {
         (PwtHeader { textures: Vec::new(), ..good.clone() }, "brdfc.pwt textures: found 0, expected 1 to 4"),
         (
             PwtHeader { triangle: vec![1.0; 5], ..good.clone() },
-            "brdfc.pwt triangle: found 5 numbers, expected 6, as the degree says",
+            "brdfc.pwt triangle: found 5 numbers, expected 6, as degree requires",
         ),
         (
             PwtHeader { domain: Domain::Logarithm { epsilon: -1.0 }, ..good.clone() },

@@ -1,5 +1,5 @@
-//! The WGSL of polynomial wavelet trees without a graphics adapter: it validates, its uniform block is the one that Rust
-//! writes, and it calls nothing that browsers refuse.
+//! WGSL of polynomial wavelet trees without a graphics adapter: it validates, its uniform block matches the one that
+//! Rust writes, and it calls only functions that browsers accept.
 
 use brdfc_formats::pwt::shader::{PWT_WGSL, PwtParameters};
 use brdfc_testing::codecs::pwt::packs;
@@ -9,7 +9,7 @@ fn parsed() -> naga::Module {
     naga::front::wgsl::parse_str(PWT_WGSL).unwrap_or_else(|error| panic!("{}", error.emit_to_string(PWT_WGSL)))
 }
 
-/// No capability beyond those that WebGPU has without features.
+/// No capabilities beyond WebGPU without features.
 #[test]
 fn it_validates() {
     let result = Validator::new(ValidationFlags::all(), Capabilities::empty()).validate(&parsed());
@@ -25,7 +25,7 @@ fn a_mistake_does_not_validate() {
     assert!(!valid);
 }
 
-/// Sampling with implicit derivatives is allowed in uniform control flow only.
+/// Sampling with implicit derivatives is only valid in uniform control flow.
 #[test]
 fn every_fetch_names_its_level() {
     let code: String = PWT_WGSL.lines().map(|line| line.split("//").next().unwrap()).collect();
@@ -33,9 +33,9 @@ fn every_fetch_names_its_level() {
     assert!(code.contains("textureSampleLevel(") && code.contains("textureLoad("));
 }
 
-/// Size and offsets by naga's layout, and of every pack what stands there.
+/// Size and offsets by naga's layout, and the contents for each pack.
 #[test]
-fn the_uniform_block_is_the_one_that_rust_writes() {
+fn the_uniform_block_matches_rust() {
     let module = parsed();
     let block = module.types.iter().find(|(_, ty)| ty.name.as_deref() == Some("PwtParameters"));
     let naga::TypeInner::Struct { members, span } = &block.expect("the block has its name").1.inner else {

@@ -1,5 +1,5 @@
-//! The shipped WGSL without a graphics adapter: it validates, its uniform block is the one that Rust writes, and it calls
-//! nothing that browsers refuse.
+//! Shipped WGSL without a graphics adapter: it validates, its uniform block matches the one that Rust writes, and it
+//! calls only functions that browsers accept.
 
 use brdfc_formats::PackKind;
 use brdfc_formats::bindings::{FRAME_WGSL, FrameBlock, combined_wgsl};
@@ -19,7 +19,7 @@ fn parsed() -> naga::Module {
         .unwrap_or_else(|error| panic!("{}", error.emit_to_string(WAVELET_BRDF_WGSL)))
 }
 
-/// No capability beyond those that WebGPU has without features.
+/// No capabilities beyond WebGPU without features.
 #[test]
 fn it_validates() {
     let result = Validator::new(ValidationFlags::all(), Capabilities::empty()).validate(&parsed());
@@ -35,7 +35,7 @@ fn a_mistake_does_not_validate() {
     assert!(!valid);
 }
 
-/// Sampling with implicit derivatives is allowed in uniform control flow only.
+/// Sampling with implicit derivatives is only valid in uniform control flow.
 #[test]
 fn every_fetch_names_its_level() {
     let code: String = WAVELET_BRDF_WGSL.lines().map(|line| line.split("//").next().unwrap()).collect();
@@ -130,7 +130,7 @@ fn the_flat_btf_shader_validates() {
     assert!(!code.contains("textureSample(") && code.contains("textureSampleLevel("));
 }
 
-/// All decoders can be pasted into one shader: they share no names and no slots but that of the frame's block.
+/// All decoders can be combined in one shader: they share no names, and no slots except that of the frame block.
 #[test]
 fn the_shaders_share_no_names() {
     let decoders = PackKind::ALL.map(|kind| (kind.descriptor().wgsl)());
@@ -197,7 +197,7 @@ fn the_block_of_the_frame_is_the_one_that_rust_writes() {
     assert_eq!(FrameBlock::exact().to_bytes()[4..8], [0; 4]);
 }
 
-/// Each shader is whole by itself, so the arctangent stands in each that has one: with the same steps.
+/// Each shader is self-contained, so each contains a copy of the arctangent if it needs one, with the same steps.
 #[test]
 fn the_arctangent_is_one() {
     let of = |shader: &str| -> Vec<String> {
@@ -214,9 +214,9 @@ fn the_arctangent_is_one() {
     assert_ne!(of(&WAVELET_BRDF_WGSL.replace("9.642198e-2", "9.6e-2")), found[..1]);
 }
 
-/// What the README calls, and its shader, are WGSL behind the decoders that it names.
+/// The calls and the shader in the README are valid WGSL after the decoders that it names.
 #[test]
-fn what_the_readme_calls_validates() {
+fn calls_in_the_readme_validate() {
     let page = include_str!("../../README.md");
     let check = |source: &str| {
         let module =

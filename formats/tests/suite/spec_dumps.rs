@@ -1,4 +1,4 @@
-//! The dumps on the pages of the layouts are the bytes of files that these tests make.
+//! Dumps on the specification pages equal the bytes of files made by these tests.
 
 use brdfc_formats::bindings::{Binding, Bindings, PackFile, Texels};
 use brdfc_formats::container::{Extent, TexelFormat, Texture};
@@ -17,11 +17,11 @@ fn containers() {
     let page = include_str!("../../src/container/spec.md");
     let bytes = brdfc_testing::codecs::wavelet::example().to_bytes(false);
     assert!(Texture::from_bytes(&bytes).is_ok());
-    // The entries between stand on the page of wavelet packs.
+    // The omitted bytes are on the page of wavelet packs.
     assert_eq!(check_dump(page, &bytes), 15);
 }
 
-/// The pack of a codec that there is not, on the page of bindings.
+/// The pack of a fictitious codec on the page of bindings.
 fn stripes() -> Bindings<'static> {
     let texels = |width, bytes: &'static [u8]| Texels::new(TexelFormat::R8Unorm, Extent::D2([width, 1]), bytes);
     let width = [0.25f32, 0.0, 0.0, 0.0].map(f32::to_le_bytes).concat();
@@ -76,14 +76,14 @@ fn flat_btfs() {
     assert!(page.contains(&format!("`{}`", entry.join(" "))), "{entry:?}");
 }
 
-/// The value below the dump.
+/// The worked value after the dump.
 #[test]
 fn the_worked_value_of_the_flat_btf_page() {
     let [u, v, z] = example_flat_btf().decoder.indirection([0.2, 0.7], [0.5f32.sin(), 0.0, 0.5f32.cos()]);
     assert!((u - 0.025).abs() < 1e-6 && v == 0.5 && (z - 0.25).abs() < 1e-6, "{u} {v} {z}");
 }
 
-/// The values at the foot of the page.
+/// The worked values at the end of the page.
 #[test]
 fn the_worked_values_of_the_wavelet_page() {
     let page = include_str!("../../src/wavelet/spec.md");
@@ -103,7 +103,7 @@ fn the_worked_values_of_the_wavelet_page() {
         let [found, ..] = decoder.eval(pair, level, filter);
         assert!((found - f.parse::<f32>().unwrap()).abs() < 1e-6, "{found} {f}");
     }
-    // The same cells by themselves.
+    // The same cells, decoded as a row.
     let mut row = [0.0; 4];
     decoder.decode_row(0, 0, &mut row, &mut RowScratch::default());
     let f = decoder.from_log(row[1]);
@@ -118,7 +118,7 @@ fn polynomial_wavelet_trees() {
     assert_eq!(PwtPack::from_bytes(&bytes).unwrap(), example);
     assert_eq!(check_dump(page, &bytes), 64);
     assert!(page.contains(&format!("a uniform block of {} bytes", PwtParameters::SIZE)));
-    // The values at the foot of the page.
+    // The worked values at the end of the page.
     let decoder = PwtDecoder::new(example);
     for (uv, expected) in [([0.25, 0.25], 0.09), ([0.5, 0.5], 0.49)] {
         let [value, ..] = decoder.value(uv, 0.0, [0.6, 0.0, 0.8]);

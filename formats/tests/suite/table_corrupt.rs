@@ -1,4 +1,4 @@
-//! Broken and hostile table packs: each is refused, or is a pack that decodes to numbers.
+//! Corrupt and malicious table packs: each is rejected, or decodes to finite numbers.
 
 use brdfc_formats::FormatError;
 use brdfc_formats::container::{Extent, TexelFormat, Texture};
@@ -6,14 +6,14 @@ use brdfc_formats::table::{Curve, TableDecoder, TablePack};
 use brdfc_testing::codecs::table::tables;
 use brdfc_testing::packs::{change_image, pairs, rebind, sealed};
 
-/// The smallest packs: of both texel formats, with one layer and more, plain and factored.
+/// The smallest packs: both texel formats, with one layer and more, plain and factored.
 fn small_packs() -> Vec<TablePack> {
     let names =
         ["symmetry 2, layers 1", "symmetry 1, layers 3", "symmetry 3, layers 1, curve", "symmetry 0, layers 1, curve"];
     tables().into_iter().filter(|(name, _)| names.contains(&name.as_str())).map(|(_, pack)| pack).collect()
 }
 
-/// Whether bytes are a pack, whatever their checksum is; then `f_r` is a number wherever it is looked up.
+/// Returns true if bytes are a pack after their checksum is updated; `f_r` is then finite everywhere.
 fn survives(bytes: &[u8]) -> bool {
     let Ok(pack) = TablePack::from_bytes(&sealed(bytes.to_vec())) else { return false };
     let decoder = TableDecoder::new(&pack);
@@ -51,7 +51,7 @@ fn no_single_corrupt_byte_panics() {
     }
 }
 
-/// Refusal of a factored pack with another curve, of which its bindings know.
+/// Error of a factored pack with another curve that its bindings declare.
 fn with_curve(format: TexelFormat, extent: Extent, texel: u8) -> FormatError {
     let pack = small_packs().into_iter().find(|pack| pack.curve().is_some() && pack.header().channels == 3).unwrap();
     let curve = pack.curve().unwrap();
@@ -77,14 +77,14 @@ fn curves_out_of_range_are_named() {
     }
     let error = with_curve(FORMAT, Extent::D2([9, 17]), 0);
     assert_eq!((&*error.field, &*error.found), ("table_brdf_curve levels", "16"));
-    // Halves that are no numbers.
+    // NaN halves.
     assert_eq!(with_curve(FORMAT, Extent::D2([9, 4]), 0xff).field, "table_brdf_curve texel");
     assert_eq!(with_curve(FORMAT, Extent::D2Array([9, 4, 1]), 0).field, "table_brdf_curve");
     assert_eq!(with_curve(TexelFormat::R16Float, Extent::D2([9, 4]), 0).field, "table_brdf_curve");
-    // Of another size than the uniform block says.
+    // A size that differs from the uniform block.
     let error = with_curve(FORMAT, Extent::D2([8, 4]), 0);
     assert_eq!(error.field, "brdfc.uniform.table_brdf_parameters byte 20", "{error}");
-    // A curve of fewer channels than the table has.
+    // A curve with fewer channels than the table.
     let plain = small_packs().into_iter().find(|pack| pack.curve().is_none() && pack.header().channels == 3).unwrap();
     let grey = Curve::new(1, 0, &[[0.0; 3], [1.0; 3]]).unwrap();
     assert_eq!(plain.with_curve(grey).unwrap_err().field, "table_brdf_curve");

@@ -8,28 +8,28 @@ use clap::Args;
 use std::ffi::OsString;
 use std::path::PathBuf;
 
-/// Less is not enough for one material.
-const LEAST_MEMORY: u64 = 64 << 20;
+/// Minimum of `--memory`: one material needs this much.
+const MIN_MEMORY: u64 = 64 << 20;
 
 /// Parses an amount of memory.
 fn memory_from_text(text: &str) -> Result<u64, String> {
-    let bytes = bytes_from_text(text).ok().filter(|bytes| *bytes >= LEAST_MEMORY);
+    let bytes = bytes_from_text(text).ok().filter(|bytes| *bytes >= MIN_MEMORY);
     bytes.ok_or_else(|| "expected 64MiB or more, such as 512MiB, 2GiB or 2147483648 (bytes)".to_owned())
 }
 
-/// Make the packs that a scene needs, or those of a folder of measured materials.
+/// Build the packs that a scene needs, or a pack of each measured material in a folder.
 ///
-/// A manifest names materials and the uses that a scene makes of them; docs/scene.md lists its keys. A material that no
-/// use refers to is not even opened. Without a manifest each material of the folders, files and patterns is made, and its
-/// pack is named after its file; of folders that is what stands in them directly, packs left out.
+/// A manifest lists materials and the uses that a scene makes of them; docs/manifest.md describes its keys. The build does not
+/// open materials that no use refers to. Without a manifest, it builds each material of the given files, folders and
+/// patterns, and names the pack after the file. It does not descend into subfolders, and skips packs.
 ///
-/// What was made before of the same source by the same options is kept. One material that fails does not stop the
-/// others. The output folder changes at the end, all at once: report.json lists what was built into it, and files that
-/// others put there stay. An encoding option wins over the table defaults of a manifest, not over what a material says
-/// of itself. A limit that is missed, and a gate of the manifest that stays closed, are exit code 1.
+/// The build reuses packs that it made before from the same source with the same options. If one material fails, the others
+/// are still built. The output folder changes once, at the end: report.json lists the files that the build wrote, and other
+/// files stay. Encoding options override the defaults of a manifest, but not the settings of a single material. The exit
+/// code is 1 if a material misses a limit or a gate of the manifest fails.
 ///
-/// Where the manifest names an environment that lights the scene (environment in the table scene), maps for adaptive
-/// shading are made too: how fast each material's lobes and the environment vary, and importance samples of the lobes.
+/// If the manifest names an environment that lights the scene (environment in the table scene), the build also makes maps for
+/// adaptive shading: bandwidth maps of each material's lobes and of the environment, and importance samples of the lobes.
 #[derive(Debug, Args)]
 #[command(after_help = "\
 Examples:
@@ -43,40 +43,40 @@ Examples:
 pub struct Arguments {
     #[command(flatten)]
     pub(super) build: BuildArguments,
-    /// Say what would be made and between which sizes packs will be, and make nothing.
+    /// Print the plan and the predicted range of pack sizes, and build nothing.
     #[arg(long)]
     pub(super) dry_run: bool,
-    /// Say what is needed of each material, which uses ask for it, and what is saved by leaving out the rest.
+    /// Print which features each material needs, which uses require them, and what leaving out the rest saves.
     #[arg(long)]
     pub(super) explain: bool,
-    /// Make every pack again, also what was made before.
+    /// Build every pack again, even if an earlier build made it.
     #[arg(long)]
     pub(super) no_cache: bool,
-    /// Stop at the first material that fails or misses a limit, and leave the folder as it was.
+    /// Stop at the first material that fails or misses a limit, and leave the output folder unchanged.
     #[arg(long)]
     pub(super) fail_fast: bool,
-    /// Make share I of N alone, I from 1 to N, and keep it in the store of the output folder (.brdfc-cache); a build without
-    /// this option puts all in place. It has no report, so no --json.
+    /// Build only share I of N, I from 1 to N, into the store of the output folder (.brdfc-cache). A later build without this
+    /// option moves the results into place. There is no report, so --json is not available.
     #[arg(long, value_name = "I/N", conflicts_with_all = ["only", "dry_run", "explain"])]
     pub(super) shard: Option<Shard>,
-    /// Make one part alone, likewise; may be given several times: MATERIAL.brdf, MATERIAL.maps or environment.maps
-    /// ('brdfc plan' lists them).
+    /// Build only this part into the store, as --shard does: MATERIAL.brdf, MATERIAL.maps or environment.maps ('brdfc plan' lists
+    /// them). May be repeated.
     #[arg(long, value_name = "PART", conflicts_with_all = ["dry_run", "explain"])]
     pub(super) only: Vec<String>,
-    /// Take what another build made from its output folder, such as that of another machine; may be given several times.
+    /// Reuse results from the output folder of another build, for example of another machine. May be repeated.
     #[arg(long, value_name = "DIR")]
     pub(super) from: Vec<PathBuf>,
-    /// Write this empty file when all is done and well.
+    /// Create this empty file when the build succeeds.
     #[arg(long, value_name = "FILE", conflicts_with = "dry_run")]
     pub(super) stamp: Option<PathBuf>,
-    /// Write the files that report.json depends on to FILE, as a rule for make or ninja.
+    /// Write a rule for make or ninja to FILE that lists the files which report.json depends on.
     #[arg(long, value_name = "FILE", conflicts_with = "dry_run")]
     pub(super) depfile: Option<PathBuf>,
     #[command(flatten, next_help_heading = "Encoding")]
     pub(super) options: EncodeOptions,
 }
 
-/// What every command asks for that builds.
+/// Arguments of all commands that build.
 #[derive(Debug, Args)]
 pub(crate) struct BuildArguments {
     /// A scene manifest; or files, folders and patterns of measured materials, and synth: addresses.
@@ -85,20 +85,20 @@ pub(crate) struct BuildArguments {
     /// Folder for packs and reports.
     #[arg(long, short, value_name = "DIR", default_value = Build::DEFAULT_FOLDER)]
     pub(crate) out: PathBuf,
-    /// Leave materials of earlier builds in the folder and in the report that this one does not ask for.
+    /// Keep packs of earlier builds, and their entries in the report, for materials that this build does not include.
     #[arg(long)]
     keep: bool,
-    /// Replace files that no build wrote, where they have names that packs or reports get; without it they are an error.
+    /// Overwrite files that no build wrote if packs or reports need their names. Without this option they are an error.
     #[arg(long)]
     force: bool,
-    /// Memory that the materials which are worked on may take together: 64MiB or more, in bytes or with KiB, MiB or GiB
-    /// (default: 300MiB for each thread). Fewer are worked on at a time where that is needed.
+    /// Memory limit for the materials in progress, together: at least 64MiB, in bytes or with KiB, MiB or GiB
+    /// (default: 300MiB per thread). The build works on fewer materials at a time to stay below it.
     #[arg(long, value_name = "B", value_parser = memory_from_text)]
     memory: Option<u64>,
 }
 
 impl BuildArguments {
-    /// The build that these arguments ask for, with the defaults of the rest.
+    /// Makes the build from these arguments, with defaults for everything else.
     pub(crate) fn build(&self, options: &EncodeOptions) -> Result<Build, Error> {
         let build = Build::from_inputs(&self.inputs)?.options(options.clone());
         let build = build.out(&self.out).keep(self.keep).force(self.force);
@@ -110,17 +110,17 @@ impl BuildArguments {
 }
 
 impl Arguments {
-    /// The build.
+    /// Makes the build from all arguments.
     pub(super) fn build(&self) -> Result<Build, Error> {
         let build = self.build.build(&self.options)?;
         Ok(build.cache(!self.no_cache).reuse(self.from.clone()).fail_fast(self.fail_fast))
     }
 
-    /// The file that says that all is done.
+    /// Writes the file of `--stamp`.
     pub(super) fn write_stamp(&self) -> Result<(), Error> {
         let Some(file) = &self.stamp else { return Ok(()) };
         file.parent().map_or(Ok(()), make_folder)?;
-        // Folders that were not there before may lead elsewhere than it seemed.
+        // The build may have created folders, so that the path now leads elsewhere.
         refuse_own("--stamp", file, &self.build.out)?;
         write_file(file, b"")
     }

@@ -20,8 +20,8 @@ use brdfc::{Build, BuildReport, Built, Changes};
 use brdfc_terminal::words::{counted, join_truncated};
 use std::path::Path;
 
-/// Most names of files in a remark.
-const NAMED: usize = 5;
+/// Maximum number of file names in a remark.
+const MAX_NAMED_FILES: usize = 5;
 
 pub(super) fn run(arguments: &Arguments, common: Common) -> Result<(), Error> {
     let out = arguments.build.out.as_path();
@@ -43,7 +43,7 @@ pub(super) fn run(arguments: &Arguments, common: Common) -> Result<(), Error> {
 
     let inputs = build.files_of(plan);
     build.prepare(plan)?;
-    check_beside(arguments, &inputs)?;
+    check_side_outputs(arguments, &inputs)?;
     interrupt::watch()?;
     if arguments.shard.is_some() || !arguments.only.is_empty() {
         return pieces::run(arguments, &build, plan, common);
@@ -51,7 +51,7 @@ pub(super) fn run(arguments: &Arguments, common: Common) -> Result<(), Error> {
     let progress = Materials::of(plan, common);
     let mut built = build.run_with(plan, &progress)?;
     drop(progress);
-    tell_what_matters(&built, common, true);
+    print_diagnostics(&built, common, true);
     if let Some(file) = &arguments.depfile {
         write_file(file, &depfile(&out.join(REPORT), &inputs))?;
     }
@@ -63,19 +63,19 @@ pub(super) fn run(arguments: &Arguments, common: Common) -> Result<(), Error> {
     if !plan.skipped.is_empty() {
         remark(
             common,
-            &format!("not used by the scene, not opened: {}", join_truncated(&plan.skipped, plan_text::MAX_NAMED)),
+            &format!("not used by the scene and not opened: {}", join_truncated(&plan.skipped, plan_text::MAX_NAMED)),
         );
     }
     match &built.changes {
         Some(changes) => tell_changes(changes, &built.report, common),
-        None => tell(&format!("brdfc: {} is as it was before", out.display())),
+        None => tell(&format!("brdfc: {} is unchanged", out.display())),
     }
     built.outcomes.verdict()?;
     arguments.write_stamp()
 }
 
-/// Files that are written beside the packs: neither over what is read nor over what else is written.
-fn check_beside(arguments: &Arguments, inputs: &[&Path]) -> Result<(), Error> {
+/// Checks that `--depfile` and `--stamp` overwrite no input and no other output.
+fn check_side_outputs(arguments: &Arguments, inputs: &[&Path]) -> Result<(), Error> {
     let out = arguments.build.out.as_path();
     let files = [("--depfile", arguments.depfile.as_deref()), ("--stamp", arguments.stamp.as_deref())];
     refuse_same_outputs(&files)?;
@@ -89,41 +89,42 @@ fn check_beside(arguments: &Arguments, inputs: &[&Path]) -> Result<(), Error> {
     arguments.depfile.as_deref().map_or(Ok(()), refuse_missing_folder)
 }
 
-/// Lists the files of given folders that the build leaves out.
+/// Prints the files of the given folders that the build leaves out.
 pub(super) fn tell_left_out(build: &Build, common: Common) {
     let names: Vec<String> = build.left_out().iter().map(|path| path.display().to_string()).collect();
     if !names.is_empty() {
-        let (count, names) = (counted(names.len(), "file"), join_truncated(&names, NAMED));
-        remark(common, &format!("left out, no measured materials: {count} ({names})"));
+        let (count, names) = (counted(names.len(), "file"), join_truncated(&names, MAX_NAMED_FILES));
+        remark(common, &format!("skipped, not measured materials: {count} ({names})"));
     }
 }
 
-/// Failures and misses, and notes on materials that were made now; of those that were made before how many have some, if that is
-/// wanted.
-pub(super) fn tell_what_matters(built: &Built, common: Common, counts_before: bool) {
-    let mut before = 0;
+/// Prints failures, missed limits, and notes on materials of this build. With `count_cached` it also prints how many
+/// cached materials have notes.
+pub(super) fn print_diagnostics(built: &Built, common: Common, count_cached: bool) {
+    let mut cached = 0;
     for (name, made) in built.outcomes.made() {
         let of_map = made.maps.as_ref().and_then(|maps| maps.bandwidth.as_ref()?.facts.remark());
         let lines: Vec<String> = remarks(&made.report).into_iter().chain(of_map).collect();
         if made.times.is_none() {
-            before += usize::from(!lines.is_empty());
+            cached += usize::from(!lines.is_empty());
         } else {
             lines.iter().for_each(|line| note(common, &name, line));
         }
     }
-    if counts_before && before > 0 {
-        let which = format!("{} made before {}", counted(before, "material"), if before == 1 { "has" } else { "have" });
+    if count_cached && cached > 0 {
+        let verb = if cached == 1 { "has" } else { "have" };
+        let which = format!("{} from an earlier build {verb}", counted(cached, "material"));
         remark(common, &format!("note: {which} notes, which 'brdfc report' lists"));
     }
     built.outcomes.problems().iter().for_each(|line| tell(&format!("brdfc: {line}")));
 }
 
 fn tell_changes(changes: &Changes, report: &BuildReport, common: Common) {
-    let kept = report.materials.iter().filter(|entry| entry.kept).map(|entry| entry.material.clone()).collect();
+    let retained = report.materials.iter().filter(|entry| entry.kept).map(|entry| entry.material.clone()).collect();
     for (what, names) in [
-        ("kept of earlier builds", &kept),
-        ("removed, as this build does not need them", &changes.removed),
-        ("not needed, but changed by somebody since they were built, and left", &changes.left),
+        ("retained from earlier builds", &retained),
+        ("removed, not part of this build", &changes.removed),
+        ("not part of this build, but modified since they were built and therefore retained", &changes.left),
     ] {
         if !names.is_empty() {
             remark(common, &format!("{what}: {}", names.join(", ")));

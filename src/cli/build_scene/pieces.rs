@@ -1,4 +1,4 @@
-//! Pieces of a build, for several machines.
+//! Parts of a build, for builds on several machines.
 
 use super::arguments::Arguments;
 use crate::output::{print, tell};
@@ -10,9 +10,9 @@ use brdfc_terminal::words::counted;
 
 pub(super) fn run(arguments: &Arguments, build: &Build, plan: &Plan, common: Common) -> Result<(), Error> {
     if common.json {
-        return Err(Error::wrong_usage("--json", "with --shard or --only", "with a whole build"));
+        return Err(Error::usage("--json does not apply to --shard and --only, which print no report"));
     }
-    let works = chosen(arguments, plan)?;
+    let works = selected(arguments, plan)?;
     let progress = Materials::new(works.len(), plan.environment.is_some(), common);
     let results = build.run_works(&works, &progress)?;
     drop(progress);
@@ -21,7 +21,7 @@ pub(super) fn run(arguments: &Arguments, build: &Build, plan: &Plan, common: Com
     let mut failures = Vec::new();
     for (work, result) in works.iter().zip(results) {
         match result {
-            Ok(made) => text += &format!("{}: {}\n", work.name(), if made { "made" } else { "there" }),
+            Ok(made) => text += &format!("{}: {}\n", work.name(), if made { "built" } else { "cached" }),
             Err(error) => {
                 tell(&format!("brdfc: {}: {error}", work.name()));
                 failures.push(error);
@@ -36,8 +36,8 @@ pub(super) fn run(arguments: &Arguments, build: &Build, plan: &Plan, common: Com
     }
 }
 
-/// Those of the shard, or those that are named.
-fn chosen<'a>(arguments: &Arguments, plan: &'a Plan) -> Result<Vec<Work<'a>>, Error> {
+/// Selects the parts of the shard, or the named parts.
+fn selected<'a>(arguments: &Arguments, plan: &'a Plan) -> Result<Vec<Work<'a>>, Error> {
     let works = plan.works();
     if let Some(shard) = arguments.shard {
         return Ok(shard.of(works));

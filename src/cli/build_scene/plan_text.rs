@@ -1,4 +1,4 @@
-//! What a build would do, in words.
+//! Text of a plan: what a build would do.
 
 use crate::table;
 use brdfc::scene::{Explained, Job, MaterialEntry, NOTHING, Predicted, environment_map, pack_name};
@@ -6,10 +6,10 @@ use brdfc::{BuildReport, PackRecipe, Plan};
 use brdfc_terminal::words::join_truncated;
 use std::path::Path;
 
-/// So many names of materials are told in one line.
+/// Maximum number of material names in a line.
 pub(super) const MAX_NAMED: usize = 6;
 
-/// A line for each material.
+/// Formats the plan as a table, one material per line.
 pub(super) fn text(plan: &Plan, report: &BuildReport, out: &Path) -> String {
     let row = |(job, planned): (&Job, &MaterialEntry)| {
         let is_missing = job.input.path().is_some_and(|path| !path.exists());
@@ -41,7 +41,7 @@ pub(super) fn text(plan: &Plan, report: &BuildReport, out: &Path) -> String {
     text + &needs(&report.needs)
 }
 
-/// What is needed of each material, and why.
+/// Formats the features that each material needs, and why.
 pub(super) fn needs(explained: &[Explained]) -> String {
     if explained.is_empty() {
         return String::new();
@@ -49,11 +49,11 @@ pub(super) fn needs(explained: &[Explained]) -> String {
     let row = |explained: &Explained| {
         let about = if explained.need == NOTHING { "about " } else { "" };
         let bytes = explained.saved_bytes.map(|bytes| format!("{about}{}", table::bytes(bytes)));
-        let in_words = |seconds: f64| match seconds {
+        let format_time = |seconds: f64| match seconds {
             ..0.0 => format!("takes about {:.2} s more", -seconds),
             _ => format!("about {seconds:.2} s"),
         };
-        let seconds = explained.saved_seconds.map(in_words);
+        let seconds = explained.saved_seconds.map(format_time);
         let saved: Vec<String> = bytes.into_iter().chain(seconds).collect();
         let saved = if saved.is_empty() { "-".to_owned() } else { saved.join(", ") };
         vec![explained.material.clone(), explained.need.clone(), explained.why.clone(), saved]
@@ -68,7 +68,7 @@ pub(super) fn needs(explained: &[Explained]) -> String {
     format!("\n{}", table::words(&["material", "needed", "because of", "saves"], &rows))
 }
 
-/// All materials that nothing is needed of, as one; of each the same is saved.
+/// Combines all materials that need no pack into one row; each saves the same.
 fn all_unused(first: &Explained, unused: &[&Explained]) -> Explained {
     let names: Vec<&str> = unused.iter().map(|explained| explained.material.as_str()).collect();
     let count = unused.len();
@@ -81,11 +81,11 @@ fn all_unused(first: &Explained, unused: &[&Explained]) -> Explained {
     }
 }
 
-/// Bytes on a GPU: those of the pack that is there, or between which they will be.
+/// Predicted bytes on a GPU: those of the cached pack, or a range.
 fn predicted(recipe: &PackRecipe, planned: &MaterialEntry) -> String {
     let Some(Predicted { least, most }) = planned.predicted else { return "-".to_owned() };
     match least {
-        _ if planned.cached == Some(true) => format!("{}, made before", table::bytes(most)),
+        _ if planned.cached == Some(true) => format!("{}, cached", table::bytes(most)),
         0 if recipe.is_search() => format!("searched, up to {}", table::bytes(most)),
         0 => format!("up to {}", table::bytes(most)),
         _ => format!("{} to {}", table::bytes(least), table::bytes(most)),

@@ -1,11 +1,11 @@
-//! What a build did, in words.
+//! Summary of a finished build.
 
 use crate::table;
 use brdfc::Outcomes;
 use brdfc::bandwidth::BandwidthFacts;
 use brdfc::scene::{PARTS, Packed, environment_map, part_name};
 
-/// The packs, a line each; where there are maps, those too.
+/// Formats packs as a table, one per line, and maps if there are any.
 pub(super) fn text(outcomes: &Outcomes) -> String {
     let made = || outcomes.materials.iter().filter_map(|outcome| Some((&outcome.name, outcome.result.as_ref().ok()?)));
     let packs = made().map(|(name, made)| {

@@ -1,22 +1,22 @@
-//! One flat BTF against another.
+//! Comparison of two flat BTFs.
 
 use crate::{Error, table};
 use brdfc::Input;
 use brdfc::compare::{ColourErrors, FlatComparison, flat_btfs};
 use serde::Serialize;
 
-/// A flat BTF against another of the same surface.
+/// Comparison of two flat BTFs of the same surface.
 #[derive(Debug, Clone, Copy, Serialize, schemars::JsonSchema)]
 pub(super) struct FlatReport {
     /// 'flat-btf'.
     kind: &'static str,
-    /// What was measured.
+    /// Measured errors.
     #[serde(flatten)]
     comparison: FlatComparison,
 }
 
 impl FlatReport {
-    /// B against A.
+    /// Compares B with A.
     pub(super) fn new(a: &Input, b: &Input) -> Result<Self, Error> {
         Ok(Self { kind: "flat-btf", comparison: flat_btfs(a, b)? })
     }
@@ -34,16 +34,16 @@ impl FlatReport {
         table::plain(&["ΔE", "look-ups", "mean", "95 %", "largest"], rows)
     }
 
-    /// Holds both means against a limit.
+    /// Compares both means with a limit.
     pub(super) fn check(&self, a: &Input, limit: f64) -> Result<(), Error> {
         if self.comparison.lit == 0 {
-            let allowed = "at least one look-up that is not, or the check says nothing";
-            return Err(Error::check(format!("{a}: found black, expected {allowed}")));
+            let allowed = "at least one above 0";
+            return Err(Error::check(format!("{a}: found only black values, expected {allowed}")));
         }
         match self.kinds().into_iter().find(|(_, errors)| errors.mean > limit) {
             Some((kind, errors)) => {
                 let found = table::apart(errors.mean, limit);
-                Err(Error::check(format!("mean ΔE {kind}: found {found}, expected {limit}")))
+                Err(Error::check(format!("mean ΔE {kind}: found {found}, expected at most {limit}")))
             }
             None => Ok(()),
         }

@@ -16,15 +16,15 @@ use clap::Args;
 use serde::Serialize;
 use std::path::Path;
 
-/// Measure the error of B against A.
+/// Measure the error of B, compared with the reference A.
 ///
-/// A is the reference. Both may be any source or pack. Exits with 1 when --max-error is given and missed.
+/// Both may be any source or pack. The exit code is 1 if --max-error or --max-delta-e is exceeded.
 ///
-/// Where A is an RTI capture (a folder with an .lp, or the list), B is what 'brdfc pwt' made of it, a pack or a .ptm, or another stack of
-/// the same lights: they are compared photograph by photograph, as sRGB codes and by ΔE.
+/// If A is an RTI capture (a folder with an .lp, or the list itself), B is the pack or .ptm that 'brdfc pwt' made from it, or
+/// another capture with the same lights. The program compares them photograph by photograph, in 8-bit sRGB levels and as ΔE.
 ///
-/// Where A is a flat BTF (the file that 'brdfc flatten' wrote, or its folder), B is another of the same surface, such as a smaller one:
-/// they are compared at random places, for views and lights that A has and for others, by ΔE.
+/// If A is a flat BTF (the file that 'brdfc flatten' wrote, or its folder), B is another flat BTF of the same surface, such as a
+/// smaller one. The program compares them by ΔE at random positions, at sampled directions and between them.
 #[derive(Debug, Args)]
 #[command(after_help = "\
 Examples:
@@ -36,49 +36,49 @@ Examples:
 pub struct Arguments {
     /// The reference: a path, - for stdin, or synth:MODEL?param=value&...
     a: Input,
-    /// The approximation, likewise.
+    /// The approximation, in the same form.
     b: Input,
-    /// How many random direction pairs (uniform over both hemispheres, fixed seed), a CSV of pairs, or - for one from stdin (default: those at
-    /// which 'encode' and 'build' measure, 65536 of three kinds).
+    /// Direction pairs: a number N of random pairs (1 to 100000000, uniform over both hemispheres, fixed seed), or a CSV file,
+    /// or - for a CSV from stdin. Default: the 65536 pairs of three kinds at which 'encode' and 'build' measure.
     #[arg(long, value_name = "N|FILE.csv", allow_hyphen_values = true)]
     directions: Option<Input>,
-    /// Largest mean relative difference ε_r that passes: a fraction or a percentage, 0.05 or 5%.
+    /// Maximum mean relative difference ε_r: a fraction or a percentage, 0.05 or 5%.
     #[arg(long, value_name = "E")]
     max_error: Option<Fraction>,
-    /// Largest mean ΔE (CIE76) that passes, of RTI captures and flat BTFs.
+    /// Maximum mean ΔE (CIE76) of RTI captures and flat BTFs, 0 to 1000.
     #[arg(long, value_name = "E")]
     max_delta_e: Option<f64>,
 }
 
-/// What `--json` prints.
+/// Report of `--json`.
 #[derive(Debug, Serialize, schemars::JsonSchema)]
 pub struct Report {
     /// Layout of this report.
     version: u32,
-    /// What was compared.
+    /// Comparison, by kind of input.
     #[serde(flatten)]
     compared: Compared,
 }
 
-/// What was compared.
+/// Comparison, by kind of input.
 #[derive(Debug, Serialize, schemars::JsonSchema)]
 #[serde(untagged)]
 #[allow(clippy::large_enum_variant)]
 enum Compared {
-    /// Of reflectances.
+    /// Two sources of reflectance.
     Reflectances(ReflectanceReport),
-    /// Of photographs under known lights.
+    /// Photographs under known lights.
     Photographs(PhotographReport),
-    /// Of flat BTFs.
+    /// Two flat BTFs.
     FlatBtfs(FlatReport),
 }
 
-/// Photographs under known lights, against what was made of them.
+/// Photographs under known lights, compared with an approximation.
 #[derive(Debug, Serialize, schemars::JsonSchema)]
 struct PhotographReport {
     /// 'rti-capture'.
     kind: &'static str,
-    /// What was measured.
+    /// Measured errors.
     #[serde(flatten)]
     comparison: PhotographComparison,
 }
@@ -92,9 +92,9 @@ struct ReflectanceReport {
     b: Facts,
     /// Direction pairs.
     pairs: usize,
-    /// Directions that are compared: those that both are for, or all where pairs are given.
+    /// Compared directions: those that both inputs contain, or all if pairs are given.
     directions: DirectionRange,
-    /// What was measured.
+    /// Measured errors.
     #[serde(flatten)]
     comparison: Comparison,
 }
@@ -121,16 +121,13 @@ pub(super) fn run(arguments: &Arguments, common: Common) -> Result<(), Error> {
     }
     let (a, b) = (brdfc::open(&arguments.a)?, brdfc::open(&arguments.b)?);
     if arguments.max_delta_e.is_some() {
-        return Err(Error::wrong_usage(
-            "--max-delta-e",
-            "with reflectances",
-            "where A is an RTI capture or a flat BTF",
-        ));
+        let text = "--max-delta-e does not apply to BRDFs; use --max-error, or compare RTI captures or flat BTFs";
+        return Err(Error::usage(text));
     }
     let at = arguments.directions.as_ref().map_or(Ok(Pairs::default()), pairs)?;
     let Measured { pairs, directions, comparison } = reflectances(&a, &b, at)?;
     if !directions.is_all() {
-        remark(common, &format!("compared where both are: {directions}"));
+        remark(common, &format!("compared only at directions that both contain: {directions}"));
     }
     let found = comparison.norms.relative_mean;
     let comparison_counts = comparison.norms.counted() > 0;
@@ -140,12 +137,11 @@ pub(super) fn run(arguments: &Arguments, common: Common) -> Result<(), Error> {
     print_compared(common, Compared::Reflectances(report), text)?;
     match limit {
         Some(_) if !comparison_counts => Err(Error::check(
-            "mean relative difference: found no sample above 0.1 % of the reference's mean, expected at least one, or \
-             the check says nothing"
+            "mean relative difference: found no sample above 0.1 % of the reference's mean, expected at least one"
                 .to_owned(),
         )),
         Some(allowed) if found > allowed => Err(Error::check(format!(
-            "mean relative difference: found {}, expected {}",
+            "mean relative difference: found {}, expected at most {}",
             table::percent(found),
             table::percent(allowed)
         ))),
@@ -154,10 +150,10 @@ pub(super) fn run(arguments: &Arguments, common: Common) -> Result<(), Error> {
 }
 
 impl Arguments {
-    /// For what is compared by ΔE.
+    /// Rejects flags that apply only to reflectances.
     fn refuse_flags_of_reflectances(&self, what: &str) -> Result<(), Error> {
         let given = [(self.directions.is_some(), "--directions"), (self.max_error.is_some(), "--max-error")];
-        refuse_flags(what, &given.map(|(given, flag)| (given, flag, "with reflectances")))?;
+        refuse_flags(what, &given.map(|(given, flag)| (given, flag, "reflectances")))?;
         match self.max_delta_e.filter(|limit| !(0.0..=1000.0).contains(limit)) {
             Some(limit) => Err(Error::wrong_usage("--max-delta-e", limit, "0 to 1000")),
             None => Ok(()),
@@ -169,7 +165,7 @@ fn print_compared(common: Common, compared: Compared, text: String) -> Result<()
     print(&json_or(common, &Report { version: 1, compared }, text))
 }
 
-/// Photographs of an RTI capture against what was made of them.
+/// Compares photographs of an RTI capture with an approximation.
 fn photographs(arguments: &Arguments, reference: &Path, common: Common) -> Result<(), Error> {
     arguments.refuse_flags_of_reflectances("an RTI capture")?;
     let comparison = brdfc::compare::photographs(reference, &arguments.b)?;
@@ -188,7 +184,7 @@ fn photographs(arguments: &Arguments, reference: &Path, common: Common) -> Resul
     print_compared(common, Compared::Photographs(PhotographReport { kind: "rti-capture", comparison }), text)?;
     match arguments.max_delta_e {
         Some(limit) if found > limit => {
-            Err(Error::check(format!("mean ΔE: found {}, expected {limit}", table::apart(found, limit))))
+            Err(Error::check(format!("mean ΔE: found {}, expected at most {limit}", table::apart(found, limit))))
         }
         _ => Ok(()),
     }
@@ -205,7 +201,7 @@ fn pairs(directions: &Input) -> Result<Pairs, Error> {
     let is_number = |path: &Path| path.to_str().is_some_and(|text| text.parse::<f64>().is_ok());
     let no_list = |path: &std::path::Path| !path.exists() && (path.extension().is_none() || is_number(path));
     if directions.path().is_none_or(no_list) && !directions.is_stdin() {
-        let allowed = "a number of directions, or a list of them in a .csv file";
+        let allowed = "a number of direction pairs or a .csv file";
         return Err(Error::wrong_usage("--directions", directions, allowed));
     }
     let pairs = pairs_from_csv(directions, &directions.read_text()?)?;

@@ -17,10 +17,10 @@ use options::{asset_name, check_inputs, check_outputs, meso_options, recipe};
 use serde::Serialize;
 use std::time::Instant;
 
-/// What `--json` prints.
+/// Report of `--json`.
 #[derive(Debug, Serialize, schemars::JsonSchema)]
 pub struct Report {
-    /// The asset, as its file has it, and how large it is.
+    /// Contents and size of the asset.
     #[serde(flatten)]
     asset: FlatAsset,
     /// Seconds from start to finish.
@@ -65,6 +65,6 @@ pub(super) fn run(arguments: &Arguments, common: Common) -> Result<(), Error> {
     let seconds = started.elapsed().as_secs_f64();
     let text = text(&asset, Some(seconds));
     print(&json_or(common, &Report { asset, seconds }, text))?;
-    // Nobody asked for the default.
+    // The default limit is not a check.
     missed.filter(|_| arguments.max_delta_e.is_some()).map_or(Ok(()), |text| Err(Error::check(text)))
 }

@@ -1,4 +1,4 @@
-//! Flags to what is flattened and how: which of them go with which input, and their ranges.
+//! Conversion of the flags of `brdfc flatten` to recipes, with checks of ranges and combinations.
 
 use super::arguments::{Arguments, FLAT_TEXELS};
 use crate::Error;
@@ -11,7 +11,7 @@ use brdfc_terminal::words::format_number;
 use std::ffi::{OsStr, OsString};
 use std::path::Path;
 
-/// The asset's name: as given, or that of its folder.
+/// Returns the asset's name: `--name`, or the name of the output folder.
 pub(super) fn asset_name(arguments: &Arguments) -> Result<String, Error> {
     let folder = || {
         let whole = std::path::absolute(&arguments.out).ok()?;
@@ -25,7 +25,7 @@ pub(super) fn asset_name(arguments: &Arguments) -> Result<String, Error> {
         return Err(Error::usage(match arguments.name {
             Some(_) => format!("--name: found {name:?}; {text}"),
             None => format!(
-                "--out: found {}, whose last part {name:?} is to be the asset's name; {text} (or give a --name)",
+                "--out: found {}, whose last part {name:?} names the asset; {text}, or a --name",
                 arguments.out.display()
             ),
         }));
@@ -33,7 +33,7 @@ pub(super) fn asset_name(arguments: &Arguments) -> Result<String, Error> {
     Ok(name)
 }
 
-/// Outputs that cannot be written are found before any work.
+/// Checks all outputs before any work starts.
 pub(super) fn check_outputs(arguments: &Arguments, name: &str) -> Result<(), Error> {
     check_folder(&arguments.out)?;
     let materials: Vec<Input> = arguments.material.iter().map(|text| named_material(text).1).collect();
@@ -44,26 +44,25 @@ pub(super) fn check_outputs(arguments: &Arguments, name: &str) -> Result<(), Err
     refuse_same_outputs(&[("MESO", arguments.meso.path()), ("--out", Some(&arguments.out))])?;
     let Some(images) = arguments.write_images.as_deref() else {
         if arguments.image_format.is_some() {
-            return Err(Error::wrong_usage("--image-format", "alone", "with --write-images"));
+            return Err(Error::usage("--image-format requires --write-images"));
         }
         return Ok(());
     };
     refuse_same_outputs(&[("--out", Some(&arguments.out)), ("--write-images", Some(images))])?;
     check_folder(images)?;
     if arguments.bounces > 0 {
-        let text = "--write-images: found with --bounces, expected without: the images hold direct light only, and would \
-                    show less than the flat BTF";
+        let text = "--write-images does not apply to --bounces: the images would lack the light of bounces";
         return Err(Error::usage(text));
     }
     let files = std::fs::read_dir(images).map_or(0, Iterator::count);
     if files > 0 {
         let text = format!("--write-images: found {files} files or folders in {}", images.display());
-        return Err(Error::usage(text + ", expected a new or empty folder: two stacks in one would be mixed"));
+        return Err(Error::usage(text + ", expected a new or empty folder"));
     }
     Ok(())
 }
 
-/// Standard input is one of the inputs at most.
+/// Checks that at most one input is standard input.
 pub(super) fn check_inputs(arguments: &Arguments) -> Result<(), Error> {
     let materials: Vec<Input> = arguments.material.iter().map(|text| named_material(text).1).collect();
     let mut inputs = vec![("MESO", Some(&arguments.meso))];
@@ -80,7 +79,7 @@ pub(super) fn check_inputs(arguments: &Arguments) -> Result<(), Error> {
     refuse_stdin_twice(&inputs)
 }
 
-/// What a geometry is, by its name; which decides what options go with it.
+/// Kind of geometry, by its name; it determines which options apply.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 enum Kind {
     Structure,
@@ -99,17 +98,17 @@ impl Kind {
         })
     }
 
-    fn in_words(self) -> &'static str {
+    fn description(self) -> &'static str {
         match self {
-            Self::Structure => "a structure, whose tile is 1 x 1 and whose relief its address gives",
+            Self::Structure => "a structure (its tile is 1 x 1, its address defines the relief)",
             Self::Mesh => "a mesh",
-            Self::HeightMap => "a height map, which is one tile",
-            Self::Plane => "the plane",
+            Self::HeightMap => "a height map (it is one tile)",
+            Self::Plane => "a plane",
         }
     }
 }
 
-/// The surface and its materials.
+/// Resolves the surface and its materials.
 pub(super) fn meso_options(arguments: &Arguments, is_stack: bool) -> Result<MesoOptions, Error> {
     check_placement(arguments, is_stack)?;
     let geometry = if is_stack { arguments.geometry.clone() } else { Some(arguments.meso.clone()) };
@@ -123,11 +122,11 @@ pub(super) fn meso_options(arguments: &Arguments, is_stack: bool) -> Result<Meso
     let kind = Kind::of(geometry.as_ref())?;
     let (no_mesh, no_map) = (kind != Kind::Mesh, kind != Kind::HeightMap);
     let flags = [
-        (no_mesh && arguments.tile.is_some(), "--tile", "with a mesh"),
-        (no_map && arguments.height_scale.is_some(), "--height-scale", "with a height map"),
-        (no_map && arguments.height_offset.is_some(), "--height-offset", "with a height map"),
+        (no_mesh && arguments.tile.is_some(), "--tile", "meshes"),
+        (no_map && arguments.height_scale.is_some(), "--height-scale", "height maps"),
+        (no_map && arguments.height_offset.is_some(), "--height-offset", "height maps"),
     ];
-    refuse_flags(kind.in_words(), &flags)?;
+    refuse_flags(kind.description(), &flags)?;
     let materials = arguments.material.iter().map(|text| named_material(text)).collect();
     Ok(MesoOptions {
         geometry,
@@ -140,7 +139,7 @@ pub(super) fn meso_options(arguments: &Arguments, is_stack: bool) -> Result<Meso
     })
 }
 
-/// Options that would have no effect.
+/// Rejects options that would have no effect.
 fn check_placement(arguments: &Arguments, is_stack: bool) -> Result<(), Error> {
     if is_stack {
         let for_surfaces = [
@@ -152,17 +151,17 @@ fn check_placement(arguments: &Arguments, is_stack: bool) -> Result<(), Error> {
             (arguments.views.is_some(), "--views"),
             (arguments.lights.is_some(), "--lights"),
         ];
-        let flags = for_surfaces.map(|(given, flag)| (given, flag, "with a surface, whose appearance is computed"));
-        refuse_flags("an ordinary BTF, which has its own views and lights", &flags)?;
+        let flags = for_surfaces.map(|(given, flag)| (given, flag, "surfaces"));
+        refuse_flags("an ordinary BTF", &flags)?;
     } else {
-        let allowed = "with an ordinary BTF: a folder of images or a .btf file";
-        refuse_flags("a surface", &[(arguments.geometry.is_some(), "--geometry", allowed)])?;
+        let allowed = "ordinary BTFs (a folder of images or a .btf file)";
+        refuse_flags("surfaces", &[(arguments.geometry.is_some(), "--geometry", allowed)])?;
     }
     let of_light = arguments.fill.is_some() && arguments.form == Form::Light;
-    refuse_flags("--form light, which has no views to fill", &[(of_light, "--fill", "with --form full")])
+    refuse_flags("--form light", &[(of_light, "--fill", "--form full")])
 }
 
-/// `NAME=INPUT`, or an input alone; the `=` of an address is no name's.
+/// Splits `NAME=INPUT`, or returns an input alone. An `=` inside an address does not separate a name.
 fn named_material(text: &OsStr) -> (Option<String>, Input) {
     let input = Input::from(text.to_owned());
     match split_name(text) {
@@ -171,7 +170,7 @@ fn named_material(text: &OsStr) -> (Option<String>, Input) {
     }
 }
 
-/// What stands before and behind the first `=`.
+/// Splits the text at the first `=`.
 #[cfg(unix)]
 fn split_name(text: &OsStr) -> Option<(String, OsString)> {
     use std::os::unix::ffi::OsStrExt;
@@ -180,14 +179,14 @@ fn split_name(text: &OsStr) -> Option<(String, OsString)> {
     Some((str::from_utf8(name).ok()?.to_owned(), OsStr::from_bytes(&source[1..]).to_owned()))
 }
 
-/// What stands before and behind the first `=`.
+/// Splits the text at the first `=`.
 #[cfg(not(unix))]
 fn split_name(text: &OsStr) -> Option<(String, OsString)> {
     let (name, source) = text.to_str()?.split_once('=')?;
     Some((name.to_owned(), source.into()))
 }
 
-/// How it is flattened.
+/// Resolves the recipe.
 pub(super) fn recipe(arguments: &Arguments) -> Result<FlattenRecipe, Error> {
     let flat_texels = arguments.flat_texels.unwrap_or((arguments.texels as usize).next_power_of_two());
     if !(4..=2048).contains(&flat_texels) || !flat_texels.is_power_of_two() {
@@ -209,16 +208,16 @@ pub(super) fn recipe(arguments: &Arguments) -> Result<FlattenRecipe, Error> {
     })
 }
 
-/// Mean ΔE of factors where texels are seen, if nothing is asked for: well below what is visible side by side.
+/// Default mean ΔE of the factors over visible texels: well below a visible difference side by side.
 const MAX_DELTA_E: f64 = 0.7;
 
-/// What factors are to be like; nothing of the light form, which has none.
+/// Resolves the target of the factors; `None` for the light form, which has no factors.
 fn factor_target(arguments: &Arguments) -> Result<Option<FactoredTarget>, Error> {
     if arguments.form == Form::Light {
         let given =
             [(arguments.max_delta_e.is_some(), "--max-delta-e"), (arguments.max_bytes.is_some(), "--max-bytes")];
-        let flags = given.map(|(given, flag)| (given, flag, "with --form full"));
-        return refuse_flags("--form light, which has no views", &flags).map(|()| None);
+        let flags = given.map(|(given, flag)| (given, flag, "--form full"));
+        return refuse_flags("--form light", &flags).map(|()| None);
     }
     if let Some(found) = arguments.max_delta_e.filter(|e| !(*e > 0.0 && *e <= 100.0)) {
         return Err(Error::wrong_usage("--max-delta-e", format_number(found), "above 0, up to 100"));

@@ -1,10 +1,10 @@
-//! What people read of an asset.
+//! Summary of an asset.
 
 use crate::output::printable;
 use brdfc::flatten::words::{errors, facts};
 use brdfc::flatten::{ColourErrors, FlatAsset};
 
-/// What people read of an asset.
+/// Formats the summary of an asset.
 pub(crate) fn text(asset: &FlatAsset, seconds: Option<f64>) -> String {
     let mut rows = facts(asset);
     for (name, ColourErrors { mean, p95, max, .. }) in errors(&asset.about) {

@@ -1,4 +1,4 @@
-//! `brdfc info --files`: what the KTX2 files of a pack hold besides texels.
+//! `brdfc info --files`: metadata of the KTX2 files of a pack.
 
 use crate::output::{json_or, print};
 use crate::table;
@@ -9,18 +9,18 @@ use brdfc::inspect::{PackFile, files};
 use serde::Serialize;
 use std::collections::BTreeMap;
 
-/// What `--files --json` prints.
+/// Report of `--files --json`.
 #[derive(Debug, Serialize, schemars::JsonSchema)]
 pub struct FilesReport {
     /// Layout of this report.
     version: u32,
     /// 'files'.
     kind: &'static str,
-    /// Textures by the name of the file, those that its entries hold as NAME#ENTRY.
+    /// Textures by file name; textures embedded in metadata are named NAME#KEY.
     files: BTreeMap<String, PackFile>,
 }
 
-/// Of a pack.
+/// Prints the files of a pack.
 pub(super) fn run(input: &Input, common: Common) -> Result<(), Error> {
     let files = files(input)?;
     let line = |(name, file): (&String, &PackFile)| {

@@ -1,4 +1,4 @@
-//! `brdfc info`: what an input is.
+//! `brdfc info`: describes an input.
 
 mod files;
 
@@ -16,13 +16,13 @@ use brdfc::{BrdfPack, Facts, FormatError, Input, InputError};
 use clap::Args;
 use serde::Serialize;
 
-/// Say what an input is: layout, sizes, symmetries, measured errors of a pack.
+/// Describe an input: layout, sizes, symmetries, measured errors of a pack.
 ///
-/// Of a mesh: whether it closes over the tile, and what would be repaired. Of a folder of images: what is missing. Of
-/// photographs under known lights, of polynomial texture maps and polynomial wavelet trees: lights and sizes.
+/// For a mesh, the report states whether it closes over the tile, and which repairs it needs; for a folder of images, which
+/// ones are missing; for an RTI capture, a polynomial texture map or a polynomial wavelet tree, its lights and sizes.
 ///
-/// Schemas of --json: 'info'; with --files 'files'; of a flat BTF 'flat-btf'; of a structure, a mesh, a height map or images 'info-surface';
-/// of a bandwidth map 'bandwidth'.
+/// Schemas of --json: 'info'; 'files' with --files; 'flat-btf' for a flat BTF; 'info-surface' for a structure, a mesh, a height
+/// map or images; 'bandwidth' for a bandwidth map.
 #[derive(Debug, Args)]
 #[command(after_help = "\
 Examples:
@@ -32,45 +32,45 @@ Examples:
   brdfc info button
   brdfc info red.ktx2 --files --json")]
 pub struct Arguments {
-    /// A path, synth:MODEL?param=value&... or synth:STRUCTURE?...; a flat BTF, or its folder; a mesh, a height map, a folder
-    /// of images or a .btf file for 'brdfc flatten'; an RTI capture, as its .lp or its folder; a .ptm. - is stdin.
+    /// A path, synth:MODEL?param=value&... or synth:STRUCTURE?...; a flat BTF or its folder; a mesh, a height map, a folder of
+    /// images or a .btf file for 'brdfc flatten'; an RTI capture, as its .lp or its folder; a .ptm; or - for stdin.
     input: Input,
-    /// Of a pack: texels, sizes and entries of the KTX2 file and of its images; with --json the entries themselves, in Base64, and
-    /// what a device has to offer. Loaders of ordinary KTX2 files drop entries.
+    /// For a pack: list texels, sizes and metadata keys of the KTX2 file and its images. With --json, also print the metadata in
+    /// Base64 and the required features of a device. Loaders of ordinary KTX2 files drop this metadata.
     #[arg(long)]
     files: bool,
 }
 
-/// What `--json` prints.
+/// Report of `--json`.
 #[derive(Debug, Serialize, schemars::JsonSchema)]
 pub struct Report {
     /// Layout of this report.
     version: u32,
-    /// What it is.
+    /// Description of the input.
     #[serde(flatten)]
     contents: Contents,
-    /// Of packs: what a device has to offer.
+    /// Required features of a device; packs only.
     #[serde(skip_serializing_if = "Option::is_none")]
     devices: Option<DeviceNeeds>,
 }
 
-/// What an input is, with reflectance or without.
+/// Contents of an input.
 #[derive(Debug, Serialize, schemars::JsonSchema)]
 #[serde(untagged)]
 enum Contents {
     Reflectance {
-        /// What it is.
+        /// Kind and facts.
         #[serde(flatten)]
         facts: Facts,
-        /// Symmetries that hold exactly and save work.
+        /// Exact symmetries, which save work.
         symmetry: Symmetry,
-        /// Whether one channel is enough.
+        /// True if one channel is sufficient.
         grey: bool,
     },
     Other(Other),
 }
 
-/// What has no reflectance of its own, or none for all views.
+/// Inputs without reflectance of their own, or with reflectance for a single view.
 #[derive(Debug, Serialize, schemars::JsonSchema)]
 #[serde(tag = "kind", rename_all = "kebab-case")]
 enum Other {
@@ -84,12 +84,12 @@ enum Other {
     PwtPack(PwtFacts),
 }
 
-/// What `--json` prints of what 'brdfc flatten' takes.
+/// Report of `--json` for inputs of 'brdfc flatten'.
 #[derive(Debug, Serialize, schemars::JsonSchema)]
 pub struct SurfaceReport {
     /// Layout of this report.
     version: u32,
-    /// What it is.
+    /// Description of the surface.
     #[serde(flatten)]
     facts: SurfaceFacts,
 }
@@ -102,7 +102,7 @@ pub(super) fn run(arguments: &Arguments, common: Common) -> Result<(), Error> {
     }
     if let Some(facts) = relightable(input)? {
         let report = Report { version: 1, contents: Contents::Other(facts), devices: None };
-        return print(&json_or(common, &report, lines_of(&contents_in_words(&report.contents))));
+        return print(&json_or(common, &report, lines_of(&contents_lines(&report.contents))));
     }
     if let Some(file) = input.path().map(flat_btf_file).transpose()?.flatten() {
         let (_, asset) = open_asset(&file)?;
@@ -131,12 +131,12 @@ pub(super) fn run(arguments: &Arguments, common: Common) -> Result<(), Error> {
         None => reflectance(open(input, None).map_err(with_structures)?),
     };
     let devices = if is_pack { Some(files::device_needs(input)?) } else { None };
-    let mut lines = contents_in_words(&contents);
+    let mut lines = contents_lines(&contents);
     lines.extend(devices.as_ref().map(|needs| ("devices", needs.in_words())));
     print(&json_or(common, &Report { version: 1, contents, devices }, lines_of(&lines)))
 }
 
-/// Names and values, a line each, the values below each other.
+/// Formats names and values as lines with aligned values.
 pub(super) fn lines_of(lines: &[(&'static str, String)]) -> String {
     let width = lines.iter().map(|(name, _)| name.chars().count()).max().unwrap_or(0);
     lines.iter().map(|(name, value)| format!("{name:width$}  {}\n", printable(value))).collect()
@@ -147,7 +147,7 @@ fn reflectance(opened: Opened) -> Contents {
     Contents::Reflectance { facts: opened.facts, symmetry, grey }
 }
 
-/// What is measured of one view under many lights: an RTI capture or a polynomial texture map, by its name.
+/// Describes measurements of one view under many lights: RTI captures and polynomial texture maps.
 fn relightable(input: &Input) -> Result<Option<Other>, InputError> {
     if let Some(path) = input.path().filter(|path| is_rti_capture(path) && matches!(flat_btf_file(path), Ok(None))) {
         return Ok(Some(Other::RtiCapture(RtiCapture::open(path)?.facts())));
@@ -155,14 +155,15 @@ fn relightable(input: &Input) -> Result<Option<Other>, InputError> {
     match input.extension()?.as_str() {
         ptm::EXTENSION => Ok(Some(Other::Ptm(PtmFacts::new(&open_ptm(input)?)))),
         rti_capture::EXTENSION if input.is_stdin() => {
-            let error = FormatError::whole("input", "the lights of an RTI capture", "its path: images stand beside it");
+            let path = "its path, because the images are in the same folder";
+            let error = FormatError::whole("input", "the lights of an RTI capture", path);
             Err(InputError::Format { name: input.to_string(), error })
         }
         _ => Ok(None),
     }
 }
 
-/// What 'brdfc flatten' takes; nothing of models and BRDFs.
+/// Describes inputs of 'brdfc flatten'; returns `None` for models and BRDFs.
 fn surface(input: &Input) -> Result<Option<SurfaceFacts>, Error> {
     if let Some(text) = input.address().and_then(|address| address.strip_prefix(SYNTH_PREFIX))
         && !STRUCTURES.iter().any(|info| info.name == split_query(text).0)
@@ -172,7 +173,7 @@ fn surface(input: &Input) -> Result<Option<SurfaceFacts>, Error> {
     describe_surface(input)
 }
 
-/// A name that is no model may have been meant for a structure; an extension, for a mesh or a height map.
+/// Adds structures to the error for an unknown model, and surfaces to the error for an unknown extension.
 fn with_structures(error: InputError) -> Error {
     let more = match &error {
         InputError::Address { .. } => {
@@ -186,38 +187,38 @@ fn with_structures(error: InputError) -> Error {
     error.with_message(text)
 }
 
-fn symmetry_in_words(s: Symmetry) -> String {
+fn symmetry_text(s: Symmetry) -> String {
     let named = [(s.isotropic, "isotropic"), (s.mirror, "mirror symmetric"), (s.reciprocal, "reciprocal")];
     let held: Vec<&str> = named.into_iter().filter(|(holds, _)| *holds).map(|(_, name)| name).collect();
-    if held.is_empty() { "none that holds exactly".to_owned() } else { held.join(", ") }
+    if held.is_empty() { "none exact".to_owned() } else { held.join(", ") }
 }
 
-fn contents_in_words(contents: &Contents) -> Vec<(&'static str, String)> {
+fn contents_lines(contents: &Contents) -> Vec<(&'static str, String)> {
     match contents {
         Contents::Reflectance { facts, symmetry, grey } => {
             let mut lines = facts.in_words();
             if facts.levels().is_none() {
-                lines.push(("symmetry", symmetry_in_words(*symmetry)));
+                lines.push(("symmetry", symmetry_text(*symmetry)));
                 lines.push(("colour", if *grey { "grey (one channel)" } else { "RGB" }.to_owned()));
             }
             lines
         }
-        Contents::Other(Other::ImportancePack(facts)) => importance_in_words(facts),
+        Contents::Other(Other::ImportancePack(facts)) => importance_lines(facts),
         Contents::Other(Other::RtiCapture(facts)) => facts.in_words(),
         Contents::Other(Other::Ptm(facts)) => facts.in_words(),
-        Contents::Other(Other::PwtPack(facts)) => pwt_in_words(facts),
+        Contents::Other(Other::PwtPack(facts)) => pwt_lines(facts),
     }
 }
 
-/// Lines about polynomial wavelet trees.
-pub(super) fn pwt_in_words(facts: &PwtFacts) -> Vec<(&'static str, String)> {
+/// Formats facts about a polynomial wavelet tree.
+pub(super) fn pwt_lines(facts: &PwtFacts) -> Vec<(&'static str, String)> {
     let mut lines = facts.in_words();
     lines.push(("bytes on a GPU", bytes(facts.gpu_bytes)));
     lines
 }
 
-/// Lines about importance samples.
-pub(super) fn importance_in_words(facts: &ImportanceFacts) -> Vec<(&'static str, String)> {
+/// Formats facts about importance samples.
+pub(super) fn importance_lines(facts: &ImportanceFacts) -> Vec<(&'static str, String)> {
     let ImportanceFacts { polar, azimuths, samples, gpu_bytes } = facts;
     let azimuths = if *azimuths == 1 { ", isotropic".to_owned() } else { format!(" x {azimuths} azimuths") };
     vec![

@@ -1,6 +1,6 @@
-//! `brdfc render --adaptive`: environment light, shaded where and as much as predicted bandwidth asks for.
+//! `brdfc render --adaptive`: environment light, shaded where and as finely as predicted bandwidth requires.
 
-use super::adaptive_options::{ANTIALIAS, AdaptiveOptions, MOST};
+use super::adaptive_options::{ANTIALIAS, AdaptiveOptions, MAX_SAMPLES};
 use super::arguments::Arguments;
 use super::materials::{self, Prepared, Subject};
 use super::{gpu, outputs, scene};
@@ -19,16 +19,16 @@ use brdfc_terminal::words::format_number;
 use serde::Serialize;
 use std::time::Instant;
 
-/// Samples per pixel of forward shading and of the ground truth where nothing is said.
+/// Default samples per pixel of forward shading and of the ground truth.
 const FORWARD: u32 = 32;
 const TRUTH: usize = 256;
 
-/// What `--adaptive --json` prints.
+/// Report of `--adaptive --json`.
 #[derive(Debug, Serialize, schemars::JsonSchema)]
 pub struct Report {
     /// Layout of this report.
     version: u32,
-    /// What was drawn and measured.
+    /// Settings and measurements.
     #[serde(flatten)]
     verification: AdaptiveVerification,
     /// Seconds from the start to the last image, encoding included.
@@ -57,7 +57,7 @@ pub(super) fn run(arguments: &Arguments, common: Common) -> Result<(), Error> {
         parts.iter().map(|part| lookups[*part].material(&reflectances[*part] as &dyn Reflectance)).collect();
     let packs: Vec<&BrdfPack> = parts.iter().map(|part| &prepared[*part].pack).collect();
     for part in prepared.iter().filter(|part| !part.pack.directions().is_all()) {
-        let text = format!("the pack is for {}; elsewhere the nearest that it holds is shown", part.pack.directions());
+        let text = format!("the pack covers {}; other directions use the nearest covered one", part.pack.directions());
         note(common, &part.name, &text);
     }
     let adaptive_scene = AdaptiveScene { scene: &setup.scene, light: &light, materials: &materials };
@@ -70,13 +70,13 @@ pub(super) fn run(arguments: &Arguments, common: Common) -> Result<(), Error> {
 
     let count = arguments.adaptive.forward.unwrap_or(FORWARD);
     let least = (TRUTH / antialias as usize).max(2 * count as usize);
-    // Whole runs, whose spread says how far it is off.
+    // Complete runs, whose spread estimates the error of the ground truth.
     let truth_samples = arguments.adaptive.truth.unwrap_or(least).next_multiple_of(16);
     if truth_samples < 2 * count as usize {
         note(
             common,
             &arguments.input,
-            &format!("a ground truth of {truth_samples} samples beside {count} of forward shading; --truth takes more"),
+            &format!("the ground truth has {truth_samples} samples, forward shading {count}; increase --truth"),
         );
     }
     remark(common, &format!("ground truth: {truth_samples} samples for each of {surface_points} points, on the CPU"));
@@ -88,7 +88,7 @@ pub(super) fn run(arguments: &Arguments, common: Common) -> Result<(), Error> {
     let truth = truth.image;
     settings.white = (1.0 / exposure) as f32;
 
-    // Once before it is timed: a driver compiles when it first runs.
+    // Run once before timing, because a driver compiles shaders at the first run.
     renderer.run_prediction(&loaded, &g_buffer, &settings)?;
     let ((), bandwidth_seconds) = timed(|| renderer.run_prediction(&loaded, &g_buffer, &settings))?;
     let (rendering, seconds) = timed(|| renderer.draw(&loaded, &g_buffer, &settings))?;
@@ -124,7 +124,7 @@ pub(super) fn run(arguments: &Arguments, common: Common) -> Result<(), Error> {
     };
     write(arguments, &rendering, &truth, exposure, settings.antialiasing_levels)?;
     if surface_points == 0 {
-        note(common, &arguments.input, "no pixel shows a surface; look at render.camera");
+        note(common, &arguments.input, "no pixel shows a surface; check render.camera");
     }
     let checked = check(arguments, &verification, &truth);
     let seconds = started.elapsed().as_secs_f64();
@@ -143,12 +143,12 @@ fn timed<T>(run: impl FnOnce() -> Result<T, GpuError>) -> Result<(T, f64), Error
     Ok((found, started.elapsed().as_secs_f64()))
 }
 
-/// Settings and points per pixel, from the flags.
+/// Resolves settings and points per pixel from the flags.
 fn settings(options: &AdaptiveOptions) -> Result<(Settings, u32), Error> {
     let usage = |flag: &str, found: String, allowed: &str| Err(Error::wrong_usage(format!("--{flag}"), found, allowed));
     let default = Settings::default();
     let samples = options.budget.unwrap_or(default.samples);
-    if !(0.01..=MOST as f32).contains(&samples) {
+    if !(0.01..=MAX_SAMPLES as f32).contains(&samples) {
         return usage("budget", format_number(samples), "0.01 to 1024");
     }
     let caution = options.caution.unwrap_or(default.caution);
@@ -167,21 +167,21 @@ fn settings(options: &AdaptiveOptions) -> Result<(Settings, u32), Error> {
     Ok((Settings { samples, caution, directions, antialiasing_levels, ..default }, antialias))
 }
 
-/// Flags that say nothing here.
+/// Rejects flags that do not apply to adaptive shading.
 fn refuse(arguments: &Arguments) -> Result<(), Error> {
     let flags = [
-        (arguments.table, "--table", "without"),
-        (arguments.max_delta_e.is_some(), "--max-delta-e", "without (--min-psnr is for it)"),
-        (arguments.max_delta_e_p95.is_some(), "--max-delta-e-p95", "without (--min-psnr is for it)"),
-        (arguments.max_flip.is_some(), "--max-flip", "without (--min-psnr is for it)"),
-        (arguments.samples.is_some(), "--samples", "without (--antialias is for it)"),
-        (arguments.form.is_some(), "--form", "without"),
-        (arguments.repeat.is_some(), "--repeat", "without"),
+        (arguments.table, "--table", "renderings without it"),
+        (arguments.max_delta_e.is_some(), "--max-delta-e", "renderings without it (use --min-psnr)"),
+        (arguments.max_delta_e_p95.is_some(), "--max-delta-e-p95", "renderings without it (use --min-psnr)"),
+        (arguments.max_flip.is_some(), "--max-flip", "renderings without it (use --min-psnr)"),
+        (arguments.samples.is_some(), "--samples", "renderings without it (use --antialias)"),
+        (arguments.form.is_some(), "--form", "renderings without it"),
+        (arguments.repeat.is_some(), "--repeat", "renderings without it"),
     ];
     refuse_flags("--adaptive", &flags)
 }
 
-/// The environment's map: that of the build where the manifest's environment lights the scene, else made afresh.
+/// Returns the environment's map: from the build if the manifest's environment lights the scene, otherwise computed.
 fn environment(arguments: &Arguments, subject: &Subject, environment: &Environment) -> Result<BandwidthMap, Error> {
     if let (Subject::Scene { packs: Some(packs), environment: Some(job), .. }, None) =
         (subject, &arguments.adaptive.environment)
@@ -211,19 +211,19 @@ fn write(
 fn check(arguments: &Arguments, verification: &AdaptiveVerification, truth: &LinearImage) -> Result<(), Error> {
     let Some(limit) = arguments.adaptive.min_psnr else { return Ok(()) };
     if verification.surface_points == 0 {
-        return Err(Error::check(format!("PSNR: found no pixel that shows a surface, expected {limit} dB or more")));
+        return Err(Error::check(format!("PSNR: found no pixel that shows a surface, expected at least {limit} dB")));
     }
     let invalid = verification.adaptive.invalid_pixels;
     if invalid > 0 {
         return Err(Error::check(format!(
-            "PSNR: found {invalid} pixels that hold no number, expected {limit} dB or more"
+            "PSNR: found {invalid} pixels without a number, expected at least {limit} dB"
         )));
     }
     if let Some(nothing) = nothing_shown(truth, verification.exposure) {
-        return Err(Error::check(format!("PSNR: found {nothing}, expected {limit} dB or more")));
+        return Err(Error::check(format!("PSNR: found {nothing}, expected at least {limit} dB")));
     }
     match verification.adaptive.psnr {
-        Some(psnr) if psnr < limit => Err(Error::check(format!("PSNR: found {psnr:.2} dB, expected {limit} or more"))),
+        Some(psnr) if psnr < limit => Err(Error::check(format!("PSNR: found {psnr:.2} dB, expected at least {limit}"))),
         _ => Ok(()),
     }
 }
@@ -269,12 +269,12 @@ fn text(v: &AdaptiveVerification) -> String {
         v.forward.samples_per_point,
         v.truth_samples,
         v.truth_seconds,
-        v.truth_psnr.map_or(String::new(), |psnr| format!(", good for {psnr:.1} dB or more")),
+        v.truth_psnr.map_or(String::new(), |psnr| format!(", accurate to at least {psnr:.1} dB")),
     );
     for (name, shading) in [("adaptive", &v.adaptive), ("forward", &v.forward)] {
         if shading.invalid_pixels > 0 {
             text +=
-                &format!("{name}: {} pixels hold no number, and are left out of its PSNR.\n", shading.invalid_pixels);
+                &format!("{name}: {} pixels are not numbers and are excluded from its PSNR.\n", shading.invalid_pixels);
         }
     }
     text

@@ -9,13 +9,13 @@ use brdfc_terminal::values::{one_of, whole_number};
 use clap::Args;
 use std::path::PathBuf;
 
-/// Draw packs with the shaders that engines use, and say how wrong they look.
+/// Draw packs with the shaders that engines use, and measure the error of the rendering.
 ///
-/// The scene is drawn by the graphics driver, a software driver if there is no other, without a display, and once more
-/// on the CPU: from the packs, and from their sources where those are at hand. Differences are colour differences ΔE of
-/// CIE L*a*b* per pixel that shows a surface; about 1 is just visible. Light comes from points and throws no shadows.
+/// The graphics driver draws the scene without a display; a software driver is used if there is no other. The CPU draws it
+/// again, from the packs and, if available, from their sources. The report lists colour differences ΔE (CIE L*a*b*) over pixels
+/// that show a surface; a ΔE of about 1 is just visible. Lights are points and throw no shadows.
 ///
-/// Schemas of --json: 'render', with --adaptive 'render-adaptive', with --contact 'render-contact'.
+/// Schemas of --json: 'render'; 'render-adaptive' with --adaptive; 'render-contact' with --contact.
 #[derive(Debug, Args)]
 #[command(after_help = "\
 Examples:
@@ -26,92 +26,94 @@ Examples:
   brdfc render red-plastic.binary --ratio 16 --sheet red.png          encodes it first
   brdfc render paint.brdf --scene cloth --max-delta-e 1.3 --json      exit code 1 when missed
   brdfc render button --scene vase -o vase.png                        a flat BTF of 'brdfc flatten'
-  brdfc render button --scene plane --sheet plane.png                 beside the surface itself
-  brdfc render coin.ktx2 --source coin --sheet coin.png                 an RTI capture's pack, beside its photographs
+  brdfc render button --scene plane --sheet plane.png                 compared with the surface itself
+  brdfc render coin.ktx2 --source coin --sheet coin.png               an RTI capture's pack and its photographs
   brdfc render red.ktx2 --adaptive --environment museum.exr --scene bumpy-ball --sheet red.png --maps maps.png
 
-A manifest says what is shown in its [render] table, see docs/scene.md. Without a Vulkan driver the exit code is 5.")]
+The [render] table of a manifest selects what to draw, see docs/manifest.md. Without a Vulkan driver the exit code is 5.")]
 pub struct Arguments {
-    /// A scene manifest, a pack, a flat BTF or its folder, or anything that can be encoded: a path or
+    /// A scene manifest, a pack, a flat BTF or its folder, or any input of 'brdfc encode': a path or
     /// synth:MODEL?param=value&..., or - for a material or a pack from stdin.
     #[arg(value_name = "SCENE.toml|INPUT")]
     pub(super) input: Input,
-    /// The shader's image: .png (sRGB) or .exr (linear).
+    /// Rendering of the shader: .png (sRGB) or .exr (linear).
     #[arg(long, short, value_name = "IMAGE")]
     pub(super) output: Option<PathBuf>,
-    /// The CPU's image, from the sources or else from the packs: .png or .exr. With --adaptive the ground truth.
+    /// Rendering of the CPU, from the sources or else from the packs: .png or .exr. With --adaptive, the ground truth.
     #[arg(long, value_name = "IMAGE")]
     pub(super) reference: Option<PathBuf>,
-    /// ΔE per pixel of the shader's image against the reference, dark 0 to light yellow 10: .png.
+    /// ΔE per pixel between the shader's rendering and the reference, from dark (0) to light yellow (10): .png.
     #[arg(long, value_name = "IMAGE.png")]
     pub(super) difference: Option<PathBuf>,
-    /// The shader's image, the reference and their difference side by side: .png.
+    /// The shader's rendering, the reference and their difference side by side: .png.
     #[arg(long, value_name = "IMAGE.png")]
     pub(super) sheet: Option<PathBuf>,
-    /// A contact sheet: every material that the manifest's uses refer to (all where there are no uses), each alone on a
-    /// sphere or --scene, with name, bytes, ΔE and the colour scale: .png. The manifest's table 'render' is not read. Limits
-    /// hold for each material.
+    /// A contact sheet of all materials that the manifest's uses refer to (all materials if there are no uses): .png. Each is drawn
+    /// alone on a sphere or on --scene, with name, bytes, ΔE and the colour scale. The manifest's table render is ignored. Limits
+    /// apply to each material.
     #[arg(
         long,
         value_name = "IMAGE.png",
         conflicts_with_all = ["output", "reference", "difference", "sheet", "adaptive", "maps"]
     )]
     pub(super) contact: Option<PathBuf>,
-    /// Which scene (default: the manifest's, or sphere; for an RTI capture's pack a plane, seen from above).
+    /// Scene (default: that of the manifest, or sphere; for the pack of an RTI capture a plane, seen from above).
     #[arg(long, value_name = "SCENE", value_parser = one_of(&SCENES))]
     pub(super) scene: Option<Builtin>,
-    /// Pixels, such as 800x600, each 1 to 8192 (default 512x512, with --contact 160x160).
+    /// Width and height in pixels, such as 800x600, each 1 to 8192 (default: 512x512, with --contact 160x160).
     #[arg(long, value_name = "WxH", allow_hyphen_values = true)]
     pub(super) size: Option<String>,
-    /// Samples per pixel and axis, 1 to 16: 2 is 4 per pixel (default 2).
+    /// Samples per pixel and axis, 1 to 16; 2 is 4 per pixel (default: 2).
     #[arg(long, value_name = "N", value_parser = whole_number::<usize>(1..=MAX_SAMPLES as u64))]
     pub(super) samples: Option<usize>,
-    /// Factor from radiance to the display's range, above 0 (default: the brightest 1 % of the surfaces clip).
+    /// Factor from radiance to the range of the display, above 0 (default: the brightest 1 % of the surfaces clip).
     #[arg(long, value_name = "X")]
     pub(super) exposure: Option<f64>,
-    /// How values between cells are found (default: bilinear).
+    /// Interpolation of values between cells (default: bilinear).
     #[arg(long, value_parser = one_of(&FILTERS))]
     pub(super) filter: Option<Filter>,
-    /// Filter slices, or the texels of an RTI capture's pack, in the shader with exact weights instead of the sampler.
+    /// Interpolate slices, or the texels of an RTI capture's pack, in the shader with exact weights instead of in the sampler.
     #[arg(long)]
     pub(super) exact: bool,
-    /// A level of detail for all pixels, 0 to 6, coarse to fine (default: it follows the distance).
+    /// Level of detail for all pixels, 0 to 6, from coarse to fine (default: depends on the distance).
     #[arg(long, value_name = "L")]
     pub(super) lod: Option<f32>,
-    /// What a pack was made from, to compare with; with --adaptive bandwidth and samples are those of its lobes. Of a light
-    /// stack's pack the photograph that is nearest to each light is shown; without lights of a manifest, under its own light.
+    /// Source of a pack, to compare with. With --adaptive, bandwidth and samples are those of its lobes. For the pack of an RTI
+    /// capture, the program shows the photograph that is nearest to each light; without lights in a manifest, it uses the
+    /// photograph's own light.
     #[arg(long, value_name = "INPUT")]
     pub(super) source: Option<Input>,
-    /// Draw the packs that 'brdfc build' put into this folder (default: packs, if one was built there). What was made of
-    /// something else than the manifest says now is made again for the rendering.
+    /// Draw the packs that 'brdfc build' put into this folder (default: packs, if a build filled it). Packs whose source or
+    /// options differ from the manifest are encoded again for the rendering.
     #[arg(long, value_name = "DIR")]
     pub(super) packs: Option<PathBuf>,
-    /// Compare whole tables too, all slices at 16 bits: what the grid alone loses.
+    /// Also compare whole tables, all slices at 16 bits, which shows the error of the grid alone.
     #[arg(long)]
     pub(super) table: bool,
-    /// Fail with exit code 1 if the mean ΔE is above X: against the sources, or the CPU's decoder without them. A rendering
-    /// without a surface or without light fails, too, whichever limit is given.
+    /// Fail with exit code 1 if the mean ΔE of the rendering is above X: against the sources, or without them against the CPU's
+    /// decoder. With any limit, a rendering without a surface or without light fails. --pack-delta-e limits the encoding of
+    /// materials instead, as --max-delta-e of 'brdfc encode' does.
     #[arg(long, value_name = "X")]
     pub(super) max_delta_e: Option<f64>,
-    /// Fail if the 95th percentile of ΔE is above X.
+    /// Fail with exit code 1 if the 95th percentile of ΔE is above X.
     #[arg(long, value_name = "X")]
     pub(super) max_delta_e_p95: Option<f64>,
-    /// Fail if the mean FLIP over surfaces is above X, 0 to 1.
+    /// Fail with exit code 1 if the mean FLIP over surfaces is above X, 0 to 1.
     #[arg(long, value_name = "X")]
     pub(super) max_flip: Option<f64>,
-    /// Use the adapter whose name contains this (default: the fastest).
+    /// Use the adapter whose name contains this text (default: the fastest).
     #[arg(long, value_name = "NAME")]
     pub(super) adapter: Option<String>,
-    /// Of a flat BTF: every view and light, or normal map and diffuse colours (default: full where the file has views).
+    /// Form of a flat BTF: every view and light, or normal map and diffuse colours (default: full if the file has views).
     #[arg(long, value_parser = one_of(&FORMS))]
     pub(super) form: Option<FlatForm>,
-    /// Of a flat BTF: tiles per unit of the scene's uv, 1 to 1024 (default: 4 on plane, bottle, vase and teapot, else 8); of a
-    /// RTI capture's pack that is a tile, likewise (default: 1).
+    /// Tiles of a flat BTF per unit of the scene's uv, 1 to 1024 (default: 4 on plane, bottle, vase and teapot, else 8). Also applies
+    /// to the pack of an RTI capture that is a tile (default: 1).
     #[arg(long, value_name = "N", value_parser = whole_number::<u32>(1..=1024))]
     pub(super) repeat: Option<u32>,
     #[command(flatten)]
     pub(super) adaptive: AdaptiveOptions,
-    #[command(flatten, next_help_heading = "Encoding of what is no pack")]
+    #[command(flatten, next_help_heading = "Encoding of materials")]
     pub(super) options: PackOptions,
 }
 

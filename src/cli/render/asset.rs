@@ -1,4 +1,4 @@
-//! What goes over a whole scene: a flat BTF, or a rendering under any light. Named itself, or by a manifest.
+//! Assets that cover a whole scene: a flat BTF or the pack of an RTI capture, given directly or by a manifest.
 
 use super::arguments::Arguments;
 use super::flat;
@@ -10,11 +10,11 @@ use brdfc::render::PwtPack;
 use brdfc::scene::read_manifest;
 use std::path::Path;
 
-/// An asset, and where it stands.
+/// An asset, and where its path is from.
 pub(super) struct Asset {
-    /// Its own path.
+    /// Path of the asset.
     pub(super) input: Input,
-    /// What the command line names: the manifest, or the asset itself.
+    /// The scene of the command line: the manifest, or the asset itself.
     pub(super) subject: Subject,
     pub(super) kind: AssetKind,
 }
@@ -26,7 +26,7 @@ pub(super) enum AssetKind {
     Pwt(Box<PwtPack>),
 }
 
-/// The asset that is drawn; nothing where BRDFs are.
+/// Opens the asset; `None` if the input is a BRDF.
 pub(super) fn asset(arguments: &Arguments) -> Result<Option<Asset>, Error> {
     let (input, subject) = match arguments.input.extension()?.as_str() {
         "toml" => match of_manifest(arguments)? {
@@ -37,13 +37,13 @@ pub(super) fn asset(arguments: &Arguments) -> Result<Option<Asset>, Error> {
     };
     let named_by_manifest = subject.manifest().is_some();
     let kind = match input.extension()?.as_str() {
-        _ if is_unpacked_stack(&input) => return Err(not_packed(&input)),
+        _ if is_unpacked_capture(&input) => return Err(not_packed(&input)),
         _ if flat::is_flat(&input) => AssetKind::Flat,
         "ktx2" => match open_pack(&input) {
             Ok(Pack::Pwt(pack)) => AssetKind::Pwt(Box::new(pack)),
             Ok(other) if named_by_manifest => return Err(no_asset(&input, other.kind().in_words())),
             Err(error) if named_by_manifest => return Err(error.into()),
-            // Told where packs of BRDFs are opened, once their flags are checked.
+            // Packs of BRDFs are opened later, after their flags are checked, and report the error.
             _ => return Ok(None),
         },
         _ if named_by_manifest => return Err(no_asset(&input, "another file")),
@@ -52,7 +52,7 @@ pub(super) fn asset(arguments: &Arguments) -> Result<Option<Asset>, Error> {
     Ok(Some(Asset { input, subject, kind }))
 }
 
-/// The asset of a manifest, and the manifest.
+/// Reads a manifest, and returns its asset and itself.
 fn of_manifest(arguments: &Arguments) -> Result<Option<(Input, Subject)>, Error> {
     let Some(path) = arguments.input.path().map(Path::to_owned) else { return Ok(None) };
     let (text, manifest) = read_manifest(&path)?;
@@ -68,32 +68,32 @@ fn no_asset(input: &Input, found: &str) -> Error {
     Error::input(format!("{input}: render.asset: found {found}, expected {allowed}"))
 }
 
-/// Whether there are photographs, and no flat BTF beside them.
-fn is_unpacked_stack(input: &Input) -> bool {
+/// Returns true if the folder contains an RTI capture and no flat BTF.
+fn is_unpacked_capture(input: &Input) -> bool {
     input.path().is_some_and(|path| is_rti_capture(path) && matches!(flat_btf_file(path), Ok(None)))
 }
 
 fn not_packed(input: &Input) -> Error {
-    let allowed = "a pack of it, which 'brdfc pwt' makes; photographs go beside the pack with --source";
+    let allowed = "a pack of it ('brdfc pwt' makes one, and --source compares it with the photographs)";
     Error::wrong_input(input, "an RTI capture", allowed)
 }
 
-/// Whether a flag goes with assets of this kind.
+/// Rejects flags that do not apply to this kind of asset.
 pub(super) fn refuse_flags(arguments: &Arguments, asset: &Asset) -> Result<(), Error> {
     let is_flat = matches!(asset.kind, AssetKind::Flat);
-    let (of_brdfs, of_both) = ("with BRDFs", "with BRDFs and renderings under any light");
+    let (of_brdfs, of_both) = ("BRDFs", "BRDFs and packs of RTI captures");
     let flags = [
         (arguments.packs.is_some(), "--packs", of_brdfs),
         (arguments.table, "--table", of_brdfs),
         (arguments.lod.is_some(), "--lod", of_brdfs),
         (arguments.filter.is_some(), "--filter", of_brdfs),
-        (arguments.options.any(), "encoding options", of_brdfs),
+        (arguments.options.any(), "an encoding option", of_brdfs),
         (arguments.contact.is_some(), "--contact", of_brdfs),
         (arguments.adaptive.adaptive, "--adaptive", of_brdfs),
         (is_flat && arguments.source.is_some(), "--source", of_both),
         (is_flat && arguments.exact, "--exact", of_both),
-        (!is_flat && arguments.form.is_some(), "--form", "with flat BTFs"),
+        (!is_flat && arguments.form.is_some(), "--form", "flat BTFs"),
     ];
-    let what = if is_flat { "a flat BTF" } else { "a rendering under any light" };
+    let what = if is_flat { "a flat BTF" } else { "a pack of an RTI capture" };
     output::refuse_flags(format!("{}, {what}", asset.input), &flags)
 }

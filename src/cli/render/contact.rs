@@ -1,4 +1,4 @@
-//! `brdfc render --contact`: every material of a scene, each on a rendering of its own.
+//! `brdfc render --contact`: a contact sheet with one rendering per material.
 
 use super::arguments::Arguments;
 use super::{flat, gpu, materials, outputs, scene};
@@ -9,12 +9,12 @@ use serde::Serialize;
 use std::path::Path;
 use std::time::Instant;
 
-/// What `--json` prints.
+/// Report of `--json`.
 #[derive(Debug, Serialize, schemars::JsonSchema)]
 pub struct Report {
     /// Layout of this report.
     version: u32,
-    /// Materials by name, with what was drawn and measured of each.
+    /// Materials by name, with renderings and measurements.
     materials: Vec<MaterialVerification>,
     /// Seconds from the start to the sheet, encoding included.
     seconds: f64,
@@ -34,11 +34,11 @@ pub(super) fn run(
     let decoding = gpu::decoding(arguments, &subject);
     let gpu = gpu::open(arguments)?;
     let (mut cells, mut drawn) = (Vec::new(), Vec::new());
-    // One after the other: sources and packs of all would take memory that those of one do not.
+    // One material at a time, because sources and packs of all materials may not fit into memory.
     for (number, name) in names.iter().enumerate() {
         let prepared = materials::prepare(arguments, &subject, std::slice::from_ref(name), common)?;
-        let shown = vec![prepared[0].material(); setup.scene.parts.len()];
-        let views = views(&gpu, &setup.scene, setup.frame, &shown, decoding)?;
+        let materials = vec![prepared[0].material(); setup.scene.parts.len()];
+        let views = views(&gpu, &setup.scene, setup.frame, &materials, decoding)?;
         let bytes_on_gpu = prepared[0].pack.gpu_bytes();
         let verification = setup.verification(&gpu, &views, |_| (name.clone(), bytes_on_gpu));
         let verification = verification.checked_by(gates, &views);
@@ -52,12 +52,12 @@ pub(super) fn run(
     }
     write_file(path, &rgb_png(&contact_sheet(&cells)))?;
     let seconds = started.elapsed().as_secs_f64();
-    let closed: Vec<String> = drawn.iter().flat_map(MaterialVerification::closed).collect();
+    let failures: Vec<String> = drawn.iter().flat_map(MaterialVerification::closed).collect();
     if common.json {
         print_json(&Report { version: 1, materials: drawn, seconds })?;
     } else {
         print(&outputs::contact_text(&drawn))?;
         remark(common, &format!("{seconds:.1} s"));
     }
-    if closed.is_empty() { Ok(()) } else { Err(Error::check(closed.join("; "))) }
+    if failures.is_empty() { Ok(()) } else { Err(Error::check(failures.join("; "))) }
 }

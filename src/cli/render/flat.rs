@@ -12,17 +12,19 @@ use brdfc::render::{
 };
 use brdfc::{FormatError, Input};
 
-/// Why a plane has no rendering of the surface itself.
-const NO_SURFACE: &str = "not compared with the surface itself, only shader with CPU: that takes an asset whose surface and materials are all synth: addresses, without --bounces, --colour and --weights";
-/// Why other scenes have none.
-const CURVED: &str = "not compared with the surface itself, only shader with CPU: that is done on --scene plane";
+/// Note for a plane without a rendering of the surface itself.
+const NO_SURFACE: &str = "compared the shader with the CPU only: a comparison with the surface itself requires synth: \
+    addresses for the surface and its materials, without --bounces, --colour and --weights";
+/// Note for other scenes.
+const CURVED: &str =
+    "compared the shader with the CPU only: a comparison with the surface itself requires --scene plane";
 
-/// Whether an input is a flat BTF: its file, or the folder of one.
+/// Returns true if an input is a flat BTF: its file, or its folder.
 pub(super) fn is_flat(input: &Input) -> bool {
     input.path().is_some_and(|path| !matches!(flat_btf_file(path), Ok(None)))
 }
 
-/// Draws the asset by the shader and on the CPU; on a plane, beside the surface itself where that can be computed again.
+/// Draws the asset with the shader and on the CPU; on a plane also the surface itself, if it can be computed again.
 pub(super) fn verification(
     arguments: &Arguments,
     common: Common,
@@ -32,7 +34,7 @@ pub(super) fn verification(
     let setup = scene::setup(arguments, subject)?;
     let path = input.path().expect("flat BTFs are files");
     let file = open_flat_btf(path)?;
-    // Other programs may write flat BTFs without a report.
+    // Flat BTFs of other programs may have no report.
     let asset = read_report(&file).ok();
     let gpu = gpu::open(arguments)?;
     let wrong = |error: FormatError| Error::input(format!("{input}: {error}"));
@@ -65,8 +67,8 @@ pub(super) fn verification(
     Ok((verification, views))
 }
 
-/// Of BRDFs: there is nothing among the flags that only flat BTFs have.
+/// Rejects flags that apply only to flat BTFs.
 pub(super) fn refuse_flags(arguments: &Arguments) -> Result<(), Error> {
     let given = [(arguments.form.is_some(), "--form"), (arguments.repeat.is_some(), "--repeat")];
-    output::refuse_flags(&arguments.input, &given.map(|(given, flag)| (given, flag, "with a flat BTF")))
+    output::refuse_flags(&arguments.input, &given.map(|(given, flag)| (given, flag, "flat BTFs")))
 }

@@ -1,4 +1,4 @@
-//! The adapter, and how its shaders look values up.
+//! Graphics adapter, and the interpolation in its shaders.
 
 use super::arguments::Arguments;
 use super::materials::Subject;

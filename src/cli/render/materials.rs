@@ -1,4 +1,4 @@
-//! Which materials are drawn, from where, and as which packs.
+//! Materials to draw, with their sources and packs.
 
 use super::arguments::Arguments;
 use crate::inputs::refuse_stdin_twice;
@@ -12,29 +12,29 @@ use brdfc::scene::{EnvironmentJob, Job, Manifest, PackFolder, Use, plan, read_ma
 use brdfc::{BrdfPack, FitLimits, PackRecipe, Source, WaveletRecipe as Recipe};
 use std::path::{Path, PathBuf};
 
-/// Finest grid whose slices all fit into a 3D texture.
+/// Finest grid with slices that all fit into a 3D texture.
 const MAX_TABLE_LEVELS: u32 = 5;
 
-/// What the command line names.
+/// Input of the command line.
 pub(super) enum Subject {
     /// A manifest.
     Scene {
-        /// Where it is.
+        /// Path.
         path: PathBuf,
-        /// Its text, for lines in errors.
+        /// Text, for line numbers in errors.
         text: String,
-        /// What it says.
+        /// Parsed manifest.
         manifest: Box<Manifest>,
-        /// Its materials, all of them: a rendering may show what no use refers to.
+        /// Jobs of all materials, because a rendering may show one that no use refers to.
         jobs: Vec<Job>,
-        /// Its environment, if one lights it.
+        /// Job of the environment, if one lights the scene.
         environment: Option<EnvironmentJob>,
-        /// Where its packs are, if they were built.
+        /// Folder of the packs, if they were built.
         packs: Option<Box<PackFolder>>,
     },
     /// A pack.
     Pack,
-    /// Anything that can be encoded.
+    /// Any input that can be encoded.
     Source(Box<PackRecipe>),
 }
 
@@ -51,13 +51,13 @@ impl Subject {
     }
 }
 
-/// A material that is ready to be drawn.
+/// A material that is ready to draw.
 pub(super) struct Prepared {
     pub(super) name: String,
     pub(super) pack: BrdfPack,
     pub(super) source: Option<Box<dyn Source>>,
     pub(super) table: Option<BrdfPack>,
-    /// Bandwidth map and importance samples, where a folder of packs has them.
+    /// Bandwidth map and importance samples, if a folder of packs has them.
     pub(super) maps: Vec<Pack>,
 }
 
@@ -68,29 +68,29 @@ impl Prepared {
     }
 }
 
-/// Reads the manifest, if the input is one, and checks which flags go with the input.
+/// Reads the manifest, if the input is one, and checks which flags apply to the input.
 pub(super) fn subject(arguments: &Arguments) -> Result<Subject, Error> {
     let input = &arguments.input;
     let kind = input.extension()?;
     refuse_stdin_twice(&[("INPUT", Some(input)), ("--source", arguments.source.as_ref())])?;
     let (is_scene, is_pack) = (kind == "toml", kind == "ktx2");
-    let of_encoded = "with an input that is encoded; those of a scene stand in its manifest";
+    let of_encoded = "inputs that are encoded (a scene sets them in its manifest)";
     let flags = [
-        (!is_scene && arguments.packs.is_some(), "--packs", "with a manifest"),
-        (!is_pack && arguments.source.is_some(), "--source", "with a pack"),
-        ((is_pack || is_scene) && arguments.options.any(), "encoding options", of_encoded),
-        (is_pack && arguments.table && arguments.source.is_none(), "--table", "with a source: name it with --source"),
+        (!is_scene && arguments.packs.is_some(), "--packs", "manifests"),
+        (!is_pack && arguments.source.is_some(), "--source", "packs"),
+        ((is_pack || is_scene) && arguments.options.any(), "an encoding option", of_encoded),
+        (is_pack && arguments.table && arguments.source.is_none(), "--table", "packs with a --source"),
     ];
     refuse_flags(input, &flags)?;
     match kind.as_str() {
         "toml" => {
             let Some(path) = input.path().map(Path::to_owned) else {
-                let allowed = "a file: its paths start at its folder";
+                let allowed = "a file, because its paths are relative to its folder";
                 return Err(Error::wrong_usage("SCENE.toml", input, allowed));
             };
             let (text, manifest) = read_manifest(&path)?;
             let folder = path.parent().unwrap_or(Path::new(""));
-            let plan = plan(&shown(&manifest), folder)?;
+            let plan = plan(&with_all_uses(&manifest), folder)?;
             let (jobs, environment) = (plan.jobs, plan.environment);
             let packs = pack_folder(arguments)?.map(Box::new);
             Ok(Subject::Scene { path, text, manifest: Box::new(manifest), jobs, environment, packs })
@@ -100,14 +100,14 @@ pub(super) fn subject(arguments: &Arguments) -> Result<Subject, Error> {
             let (recipe, fit) = arguments.options.request()?;
             if fit != FitLimits::default() {
                 let flags = "--trust-fit, --max-fit-error";
-                return Err(Error::wrong_usage(flags, "with render, which measures no fit", "with encode and build"));
+                return Err(Error::usage(format!("{flags} do not apply to render, only to encode and build")));
             }
             Ok(Subject::Source(Box::new(recipe)))
         }
     }
 }
 
-/// The folder of packs that is named, or else that which a build without options fills.
+/// Opens the given folder of packs, or the default folder of a build.
 fn pack_folder(arguments: &Arguments) -> Result<Option<PackFolder>, Error> {
     let default = Path::new(brdfc::Build::DEFAULT_FOLDER);
     let folder = match &arguments.packs {
@@ -121,8 +121,8 @@ fn pack_folder(arguments: &Arguments) -> Result<Option<PackFolder>, Error> {
     PackFolder::open(folder).map(Some)
 }
 
-/// The manifest with a use of each material, so that the plan has a job for it.
-fn shown(manifest: &Manifest) -> Manifest {
+/// Returns the manifest with a use for each material, so that the plan has a job for each.
+fn with_all_uses(manifest: &Manifest) -> Manifest {
     let mut all = manifest.clone();
     let used: Vec<String> = all.uses.iter().map(|used| used.material.get_ref().clone()).collect();
     for name in manifest.materials.keys().filter(|name| !used.contains(name)) {
@@ -132,20 +132,20 @@ fn shown(manifest: &Manifest) -> Manifest {
     all
 }
 
-/// Opens and encodes the materials of these names, each once.
+/// Opens and encodes the named materials, each once.
 pub(super) fn prepare(
     arguments: &Arguments,
     subject: &Subject,
     names: &[String],
     common: Common,
 ) -> Result<Vec<Prepared>, Error> {
-    let mut wanted: Vec<&String> = Vec::new();
+    let mut distinct: Vec<&String> = Vec::new();
     for name in names {
-        if !wanted.contains(&name) {
-            wanted.push(name);
+        if !distinct.contains(&name) {
+            distinct.push(name);
         }
     }
-    wanted
+    distinct
         .iter()
         .enumerate()
         .map(|(number, name)| {
@@ -153,15 +153,15 @@ pub(super) fn prepare(
             for line in notes {
                 note(common, name, &line);
             }
-            if wanted.len() > 1 {
-                remark(common, &format!("{} of {}: {name} ready", number + 1, wanted.len()));
+            if distinct.len() > 1 {
+                remark(common, &format!("{} of {}: {name} ready", number + 1, distinct.len()));
             }
             Ok(prepared)
         })
         .collect()
 }
 
-/// A material, and what there is to say of it.
+/// Prepares a material, and collects notes about it.
 fn prepare_one(arguments: &Arguments, subject: &Subject, name: &str) -> Result<(Prepared, Vec<String>), Error> {
     let (input, recipe) = match subject {
         Subject::Pack => (arguments.source.clone(), PackRecipe::default()),
@@ -179,13 +179,13 @@ fn prepare_one(arguments: &Arguments, subject: &Subject, name: &str) -> Result<(
         (Subject::Scene { jobs, packs: Some(packs), .. }, _) => {
             let current = packs.material(job_of(jobs, name), &())?;
             let stale = current.stale.iter().map(|file| {
-                format!("{file} was made of something else: not drawn, but made again; 'brdfc build' puts it in place")
+                format!("{file} is out of date, so the material was encoded again; run 'brdfc build' to update it")
             });
             let closed = current.gates.iter().filter(|gate| !gate.passed).map(ToString::to_string);
             let notes = stale.chain(closed).chain(current.missed).collect();
             let mut parts = current.parts.into_iter();
             let pack = parts.next().and_then(|pack| BrdfPack::try_from(pack).ok());
-            let pack = pack.ok_or_else(|| Error::internal(format!("{name}: the store holds no pack")))?;
+            let pack = pack.ok_or_else(|| Error::internal(format!("{name}: the store contains no pack")))?;
             (pack, parts.collect(), notes)
         }
         (Subject::Pack, _) => (open_brdf_pack(&arguments.input)?, Vec::new(), Vec::new()),
@@ -200,7 +200,8 @@ fn prepare_one(arguments: &Arguments, subject: &Subject, name: &str) -> Result<(
             let BrdfPack::Wavelet(wavelet) = &pack else { return Err(no_table(pack.kind())) };
             let levels = wavelet.header.levels;
             if levels > MAX_TABLE_LEVELS {
-                let text = "--table: found a grid of 64, expected up to 32, whose slices all fit into a texture";
+                let text =
+                    "--table: found a grid of 64, expected at most 32, because all slices must fit into one texture";
                 return Err(Error::usage(text));
             }
             let whole = Recipe {
@@ -217,8 +218,9 @@ fn prepare_one(arguments: &Arguments, subject: &Subject, name: &str) -> Result<(
     };
     if arguments.lod.is_some() && pack.levels() == 0 {
         let found = pack.kind().in_words();
-        let allowed = "packs that have levels of detail (--levels)";
-        return Err(Error::usage(format!("--lod: found with {found} of one level, expected with {allowed}")));
+        return Err(Error::usage(format!(
+            "--lod does not apply to {found} of one level, only to packs with levels of detail (--levels)"
+        )));
     }
     Ok((Prepared { name: name.to_owned(), pack, source, table, maps }, notes))
 }
@@ -227,7 +229,7 @@ fn job_of<'a>(jobs: &'a [Job], name: &str) -> &'a Job {
     jobs.iter().find(|job| job.name == name).expect("names are materials of the manifest")
 }
 
-/// What a whole table has in common with the pack.
+/// Recipe of a whole table with the bias and smoothing of the pack.
 fn bias_and_smoothing(recipe: &PackRecipe) -> Recipe {
     match recipe {
         PackRecipe::Wavelet(recipe) => recipe.clone(),
@@ -236,6 +238,6 @@ fn bias_and_smoothing(recipe: &PackRecipe) -> Recipe {
 }
 
 fn no_table(kind: PackKind) -> Error {
-    let (found, allowed) = (kind.in_words(), "wavelet packs (--codec wavelet), whose grid it shows the error of");
-    Error::usage(format!("--table: found {found}, expected {allowed}"))
+    let (found, allowed) = (kind.in_words(), "wavelet packs (--codec wavelet)");
+    Error::usage(format!("--table does not apply to {found}, only to {allowed}"))
 }

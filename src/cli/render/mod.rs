@@ -1,4 +1,4 @@
-//! `brdfc render`: packs drawn by the shaders that engines use, and how wrong they look.
+//! `brdfc render`: draws packs with the shaders that engines use, and measures the error.
 
 mod adaptive;
 mod adaptive_options;
@@ -27,15 +27,15 @@ use serde::Serialize;
 use std::path::Path;
 use std::time::Instant;
 
-/// Most materials that a remark lists.
+/// Maximum number of materials in a remark.
 const MAX_LISTED: usize = 6;
 
-/// What `--json` prints.
+/// Report of `--json`.
 #[derive(Debug, Serialize, schemars::JsonSchema)]
 pub struct Report {
     /// Layout of this report.
     version: u32,
-    /// What was drawn and measured.
+    /// Settings and measurements.
     #[serde(flatten)]
     verification: Verification,
     /// Seconds from the start to the last image, encoding included.
@@ -58,8 +58,7 @@ pub(super) fn run(arguments: &Arguments, common: Common) -> Result<(), Error> {
     }
     if let (Some(path), false) = (&arguments.adaptive.environment, arguments.adaptive.adaptive) {
         let found = format!("{} without --adaptive", path.display());
-        let allowed =
-            "both: an environment lights adaptive shading alone, other renderings have the lights of their scene";
+        let allowed = "--adaptive as well, because other renderings use the lights of their scene";
         return Err(Error::wrong_usage("--environment", found, allowed));
     }
     if arguments.adaptive.adaptive {
@@ -83,8 +82,8 @@ pub(super) fn run(arguments: &Arguments, common: Common) -> Result<(), Error> {
     }
     if verification.left_out > 0.0 {
         let share = table::percent(verification.left_out);
-        let why = "seen or lit from where packs were not made for (view_elevation, light_elevation)";
-        remark(common, &format!("{share} of the surfaces are left out: {why}"));
+        let why = "directions outside those of their packs (view_elevation, light_elevation)";
+        remark(common, &format!("excluded {share} of the surfaces: {why}"));
     }
     drop(views);
     let seconds = started.elapsed().as_secs_f64();
@@ -98,7 +97,7 @@ pub(super) fn run(arguments: &Arguments, common: Common) -> Result<(), Error> {
     if closed.is_empty() { Ok(()) } else { Err(Error::check(closed.join("; "))) }
 }
 
-/// The limits of the rendering.
+/// Resolves the limits of the rendering.
 fn gates(arguments: &Arguments) -> Result<RenderingGates, Error> {
     let given = [
         ("--max-delta-e", arguments.max_delta_e, f64::MAX, "a number, 0 or more"),
@@ -114,15 +113,11 @@ fn gates(arguments: &Arguments) -> Result<RenderingGates, Error> {
     Ok(RenderingGates { delta_e, delta_e_p95, flip })
 }
 
-/// What may be the matter with a rendering that shows nothing.
+/// Hint for a rendering that shows nothing.
 fn hint(arguments: &Arguments) -> &'static str {
     let extension = arguments.input.path().and_then(Path::extension);
     let of_manifest = extension.is_some_and(|extension| extension.eq_ignore_ascii_case("toml"));
-    if of_manifest {
-        "; look at render.camera and render.lights, or draw by the light of an environment with --adaptive"
-    } else {
-        ""
-    }
+    if of_manifest { "; check render.camera and render.lights, or use an environment with --adaptive" } else { "" }
 }
 
 /// Draws packs of BRDFs.
@@ -130,7 +125,7 @@ fn of_brdfs(arguments: &Arguments, common: Common) -> Result<(Verification, View
     flat::refuse_flags(arguments)?;
     let subject = materials::subject(arguments)?;
     let setup = scene::setup(arguments, &subject)?;
-    // Before the work: without an adapter there is nothing to wait for.
+    // Open the adapter first: without one, encoding would be wasted.
     let gpu = gpu::open(arguments)?;
     let prepared = materials::prepare(arguments, &subject, &setup.names, common)?;
 
@@ -146,11 +141,11 @@ fn of_brdfs(arguments: &Arguments, common: Common) -> Result<(Verification, View
     Ok((verification, views))
 }
 
-/// Says which materials of a scene its rendering does not show.
+/// Prints the materials of a scene that its rendering does not show.
 fn tell_of_others(arguments: &Arguments, all: &[String], shown: &[String], common: Common) {
     let others: Vec<&str> = all.iter().filter(|name| !shown.contains(name)).map(String::as_str).collect();
     if !others.is_empty() {
         let listed = join_truncated(&others, MAX_LISTED);
-        note(common, &arguments.input, &format!("not shown: {listed}; --contact draws every material"));
+        note(common, &arguments.input, &format!("not drawn: {listed}; --contact draws every material"));
     }
 }

@@ -1,4 +1,4 @@
-//! Renderings and text of a verification.
+//! Image files and text of a verification.
 
 use super::arguments::Arguments;
 use crate::output::{
@@ -15,7 +15,7 @@ fn extension(path: &Path) -> String {
     path.extension().and_then(|e| e.to_str()).unwrap_or("").to_ascii_lowercase()
 }
 
-/// Flags of renderings, what was given, and the extensions that a name may have.
+/// Flags of image files, with their values and allowed extensions.
 fn files(arguments: &Arguments) -> [(&'static str, &Option<PathBuf>, &'static [&'static str]); 6] {
     [
         ("--output", &arguments.output, &["png", "exr"]),
@@ -27,13 +27,13 @@ fn files(arguments: &Arguments) -> [(&'static str, &Option<PathBuf>, &'static [&
     ]
 }
 
-/// A rendering that would be written over an image that a manifest names.
+/// Rejects outputs that would overwrite an image that a manifest names.
 pub(super) fn check_not_over(arguments: &Arguments, input: &Path) -> Result<(), Error> {
     let given = files(arguments).into_iter().filter_map(|(flag, path, _)| Some((flag, path.as_deref()?)));
     given.into_iter().try_for_each(|(flag, path)| refuse_overwriting(flag, path, &[input]))
 }
 
-/// Names that cannot be written are found before the work.
+/// Checks all outputs before any work starts.
 pub(super) fn check(arguments: &Arguments) -> Result<(), Error> {
     let files = files(arguments);
     refuse_same_outputs(&files.each_ref().map(|(flag, path, _)| (*flag, path.as_deref())))?;
@@ -49,12 +49,12 @@ pub(super) fn check(arguments: &Arguments) -> Result<(), Error> {
     Ok(())
 }
 
-/// Writes what was asked for.
+/// Writes the requested images.
 pub(super) fn write(arguments: &Arguments, views: &Views, exposure: f64) -> Result<(), Error> {
     write_images(arguments, &views.shader, views.reference(), exposure)
 }
 
-/// Writes the renderings of an image and its reference that were asked for.
+/// Writes the requested images of a rendering and its reference.
 pub(super) fn write_images(
     arguments: &Arguments,
     shader: &LinearImage,
@@ -84,7 +84,7 @@ pub(super) fn write_images(
     Ok(())
 }
 
-/// What people read.
+/// Formats the verification of a rendering.
 pub(super) fn text(verification: &Verification) -> String {
     let v = verification;
     let mut text = head(v, &format!(", exposure {}", table::significant(v.exposure)));
@@ -102,14 +102,14 @@ pub(super) fn text(verification: &Verification) -> String {
     text + &table::plain(&header, rows)
 }
 
-/// What drew what; `more` stands behind the number of samples.
+/// Formats scene, size and adapter; `more` follows the number of samples.
 fn head(v: &Verification, more: &str) -> String {
     let Verification { scene, width, height, samples, adapter, .. } = v;
     let software = if adapter.software { ", a software driver" } else { "" };
     format!("{scene}, {width} x {height} pixels, {samples} samples each{more}\ndrawn by {}{software}\n", adapter.name)
 }
 
-/// What people read of many materials.
+/// Formats the verifications of several materials.
 pub(super) fn contact_text(materials: &[MaterialVerification]) -> String {
     let rows = materials.iter().map(|material| {
         let v = &material.verification;

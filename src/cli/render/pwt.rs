@@ -1,4 +1,4 @@
-//! Renderings under any light, of packs of polynomial wavelet trees.
+//! Renderings of polynomial wavelet trees.
 
 use super::arguments::Arguments;
 use super::materials::Subject;
@@ -13,10 +13,10 @@ use brdfc::render::{
 use brdfc::{FormatError, Input};
 use std::path::Path;
 
-/// Pixels of the rendering's longer side where nothing is said.
+/// Default pixels of the rendering's longer side.
 const LONGER_SIDE: usize = 512;
 
-/// Draws the pack by the shader and on the CPU; with the stack that it was made of, beside its photographs.
+/// Draws the pack with the shader and on the CPU, and the photographs of its RTI capture if it is given.
 pub(super) fn verification(
     arguments: &Arguments,
     common: Common,
@@ -34,11 +34,11 @@ pub(super) fn verification(
     };
     let start = scene::Start { builtin: Builtin::Plane, size: size.map(side), scene: &of_builtin };
     let mut setup = scene::setup_from(arguments, subject, &start)?;
-    let stack = arguments.source.as_ref().map(|source| open_stack(source, size)).transpose()?;
+    let stack = arguments.source.as_ref().map(|source| open_capture(source, size)).transpose()?;
     if let Some(stack) = stack.as_ref().filter(|_| setup.builtin == Builtin::Plane) {
         let of_manifest = subject.manifest().is_some_and(|manifest| manifest.render.lights.is_some());
         if !of_manifest {
-            // The light of a photograph, so that the pack is held against what it was made of.
+            // Use the light of a photograph, so that the rendering can be compared with it.
             for light in &mut setup.scene.lights {
                 let (nearest, _) = nearest_photograph(stack, light);
                 *light = distant_light(stack.lights()[nearest].map(f64::from));
@@ -57,7 +57,7 @@ pub(super) fn verification(
             Some(of_photographs(&setup, stack, header.repeats, material.repeat(), common)?)
         }
         Some(_) => {
-            let why = "not compared with photographs: that is done on --scene plane";
+            let why = "not compared with photographs: that requires --scene plane";
             note(common, input, why);
             None
         }
@@ -73,8 +73,8 @@ pub(super) fn verification(
     Ok((verification, views))
 }
 
-/// The photographs that a pack is held against.
-fn open_stack(source: &Input, size: [usize; 2]) -> Result<RtiCapture, Error> {
+/// Opens the photographs to compare a pack with.
+fn open_capture(source: &Input, size: [usize; 2]) -> Result<RtiCapture, Error> {
     let Some(path) = source.path() else {
         let text = format!("--source: found {source}, expected the folder or the .lp of an RTI capture");
         return Err(Error::usage(text));
@@ -85,15 +85,13 @@ fn open_stack(source: &Input, size: [usize; 2]) -> Result<RtiCapture, Error> {
     }
     let stack = RtiCapture::open(path)?;
     if stack.size() != size {
-        let told = |[width, height]: [usize; 2]| format!("{width} x {height} pixels");
-        let text =
-            format!("--source: {source}: found {}, expected {}, as the pack has", told(stack.size()), told(size));
-        return Err(Error::input(text));
+        let [found, expected] = [stack.size(), size].map(|[width, height]| format!("{width} x {height} pixels"));
+        return Err(Error::input(format!("--source: {source}: found {found}, expected {expected}, as the pack has")));
     }
     Ok(stack)
 }
 
-/// The rendering with the photograph that is nearest to each light.
+/// Draws the photograph that is nearest to each light.
 fn of_photographs(
     setup: &scene::Setup,
     stack: &RtiCapture,
@@ -106,7 +104,7 @@ fn of_photographs(
         let (number, angle) = nearest_photograph(stack, light);
         let image = stack.image(number)?;
         let file = stack.file(number).file_name().map_or_else(String::new, |name| name.to_string_lossy().into_owned());
-        remark(common, &format!("beside {file}, whose light is {angle:.1}° from that of the rendering"));
+        remark(common, &format!("compared with {file}; its light is {angle:.1}° from that of the rendering"));
         photographs.push(Photograph::new([image.width, image.height], image.pixels, repeats));
     }
     Ok(draw_photographs(&setup.scene, setup.frame, &photographs, repeat))

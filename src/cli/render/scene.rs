@@ -1,4 +1,4 @@
-//! Flags and manifest to a scene: the command line wins over the manifest, the manifest over the scene's own defaults.
+//! Resolves flags and manifest to a scene: the command line overrides the manifest, which overrides the scene's defaults.
 
 use super::arguments::Arguments;
 use super::materials::Subject;
@@ -12,16 +12,16 @@ use brdfc_terminal::words;
 use std::path::{Path, PathBuf};
 use toml::Spanned;
 
-/// Pixels per side where nothing is said.
+/// Default pixels per side.
 const DEFAULT_SIDE: usize = 512;
-/// The same of each rendering of a contact sheet.
+/// Default pixels per side of each rendering of a contact sheet.
 const CONTACT_SIDE: usize = 160;
-/// Samples of an image: each takes some 50 bytes of memory.
+/// Maximum samples of an image; each takes about 50 bytes of memory.
 const MAX_ALL_SAMPLES: u64 = 1 << 25;
-/// Samples per pixel and axis where nothing is said.
+/// Default samples per pixel and axis.
 const DEFAULT_SAMPLES: usize = 2;
 
-/// What is drawn.
+/// Scene, frame and materials.
 pub(super) struct Setup {
     pub(super) builtin: Builtin,
     pub(super) scene: Scene,
@@ -32,7 +32,7 @@ pub(super) struct Setup {
 }
 
 impl Setup {
-    /// The parts, each with the name and the bytes of its material: those of the part with this number.
+    /// Lists the parts with the name and the bytes of their materials; `material` returns both by the number of the part.
     pub(super) fn parts(&self, material: impl Fn(usize) -> (String, u64)) -> Vec<PartMaterial> {
         let listed = self.scene.parts.iter().enumerate().map(|(number, part)| {
             let (material, bytes_on_gpu) = material(number);
@@ -41,7 +41,7 @@ impl Setup {
         listed.collect()
     }
 
-    /// Renderings compared, of parts with these materials.
+    /// Compares the renderings of parts with these materials.
     pub(super) fn verification(
         &self,
         gpu: &Gpu,
@@ -53,16 +53,16 @@ impl Setup {
     }
 }
 
-/// What is drawn where neither flags nor a manifest say otherwise.
+/// Defaults for settings that neither flags nor a manifest set.
 pub(super) struct Start<'a> {
     pub(super) builtin: Builtin,
-    /// Pixels per row, and rows.
+    /// Width and height in pixels.
     pub(super) size: [usize; 2],
-    /// A scene with its own camera and lights, for renderings of this size.
+    /// Makes a scene with its own camera and lights, for renderings of this size.
     pub(super) scene: &'a dyn Fn(Builtin, [usize; 2]) -> Scene,
 }
 
-/// Decides everything but the materials' values.
+/// Resolves everything except the materials' values.
 pub(super) fn setup(arguments: &Arguments, subject: &Subject) -> Result<Setup, Error> {
     let side = if arguments.contact.is_some() { CONTACT_SIDE } else { DEFAULT_SIDE };
     setup_from(
@@ -72,10 +72,10 @@ pub(super) fn setup(arguments: &Arguments, subject: &Subject) -> Result<Setup, E
     )
 }
 
-/// The same with other defaults.
+/// Resolves everything except the materials' values, with other defaults.
 pub(super) fn setup_from(arguments: &Arguments, subject: &Subject, start: &Start<'_>) -> Result<Setup, Error> {
     let absent = RenderSection::default();
-    // What a manifest shows is made for its own scene.
+    // The [render] table of a manifest applies to its own scene.
     let shown = subject.manifest().filter(|_| arguments.contact.is_none());
     let section = shown.map_or(&absent, |manifest| &manifest.render);
     let builtin = builtin(arguments, subject, section, start.builtin)?;
@@ -92,7 +92,7 @@ pub(super) fn setup_from(arguments: &Arguments, subject: &Subject, start: &Start
     if !scene.camera.is_valid() {
         let camera = scene.camera;
         return Err(Error::input(format!(
-            "{}: render.camera: found eye {:?}, target {:?}, up {:?}, expected three that span a view",
+            "{}: render.camera: found eye {:?}, target {:?}, up {:?}, expected vectors that span a view",
             arguments.input, camera.eye, camera.target, camera.up
         )));
     }
@@ -111,7 +111,7 @@ pub(super) fn setup_from(arguments: &Arguments, subject: &Subject, start: &Start
     let count = width as u64 * height as u64 * (samples * samples) as u64;
     if count > MAX_ALL_SAMPLES {
         return Err(Error::usage(format!(
-            "size and samples: found {width} x {height} pixels of {} samples, expected {MAX_ALL_SAMPLES} samples in all",
+            "size and samples: found {width} x {height} pixels of {} samples, expected at most {MAX_ALL_SAMPLES}",
             samples * samples
         )));
     }
@@ -150,7 +150,7 @@ fn builtin(
         .ok_or_else(|| at(subject, name, "render.scene", &known))
 }
 
-/// The material of each part: as the manifest says, or else its materials in turn.
+/// Returns the material of each part: from the manifest, or else its materials in turn.
 fn names(arguments: &Arguments, subject: &Subject, builtin: Builtin) -> Result<Vec<String>, Error> {
     let turn = materials_in_turn(arguments, subject)?;
     let Subject::Scene { manifest, .. } = subject else {
@@ -159,7 +159,7 @@ fn names(arguments: &Arguments, subject: &Subject, builtin: Builtin) -> Result<V
     let materials: Vec<&str> = manifest.materials.keys().map(String::as_str).collect();
     let given = &manifest.render.materials;
     for (part, material) in given {
-        // The manifest may name the parts of another scene than the one that --scene asks for.
+        // The manifest may name parts of another scene than that of --scene.
         let known: Vec<&str> = Builtin::NAMES.iter().flat_map(|(_, scene)| scene.parts()).copied().collect();
         if !known.contains(&part.get_ref().as_str()) {
             return Err(at(subject, part, "part in [render.materials]", builtin.parts()));
@@ -176,7 +176,7 @@ fn names(arguments: &Arguments, subject: &Subject, builtin: Builtin) -> Result<V
     Ok(builtin.parts().iter().map(of_part).collect())
 }
 
-/// The materials that the scene uses, or all where it says of none that it does; without a manifest the input.
+/// Returns the materials that the scene uses, or all if no use is listed; without a manifest, the input.
 pub(super) fn materials_in_turn(arguments: &Arguments, subject: &Subject) -> Result<Vec<String>, Error> {
     let Some(manifest) = subject.manifest() else { return Ok(vec![arguments.input.to_string()]) };
     if let Some(asset) = &manifest.render.asset {
@@ -206,7 +206,7 @@ fn at(subject: &Subject, name: &Spanned<String>, field: &str, known: &[&str]) ->
     Error::input(format!("{}: {error}", path.display()))
 }
 
-/// Which image the surroundings are: of what lights the scene with --adaptive, else of what mirrors show.
+/// Selects the image of the surroundings: of the light with --adaptive, else of the reflections in mirrors.
 fn environment_file(arguments: &Arguments, subject: &Subject, section: &RenderSection) -> Option<PathBuf> {
     if let Some(path) = &arguments.adaptive.environment {
         return Some(path.clone());

@@ -1,4 +1,4 @@
-//! What antialiasing by finer levels of the pyramid costs (figure 10, right, of Bagher et al. 2012).
+//! Cost of antialiasing by finer levels of the pyramid (figure 10, right, of Bagher et al. 2012).
 
 use super::case::{Lighting, StudyMaterial};
 use brdfc_metrics::image::auto_exposure;
@@ -11,10 +11,10 @@ use schemars::JsonSchema;
 use serde::Serialize;
 use std::time::Instant;
 
-/// Samples of the rendering that the exposure is found in.
+/// Samples of the rendering that determines the exposure.
 const EXPOSURE_SAMPLES: u32 = 16;
 
-/// One number of points per pixel.
+/// Result for one number of points per pixel.
 #[derive(Debug, Clone, PartialEq, Serialize, JsonSchema)]
 pub struct AntialiasingRow {
     /// Points per pixel: 1, 4 and 16.
@@ -30,15 +30,15 @@ pub struct AntialiasingRow {
 /// Exponents `e` of cost ∝ points^e from 1 to 16 points.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, JsonSchema)]
 pub struct Exponents {
-    /// Of shaded pixels.
+    /// Exponent for shaded pixels.
     pub shaded: f64,
-    /// Of samples of incident light.
+    /// Exponent for samples of incident light.
     pub samples: f64,
-    /// Of seconds.
+    /// Exponent for seconds.
     pub seconds: f64,
 }
 
-/// From the first row to the last.
+/// Exponents from the first row to the last.
 pub fn exponents(rows: &[AntialiasingRow]) -> Option<Exponents> {
     let (first, last) = (rows.first()?, rows.last()?);
     let steps = (f64::from(last.points) / f64::from(first.points)).ln();
@@ -50,7 +50,7 @@ pub fn exponents(rows: &[AntialiasingRow]) -> Option<Exponents> {
     })
 }
 
-/// The same rendering with 1, 4 and 16 points per pixel, as bright as the default exposure makes it.
+/// Draws the same rendering with 1, 4 and 16 points per pixel, at the default exposure.
 pub fn antialiasing_study(
     material: &StudyMaterial<'_>,
     shape: Builtin,
@@ -84,6 +84,6 @@ pub struct AntialiasingStudy {
     pub shape: String,
     /// 1, 4 and 16 points per pixel.
     pub rows: Vec<AntialiasingRow>,
-    /// How cost grows with points.
+    /// Growth of the cost with the number of points.
     pub exponents: Option<Exponents>,
 }

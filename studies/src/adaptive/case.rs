@@ -13,9 +13,9 @@ use brdfc_render::shade::SourceReflectance;
 
 /// A material to study.
 pub struct StudyMaterial<'a> {
-    /// What reports call it.
+    /// Name in reports.
     pub name: String,
-    /// What is drawn: the measured values, not a pack of them.
+    /// Source to draw: the measured values, not a pack.
     pub source: &'a dyn Source,
     pub(super) lookups: Lookups,
 }
@@ -24,15 +24,15 @@ impl<'a> StudyMaterial<'a> {
     /// Makes map and samples of a material.
     ///
     /// # Errors
-    /// As [`Lookups::new`].
+    /// Returns the errors of [`Lookups::new`].
     pub fn new(name: String, source: &'a dyn Source) -> Result<Self, FormatError> {
         Ok(Self { name, source, lookups: Lookups::new(source)? })
     }
 }
 
-/// Light, and how fast it varies.
+/// An environment and its bandwidth map.
 pub struct Lighting {
-    /// The light.
+    /// The environment.
     pub environment: Environment,
     pub(super) light: DistantLight,
 }
@@ -41,7 +41,7 @@ impl Lighting {
     /// Makes the map of an environment.
     ///
     /// # Errors
-    /// What the layout of maps refuses.
+    /// Returns an error if the layout of maps rejects the environment.
     pub fn new(environment: Environment) -> Result<Self, FormatError> {
         let map = environment_map(&environment.pixels, environment.width, DEFAULT_EPSILON)?;
         let light = DistantLight::new(&environment, map);
@@ -49,9 +49,9 @@ impl Lighting {
     }
 }
 
-/// A case with everything that draws it.
+/// A case with all data for drawing it.
 pub struct Case<'a> {
-    /// To draw with.
+    /// Scene to draw.
     pub adaptive: AdaptiveScene<'a>,
     /// Size of the rendering.
     pub frame: Frame,
@@ -59,16 +59,17 @@ pub struct Case<'a> {
     pub buffer: &'a GBuffer,
     /// The converged rendering.
     pub truth: LinearImage,
-    /// PSNR that its own standard error amounts to, dB.
+    /// PSNR of the ground truth, from its own standard error, dB.
     pub truth_psnr: f64,
-    /// Factor from radiance to the display's range: the brightest 1 % of the ground truth clip.
+    /// Factor from radiance to the display's range, at which the brightest 1 % of the ground truth clip.
     pub exposure: f64,
     /// Pixels that show a surface.
     pub surface: usize,
 }
 
 impl Case<'_> {
-    /// Draws the ground truth of a material on a shape, with so many samples per pixel, and hands all of it to `run`.
+    /// Draws the ground truth of a material on a shape, with this number of samples per pixel, and passes the case to
+    /// `run`.
     pub fn with<T>(
         material: &StudyMaterial<'_>,
         shape: Builtin,
@@ -91,7 +92,7 @@ impl Case<'_> {
         run(&Case { adaptive, frame, buffer: &buffer, truth, truth_psnr, exposure, surface })
     }
 
-    /// PSNR of a rendering against the ground truth, dB; infinite if there is no difference.
+    /// PSNR of a rendering against the ground truth, dB; infinite without a difference.
     pub fn psnr(&self, image: &LinearImage) -> f64 {
         signal_to_noise(image, &self.truth, self.exposure).psnr.unwrap_or(f64::INFINITY)
     }

@@ -1,20 +1,20 @@
-//! Error against cost: what a renderer gives for what it is allowed to spend.
+//! Error as a function of cost of a renderer.
 
 /// One rendering of a renderer.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Point {
-    /// What the renderer was asked to spend: samples per pixel, or [`brdfc_render::adaptive::Settings::samples`].
+    /// Requested cost: samples per pixel, or [`brdfc_render::adaptive::Settings::samples`].
     pub asked: f64,
-    /// Samples per pixel that shows a surface.
+    /// Samples per surface pixel.
     pub samples: f64,
-    /// dB.
+    /// PSNR, dB.
     pub psnr: f64,
     /// Time to shade.
     pub seconds: f64,
 }
 
-/// What a renderer needs for a PSNR, between two of its renderings: logarithms of cost are interpolated. `None` if none of
-/// the renderings is as good, or all of them are better.
+/// Cost of a renderer for a PSNR, interpolated between two of its renderings by the logarithm of cost. `None` if no
+/// rendering reaches the PSNR, or if all exceed it.
 pub fn needed(curve: &[Point], psnr: f64) -> Option<Point> {
     let [a, b] = curve.windows(2).map(|pair| [pair[0], pair[1]]).find(|[a, b]| a.psnr <= psnr && psnr <= b.psnr)?;
     let t = if b.psnr > a.psnr { (psnr - a.psnr) / (b.psnr - a.psnr) } else { 0.0 };

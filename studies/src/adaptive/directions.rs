@@ -1,4 +1,4 @@
-//! Incident directions that bandwidth is averaged over (figure 13 of Bagher et al. 2012).
+//! Number of incident directions that bandwidth is averaged over (figure 13 of Bagher et al. 2012).
 
 use super::case::Case;
 use brdfc_render::adaptive::{Settings, draw, predict};
@@ -6,17 +6,17 @@ use schemars::JsonSchema;
 use serde::Serialize;
 use std::time::Instant;
 
-/// Numbers of directions: the paper's.
+/// Numbers of directions in the paper.
 pub const DIRECTIONS: [u32; 4] = [16, 64, 256, 1024];
 
-/// One number of directions.
+/// Result for one number of directions.
 #[derive(Debug, Clone, PartialEq, Serialize, JsonSchema)]
 pub struct DirectionsRow {
     /// `n_b`.
     pub directions: u32,
-    /// PSNR against the ground truth, dB; null if there is no difference.
+    /// PSNR against the ground truth, dB; null without a difference.
     pub psnr: Option<f64>,
-    /// Samples per pixel that shows a surface.
+    /// Samples per surface pixel.
     pub samples: f64,
     /// Seconds of the bandwidth buffer.
     pub bandwidth_seconds: f64,
@@ -24,13 +24,13 @@ pub struct DirectionsRow {
     pub seconds: f64,
 }
 
-/// The rendering with each number of [`DIRECTIONS`], for as many samples as the first one took.
+/// Draws with each number of [`DIRECTIONS`], with as many samples as the first rendering.
 ///
-/// The budget is asked for again until the samples agree within 1 %: fewer directions estimate another mean variance, which
-/// changes what a budget buys, and not how good a rendering is for its samples.
+/// Adjusts the budget until the numbers of samples agree within 1 %. Fewer directions estimate another mean variance,
+/// which changes the number of samples for a budget, but not the quality for a number of samples.
 pub fn directions_study(case: &Case<'_>, budget: f32) -> Vec<DirectionsRow> {
     let surface = case.surface.max(1) as f64;
-    let mut wanted = None;
+    let mut first_samples = None;
     let mut one = |directions: u32| {
         let settings = Settings { directions, samples: budget, ..case.settings() };
         let started = Instant::now();
@@ -45,7 +45,7 @@ pub fn directions_study(case: &Case<'_>, budget: f32) -> Vec<DirectionsRow> {
             row.seconds = started.elapsed().as_secs_f64();
             row.samples = rendering.samples() as f64 / surface;
             row.psnr = Some(case.psnr(&rendering.image)).filter(|psnr| psnr.is_finite());
-            let target = *wanted.get_or_insert(row.samples);
+            let target = *first_samples.get_or_insert(row.samples);
             if (row.samples / target - 1.0).abs() < 0.01 {
                 break;
             }
@@ -63,6 +63,6 @@ pub struct DirectionsStudy {
     pub material: String,
     /// The shape.
     pub shape: String,
-    /// One for each number.
+    /// One row for each number.
     pub rows: Vec<DirectionsRow>,
 }

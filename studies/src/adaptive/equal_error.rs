@@ -1,4 +1,4 @@
-//! How many samples adaptive and forward shading need for the same error (section 5 of Bagher et al. 2012).
+//! Number of samples that adaptive and forward shading need for the same error (section 5 of Bagher et al. 2012).
 
 use super::case::{Case, Lighting, StudyMaterial};
 use super::curve::{Point, needed};
@@ -10,10 +10,10 @@ use schemars::JsonSchema;
 use serde::Serialize;
 use std::time::Instant;
 
-/// Values of [`Settings::caution`] beside the default one.
+/// Values of [`Settings::caution`] to try, in addition to the default.
 pub const CAUTIONS: [f32; 3] = [0.25, 0.35, 1.0];
-/// Most samples per pixel of forward shading, and most that adaptive shading is asked for.
-const MOST: u32 = 512;
+/// Maximum number of samples per pixel of forward shading, and maximum budget of adaptive shading.
+const MAX_SAMPLES: u32 = 512;
 
 /// One material on one shape.
 #[derive(Debug, Clone, PartialEq, Serialize, JsonSchema)]
@@ -26,62 +26,63 @@ pub struct EqualErrorRow {
     pub surface_pixels: usize,
     /// Samples per pixel of the ground truth.
     pub truth_samples: usize,
-    /// PSNR that the spread of the ground truth's own samples amounts to, dB, an upper bound of its error; null if there is none.
+    /// PSNR that corresponds to the spread of the ground truth's own samples, dB, an upper bound of its error; null if
+    /// there is none.
     pub truth_psnr: Option<f64>,
-    /// The error that both are to have, dB of PSNR against the ground truth.
+    /// Target PSNR of both against the ground truth, dB.
     pub psnr: f64,
-    /// Samples per pixel that forward shading needs; absent if none of 1 to 512 has just this error.
+    /// Samples per pixel that forward shading needs; absent if no number from 1 to 512 has exactly this error.
     pub forward_samples: Option<f64>,
-    /// Seconds of forward shading with as many.
+    /// Seconds of forward shading with this number of samples.
     pub forward_seconds: Option<f64>,
-    /// Adaptive shading with the default caution; absent if no budget from 1 to 512 has just this error.
+    /// Adaptive shading with the default caution; absent if no budget from 1 to 512 has exactly this error.
     pub adaptive: Option<AdaptivePoint>,
-    /// The same with the caution that needs the fewest samples.
+    /// Adaptive shading with the caution that needs the fewest samples.
     pub best: Option<AdaptivePoint>,
-    /// Seconds that the bandwidth buffer takes.
+    /// Seconds for the bandwidth buffer.
     pub bandwidth_seconds: f64,
 }
 
-/// Adaptive shading at the wanted error.
+/// Adaptive shading at the target error.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, JsonSchema)]
 pub struct AdaptivePoint {
     /// Factor on predicted bandwidths.
     pub caution: f32,
-    /// Samples per pixel that shows a surface.
+    /// Samples per surface pixel.
     pub samples: f64,
-    /// Shaded pixels, per pixel that shows a surface.
+    /// Shaded pixels per surface pixel.
     pub shaded_share: f64,
-    /// PSNR of the rendering that was drawn with this budget, dB.
+    /// PSNR of the rendering drawn with this budget, dB.
     pub psnr: f64,
     /// Mean FLIP of the rendering on surfaces.
     pub flip: f64,
-    /// Seconds to shade, the bandwidth buffer included.
+    /// Seconds to shade, including the bandwidth buffer.
     pub seconds: f64,
 }
 
 impl EqualErrorRow {
-    /// How many times fewer samples adaptive shading takes.
+    /// Ratio of the numbers of samples of forward and adaptive shading.
     pub fn gain(&self, point: Option<AdaptivePoint>) -> Option<f64> {
         Some(self.forward_samples? / point?.samples)
     }
 
-    /// Time of the bandwidth buffer as a share of that of forward shading.
+    /// Time of the bandwidth buffer as a share of the time of forward shading.
     pub fn bandwidth_share(&self) -> Option<f64> {
         Some(self.bandwidth_seconds / self.forward_seconds?)
     }
 }
 
-/// One row for each wanted PSNR.
+/// Returns one row for each target PSNR.
 pub fn equal_error(
     material: &StudyMaterial<'_>,
     shape: Builtin,
     lighting: &Lighting,
     frame: Frame,
     truth_samples: usize,
-    wanted: &[f64],
+    targets: &[f64],
 ) -> Vec<EqualErrorRow> {
     Case::with(material, shape, lighting, frame, (truth_samples, Start::Scattered), |case| {
-        let highest = wanted.iter().copied().fold(f64::NEG_INFINITY, f64::max);
+        let highest = targets.iter().copied().fold(f64::NEG_INFINITY, f64::max);
         let forward = forward_curve(case, highest);
         let default = Settings::default().caution;
         let cautions: Vec<f32> = std::iter::once(default).chain(CAUTIONS).collect();
@@ -107,13 +108,13 @@ pub fn equal_error(
                 bandwidth_seconds,
             }
         };
-        wanted.iter().map(row).collect()
+        targets.iter().map(row).collect()
     })
 }
 
 fn forward_curve(case: &Case<'_>, highest: f64) -> Vec<Point> {
     let mut curve = Vec::new();
-    for count in (0..).map(|k| 1u32 << k).take_while(|count| *count <= MOST) {
+    for count in (0..).map(|k| 1u32 << k).take_while(|count| *count <= MAX_SAMPLES) {
         let started = Instant::now();
         let image = forward(&case.adaptive, case.frame, case.buffer, count);
         let seconds = started.elapsed().as_secs_f64();
@@ -128,11 +129,11 @@ fn forward_curve(case: &Case<'_>, highest: f64) -> Vec<Point> {
 
 fn adaptive_curve(case: &Case<'_>, caution: f32, highest: f64) -> Vec<Point> {
     let mut curve: Vec<Point> = Vec::new();
-    for asked in (0..).map(|k| 1u32 << k).take_while(|count| *count <= MOST).map(f64::from) {
+    for asked in (0..).map(|k| 1u32 << k).take_while(|count| *count <= MAX_SAMPLES).map(f64::from) {
         let (_, point) = attempt(case, caution, asked);
         let last = curve.last().map_or(f64::NEG_INFINITY, |last| last.psnr);
         curve.push(point);
-        // What more samples do not repair is missing detail.
+        // Errors that more samples do not reduce are missing detail.
         if point.psnr > highest || point.psnr < last + 0.1 {
             break;
         }
@@ -140,7 +141,7 @@ fn adaptive_curve(case: &Case<'_>, caution: f32, highest: f64) -> Vec<Point> {
     curve
 }
 
-/// A rendering for which so much was asked, and what it took.
+/// A rendering with this budget, and its cost.
 fn attempt(case: &Case<'_>, caution: f32, asked: f64) -> (AdaptiveRendering, Point) {
     let settings = Settings { samples: asked as f32, caution, ..case.settings() };
     let started = Instant::now();

@@ -1,4 +1,5 @@
-//! Predicted bandwidth against windowed Fourier transforms of the rendering (figure 12 of Bagher et al. 2012).
+//! Comparison of predicted bandwidth with windowed Fourier transforms of the rendering (figure 12 of Bagher et al.
+//! 2012).
 
 use super::case::Case;
 use super::spectrum::{WINDOW, window_bandwidths};
@@ -11,14 +12,14 @@ use serde::Serialize;
 /// Pixels between windows.
 const STRIDE: usize = 4;
 
-/// How predictions compare with the rendering.
+/// Comparison of predictions with the rendering.
 #[derive(Debug, Clone, PartialEq, Serialize, JsonSchema)]
 pub struct FourierRow {
     /// The input.
     pub material: String,
     /// The shape.
     pub shape: String,
-    /// Windows of 32 x 32 pixels that show nothing but surface.
+    /// Windows of 32 x 32 pixels that show only surfaces.
     pub windows: usize,
     /// Share of them whose prediction is within a factor 4, 0 to 1.
     pub within_4: f64,
@@ -26,22 +27,22 @@ pub struct FourierRow {
     pub too_low_by_2: f64,
     /// Spearman's rank correlation, -1 to 1.
     pub rank_correlation: f64,
-    /// Prediction over transform.
+    /// Ratios of prediction and transform.
     pub ratios: Quantiles,
 }
 
-/// What a share of the values is below.
+/// Quantiles of the ratios.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, JsonSchema)]
 pub struct Quantiles {
-    /// 5 % of them.
+    /// 5 % quantile.
     pub low: f64,
-    /// Half of them.
+    /// Median.
     pub median: f64,
-    /// 95 % of them.
+    /// 95 % quantile.
     pub high: f64,
 }
 
-/// Compares at every window; the rendering is that of the ground truth as a display shows it.
+/// Compares at every window. The rendering is the ground truth as displayed.
 pub fn fourier_check(case: &Case<'_>, material: &str, shape: &str) -> FourierRow {
     let prediction = predict(&case.adaptive, case.frame, case.buffer, &case.settings());
     let (width, height) = (case.frame.width, case.frame.height);
@@ -87,7 +88,7 @@ fn compared(predicted: &[f32], reference: &[f32], material: &str, shape: &str) -
     }
 }
 
-/// Mean ranks of equal values.
+/// Ranks, averaged over equal values.
 fn ranks(values: &[f32]) -> Vec<f64> {
     let mut order: Vec<usize> = (0..values.len()).collect();
     order.sort_by(|a, b| values[*a].total_cmp(&values[*b]));
@@ -102,7 +103,7 @@ fn ranks(values: &[f32]) -> Vec<f64> {
     ranks
 }
 
-/// Pearson's, of as many values each.
+/// Pearson's correlation of two series of the same length.
 fn correlation(a: &[f64], b: &[f64]) -> f64 {
     let count = a.len().max(1) as f64;
     let mean = |values: &[f64]| values.iter().sum::<f64>() / count;
@@ -129,20 +130,20 @@ mod tests {
     use std::f64::consts::{PI, TAU};
 
     #[test]
-    fn ranks_do_not_mind_monotone_changes() {
+    fn ranks_are_invariant_to_monotone_changes() {
         let values = [0.3f32, 0.1, 0.2, 0.2, 0.9];
         assert_eq!(ranks(&values), [3.0, 0.0, 1.5, 1.5, 4.0]);
         let squared = values.map(|v| v * v);
         let row = compared(&values, &squared, "", "");
         assert!((row.rank_correlation - 1.0).abs() < 1e-12);
         assert_eq!((row.windows, row.within_4), (5, 0.4));
-        // The control: the order reversed.
+        // The control: the reversed order.
         let reversed = values.map(|v| -v);
         assert!((correlation(&ranks(&values), &ranks(&reversed)) + 1.0).abs() < 1e-12);
         assert_eq!(compared(&[0.1, 0.1], &[0.3, 0.1], "", "").too_low_by_2, 0.5);
     }
 
-    /// Light with as much detail everywhere.
+    /// Light with the same amount of detail everywhere.
     fn waves() -> Environment {
         let (width, height) = (256, 128);
         let axes =
@@ -157,7 +158,7 @@ mod tests {
         Environment { width, height, pixels: (0..width * height).map(pixel).collect() }
     }
 
-    /// Figure 12 on a glossy sphere; the negative control takes bandwidths of a surface without curvature.
+    /// Figure 12 on a glossy sphere. The negative control uses bandwidths of a surface without curvature.
     #[test]
     fn predictions_follow_the_rendering() {
         let source = parse_synth("synth:ggx?kd=0&f0=0.9&alpha=0.05").unwrap();

@@ -1,6 +1,6 @@
-//! What adaptive shading saves, and how good its predictions are (sections 3 to 5 of "Interactive rendering of acquired
-//! materials on dynamic geometry using bandwidth prediction", Bagher, Soler, Subr, Belcour and Holzschuch 2012). On the
-//! CPU, from the measured values themselves.
+//! Savings of adaptive shading, and accuracy of its predictions (sections 3 to 5 of "Interactive rendering of acquired
+//! materials on dynamic geometry using bandwidth prediction", Bagher, Soler, Subr, Belcour and Holzschuch 2012). Runs
+//! on the CPU, with the measured values themselves.
 
 mod antialiasing;
 mod case;

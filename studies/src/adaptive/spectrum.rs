@@ -1,4 +1,4 @@
-//! Local bandwidth of a rendering by windowed Fourier transforms: what predictions are held against (figure 12 of Bagher et
+//! Local bandwidth of a rendering by windowed Fourier transforms, the reference for predictions (figure 12 of Bagher et
 //! al. 2012).
 
 use microfft::Complex32;
@@ -6,21 +6,21 @@ use microfft::complex::cfft_32;
 use rayon::prelude::*;
 use std::f32::consts::TAU;
 
-/// Pixels per side of a window: the paper's.
+/// Pixels per side of a window, as in the paper.
 pub const WINDOW: usize = 32;
 
-/// Bandwidth around the pixel `[column, row]` of a rendering of `width` columns, cycles per pixel, 0 to 0.71: the root of the
-/// mean squared frequency of the Hann-windowed 32 x 32 pixels around it, without their mean. 0 for a constant.
+/// Bandwidth around the pixel `[column, row]` of a rendering of `width` columns, cycles per pixel, 0 to 0.71: the root
+/// of the mean squared frequency of the Hann-windowed 32 x 32 pixels around it, without their mean. 0 for a constant.
 ///
-/// A share of the energy would do as well where there is much of it; on smooth windows it is decided by what little noise the
-/// rendering has. The window itself spreads what is slow to 0.02 cycles per pixel.
+/// A share of the energy would be equally good for windows with much of it. In smooth windows it would be determined by
+/// the remaining noise of the rendering. The window itself spreads low frequencies to 0.02 cycles per pixel.
 ///
 /// # Panics
-/// If the window does not lie inside the rendering.
+/// If the window is not inside the rendering.
 pub fn window_bandwidth(values: &[f32], width: usize, [column, row]: [usize; 2]) -> f32 {
     const HALF: usize = WINDOW / 2;
     assert!(column >= HALF && column + HALF <= width && row >= HALF, "the window lies inside");
-    // Relative to one of them, so that a constant has no rounding.
+    // Relative to one of the values, so that a constant has no rounding error.
     let at = |k: usize| {
         values[(row - HALF + k / WINDOW) * width + column - HALF + k % WINDOW] - values[row * width + column]
     };
@@ -44,7 +44,7 @@ pub fn window_bandwidths(values: &[f32], width: usize, pixels: &[[usize; 2]]) ->
     pixels.par_iter().map(|pixel| window_bandwidth(values, width, *pixel)).collect()
 }
 
-/// In two dimensions, in place; the result is transposed.
+/// Two-dimensional transform, in place; the result is transposed.
 fn transform(values: &mut [Complex32]) {
     let each_row = |values: &mut [Complex32]| {
         values.as_chunks_mut::<WINDOW>().0.iter_mut().for_each(|row| {

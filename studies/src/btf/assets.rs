@@ -1,4 +1,4 @@
-//! The BTFs themselves: words of all views under all lights, of one BTF at a time.
+//! The BTFs themselves: words of all views under all lights, one BTF at a time.
 
 use super::lights::Lights;
 use brdfc_flat_btf::light_field::{ComputedField, FillGuide, FlattenedView, Holes, from_above, visible};
@@ -14,15 +14,15 @@ use rayon::prelude::*;
 pub(super) struct Asset {
     /// Texels per side.
     pub(super) size: usize,
-    /// Of each view RGB9E5, light by light, each row by row.
+    /// RGB9E5 words of each view, light by light, each row by row.
     pub(super) words: Vec<Vec<u32>>,
-    /// Of each view which texels it sees; `None` where it sees all.
+    /// Visible texels of each view; `None` if all are visible.
     pub(super) masks: Option<Vec<Vec<bool>>>,
-    /// The surface's normal at each texel; of an ordinary BTF, which knows none, the plane's.
+    /// Surface normal at each texel; for an ordinary BTF, which has none, that of the plane.
     pub(super) normals: Vec<[f32; 3]>,
 }
 
-/// A surface as BTFs are made of it.
+/// A surface that BTFs are made from.
 pub(super) struct Surface<'a> {
     pub(super) model: &'a MesoModel,
     pub(super) appearance: &'a Appearance,
@@ -35,7 +35,8 @@ fn packed(image: Vec<[f32; 3]>) -> Vec<u32> {
 }
 
 impl Surface<'_> {
-    /// The ordinary BTF: what is seen through each texel of the reference plane. `view_done` hears of each view.
+    /// The ordinary BTF: the surface visible through each texel of the reference plane. Calls `view_done` after each
+    /// view.
     pub(super) fn classic(&self, view_done: &dyn Fn()) -> Asset {
         let view = |view: &Vector| {
             let seen = ViewImage::new(self.model, *view, self.size, 1);
@@ -48,7 +49,7 @@ impl Surface<'_> {
         Asset { size: self.size, words: self.directions.iter().map(view).collect(), masks: None, normals }
     }
 
-    /// The flat BTF, holes filled as `brdfc flatten` does. `view_done` hears of each view.
+    /// The flat BTF, holes filled as by `brdfc flatten`. Calls `view_done` after each view.
     pub(super) fn flat(&self, view_done: &dyn Fn()) -> Asset {
         let (directions, lights) = (self.directions, self.directions.len());
         let texels = self.model.texels(self.size);
@@ -72,7 +73,7 @@ impl Surface<'_> {
 }
 
 impl Asset {
-    /// Views.
+    /// Number of views.
     pub(super) fn views(&self) -> usize {
         self.words.len()
     }
@@ -83,7 +84,7 @@ impl Asset {
         &self.words[view][light * texels..][..texels]
     }
 
-    /// Which texels a view sees, where it does not see all.
+    /// Mask of the texels that a view sees; `None` if it sees all.
     pub(super) fn mask(&self, view: usize) -> Option<&[bool]> {
         self.masks.as_ref().map(|masks| &masks[view][..])
     }
@@ -94,14 +95,14 @@ impl Asset {
         masks.iter().flatten().filter(|seen| **seen).count() as f64 / (masks.len() * self.size * self.size) as f64
     }
 
-    /// A view under all lights, linear RGB.
+    /// Renderings of a view under all lights, linear RGB.
     pub(super) fn renderings(&self, view: usize, lights: &Lights) -> Vec<Vec<[f32; 3]>> {
         let decoded = |light| self.light(view, light).iter().map(|word| rgb9e5::decode(*word)).collect();
         (0..lights.directions.len()).into_par_iter().map(decoded).collect()
     }
 
-    /// The fitted ones of such renderings; texels that the view does not see are undefined. Of a view that sees nothing, all are
-    /// defined.
+    /// Samples of such renderings at the fitted lights. Texels that the view does not see are undefined. If the view
+    /// sees none, all are defined.
     pub(super) fn samples(&self, view: usize, renderings: &[Vec<[f32; 3]>], lights: &Lights) -> LightSamples {
         LightSamples {
             size: [self.size; 2],

@@ -1,4 +1,4 @@
-//! Bytes against colour differences: a panel for each structure, a sign for each way.
+//! Bytes and colour differences: a panel for each structure, a symbol for each method.
 
 use super::{BtfAsset, BtfModel, BtfStudy};
 use plotters::prelude::*;
@@ -6,9 +6,9 @@ use plotters::prelude::*;
 /// Pixels of a panel.
 const PANEL: (u32, u32) = (460, 360);
 const COLUMNS: usize = 2;
-/// Largest error of a panel, of that of its points: the legend stands above them.
+/// Upper end of a panel's error axis, relative to the largest error, which leaves room for the legend.
 const LEGEND: f64 = 1.55;
-/// Beginnings of the names of ways, what the legend calls them, and their colours.
+/// Prefixes of the names of methods, their names in the legend, and their colours.
 const WAYS: [(&str, &str, RGBColor); 5] = [
     ("PTM", "PTM", RGBColor(220, 50, 32)),
     ("HSH", "HSH", RGBColor(200, 150, 0)),
@@ -17,10 +17,10 @@ const WAYS: [(&str, &str, RGBColor); 5] = [
     ("factored", "factored", RGBColor(0, 140, 90)),
 ];
 
-/// The figure as SVG: full circles are of the ordinary BTF, open ones of the flat one.
+/// The figure as SVG. Full circles are for the ordinary BTF, open ones for the flat one.
 ///
 /// # Errors
-/// What the drawing library reports.
+/// Returns the error of the drawing library.
 pub fn drawing(study: &BtfStudy) -> Result<String, String> {
     let rows = study.models.len().div_ceil(COLUMNS).max(1);
     let columns = study.models.len().clamp(1, COLUMNS);
@@ -39,7 +39,7 @@ pub fn drawing(study: &BtfStudy) -> Result<String, String> {
 
 type Area<'a> = DrawingArea<SVGBackend<'a>, plotters::coord::Shift>;
 
-/// Bytes and errors of a way.
+/// Bytes and errors of a method.
 fn points(asset: &BtfAsset, way: usize) -> Vec<(f64, f64)> {
     let of_way = |method: &str| WAYS.iter().position(|(start, ..)| method.starts_with(start)) == Some(way);
     let rows = asset.rows.iter().filter(|row| of_way(&row.method));

@@ -1,4 +1,4 @@
-//! Differences of renderings of a view from what they are made of.
+//! Errors of renderings of a view.
 
 use super::lights::Lights;
 use brdfc_formats::pwt::Domain;
@@ -9,11 +9,11 @@ use rayon::prelude::*;
 /// Sums over texels and lights.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
 pub(super) struct Sums {
-    /// Of squared differences of sRGB codes, 0 to 1.
+    /// Sum of squared differences of sRGB values, 0 to 1.
     squares: f64,
-    /// Of ΔE.
+    /// Sum of ΔE.
     distances: f64,
-    /// Texels under lights.
+    /// Number of texels under lights.
     count: f64,
 }
 
@@ -33,7 +33,7 @@ impl Sums {
     }
 }
 
-/// Errors at both kinds of lights.
+/// Errors at fitted and held-out lights.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
 pub(super) struct Errors {
     pub(super) fitted: Sums,
@@ -47,13 +47,13 @@ impl Errors {
     }
 }
 
-/// A view under all lights, as it is compared: sRGB codes and L*a*b* of the texels that count.
+/// A view under all lights, prepared for comparison: sRGB and L*a*b* values of the texels that count.
 pub(super) struct Truth {
     texels: Vec<usize>,
     lights: Vec<Compared>,
 }
 
-/// One light of it.
+/// The view under one light.
 struct Compared {
     codes: Vec<[f32; 3]>,
     labs: Vec<[f32; 3]>,
@@ -67,7 +67,7 @@ fn codes(mut colours: Vec<[f32; 3]>) -> Vec<[f32; 3]> {
 }
 
 impl Truth {
-    /// Of linear RGB under each light; where there is a mask, only texels that it has count.
+    /// Prepares linear RGB under each light. With a mask, only its texels count.
     pub(super) fn new(renderings: &[Vec<[f32; 3]>], mask: Option<&[bool]>) -> Self {
         let all = renderings.first().map_or(0, Vec::len);
         let texels: Vec<usize> = (0..all).filter(|texel| mask.is_none_or(|mask| mask[*texel])).collect();
@@ -82,12 +82,13 @@ impl Truth {
 
     /// Errors of renderings under the same lights.
     pub(super) fn errors(&self, renderings: &[Vec<[f32; 3]>], lights: &Lights) -> Errors {
-        let light = |(rendering, wanted): (&Vec<[f32; 3]>, &Compared)| {
+        let light = |(rendering, expected): (&Vec<[f32; 3]>, &Compared)| {
             let colours: Vec<[f32; 3]> = self.texels.iter().map(|texel| rendering[*texel]).collect();
-            let distance = |(colour, wanted): (&[f32; 3], &[f32; 3])| distance_squared(lab(*colour), *wanted).sqrt();
-            let distances = colours.iter().zip(&wanted.labs).map(distance).map(f64::from).sum();
+            let distance =
+                |(colour, expected): (&[f32; 3], &[f32; 3])| distance_squared(lab(*colour), *expected).sqrt();
+            let distances = colours.iter().zip(&expected.labs).map(distance).map(f64::from).sum();
             let found = codes(colours);
-            let pairs = found.as_flattened().iter().zip(wanted.codes.as_flattened());
+            let pairs = found.as_flattened().iter().zip(expected.codes.as_flattened());
             let squares = pairs.map(|(a, b)| f64::from((a - b) * (a - b))).sum();
             Sums { squares, distances, count: self.texels.len() as f64 }
         };
@@ -112,11 +113,11 @@ mod tests {
         let found: Vec<_> = (0..9).map(|light| rendering(if light == 4 { 0.0 } else { 0.5 })).collect();
         let errors = Truth::new(&truth, None).errors(&found, &lights);
         assert_eq!((errors.fitted.delta_e(), errors.fitted.count), (0.0, 32.0));
-        // L* of half of white's light.
+        // L* of half of white's luminance.
         assert!((errors.held_out.delta_e() - 76.07).abs() < 0.05, "{errors:?}");
-        // The sRGB code of one half is 0.735.
+        // The sRGB value of one half is 0.735.
         assert!((errors.held_out.psnr() + 20.0 * 0.7354f64.log10()).abs() < 0.01, "{errors:?}");
-        // What a mask leaves out does not count.
+        // Texels outside the mask do not count.
         let mut off = truth.clone();
         off.iter_mut().for_each(|rendering| rendering[2] = [1.0; 3]);
         assert!(Truth::new(&truth, None).errors(&off, &lights).fitted.delta_e() > 1.0);

@@ -13,17 +13,17 @@ use brdfc_formats::flat_btf::{BlendedDirection, FlatHeader, FlatView, NormalMap,
 use rayon::prelude::*;
 use std::time::Instant;
 
-/// Pairs of a view and a light that are blended.
+/// Number of blended pairs of a view and a light.
 const PAIRS: f64 = 9.0;
-/// Entries of the base's table that are loaded.
+/// Number of loaded entries of the base's table.
 const BASE_ENTRIES: f64 = 4.0;
-/// Lights that are blended, each with its shadow.
+/// Number of blended lights, each with its shadow.
 const BLENDED_LIGHTS: f64 = 3.0;
 
-/// Factors a BTF and measures it. `view_done` hears of each view that was measured.
+/// Factors a BTF and measures it. Calls `view_done` after each measured view.
 ///
 /// # Errors
-/// A size or directions that a flat BTF cannot have.
+/// Returns an error for a size or directions that a flat BTF cannot have.
 pub(super) fn factored(
     name: &str,
     target: FactoredTarget,
@@ -33,7 +33,7 @@ pub(super) fn factored(
 ) -> Result<BtfRow, FormatError> {
     let start = Instant::now();
     let radians = |[polar, azimuth]: &[f64; 2]| {
-        // In f32 a full turn is one turn too much.
+        // In f32 a full turn is not below the maximum.
         let azimuth = azimuth.to_radians().rem_euclid(std::f64::consts::TAU) as f32;
         [polar.to_radians() as f32, if azimuth < std::f32::consts::TAU { azimuth } else { 0.0 }]
     };
@@ -56,7 +56,7 @@ pub(super) fn factored(
     let normals = NormalMap::new(asset.size as u32, asset.normals.clone())?;
     let made = factor(&FactoredRecipe::new(target), &normals, &mask, view, &()).map_err(|error| match error {
         FactorError::View(error) | FactorError::Format(error) => error,
-        FactorError::Cancelled(_) => unreachable!("nobody stops it"),
+        FactorError::Cancelled(_) => unreachable!("it is never cancelled"),
     })?;
     let seconds = start.elapsed().as_secs_f64();
 
@@ -64,7 +64,7 @@ pub(super) fn factored(
     for view in 0..asset.views() {
         let truth = Truth::new(&asset.renderings(view, lights), asset.mask(view));
         let direction = single(set.directions()[view]);
-        errors.add(truth.errors(&shown(&made.asset, (view, direction), lights), lights));
+        errors.add(truth.errors(&renderings_of(&made.asset, (view, direction), lights), lights));
         view_done();
     }
     let header = made.asset.header();
@@ -80,8 +80,8 @@ fn single(direction: Vector) -> [f32; 3] {
     direction.map(|c| c as f32)
 }
 
-/// A view under all lights: those held out as a renderer asks for any light.
-fn shown(made: &FactoredFlatBtf, (view, direction): (usize, [f32; 3]), lights: &Lights) -> Vec<Vec<[f32; 3]>> {
+/// Renderings of a view under all lights. Held-out lights are evaluated as a renderer does for any light.
+fn renderings_of(made: &FactoredFlatBtf, (view, direction): (usize, [f32; 3]), lights: &Lights) -> Vec<Vec<[f32; 3]>> {
     let size = made.header().size;
     let samples = ViewWeights { indices: [view as u32; 3], weights: [1.0, 0.0, 0.0] };
     let towards = BlendedDirection { direction, samples };

@@ -1,6 +1,6 @@
-//! A candidate that is measured and not shipped: one polynomial wavelet tree of the whole BTF, its terms the products of
-//! harmonics of the light and of the view. Least squares of both, one after the other; each term is stored from the level that
-//! error per byte asks for, in 8 bits.
+//! An experimental method that is measured but not shipped: one polynomial wavelet tree of the whole BTF, whose terms
+//! are the products of harmonics of the light and of the view. Both are fitted by least squares, one after the other.
+//! Each term is stored in 8 bits from the level determined by the error per byte.
 
 use super::assets::Asset;
 use super::errors::{Errors, Truth};
@@ -18,13 +18,13 @@ use std::time::Instant;
 
 /// Deepest level of detail.
 const DEPTH: u32 = 5;
-/// Orthonormal channels: grey, and two that are of no colour.
+/// Orthonormal channels: grey, and two of chrominance.
 const CHANNELS: [[f32; 3]; 3] = [
     [0.577_350_3, 0.577_350_3, 0.577_350_3],
     [std::f32::consts::FRAC_1_SQRT_2, 0.0, -std::f32::consts::FRAC_1_SQRT_2],
     [0.408_248_3, -0.816_496_6, 0.408_248_3],
 ];
-/// Every so many views are looked at while the fewest terms are searched for.
+/// Stride of the views that are evaluated in the search for the fewest terms.
 const LOOKED_AT: usize = 5;
 
 /// All terms of a BTF.
@@ -32,7 +32,7 @@ pub(super) struct Joint<'a> {
     asset: &'a Asset,
     lights: &'a Lights,
     domain: Domain,
-    /// Of the light, and of the view: the directions of both are the same.
+    /// Design of both the light and the view, which have the same directions.
     light: Design,
     view: Design,
     /// Term `j n + i` of a channel is term j of the view times term i of the n of the light.
@@ -42,10 +42,10 @@ pub(super) struct Joint<'a> {
     seconds: f64,
 }
 
-/// Where each term begins, `None` where it is left out.
+/// Finest level of each term; `None` if it is left out.
 type Bases = Vec<Option<u32>>;
 
-/// What most views chose: a domain, and medians of its offset and of the ridge.
+/// The choice of most views: a domain, and medians of its offset and of the ridge.
 fn prevalent(chosen: &[Candidate]) -> (Domain, f64) {
     let count = |name: DomainName| chosen.iter().filter(|candidate| candidate.domain == name).count();
     let name = DomainName::ALL.into_iter().max_by_key(|name| count(*name)).unwrap_or(DomainName::CubeRoot);
@@ -65,7 +65,7 @@ fn weights(design: &Design, direction: [f32; 3]) -> Vec<f32> {
     (0..design.terms()).map(weight).collect()
 }
 
-/// Sum of planes, each times a weight.
+/// Weighted sum of planes.
 fn mixed<'a>(planes: impl Iterator<Item = (&'a [f32], f32)>, texels: usize) -> Vec<f32> {
     let mut sum = vec![0.0; texels];
     for (plane, weight) in planes {
@@ -75,8 +75,8 @@ fn mixed<'a>(planes: impl Iterator<Item = (&'a [f32], f32)>, texels: usize) -> V
 }
 
 impl<'a> Joint<'a> {
-    /// Fits all terms, harmonics of light and view up to a degree, one view after the other. `chosen` is what the trees of the views were made with; `view_done` hears of
-    /// each view.
+    /// Fits all terms, harmonics of light and view up to a degree, one view after the other. `chosen` are the
+    /// candidates of the trees of the views. Calls `view_done` after each view.
     pub(super) fn fit(
         asset: &'a Asset,
         lights: &'a Lights,
@@ -112,7 +112,7 @@ impl<'a> Joint<'a> {
         let transform = Transform { wavelet: Wavelet::Haar, border: Border::Periodic, depth };
         let tree = PacketTree::pyramid(transform, extent);
         coefficients.iter_mut().flatten().collect::<Vec<_>>().into_par_iter().for_each(|plane| tree.analyse(plane));
-        // A texel counts as much as there are views that see it.
+        // The weight of a texel is the number of views that see it.
         let mut counts = Plane { size: extent, values: vec![1.0; texels] };
         if let Some(masks) = &asset.masks {
             let share = |texel: usize| masks.iter().filter(|mask| mask[texel]).count() as f32 / masks.len() as f32;
@@ -123,13 +123,13 @@ impl<'a> Joint<'a> {
         Self { asset, lights, domain, light, view, images, steps, depth, seconds: start.elapsed().as_secs_f64() }
     }
 
-    /// Everything that gains something.
+    /// All terms that reduce the error.
     pub(super) fn all(&self, view_done: &dyn Fn()) -> Tally {
         self.tally(self.steps.len(), view_done)
     }
 
-    /// About the fewest bytes of a mean ΔE at the fitted lights: or all terms, if they do not reach it. `view_done` hears of
-    /// each view once.
+    /// Approximately the fewest bytes for a mean ΔE at the fitted lights, or all terms if they do not reach it. Calls
+    /// `view_done` once per view.
     pub(super) fn at_error(&self, delta_e: f64, view_done: &dyn Fn()) -> Tally {
         let start = Instant::now();
         let all = self.steps.len();
@@ -142,7 +142,7 @@ impl<'a> Joint<'a> {
             }
         }
         let mut found = self.tally(high, view_done);
-        // The other views may need a few terms more.
+        // The other views may need a few more terms.
         while found.errors.fitted.delta_e() > delta_e && high < all {
             high = all.min(high + high.div_ceil(20));
             found = self.tally(high, &|| ());
@@ -170,28 +170,28 @@ impl<'a> Joint<'a> {
         bases
     }
 
-    /// Errors of some of the views.
+    /// Errors of every `stride`-th view.
     fn errors(&self, bases: &Bases, stride: usize, view_done: &dyn Fn()) -> Errors {
         let planes: Vec<Option<Plane>> =
             self.images.par_iter().zip(bases).map(|(image, base)| base.map(|base| stored(image, base))).collect();
         let mut errors = Errors::default();
         for view in (0..self.asset.views()).step_by(stride) {
             let truth = Truth::new(&self.asset.renderings(view, self.lights), self.asset.mask(view));
-            errors.add(truth.errors(&self.shown(&planes, view), self.lights));
+            errors.add(truth.errors(&self.renderings_of(&planes, view), self.lights));
             view_done();
         }
         errors
     }
 
-    /// A view under all lights.
-    fn shown(&self, planes: &[Option<Plane>], view: usize) -> Vec<Vec<[f32; 3]>> {
+    /// Renderings of a view under all lights.
+    fn renderings_of(&self, planes: &[Option<Plane>], view: usize) -> Vec<Vec<[f32; 3]>> {
         let texels = self.asset.size * self.asset.size;
         let (of_view, terms) = (weights(&self.view, self.lights.directions[view]), self.light.terms());
         let at_view = |at: usize| {
             let (channel, term) = (at / terms, at % terms);
             let plane = |j: usize| planes[(channel * of_view.len() + j) * terms + term].as_ref();
-            let kept = (0..of_view.len()).filter_map(|j| Some((&plane(j)?.values[..], of_view[j])));
-            mixed(kept, texels)
+            let selected = (0..of_view.len()).filter_map(|j| Some((&plane(j)?.values[..], of_view[j])));
+            mixed(selected, texels)
         };
         let at_view: Vec<Vec<f32>> = (0..3 * terms).into_par_iter().map(at_view).collect();
         let rendering = |direction: &[f32; 3]| -> Vec<[f32; 3]> {
@@ -209,8 +209,7 @@ impl<'a> Joint<'a> {
     }
 }
 
-/// A term as a sampler shows it that begins at a level: 8 bits for what lies between the least and largest value of its
-/// levels.
+/// A term as a sampler returns it if it starts at a level: 8 bits between the smallest and largest value of its levels.
 fn stored(image: &TermImages, base: u32) -> Plane {
     let levels = &image.levels[base as usize..];
     let (low, high) = range(levels);
@@ -239,10 +238,10 @@ mod tests {
         assert_eq!(prevalent(&chosen), (Domain::Logarithm { epsilon: 0.2 }, 1e-4));
     }
 
-    /// Known answer: a BTF whose cube roots are a product of a harmonic of the light and one of the view comes back from few
-    /// terms, at lights that were held out, too; of another one the error stays.
+    /// Known answer: a BTF whose cube roots are a product of a harmonic of the light and one of the view is
+    /// reconstructed from few terms, also at held-out lights. Another BTF keeps its error.
     #[test]
-    fn products_come_back() {
+    fn products_are_reconstructed() {
         let set = DirectionSet::grid(4, 9, 70.0).unwrap();
         let lights = Lights::new(&set, &[5, 12]).unwrap();
         let tilt = |at: usize| lights.directions[at][2];

@@ -1,4 +1,4 @@
-//! Which lights are fitted, and what stands for the others where nothing is fitted.
+//! The fitted lights, and interpolation to the held-out lights.
 
 use brdfc_formats::FormatError;
 use brdfc_formats::direction_mesh::DirectionMesh;
@@ -8,19 +8,19 @@ use brdfc_formats::direction_set::DirectionSet;
 pub(super) struct Lights {
     /// Unit vectors to all of them.
     pub(super) directions: Vec<[f32; 3]>,
-    /// Indices of those that are fitted, ascending.
+    /// Indices of the fitted lights, ascending.
     pub(super) fitted: Vec<usize>,
-    /// The others, ascending.
+    /// Indices of the held-out lights, ascending.
     pub(super) held_out: Vec<usize>,
-    /// For each that is held out the fitted lights around it, by their place in `fitted`, and their weights.
+    /// For each held-out light, the surrounding fitted lights, by their index in `fitted`, and their weights.
     pub(super) blends: Vec<([u32; 3], [f32; 3])>,
 }
 
 impl Lights {
-    /// The lights of a set, some held out.
+    /// The lights of a set, some of them held out.
     ///
     /// # Errors
-    /// Lights that cannot be blended.
+    /// Returns an error for lights that cannot be blended.
     pub(super) fn new(set: &DirectionSet, held_out: &[usize]) -> Result<Self, FormatError> {
         let directions: Vec<[f32; 3]> = set.directions().iter().map(|light| light.map(|c| c as f32)).collect();
         let (held_out, fitted): (Vec<usize>, Vec<usize>) =
@@ -31,12 +31,13 @@ impl Lights {
         Ok(Self { directions, fitted, held_out, blends })
     }
 
-    /// Unit vectors to the fitted ones.
+    /// Unit vectors to the fitted lights.
     pub(super) fn fitted_directions(&self) -> Vec<[f32; 3]> {
         self.fitted.iter().map(|light| self.directions[*light]).collect()
     }
 
-    /// Renderings under all lights of those under the fitted ones: for the others what a renderer blends of three neighbours.
+    /// Renderings under all lights from those under the fitted ones. Held-out lights are blended from three neighbours,
+    /// as in a renderer.
     pub(super) fn completed(&self, fitted: Vec<Vec<[f32; 3]>>) -> Vec<Vec<[f32; 3]>> {
         let blended = |(indices, weights): &([u32; 3], [f32; 3])| -> Vec<[f32; 3]> {
             let [a, b, c] = indices.map(|light| &fitted[light as usize]);
@@ -57,11 +58,11 @@ mod tests {
     use super::*;
 
     #[test]
-    fn lights_held_out_are_blended_of_their_neighbours() {
+    fn held_out_lights_are_blended_from_their_neighbours() {
         let set = DirectionSet::grid(4, 8, 75.0).unwrap();
         let lights = Lights::new(&set, &[9, 3]).unwrap();
         assert_eq!((lights.fitted.len(), &lights.held_out), (23, &vec![3, 9]));
-        // What is linear in paraboloid coordinates comes back inside the hull.
+        // Functions that are linear in paraboloid coordinates are reproduced inside the hull.
         let value = |[x, _, z]: [f32; 3]| 0.5 + 0.3 * x / (1.0 + z);
         let renderings = lights.fitted_directions().into_iter().map(|light| vec![[value(light); 3]; 2]).collect();
         let all = lights.completed(renderings);

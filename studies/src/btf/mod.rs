@@ -1,6 +1,6 @@
-//! Ways to store BTFs beside each other: every one of them of the same texels, views and lights, once of an ordinary BTF and
-//! once of a flat one (Hadim et al. 2009), held against the claim of Baril et al. 2008 that polynomial wavelet trees take
-//! less than half of the bytes of polynomial texture maps.
+//! Comparison of methods to store BTFs, all with the same texels, views and lights, for an ordinary BTF and for a flat
+//! one (Hadim et al. 2009). Tests the claim of Baril et al. 2008 that polynomial wavelet trees take less than half of
+//! the bytes of polynomial texture maps.
 
 mod assets;
 mod drawing;

@@ -1,4 +1,4 @@
-//! Ways that store each view by itself: polynomials of the light, or nothing but the values.
+//! Methods that store each view separately: polynomials of the light, or the plain values.
 
 use super::assets::Asset;
 use super::errors::Truth;
@@ -14,15 +14,15 @@ use std::time::Instant;
 
 const HARMONICS: LightBasis = LightBasis { coordinates: LightCoordinates::Hemisphere, degree: 3 };
 const BIQUADRATIC: LightBasis = LightBasis { coordinates: LightCoordinates::Projected, degree: 2 };
-/// Between directions of a set three views are blended, of each of which everything is fetched.
+/// Number of blended views between directions of a set, each of which is fetched completely.
 const BLENDED_VIEWS: f64 = 3.0;
-/// And three lights, where there is no polynomial of them.
+/// Number of blended lights, for methods without a polynomial of the light.
 const BLENDED_LIGHTS: f64 = 3.0;
-/// The ways of the first pass, in its order.
+/// Methods of the first pass, in order.
 pub(super) const FIRST: [&str; 7] =
     ["uncompressed", "PTM", "PTM, LRGB", "PTM at half size", "HSH, order 3", "HSH, order 3, at half size", "PWT"];
 
-/// Bytes of a texel of a map, and fetches of textures of four numbers that hold its coefficients.
+/// Bytes per texel of a map, and fetches of textures of four numbers that hold its coefficients.
 fn cost(model: MapModel) -> (u64, f64) {
     match model {
         MapModel::Rgb => (18, 5.0),
@@ -30,10 +30,10 @@ fn cost(model: MapModel) -> (u64, f64) {
     }
 }
 
-/// What the first pass over a view finds.
+/// Results of the first pass over a view.
 pub(super) struct FirstView {
     pub(super) tallies: [Tally; FIRST.len()],
-    /// What the tree's encoder chose.
+    /// Choice of the tree's encoder.
     pub(super) chosen: Candidate,
 }
 
@@ -44,7 +44,7 @@ pub(super) struct View<'a> {
     truth: Truth,
 }
 
-/// Texels of all mipmap levels of a square rendering.
+/// Number of texels of all mipmap levels of a square image.
 pub(super) fn texels_with_mipmaps(size: usize) -> u64 {
     (0..=size.ilog2()).map(|level| ((size >> level) as u64).pow(2)).sum()
 }
@@ -57,10 +57,10 @@ impl<'a> View<'a> {
         Self { lights, samples, truth }
     }
 
-    /// Everything that needs to know nothing of the other views.
+    /// Results that do not depend on the other views.
     ///
     /// # Errors
-    /// Renderings that an encoder refuses.
+    /// Returns an error for renderings that an encoder rejects.
     pub(super) fn first(&self) -> Result<FirstView, FormatError> {
         let map = |model| self.map(model);
         let terms = |basis, level| -> Result<Tally, FormatError> {
@@ -89,10 +89,10 @@ impl<'a> View<'a> {
         Ok(self.tally(&shown, bytes, BLENDED_VIEWS * fetches, seconds))
     }
 
-    /// The smallest tree of a mean ΔE. What the encoder would choose is known: it is not looked for again.
+    /// The smallest tree with this mean ΔE. Uses the known choice of the encoder instead of searching for it again.
     ///
     /// # Errors
-    /// As [`Self::first`].
+    /// Returns the errors of [`Self::first`].
     pub(super) fn at_error(&self, chosen: Candidate, delta_e: f64) -> Result<Tally, FormatError> {
         let recipe = PwtRecipe {
             coordinates: Some(chosen.coordinates),
@@ -107,7 +107,7 @@ impl<'a> View<'a> {
         Ok(self.packed(made.pack, start.elapsed().as_secs_f64()))
     }
 
-    /// The values themselves, and of lights that were held out what a renderer blends.
+    /// The values themselves, blended for held-out lights as in a renderer.
     fn uncompressed(&self) -> Tally {
         let bytes = 4 * self.samples.lights.len() as u64 * texels_with_mipmaps(self.samples.size[0]);
         let shown = self.lights.completed(self.samples.renderings.clone());

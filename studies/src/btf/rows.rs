@@ -1,72 +1,72 @@
-//! Settings and figures of the study.
+//! Settings and results of the study.
 
 use super::errors::Errors;
 use serde::Serialize;
 
-/// What a study of BTFs computes.
+/// Settings of a study of BTFs.
 #[derive(Debug, Clone, PartialEq, Serialize, schemars::JsonSchema)]
 pub struct BtfSettings {
-    /// Texels per side, of the images of the ordinary BTF and of the flat one: a power of two.
+    /// Texels per side of the images of the ordinary BTF and of the flat one: a power of two.
     pub texels: usize,
     /// Name of the set of directions, for views and lights.
     pub directions: String,
-    /// How many these are.
+    /// Number of directions.
     pub count: usize,
-    /// Lights that no way sees before it is measured: indices into the set, ascending.
+    /// Lights that are held out of all methods until they are measured: indices into the set, ascending.
     pub held_out: Vec<usize>,
 }
 
-/// A way to store a BTF, made of all lights but those held out. Errors are means over all views and, of flat BTFs, over texels
-/// where they are seen in the view.
+/// Result of a method to store a BTF, made from all lights except those held out. Errors are means over all views and,
+/// for flat BTFs, over the texels visible in the view.
 #[derive(Debug, Clone, PartialEq, Serialize, schemars::JsonSchema)]
 pub struct BtfRow {
-    /// What it is.
+    /// Name of the method.
     pub method: String,
-    /// Bytes of texels on a GPU, mipmaps included.
+    /// Bytes of texels on a GPU, including mipmaps.
     pub bytes: u64,
-    /// Of those of the polynomial texture maps of the same BTF.
+    /// Share of the bytes of the polynomial texture maps of the same BTF.
     pub share: f64,
-    /// Fetches of a shaded pixel whose view and light lie between those of the set.
+    /// Fetches of a shaded pixel whose view and light are between those of the set.
     pub fetches: f64,
     /// Mean ΔE (CIE76) at the fitted lights.
     pub delta_e: f64,
-    /// The same at the lights held out.
+    /// Mean ΔE (CIE76) at the held-out lights.
     pub held_out_delta_e: f64,
-    /// Peak signal-to-noise ratio of sRGB codes at the fitted lights, dB.
+    /// Peak signal-to-noise ratio of sRGB values at the fitted lights, dB.
     pub psnr: f64,
-    /// The same at the lights held out.
+    /// Peak signal-to-noise ratio at the held-out lights, dB.
     pub held_out_psnr: f64,
-    /// Mean ΔE at the fitted lights of texels that the fit has not seen, where some were left out of it.
+    /// Mean ΔE at the fitted lights of texels that were left out of the fit, for methods that leave some out.
     pub held_out_texels_delta_e: Option<f64>,
-    /// Whether the mean ΔE at the fitted lights is at most what was asked for: that of the polynomial texture maps, or 1.
+    /// True if the mean ΔE at the fitted lights is at most the target: that of the polynomial texture maps, or 1.
     pub met: Option<bool>,
-    /// Seconds to make it.
+    /// Seconds to encode.
     pub seconds: f64,
 }
 
-/// All ways to store one BTF.
+/// Results of all methods for one BTF.
 #[derive(Debug, Clone, PartialEq, Serialize, schemars::JsonSchema)]
 pub struct BtfAsset {
     /// Share of texels that a view sees, mean over the views.
     pub seen: f64,
-    /// One for each way.
+    /// One row for each method.
     pub rows: Vec<BtfRow>,
 }
 
-/// What was wanted of polynomial wavelet trees at the error of polynomial texture maps.
+/// Claims about polynomial wavelet trees at the error of polynomial texture maps.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, schemars::JsonSchema)]
 pub struct BtfClaims {
-    /// Bytes of the trees of the ordinary BTF over those of its maps.
+    /// Bytes of the trees of the ordinary BTF, relative to its maps.
     pub classic_share: f64,
-    /// Whether that is at most 1/2, and the error met.
+    /// True if that is at most 1/2, and the error is met.
     pub classic_met: bool,
-    /// Bytes of the trees of the flat BTF over those of the trees of the ordinary one.
+    /// Bytes of the trees of the flat BTF, relative to the trees of the ordinary one.
     pub flat_share: f64,
-    /// Whether that is at most 1/2, and the error met.
+    /// True if that is at most 1/2, and the error is met.
     pub flat_met: bool,
 }
 
-/// A structure.
+/// Results for one structure.
 #[derive(Debug, Clone, PartialEq, Serialize, schemars::JsonSchema)]
 pub struct BtfModel {
     /// Its address.
@@ -75,20 +75,20 @@ pub struct BtfModel {
     pub classic: BtfAsset,
     /// Its flat BTF: values on the surface's own parameters.
     pub flat: BtfAsset,
-    /// What was wanted.
+    /// Comparison with the claims.
     pub claims: BtfClaims,
 }
 
 /// A study of BTFs.
 #[derive(Debug, Clone, PartialEq, Serialize, schemars::JsonSchema)]
 pub struct BtfStudy {
-    /// What was computed.
+    /// Settings of the study.
     pub settings: BtfSettings,
     /// One for each structure.
     pub models: Vec<BtfModel>,
 }
 
-/// What making and measuring a way has found so far, view by view.
+/// Running results of encoding and measuring a method, view by view.
 #[derive(Debug, Clone, Copy, Default)]
 pub(super) struct Tally {
     pub(super) bytes: u64,
@@ -106,12 +106,12 @@ impl Tally {
         self.errors.add(view.errors);
     }
 
-    /// With the mean over so many views in place of the sum of fetches: a pixel takes those of a few views alone.
+    /// Replaces the sum of fetches by the mean over this number of views, since a pixel uses only a few views.
     pub(super) fn of_views(self, views: usize) -> Self {
         Self { fetches: self.fetches / views as f64, ..self }
     }
 
-    /// The row; of what it is a share is known later.
+    /// The row of a method. Its share is computed later.
     pub(super) fn row(&self, method: &str) -> BtfRow {
         let Errors { fitted, held_out } = self.errors;
         BtfRow {

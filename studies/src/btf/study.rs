@@ -1,4 +1,4 @@
-//! All ways, on one structure.
+//! All methods for one structure.
 
 use super::assets::{Asset, Surface};
 use super::factored::factored;
@@ -17,19 +17,19 @@ use brdfc_formats::direction_set::DirectionSet;
 use brdfc_jobs::pwt::permutation;
 use brdfc_pwt::choose::Candidate;
 
-/// Lights that are held out of sets that have enough of them, and the seed of the permutation that says which.
+/// Number of held-out lights of sets that have enough of them, and the seed of the permutation that selects them.
 const HELD_OUT: usize = 8;
 const SEED: u64 = 0;
 /// Orders of the harmonics of light and view.
 const JOINT_DEGREES: [u32; 2] = [3, 5];
 /// Components of a factored BTF of good quality.
 const COMPONENTS: u32 = 32;
-/// What polynomial wavelet trees are to take at most of what they are held against.
-const WANTED: f64 = 0.5;
-/// The mean ΔE at which the ways are held against each other: about what `brdfc flatten` asks for.
+/// Maximum share of the compared bytes that polynomial wavelet trees should take.
+const MAX_SHARE: f64 = 0.5;
+/// Mean ΔE at which the methods are compared: about the default of `brdfc flatten`.
 const GOOD: f64 = 1.0;
 
-/// Parts of the work on one structure for each view: about as many as seconds are a part each.
+/// Units of progress per view of one structure, about proportional to seconds.
 pub const PARTS: usize = 2 * (MAKE + FIRST_PASS + AT_ERROR + 2 * JOINT_DEGREES.len() * JOINT + 3 * FACTORED);
 const MAKE: usize = 1;
 const FIRST_PASS: usize = 12;
@@ -37,24 +37,24 @@ const AT_ERROR: usize = 10;
 const JOINT: usize = 1;
 const FACTORED: usize = 3;
 
-/// Why a structure cannot be studied.
+/// Errors of studying a structure.
 #[derive(Debug, thiserror::Error)]
 pub enum BtfStudyError {
-    /// Its address is wrong.
+    /// The address is wrong.
     #[error(transparent)]
     Address(#[from] AddressError),
-    /// It cannot be laid flat.
+    /// The surface cannot be parameterised.
     #[error(transparent)]
     Parameterise(#[from] ParameteriseError),
-    /// A size or directions out of range.
+    /// A size or the directions are out of range.
     #[error(transparent)]
     Format(#[from] FormatError),
 }
 
-/// The lights of a set of so many that are held out, ascending: 8, or a fifth if that is less.
+/// Indices of the held-out lights of a set of `count`, ascending: 8, or a fifth if that is fewer.
 ///
 /// # Errors
-/// Fewer than five.
+/// Returns an error for fewer than five.
 pub fn held_out(count: usize) -> Result<Vec<usize>, FormatError> {
     if count < 5 {
         return Err(FormatError::whole("directions", count.to_string(), "5 or more"));
@@ -65,10 +65,12 @@ pub fn held_out(count: usize) -> Result<Vec<usize>, FormatError> {
     Ok(lights)
 }
 
-/// Studies one structure. `done` is told of finished parts: [`PARTS`] for each direction in all.
+/// Studies one structure. Calls `done` with the number of finished units of progress, [`PARTS`] for each direction in
+/// total.
 ///
 /// # Errors
-/// A wrong address; a surface that cannot be laid flat; sizes or directions that a way cannot have.
+/// Returns an error for a wrong address, a surface that cannot be parameterised, or sizes or directions that a method
+/// does not support.
 pub fn study_structure(
     address: &str,
     settings: &BtfSettings,
@@ -89,11 +91,11 @@ pub fn study_structure(
     Ok(BtfModel { model: structure.canonical(), classic, flat, claims })
 }
 
-/// Of the ways of the first pass, the one that others are held against.
+/// Index in the first pass of the method that others are compared with.
 const MAP: usize = 1;
 const AT_MAP_ERROR: &str = "PWT at PTM's ΔE";
 
-/// Every way to store a BTF. Of a flat one `ordinary` is the mean ΔE of the maps of the ordinary one.
+/// Results of every method to store a BTF. For a flat BTF, `ordinary` is the mean ΔE of the maps of the ordinary one.
 fn ways(
     asset: &Asset,
     (set, lights): (&DirectionSet, &Lights),
@@ -111,13 +113,13 @@ fn ways(
     let mut rows: Vec<BtfRow> =
         FIRST.iter().zip(tallies).map(|(name, tally)| tally.of_views(asset.views()).row(name)).collect();
     let tree = rows.pop();
-    let wanted = rows[MAP].delta_e;
+    let map_error = rows[MAP].delta_e;
     let within = |row: BtfRow, error: f64| BtfRow { met: Some(row.delta_e <= error), ..row };
 
     let mut at_error = [Tally::default(); 3];
     for (view, chosen) in chosen.iter().enumerate() {
         let ready = View::new(asset, view, lights);
-        for (sum, target) in at_error.iter_mut().zip([Some(wanted), Some(GOOD), ordinary]) {
+        for (sum, target) in at_error.iter_mut().zip([Some(map_error), Some(GOOD), ordinary]) {
             if let Some(target) = target {
                 sum.add(ready.at_error(*chosen, target)?);
             }
@@ -125,12 +127,12 @@ fn ways(
         done(AT_ERROR);
     }
     let mut joint_rows = Vec::new();
-    let targets = [("PWT of light and view at PTM's ΔE", wanted), ("PWT of light and view at ΔE 1", GOOD)];
+    let targets = [("PWT of light and view at PTM's ΔE", map_error), ("PWT of light and view at ΔE 1", GOOD)];
     let mut joint_at_error: [Option<BtfRow>; 2] = [None, None];
     for degree in JOINT_DEGREES {
         let joint = Joint::fit(asset, lights, (&chosen, degree), &|| done(JOINT));
         joint_rows.push(joint.all(&|| done(JOINT)).row(&format!("PWT of light and view, order {degree}")));
-        // The lower order, where it is enough.
+        // Use the lower order if it is sufficient.
         for (found, (name, error)) in joint_at_error.iter_mut().zip(targets) {
             if found.as_ref().is_none_or(|row| row.met == Some(false)) {
                 *found = Some(within(joint.at_error(error, &|| ()).row(name), error));
@@ -140,7 +142,7 @@ fn ways(
     let factor = |name: &str, target| factored(name, target, asset, (set, lights), &|| done(FACTORED));
     let components = FactoredTarget::Components { components: COMPONENTS, shadowed: true };
     let [at_error, at_good, at_ordinary] = at_error.map(|sum| sum.of_views(asset.views()));
-    rows.push(within(at_error.row(AT_MAP_ERROR), wanted));
+    rows.push(within(at_error.row(AT_MAP_ERROR), map_error));
     if let Some(error) = ordinary {
         rows.push(within(at_ordinary.row("PWT at the ordinary BTF's PTM ΔE"), error));
     }
@@ -148,7 +150,7 @@ fn ways(
     rows.extend(tree);
     rows.extend(joint_at_error.into_iter().flatten());
     rows.extend(joint_rows);
-    rows.push(within(factor("factored at PTM's ΔE", FactoredTarget::Error(wanted))?, wanted));
+    rows.push(within(factor("factored at PTM's ΔE", FactoredTarget::Error(map_error))?, map_error));
     rows.push(within(factor("factored at ΔE 1", FactoredTarget::Error(GOOD))?, GOOD));
     rows.push(factor(&format!("factored, {COMPONENTS} components"), components)?);
     let of = rows[MAP].bytes as f64;
@@ -157,7 +159,7 @@ fn ways(
 }
 
 impl BtfAsset {
-    /// The row of a way.
+    /// The row of a method.
     fn row(&self, method: &str) -> Option<&BtfRow> {
         self.rows.iter().find(|row| row.method == method)
     }
@@ -174,9 +176,9 @@ impl BtfClaims {
         let flat_share = of_flat / of_classic;
         Self {
             classic_share: maps,
-            classic_met: classic_met && maps <= WANTED,
+            classic_met: classic_met && maps <= MAX_SHARE,
             flat_share,
-            flat_met: flat_met && flat_share <= WANTED,
+            flat_met: flat_met && flat_share <= MAX_SHARE,
         }
     }
 }

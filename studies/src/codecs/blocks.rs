@@ -1,4 +1,4 @@
-//! Block compression of a table's slices: 16 texels in 16 bytes, a quarter of what a table pack takes.
+//! Block compression of a table's slices: 16 texels in 16 bytes, a quarter of a table pack.
 //!
 //! A GPU samples it with the feature `texture-compression-bc-sliced-3d`, which desktop GPUs have and phones do not.
 
@@ -10,16 +10,16 @@ use brdfc_formats::table::Axes;
 /// Texels of a block per side.
 const SIDE: u32 = 4;
 
-/// Sizes that blocks fill.
+/// Rounds sizes up to complete blocks.
 pub(super) fn whole_blocks(axes: Axes) -> Axes {
     let whole = |count: u32| (count.div_ceil(SIDE) * SIDE).min(256);
     Axes { half: whole(axes.half), difference: whole(axes.difference), ..axes }
 }
 
-/// Which numbers become blocks, and how.
+/// Encoding of numbers in blocks.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Blocks {
-    /// BC6H of `f` itself, filtered as it is.
+    /// BC6H of `f` itself, filtered linearly.
     RawBc6h,
     /// BC6H of logarithms.
     LogBc6h,
@@ -38,7 +38,8 @@ impl Blocks {
         }
     }
 
-    /// Bytes of the blocks of a volume of logarithms, the slice that stands twice included, and what a sampler would see.
+    /// Bytes of the blocks of a volume of logarithms, including the repeated slice, and the values that a sampler
+    /// returns.
     pub(super) fn coded(self, volume: &Volume) -> (u64, Volume) {
         let header = volume.header;
         let slice = (header.axes.half * header.axes.difference) as usize;
@@ -55,7 +56,7 @@ impl Blocks {
                     nodes.copy_from_slice(&bc6h(&values, header.axes));
                 }
                 Self::LogBc6h => {
-                    // Unsigned halves near 1, where steps are even.
+                    // Unsigned halves near 1, where steps are uniform.
                     let to = |node: &[f32; 3]| std::array::from_fn(|c| 1.0 + share(node[c], ranges[c]));
                     let values: Vec<[f32; 3]> = nodes.iter().map(to).collect();
                     for (node, value) in nodes.iter_mut().zip(bc6h(&values, header.axes)) {
@@ -93,7 +94,7 @@ fn bc6h(values: &[[f32; 3]], axes: Axes) -> Vec<[f32; 3]> {
     let variant = CompressionVariant::BC6H(BC6HSettings::very_slow());
     let mut blocks = vec![0; variant.blocks_byte_size(width, height)];
     encode::compress_rgba16(variant, &texels, &mut blocks, width, height, 4 * width);
-    // Block by block: of whole images the library returns three components in rows of four.
+    // Block by block, since the library returns three components in rows of four for whole images.
     let mut decoded = vec![[0.0; 3]; values.len()];
     let blocks_per_row = (width / SIDE) as usize;
     for (number, block) in blocks.chunks_exact(16).enumerate() {
@@ -123,12 +124,12 @@ fn bc7(values: &[[f32; 3]], axes: Axes) -> Vec<[f32; 3]> {
 mod tests {
     use super::*;
 
-    /// Smooth numbers come back within what a format of blocks holds, and each at its own place.
+    /// Smooth numbers are reproduced within the precision of a block format, each at its own position.
     #[test]
     fn blocks_hold_smooth_numbers() {
         let axes = Axes { half: 12, difference: 8, azimuth: 2, layers: 1 };
         let smooth = |k: usize| {
-            // Colours of a block lie on one line, which is what blocks are made for.
+            // Colours of a block are on a line, which suits block compression.
             let share = 0.05 * (k % 12) as f32 + 0.04 * (k / 12) as f32;
             [0.2 + 0.6 * share, 0.1 + 0.7 * share, 0.3 + 0.4 * share]
         };

@@ -1,4 +1,4 @@
-//! Bytes against colour differences, a line per codec and a panel per material.
+//! Bytes and colour differences, a line per codec and a panel per material.
 
 use super::{CodecMaterial, CodecRow, CodecStudy, envelope};
 use plotters::prelude::*;
@@ -6,7 +6,7 @@ use plotters::prelude::*;
 /// Pixels of a panel.
 const PANEL: (u32, u32) = (460, 340);
 const COLUMNS: usize = 3;
-/// Codecs in the order of the legend; a line of `bc6h` and `bc7` is their lower envelope, like those of zfp and SZ3.
+/// Codecs in the order of the legend. The line of `bc6h` and `bc7` is their lower envelope, like those of zfp and SZ3.
 const CODECS: [(&str, RGBColor); 8] = [
     ("table", RGBColor(0, 90, 181)),
     ("factored", RGBColor(220, 50, 32)),
@@ -18,10 +18,10 @@ const CODECS: [(&str, RGBColor); 8] = [
     ("ggx", RGBColor(0, 0, 0)),
 ];
 
-/// The figure as SVG: on the horizontal axis what a codec takes, of zfp and SZ3 on disk, of others on the GPU.
+/// The figure as SVG. The horizontal axis has the bytes of a codec: for zfp and SZ3 on disk, for others on the GPU.
 ///
 /// # Errors
-/// What the drawing library reports.
+/// Returns the error of the drawing library.
 pub fn drawing(study: &CodecStudy) -> Result<String, String> {
     let rows = study.materials.len().div_ceil(COLUMNS).max(1);
     let columns = study.materials.len().clamp(1, COLUMNS);
@@ -83,7 +83,7 @@ fn size(bytes: f64) -> String {
     }
 }
 
-/// Points of a codec that no smaller one of it beats.
+/// Points of a codec on its front: no smaller one has a smaller error.
 fn worth_drawing(material: &CodecMaterial, codec: &str) -> Vec<(f64, f64)> {
     let bytes = |row: &CodecRow| if row.sampled { row.bytes_on_gpu } else { row.bytes_on_disk } as f64;
     let of_codec = material.rows.iter().filter(|row| row.codec == codec);

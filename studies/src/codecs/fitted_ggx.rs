@@ -1,5 +1,5 @@
-//! What a studio would do without a measurement's pack: a diffuse part and a GGX lobe, fitted to the very renderings by which
-//! packs are judged.
+//! The alternative to a measured pack: a diffuse part and a GGX lobe, fitted to the same renderings by which packs are
+//! judged.
 
 use brdfc_core::analytic::Ggx;
 use brdfc_core::{Source, Tally};
@@ -13,14 +13,14 @@ use rayon::prelude::*;
 /// Diffuse albedo, reflectance of facets, logarithms of roughness along tangent and bitangent.
 const PARAMETERS: usize = 8;
 type Parameters = SVector<f64, PARAMETERS>;
-/// One pixel in so many is looked at.
+/// Stride of the pixels that are evaluated.
 const EVERY: usize = 11;
-/// Where fits begin: roughness and reflectance.
+/// Initial values of fits: roughness and reflectance.
 const STARTS: [(f64, f64); 6] = [(0.03, 0.04), (0.03, 0.5), (0.1, 0.04), (0.1, 0.5), (0.3, 0.04), (0.3, 0.5)];
 const STEPS: usize = 60;
 
-/// The model whose renderings are closest to those of `source` by the squares of ΔE*ab, by the method of Levenberg and
-/// Marquardt from several starts. `exposure` is that of the renderings.
+/// The model whose renderings are closest to those of `source` by the squares of ΔE*ab, by the Levenberg-Marquardt
+/// method from several starts. `exposure` is that of the renderings.
 pub(super) fn fitted_ggx(source: &dyn Source, exposure: f64) -> Ggx {
     let pairs: Vec<DirectionPair> = rendering_pairs().iter().copied().step_by(EVERY).collect();
     let (values, _) = values_at(source, &pairs);
@@ -43,7 +43,7 @@ pub(super) fn fitted_ggx(source: &dyn Source, exposure: f64) -> Ggx {
     model(&best, isotropic)
 }
 
-/// Squares keep albedo and reflectance positive, exponentials the roughness.
+/// Squares ensure that albedo and reflectance are positive, exponentials that the roughness is.
 fn model(parameters: &Parameters, isotropic: bool) -> Ggx {
     let p = parameters;
     let [alpha_x, alpha_y] = [p[6], p[7]].map(|v| v.exp().clamp(0.001, 1.0));
@@ -100,9 +100,9 @@ mod tests {
     use super::*;
     use brdfc_core::address::parse_synth;
 
-    /// A model of the kind that is fitted is found again.
+    /// The fit recovers a model of the fitted kind.
     #[test]
-    fn a_ggx_is_found_again() {
+    fn a_ggx_is_recovered() {
         let source = parse_synth("synth:ggx?kd=0.3,0.1,0.05&f0=0.06&alpha=0.15").unwrap();
         let found = fitted_ggx(source.as_ref(), 2.0);
         for (found, expected) in found.kd.into_iter().zip([0.3, 0.1, 0.05]) {

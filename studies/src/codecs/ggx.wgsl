@@ -1,4 +1,4 @@
-// The model of `Ggx` for the study of codecs. The constants KD, F0 and ALPHA are pasted before it.
+// The model of `Ggx` for the study of codecs. The constants KD, F0 and ALPHA are inserted before it.
 
 fn stretched_length(w: vec3<f32>) -> f32 {
     let v = vec3<f32>(ALPHA * w.xy, w.z);

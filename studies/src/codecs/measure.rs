@@ -27,31 +27,31 @@ use std::time::Instant;
 const SIZES: [u64; 8] = [1, 2, 4, 8, 16, 32, 64, 128];
 /// Tables whose nodes are compressed, in KiB of ten bits a channel.
 const FOR_PEERS: [u64; 4] = [16, 64, 256, 1024];
-/// Tables whose slices become blocks, likewise; blocks take a quarter.
+/// Tables whose slices become blocks, in KiB of ten bits a channel; blocks take a quarter.
 const FOR_BLOCKS: [u64; 4] = [4, 16, 64, 256];
 const RATIOS: [f64; 3] = [64.0, 16.0, 4.0];
 const GGX_WGSL: &str = include_str!("ggx.wgsl");
 /// Two colours and two numbers.
 const GGX_BYTES: u64 = 32;
 
-/// Why a study was not finished.
+/// Errors of a study.
 #[derive(Debug, thiserror::Error)]
 pub enum CodecStudyError {
-    /// What the driver reports.
+    /// The driver reported an error.
     #[error(transparent)]
     Gpu(#[from] GpuError),
     /// A pack could not be made.
     #[error(transparent)]
     Pack(#[from] EncodeError),
-    /// What a compressor reports.
+    /// A compressor reported an error.
     #[error("{0}")]
     Peer(String),
 }
 
-/// Every codec on one material; zfp and SZ3 where `compress` is given.
+/// Measures every codec on one material; zfp and SZ3 only with `compress`.
 ///
 /// # Errors
-/// What drivers and compressors report; sources that no pack can be made of.
+/// Returns errors of drivers and compressors, or of encoding the source.
 pub fn codec_study(
     gpu: &Gpu,
     name: &str,
@@ -83,7 +83,7 @@ struct Study<'a> {
 }
 
 impl Study<'_> {
-    /// Tables, factored tables and wavelets, as they are written; the first of them.
+    /// Measures tables, factored tables and wavelets in their file formats. Returns the first of the packs.
     fn packs(&mut self) -> Result<BrdfPack, CodecStudyError> {
         let table = |factored, kib: u64| {
             PackRecipe::Table(TableRecipe { size: Size::Bytes(kib << 10), factored, ..TableRecipe::default() }.into())
@@ -116,7 +116,7 @@ impl Study<'_> {
         Ok(first.expect("packs were made"))
     }
 
-    /// The nodes of a table of a size, as they were fitted.
+    /// The fitted nodes of a table of a size.
     fn nodes(&self, size: Size) -> Result<(Volume, f64), CodecStudyError> {
         let start = Instant::now();
         let recipe = TableRecipe { size, ..TableRecipe::default() };
@@ -183,7 +183,7 @@ impl Study<'_> {
         Ok(())
     }
 
-    /// The fitted model. `any` is a pack for the bindings that its shader does not use.
+    /// Measures the fitted model. `any` is a pack for the bindings that its shader does not use.
     fn ggx(&mut self, any: &BrdfPack) -> Result<(), CodecStudyError> {
         let start = Instant::now();
         let exposure = self.reference.exposure();
@@ -208,7 +208,7 @@ impl Study<'_> {
     }
 }
 
-/// What all rows have; what they have not is absent.
+/// The common values of a row; others are absent.
 fn row(codec: &str, setting: String, error: &Comparison) -> CodecRow {
     CodecRow {
         codec: codec.to_owned(),

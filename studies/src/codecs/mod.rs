@@ -1,4 +1,4 @@
-//! Packs beside what a user could take instead: general compressors of dense tables, block compression, a fitted model.
+//! Packs compared with alternatives: general compressors of dense tables, block compression, a fitted model.
 
 mod blocks;
 mod drawing;
@@ -15,23 +15,23 @@ use brdfc_gpu::AdapterDescription;
 use schemars::JsonSchema;
 use serde::Serialize;
 
-/// The study's figures.
+/// Results of the study.
 #[derive(Debug, Clone, Serialize, JsonSchema)]
 pub struct CodecStudy {
-    /// What ran the shaders.
+    /// Adapter that ran the shaders.
     pub adapter: AdapterDescription,
-    /// Why zfp and SZ3 are left out, if they are.
+    /// Reason to leave out zfp and SZ3, if any.
     pub peers_left_out: Option<String>,
-    /// One for each material.
+    /// One entry for each material.
     pub materials: Vec<CodecMaterial>,
 }
 
 /// One material.
 #[derive(Debug, Clone, Serialize, JsonSchema)]
 pub struct CodecMaterial {
-    /// What it is called.
+    /// Name of the material.
     pub material: String,
-    /// One for each codec and size.
+    /// One row for each codec and size.
     pub rows: Vec<CodecRow>,
 }
 
@@ -42,23 +42,23 @@ pub struct CodecRow {
     pub codec: String,
     /// Nodes, ratio, tolerance or parameters.
     pub setting: String,
-    /// Of zfp and SZ3: whether they compress a dense table, or else the nodes that were fitted for a pack.
+    /// For zfp and SZ3: true if they compress a dense table, false for the nodes that were fitted for a pack.
     pub dense: bool,
-    /// Whether a GPU can sample it as it is stored.
+    /// True if a GPU can sample it as it is stored.
     pub sampled: bool,
-    /// Bytes on a GPU: of what it cannot sample, once decompressed to halves.
+    /// Bytes on a GPU. Data that it cannot sample is decompressed to halves.
     pub bytes_on_gpu: u64,
-    /// Bytes of the file; of what has no file format here, of the compressed data alone.
+    /// Bytes of the file, or of the compressed data if there is no file format.
     pub bytes_on_disk: u64,
-    /// Filtered fetches of a look-up.
+    /// Filtered fetches per look-up.
     pub fetches: Option<u32>,
-    /// Seconds from the opened source to the bytes, errors not measured.
+    /// Seconds from the opened source to the bytes, without measuring errors.
     pub encode_seconds: f64,
     /// Evaluations per second of one CPU thread.
     pub cpu: Option<f64>,
     /// Evaluations per second of the shader.
     pub shader: Option<f64>,
-    /// `ε_r` off the grid, a fraction.
+    /// `ε_r` at independent test directions, a fraction.
     pub relative_error: f64,
     /// Mean ΔE*ab of renderings.
     pub delta_e: f64,
@@ -68,7 +68,7 @@ pub struct CodecRow {
 
 impl CodecMaterial {
     /// The least bytes on disk with which a codec, of a dense table or not, has at most this ΔE, between its measured sizes on
-    /// straight lines of the logarithms; `None` where it never gets there.
+    /// straight lines of the logarithms; `None` if it does not reach it.
     pub fn bytes_at(&self, codec: &str, dense: bool, delta_e: f64) -> Option<f64> {
         let of_codec = self.rows.iter().filter(|row| row.codec == codec && row.dense == dense);
         let points = envelope(of_codec.map(|row| (row.bytes_on_disk as f64, row.delta_e)).collect());
@@ -82,7 +82,7 @@ impl CodecMaterial {
     }
 }
 
-/// Of points of bytes and error, sorted by bytes, those that no smaller one beats.
+/// The lower envelope of points of bytes and error, sorted by bytes: those without a smaller point of less error.
 fn envelope(mut points: Vec<(f64, f64)>) -> Vec<(f64, f64)> {
     points.sort_by(|a, b| a.0.total_cmp(&b.0).then(a.1.total_cmp(&b.1)));
     let mut least = f64::INFINITY;

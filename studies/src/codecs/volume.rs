@@ -1,4 +1,4 @@
-//! Tables of numbers over half-difference angles as sources, for what has no pack of its own.
+//! Sources from tables of numbers over half-difference angles, for codecs without a pack format.
 
 use brdfc_core::{Source, Symmetry, Tally};
 use brdfc_formats::direction::DirectionPair;
@@ -7,7 +7,7 @@ use brdfc_metrics::values::values_at;
 use brdfc_table::lattice::Lattice;
 use std::f32::consts::FRAC_PI_2;
 
-/// What the numbers of a volume are.
+/// Meaning of the numbers of a volume.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Meaning {
     /// `ln(f / μ + ε)`.
@@ -16,7 +16,7 @@ pub(super) enum Meaning {
     Value,
 }
 
-/// Numbers at the nodes of a table, `[layer][slice][row][column]` without the slice that stands twice.
+/// Numbers at the nodes of a table, `[layer][slice][row][column]` without the repeated slice.
 #[derive(Debug, Clone)]
 pub(super) struct Volume {
     pub(super) header: TableHeader,
@@ -25,8 +25,8 @@ pub(super) struct Volume {
 }
 
 impl Volume {
-    /// A table as dense as those of the MERL database: isotropic, 90 angles each, steps of one degree of `φ_d`, columns in
-    /// steps of the square root of `θ_h`. Each node has the source's value.
+    /// A table as dense as those of the MERL database: isotropic, 90 angles each, steps of one degree of `φ_d`, columns
+    /// in steps of the square root of `θ_h`. Each node has the source's value.
     pub(super) fn dense(source: &dyn Source, symmetry: TableSymmetry, mean: f32, bias: f32) -> Self {
         let degrees = symmetry.difference_period().to_degrees().round() as u32;
         let axes = Axes { half: 90, difference: 90, azimuth: degrees, layers: 1 };
@@ -51,7 +51,7 @@ fn at_nodes(source: &dyn Source, header: &TableHeader) -> Vec<[f32; 3]> {
             for column in 0..half {
                 let share = column as f32 / (half - 1) as f32;
                 let angles = Angles {
-                    // Just off the ends, where a direction would be at the horizon.
+                    // Slightly inside the ends, where a direction would be at the horizon.
                     theta_half: (share * share * FRAC_PI_2).min(0.9995 * FRAC_PI_2),
                     phi_half: 0.0,
                     ratio: (row as f32 / (difference - 1) as f32).min(0.9995),

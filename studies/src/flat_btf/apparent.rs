@@ -1,4 +1,4 @@
-//! Table 3: how far images of apparent BRDFs compress.
+//! Table 3: compressed sizes of images of apparent BRDFs.
 
 use brdfc_readers::colour::encode_srgb_byte;
 use serde::Serialize;
@@ -10,7 +10,7 @@ pub struct ApparentSizes {
     pub texels: Vec<TexelSizes>,
     /// Means over a regular grid of texels.
     pub mean: TexelSizes,
-    /// How many texels the means are over.
+    /// Number of texels of the means.
     pub samples: usize,
 }
 
@@ -27,7 +27,7 @@ pub struct TexelSizes {
     pub btf_zstd: f64,
 }
 
-/// Apparent BRDFs of chosen texels, gathered image by image.
+/// Apparent BRDFs of selected texels, collected image by image.
 pub(super) struct Apparent {
     texels: Vec<usize>,
     /// For each view and light, the values at the texels.
@@ -44,7 +44,7 @@ impl Apparent {
         self.texels.iter().map(|texel| image[*texel]).collect()
     }
 
-    /// Takes one image's values; images come view by view.
+    /// Adds the values of one image. Images are added view by view.
     pub(super) fn add(&mut self, values: Vec<[f32; 3]>) {
         self.values.push(values);
     }

@@ -1,5 +1,5 @@
-//! View-dependent coherency: how much the appearance of texels changes with the view (section 4.3 and table 2 of Hadim
-//! et al. 2009).
+//! View-dependent coherency: variation of the appearance of texels with the view (section 4.3 and table 2 of Hadim et
+//! al. 2009).
 
 use brdfc_metrics::lab::{distance_squared, lab};
 
@@ -13,12 +13,12 @@ pub struct ViewVariance {
 }
 
 impl ViewVariance {
-    /// For this many texels.
+    /// Variance of `texels` texels.
     pub fn new(texels: usize) -> Self {
         Self { means: vec![[0.0; 3]; texels], squares: vec![0.0; texels], counts: vec![0; texels] }
     }
 
-    /// Takes the values of one more view; with a mask only those that it shows.
+    /// Adds the values of one more view; with a mask only those of its texels.
     pub fn add(&mut self, image: &[[f32; 3]], mask: Option<&[bool]>) {
         for (texel, value) in image.iter().enumerate() {
             if mask.is_some_and(|mask| !mask[texel]) {
@@ -33,7 +33,7 @@ impl ViewVariance {
         }
     }
 
-    /// Variance of each texel; `None` for those that fewer than two views showed.
+    /// Variance of each texel; `None` for texels in fewer than two views.
     pub fn variances(&self) -> impl Iterator<Item = Option<f32>> + '_ {
         self.squares.iter().zip(&self.counts).map(|(square, count)| (*count > 1).then(|| square / f32::from(*count)))
     }
@@ -44,7 +44,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn the_variance_of_what_was_added() {
+    fn the_variance_of_the_added_views() {
         let views = [[0.1f32, 0.4, 0.7], [0.3, 0.2, 0.1], [0.9, 0.8, 0.9], [0.5, 0.5, 0.5]];
         let mut variance = ViewVariance::new(2);
         for (k, value) in views.iter().enumerate() {
@@ -58,7 +58,7 @@ mod tests {
     }
 
     #[test]
-    fn what_does_not_change_has_none() {
+    fn constant_values_have_no_variance() {
         let mut variance = ViewVariance::new(1);
         (0..81).for_each(|_| variance.add(&[[0.3, 0.2, 0.6]], None));
         assert!(variance.variances().all(|v| v.unwrap() < 1e-9));

@@ -1,4 +1,4 @@
-//! Figure 10: how far blended indirections are from the real ones, on two grids of views with as many samples.
+//! Figure 10: distance between blended and real indirections, for two grids of views with the same number of samples.
 
 use brdfc_flat_btf::displacement::{coarser, displacements};
 use brdfc_flat_btf::indirection::{self, indirection};
@@ -23,11 +23,11 @@ pub struct GridRow {
     pub azimuth_samples: u32,
     /// Mean distance between blended and real parameters, over views uniform in polar angle and azimuth.
     pub mean: f64,
-    /// Its median: silhouettes weigh less.
+    /// Median distance, in which silhouettes weigh less.
     pub median: f64,
     /// Mean distances by polar angle, in bands of ten degrees from 0 on.
     pub bands: Vec<f64>,
-    /// Medians by polar angle.
+    /// Median distances by polar angle.
     pub band_medians: Vec<f64>,
 }
 
@@ -41,10 +41,10 @@ const VIEWS: usize = 24;
 const FLAT_TEXELS: f64 = 256.0;
 const SEED: u64 = 10;
 
-/// Rays per texel and axis of stored maps, as `brdfc flatten` takes them where nothing is said.
+/// Rays per texel and axis of stored maps, the default of `brdfc flatten`.
 pub(super) const MAP_OVERSAMPLING: usize = 2;
 
-/// Errors of both grids. Oversampled: four rays for each texel and view.
+/// Errors of both grids, with four rays for each texel and view.
 pub fn grid_errors(model: &MesoModel) -> Vec<GridRow> {
     GRIDS
         .into_iter()
@@ -71,15 +71,15 @@ pub fn grid_errors(model: &MesoModel) -> Vec<GridRow> {
         .collect()
 }
 
-/// The stored map of a model, ready to be asked for indirections and for nothing else.
+/// The stored map of a model, in a decoder that supports only indirections.
 pub(super) fn stored_map(model: &MesoModel, header: IndirectionHeader) -> FlatBtfDecoder {
-    let found = indirection(model, header, MAP_OVERSAMPLING, &()).expect("nobody stops it");
+    let found = indirection(model, header, MAP_OVERSAMPLING, &()).expect("it is never cancelled");
     of_samples(found)
 }
 
-/// The same, and the displacements that are stored in its place.
+/// The stored map of a model, and the displacements that are stored instead of it.
 pub(super) fn stored_maps(model: &MesoModel, header: IndirectionHeader) -> [FlatBtfDecoder; 2] {
-    let found = indirection(model, header, MAP_OVERSAMPLING, &()).expect("nobody stops it");
+    let found = indirection(model, header, MAP_OVERSAMPLING, &()).expect("it is never cancelled");
     let reference = ReferenceMap::new(header.size, found.reference.clone()).expect("parameters are near the tile");
     let moved = |texel, k, a| found.displacement(texel, k, a);
     let (compact, reference) =

@@ -16,18 +16,18 @@ use brdfc_formats::container::rgb9e5;
 use brdfc_formats::direction::Vector;
 use rayon::prelude::*;
 
-/// Why a model cannot be studied.
+/// Errors of studying a model.
 #[derive(Debug, thiserror::Error)]
 pub enum StudyError {
-    /// Its address is wrong.
+    /// The address is wrong.
     #[error(transparent)]
     Address(#[from] AddressError),
-    /// It cannot be laid flat.
+    /// The surface cannot be parameterised.
     #[error(transparent)]
     Parameterise(#[from] ParameteriseError),
 }
 
-/// What is kept for one light.
+/// Statistics for one light.
 struct PerLight {
     btf: ViewVariance,
     push_pull: ViewVariance,
@@ -35,10 +35,10 @@ struct PerLight {
     visible: ViewVariance,
 }
 
-/// Studies one structure. `view_done` is told of each finished view.
+/// Studies one structure. Calls `view_done` after each view.
 ///
 /// # Errors
-/// A wrong address, or a surface that cannot be laid flat.
+/// Returns an error for a wrong address, or a surface that cannot be parameterised.
 pub fn study_model(
     address: &str,
     settings: &StudySettings,
@@ -73,15 +73,15 @@ pub fn study_model(
         let look_ups = LookUps::new(&model, [&map, &compact], *direction, settings);
         let Ok(push_pull) = FlattenedView::new(&field, view, &masks[view], Holes::PushPull);
         let Ok(poisson) = FlattenedView::new(&field, view, &masks[view], Holes::Poisson(&guide));
-        let light = |(light, kept): (usize, &mut PerLight)| {
+        let light = |(light, statistics): (usize, &mut PerLight)| {
             let Ok(filled) = push_pull.image(light).map(packed);
             let Ok(inpainted) = poisson.image(light).map(packed);
             let direct = look_ups.seen.direct(&model, &appearance, directions[light]);
             let differences = look_ups.differences(&direct, &inpainted, &filled);
-            kept.btf.add(&direct, None);
-            kept.push_pull.add(&filled, None);
-            kept.poisson.add(&inpainted, None);
-            kept.visible.add(&inpainted, Some(&masks[view]));
+            statistics.btf.add(&direct, None);
+            statistics.push_pull.add(&filled, None);
+            statistics.poisson.add(&inpainted, None);
+            statistics.visible.add(&inpainted, Some(&masks[view]));
             (differences, flat_apparent.pick(&inpainted), btf_apparent.pick(&direct))
         };
         let done: Vec<_> = lights.par_iter_mut().enumerate().map(light).collect();
@@ -116,8 +116,8 @@ pub fn study_model(
     })
 }
 
-/// Texels whose apparent BRDFs are looked at: first the paper's two (one surface point in both, then the same texel in
-/// both), then a grid over the reference plane with the surface points that are seen there from above.
+/// Texels whose apparent BRDFs are compared: first the paper's two (one surface point in both, then the same texel in
+/// both), then a grid over the reference plane with the surface points that are visible there from above.
 fn picks(model: &MesoModel, settings: &StudySettings) -> (usize, Vec<usize>, Vec<usize>) {
     let on = |size: usize, at: [f64; 2]| {
         let [x, y] = at.map(|c| ((c.rem_euclid(1.0) * size as f64) as usize).min(size - 1));
@@ -136,12 +136,12 @@ fn picks(model: &MesoModel, settings: &StudySettings) -> (usize, Vec<usize>, Vec
     (2, flat, btf)
 }
 
-/// Values as packs hold them.
+/// Values as stored in packs.
 fn packed(image: Vec<[f32; 3]>) -> Vec<[f32; 3]> {
     image.into_iter().map(|value| rgb9e5::decode(rgb9e5::encode(value))).collect()
 }
 
-/// Mean and maximum over texels of the mean over lights. Texels that fewer than two views show are left out.
+/// Mean and maximum over texels of the mean over lights, without texels that are visible in fewer than two views.
 fn spread<'a>(lights: impl Iterator<Item = &'a ViewVariance>) -> Spread {
     let mut sums: Vec<(f64, u32)> = Vec::new();
     for light in lights {

@@ -1,4 +1,4 @@
-//! Table 1: images that equation 1 rebuilds, beside those that the surface shows.
+//! Table 1: images rebuilt by equation 1, compared with images of the surface.
 
 use super::grids::MAP_OVERSAMPLING;
 use super::rows::{AngleErrors, ImageErrors, ReconstructionRow, StudySettings};
@@ -10,7 +10,8 @@ use brdfc_formats::flat_btf::FlatBtfDecoder;
 use brdfc_metrics::lab::{distance_squared, lab};
 use std::collections::BTreeMap;
 
-/// What one view sees through the texels of the plane, and where the flat BTF is looked up for it.
+/// Surface points visible through the texels of the plane in one view, and the places at which the flat BTF is looked
+/// up for it.
 pub(super) struct LookUps {
     pub(super) seen: ViewImage,
     stored: Vec<[f32; 2]>,
@@ -19,7 +20,7 @@ pub(super) struct LookUps {
 }
 
 impl LookUps {
-    /// For one view; `map` is the stored one, `compact` the one of displacements.
+    /// Look-ups of one view; `map` is the stored one, `compact` the one of displacements.
     pub(super) fn new(
         model: &MesoModel,
         [map, compact]: [&FlatBtfDecoder; 2],
@@ -34,8 +35,8 @@ impl LookUps {
         }
     }
 
-    /// Differences of the images of the view under one light: `direct` is what the surface shows, `inpainted` and `filled`
-    /// are the flat images with holes filled by Poisson inpainting and by push-pull.
+    /// Differences of the images of the view under one light: `direct` is the image of the surface, `inpainted` and
+    /// `filled` are the flat images with holes filled by Poisson inpainting and by push-pull.
     pub(super) fn differences(
         &self,
         direct: &[[f32; 3]],
@@ -54,7 +55,7 @@ impl LookUps {
     }
 }
 
-/// Of one image.
+/// Difference of one image.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Difference {
     pub(super) mean: f64,
@@ -62,7 +63,7 @@ pub(super) struct Difference {
 }
 
 impl Difference {
-    /// `direct` is in L\*a\*b\*.
+    /// Compares with `direct`, which is in L\*a\*b\*.
     fn new(direct: &[[f32; 3]], rebuilt: &[[f32; 3]]) -> Self {
         let (mut sum, mut max) = (0.0, 0.0f32);
         for (direct, rebuilt) in direct.iter().zip(rebuilt) {
@@ -74,7 +75,7 @@ impl Difference {
     }
 }
 
-/// Of one image, by what says where the flat BTF is looked up and how its holes are filled.
+/// Differences of one image, by look-up of the flat BTF and method of filling its holes.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct ImageDifferences {
     pub(super) through_map: Difference,
@@ -84,7 +85,7 @@ pub(super) struct ImageDifferences {
     pub(super) exact_rays: Difference,
 }
 
-/// The row of images that come view by view, as many for each view.
+/// The row of images that are added view by view, the same number for each view.
 pub(super) fn row(images: &[ImageDifferences], views: &[Vector]) -> ReconstructionRow {
     let per_view = images.len() / views.len();
     let mut rings: BTreeMap<i32, Vec<usize>> = BTreeMap::new();
@@ -115,7 +116,7 @@ pub(super) fn row(images: &[ImageDifferences], views: &[Vector]) -> Reconstructi
     }
 }
 
-/// Polar angles this many degrees apart are rows of their own.
+/// Width in degrees of the bands of polar angles that have rows.
 const RING: f64 = 5.0;
 
 fn polar(direction: Vector) -> f64 {
@@ -198,20 +199,20 @@ mod tests {
 
     #[test]
     fn a_plane_is_rebuilt_by_rays_and_through_its_map() {
-        // As many texels here as there: each texel of the plane is one of the flat BTF.
+        // The same number of texels: each texel of the plane is one of the flat BTF.
         let case = Case::new("knit?resolution=32&height=0", settings(16, 16));
         for view in [from_polar(0.0, 0.0), from_polar(0.7, 1.0), from_polar(1.3, 4.0)] {
             let found = means(case.differences(&case.map, view));
             assert!(found.iter().all(|mean| *mean < 0.01), "{found:?}");
         }
-        // Half as many texels: what stands between them is lost either way.
+        // Half as many texels: both methods lose the detail between them.
         let coarse = Case::new("knit?resolution=32&height=0", settings(16, 8));
         let found = means(coarse.differences(&coarse.map, from_polar(0.7, 1.0)));
         assert!(found[0] > 0.1 && (found[0] - found[1]).abs() < 0.01, "{found:?}");
     }
 
     #[test]
-    fn a_map_that_is_shifted_or_has_no_distances_is_seen_through_it_alone() {
+    fn errors_of_a_map_affect_only_look_ups_through_it() {
         let case = Case::new("folds?resolution=48", settings(32, 64));
         let view = from_polar(0.8, 0.6);
         let good = case.differences(&case.map, view);
@@ -235,9 +236,9 @@ mod tests {
     }
 
     #[test]
-    fn from_above_the_map_sees_what_rays_see() {
+    fn from_above_the_map_agrees_with_rays() {
         let case = Case::new("knit?resolution=48", settings(32, 64));
-        // The share of texels for which less than a texel of the map lies between both; edges are the rest.
+        // The share of texels at which the two differ by less than a texel of the map; the rest are edges.
         let close = |case: &Case, view: Vector, through: Vector| {
             let size = case.settings.texels;
             let stored = stored_parameters(&case.map, through);
@@ -252,13 +253,13 @@ mod tests {
         };
         let (above, side) = (from_polar(0.0, 0.0), from_polar(1.3, 0.4));
         assert!(close(&case, above, above) > 0.95, "{}", close(&case, above, above));
-        // The control, of a taller relief: the map is asked for another view.
+        // The control, with a taller relief: the map is evaluated for another view.
         let folds = Case::new("folds?resolution=48", settings(32, 64));
         let shares = [close(&folds, above, above), close(&folds, above, side)];
         assert!(shares[1] < 0.6 * shares[0], "{shares:?}");
         let [through_map, exact] = means(case.differences(&case.map, above));
         assert!((through_map - exact).abs() < 0.5, "{through_map} {exact}");
-        // From the side, blended views of a map lose what rays see.
+        // In oblique views, blending the views of a map loses detail that rays see.
         let [through_map, exact] = means(folds.differences(&folds.map, side));
         assert!(through_map > 2.0 * exact, "{through_map} {exact}");
     }

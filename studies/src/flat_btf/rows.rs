@@ -1,4 +1,4 @@
-//! Settings and figures of the study.
+//! Settings and results of the study.
 
 use super::apparent::ApparentSizes;
 use super::grids::GridRow;
@@ -6,7 +6,7 @@ use super::paper::PaperModel;
 use brdfc_formats::flat_btf::IndirectionHeader;
 use serde::Serialize;
 
-/// What the study computes.
+/// Settings of the study.
 #[derive(Debug, Clone, PartialEq, Serialize, schemars::JsonSchema)]
 pub struct StudySettings {
     /// Texels of ordinary BTF images per side.
@@ -15,15 +15,15 @@ pub struct StudySettings {
     pub flat_texels: usize,
     /// Rays per texel and axis.
     pub oversampling: usize,
-    /// Polar angles and azimuths of the indirection map; it has as many texels as the images.
+    /// Polar angles and azimuths of the indirection map, which has as many texels as the images.
     pub indirection: [u32; 2],
     /// Its largest polar angle, degrees.
     pub largest_angle: f64,
-    /// Rounds of stretch-reducing reweighting at most.
+    /// Maximum number of rounds of stretch-reducing reweighting.
     pub rounds: usize,
     /// Name of the set of directions, for views and lights.
     pub directions: String,
-    /// How many these are.
+    /// Number of directions.
     pub count: usize,
 }
 
@@ -36,12 +36,12 @@ impl StudySettings {
     }
 }
 
-/// All figures of one model.
+/// Results for one model.
 #[derive(Debug, Clone, PartialEq, Serialize, schemars::JsonSchema)]
 pub struct ModelRow {
     /// The structure's address.
     pub model: String,
-    /// The paper's model that it stands for.
+    /// The corresponding model of the paper.
     pub paper_model: &'static str,
     /// Table 1.
     pub reconstruction: ReconstructionRow,
@@ -55,23 +55,23 @@ pub struct ModelRow {
     pub parameterisation: brdfc_flat_btf::parameterise::SurfaceParameterisationReport,
     /// Share of texels that a view sees, mean over the views.
     pub seen: f64,
-    /// What the paper found.
+    /// Results of the paper.
     pub paper: PaperModel,
 }
 
-/// Table 1: difference in L*a*b* between BTF images computed directly and rebuilt by equation 1 from what packs hold, at
-/// the sampled views and lights. Holes are filled by Poisson inpainting unless said otherwise.
+/// Table 1: difference in L*a*b* between BTF images computed directly and images rebuilt by equation 1 from the
+/// contents of packs, at the sampled views and lights. Holes are filled by Poisson inpainting unless stated otherwise.
 #[derive(Debug, Clone, PartialEq, Serialize, schemars::JsonSchema)]
 pub struct ReconstructionRow {
-    /// Through an indirection map of directions and distances, as a shader reads it.
+    /// Through an indirection map of directions and distances, in the form of shaders.
     pub through_map: ImageErrors,
-    /// Through the stored displacements: what a renderer shows.
+    /// Through the stored displacements, as in renderings.
     pub through_displacements: ImageErrors,
-    /// With exact rays in place of the map: what the flat BTF alone loses.
+    /// With exact rays instead of the map: errors of the flat BTF alone.
     pub exact_rays: ImageErrors,
     /// Mean through the stored map, holes filled by push-pull.
     pub mean_push_pull: f64,
-    /// Mean with a map that has each view itself: what stored views that are blended do not lose.
+    /// Mean with a map that contains each view, which excludes errors of blending stored views.
     pub mean_unblended: f64,
     /// By polar angle of the view, from above to the side.
     pub angles: Vec<AngleErrors>,
@@ -90,21 +90,21 @@ pub struct ImageErrors {
     pub largest_texel: f64,
 }
 
-/// Mean differences in L*a*b* over all lights and all views of about one polar angle, within 2.5 degrees of a multiple of
+/// Mean differences in L*a*b* over all lights and over the views within 2.5 degrees of a polar angle, a multiple of
 /// five.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, schemars::JsonSchema)]
 pub struct AngleErrors {
     /// Mean polar angle of these views, degrees.
     pub polar_angle: f64,
-    /// How many they are.
+    /// Number of views.
     pub views: usize,
     /// Through the stored indirection map.
     pub through_map: f64,
     /// Through the stored displacements.
     pub through_displacements: f64,
-    /// With a map that has each view itself: no stored views are blended.
+    /// With a map that contains each view, so that no stored views are blended.
     pub unblended: f64,
-    /// With exact rays in place of the map.
+    /// With exact rays instead of the map.
     pub exact_rays: f64,
 }
 
@@ -117,7 +117,7 @@ pub struct CoherencyRow {
     pub push_pull: Spread,
     /// Flat BTF with holes filled by Poisson inpainting.
     pub poisson: Spread,
-    /// Flat BTF, only what is seen.
+    /// Flat BTF, only visible texels.
     pub visible: Spread,
 }
 

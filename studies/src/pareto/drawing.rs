@@ -15,11 +15,11 @@ const SERIES: [(&str, RGBColor); 6] = [
     ("wavelet 64²", RGBColor(110, 110, 110)),
 ];
 
-/// The figure as SVG on white: on the left bytes on a GPU, on the right seconds of encoding. Rows that no other beats are
+/// The figure as SVG on white: on the left bytes on a GPU, on the right seconds of encoding. Rows on the front are
 /// large and joined by a line.
 ///
 /// # Errors
-/// What the drawing library reports.
+/// Returns the error of the drawing library.
 pub fn drawing(study: &ParetoStudy) -> Result<String, String> {
     let rows = study.materials.len().max(1);
     let mut text = String::new();
@@ -35,13 +35,13 @@ pub fn drawing(study: &ParetoStudy) -> Result<String, String> {
     Ok(text)
 }
 
-/// What stands on the horizontal axis.
+/// The horizontal axis.
 struct Cost {
     name: &'static str,
     of: fn(&ParetoRow) -> f64,
     on_front: fn(&ParetoRow) -> bool,
     label: fn(f64) -> String,
-    /// Where there are no points.
+    /// Position of the legend, in an empty corner.
     legend: SeriesLabelPosition,
 }
 
@@ -68,7 +68,7 @@ const SECONDS: Cost = Cost {
 type Area<'a> = DrawingArea<SVGBackend<'a>, plotters::coord::Shift>;
 
 fn panel(area: &Area<'_>, material: &ParetoMaterial, cost: &Cost) -> Result<(), DrawingAreaErrorKind<std::io::Error>> {
-    let point = |row: &ParetoRow| ((cost.of)(row), row.delta_e.max(LEAST));
+    let point = |row: &ParetoRow| ((cost.of)(row), row.delta_e.max(MIN_DELTA_E));
     let mut chart = ChartBuilder::on(area)
         .caption(&material.material, ("sans-serif", 15))
         .margin(8)
@@ -119,10 +119,10 @@ fn series(row: &ParetoRow) -> String {
     row.wavelet.map_or_else(|| row.codec.clone(), |wavelet| format!("{} {}²", row.codec, wavelet.grid))
 }
 
-/// Differences below this are drawn as this.
-const LEAST: f64 = 1e-4;
+/// Smaller differences are drawn as this value.
+const MIN_DELTA_E: f64 = 1e-4;
 
-/// From a little below the smallest to a little above the largest.
+/// Range from slightly below the smallest to slightly above the largest.
 fn range(values: impl Iterator<Item = f64>) -> std::ops::Range<f64> {
     let values = values.filter(|value| value.is_finite());
     let (low, high) = values.fold((f64::INFINITY, 0.0f64), |(low, high), v| (low.min(v), high.max(v)));
@@ -152,7 +152,8 @@ mod tests {
         }
     }
 
-    /// A point for each row, a large one for each on a front; black materials have no error that a logarithm could take.
+    /// A point for each row, a large one for each on a front. Black materials have an error of 0, which has no
+    /// logarithm.
     #[test]
     fn points_are_drawn_and_those_on_the_front_are_large() {
         let rows = vec![row("table", 100, 1.0), row("table", 200, 2.0), row("factored", 400, 0.0)];

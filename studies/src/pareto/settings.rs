@@ -1,4 +1,4 @@
-//! What is swept.
+//! Settings of the sweep.
 
 use brdfc_jobs::encode::PackRecipe;
 use brdfc_table::recipe::{Size, TableRecipe};
@@ -8,33 +8,33 @@ use serde::Serialize;
 
 /// Tables, plain and factored, in KiB on a GPU.
 const SIZES: [u64; 8] = [1, 2, 4, 8, 16, 32, 64, 128];
-/// `N` of grids on which everything is tried with everything: 8 x 8 to 32 x 32.
+/// `N` of grids on which all combinations are tried: 8 x 8 to 32 x 32.
 const LEVELS: [u32; 3] = [3, 4, 5];
 const RATIOS: [f64; 3] = [64.0, 16.0, 4.0];
-/// Of components: in textures of 8 and of 16 bits.
+/// Bits of components, in textures of 8 and of 16 bits.
 const BITS: [u32; 2] = [8, 12];
-/// 64 x 64: on this grid ratios and bits alone, as each takes seconds.
+/// `N` of 64 x 64 cells, a grid with only ratios and bits varied, since each encode takes seconds.
 const FINEST: u32 = 6;
 
-/// A wavelet pack that is asked for.
+/// Settings of a wavelet pack.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, JsonSchema)]
 pub struct WaveletSetting {
     /// Cells per axis and hemisphere.
     pub grid: u32,
-    /// One slice in so many is kept.
+    /// Number of coefficients per stored slice.
     pub ratio: f64,
     /// Bits per component.
     pub bits: u32,
-    /// Whether slices are ranked by what is seen, with the bias that goes with it, or by energy.
+    /// True if ranking of slices is perceptually weighted, with the corresponding bias; false if it is by energy.
     pub visible: bool,
-    /// Whether levels of detail and slices that are left out keep the light.
+    /// True if levels of detail and discarded slices are energy-preserving.
     pub lifted: bool,
-    /// Whether the table is smoothed first.
+    /// True if the table is smoothed first.
     pub smoothed: bool,
 }
 
 impl WaveletSetting {
-    /// Of a recipe with a ratio.
+    /// Settings of a recipe with a ratio.
     pub(super) fn of(recipe: &Recipe) -> Option<Self> {
         let Target::Ratio(ratio) = recipe.target else { return None };
         Some(Self {
@@ -48,19 +48,19 @@ impl WaveletSetting {
     }
 }
 
-/// Grid, ratio, bits, and what else was asked for.
+/// Writes grid, ratio, bits, and the other options.
 impl std::fmt::Display for WaveletSetting {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         let Self { grid, ratio, bits, .. } = self;
         write!(f, "{grid}², {ratio}:1, {bits} bits, {}", if self.visible { "visible" } else { "energy" })?;
-        for (asked, name) in [(self.lifted, ", lifted"), (self.smoothed, ", smoothed")] {
+        for (asked, name) in [(self.lifted, ", energy-preserving"), (self.smoothed, ", smoothed")] {
             f.write_str(if asked { name } else { "" })?;
         }
         Ok(())
     }
 }
 
-/// All settings, or few that take seconds: tables by size, then wavelets from coarse to fine.
+/// All settings, or a few that take seconds: tables by size, then wavelets from coarse to fine.
 pub fn settings(small: bool) -> Vec<PackRecipe> {
     let table = |factored, kib: u64| {
         PackRecipe::Table(TableRecipe { size: Size::Bytes(kib << 10), factored, ..TableRecipe::default() }.into())
@@ -99,7 +99,7 @@ fn wavelets(
     each.map(move |(target, bits)| PackRecipe::Wavelet(Recipe { target, bits, ..recipe.clone() }))
 }
 
-/// About how long a setting takes, in parts of the cheapest: for the time that is left.
+/// Approximate duration of a setting, in units of the cheapest, for estimates of the remaining time.
 pub(super) fn cost(recipe: &PackRecipe) -> f64 {
     match recipe {
         PackRecipe::Wavelet(recipe) => 1.0 + f64::from(1u32 << (4 * recipe.levels)) / 2e5,
@@ -112,7 +112,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn every_setting_is_there_once() {
+    fn settings_are_distinct() {
         let all = settings(false);
         assert_eq!(all.len(), 2 * 8 + 3 * 2 * 4 * 6 + 6);
         assert!((1..all.len()).all(|k| !all[..k].contains(&all[k])));

@@ -10,18 +10,18 @@ use brdfc_metrics::compare::Reference;
 use brdfc_metrics::sampling::{PairSet, random_pairs};
 use std::time::Instant;
 
-/// What takes less is run again, up to so many times.
+/// Shorter encodes, in seconds, are repeated up to a maximum number of times.
 const SHORT: f64 = 0.5;
 const MAX_RUNS: usize = 3;
-/// Pairs that are decoded in a run, and how many runs.
+/// Number of pairs decoded per run, and number of runs.
 const PAIRS: usize = 1 << 13;
 const DECODE_RUNS: usize = 3;
 const SEED: u64 = 11;
 
-/// Every setting on one material; `done` is told what share of the material is.
+/// Measures every setting on one material. Calls `done` with the finished share of the material.
 ///
 /// # Errors
-/// Sources that no pack can be made of.
+/// Returns an error if no pack can be made of the source.
 pub fn pareto(
     name: &str,
     source: &dyn Source,
@@ -65,7 +65,7 @@ pub fn pareto(
     Ok(ParetoMaterial::marked(name, rows))
 }
 
-/// A pack, the seconds of its shortest run, and how many there were.
+/// A pack, the seconds of its shortest run, and the number of runs.
 fn timed(source: &dyn Source, recipe: &PackRecipe) -> Result<(EncodedPack, f64, usize), EncodeError> {
     let (mut shortest, mut all, mut runs) = (f64::INFINITY, 0.0, 0);
     loop {
@@ -89,14 +89,14 @@ mod tests {
     #[test]
     fn larger_packs_are_closer_and_fronts_are_marked() {
         let source = parse_synth("synth:ggx?alpha=0.3").unwrap();
-        let told = Cell::new(0.0);
+        let reported = Cell::new(0.0);
         let done = |share: f64| {
-            assert!(share > told.get() && share < 1.0 + 1e-9);
-            told.set(share);
+            assert!(share > reported.get() && share < 1.0 + 1e-9);
+            reported.set(share);
         };
         let settings = settings(true);
         let study = pareto("ggx", source.as_ref(), &settings, &done).unwrap();
-        assert!((told.get() - 1.0).abs() < 1e-9 && study.rows.len() == settings.len());
+        assert!((reported.get() - 1.0).abs() < 1e-9 && study.rows.len() == settings.len());
         let tables: Vec<&ParetoRow> = study.rows.iter().filter(|row| row.codec == "table").collect();
         assert!(
             tables
@@ -104,7 +104,7 @@ mod tests {
                 .all(|pair| { pair[0].bytes_on_gpu < pair[1].bytes_on_gpu && pair[0].delta_e > pair[1].delta_e })
         );
         assert!(study.rows.iter().all(|row| row.encode_seconds > 0.0 && row.decode_rate > 0.0 && row.runs > 0));
-        // 8 x 8 wavelets are larger than tables and farther off.
+        // 8 x 8 wavelets are larger and less accurate than tables.
         let wavelets = || study.rows.iter().filter(|row| row.codec == "wavelet");
         assert!(wavelets().count() == 8 && wavelets().all(|row| !row.on_bytes_front), "{:?}", study.rows);
         assert!(study.rows.iter().any(|row| row.on_bytes_front) && study.rows.iter().any(|row| row.on_seconds_front));

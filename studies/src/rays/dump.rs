@@ -6,7 +6,7 @@ use brdfc_flat_btf::triangle_tree::TriangleTree;
 use glam::Vec3A;
 use rayon::prelude::*;
 
-/// Most triangles of a repeated mesh.
+/// Maximum number of triangles of a repeated mesh.
 const MAX_TRIANGLES: usize = 6_000_000;
 
 /// A mesh that no ray leaves, the rays, and our answers.
@@ -14,26 +14,26 @@ const MAX_TRIANGLES: usize = 6_000_000;
 pub struct Dump {
     /// Vertices, in tiles.
     pub vertices: Vec<[f32; 3]>,
-    /// Triangles of the tile, each as often as it takes.
+    /// Triangles of the tile, repeated as often as required.
     pub triangles: Vec<[u32; 3]>,
-    /// Rays of which the nearest hit is sought.
+    /// Rays that search for the nearest hit.
     pub nearest: Vec<StudyRay>,
-    /// Rays of which any hit is sought.
+    /// Rays that search for any hit.
     pub any: Vec<StudyRay>,
-    /// Our answers: distances, infinite without a hit; then 1 or 0 for each ray of which any hit is sought.
+    /// Our answers: distances, infinite without a hit; then 1 or 0 for each ray that searches for any hit.
     pub answers: Vec<f32>,
 }
 
 /// The mesh would be too large.
 #[derive(Debug, thiserror::Error)]
-#[error("triangles of the repeated mesh: found {0}, expected {MAX_TRIANGLES}: lower the resolution")]
+#[error("triangles of the repeated mesh: found {0}, expected at most {MAX_TRIANGLES}; lower the resolution")]
 pub struct DumpError(usize);
 
 impl Dump {
-    /// Repeats the surface as far as the rays go.
+    /// Repeats the surface over the extent of the rays.
     ///
     /// # Errors
-    /// When that takes too many triangles.
+    /// Returns an error if that takes too many triangles.
     pub(super) fn new(model: &MesoModel, nearest: &[StudyRay], any: &[StudyRay]) -> Result<Self, DumpError> {
         let (mut low, mut high) = ([f64::INFINITY; 2], [f64::NEG_INFINITY; 2]);
         for ray in nearest.iter().chain(any) {
@@ -45,7 +45,7 @@ impl Dump {
             }
         }
         let mesh = &model.mesh;
-        // Repetition `t` of a vertex stands at the vertex plus `t`; each is one vertex of the repeated mesh.
+        // Repetition `t` of a vertex is at the vertex plus `t`. Each is one vertex of the repeated mesh.
         let mut corners = Vec::new();
         for (index, triangle) in mesh.triangles.iter().enumerate() {
             let at = mesh.corners(index);
@@ -106,8 +106,8 @@ impl Dump {
         bytes
     }
 
-    /// The rays, little-endian: how many seek the nearest and how many any hit (`u32` each); for each ray, nearest first,
-    /// origin, direction and end (`f32`, 7 in all); for each ray, our answer (`f32`).
+    /// The rays, little-endian: numbers of rays for the nearest and for any hit (`u32` each); for each ray, nearest
+    /// first, origin, direction and end (`f32`, 7 in all); for each ray, our answer (`f32`).
     pub fn rays(&self) -> Vec<u8> {
         let mut bytes = Vec::with_capacity(8 + 32 * self.answers.len());
         for rays in [&self.nearest, &self.any] {

@@ -1,4 +1,4 @@
-//! Rays per second of the periodic caster, for the rays that making a flat BTF casts.
+//! Rays per second of the periodic caster, for the rays of making a flat BTF.
 
 mod dump;
 mod ray;
@@ -23,9 +23,9 @@ use serde::Serialize;
 const VIEWS: usize = 16;
 /// Largest polar angle of a view, in degrees.
 const STEEPEST: f64 = 80.0;
-/// Rounds of stretch-reducing reweighting: where texels are matters little here.
+/// Rounds of stretch-reducing reweighting. The positions of texels matter little here.
 const ROUNDS: usize = 2;
-/// Runs, of which the fastest counts.
+/// Number of runs, of which the fastest counts.
 const RUNS: usize = 5;
 
 /// Rates of one structure.
@@ -46,32 +46,32 @@ pub struct RayStudy {
 /// Rays per second of one kind of rays.
 #[derive(Debug, Clone, PartialEq, Serialize, JsonSchema)]
 pub struct RayRate {
-    /// `nearest`: what 16 x 16 views up to 80 degrees see behind each texel of the reference plane. `any`: whether the
-    /// sky is seen from each texel of the surface towards those of 81 directions that it faces.
+    /// `nearest`: rays of 16 x 16 views up to 80 degrees through each texel of the reference plane to the surface.
+    /// `any`: shadow rays from each texel of the surface to those of 81 directions that it faces.
     pub query: &'static str,
     /// Rays cast.
     pub rays: usize,
-    /// Share of them that meet the surface.
+    /// Share of the rays that hit the surface.
     pub hits: f64,
-    /// Tiles that a ray goes through until it ends, mean.
+    /// Mean number of tiles that a ray passes.
     pub tiles: f64,
     /// Rays per second on one thread.
     pub one: f64,
     /// Rays per second on all threads.
     pub all: f64,
-    /// Rays per second on one thread through a tree of the repeated mesh of the dump, without going from tile to tile.
+    /// Rays per second on one thread through a tree of the dump's repeated mesh, which avoids traversal of tiles.
     pub repeated_one: Option<f64>,
-    /// The same on all threads.
+    /// Rays per second through the same tree on all threads.
     pub repeated_all: Option<f64>,
 }
 
-/// Why there are no rates.
+/// Errors of the study.
 #[derive(Debug, thiserror::Error)]
 pub enum RayStudyError {
-    /// The address is not one of a structure.
+    /// The address does not name a structure.
     #[error(transparent)]
     Address(#[from] AddressError),
-    /// The structure cannot be laid flat.
+    /// The surface cannot be parameterised.
     #[error(transparent)]
     Parameterise(#[from] ParameteriseError),
 }
@@ -86,10 +86,10 @@ pub struct RayScene {
 }
 
 impl RayScene {
-    /// Surface and rays for other programs: the surface repeated as far as the rays go.
+    /// Surface and rays for other programs: the surface repeated over the extent of the rays.
     ///
     /// # Errors
-    /// When that takes too many triangles.
+    /// Returns an error if that takes too many triangles.
     pub fn dump(&self) -> Result<Dump, DumpError> {
         Dump::new(&self.model, &self.nearest, &self.any)
     }
@@ -97,7 +97,7 @@ impl RayScene {
     /// The structure at an address without its prefix, and rays of `texels` x `texels` texels.
     ///
     /// # Errors
-    /// As [`Structure::parse`] and [`MesoModel::new`].
+    /// Returns the errors of [`Structure::parse`] and [`MesoModel::new`].
     pub fn new(address: &str, texels: usize) -> Result<Self, RayStudyError> {
         let structure = Structure::parse(address)?;
         let model = MesoModel::new(structure.mesh(), ROUNDS, &())?;
@@ -159,7 +159,7 @@ fn count_all(rays: &[StudyRay], cast: impl Fn(&StudyRay) -> bool + Sync) -> usiz
 /// Measures the structure at an address without its prefix `synth:`, with rays of `texels` x `texels` texels.
 ///
 /// # Errors
-/// As [`RayScene::new`].
+/// Returns the errors of [`RayScene::new`].
 pub fn ray_study(address: &str, texels: usize) -> Result<RayStudy, RayStudyError> {
     Ok(RayScene::new(address, texels)?.measure(None))
 }
@@ -211,7 +211,7 @@ mod tests {
         assert!(any.rays < 4 * 4 * 81 && any.hits > 0.02 && any.hits < 0.5, "{any:?}");
         assert!(nearest.tiles > 1.0 && nearest.tiles < 5.0 && any.tiles >= 1.0, "{study:?}");
         assert!(study.rows.iter().all(|row| row.one > 0.0 && row.all > 0.0));
-        // Nothing stands in the way of a plane.
+        // A plane has no occluders.
         let plane = ray_study("button?resolution=16&height=0", 4).unwrap();
         assert_eq!((plane.rows[0].hits, plane.rows[1].hits, plane.rows[1].rays), (1.0, 0.0, 4 * 4 * 81));
         assert_eq!(plane.rows[0].repeated_one, None);

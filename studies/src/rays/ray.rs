@@ -5,15 +5,15 @@ use brdfc_flat_btf::triangle_tree::Segment;
 use brdfc_formats::direction::Vector;
 use glam::Vec3A;
 
-/// Ends of rays are moved on by this much, in tiles: the lowest triangles lie on them.
+/// Ends of rays are extended by this distance, in tiles, since the lowest triangles are at the end.
 const MARGIN: f32 = 1e-4;
-/// Rays that a thread takes at once.
+/// Number of rays that a thread processes at once.
 pub(super) const CHUNK: usize = 1 << 12;
 
-/// A ray as other programs get it: numbers in single precision, which we cast too.
+/// A ray in the form for other programs: numbers in single precision, which our caster uses, too.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct StudyRay {
-    /// Where it begins, in tiles.
+    /// Origin, in tiles.
     pub origin: [f32; 3],
     /// Unit vector.
     pub direction: [f32; 3],
@@ -33,7 +33,7 @@ impl StudyRay {
         (self.origin.map(f64::from), self.direction.map(f64::from))
     }
 
-    /// Distance to what it meets first; infinite where it meets nothing.
+    /// Distance to the first hit; infinite without a hit.
     pub(super) fn segment(&self) -> Segment {
         let [origin, direction] = [self.origin, self.direction].map(Vec3A::from_array);
         Segment { origin, direction, length: self.end + MARGIN }

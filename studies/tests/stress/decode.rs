@@ -1,4 +1,4 @@
-//! The decoder of wavelet packs against the same in f64: inverse transform of whole images, exact angles.
+//! The decoder of wavelet packs compared with the same in f64: inverse transform of whole images, exact angles.
 
 use super::fed::{Numbers, levels, pairs};
 use super::pack::pack;
@@ -11,21 +11,21 @@ use brdfc_formats::wavelet::lift::Lift;
 use brdfc_formats::wavelet::{WaveletDecoder, WaveletPack};
 use std::f64::consts::PI;
 
-/// How far an angle of the decoder may be off: see the row of angles.
+/// Maximum error of an angle of the decoder: see the row of angles.
 const ANGLE: f64 = 3e-7;
 
 pub fn rows(stages: &Stages, small: bool) -> Vec<StressRow> {
-    let [mut plain, mut lifted] = [Worst::default(); 2];
+    let [mut plain, mut preserving] = [Worst::default(); 2];
     let every = pairs(small);
     for levels in levels(small) {
         for lift in [false, true] {
             let cells = 1usize << (2 * levels);
             let pack = pack(levels, (cells / 2).min(512), 8, lift, u64::from(levels));
             let (decoder, exact) = (WaveletDecoder::new(&pack), ExactDecoder::new(&pack));
-            let worst = if lift { &mut lifted } else { &mut plain };
+            let worst = if lift { &mut preserving } else { &mut plain };
             let n = f64::from(1u32 << levels);
             let mut numbers = Numbers::new(10);
-            // A look-up in f64 restores sixteen images.
+            // A look-up in f64 reconstructs sixteen images.
             for _ in 0..if small { 40 } else { 200 } {
                 let pair = every[numbers.below(every.len())];
                 let level = [0.0, f64::from(levels), numbers.between(0.0, f64::from(levels))][numbers.below(3)] as f32;
@@ -43,16 +43,16 @@ pub fn rows(stages: &Stages, small: bool) -> Vec<StressRow> {
             ["decoding wavelets, f32", fed],
             Measure::OfBound,
             1.0,
-            "4 angles off by 3e-7 move it N/π as much between values ±M apart; 8 roundings per level of M, the largest sum of coefficients",
+            "errors of 3e-7 in 4 angles change it by N/π as much between values ±M; 8 roundings per level of M, the largest sum of coefficients",
         ),
-        lifted.row(["decoding lifted wavelets, f32", fed], Measure::OfBound, 1.0, "the same, and 4e-7 for each of two rises per level"),
+        preserving.row(["decoding energy-preserving wavelets, f32", fed], Measure::OfBound, 1.0, "the same, and 4e-7 for each of two rises per level"),
     ]
 }
 
 struct ExactDecoder<'a> {
     pack: &'a WaveletPack,
     lift: Option<Lift>,
-    /// Largest value that coefficients can add up to.
+    /// Maximum sum of coefficients.
     largest: f64,
 }
 
@@ -64,7 +64,7 @@ impl<'a> ExactDecoder<'a> {
             let scale = pack.scales[usize::from(pack.index[k])];
             f64::from((scale.offset + scale.scale).abs().max(scale.offset.abs()))
         };
-        // Along the way to a cell there is one detail of each kind per level.
+        // The path to a cell has one detail of each kind per level.
         let n = header.grid() as f64;
         let mut largest = most(0) / n;
         for j in 0..header.levels {
@@ -77,7 +77,8 @@ impl<'a> ExactDecoder<'a> {
         Self { pack, lift, largest }
     }
 
-    /// All inner cells of an outer one at a level of detail: finer details are left out, those between in part.
+    /// All inner cells of an outer one at a level of detail. Finer details are left out, those of a fractional level
+    /// are weighted.
     fn image(&self, outer: usize, level: f32) -> Vec<f64> {
         let header = &self.pack.header;
         let (n, cells) = (header.grid(), header.cells());

@@ -1,4 +1,4 @@
-//! Direction maps, there and back.
+//! Direction maps and their inverses.
 
 use super::fed::{directions, pairs};
 use super::row::{Measure, StressRow, U, Worst};
@@ -48,19 +48,19 @@ pub fn rows(stages: &Stages, small: bool) -> Vec<StressRow> {
             ["half and difference vectors, f64", "all pairs of these, nearly equal and nearly opposite ones"],
             Measure::Absolute,
             32.0 * f64::EPSILON,
-            "roundings over the length of wi + wo, which errors are multiplied by: nearly opposite directions have no half vector",
+            "roundings divided by the length of wi + wo: nearly opposite directions have no half vector",
         ),
         atan2.row(
             ["angles of decoders, f32", "0 to 1e38 on both axes, denormals"],
             Measure::Absolute,
             3e-7,
-            "what callers are promised: the polynomial, and the rounding of π",
+            "the documented bound: the polynomial, and the rounding of π",
         ),
         angles.row(
             ["angles of tables, f32", "the same pairs"],
             Measure::Relative,
             64.0 * U,
-            "roundings over the height of wi + wo, which errors are multiplied by: the angles end where a half vector lies flat",
+            "roundings divided by the height of wi + wo: the angles are undefined for a horizontal half vector",
         ),
     ]
 }

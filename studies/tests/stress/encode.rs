@@ -1,4 +1,4 @@
-//! Whole encodes: sources of one value, black ones, lobes narrower than any grid.
+//! Complete encodes: constant sources, black ones, lobes narrower than any grid.
 
 use super::fed::constant;
 use super::row::{Measure, StressRow, U, Worst};
@@ -13,7 +13,7 @@ use brdfc_table::recipe::{Size, TableRecipe};
 use brdfc_wavelet::log_encode::LogEncoding;
 use brdfc_wavelet::recipe::{Recipe, Target};
 
-/// Values of constant sources: what is next to nothing, the dynamic range, the largest that packs hold.
+/// Values of constant sources: close to 0, the dynamic range, the maximum of packs.
 const VALUES: [f64; 7] = [1e-30, 1e-12, 1e-3, 0.3, 1e3, 1e6, 1e30];
 
 pub fn rows(stages: &Stages, small: bool) -> Vec<StressRow> {
@@ -34,7 +34,7 @@ fn constants(stages: &Stages, small: bool) -> Vec<StressRow> {
     let [mut wavelets, mut tables, mut black_wavelets, mut black_tables] = [Worst::default(); 4];
     let every = super::fed::pairs(true);
     let pairs: Vec<DirectionPair> = every.into_iter().step_by(if small { 31 } else { 7 }).collect();
-    // Denormal values are as good as black.
+    // Denormal values count as black.
     for value in VALUES.into_iter().chain([0.0, 1e-42]) {
         let source = constant(value);
         let black = value < f64::from(f32::MIN_POSITIVE);
@@ -73,10 +73,10 @@ fn constants(stages: &Stages, small: bool) -> Vec<StressRow> {
             }
         }
     }
-    let why = "one logarithm and one exponential: 3e-7 and 2.5e-7, and roundings; nothing is lost to steps that are 0";
+    let why = "one logarithm and one exponential: 3e-7 and 2.5e-7, and roundings; constant slices have steps of 0 without errors";
     vec![
         wavelets.row(
-            ["whole wavelet encode", "constants 1e-30 to 1e30, plain and lifted"],
+            ["whole wavelet encode", "constants 1e-30 to 1e30, plain and energy-preserving"],
             Measure::Relative,
             CONSTANT,
             why,
@@ -91,21 +91,21 @@ fn constants(stages: &Stages, small: bool) -> Vec<StressRow> {
             ["whole wavelet encode", "black and denormal sources"],
             Measure::Relative,
             3e-7 * 8.2 + 2.5e-7 + 8.0 * U,
-            "ε μ comes and goes: one ln, 3e-7 of ln ε = -8.1, and one exp; of ε μ, where μ is 1 for black",
+            "ε μ is added and subtracted: one ln, 3e-7 of ln ε = -8.1, and one exp; relative to ε μ, where μ is 1 for black",
         ),
         black_tables.row(
             ["whole table encode", "black and denormal sources"],
             Measure::Relative,
             8.0 * U * 9.3 + 2.5e-7 + 8.0 * U,
-            "the same of ln ε = -9.2, of which a fit takes means: 8 roundings",
+            "the same for ln ε = -9.2, which a fit averages: 8 roundings",
         ),
     ]
 }
 
-/// Of decoded constants.
+/// Relative error bound of decoded constants.
 const CONSTANT: f64 = 3e-7 + 2.5e-7 + 32.0 * U;
 
-/// Lobes narrower than a cell, all slices kept: no value is off by more than the steps of the slices that add up to it.
+/// Lobes narrower than a cell, all slices stored: the error of a value is at most the sum of the steps of its slices.
 fn lobes(stages: &Stages, small: bool) -> StressRow {
     let mut worst = Worst::default();
     for alpha in [0.001, 0.003, 0.03] {
@@ -127,7 +127,7 @@ fn lobes(stages: &Stages, small: bool) -> StressRow {
         ["whole wavelet encode", "GGX of roughness 0.001 to 0.03, all slices, 8 to 16 bits"],
         Measure::OfBound,
         1.0,
-        "half a step of every slice on the way to a cell, and 64 roundings of their ranges",
+        "half a step of every slice on the path to a cell, and 64 roundings of their ranges",
     )
 }
 
@@ -159,7 +159,7 @@ fn on_grid(pack: &WaveletPack, source: &dyn Source, worst: &mut Worst) {
     }
 }
 
-/// Plain tables never shine brighter than what they were made from.
+/// Plain tables are never brighter than their source.
 fn narrow_tables(stages: &Stages, small: bool) -> StressRow {
     let mut worst = Worst::default();
     for alpha in [0.001, 0.003, 0.03] {
@@ -177,7 +177,7 @@ fn narrow_tables(stages: &Stages, small: bool) -> StressRow {
         let decoder = TableDecoder::new(&pack);
         for pair in super::fed::pairs(small).into_iter().step_by(if small { 11 } else { 1 }) {
             for found in decoder.eval(pair) {
-                // The bias of the logarithm blurs what is far below the mean.
+                // The bias of the logarithm blurs values far below the mean.
                 let floor = f64::from(pack.header().mean * pack.header().bias);
                 let over = f64::from(found) / f64::from(most) - 1.0;
                 let under = (f64::from(least) - f64::from(found)) / (f64::from(least) + floor);
@@ -189,11 +189,11 @@ fn narrow_tables(stages: &Stages, small: bool) -> StressRow {
         ["whole table encode", "GGX of roughness 0.001 to 0.03"],
         Measure::Relative,
         1e-5,
-        "nodes stay between the smallest and the largest sample, and filtering between nodes; roundings of ln of 1e8",
+        "nodes are between the smallest and the largest sample, filtered values between nodes; roundings of ln of 1e8",
     )
 }
 
-/// As many slices as a pack may have, through the whole encoder.
+/// Encodes the maximum number of slices of a pack.
 fn all_slices(stages: &Stages) -> StressRow {
     let mut worst = Worst::default();
     let source = super::fed::Of {
@@ -212,6 +212,6 @@ fn all_slices(stages: &Stages) -> StressRow {
         ["whole wavelet encode", "a 64 x 64 grid without a limit of bytes"],
         Measure::Count,
         0.0,
-        "as many slices as a 3D texture holds, numbers of 16 bits, and a file that is read again",
+        "the maximum number of slices of a 3D texture, numbers of 16 bits, and a file that is read again",
     )
 }

@@ -1,4 +1,4 @@
-//! What stages are fed.
+//! Inputs of stages.
 
 use brdfc_core::{Source, Symmetry, Tally};
 use brdfc_formats::direction::{DirectionPair, Parameterisation, Vector, from_polar};
@@ -13,7 +13,7 @@ use std::f64::consts::{FRAC_PI_2, PI};
 /// Decades of the dynamic range: 1e-12 to 1e6.
 const DECADES: [f64; 2] = [-12.0, 6.0];
 
-/// Numbers at random, the same on every run.
+/// Pseudo-random numbers, the same on every run.
 pub struct Numbers(ChaCha8Rng);
 
 impl Numbers {
@@ -30,7 +30,7 @@ impl Numbers {
         low + (high - low) * self.unit()
     }
 
-    /// Over the whole dynamic range, every decade alike.
+    /// Number in the whole dynamic range, uniform over the decades.
     pub fn wide(&mut self) -> f64 {
         10f64.powf(self.between(DECADES[0], DECADES[1]))
     }
@@ -40,7 +40,7 @@ impl Numbers {
     }
 }
 
-/// What images and slices are filled with.
+/// Contents of images and slices.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Filling {
     Zero,
@@ -49,14 +49,14 @@ pub enum Filling {
     /// 1e-12 to 1e6, either sign.
     Wide,
     Denormal,
-    /// Next to nothing but for one.
+    /// Nearly 0 except for one value.
     Spike,
 }
 
 impl Filling {
     pub const ALL: [Self; 6] = [Self::Zero, Self::Constant, Self::Even, Self::Wide, Self::Denormal, Self::Spike];
 
-    /// So many numbers.
+    /// Makes `count` numbers.
     pub fn numbers(self, count: usize, numbers: &mut Numbers) -> Vec<f32> {
         let constant = numbers.between(-8.0, 8.0) as f32;
         let spike = numbers.below(count);
@@ -74,12 +74,12 @@ impl Filling {
     }
 }
 
-/// `N` of grids: 4 to 64 cells per axis, or to 16.
+/// `N` of grids: 4 to 64 cells per axis, or up to 16.
 pub fn levels(small: bool) -> std::ops::RangeInclusive<u32> {
     2..=if small { 4 } else { 6 }
 }
 
-/// Directions to the ends: the normal, the poles of the tangent-pole grid, rings just above the horizon.
+/// Directions including the extremes: the normal, the poles of the tangent-pole grid, rings just above the horizon.
 pub fn directions(small: bool) -> Vec<Vector> {
     let mut polar = vec![0.0, 1e-12, 1e-8, 1e-4, 0.3, 1.2];
     polar.extend([1e-2, 1e-4, 1e-8, 1e-12].map(|above| FRAC_PI_2 - above));
@@ -89,7 +89,7 @@ pub fn directions(small: bool) -> Vec<Vector> {
     azimuths.flat_map(|azimuth| polar.clone().into_iter().map(move |theta| from_polar(theta, azimuth))).collect()
 }
 
-/// Pairs of them above the horizon, and pairs that are next to each other or nearly opposite.
+/// Pairs of these above the horizon, including neighbouring and nearly opposite ones.
 pub fn pairs(small: bool) -> Vec<DirectionPair> {
     let all = directions(small);
     let step = if small { 5 } else { 1 };
@@ -123,7 +123,7 @@ pub fn constant(value: f64) -> Of<impl Fn(DirectionPair) -> f64 + Send + Sync> {
     Of { value: move |pair: DirectionPair| if pair.is_above_horizon() { value } else { 0.0 }, symmetry: Symmetry::FULL }
 }
 
-/// A grey table of these numbers, in turn.
+/// A grey table that repeats these numbers.
 pub fn table(levels: u32, symmetry: Symmetry, numbers: &[f32]) -> Table {
     let grid = Grid { parameterisation: Parameterisation::TangentPole, levels };
     let (mut table, _) = resample(&Of { value: |_| 0.0, symmetry }, grid);

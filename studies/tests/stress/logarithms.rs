@@ -1,4 +1,4 @@
-//! Logarithms and exponentials, and the encoding made of them.
+//! Logarithms and exponentials, and the encoding based on them.
 
 use super::fed::{Filling, Numbers, table};
 use super::row::{Measure, StressRow, U, Worst};
@@ -32,14 +32,14 @@ pub fn rows(stages: &Stages, small: bool) -> Vec<StressRow> {
             ["ln, f32", "all normal numbers"],
             Measure::Relative,
             LN,
-            "what callers are promised; beside 1 it is of 1e-5",
+            "the documented bound; near 1 it is relative to 1e-5",
         ),
-        exp.row(["exp, f32", "-80 to 80"], Measure::Relative, EXP, "what callers are promised"),
+        exp.row(["exp, f32", "-80 to 80"], Measure::Relative, EXP, "the documented bound"),
         rise.row(
-            ["rise of lifted packs, f32", "halves e^60 apart, unequal weights"],
+            ["rise of energy-preserving packs, f32", "halves e^60 apart, unequal weights"],
             Measure::Relative,
             4e-7,
-            "one ln of at most |h| and one exp, roundings of their sum; of 1 + |h|",
+            "one ln of at most |h| and one exp, roundings of their sum; relative to 1 + |h|",
         ),
         log_encode(stages, small),
         from_log(stages),
@@ -47,7 +47,7 @@ pub fn rows(stages: &Stages, small: bool) -> Vec<StressRow> {
     ]
 }
 
-/// Tables with 1e-12 to 1e6, denormals, zeros; tables whose mean is at either end.
+/// Tables with 1e-12 to 1e6, denormals, zeros, and means at both ends.
 fn log_encode(stages: &Stages, small: bool) -> StressRow {
     let levels = if small { 2 } else { 4 };
     let cells = 1usize << (4 * levels);
@@ -106,11 +106,11 @@ fn from_log(stages: &Stages) -> StressRow {
         ["log decoding, f32", "means 1e-30 to 1e30"],
         Measure::Relative,
         EXP + 3.0 * U,
-        "an exponential and 3 roundings; of f + ε μ",
+        "an exponential and 3 roundings; relative to f + ε μ",
     )
 }
 
-/// What no encoder writes but a file may hold.
+/// Values that no encoder writes but a file may contain.
 fn no_numbers(stages: &Stages) -> StressRow {
     let mut worst = Worst::default();
     for mean in [f32::MIN_POSITIVE, 1.0, f32::MAX] {
@@ -120,9 +120,9 @@ fn no_numbers(stages: &Stages) -> StressRow {
         }
     }
     worst.row(
-        ["log decoding, f32", "no numbers, infinities"],
+        ["log decoding, f32", "NaN, infinities"],
         Measure::Count,
         0.0,
-        "what is drawn is finite and not negative",
+        "decoded values are finite and not negative",
     )
 }

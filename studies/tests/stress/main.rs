@@ -1,5 +1,5 @@
-//! Numerical stress: every stage at the ends of its range, in single precision against double, or against what must come out.
-//! Each row has the worst error that was found, the bound that it must hold, and why that bound.
+//! Numerical stress tests: every stage at the ends of its range, in single precision compared with double, or with the
+//! required result. Each row has the worst observed error, its bound, and the reason for the bound.
 
 mod decode;
 mod directions;

@@ -1,4 +1,4 @@
-//! Moving least squares where neighbours hardly determine a polynomial, against an orthogonal decomposition.
+//! Moving least squares with neighbours that barely determine a polynomial, compared with an orthogonal decomposition.
 
 use super::fed::{Numbers, directions};
 use super::row::{Measure, StressRow, Worst};
@@ -10,17 +10,17 @@ use brdfc_source::ScanSource;
 use brdfc_source::scan::fit::{NEIGHBOURS_3D, Neighbourhood, RIDGE, TERMS_3D};
 use nalgebra::{DMatrix, DVector};
 
-/// How neighbours lie.
+/// Arrangement of neighbours.
 #[derive(Debug, Clone, Copy)]
 enum Lie {
     Spread,
-    /// On a line, aside of the asked point.
+    /// On a line, away from the queried point.
     Line,
     /// On a plane.
     Plane,
-    /// All at one place but for 1e-9.
+    /// All at one point except for 1e-9.
     Cluster,
-    /// At one place.
+    /// All at one point.
     Same,
     /// Each twice.
     Twice,
@@ -83,31 +83,31 @@ pub fn rows(stages: &Stages, small: bool) -> Vec<StressRow> {
             ["moving least squares, f64", fed],
             Measure::Relative,
             CONDITION,
-            "elimination against Householder QR: the ridge keeps the condition of 10 terms below 1e10; of the largest coefficient",
+            "elimination against Householder QR: the ridge keeps the condition of 10 terms below 1e10; relative to the largest coefficient",
         ),
         variance.row(
             ["trust in a fit, f64", fed],
             Measure::Relative,
             CONDITION,
-            "the variance factor is of the same matrix",
+            "the variance factor is computed from the same matrix",
         ),
         constants.row(
-            ["moving least squares, f64", "the same, values that are all alike"],
+            ["moving least squares, f64", "the same, equal values"],
             Measure::Relative,
             16.0 * f64::EPSILON,
-            "the polynomial is fitted to what the mean leaves, which is 0",
+            "the polynomial is fitted to residuals from the mean, which are 0",
         ),
         reach.row(
             ["moving least squares, f64", "the same, 1e-12 to 1e6"],
             Measure::Count,
             0.0,
-            "extrapolation ends a tenth of their range below the neighbours, and not above them",
+            "extrapolation is limited to a tenth of their range below the neighbours, and not above them",
         ),
         scans(stages, small),
     ]
 }
 
-/// Machine precision times the largest condition of the normal matrix.
+/// Machine precision times the maximum condition of the normal matrix.
 const CONDITION: f64 = 1e10 * f64::EPSILON;
 
 /// `(BᵀWB + ridge) a = BᵀW e` as least squares over the rows `√w B` and `√ridge`, by QR.
@@ -145,7 +145,7 @@ fn against_orthogonal(
     }
 }
 
-/// Scans of one value: rings, lines and rows that stand twice.
+/// Scans of one value: rings, lines and duplicated rows.
 fn scans(stages: &Stages, small: bool) -> StressRow {
     let mut worst = Worst::default();
     let ring: Vec<[f64; 3]> = (0..12).map(|k| [1.57, 1.57, 0.5 * f64::from(k)]).collect();
@@ -179,10 +179,10 @@ fn scans(stages: &Stages, small: bool) -> StressRow {
     worst.row(
         [
             "completion of scans, f64",
-            "a ring at the horizon, a line, rows that stand twice, of one value, 0 and 1e-12 to 1e6",
+            "a ring at the horizon, a line, duplicated rows, of one value, 0 and 1e-12 to 1e6",
         ],
         Measure::Relative,
         64.0 * f64::EPSILON,
-        "the rounding of a logarithm of up to 28, which its exponential multiplies, twice",
+        "the rounding of a logarithm of up to 28, amplified by its exponential, twice",
     )
 }

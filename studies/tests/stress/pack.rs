@@ -1,4 +1,4 @@
-//! Packs to bytes and back, up to the limits of 16-bit indices and of 3D textures.
+//! Packs written to bytes and read back, up to the limits of 16-bit indices and of 3D textures.
 
 use super::fed::{Numbers, constant, header};
 use super::row::{Measure, StressRow, Worst};
@@ -8,26 +8,26 @@ use brdfc_formats::wavelet::{MAX_SLICES, SliceScale, WaveletPack};
 use brdfc_jobs::encode::EncodeError;
 use brdfc_wavelet::recipe::{Recipe, Target};
 
-/// A pack whose last coefficients are kept, so that the largest entries are at the end of the index map.
-pub fn pack(levels: u32, kept: usize, bits: u32, lift: bool, seed: u64) -> WaveletPack {
+/// A pack whose last coefficients are stored, so that the largest entries are at the end of the index map.
+pub fn pack(levels: u32, retained: usize, bits: u32, lift: bool, seed: u64) -> WaveletPack {
     let recipe = Recipe { levels, stored_levels: levels, bits, lift, ..Recipe::default() };
     let header = header(&recipe, 0.3, 0.01);
     let mut numbers = Numbers::new(seed);
     let cells = header.cells();
     let mut index = vec![0u16; cells];
     index[0] = 1;
-    for slice in 2..=kept {
-        index[cells - 1 - (kept - slice)] = slice as u16;
+    for slice in 2..=retained {
+        index[cells - 1 - (retained - slice)] = slice as u16;
     }
     let scale = |numbers: &mut Numbers| {
         let scale = numbers.between(0.0, 4.0) as f32;
         SliceScale { scale, offset: -(numbers.unit() as f32) * scale }
     };
     let mut scales = vec![SliceScale::default()];
-    scales.extend((0..kept).map(|_| scale(&mut numbers)));
+    scales.extend((0..retained).map(|_| scale(&mut numbers)));
     let slice = cells * header.texel_format().texel_bytes();
     let mut texels = vec![0; slice];
-    texels.extend((0..kept * slice).map(|_| numbers.below(256) as u8));
+    texels.extend((0..retained * slice).map(|_| numbers.below(256) as u8));
     let (on_grid, off_grid) = (ErrorSummary::default(), ErrorSummary::default());
     WaveletPack { header, index, scales, on_grid, off_grid, crop: None, texels }
 }
@@ -36,15 +36,15 @@ pub fn rows(stages: &Stages, small: bool) -> Vec<StressRow> {
     let mut back = Worst::default();
     for levels in super::fed::levels(small) {
         let cells = 1usize << (2 * levels);
-        for kept in [1, 2, cells / 2, cells].map(|kept| kept.min(MAX_SLICES - 1)) {
+        for retained in [1, 2, cells / 2, cells].map(|retained| retained.min(MAX_SLICES - 1)) {
             // The largest of 16 bits has 16 MiB.
             for bits in [8, 16] {
-                let pack = pack(levels, kept, bits, false, 9);
+                let pack = pack(levels, retained, bits, false, 9);
                 back.check((stages.read)(&(stages.write)(&pack)).is_ok_and(|read| read == pack));
             }
         }
     }
-    // Always at the limit, in the small form, too: 64 x 64 cells and 2,047 slices beside the zero slice.
+    // Always at the limit, also with `small`: 64 x 64 cells and 2,047 slices in addition to the zero slice.
     let most = pack(6, MAX_SLICES - 1, 8, false, 9);
     back.check(
         (stages.read)(&(stages.write)(&most)).is_ok_and(|read| read.index.last() == Some(&2047) && read == most),
@@ -62,13 +62,13 @@ pub fn rows(stages: &Stages, small: bool) -> Vec<StressRow> {
             ["packs written and read", "all grids, 1 to 2047 slices, 8 and 16 bits"],
             Measure::Count,
             0.0,
-            "a file holds what was written",
+            "a file contains the written values",
         ),
         refused.row(
             ["limit of slices", "2,049 slices of a 64 x 64 grid"],
             Measure::Count,
             0.0,
-            "3D textures have 2,048 layers: refused before the work, and by readers",
+            "3D textures have at most 2,048 layers: rejected before the work, and by readers",
         ),
     ]
 }

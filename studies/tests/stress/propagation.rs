@@ -1,4 +1,4 @@
-//! Bandwidth from light to pixel against the same in f64.
+//! Bandwidth from light to pixel compared with the same in f64.
 
 use super::fed::Numbers;
 use super::row::{Measure, StressRow, U, Worst};
@@ -46,22 +46,17 @@ pub fn rows(stages: &Stages, small: bool) -> Vec<StressRow> {
             ["bandwidth over a reflection, f32", "1e-12 to 1e9, grazing cosines to 1e-12, no bandwidth, no distance"],
             Measure::Relative,
             ROUNDINGS * U,
-            "sums and products of what is not negative: as many roundings as steps",
+            "sums and products of non-negative numbers: as many roundings as steps",
         ),
         limits.row(
             ["bandwidth over a reflection, f32", "the same"],
             Measure::Count,
             0.0,
-            "finite, not negative, and at most what stands for no limit",
+            "finite, not negative, and at most the value for no limit",
         ),
-        mean.row(
-            ["mean bandwidth, f32", "weights 1e-12 to 1e12"],
-            Measure::Count,
-            0.0,
-            "a mean is between what it is of",
-        ),
+        mean.row(["mean bandwidth, f32", "weights 1e-12 to 1e12"], Measure::Count, 0.0, "a mean is between its values"),
         level.row(
-            ["level of the pyramid", "all powers of two and the next numbers, denormals"],
+            ["level of the pyramid", "all powers of two and the adjacent numbers, denormals"],
             Measure::Count,
             0.0,
             "the logarithm is read from bits: exact",

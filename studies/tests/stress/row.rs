@@ -1,12 +1,12 @@
-//! One bound: a stage, what it is fed, how far off it is, and how far it may be.
+//! Rows of the study: a stage, its input, its error and the bound.
 
-/// Unit roundoff of f32: what one rounding may change, as a share.
+/// Unit roundoff of f32: the maximum relative error of one rounding.
 pub const U: f64 = 0.5 * f32::EPSILON as f64;
 
 /// All bounds.
 #[derive(Debug, Clone, PartialEq)]
 pub struct StressStudy {
-    /// One for each stage and what it is fed.
+    /// One row for each stage and input.
     pub rows: Vec<StressRow>,
 }
 
@@ -17,43 +17,43 @@ impl StressStudy {
     }
 }
 
-/// The worst of one stage.
+/// The worst error of one stage.
 #[derive(Debug, Clone, PartialEq)]
 pub struct StressRow {
     /// The stage.
     pub stage: String,
-    /// What it is fed.
+    /// Input of the stage.
     pub fed: String,
-    /// Values that were compared.
+    /// Number of compared values.
     pub cases: u64,
-    /// What errors are counted in.
+    /// Unit of the errors.
     pub measure: Measure,
-    /// The worst error. What is no number, or not finite, counts as the largest f64.
+    /// The worst error. NaN and infinities count as the largest f64.
     pub error: f64,
-    /// The largest that is allowed.
+    /// Maximum allowed error.
     pub bound: f64,
-    /// Why that.
+    /// Reason for the bound.
     pub why: String,
-    /// Whether the error is within the bound.
+    /// True if the error is within the bound.
     pub holds: bool,
 }
 
-/// What errors are counted in.
+/// Unit of errors.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Measure {
     /// The unit of the value.
     Absolute,
-    /// A share of the value, or of what the reason names.
+    /// Share of the value, or of the quantity that the reason names.
     Relative,
     /// Steps of the texels.
     Steps,
-    /// A share of the bound of each case, which the reason gives.
+    /// Share of the bound of each case, which the reason gives.
     OfBound,
-    /// Values that are not as they must be.
+    /// Number of wrong values.
     Count,
 }
 
-/// Finds the worst of many errors.
+/// Maximum of many errors.
 #[derive(Debug, Clone, Copy, Default)]
 pub struct Worst {
     error: f64,
@@ -61,14 +61,14 @@ pub struct Worst {
 }
 
 impl Worst {
-    /// One error; its sign does not matter.
+    /// Adds an error; its sign is ignored.
     pub fn add(&mut self, error: f64) {
         let error = error.abs();
         self.error = self.error.max(if error.is_finite() { error } else { f64::MAX });
         self.cases += 1;
     }
 
-    /// One value that is as it must be, or not.
+    /// Adds a check of a value.
     pub fn check(&mut self, right: bool) {
         self.error += f64::from(u8::from(!right));
         self.cases += 1;
@@ -77,7 +77,7 @@ impl Worst {
     pub fn row(self, [stage, fed]: [&str; 2], measure: Measure, bound: f64, why: &str) -> StressRow {
         let Self { error, cases } = self;
         let (stage, fed, why) = (stage.to_owned(), fed.to_owned(), why.to_owned());
-        // Nothing compared is nothing known.
+        // A row without comparisons does not hold.
         StressRow { stage, fed, cases, measure, error, bound, why, holds: cases > 0 && error <= bound }
     }
 }

@@ -1,4 +1,4 @@
-//! Puts every stage to stress.
+//! Runs the stress tests of every stage.
 
 use super::row::{StressRow, StressStudy};
 use super::stages::Stages;
@@ -20,7 +20,7 @@ const ALL: [Rows; 10] = [
     encode::rows,
 ];
 
-/// All rows; of the small form fewer cases, and grids to 16.
+/// Returns all rows. With `small` there are fewer cases, and grids only up to 16.
 pub fn stress(stages: &Stages, small: bool) -> StressStudy {
     StressStudy { rows: ALL.iter().flat_map(|of_kind| of_kind(stages, small)).collect() }
 }

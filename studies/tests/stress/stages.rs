@@ -1,4 +1,4 @@
-//! The stages that are put to stress, each as a function that may be exchanged: a study of a broken stage has to say so.
+//! The stages under test, each as a replaceable function, since the tests must detect broken stages.
 
 use brdfc_bandwidth::daubechies;
 use brdfc_core::Source;
@@ -25,10 +25,11 @@ use brdfc_wavelet::smooth::smooth;
 use brdfc_wavelet::table::Table;
 use brdfc_wavelet::threshold::{keep, ranking};
 
-/// Basis, weights and residuals of a local fit; its values at the asked point, linear and quadratic, and their variance factors.
+/// Basis, weights and residuals of a local fit. Returns its values at the queried point, linear and quadratic, and
+/// their variance factors.
 pub type LocalFit = fn(&[[f64; fit::TERMS_3D]], &[f64], &[[f64; 3]]) -> [f64; 4];
 
-/// What is run. [`Stages::default`] are the program's own.
+/// Stages under test. [`Stages::default`] has the program's own.
 #[derive(Debug, Clone, Copy)]
 pub struct Stages {
     /// Direction to longitude and colatitude.
@@ -51,17 +52,17 @@ pub struct Stages {
     pub from_log: fn(&WaveletDecoder, f32) -> f32,
     /// Smoothing of a table.
     pub smooth: fn(&Table) -> Table,
-    /// Haar analysis of an image of so many pixels a side; lifted or plain.
+    /// Haar analysis of a square image of this side, energy-preserving or plain.
     pub haar: fn(&[f32], usize, Option<&Lift>) -> Vec<f32>,
     /// Haar synthesis.
     pub haar_inverse: fn(&[f32], usize, Option<&Lift>) -> Vec<f32>,
-    /// Slices that are kept, by energies, levels and number.
+    /// Selection of slices by energies, levels and number.
     pub threshold: fn(&[f64], u32, usize) -> Vec<u32>,
     /// Texels of slices.
     pub quantise: fn(&Table, &[u32], &Header) -> Quantised,
     /// Wavelet pack to bytes.
     pub write: fn(&WaveletPack) -> Vec<u8>,
-    /// And back.
+    /// Wavelet pack from bytes.
     pub read: fn(&[u8]) -> Result<WaveletPack, FormatError>,
     /// Logarithm that a wavelet pack decodes to, at a level of detail.
     pub decode: fn(&WaveletDecoder, DirectionPair, f32) -> [f32; 3],
@@ -79,13 +80,13 @@ pub struct Stages {
     pub one_bounce: fn(Bandwidth, f32, BandwidthSurface, f32) -> Bandwidth,
     /// Level of the pyramid for a bandwidth.
     pub pyramid_level: fn(f32, i32) -> i32,
-    /// Daubechies transform of a square image, there and back.
+    /// Daubechies transform of a square image, followed by its inverse.
     pub daubechies: fn(&[f32], usize) -> Vec<f32>,
     /// Source to wavelet pack.
     pub encode: fn(&dyn Source, &Recipe) -> Result<Encoded, EncodeError>,
 }
 
-/// Steps of conjugate gradients, as a fit has them.
+/// Steps of conjugate gradients, as in a fit.
 pub const STEPS: usize = 30;
 
 impl Default for Stages {

@@ -1,4 +1,4 @@
-//! Table packs: decoding, fitting, rounding, each against f64.
+//! Table packs: decoding, fitting and rounding, each compared with f64.
 
 use super::fed::{Numbers, Of, constant, pairs};
 use super::row::{Measure, StressRow, U, Worst};
@@ -12,7 +12,7 @@ use brdfc_table::lattice::{Equations, Lattice};
 use brdfc_table::recipe::{Size, TableRecipe};
 use nalgebra::{DMatrix, DVector};
 
-/// Where f32 folds.
+/// The f32 value of π at which angles are folded.
 const PI: f64 = std::f32::consts::PI as f64;
 const FRAC_PI_2: f64 = std::f32::consts::FRAC_PI_2 as f64;
 /// Steps of texels of ten bits.
@@ -85,7 +85,7 @@ fn decode(stages: &Stages, small: bool) -> StressRow {
         ["decoding tables, f32", "all symmetries, poles and grazing rings, with and without a curve"],
         Measure::OfBound,
         1.0,
-        "8 roundings of each position, as many times the span as it has nodes, along columns by the slope of their warp; 16 of the sum",
+        "8 roundings of each position times the number of nodes and the span, along columns times the slope of their warp; 16 of the sum",
     )
 }
 
@@ -96,7 +96,7 @@ struct ExactTable<'a> {
 }
 
 impl ExactTable<'_> {
-    /// What roundings of positions and sums may change.
+    /// Bound for roundings of positions and sums.
     fn allowed(&self) -> f64 {
         let header = self.header;
         let [half, difference, _] = header.extent().map(f64::from);
@@ -108,7 +108,7 @@ impl ExactTable<'_> {
         8.0 * U * nodes * span + of_curve + 16.0 * U * (span + curve + f64::from(header.low[0].abs()))
     }
 
-    /// The logarithm at the angles that the stage itself finds: their error has a row of its own.
+    /// The logarithm at the angles computed by the stage itself, whose error has its own row.
     fn log_value(&self, pair: DirectionPair) -> f64 {
         let angles = Angles::of(pair);
         let header = self.header;
@@ -194,7 +194,7 @@ fn folded(angles: Angles, symmetry: TableSymmetry) -> [f64; 2] {
     ]
 }
 
-/// Conjugate gradients in f32 against a dense solution in f64, in the norm that they minimise.
+/// Conjugate gradients in f32 compared with a dense solution in f64, in the norm that they minimise.
 fn solve(stages: &Stages, small: bool) -> [StressRow; 2] {
     let [mut touched, mut untouched] = [Worst::default(); 2];
     let mut numbers = Numbers::new(21);
@@ -207,7 +207,7 @@ fn solve(stages: &Stages, small: bool) -> [StressRow; 2] {
         let mut exact = DMatrix::<f64>::zeros(lattice.len(), lattice.len());
         let mut right = DVector::<f64>::zeros(lattice.len());
         for _ in 0..if sparse { 12 } else { 3000 } {
-            // Of sparse ones a corner alone is touched.
+            // Sparse samples touch only a corner.
             let mut share = || if sparse { 0.3 * numbers.unit() } else { numbers.unit() };
             let position = Position {
                 column: (share() * 5.0) as f32,
@@ -256,18 +256,18 @@ fn solve(stages: &Stages, small: bool) -> [StressRow; 2] {
             "conjugate gradients: 2 ((√κ - 1) / (√κ + 1))^30 for the condition κ, the 1e-4 √κ at which they stop, 64 roundings κ; in the norm that they minimise",
         ),
         untouched.row(
-            ["fitting tables, f32", "the same, next to no samples: most nodes hang on weak ties"],
+            ["fitting tables, f32", "the same, almost no samples: most nodes are determined by weak ties"],
             Measure::Relative,
             1.0,
-            "each step comes closer in that norm than the first guess, whose distance is 1",
+            "each step is closer in that norm than the first guess, whose distance is 1",
         ),
     ]
 }
 
-/// How strongly a fit ties nodes to their neighbours.
+/// Weight of the ties between nodes and their neighbours in a fit.
 const TIE: f32 = 1e-4;
 
-/// What [`Equations::smooth`] adds, of a table that goes around along no axis.
+/// Terms that [`Equations::smooth`] adds, for a table that is not periodic along any axis.
 fn tie(matrix: &mut DMatrix<f64>, axes: Axes) {
     let sizes = [axes.half, axes.difference, axes.azimuth].map(|n| n as usize);
     let strides = [1, sizes[0], sizes[0] * sizes[1]];
@@ -276,7 +276,7 @@ fn tie(matrix: &mut DMatrix<f64>, axes: Axes) {
         for axis in 0..3 {
             if (node / strides[axis]) % sizes[axis] + 1 < sizes[axis] {
                 let other = node + strides[axis];
-                // Each ties the other.
+                // Each node ties the other.
                 for (a, b) in [(node, other), (other, node)] {
                     matrix[(a, a)] += tie;
                     matrix[(a, b)] -= tie;
@@ -286,7 +286,7 @@ fn tie(matrix: &mut DMatrix<f64>, axes: Axes) {
     }
 }
 
-/// Of the matrix scaled by its diagonal.
+/// Condition of the matrix scaled by its diagonal.
 fn condition(matrix: &DMatrix<f64>) -> f64 {
     let scaled = DMatrix::from_fn(matrix.nrows(), matrix.ncols(), |a, b| {
         matrix[(a, b)] / (matrix[(a, a)] * matrix[(b, b)]).sqrt()
@@ -295,7 +295,7 @@ fn condition(matrix: &DMatrix<f64>) -> f64 {
     values.max() / values.min().max(f64::MIN_POSITIVE)
 }
 
-/// Texels of whole packs against the nodes that were fitted.
+/// Texels of complete packs compared with the fitted nodes.
 fn round(stages: &Stages, small: bool) -> StressRow {
     let mut worst = Worst::default();
     let spike = Of {
@@ -328,7 +328,7 @@ fn round(stages: &Stages, small: bool) -> StressRow {
         ["rounding tables", "a spike of 1e18 to 1, GGX of roughness 0.003, constants, black"],
         Measure::Steps,
         1.5,
-        "half a step, and one more to make up for the neighbours; of grey ones, halves as fine as ten bits of the range",
+        "half a step, and one more to compensate for the neighbours; grey tables have halves as fine as ten bits of the range",
     )
 }
 
@@ -337,14 +337,14 @@ fn compare_texels(nodes: &[[f32; 3]], pack: &TablePack, worst: &mut Worst) {
     let slice = (header.axes.half * header.axes.difference) as usize;
     let texels = pack.values();
     for (k, node) in nodes.iter().enumerate() {
-        // Behind each layer its first slice stands again where there is no mirror.
+        // Without a mirror, the first slice of each layer is repeated after the layer.
         let layer = k / (slice * header.axes.azimuth as usize);
         let at = k + layer * slice * (header.slices() - header.axes.azimuth) as usize;
         for channel in 0..header.channels as usize {
             let (low, span) = (f64::from(header.low[channel]), f64::from(header.span[channel]));
-            let wanted = f64::from(node[channel]).clamp(low, low + span);
+            let target = f64::from(node[channel]).clamp(low, low + span);
             let found = low + span * f64::from(texels[at][channel]);
-            worst.add(if span > 0.0 { (found - wanted) / span * TEN_BITS } else { found - low });
+            worst.add(if span > 0.0 { (found - target) / span * TEN_BITS } else { found - low });
         }
     }
 }

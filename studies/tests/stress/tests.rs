@@ -36,7 +36,7 @@ fn a_bound_that_is_too_tight_is_broken() {
         assert_eq!(StressStudy { rows: vec![row] }.broken().count(), 1);
     }
     assert!(!Worst::default().row(["stage", "fed"], Measure::Count, 0.0, "why").holds, "nothing was compared");
-    // Of every row that is not exact: a bound below what was found.
+    // For every row that is not exact: a bound below the observed error.
     let study = stress(&Stages::default(), true);
     let tightened = study.rows.into_iter().filter(|row| row.error > 0.0).map(holds_below);
     assert!(tightened.clone().count() > 20);
@@ -49,9 +49,9 @@ fn holds_below(row: StressRow) -> bool {
     worst.row([&row.stage, &row.fed], row.measure, 0.99 * row.error, &row.why).holds
 }
 
-/// Negative control: each stage broken on purpose, some by a few roundings only, and the row that has to say so.
+/// Negative control: each stage is deliberately broken, some only by a few roundings, and its row must detect it.
 #[test]
-fn broken_stages_are_told() {
+fn broken_stages_are_detected() {
     let cases: [Broken; 26] = [
         (directions::rows, "tangent-pole grid, f64", |s| {
             s.to_tangent_pole = |d| [f64::from(d[2].atan2(d[0]) as f32), d[1].acos()];
@@ -72,7 +72,7 @@ fn broken_stages_are_told() {
         }),
         (logarithms::rows, "ln, f32", |s| s.ln = |y| y.ln() * (1.0 + 1e-6)),
         (logarithms::rows, "exp, f32", |s| s.exp = |x| (x * (1.0 + 1e-7)).exp()),
-        (logarithms::rows, "rise of lifted packs, f32", |s| s.rise = |h, _| h.cosh().ln()),
+        (logarithms::rows, "rise of energy-preserving packs, f32", |s| s.rise = |h, _| h.cosh().ln()),
         (logarithms::rows, "log encoding, f32", |s| {
             s.log_encode = |table, encoding| {
                 let mut encoded = table.clone();
@@ -93,8 +93,10 @@ fn broken_stages_are_told() {
             s.haar_inverse =
                 |c, n, lift| (Stages::default().haar_inverse)(c, n, lift).iter().map(|c| c + 1e-3).collect();
         }),
-        (transforms::rows, "lifted Haar, f32", |s| s.haar = |samples, n, _| (Stages::default().haar)(samples, n, None)),
-        (transforms::rows, "lifted Haar and back, f32", |s| {
+        (transforms::rows, "energy-preserving Haar, f32", |s| {
+            s.haar = |samples, n, _| (Stages::default().haar)(samples, n, None)
+        }),
+        (transforms::rows, "energy-preserving Haar and back, f32", |s| {
             s.haar_inverse = |c, n, _| (Stages::default().haar_inverse)(c, n, None)
         }),
         (transforms::rows, "Daubechies and back, f32", |s| {
@@ -113,20 +115,20 @@ fn broken_stages_are_told() {
                 let mut ranked: Vec<u32> = (1..energies.len() as u32).rev().collect();
                 ranked.sort_by(|a, b| energies[*b as usize].total_cmp(&energies[*a as usize]));
                 ranked.insert(0, 0);
-                let mut kept = ranked[..count.clamp(1, ranked.len())].to_vec();
-                kept.sort_unstable();
-                kept
+                let mut selected = ranked[..count.clamp(1, ranked.len())].to_vec();
+                selected.sort_unstable();
+                selected
             };
         }),
         (texels::rows, "rounding to texels", |s| {
-            s.quantise = |table, kept, header| {
-                let mut quantised = (Stages::default().quantise)(table, kept, header);
+            s.quantise = |table, selected, header| {
+                let mut quantised = (Stages::default().quantise)(table, selected, header);
                 quantised.texels.iter_mut().for_each(|byte| *byte = byte.saturating_add(1));
                 quantised
             };
         }),
         (pack::rows, "packs written and read", |s| {
-            // Indices of a byte, and no more.
+            // Indices of a single byte.
             s.read = |bytes| {
                 let mut pack = (Stages::default().read)(bytes)?;
                 pack.index.iter_mut().for_each(|slice| *slice &= 255);
@@ -168,7 +170,7 @@ fn broken_stages_are_told() {
     for (rows, stage, break_it) in cases {
         let mut stages = Stages::default();
         break_it(&mut stages);
-        let told = rows(&stages, true).into_iter().any(|row| row.stage == stage && !row.holds);
-        assert!(told, "{stage}: broken, and nothing said so");
+        let detected = rows(&stages, true).into_iter().any(|row| row.stage == stage && !row.holds);
+        assert!(detected, "{stage}: broken, but not detected");
     }
 }

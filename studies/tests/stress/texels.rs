@@ -1,4 +1,4 @@
-//! Which slices are kept, and what rounding makes of them.
+//! Selection of slices, and rounding of their values.
 
 use super::fed::{Filling, Numbers, header, levels, table};
 use super::row::{Measure, StressRow, U, Worst};
@@ -31,34 +31,34 @@ fn threshold(stages: &Stages, small: bool) -> StressRow {
         ];
         for energy in kinds {
             let energies: Vec<f64> = (0..count).map(|_| energy()).collect();
-            // By repeated search for the largest, of which the first counts; the scaling coefficient always.
+            // Repeated search for the maximum, of which the first counts; the scaling coefficient is always selected.
             let mut left: Vec<usize> = (1..count).collect();
             left.sort_by(|a, b| energies[*b].total_cmp(&energies[*a]));
             for asked in [0, 1, 2, count / 4 + 1, count - 1, count, count + 1] {
-                let kept = (stages.threshold)(&energies, levels, asked);
-                let weakest = kept.iter().skip(1).map(|k| energies[*k as usize]).fold(f64::INFINITY, f64::min);
-                let mut dropped = (1..count).filter(|k| kept.binary_search(&(*k as u32)).is_err());
-                // None that is left out is stronger, or as strong and earlier.
-                let last_tie = kept.iter().skip(1).filter(|k| energies[**k as usize] == weakest).max();
+                let selected = (stages.threshold)(&energies, levels, asked);
+                let weakest = selected.iter().skip(1).map(|k| energies[*k as usize]).fold(f64::INFINITY, f64::min);
+                let mut dropped = (1..count).filter(|k| selected.binary_search(&(*k as u32)).is_err());
+                // No discarded one is larger, or equal and earlier.
+                let last_tie = selected.iter().skip(1).filter(|k| energies[**k as usize] == weakest).max();
                 let right = |k: usize| {
                     energies[k] < weakest || (energies[k] == weakest && last_tie.is_none_or(|last| k as u32 > *last))
                 };
-                worst.check(kept.len() == asked.clamp(1, count));
-                worst.check(kept.first() == Some(&0) && kept.windows(2).all(|pair| pair[0] < pair[1]));
-                worst.check(kept.len() == 1 || dropped.all(right));
-                worst.check(kept == (stages.threshold)(&energies, levels, asked));
+                worst.check(selected.len() == asked.clamp(1, count));
+                worst.check(selected.first() == Some(&0) && selected.windows(2).all(|pair| pair[0] < pair[1]));
+                worst.check(selected.len() == 1 || dropped.all(right));
+                worst.check(selected == (stages.threshold)(&energies, levels, asked));
             }
         }
     }
     worst.row(
-        ["threshold", "all grids, energies that are all alike, two, or seven values"],
+        ["threshold", "all grids, energies that are all equal, two, or seven values"],
         Measure::Count,
         0.0,
-        "as many as asked for, the strongest, ties by number, the same each time",
+        "the requested number, the largest, ties by index, the same each time",
     )
 }
 
-/// Coefficients that are images of each other must tie, or packs of symmetric materials would be lopsided.
+/// Coefficients that are images of each other must tie, otherwise packs of symmetric materials would be asymmetric.
 fn symmetric_energies(small: bool) -> StressRow {
     let mut worst = Worst::default();
     for levels in levels(small).filter(|levels| *levels < 5) {
@@ -80,7 +80,7 @@ fn symmetric_energies(small: bool) -> StressRow {
         ["energies of slices, f64", "tables with mirrors"],
         Measure::Count,
         0.0,
-        "images of a coefficient have the same energy to the bit: sums are sorted first",
+        "images of a coefficient have bit-identical energies, since sums are sorted first",
     )
 }
 

@@ -1,4 +1,4 @@
-//! Wavelet transforms: against sums in f64, there and back.
+//! Wavelet transforms compared with sums in f64, forward and inverse.
 
 use super::fed::{Filling, Numbers, levels, table};
 use super::row::{Measure, StressRow, U, Worst};
@@ -13,13 +13,14 @@ fn norm(samples: &[f32]) -> f64 {
     samples.iter().map(|v| f64::from(*v).powi(2)).sum::<f64>().sqrt() + f64::from(f32::MIN_POSITIVE)
 }
 
-/// Roundings on the way through so many levels: each halves twice, by a sum and a product with a rounded number.
+/// Roundings through this number of levels: each halves twice, by a sum and a product with a rounded number.
 fn roundings(levels: u32) -> f64 {
     f64::from(2 * levels) * 3.0 * U
 }
 
 pub fn rows(stages: &Stages, small: bool) -> Vec<StressRow> {
-    let [mut analysis, mut back, mut lifted, mut lifted_back, mut constants, mut daubechies] = [Worst::default(); 6];
+    let [mut analysis, mut back, mut preserving, mut preserving_back, mut constants, mut daubechies] =
+        [Worst::default(); 6];
     for levels in levels(small) {
         let n = 1usize << levels;
         let lift = Lift::new(levels);
@@ -37,25 +38,25 @@ pub fn rows(stages: &Stages, small: bool) -> Vec<StressRow> {
                 coefficients[1..].iter().for_each(|detail| constants.check(*detail == 0.0));
             }
             daubechies_there_and_back(stages, &samples, n, norm, &mut daubechies);
-            // Logarithms of a material: 1e6 is none.
+            // Logarithms of a material, which 1e6 is not.
             let logarithms: Vec<f32> = samples.iter().map(|v| v.clamp(-30.0, 15.0)).collect();
             let norm = super::transforms::norm(&logarithms);
-            // A rise has 4e-7 of 1 + |h|, where others have a rounding.
+            // A rise has an error of 4e-7 of 1 + |h|, instead of a rounding.
             let bound = f64::from(2 * levels) * (3.0 * U + 4e-7);
             let coefficients = (stages.haar)(&logarithms, n, Some(&lift));
             let mut exact = vec![0.0; n * n];
             let doubles: Vec<f64> = logarithms.iter().map(|v| f64::from(*v)).collect();
             haar::forward(&doubles, n, &Exact(&lift), &mut exact, &mut Vec::new());
             for (found, exact) in coefficients.iter().zip(exact) {
-                lifted.add((f64::from(*found) - exact) / ((norm + n as f64) * bound));
+                preserving.add((f64::from(*found) - exact) / ((norm + n as f64) * bound));
             }
             for (found, exact) in (stages.haar_inverse)(&coefficients, n, Some(&lift)).iter().zip(&logarithms) {
-                lifted_back.add(f64::from(found - exact) / ((norm + n as f64) * 2.0 * bound));
+                preserving_back.add(f64::from(found - exact) / ((norm + n as f64) * 2.0 * bound));
             }
         }
     }
     let fed = "all grids: 1e-12 to 1e6, denormals, zeros, constants, a spike";
-    let of_norm = "3 roundings at each of 2 N steps, of the norm of the image";
+    let of_norm = "3 roundings at each of 2 N steps, relative to the norm of the image";
     let of_rise = "as plain, and 4e-7 of 1 + |h| for the rise at each step";
     vec![
         analysis.row(["Haar, f32", fed], Measure::OfBound, 1.0, of_norm),
@@ -66,19 +67,29 @@ pub fn rows(stages: &Stages, small: bool) -> Vec<StressRow> {
             0.0,
             "a - a is 0: no detail, so no slice",
         ),
-        lifted.row(["lifted Haar, f32", "the same as logarithms, -30 to 15"], Measure::OfBound, 1.0, of_rise),
-        lifted_back.row(["lifted Haar and back, f32", "the same"], Measure::OfBound, 1.0, "twice as many steps"),
+        preserving.row(
+            ["energy-preserving Haar, f32", "the same as logarithms, -30 to 15"],
+            Measure::OfBound,
+            1.0,
+            of_rise,
+        ),
+        preserving_back.row(
+            ["energy-preserving Haar and back, f32", "the same"],
+            Measure::OfBound,
+            1.0,
+            "twice as many steps",
+        ),
         daubechies.row(
             ["Daubechies and back, f32", fed],
             Measure::OfBound,
             1.0,
-            "16 products and sums at each of 4 N steps, of the norm of the image",
+            "16 products and sums at each of 4 N steps, relative to the norm of the image",
         ),
         smooth(stages, small),
     ]
 }
 
-/// Coefficients as what they mean: differences of sums over blocks, times `2^-(N-j)`, of longitudes `√2` times that.
+/// Coefficients by definition: differences of sums over blocks, times `2^-(N-j)`, of longitudes `√2` times that.
 fn sums(samples: &[f32], n: usize) -> Vec<f64> {
     let levels = n.ilog2();
     let sum = |rows: [usize; 2], columns: [usize; 2]| -> f64 {
@@ -136,7 +147,7 @@ fn daubechies_there_and_back(stages: &Stages, samples: &[f32], n: usize, norm: f
     }
 }
 
-/// Squares along each axis are kept: the fit has their degree.
+/// Squares along each axis are preserved, since the fit has their degree.
 fn smooth(stages: &Stages, small: bool) -> StressRow {
     let mut worst = Worst::default();
     for levels in 2..=if small { 3 } else { 4 } {
@@ -158,6 +169,6 @@ fn smooth(stages: &Stages, small: bool) -> StressRow {
         ["smoothing, f32", "polynomials of its degree times 1e-12 to 1e6, up to the border"],
         Measure::Relative,
         64.0 * U,
-        "four passes that keep them, each with some 5 roundings, of weights whose sizes add up to 1.3; of the largest value",
+        "four passes that preserve them, each with about 5 roundings, and weights with magnitudes that add up to 1.3; relative to the largest value",
     )
 }

@@ -3,7 +3,7 @@
 use super::{conforms, folder};
 
 #[test]
-fn the_study_prints_nine_rows_with_the_papers_figures_beside() {
+fn the_study_prints_nine_rows_with_the_papers_figures() {
     let folder = folder();
     let ran = folder.run(&["--json"]).succeeded();
     let report = ran.json();
@@ -101,7 +101,7 @@ fn the_study_of_flat_btfs_has_the_papers_tables() {
 }
 
 #[test]
-fn the_study_of_btfs_has_every_way_of_both_kinds() {
+fn the_study_of_btfs_has_every_method_for_both_kinds() {
     let folder = folder();
     let small = ["--study", "btf", "synth:folds?resolution=32", "--texels", "8", "--directions", "grid:3x4@60"];
     let run = |more: &[&str]| folder.run(&[&small[..], more].concat()).succeeded();

@@ -33,7 +33,7 @@ fn the_studies_that_draw() {
     assert_eq!(folder.files("frames").len(), 18);
 }
 
-/// Codecs beside each other; in the place of Python a script whose compressor keeps everything.
+/// Comparison of codecs, with a script instead of Python whose compressor copies its input.
 #[cfg(unix)]
 #[test]
 fn the_study_of_codecs() {
@@ -43,7 +43,7 @@ fn the_study_of_codecs() {
     }
     let folder = folder();
     let script = folder.path().join("python");
-    let text = "#!/bin/sh\n[ \"$1\" = -c ] && exit\ncp \"$2\" \"$3/kept.f32\"\necho zfp 0.1 4321 0.25 kept.f32\n";
+    let text = "#!/bin/sh\n[ \"$1\" = -c ] && exit\ncp \"$2\" \"$3/copy.f32\"\necho zfp 0.1 4321 0.25 copy.f32\n";
     std::fs::write(&script, text).unwrap();
     std::fs::set_permissions(&script, std::fs::Permissions::from_mode(0o755)).unwrap();
     let python = script.to_str().unwrap();
@@ -96,7 +96,7 @@ fn studies_of_adaptive_shading() {
     for row in equal.as_array().unwrap() {
         for point in [&row["adaptive"], &row["best"]].into_iter().filter(|point| !point.is_null()) {
             let off = point["psnr"].as_f64().unwrap() - row["psnr"].as_f64().unwrap();
-            assert!(off.abs() < 1.0, "the rendering of the interpolated budget has the wanted error: {row}");
+            assert!(off.abs() < 1.0, "the rendering of the interpolated budget has the target error: {row}");
         }
     }
     let fourier = study("pixel-bandwidth", &[]);

@@ -1,4 +1,4 @@
-//! The program of the studies as people use it.
+//! The program of the studies, run from the command line.
 
 mod bench;
 #[cfg(feature = "render")]
@@ -18,7 +18,7 @@ fn folder() -> Folder {
     Folder::of(PROGRAM)
 }
 
-/// Whether there is a graphics adapter; if not, prints why a test is skipped.
+/// Returns true if there is a graphics adapter. Otherwise prints why a test is skipped.
 #[cfg(feature = "render")]
 fn has_adapter() -> bool {
     use brdfc_gpu::{AdapterChoice, Gpu};
@@ -26,7 +26,7 @@ fn has_adapter() -> bool {
     found.as_ref().map_err(|error| println!("skipped: {error}")).is_ok()
 }
 
-/// A report is as `studies/schema.json` says, and has no members that it does not know.
+/// Checks that a report conforms to `studies/schema.json` and has no other members.
 #[track_caller]
 fn conforms(report: &Value) {
     let text = std::fs::read_to_string(repository().join("studies/schema.json")).unwrap();

@@ -1,4 +1,4 @@
-//! The commands of the studies on the pages under docs/ work, and print what the pages say they print.
+//! The commands of the studies on the pages under docs/ work, and their output is that on the pages.
 
 use super::{PROGRAM, folder};
 use brdfc_testing::pages::{Program, run_pages};
@@ -46,7 +46,7 @@ fn the_schema_of_the_studies_is_that_of_the_program() {
     if std::env::var_os("BRDFC_BLESS").is_some() {
         std::fs::write(&file, &printed).unwrap();
     }
-    assert!(std::fs::read_to_string(&file).unwrap() == printed, "studies/schema.json is old: ./scripts/bless");
+    assert!(std::fs::read_to_string(&file).unwrap() == printed, "studies/schema.json is outdated; run ./scripts/bless");
     let schema: serde_json::Value = serde_json::from_str(&printed).unwrap();
     brdfc_testing::schema::check(&schema);
     assert!(schema["required"].as_array().unwrap().contains(&"version".into()));

@@ -4,10 +4,10 @@ use super::folder;
 use brdfc_testing::program::Folder;
 
 #[track_caller]
-fn refused(folder: &Folder, arguments: &[&str], code: i32, told: &[&str]) {
+fn refused(folder: &Folder, arguments: &[&str], code: i32, expected: &[&str]) {
     let ran = folder.run(arguments);
     assert_eq!((ran.code, ran.stdout.as_str()), (code, ""), "{arguments:?}: {}", ran.stderr);
-    for text in told {
+    for text in expected {
         assert!(ran.stderr.contains(text), "{arguments:?}: {}", ran.stderr);
     }
 }
@@ -22,14 +22,14 @@ fn the_help_has_examples_and_short_lines() {
 }
 
 #[test]
-fn flags_that_do_not_go_with_the_study() {
+fn flags_that_do_not_apply_to_the_study() {
     let folder = folder();
     folder.write("m.obj", "no folder");
     refused(&folder, &["--study", "rays", "--out", "m.obj"], 4, &["found a file, expected a folder"]);
     refused(&folder, &["--study", "rays", "--directions", "ubo2003"], 2, &["expected with --study flat-btf"]);
     refused(&folder, &["--study", "rays", "--indirection", "8x8"], 2, &["expected with --study flat-btf"]);
-    let flat = |option: [&str; 2], told: &[&str]| {
-        refused(&folder, &[&["--study", "flat-btf", "synth:knit"][..], &option].concat(), 2, told);
+    let flat = |option: [&str; 2], expected: &[&str]| {
+        refused(&folder, &[&["--study", "flat-btf", "synth:knit"][..], &option].concat(), 2, expected);
     };
     flat(["--indirection", "1x8"], &["--indirection: found 1x8, expected 2 to 256 polar angles x 3 to 256"]);
     flat(["--indirection", "256x256"], &["--texels x --indirection: found a map of 32768 x 32896 texels"]);
@@ -39,7 +39,7 @@ fn flags_that_do_not_go_with_the_study() {
     refused(&folder, &["--out", "x"], 2, &["--study level-of-detail"]);
 }
 
-/// A number below zero is a value, and is refused with what is allowed.
+/// A negative number is parsed as a value, and the error gives the expected range.
 #[test]
 fn negative_numbers_are_values() {
     let folder = folder();
@@ -60,7 +60,7 @@ fn negative_numbers_are_values() {
 
 #[cfg(feature = "render")]
 #[test]
-fn without_a_driver_it_says_what_to_install() {
+fn without_a_driver_the_error_names_the_packages_to_install() {
     let folder = folder();
     let mut command = folder.command(&["--study", "throughput"]);
     let output =

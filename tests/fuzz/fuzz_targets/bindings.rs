@@ -1,5 +1,5 @@
-//! Any bytes, a committed pack with edits, or one with edits in its list of bindings: an error, or bindings that are written and
-//! read again, whatever the codec is.
+//! Arbitrary bytes, a committed pack with edits, or one with edits in its list of bindings: returns an error, or bindings that can
+//! be written and read again, for any codec.
 #![no_main]
 
 mod edits;

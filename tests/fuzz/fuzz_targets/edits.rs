@@ -1,6 +1,6 @@
 //! Turns fuzz data into edits of a valid file, so that broken files get past magic numbers and lengths.
 
-/// Applies edits of four bytes each: what to do, where (two bytes, wrapped into the file), with which byte.
+/// Applies edits of four bytes each: operation, position (two bytes, wrapped into the file), and byte.
 pub fn edit(file: &mut Vec<u8>, edits: &[u8]) {
     for &[what, low, high, byte] in edits.as_chunks::<4>().0 {
         if file.is_empty() {

@@ -1,5 +1,5 @@
-//! Any bytes, or a valid pack with edits: an error, or a pack whose values are numbers at every level and filter. The
-//! committed packs of all kinds are among the valid ones.
+//! Arbitrary bytes, or a valid pack with edits: returns an error, or a pack whose values are finite at every level and filter. The
+//! valid packs include the committed packs of all kinds.
 #![no_main]
 
 mod edits;
@@ -29,12 +29,12 @@ fn valid(choice: u8) -> Vec<u8> {
 fuzz_target!(|data: &[u8]| {
     let Some((choice, rest)) = data.split_first() else { return };
     if choice & 0xc0 == 0x40 {
-        // There are more of them than one byte has room for.
+        // There are more of them than one byte can select.
         let Some((more, rest)) = rest.split_first() else { return };
         let (_, bytes) = &COMMITTED[usize::from(u16::from_le_bytes([*more, choice & 0x3f])) % COMMITTED.len()];
         let mut bytes = bytes.clone();
         edits::edit(&mut bytes, rest);
-        // Behind the checksum.
+        // After the checksum.
         seal(&mut bytes);
         let _ = of_pack(&bytes);
         flat_btf::survives(&bytes);

@@ -1,4 +1,4 @@
-//! Any bytes, or a valid file with edits, to every reader of measured data; what is read is evaluated.
+//! Arbitrary bytes, or a valid file with edits, for every reader of measured data; the result is evaluated.
 #![no_main]
 
 mod edits;
@@ -97,7 +97,7 @@ fn check_map(map: &Ptm) {
     assert_eq!(Ptm::from_bytes(&map.to_bytes()).as_ref(), Ok(map));
 }
 
-/// Whether the bytes are a file of that reader, from which a source can be built where it has reflectance.
+/// Returns true if the reader accepts the bytes and, for reflectance, a source can be built from them.
 fn read(reader: u8, bytes: &[u8]) -> bool {
     match reader {
         0 => Merl::from_bytes(bytes).map(|table| evaluate(&MerlSource::new(table))).is_ok(),
@@ -129,7 +129,7 @@ fuzz_target!(|data: &[u8]| {
     if choice & 0x80 == 0 {
         let mut bytes = valid(reader);
         edits::edit(&mut bytes, rest);
-        // Else the edits are lost on a file that was never valid.
+        // Otherwise the edits would apply to a file that was never valid.
         assert!(read(reader, &bytes) || rest.len() >= 4, "reader {reader}");
     } else {
         read(reader, rest);

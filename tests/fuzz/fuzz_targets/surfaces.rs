@@ -1,5 +1,5 @@
-//! Any bytes, or a valid file with edits, to every reader of what flat BTFs are made of and stored in, of bandwidth maps and
-//! of importance samples; meshes are welded, packs written and read again.
+//! Arbitrary bytes, or a valid file with edits, for every reader of the inputs and files of flat BTFs, of bandwidth maps and of
+//! importance samples; meshes are welded, packs written and read again.
 #![no_main]
 
 mod edits;
@@ -45,7 +45,7 @@ fn valid(reader: u8) -> Vec<u8> {
         5 => flat_btf::factored_file().to_bytes(false),
         6 => environment().to_bytes(false),
         7 => samples().to_bytes(false),
-        // Only as they come: compressed images hardly survive edits.
+        // Without edits, because compressed images rarely survive them.
         _ => Vec::new(),
     }
 }
@@ -89,9 +89,9 @@ fuzz_target!(|data: &[u8]| {
         let mut bytes = valid(reader);
         let edited = !bytes.is_empty();
         edits::edit(&mut bytes, rest);
-        // Of packs, behind the checksum.
+        // For packs, after the checksum.
         seal(&mut bytes);
-        // Else the edits are lost on a file that was never valid.
+        // Otherwise the edits would apply to a file that was never valid.
         assert!(read(reader, &bytes) || rest.len() >= 4 || !edited, "reader {reader}");
     } else {
         read(reader, rest);

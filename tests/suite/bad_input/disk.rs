@@ -1,4 +1,4 @@
-//! Disks and folders that do not take what is written.
+//! Full disks and read-only folders.
 
 use super::refused;
 use crate::common::cli::Folder;
@@ -20,7 +20,7 @@ fn a_folder_in_place_of_a_pack() {
     let folder = Folder::new();
     folder.write("scene.toml", SCENE);
     folder.write("packs/a.brdf.ktx2/file", b"x");
-    let words = ["brdfc: packs/a.brdf.ktx2: found a folder, expected nothing, or what an earlier build wrote"];
+    let words = ["brdfc: packs/a.brdf.ktx2: found a folder, expected nothing, or a file of an earlier build"];
     for arguments in [["build", "scene.toml"].as_slice(), &["build", "scene.toml", "--force"]] {
         let ran = folder.run(arguments);
         assert!(ran.code == 4 && words.iter().all(|words| ran.stderr.contains(words)), "{}", ran.stderr);
@@ -46,7 +46,7 @@ fn a_read_only_folder() {
     assert!(folder.files("packs").is_empty());
 }
 
-/// What a build writes beside its packs never takes the place of a measurement, nor of what else is written.
+/// Files that a build writes next to its packs never replace a measurement or another output.
 #[test]
 fn stamps_and_rules_are_files_of_their_own() {
     let folder = Folder::new();
@@ -64,13 +64,9 @@ fn stamps_and_rules_are_files_of_their_own() {
         (
             &["--stamp", "packs/report.json"],
             2,
-            "--stamp: found packs/report.json, a place of the build's own files, expected another",
+            "--stamp: found packs/report.json, which is reserved for the build, expected another",
         ),
-        (
-            &["--depfile", "packs/a.brdf.ktx2"],
-            2,
-            "--depfile: found packs/a.brdf.ktx2, a place of the build's own files",
-        ),
+        (&["--depfile", "packs/a.brdf.ktx2"], 2, "--depfile: found packs/a.brdf.ktx2, which is reserved for the build"),
         (&["--depfile", "no/x"], 4, "no/x: cannot write: there is no folder no"),
         (&["--from", "nowhere"], 4, "--from: found nowhere, expected a folder that 'brdfc build' filled"),
         (&["--shard", "1/1", "--stamp", "a.binary"], 2, "--stamp: found a.binary, an input, expected another file"),
@@ -86,7 +82,7 @@ fn stamps_and_rules_are_files_of_their_own() {
 fn a_full_disk() {
     let folder = Folder::new();
     folder.write("scene.toml", SCENE);
-    // A small file system in a name space of its own: gone with the shell, whatever happens.
+    // A small file system in its own name space, which disappears with the shell.
     let script = "mkdir small && mount -t tmpfs -o size=16k none small || exit 99
         \"$0\" encode synth:lewis --grid 32 -o small/p.ktx2; echo \"code $?\"
         \"$0\" flatten synth:button?resolution=16 --texels 16 --views grid:2x6@50 -o small/flat; echo \"code $?\"
@@ -112,7 +108,7 @@ fn a_full_disk() {
     assert!(stderr.contains("brdfc: small/p.ktx2: cannot write: ") && !stderr.contains("panicked"), "{stderr}");
     assert!(stderr.contains("brdfc: small/a.binary: cannot write: "), "{stderr}");
     assert!(stderr.contains("brdfc: small/flat, scratch file of view "), "{stderr}");
-    // Whichever command it is, in the words of the system.
+    // All commands report the system's message.
     for line in stderr.lines().filter(|line| line.contains("cannot write")) {
         assert!(line.ends_with(": cannot write: No space left on device (os error 28)"), "{line}");
     }

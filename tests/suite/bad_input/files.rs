@@ -27,7 +27,7 @@ fn the_valid_files_of_these_tests_are_valid() {
 fn empty_files_and_wrong_magic() {
     bad_file("a.binary", b"", &["file length: found 0 bytes, expected at least 12 bytes"]);
     bad_file("a.bsdf", b"", &["byte 0, magic: found end of data"]);
-    bad_file("a.ktx2", b"", &["container: found 0 bytes, which end too early, expected a whole KTX2 file"]);
+    bad_file("a.ktx2", b"", &["container: found 0 bytes, which are too few, expected a complete KTX2 file"]);
     bad_file("a.brdf", b"", &["wavelength count: found end of data"]);
     bad_file("a.csv", b"", &["header: found an empty file"]);
     bad_file("a.bsdf", &with(rgl_bytes(), 0, b"Tensor"), &["byte 0, magic: found ", "expected tensor_file"]);
@@ -58,7 +58,7 @@ fn merl_dimensions() {
         let other = with(merl(), 4 * axis, &5i32.to_le_bytes());
         bad_file("a.binary", &other, &["file length: found 588 bytes, expected ", "for a table of "]);
     }
-    // 1.6 TB announced in 588 bytes: refused before any memory is asked for.
+    // 588 bytes announce 1.6 TB: rejected before any memory is allocated.
     let huge: Vec<u8> = [4096i32; 3].into_iter().flat_map(i32::to_le_bytes).chain(merl().split_off(12)).collect();
     bad_file("a.binary", &huge, &["expected 1649267441676 bytes for a table of 4096 x 4096 x 4096"]);
 }
@@ -114,7 +114,7 @@ fn rgl_numbers_and_extents() {
 }
 
 #[test]
-fn what_stands_in_a_file_does_not_steer_the_terminal() {
+fn contents_of_a_file_do_not_control_the_terminal() {
     let folder = Folder::new();
     let mut container = Material::default().container();
     container.field("description").data = b"\x1b[2J".to_vec();
@@ -130,8 +130,8 @@ fn names_and_folders() {
     folder.write("folder/file.txt", b"x");
     refused(&folder, &["info", "gone.binary"], 4, &["brdfc: gone.binary: cannot read: "]);
     refused(&folder, &["info", "folder"], 3, &["brdfc: folder: stack: found no images, expected files "]);
-    let told = "brdfc: folder: file: found a folder, expected a file or a pipe";
-    refused(&folder, &["encode", "folder", "-o", "p.ktx2"], 3, &[told]);
+    let message = "brdfc: folder: file: found a folder, expected a file or a pipe";
+    refused(&folder, &["encode", "folder", "-o", "p.ktx2"], 3, &[message]);
     refused(&folder, &["info", "folder/file.txt"], 3, &["file name: found extension .txt, expected .binary (MERL)"]);
     refused(&folder, &["info", "folder/file.txt/x.brdf"], 4, &["cannot read: "]);
     refused(&folder, &["info", ""], 4, &["cannot read: "]);

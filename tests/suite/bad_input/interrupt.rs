@@ -63,7 +63,7 @@ fn an_interrupt_changes_nothing_and_loses_nothing() {
     lines.read_to_string(&mut rest).unwrap();
     assert_eq!(child.wait().unwrap().code(), Some(130), "{rest}");
     assert!(
-        rest.contains("brdfc: interrupted; the output folder is as it was") && !rest.contains("panicked"),
+        rest.contains("brdfc: interrupted; the output folder is unchanged") && !rest.contains("panicked"),
         "{rest}"
     );
     assert!(folder.products("packs") == before, "{:?}", folder.products("packs").keys());
@@ -77,12 +77,12 @@ fn an_interrupt_changes_nothing_and_loses_nothing() {
     assert!(folder.products("packs").keys().all(|name| !name.starts_with("m0.")), "m0 is not needed any more");
 }
 
-/// How often processes are killed at random moments.
+/// Number of times that processes are killed at random moments.
 fn kills() -> u64 {
     std::env::var("BRDFC_KILLS").ok().and_then(|text| text.parse().ok()).unwrap_or(10)
 }
 
-/// Hashes that a report lists are those of the files, and there is nothing else.
+/// The hashes in a report are those of the files, and there are no other files.
 #[track_caller]
 fn agrees(products: &BTreeMap<String, Vec<u8>>, what: &str) {
     let report: serde_json::Value = serde_json::from_slice(&products["report.json"]).unwrap();
@@ -126,7 +126,7 @@ fn killed_builds_leave_the_folder_whole() {
             assert!(products == standing || products == whole[next], "kill {number}: one build or the other");
             standing = products;
         }
-        // The next run is as if nothing had been.
+        // The next run succeeds as if nothing had happened.
         if number % 5 == 4 {
             folder.run(&["build", "scene.toml", "--quiet"]).succeeded();
             assert!(folder.products("packs") == whole[next], "after kill {number}");
@@ -175,7 +175,7 @@ fn killed_flattenings_leave_the_folder_whole() {
         let products = without_unfinished(folder.files("asset"));
         standing = if products == whole[next] { next } else { standing };
         assert!(products == whole[standing], "kill {number}: the old or the new: {:?}", products.keys());
-        // The next run is as if nothing had been.
+        // The next run succeeds as if nothing had happened.
         if number % 5 == 4 {
             folder.run(&flatten(SURFACES[next], "asset")).succeeded();
             assert!(folder.files("asset") == whole[next], "after kill {number}: {:?}", folder.files("asset").keys());

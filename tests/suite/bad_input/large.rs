@@ -1,4 +1,4 @@
-//! Files that ask for much memory: sparse ones, and images that are small on the disk alone.
+//! Files that require much memory: sparse files, and images that are small only on disk.
 
 use super::refused;
 use crate::common::cli::Folder;
@@ -19,14 +19,14 @@ fn sparse_files_are_refused_before_memory_is_asked_for() {
             "a.csv",
             Vec::new(),
             2 << 30,
-            "line 1, text: found a NUL byte, byte 0 of the file, expected text, which has none",
+            "line 1, text: found a NUL byte, byte 0 of the file, expected text without NUL bytes",
         ),
     ] {
         let mut file = File::create(folder.path().join(name)).unwrap();
         file.write_all(&start).unwrap();
         file.set_len(length).unwrap();
         drop(file);
-        // The folder is not read back, as the checks of other refusals would.
+        // The folder is not read back, unlike in the checks of other refusals.
         let ran = folder.run(&["info", name]);
         assert_eq!((ran.code, ran.stderr), (3, format!("brdfc: {name}: {expected}\n")));
     }
@@ -47,7 +47,7 @@ fn plain() -> Vec<u8> {
     bytes
 }
 
-/// Three floats for each pixel are 192 MiB, and what is decoded 48 MiB.
+/// Three floats per pixel are 192 MiB, and the decoded image is 48 MiB.
 #[test]
 #[cfg(target_os = "linux")]
 fn a_plain_image_takes_the_memory_of_its_pixels() {
@@ -65,7 +65,7 @@ fn a_plain_image_takes_the_memory_of_its_pixels() {
     };
     let output = ran(400);
     assert!(output.status.success(), "{output:?}");
-    // Where there is less than that, it is an error.
+    // With less memory it is an error.
     let output = ran(220);
     let said = String::from_utf8(output.stderr).unwrap();
     assert_eq!(output.status.code(), Some(3), "{said}");

@@ -19,7 +19,7 @@
 
 static atomic_long calls;
 
-// Whether this call is to fail for want of space. 'grows' is 0 for what a full disk still lets through.
+// Returns true if this call must fail for lack of space. 'grows' is 0 for calls that a full disk still allows.
 static int is_last(int grows) {
     static long last = -1;
     static int kills;

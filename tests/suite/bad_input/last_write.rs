@@ -1,5 +1,5 @@
-//! Programs that are killed at each of their calls that change a file, or find the disk full from there on: `last_write.c`, preloaded,
-//! counts the calls. Afterwards everything is as it was, or the next run makes it what it was to be.
+//! Programs that are killed at each call that changes a file, or find the disk full from there on; `last_write.c`, preloaded,
+//! counts the calls. Afterwards everything is unchanged, or the next run completes the work.
 
 use crate::common::cli::Folder;
 use brdfc_jobs::btf_stack::StackFormat;
@@ -10,13 +10,13 @@ use std::os::unix::process::ExitStatusExt as _;
 use std::path::{Path, PathBuf};
 use std::process::{Command, Output, Stdio};
 
-/// More calls than any of these runs makes, and fewer.
+/// Upper and lower limit of the number of calls of any of these runs.
 const MAX_CALLS: usize = 400;
 const MIN_CALLS: usize = 2;
 
 type Files = BTreeMap<String, Vec<u8>>;
 
-/// What is preloaded; nothing where there is no compiler.
+/// The preloaded library; `None` without a compiler.
 fn library(folder: &Folder) -> Option<PathBuf> {
     let source = concat!(env!("CARGO_MANIFEST_DIR"), "/tests/suite/bad_input/last_write.c");
     let library = folder.path().join("last_write.so");
@@ -33,8 +33,8 @@ fn library(folder: &Folder) -> Option<PathBuf> {
     }
 }
 
-/// A program that is stopped at its calls, one after the other. `reset` brings the folder back to where it starts, `files` are what
-/// it changes: before it, and after a run that nothing stops.
+/// A program that is stopped at each of its calls in turn. `reset` restores the folder, and `files` lists the files that the program
+/// changes, before it and after an uninterrupted run.
 struct Stopped<'a> {
     folder: &'a Folder,
     arguments: &'a [&'a str],
@@ -43,7 +43,7 @@ struct Stopped<'a> {
 }
 
 impl Stopped<'_> {
-    /// A run that is stopped at a call: how it ended.
+    /// Runs the program until it is stopped at a call; returns how it ended.
     fn run(&self, call: usize, how: &str, library: &Path) -> Output {
         (self.reset)();
         let mut program = Command::new(env!("CARGO_BIN_EXE_brdfc"));
@@ -73,14 +73,14 @@ impl Stopped<'_> {
         assert!((MIN_CALLS..MAX_CALLS - 1).contains(&calls), "{calls}");
         for call in 1..=calls {
             let run = self.run(call, "full", &library);
-            let (told, found) = (String::from_utf8_lossy(&run.stderr), (self.files)());
-            // What a cache cannot keep is no failure.
+            let (message, found) = (String::from_utf8_lossy(&run.stderr), (self.files)());
+            // A cache that cannot store its entry is not a failure.
             let is_right = match run.status.code() {
                 Some(0) => found == after,
-                Some(4) => found == before && told.contains("os error 28"),
+                Some(4) => found == before && message.contains("os error 28"),
                 _ => false,
             };
-            assert!(is_right, "call {call}: {:?}: {told}", found.keys());
+            assert!(is_right, "call {call}: {:?}: {message}", found.keys());
             goes_on(call);
         }
     }
@@ -135,7 +135,7 @@ fn flattenings_that_are_stopped_at_any_call() {
         let _ = std::fs::remove_dir_all(folder.path().join("flat"));
         folder.write("flat/flat.ktx2", "of an earlier run");
     };
-    // A folder whose lock was not there yet is taken for new, and swept after a while.
+    // A folder without a lock is considered new, and is cleaned up after a while.
     let files = || folder.files("flat").into_iter().filter(|(name, _)| !name.starts_with(".brdfc-")).collect();
     Stopped { folder: &folder, arguments: &arguments, reset: &reset, files: &files }.is_never_half_done();
 }
@@ -150,7 +150,7 @@ fn packs_of_photographs_that_are_stopped_at_any_call() {
         let _ = std::fs::remove_dir_all(folder.path().join("made"));
         folder.write("made/stack.ktx2", "of an earlier run");
     };
-    // What is left of a killed run has a name of its own.
+    // The remains of a killed run have a name of their own.
     let files = || folder.files("made").into_iter().filter(|(name, _)| !name.starts_with(".brdfc-")).collect();
     let arguments = ["pwt", "stack", "-o", "made/stack.ktx2", "--quiet"];
     Stopped { folder: &folder, arguments: &arguments, reset: &reset, files: &files }.is_never_half_done();

@@ -25,8 +25,12 @@ fn stacks_that_are_broken() {
     let list = "2\na.png 0 0 1\nb.png 0 1 1\n";
     stack([4, 4], list).run(&["info", "s"]).succeeded();
     for (widths, list, expected) in [
-        ([4, 5], list, "b.png: image size: found 5 x 4, expected 4 x 4, as a.png has"),
-        ([4, 4], "2\na.png 0 0 1\nc.png 0 1 1", "l.lp: line 3, image: found \"c.png\", which is not there, expected "),
+        ([4, 5], list, "b.png: image size: found 5 x 4, expected 4 x 4, the size of a.png"),
+        (
+            [4, 4],
+            "2\na.png 0 0 1\nc.png 0 1 1",
+            "l.lp: line 3, image: found \"c.png\", which does not exist, expected ",
+        ),
         ([4, 4], "3\na.png 0 0 1\nb.png 0 1 1", "l.lp: line 1, number of lights: found 3, expected 2, "),
         ([4, 4], "1\na.png 0 0 0", "l.lp: line 2, direction: found a vector of length 0, expected "),
         ([4, 4], "1\na.png 0 1 0", "l.lp: line 2, direction: found 0 1 0, at or below the horizon, expected "),
@@ -49,15 +53,18 @@ fn maps_that_are_broken() {
     let whole = [HEADER.as_bytes(), &[127; 18]].concat();
     folder.write("a.ptm", &whole);
     folder.run(&["info", "a.ptm"]).succeeded();
-    let told = |bytes: &[u8], expected: &str| {
+    let check_message = |bytes: &[u8], expected: &str| {
         folder.write("a.ptm", bytes);
         refused(&folder, &["info", "a.ptm"], 3, &["brdfc: a.ptm: ", expected]);
     };
-    told(b"", "line 1, version: found end of data, expected a header of 16 words");
-    told(&png(4), "it looks like a PNG image (.png)");
-    told(&whole[..whole.len() - 1], "file length: found 17 bytes after the header, expected 18 for 1 x 1 pixels");
+    check_message(b"", "line 1, version: found end of data, expected a header of 16 words");
+    check_message(&png(4), "it looks like a PNG image (.png)");
+    check_message(
+        &whole[..whole.len() - 1],
+        "file length: found 17 bytes after the header, expected 18 for 1 x 1 pixels",
+    );
     let jpeg = HEADER.replace("PTM_FORMAT_RGB", "PTM_FORMAT_JPEG_RGB");
-    told(
+    check_message(
         jpeg.as_bytes(),
         "format: found \"PTM_FORMAT_JPEG_RGB\", which is not supported, expected PTM_FORMAT_RGB or PTM_FORMAT_LRGB",
     );
@@ -73,7 +80,7 @@ fn neither_is_a_brdf() {
         [("s", "an RTI capture"), ("s/l.lp", "an RTI capture"), ("s/icon.ptm", "a polynomial texture map")]
     {
         let found = format!(
-            "brdfc: {input}: input: found {what}: renderings of one view under many lights, which hold no BRDF, expected"
+            "brdfc: {input}: input: found {what}: images of one view under many lights, which hold no BRDF, expected"
         );
         refused(&folder, &["encode", input, "-o", "p.ktx2"], 3, &[found.as_str(), ".binary (MERL)", "'brdfc info'"]);
     }
@@ -84,9 +91,9 @@ fn neither_is_a_brdf() {
         let output = folder.command(&["info", "-"]).write_stdin(list.to_owned()).output().unwrap();
         (output.status.code(), String::from_utf8(output.stderr).unwrap())
     };
-    let (code, told) = command("1\na.png 0 0 1\n");
+    let (code, message) = command("1\na.png 0 0 1\n");
     assert!(
-        code == Some(3) && told.contains("stdin: input: found the lights of an RTI capture, expected its path"),
-        "{told}"
+        code == Some(3) && message.contains("stdin: input: found the lights of an RTI capture, expected its path"),
+        "{message}"
     );
 }

@@ -95,11 +95,11 @@ fn wrong_types() {
         let folder = Folder::new();
         folder.write("scene.toml", GOOD.replace(from, to));
         let value = to.split(" = ").nth(1).unwrap();
-        let told = refused(&folder, &["build", "scene.toml"], 3, &[&format!(": found {value}, expected ")]);
-        names_no_type(&told);
+        let message = refused(&folder, &["build", "scene.toml"], 3, &[&format!(": found {value}, expected ")]);
+        names_no_type(&message);
         let key = to.split(' ').next().unwrap();
-        let place = told.split(": found").next().unwrap();
-        assert!(place.contains(&format!("line {line}, ")) && place.ends_with(&format!(".{key}")), "{to}: {told}");
+        let place = message.split(": found").next().unwrap();
+        assert!(place.contains(&format!("line {line}, ")) && place.ends_with(&format!(".{key}")), "{to}: {message}");
     }
     bad(with_line(6, "ratio = '4'"), "line 7, materials.paint.ratio: found '4', expected a number: 1 to 4096");
     bad(
@@ -119,16 +119,16 @@ fn wrong_types() {
     );
 }
 
-/// Words that are the program's, not its users'.
+/// Words of the program that users do not know.
 #[track_caller]
-fn names_no_type(told: &str) {
+fn names_no_type(message: &str) {
     for word in ["struct", "enum", "i128", "f64", "u32", "sequence", " map", "expected", "invalid", "length", "`"] {
-        assert!(!told.contains(word), "{word}: {told}");
+        assert!(!message.contains(word), "{word}: {message}");
     }
 }
 
 #[test]
-fn what_is_no_table_or_no_list_is_told_what_it_should_be() {
+fn errors_of_tables_and_lists_state_the_expected_type() {
     let elevations = "two numbers: [from, to], 0 to 90 degrees above the surface, 5 apart or more";
     let (sides, eye) = ("a whole number: 1 to 8192", "three numbers: [x, y, z]");
     for (line, place, found, allowed) in [
@@ -190,7 +190,7 @@ fn what_is_no_table_or_no_list_is_told_what_it_should_be() {
     }
 }
 
-/// A number that is too large for its kind is told as it was written.
+/// A number that is too large for its type is reported as it was written.
 #[test]
 fn huge_numbers() {
     let digits = "9".repeat(60);
@@ -219,18 +219,18 @@ fn huge_numbers() {
     bad(with_line(6, &format!("bits = {digits}")), &format!("found {}..., expected a whole number: 8", &digits[..40]));
 }
 
-/// What concerns files names the key that they stand under, too.
+/// Errors about files name the key as well.
 #[test]
-fn sources_are_told_with_their_line() {
+fn errors_of_sources_state_their_line() {
     for (source, expected) in [
         (
             "nothing*.binary",
             "line 6, materials.paint.source, nothing*.binary: found no file that matches, expected a file",
         ),
-        ("[.binary", "line 6, materials.paint.source, [.binary: found a wrong pattern"),
+        ("[.binary", "line 6, materials.paint.source, [.binary: found an invalid pattern"),
         (
             "-",
-            "line 6, materials.paint.source: found \"-\", expected a file, a pattern or a synth: address; standard input is for",
+            "line 6, materials.paint.source: found \"-\", expected a file, a pattern or a synth: address (only commands",
         ),
     ] {
         bad(GOOD.replace("synth:lewis", source), expected);
@@ -271,13 +271,13 @@ fn values_out_of_range() {
 fn two_targets() {
     bad(
         with_line(6, "ratio = 4\nmax_error = 0.1"),
-        "line 7, materials.paint.ratio: found more than one target, expected one of",
+        "line 7, materials.paint.ratio: found several targets, expected one of",
     );
     bad(
         with_line(6, "max_bytes = 4\nmax_error = 0.1"),
-        "found more than one target, expected one of ratio, max_error and max_bytes",
+        "found several targets, expected one of ratio, max_error and max_bytes",
     );
-    bad(with_line(3, "max_bytes = 4\nratio = 4"), "defaults.ratio: found more than one target");
+    bad(with_line(3, "max_bytes = 4\nratio = 4"), "defaults.ratio: found several targets");
     let folder = Folder::new();
     folder.write("scene.toml", with_line(6, "ratio = 4").replace("grid = 4", "grid = 4\nmax_error = 0.1"));
     folder.run(&["build", "scene.toml", "--dry-run"]).succeeded();
@@ -291,7 +291,7 @@ fn uses_of_materials_that_are_not_there() {
     );
     bad(
         "[[uses]]\nmaterial = 'paint'\n",
-        "line 2, uses[0].material: found \"paint\", expected a material (there are none)",
+        "line 2, uses[0].material: found \"paint\", expected a material (the manifest has none)",
     );
 }
 
@@ -324,7 +324,7 @@ fn an_empty_manifest_makes_nothing() {
     for text in ["", "# nothing\n"] {
         let folder = Folder::new();
         folder.write("scene.toml", text);
-        let words = ["brdfc: nothing to build: found 0 materials, and no use of any, in scene.toml, expected one"];
+        let words = ["brdfc: nothing to build: found 0 materials and no use of any in scene.toml, expected one"];
         refused(&folder, &["build", "scene.toml", "--quiet"], 1, &words);
     }
 }

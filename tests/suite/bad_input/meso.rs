@@ -1,4 +1,4 @@
-//! Geometry, images and options that 'brdfc flatten' refuses.
+//! Geometry, images and options that 'brdfc flatten' rejects.
 
 use super::refused;
 use crate::common::cli::Folder;

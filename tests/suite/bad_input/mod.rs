@@ -1,5 +1,5 @@
-//! Inputs that are wrong, through the real program: each is refused with the file, the place, what was found and what is
-//! allowed; nothing is written.
+//! Invalid inputs of the real program: each error states the file, the place, the found and the expected value, and nothing is
+//! written.
 
 mod disk;
 mod files;
@@ -16,7 +16,7 @@ mod scans;
 
 use crate::common::cli::Folder;
 
-/// Runs, and checks all that every refusal has in common. Returns what was said.
+/// Runs the program, checks the common properties of errors, and returns the message.
 #[track_caller]
 fn refused(folder: &Folder, arguments: &[&str], code: i32, expected: &[&str]) -> String {
     let before = folder.files(".");
@@ -34,19 +34,19 @@ fn refused(folder: &Folder, arguments: &[&str], code: i32, expected: &[&str]) ->
     ran.stderr
 }
 
-/// Refused as a file by every command that opens one, with code 3.
+/// Rejected as a file by every command that opens one, with exit code 3.
 #[track_caller]
 fn bad_file(name: &str, bytes: &[u8], expected: &[&str]) {
     let folder = Folder::new();
     folder.write(name, bytes);
     let start = format!("brdfc: {name}: ");
     let all = [&[start.as_str(), ": found ", ", expected "], expected].concat();
-    let told = refused(&folder, &["info", name], 3, &all);
-    assert_eq!(told.lines().count(), 1, "{told}");
-    assert_eq!(refused(&folder, &["encode", name, "-o", "pack.ktx2", "--grid", "2"], 3, &all), told);
+    let message = refused(&folder, &["info", name], 3, &all);
+    assert_eq!(message.lines().count(), 1, "{message}");
+    assert_eq!(refused(&folder, &["encode", name, "-o", "pack.ktx2", "--grid", "2"], 3, &all), message);
 }
 
-/// Accepted, and what `info` says of it.
+/// Accepted; returns what `info` prints.
 #[track_caller]
 fn accepted(name: &str, bytes: &[u8]) -> serde_json::Value {
     let folder = Folder::new();

@@ -1,4 +1,4 @@
-//! Options that would have no effect or lose something, and outputs that cannot be written: found before the work.
+//! Options without effect or with loss of data, and outputs that cannot be written: detected before the work.
 
 use super::refused;
 use crate::common::cli::Folder;
@@ -37,26 +37,26 @@ fn options_that_go_with_another_input() {
     let folder = inputs();
     let structure = "synth:knit?resolution=16";
     for (input, options, expected) in [
-        ("s", &["--views", "ubo2003"][..], "--views: found with an ordinary BTF"),
-        ("s", &["--lights", "ubo2003"], "--lights: found with an ordinary BTF"),
-        ("s", &["--tile", "2"], "--tile: found with the plane, expected with a mesh"),
-        ("s", &["--height-scale", "0.1"], "--height-scale: found with the plane, expected with a height map"),
-        ("s", &["--height-offset", "0"], "--height-offset: found with the plane"),
-        ("s", &["--geometry", "h.png", "--tile", "1"], "--tile: found with a height map"),
-        ("s", &["--geometry", "m.obj", "--height-scale", "1"], "--height-scale: found with a mesh"),
-        (structure, &["--tile", "1"], "--tile: found with a structure"),
-        (structure, &["--height-scale", "0.1"], "--height-scale: found with a structure"),
-        (structure, &["--height-offset", "0"], "--height-offset: found with a structure"),
-        ("m.obj", &["--height-scale", "0.1"], "--height-scale: found with a mesh"),
-        ("m.obj", &["--height-offset", "0.1"], "--height-offset: found with a mesh"),
-        ("h.png", &["--tile", "1"], "--tile: found with a height map"),
+        ("s", &["--views", "ubo2003"][..], "--views does not apply to an ordinary BTF, only to surfaces"),
+        ("s", &["--lights", "ubo2003"], "--lights does not apply to an ordinary BTF"),
+        ("s", &["--tile", "2"], "--tile does not apply to a plane, only to meshes"),
+        ("s", &["--height-scale", "0.1"], "--height-scale does not apply to a plane, only to height maps"),
+        ("s", &["--height-offset", "0"], "--height-offset does not apply to a plane"),
+        ("s", &["--geometry", "h.png", "--tile", "1"], "--tile does not apply to a height map"),
+        ("s", &["--geometry", "m.obj", "--height-scale", "1"], "--height-scale does not apply to a mesh"),
+        (structure, &["--tile", "1"], "--tile does not apply to a structure"),
+        (structure, &["--height-scale", "0.1"], "--height-scale does not apply to a structure"),
+        (structure, &["--height-offset", "0"], "--height-offset does not apply to a structure"),
+        ("m.obj", &["--height-scale", "0.1"], "--height-scale does not apply to a mesh"),
+        ("m.obj", &["--height-offset", "0.1"], "--height-offset does not apply to a mesh"),
+        ("h.png", &["--tile", "1"], "--tile does not apply to a height map"),
         ("h.png", &["--height-scale", "NaN"], "--height-scale: found NaN, expected -10 to 10"),
-        (structure, &["--image-format", "exr"], "--image-format: found alone, expected with --write-images"),
-        (structure, &["--form", "light", "--fill", "poisson"], "--fill: found with --form light"),
+        (structure, &["--image-format", "exr"], "--image-format requires --write-images"),
+        (structure, &["--form", "light", "--fill", "poisson"], "--fill does not apply to --form light"),
         (
             structure,
             &["--form", "light", "--max-bytes", "9KiB"],
-            "--max-bytes: found with --form light, which has no views",
+            "--max-bytes does not apply to --form light, only to --form full",
         ),
         (structure, &["--max-delta-e", "0"], "--max-delta-e: found 0, expected above 0, up to 100"),
         (structure, &["--max-bytes", "12"], "--max-bytes: found 12, expected "),
@@ -73,7 +73,7 @@ fn options_that_go_with_another_input() {
             &["--material", "synth:lambert", "--material", "synth:lewis"],
             "--material: found 2 without a name, expected one, for the rest of clay, tin",
         ),
-        (structure, &["--bounces", "4", "--write-images", "images"], "--write-images: found with --bounces"),
+        (structure, &["--bounces", "4", "--write-images", "images"], "--write-images does not apply to --bounces"),
         (structure, &["--views", "grid:1x6@50"], "--views: found grid:1x6@50, expected 2 polar angles or more"),
         (structure, &["--indirection", "0x0"], "--indirection: found 0x0, expected 2 to 256 polar angles x 3 to 256"),
         (
@@ -85,8 +85,8 @@ fn options_that_go_with_another_input() {
         (structure, &["--name", " "], "--name: found \" \", expected letters"),
         (structure, &["--name", "a "], "--name: found \"a \""),
     ] {
-        let told = refused(&folder, &[&["flatten", input, "-o", "out"], options].concat(), 2, &[expected]);
-        assert!(!told.contains("brdfc.indirection"), "{told}");
+        let message = refused(&folder, &[&["flatten", input, "-o", "out"], options].concat(), 2, &[expected]);
+        assert!(!message.contains("brdfc.indirection"), "{message}");
     }
     for out in ["..", "/"] {
         refused(&folder, &["flatten", structure, "-o", out], 2, &[&format!("--out: found {out}, whose last part")]);
@@ -100,7 +100,7 @@ fn options_that_go_with_another_input() {
 fn flat_btfs_that_are_not_drawn() {
     let folder = inputs();
     folder.run(&[&["flatten", "m.obj", "-o", "out"], &SMALL[..]].concat()).succeeded();
-    refused(&folder, &["render", "out", "--filter", "nearest"], 2, &["--filter: found with out, a flat BTF"]);
+    refused(&folder, &["render", "out", "--filter", "nearest"], 2, &["--filter does not apply to out, a flat BTF"]);
     let mut file = folder.read("out/out.ktx2");
     let last = file.len() - 1;
     file[last] ^= 1;
@@ -139,17 +139,12 @@ fn synth_files_of_another_kind() {
             "folds",
             "y.ply",
             &["--rows", "5", "--noise", "NaN"],
-            "--rows: found with y.ply, expected with a file in .brdf",
+            "--rows does not apply to y.ply, only to .brdf and .csv files",
         ),
-        ("folds", "y.ply", &["--noise", "NaN"], "--noise: found with y.ply"),
-        (
-            "folds",
-            "y.obj",
-            &["--dimensions", "0x0x0"],
-            "--dimensions: found with y.obj, expected with a file in .binary",
-        ),
-        ("lewis", "y.csv", &["--dimensions", "9x9x9"], "--dimensions: found with y.csv"),
-        ("lewis", "y.binary", &["--seed", "1"], "--seed: found with y.binary"),
+        ("folds", "y.ply", &["--noise", "NaN"], "--noise does not apply to y.ply"),
+        ("folds", "y.obj", &["--dimensions", "0x0x0"], "--dimensions does not apply to y.obj, only to .binary files"),
+        ("lewis", "y.csv", &["--dimensions", "9x9x9"], "--dimensions does not apply to y.csv"),
+        ("lewis", "y.binary", &["--seed", "1"], "--seed does not apply to y.binary"),
     ] {
         refused(&folder, &[&["synth", model, "-o", output], options].concat(), 2, &[expected]);
     }
@@ -157,7 +152,7 @@ fn synth_files_of_another_kind() {
     folder.run(&["info", "x.PLY"]).succeeded();
 }
 
-/// Neither memory nor time is spent on what is no input.
+/// No memory and no time is spent on files that are not inputs.
 #[test]
 #[cfg(target_os = "linux")]
 fn devices_and_files_without_end() {
@@ -167,20 +162,20 @@ fn devices_and_files_without_end() {
         let file = std::fs::File::create(folder.path().join(name)).unwrap();
         file.set_len(30 << 30).unwrap();
     }
-    let told = |arguments: &[&str], expected: &str| {
+    let check_message = |arguments: &[&str], expected: &str| {
         let ran = folder.run(arguments);
         assert_eq!((ran.code, ran.stdout.as_str()), (3, ""), "{arguments:?}: {}", ran.stderr);
         assert!(ran.stderr.contains(expected), "{arguments:?}: {}", ran.stderr);
     };
-    told(&["info", "/dev/zero"], "/dev/zero: file: found a device, expected a file or a pipe");
-    told(&["info", "zero.brdf"], "found a device");
+    check_message(&["info", "/dev/zero"], "/dev/zero: file: found a device, expected a file or a pipe");
+    check_message(&["info", "zero.brdf"], "found a device");
     let length = "file length: found 30.00 GiB, expected at most ";
-    told(&["flatten", "m.obj", "-o", "out", "--colour", "big.png"], length);
-    told(&["flatten", "m.obj", "-o", "out", "--views", "big.csv"], length);
-    told(&["flatten", "big.obj", "-o", "out"], length);
-    told(&["info", "big.ktx2"], length);
-    told(&["compare", "synth:lewis", "synth:lewis", "--directions", "big.csv"], length);
-    told(&["build", "big.toml", "--dry-run"], length);
+    check_message(&["flatten", "m.obj", "-o", "out", "--colour", "big.png"], length);
+    check_message(&["flatten", "m.obj", "-o", "out", "--views", "big.csv"], length);
+    check_message(&["flatten", "big.obj", "-o", "out"], length);
+    check_message(&["info", "big.ktx2"], length);
+    check_message(&["compare", "synth:lewis", "synth:lewis", "--directions", "big.csv"], length);
+    check_message(&["build", "big.toml", "--dry-run"], length);
     assert!(!folder.path().join("out").exists());
 }
 
@@ -193,7 +188,7 @@ fn colours_that_are_no_srgb_codes() {
     folder.write("x.exr", exr.get_ref());
     let flatten = ["flatten", "m.obj", "-o", "out", "--colour", "x.exr"];
     refused(&folder, &flatten, 3, &["x.exr: image: found OpenExr, expected a whole PNG or JPEG"]);
-    // Truncated: the channels are not what is wrong.
+    // Truncated: the error is not in the channels.
     folder.write("cut.exr", &exr.get_ref()[..exr.get_ref().len() / 2]);
     refused(&folder, &["info", "cut.exr"], 3, &["cut.exr: EXR: found ", "expected a whole EXR"]);
 }
@@ -211,8 +206,8 @@ fn images_of_a_stack_that_declare_too_much() {
     }
     bytes[29..33].copy_from_slice(&(!crc).to_be_bytes());
     folder.write(IMAGE, bytes);
-    let told = refused(&folder, &["flatten", "s", "-o", "out"], 3, &["image size: found ", "expected 1 to 4096"]);
-    assert!(!told.contains("emory"), "{told}");
+    let message = refused(&folder, &["flatten", "s", "-o", "out"], 3, &["image size: found ", "expected 1 to 4096"]);
+    assert!(!message.contains("emory"), "{message}");
 }
 
 #[test]
@@ -220,12 +215,12 @@ fn outputs_that_are_inputs() {
     let folder = inputs();
     std::fs::create_dir(folder.path().join("packs")).unwrap();
     folder.run(&["encode", "synth:velvet", "--grid", "4", "-o", "packs/a.brdf.ktx2"]).succeeded();
-    let kept = folder.read("packs/a.brdf.ktx2");
+    let retained = folder.read("packs/a.brdf.ktx2");
     folder.write("packs/s.toml", "[materials.a]\nsource = 'a.brdf.ktx2'\n[[uses]]\nmaterial = 'a'\n");
     let ran = folder.run(&["build", "packs/s.toml", "--out", "packs"]);
     assert_eq!(ran.code, 2, "{}", ran.stderr);
     assert!(ran.stderr.contains("--out: found packs/a.brdf.ktx2, an input, expected another file"), "{}", ran.stderr);
-    assert_eq!(folder.read("packs/a.brdf.ktx2"), kept);
+    assert_eq!(folder.read("packs/a.brdf.ktx2"), retained);
     folder.write("packs/report.json", "[materials.b]\nsource = 'synth:velvet'\n[[uses]]\nmaterial = 'b'\n");
     let ran = folder.run(&["build", "packs/report.json", "--out", "packs", "--force"]);
     assert!(ran.code == 2 && ran.stderr.contains("packs/report.json, an input"), "{}", ran.stderr);
@@ -253,7 +248,7 @@ fn negative_numbers_are_values_and_not_flags() {
     }
 }
 
-/// A budget that nothing can miss is not met.
+/// An error budget that has nothing to measure is not met.
 #[test]
 fn an_error_budget_of_a_black_material_fails() {
     let folder = inputs();

@@ -104,7 +104,7 @@ fn angles_below_the_horizon_and_in_degrees() {
     for (row, field, hint) in [
         ("1.6 0 0.2 0", "theta_i: found 1.6 ", "(below the horizon)"),
         ("0.3 0 3.1 0", "theta_o: found 3.1 ", "(below the horizon)"),
-        ("-0.1 0 0.2 0", "theta_i: found -0.1;", "expected 0 to 1.5708 radians"),
+        ("-0.1 0 0.2 0", "theta_i: found -0.1,", "expected 0 to 1.5708 radians"),
         ("45 0 30 180", "theta_i: found 45 ", "(this looks like degrees; angles are in radians)"),
         ("0.3 0 0.2 180", "phi_o: found 180 ", "(this looks like degrees; angles are in radians)"),
     ] {
@@ -133,7 +133,7 @@ fn too_few_different_rows() {
 }
 
 #[test]
-fn rows_that_disagree_are_accepted_and_told() {
+fn rows_that_disagree_are_accepted_and_reported() {
     let folder = crate::common::cli::Folder::new();
     folder.write("a.brdf", text("0.3 0.0 0.2 1.5 0.4 0.4\n0.3 0.0 0.2 1.5 0.1 0.1\n"));
     let info = folder.run(&["info", "a.brdf", "--json"]).succeeded().json();
@@ -144,7 +144,7 @@ fn rows_that_disagree_are_accepted_and_told() {
 }
 
 #[test]
-fn rows_of_another_azimuth_are_told() {
+fn rows_of_another_azimuth_are_reported() {
     let folder = crate::common::cli::Folder::new();
     let scan = |count: usize| {
         let strays = "0.3 0.2 0.25 1.5 0.2 0.3\n".repeat(count);
@@ -155,14 +155,14 @@ fn rows_of_another_azimuth_are_told() {
     assert_eq!((&info["isotropic"], &info["symmetry"]["isotropic"]), (&true.into(), &true.into()), "{info}");
     let strays = &info["strays"];
     assert_eq!((&strays["rows"], &strays["of"], &strays["line"]), (&2.into(), &62.into(), &16.into()), "{info}");
-    let told = format!("2 of 62 rows have another azimuth of incidence (the first on line {NEXT}, 11.5°)");
-    assert!(folder.run(&["info", "a.brdf"]).succeeded().stdout.contains(&told));
+    let message = format!("2 of 62 rows have another azimuth of incidence (the first on line {NEXT}, 11.5°)");
+    assert!(folder.run(&["info", "a.brdf"]).succeeded().stdout.contains(&message));
     let encoded = folder.run(&["encode", "a.brdf", "-o", "a.ktx2", "--grid", "2"]).succeeded();
     assert!(
-        encoded.stderr.contains(&told) && encoded.stderr.contains("they differ from the others by "),
+        encoded.stderr.contains(&message) && encoded.stderr.contains("they differ from the others by "),
         "{encoded:?}"
     );
-    // Where they are a part of the measurement they count as one, and nothing is told.
+    // If they are a part of the measurement they count as one, and nothing is reported.
     folder.write("a.brdf", scan(12));
     let info = folder.run(&["info", "a.brdf", "--json"]).succeeded().json();
     assert_eq!((&info["isotropic"], info.get("strays")), (&false.into(), None), "{info}");
@@ -217,7 +217,7 @@ fn tables_of_alta() {
     let info = accepted("a.dat", &alta("", ""));
     assert_eq!((&info["rows"], &info["alta"]["directions"]), (&12.into(), &"ISOTROPIC_TL_TV_PROJ_DPHI".into()));
     assert_eq!((&info["alta"]["values"], &info["alta"]["channels"]), (&"INV_STERADIAN".into(), &1.into()));
-    // What editors put before a text, and a comment that begins like a key.
+    // A byte-order mark of an editor, and a comment that begins like a key.
     assert_eq!(accepted("a.dat", &alta("\u{feff}", ""))["rows"], 12);
     assert_eq!(accepted("a.dat", &alta("# DIM of this table: below\n#DIMENSIONS\n", ""))["rows"], 12);
     bad_file("a.dat", &alta("", "15 30 0 0.5\n"), &["line 16, angle: found 15 (this looks like degrees"]);

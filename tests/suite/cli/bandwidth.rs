@@ -68,30 +68,30 @@ fn images_are_environments_or_textures() {
 fn info_tells_what_a_map_is() {
     let folder = Folder::new();
     let (_, report) = map(&folder, "synth:ggx?alpha=0.3", &["--epsilon", "0.02"]);
-    let mut told = folder.run(&["info", "map.ktx2", "--json"]).succeeded().json();
-    conforms("bandwidth", &told);
-    // What only the command that made it knows.
+    let mut output = folder.run(&["info", "map.ktx2", "--json"]).succeeded().json();
+    conforms("bandwidth", &output);
+    // Fields that only the command that made it knows.
     for field in ["seconds", "repaired"] {
-        assert!(told[field].is_null() && !report[field].is_null(), "{field}");
-        told[field] = report[field].clone();
+        assert!(output[field].is_null() && !report[field].is_null(), "{field}");
+        output[field] = report[field].clone();
     }
-    assert_eq!(told, report);
+    assert_eq!(output, report);
     let text = folder.run(&["info", "map.ktx2"]).succeeded().stdout;
     assert!(text.contains("bandwidth map") && text.contains("cycles per radian") && text.contains("0.02"), "{text}");
-    // It is no material.
+    // It is not a material.
     let ran = folder.run(&["encode", "map.ktx2", "-o", "pack.ktx2"]);
     assert_eq!(ran.code, 3);
     assert!(ran.stderr.contains("pack: found a bandwidth map, expected a pack of a BRDF"), "{}", ran.stderr);
 }
 
-/// Nobody has to know how many pixels a lobe needs: asked for by 'auto', they are found, and too few of them are told.
+/// 'auto' finds the number of pixels that a lobe needs, and a note reports when it is too small.
 #[test]
 fn narrow_lobes_get_more_pixels_until_they_are_not_limited() {
     let folder = Folder::new();
     let of = |material: &str, more: &[&str]| {
         let (map, report) = map(&folder, material, more);
-        let told = folder.run(&["info", "map.ktx2", "--json"]).succeeded().json();
-        assert_eq!(told["limited"], report["limited"]);
+        let output = folder.run(&["info", "map.ktx2", "--json"]).succeeded().json();
+        assert_eq!(output["limited"], report["limited"]);
         (map.header().transformed[0], report["limited"].as_f64().unwrap(), folder.read("map.ktx2"))
     };
     let (wide, narrow) = ("synth:ggx?alpha=0.3", "synth:ggx?alpha=0.1");
@@ -105,12 +105,12 @@ fn narrow_lobes_get_more_pixels_until_they_are_not_limited() {
     assert!(side == 64 && limited > 0.001, "{limited}");
     let ran = folder.run(&["bandwidth", narrow, "-o", "map.ktx2"]).succeeded();
     assert!(
-        ran.stderr.contains("of 65536 values may be too low: lobes of 64 x 64 pixels show no more"),
+        ran.stderr.contains("of 65536 values may be too low: lobes of 64 x 64 pixels resolve no more"),
         "{}",
         ran.stderr
     );
     assert!(ran.stdout.contains("limited by these"), "{}", ran.stdout);
-    // More than is chosen by itself.
+    // More than the automatic maximum.
     assert_eq!(of(narrow, &["--resolution", "512"]).0, 512);
 }
 
@@ -124,7 +124,7 @@ fn a_mirror_is_limited_and_that_is_said() {
     let report = ran.json();
     assert_eq!(report["transformed"][0], 256);
     assert!(report["largest"].as_f64().unwrap() > 30.0 && report["limited"].as_f64().unwrap() > 0.01, "{report}");
-    assert!(ran.stderr.contains("lobes of 256 x 256 pixels show no more"), "{}", ran.stderr);
+    assert!(ran.stderr.contains("lobes of 256 x 256 pixels resolve no more"), "{}", ran.stderr);
 }
 
 /// Ten times the threshold: means of 6.4, 5.9 and 5.3 cycles per radian.
@@ -178,12 +178,12 @@ fn wrong_usage_and_wrong_inputs() {
         (2, "synth:ggx", &["--resolution", "48"], "--resolution: found 48, expected a power of two from 32 to 1024"),
         (2, "synth:ggx", &["--resolution", "2048"], "--resolution: found 2048, expected a power of two"),
         (2, "synth:ggx", &["--kind", "texture"], "--kind: found texture of no image, expected brdf for materials"),
-        (2, "synth:ggx", &["--size", "1x1"], "--size, --no-tile: found no texture"),
+        (2, "synth:ggx", &["--size", "1x1"], "--size and --no-tile apply only to textures"),
         (2, "cloth.png", &[], "--size: found none, expected WIDTHxHEIGHT of the texture in metres"),
         (2, "cloth.png", &["--size", "1x0"], "--size: found 1x0, expected"),
         (2, "cloth.png", &["--size", "1xNaN"], "--size: found 1xNaN, expected"),
         (2, "cloth.png", &["--kind", "brdf"], "--kind: found brdf of an image"),
-        (2, "cloth.png", &["--size", "1x1", "--resolution", "64"], "--resolution: found an image"),
+        (2, "cloth.png", &["--size", "1x1", "--resolution", "64"], "--resolution does not apply to images"),
         (3, "synth:nothing", &[], "synth:nothing: "),
         (3, "broken.exr", &[], "broken.exr: EXR: found "),
         (3, "broken.hdr", &[], "broken.hdr: HDR: found "),

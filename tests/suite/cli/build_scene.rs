@@ -43,19 +43,20 @@ fn packs_lists_and_the_report_are_written() {
 
     let lasting: serde_json::Value = serde_json::from_str(&folder.text("packs/report.json")).unwrap();
     conforms("build", &lasting);
-    for (kept, printed) in lasting["materials"].as_array().unwrap().iter().zip(report["materials"].as_array().unwrap())
+    for (retained, printed) in
+        lasting["materials"].as_array().unwrap().iter().zip(report["materials"].as_array().unwrap())
     {
-        assert_eq!(kept["report"], printed["report"]);
+        assert_eq!(retained["report"], printed["report"]);
         assert!(printed["cached"] == false && printed["stages"].as_array().is_some_and(|s| s.len() >= 9), "{printed}");
-        assert!(kept.get("cached").is_none() && kept.get("stages").is_none());
-        let name = kept["material"].as_str().unwrap();
+        assert!(retained.get("cached").is_none() && retained.get("stages").is_none());
+        let name = retained["material"].as_str().unwrap();
         let list: serde_json::Value = serde_json::from_str(&folder.text(&format!("packs/{name}.json"))).unwrap();
         conforms("material", &list);
-        assert_eq!(list["report"], kept["report"]);
+        assert_eq!(list["report"], retained["report"]);
         let pack = format!("packs/{}", list["parts"]["brdf"].as_str().unwrap());
-        assert_eq!(kept["report"]["bytes_on_disk"], folder.read(&pack).len());
+        assert_eq!(retained["report"]["bytes_on_disk"], folder.read(&pack).len());
         let info = folder.run(&["info", &pack, "--json"]).succeeded().json();
-        assert_eq!(info["slices_kept"], kept["report"]["codec"]["wavelet"]["slices_kept"]);
+        assert_eq!(info["slices_kept"], retained["report"]["codec"]["wavelet"]["slices_kept"]);
     }
     // At distance 30 a grid of 2 levels loses log2(4.5) levels: all that fit.
     assert_eq!(report["materials"][0]["report"]["codec"]["wavelet"]["stored_levels"], 0);
@@ -69,7 +70,7 @@ fn the_table_goes_to_stdout_and_progress_to_stderr() {
     let first: Vec<&str> = ran.stdout.lines().map(|line| line.split_whitespace().next().unwrap()).collect();
     assert_eq!(first, ["material", "model", "table"]);
     assert!(ran.stderr.contains("1 of 2: ") && ran.stderr.contains("2 of 2: "), "{}", ran.stderr);
-    assert!(ran.stderr.contains("not used by the scene, not opened: spare"), "{}", ran.stderr);
+    assert!(ran.stderr.contains("not used by the scene and not opened: spare"), "{}", ran.stderr);
     assert_eq!(folder.run(&["build", "scene.toml", "--quiet", "--no-cache"]).succeeded().stderr, "");
 }
 
@@ -181,7 +182,7 @@ fn an_environment_asks_for_maps() {
     conforms("build", &lasting);
     assert!(lasting["environment"].get("stages").is_none() && lasting["environment"]["bandwidth"].is_string());
 
-    // Each file is what the command of its own writes, and what the lists say of it.
+    // Each file is identical to the output of its own command and to its entries in the lists.
     let same = |arguments: &[&str], pack: &str| {
         folder.run(&[arguments, &["-o", "alone.ktx2"]].concat()).succeeded();
         assert!(folder.read("alone.ktx2") == folder.read(&format!("packs/{pack}")), "{pack}");
@@ -212,9 +213,9 @@ fn an_environment_asks_for_maps() {
     assert!(first.windows(4).any(|lines| lines == maps), "{words}");
 }
 
-/// Packs and maps are kept apart: what is asked for in addition costs nothing else.
+/// Packs and maps are cached separately: requesting maps as well does not rebuild the packs.
 #[test]
-fn maps_are_kept_like_packs() {
+fn maps_are_cached_like_packs() {
     let folder = folder();
     sky(&folder, "sky.exr");
     let build = |text: &str| {
@@ -238,13 +239,13 @@ fn maps_are_kept_like_packs() {
     assert!(dark.iter().all(|(name, bytes)| name.ends_with(".json") || first[name] == *bytes));
     assert!(build(&lit("sky.exr")).iter().all(|stages| *stages == nothing));
 
-    // What is broken is put in place again; where the store lost it, it is made again.
+    // A broken file is replaced; if the store lost it as well, it is built again.
     for (file, number) in [("model.samples.ktx2", 0), ("table.bandwidth.ktx2", 1), ("environment.bandwidth.ktx2", 2)] {
-        let kept = format!("packs/.brdfc-cache/objects/{}", blake3::hash(&first[file]).to_hex());
+        let retained = format!("packs/.brdfc-cache/objects/{}", blake3::hash(&first[file]).to_hex());
         for breaks_both in [false, true] {
             folder.write(&format!("packs/{file}"), b"broken");
             if breaks_both {
-                folder.write(&kept, b"broken");
+                folder.write(&retained, b"broken");
             }
             let made = build(&lit("sky.exr"));
             for (other, stages) in made.iter().enumerate() {
@@ -273,8 +274,8 @@ fn environments_that_cannot_be_used() {
     for (file, code, words) in [
         ("gone.exr", 4, "environment: gone.exr: cannot read: "),
         ("broken.exr", 3, "environment: broken.exr: EXR: found "),
-        ("data", 3, "line 3, scene.environment: found \"data\", expected a file .exr or .hdr"),
-        ("sky.png", 3, "line 3, scene.environment: found \"sky.png\", expected a file .exr or .hdr"),
+        ("data", 3, "line 3, scene.environment: found \"data\", expected an .exr or .hdr file"),
+        ("sky.png", 3, "line 3, scene.environment: found \"sky.png\", expected an .exr or .hdr file"),
     ] {
         let _ = std::fs::remove_dir_all(folder.path().join("packs"));
         folder.write("scene.toml", lit(file).replace("ratio = 2", "grid = 2"));
@@ -291,7 +292,7 @@ fn environments_that_cannot_be_used() {
     folder.write("scene.toml", lit("gone.exr").replace("environment =", "enviroment ="));
     let ran = folder.run(&["build", "scene.toml"]);
     assert!(ran.code == 3 && ran.stderr.contains("(did you mean environment?)"), "{}", ran.stderr);
-    // Its files would be the scene's.
+    // Its files would collide with those of the scene.
     let named = |text: &str| text.replace("materials.spare", "materials.Environment");
     folder.write("scene.toml", named(&lit("gone.exr")));
     let ran = folder.run(&["build", "scene.toml"]);
@@ -300,7 +301,7 @@ fn environments_that_cannot_be_used() {
     folder.run(&["build", "scene.toml", "--dry-run"]).succeeded();
 }
 
-/// On a small grid; the scan is left out where maps are made, because its fits take long.
+/// On a small grid; the scan is excluded when maps are built, because its fits take long.
 #[test]
 fn the_demo_scene_has_maps_only_under_an_environment() {
     let folder = Folder::new();
@@ -324,7 +325,7 @@ fn the_demo_scene_has_maps_only_under_an_environment() {
     let planned = folder.run(&["build", "scene.toml", "--dry-run", "--json"]).succeeded().json();
     assert!(planned["materials"].as_array().unwrap().iter().all(|m| m["bandwidth"].is_string()), "{planned}");
     folder.write("scene.toml", lit.replace("object = \"car body\"\nmaterial = \"blue_paint\"", "material = \"satin\""));
-    // In the same folder, whose packs serve again.
+    // In the same folder, whose packs are reused.
     folder.run(&["build", "scene.toml"]).succeeded();
     let all: Vec<_> = folder.products("packs").into_keys().collect();
     for name in ["red_plastic", "brushed_metal", "satin"] {
@@ -335,7 +336,7 @@ fn the_demo_scene_has_maps_only_under_an_environment() {
     assert!(all.contains(&"environment.bandwidth.ktx2".to_owned()) && all.len() == 14, "{all:?}");
 }
 
-/// Defaults of the manifest that do not go with a codec of the command line are left out.
+/// Defaults of the manifest that do not apply to a codec of the command line are ignored.
 #[test]
 fn options_of_the_command_line_win_over_defaults_of_another_codec() {
     let folder = Folder::new();

@@ -1,4 +1,4 @@
-//! `brdfc convert`: what is written is what other programs read, and its error is told.
+//! `brdfc convert`: the output is readable by other programs, and its error is reported.
 
 use super::schemas::conforms;
 use crate::common::cli::Folder;
@@ -29,7 +29,7 @@ fn every_kind_of_file_is_read_again() {
         let compared = folder.run(&["compare", input, output, "--json"]).succeeded().json();
         assert_eq!(relative_error(&compared), relative_error(&report), "{output}");
     }
-    // And it is used as any other.
+    // The output is an ordinary input.
     folder.run(&["encode", "red.bsdf", "-o", "again.ktx2"]).succeeded();
     let back = folder.run(&["compare", "red.ktx2", "again.ktx2", "--json"]).succeeded().json();
     assert!(back["rendering"]["delta_e"]["mean"].as_f64().unwrap() < 1.5, "{back}");
@@ -49,7 +49,7 @@ fn threads_and_repetition_change_nothing() {
     }
 }
 
-/// Wavelet packs do not say whether they are isotropic: their values do.
+/// Wavelet packs do not state whether they are isotropic; their values do.
 #[test]
 fn wavelet_packs_of_isotropic_materials_become_merl_tables() {
     let folder = Folder::new();
@@ -71,26 +71,22 @@ fn wavelet_packs_of_isotropic_materials_become_merl_tables() {
 }
 
 #[test]
-fn what_does_not_fit_is_told() {
+fn unsuitable_inputs_and_options_are_reported() {
     let folder = Folder::new();
     folder.write("some.csv", b"no scan");
     for (arguments, code, problem) in [
         (
             &["synth:ward?ax=0.1&ay=0.4", "-o", "w.binary"][..],
             3,
-            "found values that change as it is turned about its normal, expected an isotropic one, or",
+            "found an anisotropic material, expected an isotropic one: MERL tables have no azimuth",
         ),
         (&["synth:lewis", "-o", "x.exr"], 2, "expected a name that ends in .binary or .bsdf or .csv"),
         (
             &["synth:lewis", "-o", "x.csv", "--dimensions", "8x8x8"],
             2,
-            "--dimensions: found with x.csv, expected with a file in .binary",
+            "--dimensions does not apply to x.csv, only to .binary files",
         ),
-        (
-            &["synth:lewis", "-o", "x.bsdf", "--grid", "8x8x8"],
-            2,
-            "--grid: found with x.bsdf, expected with a file in .csv",
-        ),
+        (&["synth:lewis", "-o", "x.bsdf", "--grid", "8x8x8"], 2, "--grid does not apply to x.bsdf, only to .csv files"),
         (
             &["synth:lewis", "-o", "x.csv", "--grid", "1x8x8"],
             2,

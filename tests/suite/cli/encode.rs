@@ -28,9 +28,9 @@ fn every_kind_of_input_becomes_a_pack() {
         let pack = folder.run(&["info", "pack.ktx2", "--json"]).succeeded().json();
         assert_eq!(pack["slices_kept"], 8);
         assert_eq!(pack["gpu_bytes"], report["bytes_on_gpu"]);
-        let [told, stored] = [&report["off_grid"]["norms"]["relative_mean"], &pack["off_grid"]["relative_mean"]]
+        let [reported, stored] = [&report["off_grid"]["norms"]["relative_mean"], &pack["off_grid"]["relative_mean"]]
             .map(|v| v.as_f64().unwrap());
-        assert!((told - stored).abs() <= 1e-6 * told, "{told} {stored}");
+        assert!((reported - stored).abs() <= 1e-6 * reported, "{reported} {stored}");
     }
 }
 
@@ -53,14 +53,14 @@ fn options_reach_the_pack() {
 fn targets_are_met_and_tight() {
     let folder = Folder::new();
     let report = encode(&folder, "synth:lewis", &["--grid", "8", "--max-error", "0.05"]);
-    let kept = report["codec"]["wavelet"]["slices_kept"].as_u64().unwrap();
+    let retained = report["codec"]["wavelet"]["slices_kept"].as_u64().unwrap();
     assert!(
-        report["codec"]["wavelet"]["on_grid"]["norms"]["relative_mean"].as_f64().unwrap() <= 0.05 && kept < 64,
+        report["codec"]["wavelet"]["on_grid"]["norms"]["relative_mean"].as_f64().unwrap() <= 0.05 && retained < 64,
         "{report}"
     );
-    let fewer = format!("{}", 64.0 / (kept - 1) as f64);
+    let fewer = format!("{}", 64.0 / (retained - 1) as f64);
     let report = encode(&folder, "synth:lewis", &["--grid", "8", "--ratio", &fewer]);
-    assert_eq!(report["codec"]["wavelet"]["slices_kept"], kept - 1);
+    assert_eq!(report["codec"]["wavelet"]["slices_kept"], retained - 1);
     assert!(
         report["codec"]["wavelet"]["on_grid"]["norms"]["relative_mean"].as_f64().unwrap() > 0.05,
         "one slice fewer misses it"
@@ -81,7 +81,7 @@ fn bytes_are_written_as_people_write_them() {
     }
 }
 
-/// Where a pack cannot go is seen before it is made.
+/// Outputs that cannot be written are detected before encoding.
 #[test]
 fn unfit_outputs_are_refused_at_once() {
     let folder = Folder::new();
@@ -96,17 +96,17 @@ fn unfit_outputs_are_refused_at_once() {
 }
 
 #[test]
-fn lifted_packs_say_so() {
+fn energy_preserving_packs_are_marked() {
     let folder = Folder::new();
     let report = encode(&folder, "synth:ggx?alpha=0.3", &["--grid", "8", "--lift"]);
     assert_eq!((&report["codec"]["wavelet"]["lifted"], report["fetches"].as_u64()), (&true.into(), Some(16 * 13)));
     let info = folder.run(&["info", "pack.ktx2"]).succeeded().stdout;
-    assert!(info.contains("3, stored up to 3, which keep the light"), "{info}");
+    assert!(info.contains("3, stored up to 3, energy-preserving"), "{info}");
 }
 
-/// What reading repaired and what averaging costs is told.
+/// Repairs and the cost of averaging are reported.
 #[test]
-fn raised_rows_and_averaging_are_told() {
+fn raised_rows_and_averaging_are_reported() {
     let folder = Folder::new();
     let mut text = "theta_i,phi_i,theta_o,phi_o,r,g,b\n".to_owned();
     for (k, angles) in [
@@ -127,7 +127,7 @@ fn raised_rows_and_averaging_are_told() {
     folder.write("scan.csv", text);
     let ran = folder.run(&["encode", "scan.csv", "-o", "p.ktx2", "--codec", "table", "--reciprocal"]).succeeded();
     assert!(ran.stderr.contains("1 of 8 rows (12.5 %) had a negative channel"), "{}", ran.stderr);
-    assert!(ran.stderr.contains("the mean of both ways alone is off by a ΔE of "), "{}", ran.stderr);
+    assert!(ran.stderr.contains("symmetrising alone causes a ΔE of "), "{}", ran.stderr);
 }
 
 #[test]
@@ -158,7 +158,7 @@ fn the_table_goes_to_stdout_and_remarks_to_stderr() {
 }
 
 #[test]
-fn an_existing_pack_is_replaced_whole_or_kept() {
+fn an_existing_pack_is_replaced_completely_or_not_at_all() {
     let folder = Folder::new();
     folder.write("p.ktx2", b"old");
     assert_eq!(folder.run(&["encode", "synth:nothing", "-o", "p.ktx2"]).code, 3);
@@ -168,9 +168,9 @@ fn an_existing_pack_is_replaced_whole_or_kept() {
     assert_eq!(folder.files(".").len(), 1);
 }
 
-/// Without options: the smallest pack that meets the budget, and what was tried before it.
+/// Without options: the smallest pack that meets the budget, and the candidates before it.
 #[test]
-fn without_options_the_smallest_pack_that_looks_right_is_kept() {
+fn without_options_the_smallest_pack_that_looks_right_is_selected() {
     let folder = Folder::new();
     let report = encode(&folder, "synth:ggx?kd=0.3,0.1,0.05&alpha=0.15", &[]);
     let tried = report["tried"].as_array().unwrap();
@@ -182,7 +182,7 @@ fn without_options_the_smallest_pack_that_looks_right_is_kept() {
     assert_eq!((&report["fetches"], report["bytes_on_gpu"].as_u64().unwrap() <= 16 << 10), (&1.into(), true));
     let trials = report["stages"].as_array().unwrap().iter().filter(|stage| stage["stage"] == "try").count();
     assert_eq!(trials, tried.len(), "a time for each");
-    // A tighter budget takes more, a budget of bytes is filled, and text says what was tried.
+    // A tighter budget needs more bytes, a budget of bytes is used up, and the text lists the candidates.
     let closer = encode(&folder, "synth:ggx?kd=0.3,0.1,0.05&alpha=0.15", &["--max-delta-e", "0.1"]);
     assert!(closer["bytes_on_gpu"].as_u64() > report["bytes_on_gpu"].as_u64(), "{closer}");
     let filled = encode(&folder, "synth:lewis", &["--max-bytes", "3000"]);
@@ -190,25 +190,21 @@ fn without_options_the_smallest_pack_that_looks_right_is_kept() {
     assert!(bytes <= 3000, "{bytes}");
     let text = folder.run(&["encode", "synth:lewis", "-o", "p.ktx2"]).succeeded().stdout;
     assert!(text.starts_with("tried") && text.contains("meets the budget"), "{text}");
-    // A named codec is not searched for.
+    // A codec that is given is not searched for.
     let wavelet = encode(&folder, "synth:lewis", &["--codec", "wavelet", "--grid", "8"]);
     assert!(wavelet["codec"]["wavelet"]["grid"] == 8 && wavelet["tried"].as_array().unwrap().is_empty());
     let table = encode(&folder, "synth:lewis", &["--codec", "table", "--max-bytes", "1000", "--reciprocal"]);
     assert!(table["codec"]["table"]["symmetry"]["reciprocal"] == true && table["bytes_on_gpu"].as_u64() <= Some(1000));
 }
 
-/// What nothing meets: the best is kept and named, and the exit code says so.
+/// If no pack meets the budget, the best one is selected and reported, and the exit code is 1.
 #[test]
 fn a_budget_that_nothing_meets_keeps_the_best() {
     let folder = Folder::new();
     let input = "synth:ggx?kd=0.3,0.1,0.05&alpha=0.05";
     let ran = folder.run(&["encode", input, "-o", "p.ktx2", "--max-delta-e", "0.05", "--max-bytes", "3000", "--json"]);
     assert_eq!(ran.code, 1, "{}", ran.stderr);
-    assert!(
-        ran.stderr.contains("nothing that was tried meets the budget, the best is kept; ΔE: found"),
-        "{}",
-        ran.stderr
-    );
+    assert!(ran.stderr.contains("no tried pack meets the budget, using the closest; ΔE: found"), "{}", ran.stderr);
     let report = ran.json();
     conforms("encode", &report);
     assert!(report["missed"].is_string() && report["bytes_on_disk"] == folder.read("p.ktx2").len(), "{report}");
@@ -240,26 +236,26 @@ fn budgets_that_say_nothing_are_refused() {
             "synth:lewis",
             &["--codec", "table", "--grid", "8"],
             2,
-            "--grid: found 8 with the codec table, expected it with the codec wavelet",
+            "--grid: found 8 with the codec table, expected the codec wavelet",
         ),
         (
             "synth:lewis",
             &["--codec", "table", "--lift"],
             2,
-            "--lift: found true with the codec table, expected it with the codec wavelet",
+            "--lift: found true with the codec table, expected the codec wavelet",
         ),
         ("synth:lewis", &["--max-bytes", "16XB"], 2, "expected a whole number of bytes, such as 16384, 16KiB or 1MiB"),
         (
             "synth:lewis",
             &["--grid", "8", "--max-delta-e", "1"],
             2,
-            "--max-delta-e: found 1 with grid, expected it with the codec auto, table or factored",
+            "--max-delta-e: found 1 with grid, expected the codec auto, table or factored",
         ),
         (
             "synth:lewis",
             &["--ratio", "4", "--reciprocal"],
             2,
-            "--reciprocal: found true with ratio, expected it with the codec auto, table or factored",
+            "--reciprocal: found true with ratio, expected the codec auto, table or factored",
         ),
     ] {
         let ran = folder.run(&[&["encode", input, "-o", "p.ktx2"], more].concat());
@@ -267,13 +263,13 @@ fn budgets_that_say_nothing_are_refused() {
         assert!(ran.stderr.contains(expected), "{more:?}: {}", ran.stderr);
     }
     assert!(folder.files(".").is_empty());
-    // Black without a word about errors is black.
+    // Black without any statement about errors is black.
     let report = encode(&folder, "synth:lambert?kd=0", &[]);
     assert_eq!(report["off_grid"]["norms"]["rms"], 0.0);
     assert!(report["bytes_on_gpu"].as_u64() <= Some(1024), "{report}");
 }
 
-/// A scan of one incidence says nothing of others: a limit that is asked for is not met, unless the fit is trusted.
+/// A scan of one incidence has no information about others: the limit is not met unless the fit is trusted.
 #[test]
 fn limits_are_those_against_the_material() {
     let folder = Folder::new();
@@ -284,9 +280,9 @@ fn limits_are_those_against_the_material() {
     }
     folder.write("one.csv", scan);
     let encode = |more: &[&str]| folder.run(&[&["encode", "one.csv", "-o", "one.ktx2", "--json"], more].concat());
-    // Nobody asked for the default.
+    // The default was not requested.
     let ran = encode(&[]).succeeded();
-    assert!(ran.stderr.contains("a fit to samples, which is the weaker part: "), "{}", ran.stderr);
+    assert!(ran.stderr.contains("a fit to samples, which is less accurate than the pack: "), "{}", ran.stderr);
     conforms("encode", &ran.json());
     assert!(ran.json()["fit"]["uncovered"].as_f64().unwrap() > 0.5, "{}", ran.stdout);
     let ran = encode(&["--max-delta-e", "5"]);
@@ -300,21 +296,26 @@ fn limits_are_those_against_the_material() {
     assert!(ran.code == 2 || ran.code == 5, "{ran:?}");
 }
 
-/// The highlight is a limit besides the ΔE, and takes the place of none.
+/// The highlight is a limit in addition to the ΔE and does not replace it.
 #[test]
-fn highlights_are_kept_and_nothing_is_lost_for_them() {
+fn highlights_are_retained_without_other_losses() {
     let folder = Folder::new();
     let encode = |model: &str, more: &[&str]| {
         folder.run(&[&["encode", model, "-o", "x.ktx2", "--json"], more].concat()).succeeded().json()
     };
     let delta_e = |report: &serde_json::Value| report["off_grid"]["rendering"]["delta_e"]["mean"].as_f64().unwrap();
-    let kept = |report: &serde_json::Value| report["off_grid"]["highlight"]["light"].as_f64().unwrap();
+    let retained = |report: &serde_json::Value| report["off_grid"]["highlight"]["light"].as_f64().unwrap();
     let model = "synth:ggx?kd=0.3,0.1,0.05&alpha=0.03";
     let (without, with) = (encode(model, &["--min-highlight", "0"]), encode(model, &["--min-highlight", "0.97"]));
-    assert!(kept(&with) >= 0.97 && kept(&with) >= kept(&without), "{} {}", kept(&without), kept(&with));
+    assert!(
+        retained(&with) >= 0.97 && retained(&with) >= retained(&without),
+        "{} {}",
+        retained(&without),
+        retained(&with)
+    );
     assert!(delta_e(&with) <= 0.5 && delta_e(&without) <= 0.5);
-    // With bytes alone the best that fits is asked for, all the same.
+    // With bytes alone the best pack that fits is still selected.
     let bytes = encode(model, &["--max-bytes", "16KiB", "--min-highlight", "0.5"]);
     let plain = encode(model, &["--max-bytes", "16KiB"]);
-    assert!(delta_e(&bytes) <= delta_e(&plain) + 1e-9 && kept(&bytes) >= 0.5);
+    assert!(delta_e(&bytes) <= delta_e(&plain) + 1e-9 && retained(&bytes) >= 0.5);
 }

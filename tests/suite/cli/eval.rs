@@ -17,7 +17,7 @@ fn folder() -> Folder {
 }
 
 #[test]
-fn columns_are_appended_and_others_kept() {
+fn columns_are_appended_and_others_retained() {
     let folder = folder();
     let ran = folder.run(&["eval", "synth:lambert?kd=0.5,0.25,1", "--directions", "pairs.csv"]).succeeded();
     let lines: Vec<&str> = ran.stdout.lines().collect();
@@ -84,7 +84,7 @@ fn levels_of_detail_belong_to_packs() {
     }
     let ran = folder.run(&["eval", "synth:lewis", "--directions", "pairs.csv", "--lod", "1"]);
     assert!(ran.code == 2 && ran.stderr.contains("only packs have levels of detail"), "{}", ran.stderr);
-    // Of tables those that were asked for.
+    // For tables, the requested ones.
     folder.run(&["encode", "synth:lewis", "-o", "t.ktx2", "--codec", "factored", "--levels", "3"]).succeeded();
     let at = |lod: &str| folder.run(&["eval", "t.ktx2", "--directions", "pairs.csv", "--lod", lod]);
     let values = |lod: &str| at(lod).succeeded().stdout;

@@ -35,7 +35,7 @@ fn number(value: &Value) -> f64 {
     value.as_f64().unwrap_or_else(|| panic!("{value}"))
 }
 
-/// The one file of a flat BTF.
+/// The file of a flat BTF.
 fn file(folder: &Folder, name: &str) -> FlatBtfFile {
     let files = folder.files(name);
     assert_eq!(files.len(), 1, "{:?}", files.keys());
@@ -53,20 +53,20 @@ fn every_structure_is_one_file() {
         assert!(report["report"]["factored"].is_object());
         assert_eq!(report["report"]["parameterisation"]["flipped"], 0);
         let errors = &report["report"]["errors"];
-        // At 16 x 16 texels, few.
+        // With 16 x 16 texels there are few.
         assert!(number(&errors["at_samples"]["mean"]) < limit, "{name}: {errors}");
-        // Views that are not factored yet were held to this limit when files had them.
+        // Views that are not factored were limited to this when files contained them.
         assert!(name != "button" || number(&errors["views_at_samples"]["mean"]) < 12.0, "{errors}");
         let within: Value = serde_json::from_str(&file(&folder, name).report).unwrap();
         assert_eq!(within["report"], report["report"]);
-        let mut told = report.clone();
-        told.as_object_mut().unwrap().remove("seconds");
-        conforms("flat-btf", &told);
-        assert_eq!(folder.run(&["info", name, "--json"]).succeeded().json(), told);
+        let mut output = report.clone();
+        output.as_object_mut().unwrap().remove("seconds");
+        conforms("flat-btf", &output);
+        assert_eq!(folder.run(&["info", name, "--json"]).succeeded().json(), output);
     }
 }
 
-/// The report, `info` and `render` agree on what a GPU has to hold.
+/// The report, `info` and `render` agree on the bytes on a GPU.
 #[test]
 fn graphics_memory_is_that_of_the_bindings() {
     let folder = Folder::new();
@@ -87,7 +87,7 @@ fn graphics_memory_is_that_of_the_bindings() {
     let of = |report: &Value, image: &str| report["images"][image].as_u64().unwrap();
     let smaller = checked(&[]);
     assert_eq!(of(&smaller, "flat_btf_normal"), 8 * 16 * 16);
-    // Of each texel 4 x 7 samples of two bytes, and their ranges.
+    // Each texel has 4 x 7 samples of two bytes, and their ranges.
     let displacements = of(&smaller, "flat_btf_packed_indirection") + of(&smaller, "flat_btf_ranges");
     assert_eq!(displacements, 16 * 16 * (4 * 7 * 2 + 8));
     let budget = checked(&["--max-bytes", "20KiB"]);
@@ -96,15 +96,19 @@ fn graphics_memory_is_that_of_the_bindings() {
         .filter_map(|image| budget["images"][image].as_u64())
         .sum();
     assert!(factors <= 20 << 10 && budget["report"]["factored"]["gpu_bytes"] == factors, "{budget}");
-    // What nothing meets is kept, and reported.
+    // If no factorisation meets the limit, the best one is selected and reported.
     let missed = flatten(&folder, &[&knit[..], &["--max-delta-e", "0.00001"]].concat());
-    assert!(missed.code == 1 && missed.stderr.contains("of 14 that were tried, expected 0.00001"), "{}", missed.stderr);
+    assert!(
+        missed.code == 1 && missed.stderr.contains("of 14 that were tried, expected at most 0.00001"),
+        "{}",
+        missed.stderr
+    );
     assert!(missed.json()["report"]["factored"]["errors"]["seen_mean"].as_f64().unwrap() > 1e-5);
     let refused = flatten(&folder, &[&knit[..], &["--max-bytes", "1KiB"]].concat());
     assert!(refused.code == 2 && refused.stderr.contains("--max-bytes: found 1024, expected "), "{}", refused.stderr);
 }
 
-/// The codec alone, with scratch storage in memory, makes what the program writes.
+/// The codec alone, with scratch storage in memory, makes the same file as the program.
 #[test]
 fn files_hold_what_the_codec_makes() {
     let folder = Folder::new();
@@ -162,7 +166,7 @@ fn a_matte_plane_is_exact() {
     for kind in ["at_samples", "light_form"] {
         assert!(number(&errors[kind]["max"]) < 0.25, "{errors}");
     }
-    // The views themselves blend the cosines of lights that are 50 degrees apart; the base has that of the light itself.
+    // The views themselves blend the cosines of lights that are 50 degrees apart; the base has the cosine of the light itself.
     assert!((0.1..5.0).contains(&number(&errors["views_between_samples"]["mean"])), "{errors}");
     assert!(number(&errors["between_samples"]["max"]) < 0.5, "{errors}");
 }
@@ -239,7 +243,7 @@ fn an_ordinary_btf_goes_out_and_comes_in_again() {
     assert_eq!(second["settings"]["views"][1], 7);
     let seen = |report: &Value| number(&report["report"]["seen"]);
     assert!((seen(&first) - seen(&second)).abs() < 1e-9);
-    // Over a plane the same images keep their parallax in the texels: less of them fits together.
+    // Over a plane the same images keep their parallax in the texels, so they are less similar.
     let plane = measured(&["-o", "plane"]);
     assert_eq!(plane["source"], "images over the plane");
     assert_eq!(plane["report"]["heights"], serde_json::json!([0.0, 0.0]));
@@ -310,7 +314,7 @@ fn light_of_one_bounce_brightens_and_does_not_depend_on_threads() {
     assert!(bounced > 1.02 * direct && bounced < 1.6 * direct, "{direct} {bounced}");
 }
 
-/// What fails after the first parts were made leaves the asset that was there as it was.
+/// A failure after the first parts were made leaves the existing asset unchanged.
 #[test]
 fn a_failed_run_leaves_the_asset_as_it_was() {
     let folder = Folder::new();
@@ -326,7 +330,7 @@ fn a_failed_run_leaves_the_asset_as_it_was() {
     let ran = flatten(&folder, &["images", "-o", "asset", "--geometry", "synth:knit?resolution=32"]);
     assert!(ran.code == 3 && ran.stderr.contains(".png"), "{ran:?}");
     assert!(folder.files("asset") == before);
-    // Nor does a new one appear.
+    // A new one does not appear either.
     let ran = flatten(&folder, &["images", "-o", "other"]);
     assert_eq!(ran.code, 3, "{ran:?}");
     assert_eq!(folder.files("other").len(), 0);
@@ -373,9 +377,9 @@ fn directions_are_checked_before_the_work() {
 fn reliefs_that_rays_cannot_follow_are_refused() {
     let folder = Folder::new();
     let plane =
-        |lifted: &str| format!("v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nv {lifted}\nf 1 2 5\nf 2 3 5\nf 3 4 5\nf 4 1 5\n");
-    for (lifted, words) in [("0.5 0.5 50", "expected 16 tiles above"), ("300 0.5 1", "reaches over 300 tiles")] {
-        folder.write("spike.obj", plane(lifted));
+        |apex: &str| format!("v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nv {apex}\nf 1 2 5\nf 2 3 5\nf 3 4 5\nf 4 1 5\n");
+    for (apex, words) in [("0.5 0.5 50", "expected at most 16 tiles above"), ("300 0.5 1", "an extent of 300 tiles")] {
+        folder.write("spike.obj", plane(apex));
         let ran = flatten(&folder, &["spike.obj", "-o", "spike", "--material", "synth:lambert"]);
         assert!(ran.code == 3 && ran.stderr.contains("spike.obj: ") && ran.stderr.contains(words), "{ran:?}");
     }

@@ -11,7 +11,7 @@ fn commands(folder: &Folder) -> Vec<String> {
     names.map(|line| line.split_whitespace().next().unwrap().to_owned()).filter(|name| name != "help").collect()
 }
 
-/// What a tool says of a file, if the tool is there: whether it takes it, and what it prints.
+/// Runs a tool on a file, if the tool exists: whether it accepts the file, and what it prints.
 fn asked(tool: &str, arguments: &[&str], folder: &Folder) -> Option<(bool, String)> {
     match Command::new(tool).args(arguments).current_dir(folder.path()).output() {
         Ok(output) => {
@@ -28,16 +28,16 @@ fn asked(tool: &str, arguments: &[&str], folder: &Folder) -> Option<(bool, Strin
 #[test]
 fn there_is_a_completion_script_for_every_shell() {
     let folder = Folder::new();
-    let told = folder.run(&["generate", "completions", "--out", "completions"]).succeeded().stdout;
+    let message = folder.run(&["generate", "completions", "--out", "completions"]).succeeded().stdout;
     let files = folder.files("completions");
     let names: Vec<&str> = files.keys().map(String::as_str).collect();
     assert_eq!(names, ["_brdfc", "_brdfc.ps1", "brdfc.bash", "brdfc.elv", "brdfc.fish"]);
-    assert_eq!(told.lines().count(), 5);
+    assert_eq!(message.lines().count(), 5);
     let commands = commands(&folder);
     assert!(commands.len() > 11, "{commands:?}");
     for (name, script) in &files {
         let script = String::from_utf8(script.clone()).unwrap();
-        assert!(told.contains(name.as_str()), "{name}");
+        assert!(message.contains(name.as_str()), "{name}");
         for command in &commands {
             assert!(script.contains(command.as_str()), "{name}: no {command}");
         }
@@ -56,7 +56,7 @@ fn shells_accept_their_scripts() {
             assert!(taken, "{shell}: {text}");
         }
     }
-    // What a shell would refuse is seen.
+    // An input that a shell would reject is detected.
     folder.write("broken.bash", [&folder.read("brdfc.bash")[..], b"\nif true\n"].concat());
     if let Some((taken, _)) = asked("bash", &["-n", "broken.bash"], &folder) {
         assert!(!taken);
@@ -121,5 +121,5 @@ fn the_command_stays_out_of_the_list() {
     assert!(!commands(&folder).contains(&"generate".to_owned()));
     folder.run(&["generate", "--help"]).succeeded();
     let ran = folder.run(&["generate", "man", "--out", "-"]);
-    assert!(ran.code == 2 && ran.stderr.contains("-: found in the place of a folder"), "{}", ran.stderr);
+    assert!(ran.code == 2 && ran.stderr.contains("-: found a stream, expected the name of a folder"), "{}", ran.stderr);
 }

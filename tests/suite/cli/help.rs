@@ -3,11 +3,11 @@
 use crate::common::cli::Folder;
 use std::collections::BTreeSet;
 
-/// The commands that the help lists, but for clap's own and for what this program may be built without.
+/// The commands that the help lists, except clap's own and optional ones.
 fn commands(folder: &Folder) -> Vec<String> {
     let help = folder.run(&["--help"]).succeeded().stdout;
     let list = help.split("\nCommands:\n").nth(1).unwrap().split("\n\n").next().unwrap().to_owned();
-    // What is told of a command may go on below it, farther in.
+    // The description of a command may continue below it, with more indentation.
     let names = list.lines().filter(|line| line.starts_with("  ") && !line.starts_with("   "));
     let names: Vec<String> = names.map(|line| line.split_whitespace().next().unwrap().to_owned()).collect();
     assert!(names.len() > 11, "{names:?}");
@@ -45,7 +45,7 @@ fn the_examples_in_the_help_parse() {
         for line in help.lines().filter(|line| line.trim_start().starts_with("brdfc ")) {
             let words = line.split(['<', '>']).next().unwrap().split_whitespace().skip(1);
             let arguments: Vec<&str> = words.map(|word| word.trim_matches('\'')).collect();
-            // The files of the examples are not there, so the worst that may happen is code 3 or 4.
+            // The files of the examples do not exist, so the worst allowed result is code 3 or 4.
             let ran = folder.run(&arguments);
             assert_ne!(ran.code, 2, "{line}: {}", ran.stderr);
         }
@@ -86,7 +86,7 @@ fn wrong_usage_exits_with_2_and_says_what_is_allowed() {
         (&["encode", "synth:lewis", "-o", "p.ktx2", "--ratio", "4", "--max-error", "0.1"], "cannot be used with"),
         (
             &["encode", "synth:lewis", "-o", "p.ktx2", "--parameterisation", "half-difference"],
-            "--parameterisation: found \"half-difference\", expected tangent-pole; half-difference angles are those of",
+            "--parameterisation: found \"half-difference\", expected tangent-pole; for half-difference angles use",
         ),
         (&["encode", "synth:lambert", "-o", "p.ktx2", "--grid", "64", "--ratio", "1"], "slices: found"),
         (&["compare", "synth:lewis", "synth:lewis", "--directions", "0"], "--directions: found 0, expected 1 to"),
@@ -106,7 +106,7 @@ fn wrong_usage_exits_with_2_and_says_what_is_allowed() {
     assert!(folder.files(".").is_empty());
 }
 
-/// The numbers that flags of a command take, by its help: long names with what stands for their values.
+/// Numeric flags of a command from its help: long names with their value names.
 fn numbers(folder: &Folder, command: &str) -> Vec<String> {
     const VALUES: [&str; 18] = [
         "<N>",
@@ -142,7 +142,7 @@ fn numbers(folder: &Folder, command: &str) -> Vec<String> {
     found
 }
 
-/// A number below zero is a value wherever a number is wanted, and is refused with what is allowed.
+/// A negative number is a value wherever a number is expected, and is rejected with the allowed range.
 #[test]
 fn negative_numbers_are_values() {
     let folder = Folder::new();
@@ -164,11 +164,11 @@ fn negative_numbers_are_values() {
         ("render", &["p.ktx2"]),
     ] {
         for flag in numbers(&folder, command) {
-            // These may be negative, or are no numbers.
+            // These may be negative, or are not numbers.
             if ["--min-psnr", "--height-scale", "--height-offset", "--parameterisation"].contains(&flag.as_str()) {
                 continue;
             }
-            // Some go only with others.
+            // Some require other flags.
             let more: &[&str] = match (command, flag.as_str()) {
                 ("bandwidth", "--size") => &["--kind", "texture"],
                 (
@@ -218,18 +218,18 @@ fn json_is_a_flag_of_the_program() {
         let allowed = "bandwidth, build, compare, convert, encode, flatten, info, plan, pwt, render, report, samples, shader, verify, view and watch";
         for ran in [folder.run(&[&["--json"], arguments].concat()), folder.run(&[arguments, &["--json"]].concat())] {
             assert_eq!((ran.code, ran.stdout.as_str()), (2, ""), "{arguments:?}");
-            assert_eq!(ran.stderr, format!("brdfc: --json: found with {name}, expected with {allowed}\n"));
+            assert_eq!(ran.stderr, format!("brdfc: --json does not apply to {name}, only to {allowed}\n"));
         }
     }
     assert_eq!(folder.files(".").len(), 2);
 }
 
-/// Every command, and those of its options that decide what is printed: what refuses `--json` is what the page lists.
+/// Every command, with those of its options that determine the output: the commands that reject `--json` are those on the page.
 #[test]
 fn what_refuses_json_is_what_the_page_says() {
     let folder = Folder::new();
     let page = std::fs::read_to_string(concat!(env!("CARGO_MANIFEST_DIR"), "/docs/command-line.md")).unwrap();
-    let list = page.split("refuse\nit with exit code 2: ").nth(1).unwrap().split(". ").next().unwrap();
+    let list = page.split("reject it with exit code 2: ").nth(1).unwrap().split(". ").next().unwrap();
     let listed: BTreeSet<String> = list.split('`').skip(1).step_by(2).map(str::to_owned).collect();
     let mut tried = BTreeSet::new();
     let mut refusing = BTreeSet::new();
@@ -265,9 +265,9 @@ fn what_refuses_json_is_what_the_page_says() {
     ] {
         let ran = folder.run(&[arguments, &["--json"]].concat());
         tried.insert(arguments[0].to_owned());
-        if ran.stderr.starts_with("brdfc: --json: found with ") {
+        if ran.stderr.starts_with("brdfc: --json does not apply to ") {
             assert_eq!(ran.code, 2, "{name}: {}", ran.stderr);
-            // However it is written, it refuses the flag alone.
+            // In any form, it rejects the flag alone.
             refusing.insert(name.split(" of ").next().unwrap().to_owned());
         } else {
             assert!(!ran.stderr.contains("--json"), "{name}: {}", ran.stderr);

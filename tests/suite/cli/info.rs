@@ -37,20 +37,20 @@ fn every_kind_is_named_with_its_sizes() {
 }
 
 #[test]
-fn files_are_told_with_their_entries() {
+fn files_are_listed_with_their_metadata() {
     let folder = Folder::new();
     folder.run(&["encode", "synth:lambert?kd=0.5", "-o", "it.ktx2"]).succeeded();
-    let told = folder.run(&["info", "it.ktx2", "--files", "--json"]).succeeded().json();
-    conforms("files", &told);
-    let file = &told["files"]["it.ktx2"];
+    let printed = folder.run(&["info", "it.ktx2", "--files", "--json"]).succeeded().json();
+    conforms("files", &printed);
+    let file = &printed["files"]["it.ktx2"];
     assert_eq!((file["dimension"].as_str(), file["levels"].as_u64()), (Some("3d"), Some(1)));
-    // What the report of the encoding says.
+    // As the report of the encoding states.
     let encoded = folder.run(&["encode", "synth:lambert?kd=0.5", "-o", "it.ktx2", "--json"]).succeeded().json();
     assert!(file["entries"]["brdfc.table"].is_string());
     assert!(encoded.to_string().contains(&file["entries"]["brdfc.table"].to_string()));
     let table = folder.run(&["info", "it.ktx2", "--files"]).succeeded().stdout;
     assert!(table.contains("it.ktx2") && table.contains(" brdfc.table "), "{table}");
-    // What a device has to offer.
+    // Required features of a device.
     assert!(folder.run(&["info", "it.ktx2"]).succeeded().stdout.contains("any with WebGPU or WebGL 2"));
     let fine =
         ["encode", "synth:ggx?alpha=0.3", "--codec", "wavelet", "--ratio", "2", "--bits", "12", "-o", "fine.ktx2"];
@@ -67,16 +67,16 @@ fn files_are_told_with_their_entries() {
     // A flat BTF has several.
     let small = ["--texels", "16", "--views", "grid:2x6@50", "--lights", "grid:2x6@50"];
     folder.run(&[&["flatten", "synth:button?resolution=24", "-o", "button"][..], &small].concat()).succeeded();
-    let told = folder.run(&["info", "button", "--files", "--json"]).succeeded().json();
-    conforms("files", &told);
-    assert!(told["files"]["button.ktx2"]["entries"]["brdfc.displacement"].is_string());
-    assert_eq!(told["files"]["button.ktx2#brdfc.image.flat_btf_ranges"]["texel_format"], "rgba16float");
-    assert!(told["files"].as_object().unwrap().len() > 6);
+    let printed = folder.run(&["info", "button", "--files", "--json"]).succeeded().json();
+    conforms("files", &printed);
+    assert!(printed["files"]["button.ktx2"]["entries"]["brdfc.displacement"].is_string());
+    assert_eq!(printed["files"]["button.ktx2#brdfc.image.flat_btf_ranges"]["texel_format"], "rgba16float");
+    assert!(printed["files"].as_object().unwrap().len() > 6);
     assert!(folder.run(&["info", "button"]).succeeded().stdout.contains("devices "));
 }
 
 #[test]
-fn symmetries_are_told() {
+fn symmetries_are_reported() {
     let folder = Folder::new();
     let symmetry = |input: &str| {
         let report = folder.run(&["info", input, "--json"]).succeeded().json();
@@ -97,7 +97,7 @@ fn symmetries_are_told() {
 }
 
 #[test]
-fn the_extension_decides_whatever_its_case() {
+fn the_case_of_the_extension_does_not_matter() {
     let folder = Folder::new();
     folder.run(&["synth", "ggx", "-o", "a.binary", "--dimensions", "6x6x12"]).succeeded();
     folder.write("B.BINARY", folder.read("a.binary"));
@@ -109,7 +109,7 @@ fn the_extension_decides_whatever_its_case() {
 }
 
 #[test]
-fn importance_samples_are_told_from_other_packs() {
+fn importance_samples_are_distinguished_from_other_packs() {
     let folder = Folder::new();
     let header = ImportanceHeader { polar: 2, azimuths: 4, samples: 3 };
     let bytes = ImportancePack::new(header, vec![[0.0, 0.0, 1.0, 1.0]; 24]).unwrap().to_bytes(true);
@@ -119,7 +119,7 @@ fn importance_samples_are_told_from_other_packs() {
     assert_eq!((&report["kind"], &report["samples"]), (&"importance-pack".into(), &3.into()));
     let text = folder.run(&["info", "p.ktx2"]).succeeded().stdout;
     assert!(text.contains("2 polar angles x 4 azimuths") && text.contains("384 B"), "{text}");
-    // A broken one is still told what it is, and other commands say what is missing.
+    // A damaged one is still identified, and other commands report what is missing.
     let mut texels = vec![[0.0, 0.0, 1.0, 1.0]; 24];
     texels[5][3] = 2.0;
     let bytes = ImportancePack::new(header, texels).unwrap().to_bytes(false);
@@ -134,7 +134,7 @@ fn importance_samples_are_told_from_other_packs() {
 }
 
 #[test]
-fn polynomial_wavelet_trees_are_told_from_other_packs() {
+fn polynomial_wavelet_trees_are_distinguished_from_other_packs() {
     let folder = Folder::new();
     let bytes = brdfc_testing::codecs::pwt::example().to_bytes(true);
     folder.write("p.ktx2", &bytes);
@@ -149,7 +149,7 @@ fn polynomial_wavelet_trees_are_told_from_other_packs() {
     for words in ["polynomial wavelet tree", "2 x 2, a tile", "level 1: 1 x 1", "PSNR 40.00 dB", "6 B"] {
         assert!(text.contains(words), "{words}: {text}");
     }
-    // A broken one is told by its field, and commands that want a BRDF say what it is.
+    // A damaged one is reported by its field, and commands that need a BRDF report the kind.
     let at = bytes.windows(4).position(|word| word == 35.0f32.to_le_bytes()).unwrap();
     folder.write("q.ktx2", sealed([&bytes[..at], &f32::NAN.to_le_bytes(), &bytes[at + 4..]].concat()));
     let ran = folder.run(&["info", "q.ktx2"]);
@@ -202,7 +202,7 @@ fn what_flatten_takes_is_described() {
     assert!(text.lines().any(|line| line.starts_with("repaired ") && line.ends_with("nothing")), "{text}");
     let (over, text) = info("over.obj");
     assert_eq!(over["repaired"]["duplicate_triangles"], 1);
-    assert!(text.contains("1 triangles that were there twice were left out; 1 triangles were turned over"), "{text}");
+    assert!(text.contains("1 duplicate triangles were left out; 1 triangles were turned over"), "{text}");
     let (open, text) = info("open.obj");
     assert!(open["tile"].is_null() && open["problem"].as_str().unwrap().contains("hole"), "{open}");
     assert!(text.contains("does not close"), "{text}");
@@ -218,7 +218,7 @@ fn what_flatten_takes_is_described() {
         (&2.into(), &2.into(), &3.into(), &1.into())
     );
     assert_eq!(stack["extensions"][0], "png");
-    assert!(text.contains("1: it would be refused"), "{text}");
+    assert!(text.contains("1; 'brdfc flatten' requires all"), "{text}");
     let (structure, text) = info("synth:button?resolution=16");
     assert_eq!((&structure["kind"], &structure["triangles"]), (&"structure".into(), &512.into()));
     assert!(text.contains("synth:button?resolution=16&height=1"), "{text}");
@@ -242,9 +242,9 @@ fn flat_btfs_and_damaged_ones() {
     assert_eq!(images.values().map(|bytes| bytes.as_u64().unwrap()).sum::<u64>(), whole["gpu_bytes"].as_u64().unwrap());
     let ran = folder.run(&["compare", "synth:lewis", file]);
     assert_eq!(ran.code, 3);
-    let expected = "found a flat BTF, expected a pack of a BRDF: a flat BTF has no one BRDF";
+    let expected = "found a flat BTF, expected a pack of a BRDF; a flat BTF has no single BRDF";
     assert!(ran.stderr.contains(expected), "{}", ran.stderr);
-    // Two in a folder have to be told apart.
+    // Two in a folder must be distinguished.
     folder.write("two/a.ktx2", folder.read(file));
     folder.write("two/b.ktx2", folder.read(file));
     let ran = folder.run(&["info", "two"]);
@@ -257,7 +257,7 @@ fn flat_btfs_and_damaged_ones() {
         for arguments in [["info", file], ["report", "knit"]] {
             let more: &[&str] = if arguments[0] == "report" { &["-o", "page.html"] } else { &[] };
             let ran = folder.run(&[&arguments[..], more].concat());
-            // A folder without any file of ours is one of a build, whose report is missing.
+            // A folder without any of our files is one of a build, whose report is missing.
             let code = if at == 0 && arguments[0] == "report" { 4 } else { 3 };
             assert_eq!(ran.code, code, "{at} {arguments:?} {}", ran.stderr);
         }

@@ -22,7 +22,7 @@ fn folder() -> Folder {
     folder
 }
 
-/// What one build makes of it.
+/// Result of a single build.
 static WHOLE: LazyLock<BTreeMap<String, Vec<u8>>> = LazyLock::new(|| {
     let folder = folder();
     folder.run(&["build", "my scene.toml"]).succeeded();
@@ -35,18 +35,18 @@ fn shards_make_the_whole() {
     for number in 1..=3 {
         let (shard, out) = (format!("{number}/3"), format!("part-{number}"));
         let ran = folder.run(&["build", "my scene.toml", "--shard", &shard, "--out", &out]).succeeded();
-        assert!(ran.stdout.lines().all(|line| line.ends_with(": made")), "{}", ran.stdout);
+        assert!(ran.stdout.lines().all(|line| line.ends_with(": built")), "{}", ran.stdout);
         assert!(folder.products(&out).is_empty(), "nothing is put in place");
     }
     let from = ["--from", "part-1", "--from", "part-2", "--from", "part-3"];
     let merged = folder.run(&[&["build", "my scene.toml", "--json"][..], &from].concat()).succeeded().json();
-    assert!(merged["materials"].as_array().unwrap().iter().all(|m| m["cached"] == true), "all was made before");
+    assert!(merged["materials"].as_array().unwrap().iter().all(|m| m["cached"] == true), "all is cached");
     assert!(folder.products("packs") == *WHOLE);
     for (arguments, words) in [
         (&["--shard", "4/3"][..], "--shard"),
         (&["--shard", "1/3", "--only", "table.brdf"], "--shard"),
         (&["--only", "table"], "--only: found table, expected environment.maps, round.brdf, round.maps, table.brdf"),
-        (&["--shard", "1/3", "--json"], "--json: found with --shard or --only"),
+        (&["--shard", "1/3", "--json"], "--json does not apply to --shard and --only"),
     ] {
         let ran = folder.run(&[&["build", "my scene.toml"], arguments].concat());
         assert!(ran.code == 2 && ran.stderr.contains(words), "{}", ran.stderr);
@@ -88,27 +88,27 @@ fn ninja_runs_the_graph() {
         let text = String::from_utf8(output.stdout).unwrap() + &String::from_utf8(output.stderr).unwrap();
         (output.status.success(), text)
     };
-    let (built, told) = ninja();
-    assert!(built && told.contains("[8/8] merge"), "{told}");
+    let (built, message) = ninja();
+    assert!(built && message.contains("[8/8] merge"), "{message}");
     assert!(folder.products("packs") == *WHOLE);
     assert!(ninja().1.contains("no work to do"));
-    // What was deleted comes back, and nothing is made again.
+    // Deleted files are restored, and nothing is built again.
     for (name, _) in folder.products("packs").iter().take(2) {
         std::fs::remove_file(folder.path().join("packs").join(name)).unwrap();
-        let (built, told) = ninja();
-        assert!(built && told.contains("[1/1] merge"), "{name}: {told}");
+        let (built, message) = ninja();
+        assert!(built && message.contains("[1/1] merge"), "{name}: {message}");
         assert!(folder.products("packs") == *WHOLE);
         assert!(ninja().1.contains("no work to do"), "{name}");
     }
-    // A source that changed is made again, and nothing else.
+    // A modified source is built again, and nothing else.
     folder.run(&["synth", "ggx?alpha=0.5", "-o", "round.brdf", "--rows", "300"]).succeeded();
-    let (built, told) = ninja();
-    assert!(built && told.contains("[3/3] merge"), "{told}");
-    // A failed job stops the build before anything changes places.
+    let (built, message) = ninja();
+    assert!(built && message.contains("[3/3] merge"), "{message}");
+    // A failed job stops the build before any file is moved.
     let before = folder.products("packs");
     folder.write("round.brdf", "no scan");
-    let (built, told) = ninja();
-    assert!(!built && told.contains("round.brdf: "), "{told}");
+    let (built, message) = ninja();
+    assert!(!built && message.contains("round.brdf: "), "{message}");
     assert!(folder.products("packs") == before);
 }
 
@@ -131,11 +131,11 @@ fn slurm_runs_shards_as_a_job_array() {
         .args([program, "my scene.toml", "3"])
         .output();
     let ran = ran.unwrap();
-    let told = String::from_utf8_lossy(&ran.stdout).into_owned() + &String::from_utf8_lossy(&ran.stderr);
+    let message = String::from_utf8_lossy(&ran.stdout).into_owned() + &String::from_utf8_lossy(&ran.stderr);
     if ran.status.code() == Some(77) {
-        println!("skipped: {}", told.lines().find(|line| line.starts_with("skipped")).unwrap_or("Slurm"));
+        println!("skipped: {}", message.lines().find(|line| line.starts_with("skipped")).unwrap_or("Slurm"));
         return;
     }
-    assert!(ran.status.success(), "{told}");
-    assert!(folder.products("packs") == *WHOLE, "{told}");
+    assert!(ran.status.success(), "{message}");
+    assert!(folder.products("packs") == *WHOLE, "{message}");
 }

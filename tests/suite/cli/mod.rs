@@ -1,4 +1,4 @@
-//! The real program, command by command. One binary, because each of them is linked again.
+//! The real program, command by command. One binary for all of them, because each test binary is linked separately.
 
 mod bandwidth;
 mod build_scene;

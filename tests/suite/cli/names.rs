@@ -1,4 +1,4 @@
-//! What files are called: `-`, names that are no UTF-8, names that lie.
+//! Names of files: `-`, names that are not UTF-8, wrong extensions.
 
 use crate::common::cli::{Folder, Ran, inputs};
 
@@ -25,7 +25,7 @@ fn a_dash_reads_what_the_file_holds() {
             &["compare", "INPUT", "synth:lewis", "--directions", "100"],
             &["compare", "synth:lewis", "INPUT", "--directions", "100"],
         ] {
-            // Which of the two it is does not depend on the kind of file.
+            // The answer does not depend on the kind of file.
             if arguments[2] == "INPUT" && file != "p.ktx2" {
                 continue;
             }
@@ -97,17 +97,17 @@ fn what_a_dash_cannot_be_is_refused() {
             3,
             "brdfc: stdin: line 2, text: found a NUL byte, ",
         ),
+        (&["flatten", "synth:knit?resolution=16", "-o", "-"], b"", 2, "-: found a stream, expected the name"),
+        (&["build", "synth:lewis", "--out", "-", "--dry-run"], b"", 2, "-: found a stream, expected"),
+        (&["build", "synth:lewis", "--out", "-"], b"", 2, "-: found a stream, expected the name"),
+        (&["build", "synth:lewis", "--from", "-"], b"", 2, "-: found a stream, expected the name"),
         (
-            &["flatten", "synth:knit?resolution=16", "-o", "-"],
+            &["plan", "synth:lewis", "--format", "json", "--out", "-"],
             b"",
             2,
-            "-: found in the place of a folder, expected the name",
+            "-: found a stream, expected the name of a folder",
         ),
-        (&["build", "synth:lewis", "--out", "-", "--dry-run"], b"", 2, "-: found in the place of a folder, expected"),
-        (&["build", "synth:lewis", "--out", "-"], b"", 2, "-: found in the place of a folder, expected the name"),
-        (&["build", "synth:lewis", "--from", "-"], b"", 2, "-: found in the place of a folder, expected the name"),
-        (&["plan", "synth:lewis", "--format", "json", "--out", "-"], b"", 2, "-: found in the place of a folder"),
-        (&["report", "-", "-o", "page.html"], b"", 2, "-: found in the place of a folder, expected the name"),
+        (&["report", "-", "-o", "page.html"], b"", 2, "-: found a stream, expected the name"),
         (
             &["flatten", "m.obj", "-o", "x", "--views", "-", "--colour", "-"],
             b"",
@@ -130,7 +130,7 @@ fn what_a_dash_cannot_be_is_refused() {
             &["synth", "lewis", "-o", "a.brdf", "--kind", "csv"],
             b"",
             2,
-            "--kind: found with a.brdf, expected with - for",
+            "--kind does not apply to a.brdf, only to - for",
         ),
     ] {
         let ran = with_stdin(&folder, arguments, stdin);
@@ -158,7 +158,7 @@ fn a_dash_writes_what_the_file_would_hold() {
         assert!(output.status.success() && output.stdout == folder.read(file), "{arguments:?}");
         assert!(!folder.path().join("-").exists());
     }
-    // The report goes where the pack does not.
+    // The report does not go to the same place as the pack.
     let ran =
         with_stdin(&folder, &["samples", "synth:lewis", "--count", "4", "--polar", "4", "-o", "-", "--json"], b"");
     assert!(ran.stderr.contains("\"kind\": \"importance-pack\""), "{}", ran.stderr);
@@ -186,8 +186,8 @@ fn names_need_not_be_utf_8() {
         };
         assert!(run(&["info", "INPUT"], &[(1, extension)]).0.contains("kind"));
         let encode = ["encode", "INPUT", "--codec", "table", "--max-bytes", "500", "-o", "OUTPUT"];
-        let (told, notes) = run(&encode, &[(1, extension), (7, "ktx2")]);
-        assert!(told.contains("m\u{fffd}tal.ktx2"), "{told}");
+        let (message, notes) = run(&encode, &[(1, extension), (7, "ktx2")]);
+        assert!(message.contains("m\u{fffd}tal.ktx2"), "{message}");
         let start = format!("note: m\u{fffd}tal.{extension}: ");
         assert!(notes.lines().all(|line| line.starts_with(&start)) && !notes.is_empty(), "{notes}");
         run(&["compare", "A", "B", "--directions", "100"], &[(1, extension), (2, "ktx2")]);
@@ -198,11 +198,14 @@ fn names_need_not_be_utf_8() {
         assert!(map.contains("bandwidth map"), "{map}");
     }
     let gone = folder.command(&["info"]).arg(named("gone")).output().unwrap();
-    let told = String::from_utf8(gone.stderr).unwrap();
-    assert!(gone.status.code() == Some(4) && told.starts_with("brdfc: m\u{fffd}tal.gone: cannot read: "), "{told}");
+    let message = String::from_utf8(gone.stderr).unwrap();
+    assert!(
+        gone.status.code() == Some(4) && message.starts_with("brdfc: m\u{fffd}tal.gone: cannot read: "),
+        "{message}"
+    );
 }
 
-/// Folders, manifests in them, files and outputs; names of materials hold `_` for what is none of their characters.
+/// Folders, manifests in them, files and outputs; `_` in names of materials stands for characters that they cannot have.
 #[test]
 #[cfg(target_os = "linux")]
 fn builds_read_and_write_where_names_are_not_utf_8() {
@@ -227,13 +230,13 @@ fn builds_read_and_write_where_names_are_not_utf_8() {
         (output.status.code().unwrap(), String::from_utf8(output.stderr).unwrap())
     };
     let succeeded = |words: &[&[u8]]| {
-        let (code, told) = run(words);
-        assert_eq!(code, 0, "{told}");
-        told
+        let (code, message) = run(words);
+        assert_eq!(code, 0, "{message}");
+        message
     };
     let file = |out: &[u8], name: &str| std::fs::read(folder.path().join(odd(out)).join(name)).unwrap();
-    let told = succeeded(&[b"sc\xe4ns", b"--out", b"p\xe4cks", b"--depfile", b"rule.d"]);
-    assert!(told.contains("left out, no measured materials: 2 files (sc\u{fffd}ns/all.toml, "), "{told}");
+    let message = succeeded(&[b"sc\xe4ns", b"--out", b"p\xe4cks", b"--depfile", b"rule.d"]);
+    assert!(message.contains("skipped, not measured materials: 2 files (sc\u{fffd}ns/all.toml, "), "{message}");
     let rule = folder.read("rule.d");
     assert!(rule.starts_with(b"p\xe4cks/report.json:") && rule.ends_with(b" sc\xe4ns/m\xe9tal.binary\n"));
     let report = String::from_utf8(file(b"p\xe4cks", "report.json")).unwrap();
@@ -241,7 +244,7 @@ fn builds_read_and_write_where_names_are_not_utf_8() {
         report.contains("\"material\": \"m_tal\"") && report.contains("sc\u{fffd}ns/m\u{fffd}tal.binary"),
         "{report}"
     );
-    // The second time nothing is read again, and names do not decide bytes.
+    // The second time nothing is read again, and names do not affect the bytes.
     succeeded(&[b"sc\xe4ns", b"--out", b"p\xe4cks"]);
     succeeded(&[b"scans", b"--out", b"packs"]);
     for name in ["a.brdf.ktx2", "m_tal.brdf.ktx2"] {
@@ -258,32 +261,35 @@ fn builds_read_and_write_where_names_are_not_utf_8() {
         succeeded(&[input, b"--out", out]);
         assert!(file(out, "m_tal.brdf.ktx2") == file(b"packs", "m_tal.brdf.ktx2"));
     }
-    let (code, told) = run(&[b"scans/m\xe9*.binary"]);
-    assert!(code == 2 && told.contains("scans/m\u{fffd}*.binary: found a pattern with a name that"), "{told}");
+    let (code, message) = run(&[b"scans/m\xe9*.binary"]);
+    assert!(code == 2 && message.contains("scans/m\u{fffd}*.binary: found a pattern that is not UTF-8"), "{message}");
     let plan =
         folder.command(&["plan", "synth:ward", "--format", "json", "--out"]).arg(odd(b"p\xe4")).output().unwrap();
-    let told = String::from_utf8(plan.stderr).unwrap();
-    assert!(plan.status.code() == Some(2) && told.contains("--out: found p\u{fffd}, expected UTF-8"), "{told}");
-    // What goes into commands is text, whichever argument it is.
+    let message = String::from_utf8(plan.stderr).unwrap();
+    assert!(plan.status.code() == Some(2) && message.contains("--out: found p\u{fffd}, expected UTF-8"), "{message}");
+    // Arguments that become part of commands must be text.
     for (place, arguments) in [
         ("inputs", [&b"sc\xe4ns"[..], b"--format", b"ninja"]),
         ("--program", [b"synth:ward", b"--format=json", b"--program=sc\xe4ns"]),
     ] {
         let output = folder.command(&["plan"]).args(arguments.map(odd)).output().unwrap();
-        let told = String::from_utf8(output.stderr).unwrap();
-        assert_eq!(output.status.code(), Some(2), "{told}");
+        let message = String::from_utf8(output.stderr).unwrap();
+        assert_eq!(output.status.code(), Some(2), "{message}");
         let words = format!("brdfc: {place}: found {}, expected UTF-8: the name", "sc\u{fffd}ns");
-        assert!(told.starts_with(&words), "{told}");
+        assert!(message.starts_with(&words), "{message}");
     }
     let output =
         folder.command(&["encode", "synth:ward", "-o", "x.ktx2", "--codec"]).arg(odd(b"t\xe4")).output().unwrap();
-    let told = String::from_utf8(output.stderr).unwrap();
-    assert_eq!((output.status.code(), told.as_str()), (Some(2), "brdfc: arguments: found t\u{fffd}, expected UTF-8\n"));
+    let message = String::from_utf8(output.stderr).unwrap();
+    assert_eq!(
+        (output.status.code(), message.as_str()),
+        (Some(2), "brdfc: arguments: found t\u{fffd}, expected UTF-8\n")
+    );
 }
 
-/// Nothing is what it is told to be, wherever a stream may go in.
+/// An empty stream is reported wherever a stream is allowed.
 #[test]
-fn an_empty_stream_is_told() {
+fn an_empty_stream_is_reported() {
     let folder = Folder::new();
     folder.write("pairs.csv", PAIRS);
     for arguments in [
@@ -301,19 +307,20 @@ fn an_empty_stream_is_told() {
         &["render", "-", "-o", "x.png"],
     ] {
         let ran = with_stdin(&folder, arguments, b"");
-        let told = ran.stderr.starts_with("brdfc: stdin: contents: found nothing, expected .")
+        let is_reported = ran.stderr.starts_with("brdfc: stdin: contents: found nothing, expected .")
             || ran.stderr.starts_with("brdfc: stdin: header: found an empty file, expected a line of column names");
-        assert!(ran.code == 3 && told, "{arguments:?}: {} {}", ran.code, ran.stderr);
+        assert!(ran.code == 3 && is_reported, "{arguments:?}: {} {}", ran.code, ran.stderr);
     }
     assert_eq!(folder.files(".").len(), 1);
 }
 
-/// Many files are no stream, and neither is a manifest.
+/// A stream cannot be several files or a manifest.
 #[test]
 fn a_dash_is_no_list_of_materials() {
     let folder = Folder::new();
-    let words = "brdfc: inputs: found -, expected a manifest, or files, folders, patterns and synth: addresses: standard \
-                 input is for commands of one file, such as 'brdfc encode -' (a file of this name is ./-)\n";
+    let words = "brdfc: inputs: found -, expected a manifest, or files, folders, patterns and synth: addresses (only \
+                 commands that take one file read standard input, such as 'brdfc encode -'; for a file of this name, \
+                 write ./-)\n";
     for arguments in
         [&["build", "-"][..], &["build", "synth:ward", "-"], &["watch", "-"], &["plan", "-", "--format", "json"]]
     {
@@ -325,7 +332,7 @@ fn a_dash_is_no_list_of_materials() {
 }
 
 #[test]
-fn an_extension_that_lies_is_told() {
+fn a_wrong_extension_is_reported() {
     let folder = Folder::new();
     let [table, scan, list, material, _] = inputs(&folder);
     let mut png = std::io::Cursor::new(Vec::new());
@@ -336,7 +343,7 @@ fn an_extension_that_lies_is_told() {
     for (file, name, expected) in [
         ("rendering.png", "a.binary", "a PNG image (.png)"),
         (scan, "a.binary", "a scan as text (.brdf)"),
-        ("page.html", "a.binary", "a web page, perhaps what a server said in the place of the file"),
+        ("page.html", "a.binary", "a web page, perhaps an error message of a server"),
         (table, "a.brdf", "a MERL table (.binary)"),
         (table, "a.obj", "a MERL table (.binary)"),
         (list, "a.brdf", "a scan or a list of directions (.csv)"),
@@ -348,12 +355,12 @@ fn an_extension_that_lies_is_told() {
     ] {
         folder.write(name, folder.read(file));
         let ran = folder.run(&["info", name]);
-        let told = &ran.stderr;
-        assert_eq!(ran.code, 3, "{name}: {told}");
-        assert!(told.starts_with(&format!("brdfc: {name}: ")) && told.contains(": found "), "{told}");
-        assert!(told.ends_with(&format!("; it looks like {expected}\n")), "{told}");
+        let message = &ran.stderr;
+        assert_eq!(ran.code, 3, "{name}: {message}");
+        assert!(message.starts_with(&format!("brdfc: {name}: ")) && message.contains(": found "), "{message}");
+        assert!(message.ends_with(&format!("; it looks like {expected}\n")), "{message}");
     }
-    // No hint where the name is right and something else is wrong.
+    // No hint if the name is right and something else is wrong.
     folder.write("cut.binary", &folder.read(table)[..100]);
     assert!(!folder.run(&["info", "cut.binary"]).stderr.contains("looks like"));
     folder.write("cut.ktx2", &folder.read("pack.ktx2")[..100]);

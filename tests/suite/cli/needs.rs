@@ -1,4 +1,4 @@
-//! What a scene needs of its materials: `build --explain` and `--dry-run`, and what packs of such scenes are for.
+//! Needs of a scene: `build --explain` and `--dry-run`, and the packs of such scenes.
 
 use super::schemas::conforms;
 use crate::common::cli::{Folder, inputs};
@@ -17,7 +17,7 @@ fn folder() -> Folder {
     folder
 }
 
-/// Hundreds of materials that nothing uses are one line.
+/// Hundreds of unused materials are one line.
 #[test]
 fn what_is_not_used_is_one_line() {
     let folder = Folder::new();
@@ -27,18 +27,18 @@ fn what_is_not_used_is_one_line() {
     let ran = folder.run(&["build", "scene.toml", "--dry-run", "--explain"]).succeeded();
     let all: Vec<&str> = ran.stdout.lines().collect();
     assert!(all.len() < 12, "{}", ran.stdout);
-    let told = ran.stdout.split_whitespace().collect::<Vec<_>>().join(" ");
+    let message = ran.stdout.split_whitespace().collect::<Vec<_>>().join(" ");
     for words in ["spare-000, spare-001", "and 294 more", "no use refers to these 300", "wall"] {
-        assert!(told.contains(words), "{words}: {}", ran.stdout);
+        assert!(message.contains(words), "{words}: {}", ran.stdout);
     }
-    assert!(!told.contains("spare-010"), "{}", ran.stdout);
-    // Scripts have each of them.
+    assert!(!message.contains("spare-010"), "{}", ran.stdout);
+    // Scripts get each of them.
     let report = folder.run(&["build", "scene.toml", "--dry-run", "--explain", "--json"]).succeeded().json();
     assert_eq!(report["needs"].as_array().unwrap().len(), 301);
 }
 
 #[test]
-fn each_need_is_told_with_its_reason_and_what_it_saves() {
+fn each_need_is_reported_with_its_reason_and_savings() {
     let folder = folder();
     let planned = folder.run(&["build", "scene.toml", "--dry-run", "--explain", "--json"]).succeeded().json();
     conforms("build", &planned);
@@ -56,13 +56,13 @@ fn each_need_is_told_with_its_reason_and_what_it_saves() {
         assert_eq!(of(report, "all levels of detail and directions")["why"], "uses[1]");
         assert_eq!(of(report, "nothing")["material"], "spare");
     }
-    // What was saved is known when it was made.
+    // The savings are known after the build.
     assert!(of(&planned, "seen from")["saved_bytes"].is_null());
     let saved = of(&built, "seen from")["saved_bytes"].as_u64().expect("bytes");
     let floor = &built["materials"][0]["report"];
     assert!(saved > 0 && floor["cropped_bytes"] == saved && floor["directions"]["view"]["from"] == 35.0, "{floor}");
     assert!(of(&built, "nothing")["saved_seconds"].as_f64().is_some_and(|seconds| seconds > 0.0));
-    // The report that stays says nothing of it.
+    // The final report does not contain them.
     assert!(
         !folder.text("packs/report.json").contains("because") && !folder.text("packs/report.json").contains("needs")
     );
@@ -71,7 +71,7 @@ fn each_need_is_told_with_its_reason_and_what_it_saves() {
     assert!(text.contains("because of") && text.contains("about"), "{text}");
 }
 
-/// What a need saves of a search is known where the pack without it was made as well, and is not claimed otherwise.
+/// The savings of a need in a search are known if the pack without it was made as well, and are not claimed otherwise.
 #[test]
 fn savings_are_against_what_was_made_without_the_need() {
     let folder = Folder::new();
@@ -91,7 +91,7 @@ fn savings_are_against_what_was_made_without_the_need() {
     let saved = whole.checked_sub(cropped).filter(|bytes| *bytes > 0);
     assert!(none.is_none() && saved.is_some() && after == saved, "{whole} {cropped} {after:?}");
     assert!(before.is_none() || before == saved, "{before:?}");
-    // What is cropped is room for more nodes where bytes are given.
+    // With a budget of bytes, cropping leaves room for more nodes.
     let (_, filled) = explained("max_bytes = '4KiB'", narrow);
     assert_eq!(filled, None);
 }
@@ -118,10 +118,10 @@ fn sizes_are_predicted_and_then_known() {
         assert!(before["materials"][k]["cached"].is_null() && after["materials"][k]["cached"] == true);
     }
     let text = folder.run(&["build", "scene.toml", "--dry-run"]).succeeded().stdout;
-    assert!(text.contains("made before"), "{text}");
-    // A dry run leaves the folder as it is, and believes nothing when everything is to be made again.
+    assert!(text.contains("cached"), "{text}");
+    // A dry run leaves the folder unchanged, and ignores the cache with --no-cache.
     let text = folder.run(&["build", "scene.toml", "--dry-run", "--no-cache"]).succeeded().stdout;
-    assert!(!text.contains("made before"), "{text}");
+    assert!(!text.contains("cached"), "{text}");
 }
 
 #[test]
@@ -129,10 +129,10 @@ fn a_pack_says_what_it_is_for_and_is_compared_there() {
     let folder = folder();
     folder.run(&["build", "scene.toml"]).succeeded();
     let info = folder.run(&["info", "packs/floor.brdf.ktx2"]).succeeded().stdout;
-    assert!(info.contains("light from 30° to 90°, seen from 35° to 90°; errors are of these"), "{info}");
+    assert!(info.contains("light from 30° to 90°, seen from 35° to 90°; errors are measured there"), "{info}");
     let address = "synth:ggx?kd=0.2&f0=0.04&alpha=0.3";
     let ran = folder.run(&["compare", address, "packs/floor.brdf.ktx2", "--json"]).succeeded();
-    assert!(ran.stderr.contains("compared where both are: light from 30°"), "{}", ran.stderr);
+    assert!(ran.stderr.contains("compared only at directions that both contain: light from 30°"), "{}", ran.stderr);
     assert!(ran.json()["directions"]["light"]["from"] == 30.0, "{}", ran.stdout);
     let text = folder.run(&["compare", address, "packs/floor.brdf.ktx2"]).succeeded().stdout;
     assert!(
@@ -147,15 +147,15 @@ fn a_pack_says_what_it_is_for_and_is_compared_there() {
     let everywhere = list.json()["norms"]["relative_mean"].as_f64().expect("a number");
     assert!(within < 0.7 * everywhere, "{within} {everywhere}");
 
-    // What is made of it is for no others.
+    // Its packs are unsuitable for other uses.
     folder.run(&["encode", "packs/floor.brdf.ktx2", "-o", "again.ktx2", "--max-bytes", "2000"]).succeeded();
     let again = folder.run(&["info", "again.ktx2"]).succeeded().stdout;
-    assert!(again.contains("seen from 35° to 90°; errors are of these"), "{again}");
+    assert!(again.contains("seen from 35° to 90°; errors are measured there"), "{again}");
     let eval = folder.run(&["samples", "packs/floor.brdf.ktx2", "--count", "64", "-o", "samples.ktx2"]).succeeded();
-    assert!(eval.stderr.contains("the pack is for light from 30°"), "{}", eval.stderr);
+    assert!(eval.stderr.contains("the pack covers light from 30°"), "{}", eval.stderr);
 
     folder.write("above.toml", SCENE.replace("view_elevation = [35, 90]", "view_elevation = [0, 30]"));
     folder.run(&["build", "above.toml", "--out", "above"]).succeeded();
     let apart = folder.run(&["compare", "above/floor.brdf.ktx2", "packs/floor.brdf.ktx2"]);
-    assert!(apart.code == 1 && apart.stderr.contains("expected packs that have some in common"), "{}", apart.stderr);
+    assert!(apart.code == 1 && apart.stderr.contains("expected packs with directions in common"), "{}", apart.stderr);
 }

@@ -1,14 +1,14 @@
-//! Every check against every kind of nothing that it can meet: a check that has nothing to measure fails. Rows are generated from
-//! checks and from what they are given.
+//! Every check with every kind of empty input: a check that has nothing to measure fails. The rows are generated from the checks and
+//! their inputs.
 
 use crate::common::cli::Folder;
 use std::fmt::Write as _;
 
-/// A command with the checks that it has, and what it may be given of which nothing can be measured.
+/// A command with its checks, and inputs of which nothing can be measured.
 struct Checked {
     command: &'static [&'static str],
     checks: &'static [&'static [&'static str]],
-    /// Its name, its arguments, the exit code, and what is said of it.
+    /// Name, arguments, exit code and message.
     nothings: &'static [(&'static str, &'static [&'static str], i32, &'static str)],
 }
 
@@ -41,7 +41,7 @@ const TABLE: &[Checked] = &[
     Checked {
         command: &["build", "--out", "packs", "--max-bytes", "4KiB"],
         checks: &[&["delta_e.toml"], &["error.toml"]],
-        nothings: &[("black", &[], 1, "is not what is required of it")],
+        nothings: &[("black", &[], 1, "does not meet its requirements")],
     },
     Checked {
         command: &["build", "--out", "packs"],

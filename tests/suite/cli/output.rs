@@ -31,7 +31,7 @@ fn a_closed_pipe_is_no_error() {
     }
 }
 
-/// Whoever reads the report: what failed has failed.
+/// A closed reader of the report does not turn a failure into a success.
 #[test]
 #[cfg(unix)]
 fn a_closed_pipe_hides_no_failure() {
@@ -93,7 +93,7 @@ fn packs_may_go_to_stdout() {
     let folder = Folder::new();
     folder.run(&["encode", "synth:lewis", "--grid", "4", "-o", "p.ktx2"]).succeeded();
     let pack = folder.read("p.ktx2");
-    // Standard output as a pipe, as a file, and as a file that something else stands in already.
+    // Standard output as a pipe, as a file, and as a file that has contents already.
     for (line, before) in [
         ("brdfc encode synth:lewis --grid 4 -o /dev/stdout | cat > got", ""),
         ("brdfc encode synth:lewis --grid 4 -o /dev/stdout > got", ""),
@@ -102,7 +102,7 @@ fn packs_may_go_to_stdout() {
         let (_, stderr, code) = shell(&folder, line);
         assert_eq!(code, 0, "{line}: {stderr}");
         assert!(folder.read("got") == [before.as_bytes(), &pack].concat(), "{line}: the pack and nothing else");
-        assert!(stderr.contains("/dev/stdout") || stderr.contains("slices_kept"), "the report is told: {stderr}");
+        assert!(stderr.contains("/dev/stdout") || stderr.contains("slices_kept"), "the report is printed: {stderr}");
     }
     let (_, stderr, _) = shell(&folder, "brdfc encode synth:lewis --grid 4 -o /dev/stdout --quiet > got");
     assert_eq!(stderr, "");

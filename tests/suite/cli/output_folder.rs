@@ -1,4 +1,4 @@
-//! What a build does to a folder that has files already.
+//! Effects of a build on a folder that already contains files.
 
 use crate::common::cli::{Folder, Ran};
 
@@ -23,7 +23,7 @@ fn an_input_is_not_removed() {
     for input in ["lastweek/ggx.brdf.ktx2", "scene.toml", "link.ktx2"].into_iter().take(if cfg!(unix) { 3 } else { 2 })
     {
         let ran = build(&folder, &[input], &["--out", "lastweek"]);
-        let expected = "lastweek/ggx.brdf.ktx2: found an input, which this build would remove";
+        let expected = "lastweek/ggx.brdf.ktx2: found an input that this build would remove";
         assert!(ran.code == 2 && ran.stderr.contains(expected), "{input}: {ran:?}");
         assert_eq!(packs(&folder, "lastweek"), ["ggx.brdf.ktx2", "ward.brdf.ktx2"]);
         assert!(
@@ -35,14 +35,14 @@ fn an_input_is_not_removed() {
     }
     build(&folder, &["scene.toml"], &["--out", "lastweek", "--keep"]).succeeded();
     assert_eq!(packs(&folder, "lastweek"), ["again.brdf.ktx2", "ggx.brdf.ktx2", "ward.brdf.ktx2"]);
-    // Elsewhere it may be read, and what somebody else put there is not removed anyway.
+    // Elsewhere it may be read, and files of other programs are not removed.
     build(&folder, &["lastweek/ggx.brdf.ktx2"], &["--out", "today"]).succeeded();
     std::fs::copy(folder.path().join("lastweek/ggx.brdf.ktx2"), folder.path().join("today/mine.ktx2")).unwrap();
     build(&folder, &["today/mine.ktx2"], &["--out", "today"]).succeeded();
     assert_eq!(packs(&folder, "today"), ["mine.brdf.ktx2", "mine.ktx2"]);
 }
 
-/// The store may go at any time, and so may any bit of it: the report says what is a build's own.
+/// The store, or any part of it, may be deleted at any time: the report lists the build's own files.
 #[test]
 fn a_folder_is_known_by_its_report() {
     let folder = Folder::new();
@@ -56,11 +56,11 @@ fn a_folder_is_known_by_its_report() {
     let mut placed = std::fs::read(cache.join("placed")).unwrap();
     placed[40] ^= 4;
     std::fs::write(cache.join("placed"), placed).unwrap();
-    // What is no longer asked for goes, lists included.
+    // Files that are no longer requested are removed, including lists.
     build(&folder, &both[..1], &["--out", "packs"]).succeeded();
     let names: Vec<String> = folder.products("packs").into_keys().collect();
     assert_eq!(names, ["ggx.brdf.ktx2", "ggx.json", "report.json"]);
-    // What somebody else wrote is still theirs.
+    // Files of other programs remain.
     std::fs::remove_dir_all(&cache).unwrap();
     folder.write("packs/ggx.json", "mine");
     let refused = build(&folder, &both, &["--out", "packs"]);
@@ -68,7 +68,7 @@ fn a_folder_is_known_by_its_report() {
     assert_eq!(folder.text("packs/ggx.json"), "mine");
 }
 
-/// Letters of any script; names that are too long for files are cut, and nothing is half replaced.
+/// Names with letters of any script; names that are too long for files are truncated, and nothing is partially replaced.
 #[test]
 fn names_of_files_are_those_of_materials() {
     let folder = Folder::new();
@@ -87,7 +87,7 @@ fn names_of_files_are_those_of_materials() {
     folder.write("scans/e\u{301}.binary", &red);
     let refused = build(&folder, &["scans"], &["--out", "packs"]);
     assert!(refused.code == 3 && refused.stderr.contains("found the name é for both"), "{refused:?}");
-    // In manifests what is too long is an error, before anything is made.
+    // In manifests, a name that is too long is an error before any work.
     folder.write("scene.toml", format!("[materials.{long}]\nsource = 'synth:ggx'\n[[uses]]\nmaterial = '{long}'\n"));
     let refused = build(&folder, &["scene.toml"], &["--out", "packs"]);
     assert!(refused.code == 3 && refused.stderr.contains("expected at most 200 bytes"), "{refused:?}");
@@ -95,7 +95,7 @@ fn names_of_files_are_those_of_materials() {
 }
 
 #[test]
-fn what_is_kept_stays_in_the_report() {
+fn retained_materials_stay_in_the_report() {
     let folder = Folder::new();
     build(&folder, &["synth:ggx", "synth:ward"], &["--out", "packs"]).succeeded();
     let reported = |folder: &Folder| -> Vec<(String, bool)> {
@@ -109,11 +109,11 @@ fn what_is_kept_stays_in_the_report() {
     folder.write("old.json", &old);
     build(&folder, &["synth:lambert"], &["--out", "packs", "--keep"]).succeeded();
     let expected = [("ggx", true), ("lambert", false), ("ward", true)];
-    assert_eq!(reported(&folder), expected.map(|(name, kept)| (name.to_owned(), kept)));
-    // Sources of what was kept are still known, and nothing is gone.
+    assert_eq!(reported(&folder), expected.map(|(name, retained)| (name.to_owned(), retained)));
+    // Sources of retained materials are still known, and no file is missing.
     let page = folder.run(&["report", "packs", "-o", "page.html", "--against", "old.json"]);
     assert!(page.code == 0 && !page.stderr.contains("gone"), "{page:?}");
-    // What a person removed is no more.
+    // Files that a person removed are no longer listed.
     std::fs::remove_file(folder.path().join("packs/ward.brdf.ktx2")).unwrap();
     build(&folder, &["synth:lambert"], &["--out", "packs", "--keep"]).succeeded();
     assert_eq!(reported(&folder).len(), 2);
@@ -136,10 +136,10 @@ fn one_reserved_name_stops_no_other() {
     }
 }
 
-/// What is kept is whole materials: a file that was changed, parts that are not asked for any more, and names that differ in
-/// case alone do not stay beside a report that says otherwise.
+/// Materials are retained completely or not at all: a modified file, parts that are no longer requested, and names that differ
+/// only in case do not contradict the report.
 #[test]
-fn what_is_kept_is_what_the_report_says() {
+fn retained_materials_match_the_report() {
     let folder = Folder::new();
     let sources = "[materials.a]\nsource='synth:ggx'\n[materials.b]\nsource='synth:ggx'\n";
     folder.write("both.toml", format!("{sources}[[uses]]\nmaterial='a'\n[[uses]]\nmaterial='b'\n"));
@@ -157,7 +157,7 @@ fn what_is_kept_is_what_the_report_says() {
     build(&folder, &["upper.toml"], &["--out", "packs", "--keep"]).succeeded();
     assert_eq!((reported(), packs(&folder, "packs").len()), (vec!["A".to_owned(), "ward".to_owned()], 3));
     assert!(!folder.path().join("packs/a.brdf.ktx2").exists() || cfg!(not(target_os = "linux")));
-    // A material that fails now has no pack of before.
+    // A material that fails now has no earlier pack.
     folder.write("broken.toml", "[materials.ward]\nsource='gone.brdf'\n[[uses]]\nmaterial='ward'\n");
     assert_eq!(build(&folder, &["broken.toml"], &["--out", "packs", "--keep"]).code, 4);
     assert_eq!(

@@ -1,4 +1,4 @@
-//! `brdfc pwt`, and what is done with its packs.
+//! `brdfc pwt`, and uses of its packs.
 
 use super::schemas::conforms;
 use crate::common::cli::Folder;
@@ -10,7 +10,7 @@ use brdfc_pwt::ptm::spread_lights;
 
 const SIZE: [usize; 2] = [45, 38];
 
-/// A bumpy, glossy rendering under 40 lights, in `stack`.
+/// A bumpy, glossy surface under 40 lights, in `stack`.
 fn stack() -> Folder {
     let folder = Folder::new();
     let lights = spread_lights(40);
@@ -41,7 +41,7 @@ fn photographs_become_a_pack_that_is_right_at_unseen_lights() {
     assert_eq!(report["held_out"]["lights"].as_array().unwrap().len(), 5);
     let [fitted, unseen] = [&report["psnr"], &report["held_out"]["psnr"]].map(|psnr| psnr.as_f64().unwrap());
     assert!(fitted > 30.0 && unseen > 28.0, "{fitted} {unseen}");
-    // The list of lights is the same input; words say the same.
+    // The list of lights is the same input, and text on stdout has the same content.
     let ran = folder.run(&["pwt", "stack/dirs.lp", "-o", "q.ktx2", "--hold-out", "5"]).succeeded();
     assert!(folder.read("q.ktx2") == folder.read("p.ktx2"));
     assert!(ran.stdout.contains("dB held out") && ran.stdout.contains("hemisphere"), "{}", ran.stdout);
@@ -52,7 +52,7 @@ fn photographs_become_a_pack_that_is_right_at_unseen_lights() {
 }
 
 #[test]
-fn targets_are_met_or_told() {
+fn targets_are_met_or_reported() {
     let folder = stack();
     let made = |more: &[&str]| folder.run(&[&["pwt", "stack", "-o", "p.ktx2", "--json"][..], more].concat());
     let small = made(&["--max-bytes", "3KiB"]).succeeded().json();
@@ -68,7 +68,7 @@ fn targets_are_met_or_told() {
     let missed = made(&["--quality", "90"]);
     assert_eq!(missed.code, 1, "{missed:?}");
     assert!(
-        missed.stderr.contains("quality: found ") && missed.stderr.contains("expected 90 dB or more"),
+        missed.stderr.contains("quality: found ") && missed.stderr.contains("expected at least 90 dB"),
         "{missed:?}"
     );
     assert_eq!(missed.json()["met"], false);
@@ -104,20 +104,20 @@ fn what_is_asked_for_is_taken() {
 }
 
 #[test]
-fn maps_go_both_ways() {
+fn maps_convert_in_both_directions() {
     let folder = stack();
     for (model, format) in [("rgb", "PTM_FORMAT_RGB"), ("lrgb", "PTM_FORMAT_LRGB")] {
         let report = folder.run(&["pwt", "stack", "-o", "m.ptm", "--model", model, "--json"]).succeeded().json();
         conforms("pwt", &report);
         assert_eq!((&report["kind"], &report["model"]), (&"ptm".into(), &model.into()));
-        let told = folder.run(&["info", "m.ptm", "--json"]).succeeded().json();
-        assert_eq!(told["format"], format);
-        // The map as a pack shows what the map shows.
+        let message = folder.run(&["info", "m.ptm", "--json"]).succeeded().json();
+        assert_eq!(message["format"], format);
+        // The pack of a map shows the same image as the map.
         let pack = folder.run(&["pwt", "m.ptm", "-o", "m.ktx2", "--json"]).succeeded().json();
         assert_eq!((&pack["coordinates"], &pack["degree"]), (&"projected".into(), &2.into()));
         assert!(pack["psnr"].as_f64().unwrap() > 40.0, "{pack}");
     }
-    // A pack for viewers that know maps alone.
+    // A pack for viewers that read only maps.
     folder.run(&["pwt", "stack", "-o", "p.ktx2"]).succeeded();
     folder.run(&["pwt", "p.ktx2", "-o", "back.ptm"]).succeeded();
     let compared = folder.run(&["compare", "stack", "back.ptm", "--json"]).succeeded().json();
@@ -166,7 +166,7 @@ fn views_of_btfs_become_packs() {
     assert!(values.lines().nth(1).is_some_and(|line| !line.ends_with(",0,0,0")), "{values}");
 }
 
-/// What a view does not see was filled in, and has no say: without the mask that tells the two apart the pack is another one.
+/// Texels that a view does not see are filled and ignored: without the mask that distinguishes them, the pack is different.
 #[test]
 fn filled_in_texels_have_no_say() {
     let folder = Folder::new();
@@ -198,9 +198,9 @@ fn what_cannot_be_is_refused() {
         (2, &["stack", "-o", "x.ktx2", "--quality", "30", "--max-bytes", "4"], "cannot be used with"),
         (2, &["stack", "-o", "x.ktx2", "--degree", "6"], "--degree: found 6, expected 0 to 5"),
         (2, &["stack", "-o", "x.ktx2", "--hold-out", "40"], "--hold-out: found 40, expected 0 to 39"),
-        (2, &["stack", "-o", "x.ktx2", "--view", "1"], "--view: found with an RTI capture"),
-        (2, &["stack", "-o", "x.ktx2", "--model", "rgb"], "--model: found with a pack, expected with an output .ptm"),
-        (2, &["p.ktx2", "-o", "x.ktx2"], "p.ktx2: found a pack, expected with an output .ptm"),
+        (2, &["stack", "-o", "x.ktx2", "--view", "1"], "--view does not apply to RTI captures, only to BTFs"),
+        (2, &["stack", "-o", "x.ktx2", "--model", "rgb"], "--model does not apply to a pack, only to an output .ptm"),
+        (2, &["p.ktx2", "-o", "x.ktx2"], "p.ktx2: found a pack, expected an --output that ends in .ptm"),
         (
             2,
             &["stack", "-o", "x.foo"],
@@ -208,7 +208,11 @@ fn what_cannot_be_is_refused() {
         ),
         (2, &["stack", "-o", "x.ktx2", "--levels", "7"], "--levels: found 7, expected 0 to 5 for 45 x 38"),
         (3, &["folder.ktx2", "-o", "x.ktx2"], "folder.ktx2: file: found a folder, expected a file or a pipe"),
-        (3, &["empty", "-o", "x.ktx2"], "empty: input: found none of these, expected a folder with a list of lights"),
+        (
+            3,
+            &["empty", "-o", "x.ktx2"],
+            "empty: input: found another kind of input, expected a folder with a list of lights",
+        ),
         (3, &["lewis.ktx2", "-o", "x.ptm"], "pack: found a table pack, expected a polynomial wavelet tree"),
         (3, &["paint.brdf", "-o", "x.ktx2"], "file name: found .brdf, expected a folder with a list of lights"),
         (4, &["nothing", "-o", "x.ktx2"], "nothing: cannot read"),
@@ -243,7 +247,7 @@ fn few_and_poor_lights_have_a_pack() {
     }
 }
 
-/// A map has one form: what asks for another is refused, gates above all.
+/// A map has one form: options for other forms are rejected, gates first of all.
 #[test]
 fn options_of_packs_are_refused_with_maps() {
     let folder = Folder::new();
@@ -256,8 +260,8 @@ fn options_of_packs_are_refused_with_maps() {
         &["--tile"],
     ] {
         let ran = folder.run(&[&["pwt", "nothing", "-o", "x.ptm"][..], options].concat());
-        let told = format!("{}: found with an output .ptm, expected with a pack", options[0]);
-        assert!(ran.code == 2 && ran.stderr.contains(&told), "{}", ran.stderr);
+        let message = format!("{} does not apply to an output .ptm, only to packs", options[0]);
+        assert!(ran.code == 2 && ran.stderr.contains(&message), "{}", ran.stderr);
     }
 }
 
@@ -295,7 +299,7 @@ fn rows_of_flat_btfs_go_down() {
     }
 }
 
-/// An input of several files is as safe as one of one.
+/// Each file of a multi-file input is protected like a single input.
 #[test]
 fn photographs_are_not_written_over() {
     let folder = stack();
@@ -307,10 +311,10 @@ fn photographs_are_not_written_over() {
     std::fs::copy(folder.path().join(&photograph), folder.path().join("stack/packed.ktx2")).unwrap();
     folder.write("stack/packed.lp", "1\npacked.ktx2 0 0 1\n");
     std::fs::create_dir(folder.path().join("other")).unwrap();
-    let refused = |arguments: &[&str], told: &str| {
+    let refused = |arguments: &[&str], message: &str| {
         let ran = folder.run(arguments);
         assert_eq!(ran.code, 2, "{arguments:?}: {ran:?}");
-        assert!(ran.stderr.contains(told), "{arguments:?}: {}", ran.stderr);
+        assert!(ran.stderr.contains(message), "{arguments:?}: {}", ran.stderr);
     };
     refused(&["pwt", "stack/packed.lp", "-o", "stack/packed.ktx2"], "--output: found stack/packed.ktx2, an input");
     #[cfg(unix)]
@@ -320,18 +324,21 @@ fn photographs_are_not_written_over() {
     }
     #[cfg(feature = "render")]
     {
-        let told = format!("--output: found {photograph}, an input");
-        refused(&["render", "p.ktx2", "--source", "stack/dirs.lp", "-o", &photograph], &told);
-        let told = format!("--reference: found {photograph}, an input");
-        refused(&["render", "p.ktx2", "--source", "stack/dirs.lp", "-o", "x.png", "--reference", &photograph], &told);
+        let message = format!("--output: found {photograph}, an input");
+        refused(&["render", "p.ktx2", "--source", "stack/dirs.lp", "-o", &photograph], &message);
+        let message = format!("--reference: found {photograph}, an input");
+        refused(
+            &["render", "p.ktx2", "--source", "stack/dirs.lp", "-o", "x.png", "--reference", &photograph],
+            &message,
+        );
     }
     assert!(folder.read(&photograph) == before);
-    // What is no photograph of the list may be.
+    // Files that are not photographs of the list may be overwritten.
     folder.write("stack/own.ktx2", "");
     folder.run(&["pwt", "stack/dirs.lp", "-o", "stack/own.ktx2"]).succeeded();
 }
 
-/// A flat BTF's folder may hold renderings of it, its light form has no views, and a damaged list is told as one.
+/// A flat BTF's folder may contain renderings of it, its light form has no views, and a damaged list is reported as one.
 #[test]
 fn folders_of_flat_btfs() {
     let folder = Folder::new();

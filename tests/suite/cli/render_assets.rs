@@ -1,4 +1,4 @@
-//! `brdfc render` of what goes over a whole scene: renderings under any light, and assets that a manifest names.
+//! `brdfc render` of assets that cover a whole scene: packs of RTI captures, and assets that a manifest names.
 
 use super::schemas::conforms;
 use crate::common::cli::{Folder, Ran};
@@ -34,7 +34,7 @@ fn samples() -> LightSamples {
     LightSamples { size: SIZE, lights, renderings, repeats: false, defined: None }
 }
 
-/// A folder with the stack `stack` and its pack `relief.ktx2`.
+/// A folder with the RTI capture `stack` and its pack `relief.ktx2`.
 fn folder() -> Folder {
     let folder = Folder::new();
     let samples = samples();
@@ -69,7 +69,7 @@ fn a_rendering_under_any_light() {
         (Some("plane"), Some(512), Some(342))
     );
     assert!(mean(&drawn, "shading") < 0.3 && mean(&drawn, "total") < 2.0, "{drawn}");
-    assert!(ran.stderr.contains("whose light is 0.0° from"), "{}", ran.stderr);
+    assert!(ran.stderr.contains("its light is 0.0° from"), "{}", ran.stderr);
     let rendering = image::open(folder.path().join("relief.png")).unwrap().to_rgb8();
     let [left, right] = [100, 400].map(|x| rendering.get_pixel(x, 170).0);
     assert!(left[0] > left[2] && right[2] > right[0], "{left:?} {right:?}");
@@ -87,10 +87,10 @@ fn wrong_flags_of_renderings_are_refused() {
     for (arguments, expected) in [
         (&["render", "stack"][..], "stack: found an RTI capture, expected a pack of it"),
         (&["render", "stack/dirs.lp"], "found an RTI capture, expected a pack of it"),
-        (&["render", "relief.ktx2", "--lod", "2"], "--lod: found with relief.ktx2, a rendering under any light"),
-        (&["render", "relief.ktx2", "--form", "full"], "expected with flat BTFs"),
-        (&["render", "relief.ktx2", "--contact", "c.png"], "--contact: found with relief.ktx2"),
-        (&["render", "relief.ktx2", "--adaptive"], "--adaptive: found with relief.ktx2"),
+        (&["render", "relief.ktx2", "--lod", "2"], "--lod does not apply to relief.ktx2, a pack of an RTI capture"),
+        (&["render", "relief.ktx2", "--form", "full"], "only to flat BTFs"),
+        (&["render", "relief.ktx2", "--contact", "c.png"], "--contact does not apply to relief.ktx2"),
+        (&["render", "relief.ktx2", "--adaptive"], "--adaptive does not apply to relief.ktx2"),
         (&["render", "relief.ktx2", "--source", "l.binary"], "l.binary"),
     ] {
         let ran = folder.run(arguments);
@@ -137,7 +137,7 @@ fn a_manifest_names_camera_and_lights_of_an_asset() {
 }
 
 #[test]
-fn wrong_assets_are_told() {
+fn wrong_assets_are_reported() {
     let folder = folder();
     folder.run(&["synth", "lambert", "-o", "l.binary", "--dimensions", "4x4x8"]).succeeded();
     for (change, to, expected) in [

@@ -3,7 +3,7 @@
 use super::schemas::conforms;
 use crate::common::cli::{Folder, inputs};
 
-/// Three materials, one of which cannot be read and one misses what is required of it.
+/// Three materials: one cannot be read, and one misses its limit.
 fn folder() -> Folder {
     let folder = Folder::new();
     inputs(&folder);
@@ -21,7 +21,7 @@ fn folder() -> Folder {
 }
 
 #[test]
-fn the_page_stands_alone_and_says_what_the_build_says() {
+fn the_page_is_self_contained_and_agrees_with_the_build() {
     let folder = folder();
     let ran = folder.run(&["report", "packs", "-o", "page.html", "--json"]).succeeded();
     conforms("report", &ran.json());
@@ -56,7 +56,7 @@ fn the_page_stands_alone_and_says_what_the_build_says() {
     // The same build gives the same page.
     folder.run(&["report", "packs", "-o", "again.html"]).succeeded();
     assert!(folder.text("again.html") == page);
-    // Without the store nothing is known of sources, and of times.
+    // Without the store, sources and times are unknown.
     std::fs::remove_dir_all(folder.path().join("packs/.brdfc-cache")).unwrap();
     folder.run(&["report", "packs", "-o", "bare.html"]).succeeded();
     let bare = folder.text("bare.html");
@@ -82,10 +82,7 @@ fn a_page_that_draws_is_linked_to() {
     // However both are written.
     folder.run(&["report", "packs/report.json", "-o", "./page.html", "--view", "view.html"]).succeeded();
     for (view, expected) in [
-        (
-            "page.html",
-            "--view: found page.html, expected another name than the page's that ends in .html, in its folder",
-        ),
+        ("page.html", "--view: found page.html, expected another name in the folder of the page, ending in .html"),
         ("view.png", "--view: found view.png, expected another name"),
         ("packs/view.html", "--view: found packs/view.html, expected another name"),
     ] {
@@ -106,12 +103,12 @@ fn a_contact_sheet_shows_every_material_on_any_number_of_threads() {
     let image = image::load_from_memory(&bytes).unwrap().into_rgb8();
     // Three cells in two columns: each with a row of balls and one of cloths.
     assert!(image.width() > 2 * 3 * 96 && image.height() > 2 * 2 * 96, "{} x {}", image.width(), image.height());
-    // Red is what failed or misses what is required.
+    // Failures and missed limits are red.
     let failed = |image: &image::RgbImage| image.pixels().filter(|pixel| pixel.0 == [179, 38, 30]).count();
     assert!(failed(&image) > 200, "{}", failed(&image));
     folder.run(&["build", "synth:lambert", "--codec", "table", "--out", "white"]).succeeded();
-    let told = folder.run(&["report", "white", "-o", "white.html"]).succeeded().stderr;
-    assert!(told.ends_with("white.html: 1 material\n"), "{told}");
+    let message = folder.run(&["report", "white", "-o", "white.html"]).succeeded().stderr;
+    assert!(message.ends_with("white.html: 1 material\n"), "{message}");
     let one = image::load_from_memory(&sheet("1", "white")).unwrap().into_rgb8();
     assert!(failed(&one) == 0 && one.height() < image.height());
 
@@ -138,9 +135,9 @@ fn what_got_worse_is_exit_code_1() {
     let ran = report(&["--against", "before"]);
     assert_eq!(ran.code, 1, "{}", ran.stderr);
     assert!(ran.stdout.contains("ward: mean ΔE: found ") && ran.stderr.contains("figures are worse than before"));
-    assert!(folder.text("page.html").contains("Worse than before"));
+    assert!(folder.text("page.html").contains("Regressions and missed requirements"));
     report(&["--against", "now/report.json"]).succeeded();
-    assert!(folder.text("page.html").contains("Nothing is worse"));
+    assert!(folder.text("page.html").contains("No figure is worse"));
     report(&["--against", "before", "--tolerance", "99999%"]).succeeded();
     for (arguments, code, words) in [
         (&["--against", "gone.json"][..], 4, "gone.json: cannot read"),
@@ -184,7 +181,7 @@ fn maps_of_a_lit_scene_have_renderings_and_bytes() {
     let samples = folder.path().join("packs/paint.samples.ktx2");
     std::fs::copy(folder.path().join("packs/paint.bandwidth.ktx2"), samples).unwrap();
     let ran = folder.run(&["report", "packs", "-o", "other.html"]);
-    let words = "packs/paint.samples.ktx2: found another pack, expected the pack that report.json names";
+    let words = "packs/paint.samples.ktx2: found a different pack, expected the pack that report.json lists";
     assert!(ran.code == 3 && ran.stderr.contains(words), "{} {}", ran.code, ran.stderr);
 }
 
@@ -205,7 +202,9 @@ fn a_flat_btf_has_a_page_of_its_own() {
     let images = ran.json()["images"].as_object().unwrap().len();
     assert_eq!(folder.text("page.csv").lines().count(), 1 + images);
     let page = folder.text("page.html");
-    for words in ["button: a flat BTF and its errors", "ΔE between them", "factored_weights", "synth:lewis"] {
+    for words in
+        ["button: a flat BTF and its errors", "ΔE between sampled directions", "factored_weights", "synth:lewis"]
+    {
         assert!(page.contains(words), "{words}");
     }
     for caption in [
@@ -221,11 +220,11 @@ fn a_flat_btf_has_a_page_of_its_own() {
     let renderings = |page: &str| page.matches("<img src=\"data:image/png;base64,").count();
     assert_eq!(renderings(&page), 4 + 3 + 4);
     assert!(!page.contains("http") && page.matches("<script").count() == 1);
-    // The file serves as well, and gives the same page on any number of threads.
+    // The file is also accepted, and gives the same page on any number of threads.
     folder.run(&["report", "button/button.ktx2", "-o", "again.html", "--jobs", "1"]).succeeded();
     assert!(folder.text("again.html") == page);
     assert!(page.contains("ΔE of factors, where seen") && page.contains("components"), "{page}");
-    // Without views there is nothing to hold the light form against.
+    // Without views there is nothing to compare the light form with.
     flatten("light", &["--form", "light"]);
     folder.run(&["report", "light", "-o", "light.html"]).succeeded();
     assert_eq!(renderings(&folder.text("light.html")), 4 + 3 + 2);
@@ -234,7 +233,7 @@ fn a_flat_btf_has_a_page_of_its_own() {
         let ran = folder.run(&[&["report"], arguments].concat());
         assert!(ran.code == code && ran.stderr.contains(words), "{} {}", ran.code, ran.stderr);
     };
-    let build_only = "found with button, a flat BTF, expected with a build";
+    let build_only = "does not apply to button, a flat BTF, only to builds";
     refused(2, &format!("--against: {build_only}"), &["button", "-o", "p.html", "--against", "x"]);
     refused(2, &format!("--sheet: {build_only}"), &["button", "-o", "p.html", "--sheet", "x.png"]);
     let mut file = folder.read("button/button.ktx2");
@@ -245,7 +244,7 @@ fn a_flat_btf_has_a_page_of_its_own() {
     assert!(!folder.path().join("p.html").exists());
 }
 
-/// The figures beside a page have the names of its page: never those of what the packs were made of.
+/// The figures next to a page have the name of the page, and never overwrite inputs of the packs.
 #[test]
 fn figures_are_not_written_over_sources_or_lists() {
     let folder = Folder::new();
@@ -255,7 +254,7 @@ fn figures_are_not_written_over_sources_or_lists() {
         let before = folder.read(over);
         let ran = folder.run(&["report", "packs", "-o", page]);
         assert_eq!(ran.code, 2, "{page}: {}", ran.stderr);
-        assert!(ran.stderr.contains(&format!("whose figures would be written over {over}")), "{}", ran.stderr);
+        assert!(ran.stderr.contains(&format!("whose figures would overwrite the input {over}")), "{}", ran.stderr);
         assert!(folder.read(over) == before, "{over}");
     }
 }
@@ -273,10 +272,10 @@ fn folders_that_are_not_what_their_report_says() {
     refused(2, "--output: found page.pdf, expected a name that ends in .html", &["packs", "-o", "page.pdf"]);
     refused(
         2,
-        "--output: found packs/report.html, whose figures would be written over packs/report.json, an input, expected another",
+        "--output: found packs/report.html, whose figures would overwrite the input packs/report.json, expected another",
         &["packs", "-o", "packs/report.html"],
     );
-    // Of a report that is damaged, or of another version, no names of the program's types.
+    // For a damaged report or one of another version, no type names of the program.
     let whole = folder.text("packs/report.json");
     let other = whole.replacen("\"version\": 3", "\"version\": 1", 1);
     let typed = whole.replacen("\"scene\": \"materials\"", "\"scene\": 3", 1);
@@ -285,12 +284,12 @@ fn folders_that_are_not_what_their_report_says() {
     std::fs::create_dir(folder.path().join("old")).unwrap();
     for (text, found) in [
         ("", "an empty file"),
-        (&whole[..300], "JSON that ends too early, in line "),
-        ("[]", "JSON of another layout, in line 1, column 2"),
-        (&typed, "JSON of another layout, in line 3, column 12: invalid type: integer `3`"),
-        (&other, "version 1 of the layout, which is 3 now"),
-        (&outside, "the file \"../velvet.brdf.ktx2\", which leads out of its folder"),
-        ("\0\0\0", "text that is no JSON, in line 1, column 1"),
+        (&whole[..300], "truncated JSON, at line "),
+        ("[]", "JSON of another layout, at line 1, column 2"),
+        (&typed, "JSON of another layout, at line 3, column 12: invalid type: integer `3`"),
+        (&other, "layout version 1, which is now 3"),
+        (&outside, "the file \"../velvet.brdf.ktx2\", which is outside its folder"),
+        ("\0\0\0", "text that is not JSON, at line 1, column 1"),
     ] {
         folder.write("old/report.json", text);
         for arguments in [&["old", "-o", "page.html"][..], &["packs", "-o", "page.html", "--against", "old"]] {
@@ -303,19 +302,19 @@ fn folders_that_are_not_what_their_report_says() {
         }
     }
     let list = folder.write("packs/.brdfc-cache/commit/list", "begun");
-    refused(3, "packs: found a build that was killed while files changed places", &["packs", "-o", "page.html"]);
+    refused(3, "packs: found a build that was killed while it replaced files", &["packs", "-o", "page.html"]);
     std::fs::remove_file(list).unwrap();
     std::fs::copy(folder.path().join("packs/lambert.brdf.ktx2"), folder.path().join("packs/velvet.brdf.ktx2")).unwrap();
     refused(
         3,
-        "packs/velvet.brdf.ktx2: found another pack, expected the pack that report.json names",
+        "packs/velvet.brdf.ktx2: found a different pack, expected the pack that report.json lists",
         &["packs", "-o", "page.html"],
     );
     std::fs::remove_file(folder.path().join("packs/velvet.brdf.ktx2")).unwrap();
     refused(4, "packs/velvet.brdf.ktx2: cannot read", &["packs", "-o", "page.html"]);
 }
 
-/// A page does not compare a pack with a file that is another one now.
+/// A page does not compare a pack with a source that was replaced.
 #[test]
 fn a_source_that_changed_since_the_build_is_not_compared() {
     let folder = Folder::new();

@@ -24,9 +24,9 @@ fn every_kind_of_material_has_samples() {
         let header = ImportanceHeader { polar: 4, azimuths: if isotropic { 1 } else { 16 }, samples: 32 };
         assert_eq!(pack.header(), header, "{input}");
         assert_eq!(report["bytes_on_disk"], folder.read("s.ktx2").len());
-        let told = folder.run(&["info", "s.ktx2", "--json"]).succeeded().json();
+        let output = folder.run(&["info", "s.ktx2", "--json"]).succeeded().json();
         for key in ["kind", "polar", "azimuths", "samples", "gpu_bytes"] {
-            assert_eq!(told[key], report[key], "{input}: {key}");
+            assert_eq!(output[key], report[key], "{input}: {key}");
         }
     }
     let ran = folder.run(&[&["samples", "round.brdf", "-o", "s.ktx2"][..], &SMALL].concat()).succeeded();
@@ -89,7 +89,12 @@ fn what_cannot_be_is_refused() {
             &["--polar", "64", "--azimuths", "256"],
             "--polar by --azimuths: found 16384, expected 1 to 8192",
         ),
-        (2, "synth:ggx", &["--azimuths", "16"], "--azimuths: found 16 of an isotropic material"),
+        (
+            2,
+            "synth:ggx",
+            &["--azimuths", "16"],
+            "--azimuths does not apply to isotropic materials, only to anisotropic ones",
+        ),
         (2, "synth:ward", &["--rings", "0"], "--rings: found 0, expected 1 to 4096"),
         (2, "synth:ward", &["--cells", "7"], "--cells: found 7, expected an even number"),
         (2, "synth:ward", &["--defensive", "0"], "--defensive: found 0, expected above 0"),

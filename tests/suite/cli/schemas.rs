@@ -1,11 +1,11 @@
-//! The schemas of what `--json` prints. `./scripts/bless` writes them to `schemas/` again.
+//! The schemas of the reports of `--json`. `./scripts/bless` writes them to `schemas/` again.
 
 use crate::common::cli::Folder;
 use brdfc_testing::schema::{check, complaint};
 use serde_json::{Value, json};
 use std::path::{Path, PathBuf};
 
-/// The reports that the program has a schema of.
+/// The reports for which the program has a schema.
 fn names(folder: &Folder) -> Vec<String> {
     let help = folder.run(&["schema", "--help"]).succeeded().stdout;
     let values = help.lines().filter_map(|line| line.trim_start().strip_prefix("- ")?.split_once(':'));
@@ -43,8 +43,8 @@ fn schemas_in_the_repository_are_those_of_the_program() {
             std::fs::create_dir_all(file(name).parent().unwrap()).unwrap();
             std::fs::write(file(name), &printed).unwrap();
         }
-        let kept = std::fs::read_to_string(file(name)).unwrap_or_default();
-        assert!(kept == printed, "schemas/{name}.json is old: ./scripts/bless");
+        let retained = std::fs::read_to_string(file(name)).unwrap_or_default();
+        assert!(retained == printed, "schemas/{name}.json is old: ./scripts/bless");
     }
     let files = std::fs::read_dir(file("x").parent().unwrap()).unwrap().count();
     assert_eq!(files, names.len(), "nothing else lies in schemas/");

@@ -27,20 +27,20 @@ fn every_kind_in_every_language() {
             }
         }
     }
-    // Standard output has the same.
+    // Standard output is the same.
     let printed = folder.run(&["shader", "table", "--language", "glsl"]).succeeded();
     assert_eq!(printed.stdout.as_bytes(), folder.read("table.glsl"));
-    let told = folder.run(&["shader", "table", "--language", "glsl", "-o", "other.glsl"]).succeeded();
+    let written = folder.run(&["shader", "table", "--language", "glsl", "-o", "other.glsl"]).succeeded();
     assert!(
-        told.stdout.starts_with("table decoder in glsl: ") && told.stdout.contains("call table_brdf, "),
+        written.stdout.starts_with("table decoder in glsl: ") && written.stdout.contains("call table_brdf, "),
         "{}",
-        told.stdout
+        written.stdout
     );
     assert_eq!(folder.read("other.glsl"), folder.read("table.glsl"));
     folder.write("pack.ktx2", "a pack");
     let refused = folder.run(&["shader", "table", "--language", "glsl", "-o", "pack.ktx2"]);
     assert!(
-        refused.code == 2 && refused.stderr.contains("--output: found pack.ktx2, as packs are called"),
+        refused.code == 2 && refused.stderr.contains("--output: found pack.ktx2, which has the extension of packs"),
         "{}",
         refused.stderr
     );
@@ -65,7 +65,7 @@ fn packs_and_folders_say_their_kind() {
 }
 
 #[test]
-fn what_is_no_kind_is_told() {
+fn an_unknown_kind_is_reported() {
     let folder = Folder::new();
     let kinds = PackKind::ALL.map(PackKind::name).join(", ");
     let unknown = format!("KIND: found tabel, expected {kinds}, or a pack");
@@ -78,7 +78,7 @@ fn what_is_no_kind_is_told() {
         (&["shader", "table", "--language", "cg"], 2, "invalid value 'cg'"),
         (&["shader", "some.ktx2", "--language", "glsl"], 3, "some.ktx2: "),
         (&["shader", "report.json", "--language", "glsl"], 3, "report.json: "),
-        (&["shader", "empty", "--language", "glsl"], 3, "empty: flat BTF: found no file of one"),
+        (&["shader", "empty", "--language", "glsl"], 3, "empty: flat BTF: found none"),
         (&["shader", "some.ktx2", "--language", "glsl", "-o", "some.ktx2"], 2, "--output: found some.ktx2, an input"),
         (&["shader", "table", "--language", "glsl", "-o", "gone/x.glsl"], 4, "there is no folder gone"),
     ] {

@@ -1,4 +1,4 @@
-//! Tables of what the program prints.
+//! Tables in the program's output.
 
 use brdfc_terminal::table::{apart, plain};
 
@@ -9,7 +9,7 @@ fn columns_are_as_wide_as_their_widest_cell() {
 }
 
 #[test]
-fn numbers_beside_a_limit_have_the_digits_that_tell() {
+fn numbers_near_a_limit_have_enough_digits() {
     assert_eq!(apart(3.2468, 3.0), "3.25");
     assert_eq!(apart(0.3012, 0.301), "0.3012");
     assert_eq!(apart(0.301, 0.301), "0.301");

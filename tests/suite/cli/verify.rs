@@ -1,9 +1,9 @@
-//! `brdfc verify`: damaged, changed and missing files are named, and are exit code 1.
+//! `brdfc verify`: damaged, modified and missing files are listed, with exit code 1.
 
 use super::schemas::conforms;
 use crate::common::cli::Folder;
 
-/// What is verified after a change to a folder, how the line of the fault begins, and what it says.
+/// A path to verify after a change to a folder, with the beginning of the fault's line and its text.
 type Fault<'a> = (&'a str, &'a dyn Fn(&Folder), &'a str, &'a str);
 
 fn built() -> Folder {
@@ -23,7 +23,7 @@ fn whole_folders_packs_and_reports() {
         assert_eq!((report["files"].as_array().unwrap().len(), &report["faults"]), (count, &0.into()), "{report}");
     }
     let ran = folder.run(&["verify", "packs", "packs/a.brdf.ktx2"]).succeeded();
-    assert!(ran.stdout.is_empty() && ran.stderr.ends_with("4 files: whole\n"), "{ran:?}");
+    assert!(ran.stdout.is_empty() && ran.stderr.ends_with("4 files: intact\n"), "{ran:?}");
 }
 
 #[test]
@@ -83,8 +83,8 @@ fn each_fault_is_named() {
             &|folder| {
                 folder.run(&["encode", "synth:lambert", "-o", "packs/a.brdf.ktx2"]).succeeded();
             },
-            "packs/a.json: invalid entries: ",
-            "expected those of a.brdf.ktx2",
+            "packs/a.json: invalid key/value data: ",
+            "expected that of a.brdf.ktx2",
         ),
     ];
     for (path, change, begins, says) in cases {
@@ -93,7 +93,7 @@ fn each_fault_is_named() {
         let ran = folder.run(&["verify", path]);
         let line = ran.stdout.lines().find(|line| line.starts_with(begins)).unwrap_or_default();
         assert!(ran.code == 1 && line.contains(says), "{path}, {says}: {ran:?}");
-        assert!(ran.stderr.contains("not whole"), "{ran:?}");
+        assert!(ran.stderr.contains("not intact"), "{ran:?}");
     }
 }
 

@@ -9,7 +9,7 @@ use std::process::{Child, Command, Stdio};
 use std::sync::mpsc::{Receiver, channel};
 use std::time::{Duration, Instant};
 
-/// Nothing takes so long.
+/// Limit of the time of anything here.
 const PATIENCE: Duration = Duration::from_secs(120);
 
 const SCENE: &str = "\
@@ -54,7 +54,7 @@ fn folder() -> Folder {
     folder
 }
 
-/// A program that watches, and what it says.
+/// A running `brdfc watch` and its output.
 struct Watch<'a> {
     child: Child,
     lines: Receiver<String>,
@@ -90,7 +90,7 @@ impl<'a> Watch<'a> {
         Self { child, lines, reports, folder }
     }
 
-    /// Lines of stderr up to the first that holds these words, which is the last of them.
+    /// Lines of stderr up to and including the first that contains these words.
     #[track_caller]
     fn until(&self, words: &str) -> Vec<String> {
         let (mut lines, started) = (Vec::new(), Instant::now());
@@ -105,7 +105,7 @@ impl<'a> Watch<'a> {
         }
     }
 
-    /// Waits for a build that followed a change of this file, and holds its folder against what `build` makes.
+    /// Waits for the build after a change of this file, and compares its folder with the result of `build`.
     #[track_caller]
     fn built(&self, change: &str) -> String {
         let line = self.until(change).pop().unwrap();
@@ -118,7 +118,7 @@ impl<'a> Watch<'a> {
         assert!(Command::new("kill").args([signal, &self.child.id().to_string()]).status().unwrap().success());
     }
 
-    /// Its exit code, of which there is one soon.
+    /// Waits for its exit code.
     #[track_caller]
     fn interrupted(mut self) -> i32 {
         self.signal("-INT");
@@ -140,14 +140,14 @@ impl Drop for Watch<'_> {
     }
 }
 
-/// Puts a file where another is, as editors do; never seen half written.
+/// Replaces a file atomically, as editors do.
 fn replace(folder: &Folder, file: &str, bytes: impl AsRef<[u8]>) {
     let aside = folder.write("aside.tmp", bytes);
     std::fs::rename(aside, folder.path().join(file)).unwrap();
 }
 
 #[test]
-fn whatever_a_build_reads_is_watched() {
+fn all_inputs_of_a_build_are_watched() {
     let folder = folder();
     // Without events, too.
     for arguments in [&["scene.toml"][..], &["scene.toml", "--poll", "0.2"]] {
@@ -156,23 +156,23 @@ fn whatever_a_build_reads_is_watched() {
         folder.write("scene.toml", SCENE);
         let watch = Watch::new(&folder, arguments);
         let line = watch.built("first build: ");
-        assert!(line.contains("4 made, 0 kept"), "{line}");
+        assert!(line.contains("4 built, 0 cached"), "{line}");
         let first = folder.products("packs");
         assert_eq!(watch.until("watching "), ["watching 4 files; Ctrl-C ends it"]);
 
         replace(&folder, "scene.toml", SCENE.replace("ratio = 2", "ratio = 4"));
         let line = watch.built("scene.toml changed: ");
-        assert!(line.contains("1 made, 3 kept, 3 files written"), "{line}");
+        assert!(line.contains("1 built, 3 cached, 3 files written"), "{line}");
         let changed: Vec<_> = differing(&first, &folder.products("packs"));
         assert_eq!(changed, ["model.brdf.ktx2", "model.json", "report.json"]);
 
-        // A file of that pattern; a source that is replaced; one that is written to in its place.
+        // A file of that pattern; a source that is replaced; one that is overwritten in place.
         scan(&folder, "more/two.binary", "lambert?kd=0.5");
         watch.built("more/two.binary new: ");
         scan(&folder, "new.binary", &format!("lewis?n={}", 20 + arguments.len()));
         replace(&folder, "data/scan.binary", folder.read("new.binary"));
         let line = watch.built("data/scan.binary changed: ");
-        assert!(line.contains("1 made, 4 kept"), "{line}");
+        assert!(line.contains("1 built, 4 cached"), "{line}");
         sky(&folder, 2.0 + arguments.len() as f32);
         watch.built("sky.hdr changed: ");
         std::fs::remove_file(folder.path().join("more/two.binary")).unwrap();
@@ -187,7 +187,7 @@ fn differing(a: &BTreeMap<String, Vec<u8>>, b: &BTreeMap<String, Vec<u8>>) -> Ve
 }
 
 #[test]
-fn failures_are_told_and_the_packs_stay() {
+fn failures_are_reported_and_the_packs_stay() {
     let folder = folder();
     let watch = Watch::new(&folder, &["scene.toml"]);
     watch.until("watching ");
@@ -201,17 +201,17 @@ fn failures_are_told_and_the_packs_stay() {
         replace(&folder, file, broken);
         let lines = watch.until(&format!("{file} changed: "));
         assert!(lines.iter().any(|line| line.contains(words)), "{lines:?}");
-        assert!(lines.last().unwrap().contains("the output folder is as it was"), "{lines:?}");
+        assert!(lines.last().unwrap().contains("the output folder is unchanged"), "{lines:?}");
         assert!(folder.products("packs") == good);
         replace(&folder, file, whole);
         watch.built(&format!("{file} changed: "));
     }
-    // A source that is not there for a while.
+    // A source that is missing for a while.
     let source = folder.path().join("data");
     std::fs::rename(&source, folder.path().join("elsewhere")).unwrap();
     let lines = watch.until("data/scan.binary gone: ");
     assert!(lines.iter().any(|line| line.contains("data/scan.binary: cannot read")), "{lines:?}");
-    assert!(lines.last().unwrap().contains("3 kept, 1 failed") && folder.products("packs") == good, "{lines:?}");
+    assert!(lines.last().unwrap().contains("3 cached, 1 failed") && folder.products("packs") == good, "{lines:?}");
     std::fs::rename(folder.path().join("elsewhere"), &source).unwrap();
     watch.built("data/scan.binary new: ");
     assert_eq!(watch.interrupted(), 0);
@@ -229,7 +229,7 @@ fn a_scene_that_is_wrong_at_first_is_waited_for_and_wrong_usage_is_not() {
     drop(watch);
     for (arguments, code, words) in [
         (&["gone.toml"][..], 4, "gone.toml: cannot read"),
-        (&["scene.toml", "--out", "-"], 2, "-: found in the place of a folder"),
+        (&["scene.toml", "--out", "-"], 2, "-: found a stream, expected the name of a folder"),
         (&["scene.toml", "--out", "scene.toml"], 4, "scene.toml: cannot write: found a file, expected a folder"),
         (&["scene.toml", "--poll", "0"], 2, "--poll: found 0, expected 0.1 to 3600 seconds"),
         (&["scene.toml", "--poll", "1e99"], 2, "--poll: found 1e99, expected 0.1 to 3600 seconds"),
@@ -247,13 +247,13 @@ fn a_scene_that_is_wrong_at_first_is_waited_for_and_wrong_usage_is_not() {
     }
 }
 
-/// Notes are those of what was made; of what was kept there is a count, once.
+/// Notes concern newly built materials; for cached ones there is a count, once.
 #[test]
-fn notes_of_what_was_kept_are_counted() {
+fn notes_of_cached_materials_are_counted() {
     let folder = Folder::new();
     scan(&folder, "dark.binary", "lambert?kd=0");
     scan(&folder, "black.binary", "lambert?kd=0");
-    let black = "the material is black wherever it was looked at";
+    let black = "the material is black at all test directions";
     let first = Watch::new(&folder, &["dark.binary", "black.binary", "--codec", "table"]);
     let lines = first.until("watching ");
     assert_eq!(lines.iter().filter(|line| line.contains(black)).count(), 2, "{lines:?}");
@@ -261,9 +261,9 @@ fn notes_of_what_was_kept_are_counted() {
     let second = Watch::new(&folder, &["dark.binary", "black.binary", "--codec", "table"]);
     let lines = second.until("watching ");
     assert!(!lines.iter().any(|line| line.contains(black)), "{lines:?}");
-    let count = "note: 2 materials made before have notes, which 'brdfc report' lists";
+    let count = "note: 2 materials from an earlier build have notes, which 'brdfc report' lists";
     assert!(lines.iter().any(|line| line == count), "{lines:?}");
-    // Another black.
+    // A different black.
     folder.run(&["synth", "lambert?kd=0", "-o", "new.binary", "--dimensions", "6x6x14"]).succeeded();
     replace(&folder, "dark.binary", folder.read("new.binary"));
     let lines = second.until("dark.binary changed: ");
@@ -292,7 +292,7 @@ fn reports_are_lines_of_json() {
     assert!(report().get("error").is_none());
 }
 
-/// Folders and patterns of files need no manifest; and what the build writes itself is no new file.
+/// Folders and patterns of files need no manifest, and files that the build writes are not new files.
 #[test]
 fn new_files_of_a_folder_and_of_a_pattern_are_built() {
     let folder = Folder::new();
@@ -312,7 +312,7 @@ fn new_files_of_a_folder_and_of_a_pattern_are_built() {
     }
 }
 
-/// Ends the build that goes on, and begins with what is there now.
+/// Cancels the running build, and starts again with the current files.
 #[test]
 fn a_change_in_the_middle_of_a_build_begins_it_again() {
     let folder = Folder::new();
@@ -333,9 +333,9 @@ fn a_change_in_the_middle_of_a_build_begins_it_again() {
     }
     folder.write("scene.toml", material(1, 4));
     let line = watch.built("first build: ");
-    assert!(line.contains("1 made, 0 kept"), "{line}");
+    assert!(line.contains("1 built, 0 cached"), "{line}");
 
-    // An interrupt in the middle of one is that of a build.
+    // An interrupt in the middle of a build has the same effect as for `build`.
     folder.write("scene.toml", long(500));
     let before = folder.products("packs");
     let known = std::fs::read_dir(&store).unwrap().count();

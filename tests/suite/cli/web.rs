@@ -1,5 +1,4 @@
-//! The package for the web: its examples draw what `brdfc render` draws, or the decoder says. `bindings/web/build` makes the
-//! package.
+//! The package for the web: its examples draw the same as `brdfc render` or the decoder. `bindings/web/build` makes the package.
 
 use crate::common::cli::Folder;
 use brdfc_formats::direction::{DirectionPair, cross, dot, normalize};
@@ -10,7 +9,7 @@ use brdfc_testing::browser::{File, renderings_of_pages};
 use std::path::Path;
 
 const SIDE: u32 = 256;
-/// Where pages are compared with one another.
+/// Folder in which pages are compared with one another.
 const SMALL: u32 = 96;
 
 /// Files of the package and of a folder of packs, under the paths that the examples ask for.
@@ -48,7 +47,7 @@ pub(super) fn files(packs: &Folder) -> Option<Vec<(String, &'static str, Vec<u8>
     Some(all)
 }
 
-/// Renderings of examples; nothing where there is no browser.
+/// Renderings of examples; `None` without a browser.
 fn drawn<const N: usize>(
     examples: [String; N],
     side: u32,
@@ -66,8 +65,7 @@ fn drawn<const N: usize>(
     Some(std::array::from_fn(|k| image::load_from_memory(&pngs[k]).unwrap().to_rgb8()))
 }
 
-/// Mean and 95th percentile of the differences of display codes, over pixels where the first rendering is not black, as its
-/// background is.
+/// Mean and 95th percentile of the differences of display codes, over pixels where the first rendering is not black (its background).
 fn differences(a: &image::RgbImage, b: &image::RgbImage) -> (f64, f64) {
     assert_eq!(a.dimensions(), b.dimensions());
     let pair = |(a, b): (&image::Rgb<u8>, &image::Rgb<u8>)| {
@@ -88,7 +86,7 @@ fn rendered(folder: &Folder, manifest: &str, more: &[&str]) -> image::RgbImage {
     image::load_from_memory(&folder.read("expected.png")).unwrap().to_rgb8()
 }
 
-/// A pack of a manifest's material, and a ball of it by `brdfc render`. The folder NAME gets the pack, `it.brdf.ktx2`.
+/// Encodes a manifest's material, and draws a ball of it with `brdfc render`. The folder NAME gets the pack, `it.brdf.ktx2`.
 fn built(folder: &Folder, name: &str, keys: &str, eye: &str, field_of_view: f64) -> image::RgbImage {
     let manifest = format!(
         "[materials.it]\n{keys}\n[[uses]]\nmaterial = \"it\"\n[render]\nscene = \"sphere\"\n[render.camera]\n\
@@ -116,10 +114,10 @@ fn a_ball_by_three_js_is_that_of_render() {
     let Some(renderings) = drawn(examples, SIDE, &files) else { return };
     for ((pack, expected), found) in expected.iter().zip(&renderings) {
         let (mean, p95) = differences(found, expected);
-        println!("three.js, {pack}: codes differ by {mean:.2} in the mean, {p95} at 95 %");
+        println!("three.js, {pack}: mean difference {mean:.2} 8-bit levels, {p95} at 95 %");
         assert!(mean < 1.0 && p95 <= 3.0, "{pack}: {mean} {p95}");
     }
-    // Another material is noticed.
+    // Another material is detected.
     assert!(differences(&renderings[0], &renderings[1]).0 > 10.0);
 }
 
@@ -146,14 +144,14 @@ fn a_flat_btf_by_three_js_is_that_of_render() {
     let example = "examples/flat-btf.html?pack=../packs/button.ktx2".to_owned();
     let Some([found]) = drawn([example], SIDE, &files) else { return };
     let (mean, p95) = differences(&found, &expected);
-    println!("three.js, flat BTF: codes differ by {mean:.2} in the mean, {p95} at 95 %");
+    println!("three.js, flat BTF: mean difference {mean:.2} 8-bit levels, {p95} at 95 %");
     assert!(mean < 3.0 && p95 <= 12.0, "{mean} {p95}");
-    // Light from the other side is noticed.
+    // Light from the other side is detected.
     let turned = rendered(&folder, &manifest.replace("[-3.0, 2.0, 1.0]", "[3.0, 2.0, 1.0]"), &["--repeat", "2"]);
     assert!(differences(&found, &turned).0 > 5.0 * mean);
 }
 
-/// A page that draws by three.js what stands in `script`, which has `THREE`, `pack`, `renderer`, `asked` (of the address),
+/// A page that draws `script` with three.js. The script can use `THREE`, `pack`, `renderer`, `asked` (parameters of the address) and
 /// `packMaterial`, and makes `scene` and `camera`.
 fn page_of_three(script: &str) -> String {
     let example =
@@ -175,7 +173,7 @@ renderer.setAnimationLoop(() => renderer.render(scene, camera));
     )
 }
 
-/// Meshes that are placed by matrices, as instances and in batches, look like those whose corners are there already.
+/// Meshes that are placed by matrices, as instances and in batches, look like those with transformed vertices.
 #[test]
 fn three_js_places_meshes_as_its_own_materials_do() {
     let folder = Folder::new();
@@ -191,7 +189,7 @@ const material = packMaterial(pack, renderer, [light]);
 const geometry = new THREE.SphereGeometry(1, 128, 64);
 geometry.computeTangents();
 const turn = new THREE.Quaternion().setFromEuler(new THREE.Euler(0.4, 0.7, 0.2));
-// three.js turns normals by the matrices of bones themselves: they stay perpendicular where all axes are scaled alike.
+// three.js transforms normals with the matrices of bones themselves: they stay perpendicular if all axes are scaled alike.
 const scale = asked.has('even') ? new THREE.Vector3(0.8, 0.8, 0.8) : new THREE.Vector3(1, 0.5, 0.8);
 const place = new THREE.Matrix4().compose(new THREE.Vector3(0.1, 0.2, 0), turn, scale);
 const mesh = new THREE.Mesh(geometry, material);
@@ -215,7 +213,7 @@ const ways = {
         bone.applyMatrix4(place);
         return skinned;
     },
-    // What was freed is uploaded again.
+    // Freed textures are uploaded again.
     disposed: () => { geometry.applyMatrix4(place); renderer.render(new THREE.Scene().add(mesh), camera); material.dispose(); return mesh; },
     none: () => mesh,
 };
@@ -229,16 +227,16 @@ scene.add(ways[asked.get('way')]());",
     let [.., expected, none, bones, corners] = &renderings;
     for (way, found) in ways.iter().zip(&renderings[..4]) {
         let (mean, p95) = differences(found, expected);
-        println!("three.js, {way}: codes differ by {mean:.3} in the mean, {p95} at 95 %");
+        println!("three.js, {way}: mean difference {mean:.3} 8-bit levels, {p95} at 95 %");
         assert!(mean < 0.1 && p95 <= 1.0, "{way}: {mean} {p95}");
     }
     assert!(differences(none, expected).0 > 10.0);
     let (mean, p95) = differences(bones, corners);
-    println!("three.js, bones: codes differ by {mean:.3} in the mean, {p95} at 95 %");
+    println!("three.js, bones: mean difference {mean:.3} 8-bit levels, {p95} at 95 %");
     assert!(mean < 0.1 && p95 <= 1.0, "bones: {mean} {p95}");
 }
 
-/// A flat BTF is uploaded as it should be among textures that are flipped, and again after it was freed, or its context lost.
+/// A flat BTF is uploaded correctly among textures that are flipped, and again after it was freed or its context was lost.
 #[test]
 fn three_js_uploads_arrays_among_other_textures() {
     let folder = Folder::new();
@@ -282,7 +280,7 @@ if (asked.has('lost')) {
     }
 }
 
-/// From far away, levels of detail are those that `brdfc render` takes.
+/// From far away, levels of detail are those of `brdfc render`.
 #[test]
 fn a_distant_ball_by_three_js_is_that_of_render() {
     if !crate::common::has_adapter() {
@@ -305,13 +303,13 @@ scene.add(new THREE.Mesh(new THREE.SphereGeometry(1, 256, 128), packMaterial(pac
     let examples = ["examples/far.html", "examples/far.html?finest"].map(str::to_owned);
     let Some([found, finest]) = drawn(examples, SIDE, &files) else { return };
     let (mean, p95) = differences(&found, &expected);
-    println!("three.js, from far away: codes differ by {mean:.2} in the mean, {p95} at 95 %");
+    println!("three.js, from far away: mean difference {mean:.2} 8-bit levels, {p95} at 95 %");
     assert!(mean < 1.0 && p95 <= 3.0, "{mean} {p95}");
-    // The finest level is another rendering.
+    // The finest level is a different rendering.
     assert!(differences(&finest, &expected).0 > 2.0 * mean + 1.0);
 }
 
-/// A polynomial wavelet tree on a square that fills the rendering, against values of the CPU's decoder.
+/// A polynomial wavelet tree on a square that fills the rendering, compared with values of the CPU's decoder.
 #[test]
 fn a_rendering_by_three_js_is_that_of_the_decoder() {
     let folder = Folder::new();
@@ -348,14 +346,14 @@ scene.add(new THREE.Mesh(geometry, packMaterial(pack, renderer, [light])));",
     let expected = image::RgbImage::from_fn(SIDE, SIDE, |x, y| pixels[(SIDE * y + x) as usize]);
     let Some([found]) = drawn(["examples/rendering.html".to_owned()], SIDE, &files) else { return };
     let (mean, p95) = differences(&found, &expected);
-    println!("three.js, pwt: codes differ by {mean:.2} in the mean, {p95} at 95 %");
+    println!("three.js, pwt: mean difference {mean:.2} 8-bit levels, {p95} at 95 %");
     assert!(mean < 1.0 && p95 <= 2.0, "{mean} {p95}");
-    // Upside down it is another one.
+    // Upside down it is a different rendering.
     assert!(differences(&image::imageops::flip_vertical(&found), &expected).0 > 5.0 * mean + 1.0);
 }
 
-/// What the example for WebGPU draws, by the CPU's decoder: an orthographic ball under a distant light, `2 f_r cos` with the curve
-/// of 2.2.
+/// The rendering of the WebGPU example by the CPU's decoder: an orthographic ball under a distant light, `2 f_r cos` with a
+/// gamma of 2.2.
 fn ball(f_r: impl Fn(DirectionPair) -> [f32; 3]) -> image::RgbImage {
     image::RgbImage::from_fn(SIDE, SIDE, |x, y| {
         let [x, y] = [x, y].map(|at| ((f64::from(at) + 0.5) / f64::from(SIDE / 2) - 1.0) * 1.1);
@@ -388,16 +386,16 @@ fn a_ball_by_webgpu_is_that_of_the_decoder() {
     let wavelet = WaveletDecoder::new(&WaveletPack::from_bytes(&folder.read("ggx.ktx2")).unwrap());
     let expected = [
         ("red", ball(|pair| table.eval(pair))),
-        // The example asks for level 6, which is the finest of any pack.
+        // The example requests level 6, which is the finest of any pack.
         ("ggx", ball(|pair| wavelet.eval(pair, 6.0, Filter::Bilinear))),
     ];
     let examples = expected.each_ref().map(|(pack, _)| format!("examples/webgpu.html?pack=../packs/{pack}.ktx2"));
     let Some(renderings) = drawn(examples, SIDE, &files) else { return };
     for ((pack, expected), found) in expected.iter().zip(&renderings) {
         let (mean, p95) = differences(found, expected);
-        println!("WebGPU, {pack}: codes differ by {mean:.2} in the mean, {p95} at 95 %");
+        println!("WebGPU, {pack}: mean difference {mean:.2} 8-bit levels, {p95} at 95 %");
         assert!(mean < 1.0 && p95 <= 2.0, "{pack}: {mean} {p95}");
     }
-    // Another material is noticed.
+    // Another material is detected.
     assert!(differences(&expected[0].1, &expected[1].1).0 > 10.0);
 }

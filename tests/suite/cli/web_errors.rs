@@ -1,4 +1,4 @@
-//! The package for the web refuses what is no pack, and packs that its shaders do not decode.
+//! The package for the web rejects files that are not packs, and packs that its shaders do not decode.
 
 use super::web::files;
 use crate::common::cli::Folder;
@@ -7,14 +7,14 @@ use brdfc_testing::browser::{File, result_of_page};
 use brdfc_testing::gradient;
 use std::collections::BTreeMap;
 
-/// A pack with other entries.
+/// A pack with other metadata.
 fn with_entries(pack: &[u8], change: impl FnOnce(&mut BTreeMap<String, Vec<u8>>)) -> Vec<u8> {
     let mut texture = Texture::from_bytes(pack).unwrap();
     change(&mut texture.entries);
     texture.to_bytes(true)
 }
 
-/// A pack whose list of bindings has other words, in one place.
+/// A pack with one changed place in its list of bindings.
 fn with_list(pack: &[u8], from: &str, to: &str) -> Vec<u8> {
     with_entries(pack, |entries| {
         let list = entries.get_mut("brdfc.bindings").unwrap();
@@ -24,7 +24,7 @@ fn with_list(pack: &[u8], from: &str, to: &str) -> Vec<u8> {
     })
 }
 
-/// What the program refuses the package refuses, too, and the message has the place, what was found and what is allowed.
+/// The package rejects the same files as the program, and the message states the place, the found and the expected value.
 #[test]
 fn files_that_are_damaged_are_refused_by_the_package() {
     let folder = Folder::new();
@@ -102,12 +102,7 @@ fn files_that_are_damaged_are_refused_by_the_package() {
             "gradient_parameters: found 32 bytes, expected 48, as brdfc.bindings line 3",
         ),
         (&gradient, "41 ", "40 ", "line 4: found slot 40, expected slots that rise, each once"),
-        (
-            &gradient,
-            "gradient_ramp",
-            "gradient_shade",
-            "line 5: found gradient_shade, expected a name that stands once",
-        ),
+        (&gradient, "gradient_ramp", "gradient_shade", "line 5: found gradient_shade, expected a unique name"),
         (&gradient, "texture file", "texture entry", "found 0 bindings of the file's own texture, expected one"),
         (&gradient, "texture file", "texture empty", "line 4: found 8 x 1 x 1, expected one texel"),
         (&gradient, "r8unorm 8", "r8unorm 9000", "line 4: found 9000, expected 1 to 8192"),
@@ -150,33 +145,33 @@ fn files_that_are_damaged_are_refused_by_the_package() {
     let page = format!(
         "<script type=\"module\">
 import {{ loadPack, uploadWebGpu }} from './dist/index.js';
-const told = {{ cases: [] }};
+const results = {{ cases: [] }};
 const of = (file, options) => loadPack(file, options).then(() => 'loaded', ({{ message }}) => message);
 for (let k = 0; k < {}; k += 1) {{
-    // Those of the first ones have their checksum.
-    told.cases.push(await of(`${{k}}.ktx2`, {{ verify: k < 4 }}));
+    // The first ones have a valid checksum.
+    results.cases.push(await of(`${{k}}.ktx2`, {{ verify: k < 4 }}));
 }}
-told.scale = await of('packs/it.ktx2', {{ distanceScale: -1 }});
-told.filter = await of('packs/it.ktx2', {{ filter: 'none' }});
+results.scale = await of('packs/it.ktx2', {{ distanceScale: -1 }});
+results.filter = await of('packs/it.ktx2', {{ filter: 'none' }});
 const wide = await loadPack('packs/wide.ktx2');
 try {{
     uploadWebGpu({{ features: new Set() }}, wide);
 }} catch ({{ message }}) {{
-    told.wide = message;
+    results.wide = message;
 }}
-fetch('/result', {{ method: 'POST', body: JSON.stringify(told) }});
+fetch('/result', {{ method: 'POST', body: JSON.stringify(results) }});
 </script>",
         cases.len()
     );
     files.push((String::new(), "text/html", page.into_bytes()));
     let served: Vec<File<'_>> =
         files.iter().map(|(name, media, bytes)| (name.as_str(), *media, bytes.as_slice())).collect();
-    let Some(told) = result_of_page(&served) else { return };
-    let told: serde_json::Value = serde_json::from_slice(&told).unwrap();
+    let Some(results) = result_of_page(&served) else { return };
+    let results: serde_json::Value = serde_json::from_slice(&results).unwrap();
     for (k, (name, _, expected)) in cases.iter().enumerate() {
-        let found = told["cases"][k].as_str().unwrap();
+        let found = results["cases"][k].as_str().unwrap();
         assert!(found.contains(expected), "{name}: {found}");
-        // A file that is fetched has its name in front.
+        // A fetched file has its name in front.
         assert!(*expected == "loaded" || found.starts_with(&format!("{k}.ktx2: ")), "{name}: {found}");
     }
     for (name, expected) in [
@@ -184,7 +179,7 @@ fetch('/result', {{ method: 'POST', body: JSON.stringify(told) }});
         ("scale", "distanceScale: found -1, expected a number above 0"),
         ("filter", "filter: found none, expected shader or sampler"),
     ] {
-        let found = told[name].as_str().unwrap();
+        let found = results[name].as_str().unwrap();
         assert!(found.contains(expected), "{name}: {found}");
     }
 }

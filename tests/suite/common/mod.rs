@@ -1,10 +1,10 @@
-//! What several tests share.
+//! Helpers that several tests share.
 
 pub mod cli;
 
 pub use brdfc_testing::{shared_data, tensor};
 
-/// Whether there is a graphics adapter; if not, prints why a test is skipped.
+/// Returns true if there is a graphics adapter; otherwise prints why a test is skipped.
 #[cfg(feature = "render")]
 pub fn has_adapter() -> bool {
     use brdfc_gpu::{AdapterChoice, Gpu};

@@ -1,10 +1,10 @@
-//! Circles between the files of one crate.
+//! Cycles between the files of one crate.
 //!
-//! A file points at another where its code, tests left out, names something that is **defined** there. To declare a
-//! module (`mod x;`) or to pass a name on (`pub use x::Name;`) points nowhere: a parent that lists its children is not
-//! tied to them, and who asks the parent for a passed-on name is tied to the file that defines it. So a `mod.rs` may
-//! sequence its children, and children may share what it defines, but not both at once. What no name says (methods of a
-//! type that stand in another file) is not seen.
+//! A file depends on another if its code, without tests, names an item that is **defined** there. Declaring a module (`mod x;`) or
+//! re-exporting a name (`pub use x::Name;`) is not a dependency: a parent that lists its children does not depend on them, and
+//! code that imports a re-exported name depends on the file that defines it. So a `mod.rs` may sequence its children, or the
+//! children may share its definitions, but not both. Dependencies without a name (methods of a type that are defined in another
+//! file) are not detected.
 
 use super::code::{Import, code_of, declares, imports_and_paths, module_of};
 use std::collections::{BTreeMap, BTreeSet};
@@ -23,11 +23,11 @@ pub struct Crate {
     modules: BTreeMap<Vec<String>, Module>,
 }
 
-/// Which files a file points at, and by which names.
+/// Dependencies of a file, with the names that cause them.
 pub type Graph = BTreeMap<String, BTreeMap<String, BTreeSet<String>>>;
 
 impl Crate {
-    /// `files` are paths below `src/` with their texts. Modules that only tests compile are left out.
+    /// `files` are paths below `src/` with their texts. Modules that only tests compile are ignored.
     pub fn new(files: &[(String, String)]) -> Self {
         let mut modules = BTreeMap::new();
         for (file, text) in files {
@@ -41,8 +41,8 @@ impl Crate {
                 parent.is_none_or(|parent: &Module| parent.code.contains(&format!("mod {};", name[depth - 1])))
             })
         };
-        let kept: BTreeSet<Vec<String>> = modules.keys().filter(|name| declared(name)).cloned().collect();
-        modules.retain(|name, _| kept.contains(name));
+        let retained: BTreeSet<Vec<String>> = modules.keys().filter(|name| declared(name)).cloned().collect();
+        modules.retain(|name, _| retained.contains(name));
         Self { modules }
     }
 
@@ -66,7 +66,7 @@ impl Crate {
         Some([base, rest].concat())
     }
 
-    /// The file that defines what an absolute path names, and the name; nothing for a module or what is not found.
+    /// Finds the file that defines the item of an absolute path, and the name; `None` for a module or an unknown item.
     fn definition(&self, path: &[String], depth: usize) -> Option<(Vec<String>, String)> {
         let length = (0..=path.len()).rev().find(|length| self.modules.contains_key(&path[..*length]))?;
         let (name, module) = (path[..length].to_vec(), &self.modules[&path[..length]]);
@@ -74,7 +74,7 @@ impl Crate {
         if item == "*" || declares(&module.code, item) || depth == 0 {
             return Some((name, item.clone()));
         }
-        // Passed on, one by one or all of a module.
+        // Re-exported, by name or as a whole module.
         for import in module.imports.iter().filter(|import| import.name == *item || import.name == "*") {
             let Some(mut target) = self.absolute(&name, &import.path) else { continue };
             if import.name == "*" {
@@ -91,7 +91,7 @@ impl Crate {
         None
     }
 
-    /// Which file points at which.
+    /// Dependencies between the files.
     pub fn graph(&self) -> Graph {
         let mut graph = Graph::new();
         for (name, module) in &self.modules {
@@ -106,7 +106,7 @@ impl Crate {
                 scope.insert(&import.name, path);
             }
             for path in &module.paths {
-                // A name that was brought into scope stands for its path.
+                // An imported name represents its path.
                 match scope.get(path[0].as_str()) {
                     Some(start) => used.push([start, &path[1..]].concat()),
                     None if path.len() > 1 => used.extend(self.absolute(name, path)),
@@ -126,7 +126,7 @@ impl Crate {
     }
 }
 
-/// The files from which `from` is reached, or which it reaches, by one arrow or more.
+/// The files from which `from` can be reached, or which it reaches, by one or more dependencies.
 fn reached(graph: &Graph, from: &str) -> BTreeSet<String> {
     let mut found = BTreeSet::new();
     let mut open = vec![from];
@@ -140,7 +140,7 @@ fn reached(graph: &Graph, from: &str) -> BTreeSet<String> {
     found
 }
 
-/// Every arrow of every circle, one line each, with the names that tie it; empty where there is none.
+/// Every dependency of every cycle, one line each, with the names that cause it; empty if there is none.
 pub fn circles(graph: &Graph) -> Vec<String> {
     let reach: BTreeMap<&String, BTreeSet<String>> = graph.keys().map(|file| (file, reached(graph, file))).collect();
     let mut lines = Vec::new();

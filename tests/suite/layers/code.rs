@@ -1,19 +1,19 @@
-//! Rust text as far as the layers ask for it: its files as modules, its imports, and the paths that it names.
+//! Rust text, as far as the layers need it: files as modules, imports, and named paths.
 
 use std::path::{Path, PathBuf};
 
 /// A name that a file brings into scope.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Import {
-    /// What it stands for; `*` last where everything of a module is meant.
+    /// The full path; ends in `*` if it is everything of a module.
     pub path: Vec<String>,
     /// The name in this file.
     pub name: String,
-    /// Whether others may ask this file for it.
+    /// True if other files may import it from this file.
     pub public: bool,
 }
 
-/// The text without comments, without what stands in string literals, and without what only tests compile.
+/// Removes comments, contents of string literals, and code that only tests compile.
 pub fn code_of(text: &str) -> String {
     without_tests(&without_literals(text))
 }
@@ -58,10 +58,10 @@ fn without_literals(text: &str) -> String {
     code
 }
 
-/// Leaves out every item behind `#[cfg(test)]`: up to its semicolon, or to the end of its braces.
+/// Removes every item after `#[cfg(test)]`, up to its semicolon or to the end of its braces.
 fn without_tests(code: &str) -> String {
     let mut parts = code.split("#[cfg(test)]");
-    let mut kept = parts.next().unwrap_or_default().to_owned();
+    let mut retained = parts.next().unwrap_or_default().to_owned();
     for part in parts {
         let mut depth = 0;
         let end = part.find(|c| {
@@ -72,9 +72,9 @@ fn without_tests(code: &str) -> String {
             };
             depth == 0 && (c == ';' || c == '}')
         });
-        kept += end.map_or("", |end| &part[end + 1..]);
+        retained += end.map_or("", |end| &part[end + 1..]);
     }
-    kept
+    retained
 }
 
 fn is_word(byte: u8) -> bool {
@@ -131,7 +131,7 @@ pub fn imports_and_paths(code: &str) -> (Vec<Import>, Vec<Vec<String>>) {
     (imports, paths)
 }
 
-/// Reads the tree of imports that starts at `at` behind `prefix`, and returns where it ends.
+/// Reads the tree of imports that starts at `at` after `prefix`, and returns where it ends.
 fn tree(tokens: &[&str], mut at: usize, prefix: &[String], public: bool, found: &mut Vec<Import>) -> usize {
     let mut path = prefix.to_vec();
     loop {
@@ -145,7 +145,7 @@ fn tree(tokens: &[&str], mut at: usize, prefix: &[String], public: bool, found: 
                 return at + 1;
             }
             Some("::") => at += 1,
-            // `{self, ..}` is what stands before the braces.
+            // The `self` of `{self, ..}` is the path before the braces.
             Some("self") if !prefix.is_empty() => at += 1,
             Some("as") => {
                 found.push(Import { path, name: tokens[at + 1].to_owned(), public });
@@ -189,7 +189,7 @@ pub fn module_of(relative: &Path) -> Vec<String> {
     names
 }
 
-/// Whether the code of a file declares `name` itself.
+/// Returns true if the code of a file declares `name` itself.
 pub fn declares(code: &str, name: &str) -> bool {
     const KEYWORDS: [&str; 9] = ["fn", "struct", "enum", "trait", "const", "static", "type", "union", "mod"];
     let tokens = tokens(code);

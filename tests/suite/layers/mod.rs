@@ -1,4 +1,4 @@
-//! The layers: which crate may use which, that no two files of a crate use one another, and what stages keep away from.
+//! The layers: which crate may use which, that no two files of a crate use one another, and which code stages must not use.
 //! `docs/ARCHITECTURE.md` draws them.
 
 mod circles;
@@ -26,27 +26,27 @@ const LAYERS: [&str; 14] = [
     "crates/terminal",
     ".",
 ];
-/// Crates next to the layers, with the highest layer that they may use: shared test code, the translator of shaders, what runs
+/// Crates outside the layers, with the highest layer that they may use: shared test code, the translator of shaders, the runner of
 /// shaders over queries, the studies.
-const BESIDE: [(&str, &str); 4] = [
+const OUTSIDE_LAYERS: [(&str, &str); 4] = [
     ("crates/testing", "crates/core"),
     ("crates/translate", "crates/shaders"),
     ("crates/probe", "crates/gpu"),
     ("studies", "crates/terminal"),
 ];
-/// What the studies measure with.
+/// Crates for measurements of the studies.
 const OF_STUDIES: (&str, &str) = ("studies", "crates/probe");
 /// Crates that are tests, and may use any other: benchmarks, fuzz targets, and tests that need unsafe code.
 const TESTS: [&str; 3] = ["studies/benches", "tests/fuzz", "tests/vulkan"];
-/// What is not used although it is lower: shaders draw what packs hold, whoever made them.
-const KEPT_APART: (&str, &str) = ("crates/gpu", "crates/codecs");
+/// A pair that must stay independent although one is lower: shaders draw the contents of packs, whichever encoder made them.
+const INDEPENDENT: (&str, &str) = ("crates/gpu", "crates/codecs");
 /// The layer of many crates, one for each codec. They are stages.
 const CODECS: &str = "crates/codecs";
 
-/// Who may use the graphics driver only where the feature `render` asks for it.
+/// Crates that may use the graphics driver only with the feature `render`.
 const GPU_BY_FEATURE: [&str; 3] = ["crates/jobs", "crates/terminal", "."];
 
-/// What the command line may name of our crates: it has no other way in than the library.
+/// Our crates that the command line may name: it uses the library for everything else.
 const OF_COMMAND_LINE: [&str; 2] = ["brdfc", "brdfc_terminal"];
 
 /// Layers of stages: typed input to typed output.
@@ -62,10 +62,10 @@ const STAGES: [&str; 10] = [
     "crates/source",
     "crates/render",
 ];
-/// What a stage has no need of.
+/// Names that a stage must not use.
 const IMPURE: [&str; 8] =
     ["std::fs", "std::env", "std::time::Instant", "std::time::SystemTime", "std::process", "std::net", "clap", "ctrlc"];
-/// Files of those crates that may: the readers of measured files, and options that can be flags of a command line.
+/// Exceptions in those crates: the readers of measured files, and options that can be flags of a command line.
 const MAY_TOUCH: &[(&str, &str, &str)] = &[
     ("crates/codec", "options.rs", "clap"),
     ("crates/source", "btf_stack.rs", "std::fs"),
@@ -100,7 +100,7 @@ pub fn members() -> Vec<(String, toml::Table)> {
     folders.map(|folder| (folder.clone(), manifest(&folder))).collect()
 }
 
-/// Which layer a crate's folder is in.
+/// Returns the layer of a crate's folder.
 fn layer(folder: &str) -> Option<usize> {
     let in_layer = |layer: &str| folder == layer || (layer == CODECS && folder.starts_with(CODECS));
     LAYERS.iter().position(|layer| in_layer(layer))
@@ -111,28 +111,28 @@ fn may_use(folder: &str, used: &str) -> bool {
         return true;
     }
     let Some(used_layer) = layer(used) else { return false };
-    if (folder, LAYERS[used_layer]) == KEPT_APART {
+    if (folder, LAYERS[used_layer]) == INDEPENDENT {
         return false;
     }
-    match BESIDE.iter().find(|(beside, _)| *beside == folder) {
+    match OUTSIDE_LAYERS.iter().find(|(outside, _)| *outside == folder) {
         Some((_, highest)) => Some(used_layer) <= layer(highest),
         None => layer(folder).is_some_and(|layer| used_layer < layer),
     }
 }
 
-/// What breaks the rule of arrows in the manifest of the crate in a folder. Dependencies of tests are free.
+/// Lists violations of the layers in the manifest of the crate in a folder. Dependencies of tests are unrestricted.
 fn wrong_arrows(folder: &str, manifest: &toml::Table) -> Vec<String> {
     if TESTS.contains(&folder) {
         return Vec::new();
     }
     let folders = self::manifest(".")["workspace"]["dependencies"].as_table().unwrap().clone();
     let path_of = |how: &toml::Value| Some(how.get("path")?.as_str()?.to_owned());
-    // By the workspace's path, or by one of its own.
+    // With the path of the workspace, or with its own path.
     let folder_of = |name: &str, how: &toml::Value| match path_of(how) {
         Some(path) => Some(joined(folder, &path)),
         None => folders.get(name).and_then(path_of),
     };
-    if layer(folder).is_none() && !BESIDE.iter().any(|(beside, _)| *beside == folder) {
+    if layer(folder).is_none() && !OUTSIDE_LAYERS.iter().any(|(outside, _)| *outside == folder) {
         return vec![format!("{folder} is in no layer: add it to LAYERS")];
     }
     let mut wrong = Vec::new();
@@ -172,7 +172,7 @@ fn joined(folder: &str, path: &str) -> String {
     parts.join("/")
 }
 
-/// What a stage's code touches that it should not.
+/// Lists the code of a stage that uses a forbidden name.
 fn impurities(folder: &str, file: &str, text: &str) -> Vec<String> {
     let (imports, paths) = imports_and_paths(&code_of(text));
     let named = imports.into_iter().map(|import| import.path).chain(paths).map(|path| path.join("::"));
@@ -180,7 +180,7 @@ fn impurities(folder: &str, file: &str, text: &str) -> Vec<String> {
     for path in named {
         for impure in IMPURE {
             let touched = path == impure || path.starts_with(&format!("{impure}::"));
-            // A feature has the name of the crate that it asks for.
+            // A feature has the name of the crate that it enables.
             if touched && path.contains("::") && !MAY_TOUCH.contains(&(folder, file, impure)) {
                 wrong.push(format!("{folder}/{file} uses {path}"));
             }
@@ -189,7 +189,7 @@ fn impurities(folder: &str, file: &str, text: &str) -> Vec<String> {
     wrong
 }
 
-/// Crates of ours that a file of the command line names besides the library.
+/// Our crates, other than the library, that a file of the command line names.
 fn other_ways_in(file: &str, text: &str) -> Vec<String> {
     let (imports, paths) = imports_and_paths(&code_of(text));
     let named = imports.into_iter().map(|import| import.path).chain(paths);
@@ -210,10 +210,10 @@ fn sources(folder: &str) -> Vec<(String, String)> {
 #[test]
 fn arrows_point_one_way() {
     let members = members();
-    assert!(members.len() >= LAYERS.len() + BESIDE.len() + TESTS.len(), "{}", members.len());
+    assert!(members.len() >= LAYERS.len() + OUTSIDE_LAYERS.len() + TESTS.len(), "{}", members.len());
     let wrong: Vec<String> = members.iter().flat_map(|(folder, manifest)| wrong_arrows(folder, manifest)).collect();
     assert!(wrong.is_empty(), "{wrong:#?}");
-    for known in LAYERS.into_iter().chain(BESIDE.map(|(folder, _)| folder)).chain(TESTS) {
+    for known in LAYERS.into_iter().chain(OUTSIDE_LAYERS.map(|(folder, _)| folder)).chain(TESTS) {
         assert!(members.iter().any(|(folder, _)| folder.starts_with(known)), "{known}: a layer that is gone");
     }
 }
@@ -234,7 +234,7 @@ fn no_circles_between_files() {
     assert!(wrong.is_empty(), "{wrong:#?}");
 }
 
-/// Folders of the crates of ours that those in a folder are made of, itself included.
+/// Folders of our crates on which those in a folder depend, including themselves.
 fn made_of(folder: &str) -> BTreeSet<String> {
     let folders = manifest(".")["workspace"]["dependencies"].as_table().unwrap().clone();
     let mut all = BTreeSet::new();
@@ -249,7 +249,7 @@ fn made_of(folder: &str) -> BTreeSet<String> {
     all
 }
 
-/// Packs in a store are those of the encoders that made them: the key hashes the sources of all that decides a pack.
+/// Packs in a store belong to the encoders that made them: the key hashes the sources of everything that affects a pack.
 #[test]
 fn keys_of_the_store_change_with_every_crate_that_encodes() {
     let script = std::fs::read_to_string(root().join("crates/jobs/build.rs")).unwrap();
@@ -292,7 +292,7 @@ fn the_command_line_is_a_client_of_the_library() {
     assert_eq!(ours, ["dep:brdfc-terminal"], "what else of ours the program needs is the library's");
 }
 
-/// Manifests turn the harness of these off, so that they are not compiled twice: a test in them would never run.
+/// Manifests disable the test harness of these, so that they are not compiled twice: a test in them would never run.
 #[test]
 fn files_that_are_not_compiled_as_tests_have_none() {
     let bench = root().join("studies/src/bin/brdfc-bench");
@@ -369,7 +369,7 @@ fn impure_stages_are_seen() {
     assert!(impurities("crates/source", "read.rs", "use std::fs::File;").is_empty());
 }
 
-/// The circles of a made-up crate.
+/// The cycles of a fictitious crate.
 fn made_up(files: &[(&str, &str)]) -> Vec<String> {
     let files: Vec<(String, String)> = files.iter().map(|(f, t)| ((*f).to_owned(), (*t).to_owned())).collect();
     circles(&Crate::new(&files).graph())
@@ -387,7 +387,7 @@ fn circles_are_seen() {
             ][..],
             &["a.rs -> b.rs: B", "b.rs -> a.rs: A"][..],
         ),
-        // By way of a third file, a module's name and a passed-on name.
+        // Via a third file, a module's name and a re-exported name.
         (
             &[
                 ("lib.rs", "mod a; mod b; mod c;"),
@@ -403,13 +403,13 @@ fn circles_are_seen() {
             &[("lib.rs", "mod a; pub struct Recipe; fn f() { a::g() }"), ("a.rs", "pub fn g(_: crate::Recipe) {}")],
             &["a.rs -> lib.rs: Recipe", "lib.rs -> a.rs: g"],
         ),
-        // A parent that lists and passes on; children that share what it defines.
+        // A parent that lists and re-exports; children that share its definitions.
         (&[("lib.rs", "mod a; pub use a::g; pub struct Recipe;"), ("a.rs", "pub fn g(_: crate::Recipe) {}")], &[]),
         (
             &[("lib.rs", "mod a; mod b; pub use a::A;"), ("a.rs", shared), ("b.rs", "use crate::A; use super::a::b;")],
             &[],
         ),
-        // Tests may use what they like.
+        // Tests may use anything.
         (
             &[
                 ("lib.rs", "mod a; mod b;"),

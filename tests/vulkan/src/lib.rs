@@ -1,1 +1,1 @@
-//! Nothing: the tests of this package hand SPIR-V to a Vulkan driver as it is, by a function that is unsafe.
+//! Empty: the tests of this package pass SPIR-V to a Vulkan driver unchanged, with a function that is unsafe.

@@ -1,4 +1,4 @@
-//! A Vulkan device by way of wgpu, which hands shaders through.
+//! A Vulkan device of wgpu, which passes shaders through unchanged.
 
 use crate::loader;
 use brdfc_formats::bindings::{Binding, FrameBlock};
@@ -14,7 +14,7 @@ pub struct Vulkan {
 }
 
 impl Vulkan {
-    /// The first adapter; nothing where there is none, which is said.
+    /// Opens the first adapter; prints a message and returns `None` if there is none.
     pub fn open() -> Option<Self> {
         let mut descriptor = InstanceDescriptor::new_without_display_handle();
         descriptor.backends = Backends::VULKAN;
@@ -27,14 +27,14 @@ impl Vulkan {
             }
         };
         let required_features = Features::PASSTHROUGH_SHADERS | Features::TEXTURE_FORMAT_16BIT_NORM;
-        // SAFETY: what may go wrong is a crash of the driver, in a test.
+        // SAFETY: the worst case is a crash of the driver, in a test.
         let experimental_features = unsafe { ExperimentalFeatures::enabled() };
         let descriptor = DeviceDescriptor { required_features, experimental_features, ..Default::default() };
         let (device, queue) = pollster::block_on(adapter.request_device(&descriptor)).unwrap();
         Some(Self { device, queue })
     }
 
-    /// A module of SPIR-V that has a pack in a group.
+    /// A module of SPIR-V with a pack in a group.
     pub fn spirv(&self, words: &[u32], group: u32, pack: &[Binding<'_>]) -> ShaderModule {
         let words = numbered(words, group, pack);
         let entry = PassthroughShaderEntryPoint { name: Cow::Borrowed("evaluate"), workgroup_size: (64, 1, 1) };
@@ -44,17 +44,17 @@ impl Vulkan {
             spirv: Some(Cow::Owned(words)),
             ..Default::default()
         };
-        // SAFETY: the words are SPIR-V that its validator takes, with bindings of the layouts below.
+        // SAFETY: the validator accepts the words as SPIR-V, with bindings of the layouts below.
         unsafe { self.device.create_shader_module_passthrough(descriptor) }
     }
 
-    /// A module of WGSL, by way of naga.
+    /// A module of WGSL, compiled by naga.
     pub fn wgsl(&self, source: String) -> ShaderModule {
         let source = ShaderSource::Wgsl(source.into());
         self.device.create_shader_module(ShaderModuleDescriptor { label: None, source })
     }
 
-    /// The answers of a module to queries. `groups` are those of the queries and of the pack.
+    /// Answers of a module to queries. `groups` are those of the queries and of the pack.
     pub fn evaluate(
         &self,
         module: &ShaderModule,
@@ -126,8 +126,8 @@ impl Vulkan {
     }
 }
 
-/// A module whose bindings of a group are numbered as wgpu's layouts of Vulkan number them: one after the other, whatever their
-/// slots are. It does the same to WGSL, and leaves it to the user with modules that are handed through.
+/// A module whose bindings are numbered consecutively per group, as wgpu's layouts of Vulkan number them, regardless of their slots.
+/// wgpu does the same to WGSL, and leaves it to the user for modules that it passes through.
 fn numbered(words: &[u32], group: u32, pack: &[Binding<'_>]) -> Vec<u32> {
     const DECORATE: u32 = 71;
     const BINDING: u32 = 33;

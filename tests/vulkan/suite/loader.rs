@@ -6,14 +6,14 @@ use brdfc_gpu::texture_format;
 use wgpu::util::{BufferInitDescriptor, DeviceExt as _, TextureDataOrder};
 use wgpu::*;
 
-/// What was uploaded.
+/// Uploaded resources.
 enum Made {
     Buffer(Buffer),
     Texture(TextureView),
     Sampler(Sampler),
 }
 
-/// Uploads what a pack says that its shader has bound, and makes a bind group of it by slots.
+/// Uploads everything that a pack's shader binds, and makes a bind group of it by slots.
 pub fn bind(device: &Device, queue: &Queue, pack: &[Binding<'_>], frame: FrameBlock) -> (BindGroupLayout, BindGroup) {
     let visibility = ShaderStages::VERTEX_FRAGMENT | ShaderStages::COMPUTE;
     let made = pack.iter().map(|Binding { slot, resource, .. }| {

@@ -1,6 +1,6 @@
-//! SPIR-V of 'brdfc shader', and HLSL that glslang makes SPIR-V of, on whatever Vulkan driver there is: unchecked and untouched
-//! by wgpu, as an engine would hand it over. Each against the CPU decoder at 10,000 queries a pack. And the WGSL of a codec that
-//! exists nowhere else, by the loader that binds all of them.
+//! SPIR-V of 'brdfc shader', and SPIR-V that glslang makes from HLSL, on the installed Vulkan driver: unchecked and unmodified by
+//! wgpu, as an engine would pass it. Each is compared with the CPU decoder at 10,000 queries per pack. Also the WGSL of a codec
+//! that exists nowhere else, with the loader that binds all of them.
 
 mod device;
 mod loader;
@@ -35,12 +35,12 @@ fn answers(vulkan: &Vulkan, cases: &[Case], module: impl Fn(PackKind) -> (Vec<u3
 fn spirv_agrees_with_the_cpu() {
     let Some(vulkan) = Vulkan::open() else { return };
     let cases = cases();
-    // As `EntryPoint` says: queries in group 0, the pack in group 1.
+    // As `EntryPoint` specifies: queries in group 0, the pack in group 1.
     let module = |decoder| (words(&shader(decoder, Language::Spirv).bytes), [0, 1]);
     check("SPIR-V", &cases, &answers(&vulkan, &cases, module));
 }
 
-/// What a user of the piece writes. Registers without a space are in group 0.
+/// Code that a user of the snippet writes. Registers without a space are in group 0.
 fn hlsl(decoder: PackKind) -> String {
     let piece = String::from_utf8(shader(decoder, Language::Hlsl).bytes).unwrap();
     let (macros, call) = (macros(Language::Hlsl), call(decoder));

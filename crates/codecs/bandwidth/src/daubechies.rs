@@ -1,13 +1,13 @@
 //! Separable Daubechies transform of periodic images.
 //!
-//! Order 4 is read as 4 vanishing moments, 8 taps. The name is also used for the filter of 4 taps with 2 moments, but
-//! that cannot carry the rule of [`super::local`]: beyond the level of a sinusoid its coefficients fall by 8 per octave
-//! only (`2^(moments + 1)` for images, whose coefficients at equal contrast halve with each finer level), so that a
-//! threshold of 0.01 lies more than two octaves too high. With 4 moments they fall by 32.
+//! Order 4 means 4 vanishing moments, 8 taps. The name is also used for the filter of 4 taps with 2 moments, but that
+//! does not suit the rule of [`super::local`]: beyond the level of a sinusoid its coefficients fall by only 8 per
+//! octave (`2^(moments + 1)` for images, whose coefficients at equal contrast halve with each finer level), so that a
+//! threshold of 0.01 is more than two octaves too high. With 4 moments they fall by 32.
 //!
-//! Coefficient `i` of a level takes the samples `2 i .. 2 i + 8` of the level before, modulo the size; one level later a
-//! coefficient starts at multiples of 4, and so on. What lies beyond the border is the caller's matter: see
-//! [`super::image`] and [`super::local`].
+//! Coefficient `i` of a level uses the samples `2 i .. 2 i + 8` of the previous level, modulo the size; in the next
+//! level, coefficients start at multiples of 4, and so on. Callers handle the borders: see [`super::image`] and
+//! [`super::local`].
 
 use num_traits::Float;
 use rayon::prelude::*;
@@ -30,7 +30,7 @@ pub const LOW_PASS: [f64; TAPS] = [
 /// Output rows that one task computes.
 pub(super) const ROWS_OF_A_TASK: usize = 32;
 
-/// What the transform computes in: `f32` where data flows, `f64` for reference.
+/// Number type of the transform: `f32` for data, `f64` for reference.
 pub trait Real: Float + Send + Sync {}
 impl<T: Float + Send + Sync> Real for T {}
 
@@ -50,7 +50,8 @@ fn filters<T: Real>() -> Filters<T> {
     Filters { low: convert(LOW_PASS), high: convert(high_pass()) }
 }
 
-/// One level: four images of `width x height` coefficients, row by row. Bands along an axis that was not split are empty.
+/// One level: four images of `width x height` coefficients, row by row. Bands along an axis that was not split are
+/// empty.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Level<T> {
     /// Coefficients per row.
@@ -67,17 +68,17 @@ pub struct Level<T> {
     pub both: Vec<T>,
 }
 
-/// Rows of samples, where a row may be put together from two parts.
+/// Rows of samples; a row may consist of two parts.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Image<'a, T> {
     /// Row by row.
     pub values: &'a [T],
     /// Samples per row.
     pub width: usize,
-    /// Rows; twice as many as there are values for of an image that goes on over the poles.
+    /// Rows; twice the number of stored rows if the image continues over the poles.
     pub height: usize,
-    /// Whether, as in latitude-longitude images, row `-1` at azimuth φ is row 0 at `φ + π`, so that all rows go once around.
-    /// The width is a multiple of 4 then.
+    /// True if row `-1` at azimuth φ is row 0 at `φ + π`, as in latitude-longitude images: all rows form a full circle.
+    /// The width is then a multiple of 4.
     pub over_poles: bool,
 }
 
@@ -88,7 +89,7 @@ impl<'a, T> Image<'a, T> {
         Self { values, width, height, over_poles: false }
     }
 
-    /// The parts of a row, from left to right.
+    /// Parts of a row, from left to right.
     pub fn row(self, at: usize) -> [&'a [T]; 2] {
         let row = |at: usize| &self.values[at * self.width..][..self.width];
         if self.over_poles && at >= self.height / 2 {
@@ -100,16 +101,16 @@ impl<'a, T> Image<'a, T> {
     }
 }
 
-/// Splits an image of `width x height`, row by row, along the axes `[u, v]` that are asked for.
+/// Splits an image of `width x height`, row by row, along the selected axes `[u, v]`.
 ///
 /// # Panics
-/// On a length that is not `width * height`, and on odd sizes of an axis that is split.
+/// Panics if the length is not `width * height`, and for odd sizes of an axis that is split.
 pub fn split<T: Real>(image: &[T], width: usize, height: usize, axes: [bool; 2]) -> Level<T> {
     let [columns, rows] = halved([width, height], axes);
-    let band = |wanted: bool| vec![T::zero(); if wanted { columns * rows } else { 0 }];
+    let band = |present: bool| vec![T::zero(); if present { columns * rows } else { 0 }];
     let [mut along_u, mut along_v, mut both] = [axes[0], axes[1], axes[0] && axes[1]].map(band);
     let mut bands = [&mut along_u, &mut along_v, &mut both].map(|band| band.chunks_mut(columns * ROWS_OF_A_TASK));
-    // Bands that are not wanted have no rows.
+    // Bands of axes that are not split have no rows.
     let tasks = (0..rows.div_ceil(ROWS_OF_A_TASK))
         .map(|_| bands.each_mut().map(|rows| rows.next().unwrap_or_default()))
         .collect();
@@ -137,13 +138,13 @@ pub(super) struct Row<'a, T> {
     pub both: &'a [T],
 }
 
-/// [`split`] that keeps no detail but gives each row to `sink` while it is in the cache, with the output of its task, which
-/// is of [`ROWS_OF_A_TASK`] rows, and its number in the task. Tasks without a wanted row have no detail found. Returns the
-/// smooth part.
+/// Variant of [`split`] that does not store details. It passes each row to `sink` while it is in the cache, with the
+/// output of its task, which has [`ROWS_OF_A_TASK`] rows, and its number in the task. Skips the details of tasks
+/// without a row that `needs_detail`. Returns the smooth part.
 pub(super) fn split_rows<T: Real, O: Send>(
     image: Image<'_, T>,
     axes: [bool; 2],
-    wanted: impl Fn(usize) -> bool + Sync,
+    needs_detail: impl Fn(usize) -> bool + Sync,
     outputs: Vec<O>,
     sink: impl Fn(&mut O, usize, &Row<'_, T>) + Sync,
 ) -> Vec<T> {
@@ -156,9 +157,9 @@ pub(super) fn split_rows<T: Real, O: Send>(
     let tasks = smooth.par_chunks_mut(columns * ROWS_OF_A_TASK).zip(outputs).enumerate();
     tasks.for_each_init(Scratch::default, |scratch, (number, (smooth, mut output))| {
         let (first, count) = (number * ROWS_OF_A_TASK, smooth.len() / columns);
-        let detail = (first..first + count).any(&wanted);
+        let detail = (first..first + count).any(&needs_detail);
         let Scratch { across, pairs, bands } = scratch;
-        // Rows of the image that this task needs, each split along u: low half, high half.
+        // Rows of the image that this task reads, each split along u: low half, high half.
         let (start, needed) = if axes[1] { (2 * first, 2 * count + TAPS - 2) } else { (first, count) };
         across.resize(needed * width, T::zero());
         bands.iter_mut().for_each(|band| band.resize(columns, T::zero()));
@@ -204,7 +205,7 @@ pub(super) fn split_rows<T: Real, O: Send>(
     smooth
 }
 
-/// Space of a task.
+/// Scratch memory of a task.
 #[derive(Debug)]
 struct Scratch<T> {
     across: Vec<T>,
@@ -218,7 +219,7 @@ impl<T> Default for Scratch<T> {
     }
 }
 
-/// Splits one row, given in two parts of even length; `pairs` is space for its even and its odd samples.
+/// Splits one row, given in two parts of even length; `pairs` is scratch memory for its even and odd samples.
 fn split_row<T: Real>(
     parts: [&[T]; 2],
     filters: &Filters<T>,
@@ -243,7 +244,7 @@ fn split_row<T: Real>(
     }
 }
 
-/// The first half of [`combine`].
+/// The low-pass half of [`combine`].
 fn combine_one<T: Real>(taps: [&[T]; TAPS], filter: &[T; TAPS], values: &mut [T]) {
     let count = values.len();
     let taps = taps.map(|row| &row[..count]);
@@ -272,7 +273,7 @@ fn combine<T: Real>(taps: [&[T]; TAPS], filters: &Filters<T>, low: &mut [T], hig
     }
 }
 
-/// The image that [`split`] was given.
+/// Reconstructs the image that was passed to [`split`].
 pub fn join<T: Real>(level: &Level<T>) -> Vec<T> {
     let (columns, rows) = (level.width, level.height);
     let axes = [!level.along_u.is_empty(), !level.along_v.is_empty()];
@@ -309,10 +310,10 @@ pub fn join<T: Real>(level: &Level<T>) -> Vec<T> {
     joined
 }
 
-/// All levels, the finest first, down to one smooth coefficient. An axis that is down to one sample is no longer split.
+/// Computes all levels, the finest first, down to one smooth coefficient. An axis of one sample is no longer split.
 ///
 /// # Panics
-/// On sizes that are not powers of two.
+/// Panics if sizes are not powers of two.
 pub fn forward<T: Real>(image: &[T], width: usize, height: usize) -> Vec<Level<T>> {
     assert!(width.is_power_of_two() && height.is_power_of_two(), "sizes are powers of two");
     let mut levels: Vec<Level<T>> = Vec::new();
@@ -326,7 +327,7 @@ pub fn forward<T: Real>(image: &[T], width: usize, height: usize) -> Vec<Level<T
     levels
 }
 
-/// The image whose levels these are; reads the smooth part of the last one only. Nothing for no levels.
+/// Reconstructs the image from its levels; reads only the smooth part of the last one. Empty for no levels.
 pub fn inverse<T: Real>(levels: &[Level<T>]) -> Vec<T> {
     let Some(last) = levels.last() else { return Vec::new() };
     let mut image = last.smooth.clone();
@@ -341,7 +342,7 @@ mod tests {
     use super::*;
     use proptest::prelude::*;
 
-    /// Numbers in [-1, 1) that are the same on every run.
+    /// Numbers in [-1, 1) that are the same in every run.
     fn noise(count: usize, seed: u64) -> Vec<f64> {
         let mut state = seed.wrapping_mul(0x9e37_79b9_7f4a_7c15) | 1;
         let mut next = || {
@@ -358,12 +359,12 @@ mod tests {
     }
 
     #[test]
-    fn rows_go_on_behind_the_pole() {
+    fn rows_continue_behind_the_pole() {
         let values: Vec<f32> = (0..8).map(|i| i as f32).collect();
         let image = Image { values: &values, width: 4, height: 4, over_poles: true };
         let rows: Vec<Vec<f32>> = (0..4).map(|row| image.row(row).concat()).collect();
         assert_eq!(rows.concat(), [0.0, 1.0, 2.0, 3.0, 4.0, 5.0, 6.0, 7.0, 6.0, 7.0, 4.0, 5.0, 2.0, 3.0, 0.0, 1.0]);
-        // The transform reads them so.
+        // The transform reads these rows.
         let wide = noise(64 * 32, 5);
         let over = Image { values: &wide, width: 64, height: 64, over_poles: true };
         let torus: Vec<f64> = (0..64).flat_map(|row| over.row(row).concat()).collect();
@@ -384,7 +385,7 @@ mod tests {
         }
     }
 
-    /// Four moments vanish and the fifth does not: with 2 moments this fails.
+    /// Four moments vanish and the fifth does not: a filter with 2 moments fails this test.
     #[test]
     fn four_moments_vanish() {
         let moment = |n: i32| high_pass().iter().enumerate().map(|(k, g)| (k as f64 - 3.5).powi(n) * g).sum::<f64>();
@@ -410,7 +411,7 @@ mod tests {
         assert!(level.both.iter().all(|c| c.abs() < 1e-12));
     }
 
-    /// Every unit vector of coefficients is an image of norm 1, at right angles to the others.
+    /// Every unit vector of coefficients is an image of norm 1, orthogonal to the others.
     #[test]
     fn the_transform_is_orthonormal() {
         let (width, height) = (16, 8);
@@ -436,7 +437,7 @@ mod tests {
         let single: Vec<f32> = image.iter().map(|v| *v as f32).collect();
         let (a, b) = (coefficients(&forward(&image, width, height)), coefficients(&forward(&single, width, height)));
         let error = a.iter().zip(&b).map(|(a, b)| (a - f64::from(*b)).abs()).fold(0.0, f64::max);
-        // White noise has coefficients of its own size, about 0.6 and at most 3.
+        // Coefficients of white noise have the magnitude of the noise, about 0.6 and at most 3.
         assert!(error < 4e-6 && error > 1e-8, "{error}");
     }
 
@@ -452,7 +453,7 @@ mod tests {
 
     proptest! {
         #[test]
-        fn inverse_gives_the_image_back(log_width in 0u32..8, log_height in 0u32..8, seed in 0u64..1000) {
+        fn inverse_reconstructs_the_image(log_width in 0u32..8, log_height in 0u32..8, seed in 0u64..1000) {
             let (width, height) = (1 << log_width, 1 << log_height);
             let image = noise(width * height, seed);
             let levels = forward(&image, width, height);

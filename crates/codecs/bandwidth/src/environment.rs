@@ -4,14 +4,13 @@
 //! frequencies `(k_u, k_v)` in cycles per radian of the two angles has `|J^T k| = hypot(k_u / sin θ, k_v)` cycles per radian
 //! on the sphere, θ being the angle to the pole.
 //!
-//! Near a pole `1 / sin θ` grows without bound, while frequencies along the azimuth are those of wavelets that reach out
-//! to larger θ: `m` cycles around the pole need `θ ≥ m / 2πb` to be a wave of `b` cycles per radian. So `sin θ` is taken
-//! where the wavelets that found the frequency have their middle, on the side away from the pole: a wavelength off. Within
-//! a wavelength of the pole, on the other hand, every direction is the elevation of some azimuth, and `k_v` counts for both
-//! axes.
+//! Near a pole `1 / sin θ` grows without bound, while frequencies along the azimuth come from wavelets that extend to
+//! larger θ: `m` cycles around the pole are a wave of `b` cycles per radian only for `θ ≥ m / 2πb`. Therefore `sin θ`
+//! is evaluated one wavelength away from the pole, at the middle of the wavelets that measured the frequency. Within a
+//! wavelength of the pole, every direction is the elevation of some azimuth, and `k_v` counts for both axes.
 //!
-//! What that achieves: the peak bandwidth of a round spot is the same within a factor 1.65 wherever it is put on the
-//! sphere, that of a wave within 2 (bounds of the tests); with `1 / sin θ` alone it is wrong by a hundred.
+//! As a result, the peak bandwidth of a round spot varies by at most a factor 1.65 over the sphere, that of a wave by
+//! at most 2 (bounds of the tests). With `1 / sin θ` alone the error is a factor of a hundred.
 
 use super::daubechies::Image;
 use super::image::{Axis, channels, resample};
@@ -21,30 +20,32 @@ use rayon::prelude::*;
 use std::f32::consts::FRAC_PI_2;
 use std::f64::consts::{PI, TAU};
 
-/// Most values per row and rows of a map.
-pub const MOST: [usize; 2] = [512, 256];
-/// Smallest size that is transformed.
-const LEAST: [usize; 2] = [4, 2];
+/// Maximum values per row and maximum rows of a map.
+pub const MAX_SIZE: [usize; 2] = [512, 256];
+/// Smallest transformed size.
+const MIN_SIZE: [usize; 2] = [4, 2];
 
-/// Local bandwidth of a latitude-longitude image (row 0 up, linear RGB): the largest of the channels, in cycles per radian,
-/// of blocks of pixels, at most [`MOST`] of them. Sizes that are no powers of two are resampled bilinearly to the next one.
+/// Local bandwidth of a latitude-longitude image (row 0 up, linear RGB), in cycles per radian: the maximum over the
+/// channels, for at most [`MAX_SIZE`] blocks of pixels. Sizes that are not powers of two are resampled bilinearly to
+/// the next one.
 ///
 /// # Panics
-/// When the number of pixels is no multiple of `width`, or there are none.
+/// Panics if the number of pixels is not a positive multiple of `width`.
 pub fn environment_bandwidth(pixels: &[[f32; 3]], width: usize, epsilon: f64) -> BandwidthImage {
     map_by(pixels, width, epsilon, jacobian, f32::max)
 }
 
-/// Square roots of radiance, about what a display shows; negative values become 0.
+/// Square roots of radiance, which approximate displayed values; negative values become 0.
 ///
-/// The rule compares detail with the strongest coefficient around it, and a window may be a thousand times brighter than the
-/// room: without this, all that is in the room counts as nothing beside the window, but not in what mirrors the room.
-pub fn as_shown(pixels: &[[f32; 3]]) -> Vec<[f32; 3]> {
+/// The rule compares detail with the strongest coefficient around it, and a window may be a thousand times brighter
+/// than the room. Without the square root, the room would count as nothing next to the window, although reflections of
+/// the room show it.
+pub fn sqrt_radiance(pixels: &[[f32; 3]]) -> Vec<[f32; 3]> {
     pixels.par_iter().map(|pixel| pixel.map(|c| c.max(0.0).sqrt())).collect()
 }
 
-/// [`environment_bandwidth`] with a Jacobian, which is given the angle to the nearer pole and frequencies in cycles per
-/// radian of azimuth and of elevation, and what joins blocks.
+/// Variant of [`environment_bandwidth`] with a given Jacobian and join. The Jacobian receives the angle to the nearer
+/// pole and frequencies in cycles per radian of azimuth and of elevation; `join` merges blocks.
 fn map_by(
     pixels: &[[f32; 3]],
     width: usize,
@@ -54,11 +55,11 @@ fn map_by(
 ) -> BandwidthImage {
     assert!(width > 0 && !pixels.is_empty() && pixels.len().is_multiple_of(width), "an environment has whole rows");
     let from = [width, pixels.len() / width];
-    let size = [0, 1].map(|k| from[k].next_power_of_two().max(LEAST[k]));
+    let size = [0, 1].map(|k| from[k].next_power_of_two().max(MIN_SIZE[k]));
     let [across, down] = [0, 1].map(|k| Axis { from: from[k], to: size[k], wraps: k == 0 });
-    // Cycles per pixel are this many cycles per radian of the two angles.
+    // Cycles per radian of the two angles for one cycle per pixel.
     let density = [size[0] as f64 / TAU, size[1] as f64 / PI].map(|density| density as f32);
-    let doublings = [0, 1].map(|k| doublings(size[k], MOST[k]));
+    let doublings = [0, 1].map(|k| doublings(size[k], MAX_SIZE[k]));
     // Pixels per block.
     let step = (2usize << doublings[1]) as f64;
     let mut map = BandwidthImage { width: 0, height: 0, values: Vec::new(), transformed: size };
@@ -69,7 +70,7 @@ fn map_by(
         (map.width, map.height) = (found.width, found.height);
         map.values.resize(found.u.len(), 0.0);
         map.values.par_chunks_exact_mut(found.width).enumerate().for_each(|(row, target)| {
-            // The row of the block that is nearest to a pole.
+            // Angle between the nearer pole and the closest row of the block.
             let row_below = (row + 1) as f64 * step;
             let theta = (row as f64 * step + 0.5).min(size[1] as f64 + 0.5 - row_below) * PI / size[1] as f64;
             let theta = theta as f32;
@@ -77,7 +78,7 @@ fn map_by(
             let at = row * found.width;
             for (k, value) in target.iter_mut().enumerate() {
                 let [u, v] = [found.u[at + k] * density[0], found.v[at + k] * density[1]];
-                // At most this; channels are much alike.
+                // Upper bound, which skips most of the evaluations because channels are similar.
                 let most = (u * steepest).max(v);
                 if most * most + v * v > *value * *value {
                     *value = value.max(jacobian(theta, [u, v]));
@@ -88,8 +89,8 @@ fn map_by(
     map
 }
 
-/// `|J^T k|`, cycles per radian on the sphere, at the angle `theta` to the nearer pole, of frequencies `k` in cycles per
-/// radian of azimuth and of elevation. `1 / sin θ` is taken a wavelength off the pole.
+/// `|J^T k|` in cycles per radian on the sphere, for frequencies `k` in cycles per radian of azimuth and of elevation,
+/// at the angle `theta` to the nearer pole. `1 / sin θ` is evaluated one wavelength away from the pole.
 fn jacobian(theta: f32, [u, v]: [f32; 2]) -> f32 {
     // A wavelength along the azimuth is 1 / u.
     let around = if u > 0.0 { u / (theta + 1.0 / u).min(FRAC_PI_2).sin() } else { 0.0 };
@@ -153,7 +154,7 @@ mod tests {
             let peaks: Vec<f32> = found.iter().map(|(peak, _)| *peak).collect();
             assert!(spread(&peaks) < 1.65, "{sharpness}: {peaks:?}");
             assert!(found.iter().all(|(peak, centre)| centre / peak > 0.8), "{found:?}");
-            // The spectrum of the spot has fallen to 1 % at this many cycles per radian.
+            // Frequency in cycles per radian at which the spectrum of the spot has fallen to 1 %.
             let expected = ((2.0 * sharpness * 100f64.ln()).sqrt() / TAU) as f32;
             assert!(peaks.iter().all(|peak| (0.6..1.3).contains(&(peak / expected))), "{expected}: {peaks:?}");
             // The negative controls: the Jacobian of the texel itself, and that of a cylinder.
@@ -164,9 +165,9 @@ mod tests {
         }
     }
 
-    /// Small lights under a bright sky; the negative control is a mean of the blocks in place of the maximum.
+    /// Small lights under a bright sky; the negative control replaces the maximum over the blocks by the mean.
     #[test]
-    fn a_block_has_the_bandwidth_of_what_varies_most_in_it() {
+    fn a_block_has_its_largest_bandwidth() {
         let mut sky: Vec<f32> = environment(2048, |d| 1.0 + d[1]).iter().map(|pixel| pixel[0]).collect();
         for light in 0..300 {
             sky[(331 * light + 7) % 1024 * 2048 + (1237 * light) % 2048] += 200.0;
@@ -175,10 +176,10 @@ mod tests {
         let fine = block_frequencies(torus, 1024, Border::Periodic, 0.01, [0; 2], f32::max);
         let pixels: Vec<[f32; 3]> = sky.iter().map(|value| [*value; 3]).collect();
         let flat = |_: f32, [u, v]: [f32; 2]| u.hypot(v);
-        // Blocks of the map that are too low for one of the four blocks of 2 x 2 pixels in them.
+        // Number of blocks of the map that are too low for one of the four blocks of 2 x 2 pixels in them.
         let low = |join: fn(f32, f32) -> f32| {
             let map = map_by(&pixels, 2048, 0.01, flat, join);
-            assert_eq!([map.width, map.height], MOST);
+            assert_eq!([map.width, map.height], MAX_SIZE);
             let is_low = |at: &usize| {
                 let (column, row) = (2 * (at % 512), 2 * (at / 512));
                 let inside = [0, 1, 1024, 1025].map(|step| row * 1024 + column + step);
@@ -219,7 +220,7 @@ mod tests {
         assert!((jacobian(1.0, [20.0, 5.0]) - (20.0 / 1.05f32.sin()).hypot(5.0)).abs() < 1e-5);
     }
 
-    /// Stripes in a dim room beside a bright window; the negative control takes radiance as it is.
+    /// Stripes in a dim room next to a bright window; the negative control uses radiance directly.
     #[test]
     fn a_window_does_not_hide_the_room() {
         let (window, wall) = (at_latitude(10.0, 1.0), at_latitude(0.0, 1.5));
@@ -228,9 +229,9 @@ mod tests {
             stripes + if dot(d, window) > 0.98 { 20.0 } else { 0.0 }
         });
         let found = |pixels: &[[f32; 3]]| value(&environment_bandwidth(pixels, 256, 0.01), wall);
-        let (shown, linear) = (found(&as_shown(&room)), found(&room));
-        // Beside what is stronger, detail is found lower than it is: less so here.
-        assert!(shown < 24.0 && shown > 1.2 * linear, "{shown} {linear}");
+        let (rooted, linear) = (found(&sqrt_radiance(&room)), found(&room));
+        // Next to brighter parts, detail is underestimated: less so with square roots.
+        assert!(rooted < 24.0 && rooted > 1.2 * linear, "{rooted} {linear}");
     }
 
     #[test]

@@ -1,8 +1,8 @@
-//! Maps of bandwidth as files.
+//! Facts about bandwidth maps.
 
 use brdfc_formats::bandwidth::{BandwidthKind, BandwidthMap};
 
-/// What is worth knowing about a map.
+/// Facts about a bandwidth map.
 #[derive(Debug, Clone, PartialEq, serde::Serialize, serde::Deserialize, schemars::JsonSchema)]
 pub struct BandwidthFacts {
     /// 'brdf', 'environment' or 'texture'.
@@ -11,20 +11,20 @@ pub struct BandwidthFacts {
     pub unit: String,
     /// Texels per row and rows.
     pub size: [u32; 2],
-    /// Width and height of the image that was transformed; of materials, of each lobe.
+    /// Width and height of the transformed image; for materials, of each lobe.
     pub transformed: [u32; 2],
-    /// Share of the largest coefficient that does not count.
+    /// Share of the largest coefficient below which coefficients are ignored.
     pub epsilon: f32,
-    /// Width and height of a texture in metres.
+    /// Width and height of a texture, m.
     pub metres: Option<[f32; 2]>,
-    /// Whether a texture repeats.
+    /// True if a texture repeats.
     pub tiles: Option<bool>,
     /// Largest bandwidth.
     pub largest: f32,
-    /// Mean of all texels.
+    /// Mean over all texels.
     pub mean: f64,
-    /// Of a material, share of texels, 0 to 1, that are a quarter of a cycle per pixel of the transformed image or more: lobes
-    /// may vary faster there than that resolution shows.
+    /// For materials, the share of texels, 0 to 1, with at least a quarter of a cycle per pixel of the transformed
+    /// image: lobes may vary faster there than the resolution shows.
     pub limited: Option<f64>,
     /// Share of texels without any variation, 0 to 1.
     pub constant: f64,
@@ -33,18 +33,18 @@ pub struct BandwidthFacts {
 }
 
 impl BandwidthFacts {
-    /// What a user should know: whether the resolution limits some of the values.
+    /// A remark for users if the resolution limits some of the values.
     pub fn remark(&self) -> Option<String> {
         let share = self.limited.filter(|share| *share > 0.0)?;
         let [width, height] = self.transformed;
         let all = self.size.map(f64::from).into_iter().product::<f64>();
         let count = (share * all).round();
         Some(format!(
-            "bandwidth map: {count} of {all} values may be too low: lobes of {width} x {height} pixels show no more"
+            "bandwidth map: {count} of {all} values may be too low: lobes of {width} x {height} pixels resolve no more"
         ))
     }
 
-    /// Of a map.
+    /// Facts of a map.
     pub fn new(map: &BandwidthMap) -> Self {
         let (header, values) = (map.header(), map.values());
         let (metres, tiles) = match header.kind {

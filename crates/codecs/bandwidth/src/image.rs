@@ -1,9 +1,9 @@
-//! Images on their way into the transform.
+//! Preparation of images for the transform.
 
 use brdfc_formats::tap::Tap;
 use rayon::prelude::*;
 
-/// Colour channels one by one; a single one where all three are equal. What is no finite number becomes 0.
+/// Colour channels one by one; a single one if all three are equal. Values that are not finite become 0.
 pub fn channels(pixels: &[[f32; 3]]) -> impl Iterator<Item = Vec<f32>> {
     let grey = pixels.iter().all(|[r, g, b]| r == g && g == b);
     let finite = |value: f32| if value.is_finite() { value } else { 0.0 };
@@ -14,16 +14,16 @@ pub fn channels(pixels: &[[f32; 3]]) -> impl Iterator<Item = Vec<f32>> {
 /// One axis of a resampling.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Axis {
-    /// Samples.
+    /// Number of input samples.
     pub from: usize,
-    /// Samples wanted.
+    /// Number of output samples.
     pub to: usize,
-    /// Whether the axis repeats; else it goes on as its last two samples do.
+    /// True if the axis repeats; otherwise it is extrapolated from the last two samples.
     pub wraps: bool,
 }
 
 impl Axis {
-    /// Two neighbours and the weight of the second, for a wanted sample. Sample centres are at `i + ½`.
+    /// Two neighbours and the weight of the second, for an output sample. Sample centres are at `i + ½`.
     fn tap(self, i: usize) -> ([usize; 2], f32) {
         let at = (i as f64 + 0.5) * self.from as f64 / self.to as f64 - 0.5;
         if self.wraps || self.from == 1 {

@@ -1,13 +1,13 @@
 //! Bandwidth of BRDF lobes over the outgoing direction, in cycles per radian (section 2.4 of Bagher et al. 2012).
 //!
-//! Incoming and outgoing directions are on a grid of 16 x 16 cells about the normal: cell `(i, j)` has the azimuth
-//! `2π (i + ½) / 16` and the polar angle `(j + ½) 90° / 16`. Each lobe `f_r(wi, .)`, without a cosine, is transformed as an
-//! image in the frame of its plane of incidence: the azimuthal equidistant map `(u, v) = ½ + θ (cos φ, sin φ) / π`. Per
-//! radian on the sphere it moves `1/π` along the radius and `θ / (π sin θ)` around the normal, the larger one: at most
-//! `1/2`, at the horizon.
+//! Incoming and outgoing directions are on a grid of 16 x 16 cells around the normal: cell `(i, j)` has the azimuth `2π
+//! (i + ½) / 16` and the polar angle `(j + ½) 90° / 16`. Each lobe `f_r(wi, .)`, without a cosine, is transformed as an
+//! image in the frame of its plane of incidence: the azimuthal equidistant map `(u, v) = ½ + θ (cos φ, sin φ) / π`. Its
+//! Jacobian per radian on the sphere is `1/π` along the radius and `θ / (π sin θ)` around the normal, which is the
+//! larger one: at most `1/2`, at the horizon.
 //!
-//! Beyond the horizon the image goes on by point reflection, `f(½π + δ) = 2 f(½π) - f(½π - δ)`, with `f(½π)` extrapolated from
-//! two samples: value and slope have no step there.
+//! Beyond the horizon the image is extended by point reflection, `f(½π + δ) = 2 f(½π) - f(½π - δ)`, with `f(½π)`
+//! extrapolated from two samples: value and slope are continuous there.
 
 use super::local::{Border, frequencies};
 use super::resolution::RESOLUTIONS;
@@ -16,40 +16,42 @@ use brdfc_formats::direction::{DirectionPair, Vector, from_polar};
 use rayon::prelude::*;
 use std::f64::consts::{FRAC_PI_2, PI, TAU};
 
-/// Values beyond this count as this: their coefficients stay finite.
-const LARGEST: f64 = 1e30;
+/// Upper bound of values, which keeps coefficients finite.
+const MAX_VALUE: f64 = 1e30;
 
 /// Cells per axis of the grids of directions.
 pub const CELLS: usize = 16;
-/// Pixels of a Gaussian that are at least half as bright as its centre where its bandwidth is a quarter of a cycle per pixel.
+/// Number of pixels of a Gaussian that are at least half as bright as its centre if its bandwidth is a quarter of a
+/// cycle per pixel.
 const HIGHLIGHT: usize = 16;
 /// Values per axis of a map.
 pub const SIDE: usize = CELLS * CELLS;
 
-/// Per outgoing cell `[l][k]`.
+/// Values per outgoing cell `[l][k]`.
 type Cells = [[f32; CELLS]; CELLS];
 
 /// A map of all lobes.
 #[derive(Debug, Clone, PartialEq)]
 pub struct LobeBandwidth {
-    /// `SIDE x SIDE` values in cycles per radian, row by row: incoming cell `(i, j)` has the block of 16 x 16 values at column
-    /// `16 i` and row `16 j`, in which outgoing cell `(k, l)` is at column k and row l.
+    /// `SIDE x SIDE` values in cycles per radian, row by row: incoming cell `(i, j)` has the block of 16 x 16 values at
+    /// column `16 i` and row `16 j`, in which outgoing cell `(k, l)` is at column k and row l.
     pub values: Vec<f32>,
-    /// What evaluation had to repair.
+    /// Repairs during evaluation.
     pub tally: Tally,
-    /// Whether the highlight of some lobe is narrower than the image shows: fewer than 16 pixels are at least
-    /// half as bright as the brightest one, whose bandwidth is a quarter of a cycle per pixel or more. Noise and weak detail
-    /// on a bright lobe are none.
+    /// True if the highlight of some lobe is too narrow for the image: fewer than 16 pixels are at least half as bright
+    /// as the brightest one, and its bandwidth is a quarter of a cycle per pixel or more. Noise and weak detail on a
+    /// bright lobe do not count.
     pub narrow: bool,
 }
 
-/// The map of a material; lobes are transformed at `resolution` pixels per side. The largest of the channels counts.
+/// Computes the map of a material, with lobes transformed at `resolution` pixels per side: the maximum over the
+/// channels.
 ///
-/// Symmetries of the source save lobes: one azimuth of incidence is enough of an isotropic one, a quarter of them of a
-/// mirror-symmetric one.
+/// Symmetries of the source save lobes: isotropic sources require one azimuth of incidence, mirror-symmetric ones a
+/// quarter of them.
 ///
 /// # Panics
-/// When the resolution is no power of two within [`RESOLUTIONS`].
+/// Panics if the resolution is no power of two within [`RESOLUTIONS`].
 pub fn lobe_bandwidth(source: &dyn Source, resolution: usize, epsilon: f64) -> LobeBandwidth {
     assert!(resolution.is_power_of_two(), "the resolution is a power of two");
     assert!((RESOLUTIONS[0]..=RESOLUTIONS[1]).contains(&resolution), "the resolution is in its range");
@@ -97,7 +99,7 @@ pub fn lobe_bandwidth(source: &dyn Source, resolution: usize, epsilon: f64) -> L
     map
 }
 
-/// Where the centre of incoming cell `[i, j]` is.
+/// Centre of incoming cell `[i, j]`.
 fn incoming([i, j]: [usize; 2]) -> Vector {
     from_polar((j as f64 + 0.5) * FRAC_PI_2 / CELLS as f64, (i as f64 + 0.5) * TAU / CELLS as f64)
 }
@@ -107,18 +109,19 @@ fn jacobian_norm(theta: f64) -> f64 {
     if theta < 1e-6 { 1.0 / PI } else { theta / (PI * theta.sin()) }
 }
 
-/// The image that lobes are put on, relative to the plane of incidence.
+/// Layout of the image of a lobe, relative to the plane of incidence.
 struct LobeImage {
     side: usize,
-    /// Directions of the pixels; of those beyond the horizon, of their reflection.
+    /// Directions of the pixels; beyond the horizon, those of their reflection.
     directions: Vec<Vector>,
-    /// Of pixels beyond the horizon, the sample of the horizon at their azimuth.
+    /// For pixels beyond the horizon, the index of the horizon sample at their azimuth.
     beyond: Vec<Option<usize>>,
     /// Pairs of directions from which the horizon is extrapolated.
     horizon: Vec<[Vector; 2]>,
     /// Polar angle of each pixel.
     theta: Vec<f64>,
-    /// Pixels of each cell `[l][k]`, k counted from the plane of incidence: those in it, and the one nearest to its centre.
+    /// Pixels of each cell `[l][k]`, k counted from the plane of incidence: those inside it and the one nearest to its
+    /// centre.
     members: Vec<Vec<usize>>,
 }
 
@@ -149,7 +152,7 @@ impl LobeImage {
                 image.members[l * CELLS + k].push(number);
             }
         }
-        // Near the normal cells are smaller than pixels.
+        // Near the normal, cells are smaller than pixels.
         for (number, members) in image.members.iter_mut().enumerate() {
             let theta = ((number / CELLS) as f64 + 0.5) * FRAC_PI_2 / CELLS as f64;
             let (sine, cosine) = ((number % CELLS) as f64 * cell).sin_cos();
@@ -165,13 +168,13 @@ impl LobeImage {
         image
     }
 
-    /// Bandwidth of the lobe of an incoming cell, per outgoing cell `[l][k]`; k is counted from azimuth 0 of the material, but
-    /// from the plane of incidence of isotropic ones. And whether the lobe is too narrow for the image.
+    /// Bandwidth of the lobe of an incoming cell, per outgoing cell `[l][k]`, and true if the lobe is too narrow for
+    /// the image. k is counted from azimuth 0 of the material, or from the plane of incidence for isotropic materials.
     fn cells(&self, source: &dyn Source, cell: [usize; 2], epsilon: f64, tally: &mut Tally) -> (Cells, bool) {
         self.cells_by(source, cell, epsilon, tally, |values| values.iter().copied().fold(0.0, f32::max))
     }
 
-    /// [`Self::cells`] with what makes one value of those of a cell's pixels.
+    /// Variant of [`Self::cells`] with a given function for merging the values of a cell's pixels.
     fn cells_by(
         &self,
         source: &dyn Source,
@@ -198,7 +201,7 @@ impl LobeImage {
             }
         }
         if halves {
-            // The wavelets are not symmetric; the lobe is.
+            // The wavelets are not symmetric, but the lobe is.
             for row in &mut cells {
                 let found = *row;
                 for (k, value) in row.iter_mut().enumerate() {
@@ -219,7 +222,7 @@ impl LobeImage {
         bright < HIGHLIGHT && f64::from(bandwidth[peak]) >= 0.25 * self.side as f64 * jacobian_norm(self.theta[peak])
     }
 
-    /// The images of a lobe, one per channel. With `halves`, the side below the plane of incidence mirrors the other.
+    /// Images of a lobe, one per channel. With `halves`, the side below the plane of incidence mirrors the other side.
     fn lobe(&self, source: &dyn Source, incoming: Vector, halves: bool, tally: &mut Tally) -> Vec<Vec<f32>> {
         let count = if source.is_grey() { 1 } else { 3 };
         let sine = incoming[0].hypot(incoming[1]);
@@ -246,7 +249,7 @@ impl LobeImage {
                     value = [0, 1, 2].map(|k| 2.0 * horizon[sample][k] - value[k]);
                 }
                 for (k, channel) in channels.iter_mut().enumerate() {
-                    let value = value[k].clamp(-LARGEST, LARGEST) as f32;
+                    let value = value[k].clamp(-MAX_VALUE, MAX_VALUE) as f32;
                     channel[number] = value;
                     if halves {
                         channel[(side - 1 - row) * side + number % side] = value;

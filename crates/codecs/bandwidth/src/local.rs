@@ -1,40 +1,42 @@
-//! Local bandwidth: the rule of appendix A of Bagher et al. 2012, per pixel.
+//! Local bandwidth per pixel: the rule of appendix A of Bagher et al. 2012.
 //!
-//! `Λ_k` (`Λ_h` there) at a pixel is the largest coefficient of level k among the wavelets whose support holds it; level
-//! k has `2^k` wavelets per axis. The paper's local level is the smallest n with `T(n) = Σ_(k ≥ n) Λ_k < ε max_k Λ_k`, and its bandwidth
-//! `2^n`. Here n is a real number, and 2 octaves are taken off:
+//! `Λ_k` (`Λ_h` there) at a pixel is the largest coefficient of level k among the wavelets whose support contains it;
+//! level k has `2^k` wavelets per axis. The paper's local level is the smallest n with `T(n) = Σ_(k ≥ n) Λ_k < ε max_k
+//! Λ_k`, and its bandwidth is `2^n`. Here n is a real number, and 2 octaves are subtracted:
 //!
 //! - Whole levels would make bandwidths that jump by 2. T falls by about 32 per octave beyond a sinusoid, so `ln T` is
 //!   interpolated linearly between the levels where it crosses `ε max Λ`.
-//! - For a sinusoid of k cycles per image the crossing is 2.39 to 2.49 octaves above `log2 k`, for every k and everywhere
-//!   in the image: `2^n` would be 5.4 times too high. `2^(n - 2)` is 1.31 to 1.41 times k, which is on the safe side and
-//!   within an octave. With another ε the crossing moves by `log32(0.01 / ε)`, which is taken off too; that makes sinusoids
-//!   independent of ε.
-//! - Above a quarter of a cycle per pixel there is no finer level for the tail to end in. It is continued with the
-//!   sinusoid's 2^-5 per octave; where the finest level outweighs all others, by that ratio in addition. The result ends at
-//!   half a cycle per pixel.
+//! - For a sinusoid of k cycles per image the crossing is 2.39 to 2.49 octaves above `log2 k`, for every k and
+//!   everywhere in the image: `2^n` would be 5.4 times too high. `2^(n - 2)` is 1.31 to 1.41 times k, which is
+//!   conservative and within an octave. With another ε the crossing moves by `log32(0.01 / ε)`, which is subtracted
+//!   too; this makes sinusoids independent of ε.
+//! - Above a quarter of a cycle per pixel, the tail does not end in a finer level. It is continued with the sinusoid's
+//!   2^-5 per octave and, where the finest level exceeds all others, additionally by that ratio. The result is limited
+//!   to half a cycle per pixel.
 //!
-//! The two octaves are those of what has the largest coefficient. Detail with a `Λ` of w times that is found
-//! `log32(1 / w)` octaves lower. That is the rule, not its interpolation: the tail of weak detail starts nearer to the
-//! threshold. Coefficients at equal contrast double with each coarser level, so fine detail on a strong slow wave is such a
-//! case. It is found at 0.83 of its frequency where w is 0.1, at 0.5 where it is 0.02, and at 0.35 to 0.45 where w = ε;
-//! below half of that it does not count. The paper's `2^n` is four times as much, above the frequency of even the weakest.
+//! The two octaves hold for the component with the largest coefficient. Detail whose `Λ` is w times the largest is
+//! underestimated by `log32(1 / w)` octaves. This is a property of the rule, not of its interpolation: the tail of weak
+//! detail starts nearer to the threshold. Coefficients at equal contrast double with each coarser level, so fine detail
+//! on a strong slow wave is such a case. Its estimate is 0.83 of its frequency for w = 0.1, 0.5 for 0.02, and 0.35 to
+//! 0.45 for w = ε; detail below half of that is ignored. The paper's `2^n` is four times as high, above the frequency
+//! of even the weakest detail.
 //!
 //! Bands with detail along u and along v are followed separately, both relative to the common maximum.
 //!
-//! Rounding is no detail: a coefficient below 2^-20 of the smooth coefficient beside it counts as 0.
+//! Rounding does not count as detail: a coefficient below 2^-20 of the corresponding smooth coefficient counts as 0.
 
 use super::daubechies::{Image, ROWS_OF_A_TASK, Row, TAPS, halved, split_rows};
 use rayon::prelude::*;
 
-/// What lies beyond the image.
+/// Extension of the image beyond its border.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Border {
-    /// The image again.
+    /// The image repeats.
     Periodic,
-    /// Nothing: wavelets that would cross the border are replaced by the nearest one wholly inside, so that no invented
-    /// value has a bandwidth. Levels of which no wavelet fits are stood for by one level whose coefficient is the
-    /// variation of the means of an eighth of the image: not constant is then at least one cycle per image.
+    /// No extension: wavelets that would cross the border are replaced by the nearest one wholly inside, so that no
+    /// extrapolated value contributes to the bandwidth. Levels without a wavelet that fits are replaced by one level,
+    /// whose coefficient is the variation of the means of an eighth of the image: images that are not constant have at
+    /// least one cycle per image.
     Bounded,
 }
 
@@ -51,17 +53,18 @@ pub struct Frequencies {
     pub v: Vec<f32>,
 }
 
-/// How often blocks of 2 pixels are doubled to have at most `most` of them along an axis of so many pixels, a power of two.
+/// Number of times that blocks of 2 pixels are doubled so that at most `most` of them fit along an axis of `pixels`
+/// pixels, a power of two.
 pub fn doublings(pixels: usize, most: usize) -> u32 {
     (pixels / 2).max(1).div_ceil(most).next_power_of_two().ilog2()
 }
 
 /// Detail below this share of the smooth coefficient is rounding.
 const ROUNDING: f32 = 1.0 / (1 << 20) as f32;
-/// Means per axis that stand for coarse levels of bounded images.
+/// Means per axis that replace coarse levels of bounded images.
 const MEANS: usize = 8;
 /// Smallest side of a bounded image.
-pub const SMALLEST_BOUNDED: usize = 16;
+pub const MIN_BOUNDED_SIDE: usize = 16;
 
 /// One level: `Λ` of blocks of `2^shift` finest blocks. Empty along an axis that is not split.
 struct Scale {
@@ -71,18 +74,18 @@ struct Scale {
     v: Vec<f32>,
 }
 
-/// Along one axis: the wavelets of a level.
+/// Wavelets of a level along one axis.
 #[derive(Clone, Copy)]
 struct Wavelets {
-    /// Wavelets from the first whose support may hold a block to the last.
+    /// Number of wavelets whose support may contain a given block.
     cells: usize,
-    /// Last one that may be used; the border decides what others are.
+    /// Last wavelet that may be used; the border determines how others are replaced.
     last: usize,
     border: Border,
 }
 
 impl Wavelets {
-    /// `count` wavelets after `splits` splits.
+    /// Creates `count` wavelets after `splits` splits.
     fn new(count: usize, splits: u32, border: Border) -> Self {
         if splits == 0 {
             return Self { cells: 1, last: count - 1, border };
@@ -105,22 +108,22 @@ impl Wavelets {
         }
     }
 
-    /// Whether any of the first `blocks` blocks may be in the support of wavelet `at`.
+    /// Returns true if any of the first `blocks` blocks may be in the support of wavelet `at`.
     fn is_used(self, at: usize, blocks: usize) -> bool {
         at < blocks || at + self.cells > self.last + 1 || self.border == Border::Bounded
     }
 }
 
-/// Samples in the support of a wavelet after `splits` splits.
+/// Number of samples in the support of a wavelet after `splits` splits.
 pub fn support(splits: u32) -> usize {
     (TAPS - 1) * ((1 << splits) - 1) + 1
 }
 
-/// Frequencies of the first `rows` rows of an image of `width x height` finite values, both powers of two, around each block
-/// of 2 x 2 pixels; `rows` is even, or all of them.
+/// Frequencies around each block of 2 x 2 pixels, for the first `rows` rows of an image of `width x height` finite
+/// values, both powers of two. `rows` is even, or all of them.
 ///
 /// # Panics
-/// On other sizes; bounded images have at least [`SMALLEST_BOUNDED`] pixels per axis.
+/// Panics for other sizes; bounded images have at least [`MIN_BOUNDED_SIDE`] pixels per axis.
 pub fn frequencies(
     image: &[f32],
     [width, height]: [usize; 2],
@@ -131,12 +134,13 @@ pub fn frequencies(
     block_frequencies(Image::plain(image, width, height), rows, border, epsilon, [0; 2], f32::max)
 }
 
-/// How two neighbouring blocks become one.
+/// Function that merges two neighbouring blocks.
 pub(super) trait Join: Fn(f32, f32) -> f32 + Copy + Sync {}
 impl<T: Fn(f32, f32) -> f32 + Copy + Sync> Join for T {}
 
-/// [`frequencies`] around each block of `2^(1 + doublings)` pixels per axis. `Λ` of such a block is joined from those of the
-/// blocks of 2 x 2 pixels in it, by maximum where nothing is to be missed, so that the rule needs to be followed once.
+/// Variant of [`frequencies`] for blocks of `2^(1 + doublings)` pixels per axis. `Λ` of such a block is merged from
+/// those of its blocks of 2 x 2 pixels, by the maximum if no detail may be missed, so that the rule is evaluated once
+/// per block.
 pub(super) fn block_frequencies(
     image: Image<'_, f32>,
     rows: usize,
@@ -148,7 +152,7 @@ pub(super) fn block_frequencies(
     let (width, height) = (image.width, image.height);
     assert!(width.is_power_of_two() && height.is_power_of_two(), "sizes are powers of two");
     assert!(rows <= height && (rows.is_multiple_of(2) || rows == height), "rows are of the image");
-    assert!(border == Border::Periodic || width.min(height) >= SMALLEST_BOUNDED, "bounded images have some pixels");
+    assert!(border == Border::Periodic || width.min(height) >= MIN_BOUNDED_SIDE, "bounded images have some pixels");
     let [columns, block_rows] = [(width / 2).max(1) >> doublings[0], rows.div_ceil(2) >> doublings[1]];
     let largest = |values: &[f32]| values.iter().fold(0.0f32, |most, value| most.max(value.abs()));
     let magnitude = image.values.par_chunks(1 << 14).map(largest).reduce(|| 0.0, f32::max);
@@ -157,7 +161,7 @@ pub(super) fn block_frequencies(
     if magnitude == 0.0 || width * height == 1 {
         return found;
     }
-    // Far from overflow and underflow: a power of two changes no other bit.
+    // Scales away from overflow and underflow; a power of two changes no other bits.
     let scaled: Vec<f32>;
     let mut image = image;
     if !(1e-20..1e20).contains(&magnitude) {
@@ -186,7 +190,7 @@ pub(super) fn block_frequencies(
     found
 }
 
-/// `ε`, and what it changes.
+/// `ε` and the constants that depend on it.
 #[derive(Clone, Copy)]
 struct Rule {
     epsilon: f32,
@@ -199,8 +203,8 @@ impl Rule {
         Self { epsilon: epsilon as f32, unit: (0.125 * (epsilon / 0.01).powf(0.2)) as f32 }
     }
 
-    /// Cycles per pixel where the tail of `Λ` (finest level first) crosses ε times the `largest` of all; `coarser` is the
-    /// largest of all but the finest level.
+    /// Cycles per pixel at which the tail of `Λ` (finest level first) crosses ε times the `largest` of all; `coarser`
+    /// is the largest of all but the finest level.
     fn frequency(self, lambda: impl Fn(usize) -> Option<f32>, largest: f32, coarser: f32) -> f32 {
         let threshold = self.epsilon * largest;
         let mut total = lambda(0).unwrap_or(0.0);
@@ -233,12 +237,12 @@ fn scales(
     join: impl Join,
 ) -> Vec<Scale> {
     let size = [image.width, image.height];
-    // Splits along an axis: down to one coefficient, or as long as a wavelet fits.
+    // Maximum splits along an axis: down to one coefficient, or as long as a wavelet fits.
     let most = size.map(|side| match border {
         Border::Periodic => side.ilog2(),
         Border::Bounded => (1..).take_while(|splits| support(*splits) <= side).count() as u32,
     });
-    // Blocks of the finest level are two pixels wide, where there are two.
+    // Blocks of the finest level are two pixels wide, if there are two.
     let first = size.map(|side| u32::from(side > 1));
     let mut scales = Vec::new();
     let mut smooth: Vec<f32> = Vec::new();
@@ -263,7 +267,7 @@ fn scales(
     }
     if border == Border::Bounded {
         let [u, v] = variation(image.values, size);
-        // The gain of a coefficient over the amplitude of a wave.
+        // Gain of a coefficient over the amplitude of a wave.
         let gain = 2f32.powf(0.5 * (splits[0] + splits[1] + 2) as f32);
         let whole = [0, 1].map(|axis| size[axis].ilog2() - doublings[axis]);
         scales.push(Scale { shift: whole, width: 1, u: vec![gain * u], v: vec![gain * v] });
@@ -275,11 +279,11 @@ fn scales(
 struct Cells<J> {
     /// Along u and v.
     wavelets: [Wavelets; 2],
-    /// Blocks of the level are joined so often.
+    /// Number of doublings of the blocks of the level.
     doublings: [u32; 2],
     /// Coefficients per row.
     columns: usize,
-    /// Rows of joined blocks that are asked for.
+    /// Number of rows of joined blocks to compute.
     rows: usize,
     join: J,
 }
@@ -290,11 +294,11 @@ impl<J: Join> Cells<J> {
         self.columns >> self.doublings[0]
     }
 
-    /// Splits an image into a level of `height` rows. Gives the smooth part, and the largest detail along u and along v,
-    /// along both included, of the wavelets around each block.
+    /// Splits an image into a level of `height` rows. Returns the smooth part, and the largest detail of the wavelets
+    /// around each block along u and along v, both including the diagonal band.
     fn largest(&self, image: Image<'_, f32>, axes: [bool; 2], height: usize) -> (Vec<f32>, [Vec<f32>; 2]) {
         let (width, blocks) = (self.width(), self.rows << self.doublings[1]);
-        let wanted = |row: usize| self.wavelets[1].is_used(row, blocks);
+        let needs_detail = |row: usize| self.wavelets[1].is_used(row, blocks);
         let mut wide = axes.map(|split| vec![0.0f32; if split { width * height } else { 0 }]);
         let [u, v] = wide.each_mut().map(|band| band.chunks_mut(width * ROWS_OF_A_TASK));
         let (mut u, mut v) = (u, v);
@@ -308,7 +312,7 @@ impl<J: Join> Cells<J> {
                 }
             }
         };
-        let smooth = split_rows(image, axes, wanted, tasks, widen);
+        let smooth = split_rows(image, axes, needs_detail, tasks, widen);
         (smooth, wide.map(|wide| self.lengthen(&wide)))
     }
 
@@ -349,7 +353,7 @@ impl<J: Join> Cells<J> {
         target.copy_from_slice(&padded[..count]);
     }
 
-    /// The largest of the rows around each row of blocks, joined.
+    /// For each row of blocks, the maximum over the surrounding rows, joined.
     fn lengthen(&self, wide: &[f32]) -> Vec<f32> {
         if wide.is_empty() {
             return Vec::new();
@@ -369,7 +373,7 @@ impl<J: Join> Cells<J> {
         largest
     }
 
-    /// Row `at` of blocks that have been joined so often, of rows that `single` gives.
+    /// Row `at` of blocks joined over `doublings` doublings; `single` computes the rows of single blocks.
     fn join_rows(&self, at: usize, doublings: u32, target: &mut [f32], single: &impl Fn(usize, &mut [f32])) {
         if doublings == 0 {
             return single(at, target);
@@ -383,7 +387,7 @@ impl<J: Join> Cells<J> {
     }
 }
 
-/// A coefficient, unless it may be the rounding of the smooth one beside it.
+/// The coefficient, or 0 if it may be rounding of the corresponding smooth one.
 fn significant(detail: f32, smooth: f32) -> f32 {
     if detail > ROUNDING * smooth.abs() { detail } else { 0.0 }
 }
@@ -395,7 +399,7 @@ fn sliding_maximum(values: &mut [f32], distance: usize) {
     }
 }
 
-/// Largest of a level and all coarser ones.
+/// Maximum over a level and all coarser ones.
 struct Maxima {
     shift: [u32; 2],
     width: usize,
@@ -408,7 +412,7 @@ impl Maxima {
     }
 }
 
-/// Of all levels, per finest block, and of all but the finest.
+/// Maxima per finest block: over all levels, and over all but the finest.
 fn maxima(scales: &[Scale], columns: usize, rows: usize) -> (Vec<f32>, Maxima) {
     let mut coarser = Maxima { shift: [0; 2], width: 0, values: Vec::new() };
     let mut next = Maxima { shift: [0; 2], width: 0, values: Vec::new() };

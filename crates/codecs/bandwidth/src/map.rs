@@ -1,6 +1,6 @@
-//! Maps as packs hold them: the last step of [`super::lobe`], [`super::environment`] and [`super::texture`].
+//! Bandwidth maps as packs: the last step of [`super::lobe`], [`super::environment`] and [`super::texture`].
 
-use super::environment::{as_shown, environment_bandwidth};
+use super::environment::{environment_bandwidth, sqrt_radiance};
 use super::lobe::{SIDE, lobe_bandwidth};
 use super::resolution::Resolution;
 use super::texture::{BandwidthImage, Placement, texture_bandwidth};
@@ -8,13 +8,13 @@ use brdfc_core::{Source, Tally};
 use brdfc_formats::FormatError;
 use brdfc_formats::bandwidth::{BandwidthHeader, BandwidthKind, BandwidthMap};
 
-/// The map of a material, with what its evaluation had to repair; see [`lobe_bandwidth`] and [`Resolution`].
+/// Computes the map of a material and the repairs of its evaluation; see [`lobe_bandwidth`] and [`Resolution`].
 ///
 /// # Errors
-/// An `epsilon` that the layout has no place for.
+/// Returns an error if the layout cannot hold `epsilon`.
 ///
 /// # Panics
-/// As [`lobe_bandwidth`].
+/// Panics as [`lobe_bandwidth`] does.
 pub fn brdf_map(
     source: &dyn Source,
     resolution: Resolution,
@@ -33,24 +33,24 @@ pub fn brdf_map(
     }
 }
 
-/// The map of a latitude-longitude image of radiance, [`as_shown`]; see [`environment_bandwidth`].
+/// Computes the map of a latitude-longitude image of radiance, after [`sqrt_radiance`]; see [`environment_bandwidth`].
 ///
 /// # Errors
-/// As [`brdf_map`].
+/// Returns the errors of [`brdf_map`].
 ///
 /// # Panics
-/// As [`environment_bandwidth`].
+/// Panics as [`environment_bandwidth`] does.
 pub fn environment_map(pixels: &[[f32; 3]], width: usize, epsilon: f64) -> Result<BandwidthMap, FormatError> {
-    image_map(BandwidthKind::Environment, &environment_bandwidth(&as_shown(pixels), width, epsilon), epsilon)
+    image_map(BandwidthKind::Environment, &environment_bandwidth(&sqrt_radiance(pixels), width, epsilon), epsilon)
 }
 
-/// The map of a texture; see [`texture_bandwidth`].
+/// Computes the map of a texture; see [`texture_bandwidth`].
 ///
 /// # Errors
-/// As [`brdf_map`]; sides in metres that are not positive.
+/// Returns the errors of [`brdf_map`], and an error if sides in metres are not positive.
 ///
 /// # Panics
-/// As [`texture_bandwidth`].
+/// Panics as [`texture_bandwidth`] does.
 pub fn texture_map(
     pixels: &[[f32; 3]],
     width: usize,

@@ -1,10 +1,10 @@
-//! At how many pixels lobes are transformed.
+//! Resolution at which lobes are transformed.
 
 use serde::{Deserialize, Serialize};
 
-/// Smallest and largest number of pixels per side that may be asked for.
+/// Smallest and largest number of pixels per side that callers may choose.
 pub const RESOLUTIONS: [usize; 2] = [32, 1024];
-/// The same where it is to be found.
+/// Smallest and largest number of pixels per side of [`Resolution::Automatic`].
 pub const AUTOMATIC: [usize; 2] = [64, 256];
 
 /// Pixels per side of a lobe's image.
@@ -19,21 +19,21 @@ pub enum Resolution {
 }
 
 impl Default for Resolution {
-    /// 64 pixels: enough for all but mirrors and narrow highlights, and sixteen times quicker than 256.
+    /// 64 pixels: sufficient for all but mirrors and narrow highlights, and sixteen times faster than 256.
     fn default() -> Self {
         Self::Fixed(AUTOMATIC[0])
     }
 }
 
 impl Resolution {
-    /// The resolution of a number, or of `auto`.
+    /// Parses a number of pixels, or `auto`.
     pub fn parse(text: &str) -> Option<Self> {
         let [least, most] = RESOLUTIONS;
         let allowed = |side: &usize| side.is_power_of_two() && (least..=most).contains(side);
         if text == "auto" { Some(Self::Automatic) } else { text.parse().ok().filter(allowed).map(Self::Fixed) }
     }
 
-    /// What is tried one after the other.
+    /// Resolutions to try, in order.
     pub fn steps(self) -> impl Iterator<Item = usize> {
         let [first, last] = match self {
             Self::Automatic => AUTOMATIC,

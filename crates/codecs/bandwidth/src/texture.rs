@@ -2,17 +2,17 @@
 
 use super::daubechies::Image;
 use super::image::{Axis, channels, resample};
-use super::local::{Border, SMALLEST_BOUNDED, block_frequencies, doublings};
+use super::local::{Border, MIN_BOUNDED_SIDE, block_frequencies, doublings};
 
-/// Most values per axis of a map.
-pub const MOST: usize = 512;
+/// Maximum values per axis of a map.
+pub const MAX_SIDE: usize = 512;
 
-/// How a texture lies on a surface.
+/// Placement of a texture on a surface.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Placement {
     /// Width and height in metres, positive.
     pub metres: [f64; 2],
-    /// Whether it repeats.
+    /// True if the texture repeats.
     pub tiles: bool,
 }
 
@@ -25,30 +25,31 @@ pub struct BandwidthImage {
     pub height: usize,
     /// Cycles per radian or per metre, finite and not negative.
     pub values: Vec<f32>,
-    /// Pixels per row and rows that were transformed.
+    /// Pixels per row and rows of the transformed image.
     pub transformed: [usize; 2],
 }
 
-/// Local bandwidth of a texture of `width` pixels per row: the largest of the channels, in cycles per metre, reduced by
-/// maximum to at most [`MOST`] values per axis. Sizes that are no powers of two are resampled bilinearly to the next one.
+/// Local bandwidth of a texture of `width` pixels per row, in cycles per metre: the maximum over the channels, reduced
+/// by maximum to at most [`MAX_SIDE`] values per axis. Sizes that are not powers of two are resampled bilinearly to the
+/// next one.
 ///
-/// The Jacobian of a texture is diagonal, one image per width and per height, so that `|J^T k|` of the frequencies along
-/// both axes needs no singular value.
+/// The Jacobian of a texture is diagonal, one image per width and per height, so that `|J^T k|` of the frequencies
+/// along both axes requires no singular value.
 ///
 /// # Panics
-/// When the number of pixels is no multiple of `width`, or there are none.
+/// Panics if the number of pixels is not a positive multiple of `width`.
 pub fn texture_bandwidth(pixels: &[[f32; 3]], width: usize, placement: Placement, epsilon: f64) -> BandwidthImage {
     assert!(width > 0 && !pixels.is_empty() && pixels.len().is_multiple_of(width), "a texture has whole rows");
     let from = [width, pixels.len() / width];
     let (border, least) = match placement.tiles {
         true => (Border::Periodic, 1),
-        false => (Border::Bounded, SMALLEST_BOUNDED),
+        false => (Border::Bounded, MIN_BOUNDED_SIDE),
     };
     let size = from.map(|side| side.next_power_of_two().max(least));
     let axis = |k: usize| Axis { from: from[k], to: size[k], wraps: placement.tiles };
-    // Cycles per pixel are this many cycles per metre.
+    // Cycles per metre for one cycle per pixel.
     let density = [0, 1].map(|k| (size[k] as f64 / placement.metres[k]) as f32);
-    let doublings = size.map(|side| doublings(side, MOST));
+    let doublings = size.map(|side| doublings(side, MAX_SIDE));
     let mut map = BandwidthImage { width: 0, height: 0, values: Vec::new(), transformed: size };
     for channel in channels(pixels) {
         let image = resample(channel, axis(0), axis(1));
@@ -97,9 +98,9 @@ mod tests {
         }
     }
 
-    /// Also what is resampled.
+    /// Also for resampled images.
     #[test]
-    fn the_border_counts_only_where_it_is_seen() {
+    fn the_border_only_counts_if_the_texture_repeats() {
         let fading = wave(200, 100, [3.5, 0.0]);
         let map = |tiles| range(&texture_bandwidth(&fading, 200, Placement { metres: [1.0, 1.0], tiles }, 0.01));
         assert!(map(true)[1] > 8.0, "{:?}", map(true));
@@ -117,7 +118,7 @@ mod tests {
         dot[700 * 2048 + 900] = [1.0; 3];
         let map = texture_bandwidth(&dot, 2048, Placement { tiles: true, ..placement }, 0.01);
         assert_eq!((map.width, map.height, map.transformed), (512, 512, [2048, 1024]));
-        // A maximum keeps what one pixel of sixteen has; a mean would not.
+        // A maximum preserves one pixel in sixteen; a mean would not.
         assert!(map.values[350 * 512 + 225] > 600.0, "{}", map.values[350 * 512 + 225]);
     }
 }

@@ -1,7 +1,7 @@
-//! Rays against the endless repetition of a tile.
+//! Ray casting against the endless repetition of a tile.
 //!
-//! Triangles of all repetitions that reach over one tile stand in one tree. A ray goes through that tree once for each
-//! tile it crosses, with its origin moved into the tile: coordinates stay near 1, where single precision is fine enough.
+//! One tree holds the triangles of all repetitions that overlap one tile. A ray traverses that tree once for each tile
+//! it crosses, with its origin moved into the tile: coordinates stay near 1, where single precision is sufficient.
 
 use super::mesh::PeriodicMesh;
 use super::surface::{Hit, SurfacePoint};
@@ -9,20 +9,21 @@ use super::triangle_tree::{Segment, TriangleTree};
 use brdfc_formats::direction::{Vector, add_scaled, dot};
 use glam::Vec3A;
 
-/// A mesh made ready for rays.
+/// A mesh prepared for ray casting.
 pub struct PeriodicCaster {
     tree: TriangleTree,
-    /// What the triangles of the tree are: triangles of the mesh, in which repetition of the tile.
+    /// For each triangle of the tree, its index in the mesh and its repetition of the tile.
     placed: Vec<(u32, [i32; 2])>,
     heights: [f64; 2],
 }
 
-/// How far into the next tile a ray is followed, so that none slips through between two tiles. In tiles.
+/// Distance that a ray is followed into the next tile, so that none slips through between two tiles. In tiles.
 const OVERLAP: f64 = 1e-6;
-/// Most tiles that a ray crosses. Rays of [`STEEPEST_DEGREES`] over a relief of [`super::weld::TALLEST`] cross fewer.
+/// Maximum number of tiles that a ray crosses. Rays of [`MAX_POLAR_DEGREES`] over a relief of [`super::weld::MAX_HEIGHT`]
+/// cross fewer.
 const MAX_TILES: usize = 4096;
 /// Largest polar angle of views and lights, degrees.
-pub const STEEPEST_DEGREES: f64 = 89.0;
+pub const MAX_POLAR_DEGREES: f64 = 89.0;
 
 impl PeriodicCaster {
     /// Builds the tree.
@@ -33,7 +34,7 @@ impl PeriodicCaster {
             let range = |axis: usize| {
                 let c = corners.map(|corner| corner[axis]);
                 let (low, high) = (c[0].min(c[1]).min(c[2]), c[0].max(c[1]).max(c[2]));
-                // Repetition `k` covers [low + k, high + k]: all that reach over [0, 1].
+                // Repetition `k` covers [low + k, high + k]: include all that overlap [0, 1].
                 (-(high + OVERLAP)).ceil() as i32..=(1.0 + OVERLAP - low).floor() as i32
             };
             for y in range(1) {
@@ -53,15 +54,15 @@ impl PeriodicCaster {
         self.heights
     }
 
-    /// The surface point that an eye far away in direction `view` sees behind the point `at`: where the line through
-    /// `at` along `view` comes down onto the surface for the first time. `view` has z > 0.
+    /// Finds the surface point that a distant eye in direction `view` sees behind the point `at`: the first point at
+    /// which the line through `at` along `view` meets the surface from above. `view` has z > 0.
     pub fn seen(&self, at: Vector, view: Vector) -> Option<Hit> {
         let above = (self.heights[1] - at[2]) / view[2];
         let origin = add_scaled(at, above, view);
         self.nearest(origin, view.map(|c| -c))
     }
 
-    /// What a ray from `origin` along the unit vector `direction` meets first.
+    /// Finds the first intersection of the ray from `origin` along the unit vector `direction`.
     pub fn nearest(&self, origin: Vector, direction: Vector) -> Option<Hit> {
         let mut found = None;
         self.march(origin, direction, |part, tile, start| {
@@ -78,7 +79,7 @@ impl PeriodicCaster {
         found
     }
 
-    /// Whether anything stands in the way of a ray from `origin` along the unit vector `direction`.
+    /// Returns true if the ray from `origin` along the unit vector `direction` meets the surface.
     pub fn is_blocked(&self, origin: Vector, direction: Vector) -> bool {
         let mut blocked = false;
         self.march(origin, direction, |part, _, _| {
@@ -88,12 +89,12 @@ impl PeriodicCaster {
         blocked
     }
 
-    /// Whether a point of the surface is seen from (or lit from) far away in `direction`.
+    /// Returns true if a point of the surface is visible (or lit) from infinitely far away in `direction`.
     pub fn sees_sky(&self, point: &SurfacePoint, direction: Vector) -> bool {
-        dot(point.geometric_normal, direction) > 0.0 && !self.is_blocked(point.lifted(), direction)
+        dot(point.geometric_normal, direction) > 0.0 && !self.is_blocked(point.ray_origin(), direction)
     }
 
-    /// How many tiles a ray goes through, between the surface's lowest and highest point, up to `distance`.
+    /// Number of tiles that a ray crosses between the surface's lowest and highest point, up to `distance`.
     pub fn tiles(&self, origin: Vector, direction: Vector, distance: f64) -> usize {
         let mut count = 0;
         self.march(origin, direction, |part, _, start| {
@@ -104,7 +105,7 @@ impl PeriodicCaster {
     }
 
     /// Calls `visit` with the part of the ray in each tile that it crosses between the surface's lowest and highest
-    /// point: the ray in the tile's own coordinates, the tile, and the distance at which that part begins. Ends when
+    /// point: the ray in the tile's own coordinates, the tile, and the distance at which that part begins. Stops when
     /// `visit` returns true.
     fn march(&self, origin: Vector, direction: Vector, mut visit: impl FnMut(&Segment, [i32; 2], f64) -> bool) {
         let [low, high] = self.heights;
@@ -155,7 +156,7 @@ mod tests {
     use crate::testing::{bumps, height_field};
     use brdfc_formats::direction::from_polar;
 
-    /// Where a hit is, from its triangle.
+    /// Position of a hit, computed from its triangle.
     fn point(mesh: &PeriodicMesh, hit: &Hit) -> Vector {
         let corners = mesh.corners(hit.triangle as usize);
         let [u, v] = hit.barycentric.map(f64::from);
@@ -182,7 +183,7 @@ mod tests {
 
     #[test]
     fn tiles_do_not_leak() {
-        // The control of a closed surface: from above every ray hits, at every angle, on every border.
+        // A closed surface: from above every ray hits, at every angle, on every border.
         let mesh = bumps(16, 0.2);
         let caster = PeriodicCaster::new(&mesh);
         for k in 0..4000 {
@@ -214,7 +215,7 @@ mod tests {
 
     #[test]
     fn a_wall_in_the_next_tile_casts_its_shadow_here() {
-        // A ridge at x = 0.9; light from the left, low: what is left of the ridge's next copy is lit or not by height.
+        // A ridge at x = 0.9; low light from the left. The copy in the tile on the left casts a shadow on the ground.
         let ridge = |x: f64, _: f64| if (x - 0.9).abs() < 0.03 { 0.3 } else { 0.0 };
         let mesh = height_field(64, ridge);
         let caster = PeriodicCaster::new(&mesh);
@@ -236,7 +237,7 @@ mod tests {
         let mut points = Vec::new();
         for row in 0..8 {
             for column in 0..8 {
-                // Shifted half a tile: the mesh is not where its tile is.
+                // Shifted by half a tile, so that triangles cross the border of the tile.
                 points.push([
                     f64::from(column) / 8.0 - 0.53,
                     f64::from(row) / 8.0 + 0.31,

@@ -1,5 +1,5 @@
-//! The diffuse reflectance of texels, for the light form of flat BTFs (section 3.5 of Hadim et al. 2009): the `ρ` that
-//! makes `ρ max(0, n · l)` fit the values best where light arrives.
+//! Diffuse reflectance of texels, for the light form of flat BTFs (section 3.5 of Hadim et al. 2009): the `ρ` for which
+//! `ρ max(0, n · l)` fits the values best where light arrives.
 
 use super::texels::TexelMap;
 use brdfc_formats::direction::{Vector, dot};
@@ -12,12 +12,12 @@ pub struct DiffuseFit {
 }
 
 impl DiffuseFit {
-    /// For this many texels.
+    /// Creates a fit for `texels` texels.
     pub fn new(texels: usize) -> Self {
         Self { sums: vec![([0.0; 3], 0.0); texels] }
     }
 
-    /// Takes the images of one view: `value(light, texel)` where the view's mask shows the texel and light arrives.
+    /// Adds the images of one view: `value(light, texel)` for texels that the view sees and the light reaches.
     pub fn add_view(
         &mut self,
         map: &TexelMap,
@@ -38,7 +38,7 @@ impl DiffuseFit {
         });
     }
 
-    /// Reflectance of each texel; `None` where no view saw it lit.
+    /// Reflectance of each texel; `None` if no view sees it lit.
     pub fn reflectances(&self) -> Vec<Option<[f32; 3]>> {
         self.sums.iter().map(|(sum, weight)| (*weight > 0.0).then(|| sum.map(|s| (s / weight) as f32))).collect()
     }

@@ -1,27 +1,30 @@
-//! Indirection maps in a sixteenth of their bytes: displacements in the view's own frame, for blocks of reference texels.
+//! Compact indirection maps, a sixteenth of the bytes: displacements in the view's own frame, for blocks of reference
+//! texels.
 
 use brdfc_formats::FormatError;
 use brdfc_formats::container::half;
 use brdfc_formats::flat_btf::{DisplacementHeader, DisplacementMap, IndirectionHeader, ReferenceMap, SAME_SIDE};
 use rayon::prelude::*;
 
-/// Most texels of a reference plane, per side, that have a block each: with 16 x 24 views they take 12.5 MiB.
+/// Largest side of a reference plane, in texels, with one block per texel: with 16 x 24 views the blocks take 12.5 MiB.
 const SINGLE: u32 = 128;
 
-/// Texels of a reference plane of `size`, per side, that share a block of displacements: where they are many, two.
+/// Side of a block for a reference plane of `size` texels per side: 2 for even sizes above 128, else 1.
 pub fn coarser(size: u32) -> u32 {
     if size > SINGLE && size.is_multiple_of(2) { 2 } else { 1 }
 }
 
-/// One block for each `coarser²` texels of a map, whose `displacement` of texel `(i, j)` in the view of sample `(k, a)` is in
-/// parameters. Of the displacements that these texels have in a view, the one stands for
-/// all that is nearest to the others: a mean over both sides of a silhouette would be a point that none of them sees.
+/// Encodes an indirection map with one block per `coarser²` texels. The displacement of texel `(i, j)` in the view of
+/// sample `(k, a)` is in parameters. Each block stores the medoid of its texels' displacements in a view, that is, the
+/// one nearest to the others: a mean over both sides of a silhouette would be a point that none of them sees.
 ///
-/// Texels of a block that see another side of a silhouette along the normal than the one in their middle get a reference from
-/// that one: with their own, the displacement of the others would lead nowhere. So the reference is another one, too.
+/// Along the normal, texels of a block may see another side of a silhouette than the texel in its middle. They take a
+/// reference extrapolated from that texel, because the block's displacement does not apply to their own. The function
+/// therefore returns a new reference map, too.
 ///
 /// # Errors
-/// A map whose sides are no multiple of `coarser` or not those of the reference, displacements that halves cannot hold.
+/// Returns an error if the sides of the map are no multiple of `coarser` or differ from those of the reference, or if a
+/// displacement does not fit into a half.
 pub fn displacements(
     map: IndirectionHeader,
     reference: &ReferenceMap,
@@ -35,7 +38,7 @@ pub fn displacements(
     }
     if reference.size() != size {
         let found = reference.size().to_string();
-        return Err(FormatError::whole("size of the part reference", found, format!("{size}, that of the map")));
+        return Err(FormatError::whole("size of the part reference", found, format!("{size}, the size of the map")));
     }
     let header = DisplacementHeader::new(IndirectionHeader { size: size / coarser, ..map });
     let blocks = header.blocks.size;
@@ -47,7 +50,7 @@ pub fn displacements(
         let own = |[i, j]: &[u32; 2]| reference.parameters()[(j * size + i) as usize].map(f64::from);
         let own: Vec<[f64; 2]> = texels.iter().map(own).collect();
         let references = on_one_side(&own, &texels, size);
-        // What a displacement of each texel's own reference is from the one that it has now.
+        // Difference between each texel's own reference and its new one.
         let moved: Vec<[f64; 2]> = own.iter().zip(&references).map(|(own, now)| apart(*own, *now)).collect();
         let views = (0..azimuth_samples).flat_map(|a| (0..zenith_samples).map(move |k| (k, a)));
         let values: Vec<[f64; 2]> = views
@@ -82,8 +85,8 @@ pub fn displacements(
     Ok((displacements, ReferenceMap::new(size, parameters.collect())?))
 }
 
-/// The parameters of the texels of a block: those on another side of a silhouette than the one in their middle, or on it,
-/// go on from that one as the reference plane does.
+/// Parameters of the texels of a block. Texels on another side of a silhouette than the one in their middle, or on it,
+/// continue from that one as the reference plane does.
 fn on_one_side(own: &[[f64; 2]], texels: &[[u32; 2]], size: u32) -> Vec<[f64; 2]> {
     let middle = nearest_to_all_by(own.len(), |a, b| {
         let [x, y] = apart(own[a], own[b]);
@@ -100,7 +103,7 @@ fn on_one_side(own: &[[f64; 2]], texels: &[[u32; 2]], size: u32) -> Vec<[f64; 2]
     (0..own.len()).map(of_texel).collect()
 }
 
-/// A difference of parameters, which have a period of 1.
+/// Difference of parameters, which have period 1.
 fn apart(a: [f64; 2], b: [f64; 2]) -> [f64; 2] {
     [0, 1].map(|axis| {
         let difference = a[axis] - b[axis];
@@ -108,25 +111,25 @@ fn apart(a: [f64; 2], b: [f64; 2]) -> [f64; 2] {
     })
 }
 
-/// A displacement in the frame of its view, divided.
+/// Rotates a displacement into the frame of its view and divides it.
 fn in_view(displacement: [f64; 2], azimuth: f64, divisor: f64) -> [f64; 2] {
     let [x, y] = displacement.map(|c| c / divisor);
     let (sine, cosine) = azimuth.sin_cos();
     [x * cosine + y * sine, y * cosine - x * sine]
 }
 
-/// Which has the least sum of distances to all.
+/// Index of the value with the least sum of distances to all.
 fn nearest_to_all(values: &[[f64; 2]]) -> usize {
     nearest_to_all_by(values.len(), |a, b| (values[a][0] - values[b][0]).hypot(values[a][1] - values[b][1]))
 }
 
-/// The same of what has these distances; of several the first.
+/// Index of the item with the least sum of distances to all; the first of equals.
 fn nearest_to_all_by(count: usize, distance: impl Fn(usize, usize) -> f64) -> usize {
     let cost = |a: usize| (0..count).map(|b| distance(a, b)).sum::<f64>();
     (0..count).min_by(|a, b| cost(*a).total_cmp(&cost(*b))).unwrap_or(0)
 }
 
-/// A block as it is stored.
+/// A block as stored.
 struct Block {
     references: Vec<[f32; 2]>,
     range: [u16; 4],
@@ -164,7 +167,7 @@ mod tests {
     const HEADER: IndirectionHeader =
         IndirectionHeader { size: 16, zenith_samples: 16, azimuth_samples: 16, largest_angle: 1.3 };
 
-    /// What is seen of a plane at a height, through texels of the reference plane.
+    /// The map of a plane at `height(texel)`.
     fn plane(height: impl Fn([u32; 2]) -> f64) -> IndirectionMap {
         IndirectionMap::from_displacements(HEADER, |texel, k, a| {
             let [polar, azimuth] = HEADER.view_angles(k, a);
@@ -174,13 +177,13 @@ mod tests {
         .unwrap()
     }
 
-    /// The plane's own parameters.
+    /// Reference map of the plane: its own parameters.
     fn reference() -> ReferenceMap {
         let centre = |k: u32| [(k % 16) as f32 / 16.0 + 1.0 / 32.0, (k / 16) as f32 / 16.0 + 1.0 / 32.0];
         ReferenceMap::new(16, (0..256).map(centre).collect()).unwrap()
     }
 
-    /// What is seen through the middle of texel `(7, 8)`.
+    /// Decoder of a map with this reference.
     fn decoder(reference: ReferenceMap, indirection: Indirection) -> FlatBtfDecoder {
         FlatBtfDecoder::new(FlatBtfParts {
             reference,
@@ -205,21 +208,23 @@ mod tests {
         decoder(reference, made.into())
     }
 
-    /// Largest distance between what is seen and where a plane at this height is, over views between the samples.
+    /// Largest distance between the decoded position and the position of a plane at this height, over views between the
+    /// samples.
     fn off(decoder: &FlatBtfDecoder, height: f64) -> f64 {
         let of_view = |step: u32| {
             let (polar, azimuth) = (1.25 * f64::from(step) / 200.0, 0.37 * f64::from(step));
             let view = from_polar(polar, azimuth);
             let [u, v, _] = decoder.indirection([0.46875, 0.53125], view.map(|c| c as f32));
             let distance = -height * polar.tan();
-            let wanted = [0.46875 + distance * azimuth.cos(), 0.53125 + distance * azimuth.sin()];
-            let [x, y] = apart([u, v].map(f64::from), wanted);
+            let expected = [0.46875 + distance * azimuth.cos(), 0.53125 + distance * azimuth.sin()];
+            let [x, y] = apart([u, v].map(f64::from), expected);
             x.hypot(y)
         };
         (0..=200).map(of_view).fold(0.0, f64::max)
     }
 
-    /// Known answer: a plane moves with the tangent, between samples too, where the map of directions and distances errs.
+    /// Known answer: a plane moves with the tangent, between samples too, where the map of directions and distances has
+    /// errors.
     #[test]
     fn a_plane_is_seen_where_it_is() {
         for (height, coarser) in [(0.05, 1), (0.05, 2), (-0.02, 4)] {
@@ -237,14 +242,14 @@ mod tests {
 
     #[test]
     fn one_of_the_texels_stands_for_all() {
-        // Three of each four texels see a plane far below.
+        // Three of every four texels see a plane far below.
         let map = plane(|[i, j]| if i % 2 + j % 2 == 0 { 0.1 } else { -0.2 });
         assert!(off(&compact(&map, 2), -0.2) < 0.02);
         let refused = of_map(&map, &reference(), 3).unwrap_err().to_string();
         assert!(refused.contains("found 16, expected a multiple of 3"), "{refused}");
     }
 
-    /// Along the normal one of four texels sees another part of the parameters; from the side all see the same plane.
+    /// Along the normal, one of four texels sees another part of the parameters; from the side, all see the same plane.
     #[test]
     fn texels_on_another_side_of_a_silhouette_follow_the_others() {
         let map = plane(|_| 0.05);
@@ -259,7 +264,7 @@ mod tests {
         let (made, side) = of_map(&moved, &ReferenceMap::new(16, own.clone()).unwrap(), 2).unwrap();
         assert_eq!(side, reference());
         assert!(off(&decoder(side, made.clone().into()), 0.05) < 0.004);
-        // With their own reference they are led astray.
+        // With their own reference, the displacement leads to a wrong point.
         assert!(off(&decoder(ReferenceMap::new(16, own).unwrap(), made.into()), 0.05) > 0.3);
     }
 }

@@ -1,22 +1,22 @@
-//! View-dependent indirection maps: which texel of the flat BTF a view sees behind each texel of the reference plane
+//! View-dependent indirection maps: the texel of the flat BTF that a view sees behind each texel of the reference plane
 //! (section 3.4 of Hadim et al. 2009), `VDIM_v = VDIM_n + d_v δ_v`.
 
-use super::caster::STEEPEST_DEGREES;
+use super::caster::MAX_POLAR_DEGREES;
 use super::model::MesoModel;
 use brdfc_core::progress::{Cancelled, Progress};
 use brdfc_formats::direction::{Vector, from_polar};
 use brdfc_formats::flat_btf::IndirectionHeader;
 use rayon::prelude::*;
 
-/// What is seen through the texels of the reference plane, in the view along the normal and in all sampled views.
+/// Parameters seen through the texels of the reference plane, along the normal and in all sampled views.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Indirection {
     /// Sizes and views.
     pub header: IndirectionHeader,
     /// Parameters in the view along the normal, `R(i, j)`, row by row; not wrapped.
     pub reference: Vec<[f32; 2]>,
-    /// Displacement from the reference, and height of what is seen: for each row `j` of texels, for each azimuth, for each
-    /// column `i`, for each polar angle.
+    /// Displacement from the reference, and height of the surface point: for each row `j` of texels, for each azimuth,
+    /// for each column `i`, for each polar angle.
     pub displacements: Vec<([f32; 2], f32)>,
 }
 
@@ -29,15 +29,15 @@ impl Indirection {
     }
 }
 
-/// `VDIM_n` and, for each view, `d_v δ_v` of equation 2 of Hadim et al. 2009, by `oversampling²` rays for each texel and
-/// view.
+/// Computes `VDIM_n` and, for each view, `d_v δ_v` of equation 2 of Hadim et al. 2009, by `oversampling²` rays for each
+/// texel and view.
 ///
-/// The value of a texel is the mean over the largest group of its rays that meet the surface close together: a mean over
-/// rays that meet on both sides of a silhouette would be a point that none of them sees. Each row of
-/// texels is a step.
+/// The value of a texel is the mean over the largest group of its rays that meet the surface close together: a mean
+/// over both sides of a silhouette would be a point that none of them sees. `progress` receives one step per row of
+/// texels.
 ///
 /// # Errors
-/// When `progress` cancels.
+/// Returns an error if `progress` cancels.
 pub fn indirection(
     model: &MesoModel,
     header: IndirectionHeader,
@@ -50,8 +50,8 @@ pub fn indirection(
         .flat_map(|a| (0..zeniths).map(move |k| (k, a)))
         .map(|(k, a)| {
             let [polar, azimuth] = header.view_angles(k as u32, a as u32);
-            // Along the ground there is nothing to see: a hair above it.
-            from_polar(polar.min(STEEPEST_DEGREES.to_radians()), azimuth)
+            // A ray along the ground meets nothing: stay slightly above it.
+            from_polar(polar.min(MAX_POLAR_DEGREES.to_radians()), azimuth)
         })
         .collect();
     let row = |j: usize| {
@@ -82,8 +82,8 @@ pub fn indirection(
     Ok(Indirection { header, reference, displacements })
 }
 
-/// Parameters of what one view sees through each of `size` x `size` texels of the reference plane, row by row: what a map
-/// would hold that has this view itself, with as many rays as [`indirection`] takes. Not wrapped.
+/// Parameters that one view sees through each of `size` x `size` texels of the reference plane, row by row, not
+/// wrapped: a map that contains this view holds these values, with as many rays as [`indirection`] takes.
 pub fn seen_through_texels(model: &MesoModel, view: Vector, size: usize, oversampling: usize) -> Vec<[f32; 2]> {
     let seen = |texel: usize| {
         let (parameters, _) = through_texel(model, [texel % size, texel / size], size, oversampling, view);
@@ -92,10 +92,10 @@ pub fn seen_through_texels(model: &MesoModel, view: Vector, size: usize, oversam
     (0..size * size).into_par_iter().map(seen).collect()
 }
 
-/// Rays that meet the surface within this many texels of each other belong together.
+/// Distance, in texels, within which rays that meet the surface form a group.
 const GROUP: f64 = 2.0;
 
-/// Parameters and height of what a view sees through a texel of the reference plane.
+/// Parameters and height that a view sees through a texel of the reference plane.
 fn through_texel(
     model: &MesoModel,
     texel: [usize; 2],
@@ -181,10 +181,10 @@ mod tests {
 
     #[test]
     fn a_tilted_plane_has_the_analytic_shift() {
-        // A roof of two tilted planes: z = s (¼ - |x - ½|). Away from its edges each is a plane.
+        // A roof of two tilted planes, z = s (¼ - |x - ½|). Away from its edges each is a plane.
         let slope = 0.4;
         let model = MesoModel::new(height_field(32, |x, _| slope * (0.25 - (x - 0.5).abs())), 0, &()).unwrap();
-        // Laid flat, the roof is the unit square again: u = x, v = y, by symmetry.
+        // Parameterised, the roof is the unit square again: u = x, v = y, by symmetry.
         each(&indirection(&model, HEADER, 1, &()).unwrap(), |[i, j], [polar, azimuth], d, _| {
             let (x, y) = ((i as f64 + 0.5) / 8.0, (j as f64 + 0.5) / 8.0);
             if !(0.15..0.35).contains(&x) || polar > 0.7 {
@@ -200,7 +200,7 @@ mod tests {
 
     #[test]
     fn a_sphere_cap_has_the_analytic_intersection() {
-        // A cap of radius r, half its height sunk: parameters are not x and y here, heights and positions are.
+        // A cap of radius r, sunk by half of it: its parameters are not x and y; heights and positions are compared.
         let (radius, sunk) = (0.4, 0.2);
         let cap = |x: f64, y: f64| {
             let d = (x - 0.5).powi(2) + (y - 0.5).powi(2);
@@ -213,7 +213,7 @@ mod tests {
             let w = from_polar(polar, azimuth);
             for k in 0..400 {
                 let at = [f64::from(k % 20) / 20.0 + 0.013, f64::from(k / 20) / 20.0 + 0.007];
-                // |at + t w - c| = r with c = (½, ½, -sunk), the higher of both.
+                // |at + t w - c| = r with c = (½, ½, -sunk); take the higher solution.
                 let from = [at[0] - 0.5, at[1] - 0.5, sunk];
                 let b = from[0] * w[0] + from[1] * w[1] + from[2] * w[2];
                 let c = from.iter().map(|v| v * v).sum::<f64>() - radius * radius;

@@ -15,38 +15,38 @@ use rand_chacha::ChaCha8Rng;
 use rayon::prelude::*;
 use std::f64::consts::{PI, TAU};
 
-/// Rays from each texel, and what comes back along them under each light. The same rays serve all views.
+/// Rays from each texel, and the radiance that returns along them under each light. All views share these rays.
 ///
 /// Memory: [`Bounces::bytes`].
 pub struct Bounces {
     samples: usize,
     lights: usize,
-    /// Unit directions, `samples` for each texel; `None` where nothing is met.
+    /// Unit directions, `samples` for each texel; `None` if the ray misses the surface.
     directions: Vec<Option<[f32; 3]>>,
-    /// Relative radiance that comes from there, `lights` for each ray, as [`rgb9e5`] has it.
+    /// Relative radiance that arrives along each ray, `lights` for each ray, encoded as [`rgb9e5`].
     arriving: Vec<u32>,
 }
 
-/// Seed of all rays; each texel has a stream of its own.
+/// Seed of all rays; each texel has its own stream.
 const SEED: u64 = 0x5eed_b0ce;
-/// Texels between two calls of `done`.
+/// Texels per progress step.
 const STEP: usize = 1024;
 
 impl Bounces {
-    /// Bytes in memory for so many texels, rays of each, and lights.
+    /// Memory in bytes for this many texels, rays per texel, and lights.
     pub fn bytes(texels: usize, samples: usize, lights: usize) -> u64 {
         (texels * samples) as u64 * (size_of::<Option<[f32; 3]>>() + size_of::<u32>() * lights) as u64
     }
 
-    /// Steps of so many texels.
+    /// Number of progress steps for this many texels.
     pub fn steps(texels: usize) -> usize {
         texels.div_ceil(STEP)
     }
 
-    /// Casts `samples` rays per texel, and shadow rays for every light where they end.
+    /// Casts `samples` rays per texel, and shadow rays towards every light from their ends.
     ///
     /// # Errors
-    /// When `progress` cancels.
+    /// Returns an error if `progress` cancels.
     pub fn new(
         mesh: &PeriodicMesh,
         texels: &TexelMap,
@@ -69,7 +69,7 @@ impl Bounces {
                 let local = [radius * (TAU * b).cos(), radius * (TAU * b).sin(), (1.0 - a).sqrt()];
                 let direction = rotate_from_normal(point.normal, local);
                 let met = caster
-                    .nearest(point.lifted(), direction)
+                    .nearest(point.ray_origin(), direction)
                     .map(|hit| SurfacePoint::of_hit(mesh, &hit))
                     .filter(|met| dot(met.geometric_normal, direction) < 0.0);
                 let Some(met) = met else { continue };
@@ -86,7 +86,7 @@ impl Bounces {
         Ok(Self { samples, lights: lights.len(), directions, arriving })
     }
 
-    /// `π f_r(w_s, v) / S` for the rays of `texels`, one after the other.
+    /// `π f_r(w_s, v) / S` for the rays of `texels`, texel by texel.
     pub fn shares(&self, appearance: &Appearance, map: &TexelMap, view: Vector, texels: &[u32]) -> Vec<[f32; 3]> {
         let scale = PI / self.samples as f64;
         let of_texel = |texel: &u32| {
@@ -104,7 +104,8 @@ impl Bounces {
         texels.par_iter().flat_map_iter(of_texel).collect()
     }
 
-    /// Relative radiance of a texel under a light: its own rays with their shares, which begin at `nth` texels in.
+    /// Relative radiance of a texel under a light, gathered along its rays. `shares` starts with the rays of the first
+    /// texel of the view, and `nth` is the place of this texel in it.
     pub fn gathered(&self, texel: usize, light: usize, shares: &[[f32; 3]], nth: usize) -> [f32; 3] {
         let mut sum = [0.0f32; 3];
         for sample in 0..self.samples {

@@ -1,7 +1,7 @@
 //! Bidirectional texture functions: meso-geometry, its flattening, and view-dependent indirection maps (Hadim et al.
 //! 2009, "Flat Bidirectional Texture Functions").
 //!
-//! Lengths are in tiles: the surface repeats after 1 along x and y; z is up, and the reference plane is `z = 0`.
+//! Lengths are in tiles. The surface has period 1 along x and y, z points up, and the reference plane is `z = 0`.
 
 pub mod caster;
 pub mod diffuse;

@@ -1,6 +1,7 @@
-//! Flat BTFs: what each texel of the surface reflects, for each view and light (section 3.3 of Hadim et al. 2009).
+//! Values of flat BTFs: the light that each texel of the surface reflects, for each view and light (section 3.3 of
+//! Hadim et al. 2009).
 //!
-//! One view is made at a time: memory holds one image per light and shadows, never views x lights.
+//! Views are computed one at a time: memory holds one image per light and the shadows, never views x lights.
 
 use super::caster::PeriodicCaster;
 use super::fill::{Poisson, PushPull};
@@ -11,30 +12,30 @@ use brdfc_core::progress::{Cancelled, Progress};
 use brdfc_formats::direction::{Vector, dot};
 use rayon::prelude::*;
 
-/// Where the values of texels come from: a surface and its materials, or measured images.
+/// Source of texel values: a surface and its materials, or measured images.
 pub trait LightField: Sync {
-    /// Why values cannot be had.
+    /// Error of reading values.
     type Error: Send;
-    /// What is prepared once for the lights of a view.
+    /// State prepared once for all lights of a view.
     type View: Send + Sync;
 
     /// Prepares a view for `texels`, all of which it sees.
     ///
     /// # Errors
-    /// When values cannot be read.
+    /// Returns an error if values cannot be read.
     fn view(&self, view: usize, texels: Vec<u32>) -> Result<Self::View, Self::Error>;
 
     /// Values at the texels of a view under one light: radiance divided by that of a white diffuser that faces the light.
     ///
     /// # Errors
-    /// When values cannot be read.
+    /// Returns an error if values cannot be read.
     fn values(&self, view: &Self::View, light: usize) -> Result<Vec<[f32; 3]>, Self::Error>;
 }
 
-/// [`visible`] for each of `directions`, a step each.
+/// Computes [`visible`] for each of `directions`, one progress step each.
 ///
 /// # Errors
-/// When `progress` cancels.
+/// Returns an error if `progress` cancels.
 pub fn visible_from_each(
     texels: &TexelMap,
     caster: &PeriodicCaster,
@@ -48,26 +49,27 @@ pub fn visible_from_each(
     directions.iter().map(one).collect()
 }
 
-/// Which texels are seen from far away in direction `view`: neither turned away nor hidden by the repeated surface.
+/// For each texel, true if it is visible from infinitely far away in direction `view`: neither turned away nor hidden
+/// by the repeated surface.
 pub fn visible(texels: &TexelMap, caster: &PeriodicCaster, view: Vector) -> Vec<bool> {
     let seen = |point: &SurfacePoint| dot(point.normal, view) > 0.0 && caster.sees_sky(point, view);
     texels.points.par_iter().map(seen).collect()
 }
 
-/// Values computed from a surface and its materials: direct light with cast shadows, and light of one bounce where it was
-/// prepared.
+/// Values computed from a surface and its materials: direct light with cast shadows, and optionally light of one
+/// bounce.
 pub struct ComputedField<'a> {
     texels: &'a TexelMap,
     appearance: &'a Appearance,
     views: &'a [Vector],
     lights: &'a [Vector],
-    /// For each light, which texels it reaches.
+    /// For each light, the texels that it reaches.
     lit: &'a [Vec<bool>],
     bounces: Option<Bounces>,
 }
 
 impl<'a> ComputedField<'a> {
-    /// `lit` is, for each light, which texels it reaches: [`visible_from_each`] of `lights`.
+    /// Creates a field. `lit` holds, for each light, the texels that it reaches: [`visible_from_each`] of `lights`.
     pub fn new(
         texels: &'a TexelMap,
         appearance: &'a Appearance,
@@ -88,7 +90,7 @@ impl<'a> ComputedField<'a> {
 pub struct ComputedView {
     view: usize,
     texels: Vec<u32>,
-    /// For each texel and ray, what share of the light that arrives along the ray leaves towards the view.
+    /// For each texel and ray, the share of the light arriving along the ray that leaves towards the view.
     shares: Vec<[f32; 3]>,
 }
 
@@ -122,17 +124,17 @@ impl LightField for ComputedField<'_> {
     }
 }
 
-/// For each light, the image that holes are filled after: every texel as the view that sees it most from above shows it.
+/// Guide images for filling holes, one for each light: every texel as seen by the most vertical view that sees it.
 pub struct FillGuide {
     images: Vec<Vec<[f32; 3]>>,
 }
 
 impl FillGuide {
-    /// Gathers the guide from the views in `order`, most from above first. Texels that no view sees are filled from
-    /// those around them.
+    /// Builds the guide from the views in `order`, the most vertical first. Texels that no view sees are filled from
+    /// their neighbours.
     ///
     /// # Errors
-    /// As `field`.
+    /// Returns the errors of `field`.
     pub fn new<F: LightField>(
         field: &F,
         masks: &[Vec<bool>],
@@ -164,7 +166,7 @@ impl FillGuide {
     }
 }
 
-/// One view of a flat BTF, ready to give its images.
+/// One view of a flat BTF, ready to produce its images.
 pub struct FlattenedView<'a, F: LightField> {
     field: &'a F,
     view: F::View,
@@ -179,10 +181,10 @@ enum Fill<'a> {
     Poisson(Poisson, &'a FillGuide),
 }
 
-/// What becomes of texels that a view does not see.
+/// Treatment of texels that a view does not see.
 #[derive(Clone, Copy)]
 pub enum Holes<'a> {
-    /// They stay black: for those who do not look.
+    /// They stay black, for callers that do not read them.
     Black,
     /// Filled by push-pull.
     PushPull,
@@ -191,10 +193,10 @@ pub enum Holes<'a> {
 }
 
 impl<'a, F: LightField> FlattenedView<'a, F> {
-    /// A view with the texels that it sees.
+    /// Prepares a view with the texels that it sees.
     ///
     /// # Errors
-    /// As the field's.
+    /// Returns the errors of the field.
     pub fn new(field: &'a F, view: usize, mask: &[bool], holes: Holes<'a>) -> Result<Self, F::Error> {
         let fill = match holes {
             Holes::Black => Fill::Black,
@@ -205,10 +207,10 @@ impl<'a, F: LightField> FlattenedView<'a, F> {
         Ok(Self { field, view: field.view(view, seen.clone())?, seen, texels: mask.len(), fill })
     }
 
-    /// The image of one light: seen texels as they are, the others filled.
+    /// Image under one light: seen texels unchanged, the others filled.
     ///
     /// # Errors
-    /// As the field's.
+    /// Returns the errors of the field.
     pub fn image(&self, light: usize) -> Result<Vec<[f32; 3]>, F::Error> {
         let values = self.field.values(&self.view, light)?;
         let mut image = vec![[0.0; 3]; self.texels];
@@ -222,7 +224,7 @@ impl<'a, F: LightField> FlattenedView<'a, F> {
     }
 }
 
-/// Views in the order of how much from above they look.
+/// Indices of the views, the most vertical first.
 pub fn from_above(views: &[Vector]) -> Vec<usize> {
     let mut order: Vec<usize> = (0..views.len()).collect();
     order.sort_by(|a, b| views[*b][2].total_cmp(&views[*a][2]).then(a.cmp(b)));
@@ -267,13 +269,13 @@ mod tests {
     }
 
     #[test]
-    fn a_plane_reflects_what_its_material_does() {
+    fn a_plane_reflects_like_its_material() {
         let mesh = height_field(5, |_, _| 0.0);
         let (texels, caster) = (flat_texels(&mesh, 8), PeriodicCaster::new(&mesh));
         let views = [from_polar(0.9, 1.0), [0.0, 0.0, 1.0]];
         let lights = [from_polar(0.5, 3.0), from_polar(1.2, 0.0)];
         let material = made_of("synth:lambert?kd=0.2,0.5,0.8");
-        // A plane sees nothing of itself: a bounce adds nothing.
+        // A plane does not illuminate itself: a bounce adds nothing.
         for samples in [0, 4] {
             let lit = lit(&texels, &caster, &lights);
             let field = field(&mesh, &texels, &caster, &material, [&views, &lights], (samples, &lit));
@@ -311,7 +313,7 @@ mod tests {
     }
 
     #[test]
-    fn holes_of_a_matte_surface_are_filled_with_what_other_views_see() {
+    fn holes_of_a_matte_surface_are_filled_from_other_views() {
         let mesh = overhang(48);
         let (texels, caster) = (flat_texels(&mesh, 64), PeriodicCaster::new(&mesh));
         let views = [[0.0, 0.0, 1.0], from_polar(1.1, 0.0), from_polar(1.1, std::f64::consts::PI)];
@@ -328,16 +330,16 @@ mod tests {
             let Ok(image) = FlattenedView::new(&field, 1, &masks[1], holes).unwrap().image(0);
             let off = |t: &usize| f64::from((image[*t][0] - truth[*t][0]).abs());
             let seen: f64 = (0..64 * 64).filter(|t| masks[1][*t]).map(|t| off(&t)).sum();
-            assert_eq!(seen, 0.0, "what is seen stays");
+            assert_eq!(seen, 0.0, "seen texels are unchanged");
             (0..64 * 64).filter(|t| known[*t] && !masks[1][*t]).map(|t| off(&t)).sum::<f64>()
         };
-        // A matte surface looks the same from everywhere: the guide is the truth; push-pull can but guess.
+        // A matte surface looks the same from everywhere: the guide is exact; push-pull can only interpolate.
         let (poisson, push_pull) = (error(Holes::Poisson(&guide)), error(Holes::PushPull));
         assert!(push_pull > 10.0 && poisson < 0.02 * push_pull, "{poisson} {push_pull}");
     }
 
-    /// Texels whose centres lie on the bottom line of a crease: a ray that starts along the normal of one side starts
-    /// behind the other.
+    /// Texels with centres on the bottom line of a crease: a ray that starts along the normal of one side starts behind
+    /// the other side.
     #[test]
     fn the_bottom_of_a_crease_is_seen() {
         let size = 64;
@@ -351,15 +353,15 @@ mod tests {
             let unseen = visible(&texels, &caster, view).iter().filter(|seen| !**seen).count();
             assert_eq!(unseen, 0, "{view:?}");
         }
-        // The control: what is hidden stays hidden.
+        // The negative control: hidden texels stay hidden.
         let slanted = visible(&texels, &caster, from_polar(1.2, 0.0));
         assert!(slanted.iter().filter(|seen| !**seen).count() > size * size / 3);
     }
 
     #[test]
     fn one_bounce_in_a_furnace_of_white_walls() {
-        // All directions lit evenly by many lights: direct and bounced light together stay below 1, and a bounce only
-        // adds, most where the sky is hidden most.
+        // Many lights illuminate the surface evenly from all directions: direct and bounced light together stay below
+        // 1. A bounce only adds light, most where the surface hides most of the sky.
         let mesh = bumps(24, 1.0);
         let (texels, caster) = (flat_texels(&mesh, 16), PeriodicCaster::new(&mesh));
         let views = [[0.0, 0.0, 1.0]];
@@ -380,7 +382,7 @@ mod tests {
             let mut sum = vec![0.0; 16 * 16];
             for (light, direction) in lights.iter().enumerate() {
                 let Ok(values) = field.values(&view, light);
-                // A light of cosine-weighted share 1/64 of the sky.
+                // A light that covers a cosine-weighted 1/64 of the sky.
                 sum.iter_mut().zip(values).for_each(|(s, v)| *s += f64::from(v[0]) / direction[2] / 64.0);
             }
             sum
@@ -390,7 +392,7 @@ mod tests {
         let lost = 1.0 - mean(&direct);
         assert!(lost > 0.1, "{lost}");
         let gained = mean(&bounced) - mean(&direct);
-        // The first bounce gives back most of what the walls hide, and never more.
+        // The first bounce returns most of the light that the walls block, and never more.
         assert!(gained > 0.4 * lost && gained < 1.0 * lost, "{gained} {lost}");
         assert!(direct.iter().zip(&bounced).all(|(d, b)| b >= d));
     }

@@ -5,16 +5,16 @@ use super::texels::TexelMap;
 use super::tile_image::TileImage;
 use brdfc_formats::direction::Vector;
 
-/// Where images come from.
+/// Source of the images of a measured BTF.
 pub trait ViewImages: Sync {
-    /// Why one cannot be had.
+    /// Error of reading an image.
     type Error: Send;
 
-    /// The image of a view under a light, of the tile as it is rectified to the plane `z = 0`: radiance divided by that
-    /// of a white diffuser that faces the light.
+    /// Image of a view under a light, of the tile rectified to the plane `z = 0`: radiance divided by that of a white
+    /// diffuser that faces the light.
     ///
     /// # Errors
-    /// When it cannot be read.
+    /// Returns an error if the image cannot be read.
     fn image(&self, view: usize, light: usize) -> Result<TileImage<3>, Self::Error>;
 }
 
@@ -23,7 +23,7 @@ pub trait ViewImages: Sync {
 pub struct MeasuredField<'a, I: ?Sized> {
     /// The images.
     pub images: &'a I,
-    /// Where texels are.
+    /// Surface points of the texels.
     pub texels: &'a TexelMap,
     /// Directions of the views.
     pub views: &'a [Vector],
@@ -32,7 +32,7 @@ pub struct MeasuredField<'a, I: ?Sized> {
 /// A view of a [`MeasuredField`].
 pub struct MeasuredView {
     view: usize,
-    /// Where the texels appear, in tiles.
+    /// Positions of the texels in the rectified image, in tiles.
     places: Vec<[f64; 2]>,
 }
 
@@ -85,7 +85,7 @@ mod tests {
     }
 
     #[test]
-    fn images_of_a_surface_flatten_to_what_the_surface_reflects() {
+    fn images_of_a_surface_flatten_to_its_reflectance() {
         let model = MesoModel::new(bumps(32, 0.3), 0, &()).unwrap();
         let appearance =
             Appearance { sources: vec![parse_synth("synth:lambert?kd=0.6").unwrap()], ..Default::default() };
@@ -104,7 +104,7 @@ mod tests {
         };
         let right = error(directions);
         assert!(right < 0.005, "{right}");
-        // The control: taken for a view from above, parallax stays in the texels.
+        // The negative control: treated as a view from above, parallax stays in the texels.
         assert!(error([[0.0, 0.0, 1.0]; 2]) > 5.0 * right);
     }
 }

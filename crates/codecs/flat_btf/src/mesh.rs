@@ -1,4 +1,4 @@
-//! Meso-geometry: a triangle mesh over the unit tile that goes on periodically.
+//! Meso-geometry: a triangle mesh over the unit tile that repeats periodically.
 
 use brdfc_formats::direction::{Vector, cross, dot, normalize, subtract};
 use brdfc_readers::meso::TriangleMesh;
@@ -9,30 +9,30 @@ use std::collections::BTreeMap;
 pub struct Corner {
     /// Index of the vertex.
     pub vertex: u32,
-    /// Which repetition: the corner stands at the vertex's position plus this many tiles along x and y.
+    /// Repetition of the tile: the corner's position is the vertex's position plus this many tiles along x and y.
     pub tile: [i32; 2],
 }
 
-/// A surface that repeats after 1 along x and y: every edge has a triangle on either side, where need be in the next
-/// tile. Overhangs are allowed.
+/// A surface with period 1 along x and y. Every edge has a triangle on either side, possibly in the next tile.
+/// Overhangs are allowed.
 ///
-/// Triangles are counter-clockwise seen from outside (from above, where the surface is no overhang).
+/// Triangles are counter-clockwise when seen from outside: from above, except on overhangs.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct PeriodicMesh {
-    /// Where vertices are, in tiles. Vertices that coincide in different tiles are one vertex.
+    /// Positions of the vertices, in tiles. Vertices that coincide in different tiles are one vertex.
     pub positions: Vec<Vector>,
     /// Unit shading normals of the vertices.
     pub normals: Vec<Vector>,
-    /// What vertices are made of.
+    /// Materials of the vertices.
     pub materials: Vec<VertexMaterial>,
-    /// Three corners each.
+    /// Triangles of three corners each.
     pub triangles: Vec<[Corner; 3]>,
 }
 
-/// Most materials that one surface blends.
+/// Maximum number of materials that one surface blends.
 pub const MAX_MATERIALS: usize = 4;
 
-/// Which materials a vertex has; interpolated over triangles.
+/// Material weights of a vertex, interpolated over triangles.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct VertexMaterial {
     /// Shares of the surface's materials; not negative, sum 1.
@@ -42,20 +42,20 @@ pub struct VertexMaterial {
 }
 
 impl Default for VertexMaterial {
-    /// The first material as it is.
+    /// The first material, untinted.
     fn default() -> Self {
         Self { weights: [1.0, 0.0, 0.0, 0.0], tint: [1.0; 3] }
     }
 }
 
 impl PeriodicMesh {
-    /// Where a corner is.
+    /// Position of a corner.
     pub fn position(&self, corner: Corner) -> Vector {
         let [x, y, z] = self.positions[corner.vertex as usize];
         [x + f64::from(corner.tile[0]), y + f64::from(corner.tile[1]), z]
     }
 
-    /// Where the corners of a triangle are.
+    /// Positions of the corners of a triangle.
     pub fn corners(&self, triangle: usize) -> [Vector; 3] {
         self.triangles[triangle].map(|corner| self.position(corner))
     }
@@ -66,8 +66,8 @@ impl PeriodicMesh {
         [z.clone().fold(f64::INFINITY, f64::min), z.fold(f64::NEG_INFINITY, f64::max)]
     }
 
-    /// Area of the projection on the reference plane in tiles, parts that face down counted negative: 1 for a sheet
-    /// over the tile.
+    /// Area of the projection on the reference plane in tiles, with parts that face down counted as negative: 1 for a
+    /// sheet over the tile.
     pub fn projected_area(&self) -> f64 {
         let area = |triangle| {
             let [a, b, c] = self.corners(triangle);
@@ -76,13 +76,13 @@ impl PeriodicMesh {
         (0..self.triangles.len()).map(area).sum()
     }
 
-    /// A mesh through a grid of `columns` x `rows` points, row by row, that is joined at its ends: point `(column, row)`
-    /// comes from parameters `(column / columns, row / rows)`, and at `columns` the surface goes on one tile along x, at
+    /// Builds a mesh from a grid of `columns` x `rows` points, row by row, that is joined at its ends. Point `(column,
+    /// row)` has parameters `(column / columns, row / rows)`. At `columns` the surface continues one tile along x, at
     /// `rows` one tile along y. Quads are split along their shorter diagonal. Normals are means over the triangles at a
     /// vertex, weighted by their angles there.
     ///
     /// # Panics
-    /// With fewer than 3 columns or rows, or another number of points or materials.
+    /// Panics with fewer than 3 columns or rows, or if the number of points or materials differs from `columns * rows`.
     pub fn from_grid(columns: usize, rows: usize, points: Vec<Vector>, materials: Vec<VertexMaterial>) -> Self {
         assert!(columns >= 3 && rows >= 3, "a grid of {columns} x {rows} cannot be joined");
         assert_eq!(points.len(), columns * rows, "one point for each vertex");
@@ -109,8 +109,8 @@ impl PeriodicMesh {
         mesh
     }
 
-    /// One tile as a mesh for files: corners in other tiles are vertices of their own. Tints are vertex colours; which
-    /// materials a vertex has is lost.
+    /// Returns one tile as a mesh for files: corners in other tiles become vertices of their own. Tints become vertex
+    /// colours; the material weights of vertices are lost.
     pub fn to_triangle_mesh(&self) -> TriangleMesh {
         let mut mesh = TriangleMesh::default();
         let mut known = BTreeMap::new();
@@ -166,7 +166,8 @@ mod tests {
     use proptest::prelude::*;
     use std::collections::BTreeMap;
 
-    /// How often each edge is passed, in either direction; keys are its ends, and how many tiles it goes.
+    /// Number of times that each edge is traversed, in either direction; keys are its ends and the tiles that it
+    /// crosses.
     pub fn edges(mesh: &PeriodicMesh) -> BTreeMap<(u32, u32, [i32; 2]), [usize; 2]> {
         let mut edges: BTreeMap<_, [usize; 2]> = BTreeMap::new();
         for triangle in &mesh.triangles {
@@ -181,7 +182,7 @@ mod tests {
     }
 
     proptest! {
-        /// Whatever the points are, the grid is a torus that covers the tile once.
+        /// For any points, the grid is a torus that covers the tile once.
         #[test]
         fn grids_are_sheets(
             (columns, rows, offsets) in (3usize..9, 3usize..9).prop_flat_map(|(columns, rows)| {
@@ -202,7 +203,7 @@ mod tests {
     }
 
     #[test]
-    fn a_missing_triangle_is_missed() {
+    fn missing_triangles_are_detected() {
         let points = (0..9).map(|i| [f64::from(i % 3) / 3.0, f64::from(i / 3) / 3.0, 0.0]).collect();
         let mut mesh = PeriodicMesh::from_grid(3, 3, points, vec![VertexMaterial::default(); 9]);
         assert!((mesh.projected_area() - 1.0).abs() < 1e-15);

@@ -1,4 +1,4 @@
-//! A surface made ready for everything that is asked of it.
+//! A surface with its parameterisation and ray caster.
 
 use super::caster::PeriodicCaster;
 use super::mesh::{PeriodicMesh, corner_coordinates};
@@ -8,33 +8,33 @@ use super::texels::{TexelMap, texel_map};
 use brdfc_core::progress::Progress;
 use brdfc_formats::direction::Vector;
 
-/// A periodic surface with parameters, ready for rays.
+/// A periodic surface with its parameterisation and ray caster.
 pub struct MesoModel {
     /// The surface.
     pub mesh: PeriodicMesh,
-    /// Its parameters.
+    /// The parameterisation of `mesh`.
     pub parameterisation: SurfaceParameterisation,
-    /// Rays against its repetition.
+    /// Casts rays against the repeated surface.
     pub caster: PeriodicCaster,
 }
 
-/// What is seen along a line.
+/// The surface point at which a line of sight ends.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Seen {
-    /// Its parameters, not wrapped: they move on without a jump where the line goes on to the next tile.
+    /// Parameters of the point, not wrapped: they are continuous where the line crosses into the next tile.
     pub parameters: [f64; 2],
-    /// Where the line meets the surface.
+    /// Intersection of the line with the surface.
     pub hit: Hit,
 }
 
 impl MesoModel {
-    /// Lays the surface flat with up to `rounds` rounds of stretch-reducing reweighting; `progress` hears of about
+    /// Parameterises the surface with up to `rounds` rounds of stretch-reducing reweighting. `progress` receives about
     /// [`steps`]`(rounds)` steps.
     ///
     /// [`steps`]: super::parameterise::steps
     ///
     /// # Errors
-    /// As [`parameterise`].
+    /// Returns the errors of [`parameterise`].
     pub fn new(mesh: PeriodicMesh, rounds: usize, progress: &dyn Progress) -> Result<Self, ParameteriseError> {
         let parameterisation = parameterise(&mesh, rounds, progress)?;
         let caster = PeriodicCaster::new(&mesh);
@@ -46,14 +46,15 @@ impl MesoModel {
         texel_map(&self.mesh, &self.parameterisation.coordinates, size)
     }
 
-    /// What an eye far away in direction `view` sees behind the point `(x, y)` of the reference plane.
+    /// Returns the surface point that a distant eye in direction `view` sees behind the point `(x, y)` of the reference
+    /// plane.
     ///
     /// # Panics
-    /// If the surface has a hole, or the view is steeper than [`super::caster::STEEPEST_DEGREES`] over a taller relief
-    /// than [`super::weld::TALLEST`]: a [`PeriodicMesh`] that was checked has neither.
+    /// Panics if the surface has a hole, or if the view is steeper than [`super::caster::MAX_POLAR_DEGREES`] and the
+    /// relief taller than [`super::weld::MAX_HEIGHT`]. A checked [`PeriodicMesh`] has neither.
     pub fn seen(&self, at: [f64; 2], view: Vector) -> Seen {
         let at = [at[0], at[1], 0.0];
-        // A line through the seam of triangles that rounding pulls apart: a hair to the side they meet. Hairs grow, since
+        // The line may pass through a seam that rounding opens between triangles: nudge it sideways. Nudges grow, since
         // seams of large triangles are wider.
         let nudged = |k: i32| {
             let hair = if k == 0 { 0.0 } else { 1e-7 * 2f64.powi(k - 1) };

@@ -1,6 +1,6 @@
-//! How far what a shader sees is from what a surface shows: random look-ups into the finished packs.
+//! Errors of the decoded asset against the surface, measured with random probes of the finished packs.
 //!
-//! Values of the flat BTF come view by view and are added up as they pass, so that all views need never be in memory.
+//! Views of the flat BTF are added one by one, so that memory never holds all of them.
 
 use super::model::MesoModel;
 use super::rebuild::periodic_bilinear;
@@ -19,18 +19,18 @@ use std::f64::consts::TAU;
 /// Differences in L*a*b* (ΔE of 1976); 1 is just visible side by side.
 #[derive(Debug, Clone, Copy, PartialEq, serde::Serialize, serde::Deserialize, schemars::JsonSchema)]
 pub struct ColourErrors {
-    /// Look-ups.
+    /// Number of probes.
     pub samples: usize,
-    /// Mean.
+    /// Mean difference.
     pub mean: f64,
-    /// 95th percentile.
+    /// 95th percentile of the differences.
     pub p95: f64,
-    /// Largest.
+    /// Largest difference.
     pub max: f64,
 }
 
 impl ColourErrors {
-    /// Of differences; all zero without any.
+    /// Summarises differences; all zero if there are none.
     pub fn new(mut differences: Vec<f64>) -> Self {
         differences.sort_by(f64::total_cmp);
         let samples = differences.len();
@@ -40,7 +40,7 @@ impl ColourErrors {
     }
 }
 
-/// One look-up.
+/// One probe.
 #[derive(Debug, Clone)]
 struct Probe {
     at: [f32; 2],
@@ -48,23 +48,23 @@ struct Probe {
     light: [f32; 3],
     views: ([u32; 3], [f32; 3]),
     lights: ([u32; 3], [f32; 3]),
-    /// What the indirection map says is seen.
+    /// Parameters according to the indirection map.
     parameters: [f32; 2],
     truth: [f32; 3],
     rebuilt: [f32; 3],
 }
 
-/// Look-ups at random points of the reference plane.
+/// Probes at random points of the reference plane.
 pub struct Probes(Vec<Probe>);
 
-/// Seed of the look-ups.
+/// Seed of the probes.
 const SEED: u64 = 0xb7f0;
 
-/// Sampled directions, and how to blend between them.
+/// Sampled directions and a mesh for blending between them.
 pub struct Directions<'a> {
     /// Unit vectors.
     pub all: &'a [Vector],
-    /// Triangles of them.
+    /// Triangulation of the directions.
     pub mesh: &'a DirectionMesh,
 }
 
@@ -74,7 +74,7 @@ impl Directions<'_> {
     }
 }
 
-/// A random direction as steep as the steepest of some unit vectors at most, uniform by solid angle.
+/// Returns a random direction, uniform by solid angle and at most as steep as the steepest of `all`.
 pub fn random_between(all: &[Vector], random: &mut ChaCha8Rng) -> Vector {
     let lowest = all.iter().map(|d| d[2]).fold(1.0, f64::min);
     let z = lowest + (1.0 - lowest) * random.random::<f64>();
@@ -82,10 +82,10 @@ pub fn random_between(all: &[Vector], random: &mut ChaCha8Rng) -> Vector {
 }
 
 impl Probes {
-    /// `count` look-ups at sampled views and lights; `truth(view, light, at)` is what is to be found.
+    /// Creates `count` probes at sampled views and lights; `truth(view, light, at)` is the reference value.
     ///
     /// # Errors
-    /// As `truth`.
+    /// Returns the errors of `truth`.
     pub fn at_samples<E: Send>(
         count: usize,
         decoder: &FlatBtfDecoder,
@@ -97,7 +97,7 @@ impl Probes {
         let chosen: Vec<([f64; 2], usize, usize)> = (0..count)
             .map(|k| {
                 let at = [random.random(), random.random()];
-                // Every view as often as any other.
+                // Every view equally often.
                 (at, k * views.len() / count, random.random_range(0..lights.len()))
             })
             .collect();
@@ -109,7 +109,7 @@ impl Probes {
         Ok(Self(chosen.par_iter().map(probe).collect::<Result<_, _>>()?))
     }
 
-    /// `count` look-ups at random views and lights, between the samples, against the surface itself.
+    /// Creates `count` probes at random views and lights between the samples, with the surface itself as reference.
     pub fn between_samples(
         count: usize,
         decoder: &FlatBtfDecoder,
@@ -127,14 +127,14 @@ impl Probes {
             .collect();
         let single = |v: Vector| v.map(|c| c as f32);
         let probe = |(at, view, light): &([f64; 2], Vector, Vector)| {
-            let truth = shown(model, appearance, *at, *view, *light);
+            let truth = direct_radiance(model, appearance, *at, *view, *light);
             let (near_views, near_lights) = (views.mesh.weights(single(*view)), lights.mesh.weights(single(*light)));
             Probe::new(decoder, *at, (*view, near_views), (*light, near_lights), truth)
         };
         Self(chosen.par_iter().map(probe).collect())
     }
 
-    /// Adds what a view contributes.
+    /// Adds the contribution of a view.
     pub fn add_view(&mut self, view: &FlatView) {
         let index = view.header().view;
         let size = view.header().size as usize;
@@ -150,12 +150,12 @@ impl Probes {
         });
     }
 
-    /// Errors of equation 1, once all views were added.
+    /// Errors of equation 1, after all views were added.
     pub fn full(&self) -> ColourErrors {
         ColourErrors::new(self.0.iter().map(|probe| difference(probe.truth, probe.rebuilt)).collect())
     }
 
-    /// The same of factors in place of all views, at the finest level.
+    /// Errors of the factors that replace all views, at the finest level.
     pub fn factored(&self, asset: &FactoredFlatBtf) -> ColourErrors {
         let error = |probe: &Probe| {
             let [view, light] = [(probe.view, probe.views), (probe.light, probe.lights)].map(|(direction, samples)| {
@@ -188,8 +188,14 @@ impl Probe {
     }
 }
 
-/// What the surface shows behind a point of the reference plane: direct light with cast shadows.
-pub fn shown(model: &MesoModel, appearance: &Appearance, at: [f64; 2], view: Vector, light: Vector) -> [f32; 3] {
+/// Relative radiance of the surface behind a point of the reference plane: direct light with cast shadows.
+pub fn direct_radiance(
+    model: &MesoModel,
+    appearance: &Appearance,
+    at: [f64; 2],
+    view: Vector,
+    light: Vector,
+) -> [f32; 3] {
     let point = model.point(&model.seen(at, view).hit);
     if dot(point.normal, light) > 0.0 && model.caster.sees_sky(&point, light) {
         appearance.relative_radiance(&point, view, light)

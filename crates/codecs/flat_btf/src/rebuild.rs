@@ -1,4 +1,4 @@
-//! Ordinary BTF images, computed directly and rebuilt from a flat BTF by equation 1 of Hadim et al. 2009,
+//! Images of ordinary BTFs, computed directly and rebuilt from a flat BTF by equation 1 of Hadim et al. 2009,
 //! `BTF_{v,l}(i, j) = FBTF_{v,l}(VDIM_v(i, j))`.
 
 use super::model::MesoModel;
@@ -8,12 +8,12 @@ use brdfc_formats::flat_btf::FlatBtfDecoder;
 use brdfc_formats::tap::{Tap, bilinear};
 use rayon::prelude::*;
 
-/// What a view sees through the texels of the reference plane: `oversampling²` surface points for each.
+/// Surface points that a view sees through the texels of the reference plane: `oversampling²` for each.
 pub struct ViewImage {
     /// Texels per side.
     pub size: usize,
     view: Vector,
-    /// Rays of a texel, one after the other.
+    /// Rays per texel.
     per_texel: usize,
     points: Vec<SurfacePoint>,
     parameters: Vec<[f32; 2]>,
@@ -33,7 +33,7 @@ impl ViewImage {
         Self { size, view, per_texel, points, parameters }
     }
 
-    /// The image under one light as the surface shows it: means over the rays of a texel.
+    /// Image of the surface under one light: means over the rays of a texel.
     pub fn direct(&self, model: &MesoModel, appearance: &Appearance, light: Vector) -> Vec<[f32; 3]> {
         let value = |point: &SurfacePoint| match model.caster.sees_sky(point, light) {
             true => appearance.relative_radiance(point, self.view, light),
@@ -42,15 +42,16 @@ impl ViewImage {
         self.points.chunks_exact(self.per_texel).map(|points| mean(points.iter().map(value), self.per_texel)).collect()
     }
 
-    /// The image rebuilt from the flat image of the same view and light: bilinear, periodic look-ups at what the rays of a
-    /// texel see, and their mean. No indirection map is asked: what the flat image alone loses.
+    /// Image rebuilt from the flat image of the same view and light: the mean of bilinear, periodic look-ups at the
+    /// points that the rays of a texel see. It does not use an indirection map, so that its error is that of the flat
+    /// image alone.
     pub fn rebuilt(&self, flat: &[[f32; 3]]) -> Vec<[f32; 3]> {
         let values = looked_up(flat, &self.parameters);
         values.chunks_exact(self.per_texel).map(|values| mean(values.iter().copied(), self.per_texel)).collect()
     }
 }
 
-/// What the indirection map of a decoder says that a view sees, for the centre of each texel of its reference plane.
+/// Parameters that the decoder's indirection map gives for a view, at the centre of each texel of its reference plane.
 pub fn stored_parameters(decoder: &FlatBtfDecoder, view: Vector) -> Vec<[f32; 2]> {
     let size = decoder.parts().reference.size() as usize;
     let view = view.map(|c| c as f32);
@@ -73,7 +74,7 @@ fn mean(values: impl Iterator<Item = [f32; 3]>, count: usize) -> [f32; 3] {
     sum.map(|s| s / count as f32)
 }
 
-/// Value of an image of `size` x `size` texels, which repeats, between its texels' centres; `texel` gives those, row by row.
+/// Bilinear value of a periodic image of `size` x `size` texels; `texel` returns the texels, row by row.
 pub fn periodic_bilinear(size: usize, [u, v]: [f32; 2], texel: impl Fn(usize) -> [f32; 3]) -> [f32; 3] {
     let axis = |c: f32| Tap::new(c * size as f32, size as u32, true);
     bilinear([axis(u), axis(v)], |[x, y]| texel(y * size + x))
@@ -93,7 +94,7 @@ mod tests {
     };
 
     #[test]
-    fn equation_1_gives_the_btf_back_the_better_the_more_texels() {
+    fn equation_1_converges_to_the_btf_with_more_texels() {
         let model = MesoModel::new(overhang(48), 0, &()).unwrap();
         let appearance =
             Appearance { sources: vec![parse_synth("synth:lewis?kd=0.5&ks=0.1&n=8").unwrap()], ..Default::default() };
@@ -113,12 +114,12 @@ mod tests {
         };
         let (coarse, fine) = (error(32, 0.0), error(256, 0.0));
         assert!(coarse < 0.2 && fine < 0.02 && fine < 0.4 * coarse, "{coarse} {fine}");
-        // The control: the map of another view.
+        // The negative control: the map of another view.
         assert!(error(256, 0.5) > 10.0 * fine);
     }
 
     #[test]
-    fn look_ups_through_the_map_are_those_of_the_decoder() {
+    fn look_ups_through_the_map_match_the_decoder() {
         let random = |salt: usize, k: usize| ((k * 7919 + salt * 104_729 + 13) % 1009) as f32 / 1009.0;
         let header = IndirectionHeader { size: 6, zenith_samples: 4, azimuth_samples: 5, largest_angle: 1.3 };
         let mut k = 0;
@@ -146,7 +147,7 @@ mod tests {
                 let at = [texel % 6, texel / 6].map(|c| (c as f32 + 0.5) / 6.0);
                 let value = decoder.full(at, direction.map(|c| c as f32), one, one);
                 assert!((0..3).all(|k| (value[k] - rebuilt[k]).abs() < 1e-5), "{value:?} {rebuilt:?}");
-                // The control: another view is looked up elsewhere.
+                // The negative control: another view gives other values.
                 let other = decoder.full(at, from_polar(0.5, 3.0).map(|c| c as f32), one, one);
                 moved += usize::from((other[0] - rebuilt[0]).abs() > 0.01);
             }

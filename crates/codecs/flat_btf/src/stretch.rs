@@ -1,23 +1,24 @@
-//! How unevenly a parameterisation spends its texels (Sander et al. 2001, "Texture mapping progressive meshes").
+//! Stretch of parameterisations (Sander et al. 2001, "Texture mapping progressive meshes"): how unevenly texels are
+//! distributed over the surface.
 
 use super::mesh::{PeriodicMesh, corner_coordinates, twice_area};
 use brdfc_formats::direction::{Vector, cross, dot, subtract};
 
-/// Stretch of a whole surface. Lengths are relative to a map that keeps every area: 1 everywhere would be perfect.
+/// Stretch of a whole surface. Lengths are relative to an area-preserving map: 1 everywhere is ideal.
 #[derive(Debug, Clone, Copy, PartialEq, serde::Serialize, serde::Deserialize, schemars::JsonSchema)]
 pub struct Stretch {
     /// Root mean square over the surface of the stretch in all directions; 1 or more.
     pub l2: f64,
-    /// Largest stretch in any direction anywhere.
+    /// Largest stretch in any direction at any point.
     pub largest: f64,
     /// Area of the surface, in tiles.
     pub area: f64,
-    /// Smallest share of parameter area that a piece of surface gets, relative to an even share.
+    /// Smallest share of parameter area that a piece of surface has, relative to an even share.
     pub smallest_share: f64,
 }
 
-/// Squared singular values of a triangle's map from parameters to space, larger first, its area in space, and its area
-/// in parameters.
+/// For one triangle: the squared singular values of its map from parameters to space, larger first, its area in space,
+/// and its area in parameters.
 struct Local {
     singular_squared: [f64; 2],
     area: f64,
@@ -60,7 +61,7 @@ pub fn measure(mesh: &PeriodicMesh, coordinates: &[[f64; 2]]) -> Stretch {
     Stretch { l2: (sum / area / area).sqrt(), largest: (largest / area).sqrt(), area, smallest_share: smallest * area }
 }
 
-/// Stretch at each vertex: root mean square over the triangles there, by their area.
+/// Stretch at each vertex: root mean square over the adjacent triangles, weighted by area.
 pub fn vertex_stretch(mesh: &PeriodicMesh, coordinates: &[[f64; 2]]) -> Vec<f64> {
     let mut sums = vec![[0.0f64; 2]; mesh.positions.len()];
     for (index, triangle) in mesh.triangles.iter().enumerate() {
@@ -83,7 +84,7 @@ mod tests {
     #[test]
     fn a_slope_has_the_stretch_of_its_slope() {
         let slope = 0.75f64;
-        // A roof: up and down, so that it closes. Laid flat straight down.
+        // A roof, up and down so that it closes. Parameterised straight down.
         let mesh = height_field(8, |x, _| slope * (0.5 - (x - 0.5).abs()));
         let flat: Vec<[f64; 2]> = mesh.positions.iter().map(|p| [p[0], p[1]]).collect();
         let stretch = measure(&mesh, &flat);

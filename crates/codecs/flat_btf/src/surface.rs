@@ -1,4 +1,4 @@
-//! Points of a surface, and what they are made of.
+//! Points of a surface and their materials.
 
 use super::mesh::{PeriodicMesh, VertexMaterial};
 use super::tile_image::TileImage;
@@ -6,15 +6,15 @@ use brdfc_core::{Source, Tally};
 use brdfc_formats::direction::{DirectionPair, Vector, add_scaled, cross, dot, normalize, rotate_to_normal, subtract};
 use std::f64::consts::PI;
 
-/// Rays that leave a surface start this far off it, in tiles: what single precision needs on tiles of 1.
-pub const LIFT: f64 = 1e-5;
+/// Distance from the surface at which secondary rays start, in tiles: single precision requires it on tiles of size 1.
+pub const RAY_OFFSET: f64 = 1e-5;
 
-/// Where a ray meets the surface.
+/// Intersection of a ray with the surface.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Hit {
     /// Index of the triangle in the mesh.
     pub triangle: u32,
-    /// The repetition of the tile that the triangle is hit in.
+    /// Repetition of the tile in which the ray hits the triangle.
     pub tile: [i32; 2],
     /// Weights of the second and third corner.
     pub barycentric: [f32; 2],
@@ -25,18 +25,19 @@ pub struct Hit {
 /// A point of the surface.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct SurfacePoint {
-    /// Where it is, in tiles.
+    /// Position, in tiles.
     pub position: Vector,
     /// Unit shading normal: vertex normals, interpolated.
     pub normal: Vector,
     /// Unit normal of its triangle.
     pub geometric_normal: Vector,
-    /// What it is made of.
+    /// Material.
     pub material: VertexMaterial,
 }
 
 impl SurfacePoint {
-    /// The point with these weights of the second and third corner of a triangle, `tile` tiles away.
+    /// Creates the point with barycentric weights `[u, v]` of the second and third corner of a triangle, `tile` tiles
+    /// away.
     pub fn new(mesh: &PeriodicMesh, triangle: usize, [u, v]: [f64; 2], tile: [i32; 2]) -> Self {
         let weights = [1.0 - u - v, u, v];
         let corners = mesh.corners(triangle);
@@ -60,19 +61,19 @@ impl SurfacePoint {
         }
     }
 
-    /// Where rays start that leave the surface here: [`LIFT`] above its triangle, along the shading normal. At the bottom
-    /// of a crease the normal of one side leads behind the other. Only where the shading normal hardly rises above the
-    /// triangle it is the triangle's own.
-    pub fn lifted(&self) -> Vector {
+    /// Origin of rays that leave the surface here: [`RAY_OFFSET`] above its triangle, along the shading normal. At the
+    /// bottom of a crease, the geometric normal of one side leads behind the other side. Uses the geometric normal only
+    /// if the shading normal hardly rises above the triangle.
+    pub fn ray_origin(&self) -> Vector {
         let rise = dot(self.normal, self.geometric_normal);
         if rise > 0.1 {
-            add_scaled(self.position, LIFT / rise, self.normal)
+            add_scaled(self.position, RAY_OFFSET / rise, self.normal)
         } else {
-            add_scaled(self.position, LIFT, self.geometric_normal)
+            add_scaled(self.position, RAY_OFFSET, self.geometric_normal)
         }
     }
 
-    /// The point that a ray met.
+    /// Creates the point of a hit.
     pub fn of_hit(mesh: &PeriodicMesh, hit: &Hit) -> Self {
         Self::new(mesh, hit.triangle as usize, hit.barycentric.map(f64::from), hit.tile)
     }
@@ -85,15 +86,15 @@ pub fn geometric_normal(corners: [Vector; 3]) -> Vector {
 
 /// The materials of a surface.
 ///
-/// Their tangent frame is the reference plane's, turned by the shortest rotation that takes its normal to the shading
+/// Their tangent frame is that of the reference plane, rotated by the shortest rotation from its normal to the shading
 /// normal.
 #[derive(Default)]
 pub struct Appearance {
-    /// One for each weight of [`VertexMaterial`] that is used; 1 to 4.
+    /// Sources, one for each weight of [`VertexMaterial`] in use; 1 to 4.
     pub sources: Vec<Box<dyn Source>>,
-    /// Multiplies tints: linear RGB, 0 to 1, straight above and below each point of the tile.
+    /// Multiplies tints: linear RGB, 0 to 1, projected vertically onto the tile.
     pub colour: Option<TileImage<3>>,
-    /// Shares of the sources, instead of those of the vertices; need not sum to 1.
+    /// Shares of the sources, in place of the vertices' shares; need not sum to 1.
     pub weights: Option<TileImage<4>>,
 }
 
@@ -108,7 +109,7 @@ impl Appearance {
         let weights = self.weights.as_ref().map_or(point.material.weights, |map| {
             let weights = map.at(x, y);
             let sum: f32 = weights.iter().take(self.sources.len()).sum();
-            // Black: the first material.
+            // Black pixels select the first material.
             if sum > 0.0 { weights.map(|w| w / sum) } else { [1.0, 0.0, 0.0, 0.0] }
         });
         let mut sum = [0.0f64; 3];
@@ -123,7 +124,7 @@ impl Appearance {
     }
 
     /// Radiance towards `view` under a light from far away, divided by that of a white diffuser that faces the light:
-    /// `π f_r cos θi`. Shadows are not looked at.
+    /// `π f_r cos θi`. Ignores shadows.
     pub fn relative_radiance(&self, point: &SurfacePoint, view: Vector, light: Vector) -> [f32; 3] {
         let scale = PI * dot(point.normal, light);
         self.reflectance(point, view, light).map(|f_r| (scale * f_r) as f32)

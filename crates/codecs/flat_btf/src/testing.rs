@@ -20,7 +20,7 @@ pub(crate) fn bumps(n: usize, height: f64) -> PeriodicMesh {
     height_field(n, |x, y| 0.25 * height * ((tau * x).sin() + (tau * (y + x)).cos()))
 }
 
-/// A sheet that leans over so far that it hides parts of itself from above.
+/// A sheet with an overhang that hides parts of itself from above.
 pub(crate) fn overhang(n: usize) -> PeriodicMesh {
     let tau = std::f64::consts::TAU;
     let points = (0..n * n).map(|i| {
@@ -30,7 +30,7 @@ pub(crate) fn overhang(n: usize) -> PeriodicMesh {
     PeriodicMesh::from_grid(n, n, points.collect(), vec![VertexMaterial::default(); n * n])
 }
 
-/// Stops the work at its `most`th step, and counts.
+/// Cancels the work at its `most`th step, and counts steps.
 pub(crate) struct Patience {
     most: usize,
     steps: AtomicUsize,

@@ -1,4 +1,4 @@
-//! Which surface point each texel of a flat BTF stands for: position and normal map (section 3.3 of Hadim et al. 2009).
+//! Surface points of the texels of a flat BTF: position and normal map (section 3.3 of Hadim et al. 2009).
 
 use super::mesh::{PeriodicMesh, corner_coordinates, twice_area};
 use super::surface::SurfacePoint;
@@ -13,13 +13,13 @@ pub struct TexelMap {
     pub points: Vec<SurfacePoint>,
 }
 
-/// How far outside a triangle, in barycentric coordinates, a texel's centre still belongs to it: what rounding loses.
+/// Tolerance, in barycentric coordinates, for texel centres outside a triangle: covers rounding.
 const EDGE: f64 = 1e-9;
 
 /// Finds the surface point of each texel. A centre on an edge belongs to the triangle that comes first.
 ///
 /// # Panics
-/// When the parameters do not cover the square: they are not a parameterisation of this mesh.
+/// Panics if the parameters do not cover the square: they are no parameterisation of this mesh.
 pub fn texel_map(mesh: &PeriodicMesh, coordinates: &[[f64; 2]], size: usize) -> TexelMap {
     let mut points: Vec<Option<SurfacePoint>> = vec![None; size * size];
     let scale = size as f64;
@@ -59,7 +59,7 @@ mod tests {
     use crate::testing::{height_field, overhang};
 
     #[test]
-    fn texels_of_a_plane_are_where_they_are() {
+    fn texels_of_a_plane_have_its_positions() {
         let mesh = height_field(7, |_, _| 0.25);
         let found = parameterise(&mesh, 0, &()).unwrap();
         let map = texel_map(&mesh, &found.coordinates, 16);

@@ -1,7 +1,7 @@
-//! Rays against triangles: a bounding volume hierarchy of four children per node, whose boxes and triangles are tested
-//! four at a time (Dammertz et al. 2008).
+//! Ray casting against triangles: a bounding volume hierarchy with four children per node, whose boxes and triangles
+//! are tested four at a time (Dammertz et al. 2008).
 //!
-//! obvhs builds the binary tree that nodes are gathered from.
+//! The nodes are collapsed from a binary tree that obvhs builds.
 
 use glam::{BVec4A, Vec3A, Vec4};
 use obvhs::BvhBuildParams;
@@ -9,18 +9,18 @@ use obvhs::bvh2::Bvh2;
 use obvhs::bvh2::builder::build_bvh2_from_tris;
 use obvhs::triangle::Triangle;
 
-/// A part of a ray.
+/// A segment of a ray.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Segment {
-    /// Where it begins.
+    /// Start point.
     pub origin: Vec3A,
     /// Unit vector.
     pub direction: Vec3A,
-    /// Its length.
+    /// Length.
     pub length: f32,
 }
 
-/// Where a segment meets a triangle.
+/// Intersection of a segment with a triangle.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct TriangleHit {
     /// Index of the triangle.
@@ -31,25 +31,25 @@ pub struct TriangleHit {
     pub barycentric: [f32; 2],
 }
 
-/// Triangles made ready for rays.
+/// Triangles prepared for ray casting.
 pub struct TriangleTree {
     /// The first is the root.
     nodes: Vec<Node>,
     leaves: Vec<Leaf>,
-    /// Most nodes that ever wait to be visited.
+    /// Maximum number of nodes that wait to be visited.
     waiting: usize,
 }
 
-/// Boxes of up to four children, and which they are. Lies in two lines of the cache.
+/// Boxes of up to four children, and their indices. Fills two cache lines.
 #[derive(Clone, Copy)]
 #[repr(align(64))]
 struct Node {
-    /// Along each axis, lower and upper borders.
+    /// Lower and upper bounds along each axis.
     borders: [[Vec4; 2]; 3],
     children: [u32; 4],
 }
 
-/// Up to four triangles: first corners and the two edges there, by axis.
+/// Up to four triangles: first corners and the two edges from there, by axis.
 #[derive(Clone, Copy)]
 struct Leaf {
     corner: [Vec4; 3],
@@ -59,17 +59,17 @@ struct Leaf {
 
 /// Marks a child that is a leaf.
 const LEAF: u32 = 1 << 31;
-/// How far outside a triangle, in barycentric coordinates, a ray still hits it: closes the seams between triangles.
+/// Tolerance, in barycentric coordinates, of hits outside a triangle: closes the seams between triangles.
 const EDGE: f32 = 1e-5;
-/// How far boxes reach beyond their triangles, for coordinates near 1: what rounding and [`EDGE`] need.
+/// Padding of boxes beyond their triangles, for coordinates near 1: covers rounding and [`EDGE`].
 const PADDING: f32 = 1e-6;
-/// Waiting nodes for which there is room without asking for memory.
+/// Stack entries available without heap allocation.
 const SMALL_STACK: usize = 64;
 
 impl TriangleTree {
     /// Builds the tree. Coordinates should be near 1 or below.
     pub fn new(corners: &[[Vec3A; 3]]) -> Self {
-        // obvhs chooses its own version of glam, which may differ from ours.
+        // obvhs depends on its own version of glam, which may differ from ours.
         let corner = |v: &Vec3A| v.to_array().into();
         let triangles: Vec<Triangle> =
             corners.iter().map(|[v0, v1, v2]| Triangle { v0: corner(v0), v1: corner(v1), v2: corner(v2) }).collect();
@@ -82,13 +82,13 @@ impl TriangleTree {
         tree
     }
 
-    /// Makes wide nodes of binary ones, parents before their children.
+    /// Collapses binary nodes into wide ones, parents before their children.
     fn gather(&mut self, binary: &Bvh2, corners: &[[Vec3A; 3]]) {
-        // Which binary node becomes which child of which wide node, and how many wait above it.
+        // For each binary node: the wide node and child slot that it fills, and the stack depth above it.
         let mut open = vec![(0, None, 0)];
         while let Some((index, parent, waiting)) = open.pop() {
             let mut parts = vec![index];
-            // The largest box is replaced by its halves while there is room.
+            // Replaces the largest box by its halves while there is room.
             while parts.len() < 4 {
                 let inner = parts.iter().enumerate().filter(|(_, part)| !binary.nodes[**part].is_leaf());
                 let area = |part: usize| binary.nodes[part].aabb().half_area();
@@ -124,7 +124,7 @@ impl TriangleTree {
         }
     }
 
-    /// The triangle that a segment meets first.
+    /// Finds the first triangle that a segment meets.
     pub fn nearest(&self, segment: &Segment) -> Option<TriangleHit> {
         let mut found = None;
         let mut length = segment.length;
@@ -145,7 +145,7 @@ impl TriangleTree {
         found
     }
 
-    /// Whether a segment meets any triangle.
+    /// Returns true if a segment meets any triangle.
     pub fn is_blocked(&self, segment: &Segment) -> bool {
         let mut blocked = false;
         self.visit::<false>(segment, &mut |leaf, rays| {
@@ -155,8 +155,8 @@ impl TriangleTree {
         blocked
     }
 
-    /// Calls `leaf` for the leaves that a segment may meet, from near to far if `ORDERED`. What it returns is the length
-    /// from there on; a negative length ends the visit.
+    /// Calls `leaf` for the leaves that a segment may meet, from near to far if `ORDERED`. The return value of `leaf`
+    /// replaces the length of the segment; a negative length ends the visit.
     #[inline(always)]
     fn visit<const ORDERED: bool>(&self, segment: &Segment, leaf: &mut impl FnMut(&Leaf, &Rays) -> f32) {
         let (mut small, mut large);
@@ -181,7 +181,7 @@ impl TriangleTree {
                 for lane in lanes(met) {
                     let entry = (node.children[lane], start[lane]);
                     let mut place = waiting;
-                    // Nearest last, which is visited next.
+                    // The nearest is last, and is visited next.
                     while ORDERED && place > first && stack[place - 1].1 < entry.1 {
                         stack[place] = stack[place - 1];
                         place -= 1;
@@ -209,12 +209,12 @@ impl TriangleTree {
     }
 }
 
-/// A segment four times over, by axis.
+/// A segment replicated to four lanes, by axis.
 struct Rays {
     origin: [Vec4; 3],
     direction: [Vec4; 3],
     inverse: [Vec4; 3],
-    /// Which border of a box comes first along each axis.
+    /// The bound of a box that the ray meets first along each axis: 0 lower, 1 upper.
     near: [usize; 3],
 }
 
@@ -222,7 +222,7 @@ impl Rays {
     #[inline(always)]
     fn new(segment: &Segment) -> Self {
         let direction = segment.direction.to_array();
-        // Finite, or a border through the origin would give no number.
+        // Finite, because a bound through the origin would otherwise give NaN.
         let inverse = |d: f32| if d.abs() < 1e-18 { 1e18f32.copysign(d) } else { 1.0 / d };
         Self {
             origin: segment.origin.to_array().map(Vec4::splat),
@@ -234,7 +234,7 @@ impl Rays {
 }
 
 impl Node {
-    /// Which children a ray meets up to `length`, and where it enters them.
+    /// For each child, true if the ray meets it within `length`, and the distance at which it enters.
     #[inline(always)]
     fn intersect(&self, rays: &Rays, length: f32) -> (BVec4A, [f32; 4]) {
         let (mut start, mut end) = (Vec4::ZERO, Vec4::splat(length));
@@ -249,9 +249,9 @@ impl Node {
 }
 
 impl Leaf {
-    /// Of up to four triangles.
+    /// Packs up to four triangles.
     fn new(held: &[u32], corners: &[[Vec3A; 3]]) -> Self {
-        // Edges of no length are never met.
+        // Edges of zero length are never hit.
         assert!(held.len() <= 4, "a leaf of {} triangles", held.len());
         let mut leaf = Self { corner: [Vec4::ZERO; 3], edges: [[Vec4::ZERO; 3]; 2], triangles: [u32::MAX; 4] };
         for (lane, triangle) in held.iter().enumerate() {
@@ -266,13 +266,13 @@ impl Leaf {
         leaf
     }
 
-    /// Which triangles a ray meets up to `length`, the distances, and weights of the second and third corners (Möller and
-    /// Trumbore 1997).
+    /// For each triangle, true if the ray meets it within `length`, the distances, and the weights of the second and
+    /// third corners (Möller and Trumbore 1997).
     #[inline(always)]
     fn intersect(&self, rays: &Rays, length: f32) -> (BVec4A, [[f32; 4]; 3]) {
         let [e1, e2] = &self.edges;
         let p = cross(&rays.direction, e2);
-        // Not a number where the determinant is 0: no comparison holds.
+        // NaN or infinite if the determinant is 0: all comparisons fail.
         let inverse = Vec4::ONE / dot(e1, &p);
         let from = [0, 1, 2].map(|k| rays.origin[k] - self.corner[k]);
         let u = dot(&from, &p) * inverse;
@@ -296,7 +296,7 @@ fn cross(a: &[Vec4; 3], b: &[Vec4; 3]) -> [Vec4; 3] {
     [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]]
 }
 
-/// Indices of the lanes that are set, in their order.
+/// Indices of the lanes that are set, in ascending order.
 #[inline(always)]
 fn lanes(set: BVec4A) -> impl Iterator<Item = usize> {
     let mut left = set.bitmask();
@@ -320,8 +320,8 @@ mod tests {
         Vec3A::from_array(std::array::from_fn(|_| random.random_range(-1.0..1.0)))
     }
 
-    /// Distance to the first of all triangles, in double precision and by volumes: the line goes round the same side of
-    /// all three edges.
+    /// Distance to the first of all triangles, in double precision and by volumes: the line passes all three edges on
+    /// the same side.
     fn expected(corners: &[[Vec3A; 3]], segment: &Segment) -> Option<(u32, f64)> {
         let double = |v: Vec3A| v.as_dvec3();
         let (o, d) = (double(segment.origin), double(segment.direction));
@@ -337,7 +337,7 @@ mod tests {
     }
 
     #[test]
-    fn meets_what_a_search_through_all_triangles_meets() {
+    fn hits_match_a_search_through_all_triangles() {
         let mut random = ChaCha8Rng::seed_from_u64(3);
         for (count, size) in [(1, 0.8), (3, 0.8), (5, 0.5), (40, 0.4), (700, 0.15)] {
             let corners: Vec<[Vec3A; 3]> = (0..count)
@@ -376,7 +376,7 @@ mod tests {
     }
 
     #[test]
-    fn trees_of_nothing_and_of_triangles_without_area_are_met_by_nothing() {
+    fn empty_trees_and_degenerate_triangles_have_no_hits() {
         let corner = Vec3A::new(0.3, 0.2, 0.0);
         let segment = Segment { origin: corner + Vec3A::Z, direction: -Vec3A::Z, length: 2.0 };
         for corners in [vec![], vec![[corner; 3]; 9], vec![[corner, corner, Vec3A::ZERO]; 2]] {
@@ -386,8 +386,8 @@ mod tests {
     }
 
     #[test]
-    fn deep_trees_find_room() {
-        // Boxes within boxes: each is met by the same ray.
+    fn deep_trees_do_not_overflow_the_stack() {
+        // Nested boxes that one ray meets.
         let square = |k: i32| {
             let r = 0.9f32.powi(k);
             [Vec3A::new(-r, -r, -r), Vec3A::new(3.0 * r, -r, -r), Vec3A::new(-r, 3.0 * r, -r)]

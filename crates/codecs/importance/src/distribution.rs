@@ -3,20 +3,20 @@
 use super::HalfGrid;
 use std::f64::consts::TAU;
 
-/// A density over half vectors that is constant in each cell: rings are drawn first, then the cell of the ring.
+/// A density over half vectors that is constant in each cell. Sampling first draws a ring, then a cell of the ring.
 #[derive(Debug, Clone)]
 pub struct Distribution {
     grid: HalfGrid,
-    /// Probability of all rings before this one, and 1.
+    /// For each ring, the probability of all previous rings, followed by 1.
     rings: Vec<f64>,
-    /// For each ring, probability of all its cells before this one given the ring, and 1.
+    /// For each ring, the conditional probability of the previous cells of each cell given the ring, followed by 1.
     cells: Vec<f64>,
-    /// `1 - cos` of the borders of the rings.
+    /// `1 - cos` of the ring borders.
     borders: Vec<f64>,
 }
 
 impl Distribution {
-    /// From a weight for each cell of `grid`, ring by ring, all positive.
+    /// Creates the distribution with a positive weight for each cell of `grid`, ring by ring.
     pub fn new(grid: HalfGrid, weights: &[f64]) -> Self {
         let mut rings = Vec::with_capacity(grid.polar + 1);
         let mut cells = Vec::with_capacity(grid.polar * (grid.azimuths + 1));
@@ -31,7 +31,7 @@ impl Distribution {
         Self { grid, rings, cells, borders }
     }
 
-    /// The half vector at a point of the unit square, and its density per steradian.
+    /// Maps a point of the unit square to a half vector and its density per steradian.
     pub fn sample(&self, [u, v]: [f64; 2]) -> [f32; 4] {
         let (ring, across) = invert(&self.rings, u);
         let (cell, along) = invert(self.ring(ring), v);
@@ -61,7 +61,7 @@ impl Distribution {
     }
 }
 
-/// Appends the cumulative distribution of some weights, which begins with 0 and ends with 1; returns their sum.
+/// Appends the cumulative distribution of some weights, from 0 to 1, and returns their sum.
 fn accumulate(weights: &[f64], cumulative: &mut Vec<f64>) -> f64 {
     let total: f64 = weights.iter().sum();
     let mut sum = 0.0;
@@ -76,7 +76,7 @@ fn accumulate(weights: &[f64], cumulative: &mut Vec<f64>) -> f64 {
     total
 }
 
-/// The step of a cumulative distribution that holds `u`, and how far `u` is into it, 0 to 1.
+/// The interval of a cumulative distribution that contains `u`, and the position of `u` in it, 0 to 1.
 fn invert(cumulative: &[f64], u: f64) -> (usize, f64) {
     let step = cumulative.partition_point(|sum| *sum <= u).clamp(1, cumulative.len() - 1) - 1;
     let height = cumulative[step + 1] - cumulative[step];

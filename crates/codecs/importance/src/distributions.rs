@@ -1,4 +1,4 @@
-//! The distributions that samples are drawn from, for those who ask for any number of samples or for densities.
+//! Sampling distributions, for callers that need any number of samples, or densities.
 
 use super::half_vector::{jacobian, reflected};
 use super::{Distribution, ImportanceRecipe, cell_probabilities};
@@ -8,7 +8,7 @@ use brdfc_formats::direction::{Vector, dot, normalize};
 use brdfc_formats::importance::ImportanceHeader;
 use rayon::prelude::*;
 
-/// Incoming directions in proportion to a lobe, for every outgoing direction.
+/// Distributions of incoming directions proportional to a lobe, for every outgoing direction.
 #[derive(Debug, Clone)]
 pub struct LobeDistributions {
     header: ImportanceHeader,
@@ -16,10 +16,10 @@ pub struct LobeDistributions {
 }
 
 impl LobeDistributions {
-    /// Tabulates the lobe of every row of the header that the recipe gives.
+    /// Tabulates the lobe of every row of the header for the recipe.
     ///
     /// # Errors
-    /// Numbers of the recipe that are out of range.
+    /// Returns an error if a number of the recipe is out of range.
     pub fn new(source: &dyn Source, recipe: &ImportanceRecipe) -> Result<Self, FormatError> {
         let header = recipe.check(source.symmetry().isotropic)?;
         let row = |row: u32| {
@@ -29,7 +29,7 @@ impl LobeDistributions {
         Ok(Self { header, rows: (0..header.rows()).into_par_iter().map(row).collect() })
     }
 
-    /// The incoming direction at a point of the unit square, and the inverse of its density, sr; 0 where it comes out
+    /// Maps a point of the unit square to an incoming direction and its inverse density, sr; the inverse density is 0
     /// below the horizon.
     pub fn sample(&self, outgoing: Vector, point: [f64; 2]) -> (Vector, f64) {
         let [x, y, z, density] = self.row(outgoing).sample(point).map(f64::from);
@@ -54,7 +54,8 @@ impl LobeDistributions {
         &self.rows[self.header.row(outgoing.map(|c| c as f32)) as usize]
     }
 
-    /// Rows of isotropic materials are for outgoing directions over the tangent: turns by their azimuth, or back.
+    /// Rotates by the azimuth of the outgoing direction, or back. Rows of isotropic materials store outgoing directions
+    /// over the tangent.
     fn turned(&self, outgoing: Vector, half: Vector, sense: f64) -> Vector {
         let length = outgoing[0].hypot(outgoing[1]);
         if !self.header.isotropic() || length == 0.0 {
@@ -73,7 +74,7 @@ mod tests {
     use brdfc_formats::direction::from_polar;
 
     #[test]
-    fn samples_have_the_density_that_is_said_of_their_direction() {
+    fn samples_have_the_density_of_their_direction() {
         for address in ["synth:ggx?alpha=0.2", "synth:ward?ax=0.2&ay=0.5"] {
             let source = parse_synth(address).unwrap();
             let lobes = LobeDistributions::new(source.as_ref(), &ImportanceRecipe::default()).unwrap();
@@ -83,7 +84,7 @@ mod tests {
                     let (incoming, inverse) = lobes.sample(outgoing, sequence_point(index));
                     if inverse > 0.0 {
                         let density = lobes.density(outgoing, incoming);
-                        // Borders of cells may be on either side after rounding.
+                        // Rounding may place the borders of cells on either side.
                         compared += usize::from((density * inverse - 1.0).abs() < 1e-3);
                     }
                 }
@@ -93,7 +94,7 @@ mod tests {
     }
 
     #[test]
-    fn densities_integrate_to_what_is_above_the_horizon() {
+    fn densities_integrate_to_the_share_above_the_horizon() {
         let source = parse_synth("synth:ggx?alpha=0.3").unwrap();
         let lobes = LobeDistributions::new(source.as_ref(), &ImportanceRecipe::default()).unwrap();
         let outgoing = from_polar(0.7, 2.0);

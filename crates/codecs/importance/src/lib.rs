@@ -1,10 +1,12 @@
-//! Importance samples of a material's lobe: for each outgoing direction the density of half vectors is tabulated, its
-//! cumulative distribution inverted at the points of a low-discrepancy sequence. One step, one file; this one sequences.
+//! Importance samples of a material's lobe. For each outgoing direction, the density of half vectors is tabulated, and
+//! its cumulative distribution is inverted at the points of a low-discrepancy sequence. Each step has its own file;
+//! this one sequences them.
 //!
 //! Section 3.3 of Bagher et al. 2012, "Interactive rendering of acquired materials on dynamic geometry using bandwidth
 //! prediction".
-//! Half vectors, and not incoming directions, are stored, because a lobe follows the mirror direction: the half vectors
-//! of one outgoing direction fit its neighbours, too.
+//!
+//! The pack stores half vectors, not incoming directions, because a lobe follows the mirror direction: the half vectors
+//! of one outgoing direction also fit its neighbours.
 
 mod distribution;
 mod distributions;
@@ -28,10 +30,10 @@ use brdfc_formats::FormatError;
 use brdfc_formats::importance::{ImportanceHeader, ImportancePack};
 use rayon::prelude::*;
 
-/// Samples of `source` for all outgoing directions. The same on any number of threads.
+/// Computes samples of `source` for all outgoing directions. The result does not depend on the number of threads.
 ///
 /// # Errors
-/// Numbers of the recipe that are out of range.
+/// Returns an error if a number of the recipe is out of range.
 pub fn importance_samples(
     source: &dyn Source,
     recipe: &ImportanceRecipe,
@@ -40,7 +42,7 @@ pub fn importance_samples(
     let header = recipe.check(symmetry.isotropic)?;
     let points: Vec<[f64; 2]> = (0..recipe.samples).map(sequence_point).collect();
     let rows: Vec<u32> = (0..header.rows()).collect();
-    // Mirror images need no evaluation.
+    // Mirror images require no evaluation.
     let mirrored = symmetry.mirror && !symmetry.isotropic;
     let made: Vec<(Vec<[f32; 4]>, Tally)> = rows
         .par_iter()
@@ -67,7 +69,7 @@ pub fn importance_samples(
     Ok((ImportancePack::new(header, texels)?, tally))
 }
 
-/// The row of the first quarter turn whose mirror image a row is, and the signs of x and y that take it there.
+/// The row of the first quarter turn that a row mirrors, and the signs of x and y that map it there.
 fn mirror_image(header: &ImportanceHeader, row: u32) -> (u32, [f32; 2]) {
     let (polar, azimuth, quarter) = (row / header.azimuths, row % header.azimuths, header.azimuths / 4);
     let (original, signs) = match azimuth / quarter {

@@ -1,4 +1,4 @@
-//! The probabilities that half vectors are drawn with.
+//! Probabilities of half vectors.
 
 use super::half_vector::{jacobian, reflected};
 use super::recipe::ImportanceRecipe;
@@ -7,21 +7,21 @@ use brdfc_formats::direction::{DirectionPair, Vector, dot};
 use brdfc_formats::importance::ImportanceHeader;
 use std::f64::consts::FRAC_1_PI;
 
-/// Rec. 709.
+/// Luminance weights of Rec. 709.
 const LUMINANCE: [f64; 3] = [0.2126, 0.7152, 0.0722];
-/// Largest value that is believed, so that sums stay finite.
-const LARGEST: f64 = 1e30;
-/// What part of the defensive share is uniform over all half vectors, also those that no direction of the row has.
+/// Upper bound of values, which keeps sums finite.
+const MAX_VALUE: f64 = 1e30;
+/// Part of the defensive share that is uniform over all half vectors, including those that no direction of the row has.
 const UNIFORM: f64 = 0.1;
 
-/// Probability of each cell of the grid, ring by ring, for the outgoing direction in the middle of `row`; all positive,
-/// with the sum 1.
+/// Probability of each cell of the grid, ring by ring, for the outgoing direction in the middle of `row`; all are
+/// positive and sum to 1.
 ///
-/// Incoming directions are to be drawn in proportion to the luminance of `f_r cos θi`. Reflection of `wo` about `h` turns
-/// `jacobian` steradians of incoming directions into one of half vectors, so the density of half vectors is in proportion
-/// to `f_r cos θi 4 (wo · h)`. Most of the defensive share is the same with a constant for `f_r`, the largest over the
-/// outgoing directions of the row; a tenth of it is uniform. So all half vectors that any outgoing direction can have are
-/// drawn.
+/// Incoming directions are sampled in proportion to the luminance of `f_r cos θi`. Reflection of `wo` about `h` maps
+/// one steradian of half vectors to `jacobian` steradians of incoming directions, so the density of half vectors is
+/// proportional to `f_r cos θi 4 (wo · h)`. Most of the defensive share is the same with a constant for `f_r`, the
+/// largest over the outgoing directions of the row; a tenth of it is uniform. This covers all half vectors that any
+/// outgoing direction can have.
 pub fn cell_probabilities(
     source: &dyn Source,
     header: &ImportanceHeader,
@@ -70,8 +70,8 @@ pub fn cell_probabilities(
     lobe
 }
 
-/// The incoming direction that a half vector stands for, and the density of half vectors per `f_r`, not normalised:
-/// `cos θi 4 (wo · h)`; 0 where light or viewer are behind.
+/// The incoming direction of a half vector, and the unnormalised density of half vectors per `f_r`: `cos θi 4 (wo ·
+/// h)`; 0 if the light or the viewer is below the horizon.
 fn density(outgoing: Vector, half: Vector) -> (Vector, f64) {
     let projection = dot(outgoing, half);
     let incoming = reflected(outgoing, half, projection);
@@ -80,6 +80,6 @@ fn density(outgoing: Vector, half: Vector) -> (Vector, f64) {
 
 fn luminance(source: &dyn Source, pair: DirectionPair, tally: &mut Tally) -> f64 {
     let value = source.eval(pair, tally);
-    // NaN becomes 0, too.
-    (0..3).map(|k| LUMINANCE[k] * value[k].max(0.0)).sum::<f64>().min(LARGEST)
+    // NaN becomes 0 as well.
+    (0..3).map(|k| LUMINANCE[k] * value[k].max(0.0)).sum::<f64>().min(MAX_VALUE)
 }

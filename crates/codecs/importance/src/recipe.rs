@@ -1,4 +1,4 @@
-//! What a list of importance samples is made with.
+//! Settings of importance samples.
 
 use super::grid::HalfGrid;
 use brdfc_formats::FormatError;
@@ -7,18 +7,18 @@ use brdfc_formats::importance::ImportanceHeader;
 /// Sizes and shares of [`importance_samples`](super::importance_samples).
 #[derive(Debug, Clone, Copy, PartialEq, serde::Serialize, serde::Deserialize)]
 pub struct ImportanceRecipe {
-    /// Polar angles of the outgoing direction for isotropic materials, 1 to 1024.
+    /// Number of polar angles of the outgoing direction for isotropic materials, 1 to 1024.
     pub isotropic_polar: u32,
-    /// Polar angles of the outgoing direction for others.
+    /// Number of polar angles of the outgoing direction for other materials.
     pub anisotropic_polar: u32,
-    /// Azimuths of the outgoing direction for others, a multiple of 4 up to 256.
+    /// Number of azimuths of the outgoing direction for other materials, a multiple of 4 up to 256.
     pub anisotropic_azimuths: u32,
-    /// Samples of each outgoing direction, 1 to 8192.
+    /// Samples per outgoing direction, 1 to 8192.
     pub samples: u32,
-    /// Where half vectors are tabulated.
+    /// Grid of the half vectors.
     pub grid: HalfGrid,
-    /// Share of the samples that does not follow the lobe, above 0 up to 1: what keeps densities away from 0 where the
-    /// table misses something.
+    /// Share of the samples that does not follow the lobe, above 0 up to 1. It keeps densities above 0 where the table
+    /// misses part of the lobe.
     pub defensive: f64,
 }
 
@@ -36,17 +36,17 @@ impl Default for ImportanceRecipe {
 }
 
 impl ImportanceRecipe {
-    /// The sizes of the pack.
+    /// Sizes of the pack.
     pub fn header(&self, isotropic: bool) -> ImportanceHeader {
         let (polar, azimuths) =
             if isotropic { (self.isotropic_polar, 1) } else { (self.anisotropic_polar, self.anisotropic_azimuths) };
         ImportanceHeader { polar, azimuths, samples: self.samples }
     }
 
-    /// Checks ranges, and gives the sizes of the pack.
+    /// Checks ranges and returns the sizes of the pack.
     ///
     /// # Errors
-    /// Names what is out of range.
+    /// Returns an error that names the field that is out of range.
     pub fn check(&self, isotropic: bool) -> Result<ImportanceHeader, FormatError> {
         let header = self.header(isotropic);
         header.check()?;

@@ -1,13 +1,14 @@
-//! A low-discrepancy sequence any run of which is well spread.
+//! A low-discrepancy sequence with well-distributed runs.
 
-/// The root of `x³ = x + 1`: its inverse powers are hardest to approximate by fractions.
+/// The root of `x³ = x + 1`. Its inverse powers are the hardest to approximate by fractions.
 const PLASTIC: f64 = 1.324_717_957_244_746;
 
 /// Point `index` of the additive recurrence with the inverse plastic number and its square (Roberts 2018, "The
 /// unreasonable effectiveness of quasirandom sequences"), in the unit square.
 ///
-/// A renderer starts anywhere and takes as many as it wants. Any run of an additive recurrence is the first run of that
-/// length, shifted: all are equally well spread. Sobol' points are so only in aligned runs of a power of two.
+/// A renderer may start at any index and take any number of points. Any run of an additive recurrence is a shifted copy
+/// of the first run of that length, so that all runs are equally well distributed. Sobol' points have this property
+/// only in aligned runs of a power of two.
 pub fn sequence_point(index: u32) -> [f64; 2] {
     let index = f64::from(index);
     [(0.5 + index / PLASTIC).fract(), (0.5 + index / (PLASTIC * PLASTIC)).fract()]

@@ -1,20 +1,20 @@
-//! Terms at their levels, as textures of 8 bits.
+//! Arranges terms at their levels as textures of 8 bits.
 
 use crate::levels::{BASES, StepUp, TermImages, range};
 use brdfc_formats::FormatError;
 use brdfc_formats::pwt::{Component, PwtHeader, PwtPack, TextureHeader};
 
-/// Share of all bytes that may be spent on filling texels up to four numbers, which makes fewer fetches.
+/// Share of all bytes that may be spent on padding texels to four channels, which saves fetches.
 const SPENT_ON_FETCHES: f64 = 0.05;
 
-/// Which terms begin at which level: indices of [`TermImages`], and how many numbers a texel has.
+/// Terms that begin at each level, as indices of [`TermImages`], and the number of channels per texel.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Arrangement {
     textures: Vec<(u32, u32, Vec<Option<usize>>)>,
 }
 
-/// What the first steps make, filled up: texels have 1, 2 or 4 numbers, and what would be empty holds the terms that
-/// would come next.
+/// Arranges the result of the first `count` steps. Texels have 1, 2 or 4 channels; channels that would be empty hold
+/// the terms that would come next.
 pub fn arrange(images: &[TermImages], steps: &[StepUp], count: usize) -> Arrangement {
     let mut bases: Vec<Option<u32>> = vec![None; images.len()];
     steps[..count].iter().for_each(|step| bases[step.image] = Some(step.base));
@@ -30,7 +30,7 @@ pub fn arrange(images: &[TermImages], steps: &[StepUp], count: usize) -> Arrange
         let fits = |channels: &usize| spare(*channels) as f64 * size(level) <= SPENT_ON_FETCHES * total;
         let channels = [4, 2].into_iter().find(fits).unwrap_or(1);
         let mut free = spare(channels);
-        // Coarser terms move up: the one first whose error shrinks most.
+        // Move coarser terms up, first the one that reduces the error most.
         while free > 0 {
             let gain = |k: &usize| {
                 let errors = &images[*k].errors;
@@ -56,14 +56,14 @@ pub fn arrange(images: &[TermImages], steps: &[StepUp], count: usize) -> Arrange
 }
 
 impl Arrangement {
-    /// Every term from one level on, four to a texel.
+    /// All terms from one level on, in four channels per texel.
     pub fn all_from(images: &[TermImages], level: u32) -> Self {
         let mut slots: Vec<Option<usize>> = (0..images.len()).map(Some).collect();
         slots.resize(slots.len().next_multiple_of(4), None);
         Self { textures: vec![(level, 4, slots)] }
     }
 
-    /// Bytes on a GPU of a rendering of these sides, all levels included.
+    /// Bytes on a GPU for an image of these sides, all levels included.
     pub fn bytes(&self, extent: [u32; 2], depth: u32) -> u64 {
         let texels = |level: u32| u64::from(extent[0] >> level) * u64::from(extent[1] >> level);
         let of = |(level, _, slots): &(u32, u32, Vec<Option<usize>>)| {
@@ -72,10 +72,10 @@ impl Arrangement {
         self.textures.iter().map(of).sum()
     }
 
-    /// The pack. Of the header everything but the textures counts.
+    /// Builds the pack. Uses all of the header except the textures.
     ///
     /// # Errors
-    /// A header out of range.
+    /// Returns an error if the header is out of range.
     pub fn pack(&self, images: &[TermImages], mut header: PwtHeader) -> Result<PwtPack, FormatError> {
         let mut texels = Vec::new();
         header.textures.clear();
@@ -92,7 +92,7 @@ impl Arrangement {
             header.textures.push(TextureHeader { level: *level, channels: *channels, components });
         }
         if header.textures.is_empty() {
-            // Nothing is worth a byte: what 0 of the domain stands for, which is black but of logarithms.
+            // No term is worth a byte: the pack shows 0 of the domain, which is black except for logarithms.
             let depth = header.levels;
             header.textures.push(TextureHeader { level: depth, channels: 1, components: vec![Component::NONE] });
             texels.push(vec![0; (header.extent[0] >> depth) as usize * (header.extent[1] >> depth) as usize]);

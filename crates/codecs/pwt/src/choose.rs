@@ -1,5 +1,5 @@
-//! Which domain, coordinates, degree and ridge: by the error at lights that the fit has not seen, each left out in turn, on
-//! texels spread over the rendering.
+//! Chooses domain, coordinates, degree and ridge by leave-one-out cross-validation over the lights, on texels spread
+//! over the image.
 
 use crate::design::{Design, RIDGES};
 use crate::recipe::{DomainName, PwtRecipe};
@@ -7,39 +7,39 @@ use crate::stack::LightSamples;
 use brdfc_formats::pwt::{Domain, LightBasis, LightCoordinates, MAX_DEGREE};
 use rayon::prelude::*;
 
-/// Texels that are looked at.
+/// Number of texels used.
 const TEXELS: usize = 512;
-/// `ε` of logarithms that are tried, as shares of the mean value.
+/// Candidates for `ε` of logarithms, as shares of the mean value.
 const EPSILONS: [f64; 4] = [0.01, 0.03, 0.1, 0.3];
 
-/// What was tried, and how it did.
+/// A candidate and its errors.
 #[derive(Debug, Clone, Copy, PartialEq, serde::Serialize, serde::Deserialize, schemars::JsonSchema)]
 pub struct Candidate {
-    /// The scale of values.
+    /// Domain of the values.
     pub domain: DomainName,
     /// `ε` of logarithms, else 0.
     pub epsilon: f32,
-    /// In what the terms are polynomials.
+    /// Coordinates of the polynomials.
     pub coordinates: LightCoordinates,
     /// Highest degree.
     pub degree: u32,
-    /// `λ`.
+    /// Ridge, `λ`.
     pub ridge: f64,
-    /// Signal-to-noise ratio of sRGB codes at the lights that were fitted, dB.
+    /// Peak signal-to-noise ratio of sRGB-encoded values at the fitted lights, dB.
     pub psnr: f64,
-    /// The same at lights left out, each in turn; nothing where so few lights do not tell. Both are of 512 texels, before
-    /// pruning and rounding.
+    /// The same in leave-one-out cross-validation over the lights; `None` if there are too few lights. Both values are
+    /// for 512 texels, before pruning and rounding.
     pub held_out_psnr: Option<f64>,
 }
 
-/// The best of each pair of domain and coordinates, the best of all first.
+/// The best candidate of each pair of domain and coordinates, the best of all first.
 pub fn choose(samples: &LightSamples, recipe: &PwtRecipe) -> Vec<Candidate> {
     let texels = Texels::new(samples);
-    let few: Vec<LightCoordinates> = recipe.coordinates.map_or(LightCoordinates::ALL.to_vec(), |one| vec![one]);
+    let coordinates: Vec<LightCoordinates> = recipe.coordinates.map_or(LightCoordinates::ALL.to_vec(), |one| vec![one]);
     let ridges: Vec<f64> = recipe.ridge.map_or(RIDGES.to_vec(), |one| vec![one]);
     let first = recipe.domain.unwrap_or(DomainName::Display);
-    // Coordinates and ridge in one domain; then all domains, with ridges about the best one.
-    let mut found = texels.tried(samples, recipe, &[first], &few, &ridges);
+    // First coordinates and ridge in one domain; then all domains, with ridges near the best one.
+    let mut found = texels.tried(samples, recipe, &[first], &coordinates, &ridges);
     let Some(best) = best(&found) else { return found };
     if recipe.domain.is_none() {
         let at = ridges.iter().position(|ridge| *ridge == best.ridge).unwrap_or(0);
@@ -47,23 +47,23 @@ pub fn choose(samples: &LightSamples, recipe: &PwtRecipe) -> Vec<Candidate> {
         let others: Vec<DomainName> = DomainName::ALL.into_iter().filter(|domain| *domain != first).collect();
         found.extend(texels.tried(samples, recipe, &others, &[best.coordinates], &ridges));
     }
-    let mut kept: Vec<Candidate> = Vec::new();
+    let mut selected: Vec<Candidate> = Vec::new();
     found.sort_by(|a, b| b.merit().total_cmp(&a.merit()));
     for candidate in found {
-        if !kept.iter().any(|k| (k.domain, k.coordinates) == (candidate.domain, candidate.coordinates)) {
-            kept.push(candidate);
+        if !selected.iter().any(|k| (k.domain, k.coordinates) == (candidate.domain, candidate.coordinates)) {
+            selected.push(candidate);
         }
     }
-    kept
+    selected
 }
 
-/// The first of the best.
+/// The best candidate; the first of equals.
 fn best(candidates: &[Candidate]) -> Option<Candidate> {
     candidates.iter().copied().reduce(|best, other| if other.merit() > best.merit() { other } else { best })
 }
 
 impl Candidate {
-    /// Its domain.
+    /// Domain of the candidate.
     pub fn domain(&self) -> Domain {
         match self.domain {
             DomainName::Linear => Domain::Linear,
@@ -73,22 +73,22 @@ impl Candidate {
         }
     }
 
-    /// What candidates are ranked by: where nothing tells, below all.
+    /// Rank of the candidate; lowest if it has no cross-validation.
     fn merit(&self) -> f64 {
         self.held_out_psnr.unwrap_or(f64::NEG_INFINITY)
     }
 
-    /// Its terms.
+    /// Terms of the candidate.
     pub fn basis(&self) -> LightBasis {
         LightBasis { coordinates: self.coordinates, degree: self.degree }
     }
 }
 
-/// Some texels under all lights.
+/// Sample of texels under all lights.
 struct Texels {
     /// Linear values of each light: red, green and blue of each texel.
     values: Vec<Vec<f32>>,
-    /// Their codes, 0 to 1.
+    /// The same values sRGB-encoded, 0 to 1.
     codes: Vec<Vec<f32>>,
     mean: f64,
 }
@@ -100,7 +100,7 @@ impl Texels {
             at.iter().flat_map(|texel| rendering[*texel]).map(|value| value.max(0.0)).collect()
         };
         let values: Vec<Vec<f32>> = samples.renderings.par_iter().map(of_light).collect();
-        let codes = values.iter().map(|values| shown(Domain::Linear, values.clone())).collect();
+        let codes = values.iter().map(|values| to_srgb(Domain::Linear, values.clone())).collect();
         let numbers = values.iter().map(Vec::len).sum::<usize>().max(1);
         let mean = values.iter().flatten().map(|v| f64::from(*v)).sum::<f64>() / numbers as f64;
         Self { values, codes, mean }
@@ -139,7 +139,7 @@ impl Texels {
             let highest = recipe.degree.unwrap_or(MAX_DEGREE);
             let design =
                 Design::new(LightBasis { coordinates: *coordinates, degree: highest }, &samples.lights, *ridge);
-            // A degree that was asked for is taken, whatever it does.
+            // A requested degree is always used.
             let lowest = recipe.degree.unwrap_or(0);
             let candidate = |(degree, psnr, held_out_psnr): (u32, f64, Option<f64>)| Candidate {
                 domain: *name,
@@ -156,7 +156,7 @@ impl Texels {
         found.into_iter().flatten().collect()
     }
 
-    /// Signal-to-noise ratios of every degree from the lowest, fitted and, where that can be told, left out.
+    /// Signal-to-noise ratios of every degree from the lowest: at fitted lights and, if available, in cross-validation.
     fn by_degree(
         &self,
         design: &Design,
@@ -187,12 +187,12 @@ impl Texels {
                 if degree < lowest {
                     continue;
                 }
-                // 0 where nothing is told.
+                // 0 if cross-validation is not available.
                 let share = leverages.as_ref().map_or(0.0, |leverages| (1.0 / (1.0 - leverages[light])) as f32);
                 let unseen = |(predicted, value): (&f32, &f32)| value - (value - predicted) * share;
                 let unseen = prediction.iter().zip(&encoded[light]).map(unseen).collect();
                 for (sum, values) in errors.iter_mut().zip([prediction.clone(), unseen]) {
-                    *sum += squares(&shown(domain, values), &self.codes[light]);
+                    *sum += squares(&to_srgb(domain, values), &self.codes[light]);
                 }
             }
             first = last;
@@ -206,8 +206,8 @@ impl Texels {
     }
 }
 
-/// sRGB codes, 0 to 1, of values in a domain.
-pub(crate) fn shown(domain: Domain, mut values: Vec<f32>) -> Vec<f32> {
+/// Converts values in a domain to sRGB encoding, 0 to 1.
+pub(crate) fn to_srgb(domain: Domain, mut values: Vec<f32>) -> Vec<f32> {
     if domain == Domain::Display {
         values.iter_mut().for_each(|value| *value = value.clamp(0.0, 1.0));
         return values;
@@ -223,8 +223,8 @@ pub(crate) fn squares(a: &[f32], b: &[f32]) -> f64 {
     a.iter().zip(b).map(|(a, b)| f64::from((a - b) * (a - b))).sum()
 }
 
-/// Signal-to-noise ratio of a mean squared error of codes from 0 to 1. No error counts as rounding to 16 bits; what is no
-/// number is the largest error.
+/// Peak signal-to-noise ratio for a mean squared error of values from 0 to 1, dB. Errors below rounding to 16 bits
+/// count as that; NaN counts as the largest error.
 pub fn decibels(mean_square: f64) -> f64 {
     if mean_square.is_nan() {
         return 0.0;

@@ -1,5 +1,5 @@
-//! Section 2, "the polynomial degree is chosen per subband": the one whose prediction of lights left out is best, so that
-//! more terms never make unseen lights worse.
+//! Polynomial degree per subband (section 2, "the polynomial degree is chosen per subband"): the degree with the best
+//! leave-one-out prediction, so that more terms never increase the error at unseen lights.
 
 use crate::design::Design;
 use crate::image::Plane;
@@ -7,36 +7,36 @@ use crate::tree::{PacketTree, Subband};
 use brdfc_formats::pwt::LightBasis;
 use rayon::prelude::*;
 
-/// Most coefficients of a subband that are looked at.
-const MOST: usize = 2048;
+/// Maximum number of coefficients of a subband that are evaluated.
+const MAX_COEFFICIENTS: usize = 2048;
 
-/// The degree of a subband, and what it gains.
+/// Degree of a subband, and its errors.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct SubbandDegree {
     /// The subband.
     pub subband: Subband,
-    /// Terms up to this degree are kept; none at all where that is best.
+    /// Highest degree of the terms that are stored; `None` if it is best to store none.
     pub degree: Option<u32>,
     /// Mean square of its coefficients over the lights.
     pub energy: f64,
-    /// Mean squared error at lights left out, with these terms; of a lone light at that.
+    /// Mean squared leave-one-out error with these terms; for a single light, the error of the fit.
     pub held_out: f64,
 }
 
-/// The degree of every subband of a channel. `planes` are the channel under each light, not transformed yet. Where `defined`
-/// says which texels are (1, others 0), a coefficient counts as much as the share of them among the texels of its place.
+/// Chooses the degree of every subband of a channel. `planes` are the untransformed channel under each light. `defined`
+/// marks defined texels (1, others 0): a coefficient is weighted by the share of defined texels that it covers.
 pub fn degrees(design: &Design, tree: &PacketTree, planes: Vec<Plane>, defined: Option<&Plane>) -> Vec<SubbandDegree> {
     let subbands = tree.subbands();
     let shares: Vec<Option<Vec<f32>>> =
         subbands.iter().map(|subband| defined.map(|plane| shares(plane, subband))).collect();
-    // Of each light the coefficients that are looked at, subband by subband.
+    // For each light, the sampled coefficients, subband by subband.
     let sampled: Vec<Vec<Vec<f32>>> = planes
         .into_par_iter()
         .map(|mut plane| {
             tree.analyse(&mut plane);
             let counted = |(subband, shares): (&Subband, &Option<Vec<f32>>)| {
                 let mut values = coefficients(&plane, subband);
-                // Fits are of each coefficient by itself: squares of what is scaled are weighted.
+                // Each coefficient is fitted independently, so scaling values weights their squares.
                 values.iter_mut().zip(shares.iter().flatten()).for_each(|(value, share)| *value *= share.sqrt());
                 values
             };
@@ -54,18 +54,18 @@ pub fn degrees(design: &Design, tree: &PacketTree, planes: Vec<Plane>, defined: 
         .collect()
 }
 
-/// Rows of a subband that are looked at: evenly spread.
-fn looked_at(subband: &Subband) -> impl Iterator<Item = usize> + use<> {
+/// Sampled rows of a subband, evenly spread.
+fn sampled_rows(subband: &Subband) -> impl Iterator<Item = usize> + use<> {
     let [width, height] = subband.rectangle.size;
-    let rows = (MOST / width.max(1)).clamp(1, height.max(1));
+    let rows = (MAX_COEFFICIENTS / width.max(1)).clamp(1, height.max(1));
     (0..rows).map(move |k| k * height / rows)
 }
 
 fn coefficients(plane: &Plane, subband: &Subband) -> Vec<f32> {
-    looked_at(subband).flat_map(|row| plane.row(subband.rectangle, row)).copied().collect()
+    sampled_rows(subband).flat_map(|row| plane.row(subband.rectangle, row)).copied().collect()
 }
 
-/// Means of a plane over the texels that the coefficients of [`coefficients`] stand for.
+/// Means of a plane over the texels that the coefficients of [`coefficients`] cover.
 fn shares(plane: &Plane, subband: &Subband) -> Vec<f32> {
     let [width, height] = subband.rectangle.size;
     let [across, down] = [plane.size[0] / width.max(1), plane.size[1] / height.max(1)];
@@ -74,7 +74,7 @@ fn shares(plane: &Plane, subband: &Subband) -> Vec<f32> {
         let sum: f32 = rows.flat_map(|texels| &texels[column * across..(column + 1) * across]).sum();
         sum / (across * down).max(1) as f32
     };
-    looked_at(subband).flat_map(|row| (0..width).map(move |column| (row, column))).map(|(y, x)| mean(y, x)).collect()
+    sampled_rows(subband).flat_map(|row| (0..width).map(move |column| (row, column))).map(|(y, x)| mean(y, x)).collect()
 }
 
 fn of_subband(design: &Design, subband: Subband, lights: &[&[f32]], counted: f64) -> SubbandDegree {
@@ -102,7 +102,7 @@ fn of_subband(design: &Design, subband: Subband, lights: &[&[f32]], counted: f64
         first = last;
         let leverages = match design.leverages(degree) {
             Some(leverages) => leverages,
-            // Of a lone light there is nothing to leave out: its rendering is what is asked for.
+            // A single light cannot be left out: its image is fitted exactly.
             None if degree == 0 => vec![0.0; lights.len()],
             None => continue,
         };

@@ -1,21 +1,21 @@
 //! Section 2, "Adaptive data fitting": terms of the light's direction at the sampled lights, factored once for all
 //! coefficients and all degrees.
 //!
-//! Least squares with a penalty on roughness, `Σ_i (v_i - Σ_k c_k φ_k(l_i))² + λ N Σ_k (d_k (d_k + 1))² c_k²`: `d (d + 1)`
-//! is what the Laplacian of the sphere makes of harmonics of degree d. With the normal equations `L L^T` the weights
-//! `w = L^-1 φ` make fitting a product with `w(l_i)`, a fit of lower degree the first of the coefficients, and the cost of
-//! leaving one out its square.
+//! Least squares with a penalty on roughness, `Σ_i (v_i - Σ_k c_k φ_k(l_i))² + λ N Σ_k (d_k (d_k + 1))² c_k²`: `d (d +
+//! 1)` is the eigenvalue of the Laplacian on the sphere for harmonics of degree d. The normal equations are factored as
+//! `L L^T`. With the weights `w = L^-1 φ`, fitting is a product with `w(l_i)`, the first coefficients are the fit of
+//! lower degree, and dropping a coefficient costs its square.
 
 use brdfc_formats::pwt::LightBasis;
 use nalgebra::{Cholesky, DMatrix, DVector};
 
-/// Ridges that are tried, from rough to smooth.
+/// Candidate ridges, from rough to smooth.
 pub const RIDGES: [f64; 8] = [1e-8, 1e-7, 1e-6, 1e-5, 1e-4, 1e-3, 1e-2, 1e-1];
 
-/// Least `1 - h_ii` by which residuals, of 32 bits, are divided.
-const LEAST_FREEDOM: f64 = 1e-3;
+/// Minimum of `1 - h_ii`, by which residuals of 32 bits are divided.
+const MIN_FREEDOM: f64 = 1e-3;
 
-/// Terms at the lights, factored.
+/// Factored design matrix: the terms at the lights.
 #[derive(Debug, Clone)]
 pub struct Design {
     /// The terms.
@@ -24,15 +24,15 @@ pub struct Design {
     pub ridge: f64,
     /// Weight of each term at each light, light by light.
     pub weights: Vec<f64>,
-    /// What makes weights of terms: row `k` has `k + 1` numbers.
+    /// Lower triangle that converts terms to weights: row `k` has `k + 1` numbers.
     pub triangle: Vec<f64>,
     /// Condition number of the normal equations.
     pub condition: f64,
 }
 
 impl Design {
-    /// The design of some lights. Every one has a solution, be there fewer lights than terms or all on a line: what the
-    /// lights do not tell is smooth.
+    /// Factors the design for some lights. A solution always exists, even with fewer lights than terms or with
+    /// collinear lights: the penalty makes undetermined components smooth.
     pub fn new(basis: LightBasis, lights: &[[f32; 3]], ridge: f64) -> Self {
         let terms = basis.terms();
         let norms = norms(basis);
@@ -44,7 +44,7 @@ impl Design {
         }
         let values = normal.clone().symmetric_eigenvalues();
         let condition = values.max() / values.min().max(f64::MIN_POSITIVE);
-        // Rounding may leave a pivot below 0 where lights tell nothing of a term.
+        // Rounding may leave a pivot below 0 where the lights do not determine a term.
         let floor = 1e-13 * normal.diagonal().max();
         for k in 0..terms {
             normal[(k, k)] += floor;
@@ -66,7 +66,7 @@ impl Design {
         }
     }
 
-    /// Terms.
+    /// Number of terms.
     pub fn terms(&self) -> usize {
         self.basis.terms()
     }
@@ -76,21 +76,21 @@ impl Design {
         &self.weights[light * self.terms()..][..self.terms()]
     }
 
-    /// Lights.
+    /// Number of lights.
     pub fn lights(&self) -> usize {
         self.weights.len() / self.terms()
     }
 
-    /// How much of a light's own value is in its prediction by the terms up to a degree: `h_ii` of the hat matrix. The
-    /// error of a fit that has not seen the light is the residual divided by `1 - h_ii`.
+    /// Leverages `h_ii`, the diagonal of the hat matrix, for the terms up to a degree. The leave-one-out error of a
+    /// light is its residual divided by `1 - h_ii`.
     ///
-    /// Nothing where a light decides its own prediction, as where there are fewer lights than terms and little ridge: the
-    /// residual is rounding then, and says nothing of a fit without the light.
+    /// Returns `None` if a light determines its own prediction, as with fewer lights than terms and a small ridge: then
+    /// the residual is rounding and does not yield a leave-one-out error.
     pub fn leverages(&self, degree: u32) -> Option<Vec<f64>> {
         let terms = LightBasis { degree, ..self.basis }.terms();
         let leverage = |light| self.row(light)[..terms].iter().map(|w| w * w).sum::<f64>();
         let leverages: Vec<f64> = (0..self.lights()).map(leverage).collect();
-        leverages.iter().all(|leverage| 1.0 - leverage >= LEAST_FREEDOM).then_some(leverages)
+        leverages.iter().all(|leverage| 1.0 - leverage >= MIN_FREEDOM).then_some(leverages)
     }
 }
 
@@ -141,7 +141,7 @@ mod tests {
         design.row(light).iter().zip(coefficients).take(terms).map(|(w, c)| w * c).sum()
     }
 
-    /// Known answer: what is a sum of terms comes back.
+    /// Known answer: sums of terms are recovered.
     #[test]
     fn polynomials_are_fitted_exactly() {
         let lights = lights(40);
@@ -157,14 +157,14 @@ mod tests {
                 let found = predict(&design, i, &coefficients, design.terms());
                 assert!((found - value).abs() < 1e-4 * (1.0 + value.abs()), "{coordinates:?} {found} {value}");
             }
-            // Negative control: a degree too few.
+            // The negative control: one degree too few.
             let few = LightBasis { degree: 2, ..basis }.terms();
             assert!((0..40).any(|i| (predict(&design, i, &coefficients, few) - values[i]).abs() > 0.1));
         }
     }
 
-    /// The first coefficients are those of a fit of lower degree, and the residual divided by `1 - h_ii` is the error of a
-    /// fit without the light.
+    /// The first coefficients are those of a fit of lower degree, and the residual divided by `1 - h_ii` is the
+    /// leave-one-out error.
     #[test]
     fn lower_degrees_and_lights_left_out() {
         let lights = lights(30);
@@ -191,7 +191,7 @@ mod tests {
         }
     }
 
-    /// The fit without a light of few is what the residual says, or nothing is said: whatever the ridge.
+    /// The leave-one-out error of few lights matches the residual, or is `None`, for every ridge.
     #[test]
     fn few_lights_left_out() {
         let basis = LightBasis { coordinates: LightCoordinates::Hemisphere, degree: 2 };
@@ -204,7 +204,7 @@ mod tests {
                 let coefficients = fit(&design, &values);
                 for degree in 0..=2 {
                     let Some(leverages) = design.leverages(degree) else { continue };
-                    assert!(count > 1, "a lone light says nothing");
+                    assert!(count > 1, "a single light has no leave-one-out error");
                     let terms = LightBasis { degree, ..basis }.terms();
                     let own = LightBasis { degree, ..basis };
                     for left_out in 0..count {
@@ -229,7 +229,7 @@ mod tests {
         assert!(said > 100, "{said}");
     }
 
-    /// Fewer lights than terms, equal ones, all on a line: finite and smooth.
+    /// Fewer lights than terms, equal and collinear lights: results are finite and smooth.
     #[test]
     fn poor_lights_have_a_fit() {
         let basis = LightBasis { coordinates: LightCoordinates::Hemisphere, degree: 5 };

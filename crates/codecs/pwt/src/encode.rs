@@ -1,7 +1,7 @@
-//! From renderings under known lights to a pack. Each step is a file of its own; this one sequences.
+//! Encodes images of one view under known lights as a pack. Each step has its own file; this one sequences them.
 
 use crate::assemble::{Arrangement, arrange};
-use crate::choose::{Candidate, choose, shown};
+use crate::choose::{Candidate, choose, to_srgb};
 use crate::degrees::{SubbandDegree, degrees};
 use crate::design::Design;
 use crate::fit;
@@ -17,23 +17,23 @@ use brdfc_formats::pwt::{Domain, LightBasis, PwtDecoder, PwtErrors, PwtHeader, P
 use nalgebra::Matrix3;
 use rayon::prelude::*;
 
-/// Colours that the colour axes are found of.
+/// Number of colours from which the colour axes are computed.
 const VALUES: usize = 1 << 16;
-/// Levels of a tree where none are asked for and the sides allow them.
+/// Default levels of a tree, if the sides allow them.
 const DEPTH: u32 = 5;
-/// About how many texels of all photographs are compared at the end.
+/// Approximate number of texels of all photographs that are compared at the end.
 const COMPARED: usize = 1 << 21;
 /// Planes, of lower terms, by which packets are chosen.
 const GUIDES: usize = 4;
-/// Most packs that a search for a measured target makes.
+/// Maximum number of packs that a search for a measured target builds.
 const TRIALS: usize = 8;
 
-/// A pack, and what was found on the way.
+/// A pack, and the results of its encoding.
 #[derive(Debug, Clone)]
 pub struct PwtEncoded {
     /// The pack.
     pub pack: PwtPack,
-    /// The best of each pair of domain and coordinates, the one that was taken first.
+    /// The best of each pair of domain and coordinates; the first was used.
     pub candidates: Vec<Candidate>,
     /// Condition number of the normal equations.
     pub condition: f64,
@@ -41,14 +41,15 @@ pub struct PwtEncoded {
     pub subbands: [Vec<SubbandDegree>; 3],
     /// Errors of the pack at rows spread over the photographs, about two million texels in all.
     pub errors: StackErrors,
-    /// Whether it meets its target.
+    /// True if the pack meets its target.
     pub met: bool,
 }
 
-/// Encodes renderings of one view.
+/// Encodes images of one view.
 ///
 /// # Errors
-/// Renderings or a recipe out of range; a tile whose sides cannot be halved as often as asked.
+/// Returns an error if images or recipe are out of range, or if the sides of a tile cannot be halved for the requested
+/// number of levels.
 pub fn encode(samples: &LightSamples, recipe: &PwtRecipe) -> Result<PwtEncoded, FormatError> {
     samples.check()?;
     recipe.check()?;
@@ -91,11 +92,12 @@ pub fn encode(samples: &LightSamples, recipe: &PwtRecipe) -> Result<PwtEncoded, 
     Ok(PwtEncoded { pack, candidates, condition: design.condition, subbands, errors, met })
 }
 
-/// All terms of a basis for red, green and blue, from one level on, fitted to sRGB codes and rounded to 8 bits: what is
-/// made without trees, such as hemispherical harmonics of order 3. The ridge is chosen as [`encode`] does. For comparison.
+/// Encodes all terms of a basis for red, green and blue, from one level on, fitted to sRGB-encoded values and rounded
+/// to 8 bits: a pack without trees, such as hemispherical harmonics of order 3, for comparison. The ridge is chosen as
+/// in [`encode`].
 ///
 /// # Errors
-/// Renderings out of range; a level that the sides do not have.
+/// Returns an error if images are out of range, or if the sides do not have this level.
 pub fn plain(samples: &LightSamples, basis: LightBasis, level: u32) -> Result<PwtPack, FormatError> {
     samples.check()?;
     let recipe = PwtRecipe {
@@ -125,7 +127,7 @@ pub fn plain(samples: &LightSamples, basis: LightBasis, level: u32) -> Result<Pw
         .pack(&images, header(samples, &design, Domain::Display, colour, extent, depth))
 }
 
-/// A header without textures and errors.
+/// Builds a header without textures and errors.
 fn header(
     samples: &LightSamples,
     design: &Design,
@@ -154,8 +156,8 @@ fn depth(samples: &LightSamples, recipe: &PwtRecipe) -> Result<u32, FormatError>
         if samples.repeats { width.trailing_zeros().min(height.trailing_zeros()) } else { width.min(height).ilog2() };
     match recipe.depth {
         Some(depth) if depth > most => {
-            let why = if samples.repeats { "sides of a tile are halved exactly" } else { "of a side" };
-            let allowed = format!("0 to {most} for {width} x {height}: {why}");
+            let why = if samples.repeats { ", because the sides of a tile are halved exactly" } else { "" };
+            let allowed = format!("0 to {most} for {width} x {height}{why}");
             Err(FormatError::whole("levels", depth.to_string(), allowed))
         }
         Some(depth) => Ok(depth),
@@ -171,7 +173,7 @@ fn some_values(samples: &LightSamples, domain: Domain) -> impl Iterator<Item = [
     values.map(move |value| value.map(|c| domain.encode(c)))
 }
 
-/// Red, green and blue of three channels that vary independently, the strongest first: principal axes.
+/// Principal axes of the colours: red, green and blue of three uncorrelated channels, the strongest first.
 fn colour_axes(samples: &LightSamples, domain: Domain) -> [[f32; 3]; 3] {
     let mut moments = Matrix3::<f64>::zeros();
     let mut sum = nalgebra::Vector3::<f64>::zeros();
@@ -183,7 +185,7 @@ fn colour_axes(samples: &LightSamples, domain: Domain) -> [[f32; 3]; 3] {
         count += 1.0;
     }
     let covariance = moments / count - (sum / count) * (sum / count).transpose();
-    // Grey, where nothing varies.
+    // Grey, if colours do not vary.
     let grey = nalgebra::Vector3::repeat(1.0 / 3.0f64.sqrt());
     let eigen = (covariance + grey * grey.transpose() * 1e-12).symmetric_eigen();
     let mut order = [0, 1, 2];
@@ -195,7 +197,7 @@ fn colour_axes(samples: &LightSamples, domain: Domain) -> [[f32; 3]; 3] {
     })
 }
 
-/// Channels of every photograph, as far as the texels of the pack go: mirrored behind the rendering.
+/// Channels of every photograph, padded to the extent of the pack by mirroring.
 fn channels(samples: &LightSamples, domain: Domain, colour: &[[f32; 3]; 3], extent: [usize; 2]) -> [Vec<Vec<f32>>; 3] {
     let [width, height] = samples.size;
     let mirrored = |k: usize, side: usize| {
@@ -223,23 +225,23 @@ fn channels(samples: &LightSamples, domain: Domain, colour: &[[f32; 3]; 3], exte
     channels
 }
 
-/// How much an error of each texel shows: the mean square of how codes change with values of the domain; 0 where texels are
-/// not defined.
+/// Perceptual weight of an error of each texel: the mean square of the derivative of sRGB-encoded values by values of
+/// the domain; 0 where texels are not defined.
 fn texel_weights(samples: &LightSamples, domain: Domain, extent: [usize; 2]) -> Plane {
     const STEP: f32 = 1e-3;
-    const PICTURES: usize = 8;
+    const IMAGES: usize = 8;
     let [width, height] = samples.size;
-    let stride = samples.renderings.len().div_ceil(PICTURES);
+    let stride = samples.renderings.len().div_ceil(IMAGES);
     let some: Vec<&Vec<[f32; 3]>> = samples.renderings.iter().step_by(stride).collect();
     let mut weights = Plane::zeros(extent);
     weights.values.par_chunks_exact_mut(extent[0]).take(height).enumerate().for_each(|(y, weights)| {
         for rendering in &some {
-            // Of the middle channel, nearly luminance.
+            // The middle channel, which is nearly luminance.
             let row = &rendering[y * width..][..width];
             let mut encoded: Vec<f32> = row.iter().map(|value| value[1].clamp(0.0, 1.0)).collect();
             domain.encode_each(&mut encoded);
             let stepped = encoded.iter().map(|value| value + STEP).collect();
-            for ((weight, a), b) in weights.iter_mut().zip(shown(domain, encoded)).zip(shown(domain, stepped)) {
+            for ((weight, a), b) in weights.iter_mut().zip(to_srgb(domain, encoded)).zip(to_srgb(domain, stepped)) {
                 *weight += ((b - a) / STEP).powi(2) / some.len() as f32;
             }
         }
@@ -249,7 +251,7 @@ fn texel_weights(samples: &LightSamples, domain: Domain, extent: [usize; 2]) -> 
     weights
 }
 
-/// 1 where a texel is defined, 0 where not and behind the rendering; nothing where all are.
+/// 1 for defined texels, 0 for others and for padding; `None` if all are defined.
 fn defined_plane(samples: &LightSamples, extent: [usize; 2]) -> Option<Plane> {
     let mask = samples.defined.as_ref()?;
     let mut plane = Plane::zeros(extent);
@@ -259,7 +261,7 @@ fn defined_plane(samples: &LightSamples, extent: [usize; 2]) -> Option<Plane> {
     Some(plane)
 }
 
-/// What packets are chosen by: a hundredth of the spread of the first term.
+/// Quantisation step for choosing packets: a hundredth of the spread of the first term.
 fn guide_step(guides: &[Plane]) -> f32 {
     let Some(first) = guides.first() else { return 1.0 };
     let mean_of = |values: &dyn Fn(f64) -> f64| {
@@ -270,7 +272,7 @@ fn guide_step(guides: &[Plane]) -> f32 {
     (0.01 * variance.sqrt()).max(1e-9) as f32
 }
 
-/// The smallest pack that meets a target.
+/// Search for the smallest pack that meets a target.
 struct Search<'a> {
     samples: &'a LightSamples,
     images: &'a [TermImages],
@@ -302,7 +304,7 @@ impl Search<'_> {
                 Ok((pack, errors, count.is_some()))
             }
             Target::Loss(loss) => {
-                // What steps leave adds to what is wrong at lights that the fit has not seen.
+                // Truncation adds to the error at unseen lights.
                 let unseen = self.candidate.held_out_psnr.unwrap_or(self.candidate.psnr);
                 let unseen = 10f64.powf(-unseen / 10.0);
                 let numbers = (3 * self.samples.defined_texels() * self.samples.lights.len()) as f64;
@@ -316,7 +318,8 @@ impl Search<'_> {
         }
     }
 
-    /// About the fewest steps whose pack passes, by bisection of [`TRIALS`] packs: or all steps, if none does.
+    /// Finds approximately the fewest steps whose pack passes, by bisection with up to [`TRIALS`] packs; all steps if
+    /// none passes.
     fn measured(&self, passes: impl Fn(&StackErrors) -> bool) -> Result<(PwtPack, StackErrors, bool), FormatError> {
         let (mut low, mut high) = (0, self.steps.len());
         let mut best = self.made(high)?;
@@ -338,7 +341,7 @@ impl Search<'_> {
         Ok((best.0, best.1, true))
     }
 
-    /// The weighted error that some steps leave.
+    /// Weighted error after some steps.
     fn left(&self, count: usize) -> f64 {
         match count.checked_sub(1) {
             Some(step) => self.steps[step].error,
@@ -354,7 +357,7 @@ impl Search<'_> {
         arrangement.bytes(self.header.extent, self.header.levels)
     }
 
-    /// The pack of some steps, measured.
+    /// Builds and measures the pack of some steps.
     fn made(&self, count: usize) -> Result<(PwtPack, StackErrors), FormatError> {
         let pack = self.arranged(count).pack(self.images, self.header.clone())?;
         let decoder = PwtDecoder::new(pack);

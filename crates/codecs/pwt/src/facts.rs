@@ -1,49 +1,49 @@
-//! Packs as files.
+//! Facts about polynomial wavelet trees.
 
 use brdfc_formats::pwt::{Domain, LightCoordinates, PwtErrors, PwtHeader, PwtPack, TextureHeader};
 
-/// What is worth knowing about a polynomial wavelet tree.
+/// Facts about a polynomial wavelet tree.
 #[derive(Debug, Clone, PartialEq, serde::Serialize, serde::Deserialize, schemars::JsonSchema)]
 pub struct PwtFacts {
-    /// Columns and rows of the rendering.
+    /// Columns and rows of the image.
     pub size: [u32; 2],
-    /// Whether it is a tile that repeats.
+    /// True if it is a tile that repeats.
     pub repeats: bool,
-    /// Coarsest mipmap level, counted from the rendering's own resolution.
+    /// Coarsest mipmap level, counted from the resolution of the image.
     pub levels: u32,
-    /// In what its terms are polynomials of the light.
+    /// Coordinates of the light that its terms are polynomials of.
     pub coordinates: LightCoordinates,
-    /// Highest degree of them.
+    /// Highest degree of the polynomials.
     pub degree: u32,
-    /// In which scale terms are summed: linear, display, cube-root or log.
+    /// Scale in which terms are summed: linear, display, cube-root or log.
     pub domain: String,
     /// `ε` of logarithms, else 0.
     pub epsilon: f32,
-    /// The textures, from the finest.
+    /// The textures, finest first.
     pub textures: Vec<PwtTextureFacts>,
-    /// Texture fetches of one look-up.
+    /// Texture fetches per look-up.
     pub fetches: u32,
     /// Bytes on a GPU, all levels included.
     pub gpu_bytes: u64,
-    /// Errors at the photographs that it was made of; 0 lights where none were measured.
+    /// Errors at the photographs that it was fitted to; 0 lights if not measured.
     pub errors: PwtErrors,
 }
 
 /// One of its textures.
 #[derive(Debug, Clone, PartialEq, serde::Serialize, serde::Deserialize, schemars::JsonSchema)]
 pub struct PwtTextureFacts {
-    /// How often the rendering's sides were halved for its finest texels.
+    /// Number of times that the sides of the image were halved for its finest texels.
     pub level: u32,
-    /// Columns and rows of its finest texels.
+    /// Columns and rows of its finest level.
     pub size: [u32; 2],
     /// Layers.
     pub layers: u32,
-    /// Numbers of 8 bits in a texel.
+    /// Channels of 8 bits per texel.
     pub channels: u32,
 }
 
 impl PwtFacts {
-    /// Of a pack.
+    /// Facts of a pack.
     pub fn new(pack: &PwtPack) -> Self {
         let header = pack.header();
         let PwtHeader { size, repeats, levels, basis, domain, textures, errors, .. } = header.clone();
@@ -68,12 +68,12 @@ impl PwtFacts {
         }
     }
 
-    /// Lines for people: names and values, but for bytes.
+    /// Summary as names and values, without bytes.
     pub fn in_words(&self) -> Vec<(&'static str, String)> {
         let Self { size: [width, height], repeats, levels, coordinates, degree, domain, .. } = self;
         let of_texture = |texture: &PwtTextureFacts| {
             let PwtTextureFacts { level, size: [width, height], layers, channels } = texture;
-            format!("level {level}: {width} x {height}, {layers} x {channels} numbers")
+            format!("level {level}: {width} x {height}, {layers} layers x {channels} channels")
         };
         let tile = if *repeats { ", a tile" } else { "" };
         let domain = match domain.as_str() {
@@ -86,7 +86,7 @@ impl PwtFacts {
             _ => format!("PSNR {psnr:.2} dB, mean delta E {delta_e:.2} at {lights} lights"),
         };
         let mut lines = vec![
-            ("kind", "polynomial wavelet tree: a rendering under any light".to_owned()),
+            ("kind", "polynomial wavelet tree: one view under any light".to_owned()),
             ("pixels", format!("{width} x {height}{tile}, levels 0 to {levels}")),
             ("light", format!("{} coordinates, degree {degree}", coordinates.name())),
             ("domain", domain),
@@ -95,7 +95,7 @@ impl PwtFacts {
             ("errors", errors),
         ];
         if lights > 0 && held_out_psnr != 0.0 {
-            lines.push(("left out", format!("PSNR {held_out_psnr:.2} dB at lights that a fit did not see")));
+            lines.push(("held out", format!("PSNR {held_out_psnr:.2} dB at lights outside the fit")));
         }
         lines
     }
@@ -126,6 +126,6 @@ mod tests {
         let (_, log) = packs().swap_remove(2);
         let log = PwtFacts::new(&log);
         assert!(words(&log).contains("log, epsilon 0.0200") && !words(&log).contains("tile"), "{}", words(&log));
-        assert!(words(&log).contains("level 1: 4 x 4, 4 x 2 numbers"), "{}", words(&log));
+        assert!(words(&log).contains("level 1: 4 x 4, 4 layers x 2 channels"), "{}", words(&log));
     }
 }

@@ -3,11 +3,10 @@
 use crate::design::Design;
 use rayon::prelude::*;
 
-/// Values of a strip: fixed, so that sums do not depend on the number of threads, and few, so that a strip stays in the
-/// cache.
+/// Values per strip: fixed, so that sums do not depend on the number of threads, and small enough for the cache.
 const STRIP: usize = 1 << 11;
 
-/// Coefficients of the terms of a design, term by term: `c_k = Σ_i w_k(l_i) v_i` for values that stand light by light.
+/// Coefficients of the terms of a design, term by term: `c_k = Σ_i w_k(l_i) v_i`. `values` are stored light by light.
 pub fn coefficients(design: &Design, values: &[Vec<f32>]) -> Vec<Vec<f32>> {
     let (terms, lights) = (design.terms(), design.lights());
     let count = values.first().map_or(0, Vec::len);
@@ -15,7 +14,7 @@ pub fn coefficients(design: &Design, values: &[Vec<f32>]) -> Vec<Vec<f32>> {
     // Row by row: terms x lights.
     let weights: Vec<f32> = (0..terms).flat_map(|k| (0..lights).map(move |i| design.row(i)[k] as f32)).collect();
     let mut planes = vec![vec![0.0f32; count]; terms];
-    // Of each strip its part of every plane.
+    // For each strip, its part of every plane.
     let mut strips: Vec<Vec<&mut [f32]>> = (0..count.div_ceil(STRIP)).map(|_| Vec::with_capacity(terms)).collect();
     for plane in &mut planes {
         strips.iter_mut().zip(plane.chunks_mut(STRIP)).for_each(|(strip, part)| strip.push(part));
@@ -38,7 +37,7 @@ pub fn coefficients(design: &Design, values: &[Vec<f32>]) -> Vec<Vec<f32>> {
 /// `c = a b` of row-major matrices: `m x k` by `k x n`.
 pub fn multiply(m: usize, k: usize, n: usize, a: &[f32], b: &[f32], c: &mut [f32]) {
     let view = |rows, columns, data| nalgebra::DMatrixView::from_slice(data, columns, rows);
-    // Column-major, the transposes stand there: c^T = b^T a^T.
+    // In column-major order these are the transposes: c^T = b^T a^T.
     let mut out = nalgebra::DMatrixViewMut::from_slice(c, n, m);
     out.gemm(1.0, &view(k, n, b), &view(m, k, a), 0.0);
 }

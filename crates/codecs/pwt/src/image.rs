@@ -11,7 +11,7 @@ pub struct Plane {
     pub values: Vec<f32>,
 }
 
-/// A rectangle of a plane: where it begins, and its sides.
+/// A rectangle of a plane.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Rectangle {
     /// First column and row.
@@ -21,7 +21,7 @@ pub struct Rectangle {
 }
 
 impl Rectangle {
-    /// The quarters after one level: low, then high along columns, rows, both.
+    /// The quarters after one level: low, then high along columns, rows and both.
     pub fn quarters(self) -> [Self; 4] {
         let size = self.size.map(|side| side / 2);
         let [x, y] = self.first;
@@ -54,7 +54,7 @@ impl Lines for Row<'_> {
     }
 }
 
-/// Rows of a rectangle, even and odd ones apart in a buffer of their own.
+/// Rows of a rectangle, with even and odd ones in separate parts of a buffer.
 struct Rows<'a> {
     even: &'a mut [f32],
     odd: &'a mut [f32],
@@ -81,12 +81,12 @@ impl Lines for Rows<'_> {
 }
 
 impl Plane {
-    /// A plane of zeros.
+    /// Creates a plane of zeros.
     pub fn zeros(size: [usize; 2]) -> Self {
         Self { size, values: vec![0.0; size[0] * size[1]] }
     }
 
-    /// The whole of it.
+    /// The whole plane as a rectangle.
     pub fn rectangle(&self) -> Rectangle {
         Rectangle { first: [0, 0], size: self.size }
     }
@@ -105,7 +105,7 @@ impl Plane {
         (0..rectangle.size[1]).for_each(|y| self.row_mut(rectangle, y).fill(0.0));
     }
 
-    /// One level of analysis: a rectangle of even sides becomes its four quarters.
+    /// Analyses one level: a rectangle with even sides becomes its four quarters.
     pub fn split(&mut self, rectangle: Rectangle, wavelet: Wavelet, border: Border) {
         let [width, height] = rectangle.size;
         let mut buffer = vec![0.0; width * height];

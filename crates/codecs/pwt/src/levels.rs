@@ -1,30 +1,30 @@
-//! Section 2, "Rendering": the inverse transform ahead of time. Each coefficient of the light's polynomial becomes a
-//! mipmap, from the finest level that it needs: by what a level takes from the error per byte.
+//! Precomputed inverse transform (section 2, "Rendering"). Each coefficient of the light's polynomial becomes a mipmap.
+//! Its finest level is chosen by the reduction of the error per byte.
 
 use crate::image::Plane;
 use crate::tree::PacketTree;
 use brdfc_formats::tap::Tap;
 use rayon::prelude::*;
 
-/// Finest levels that a term may begin at: one texture each.
+/// Number of levels at which a term may begin: one texture each.
 pub const BASES: u32 = brdfc_formats::pwt::MAX_TEXTURES as u32;
 
-/// A term of a channel, and what it costs and brings from each level on.
+/// A term of a channel, with its images and errors for each first level.
 #[derive(Debug, Clone, PartialEq)]
 pub struct TermImages {
-    /// Which channel.
+    /// Channel.
     pub channel: usize,
-    /// Which term.
+    /// Term.
     pub term: usize,
-    /// Texels of all mipmap levels from the finest.
+    /// Texels of all mipmap levels, finest first.
     pub levels: Vec<Plane>,
-    /// Weighted squared error of the rendering, summed over texels, where the term begins at level 0, 1, …; last where
-    /// it is left out.
+    /// Weighted squared error of the image, summed over texels, if the term begins at level 0, 1, …; the last is the
+    /// error if it is left out.
     pub errors: Vec<f64>,
 }
 
 impl TermImages {
-    /// Of the term's coefficients in the tree. `weights` are those of texels in the error.
+    /// Creates the images from the term's coefficients in the tree. `weights` are the weights of texels in the error.
     pub fn new(
         (channel, term): (usize, usize),
         tree: &PacketTree,
@@ -51,7 +51,7 @@ impl TermImages {
     }
 }
 
-/// All terms of all channels.
+/// Images of all terms of all channels.
 pub fn term_images(
     tree: &PacketTree,
     coefficients: &[Vec<Plane>; 3],
@@ -64,7 +64,7 @@ pub fn term_images(
     all.par_iter().map(image).collect()
 }
 
-/// As 8 bits hold it.
+/// Rounds a plane to 8 bits over its range.
 fn rounded(plane: &Plane) -> Plane {
     let (low, high) = range(std::slice::from_ref(plane));
     let scale = (high - low) / 255.0;
@@ -76,13 +76,13 @@ fn rounded(plane: &Plane) -> Plane {
     Plane { size: plane.size, values }
 }
 
-/// Least and largest value of all levels.
+/// Smallest and largest value of all levels.
 pub fn range(levels: &[Plane]) -> (f32, f32) {
     let values = levels.iter().flat_map(|level| &level.values);
     values.fold((f32::INFINITY, f32::NEG_INFINITY), |(low, high), v| (low.min(*v), high.max(*v)))
 }
 
-/// What a sampler makes of texels `level` levels finer: bilinear, their centres at halves.
+/// Magnifies texels by `level` levels as a bilinear sampler does, with texel centres at halves.
 pub fn magnified(plane: &Plane, level: u32, repeats: bool) -> Plane {
     if level == 0 {
         return plane.clone();
@@ -109,23 +109,23 @@ pub fn magnified(plane: &Plane, level: u32, repeats: bool) -> Plane {
     Plane { size, values }
 }
 
-/// One step of the search: a term that begins at another level.
+/// One step of the search: a term that begins at a finer level.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct StepUp {
-    /// Which of the terms.
+    /// Index of the term.
     pub image: usize,
-    /// At which level it begins now.
+    /// Level at which it now begins.
     pub base: u32,
-    /// What the steps so far leave of the error: weighted squares.
+    /// Error after this step: weighted squares.
     pub error: f64,
 }
 
-/// All steps that gain something, the one that gains most per byte first.
+/// All steps that reduce the error, in decreasing order of the reduction per byte.
 pub fn steps(images: &[TermImages]) -> Vec<StepUp> {
     let mut error: f64 = images.iter().map(|image| image.errors[image.errors.len() - 1]).sum();
     let mut queue: Vec<(f64, usize, u32, f64)> = Vec::new();
     for (index, image) in images.iter().enumerate() {
-        // The convex hull of error over bytes: each further step gains less per byte than the one before.
+        // Lower convex hull of error over bytes: each step gains less per byte than the previous one.
         let none = image.errors.len() - 1;
         let bytes = |base: usize| if base == none { 0.0 } else { 0.25f64.powi(base as i32) };
         let mut at = none;

@@ -1,5 +1,5 @@
-//! Polynomial wavelet trees: from photographs of one view under known lights to a pack (`formats/src/pwt`). One step, one
-//! file; `encode.rs` sequences.
+//! Encoder of polynomial wavelet trees: converts photographs of one view under known lights to a pack
+//! (`formats/src/pwt`). Each step has its own file; `encode.rs` sequences them.
 //!
 //! Baril, Boubekeur, Gioia and Schlick 2008, "Polynomial wavelet trees for bidirectional texture functions".
 

@@ -1,5 +1,5 @@
-//! Wavelets of one dimension as lifting steps (Sweldens 1996; factorisations after Daubechies and Sweldens 1998). A step
-//! can always be undone, whatever stands behind the borders: reconstruction is perfect for all of them.
+//! One-dimensional wavelets as lifting steps (Sweldens 1996; factorisations after Daubechies and Sweldens 1998). Each
+//! step is invertible for any extension beyond the borders, so that reconstruction is perfect for all wavelets.
 
 /// A wavelet.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, serde::Serialize, serde::Deserialize, schemars::JsonSchema)]
@@ -16,10 +16,10 @@ pub enum Wavelet {
 }
 
 impl Wavelet {
-    /// All of them.
+    /// All wavelets.
     pub const ALL: [Self; 4] = [Self::Haar, Self::Daubechies4, Self::Cdf53, Self::Cdf97];
 
-    /// The name that scripts use.
+    /// Name in scripts.
     pub fn name(self) -> &'static str {
         match self {
             Self::Haar => "haar",
@@ -29,8 +29,8 @@ impl Wavelet {
         }
     }
 
-    /// The steps in the order of analysis, and what low and high coefficients are multiplied by at the end: a constant
-    /// has low coefficients that are larger by the square root of 2.
+    /// The steps in the order of analysis, and the final factors of low and high coefficients. The low coefficients of
+    /// a constant are larger by the square root of 2.
     fn steps(self) -> (&'static [Step], [f32; 2]) {
         use std::f32::consts::{FRAC_1_SQRT_2, SQRT_2};
         match self {
@@ -54,13 +54,13 @@ const CDF_97: &[Step] = &[
     Step::to_even(-1, &[0.443_506_85, 0.443_506_85]),
 ];
 
-/// What stands behind the borders of a rendering.
+/// Extension of an image beyond its borders.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, serde::Serialize, serde::Deserialize, schemars::JsonSchema)]
 #[serde(rename_all = "kebab-case")]
 pub enum Border {
-    /// Its mirror image: renderings that end.
+    /// Mirrored, for images that end.
     Mirrored,
-    /// The rendering again: tiles.
+    /// Periodic, for tiles.
     Periodic,
 }
 
@@ -81,12 +81,12 @@ impl Step {
         Self { odd: false, first, factors }
     }
 
-    /// Which element of the other half, of `count`, stands at an index that may be beyond it.
+    /// Index into the other half, of `count` elements, for an index that may be beyond it.
     fn index(self, at: i32, count: usize, border: Border) -> usize {
         let count = count as i32;
         match border {
             Border::Periodic => at.rem_euclid(count) as usize,
-            // Even samples are mirrored at the first, odd ones at the last sample of the rendering.
+            // Even samples are mirrored at the first sample, odd ones at the last sample of the image.
             Border::Mirrored => {
                 let (below, above) = if self.odd { (-at, 2 * count - 1 - at) } else { (-1 - at, 2 * count - 2 - at) };
                 let at = if at < 0 {
@@ -102,17 +102,17 @@ impl Step {
     }
 }
 
-/// Elements that a lifting step works on: numbers, or whole rows of them.
+/// Elements of a lifting step: numbers, or whole rows of numbers.
 pub(crate) trait Lines {
     /// `target += factor source`, of the lines of one half and the other.
     fn add(&mut self, odd: bool, target: usize, source: usize, factor: f32);
-    /// Multiplies a line.
+    /// Multiplies a line by `factor`.
     fn scale(&mut self, odd: bool, line: usize, factor: f32);
-    /// Lines of each half.
+    /// Number of lines of each half.
     fn half(&self) -> usize;
 }
 
-/// One level: the even lines become low, the odd ones high coefficients.
+/// Analyses one level: the even lines become low, the odd ones high coefficients.
 pub(crate) fn forward(wavelet: Wavelet, border: Border, lines: &mut impl Lines) {
     let (steps, [low, high]) = wavelet.steps();
     for step in steps {

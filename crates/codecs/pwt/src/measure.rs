@@ -1,27 +1,27 @@
-//! How wrong a pack is: decoded as shaders do, against the photographs.
+//! Errors of a pack against the photographs, decoded as in shaders.
 
-use crate::choose::{decibels, shown, squares};
+use crate::choose::{decibels, squares, to_srgb};
 use crate::stack::LightSamples;
 use brdfc_formats::pwt::{Domain, PwtDecoder};
 use brdfc_metrics::lab::{distance_squared, lab};
 use rayon::prelude::*;
 use std::borrow::Cow;
 
-/// Errors at some lights.
+/// Errors over some lights.
 #[derive(Debug, Clone, Copy, PartialEq, serde::Serialize, serde::Deserialize, schemars::JsonSchema)]
 pub struct StackErrors {
-    /// Photographs.
+    /// Number of photographs.
     pub lights: usize,
-    /// Texels of each that were compared: defined ones.
+    /// Texels compared per photograph: defined ones.
     pub texels: usize,
-    /// Peak signal-to-noise ratio of sRGB codes, dB.
+    /// Peak signal-to-noise ratio of sRGB-encoded values, dB.
     pub psnr: f64,
     /// Mean ΔE (CIE76).
     pub delta_e: f64,
 }
 
-/// Errors of a pack at its finest level against photographs, be they those that it was made of or others. Every
-/// `stride`-th row is compared.
+/// Errors of a pack at its finest level against photographs, which need not be those of the fit. Compares every
+/// `stride`-th row.
 pub fn stack_errors(decoder: &PwtDecoder, samples: &LightSamples, stride: usize) -> StackErrors {
     let unpacked = decoder.unpacked(0);
     let sums = sums(samples, stride, |light| {
@@ -32,32 +32,32 @@ pub fn stack_errors(decoder: &PwtDecoder, samples: &LightSamples, stride: usize)
     StackErrors::of_photographs(&sums)
 }
 
-/// Errors of renderings against photographs of the same size under the same lights.
+/// Errors of images against photographs of the same size under the same lights.
 pub fn rendering_errors(renderings: &LightSamples, samples: &LightSamples) -> StackErrors {
     let width = samples.size[0];
     let rows = |light: usize| move |row: usize| Cow::Borrowed(&renderings.renderings[light][row * width..][..width]);
     StackErrors::of_photographs(&sums(samples, 1, rows))
 }
 
-/// Sums over one photograph, from which [`StackErrors::of_photographs`] are reckoned.
+/// Sums over one photograph, from which [`StackErrors::of_photographs`] are computed.
 #[derive(Debug, Clone, Copy, Default)]
 pub struct PhotographSums {
     texels: usize,
-    /// Squared differences of sRGB codes.
+    /// Squared differences of sRGB-encoded values.
     squares: f64,
-    /// ΔE.
+    /// Sum of ΔE.
     distances: f64,
 }
 
-/// Of texels, linear RGB, against those of a photograph.
-pub fn photograph_sums(found: &[[f32; 3]], wanted: &[[f32; 3]]) -> PhotographSums {
-    let codes = |colours: &[[f32; 3]]| shown(Domain::Linear, colours.as_flattened().to_vec());
+/// Sums for texels in linear RGB against those of a photograph.
+pub fn photograph_sums(found: &[[f32; 3]], expected: &[[f32; 3]]) -> PhotographSums {
+    let codes = |colours: &[[f32; 3]]| to_srgb(Domain::Linear, colours.as_flattened().to_vec());
     let seen = |colour: &[f32; 3]| lab(colour.map(|value| value.max(0.0)));
-    let distance = |(found, wanted): (&[f32; 3], &[f32; 3])| distance_squared(seen(found), seen(wanted)).sqrt();
+    let distance = |(found, expected): (&[f32; 3], &[f32; 3])| distance_squared(seen(found), seen(expected)).sqrt();
     PhotographSums {
-        texels: wanted.len(),
-        squares: squares(&codes(found), &codes(wanted)),
-        distances: found.iter().zip(wanted).map(distance).map(f64::from).sum(),
+        texels: expected.len(),
+        squares: squares(&codes(found), &codes(expected)),
+        distances: found.iter().zip(expected).map(distance).map(f64::from).sum(),
     }
 }
 
@@ -69,7 +69,7 @@ impl std::ops::AddAssign for PhotographSums {
     }
 }
 
-/// What a pack shows at its finest level under some lights.
+/// Images that a pack shows at its finest level under some lights.
 pub fn renderings_of_pack(decoder: &PwtDecoder, lights: Vec<[f32; 3]>) -> LightSamples {
     let unpacked = decoder.unpacked(0);
     let header = decoder.pack().header();
@@ -79,7 +79,7 @@ pub fn renderings_of_pack(decoder: &PwtDecoder, lights: Vec<[f32; 3]>) -> LightS
 }
 
 impl StackErrors {
-    /// Of photographs of one size.
+    /// Errors over photographs of one size.
     pub fn of_photographs(sums: &[PhotographSums]) -> Self {
         let mut all = PhotographSums::default();
         sums.iter().for_each(|sums| all += *sums);
@@ -93,7 +93,8 @@ impl StackErrors {
     }
 }
 
-/// The sums of each photograph, over every `stride`-th row that has defined texels. `rows` gives the rows of the rendering of a light.
+/// Sums of each photograph, over every `stride`-th row that has defined texels. `rows` returns the rows of the image of
+/// a light.
 fn sums<'a, R>(samples: &LightSamples, stride: usize, rows: impl Fn(usize) -> R + Sync) -> Vec<PhotographSums>
 where
     R: Fn(usize) -> Cow<'a, [[f32; 3]]>,
@@ -105,11 +106,11 @@ where
         let found = rows(light);
         let mut sums = PhotographSums::default();
         for row in compared.iter().copied() {
-            let kept = |colours: &[[f32; 3]]| -> Vec<[f32; 3]> {
+            let masked = |colours: &[[f32; 3]]| -> Vec<[f32; 3]> {
                 let defined = |(x, colour): (usize, &[f32; 3])| samples.is_defined(row * width + x).then_some(*colour);
                 colours.iter().enumerate().filter_map(defined).collect()
             };
-            sums += photograph_sums(&kept(&found(row)), &kept(&samples.renderings[light][row * width..][..width]));
+            sums += photograph_sums(&masked(&found(row)), &masked(&samples.renderings[light][row * width..][..width]));
         }
         sums
     };

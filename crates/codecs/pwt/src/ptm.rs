@@ -1,5 +1,5 @@
-//! Polynomial texture maps (Malzbender, Gelb and Wolters 2001): what viewers of reflectance transformation imaging read,
-//! and the peer that trees are held against.
+//! Polynomial texture maps (Malzbender, Gelb and Wolters 2001): the format of viewers for reflectance transformation
+//! imaging, and the baseline for trees.
 
 use crate::stack::LightSamples;
 use brdfc_formats::FormatError;
@@ -10,7 +10,7 @@ use nalgebra::DMatrix;
 use rayon::prelude::*;
 use std::ops::Range;
 
-/// Singular values below this share of the largest count as 0: what the lights do not tell stays small.
+/// Singular values below this share of the largest count as 0: components that the lights do not determine stay small.
 const SINGULAR: f64 = 1e-6;
 
 /// Unit vectors above the horizon, spread evenly: a spiral (Vogel 1979) from the pole to a polar angle of 84 degrees.
@@ -24,14 +24,15 @@ pub fn spread_lights(count: usize) -> Vec<[f32; 3]> {
     (0..count).map(light).collect()
 }
 
-/// What a map shows under some lights.
+/// Images that a map shows under some lights.
 pub fn renderings_of(map: &Ptm, lights: Vec<[f32; 3]>) -> LightSamples {
     let size = map.size().map(|side| side as usize);
     let renderings = lights.par_iter().map(|light| rendering_rows(map, *light, 0..size[1])).collect();
     LightSamples { size, lights, renderings, repeats: false, defined: None }
 }
 
-/// What the polynomials of a map are under some lights, above white and below black as well: of these they are found again.
+/// Unclamped values of a map's polynomials under some lights, including above white and below black. The polynomials
+/// can be recovered from them.
 pub fn samples_of(map: &Ptm, lights: Vec<[f32; 3]>) -> LightSamples {
     let size = map.size().map(|side| side as usize);
     let linear = |code: f64| decode_srgb(code / 255.0) as f32;
@@ -45,27 +46,27 @@ pub fn samples_of(map: &Ptm, lights: Vec<[f32; 3]>) -> LightSamples {
 /// Linear RGB of some rows of a map under a light.
 ///
 /// # Panics
-/// If it has no such rows.
+/// Panics if the map has no such rows.
 pub fn rendering_rows(map: &Ptm, [x, y, _]: [f32; 3], rows: Range<usize>) -> Vec<[f32; 3]> {
     let width = map.size()[0] as usize;
     let linear = |code: f32| decode_srgb(f64::from(code) / 255.0) as f32;
     (rows.start * width..rows.end * width).map(|pixel| map.value(pixel, [x, y]).map(linear)).collect()
 }
 
-/// Which of the two layouts a map has.
+/// Layout of a map.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, serde::Serialize, serde::Deserialize, schemars::JsonSchema)]
 #[serde(rename_all = "kebab-case")]
 pub enum MapModel {
     /// A polynomial for each channel.
     Rgb,
-    /// One polynomial, and a colour that it multiplies.
+    /// One polynomial for luminance, multiplied by a colour.
     Lrgb,
 }
 
-/// The map that fits photographs best, by least squares of sRGB codes.
+/// Fits a map to photographs by least squares of sRGB-encoded values.
 ///
 /// # Errors
-/// Renderings out of range; a size that the format does not have.
+/// Returns an error if images are out of range, or if the format does not have the size.
 pub fn fit_map(samples: &LightSamples, model: MapModel) -> Result<Ptm, FormatError> {
     samples.check()?;
     let count = samples.size[0] * samples.size[1];
@@ -100,7 +101,8 @@ pub fn fit_map(samples: &LightSamples, model: MapModel) -> Result<Ptm, FormatErr
                 let most = sum.into_iter().fold(0.0, f64::max);
                 let colour = sum.map(|s| if most > 0.0 { (255.0 * s / most).round() } else { 255.0 });
                 let square: f64 = colour.iter().map(|c| c * c).sum();
-                // Of light and colour the product is what is seen: the factor that comes nearest to a code.
+                // The image is the product of light and colour: the factor whose product is nearest to the encoded
+                // value.
                 let luminance = |light: usize| {
                     let code = codes[light][at].map(f64::from);
                     255.0 * 255.0 * colour.iter().zip(code).map(|(a, b)| a * b).sum::<f64>() / square
@@ -113,7 +115,7 @@ pub fn fit_map(samples: &LightSamples, model: MapModel) -> Result<Ptm, FormatErr
     }
 }
 
-/// sRGB codes, 0 to 1.
+/// sRGB-encoded values, 0 to 1.
 fn codes(rendering: &[[f32; 3]]) -> Vec<[f32; 3]> {
     let mut codes = rendering.to_vec();
     codes.as_flattened_mut().iter_mut().for_each(|value| *value = value.clamp(0.0, 1.0));
@@ -125,9 +127,9 @@ fn codes(rendering: &[[f32; 3]]) -> Vec<[f32; 3]> {
 mod tests {
     use super::*;
 
-    /// Known answer: a map that is shown under many lights comes back; other lights are a negative control.
+    /// Known answer: a map sampled under many lights is recovered; other lights are the negative control.
     #[test]
-    fn a_map_comes_back() {
+    fn a_map_is_recovered() {
         let coefficients = [[-30.0, -20.0, 10.0, 40.0, -25.0, 140.0], [5.0; 6], [0.0, 0.0, 0.0, 0.0, 0.0, 200.0]];
         let map =
             Ptm::from_coefficients_rgb([2, 1], &[coefficients, coefficients.map(|c| c.map(|c| 0.5 * c))]).unwrap();

@@ -1,28 +1,28 @@
-//! What decides a pack besides its renderings.
+//! Settings of a pack.
 
 use crate::lifting::Wavelet;
 use brdfc_formats::FormatError;
 use brdfc_formats::pwt::{LightCoordinates, MAX_DEGREE};
 
-/// The name of a domain, without what is found for it.
+/// Name of a domain, without its parameter.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, serde::Serialize, serde::Deserialize, schemars::JsonSchema)]
 #[serde(rename_all = "kebab-case")]
 pub enum DomainName {
     /// Linear values.
     Linear,
-    /// Codes of sRGB.
+    /// sRGB-encoded values.
     Display,
     /// Cube roots.
     CubeRoot,
-    /// Logarithms of what is a little larger.
+    /// Logarithms of values plus `ε`.
     Log,
 }
 
 impl DomainName {
-    /// All of them.
+    /// All domains.
     pub const ALL: [Self; 4] = [Self::Linear, Self::Display, Self::CubeRoot, Self::Log];
 
-    /// The name that scripts use.
+    /// Name in scripts.
     pub fn name(self) -> &'static str {
         match self {
             Self::Linear => "linear",
@@ -33,40 +33,40 @@ impl DomainName {
     }
 }
 
-/// What a pack is to meet. The smallest one that does is made.
+/// Target of a pack. The encoder builds the smallest pack that meets it.
 #[derive(Debug, Clone, Copy, PartialEq, serde::Serialize, serde::Deserialize, schemars::JsonSchema)]
 #[serde(rename_all = "kebab-case")]
 pub enum Target {
-    /// At most so many dB below what is reached at unseen lights before anything is left out.
+    /// Maximum loss against the quality at unseen lights before truncation, dB.
     Loss(f64),
-    /// Signal-to-noise ratio of sRGB codes, dB.
+    /// Peak signal-to-noise ratio of sRGB-encoded values, dB.
     Quality(f64),
     /// Mean ΔE (CIE76).
     DeltaE(f64),
-    /// Share of the squared error that terms and details take away, 0 to 1.
+    /// Share of the squared error that terms and details remove, 0 to 1.
     Energy(f64),
-    /// Most bytes on a GPU, mipmaps included.
+    /// Maximum bytes on a GPU, mipmaps included.
     Bytes(u64),
 }
 
-/// Everything that decides a pack besides its renderings. What is `None` is chosen by measurement.
+/// Settings of a pack. Settings that are `None` are chosen by measurement.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct PwtRecipe {
-    /// In what the terms are polynomials.
+    /// Coordinates of the polynomials.
     pub coordinates: Option<LightCoordinates>,
     /// Highest degree.
     pub degree: Option<u32>,
     /// `λ` of the penalty on roughness.
     pub ridge: Option<f64>,
-    /// The scale of values that are fitted.
+    /// Domain of the fitted values.
     pub domain: Option<DomainName>,
     /// The wavelet.
     pub wavelet: Wavelet,
-    /// Levels of the tree; `None` for as many as 5 and the sides allow.
+    /// Levels of the tree; `None` for 5, or as many as the sides allow.
     pub depth: Option<u32>,
-    /// How often details are split further.
+    /// Number of further splits of details.
     pub packets: u32,
-    /// What to meet.
+    /// Target.
     pub target: Target,
 }
 
@@ -86,15 +86,15 @@ impl Default for PwtRecipe {
 }
 
 impl PwtRecipe {
-    /// Deepest tree.
+    /// Maximum levels of a tree.
     pub const MAX_DEPTH: u32 = 8;
-    /// Most further splits.
+    /// Maximum number of further splits.
     pub const MAX_PACKETS: u32 = 4;
 
-    /// Whether everything is in range.
+    /// Checks ranges.
     ///
     /// # Errors
-    /// Names what is not.
+    /// Returns an error that names the setting that is out of range.
     pub fn check(&self) -> Result<(), FormatError> {
         FormatError::check_range("degree", self.degree.unwrap_or_default(), 0..=MAX_DEGREE)?;
         FormatError::check_range("ridge", self.ridge.unwrap_or_default(), 0.0..=1e6)?;

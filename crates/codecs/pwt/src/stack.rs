@@ -1,33 +1,33 @@
-//! What is encoded: renderings of one view under known lights.
+//! Input of the encoder: images of one view under known lights.
 
 use brdfc_formats::FormatError;
 
-/// Fewest and most lights.
+/// Range of the number of lights.
 pub const LIGHTS: std::ops::RangeInclusive<usize> = 1..=4096;
 
-/// Renderings of one view, each under a distant light.
+/// Images of one view, each under a distant light.
 #[derive(Debug, Clone, PartialEq)]
 pub struct LightSamples {
-    /// Columns and rows of every rendering.
+    /// Columns and rows of every image.
     pub size: [usize; 2],
     /// Unit vectors to the lights, above the horizon.
     pub lights: Vec<[f32; 3]>,
-    /// Linear RGB of each rendering, row by row from the top; 1 is white. Below 0 is only what polynomials are there.
+    /// Linear RGB of each image, row by row from the top; 1 is white. Only polynomials have values below 0.
     pub renderings: Vec<Vec<[f32; 3]>>,
-    /// Whether they are tiles that repeat.
+    /// True if the images are tiles that repeat.
     pub repeats: bool,
-    /// Which texels are defined, row by row; `None` for all. Others hold whatever fills holes: they are fitted like all, but
-    /// nothing is chosen by them, and no error counts them.
+    /// Mask of defined texels, row by row; `None` if all are defined. Other texels hold filled values: they are fitted,
+    /// but do not affect choices and errors.
     pub defined: Option<Vec<bool>>,
 }
 
 impl LightSamples {
-    /// Whether everything is in range.
+    /// Checks the input.
     ///
     /// # Errors
-    /// No lights or too many; sides of 0 or beyond what packs hold; renderings of another size than the first, or another
-    /// number of them than of lights; lights that are not above the horizon; values that are no finite numbers; a mask
-    /// of another size, or of no texel.
+    /// Returns an error for no lights or too many, for sides of 0 or beyond the limits of packs, for images of another
+    /// size or number than expected, for lights that are not unit vectors above the horizon, for values that are not
+    /// finite, and for a mask of another size or without defined texels.
     pub fn check(&self) -> Result<(), FormatError> {
         let refused = |field: String, found: String, allowed: String| Err(FormatError::whole(field, found, allowed));
         if !LIGHTS.contains(&self.lights.len()) {
@@ -40,13 +40,13 @@ impl LightSamples {
             return refused("size".to_owned(), format!("{width} x {height}"), format!("1 to {most} along each side"));
         }
         if self.renderings.len() != self.lights.len() {
-            let allowed = format!("{}, one for each light", self.lights.len());
-            return refused("renderings".to_owned(), self.renderings.len().to_string(), allowed);
+            let allowed = format!("{}, one per light", self.lights.len());
+            return refused("images".to_owned(), self.renderings.len().to_string(), allowed);
         }
         for (k, (rendering, light)) in self.renderings.iter().zip(&self.lights).enumerate() {
             if rendering.len() != width * height {
                 let found = format!("{} pixels", rendering.len());
-                return refused(format!("rendering {k}"), found, format!("{width} x {height}"));
+                return refused(format!("image {k}"), found, format!("{width} x {height}"));
             }
             let length: f32 = light.iter().map(|c| c * c).sum();
             if !((length - 1.0).abs() <= 1e-4 && light[2] > 0.0) {
@@ -55,7 +55,7 @@ impl LightSamples {
             }
             if let Some(at) = rendering.iter().position(|pixel| !pixel.iter().all(|c| c.is_finite())) {
                 let found = format!("{:?} at ({}, {})", rendering[at], at % width, at / width);
-                return refused(format!("rendering {k}"), found, "finite values".to_owned());
+                return refused(format!("image {k}"), found, "finite values".to_owned());
             }
         }
         if let Some(mask) = &self.defined {
@@ -70,13 +70,12 @@ impl LightSamples {
         Ok(())
     }
 
-    /// Whether a texel is defined.
+    /// Returns true if a texel is defined.
     pub fn is_defined(&self, texel: usize) -> bool {
         self.defined.as_ref().is_none_or(|mask| mask[texel])
     }
 
-    /// So many of the defined texels, or all where they are fewer: in steps of the golden ratio, so that no column or row is
-    /// missed.
+    /// At most `most` of the defined texels, in steps of the golden ratio, which covers all columns and rows.
     pub fn spread_texels(&self, most: usize) -> Vec<usize> {
         let defined: Vec<usize> = (0..self.size[0] * self.size[1]).filter(|texel| self.is_defined(*texel)).collect();
         let count = defined.len();
@@ -87,13 +86,13 @@ impl LightSamples {
         (0..most).map(|k| defined[nth(k)]).collect()
     }
 
-    /// How many texels are defined.
+    /// Number of defined texels.
     pub fn defined_texels(&self) -> usize {
         let all = self.size[0] * self.size[1];
         self.defined.as_ref().map_or(all, |mask| mask.iter().filter(|defined| **defined).count())
     }
 
-    /// The middle of every rendering, with sides that are multiples of a number; as they are where a side is smaller.
+    /// Crops every image to its middle, with sides that are multiples of `multiple`; smaller sides stay unchanged.
     pub fn cropped(&self, multiple: usize) -> Self {
         let [width, height] = self.size;
         let size = self.size.map(|side| if side < multiple { side } else { side - side % multiple });
@@ -105,10 +104,10 @@ impl LightSamples {
         Self { size, lights: self.lights.clone(), renderings, repeats: self.repeats, defined }
     }
 
-    /// Without some of the lights.
+    /// The images without some of the lights.
     pub fn without(&self, left_out: &[usize]) -> Self {
-        let kept = (0..self.lights.len()).filter(|k| !left_out.contains(k));
-        let (lights, renderings) = kept.map(|k| (self.lights[k], self.renderings[k].clone())).unzip();
+        let rest = (0..self.lights.len()).filter(|k| !left_out.contains(k));
+        let (lights, renderings) = rest.map(|k| (self.lights[k], self.renderings[k].clone())).unzip();
         Self { size: self.size, lights, renderings, repeats: self.repeats, defined: self.defined.clone() }
     }
 }

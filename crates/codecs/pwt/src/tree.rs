@@ -1,16 +1,16 @@
-//! Section 2, "Wavelets for BTF": wavelet packets over the rendering. A tree says which subbands are split further; the best
-//! one is found as Coifman and Wickerhauser (1992) do.
+//! Wavelet packets of images (section 2, "Wavelets for BTF"). A tree lists the subbands that are split further; the
+//! best tree is found as by Coifman and Wickerhauser (1992).
 
 use crate::image::{Plane, Rectangle};
 use crate::lifting::{Border, Wavelet};
 use std::collections::BTreeSet;
 
-/// How renderings are transformed.
+/// Wavelet transform of an image.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Transform {
     /// The wavelet.
     pub wavelet: Wavelet,
-    /// What stands behind the borders.
+    /// Extension beyond the borders.
     pub border: Border,
     /// Levels: sides are multiples of `2^depth`.
     pub depth: u32,
@@ -21,29 +21,29 @@ pub struct Transform {
 pub struct Subband {
     /// Its coefficients in the transformed plane.
     pub rectangle: Rectangle,
-    /// The level of detail that it belongs to: 0 is the finest, [`Transform::depth`] what remains of the rendering.
+    /// Level of detail: 0 is the finest, [`Transform::depth`] the remaining low-pass image.
     pub level: u32,
-    /// How often the rendering was split for it.
+    /// Number of splits of the image for this subband.
     pub splits: u32,
 }
 
-/// Which subbands of detail are split further. What remains of the rendering always is, to the last level.
+/// Detail subbands that are split further. The low-pass subband is always split, to the last level.
 #[derive(Debug, Clone, PartialEq)]
 pub struct PacketTree {
     transform: Transform,
     size: [usize; 2],
-    /// Detail subbands that are split, by their number: 1 is the rendering, the quarters of `n` are `4n` to `4n + 3`.
+    /// Numbers of the split detail subbands: 1 is the image, the quarters of `n` are `4n` to `4n + 3`.
     split: BTreeSet<u64>,
 }
 
 impl PacketTree {
-    /// The plain pyramid: no detail is split further.
+    /// Creates a plain pyramid without further splits.
     pub fn pyramid(transform: Transform, size: [usize; 2]) -> Self {
         Self { transform, size, split: BTreeSet::new() }
     }
 
-    /// The tree whose coefficients of these planes have the least cost `Σ ln(1 + (c / step)²)`, about the bits that they
-    /// take when rounded to `step`. Details are split `extra` times more at most.
+    /// Finds the tree with the least cost `Σ ln(1 + (c / step)²)` of the coefficients of these planes, which
+    /// approximates their bits when rounded to `step`. Details are split at most `extra` times more.
     pub fn best(transform: Transform, planes: &[Plane], step: f32, extra: u32) -> Self {
         let size = planes.first().map_or([0, 0], |plane| plane.size);
         let mut tree = Self::pyramid(transform, size);
@@ -62,7 +62,7 @@ impl PacketTree {
         tree
     }
 
-    /// The least cost of a subband, split or not.
+    /// Least cost of a subband, split or not.
     fn decide(&mut self, planes: &mut [Plane], (number, rectangle): (u64, Rectangle), step: f32, most: u32) -> f64 {
         let whole = cost(planes, rectangle, step);
         if most == 0 || rectangle.size.iter().any(|side| side % 2 != 0) {
@@ -81,12 +81,12 @@ impl PacketTree {
         }
     }
 
-    /// How renderings are transformed.
+    /// The wavelet transform.
     pub fn transform(&self) -> Transform {
         self.transform
     }
 
-    /// All subbands: the one that remains of the rendering first, then details from the coarsest level.
+    /// All subbands: the low-pass one first, then details from the coarsest level.
     pub fn subbands(&self) -> Vec<Subband> {
         let mut subbands = Vec::new();
         let (mut number, mut rectangle) = (1u64, Rectangle { first: [0, 0], size: self.size });
@@ -113,7 +113,7 @@ impl PacketTree {
         }
     }
 
-    /// Coefficients of a plane, in place.
+    /// Transforms a plane to coefficients, in place.
     pub fn analyse(&self, plane: &mut Plane) {
         let Transform { wavelet, border, depth } = self.transform;
         let (mut number, mut rectangle) = (1u64, plane.rectangle());
@@ -139,7 +139,7 @@ impl PacketTree {
         self.synthesise_from(plane, 0);
     }
 
-    /// Joins all levels but the finest `levels`: what remains stands in the first `size >> levels` of the plane.
+    /// Joins all levels except the finest `levels`: the result is in the first `size >> levels` of the plane.
     fn synthesise_from(&self, plane: &mut Plane, levels: u32) {
         let Transform { wavelet, border, depth } = self.transform;
         let mut nodes = vec![(1u64, plane.rectangle())];
@@ -164,8 +164,8 @@ impl PacketTree {
         }
     }
 
-    /// The tree of these coefficients truncated at a level, as a rendering of that level's size: details finer than the
-    /// level are left out, and a texel is the mean of what it covers. Level 0 is the whole rendering.
+    /// Reconstructs the image at a level, with that level's size: finer details are left out, and each texel is the
+    /// mean of the area that it covers. Level 0 is the whole image.
     pub fn truncated(&self, coefficients: &Plane, level: u32) -> Plane {
         let mut plane = coefficients.clone();
         if level == 0 {
@@ -243,8 +243,8 @@ mod tests {
         }
     }
 
-    /// Known answers: a constant has its mean in what remains and no details, and energies are kept by orthonormal
-    /// wavelets.
+    /// Known answers: the low-pass subband of a constant holds its mean and details are 0; orthonormal wavelets
+    /// preserve energy.
     #[test]
     fn constants_and_energies() {
         for transform in transforms() {
@@ -289,7 +289,7 @@ mod tests {
         }
     }
 
-    /// A level of the mipmap chain is what is left when finer details are zero, seen at that size.
+    /// A level of the mipmap chain is the image without finer details, at that size.
     #[test]
     fn truncation_leaves_finer_details_out() {
         let rendering = noise([32, 16], 5);

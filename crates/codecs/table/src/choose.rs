@@ -1,4 +1,4 @@
-//! Where nodes stand: sizes and warps of a table, chosen by small trial fits.
+//! Sizes and warps of tables, chosen by small trial fits.
 
 use super::fit::fit_roughly;
 use super::lattice::Lattice;
@@ -10,22 +10,22 @@ use brdfc_formats::table::{Axes, Folded, KNOTS, TableHeader, TableSymmetry};
 use rayon::prelude::*;
 use std::f64::consts::FRAC_PI_2;
 
-/// Samples of a trial per node, and the fewest.
+/// Samples of a trial per node, and their minimum.
 const TRIAL_SAMPLES: usize = 4;
 const MIN_TRIAL_SAMPLES: usize = 8 << 10;
-/// Samples that judge a trial, at most.
+/// Maximum number of samples that test a trial.
 const JUDGES: usize = 8 << 10;
-/// Layers of anisotropic tables that are tried.
+/// Tried numbers of layers of anisotropic tables.
 const LAYERS: [u32; 7] = [4, 2, 3, 5, 6, 8, 12];
 
-/// How columns stand over `θ_h`.
+/// Spacing of the columns over `θ_h`.
 #[derive(Debug, Clone, Copy, PartialEq)]
 enum Warp {
     /// Equal steps of the angle's power.
     Power(f64),
-    /// Equal steps of `ln(1 + θ/a)`: from even to ever wider.
+    /// Equal steps of `ln(1 + θ/a)`: dense near the normal, ever wider beyond.
     Logarithm(f64),
-    /// Equal steps of `ln(1 + (θ/a)²)`: densest around `a`, for lobes that are flat on top.
+    /// Equal steps of `ln(1 + (θ/a)²)`: densest around `a`, for lobes with a flat top.
     Lobe(f64),
 }
 
@@ -42,7 +42,7 @@ const WARPS: [Warp; 10] = [
     Warp::Logarithm(0.25),
 ];
 
-/// Shares of columns, rows and slices, as powers of two: their product is what the budget leaves.
+/// Shares of columns, rows and slices, as powers of two; the budget decides their product.
 const SHAPES: [[f64; 3]; 11] = [
     [0.6, -0.3, -0.3],
     [0.9, 0.0, -0.9],
@@ -80,13 +80,13 @@ impl Warp {
     }
 }
 
-/// Largest tables that are tried, in texels: larger ones have the same warps, and axes in the same proportion.
+/// Texels of the largest tables that are tried: larger ones have the same warps, and axes in the same proportion.
 const MAX_TRIED: usize = 4096;
 const MAX_TRIED_ANISOTROPIC: usize = 8192;
 
-/// The table of at most so many texels whose small fit is closest to samples that it was not made from.
+/// Chooses the table of at most `texels` texels whose small fit is closest to test samples.
 ///
-/// Warps, then shapes, then slopes, then warps again: what comes later is chosen for what was best before.
+/// The order is warps, shapes, slopes and warps again. Each step uses the best result of the steps before.
 pub fn choose(trial: &Trial<'_>, symmetry: TableSymmetry, texels: usize, isotropic: bool) -> TableHeader {
     let (targets, mut trials) = (trial.targets, Trials::of(trial));
     let layers = if isotropic { 1 } else { LAYERS[0] };
@@ -107,13 +107,13 @@ pub fn choose(trial: &Trial<'_>, symmetry: TableSymmetry, texels: usize, isotrop
     header
 }
 
-/// The same table with at most so many texels, its axes in the same proportion.
+/// Scales a table to at most `texels` texels, with its axes in the same proportion.
 pub fn scaled(header: TableHeader, texels: usize) -> TableHeader {
     let symmetry = header.symmetry;
     TableHeader { axes: shaped(shape_of(header.axes, symmetry), texels, header.axes.layers, symmetry), ..header }
 }
 
-/// The table of these axes whose small fit is closest.
+/// Chooses the warps for these axes whose small fit is closest.
 pub fn choose_warps(trial: &Trial<'_>, symmetry: TableSymmetry, axes: Axes) -> TableHeader {
     let mut trials = Trials::of(trial);
     let mut header = trials.warped(start(trial.targets, symmetry, axes));
@@ -143,7 +143,7 @@ fn shape_of(axes: Axes, symmetry: TableSymmetry) -> [f64; 3] {
     counts.map(|count| (count / side).log2())
 }
 
-/// Axes of at most so many texels, the slice that stands twice included; fewer layers where the texels do not go round.
+/// Axes of at most `texels` texels, including the repeated slice; with fewer layers if the texels do not suffice.
 fn shaped(shape: [f64; 3], texels: usize, layers: u32, symmetry: TableSymmetry) -> Axes {
     let guard = u32::from(!symmetry.mirror);
     let side = (texels as f64 / f64::from(layers)).cbrt();
@@ -160,22 +160,22 @@ fn shaped(shape: [f64; 3], texels: usize, layers: u32, symmetry: TableSymmetry) 
             _ => break,
         }
     }
-    // Columns take what is left.
+    // Columns take the remaining texels.
     axes.half = ((texels as u32) / column(&axes)).clamp(2, 256);
     axes
 }
 
-/// What tables are tried with.
+/// Input of trial fits.
 pub struct Trial<'a> {
     /// Samples.
     pub samples: &'a Samples,
-    /// Their angles, folded.
+    /// Folded angles of the samples.
     pub folded: &'a [Folded],
-    /// What is aimed at.
+    /// Targets of the fit.
     pub targets: &'a Targets,
 }
 
-/// Trials that were made: what comes round again is not tried again.
+/// Results of trials; repeated tables are not fitted again.
 struct Trials<'a> {
     trial: &'a Trial<'a>,
     errors: Vec<(TableHeader, f64)>,
@@ -194,7 +194,7 @@ impl<'a> Trials<'a> {
         self.best(header, &SLOPES, |header, slope| header.slope = *slope)
     }
 
-    /// A table with the first of the choices that no other beats.
+    /// Sets the first of the choices with the smallest error.
     fn best<C>(&mut self, header: TableHeader, choices: &[C], set: impl Fn(&mut TableHeader, &C)) -> TableHeader {
         let with = |choice: &C| {
             let mut header = header;
@@ -221,7 +221,7 @@ impl<'a> Trials<'a> {
 }
 
 impl Trial<'_> {
-    /// Sum of differences, of colours or ratios, over samples that the fit did not get.
+    /// Sum of differences, of colours or ratios, over samples that were not in the fit.
     fn error(&self, header: &TableHeader) -> f64 {
         let Self { samples, folded, targets } = self;
         let lattice = Lattice::new(header);

@@ -1,4 +1,4 @@
-//! Table packs among the codecs of BRDFs.
+//! Registration of table packs as a BRDF codec.
 
 use super::encode::encode;
 use super::levels::MAX_LEVELS;
@@ -23,13 +23,13 @@ const AUTO: &str = "auto";
 
 /// Memory of an encoding without its source, bytes; measured with a scan.
 const MEMORY: u64 = 40 << 20;
-/// Memory of a search at its largest table, likewise.
+/// Memory of a search at its largest table, bytes; measured with a scan.
 const MEMORY_OF_SEARCH: u64 = 128 << 20;
 
-/// Everything that decides the bytes of a pack, besides the source.
+/// Everything besides the source that decides the bytes of a pack.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub enum Recipe {
-    /// A table of a size.
+    /// A table of a given size.
     Table(TableRecipe),
     /// The smallest table that meets a budget.
     Search(SearchRecipe),
@@ -54,14 +54,14 @@ impl From<SearchRecipe> for Recipe {
 }
 
 impl Recipe {
-    /// The table, or what all that a search tries have in common.
+    /// The table, or the common recipe of all tables of a search.
     fn table(&self) -> &TableRecipe {
         match self {
             Self::Table(table) | Self::Search(SearchRecipe { table, .. }) => table,
         }
     }
 
-    /// The same, to be changed.
+    /// The same, mutable.
     fn table_mut(&mut self) -> &mut TableRecipe {
         match self {
             Self::Table(table) | Self::Search(SearchRecipe { table, .. }) => table,
@@ -123,7 +123,7 @@ impl BrdfRecipe for Recipe {
         }
     }
 
-    /// A search decides by the error.
+    /// A search needs the error.
     fn skip_measuring(&mut self) {
         if let Self::Table(table) = self {
             table.measure = false;
@@ -157,7 +157,7 @@ impl BrdfRecipe for Recipe {
             }
             Self::Table(TableRecipe { size: Size::Bytes(most), .. }) => Predicted { least: 0, most: *most },
             Self::Table(TableRecipe { size: Size::Nodes(axes), .. }) => {
-                // Where a table does not start again, it has one slice less; grey texels have half the bytes.
+                // A table that does not wrap around has one slice less; grey texels have half the bytes.
                 let texels = |azimuth: u32| u64::from(axes.half * axes.difference * azimuth * axes.layers);
                 Predicted { least: 2 * texels(axes.azimuth), most: 4 * texels(axes.azimuth + 1) }
             }
@@ -168,7 +168,7 @@ impl BrdfRecipe for Recipe {
 /// Options of plain tables.
 const OPTIONS: [&str; 7] =
     ["max_delta_e", "min_highlight", "max_error", "max_bytes", "max_fetches", "reciprocal", "bias"];
-/// Those of tables with a curve, and of a search among both.
+/// Options of factored packs, and of a search among both kinds.
 const FACTORED_OPTIONS: [&str; 8] =
     ["max_delta_e", "min_highlight", "max_error", "max_bytes", "max_fetches", "reciprocal", "bias", "levels"];
 
@@ -181,7 +181,7 @@ impl Encode for Recipe {
         Variant { name: FACTORED, options: &FACTORED_OPTIONS },
     ];
 
-    /// The table itself, or a search where limits of error or fetches ask for one or `auto` does.
+    /// The recipe of a table, or a search if it is `auto` or if error or fetches are limited.
     fn from_options(variant: &str, options: &EncodeOptions) -> Result<Self, OptionError> {
         let default = TableRecipe::default();
         let levels = options.levels.unwrap_or(0);

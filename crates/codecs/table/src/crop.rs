@@ -1,17 +1,18 @@
-//! What a table needs not hold where a scene shows a material from some directions only.
+//! Parts of a table that a limited range of directions never uses.
 
 use brdfc_formats::crop::{DirectionRange, Window};
 use brdfc_formats::table::{Angles, TableHeader};
 use std::f64::consts::FRAC_PI_2;
 
-/// Texels around those that filtering touches.
+/// Width of the ring of texels around those that filtering reads.
 const GUARD: u32 = 1;
 
-/// The columns and rows that look-ups within a range of directions touch, and a ring around them.
+/// Columns and rows that look-ups within a range of directions read, with a ring around them.
 ///
-/// For polar angles `θ_i` and `θ_o` both the half vector's and the difference's are between `|θ_i - θ_o| / 2` and
-/// `(θ_i + θ_o) / 2`. And a direction is no farther from the normal than `θ` where `θ_d / θ_d,max` is at most `θ / (π/2)`:
-/// with `R cos(θ_d + δ)` the lower of both cosines, `δ = π/2 - θ_d,max` and `R <= 1`, it is `(acos(cos θ / R) - δ) / (π/2 - δ)`.
+/// For polar angles `θ_i` and `θ_o` the angles of both the half vector and the difference are between `|θ_i - θ_o| / 2`
+/// and `(θ_i + θ_o) / 2`. A direction is within `θ` of the normal if `θ_d / θ_d,max` is at most `θ / (π/2)`: with `R
+/// cos(θ_d + δ)` the lower of both cosines, `δ = π/2 - θ_d,max` and `R <= 1`, it is `(acos(cos θ / R) - δ) / (π/2 -
+/// δ)`.
 pub fn window(header: &TableHeader, directions: DirectionRange) -> Window {
     let ([light_low, light_high], [view_low, view_high]) = (directions.light.polar(), directions.view.polar());
     let apart = (light_low - view_high).max(view_low - light_high).max(0.0);
@@ -28,7 +29,7 @@ pub fn window(header: &TableHeader, directions: DirectionRange) -> Window {
     Window::between([first(0), first(1)], [last(0), last(1)])
 }
 
-/// Texels of a pack whose texture has such a window.
+/// Number of texels of a pack whose texture has such a window.
 pub fn texels(header: &TableHeader, directions: DirectionRange) -> usize {
     let [columns, rows] = window(header, directions).size;
     (columns * rows * header.extent()[2]) as usize

@@ -1,4 +1,4 @@
-//! The encoder: sequences the stages.
+//! The encoder of tables, as a sequence of stages.
 
 use super::choose::{Trial, choose, choose_warps, scaled, start};
 use super::crop::{self, window};
@@ -21,34 +21,34 @@ use brdfc_formats::table::{Angles, Folded, TableHeader, TablePack, TableSymmetry
 use brdfc_metrics::compare::{Comparison, Reference};
 use brdfc_metrics::sampling::PairSet;
 
-/// Samples that a table is fitted to, per node.
+/// Number of samples per node.
 const SAMPLES: u64 = 16;
-/// Most samples.
+/// Maximum number of samples.
 const MAX_SAMPLES: u64 = 1 << 18;
-/// Texels of the largest table that a budget of bytes becomes: beyond, there are fewer than two samples per node.
+/// Texels of the largest table for a budget of bytes: larger ones would have fewer than two samples per node.
 pub const MAX_TEXELS: u64 = 1 << 17;
-/// Larger logarithms than those of any material are a fit's beside a spike.
+/// Larger logarithms are overshoots of a fit next to a spike; no material has them.
 const MAX_LOGARITHM: f64 = 80.0;
 
-/// A pack with what was measured while making it.
+/// A pack with the measurements of its encoding.
 #[derive(Debug, Clone)]
 pub struct Encoded {
     /// The pack.
     pub pack: TablePack,
     /// The file.
     pub bytes: Vec<u8>,
-    /// How far the source is from each symmetry.
+    /// Deviation of the source from each symmetry.
     pub asymmetry: Asymmetry,
     /// Error against the source, at pairs and in renderings that depend on no codec.
     pub off_grid: Comparison,
-    /// What had to be repaired in the samples.
+    /// Repairs in the samples.
     pub tally: Tally,
 }
 
 /// Runs all stages.
 ///
 /// # Errors
-/// A budget that cannot be met, sizes out of range, cancellation.
+/// Returns an error if the budget cannot be met, if a size is out of range, or if the work is cancelled.
 pub fn encode(source: &dyn Source, recipe: &TableRecipe, progress: &dyn Progress) -> Result<Encoded, EncodeError> {
     let prepared = Prepared::new(source, recipe, samples_for(recipe.size, source.is_grey()), progress)?;
     let mut pack = prepared.pack(recipe, progress)?;
@@ -65,13 +65,13 @@ pub fn encode(source: &dyn Source, recipe: &TableRecipe, progress: &dyn Progress
     Ok(Encoded { pack, bytes, asymmetry: prepared.asymmetry, off_grid, tally: prepared.samples.tally })
 }
 
-/// Notes the error of a pack in it.
+/// Stores the error of a pack in it.
 pub fn measured(pack: &mut TablePack, off_grid: &Comparison) {
     pack.off_grid = off_grid.summary();
     pack.rendering = off_grid.rendering.summary();
 }
 
-/// How many samples a table of this size is fitted to.
+/// Number of samples for a table of this size.
 pub fn samples_for(size: Size, grey: bool) -> usize {
     let nodes = match size {
         Size::Nodes(axes) => {
@@ -86,7 +86,7 @@ fn texel_bytes(grey: bool) -> u64 {
     if grey { 2 } else { 4 }
 }
 
-/// A table before it is rounded.
+/// A table before rounding.
 struct Fitted {
     header: TableHeader,
     lattice: Lattice,
@@ -94,12 +94,12 @@ struct Fitted {
     solution: Solution,
 }
 
-/// What tables of all sizes are made from: samples, and what they say of the material.
+/// Common input of tables of all sizes: samples and their symmetries.
 #[derive(Debug, Clone)]
 pub struct Prepared {
-    /// How far the source is from each symmetry.
+    /// Deviation of the source from each symmetry.
     pub asymmetry: Asymmetry,
-    /// What tables are fitted to.
+    /// Samples to fit.
     pub samples: Samples,
     symmetry: TableSymmetry,
     /// Angles of the samples, folded by the symmetry.
@@ -113,7 +113,7 @@ impl Prepared {
     /// Samples a source.
     ///
     /// # Errors
-    /// Cancellation.
+    /// Returns an error if the work is cancelled.
     pub fn new(
         source: &dyn Source,
         recipe: &TableRecipe,
@@ -126,7 +126,7 @@ impl Prepared {
         let mut symmetry = asymmetry.folds(isotropic);
         symmetry.reciprocal |= recipe.reciprocal;
         progress.stage(Stage::Resample, 1)?;
-        // Coarser levels of detail show mean of all directions.
+        // Coarser levels of detail average over all directions.
         let directions = if recipe.levels == 0 { recipe.directions } else { DirectionRange::ALL };
         let samples = Samples::within(source, samples, recipe.reciprocal, directions);
         let targets = Targets::with_aim(&samples, recipe.bias as f32, grey, recipe.aim);
@@ -134,10 +134,10 @@ impl Prepared {
         Ok(Self { asymmetry, samples, symmetry, folded, targets, isotropic, grey })
     }
 
-    /// The pack of a recipe, its errors not yet measured.
+    /// Encodes the pack of a recipe, without measuring its errors.
     ///
     /// # Errors
-    /// A budget that cannot be met, sizes out of range, cancellation.
+    /// Returns an error if the budget cannot be met, if a size is out of range, or if the work is cancelled.
     pub fn pack(&self, recipe: &TableRecipe, progress: &dyn Progress) -> Result<TablePack, EncodeError> {
         if recipe.levels > levels::MAX_LEVELS {
             let allowed = format!("0 to {}", levels::MAX_LEVELS);
@@ -153,8 +153,8 @@ impl Prepared {
             return Ok(cropped(quantise(header, &solution, &self.targets)?, recipe.directions)?);
         }
 
-        // The curve has what columns have in common, so that the table's steps become finer, and what is too narrow for them;
-        // then the table is fitted to what the curve, as it is stored, leaves.
+        // The curve takes the common part of the columns, so that the table's steps become finer, and details that are
+        // too narrow for the columns. Then the table is fitted to the remainder of the stored curve.
         let nodes = without_column_means(solution.nodes, header.axes.half as usize);
         let left = |taps: &Taps, all: &[f32; 3]| {
             let found = lattice.value(taps, &nodes);
@@ -181,11 +181,11 @@ impl Prepared {
         Ok(cropped(quantise(header, &solution, &rest)?.with_curve(curve)?, recipe.directions)?)
     }
 
-    /// The nodes of a table of a size before they are rounded to texels: their header, whose `low` and `span` are 0, and
-    /// their logarithms, `[layer][slice][row][column]` without the slice that stands twice.
+    /// Nodes of a table before rounding: their header, whose `low` and `span` are 0, and their logarithms,
+    /// `[layer][slice][row][column]` without the repeated slice.
     ///
     /// # Errors
-    /// As [`Self::pack`].
+    /// Same as [`Self::pack`].
     pub fn nodes(&self, size: Size, progress: &dyn Progress) -> Result<(TableHeader, Vec<[f32; 3]>), EncodeError> {
         let recipe = TableRecipe { size, ..TableRecipe::default() };
         let fitted = self.fit(size, DirectionRange::ALL, self.texels(&recipe)?, progress)?;
@@ -212,7 +212,7 @@ impl Prepared {
         Ok(Fitted { header, lattice, taps, solution })
     }
 
-    /// Texels of a pack of this size, a curve included.
+    /// Number of texels of a pack of this size, including a curve.
     fn texels(&self, recipe: &TableRecipe) -> Result<usize, EncodeError> {
         match recipe.size {
             Size::Nodes(axes) => {
@@ -224,13 +224,13 @@ impl Prepared {
         }
     }
 
-    /// Texels of a table that have as many bytes as a curve.
+    /// Number of texels of a table with as many bytes as a curve.
     fn texels_of_curve(&self, nodes: usize, recipe: &TableRecipe) -> usize {
-        // Of colours a curve has 8 bytes where the table has 4.
+        // Coloured curves have 8 bytes per node, coloured tables 4 bytes per texel.
         nodes * (recipe.levels as usize + 1) * if self.grey { 1 } else { 2 }
     }
 
-    /// Texels that a budget holds.
+    /// Number of texels within a budget.
     fn texels_within(&self, allowed: u64, recipe: &TableRecipe) -> Result<usize, EncodeError> {
         let block = TableBrdfParameters::SIZE as u64;
         let layers = if self.isotropic { 1 } else { 2 };
@@ -243,14 +243,14 @@ impl Prepared {
                 field: "byte budget",
                 allowed,
                 smallest: block + texel_bytes(self.grey) * fewest,
-                what: "the smallest table with what stands beside it",
+                what: "the smallest table and its curve",
             });
         }
         Ok(most.min(MAX_TEXELS) as usize)
     }
 }
 
-/// A budget counts what is written: where directions are cropped there is room for more nodes.
+/// Grows a table to fill a budget. The budget counts written bytes: cropped directions leave room for more nodes.
 fn filling(header: TableHeader, directions: DirectionRange, texels: usize) -> TableHeader {
     if directions.is_all() {
         return header;
@@ -267,13 +267,13 @@ fn filling(header: TableHeader, directions: DirectionRange, texels: usize) -> Ta
     header
 }
 
-/// The pack without what look-ups within a range of directions do not touch.
+/// Crops the pack to the texels that look-ups within a range of directions read.
 fn cropped(pack: TablePack, directions: DirectionRange) -> Result<TablePack, FormatError> {
     let window = window(pack.header(), directions);
     if directions.is_all() { Ok(pack) } else { pack.cropped(Crop { directions, window }) }
 }
 
-/// Nodes less the mean of their column.
+/// Subtracts the mean of each column from its nodes.
 fn without_column_means(mut nodes: Vec<[f32; 3]>, columns: usize) -> Vec<[f32; 3]> {
     let rows = (nodes.len() / columns) as f32;
     for column in 0..columns {

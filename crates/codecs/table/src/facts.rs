@@ -1,22 +1,22 @@
-//! What is worth knowing of a table pack.
+//! Facts about a table pack, for reports.
 
-use brdfc_codec::errors_in_words;
+use brdfc_codec::format_errors;
 use brdfc_core::Describe;
 use brdfc_core::words::bytes;
 use brdfc_formats::crop::DirectionRange;
 use brdfc_formats::table::{Axes, TablePack, TableSymmetry};
 use brdfc_formats::{ErrorSummary, RenderingSummary};
 
-/// What is worth knowing of a table pack.
+/// Facts about a table pack.
 #[derive(Debug, Clone, PartialEq, serde::Serialize, schemars::JsonSchema)]
 pub struct TablePackFacts {
     /// Nodes per axis.
     pub axes: Axes,
-    /// Symmetries that its nodes are folded by.
+    /// Symmetries that fold its nodes.
     pub folded: TableSymmetry,
-    /// Nodes of the curve over `θ_h` that factored packs have, otherwise 0.
+    /// Number of nodes of the curve over `θ_h` in factored packs, otherwise 0.
     pub curve_nodes: usize,
-    /// Levels of detail besides the finest.
+    /// Number of levels of detail below the finest.
     pub levels: u32,
     /// 1 or 3.
     pub channels: u32,
@@ -24,15 +24,15 @@ pub struct TablePackFacts {
     pub mean: f32,
     /// `ε`.
     pub bias: f32,
-    /// Filtered fetches of a look-up.
+    /// Filtered fetches per look-up.
     pub fetches: u32,
-    /// Directions that it is for, and that its errors are of.
+    /// Directions of the pack and of its errors.
     pub directions: DirectionRange,
     /// Bytes on a GPU.
     pub gpu_bytes: u64,
-    /// The filtered pack against its source at direction pairs that depend on no grid.
+    /// Errors of the filtered pack against its source at independent test directions.
     pub off_grid: ErrorSummary,
-    /// Renderings of both: ΔE*ab.
+    /// ΔE*ab between renderings of the pack and of its source.
     pub rendering: RenderingSummary,
 }
 
@@ -74,14 +74,14 @@ impl Describe for TablePackFacts {
         } = self;
         vec![
             ("kind", if *curve_nodes > 0 { "factored table pack" } else { "table pack" }.to_owned()),
-            ("nodes", nodes_in_words(axes, *curve_nodes)),
-            ("symmetry", symmetry_in_words(*folded)),
-            ("levels of detail", levels_in_words(*levels)),
+            ("nodes", format_nodes(axes, *curve_nodes)),
+            ("symmetry", format_symmetry(*folded)),
+            ("levels of detail", format_levels(*levels)),
             ("texels", if *channels == 1 { "1 channel, halves" } else { "3 channels, 10 bits" }.to_owned()),
             ("mean μ, bias ε", format!("{mean} 1/sr, {bias}")),
             ("bytes on a GPU", bytes(*gpu_bytes)),
             ("filtered fetches", fetches.to_string()),
-            ("error off the grid (against the source)", errors_in_words(off_grid)),
+            ("error at test directions (against source)", format_errors(off_grid)),
             (
                 "ΔE of renderings",
                 format!("mean {:.2}, 95 %: {:.2}, largest: {:.1}", rendering.mean, rendering.p95, rendering.max),
@@ -103,18 +103,18 @@ impl Describe for TablePackFacts {
     }
 }
 
-fn nodes_in_words(axes: &Axes, curve_nodes: usize) -> String {
+fn format_nodes(axes: &Axes, curve_nodes: usize) -> String {
     let Axes { half, difference, azimuth, layers } = axes;
     let layers = if *layers == 1 { String::new() } else { format!(" x {layers} (φ_h)") };
     let curve = if curve_nodes == 0 { String::new() } else { format!(", and {curve_nodes} of a curve over θ_h") };
     format!("{half} (θ_h) x {difference} (θ_d) x {azimuth} (φ_d){layers}{curve}")
 }
 
-fn levels_in_words(levels: u32) -> String {
+fn format_levels(levels: u32) -> String {
     if levels == 0 { "one".to_owned() } else { format!("0 to {levels}, the finest") }
 }
 
-fn symmetry_in_words(symmetry: TableSymmetry) -> String {
+fn format_symmetry(symmetry: TableSymmetry) -> String {
     let flags = [
         (symmetry.reciprocal, "reciprocal"),
         (symmetry.mirror, "mirror"),

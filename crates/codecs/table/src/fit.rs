@@ -1,31 +1,32 @@
-//! Values of the nodes: weighted least squares over samples, so that the filtered table is close, not the nodes alone.
+//! Values of the nodes, by weighted least squares over samples, so that the filtered table is close, not only the
+//! nodes.
 
 use super::lattice::{Equations, Lattice, Means, Taps};
 use super::targets::{Targets, UNSEEN};
 use rayon::prelude::*;
 
-/// Steps of conjugate gradients, and of those of a trial.
+/// Steps of conjugate gradients in an encoding and in a trial.
 const STEPS: usize = 30;
 const TRIAL_STEPS: usize = 16;
-/// How strongly nodes are tied to their neighbours, of what samples tie them by in the mean.
+/// Strength of the ties between neighbouring nodes, relative to the mean strength of those that samples create.
 const SMOOTHNESS: f32 = 1e-4;
-/// Difference of lightness, of white's, from which on samples count less than by their square: a mean of differences is what is
-/// judged, not of squares.
+/// Difference of lightness, relative to white's, above which samples count less than by their square: errors are means
+/// of differences, not of squares.
 const LARGE: f32 = 0.01;
-/// How often weights follow the residuals.
+/// Number of updates of the weights from the residuals.
 const REWEIGHTED: usize = 1;
 
 /// Fitted nodes.
 pub struct Solution {
-    /// Logarithms, `[node][channel]`. Grey ones stand three times.
+    /// Logarithms, `[node][channel]`. Grey ones are repeated in all three channels.
     pub nodes: Vec<[f32; 3]>,
-    /// What was solved last, of each channel; of grey ones of one.
+    /// Last equations of each channel, or of the single grey channel.
     pub equations: Vec<Equations<1>>,
 }
 
-/// Fits logarithms; `taps` are those of the samples.
+/// Fits logarithms; `taps` belong to the samples.
 ///
-/// Least squares, then again with weights that fall with the residual (iteratively reweighted least squares).
+/// Solves least squares, then again with weights that fall with the residual (iteratively reweighted least squares).
 pub fn fit(lattice: Lattice, taps: &[Taps], targets: &Targets) -> Solution {
     let channels = if targets.grey { 1 } else { 3 };
     let mut shares = vec![1.0; taps.len()];
@@ -52,10 +53,10 @@ pub fn fit(lattice: Lattice, taps: &[Taps], targets: &Targets) -> Solution {
     Solution { nodes, equations }
 }
 
-/// All channels at once, with the mean of their weights and fewer steps: good enough to tell tables apart. The first samples
-/// are those of the taps.
+/// Fits all channels at once, with the mean of their weights and fewer steps: accurate enough to compare tables. The
+/// taps belong to the first samples.
 pub fn fit_roughly(lattice: Lattice, taps: impl Iterator<Item = Taps>, targets: &Targets) -> Vec<[f32; 3]> {
-    // Four numbers at once are what there are instructions for.
+    // Vector instructions process four numbers at once.
     let four = |v: [f32; 3]| [v[0], v[1], v[2], 0.0];
     let mut equations = Equations::<4>::new(lattice);
     let mut means = Means::new(lattice);

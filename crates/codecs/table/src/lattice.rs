@@ -1,4 +1,4 @@
-//! The nodes of a table as unknowns: which of them a sample touches, and the normal equations over neighbours.
+//! Nodes of a table as unknowns: the nodes of each sample, and the normal equations over neighbours.
 
 use brdfc_formats::table::{Position, TableHeader};
 
@@ -8,7 +8,7 @@ const MAX_TAPS: usize = 16;
 /// Offsets of the taps from the first one: a step along axis `k` is `3^k`.
 const STEPS_OF_TAPS: [usize; MAX_TAPS] = [0, 1, 3, 4, 9, 10, 12, 13, 27, 28, 30, 31, 36, 37, 39, 40];
 
-/// Nodes that a value is a mean of, with their weights: those on either side along each axis.
+/// Nodes of an interpolated value with their weights: those on either side along each axis.
 #[derive(Debug, Clone, Copy)]
 pub struct Taps {
     nodes: [[u32; 2]; 4],
@@ -16,7 +16,7 @@ pub struct Taps {
 }
 
 impl Taps {
-    /// Sums of nodes and products of weights along so many axes, whose pairs these are.
+    /// Indices of nodes and products of weights for all combinations along the first `AXES` axes.
     #[inline]
     fn all<const AXES: usize, const TAPS: usize>(&self) -> ([u32; TAPS], [f32; TAPS]) {
         let (mut nodes, mut weights) = ([0; TAPS], [0.0; TAPS]);
@@ -42,17 +42,17 @@ impl Taps {
     }
 }
 
-/// Sums of values around each node.
+/// Means of values around each node.
 pub struct Means {
     lattice: Lattice,
-    /// Of three channels, and of the weights.
+    /// Sums of three channels and of the weights.
     sums: Vec<[f32; 4]>,
     all: [f64; 3],
     count: usize,
 }
 
 impl Means {
-    /// No samples yet.
+    /// Creates means without samples.
     pub fn new(lattice: Lattice) -> Self {
         Self { lattice, sums: vec![[0.0; 4]; lattice.len()], all: [0.0; 3], count: 0 }
     }
@@ -76,7 +76,7 @@ impl Means {
         }
     }
 
-    /// The mean around each node; that of all where there is nothing.
+    /// The mean around each node; the overall mean for nodes without samples.
     pub fn of_nodes(self) -> Vec<[f32; 3]> {
         let mean = self.all.map(|sum| (sum / self.count.max(1) as f64) as f32);
         let of = |[r, g, b, weight]: [f32; 4]| if weight > 1e-6 { [r, g, b].map(|s| s / weight) } else { mean };
@@ -84,7 +84,7 @@ impl Means {
     }
 }
 
-/// Sizes of a table and which of its axes go around.
+/// Sizes of a table and its periodic axes.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Lattice {
     /// Columns, rows, slices, layers.
@@ -93,19 +93,19 @@ pub struct Lattice {
 }
 
 impl Lattice {
-    /// The nodes of a table; the slice that stands twice counts once.
+    /// The nodes of a table; the repeated slice counts once.
     pub fn new(header: &TableHeader) -> Self {
         let axes = header.axes;
         let sizes = [axes.half, axes.difference, axes.azimuth, axes.layers].map(|n| n as usize);
         Self { sizes, around: [false, false, !header.symmetry.mirror, axes.layers > 1 && !header.symmetry.reflected] }
     }
 
-    /// How many nodes there are.
+    /// Number of nodes.
     pub fn len(&self) -> usize {
         self.sizes.iter().product()
     }
 
-    /// Whether there are none.
+    /// Returns true if there are no nodes.
     pub fn is_empty(&self) -> bool {
         self.len() == 0
     }
@@ -119,7 +119,7 @@ impl Lattice {
         [1, columns, columns * rows, columns * rows * slices]
     }
 
-    /// What the sample at this position is a mean of.
+    /// Taps of a sample at this position.
     #[inline]
     pub fn taps(&self, position: &Position) -> Taps {
         let strides = self.strides();
@@ -136,23 +136,23 @@ impl Lattice {
         taps
     }
 
-    /// The values of a sample.
+    /// Interpolated value of a sample.
     #[inline]
     pub fn value<const C: usize>(&self, taps: &Taps, nodes: &[[f32; C]]) -> [f32; C] {
         if self.axes() == 3 { taps.sum::<3, 8, C>(nodes) } else { taps.sum::<4, 16, C>(nodes) }
     }
 
-    /// Nodes touched by a sample, with their weights.
+    /// Nodes of a sample with their weights.
     pub fn touched(&self, taps: &Taps) -> impl Iterator<Item = (usize, f32)> + use<> {
-        // Of one layer the first half, with a weight of 1 along that axis.
+        // A single layer uses the first half, with a weight of 1 along that axis.
         let (nodes, weights) = taps.all::<4, 16>();
         let count = if self.axes() == 3 { 8 } else { 16 };
         nodes.into_iter().zip(weights).take(count).map(|(node, weight)| (node as usize, weight))
     }
 
-    /// For each node and each offset of -1, 0 or 1 along the axes the node there; beyond a border the node itself.
+    /// The neighbour at each offset of -1, 0 or 1 along the axes, for each node; beyond a border the node itself.
     fn neighbours(&self) -> Vec<u32> {
-        // Of each place along an axis the places around it, as indices of nodes.
+        // Neighbours of each position along an axis, as indices of nodes.
         let strides = self.strides();
         let along: [Vec<[Option<u32>; 3]>; 4] = std::array::from_fn(|axis| {
             let size = self.sizes[axis] as isize;
@@ -187,32 +187,32 @@ impl Lattice {
         all
     }
 
-    /// Offsets of -1, 0 or 1 along the axes.
+    /// Number of offsets of -1, 0 or 1 along the axes.
     fn offsets(&self) -> usize {
         3usize.pow(self.axes() as u32)
     }
 }
 
-/// Normal equations of least-squares fits over a lattice, `Aᵀ W A x = Aᵀ W b` for `C` right-hand sides `b`: each node is tied
-/// to its neighbours alone.
+/// Normal equations of least-squares fits over a lattice, `Aᵀ W A x = Aᵀ W b` for `C` right-hand sides `b`: each node
+/// depends on its neighbours only.
 pub struct Equations<const C: usize> {
     lattice: Lattice,
     neighbours: Vec<u32>,
     offsets: usize,
-    /// `[node][offset]`; 0 where there is no neighbour.
+    /// `[node][offset]`; 0 without a neighbour.
     matrix: Vec<f32>,
     right: Vec<[f32; C]>,
 }
 
 impl<const C: usize> Equations<C> {
-    /// No samples yet.
+    /// Creates equations without samples.
     pub fn new(lattice: Lattice) -> Self {
         let (offsets, nodes) = (lattice.offsets(), lattice.len());
         let (matrix, right) = (vec![0.0; nodes * offsets], vec![[0.0; C]; nodes]);
         Self { lattice, neighbours: lattice.neighbours(), offsets, matrix, right }
     }
 
-    /// Adds a sample of these values and a weight (the square of what its residual is multiplied by).
+    /// Adds a sample with these values and a weight (the square of the factor of its residual).
     #[inline]
     pub fn add(&mut self, taps: &Taps, values: [f32; C], weight: f32) {
         match self.lattice.axes() {
@@ -221,7 +221,7 @@ impl<const C: usize> Equations<C> {
         }
     }
 
-    /// [`Self::add`] of so many taps, the last of which is `SPAN - 1` offsets from the first.
+    /// Same as [`Self::add`], for `TAPS` taps, the last of which is `SPAN - 1` offsets from the first.
     #[inline]
     fn add_all<const TAPS: usize, const SPAN: usize>(
         &mut self,
@@ -234,17 +234,17 @@ impl<const C: usize> Equations<C> {
             let node = nodes[a] as usize;
             let right = &mut self.right[node];
             (0..C).for_each(|c| right[c] += scaled * values[c]);
-            // One step back from the node along each axis that its tap has stepped along is the first tap.
+            // The first tap is one step back from the node along each axis that its own tap has stepped along.
             let first = node * self.offsets + self.offsets / 2 - STEPS_OF_TAPS[a];
             let row: &mut [f32; SPAN] =
-                self.matrix[first..].first_chunk_mut().expect("a row goes on to its last offset");
+                self.matrix[first..].first_chunk_mut().expect("a row extends to its last offset");
             for b in 0..TAPS {
                 row[STEPS_OF_TAPS[b]] += scaled * weights[b];
             }
         }
     }
 
-    /// Ties each node weakly to its neighbours, so that those that no sample touches go on from the others.
+    /// Ties each node weakly to its neighbours, so that nodes without samples continue the others.
     pub fn smooth(&mut self, strength: f32) {
         let centre = self.offsets / 2;
         let nodes = self.lattice.len();
@@ -275,7 +275,7 @@ impl<const C: usize> Equations<C> {
         }
     }
 
-    /// How far errors of its neighbours move the best value of a node.
+    /// Effect of the neighbours' errors on the best value of a node.
     pub fn pull(&self, node: usize, errors: &[f32]) -> f32 {
         let at = node * self.offsets;
         let (row, places) = (&self.matrix[at..at + self.offsets], &self.neighbours[at..at + self.offsets]);
@@ -287,7 +287,7 @@ impl<const C: usize> Equations<C> {
         if row[centre] > 0.0 { sum / row[centre] } else { 0.0 }
     }
 
-    /// Solves by conjugate gradients from a first guess, scaled by the diagonal; at most so many steps.
+    /// Solves by conjugate gradients from an initial guess, scaled by the diagonal, in at most `steps` steps.
     pub fn solve(&self, x: &mut [[f32; C]], steps: usize) {
         let nodes = self.lattice.len();
         let centre = self.offsets / 2;

@@ -1,27 +1,27 @@
-//! Levels of detail of a factored pack: rows of its curve, each for a surface with bumps twice as steep as the one before,
-//! that pixels cannot show one by one.
+//! Levels of detail of a factored pack: rows of its curve, each for a surface with bumps twice as steep as those of the
+//! row before. The bumps are too small for single pixels.
 //!
-//! A bumpy surface spreads half vectors. Seen as a whole it has the same material with its distribution over `θ_h` blurred
-//! (the idea of Toksvig 2005 and of LEAN mapping, Olano and Baker 2010). Blurring logarithms would darken: what is blurred
-//! here are the values, by diffusion, which keeps their sum and leaves a matte material as it is.
+//! A bumpy surface spreads half vectors. Its average over a pixel is the same material with a blurred distribution over
+//! `θ_h` (the idea of Toksvig 2005 and of LEAN mapping, Olano and Baker 2010). Blurred logarithms would darken. This module
+//! blurs the values instead, by diffusion, which preserves their sum and leaves matte materials unchanged.
 
 use brdfc_formats::direction::DirectionPair;
 use brdfc_formats::table::Angles;
 use rayon::prelude::*;
 use std::f64::consts::{FRAC_PI_2, TAU};
 
-/// Most levels besides the finest.
+/// Maximum number of levels below the finest.
 pub const MAX_LEVELS: u32 = 6;
-/// Standard deviation of the half vector's `x` and `y` at the level next to the finest; each further level has twice that.
+/// Standard deviation of the half vector's `x` and `y` at the level next to the finest; each further level doubles it.
 const FINEST_SPREAD: f64 = 1.0 / 64.0;
-/// Rings of half vectors, in equal steps of the angle's square root.
+/// Number of rings of half vectors, in equal steps of the angle's square root.
 const RINGS: usize = 256;
-/// Places of `θ_d`, `φ_d` and `φ_h` at which a ring is looked at.
+/// Number of sampled positions of `θ_d`, `φ_d` and `φ_h` on each ring.
 const PLACES: [usize; 3] = [12, 16, 4];
 /// Steps of the diffusion from one level to the next.
 const STEPS: usize = 16;
 
-/// What each level adds to the logarithm at nodes of a curve: `[level][node]`, the finest first, whose row is 0.
+/// Contribution of each level to the logarithm at nodes of a curve: `[level][node]`, the finest first, whose row is 0.
 ///
 /// `value` is `f + μ ε` of the finest level.
 pub fn rows(value: impl Fn(DirectionPair) -> [f64; 3] + Sync, levels: u32, nodes: usize) -> Vec<Vec<[f64; 3]>> {
@@ -30,9 +30,9 @@ pub fn rows(value: impl Fn(DirectionPair) -> [f64; 3] + Sync, levels: u32, nodes
     let mut spread = rings.values.clone();
     let mut variance = 0.0;
     for level in 1..=levels {
-        let wanted = (FINEST_SPREAD * f64::from(1u32 << (level - 1))).powi(2);
-        spread = rings.diffused(spread, 0.5 * (wanted - variance));
-        variance = wanted;
+        let target = (FINEST_SPREAD * f64::from(1u32 << (level - 1))).powi(2);
+        spread = rings.diffused(spread, 0.5 * (target - variance));
+        variance = target;
         let added: Vec<[f64; 3]> = spread
             .iter()
             .zip(&rings.values)
@@ -47,7 +47,7 @@ pub fn rows(value: impl Fn(DirectionPair) -> [f64; 3] + Sync, levels: u32, nodes
     rows
 }
 
-/// Numbers of rings at a share of the square root of the largest angle, linearly between the rings' middles.
+/// Values of the rings at a share of the square root of the largest angle, linear between the rings' middles.
 fn along(rings: &[[f64; 3]], share: f64) -> [f64; 3] {
     let at = (share * RINGS as f64 - 0.5).clamp(0.0, (RINGS - 1) as f64);
     let lower = (at as usize).min(RINGS - 2);
@@ -59,9 +59,9 @@ fn along(rings: &[[f64; 3]], share: f64) -> [f64; 3] {
 struct Rings {
     /// Mean value of each ring.
     values: Vec<[f64; 3]>,
-    /// What each ring counts in the light that a surface sends out under light from everywhere.
+    /// Weight of each ring in the light that a surface reflects under uniform illumination.
     masses: Vec<f64>,
-    /// How easily light passes from a ring to the next one.
+    /// Conductance between a ring and the next one.
     passes: Vec<f64>,
 }
 
@@ -82,7 +82,8 @@ impl Rings {
         Self { values: means.into_iter().map(|(value, _)| value).collect(), masses, passes }
     }
 
-    /// Values after diffusion for a time: implicit steps, each of which keeps `Σ mass value` and what is the same everywhere.
+    /// Values after diffusion for a time, in implicit steps. Each preserves `Σ mass value` and leaves constants
+    /// unchanged.
     fn diffused(&self, mut values: Vec<[f64; 3]>, time: f64) -> Vec<[f64; 3]> {
         let step = time / STEPS as f64;
         for _ in 0..STEPS {
@@ -110,15 +111,15 @@ impl Rings {
     }
 }
 
-/// The weighted mean of a ring at `θ_h`, and the mean weight: what a pair counts in the light that is sent out under light
-/// from everywhere, per area of the half vector's disc.
+/// The weighted mean of a ring at `θ_h`, and the mean weight of its pairs in the light that a surface reflects under
+/// uniform illumination, per area of the half vector's disc.
 fn mean(value: &impl Fn(DirectionPair) -> [f64; 3], ring: usize, theta_half: f64) -> ([f64; 3], f64) {
     let [differences, azimuths, turns] = PLACES;
     let mut sum = [0.0; 3];
     let mut weights = 0.0;
     for place in 0..differences * azimuths * turns {
         let (d, a, t) = (place % differences, place / differences % azimuths, place / differences / azimuths);
-        // Neighbouring rings look between each other's places.
+        // Positions of neighbouring rings are interleaved.
         let shifted = |k: usize, count: usize, by: f64| (k as f64 + (0.5 + by * ring as f64).fract()) / count as f64;
         let ratio = (d as f64 + 0.5) / differences as f64;
         let phi_difference = TAU * shifted(a, azimuths, 0.618_034);

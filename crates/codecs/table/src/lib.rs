@@ -1,6 +1,6 @@
-//! Table packs from sources: logarithms of `f_r` over half-difference angles, nodes where the material needs them, values
-//! fitted to what is seen. [`search`] finds the smallest that meets a budget. `formats/src/table` has the layout, the decoder and the
-//! shader.
+//! Encoder of table packs: logarithms of `f_r` over half-difference angles, with nodes placed for the material and
+//! values fitted with perceptual weights. [`search`] finds the smallest table that meets a budget. `formats/src/table`
+//! has the layout, the decoder and the shader.
 
 pub mod choose;
 mod codec;

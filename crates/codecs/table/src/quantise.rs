@@ -1,4 +1,4 @@
-//! Texels of fitted nodes, rounded so that what filtering makes of them is close, not each for itself.
+//! Rounding of fitted nodes to texels, so that the filtered values are close, not each node alone.
 
 use super::fit::Solution;
 use super::lattice::Equations;
@@ -7,14 +7,14 @@ use brdfc_formats::FormatError;
 use brdfc_formats::table::{TableHeader, TablePack};
 use rayon::prelude::*;
 
-/// Steps of a texel of ten bits.
+/// Number of steps of a ten-bit texel.
 pub const STEPS: f32 = 1023.0;
 
-/// The pack of a fit: each channel from its lowest to its highest. Nodes that hardly any sample touches stay in the range of
-/// the samples.
+/// Creates the pack of a fit, with the range of each channel from its lowest to its highest value. Nodes that hardly
+/// any sample uses are clamped to the range of the samples.
 ///
 /// # Errors
-/// As [`TablePack::new`].
+/// Same as [`TablePack::new`].
 pub fn quantise(mut header: TableHeader, solution: &Solution, targets: &Targets) -> Result<TablePack, FormatError> {
     let nodes = &solution.nodes;
     let mut values = vec![[0.0f32; 3]; nodes.len()];
@@ -29,7 +29,7 @@ pub fn quantise(mut header: TableHeader, solution: &Solution, targets: &Targets)
             let (low, high) = range(&mut clamped.iter().copied());
             let span = high - low;
             let shares: Vec<f32> = clamped.iter().map(|v| if span > 0.0 { (v - low) / span } else { 0.0 }).collect();
-            // Halves of grey materials are as fine as that already.
+            // Halves of grey materials are as fine without error diffusion.
             let rounded = match solution.equations.get(channel) {
                 Some(equations) if header.channels == 3 => rounded(equations, &shares),
                 _ => shares,
@@ -44,8 +44,8 @@ pub fn quantise(mut header: TableHeader, solution: &Solution, targets: &Targets)
     TablePack::new(header, &values)
 }
 
-/// Rounds each share to the step that makes up best for what its neighbours were rounded by, in the sense of the fit, as
-/// error diffusion does for pixels: where all nodes should be half a step higher, every other one is a whole step higher.
+/// Rounds each share to the step that best compensates the rounding errors of its neighbours, in the metric of the fit,
+/// like error diffusion of pixels: if all nodes should be half a step higher, every other one becomes a whole step higher.
 pub fn rounded(equations: &Equations<1>, exact: &[f32]) -> Vec<f32> {
     let nearest = |share: f32| (share * STEPS).round().clamp(0.0, STEPS) / STEPS;
     let mut shares: Vec<f32> = exact.iter().map(|share| nearest(*share)).collect();
@@ -60,7 +60,7 @@ pub fn rounded(equations: &Equations<1>, exact: &[f32]) -> Vec<f32> {
     shares
 }
 
-/// How far a node may move to make up for others: those that hardly any sample touches would else go far.
+/// Maximum displacement of a node that compensates for others; it limits nodes that hardly any sample uses.
 const FARTHEST: f32 = 1.0 / STEPS;
-/// How often all nodes are looked at.
+/// Number of passes over all nodes.
 const SWEEPS: usize = 3;

@@ -1,50 +1,51 @@
-//! What decides the bytes of a table pack.
+//! Recipe of a table pack.
 
 use brdfc_formats::crop::DirectionRange;
 use brdfc_formats::table::Axes;
 
-/// How large a table is.
+/// Size of a table.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Size {
-    /// At most so many bytes on a GPU, of what is left where directions are cropped; how they are shared among the axes is chosen from the data.
+    /// Maximum number of bytes on a GPU, after cropping; the data decide the sizes of the axes.
     Bytes(u64),
-    /// These nodes; a curve has as many as go with their number.
+    /// These nodes; a curve gets a number of nodes in proportion.
     Nodes(Axes),
 }
 
-/// What a table is to be close in.
+/// Error measure that a table minimises.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, serde::Serialize, serde::Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Aim {
-    /// What is seen: ΔE of renderings.
+    /// Visible error: ΔE of renderings.
     #[default]
     Renderings,
-    /// Ratios, wherever they are: `ε_r`.
+    /// Relative error, `ε_r`.
     Ratios,
 }
 
-/// Everything that decides the bytes of a table, besides the source.
+/// Everything besides the source that decides the bytes of a table.
 #[derive(Debug, Clone, PartialEq, serde::Serialize, serde::Deserialize)]
 pub struct TableRecipe {
-    /// How large.
+    /// Size of the table.
     pub size: Size,
-    /// Whether a curve over `θ_h` stands beside the table: one fetch more.
+    /// True if the pack has a curve over `θ_h` as well as the table, with one more fetch.
     pub factored: bool,
-    /// Levels of detail besides the finest, for surfaces whose bumps are smaller than a pixel: rows of the curve, which a
-    /// pack with levels has in any case. 0 to [`MAX_LEVELS`](super::levels::MAX_LEVELS).
+    /// Number of levels of detail below the finest, for surfaces with bumps smaller than a pixel: rows of the curve,
+    /// which packs with levels always have. 0 to [`MAX_LEVELS`](super::levels::MAX_LEVELS).
     pub levels: u32,
-    /// What it is to be close in.
+    /// Error measure to minimise.
     pub aim: Aim,
-    /// Whether values are the mean of both ways between light and viewer, as path tracers need it.
+    /// True if values are symmetrised (the mean over both orders of light and viewer), as path tracers need them.
     pub reciprocal: bool,
     /// `ε` of the logarithm `ln(f / μ + ε)`.
     pub bias: f64,
-    /// Directions that are needed: what no look-up within them touches is cropped, and errors are those within.
+    /// Directions that the pack covers. Texels that no look-up within them reads are cropped, and errors are measured
+    /// within.
     pub directions: DirectionRange,
-    /// Whether the error is measured. Without, what the pack says of it is 0.
+    /// True if the error is measured. Otherwise the pack stores an error of 0.
     pub measure: bool,
-    /// Whether texels are compressed in the file.
+    /// True if texels are compressed in the file.
     pub supercompress: bool,
 }
 
@@ -66,7 +67,7 @@ impl Default for TableRecipe {
 }
 
 impl TableRecipe {
-    /// Whether a curve stands beside the table.
+    /// Returns true if the pack has a curve.
     pub fn has_curve(&self) -> bool {
         self.factored || self.levels > 0
     }

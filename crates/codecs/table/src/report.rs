@@ -1,4 +1,4 @@
-//! What is reported of a table pack.
+//! Report of a table pack.
 
 use super::encode;
 use super::symmetry::Asymmetry;
@@ -17,11 +17,11 @@ pub(super) const FACTORED: &str = "factored";
 pub struct TableReport {
     /// Nodes per axis.
     pub axes: Axes,
-    /// Nodes of the curve over `θ_h` of a factored pack, otherwise 0.
+    /// Number of nodes of the curve over `θ_h` in a factored pack, otherwise 0.
     pub curve_nodes: usize,
-    /// What was folded.
+    /// Symmetries that fold the nodes.
     pub symmetry: TableSymmetry,
-    /// How far the source is from each symmetry.
+    /// Deviation of the source from each symmetry.
     pub asymmetry: Asymmetry,
 }
 

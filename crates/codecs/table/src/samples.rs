@@ -1,4 +1,4 @@
-//! What a table is fitted to: values of the source at directions spread over everything that can be seen.
+//! Samples that a table is fitted to: values of the source at directions spread over all visible pairs.
 
 use brdfc_core::pair_list::PairList;
 use brdfc_core::{Source, Tally};
@@ -11,19 +11,19 @@ use rayon::prelude::*;
 use std::f32::consts::{FRAC_PI_2, TAU};
 use std::sync::{Arc, OnceLock};
 
-/// Fewest samples that a table is fitted to.
+/// Minimum number of samples of a table.
 pub const MIN_SAMPLES: usize = 1 << 15;
-/// Where the sequence of points begins: the pairs that errors are measured at come before.
+/// Start in the sequence of points; the pairs of error measurements come before it.
 const FIRST: u32 = 1 << 20;
-/// Of three samples, so many are as on a ball under light from anywhere.
+/// Number of samples in three that are distributed as on a ball under light from anywhere.
 const ON_BALL: usize = 2;
 /// Lowest `z` of a direction.
 const LEAST_COSINE: f64 = 0.005;
-/// Of so many pairs that are spread over the angles at least one is to be within a range of directions.
+/// At least one in this many pairs that are spread over the angles must be within a range of directions.
 const MAX_REFUSED: usize = 32;
 /// Pairs per unit of parallel work.
 const BLOCK: usize = 4096;
-/// Largest value of a sample, 1/sr: far above any reflectance, far below the end of f32.
+/// Largest value of a sample, 1/sr: far above any reflectance, far below the maximum of f32.
 const LARGEST: f64 = 1e30;
 
 /// Values of a source at direction pairs.
@@ -35,22 +35,22 @@ pub struct Samples {
     pub cosines: Vec<f32>,
     /// `f_r` of each pair, not negative.
     pub values: Vec<[f32; 3]>,
-    /// What had to be repaired.
+    /// Repairs of the values.
     pub tally: Tally,
 }
 
 impl Samples {
-    /// Evaluates `source` at `count` pairs: two in three have the directions that the points of a ball have under distant
-    /// light from anywhere, so that common ones count most; the third is spread over the angles of the table, denser
-    /// towards the mirror direction. With `reciprocal` a value is the mean of both ways.
+    /// Evaluates `source` at `count` pairs. Two in three have the directions of points on a ball under distant light
+    /// from anywhere, so that common directions count most. The third is spread over the angles of the table, denser
+    /// towards the mirror direction. With `reciprocal` values are symmetrised.
     ///
-    /// Negative values, any that are no number, and those beyond 1e30 are raised or lowered, and counted.
+    /// Negative values, NaN and values beyond 1e30 are clamped and counted.
     pub fn draw(source: &dyn Source, count: usize, reciprocal: bool) -> Self {
         Self::within(source, count, reciprocal, DirectionRange::ALL)
     }
 
-    /// The same of a range of directions alone. Where it is so narrow that hardly any pair over the angles is within, the
-    /// rest of the third is as on a ball.
+    /// Same as [`Self::draw`], within a range of directions. If hardly any pair over the angles is within a narrow
+    /// range, the rest of the third is distributed as on a ball.
     pub fn within(source: &dyn Source, count: usize, reciprocal: bool, directions: DirectionRange) -> Self {
         let pairs = Self::pairs(count, directions);
         let (values, mut tally) = values_of_list(source, &pairs);
@@ -72,26 +72,26 @@ impl Samples {
     }
 
     fn pairs(count: usize, directions: DirectionRange) -> Arc<PairList> {
-        // What most tables are fitted to is kept for the next source.
+        // The pairs of most tables are cached for the next source.
         static FEWEST: OnceLock<Arc<PairList>> = OnceLock::new();
         if count == MIN_SAMPLES && directions.is_all() {
-            PairList::kept(&FEWEST, || drawn(count, directions))
+            PairList::cached(&FEWEST, || drawn(count, directions))
         } else {
             Arc::new(PairList::new(drawn(count, directions)))
         }
     }
 
-    /// How many there are.
+    /// Number of samples.
     pub fn len(&self) -> usize {
         self.angles.len()
     }
 
-    /// Whether there are none.
+    /// Returns true if there are no samples.
     pub fn is_empty(&self) -> bool {
         self.angles.is_empty()
     }
 
-    /// Whether this one is as on a ball: uniform over light directions.
+    /// Returns true if a sample is distributed as on a ball: uniform over light directions.
     pub fn is_on_ball(index: usize) -> bool {
         index % 3 < ON_BALL
     }
@@ -106,15 +106,15 @@ fn drawn(count: usize, directions: DirectionRange) -> Vec<DirectionPair> {
     (0..count).filter_map(|k| if Samples::is_on_ball(k) { ball.next() } else { angles.next() }).collect()
 }
 
-/// The first pairs of the sequence of points that are within a range, and above the horizon by more than [`LEAST_COSINE`];
-/// fewer where that takes more than so many points for each.
+/// The first pairs of the sequence of points that are within a range, and above the horizon by more than
+/// [`LEAST_COSINE`]; fewer if the attempts per pair exceed the limit.
 fn placed(
     count: usize,
     most_refused: usize,
     directions: DirectionRange,
     place: impl Fn([f64; 4]) -> DirectionPair + Sync,
 ) -> Vec<DirectionPair> {
-    // Of a range along the horizon, which a pack may be for, half is enough.
+    // For a range along the horizon, which a pack may have, half is enough.
     let [light, view] = [directions.light, directions.view].map(|range| LEAST_COSINE.min(range.sines()[1] / 2.0));
     let above = |pair: &DirectionPair| pair.incoming[2] > light && pair.outgoing[2] > view;
     let visible = |pair: &DirectionPair| above(pair) && (directions.is_all() || directions.contains(*pair));
@@ -132,19 +132,19 @@ fn placed(
     pairs
 }
 
-/// Values with what is negative, no number or beyond [`LARGEST`] raised to 0 or lowered to that, and counted.
+/// Clamps values to 0 to [`LARGEST`], NaN to 0, and counts repairs.
 pub(super) fn repaired(mut values: Vec<[f64; 3]>, tally: &mut Tally) -> Vec<[f64; 3]> {
     for value in &mut values {
         tally.negative_raised += u64::from(value.iter().any(|v| v.is_nan() || *v < 0.0));
         tally.largest_lowered += u64::from(value.iter().any(|v| *v > LARGEST));
-        // NaN is raised, too.
+        // NaN becomes 0, too.
         *value = value.map(|v| if v >= 0.0 { v.min(LARGEST) } else { 0.0 });
     }
     values
 }
 
-/// The outgoing direction as over the disc that a ball shows, the incoming one uniform over the hemisphere, both within a
-/// range.
+/// Maps a point to a pair: the outgoing direction as on the visible disc of a ball, the incoming one uniform over the
+/// hemisphere, both within a range.
 fn on_ball([a, b, c, d]: [f64; 4], directions: DirectionRange) -> DirectionPair {
     let ([light_low, light_high], [view_low, view_high]) = (directions.light.sines(), directions.view.sines());
     let turned = |radius: f64, z: f64, turn: f64| -> Vector {
@@ -152,7 +152,7 @@ fn on_ball([a, b, c, d]: [f64; 4], directions: DirectionRange) -> DirectionPair 
         [radius * phi.cos(), radius * phi.sin(), z]
     };
     let z = light_low + (light_high - light_low) * c;
-    // Squares of the sine of the polar angle, which areas are even in.
+    // Squares of the sine of the polar angle, in which areas are uniform.
     let a = 1.0 - view_high.powi(2) + (view_high.powi(2) - view_low.powi(2)) * a;
     DirectionPair::new(turned((1.0 - z * z).sqrt(), z, d), turned(a.sqrt(), (1.0 - a).sqrt(), b))
 }

@@ -1,4 +1,4 @@
-//! Which symmetry a material has, measured from its values: what a file says of itself need not be so.
+//! Symmetries of a material, measured from its values: a file may declare others.
 
 use super::samples::{over_angles, repaired};
 use brdfc_core::pair_list::PairList;
@@ -9,29 +9,29 @@ use brdfc_metrics::sampling::points;
 use brdfc_metrics::values::values_of_list;
 use std::sync::LazyLock;
 
-/// How many pairs are compared with their images.
+/// Number of pairs that are compared with their images.
 const PAIRS: usize = 1024;
-/// Largest mean difference of a value and its image, of the mean value, that counts as symmetric. Folding a measured plastic
-/// that was off by 1.8 % trebled the difference of its rendering.
+/// Largest mean difference of a value and its image, relative to the mean value, that counts as symmetric. Folding a
+/// measured plastic that was off by 1.8 % trebled the difference of its rendering.
 const TOLERANCE: f64 = 0.003;
 
-/// Mean difference between values and those of their images, weighed by `cos θi`, over the mean value: 0 where the
+/// Mean difference between values and those of their images, weighted by `cos θi`, over the mean value: 0 where the
 /// symmetry holds, 0 for black materials.
 #[derive(Debug, Clone, Copy, PartialEq, Default, serde::Serialize, serde::Deserialize, schemars::JsonSchema)]
 pub struct Asymmetry {
-    /// Light and viewer exchanged.
+    /// Exchange of light and viewer.
     pub reciprocal: f64,
-    /// Reflected at the plane of half vector and normal.
+    /// Reflection at the plane of half vector and normal.
     pub mirror: f64,
-    /// Turned by 180 degrees about the normal.
+    /// Rotation by 180 degrees about the normal.
     pub half_turn: f64,
-    /// Reflected at the plane of tangent and normal.
+    /// Reflection at the plane of tangent and normal.
     pub reflected: f64,
 }
 
 impl Asymmetry {
-    /// Measures a source: over all directions, and near the mirror direction, where a narrow lobe would else go unseen. The
-    /// larger counts.
+    /// Measures a source over all directions, and near the mirror direction, where a narrow lobe would be missed
+    /// otherwise. The larger value counts.
     pub fn of(source: &dyn Source) -> Self {
         static PROBES: LazyLock<[Probes; 2]> = LazyLock::new(|| {
             let even = |[a, b, c, d]: [f64; 4]| DirectionPair::new(direction(a, b), direction(c, d));
@@ -67,7 +67,7 @@ impl Asymmetry {
         }
     }
 
-    /// What may be folded. Of isotropic materials azimuths of the half vector do not matter.
+    /// Symmetries that may be folded. Azimuths of the half vector do not matter for isotropic materials.
     pub fn folds(&self, isotropic: bool) -> TableSymmetry {
         TableSymmetry {
             reciprocal: self.reciprocal <= TOLERANCE,
@@ -114,7 +114,7 @@ fn direction(z: f64, turn: f64) -> Vector {
     [radius * phi.cos(), radius * phi.sin(), z]
 }
 
-/// Reflected at the plane of half vector and normal.
+/// Reflects a pair at the plane of half vector and normal.
 fn mirrored(pair: DirectionPair) -> DirectionPair {
     let half = half_vector(pair);
     let length = half[0].hypot(half[1]);

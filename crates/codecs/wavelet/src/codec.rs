@@ -1,4 +1,4 @@
-//! Wavelet packs among the codecs of BRDFs.
+//! Registration of wavelet packs as a BRDF codec.
 
 use super::crop::{needed_coefficients, window};
 use super::encode::{self, check, encode_tabulated};
@@ -26,10 +26,10 @@ const WAVELET: &str = "wavelet";
 /// Memory of an encoding without its source and its grids, bytes; measured with a scan.
 const MEMORY: u64 = 16 << 20;
 
-/// The report of a wavelet pack.
+/// Report of a wavelet pack.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, schemars::JsonSchema)]
 pub struct WaveletReport {
-    /// What the two hemispheres of the table are.
+    /// Parameterisation of the two hemispheres of the table.
     pub parameterisation: Parameterisation,
     /// Cells per axis and hemisphere.
     pub grid: usize,
@@ -37,13 +37,13 @@ pub struct WaveletReport {
     pub stored_levels: u32,
     /// Bits per component.
     pub bits: u32,
-    /// Whether coarser levels and slices that are left out keep the light.
+    /// True if coarser levels and omitted slices are energy-preserving.
     pub lifted: bool,
-    /// Whether the table was smoothed.
+    /// True if the table was smoothed.
     pub smoothed: bool,
-    /// Slices kept, the zero slice not counted.
+    /// Number of retained slices, without the zero slice.
     pub slices_kept: usize,
-    /// Wavelet coefficients, of which a slice each would be kept at 1:1.
+    /// Number of wavelet coefficients, and of slices at 1:1.
     pub slices_in_all: usize,
     /// `slices_in_all / slices_kept`.
     pub ratio: f64,
@@ -120,7 +120,7 @@ impl BrdfRecipe for Recipe {
     }
 
     fn memory(&self) -> u64 {
-        // The grid and its coefficients, three channels of f32.
+        // Grid and coefficients, three channels of f32 each.
         MEMORY + 2 * 12 * (1u64 << (4 * self.levels))
     }
 
@@ -142,9 +142,9 @@ impl BrdfRecipe for Recipe {
         let bytes = |header: &Header, slices: usize| gpu_bytes(header, window, slices + 1);
         match self.target {
             Target::Ratio(ratio) => {
-                let kept = ((grey.cells() as f64 / ratio).round() as usize).clamp(1, stored);
-                // Of those, the ones that no look-up within the directions touches go as well.
-                let (fewest, most) = (if all == stored { kept } else { 1 }, kept.min(all));
+                let retained = ((grey.cells() as f64 / ratio).round() as usize).clamp(1, stored);
+                // Slices that no look-up within the directions reads are dropped as well.
+                let (fewest, most) = (if all == stored { retained } else { 1 }, retained.min(all));
                 Predicted { least: bytes(&grey, fewest), most: bytes(&colour, most) }
             }
             Target::MaxBytes(most) => Predicted { least: 0, most },
@@ -172,7 +172,7 @@ impl Encode for Recipe {
         ],
     }];
 
-    /// Slices are ranked by visible error where the codec is named, otherwise by energy.
+    /// Slices are ranked by visible error if the codec is named, otherwise by energy.
     fn from_options(_: &str, options: &EncodeOptions) -> Result<Self, OptionError> {
         let mut recipe = if options.codec.is_some() { Self::visible() } else { Self::default() };
         if let Some(grid) = options.grid {
@@ -189,7 +189,7 @@ impl Encode for Recipe {
             recipe.bits = bits;
         }
         if let Some(name) = options.parameterisation.as_deref().filter(|name| *name != recipe.parameterisation.name()) {
-            let allowed = "tangent-pole; half-difference angles are those of the codec table";
+            let allowed = "tangent-pole; for half-difference angles use the codec table";
             return Err(OptionError::new("parameterisation", format!("\"{name}\""), allowed));
         }
         if let Some(name) = &options.ranking {
@@ -240,7 +240,7 @@ impl Encode for Recipe {
 
     fn bytes_of_left_out_levels(&self, report: &WaveletReport, channels: u32) -> Option<u64> {
         let Target::Ratio(ratio) = self.target else { return None };
-        // Slices of all directions; what these leave out counts by itself.
+        // Number of slices for all directions; cropped directions are counted elsewhere.
         let all = (report.slices_in_all as f64 / ratio).round() as u64;
         let stored = all.min(1 << (2 * self.stored_levels));
         let components = if channels == 1 { 1 } else { 4 };
@@ -249,12 +249,12 @@ impl Encode for Recipe {
     }
 }
 
-/// The target that options name, if they do.
+/// Target of the options, if any.
 fn target(options: &EncodeOptions) -> Result<Option<Target>, OptionError> {
     let given = [options.ratio.is_some(), options.max_error.is_some(), options.max_bytes.is_some()];
     if given.iter().filter(|given| **given).count() > 1 {
         let field = if options.ratio.is_some() { "ratio" } else { "max_error" };
-        return Err(OptionError::new(field, "more than one target", "one of ratio, max_error and max_bytes"));
+        return Err(OptionError::new(field, "several targets", "one of ratio, max_error and max_bytes"));
     }
     if let Some(ratio) = options.ratio {
         if !(1.0..=4096.0).contains(&ratio) {
@@ -266,7 +266,7 @@ fn target(options: &EncodeOptions) -> Result<Option<Target>, OptionError> {
     Ok(error.or(options.max_bytes.map(Target::MaxBytes)))
 }
 
-/// The source on a grid: from the cache, or sampled and put there.
+/// The source on a grid, from the cache if it is there. Otherwise the source is sampled and the samples are cached.
 fn tabulated(source: &dyn Source, grid: Grid, cache: &dyn GridCache) -> Tabulated {
     let name = format!("wavelet {} {}", grid.parameterisation.name(), grid.levels);
     let cached = cache.take(&name).and_then(|(values, tally)| Tabulated::from_bytes(source, grid, &values, tally));

@@ -1,16 +1,16 @@
-//! What a wavelet pack needs not hold where a scene shows a material from some directions only: outer cells, which are
-//! lights', and coefficients that no viewer's cell depends on.
+//! Parts of a wavelet pack that a limited range of directions never uses: outer cells, one for each direction of light,
+//! and coefficients that no viewer's cell depends on.
 
 use brdfc_formats::crop::{Crop, DirectionRange, Elevations, Window};
 use brdfc_formats::direction::Parameterisation;
 use brdfc_formats::wavelet::{Header, WaveletPack, haar::detail_indices};
 use std::f64::consts::PI;
 
-/// Cells around those that filtering touches.
+/// Width of the ring of cells around those that filtering reads.
 const GUARD: f64 = 1.0;
 
-/// A pack without what look-ups within a range of directions do not touch. Packs over half-difference angles stay as they
-/// are.
+/// Crops a pack to the data that look-ups within a range of directions read. Packs over half-difference angles stay
+/// unchanged.
 pub fn crop(pack: WaveletPack, directions: DirectionRange) -> WaveletPack {
     let header = pack.header;
     if directions.is_all() || header.parameterisation != Parameterisation::TangentPole {
@@ -18,10 +18,10 @@ pub fn crop(pack: WaveletPack, directions: DirectionRange) -> WaveletPack {
     }
     let pack = without_unneeded(pack, &needed_coefficients(&header, directions.view));
     pack.cropped(Crop { directions, window: window(&header, directions.light) })
-        .expect("a window is within the grid that it was found for")
+        .expect("a window is within its own grid")
 }
 
-/// The rectangle of outer cells that look-ups within a range touch, and a ring around them.
+/// Rectangle of outer cells that look-ups within a range read, with a ring around them.
 pub fn window(header: &Header, light: Elevations) -> Window {
     let grid = header.grid();
     let needed = needed_cells(grid, light);
@@ -33,7 +33,7 @@ pub fn window(header: &Header, light: Elevations) -> Window {
     Window::between([columns.0, rows.0], [columns.1, rows.1])
 }
 
-/// Of each coefficient, whether a cell that look-ups within a range touch, or one beside it, depends on it.
+/// Marks the coefficients that influence a cell that look-ups within a range read, or a neighbour of such a cell.
 pub fn needed_coefficients(header: &Header, view: Elevations) -> Vec<bool> {
     let (grid, levels) = (header.grid(), header.levels);
     let mut needed = vec![false; header.cells()];
@@ -49,10 +49,10 @@ pub fn needed_coefficients(header: &Header, view: Elevations) -> Vec<bool> {
     needed
 }
 
-/// Of each cell, whether a direction within the range is so close that bilinear filtering touches it, or one beside it.
+/// Marks the cells that bilinear filtering reads for a direction within the range, and their neighbours.
 fn needed_cells(grid: usize, range: Elevations) -> Vec<bool> {
     let step = PI / grid as f64;
-    // The sine of an angle is largest in the middle of its range, or at the end that is nearest to it.
+    // The sine of an angle is largest in the middle of its range, or at the closest end.
     let sines = |cell: usize| {
         let [low, high] = [-0.5 - GUARD, 1.5 + GUARD].map(|off| ((cell as f64 + off) * step).clamp(0.0, PI));
         let most = if low <= PI / 2.0 && high >= PI / 2.0 { 1.0 } else { low.sin().max(high.sin()) };
@@ -68,13 +68,13 @@ fn needed_cells(grid: usize, range: Elevations) -> Vec<bool> {
     (0..grid * grid).map(touched).collect()
 }
 
-/// The pack without the slices of coefficients that are not needed.
+/// Drops the slices of unneeded coefficients from a pack.
 fn without_unneeded(pack: WaveletPack, needed: &[bool]) -> WaveletPack {
     let slice_bytes = pack.header.cells() * pack.header.texel_format().texel_bytes();
-    let kept: Vec<usize> = (0..pack.index.len()).filter(|k| pack.index[*k] != 0 && needed[*k]).collect();
-    let old = || std::iter::once(0).chain(kept.iter().map(|k| usize::from(pack.index[*k])));
+    let retained: Vec<usize> = (0..pack.index.len()).filter(|k| pack.index[*k] != 0 && needed[*k]).collect();
+    let old = || std::iter::once(0).chain(retained.iter().map(|k| usize::from(pack.index[*k])));
     let mut index = vec![0u16; pack.index.len()];
-    (1..).zip(&kept).for_each(|(slice, k)| index[*k] = slice);
+    (1..).zip(&retained).for_each(|(slice, k)| index[*k] = slice);
     WaveletPack {
         index,
         scales: old().map(|slice| pack.scales[slice]).collect(),

@@ -1,4 +1,4 @@
-//! The encoder: sequences the stages.
+//! The encoder of wavelet packs, as a sequence of stages.
 
 use super::crop::{crop, needed_coefficients, window};
 use super::log_encode::{LogEncoding, log_decode, log_encode};
@@ -20,12 +20,12 @@ use brdfc_metrics::compare::{Comparison, compare};
 use brdfc_metrics::sampling::PairSet;
 use std::borrow::Cow;
 
-/// A pack with what was measured while making it.
+/// A pack with the measurements of its encoding.
 #[derive(Debug, Clone)]
 pub struct Encoded {
     /// The pack.
     pub pack: WaveletPack,
-    /// Bytes on a GPU that it has less than one for all directions.
+    /// Bytes on a GPU that cropping saves, compared with a pack for all directions.
     pub cropped_bytes: u64,
     /// The file.
     pub bytes: Vec<u8>,
@@ -33,16 +33,16 @@ pub struct Encoded {
     pub on_grid: GridError,
     /// Error against the source, at pairs and in renderings that depend on no codec.
     pub off_grid: Comparison,
-    /// What resampling had to repair.
+    /// Repairs during resampling.
     pub tally: Tally,
-    /// Samples of the table that were evaluated, thanks to symmetry fewer than it has.
+    /// Number of evaluated samples of the table; symmetry makes it smaller than the table.
     pub evaluated: u64,
 }
 
 /// Runs all stages.
 ///
 /// # Errors
-/// A budget that cannot be met, or cancellation.
+/// Returns an error if the budget cannot be met or the work is cancelled.
 pub fn encode(source: &dyn Source, recipe: &Recipe, progress: &dyn Progress) -> Result<Encoded, EncodeError> {
     check(recipe)?;
     progress.stage(Stage::Resample, 1)?;
@@ -57,17 +57,17 @@ pub(super) fn check(recipe: &Recipe) -> Result<(), EncodeError> {
             return Err(EncodeError::Size {
                 field: "slices",
                 found: format!("{found}, with the zero slice"),
-                allowed: format!("{MAX_SLICES}: ask for a higher ratio or a smaller grid"),
+                allowed: format!("at most {MAX_SLICES}; use a higher ratio or a smaller grid"),
             });
         }
     }
     Ok(())
 }
 
-/// Runs all stages but the first: `tabulated` is the source on the grid of the recipe.
+/// Runs all stages after sampling: `tabulated` is the source on the grid of the recipe.
 ///
 /// # Errors
-/// As [`encode`].
+/// Same as [`encode`].
 pub fn encode_tabulated(
     tabulated: &Tabulated,
     source: &dyn Source,
@@ -110,10 +110,10 @@ pub fn encode_tabulated(
         lifted: recipe.lift,
     };
     let needs = Needs::new(&header, recipe);
-    let kept = choose(&coefficients, &reference, &ranking, header, &needs, recipe.target)?;
+    let slices = choose(&coefficients, &reference, &ranking, header, &needs, recipe.target)?;
 
     start(Stage::Quantise)?;
-    let mut pack = assemble(&coefficients, &kept, header);
+    let mut pack = assemble(&coefficients, &slices, header);
     drop(coefficients);
 
     start(Stage::MeasureOnGrid)?;
@@ -138,7 +138,7 @@ pub fn encode_tabulated(
     Ok(Encoded { pack, cropped_bytes, bytes, on_grid, off_grid, evaluated: tally.evaluations, tally: *tally })
 }
 
-/// What is left of a pack where directions are cropped.
+/// Requirements of the cropped directions.
 struct Needs {
     directions: DirectionRange,
     window: Window,
@@ -156,7 +156,7 @@ impl Needs {
     }
 }
 
-/// The slices that the target keeps.
+/// Chooses the slices for the target.
 fn choose(
     coefficients: &Table,
     reference: &Table,
@@ -199,14 +199,14 @@ fn choose(
     Ok(threshold::keep(ranking, count))
 }
 
-/// Slices kept at a ratio, of at most as many as the stored levels have: a pack of fewer levels is already smaller than
-/// asked for.
+/// Number of slices at a ratio, of at most as many as the stored levels have: a pack with fewer levels is already
+/// smaller than requested.
 fn ratio_count(cells: usize, ratio: f64, most: usize) -> usize {
     ((cells as f64 / ratio).round() as usize).clamp(1, most)
 }
 
-/// The smallest count in `1..=most` whose error is within `allowed`, by bisection; the error falls with the count but
-/// for ripples of quantisation, so the result is checked downwards while it still holds.
+/// The smallest count in `1..=most` whose error is within `allowed`, by bisection. The error falls with the count
+/// except for ripples of quantisation, so smaller counts are tried from the result on while they meet the limit.
 fn fewest_within(allowed: f64, most: usize, error: impl Fn(usize) -> f64) -> Result<usize, (f64, usize)> {
     let at_most = error(most);
     if at_most > allowed {
@@ -227,11 +227,11 @@ fn fewest_within(allowed: f64, most: usize, error: impl Fn(usize) -> f64) -> Res
     Ok(met)
 }
 
-/// A pack of the kept slices, its errors not yet measured.
-fn assemble(coefficients: &Table, kept: &[u32], header: Header) -> WaveletPack {
-    let quantised = quantise(coefficients, kept, &header);
+/// Assembles a pack of the chosen slices, without measuring its errors.
+fn assemble(coefficients: &Table, slices: &[u32], header: Header) -> WaveletPack {
+    let quantised = quantise(coefficients, slices, &header);
     let mut index = vec![0u16; header.cells()];
-    for (slice, k) in (1..).zip(kept) {
+    for (slice, k) in (1..).zip(slices) {
         index[*k as usize] = slice;
     }
     WaveletPack {
@@ -246,7 +246,7 @@ fn assemble(coefficients: &Table, kept: &[u32], header: Header) -> WaveletPack {
 }
 
 impl GridError {
-    /// The form that a pack holds.
+    /// The errors as a pack stores them.
     pub fn summary(&self) -> ErrorSummary {
         self.norms.summary(self.albedo_max_difference, self.reciprocity)
     }

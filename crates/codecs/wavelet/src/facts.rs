@@ -1,6 +1,6 @@
-//! What is worth knowing of a wavelet pack.
+//! Facts about a wavelet pack, for reports.
 
-use brdfc_codec::errors_in_words;
+use brdfc_codec::format_errors;
 use brdfc_core::Describe;
 use brdfc_core::words::bytes;
 use brdfc_formats::ErrorSummary;
@@ -8,10 +8,10 @@ use brdfc_formats::crop::DirectionRange;
 use brdfc_formats::direction::Parameterisation;
 use brdfc_formats::wavelet::WaveletPack;
 
-/// What is worth knowing of a wavelet pack.
+/// Facts about a wavelet pack.
 #[derive(Debug, Clone, PartialEq, serde::Serialize, schemars::JsonSchema)]
 pub struct WaveletPackFacts {
-    /// What the two hemispheres are.
+    /// Parameterisation of the two hemispheres.
     pub parameterisation: Parameterisation,
     /// Cells per axis and hemisphere.
     pub grid: usize,
@@ -19,25 +19,25 @@ pub struct WaveletPackFacts {
     pub levels: u32,
     /// Finest level that holds slices.
     pub stored_levels: u32,
-    /// Whether coarser levels and slices that are left out keep the light.
+    /// True if coarser levels and omitted slices are energy-preserving.
     pub lifted: bool,
     /// 1 or 3.
     pub channels: u32,
     /// Bits per component.
     pub bits: u32,
-    /// Slices kept, the zero slice not counted.
+    /// Number of retained slices, without the zero slice.
     pub slices_kept: usize,
     /// `μ`, 1/sr.
     pub mean: f32,
     /// `ε`.
     pub bias: f32,
-    /// Directions that it is for, and that its errors are of.
+    /// Directions of the pack and of its errors.
     pub directions: DirectionRange,
     /// Bytes on a GPU.
     pub gpu_bytes: u64,
-    /// Codec error: decoded samples against the table they were made from.
+    /// Codec error: decoded samples against the table that they were made from.
     pub on_grid: ErrorSummary,
-    /// The filtered pack against its source at direction pairs that depend on no grid.
+    /// Errors of the filtered pack against its source at independent test directions.
     pub off_grid: ErrorSummary,
 }
 
@@ -86,17 +86,14 @@ impl Describe for WaveletPackFacts {
             ("grid", format!("{grid} x {grid} per hemisphere, {}", parameterisation.name())),
             (
                 "levels of detail",
-                format!(
-                    "{levels}, stored up to {stored_levels}{}",
-                    if *lifted { ", which keep the light" } else { "" }
-                ),
+                format!("{levels}, stored up to {stored_levels}{}", if *lifted { ", energy-preserving" } else { "" }),
             ),
             ("texels", format!("{channels} channel{}, {bits} bits", if *channels == 1 { "" } else { "s" })),
-            ("slices kept", format!("{slices_kept} of {}", grid * grid)),
+            ("slices", format!("{slices_kept} of {}", grid * grid)),
             ("mean μ, bias ε", format!("{mean} 1/sr, {bias}")),
             ("bytes on a GPU", bytes(*gpu_bytes)),
-            ("error on the grid (codec)", errors_in_words(on_grid)),
-            ("error off the grid (against the source)", errors_in_words(off_grid)),
+            ("error on the grid (codec)", format_errors(on_grid)),
+            ("error at test directions (against source)", format_errors(off_grid)),
         ]
     }
 

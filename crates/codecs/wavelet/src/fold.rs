@@ -1,8 +1,8 @@
-//! Symmetry of the grid: which cells are images of each other, so that work is done once per orbit.
+//! Symmetry of the grid: cells that are images of each other, so that each orbit is computed once.
 //!
 //! On the tangent-pole grid the mirror in `x = 0` flips columns and the mirror in `y = 0` flips rows, on both
-//! hemispheres at once; an isotropic material without mirror symmetry still allows both flips together (half a turn).
-//! The exchange of directions swaps the hemispheres (tangent-pole) or turns the difference vector by half a turn
+//! hemispheres at once. An isotropic material without mirror symmetry still allows both flips together (half a turn).
+//! The exchange of directions swaps the hemispheres (tangent-pole) or rotates the difference vector by half a turn
 //! (half-difference). All three generate a group of 8.
 
 use brdfc_core::Symmetry;
@@ -18,15 +18,15 @@ pub struct Flip {
 }
 
 impl Flip {
-    /// Nothing flipped.
+    /// No flip.
     pub const NONE: Self = Self { columns: false, rows: false };
     /// Half a turn about the normal.
     pub const HALF_TURN: Self = Self { columns: true, rows: true };
-    /// All four, in the order of [`Flip::number`].
+    /// All four flips, in the order of [`Flip::number`].
     pub const ALL: [Self; 4] =
         [Self::NONE, Self { columns: true, rows: false }, Self { columns: false, rows: true }, Self::HALF_TURN];
 
-    /// 0 to 3.
+    /// Number of the flip, 0 to 3.
     pub fn number(self) -> usize {
         usize::from(self.columns) + 2 * usize::from(self.rows)
     }
@@ -54,7 +54,7 @@ impl Flip {
     }
 }
 
-/// How outer cells fold onto the few rows that are computed.
+/// Map of outer cells to the few rows that are computed.
 #[derive(Debug, Clone)]
 pub struct Fold {
     /// Cells per axis, a power of two.
@@ -126,15 +126,15 @@ impl Fold {
         }
     }
 
-    /// The table row that holds an outer cell, and the flip of the inner cells that goes with it:
-    /// `f[cell][inner] = table[row][flip(inner)]`.
+    /// The table row of an outer cell, and the corresponding flip of the inner cells: `f[cell][inner] =
+    /// table[row][flip(inner)]`.
     #[inline]
     pub fn locate(&self, cell: usize) -> (usize, Flip) {
         let (row, flip) = self.located[cell];
         (row as usize, flip)
     }
 
-    /// Row and inner cell of the same sample with light and viewer exchanged; `None` for a source that is not
+    /// Row and inner cell of the same sample with exchanged light and viewer; `None` for a source that is not
     /// reciprocal.
     #[inline]
     pub fn exchanged(&self, row: usize, inner: usize) -> Option<(usize, usize)> {

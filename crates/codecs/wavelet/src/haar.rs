@@ -13,7 +13,8 @@ use num_traits::Float;
 use rayon::prelude::*;
 
 /// Analysis (equation 2, left) of one image of `n` x `n` samples (row by row, `n` a power of two) into as many
-/// coefficients: `l = (a + b) / √2`, `h = (a - b) / √2`, with what `mean` adds to `l`. `smooth` is scratch space.
+/// coefficients: `l = (a + b) / √2`, `h = (a - b) / √2`, with the contribution of `mean` to `l`. `smooth` is scratch
+/// space.
 pub fn forward<T: Float, M: Mean<T>>(samples: &[T], n: usize, mean: &M, coefficients: &mut [T], smooth: &mut Vec<T>) {
     let r = T::from(std::f64::consts::FRAC_1_SQRT_2).expect("every float holds 1/√2");
     smooth.clear();
@@ -52,9 +53,9 @@ pub fn forward<T: Float, M: Mean<T>>(samples: &[T], n: usize, mean: &M, coeffici
     coefficients[0] = smooth[0];
 }
 
-/// Transforms every row of a table in place of its samples; `lifted` keeps the light of coarser cells.
-pub fn transform(table: &Table, lifted: bool) -> Table {
-    match lifted {
+/// Transforms every row of a table in place; with `energy_preserving`, coarser cells have the mean reflectance.
+pub fn transform(table: &Table, energy_preserving: bool) -> Table {
+    match energy_preserving {
         true => transform_by(table, &Lift::new(table.grid.levels)),
         false => transform_by(table, &Plain),
     }
@@ -74,7 +75,7 @@ fn transform_by(table: &Table, mean: &(impl Mean<f32> + Sync)) -> Table {
     result
 }
 
-/// What a flip of the samples does to coefficients: `coefficient k of the flipped image = sign * coefficient[image]`.
+/// Effect of a flip of the samples on coefficients: `coefficient k of the flipped image = sign * coefficient[image]`.
 /// Details across the flipped axis change sign.
 pub fn flip_coefficient(k: usize, flip: Flip) -> (usize, f32) {
     if k == 0 {
@@ -127,7 +128,7 @@ mod tests {
         }
 
         #[test]
-        fn energy_is_kept((n, samples) in images()) {
+        fn energy_is_preserved((n, samples) in images()) {
             let energy = |v: &[f64]| v.iter().map(|x| x * x).sum::<f64>();
             let (before, after) = (energy(&samples), energy(&transformed(&samples, n)));
             prop_assert!((before - after).abs() <= 1e-12 * before);
@@ -154,9 +155,9 @@ mod tests {
         }
     }
 
-    /// Whatever becomes of details, the light that all cells send out together is that of the scaling coefficient.
+    /// The reflected light of all cells together is that of the scaling coefficient, for any changes of the details.
     #[test]
-    fn lifted_coefficients_are_restored_and_keep_the_light() {
+    fn energy_preserving_coefficients_are_restored_and_preserve_energy() {
         let n = 16usize;
         let lift = Lift::new(4);
         let weight = |cell: usize| {
@@ -175,11 +176,11 @@ mod tests {
         inverse(&coefficients, n, &lift, &mut restored, &mut Vec::new());
         assert!(samples.iter().zip(&restored).all(|(a, b)| (a - b).abs() < 1e-5));
         let of_scaling = f64::from(coefficients[0] / n as f32).exp();
-        for kept in [256, 64, 16, 1] {
-            coefficients[kept..].fill(0.0);
+        for retained in [256, 64, 16, 1] {
+            coefficients[retained..].fill(0.0);
             coefficients[1..].iter_mut().for_each(|c| *c *= 0.9);
             inverse(&coefficients, n, &lift, &mut restored, &mut Vec::new());
-            assert!((light(&restored) / light(&samples) - 1.0).abs() < 1e-5, "{kept} coefficients");
+            assert!((light(&restored) / light(&samples) - 1.0).abs() < 1e-5, "{retained} coefficients");
             assert!((of_scaling / light(&samples) - 1.0).abs() < 1e-5);
         }
         // Negative control: the plain transform loses light.

@@ -1,6 +1,6 @@
-//! The wavelet BRDF path: resample, smooth, log-encode, transform, threshold, quantise. One stage, one file;
-//! [`encode`] sequences them. Paper: Claustres, Barthe, Paulin, "Wavelet Encoding of BRDFs for Real-Time Rendering",
-//! Graphics Interface 2007.
+//! Encoder of wavelet BRDF packs: resample, smooth, log-encode, transform, threshold, quantise. Each stage has a file;
+//! [`encode`] runs them in order. Paper: Claustres, Barthe, Paulin, "Wavelet Encoding of BRDFs for Real-Time
+//! Rendering", Graphics Interface 2007.
 
 mod codec;
 pub mod crop;

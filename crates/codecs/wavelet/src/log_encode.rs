@@ -1,13 +1,13 @@
-//! Log encoding (section 5.1 of Claustres et al. 2007, after McCool et al. 2001): `f~ = ln(f / μ + ε)`, printed there as
+//! Log encoding (section 5.1 of Claustres et al. 2007, after McCool et al. 2001): `f~ = ln(f / μ + ε)`, in the paper
 //! `ln((f + ε μ) / μ)`.
 
 use super::table::Table;
 use brdfc_formats::vector_math;
 use rayon::prelude::*;
 
-/// The `ε` of the paper's equation in section 5.1 when none is asked for.
+/// Default of the `ε` of the paper's equation in section 5.1.
 pub const DEFAULT_BIAS: f64 = 0.01;
-/// Lowest `μ`: a table whose mean is lower is as good as black.
+/// Lowest `μ`: a table with a lower mean counts as black.
 pub const LOWEST_MEAN: f64 = 1e-30;
 
 /// Constants of the encoding.
@@ -20,7 +20,7 @@ pub struct LogEncoding {
 }
 
 impl LogEncoding {
-    /// The encoding of a table: its mean, rounded to the f32 that packs hold; 1 for a black table.
+    /// Creates the encoding of a table: its mean, rounded to the f32 of packs; 1 for a black table.
     pub fn of(table: &Table, bias: f64) -> Self {
         let mean = table.mean();
         let mean = if mean > 0.0 { mean.max(LOWEST_MEAN) } else { 1.0 };
@@ -44,7 +44,7 @@ pub fn log_encode(table: &Table, encoding: LogEncoding) -> Table {
     map(table, |f| vector_math::ln(f * scale + bias))
 }
 
-/// Inverse of [`log_encode`], raised to 0 where rounding or smoothing went below.
+/// Inverse of [`log_encode`]. Values that rounding or smoothing made negative become 0.
 pub fn log_decode(table: &Table, encoding: LogEncoding) -> Table {
     map(table, |v| encoding.decode(f64::from(v)).max(0.0) as f32)
 }

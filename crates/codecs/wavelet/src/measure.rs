@@ -1,4 +1,4 @@
-//! Codec error: a decoded pack against the table it was made from, at every sample of the grid.
+//! Codec error: a decoded pack against its table, at every sample of the grid.
 
 use super::table::Table;
 use brdfc_formats::crop::{DirectionRange, Elevations};
@@ -19,15 +19,15 @@ const TILE: usize = 32;
 pub struct GridError {
     /// Norms over all samples above the horizon.
     pub norms: Norms,
-    /// Largest difference of directional albedo over incoming cells, by the sums over the grid. Tangent-pole grids
-    /// only; 0 otherwise.
+    /// Largest difference of directional albedo over incoming cells, from sums over the grid. Tangent-pole grids only;
+    /// 0 otherwise.
     pub albedo_max_difference: f64,
     /// Mean of `|f'(i, o) - f'(o, i)| / f` over all pairs of cells. Tangent-pole grids only; 0 otherwise.
     pub reciprocity: f64,
 }
 
-/// Decodes the whole table and compares it with `reference` (values of `f`, not logarithms), at the samples of a range of
-/// directions. Reciprocity is that of a whole pack.
+/// Decodes the whole table and compares it with `reference` (values of `f`, not logarithms), at the samples of a range
+/// of directions. Reciprocity is measured over the whole pack.
 pub fn grid_error(reference: &Table, decoder: &WaveletDecoder, directions: DirectionRange) -> GridError {
     let grid = reference.grid;
     let (n, cells, channels) = (grid.n(), grid.cells(), reference.channels());
@@ -53,7 +53,7 @@ pub fn grid_error(reference: &Table, decoder: &WaveletDecoder, directions: Direc
             let mut albedo_max: f64 = 0.0;
             let mut decoded = vec![0.0f32; cells];
             let mut unfolded = vec![0.0f32; cells];
-            let mut kept = Vec::new();
+            let mut all_decoded = Vec::new();
             let mut scratch = RowScratch::default();
             for outer in chunk * CHUNK..((chunk + 1) * CHUNK).min(cells) {
                 if tangent_pole && !directions.light.contain(centre(outer)) {
@@ -80,7 +80,7 @@ pub fn grid_error(reference: &Table, decoder: &WaveletDecoder, directions: Direc
                             .sum();
                         albedo_max = albedo_max.max(albedo.abs());
                         if directions.is_all() {
-                            kept.extend_from_slice(&decoded);
+                            all_decoded.extend_from_slice(&decoded);
                         }
                         continue;
                     }
@@ -92,7 +92,7 @@ pub fn grid_error(reference: &Table, decoder: &WaveletDecoder, directions: Direc
                     }
                 }
             }
-            (sums, albedo_max, kept)
+            (sums, albedo_max, all_decoded)
         })
         .collect();
 
@@ -117,7 +117,7 @@ fn reciprocity(reference: &Table, parts: &[(NormSums, f64, Vec<f32>)], mean: f64
     let decoded = |outer: usize, channel: usize| {
         &parts[outer / CHUNK].2[((outer % CHUNK) * channels + channel) * cells..][..cells]
     };
-    // Square tiles: the exchanged samples stand in columns, which only small tiles keep in the cache.
+    // Square tiles: the exchanged samples are in columns, which stay in the cache only for small tiles.
     let tiles: Vec<(usize, usize)> =
         (0..cells.div_ceil(TILE)).flat_map(|a| (0..=a).map(move |b| (a * TILE, b * TILE))).collect();
     let sums: Vec<Reciprocity> = tiles

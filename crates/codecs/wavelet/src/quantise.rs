@@ -1,5 +1,5 @@
-//! Quantise: kept slices as unsigned integers with a scale and an offset per slice (section 5.1 of
-//! Claustres et al. 2007).
+//! Quantisation: retained slices as unsigned integers with a scale and an offset per slice (section 5.1 of Claustres et
+//! al. 2007).
 
 use super::haar::flip_coefficient;
 use super::table::Table;
@@ -15,14 +15,14 @@ pub struct Quantised {
     pub texels: Vec<u8>,
 }
 
-/// Quantises the coefficients `kept` to `header.bits` bits, after the zero slice.
-pub fn quantise(coefficients: &Table, kept: &[u32], header: &Header) -> Quantised {
+/// Quantises the chosen coefficients to `header.bits` bits, after the zero slice.
+pub fn quantise(coefficients: &Table, chosen: &[u32], header: &Header) -> Quantised {
     let format = header.texel_format();
     let slice_bytes = header.cells() * format.texel_bytes();
     let transposed = Transposed::new(coefficients);
-    let mut texels = vec![0u8; (kept.len() + 1) * slice_bytes];
-    let mut scales = vec![SliceScale::default(); kept.len() + 1];
-    texels[slice_bytes..].par_chunks_mut(slice_bytes).zip(scales[1..].par_iter_mut()).zip(kept).for_each(
+    let mut texels = vec![0u8; (chosen.len() + 1) * slice_bytes];
+    let mut scales = vec![SliceScale::default(); chosen.len() + 1];
+    texels[slice_bytes..].par_chunks_mut(slice_bytes).zip(scales[1..].par_iter_mut()).zip(chosen).for_each(
         |((texels, scale), k)| {
             let slice = transposed.slice(*k as usize);
             *scale = fit_scale(&slice, header.bits);
@@ -30,7 +30,7 @@ pub fn quantise(coefficients: &Table, kept: &[u32], header: &Header) -> Quantise
             let cells = header.cells();
             for cell in 0..cells {
                 for component in 0..components {
-                    // The component beyond RGB is full, like the opaque alpha it is often taken for.
+                    // The component after RGB is full, like the opaque alpha that many readers expect.
                     let stored = match slice.get(component * cells + cell) {
                         Some(c) => to_stored(to_step(*c, *scale, header.bits), header.bits),
                         None => u16::MAX >> (16 - 8 * bytes),
@@ -44,7 +44,7 @@ pub fn quantise(coefficients: &Table, kept: &[u32], header: &Header) -> Quantise
     Quantised { scales, texels }
 }
 
-/// Coefficients with the rows of one coefficient side by side, `[channel][k][row]`, so that a slice is read in order.
+/// Transposed coefficients, `[channel][k][row]`, so that a slice is read in order.
 struct Transposed<'a> {
     coefficients: &'a Table,
     values: Vec<f32>,
@@ -55,7 +55,7 @@ impl<'a> Transposed<'a> {
         const BLOCK: usize = 64;
         let (channels, rows, cells) = coefficients.values.dim();
         let mut values = vec![0.0f32; channels * rows * cells];
-        // Blocks of coefficients: few enough that their lines stay in the cache from row to row.
+        // Blocks of coefficients, small enough that their lines stay in the cache from row to row.
         let block = BLOCK.min(cells);
         values.par_chunks_mut(block * rows).enumerate().for_each(|(number, output)| {
             let (channel, first) = (number * block / cells, number * block % cells);
@@ -86,8 +86,8 @@ impl<'a> Transposed<'a> {
     }
 }
 
-/// The range of a slice, over all channels. Where it spans 0, 0 itself is one of the steps: most details are almost
-/// nothing almost everywhere, and stay exactly nothing.
+/// Range of a slice, over all channels. If it spans 0, one of the steps is exactly 0: most details are close to zero
+/// almost everywhere, and become exactly zero.
 pub fn fit_scale(slice: &[f32], bits: u32) -> SliceScale {
     let (mut low, mut high) = (f64::INFINITY, f64::NEG_INFINITY);
     for c in slice {
@@ -114,12 +114,12 @@ pub fn to_step(coefficient: f32, scale: SliceScale, bits: u32) -> u32 {
         return 0;
     }
     let unit = (f64::from(coefficient) - f64::from(scale.offset)) / f64::from(scale.scale);
-    // Half a step more and cut off is rounding, as nothing here is negative.
+    // Adding half a step and truncating rounds, because no value is negative.
     ((unit * last_step(bits)).clamp(0.0, last_step(bits)) + 0.5) as u32
 }
 
-/// A step as the unsigned normalised integer of the texture: with fewer than 16 bits in a texture of 16, spread over
-/// its whole range.
+/// Converts a step to the unsigned normalised integer of the texture. Fewer than 16 bits in a texture of 16 are spread
+/// over its whole range.
 fn to_stored(step: u32, bits: u32) -> u16 {
     if bits == 8 || bits == 16 {
         return step as u16;

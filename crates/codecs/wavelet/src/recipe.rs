@@ -1,67 +1,68 @@
-//! What decides the bytes of a pack: the recipe, resolved before any work.
+//! Recipe of a wavelet pack, resolved before any work.
 
 use super::log_encode::DEFAULT_BIAS;
 use super::table::Grid;
 use brdfc_formats::crop::DirectionRange;
 use brdfc_formats::direction::Parameterisation;
 
-/// `ε` that goes with [`Ranking::Visible`]: renderings show values far below the mean of the table, which grazing angles raise.
+/// `ε` for [`Ranking::Visible`]: renderings show values far below the mean of the table, which grazing angles raise.
 const VISIBLE_BIAS: f64 = 3e-4;
 
-/// How many slices are kept.
+/// Target that decides the number of slices.
 #[derive(Debug, Clone, Copy, PartialEq, serde::Serialize, serde::Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Target {
-    /// `cells / ratio`, the scaling slice included; at least 1.
+    /// `cells / ratio`, including the scaling slice; at least 1.
     Ratio(f64),
-    /// The fewest whose `ε_r` on the grid, after quantisation, is at most this fraction.
+    /// The smallest number whose `ε_r` on the grid, after quantisation, is at most this fraction.
     MaxError(f64),
-    /// As many as fit into this many bytes on a GPU, of what is left where directions are cropped.
+    /// As many as fit into this many bytes on a GPU, after cropping.
     MaxBytes(u64),
 }
 
-/// Which slices are the strongest.
+/// Ranking of slices.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, serde::Serialize, serde::Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Ranking {
-    /// By energy, all cells alike (section 4.3): smallest error of the table.
+    /// By energy, with equal weights of cells (section 4.3): smallest error of the table.
     #[default]
     Energy,
-    /// By energy weighted with what is seen, see [`super::visible`]: smallest error of renderings.
+    /// By perceptually weighted energy, see [`super::visible`]: smallest error of renderings.
     Visible,
 }
 
 impl Ranking {
-    /// The names that scripts use.
+    /// Names of the rankings in options.
     pub const NAMES: [(&'static str, Self); 2] = [("energy", Self::Energy), ("visible", Self::Visible)];
 }
 
-/// Everything that decides the bytes of a pack, besides the source.
+/// Everything besides the source that decides the bytes of a pack.
 #[derive(Debug, Clone, PartialEq, serde::Serialize, serde::Deserialize)]
 pub struct Recipe {
-    /// What the two hemispheres of the table are.
+    /// Parameterisation of the two hemispheres of the table.
     pub parameterisation: Parameterisation,
     /// `N`, 1 to 6.
     pub levels: u32,
-    /// Finest level of detail that is needed, 0 to `levels`; finer slices are not stored.
+    /// Finest stored level of detail, 0 to `levels`.
     pub stored_levels: u32,
     /// 8, or 10 to 16.
     pub bits: u32,
     /// `ε` of the log encoding.
     pub bias: f64,
-    /// Whether the table is smoothed.
+    /// True if the table is smoothed.
     pub smooth: bool,
-    /// Whether levels of detail and dropped slices keep the light that is sent out; tangent-pole only.
+    /// True if coarser levels of detail and dropped slices are energy-preserving; tangent-pole only.
     pub lift: bool,
-    /// How many slices are kept.
+    /// Target that decides the number of slices.
     pub target: Target,
-    /// Which slices are kept.
+    /// Ranking of slices.
     pub ranking: Ranking,
-    /// Directions that are needed: what no look-up within them touches is cropped, and errors off the grid are those within.
+    /// Directions that the pack covers. Data that no look-up within them reads are cropped, and errors against the
+    /// source are measured within.
     pub directions: DirectionRange,
-    /// Whether the error off the grid is measured, too. Without, what the pack says of it is 0.
+    /// True if the error at independent test directions is measured, too. Otherwise the pack stores an error of 0.
     pub measure_off_grid: bool,
-    /// Whether texels are compressed in the file.
+    /// True if texels are compressed in the file.
     pub supercompress: bool,
 }
 
@@ -86,7 +87,7 @@ impl Default for Recipe {
 }
 
 impl Recipe {
-    /// Slices ranked by what is seen, with the bias that goes with it: the same bytes look better.
+    /// Slices ranked by visible error, with the matching bias: the same bytes look better.
     pub fn visible() -> Self {
         Self { ranking: Ranking::Visible, bias: VISIBLE_BIAS, ..Self::default() }
     }

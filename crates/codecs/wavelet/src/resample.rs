@@ -1,4 +1,4 @@
-//! Resample: the source on the grid, evaluated once per symmetry orbit.
+//! Resampling of the source on the grid, with one evaluation per symmetry orbit.
 
 use super::fold::Fold;
 use super::table::{Grid, Table};
@@ -7,17 +7,17 @@ use brdfc_formats::direction::{DirectionPair, Vector, cell_centre, normalize};
 use ndarray::Array3;
 use rayon::prelude::*;
 
-/// Lowest `z` of a direction that is evaluated. The half-difference grid asks for directions on and below the horizon,
-/// where models go to infinity or nowhere, and lifts them to here; cells of the finest tangent-pole grid lie above.
-const LIFTED_Z: f64 = 5e-4;
+/// Lowest `z` of an evaluated direction. The half-difference grid has directions on and below the horizon, where models
+/// diverge or are undefined; they are raised to this value. Cells of the finest tangent-pole grid are above it.
+const LOWEST_Z: f64 = 5e-4;
 
-/// Largest value of a sample, 1/sr: far above any reflectance, far below the end of f32.
+/// Largest value of a sample, 1/sr: far above any reflectance, far below the maximum of f32.
 const LARGEST: f64 = 1e30;
 
 /// Evaluates `source` at every cell centre pair of `grid`, `f_r` in 1/sr.
 ///
-/// Negative values (and any that are no number) are raised to 0 and counted. Pairs that the half-difference grid puts below the horizon take the
-/// value just above it, so that the table goes on smoothly there.
+/// Negative values and NaN are raised to 0 and counted. Pairs that the half-difference grid puts below the horizon have
+/// the value just above it, so that the table continues smoothly.
 pub fn resample(source: &dyn Source, grid: Grid) -> (Table, Tally) {
     let n = grid.n();
     let cells = grid.cells();
@@ -37,7 +37,7 @@ pub fn resample(source: &dyn Source, grid: Grid) -> (Table, Tally) {
                     continue;
                 }
                 let pair = grid.parameterisation.from_axes(centres[*outer as usize], centres[inner]);
-                let value = source.eval(lifted(pair), &mut tally);
+                let value = source.eval(raised(pair), &mut tally);
                 let (mut raised, mut lowered) = (false, false);
                 for channel in 0..channels {
                     // NaN fails this comparison too.
@@ -55,7 +55,7 @@ pub fn resample(source: &dyn Source, grid: Grid) -> (Table, Tally) {
 
     let mut tally = Tally::default();
     let mut values = Array3::zeros((channels, fold.rows().len(), cells));
-    let all = values.as_slice_mut().expect("just made in standard layout");
+    let all = values.as_slice_mut().expect("a new array has standard layout");
     for (row, (row_values, row_tally)) in evaluated.iter().enumerate() {
         tally += *row_tally;
         for channel in 0..channels {
@@ -67,7 +67,7 @@ pub fn resample(source: &dyn Source, grid: Grid) -> (Table, Tally) {
     (Table { grid, fold, values }, tally)
 }
 
-/// Copies each evaluated sample to the one with light and viewer exchanged.
+/// Copies each evaluated sample to its counterpart with exchanged light and viewer.
 fn fill_exchanged(fold: &Fold, channels: usize, cells: usize, values: &mut [f32]) {
     let rows = fold.rows().len();
     for row in 0..rows {
@@ -83,7 +83,7 @@ fn fill_exchanged(fold: &Fold, channels: usize, cells: usize, values: &mut [f32]
     }
 }
 
-fn lifted(pair: DirectionPair) -> DirectionPair {
-    let lift = |v: Vector| if v[2] >= LIFTED_Z { v } else { normalize([v[0], v[1], LIFTED_Z]) };
-    DirectionPair::new(lift(pair.incoming), lift(pair.outgoing))
+fn raised(pair: DirectionPair) -> DirectionPair {
+    let raise = |v: Vector| if v[2] >= LOWEST_Z { v } else { normalize([v[0], v[1], LOWEST_Z]) };
+    DirectionPair::new(raise(pair.incoming), raise(pair.outgoing))
 }

@@ -1,15 +1,15 @@
-//! Smooth: moving least squares on the dense grid, in the log domain (section 3 of Claustres et al. 2007: "a moving
-//! least square approximation is applied to smooth the resulting data").
+//! Smoothing by moving least squares on the dense grid, in the log domain (section 3 of Claustres et al. 2007: "a
+//! moving least square approximation is applied to smooth the resulting data").
 //!
 //! At each sample a polynomial is fitted to the `(2r + 1)^4` samples around it and evaluated there. With a basis and a
-//! weight that are products over the four axes the normal equations split, so the fit is four passes of a small
-//! one-dimensional fit. Windows are cut off at the border of the grid, where the fit becomes one-sided.
+//! weight that are products over the four axes the normal equations separate, so the fit is four passes of a small
+//! one-dimensional fit. Windows are truncated at the border of the grid, where the fit becomes one-sided.
 
 use super::table::Table;
 use ndarray::Array3;
 use rayon::prelude::*;
 
-/// Samples on each side of a window.
+/// Number of samples on each side of a window.
 pub const RADIUS: usize = 2;
 /// Degree of the polynomial along each axis.
 pub const DEGREE: usize = 2;
@@ -47,7 +47,7 @@ pub fn smooth(table: &Table) -> Table {
     along(&along(&inner, 1), n)
 }
 
-/// Weights of the samples in one window, from the fit.
+/// Weights of the samples in one window.
 struct Kernel {
     first: usize,
     weights: Vec<f64>,
@@ -85,7 +85,7 @@ fn weight(offset: f64) -> f64 {
 fn map_rows(table: &Table, f: impl Fn(usize, usize, &mut [f32]) + Sync) -> Table {
     let (channels, rows, cells) = table.values.dim();
     let mut values = Array3::zeros((channels, rows, cells));
-    let all = values.as_slice_mut().expect("just made in standard layout");
+    let all = values.as_slice_mut().expect("a new array has standard layout");
     all.par_chunks_mut(cells).enumerate().for_each(|(index, output)| f(index / rows, index % rows, output));
     Table { grid: table.grid, fold: table.fold.clone(), values }
 }
@@ -110,7 +110,7 @@ mod tests {
     }
 
     #[test]
-    fn quadratics_are_kept_up_to_the_border() {
+    fn quadratics_are_preserved_up_to_the_border() {
         let quadratic = |c: [usize; 4]| {
             let [a, b, x, y] = c.map(|v| v as f64 / 8.0);
             1.0 + a - 2.0 * b * b + x * y + 0.5 * x * x * a

@@ -4,22 +4,22 @@ use super::fold::Fold;
 use brdfc_formats::direction::Parameterisation;
 use ndarray::Array3;
 
-/// Size and meaning of the two hemispheres.
+/// Size and parameterisation of the two hemispheres.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Grid {
-    /// What the hemispheres are.
+    /// Parameterisation of the hemispheres.
     pub parameterisation: Parameterisation,
     /// `N`: `2^N x 2^N` cells per hemisphere, 1 to 6.
     pub levels: u32,
 }
 
 impl Grid {
-    /// Cells per axis.
+    /// Number of cells per axis.
     pub fn n(self) -> usize {
         1 << self.levels
     }
 
-    /// Cells per hemisphere.
+    /// Number of cells per hemisphere.
     pub fn cells(self) -> usize {
         self.n() * self.n()
     }
@@ -30,14 +30,14 @@ impl Grid {
 pub struct Table {
     /// The grid.
     pub grid: Grid,
-    /// Which outer cells are stored, and where the others are found.
+    /// Stored outer cells, and the map from the others to them.
     pub fold: Fold,
     /// `[channel][row][inner cell]`: 1 or 3 channels, `fold.rows().len()` rows, `grid.cells()` inner cells.
     pub values: Array3<f32>,
 }
 
 impl Table {
-    /// Channels stored: 1 or 3.
+    /// Number of stored channels: 1 or 3.
     pub fn channels(&self) -> usize {
         self.values.dim().0
     }

@@ -1,4 +1,4 @@
-//! A source on a grid, which packs of all ratios, bits and rankings are made from.
+//! A source on a grid, the common input of packs of all ratios, bits and rankings.
 
 use super::fold::Fold;
 use super::resample::resample;
@@ -6,17 +6,17 @@ use super::table::{Grid, Table};
 use brdfc_core::{Source, Tally};
 use ndarray::Array3;
 
-/// A table, and what had to be repaired in it.
+/// A table with the repairs made in it.
 #[derive(Debug, Clone)]
 pub struct Tabulated {
     /// The table.
     pub table: Table,
-    /// What was repaired.
+    /// Counts of repairs.
     pub tally: Tally,
 }
 
 impl Tabulated {
-    /// Evaluates a source at every cell: most of the work of an encoding where the source is a scan.
+    /// Evaluates a source at every cell, which is most of the work of encoding a scan.
     pub fn new(source: &dyn Source, grid: Grid) -> Self {
         let (table, tally) = resample(source, grid);
         Self { table, tally }
@@ -27,7 +27,7 @@ impl Tabulated {
         self.table.values.iter().flat_map(|value| value.to_le_bytes()).collect()
     }
 
-    /// The table of a source whose values were kept by [`Self::to_bytes`]; `None` if they are not as many as it has.
+    /// Restores the table of a source from [`Self::to_bytes`]; `None` if the number of values differs.
     pub fn from_bytes(source: &dyn Source, grid: Grid, bytes: &[u8], tally: Tally) -> Option<Self> {
         let channels = if source.is_grey() { 1 } else { 3 };
         let fold = Fold::new(grid.n(), grid.parameterisation, source.symmetry());

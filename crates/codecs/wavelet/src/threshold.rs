@@ -1,12 +1,12 @@
-//! Threshold (section 4.3 of Claustres et al. 2007): whole slices of weak coefficients are dropped.
+//! Thresholding (section 4.3 of Claustres et al. 2007): whole slices of weak coefficients are dropped.
 
 use super::haar::flip_coefficient;
 use super::table::Table;
 
 /// Squared norm of each coefficient over all outer cells and channels: `E_k = Σ c_k²`.
 ///
-/// Computed from the stored rows: the rows that a flip stands for hold the same coefficients in another order, so
-/// images of a coefficient share one energy, to the bit.
+/// Computed from the stored rows: the rows that a flip maps onto a stored row hold the same coefficients in another
+/// order, so images of a coefficient have the same energy, to the bit.
 pub fn slice_energies(coefficients: &Table) -> Vec<f64> {
     let (channels, rows, cells) = coefficients.values.dim();
     let mut stored = vec![0.0f64; cells];
@@ -27,9 +27,9 @@ pub fn slice_energies(coefficients: &Table) -> Vec<f64> {
         .collect()
 }
 
-/// Coefficients in the order in which they are kept: the scaling coefficient, then by falling energy, ties by number.
+/// Coefficients in order of retention: the scaling coefficient, then by falling energy, ties by number.
 ///
-/// Only levels below `stored_levels` take part: `4^stored_levels` coefficients.
+/// Only the `4^stored_levels` coefficients of levels below `stored_levels` take part.
 pub fn ranking(energies: &[f64], stored_levels: u32) -> Vec<u32> {
     let count = energies.len().min(1 << (2 * stored_levels));
     let mut ranked: Vec<u32> = (1..count as u32).collect();
@@ -38,11 +38,11 @@ pub fn ranking(energies: &[f64], stored_levels: u32) -> Vec<u32> {
     ranked
 }
 
-/// The first `count` of a ranking, in ascending order: the slices of a pack.
+/// The first `count` coefficients of a ranking, in ascending order: the slices of a pack.
 pub fn keep(ranking: &[u32], count: usize) -> Vec<u32> {
-    let mut kept = ranking[..count.clamp(1, ranking.len())].to_vec();
-    kept.sort_unstable();
-    kept
+    let mut slices = ranking[..count.clamp(1, ranking.len())].to_vec();
+    slices.sort_unstable();
+    slices
 }
 
 #[cfg(test)]

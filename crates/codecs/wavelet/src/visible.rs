@@ -1,7 +1,8 @@
-//! Threshold by what is seen: slices ranked by how much of a rendering they change, instead of how much of the table.
+//! Perceptually weighted thresholding: slices ranked by their effect on renderings instead of on the table.
 //!
-//! Energy counts all cells of the table alike. A third of them are within 20 degrees of the horizon, where values are
-//! large, vary most, and fill hardly any pixels. Here each sample is weighted by what its error does to a rendering.
+//! Plain energy gives all cells of the table the same weight. A third of them are within 20 degrees of the horizon,
+//! where values are large, vary most, and fill hardly any pixels. Here the weight of each sample is the effect of its
+//! error on renderings.
 
 use super::haar::flip_coefficient;
 use super::log_encode::LogEncoding;
@@ -10,7 +11,7 @@ use brdfc_formats::direction::{DirectionPair, Vector, cell_centre};
 use rayon::prelude::*;
 use std::f64::consts::PI;
 
-/// Reflected light, `f_r cos θi` in units of `μ`, below which differences are less and less visible: dark is dark.
+/// Reflected light, `f_r cos θi` in units of `μ`, below which differences become invisible.
 const DARK: f64 = 0.01;
 /// Exponents of `cos θi` and `cos θo` in the weight of a sample.
 const EXPONENTS: [f64; 2] = [1.35, 2.25];
@@ -24,7 +25,7 @@ pub fn visible_energies(coefficients: &Table, samples: &Table, encoding: LogEnco
     let grid = coefficients.grid;
     let n = grid.n();
     let centres: Vec<Vector> = (0..cells).map(|cell| cell_centre(cell % n, cell / n, n)).collect();
-    // Solid angles of cells, up to a factor.
+    // Solid angles of cells, up to a common factor.
     let areas: Vec<f64> = (0..cells).map(|cell| (PI * ((cell / n) as f64 + 0.5) / n as f64).sin()).collect();
     let of_row = |row: usize| {
         let outer = coefficients.fold.rows()[row] as usize;
@@ -53,12 +54,12 @@ pub fn visible_energies(coefficients: &Table, samples: &Table, encoding: LogEnco
     (0..cells).map(whole).collect()
 }
 
-/// What a squared error of the log-encoded value does to a rendering.
+/// Effect of a squared error of the log-encoded value on renderings.
 ///
-/// The eye sees ratios of reflected light `y = f_r cos θi`, so an error `dv` counts as `d ln(y + DARK)`. A pair counts as
-/// often as it is seen: grazing light falls on few surfaces, and surfaces that are seen at grazing angles are
-/// foreshortened and near outlines. The natural exponents of the cosines are 1 and 2; these are a little higher, chosen
-/// by the colour differences of renderings of measured materials.
+/// The eye sees ratios of reflected light `y = f_r cos θi`, so an error `dv` counts as `d ln(y + DARK)`. The weight of
+/// a pair is its frequency in renderings: grazing light falls on few surfaces, and surfaces at grazing angles to the
+/// viewer are foreshortened and near outlines. The natural exponents of the cosines are 1 and 2; these are slightly
+/// higher, chosen by the colour differences of renderings of measured materials.
 fn weight(pair: DirectionPair, f: f64, encoding: LogEncoding) -> f64 {
     if !pair.is_above_horizon() {
         return 0.0;
@@ -70,8 +71,8 @@ fn weight(pair: DirectionPair, f: f64, encoding: LogEncoding) -> f64 {
     slope * slope * cosine_in.powf(EXPONENTS[0]) * cosine_out.powf(EXPONENTS[1])
 }
 
-/// Adds `c² w` of every coefficient of one inner image; `weights` becomes scratch space. The order of halving is that of
-/// [`super::haar::forward`].
+/// Adds `c² w` of every coefficient of one inner image; `weights` becomes scratch space. The order of halving is that
+/// of [`super::haar::forward`].
 fn add_energies(weights: &mut [f64], n: usize, coefficients: &[f32], energies: &mut [f64]) {
     let mut add =
         |k: usize, weight: f64| energies[k] += weight * f64::from(coefficients[k]) * f64::from(coefficients[k]);
@@ -116,7 +117,7 @@ mod tests {
         assert!(at(1.4, 0.2, 0.5) < 0.3 * at(0.2, 0.2, 0.5));
         assert!(at(0.2, 1.4, 0.5) < 0.1 * at(0.2, 0.2, 0.5));
         assert!(at(0.2, 0.2, 1e-4) < 0.5 * at(0.2, 0.2, 0.5));
-        // The eye sees ratios: bright and brighter count alike.
+        // The eye sees ratios: bright and brighter values have equal weights.
         assert!((at(0.2, 0.2, 50.0) / at(0.2, 0.2, 5.0) - 1.0).abs() < 0.02);
         assert_eq!(at(1.6, 0.2, 0.5), 0.0);
     }
@@ -145,9 +146,9 @@ mod tests {
         }
     }
 
-    /// The point of it: with as many slices, the weighted error is smaller.
+    /// With as many slices, the weighted error is smaller than with plain energy.
     #[test]
-    fn what_is_seen_is_kept_better() {
+    fn visible_ranking_has_a_smaller_visible_error() {
         let source = Ggx { kd: [0.1; 3], f0: [0.5; 3], alpha_x: 0.25, alpha_y: 0.25 };
         let grid = Grid { parameterisation: Parameterisation::TangentPole, levels: 4 };
         let (samples, _) = resample(&source, grid);
@@ -155,10 +156,10 @@ mod tests {
         let coefficients = haar::transform(&log_encode(&samples, encoding), false);
         let visible = visible_energies(&coefficients, &samples, encoding);
         let plain = slice_energies(&coefficients);
-        // What is dropped is lost; coefficients of one image overlap, so the sum is an estimate.
+        // Dropped coefficients are lost; those of one image overlap, so the sum is an estimate.
         let lost = |by: &[f64], of: &[f64]| {
-            let kept = keep(&ranking(by, 4), 32);
-            let dropped = (0..of.len()).filter(|k| !kept.contains(&(*k as u32)));
+            let slices = keep(&ranking(by, 4), 32);
+            let dropped = (0..of.len()).filter(|k| !slices.contains(&(*k as u32)));
             dropped.map(|k| of[k]).sum::<f64>()
         };
         assert!(lost(&visible, &visible) < 0.9 * lost(&plain, &visible));

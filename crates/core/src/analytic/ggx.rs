@@ -11,7 +11,7 @@ use std::f64::consts::{FRAC_1_PI, PI};
 ///   Heitz 2014),
 /// - `F = f0 + (1 - f0) (1 - h·wi)⁵` (Schlick 1994).
 ///
-/// The diffuse part is added as it is: energy may exceed 1 for large `kd`.
+/// The diffuse part is not reduced by the specular one: energy may exceed 1 for large `kd`.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Ggx {
     /// Diffuse albedo, linear RGB, 0 to 1.
@@ -20,7 +20,7 @@ pub struct Ggx {
     pub f0: [f64; 3],
     /// Roughness along the tangent, 0.001 to 1.
     pub alpha_x: f64,
-    /// Likewise along the bitangent.
+    /// Roughness along the bitangent, 0.001 to 1.
     pub alpha_y: f64,
 }
 
@@ -64,7 +64,7 @@ impl Analytic for Ggx {
         let distribution = 1.0 / (PI * self.alpha_x * self.alpha_y * slope * slope);
         // 1 + Λ(wi) + Λ(wo) is half the sum of the two square roots.
         let masked = distribution / (2.0 * (o[2] * self.stretched_length(i) + i[2] * self.stretched_length(o)));
-        // h·wi from the length of wi + wo, which does not change when the two change places.
+        // h·wi from the length of wi + wo, which is symmetric in the two.
         let sum = [i[0] + o[0], i[1] + o[1], i[2] + o[2]];
         let cosine = (0.5 * (sum[0] * sum[0] + sum[1] * sum[1] + sum[2] * sum[2]).sqrt()).min(1.0);
         let schlick = (1.0 - cosine).powi(5);

@@ -1,4 +1,4 @@
-//! Phong's lobe, made reciprocal and energy conserving.
+//! Reciprocal, energy-conserving Phong lobe.
 
 use super::model::{Analytic, DIFFUSE, ModelInfo, Parameter, over_lambert};
 use brdfc_formats::direction::DirectionPair;

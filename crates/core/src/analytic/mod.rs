@@ -1,7 +1,7 @@
 //! Analytic reflectance models, for validation and for known answers.
 //!
-//! Each model is a plain struct with a [`crate::Source`] implementation in f64. The structs do not check their fields: the
-//! ranges stand in [`ModelInfo`], and [`parse_model`](super::address::parse_model) checks them. Every `eval` is mirror
+//! Each model is a plain struct with a [`crate::Source`] implementation in f64. The structs do not check their fields:
+//! [`ModelInfo`] holds the ranges, and [`parse_model`](super::address::parse_model) checks them. Every `eval` is mirror
 //! symmetric and reciprocal, and zero where a direction is not above the horizon.
 
 mod ggx;

@@ -1,4 +1,4 @@
-//! What every model says of itself, and the sums that several of them are.
+//! Descriptions of models, and weighted sums that several of them use.
 
 use crate::{Source, Symmetry, Tally};
 use brdfc_formats::direction::DirectionPair;
@@ -9,13 +9,13 @@ pub trait Analytic: Source {
     /// Name, parameters and ranges of the model.
     fn info(&self) -> &'static ModelInfo;
 
-    /// The values of `info().parameters`, in that order; a number stands in all three channels.
+    /// The values of `info().parameters`, in that order; a number fills all three channels.
     fn values(&self) -> Vec<[f64; 3]>;
 
     /// `f_r` where both directions are above the horizon.
     fn above_horizon(&self, pair: DirectionPair) -> [f64; 3];
 
-    /// Whether values stay as they are as a pair is turned about the normal.
+    /// Returns true if values do not change when a pair is rotated about the normal.
     fn is_isotropic(&self) -> bool {
         true
     }
@@ -36,7 +36,7 @@ impl<A: Analytic> Source for A {
     }
 }
 
-/// What a parameter holds.
+/// Type of a parameter.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum ParameterKind {
     /// One number.
@@ -52,15 +52,15 @@ pub enum ParameterKind {
 pub struct Parameter {
     /// The name in addresses.
     pub name: &'static str,
-    /// What it holds.
+    /// Its type.
     pub kind: ParameterKind,
-    /// Lowest value allowed, itself included.
+    /// Lowest valid value, inclusive.
     pub minimum: f64,
-    /// Highest value allowed, itself included.
+    /// Highest valid value, inclusive.
     pub maximum: f64,
-    /// The value where none is given, in all channels.
+    /// Default value of all channels.
     pub default: f64,
-    /// What it means, in few words.
+    /// Short description.
     pub meaning: &'static str,
 }
 
@@ -100,7 +100,7 @@ pub struct Shorthand {
 pub struct ModelInfo {
     /// The name in addresses.
     pub name: &'static str,
-    /// What it is, in few words.
+    /// Short description.
     pub meaning: &'static str,
     /// Its parameters, in the order of the canonical form.
     pub parameters: &'static [Parameter],
@@ -110,7 +110,7 @@ pub struct ModelInfo {
     pub build: fn(&[[f64; 3]]) -> Box<dyn Analytic>,
 }
 
-/// What every `kd` means.
+/// Description of every `kd`.
 pub(super) const DIFFUSE: &str = "diffuse albedo";
 
 /// `kd diffuse + ks specular`, per channel.

@@ -1,4 +1,4 @@
-//! Parallel cylinders: anisotropy from geometry.
+//! Parallel cylinders, a model with anisotropy from geometry.
 
 use super::model::{Analytic, DIFFUSE, ModelInfo, Parameter, weighted_sum};
 use super::quadrature::integrate;
@@ -8,20 +8,20 @@ use std::f64::consts::{FRAC_1_PI, FRAC_PI_2, PI, TAU};
 /// Cylinders of radius 1 along the tangent x, their centres `d` apart along y at `z = 0`, with a flat floor at `z = h`
 /// between them (Poulin and Fournier 1990, "A model for anisotropic reflection").
 ///
-/// The same material everywhere reflects `f_local = kd / π + ks (n + 2) / 2π max(N·H, 0)^n` at the local normal `N`, `H` the half
-/// vector. Over the part of one period of the profile that is both lit and seen, light reflected once gives
+/// The local reflectance is `f_local = kd / π + ks (n + 2) / 2π max(N·H, 0)^n` with the local normal `N` and the half
+/// vector `H`. Over the part of one period of the profile that is both lit and visible, light reflected once gives
 ///
 /// `f_r = 1 / (d cos θi cos θo) ∫ f_local (N·wi) (N·wo) dl`.
 ///
-/// A part is lit (and likewise seen) when the direction is above its own horizon and no cylinder stands in between.
-/// That is one interval of the profile angle `β` (`N = (0, cos β, sin β)`) on the arc above the floor, and one of `y` on the
+/// A part is lit (and likewise visible) if the direction is above its local horizon and no cylinder occludes it. That
+/// is one interval of the profile angle `β` (`N = (0, cos β, sin β)`) on the arc above the floor, and one of `y` on the
 /// floor; with `α` the angle of the direction in the profile plane from +y, and for `cos α >= 0` (else mirrored):
 ///
 /// - arc: `α + asin max(-1, 1 - d sin α) < β < α + π/2`,
 /// - floor: `y < d - (1 - h cos α) / sin α` where the ray that touches the right cylinder does so above the floor
 ///   (`cos α > h`), and `y > (1 + h cos α) / sin α` where the one on the left does (`-cos α > h`).
 ///
-/// Light that bounces between cylinders is left out, so a white surface absorbs some. With `h = 1` the cylinders are
+/// Interreflection between cylinders is ignored, so a white surface absorbs some light. With `h = 1` the cylinders are
 /// below the floor and the material is flat.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Poulin {
@@ -29,9 +29,9 @@ pub struct Poulin {
     pub kd: [f64; 3],
     /// Weight of the local lobe, linear RGB, 0 to 1; for large `n` its albedo is about four times that.
     pub ks: [f64; 3],
-    /// Distance `d` between the centres of neighbours in radii, 2 to 100: they touch at most.
+    /// Distance `d` between the centres of neighbours in radii, 2 (touching) to 100.
     pub spacing: f64,
-    /// Height `h` of the floor over the centres in radii, -1 to 1.
+    /// Height `h` of the floor above the centres in radii, -1 to 1.
     pub floor: f64,
     /// Exponent `n` of the local lobe, 0 to 10000.
     pub exponent: f64,
@@ -58,7 +58,7 @@ fn intersection(a: Interval, b: Interval) -> Interval {
 }
 
 impl Poulin {
-    /// Angles of the arc that are not cut off from direction `w` (empty where the end is not after the start).
+    /// Angles of the arc that direction `w` reaches (empty if the end is not after the start).
     fn open_arc(&self, w: Vector) -> Interval {
         let angle = w[2].atan2(w[1]);
         // acos(1 - d sin α), in a form that stays accurate at the horizon.
@@ -73,7 +73,7 @@ impl Poulin {
         intersection(own, [foot, PI - foot])
     }
 
-    /// The part in y of the floor between the cylinders at 0 and `d` that is not cut off from direction `w`.
+    /// Part in y of the floor between the cylinders at 0 and `d` that direction `w` reaches.
     fn open_floor(&self, w: Vector) -> Interval {
         let length = w[1].hypot(w[2]);
         let (cosine, sine) = (w[1] / length, w[2] / length);
@@ -83,7 +83,7 @@ impl Poulin {
         [from, self.spacing - to]
     }
 
-    /// `∫ (N·wi) (N·wo) / (cos θi cos θo) dl` over what is lit and seen of one period, plain and with `(N·H)^n`.
+    /// `∫ (N·wi) (N·wo) / (cos θi cos θo) dl` over the lit and visible part of a period, plain and with `(N·H)^n`.
     fn profile_integrals(&self, pair: DirectionPair) -> [f64; 2] {
         let (i, o) = (pair.incoming, pair.outgoing);
         let half = half_vector(pair);
@@ -93,14 +93,14 @@ impl Poulin {
         let width = (floor[1] - floor[0]).max(0.0);
         let mut sum = [width, width * half[2].powf(self.exponent)];
 
-        // (N·H)^n is about a Gaussian of deviation 1 / sqrt(n): six deviations to each side get their own nodes.
+        // (N·H)^n is close to a Gaussian of deviation 1 / sqrt(n): six deviations to each side get their own nodes.
         let peak = half[2].atan2(half[1]);
         let reach = 6.0 / (self.exponent + 1.0).sqrt();
         let ends = [arc[0], peak - reach, peak, peak + reach, arc[1]].map(|angle| angle.max(arc[0]).min(arc[1]));
         for panel in ends.windows(2) {
             let [plain, lobe] = integrate(panel[0], panel[1], |angle| {
                 let (sine, cosine) = angle.sin_cos();
-                // Positive inside the interval but for rounding at its ends.
+                // Positive inside the interval except for rounding at its ends.
                 let facing = (slope_i * cosine + sine).max(0.0) * (slope_o * cosine + sine).max(0.0);
                 [facing, facing * (half[1] * cosine + half[2] * sine).max(0.0).powf(self.exponent)]
             });
@@ -111,7 +111,7 @@ impl Poulin {
     }
 }
 
-/// The pair or its mirror image in `y = 0`: one of the two, so that both have the same value to the last bit.
+/// Selects the pair or its mirror image in `y = 0`, so that both have the same value to the last bit.
 fn on_one_side(pair: DirectionPair) -> DirectionPair {
     let (i, o) = (pair.incoming, pair.outgoing);
     if i[1] + o[1] >= 0.0 {
@@ -155,7 +155,7 @@ mod tests {
         (0.01f64..1.5, 0.0..TAU).prop_map(|(theta, phi)| from_polar(theta, phi))
     }
 
-    /// Whether the ray from a point of the profile meets no cylinder (the test steps back from the surface a little).
+    /// Returns true if the ray from a point of the profile meets no cylinder (starting slightly above the surface).
     fn is_open(shape: &Poulin, point: [f64; 2], normal: [f64; 2], w: Vector) -> bool {
         let facing = normal[0] * w[1] + normal[1] * w[2];
         facing > 0.0
@@ -203,7 +203,7 @@ mod tests {
         }
 
         #[test]
-        fn what_is_seen_covers_the_period(w in upper(), d in 2.0f64..20.0, h in -1.0f64..1.0) {
+        fn visible_parts_cover_the_period(w in upper(), d in 2.0f64..20.0, h in -1.0f64..1.0) {
             let shape = surface(d, h, 1.0);
             let floor = shape.open_floor(w);
             let arc = shape.open_arc(w);

@@ -2,7 +2,7 @@
 
 use std::sync::LazyLock;
 
-/// Nodes of the rule.
+/// Number of nodes of the rule.
 pub const NODES: usize = 24;
 
 /// Position in `(-1, 1)` and weight of each node; exact for polynomials of degree `2 NODES - 1`.
@@ -58,7 +58,7 @@ mod tests {
             let error = (found * f64::from(degree + 1) / 2.0 - 1.0).abs();
             assert!(error < 1e-13, "degree {degree}: {error:e}");
         }
-        // Negative control: the rule is not exact for everything.
+        // Negative control: the rule is not exact for other functions.
         let [kink] = integrate(-1.0, 1.0, |x| [(x - 0.3).abs()]);
         assert!((kink - 1.09).abs() > 1e-6);
     }

@@ -1,4 +1,4 @@
-//! Velvet: fibres that stand up, and shine at their sides.
+//! Velvet: upright fibres with shiny sides.
 
 use super::model::{Analytic, DIFFUSE, ModelInfo, Parameter, over_lambert};
 use brdfc_formats::direction::{DirectionPair, half_vector};
@@ -7,23 +7,23 @@ use std::f64::consts::PI;
 /// `f_r = kd / π + ks D(h) / (4 (cos θi + cos θo - cos θi cos θo))` with the inverted Gaussian
 /// `D = (1 + 4 exp(-cot² θh (cos² φh / sx² + sin² φh / sy²))) / (π (1 + 4 sx sy))`, `h` the half vector.
 ///
-/// The distribution is that of the velvet of Ashikhmin, Premože and Shirley 2000, "A microfacet-based BRDF generator", with a
-/// width for each axis; the denominator that of Neubelt and Pettineo 2013, "Crafting a next-gen material pipeline for The
-/// Order: 1886", which stays finite at the horizon.
+/// The distribution is that of the velvet of Ashikhmin, Premože and Shirley 2000, "A microfacet-based BRDF generator",
+/// with a width for each axis. The denominator is that of Neubelt and Pettineo 2013, "Crafting a next-gen material
+/// pipeline for The Order: 1886", which stays finite at the horizon.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Velvet {
     /// Diffuse albedo, linear RGB, 0 to 1.
     pub kd: [f64; 3],
     /// Sheen, linear RGB, 0 to 1.
     pub ks: [f64; 3],
-    /// How far fibres lean along the tangent, `sx`, 0.01 to 2.
+    /// Spread of the fibres along the tangent, `sx`, 0.01 to 2.
     pub spread_x: f64,
-    /// Likewise along the bitangent, `sy`.
+    /// Spread of the fibres along the bitangent, `sy`, 0.01 to 2.
     pub spread_y: f64,
 }
 
 const SPREADS: [f64; 2] = [0.01, 2.0];
-/// Height of the inverted lobe over the floor of the distribution.
+/// Height of the inverted lobe above the floor of the distribution.
 const HEIGHT: f64 = 4.0;
 
 pub(super) const INFO: ModelInfo = ModelInfo {

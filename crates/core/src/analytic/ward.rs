@@ -7,16 +7,16 @@ use std::f64::consts::PI;
 /// `f_r = kd / π + ks exp(-((hx / ax)² + (hy / ay)²) / hz²) / (4π ax ay sqrt(cos θi cos θo))`, `h` the half vector (Ward
 /// 1992, "Measuring and modeling anisotropic reflection", eq. 5a with the half vector in place of its angles).
 ///
-/// Grows without bound as either direction goes to the horizon.
+/// Unbounded as either direction approaches the horizon.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Ward {
     /// Diffuse albedo, linear RGB, 0 to 1.
     pub kd: [f64; 3],
-    /// Specular albedo, about that at normal incidence for small slopes, linear RGB, 0 to 1.
+    /// Specular albedo, approximate at normal incidence for small slopes, linear RGB, 0 to 1.
     pub ks: [f64; 3],
     /// Standard deviation of the surface slope along the tangent, `ax`, 0.001 to 10.
     pub slope_x: f64,
-    /// Likewise along the bitangent, `ay`.
+    /// Standard deviation of the surface slope along the bitangent, `ay`, 0.001 to 10.
     pub slope_y: f64,
 }
 
@@ -48,7 +48,7 @@ impl Analytic for Ward {
         let h = half_vector(pair);
         let (x, y) = (h[0] / self.slope_x, h[1] / self.slope_y);
         let gaussian = (-(x * x + y * y) / (h[2] * h[2])).exp();
-        // Two roots, for their product does not underflow where that of the cosines does.
+        // Two roots, because their product does not underflow where that of the cosines does.
         let root = pair.incoming[2].sqrt() * pair.outgoing[2].sqrt();
         over_lambert(self.kd, self.ks, gaussian / (4.0 * PI * self.slope_x * self.slope_y * root))
     }

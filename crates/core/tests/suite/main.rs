@@ -1,3 +1,3 @@
-//! Analytic models against the laws they must obey.
+//! Analytic models against physical laws.
 
 mod physics;

@@ -1,4 +1,4 @@
-//! Analytic models against the laws they must obey and values worked out by hand.
+//! Analytic models against physical laws and values worked out by hand.
 
 use brdfc_core::address::parse_synth;
 use brdfc_core::{Source, Symmetry, Tally};
@@ -93,7 +93,7 @@ fn lewis_has_the_value_worked_out_by_hand() {
     let pair = DirectionPair::new([0.6, 0.0, 0.8], [0.0, 0.6, 0.8]);
     let found = value(source("synth:lewis?kd=0.5&ks=0.25&n=2").as_ref(), pair)[0];
     assert_near(found, 0.159_154_943_1 + 0.159_154_943_1 * 0.4096, 1e-9);
-    // At the mirror direction the lobe is (n + 2) / 2π = 22 / 2π.
+    // In the mirror direction the lobe is (n + 2) / 2π = 22 / 2π.
     let pair = DirectionPair::new([0.6, 0.0, 0.8], [-0.6, 0.0, 0.8]);
     assert_near(value(source("synth:lewis?kd=0&ks=1&n=20").as_ref(), pair)[0], 3.501_408_748, 1e-9);
     // A clipped lobe has the albedo ks at normal incidence.
@@ -107,7 +107,7 @@ fn ward_has_the_value_worked_out_by_hand() {
     let pair = DirectionPair::new([0.6, 0.0, 0.8], [0.0, 0.0, 1.0]);
     let found = value(source("synth:ward?kd=0&ks=1&ax=0.2&ay=0.5").as_ref(), pair)[0];
     assert_near(found, 0.062_176_524_0 / (1.256_637_061_4 * 0.894_427_191_0), 1e-8);
-    // Across, the slope counts for less: -(1/3)² / 0.5² = -0.4444444444, exp = 0.6411803884.
+    // Across, the slope has less effect: -(1/3)² / 0.5² = -0.4444444444, exp = 0.6411803884.
     let pair = DirectionPair::new([0.0, 0.6, 0.8], [0.0, 0.0, 1.0]);
     let found = value(source("synth:ward?kd=0&ks=1&ax=0.2&ay=0.5").as_ref(), pair)[0];
     assert_near(found, 0.641_180_388_4 / (1.256_637_061_4 * 0.894_427_191_0), 1e-8);
@@ -184,7 +184,7 @@ fn means_over_the_table_are_known() {
     assert_near(table_mean(source("synth:ward?kd=0.2&ks=0.1&ax=0.15&ay=0.5").as_ref()), 0.081_077, 1e-5);
 }
 
-/// A source that breaks every law.
+/// A source that violates every law.
 struct Broken(fn(DirectionPair) -> f64);
 
 impl Source for Broken {
@@ -198,7 +198,7 @@ impl Source for Broken {
 }
 
 #[test]
-fn the_checks_notice_what_is_broken() {
+fn the_checks_notice_violations() {
     let fine = Broken(|_| 1.0);
     assert_eq!([reciprocity(&fine), mirror(&fine), isotropy(&fine)], [0.0; 3]);
     assert!(largest_albedo(&fine, 8) < 1.0 + 1e-12);

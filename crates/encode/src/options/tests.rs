@@ -1,4 +1,4 @@
-//! Options become recipes.
+//! Tests of the conversion of options to recipes.
 
 use super::*;
 use crate::{Predicted, encode};
@@ -57,7 +57,7 @@ fn the_codec_follows_from_the_options() {
     let PackRecipe::Table(Search(both)) = resolved("max_error = 0.1\nmax_delta_e = 1", "") else { panic!("a search") };
     assert_eq!(both.table.aim, Aim::Renderings);
     let PackRecipe::Table(Search(cheap)) = resolved("max_fetches = 2", "") else { panic!("a search") };
-    assert_eq!(cheap.budget.delta_e, Some(0.5), "fetches alone say nothing of quality");
+    assert_eq!(cheap.budget.delta_e, Some(0.5), "a limit of fetches is no limit of quality");
 }
 
 #[test]
@@ -70,7 +70,7 @@ fn defaults_that_do_not_go_with_the_codec_are_left_out() {
         panic!("a wavelet pack")
     };
     assert_eq!(wavelet, Recipe::visible());
-    // What a codec has not is left out of the defaults, too, and a codec stays where what is asked for goes with it.
+    // Defaults that a codec does not have are dropped, too. A codec stays if the options go with it.
     assert!(matches!(resolved("codec = 'table'", "levels = 2"), PackRecipe::Table(Table(_))));
     let PackRecipe::Table(Table(levels)) = resolved("levels = 2", "codec = 'factored'\nbias = 0.001") else {
         panic!("a table")
@@ -78,7 +78,7 @@ fn defaults_that_do_not_go_with_the_codec_are_left_out() {
     assert_eq!((levels.levels, levels.factored, levels.bias), (2, true, 0.001));
     let PackRecipe::Table(Table(levels)) = resolved("levels = 2", "codec = 'table'") else { panic!("a table") };
     assert!(levels.factored && levels.levels == 2);
-    // A bias without a codec is one of whichever is made, but not where the other defaults ask for another codec.
+    // A bias without a codec applies to any codec, unless the other defaults select another one.
     let biased = |own: &str, defaults: &str| match resolved(own, defaults) {
         PackRecipe::Table(Search(recipe)) => recipe.table.bias,
         PackRecipe::Table(Table(recipe)) => recipe.bias,
@@ -89,17 +89,17 @@ fn defaults_that_do_not_go_with_the_codec_are_left_out() {
     }
     assert_eq!(biased("max_delta_e = 1", "bias = 0.1\ngrid = 8"), TableRecipe::default().bias);
     assert_eq!(biased("codec = 'wavelet'", "bias = 0.1\nreciprocal = true"), Recipe::visible().bias);
-    // Options of a codec that the defaults name are those of the codec that is named.
+    // Options apply to the codec that the defaults name.
     let PackRecipe::Wavelet(named) = resolved("grid = 8", "codec = 'wavelet'") else { panic!("a wavelet pack") };
     assert_eq!((named.ranking, named.levels), (Ranking::Visible, 3));
-    // A ratio that is replaced asks for no wavelet pack.
+    // A ratio that is replaced selects no wavelet pack.
     assert!(matches!(resolved("max_bytes = 4096", "ratio = 4"), PackRecipe::Table(Search(_))));
     assert!(PackRecipe::from_options(&keys("codec = 'table'"), &keys("codec = 'jpeg'")).is_err());
     let PackRecipe::Table(Table(both)) = resolved("reciprocal = true", "codec = 'table'\nbias = 0.001") else {
         panic!("a table")
     };
     assert!(both.reciprocal && both.bias == 0.001);
-    // Limits are taken from one of both, all together.
+    // All limits come from the same one of the two.
     let PackRecipe::Table(Search(own)) = resolved("max_delta_e = 0.2", "max_bytes = 4096\nmax_error = '3%'") else {
         panic!("a search")
     };
@@ -113,9 +113,9 @@ fn defaults_that_do_not_go_with_the_codec_are_left_out() {
 }
 
 #[test]
-fn ranges_in_words_are_the_bounds() {
+fn described_ranges_are_the_bounds() {
     assert_eq!(range_of("levels"), format!("0 to {MAX_LEVELS}"));
-    let names: Vec<&str> = Asked::all().map(|asked| asked.variant.name).collect();
+    let names: Vec<&str> = Choice::all().map(|asked| asked.variant.name).collect();
     assert_eq!(codec_names().replace(" or ", ", "), names.join(", "));
     assert!(names.starts_with(&["auto", "table", "factored"]));
     assert_eq!(range_of("parameterisation"), Recipe::default().parameterisation.name());
@@ -124,7 +124,7 @@ fn ranges_in_words_are_the_bounds() {
     }
 }
 
-/// Options of the command line win over the defaults of a manifest, also where these are for another codec.
+/// Options of the command line take precedence over the defaults of a manifest, even if these name another codec.
 #[test]
 fn options_win_over_defaults_of_other_codecs() {
     for (options, defaults, expected) in [
@@ -143,7 +143,7 @@ fn options_win_over_defaults_of_other_codecs() {
     }
 }
 
-/// Every option is one of a codec, and codecs have no others.
+/// Every option belongs to a codec, and codecs have no others.
 #[test]
 fn codecs_have_the_options_that_there_are() {
     let all = keys(
@@ -151,7 +151,7 @@ fn codecs_have_the_options_that_there_are() {
          parameterisation = 'tangent-pole'\nbits = 8\nbias = 0.1\nranking = 'energy'\nlift = true\nsmooth = true",
     );
     let mut given: Vec<&str> = all.given().map(|(option, _)| option).collect();
-    let mut of_codecs: Vec<&str> = Asked::all().flat_map(|asked| asked.variant.options).copied().collect();
+    let mut of_codecs: Vec<&str> = Choice::all().flat_map(|asked| asked.variant.options).copied().collect();
     given.sort_unstable();
     of_codecs.sort_unstable();
     of_codecs.dedup();
@@ -161,7 +161,7 @@ fn codecs_have_the_options_that_there_are() {
     assert_eq!(all.only(|_| false), EncodeOptions::default());
 }
 
-/// Whatever is predicted holds what is made.
+/// Predictions contain the size of the pack.
 #[test]
 fn packs_are_as_large_as_predicted() {
     let options = |text: &str| PackRecipe::try_from(keys(text));
@@ -182,5 +182,5 @@ fn packs_are_as_large_as_predicted() {
             }
         }
     }
-    assert!(exact >= 2, "a ratio says how large a pack becomes");
+    assert!(exact >= 2, "a ratio fixes the size of a pack");
 }

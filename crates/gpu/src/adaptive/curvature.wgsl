@@ -1,6 +1,6 @@
 // Curvature from neighbouring points. The CPU twin is `crates/render/src/curvature.rs`.
 
-// Of points without a neighbour on the same surface.
+// Value for points that have no neighbour on the same surface.
 const UNKNOWN: f32 = 1e9;
 const MAX_RISE_SQUARED: f32 = 0.0625;
 
@@ -20,7 +20,7 @@ fn curvature_at(point: u32) -> f32 {
     let place = place_of(point);
     let last = min(place + vec2<u32>(1u), rendering.points - vec2<u32>(1u));
     let first = max(place, vec2<u32>(1u)) - vec2<u32>(1u);
-    // Below 0: none found yet.
+    // Negative until a neighbour is found.
     var largest = -1.0;
     for (var row = first.y; row <= last.y; row += 1u) {
         for (var column = first.x; column <= last.x; column += 1u) {

@@ -1,4 +1,4 @@
-//! G-buffers: drawn, and read back as the CPU has them.
+//! Drawing of G-buffers, and reading them back in the CPU's layout.
 
 use super::super::device::GpuError;
 use super::kernels::Job;
@@ -8,11 +8,12 @@ use brdfc_render::gbuffer::{BACKGROUND, GBuffer};
 use brdfc_render::scene::{Camera, Frame};
 
 impl AdaptiveRenderer<'_> {
-    /// Draws what a camera sees: `1 << antialiasing_levels` points per pixel and axis, where
-    /// [`GBuffer::new`] of a frame of as many samples has them. The samples of `frame` itself are not looked at.
+    /// Draws what a camera sees: `1 << antialiasing_levels` points per pixel and axis, at the positions where
+    /// [`GBuffer::new`] puts them for a frame of as many samples. Ignores the samples of `frame` itself.
     ///
     /// # Errors
-    /// [`GpuError::TooLarge`] for more points than the adapter draws or binds; what the driver reports.
+    /// Returns [`GpuError::TooLarge`] for more points than the adapter draws or binds; any error that the driver
+    /// reports.
     pub fn g_buffer(
         &self,
         loaded: &LoadedAdaptive,
@@ -27,10 +28,10 @@ impl AdaptiveRenderer<'_> {
         Ok(buffer)
     }
 
-    /// Reads a G-buffer back, with the very numbers that the other steps use.
+    /// Reads a G-buffer back, with the exact values that the other steps use.
     ///
     /// # Errors
-    /// What the driver reports.
+    /// Returns an error that the driver reports.
     pub fn read(&self, buffer: &LoadedGBuffer) -> Result<GBuffer, GpuError> {
         let count = buffer.points();
         let mut points: Vec<[[f32; 4]; 5]> = Vec::with_capacity(count);
@@ -63,7 +64,7 @@ impl AdaptiveRenderer<'_> {
     /// Normal curvature of every point, as [`brdfc_render::curvature::curvature`].
     ///
     /// # Errors
-    /// What the driver reports.
+    /// Returns an error that the driver reports.
     pub fn curvature(&self, buffer: &LoadedGBuffer) -> Result<Vec<f32>, GpuError> {
         self.kernels.run(&self.kernels.curvatures, buffer, None, Job::over(buffer.points()));
         let found = self.gpu().read_values::<[f32; 4]>(&buffer.storage.predicted, 0, buffer.points())?;

@@ -1,8 +1,8 @@
-// Surface points by rasterising: where they are, and how they are turned. Appended to `view.wgsl`, `periodic.wgsl` and
-// `surface.wgsl`; the CPU twin is `crates/render/src/gbuffer.rs`.
+// Rasterises surface points: positions and orientations. Appended to `view.wgsl`, `periodic.wgsl` and `surface.wgsl`;
+// the CPU twin is `crates/render/src/gbuffer.rs`.
 //
-// A point is 48 bytes in three textures: what follows from them and the camera, `points.wgsl` finds again. Two passes,
-// since three colours are more than every adapter writes at once.
+// A point takes 48 bytes in three textures. `points.wgsl` recomputes what follows from them and the camera. There are
+// two passes, since not every adapter writes three colours at once.
 
 struct Placed {
     @location(0) position: vec4<f32>,  // and 1 + index of the part, 0: background
@@ -15,7 +15,7 @@ fn place(in: Varying, @builtin(front_facing) front: bool) -> Placed {
     return Placed(vec4<f32>(in.position, f32(surface.part + 1u)), vec4<f32>(frame[2], in.uv.x));
 }
 
-// The tangent, and the second texture coordinate: seen from behind, it goes along the bitangent, too.
+// The tangent and the second texture coordinate. On back faces the tangent runs along the bitangent, too.
 @fragment
 fn turn(in: Varying, @builtin(front_facing) front: bool) -> @location(0) vec4<f32> {
     let frame = seen_frame(in, front);

@@ -1,4 +1,4 @@
-//! Pipelines of the steps, and how they are run.
+//! Compute pipelines of the steps, and their dispatch.
 
 use super::super::device::{Gpu, GpuError};
 use super::layouts::Layouts;
@@ -12,7 +12,7 @@ use wgpu::{
 
 /// Invocations of a workgroup.
 const GROUP: u32 = 64;
-/// Workgroups of a row; more go to the next row.
+/// Workgroups per row of a dispatch; further groups go to the next row.
 const ROW_OF_GROUPS: u32 = 1024;
 
 /// The compiled steps.
@@ -32,19 +32,19 @@ pub(super) struct Kernels<'g> {
     pub(super) resolve: ComputePipeline,
 }
 
-/// What a step is run over.
+/// Range that a step runs over.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Job {
-    /// Things, from the first on.
+    /// Number of items, from the first.
     pub(super) count: usize,
-    /// Level of the pyramid, where that matters.
+    /// Level of the pyramid, for steps that depend on it.
     pub(super) level: u32,
-    /// Most things of a submission, so that drivers do not take it for a hang.
+    /// Maximum number of items per submission, so that drivers do not take it for a hang.
     pub(super) at_once: usize,
 }
 
 impl Job {
-    /// Over everything at once.
+    /// A job over `count` items in one submission.
     pub(super) fn over(count: usize) -> Self {
         Self { count, level: 0, at_once: usize::MAX }
     }
@@ -54,7 +54,7 @@ impl<'g> Kernels<'g> {
     /// Compiles the steps.
     ///
     /// # Errors
-    /// A source that does not validate, with the compiler's message.
+    /// Returns an error with the compiler's message if the source does not validate.
     pub(super) fn new(gpu: &'g Gpu, source: &str) -> Result<Self, GpuError> {
         let module = gpu.device.create_shader_module(ShaderModuleDescriptor {
             label: Some("adaptive shading"),
@@ -101,14 +101,14 @@ impl<'g> Kernels<'g> {
         Ok(kernels)
     }
 
-    /// Runs a step; one that looks at materials needs one.
+    /// Runs a step. Steps that read materials need `material`.
     pub(super) fn run(&self, step: &ComputePipeline, on: &LoadedGBuffer, material: Option<&LoadedMaterial>, job: Job) {
         for first in (0..job.count).step_by(job.at_once.max(1)) {
             self.run_part(step, on, material, [first, job.at_once.min(job.count - first)], job.level);
         }
     }
 
-    /// The same for `[first, count]` of the things, in one submission.
+    /// Runs a step over the items `[first, count]` in one submission.
     pub(super) fn run_part(
         &self,
         step: &ComputePipeline,

@@ -5,14 +5,14 @@ use super::super::device::Gpu;
 use super::super::pack;
 use wgpu::{BindGroupLayout, BufferBindingType, ShaderStages};
 
-/// Buffers of a G-buffer that the steps write.
+/// Number of G-buffer buffers that the steps write.
 pub(super) const STORAGE_BUFFERS: u32 = 8;
 
-/// What the look-ups of importance samples and bandwidth maps have bound behind the decoders of packs.
+/// Bindings for importance samples and bandwidth maps, after those of the pack decoders.
 const LOOKUPS: [(u32, wgpu::BindingType); 6] =
     [(29, UNIFORM), (30, UNFILTERED), (31, UNIFORM), (32, UNFILTERED), (35, UNIFORM), (36, UNFILTERED)];
 
-/// Groups 0 to 2, in their order, without gaps.
+/// Groups 0 to 2, in order, without gaps.
 pub(super) struct Layouts {
     pub(super) points: BindGroupLayout,
     pub(super) packs: Slots,
@@ -20,7 +20,7 @@ pub(super) struct Layouts {
 }
 
 impl Layouts {
-    /// Makes them.
+    /// Creates the layouts.
     pub(super) fn new(gpu: &Gpu) -> Self {
         let group = |label, types: &[wgpu::BindingType]| {
             bindings::layout(gpu, label, ShaderStages::COMPUTE, (0..).zip(types.iter().copied()))

@@ -11,7 +11,7 @@ use brdfc_formats::container::{Extent, TexelFormat};
 use brdfc_render::adaptive::{AdaptiveMaterial, DistantLight};
 use wgpu::{BindGroup, BindingResource, TextureView};
 
-/// The bind groups of a part.
+/// Bind groups of a part.
 pub(super) struct LoadedMaterial {
     pub(super) packs: BindGroup,
     pub(super) surroundings: BindGroup,
@@ -19,19 +19,19 @@ pub(super) struct LoadedMaterial {
     pub(super) words: [u32; 4],
 }
 
-/// What all materials of a scene share.
+/// Resources that all materials of a scene share.
 pub(super) struct Surroundings<'a> {
     pub(super) radiance: &'a TextureView,
-    /// [`light`].
+    /// Texture made by [`light`].
     pub(super) light: &'a TextureView,
     pub(super) bandwidth: &'a BandwidthMap,
     pub(super) decoding: Decoding,
 }
 
-/// Uploads the material of the part of this index.
+/// Uploads the material of the part with this index.
 ///
 /// # Errors
-/// [`GpuError::TooLarge`] for textures beyond the adapter's limits; what the driver reports.
+/// Returns [`GpuError::TooLarge`] for textures beyond the adapter's limits; any error that the driver reports.
 pub(super) fn upload(
     gpu: &Gpu,
     layouts: &Layouts,
@@ -53,10 +53,10 @@ pub(super) fn upload(
     Ok(LoadedMaterial { packs, surroundings, words })
 }
 
-/// The levels of light, one below the other.
+/// Uploads the levels of the light as one texture, one below the other.
 ///
 /// # Errors
-/// [`GpuError::TooLarge`] for more than the adapter's limit per side.
+/// Returns [`GpuError::TooLarge`] for more texels per side than the adapter takes.
 pub(super) fn light(gpu: &Gpu, light: &DistantLight) -> Result<TextureView, GpuError> {
     let width = light.levels()[0].width;
     let row = |texels: &[DirectedLight]| -> Vec<[f32; 4]> {

@@ -1,7 +1,7 @@
-//! Adaptive shading on the device: what [`brdfc_render::adaptive`] does on the CPU, from packs.
+//! Adaptive shading on the device: the counterpart of [`brdfc_render::adaptive`], from packs.
 //!
-//! Its functions have the names of their twins. Points and predictions stay on the device from step to step; what comes
-//! back are sums of deviations, one number for each stretch of points, and for each level what becomes of its pixels.
+//! Functions have the names of their CPU twins. Points and predictions stay on the device from step to step. The host
+//! reads back sums of deviations (one number per stretch of points) and, for each level, the outcome of each pixel.
 
 mod g_buffer;
 mod kernels;
@@ -25,10 +25,10 @@ use brdfc_render::adaptive::AdaptiveScene;
 use kernels::Kernels;
 use material::{LoadedMaterial, Surroundings};
 
-/// Most samples of a pixel.
+/// Maximum number of samples per pixel.
 const MAX_SAMPLES: u32 = 1 << 24;
 
-/// What a submission may take, so that drivers do not take it for a hang.
+/// Limits of one submission, so that drivers do not take it for a hang.
 #[derive(Clone, Copy)]
 struct Budget {
     /// Directions of predictions.
@@ -37,7 +37,7 @@ struct Budget {
     samples: usize,
 }
 
-/// Of a program on the CPU: well below a second.
+/// Budget of a software adapter: well below a second.
 const SOFTWARE: Budget = Budget { lookups: 1 << 21, samples: 1 << 17 };
 const HARDWARE: Budget = Budget { lookups: 1 << 26, samples: 1 << 24 };
 
@@ -59,15 +59,15 @@ impl<'g> AdaptiveRenderer<'g> {
     /// Compiles the shaders.
     ///
     /// # Errors
-    /// What the driver reports.
+    /// Returns an error that the driver reports.
     pub fn new(gpu: &'g Gpu) -> Result<Self, GpuError> {
         Self::with_shaders(gpu, &AdaptiveShaders::default())
     }
 
-    /// Compiles other shaders, such as broken ones.
+    /// Compiles other shaders, such as deliberately broken ones.
     ///
     /// # Errors
-    /// A source that does not validate, with the compiler's message.
+    /// Returns an error with the compiler's message if a source does not validate.
     pub fn with_shaders(gpu: &'g Gpu, shaders: &AdaptiveShaders) -> Result<Self, GpuError> {
         let surface_layout = surface::layout(gpu);
         let passes = [("place", 2), ("turn", 1)];
@@ -77,14 +77,14 @@ impl<'g> AdaptiveRenderer<'g> {
         Ok(Self { rasteriser, surface_layout, kernels, budget })
     }
 
-    /// Uploads a scene with one pack for each of its parts: what stands for the reflectance of its materials, which is
-    /// not looked at.
+    /// Uploads a scene with one pack for each of its parts. The packs replace the reflectances of `materials`, which
+    /// are ignored.
     ///
     /// # Panics
-    /// If there are not as many packs as parts, or fewer materials.
+    /// If the number of packs differs from the number of parts, or there are fewer materials.
     ///
     /// # Errors
-    /// [`GpuError::TooLarge`] for textures beyond the adapter's limits; what the driver reports.
+    /// Returns [`GpuError::TooLarge`] for textures beyond the adapter's limits; any error that the driver reports.
     pub fn load(
         &self,
         scene: &AdaptiveScene<'_>,
@@ -111,7 +111,7 @@ impl<'g> AdaptiveRenderer<'g> {
         self.kernels.gpu
     }
 
-    /// How many things of this cost a submission may have.
+    /// Maximum number of items of this cost per submission.
     fn at_once(&self, budget: usize, cost: usize) -> usize {
         (budget / cost.max(1)).max(1)
     }

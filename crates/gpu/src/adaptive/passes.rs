@@ -1,5 +1,5 @@
-//! The passes over the levels, from coarse to fine: the device decides what becomes of each pixel of a level, the CPU
-//! makes a list of those that are to be shaded, part by part, and the device shades and adds up slices of their samples.
+//! The passes over the levels, from coarse to fine. The device decides the outcome of each pixel of a level, the CPU
+//! lists the pixels to shade part by part, and the device shades them and adds up slices of their samples.
 
 use super::super::device::GpuError;
 use super::kernels::Job;
@@ -8,14 +8,14 @@ use super::{AdaptiveRenderer, LoadedAdaptive};
 use brdfc_metrics::image::LinearImage;
 use brdfc_render::adaptive::{AdaptiveRendering, LevelCount, Prediction, Settings, ShadedLevels};
 
-/// Samples of a slice: what one invocation sums.
+/// Samples of a slice, which one invocation sums.
 const SLICE: u32 = 32;
 
-/// What becomes of a node, as `passes.wgsl` numbers it.
+/// Outcome of a node, with the numbers of `passes.wgsl`.
 const LEFT_OUT: u32 = 0;
 const SHADED: u32 = 2;
 
-/// Nodes to be shaded, and their slices.
+/// Nodes to shade, and their slices.
 #[derive(Default)]
 struct Work {
     /// Point, first sample, samples.
@@ -30,8 +30,8 @@ impl AdaptiveRenderer<'_> {
     /// # Panics
     /// If the buffer has other antialiasing levels than the settings.
     ///
-    /// # Errors
-    /// [`GpuError::TooLarge`] for settings out of range; what the driver reports.
+    /// Returns [`GpuError::TooLarge`] for settings out of range; any error that the driver reports.
+    /// [`GpuError::TooLarge`] for settings out of range; any error that the driver reports.
     pub fn draw(
         &self,
         loaded: &LoadedAdaptive,
@@ -47,7 +47,7 @@ impl AdaptiveRenderer<'_> {
     /// Goes through the levels with a given prediction, as [`brdfc_render::adaptive::shade`].
     ///
     /// # Panics
-    /// If the prediction is of another buffer.
+    /// If the prediction belongs to another buffer.
     ///
     /// # Errors
     /// As [`Self::draw`].
@@ -66,7 +66,7 @@ impl AdaptiveRenderer<'_> {
         Ok(ShadedLevels { radiance: computed.into_iter().map(|[r, g, b, _]| [r, g, b]).collect(), levels })
     }
 
-    /// Every point with the same number of samples, as [`brdfc_render::adaptive::forward`].
+    /// Shades every point with the same number of samples, as [`brdfc_render::adaptive::forward`].
     ///
     /// # Errors
     /// As [`Self::draw`].
@@ -113,7 +113,7 @@ impl AdaptiveRenderer<'_> {
         Ok(count)
     }
 
-    /// Shades nodes of a part: each its index, the point it stands for, and samples.
+    /// Shades nodes of a part, each given by its index, the point it stands for and its samples.
     fn shade_nodes(
         &self,
         loaded: &LoadedAdaptive,

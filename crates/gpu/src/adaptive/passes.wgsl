@@ -1,4 +1,4 @@
-// What becomes of the nodes of a level. Appended to `upsample.wgsl`; the CPU twin is
+// Outcomes of the nodes of a level. Appended to `upsample.wgsl`; the CPU twin is
 // `crates/render/src/adaptive/passes.rs`.
 
 const LEFT_OUT: u32 = 0u;
@@ -30,8 +30,8 @@ fn decide(@builtin(global_invocation_id) id: vec3<u32>) {
     outcomes[index] = vec4<u32>(SHADED, raised(node.samples, job.level), point, part_of(point));
 }
 
-// 2^level / 2 times the samples above level 0, up to the most: a coarse pixel's error shows in 4^level points, of which
-// means over the pixels around leave a quarter.
+// `samples` times 2^level / 2 above level 0, up to the maximum. The error of a coarse pixel shows in 4^level points, of
+// which means over the surrounding pixels leave a quarter.
 fn raised(samples: u32, level: u32) -> u32 {
     let doublings = max(level, 1u) - 1u;
     if samples > (NONE >> doublings) {

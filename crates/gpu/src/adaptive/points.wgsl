@@ -1,7 +1,7 @@
-// The points of a G-buffer, and what all steps of adaptive shading share. The CPU twin is
+// The points of a G-buffer, and declarations that all steps of adaptive shading share. The CPU twin is
 // `crates/render/src/gbuffer.rs`.
 
-// Of a frame and its camera. Levels of the pyramid are finest first.
+// A frame and its camera. Levels of the pyramid are finest first.
 struct Rendering {
     eye: vec4<f32>,
     right: vec4<f32>,           // unit vectors
@@ -15,7 +15,7 @@ struct Rendering {
     levels: array<vec4<u32>, 20>, // width, height, index of the first node
 }
 
-// Of `Settings`, and what is found on the way.
+// `Settings`, and values computed on the way.
 struct Settings {
     field_of_view: vec2<f32>,   // radians, across and down
     directions: u32,
@@ -34,12 +34,12 @@ struct Settings {
 struct Material {
     part: u32,                  // index
     albedo: f32,
-    level: f32,                 // of detail of the pack; negative: follows the distance
+    level: f32,                 // level of detail of the pack; negative: follows the distance
     hardware: u32,              // 1: the sampler filters the pack
 }
 
-// What one dispatch does: `count` things from `first` on, of a level or for a material where that matters. The material
-// is no uniform block of its own: with eight of them in a shader, llvmpipe of Mesa 22 corrupts memory.
+// Range of one dispatch: `count` items from `first` on, of a level or for a material where that matters. The material
+// has no uniform block of its own, because with eight of them in a shader llvmpipe of Mesa 22 corrupts memory.
 struct Job {
     first: u32,
     count: u32,
@@ -50,9 +50,9 @@ struct Job {
 
 // A pixel of a level.
 struct Node {
-    wanted: i32,                // finest level that any of its points asks for
-    samples: u32,               // of the most demanding of its points
-    first: u32,                 // the first point in it that shows a surface, or NONE
+    wanted: i32,                // finest level that any of its points needs
+    samples: u32,               // maximum over its points
+    first: u32,                 // its first point on a surface, or NONE
 }
 
 @group(0) @binding(0) var<uniform> rendering: Rendering;
@@ -62,26 +62,26 @@ struct Node {
 @group(0) @binding(4) var normals: texture_2d<f32>;
 @group(0) @binding(5) var tangents: texture_2d<f32>;
 
-// Of each point: bandwidth in the rendering, deviation, curvature, angular bandwidth.
+// Per point: bandwidth in the rendering, deviation, curvature, angular bandwidth.
 @group(0) @binding(6) var<storage, read_write> predicted: array<vec4<f32>>;
 @group(0) @binding(7) var<storage, read_write> nodes: array<Node>;
-// Of each node its radiance, and 1 where it has one.
+// Per node: its radiance, and 1 if it has one.
 @group(0) @binding(8) var<storage, read_write> computed: array<vec4<f32>>;
-// Of each node of the level under way: what becomes of it, samples, the point it stands for, its part.
+// Per node of the current level: outcome, samples, the point it stands for, its part.
 @group(0) @binding(9) var<storage, read_write> outcomes: array<vec4<u32>>;
 // Point, first sample, samples.
 @group(0) @binding(10) var<storage, read_write> slices: array<vec4<u32>>;
 // Node, first slice, slices, samples.
 @group(0) @binding(11) var<storage, read_write> gathers: array<vec4<u32>>;
-// Of each slice its sum, of each stretch of points the sum of deviations.
+// Per slice: its sum. Per stretch of points: the sum of deviations.
 @group(0) @binding(12) var<storage, read_write> sums: array<vec4<f32>>;
 @group(0) @binding(13) var<storage, read_write> image: array<vec4<f32>>;
 
 const NONE: u32 = 0xffffffffu;
-// The level of points that show no surface.
+// Level of points that show no surface.
 const ANY_LEVEL: i32 = 0x7fffffff;
 
-// The number of an invocation within the job; `job.count` or more: none.
+// Index of an invocation within the job; `job.count` or more if it has no item.
 fn within_job(id: vec3<u32>) -> u32 {
     return id.y * job.stride + id.x;
 }
@@ -90,7 +90,7 @@ fn place_of(point: u32) -> vec2<u32> {
     return vec2<u32>(point % rendering.points.x, point / rendering.points.x);
 }
 
-// The part that a point shows; NONE is the background.
+// Part that a point shows; NONE for the background.
 fn part_of(point: u32) -> u32 {
     return u32(textureLoad(positions, place_of(point), 0).w) - 1u;
 }
@@ -103,14 +103,14 @@ fn normal_of(point: u32) -> vec3<f32> {
     return textureLoad(normals, place_of(point), 0).xyz;
 }
 
-// Unit vector to the viewer, and how far away the viewer is.
+// Unit vector to the viewer, and the viewer's distance.
 fn viewer_of(position: vec3<f32>) -> vec4<f32> {
     let to_eye = rendering.eye.xyz - position;
     let distance = sqrt(product(to_eye, to_eye));
     return vec4<f32>(to_eye / distance, distance);
 }
 
-// Where a normal points in the image, across and down.
+// Direction of a normal in the image, across and down.
 fn across_of(normal: vec3<f32>) -> vec2<f32> {
     let projected = vec2<f32>(product(normal, rendering.right.xyz), -product(normal, rendering.up.xyz));
     let length = sqrt(projected.x * projected.x + projected.y * projected.y);

@@ -14,7 +14,7 @@ impl AdaptiveRenderer<'_> {
     /// Predicts, as [`brdfc_render::adaptive::predict`].
     ///
     /// # Errors
-    /// [`GpuError::TooLarge`] for settings out of range; what the driver reports.
+    /// Returns [`GpuError::TooLarge`] for settings out of range; any error that the driver reports.
     pub fn predict(
         &self,
         loaded: &LoadedAdaptive,
@@ -25,7 +25,7 @@ impl AdaptiveRenderer<'_> {
         self.read_prediction(buffer)
     }
 
-    /// Predicts, and leaves what it finds on the device: what there is to measure.
+    /// Predicts and leaves the results on the device, for measurements of this step alone.
     ///
     /// # Panics
     /// If the buffer has other antialiasing levels than the settings.
@@ -43,7 +43,7 @@ impl AdaptiveRenderer<'_> {
         let count = buffer.points();
         self.set(buffer, settings, 0.0)?;
         kernels.run(&kernels.curvatures, buffer, None, Job::over(count));
-        // Tiles of 4 x 4 points, which at worst are all of different pieces.
+        // Tiles of 4 x 4 points, which in the worst case are all of different pieces.
         let tiles = buffer.size().map(|side| side.div_ceil(4)).into_iter().product();
         let at_once = self.at_once(self.budget.lookups, 16 * settings.directions.min(MAX_DIRECTIONS) as usize);
         let job = Job { at_once, ..Job::over(tiles) };
@@ -60,7 +60,7 @@ impl AdaptiveRenderer<'_> {
         self.gpu().wait()
     }
 
-    /// What the last prediction of a buffer found.
+    /// Reads the last prediction of a buffer back.
     pub(super) fn read_prediction(&self, buffer: &LoadedGBuffer) -> Result<Prediction, GpuError> {
         let predicted = self.gpu().read_values::<[f32; 4]>(&buffer.storage.predicted, 0, buffer.points())?;
         let nodes = self.gpu().read_values::<[u32; 3]>(&buffer.storage.nodes, 0, buffer.points())?;
@@ -72,7 +72,7 @@ impl AdaptiveRenderer<'_> {
         })
     }
 
-    /// Puts a prediction in place of the device's own.
+    /// Replaces the device's own prediction.
     pub(super) fn write_prediction(&self, buffer: &LoadedGBuffer, prediction: &Prediction) {
         let node = |point: usize| match prediction.level[point] {
             ANY_LEVEL => [ANY_LEVEL as u32, 0, u32::MAX],
@@ -82,13 +82,13 @@ impl AdaptiveRenderer<'_> {
         self.gpu().queue.write_buffer(&buffer.storage.nodes, 0, bytemuck::cast_slice(&nodes));
     }
 
-    /// Levels of a prediction, the smallest of each square of points, and its samples, the largest, as two [`Pyramid`]s.
+    /// Reads two [`Pyramid`]s back: the smallest level and the largest number of samples of each square of points.
     ///
     /// # Panics
-    /// If the prediction is of another buffer.
+    /// If the prediction belongs to another buffer.
     ///
     /// # Errors
-    /// What the driver reports.
+    /// Returns an error that the driver reports.
     pub fn pyramids(
         &self,
         buffer: &LoadedGBuffer,
@@ -97,16 +97,16 @@ impl AdaptiveRenderer<'_> {
         assert_eq!(prediction.level.len(), buffer.points(), "a prediction of this buffer");
         self.write_prediction(buffer, prediction);
         self.merge(buffer);
-        let (mut wanted, mut samples) = (Vec::new(), Vec::new());
+        let (mut targets, mut samples) = (Vec::new(), Vec::new());
         for [width, height, first] in &buffer.levels {
             let nodes = self.gpu().read_values::<[u32; 3]>(&buffer.storage.nodes, *first, width * height)?;
-            wanted.push((*width, *height, nodes.iter().map(|[level, ..]| *level as i32).collect()));
+            targets.push((*width, *height, nodes.iter().map(|[level, ..]| *level as i32).collect()));
             samples.push((*width, *height, nodes.iter().map(|[_, samples, _]| *samples).collect()));
         }
-        Ok((Pyramid { levels: wanted }, Pyramid { levels: samples }))
+        Ok((Pyramid { levels: targets }, Pyramid { levels: samples }))
     }
 
-    /// Coarser nodes from finer ones.
+    /// Computes coarser nodes from finer ones.
     pub(super) fn merge(&self, buffer: &LoadedGBuffer) {
         for (level, [width, height, _]) in (0..).zip(&buffer.levels).skip(1) {
             let job = Job { level, ..Job::over(width * height) };
@@ -117,11 +117,11 @@ impl AdaptiveRenderer<'_> {
     /// Writes the shader's `Settings`; `scale` is the factor from deviation to samples.
     ///
     /// # Errors
-    /// More samples than [`super::MAX_SAMPLES`].
+    /// Returns an error for more samples than [`super::MAX_SAMPLES`].
     pub(super) fn set(&self, buffer: &LoadedGBuffer, settings: &Settings, scale: f32) -> Result<(), GpuError> {
         for (name, found) in [("fewest", settings.fewest), ("most", settings.most)] {
             if found > super::MAX_SAMPLES {
-                let text = format!("{name} samples of a pixel: {found}; at most {}", super::MAX_SAMPLES);
+                let text = format!("{name} samples per pixel: found {found}, expected at most {}", super::MAX_SAMPLES);
                 return Err(GpuError::TooLarge(text));
             }
         }

@@ -2,17 +2,17 @@
 // `formats/src/bandwidth/propagation.wgsl` and `formats/src/importance/pack.wgsl`; the CPU twins are
 // `crates/render/src/adaptive/predict.rs` and `tile.rs`.
 
-// Points whose normals have at least this cosine are of the same piece of a surface.
+// Points are of the same piece of a surface if their normals have at least this cosine.
 const SAME_PIECE: f32 = 0.95;
 
-// What some of the directions of a point find.
+// Sums over some of the directions of a point.
 struct Share {
     average: BandwidthAverage,
     variance: BandwidthVariance,
 }
 
-// The points of one part in a tile of 4 x 4. Each looks along a run of directions of its own, and takes over what the other
-// points of the same piece have found along theirs.
+// The points of one part in a tile of 4 x 4. Each looks along its own run of directions, and reuses the results of the
+// other points of the same piece.
 @compute @workgroup_size(64)
 fn predict(@builtin(global_invocation_id) id: vec3<u32>) {
     let at = within_job(id);
@@ -42,7 +42,7 @@ fn predict(@builtin(global_invocation_id) id: vec3<u32>) {
                 count += 1u;
             }
         }
-        // Four make all directions of a point.
+        // Four shares cover all directions of a point.
         for (var step = 1u; step < 16u && count < 4u; step += 1u) {
             let next = (k + step) % 16u;
             if !is_same_piece(point, points[next]) {
@@ -74,7 +74,7 @@ fn is_same_piece(point: u32, other: u32) -> bool {
     return product(normal_of(point), normal_of(other)) >= SAME_PIECE;
 }
 
-// What a point finds along a run of directions.
+// Evaluates a run of directions of a point.
 fn share_of(point: u32, number: u32) -> Share {
     let frame = frame_of(point);
     let viewer = viewer_of(position_of(point));
@@ -103,7 +103,8 @@ fn share_of(point: u32, number: u32) -> Share {
     return Share(average, variance);
 }
 
-// Mean light around a direction, over about so much solid angle: radiance, bandwidth, mean squares, bandwidth times squares.
+// Mean light around a direction over approximately this solid angle: radiance, bandwidth, mean squares, bandwidth times
+// squares.
 fn light_around(direction: vec3<f32>, solid_angle: f32) -> vec4<f32> {
     var size = textureDimensions(bandwidth_environment_map);
     let covered = solid_angle * f32(size.x * size.y) / (2.0 * BANDWIDTH_PI * BANDWIDTH_PI);
@@ -129,7 +130,7 @@ fn rendering_bandwidth(angular: f32) -> f32 {
     return pixel_bandwidth(angular, settings.field_of_view, vec2<f32>(rendering.pixels), settings.largest);
 }
 
-// Standard deviation of one sample in units of the display's codes.
+// Standard deviation of one sample in the display's encoded values.
 fn visible_deviation(variance: f32, radiance: f32) -> f32 {
     let shown = radiance / settings.white;
     if shown < 1.0 {

@@ -1,4 +1,4 @@
-// A level of nodes from the next finer one. The CPU twin is `crates/render/src/adaptive/pyramid.rs`.
+// Computes a level of nodes from the next finer one. The CPU twin is `crates/render/src/adaptive/pyramid.rs`.
 
 @compute @workgroup_size(64)
 fn merge(@builtin(global_invocation_id) id: vec3<u32>) {

@@ -1,11 +1,11 @@
-// From bandwidths and deviations to levels and samples: the finest nodes. The CPU twin is
+// Converts bandwidths and deviations to levels and samples: the finest nodes. The CPU twin is
 // `crates/render/src/adaptive/predict.rs`.
 
 // Points that one invocation adds up.
 const STRETCH: u32 = 256u;
 
-// Sum of the deviations of a stretch of points, in order, as two numbers that together have twice the digits, and how
-// many of the points show a surface.
+// Sums the deviations of a stretch of points in order, as two numbers that together have twice the digits, and counts
+// the points on a surface.
 @compute @workgroup_size(64)
 fn deviations(@builtin(global_invocation_id) id: vec3<u32>) {
     let at = within_job(id);
@@ -21,7 +21,7 @@ fn deviations(@builtin(global_invocation_id) id: vec3<u32>) {
         if part_of(point) == NONE {
             continue;
         }
-        // The error of a sum is a number of the same length (Knuth, The Art of Computer Programming 2, 4.2.2).
+        // The rounding error of a sum is itself a float (Knuth, The Art of Computer Programming 2, 4.2.2).
         let added = predicted[point].y;
         let sum = high + added;
         let share = sum - high;
@@ -43,9 +43,9 @@ fn rates(@builtin(global_invocation_id) id: vec3<u32>) {
         nodes[point] = Node(ANY_LEVEL, 0u, NONE);
         return;
     }
-    // Level 0 is the buffer's resolution, which is finer than the rendering's with antialiasing.
+    // Level 0 is the buffer's resolution, which with antialiasing is finer than the rendering's.
     let coarsest = i32(rendering.coarsest);
-    // What no pixel can show still has the most detail of all, so the limit comes after the factor.
+    // Points with detail beyond the pixel's limit still have the most, so the limit applies after the factor.
     let level = bandwidth_pyramid_level(rendering_bandwidth(settings.caution * predicted[point].w), coarsest);
     let wanted = clamp(level + i32(settings.antialiasing_levels), 0, coarsest);
     let samples = bandwidth_sample_count(predicted[point].y, settings.scale, settings.fewest, settings.most);

@@ -1,4 +1,4 @@
-// Points as the CPU has them: five vectors each.
+// Writes points in the CPU's layout: five vectors each.
 
 @compute @workgroup_size(64)
 fn read_back(@builtin(global_invocation_id) id: vec3<u32>) {

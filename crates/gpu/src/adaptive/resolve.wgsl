@@ -1,4 +1,4 @@
-// Means over the points of each pixel, and the share of them that shows a surface. The CPU twin is `resolve` of
+// Means over the points of each pixel, and the share of points on a surface. The CPU twin is `resolve` of
 // `crates/render/src/adaptive/resolve.rs`.
 
 @compute @workgroup_size(64)

@@ -1,4 +1,4 @@
-// Equation 2: reflected radiance by importance samples, in slices of a node's samples that are added up in order.
+// Equation 2: reflected radiance by importance samples, in slices of a node's samples that are summed in order.
 // Appended to the decoders of packs, `brdf.wgsl`, `formats/src/importance/pack.wgsl` and `environment.wgsl`; the CPU
 // twin is `crates/render/src/adaptive/shading.rs`.
 

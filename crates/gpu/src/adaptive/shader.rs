@@ -1,4 +1,4 @@
-//! The shaders of adaptive shading, put together from their files.
+//! Shaders of adaptive shading, assembled from their files.
 
 use super::super::pack::brdf_source;
 use super::super::raster::view_wgsl;
@@ -7,12 +7,12 @@ use brdfc_formats::bandwidth::propagation::PROPAGATION_WGSL;
 use brdfc_formats::bandwidth::shader::BANDWIDTH_WGSL;
 use brdfc_formats::importance::IMPORTANCE_WGSL;
 
-/// What [`super::AdaptiveRenderer`] compiles.
+/// Sources that [`super::AdaptiveRenderer`] compiles.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct AdaptiveShaders {
     /// Rasterises the G-buffer: vertex entry point `project`, fragment entry points `place` and `turn`.
     pub g_buffer: String,
-    /// All steps that follow, compute entry points each.
+    /// All later steps, each a compute entry point.
     pub steps: String,
 }
 
@@ -33,7 +33,7 @@ const G_BUFFER: &str = include_str!("g_buffer.wgsl");
 
 impl Default for AdaptiveShaders {
     fn default() -> Self {
-        // Without a pack, surfaces are group 1.
+        // Packs are not bound here, so surfaces are group 1.
         let surface = SURFACE_WGSL.replace("@group(2)", "@group(1)");
         let shared = [
             brdf_source(),

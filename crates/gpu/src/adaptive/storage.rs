@@ -8,9 +8,9 @@ use brdfc_render::adaptive::coarsest_of;
 use brdfc_render::scene::{Camera, Frame};
 use wgpu::{BindGroup, BindingResource, Buffer, BufferUsages};
 
-/// Slices of samples, and nodes with slices, of one submission.
+/// Maximum number of slices of samples, and of nodes with slices, per submission.
 pub(super) const SLICES: usize = 1 << 19;
-/// Levels that the shader's `Rendering` has place for.
+/// Number of levels in the shader's `Rendering`.
 const MAX_LEVELS: usize = 20;
 /// 32-bit words of the shader's `Settings`.
 pub(super) const SETTINGS_WORDS: usize = 12;
@@ -18,12 +18,12 @@ pub(super) const SETTINGS_WORDS: usize = 12;
 const VECTOR: u64 = 16;
 /// Bytes of the shader's `Node`.
 const NODE: u64 = 12;
-/// Fewest vectors of any buffer: a point that is read back takes five.
-const FEWEST: u64 = 64;
+/// Minimum number of vectors of any buffer: reading a point back takes five.
+const MIN_VECTORS: u64 = 64;
 
-/// What a camera sees of a scene, on the device.
+/// Points that a camera sees of a scene, on the device.
 pub struct LoadedGBuffer {
-    /// Of the rendering.
+    /// Frame of the rendering.
     pub(super) frame: Frame,
     pub(super) camera: Camera,
     pub(super) antialiasing_levels: u32,
@@ -37,7 +37,7 @@ pub struct LoadedGBuffer {
     pub(super) storage: Storage,
 }
 
-/// What `points.wgsl` declares in group 1; see there.
+/// Buffers that `points.wgsl` declares in group 1.
 pub(super) struct Storage {
     pub(super) predicted: Buffer,
     pub(super) nodes: Buffer,
@@ -59,16 +59,16 @@ impl LoadedGBuffer {
         self.size[0] * self.size[1]
     }
 
-    /// What points are read back through holds so many of them.
+    /// Number of points that the read-back buffer holds.
     pub(super) fn points_at_once(&self) -> usize {
         (self.storage.computed.size() / (5 * VECTOR)) as usize
     }
 }
 
-/// Makes room for a target's points.
+/// Allocates the buffers for a target's points.
 ///
 /// # Errors
-/// [`GpuError::TooLarge`] for more than the adapter binds at once; what the driver reports.
+/// Returns [`GpuError::TooLarge`] for more than the adapter binds at once; any error that the driver reports.
 pub(super) fn allocate(
     gpu: &Gpu,
     layouts: &Layouts,
@@ -82,11 +82,11 @@ pub(super) fn allocate(
     let nodes = levels.iter().map(|[width, height, _]| (width * height) as u64).sum::<u64>();
     let limits = gpu.device.limits();
     let most = limits.max_storage_buffer_binding_size.min(limits.max_buffer_size);
-    let wanted = VECTOR * nodes.max(FEWEST);
-    if wanted > most || levels.len() > MAX_LEVELS {
+    let required = VECTOR * nodes.max(MIN_VECTORS);
+    if required > most || levels.len() > MAX_LEVELS {
         let [width, height] = size;
         let text = format!(
-            "adaptive shading of {width} x {height} points takes a buffer of {wanted} bytes; this adapter binds at \
+            "adaptive shading of {width} x {height} points takes a buffer of {required} bytes; this adapter binds at \
              most {most}"
         );
         return Err(GpuError::TooLarge(text));
@@ -108,7 +108,7 @@ pub(super) fn allocate(
     let storage = Storage {
         predicted: storage(gpu, VECTOR * points),
         nodes: storage(gpu, NODE * nodes),
-        computed: storage(gpu, wanted),
+        computed: storage(gpu, required),
         outcomes: storage(gpu, VECTOR * points),
         slices: storage(gpu, VECTOR * SLICES as u64),
         gathers: storage(gpu, VECTOR * SLICES as u64),
@@ -140,7 +140,7 @@ fn storage(gpu: &Gpu, bytes: u64) -> Buffer {
     })
 }
 
-/// Sizes of the levels, as those of [`brdfc_render::adaptive::Pyramid`], and where they begin.
+/// Sizes of the levels, as in [`brdfc_render::adaptive::Pyramid`], and the first node of each.
 fn levels([width, height]: [usize; 2]) -> Vec<[usize; 3]> {
     let mut levels = vec![[width, height, 0]];
     for _ in 0..coarsest_of(width, height) {

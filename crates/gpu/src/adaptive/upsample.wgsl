@@ -1,9 +1,9 @@
-// What a node takes over from the coarser level. The CPU twin is `crates/render/src/adaptive/upsample.rs`, with
+// Interpolates a node from the coarser level. The CPU twin is `crates/render/src/adaptive/upsample.rs`, with
 // `stands_for` and `upsampled` of `passes.rs`.
 
-// How far a parent may lie off the node's tangent plane, in units of how far apart both are.
+// Maximum distance of a parent from the node's tangent plane, in units of the distance between both.
 const DEPTH: f32 = 0.25;
-// Below this sum of weights nothing can be taken over.
+// Minimum sum of weights for interpolation.
 const LEAST_WEIGHT: f32 = 1e-3;
 
 // The surface at the point that a node stands for.
@@ -12,11 +12,11 @@ struct Guide {
     position: vec3<f32>,
     normal: vec3<f32>,
     cosine: f32,         // of the angle between normal and view
-    across: vec2<f32>,   // where the normal points in the image
+    across: vec2<f32>,   // direction of the normal in the image
     part: u32,
 }
 
-// The point that a node of a level stands for: that in the middle of its square, or else the first that shows a surface.
+// The point that a node of a level stands for: the point in the middle of its square, or else the first on a surface.
 fn stands_for(level: u32, index: u32) -> u32 {
     let own = rendering.levels[level];
     if level > 0u {
@@ -32,7 +32,7 @@ fn stands_for(level: u32, index: u32) -> u32 {
     return nodes[own.z + index].first;
 }
 
-// The weighted mean of what was computed around a node at the coarser level, and 1; 0 where nothing fits.
+// The weighted mean of the values around a node at the coarser level, and 1; 0 if no value fits.
 fn upsampled(point: u32, index: u32, level: u32) -> vec4<f32> {
     let own = rendering.levels[level];
     let coarser = rendering.levels[level + 1u];
@@ -42,7 +42,7 @@ fn upsampled(point: u32, index: u32, level: u32) -> vec4<f32> {
     var sum = vec3<f32>(0.0);
     var total = 0.0;
     for (var k = 0u; k < 4u; k += 1u) {
-        // The own parent, its neighbour in the row, in the column, in both.
+        // The node's own parent, its neighbour in the row, in the column, in both.
         let column = parent(place.x, coarser.x, k & 1u);
         let row = parent(place.y, coarser.y, k >> 1u);
         if column == NONE || row == NONE {
@@ -63,7 +63,7 @@ fn upsampled(point: u32, index: u32, level: u32) -> vec4<f32> {
     return vec4<f32>(0.0);
 }
 
-// Along one axis, the parent of a node or the next one on the node's side of it; NONE outside the level.
+// Parent of a node along one axis, or the next one on the node's side of it; NONE outside the level.
 fn parent(at: u32, size: u32, other: u32) -> u32 {
     let own = at / 2u;
     if other == 0u {
@@ -83,7 +83,7 @@ fn guide_of(point: u32) -> Guide {
     return Guide(vec2<f32>(place), position.xyz, normal, cosine, across_of(normal), u32(position.w) - 1u);
 }
 
-// The bilinear weight of the parent's point, times how much it fits in depth and along the image; 0 for another part.
+// The bilinear weight of the parent's point, times its similarity in depth and along the image; 0 for another part.
 fn weight(here: Guide, there: Guide, spacing: f32) -> f32 {
     if here.part != there.part {
         return 0.0;

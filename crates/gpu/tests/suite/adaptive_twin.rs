@@ -1,4 +1,4 @@
-//! Adaptive shading by shaders against its CPU twin, on whatever adapter there is.
+//! Adaptive shading by shaders, compared with its CPU twin on any adapter.
 
 use brdfc_bandwidth::environment::environment_bandwidth;
 use brdfc_bandwidth::lobe::lobe_bandwidth;
@@ -66,13 +66,13 @@ fn material(address: &str, pack: fn(&dyn Source) -> BrdfPack) -> Material {
     Material { pack, samples, bandwidth }
 }
 
-/// A glossy and an anisotropic one, of either codec: parts take turns.
+/// A glossy and an anisotropic material, with packs of either codec. Parts alternate between them.
 static MATERIALS: LazyLock<[Material; 2]> = LazyLock::new(|| {
     let anisotropic = "synth:ward?kd=0.3,0.1,0.05&ks=0.1&ax=0.2&ay=0.5";
     [material("synth:ggx?alpha=0.25", wavelet), material(anisotropic, table)]
 });
 
-/// A scene with its maps and materials, decoded in some way.
+/// A scene with its maps and materials, and their decoding.
 struct World {
     scene: Scene,
     light: DistantLight,
@@ -83,7 +83,7 @@ struct World {
 impl World {
     fn new(builtin: Builtin, decoding: Decoding) -> Self {
         let mut scene = builtin.scene();
-        // From close by, so that there are pixels of many bandwidths.
+        // Zoomed in, so that pixels have many different bandwidths.
         scene.camera.field_of_view *= 0.4;
         let map = environment_bandwidth(&scene.environment.pixels, scene.environment.width, EPSILON);
         let size = [map.width as u32, map.height as u32];
@@ -110,14 +110,14 @@ impl World {
     }
 }
 
-/// How two G-buffers differ, as shares of the points.
+/// Differences between two G-buffers, as shares of the points.
 #[derive(Debug)]
 struct PointDifferences {
-    /// Another part or background.
+    /// Points with another part or background.
     parts: f64,
-    /// Of the others, points that are somewhere else: the ray has hit another triangle.
+    /// Points of the same part at another position: the ray hit another triangle.
     elsewhere: f64,
-    /// Of those at the same place, values beyond the bounds of rounding.
+    /// Points at the same position with values beyond the bounds of rounding.
     values: f64,
 }
 
@@ -131,7 +131,7 @@ fn point_differences(a: &GBuffer, b: &GBuffer) -> PointDifferences {
         } else if far(&a.position[at], &b.position[at]) > 1e-4 * a.distance[at] {
             elsewhere += 1;
         } else if a.part[at] != BACKGROUND {
-            // Height maps turn differences of coordinates into some of normals.
+            // Height maps convert differences of coordinates to differences of normals.
             let turned = far(&a.normal[at], &b.normal[at]).max(far(&a.tangent[at], &b.tangent[at]));
             let facing = (0..3).map(|k| a.normal[at][k] * a.to_viewer[at][k]).sum::<f32>() > 0.9999;
             let across = if facing { 0.0 } else { far(&a.across[at], &b.across[at]) };
@@ -177,7 +177,7 @@ fn the_drawn_g_buffer_is_the_traced_one() {
     }
 }
 
-/// What the device does differently on the G-buffer that it drew.
+/// Differences of the device's results on its own G-buffer.
 #[derive(Debug, Default)]
 struct Differences {
     /// Share of the points whose curvature has other bits.
@@ -188,13 +188,13 @@ struct Differences {
     /// Shares of the points.
     levels: f64,
     samples: f64,
-    /// Nodes of the pyramids of one prediction.
+    /// Number of different nodes in the pyramids of one prediction.
     pyramids: usize,
-    /// Shading by one prediction: whether all counts are the same, and the largest difference, in units of the larger
-    /// of the radiance and a hundredth of the brightest.
+    /// Shading by one prediction: whether all counts are equal, and the largest difference, in units of the larger of
+    /// the radiance and a hundredth of the maximum.
     counts: bool,
     radiance: f64,
-    /// Of the forward renderer, likewise, and coverage.
+    /// Largest difference of the forward renderer in the same units, and of coverage.
     forward: f64,
     coverage: bool,
 }
@@ -224,17 +224,17 @@ fn unequal<T: PartialEq>(a: &Pyramid<T>, b: &Pyramid<T>) -> usize {
     count
 }
 
-/// What the CPU finds on a G-buffer.
+/// Results of the CPU on a G-buffer.
 struct Expected {
     curvature: Vec<f32>,
     prediction: Prediction,
-    wanted: Pyramid<i32>,
+    targets: Pyramid<i32>,
     samples: Pyramid<u32>,
     shaded: ShadedLevels,
     forward: LinearImage,
 }
 
-/// Samples of the forward renderer: not all of one slice.
+/// Samples of the forward renderer, more than one slice.
 const FORWARD: u32 = 40;
 
 fn expected(world: &World, buffer: &GBuffer, settings: &Settings) -> Expected {
@@ -243,7 +243,7 @@ fn expected(world: &World, buffer: &GBuffer, settings: &Settings) -> Expected {
         let (width, height, coarsest) = (buffer.width, buffer.height, coarsest(buffer) as usize);
         Expected {
             curvature: curvature(buffer),
-            wanted: Pyramid::new(width, height, prediction.level.clone(), coarsest, i32::min),
+            targets: Pyramid::new(width, height, prediction.level.clone(), coarsest, i32::min),
             samples: Pyramid::new(width, height, prediction.samples.clone(), coarsest, u32::max),
             shaded: adaptive::shade(scene, buffer, &prediction, settings.most),
             forward: adaptive::forward(scene, FRAME, buffer, FORWARD),
@@ -267,7 +267,7 @@ fn differences(
     let bits = |values: Vec<f32>| values.into_iter().map(f32::to_bits).collect::<Vec<_>>();
     let curved = bits(renderer.curvature(&buffer).unwrap());
     let prediction = renderer.predict(&loaded, &buffer, settings).unwrap();
-    let (wanted, samples) = renderer.pyramids(&buffer, &expected.prediction).unwrap();
+    let (targets, samples) = renderer.pyramids(&buffer, &expected.prediction).unwrap();
     let shaded = renderer.shade(&loaded, &buffer, &expected.prediction, settings.most).unwrap();
     let forward = renderer.forward(&loaded, &buffer, FORWARD).unwrap();
     Differences {
@@ -276,7 +276,7 @@ fn differences(
         deviation: relative(&expected.prediction.deviation, &prediction.deviation),
         levels: share(&expected.prediction.level, &prediction.level),
         samples: share(&expected.prediction.samples, &prediction.samples),
-        pyramids: unequal(&expected.wanted, &wanted) + unequal(&expected.samples, &samples),
+        pyramids: unequal(&expected.targets, &targets) + unequal(&expected.samples, &samples),
         counts: expected.shaded.levels == shaded.levels,
         radiance: of_radiance(&expected.shaded.radiance, &shaded.radiance),
         forward: of_radiance(&expected.forward.pixels, &forward.pixels),
@@ -285,8 +285,8 @@ fn differences(
 }
 
 impl Differences {
-    /// What is beyond the bounds. Curvature, pyramids and counts are the same to the bit; the environment is mixed in
-    /// double precision on the CPU, the exponential of the packs' decoder is the driver's.
+    /// Names of the results beyond their bounds. Curvature, pyramids and counts must be bit-identical. The environment
+    /// is mixed in double precision on the CPU, and the exponential of the packs' decoder is the driver's.
     fn beyond(&self) -> Vec<&'static str> {
         [
             ("curvature", self.curvature > 0.0),
@@ -307,7 +307,7 @@ impl Differences {
 }
 
 #[test]
-fn each_step_does_what_its_twin_does() {
+fn each_step_agrees_with_its_twin() {
     let Some(gpu) = crate::common::gpu() else { return };
     let renderer = AdaptiveRenderer::new(gpu).unwrap();
     for (builtin, filter, antialiasing_levels) in [
@@ -321,7 +321,7 @@ fn each_step_does_what_its_twin_does() {
         let loaded = world.load(&renderer);
         let buffer = renderer.read(&g_buffer(&renderer, &loaded, &world, antialiasing_levels)).unwrap();
         let expected = expected(&world, &buffer, &settings);
-        // Each kind of outcome is there.
+        // Every kind of outcome occurs.
         let levels = &expected.shaded.levels;
         assert!(levels[0].shaded > 0 && levels[0].shaded < levels[0].pixels && levels[1].shaded > 0, "{levels:?}");
         let found = differences(&renderer, &world, &settings, &expected);
@@ -330,7 +330,7 @@ fn each_step_does_what_its_twin_does() {
     }
 }
 
-/// Small changes of the shaders, and by what each is noticed.
+/// Small changes of the shaders, and the result that detects each.
 const CHANGES: [(&str, &str, &str); 32] = [
     ("product(turned, turned) / length_squared", "product(turned, turned)", "curvature"),
     ("rise * rise > MAX_RISE_SQUARED", "rise > MAX_RISE_SQUARED", "curvature"),
@@ -367,10 +367,10 @@ const CHANGES: [(&str, &str, &str); 32] = [
 ];
 
 #[test]
-fn changed_shaders_are_noticed() {
+fn changed_shaders_are_detected() {
     let Some(gpu) = crate::common::gpu() else { return };
     let mut world = World::new(Builtin::BumpyBall, Decoding { filter: Filter::Nearest, ..EXACT });
-    // From further away, so that there is more than pixels show.
+    // From further away, so that there is more detail than pixels show.
     world.scene.camera.field_of_view = Builtin::BumpyBall.scene().camera.field_of_view;
     let settings = Settings { antialiasing_levels: 1, caution: 0.4, ..SETTINGS };
     let shaders = AdaptiveShaders::default();
@@ -387,9 +387,9 @@ fn changed_shaders_are_noticed() {
     }
 }
 
-/// From end to end: where a level or a count falls on the other side, so does little else.
+/// The whole pipeline: few values differ, even if a level or a count does.
 #[test]
-fn whole_renderings_are_those_of_the_cpu() {
+fn complete_renderings_are_those_of_the_cpu() {
     let Some(gpu) = crate::common::gpu() else { return };
     let renderer = AdaptiveRenderer::new(gpu).unwrap();
     let world = World::new(Builtin::Table, EXACT);
@@ -423,7 +423,7 @@ fn the_sampler_filters_nearly_as_the_shader_does() {
 }
 
 #[test]
-fn what_is_too_large_is_refused() {
+fn too_large_sizes_are_refused() {
     let Some(gpu) = crate::common::gpu() else { return };
     let renderer = AdaptiveRenderer::new(gpu).unwrap();
     let world = World::new(Builtin::BumpyBall, EXACT);
@@ -442,7 +442,7 @@ fn what_is_too_large_is_refused() {
     assert!(matches!(refused, Err(GpuError::TooLarge(_))), "{refused:?}");
 }
 
-/// What naga says against a shader; no capability beyond those that WebGPU has without features.
+/// naga's error for a shader, validated without optional capabilities.
 fn complaint(text: &str) -> Option<String> {
     let module = match naga::front::wgsl::parse_str(text) {
         Ok(module) => module,

@@ -1,4 +1,4 @@
-//! The shader of bandwidth maps against the CPU look-ups, on whatever adapter there is.
+//! The shader of bandwidth maps, compared with the CPU look-ups on any adapter.
 
 use brdfc_formats::bandwidth::shader::BANDWIDTH_WGSL;
 use brdfc_formats::bandwidth::{BandwidthHeader, BandwidthKind, BandwidthMap};
@@ -20,7 +20,7 @@ fn compute(at: u32) {
 }
 ";
 
-/// Where maps are looked up.
+/// Positions at which maps are looked up.
 #[derive(Clone, Copy)]
 struct BandwidthQuery {
     incoming: [f32; 3],
@@ -61,7 +61,7 @@ fn maps(tiles: bool) -> [BandwidthMap; 3] {
     ]
 }
 
-/// Random queries, and those at the borders of cells, at the poles, at the seams and beyond.
+/// Random queries, and queries at the borders of cells, at the poles, at the seams and beyond.
 fn queries() -> Vec<BandwidthQuery> {
     let mut numbers = Numbers::new(2);
     let mut direction = |cells: u32| {
@@ -94,7 +94,7 @@ fn queries() -> Vec<BandwidthQuery> {
     all
 }
 
-/// Look-ups whose bits differ from those of the CPU, per kind.
+/// Number of look-ups whose bits differ from the CPU's, per kind.
 fn differences(gpu: &Gpu, source: &str, maps: &[BandwidthMap; 3], queries: &[BandwidthQuery]) -> [usize; 3] {
     let mut counts = [0; 3];
     for (query, found) in queries.iter().zip(by_shader(gpu, source, maps, queries)) {
@@ -121,7 +121,7 @@ fn the_shader_has_the_bits_of_the_cpu() {
     assert!(some.iter().all(|[brdf, environment, texture]| *brdf == 0.0 && *environment > 0.0 && *texture == 0.0));
 }
 
-/// Small changes of the shader, each of which has to be seen in the queries.
+/// Small changes of the shader, each of which the queries must detect.
 const CHANGES: [(&str, &str); 16] = [
     ("BANDWIDTH_PI: f32 = 3.14159274", "BANDWIDTH_PI: f32 = 3.1416"),
     ("BANDWIDTH_HALF_PI: f32 = 1.57079637", "BANDWIDTH_HALF_PI: f32 = 1.5708"),
@@ -142,7 +142,7 @@ const CHANGES: [(&str, &str); 16] = [
 ];
 
 #[test]
-fn a_changed_shader_is_noticed() {
+fn a_changed_shader_is_detected() {
     let Some(gpu) = crate::common::gpu() else { return };
     let queries = queries();
     let maps = maps(true);

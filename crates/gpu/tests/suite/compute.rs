@@ -1,4 +1,4 @@
-//! Lists of any length go through shaders: none, one, more than a row of workgroups.
+//! Shaders over lists of any length: empty, one item, more than a row of workgroups.
 
 use brdfc_formats::BrdfPack;
 use brdfc_formats::bindings::FrameBlock;
@@ -25,7 +25,8 @@ fn lists_of_any_length() {
         assert_eq!(wrong, None, "of {count}");
     }
     let refused = compute.run(&[0.0; 3], 2, 1).unwrap_err();
-    assert_eq!(refused, GpuError::TooLarge("3 numbers in items of 2 and 1; at most 16777216".to_owned()));
+    let expected = "found 3 numbers in items of 2 and 1, expected at most 16777216";
+    assert_eq!(refused, GpuError::TooLarge(expected.to_owned()));
 }
 
 #[test]
@@ -40,7 +41,7 @@ fn pairs_are_evaluated_whether_they_are_read_or_not() {
         evaluator.run(&loaded, &on_device).unwrap();
         let found = evaluator.eval(&loaded, &pairs, 1.0, SliceFilter::Exact).unwrap();
         assert_eq!(found.len(), count);
-        // The last one stands for its row.
+        // The last pair represents its row.
         let alone = pairs.last().map(|pair| evaluator.eval(&loaded, &[*pair], 1.0, SliceFilter::Exact).unwrap()[0]);
         assert_eq!(found.last().copied(), alone);
     }

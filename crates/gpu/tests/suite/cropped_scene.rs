@@ -1,4 +1,4 @@
-//! A scene that shows its materials from some directions only looks the same with packs that hold no others.
+//! A scene that needs only some directions of its materials looks the same with packs that contain only those.
 
 use brdfc_core::Source;
 use brdfc_core::address::parse_synth;
@@ -32,7 +32,7 @@ fn source() -> Box<dyn Source> {
     parse_synth(ADDRESS).expect("an address")
 }
 
-/// A whole pack and the same one cropped, of each codec.
+/// A complete pack and the same one cropped, for each codec.
 fn packs() -> [(BrdfPack, BrdfPack); 3] {
     let source = source();
     let wavelet = |lift: bool| {
@@ -72,26 +72,26 @@ fn largest_difference(a: &LinearImage, b: &LinearImage) -> f64 {
 }
 
 #[test]
-fn cropped_packs_draw_the_scene_as_whole_ones_do() {
+fn cropped_and_complete_packs_give_the_same_rendering() {
     let (scene, low) = (floor([0.0, 9.0, 5.0]), floor([0.0, 1.0, 9.0]));
     let ranges = vec![DIRECTIONS; scene.parts.len()];
     let asks_for_more =
         |scene: &Scene| outside(scene, FRAME, &trace(scene, FRAME), &ranges).into_iter().filter(|out| *out).count();
     assert_eq!(asks_for_more(&scene), 0, "the scene is within the range");
-    assert!(asks_for_more(&low) > 50, "seen from a low place it is not");
+    assert!(asks_for_more(&low) > 50, "a low view is outside the range");
     let mut shown = 0;
     for (number, (whole, cropped)) in packs().iter().enumerate() {
-        assert!(10 * cropped.gpu_bytes() < 9 * whole.gpu_bytes(), "{number}: something is left out");
+        assert!(10 * cropped.gpu_bytes() < 9 * whole.gpu_bytes(), "{number}: the cropped pack is smaller");
         assert!(by_cpu(&scene, cropped) == by_cpu(&scene, whole), "{number}");
-        // The control: where directions are left out, it shows; not of the table, whose ring holds this view.
+        // The control: left-out directions change this view, except for the table, whose ring contains it.
         shown += usize::from(by_cpu(&low, cropped) != by_cpu(&low, whole));
         let Some(gpu) = crate::common::gpu() else { continue };
         let exact = |pack: &BrdfPack| by_shader(gpu, &scene, pack, SliceFilter::Exact);
         assert!(exact(cropped) == exact(whole), "{number}");
-        // A sampler's weights are rounded from other texture coordinates.
+        // A sampler rounds its weights differently at other texture coordinates.
         let filtered = |pack: &BrdfPack| by_shader(gpu, &scene, pack, SliceFilter::Hardware);
         let difference = largest_difference(&filtered(cropped), &filtered(whole));
-        // 1.8e-5, 0 and 6e-8 were measured with Mesa's software driver. Others may round weights to 1/256 of a texel.
+        // Measured with Mesa's software driver: 1.8e-5, 0 and 6e-8. Others may round weights to 1/256 of a texel.
         let bound = if gpu.description().software { 1e-4 } else { 2e-2 };
         assert!(difference < bound, "{number}: {difference}");
     }
@@ -99,7 +99,7 @@ fn cropped_packs_draw_the_scene_as_whole_ones_do() {
 }
 
 #[test]
-fn what_packs_were_not_made_for_is_left_out_of_comparisons() {
+fn comparisons_leave_out_directions_outside_the_domain_of_packs() {
     let Some(gpu) = crate::common::gpu() else { return };
     let source = source();
     let (_, cropped) = &packs()[2];

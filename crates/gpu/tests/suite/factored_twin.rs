@@ -1,4 +1,4 @@
-//! The shader of factored flat BTFs against the CPU decoder, on whatever adapter there is.
+//! The shader of factored flat BTFs, compared with the CPU decoder on any adapter.
 
 use brdfc_formats::bindings::{Binding, FrameBlock};
 use brdfc_formats::direction::from_polar;
@@ -31,7 +31,7 @@ fn compute(at: u32) {
 }
 ";
 
-/// Where, how coarsely, in which view and light.
+/// Place, level, view and light.
 type Query = ([f32; 2], f32, BlendedDirection, BlendedDirection);
 
 fn queries(sizes: Sizes, count: usize) -> Vec<Query> {
@@ -52,7 +52,7 @@ fn queries(sizes: Sizes, count: usize) -> Vec<Query> {
                 let samples = weights(&mut numbers, count);
                 BlendedDirection { direction: direction(&mut numbers), samples }
             });
-            // Some pairs are mirrored, some opposite to each other.
+            // Some pairs are mirrored, some are opposite to each other.
             let light = match numbers.bits() % 8 {
                 0 => BlendedDirection { direction: mirrored(view.direction), ..light },
                 1 => BlendedDirection { direction: view.direction.map(|c| -c), ..light },
@@ -73,7 +73,7 @@ fn mirrored([x, y, z]: [f32; 3]) -> [f32; 3] {
 }
 
 fn shader(decoder: &str) -> String {
-    // Nothing that is bound for the indirection is used.
+    // The bindings of the indirection are not used.
     format!("{FLAT_BTF_WGSL}\n{decoder}\n{ENTRY}")
 }
 
@@ -126,7 +126,7 @@ fn manual_filtering_gives_the_bits_of_the_cpu_decoder() {
     }
 }
 
-/// One component of lightness, so that what the sampler makes of weights and shadows is seen apart.
+/// One component of lightness, to separate the sampler's errors of weights and shadows.
 fn grey(size: u32, levels: u32, weight: impl Fn(u32) -> u8, shadow: impl Fn(u32) -> u8) -> FactoredFlatBtf {
     let of = factored(SMALL, Factors { levels: 1, groups: 1, wide_groups: 1, shadow: ShadowFormat::R8 }, 1);
     let header =
@@ -151,7 +151,7 @@ fn grey(size: u32, levels: u32, weight: impl Fn(u32) -> u8, shadow: impl Fn(u32)
 fn the_sampler_is_within_its_precision() {
     let Some(gpu) = crate::common::gpu() else { return };
     let byte = |k: u32| (k.wrapping_mul(0x9e37_79b9) >> 24) as u8;
-    // Lightness is 100 w at most, so that colours have a slope of 3 (100 / 116)² / 116 of it; three filters, one per axis.
+    // Lightness is at most 100 w, so colours have a slope of 3 (100 / 116)² / 116 of it; three filters, one per axis.
     let bound = 3.0 * FACTORED_FILTER_PRECISION;
     let slope = 3.0 * (100.0f32 / 116.0).powi(3);
     for (asset, bound) in [(grey(8, 4, byte, |_| 255), slope * bound), (grey(8, 4, |_| 255, byte), bound)] {
@@ -167,7 +167,7 @@ fn the_sampler_is_within_its_precision() {
     }
 }
 
-/// Small changes of the shader, each of which has to be seen in the queries.
+/// Small changes of the shader, each of which the queries must detect.
 const CHANGES: [(&str, &str); 35] = [
     ("1.0 / 116.0", "1.0 / 116.1"),
     ("1.0 / 500.0", "1.0 / 500.5"),
@@ -206,9 +206,9 @@ const CHANGES: [(&str, &str); 35] = [
     ("lights.weights.z * shadows.z", "lights.weights.z * shadows.y"),
 ];
 
-/// The negative control: every change above is noticed.
+/// The negative control: every change above is detected.
 #[test]
-fn a_changed_shader_is_noticed() {
+fn a_changed_shader_is_detected() {
     let Some(gpu) = crate::common::gpu() else { return };
     let noticed = |source: &str| {
         assets().into_iter().any(|(sizes, asset)| {

@@ -1,4 +1,4 @@
-//! The shader of flat BTFs against the CPU decoder, on whatever adapter there is.
+//! The shader of flat BTFs, compared with the CPU decoder on any adapter.
 
 use brdfc_formats::bindings::FrameBlock;
 use brdfc_formats::flat_btf::shader::{FLAT_BTF_FILTER_PRECISION, FLAT_BTF_WGSL};
@@ -44,7 +44,7 @@ fn queries(sizes: Sizes, count: usize, seed: u64) -> Vec<FlatBtfQuery> {
     views.into_iter().map(query).collect()
 }
 
-/// Numbers whose bits differ from the decoder's: indirection, full form, light form.
+/// Number of values whose bits differ from the decoder's: indirection, full form, light form.
 fn differences(decoder: &FlatBtfDecoder, queries: &[FlatBtfQuery], found: &[FlatBtfAnswer]) -> [usize; 3] {
     let mut counts = [0; 3];
     for (query, found) in queries.iter().zip(found) {
@@ -76,7 +76,7 @@ fn manual_filtering_gives_the_bits_of_the_cpu_decoder() {
     }
 }
 
-/// An asset with displacements, a block for each four texels of the reference plane.
+/// An asset with displacements, one block per four texels of the reference plane.
 fn compact(sizes: Sizes, seed: u64) -> FlatBtfDecoder {
     let indirection = flat_btf::displacements(sizes, sizes.reference / 2, seed).into();
     FlatBtfDecoder::new(FlatBtfParts { indirection, ..flat_btf::parts(sizes, seed) }).unwrap()
@@ -99,14 +99,15 @@ fn displacements_have_the_bits_of_the_cpu_decoder() {
         assert_eq!(differences(&decoder, &queries, &found), [0; 3], "{sizes:?}");
         assert!(differences(&decoder, &queries, &answers(&changed, FrameBlock::exact()))[0] > 5000);
     }
-    // One block has no neighbours on another side, where less than the precision would decide.
+    // A single block has no neighbours on another side, where errors below the precision would decide.
     let decoder = {
         let indirection = flat_btf::displacements(SMALL, 1, 4).into();
         FlatBtfDecoder::new(FlatBtfParts { indirection, ..flat_btf::parts(SMALL, 4) }).unwrap()
     };
     let queries = queries(SMALL, 5000, 5);
     let loaded = evaluator.load(&decoder, FrameBlock::default()).unwrap();
-    // Shares are at most 1 apart along both angles, each counted with at most a fifth of a tile and the largest tangent.
+    // Shares differ by at most 1 along both angles, each with a factor of at most a fifth of a tile and the largest
+    // tangent.
     let bound = 2.0 * 2.0 * FLAT_BTF_FILTER_PRECISION * 0.2 * (MAX_TANGENT + TANGENT_BIAS);
     for (query, answer) in queries.iter().zip(evaluator.eval(&loaded, &queries).unwrap()) {
         let expected = decoder.indirection(query.uv, query.view);
@@ -115,7 +116,7 @@ fn displacements_have_the_bits_of_the_cpu_decoder() {
     }
 }
 
-/// Largest differences of neighbouring samples in the map: along the polar angle and the azimuth, of the components.
+/// Largest differences of neighbouring samples in the map: along the polar angle and the azimuth, per component.
 fn steps(map: &IndirectionMap) -> [[f32; 4]; 2] {
     let header = map.header();
     let mut steps = [[0.0f32; 4]; 2];
@@ -137,7 +138,7 @@ fn steps(map: &IndirectionMap) -> [[f32; 4]; 2] {
     steps
 }
 
-/// A map whose directions turn slowly, so that their blend keeps its length.
+/// A map whose directions change slowly, so that their blend retains its length.
 fn smooth(sizes: Sizes) -> FlatBtfParts {
     let header = flat_btf::header(sizes);
     let indirection = IndirectionMap::from_displacements(header, |[i, j], k, a| {
@@ -194,7 +195,7 @@ fn the_sampler_is_within_its_precision() {
     }
 }
 
-/// All blocks but one hold the largest numbers: neither path shows any of them.
+/// All blocks except one hold the largest numbers, which neither path may show.
 #[test]
 fn neither_path_leaves_its_block() {
     let Some(gpu) = crate::common::gpu() else { return };
@@ -246,7 +247,7 @@ fn without_views_the_light_form_remains() {
     }
 }
 
-/// Constants of the shader and small changes of them, each of which has to be seen in the queries.
+/// Constants of the shader and small changes of them, each of which the queries must detect.
 const CHANGES: [(&str, &str); 22] = [
     ("FLAT_BTF_PI: f32 = 3.14159274", "FLAT_BTF_PI: f32 = 3.1416"),
     ("FLAT_BTF_HALF_PI: f32 = 1.57079637", "FLAT_BTF_HALF_PI: f32 = 1.5708"),
@@ -272,18 +273,18 @@ const CHANGES: [(&str, &str); 22] = [
     ("l < 3u", "l < 2u"),
 ];
 
-/// The negative control: every change above is noticed.
+/// The negative control: every change above is detected.
 #[test]
-fn a_changed_constant_is_noticed() {
+fn a_changed_constant_is_detected() {
     let Some(gpu) = crate::common::gpu() else { return };
-    assert!(!is_noticed(gpu, FLAT_BTF_WGSL));
+    assert!(!is_detected(gpu, FLAT_BTF_WGSL));
     for (from, to) in CHANGES {
         assert_eq!(FLAT_BTF_WGSL.matches(from).count(), 1, "{from}");
-        assert!(is_noticed(gpu, &FLAT_BTF_WGSL.replace(from, to)), "{from} -> {to}");
+        assert!(is_detected(gpu, &FLAT_BTF_WGSL.replace(from, to)), "{from} -> {to}");
     }
 }
 
-fn is_noticed(gpu: &Gpu, source: &str) -> bool {
+fn is_detected(gpu: &Gpu, source: &str) -> bool {
     let evaluator = FlatBtfEvaluator::with_shader(gpu, source).unwrap();
     for sizes in ASSETS {
         let decoder = FlatBtfDecoder::new(flat_btf::parts(sizes, 3)).unwrap();

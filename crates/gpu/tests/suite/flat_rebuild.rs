@@ -1,4 +1,4 @@
-//! What the study of flat BTFs calls rebuilt is what the packs give: the stored map and the packed values.
+//! The rebuilt values of the study of flat BTFs are those of the packs: the stored map and the packed values.
 
 use crate::common::flat;
 use brdfc_flat_btf::rebuild::{ViewImage, looked_up, stored_parameters};
@@ -27,7 +27,7 @@ fn rebuilt_images_are_those_of_the_decoder() {
                 assert!((value[channel] - expected[channel]).abs() < 1e-5, "{view} {texel}: {value:?} {expected:?}");
             }
         }
-        // The control: rays of the view itself, or a map without displacements, see something else where views are slanted.
+        // The control: rays of the view itself, or a map without displacements, hit other points in oblique views.
         let exact = ViewImage::new(&model, *direction, 24, 1).rebuilt(&image);
         let unmoved = looked_up(&image, &stored_parameters(&still, *direction));
         let off = |image: &[[f32; 3]]| {

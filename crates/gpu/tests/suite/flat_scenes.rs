@@ -1,4 +1,4 @@
-//! Flat BTFs on scenes: the shader against the CPU, and both against the displaced surface itself.
+//! Flat BTFs on scenes: the shader compared with the CPU, and both with the displaced surface itself.
 
 use crate::common::flat::{parts, structure, with_displacements};
 use brdfc_core::address::parse_synth;
@@ -47,12 +47,13 @@ fn difference(a: &LinearImage, b: &LinearImage) -> (f64, f64) {
     (count as f64 / a.pixels.len() as f64, compare_images(a, b, exposure).delta_e.mean)
 }
 
-/// Outlines, and borders of what is not filtered, where a sample may fall on either side.
+/// Checks that images agree except at outlines, and at borders of unfiltered values, where a sample may fall on either
+/// side.
 fn same(a: &LinearImage, b: &LinearImage, what: &str) {
     alike(a, b, what, [0.01, 0.05]);
 }
 
-/// The same with bounds of its own: share of pixels, and mean ΔE.
+/// The same check with its own bounds: share of pixels, and mean ΔE.
 fn alike(a: &LinearImage, b: &LinearImage, what: &str, [most_pixels, most_mean]: [f64; 2]) {
     let (share, mean) = difference(a, b);
     println!("{what}: {share} of the pixels, mean ΔE {mean}");
@@ -81,7 +82,7 @@ static SMALLER: LazyLock<FlatBtfParts> = LazyLock::new(|| {
     }
 });
 
-/// The terrain shows texels far away; the plane shows what takes few bytes beside what takes many.
+/// The terrain shows texels far away. The plane compares the small form with the large one.
 #[test]
 fn shader_and_cpu_draw_the_same_renderings_of_factors() {
     let Some(gpu) = crate::common::gpu() else { return };
@@ -90,7 +91,7 @@ fn shader_and_cpu_draw_the_same_renderings_of_factors() {
         let scene = builtin.scene();
         let shader = draw_flat_btf(gpu, &scene, FRAME, &few, FlatForm::Full).unwrap();
         let pack = draw_on_cpu(&scene, FRAME, &few, FlatForm::Full);
-        // Mipmap levels follow from neighbours in the shader, from the triangle's plane on the CPU.
+        // The shader derives mipmap levels from neighbouring pixels, the CPU from the triangle's plane.
         alike(&shader, &pack, builtin.name(), [0.02, 0.2]);
     }
     let scene = Builtin::Plane.scene();
@@ -98,11 +99,11 @@ fn shader_and_cpu_draw_the_same_renderings_of_factors() {
     let (_, mean) = difference(&few, &many);
     let errors = SMALLER.values.factored().unwrap().header().errors;
     println!("factors against views: mean ΔE {mean}, at sampled directions {errors:?}");
-    // Between these few directions the views blend what the base keeps apart.
+    // Between these few directions the views blend what the base separates.
     assert!((0.01..20.0).contains(&mean), "{mean}");
-    // The mask has all texels seen, those that were filled in, too.
+    // In the mask all texels are visible, including filled ones.
     assert!(errors.texels > 100 && errors.seen_mean < 4.0, "{errors:?}");
-    // Far away a texel stands for many.
+    // Far away a texel represents many.
     let finest = FlatBtfParts { values: without_mipmaps(&SMALLER.values), ..SMALLER.clone() };
     let scene = Builtin::Terrain.scene();
     let drawn = |parts: &FlatBtfParts| {
@@ -134,7 +135,7 @@ fn without_mipmaps(values: &FlatValues) -> FlatValues {
 fn shader_and_cpu_draw_the_same_renderings() {
     let Some(gpu) = crate::common::gpu() else { return };
     let material = material(&STUD);
-    // The table has bump maps: they are for BRDFs.
+    // The table has bump maps, which apply only to BRDFs.
     for builtin in [Builtin::Plane, Builtin::Vase, Builtin::Table] {
         let scene = builtin.scene();
         for form in [FlatForm::Full, FlatForm::Light] {
@@ -148,7 +149,7 @@ fn shader_and_cpu_draw_the_same_renderings() {
 
 type Change = fn(&mut Scene);
 
-/// The controls: what a twin could forget is seen.
+/// The controls: changes that one twin could ignore are detected.
 #[test]
 fn a_change_of_the_scene_or_of_the_shader_is_a_difference() {
     let Some(gpu) = crate::common::gpu() else { return };
@@ -192,7 +193,7 @@ fn a_change_of_the_scene_or_of_the_shader_is_a_difference() {
 fn parallax_is_that_of_the_displaced_surface() {
     let (model, appearance) = structure(BUTTON, None);
     let mut scene = Builtin::Plane.scene();
-    // At the one sampled direction, far away: only views are blended.
+    // At the one sampled direction, far away, so that only views are blended.
     let light = DirectionSet::new("light", vec![[50.0, 135.0]]).unwrap();
     let towards = light.directions()[0];
     let position = add_scaled([0.0; 3], 100.0, [towards[0], towards[2], -towards[1]]);
@@ -200,7 +201,7 @@ fn parallax_is_that_of_the_displaced_surface() {
     let reference = reference_plane(&scene, FRAME, &model, &appearance, REPEAT);
     let header = IndirectionHeader { size: 48, ..HEADER };
     let made = parts(&model, &appearance, 128, header, [&DirectionSet::ubo2003(), &light]);
-    // The controls: no parallax, and parallax the wrong way around.
+    // The controls: no parallax, and inverted parallax.
     let materials = [1.0, 0.0, -1.0].map(|factor| material(&with_displacements(&made, factor)));
     let check = |what: &str, draw: &dyn Fn(&FlatMaterial) -> LinearImage| {
         let [right, none, wrong] = materials.each_ref().map(|material| {
@@ -209,7 +210,7 @@ fn parallax_is_that_of_the_displaced_surface() {
             assert!(edge < 30, "{what}: {edge} pixels of the edge");
             compare_images(&image, &reference, auto_exposure(&reference)).delta_e.mean
         });
-        println!("{what}: mean ΔE {right}, {none} without parallax, {wrong} the wrong way around");
+        println!("{what}: mean ΔE {right}, {none} without parallax, {wrong} inverted");
         assert!(right < 4.0 && none > 4.0 * right && wrong > 4.0 * right, "{what}: {right} {none} {wrong}");
     };
     check("CPU", &|material| draw_on_cpu(&scene, FRAME, material, FlatForm::Full));
@@ -218,7 +219,8 @@ fn parallax_is_that_of_the_displaced_surface() {
     }
 }
 
-/// Two materials: matte, which both forms hold exactly, and a broad gloss, which sampled directions nearly hold.
+/// Two materials: a matte one, which both forms represent exactly, and a broad gloss, which sampled directions
+/// represent approximately.
 #[test]
 fn a_flat_structure_looks_like_its_brdf() {
     let directions = DirectionSet::grid(9, 24, 80.0).unwrap();
@@ -229,7 +231,7 @@ fn a_flat_structure_looks_like_its_brdf() {
     ] {
         let (model, appearance) = structure("button?resolution=16&height=0&count=1", Some(address));
         let mut made = parts(&model, &appearance, 4, header, [&directions; 2]);
-        // Tints of the structure vary over the tile: one material everywhere is wanted here.
+        // The structure's tints vary over the tile; this test needs one material everywhere.
         untint(&mut made, &appearance, &directions);
         let material = material(&made);
         let source = parse_synth(address).unwrap();
@@ -272,9 +274,9 @@ fn untint(parts: &mut FlatBtfParts, appearance: &brdfc_flat_btf::surface::Appear
     parts.normal = NormalMap::new(parts.normal.size(), vec![[0.0, 0.0, 1.0]; texels]).unwrap();
 }
 
-/// Sides are tested where they are found; layers are as few as WebGPU promises on every adapter.
+/// Sides are tested in the unit tests of the textures. Here the number of layers is the minimum that WebGPU guarantees.
 #[test]
-fn what_is_too_large_says_what_to_do() {
+fn errors_of_large_assets_have_advice() {
     let Some(gpu) = crate::common::gpu() else { return };
     let mut large = STUD.clone();
     let directions = DirectionSet::grid(4, 100, 60.0).unwrap();

@@ -1,4 +1,4 @@
-//! The shader of importance samples against the CPU look-up, on whatever adapter there is.
+//! The shader of importance samples, compared with the CPU look-up on any adapter.
 
 use brdfc_formats::bindings::FrameBlock;
 use brdfc_formats::importance::{IMPORTANCE_WGSL, ImportanceHeader, ImportancePack};
@@ -23,7 +23,7 @@ const HEADERS: [ImportanceHeader; 3] = [
     ImportanceHeader { polar: 32, azimuths: 16, samples: 33 },
 ];
 
-/// A pack of any half vectors.
+/// A pack of random half vectors.
 fn pack(header: ImportanceHeader, seed: u64) -> ImportancePack {
     let mut numbers = Numbers::new(seed);
     let texels = (0..header.rows() * header.samples)
@@ -35,7 +35,8 @@ fn pack(header: ImportanceHeader, seed: u64) -> ImportancePack {
     ImportancePack::new(header, texels).unwrap()
 }
 
-/// Random directions, directions on the axes and diagonals, at the pole, below the horizon; indices beyond the samples.
+/// Random directions, and directions on the axes and diagonals, at the pole, and below the horizon; indices beyond the
+/// samples.
 fn inputs(count: usize, seed: u64) -> Vec<f32> {
     let mut numbers = Numbers::new(seed);
     let fixed = [
@@ -57,13 +58,13 @@ fn inputs(count: usize, seed: u64) -> Vec<f32> {
     for k in 0..count {
         let outgoing = if k < fixed.len() { fixed[k] } else { unit_vector(&mut numbers) };
         all.extend(outgoing);
-        // Small numbers as bits are subnormal, which a device may flush: keep them above.
+        // The bits of small integers are subnormal floats, which a device may flush to zero; avoid them.
         all.push(f32::from_bits(0x0100_0000 + numbers.bits() % 0x100_0000));
     }
     all
 }
 
-/// Numbers whose bits differ: of directions, and of inverse densities.
+/// Number of values whose bits differ: directions and inverse densities.
 fn differences(gpu: &Gpu, source: &str, pack: &ImportancePack, inputs: &[f32]) -> [usize; 2] {
     let compute =
         Compute::new(gpu, &format!("{source}\n{ENTRY}"), &pack.bindings().all, FrameBlock::default()).unwrap();
@@ -89,7 +90,7 @@ fn the_shader_gives_the_bits_of_the_cpu() {
     }
 }
 
-/// Lines of the shader and small changes of them, each of which has to be seen.
+/// Lines of the shader and small changes of them, each of which must be detected.
 const CHANGES: [(&str, &str); 21] = [
     ("index % importance_parameters.samples", "min(index, importance_parameters.samples - 1u)"),
     ("importance_row(outgoing));", "0u);"),
@@ -117,9 +118,9 @@ const CHANGES: [(&str, &str); 21] = [
     ("polar * importance_parameters.azimuths + azimuth", "azimuth * importance_parameters.polar + polar"),
 ];
 
-/// The negative control: every change above is noticed.
+/// The negative control: every change above is detected.
 #[test]
-fn a_changed_line_is_noticed() {
+fn a_changed_line_is_detected() {
     let Some(gpu) = crate::common::gpu() else { return };
     let packs: Vec<_> = HEADERS.into_iter().map(|header| pack(header, 3)).collect();
     let inputs = inputs(3000, 4);

@@ -1,4 +1,4 @@
-//! Shaders against their twins, and renderings against the reference renderer.
+//! Shaders compared with their CPU twins, and renderings compared with the reference renderer.
 
 mod adaptive_twin;
 mod bandwidth_twin;

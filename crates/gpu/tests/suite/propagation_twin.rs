@@ -1,4 +1,4 @@
-//! The shader of bandwidth propagation against its CPU twin, on whatever adapter there is.
+//! The shader of bandwidth propagation, compared with its CPU twin on any adapter.
 
 use brdfc_formats::bandwidth::propagation::{
     Bandwidth, BandwidthAverage, BandwidthSurface, DirectedLight, PROPAGATION_WGSL, VarianceEstimate,
@@ -9,10 +9,10 @@ use brdfc_gpu::Gpu;
 use brdfc_probe::Compute;
 use brdfc_testing::packs::Numbers;
 
-/// A pixel with two incident directions: numbers in and numbers out.
+/// Numbers of input and output for a pixel with two incident directions.
 const IN: usize = 26;
 const OUT: usize = 13;
-/// Of the numbers that come out, the variance of two sums that were joined.
+/// Index in the output of the variance of two joined sums.
 const JOINED: usize = 12;
 
 const ENTRY: &str = "
@@ -119,7 +119,7 @@ fn inputs(count: usize, seed: u64) -> Vec<f32> {
             all.extend([any(-3.0, 0.0, true), any(-12.0, 0.0, true), any(-6.0, 8.0, true)]);
             all.extend([any(-4.0, 20.0, true), any(-6.0, 30.0, true), any(-20.0, 44.0, true)]);
         }
-        // Seen from close by in half of them, so that pixels are not all at the limit.
+        // Half of them are seen from close by, so that not all pixels are at the limit.
         all.push(any(-8.0, 4.0, true) * (numbers.bits() % 2) as f32);
         let mut any = |low: f64, high: f64| numbers.between(low, high).exp2() as f32;
         all.extend([any(-12.0, 1.0), any(-12.0, 1.0), any(4.0, 11.0).ceil(), any(4.0, 11.0).ceil()]);
@@ -134,14 +134,14 @@ fn inputs(count: usize, seed: u64) -> Vec<f32> {
     all
 }
 
-/// Numbers whose bits differ, of each kind.
+/// Number of values whose bits differ, per kind.
 fn differences(gpu: &Gpu, source: &str, inputs: &[f32]) -> [usize; OUT] {
     let compute = Compute::new(gpu, &format!("{source}\n{ENTRY}"), &[], FrameBlock::default()).unwrap();
     let found = compute.run(inputs, IN, OUT).unwrap();
     let mut counts = [0; OUT];
     for (words, found) in inputs.chunks_exact(IN).zip(found.chunks_exact(OUT)) {
         for (at, (count, (a, b))) in counts.iter_mut().zip(expected(words).iter().zip(found)).enumerate() {
-            // A driver may add up what is joined in another order.
+            // A driver may join sums in another order.
             let allowed = if at == JOINED { 4 } else { 0 };
             *count += usize::from(a.to_bits().abs_diff(b.to_bits()) > allowed);
         }
@@ -154,7 +154,7 @@ fn the_shader_gives_the_bits_of_the_cpu() {
     let Some(gpu) = crate::common::gpu() else { return };
     let inputs = inputs(20_000, 1);
     assert_eq!(differences(gpu, PROPAGATION_WGSL, &inputs), [0; OUT]);
-    // The inputs are not all of one kind.
+    // The inputs cover all kinds.
     let answers: Vec<_> = inputs.chunks_exact(IN).map(expected).collect();
     for level in -3..=9 {
         assert!(answers.iter().any(|a| a[7] == level as f32), "level {level}");
@@ -164,7 +164,7 @@ fn the_shader_gives_the_bits_of_the_cpu() {
     assert!(answers.iter().flatten().all(|number| number.is_finite()));
 }
 
-/// Lines of the shader and small changes of them, each of which has to be seen in the inputs.
+/// Lines of the shader and small changes of them, each of which the inputs must detect.
 const CHANGES: [(&str, &str); 46] = [
     ("BANDWIDTH_UNLIMITED: f32 = 1e9", "BANDWIDTH_UNLIMITED: f32 = 1.001e9"),
     ("BANDWIDTH_SMALLEST_COSINE: f32 = 0.0009765625", "BANDWIDTH_SMALLEST_COSINE: f32 = 0.00098"),
@@ -217,9 +217,9 @@ const CHANGES: [(&str, &str); 46] = [
     ("ceil(bandwidth_limited(scale * demand))", "floor(bandwidth_limited(scale * demand))"),
 ];
 
-/// The negative control: every change above is noticed, and changes nothing but one place.
+/// The negative control: every change above is detected, and changes exactly one place.
 #[test]
-fn a_changed_line_is_noticed() {
+fn a_changed_line_is_detected() {
     let Some(gpu) = crate::common::gpu() else { return };
     let inputs = inputs(5000, 2);
     for (from, to) in CHANGES {

@@ -1,4 +1,4 @@
-//! Polynomial wavelet trees on scenes: the shader against the CPU, and the CPU against the renderings that were encoded.
+//! Polynomial wavelet trees on scenes: the shader compared with the CPU, and the CPU with the encoded photographs.
 
 use brdfc_formats::bindings::FrameBlock;
 use brdfc_formats::pwt::{PwtDecoder, PwtPack};
@@ -91,9 +91,9 @@ fn a_pack_looks_like_the_photograph_of_its_light() {
     }
 }
 
-/// The negative control: a level that is off by one is seen.
+/// The negative control: a level that is off by one is detected.
 #[test]
-fn another_level_is_noticed() {
+fn another_level_is_detected() {
     let Some(gpu) = crate::common::gpu() else { return };
     let (material, [_, scene, _]) = (material(), scenes());
     let source = pwt_scene_source();

@@ -1,4 +1,4 @@
-//! The shader of polynomial wavelet trees against the CPU decoder, on whatever adapter there is.
+//! The shader of polynomial wavelet trees, compared with the CPU decoder on any adapter.
 
 use brdfc_formats::bindings::FrameBlock;
 use brdfc_formats::pwt::shader::{PWT_FILTER_PRECISION, PWT_WGSL};
@@ -10,10 +10,10 @@ use brdfc_testing::packs::Numbers;
 
 const DOMAINS: [Domain; 4] = [Domain::Linear, Domain::Display, Domain::CubeRoot, Domain::Logarithm { epsilon: 0.0123 }];
 
-/// Relative error that linear values may have: `pow` and `exp` of a shader are not those of the CPU.
+/// Maximum relative error of linear values: `pow` and `exp` of a shader differ from the CPU's.
 const VALUE_ERROR: f32 = 1e-4;
 
-/// What a made-up pack is like.
+/// Shape of a made-up pack.
 #[derive(Debug, Clone, Copy)]
 struct Shape {
     size: [u32; 2],
@@ -25,7 +25,7 @@ struct Shape {
 }
 
 const SHAPES: [Shape; 3] = [
-    // A tile of all four textures.
+    // A tile with all four textures.
     Shape {
         size: [64, 32],
         extent: [64, 32],
@@ -33,7 +33,7 @@ const SHAPES: [Shape; 3] = [
         repeats: true,
         textures: &[[0, 4, 3], [1, 2, 4], [3, 1, 5], [4, 4, 2]],
     },
-    // A rendering that its texels go beyond; the first texture lacks fine levels.
+    // An image smaller than its texels' extent; the first texture lacks fine levels.
     Shape { size: [37, 61], extent: [40, 64], levels: 3, repeats: false, textures: &[[1, 4, 6], [3, 1, 3]] },
     // One level, one layer.
     Shape { size: [13, 7], extent: [13, 7], levels: 0, repeats: false, textures: &[[0, 4, 1]] },
@@ -82,7 +82,7 @@ fn pack(shape: Shape, basis: LightBasis, domain: Domain, seed: u64) -> PwtPack {
     PwtPack::new(header, texels).unwrap()
 }
 
-/// Every coordinate with every domain; degree 5 and others; the shapes in turn.
+/// Every coordinate with every domain; degree 5 and others; alternating shapes.
 fn packs() -> Vec<PwtDecoder> {
     let mut packs = Vec::new();
     for coordinates in LightCoordinates::ALL {
@@ -102,7 +102,7 @@ fn light(numbers: &mut Numbers) -> [f32; 3] {
     [r * phi.cos(), r * phi.sin(), z].map(|c| c as f32)
 }
 
-/// Places of one level: within the rendering, beyond it, and on its borders.
+/// Places of one level: within the image, beyond it, and on its borders.
 fn queries(level: f32, count: usize, seed: u64) -> Vec<PwtQuery> {
     let mut numbers = Numbers::new(seed);
     let edges = [0.0, 1.0, -1.0, 0.5, -1e-9, 0.999_999_94, 37.25];
@@ -119,11 +119,10 @@ fn queries(level: f32, count: usize, seed: u64) -> Vec<PwtQuery> {
     (0..count).map(query).collect()
 }
 
-/// Levels to look at: whole ones, blends, and beyond both ends.
+/// Levels to evaluate: whole ones, blends, and beyond both ends.
 const LEVELS: [f32; 10] = [0.0, 0.25, 1.0, 1.5, 2.0, 2.75, 3.0, 3.4, 4.0, 9.0];
 
-/// Answers at all levels, each in a dispatch of its own: what a driver makes of levels that differ between invocations
-/// is another test.
+/// Answers at all levels, each in its own dispatch. Another test covers levels that differ between invocations.
 fn answers(
     evaluator: &PwtEvaluator<'_>,
     decoder: &PwtDecoder,
@@ -140,12 +139,12 @@ fn answers(
     LEVELS.iter().enumerate().flat_map(of_level).collect()
 }
 
-/// How far answers are from the decoder's.
+/// Differences between answers and the decoder's.
 #[derive(Debug, Default, Clone, Copy)]
 struct Difference {
-    /// Channels whose bits differ.
+    /// Number of channels whose bits differ.
     other_bits: usize,
-    /// Largest relative error of a linear value; what is below 1e-3 counts as that.
+    /// Largest relative error of a linear value; values below 1e-3 count as 1e-3.
     value: f32,
 }
 
@@ -183,7 +182,7 @@ fn exact_filtering_gives_the_channels_of_the_cpu_decoder() {
     }
 }
 
-/// How far the sampler may take each channel: of each number its weight, times the precision along both axes, and
+/// Error bound of the sampler for each channel: the weight of each number, times the precision along both axes, and
 /// between levels. Neighbouring texels differ by up to 1.
 fn filter_bound(decoder: &PwtDecoder, query: &PwtQuery) -> [f32; 3] {
     let header = decoder.pack().header();
@@ -196,7 +195,7 @@ fn filter_bound(decoder: &PwtDecoder, query: &PwtQuery) -> [f32; 3] {
     bounds
 }
 
-/// The largest share of its bound that a channel is off.
+/// The largest error of a channel, as a share of its bound.
 fn share_of_bound(decoder: &PwtDecoder, answers: &[(PwtQuery, PwtAnswer)]) -> f32 {
     let mut largest = 0.0f32;
     for (query, answer) in answers {
@@ -223,8 +222,8 @@ fn the_sampler_is_within_its_precision() {
     }
 }
 
-/// Levels that differ from one invocation to the next. Software drivers have been seen to fetch from other levels than
-/// `textureLoad` asks for there; with sides that halve exactly they do not.
+/// Levels that differ from one invocation to the next. Software drivers have been observed to fetch from other levels
+/// than requested by `textureLoad` in this case. They do not if sides halve exactly.
 #[test]
 fn levels_may_differ_between_invocations() {
     let Some(gpu) = crate::common::gpu() else { return };
@@ -244,12 +243,12 @@ fn levels_may_differ_between_invocations() {
     }
 }
 
-/// Fetches are counted by a counter that is put before every fetch.
+/// Counts fetches by an instrumented shader, with a counter before every fetch.
 #[test]
 fn the_sampler_fetches_once_per_layer() {
     let Some(gpu) = crate::common::gpu() else { return };
     let counted = PWT_WGSL.replace("{ return texture", "{ fetch_count += 1u; return texture");
-    assert_eq!(counted.matches("fetch_count").count(), 8, "four textures, two ways");
+    assert_eq!(counted.matches("fetch_count").count(), 8, "four textures, two filters");
     assert_eq!(PWT_WGSL.matches("textureLoad(").count() + PWT_WGSL.matches("textureSampleLevel(").count(), 8);
     let counted = format!("var<private> fetch_count: u32 = 0u;\n{counted}");
     let entry_point = EVALUATE_PWT_WGSL.replace("return 0.0;", "return f32(fetch_count);");
@@ -269,7 +268,7 @@ fn the_sampler_fetches_once_per_layer() {
     }
 }
 
-/// Steps of the shader and small changes of them, each of which has to be seen in one of the packs.
+/// Steps of the shader and small changes of them, each of which one of the packs must detect.
 const CHANGES: [(usize, &str, &str); 22] = [
     (0, "if wi.z <= 0.0 {", "if wi.z <= -1.0 {"),
     (10, "select(n * (n + 1u) / 2u, n * n,", "select(n * (n + 1u) / 2u, n * n - 1u,"),
@@ -295,9 +294,9 @@ const CHANGES: [(usize, &str, &str); 22] = [
     (3, "- pwt.epsilon;", "- 1.01 * pwt.epsilon;"),
 ];
 
-/// The negative control: every change above is noticed.
+/// The negative control: every change above is detected.
 #[test]
-fn a_changed_step_is_noticed() {
+fn a_changed_step_is_detected() {
     let Some(gpu) = crate::common::gpu() else { return };
     let packs = packs();
     let missed = CHANGES.iter().filter(|(pack, from, to)| {

@@ -1,4 +1,4 @@
-//! The rasteriser against the CPU's ray caster: the same scenes, the same packs, the same renderings.
+//! The rasteriser compared with the CPU's ray caster: the same scenes and packs give the same renderings.
 
 use brdfc_core::address::parse_synth;
 use brdfc_formats::BrdfPack;
@@ -39,7 +39,7 @@ fn by_cpu(scene: &Scene, pack: &BrdfPack, decoding: Decoding, frame: Frame) -> L
     shade(scene, frame, &trace(scene, frame), &materials)
 }
 
-/// Share of pixels that differ by more than a thousandth of white, and mean ΔE of those that both cover alike.
+/// Share of pixels that differ by more than a thousandth of white, and mean ΔE of those with equal coverage.
 fn difference(a: &LinearImage, b: &LinearImage) -> (f64, f64) {
     let exposure = auto_exposure(b);
     let differs = |(a, b): (&[f32; 3], &[f32; 3])| (0..3).any(|k| f64::from((a[k] - b[k]).abs()) * exposure > 1e-3);
@@ -64,7 +64,8 @@ fn shader_and_cpu_draw_the_same_renderings() {
             let shader = by_shader(gpu, &scene, &pack, decoding, FRAME);
             let cpu = by_cpu(&scene, &pack, decoding, FRAME);
             let (share, mean) = difference(&shader, &cpu);
-            // Outlines, where a sample may fall on either side; with nearest inner cells, borders of cells.
+            // Differences at outlines, where a sample may fall on either side, and at borders of cells with nearest
+            // inner cells.
             assert!(share < 0.015 && mean < 0.05, "{name}, {filter:?}: {share} of the pixels, mean ΔE {mean}");
             let covered = shader.coverage.iter().zip(&cpu.coverage).filter(|(a, b)| a != b).count();
             assert!(covered < FRAME.width * FRAME.height / 100, "{name}: {covered} outlines");
@@ -74,7 +75,7 @@ fn shader_and_cpu_draw_the_same_renderings() {
 
 type Change = fn(&mut Scene);
 
-/// The controls: what a twin could forget is seen.
+/// The controls: changes that one twin could ignore are detected.
 #[test]
 fn a_change_of_the_scene_is_a_difference() {
     let Some(gpu) = crate::common::gpu() else { return };
@@ -131,7 +132,7 @@ fn any_number_of_lights() {
     assert!(share < 0.015 && mean < 0.05, "{share} {mean}");
 }
 
-/// A white furnace has no point lights; a matte ball has a known radiance all the same.
+/// A white furnace has no point lights, but a matte ball still has a known radiance.
 #[test]
 fn a_matte_ball_has_the_radiance_of_equation_1() {
     let Some(gpu) = crate::common::gpu() else { return };
@@ -148,7 +149,7 @@ fn a_matte_ball_has_the_radiance_of_equation_1() {
     assert!((found / expected - 1.0).abs() < 5e-3, "{found} {expected}");
 }
 
-/// An image that is not a multiple of the alignment of rows, and in more than one band.
+/// An image whose size is not a multiple of the alignment of rows, in more than one band.
 #[test]
 fn odd_sizes_are_read_back_whole() {
     let Some(gpu) = crate::common::gpu() else { return };
@@ -165,7 +166,7 @@ fn odd_sizes_are_read_back_whole() {
 }
 
 #[test]
-fn views_say_where_an_error_comes_from() {
+fn views_separate_sources_of_error() {
     let Some(gpu) = crate::common::gpu() else { return };
     let source = parse_synth("synth:ward?kd=0.3,0.1,0.05&ks=0.1&ax=0.2&ay=0.5").unwrap();
     let recipe = Recipe { measure_off_grid: false, ..Recipe::default() };

@@ -1,4 +1,4 @@
-//! The shipped shader against the CPU decoder, on whatever adapter there is.
+//! The shipped shader, compared with the CPU decoder on any adapter.
 
 use brdfc_formats::BrdfPack;
 use brdfc_formats::crop::{Crop, DirectionRange, Window};
@@ -29,14 +29,14 @@ fn all_kinds_of_pairs(count: usize, seed: u64) -> Vec<DirectionPair> {
     all
 }
 
-/// The bound on `f_r` after equal log values: WGSL asks for `exp` within `3 + 2 |v|` units in the last place; product and
-/// difference add one each. In 1/sr.
+/// The bound on `f_r` after equal log values: WGSL requires `exp` to be within `3 + 2 |v|` units in the last place;
+/// product and difference add one each. In 1/sr.
 fn exponential_bound(pack: &WaveletPack, log_value: f32) -> f64 {
     let v = f64::from(log_value);
     f64::from(pack.header.mean) * (v.exp() + f64::from(pack.header.bias)) * (5.0 + 2.0 * v.abs()) * 2f64.powi(-23)
 }
 
-/// The bound on the log value of hardware filtering: every coefficient of a path may be off by the filter's precision
+/// The bound on the log value with hardware filtering: every coefficient of a path may be off by the filter's precision
 /// of its range.
 fn filter_bound(pack: &WaveletPack) -> f64 {
     let n = pack.header.levels;
@@ -50,14 +50,14 @@ fn filter_bound(pack: &WaveletPack) -> f64 {
         let first = 1usize << (2 * j);
         bound += (range(first..2 * first) + 2f64.sqrt() * range(2 * first..4 * first)) / f64::from(1 << (n - j));
     }
-    // Rounding of sums on top.
+    // Additional rounding of sums.
     precision * bound + 2e-5
 }
 
 struct Differences {
-    /// Log values whose bits differ.
+    /// Number of log values whose bits differ.
     bits: usize,
-    /// Values of `f_r` beyond the bound of the exponential.
+    /// Number of values of `f_r` beyond the bound of the exponential.
     values: usize,
 }
 
@@ -95,7 +95,7 @@ fn manual_filtering_gives_the_bits_of_the_cpu_decoder() {
     let pairs = all_kinds_of_pairs(700, 3);
     let mut compared = 0;
     for (name, pack) in
-        packs().into_iter().filter(|(name, _)| name.starts_with("lifted")).chain(packs().into_iter().step_by(5))
+        packs().into_iter().filter(|(name, _)| name.starts_with("energy-")).chain(packs().into_iter().step_by(5))
     {
         let decoder = WaveletDecoder::new(&pack);
         let finest = pack.header.levels as f32;
@@ -115,7 +115,7 @@ fn manual_filtering_gives_the_bits_of_the_cpu_decoder() {
 }
 
 #[test]
-fn absurd_scales_are_cut_off_as_on_the_cpu() {
+fn extreme_scales_are_clamped_as_on_the_cpu() {
     let Some(gpu) = crate::common::gpu() else { return };
     let evaluator = Evaluator::new(gpu).unwrap();
     let mut pack = pack(header(Parameterisation::TangentPole, 2, 3, 8), 4, 1);
@@ -143,7 +143,7 @@ fn hardware_filtering_is_within_its_precision() {
     let evaluator = Evaluator::new(gpu).unwrap();
     let pairs = all_kinds_of_pairs(2000, 4);
     for (name, pack) in
-        packs().into_iter().filter(|(name, _)| name.starts_with("lifted")).chain(packs().into_iter().step_by(5))
+        packs().into_iter().filter(|(name, _)| name.starts_with("energy-")).chain(packs().into_iter().step_by(5))
     {
         let decoder = WaveletDecoder::new(&pack);
         let bound = filter_bound(&pack);
@@ -162,7 +162,7 @@ fn hardware_filtering_is_within_its_precision() {
     }
 }
 
-/// A precision that is not reached would make the test above empty.
+/// Without any difference the test above would be meaningless.
 #[test]
 fn hardware_filtering_is_not_exact() {
     let Some(gpu) = crate::common::gpu() else { return };
@@ -190,13 +190,13 @@ fn the_level_follows_the_distance() {
         let found = evaluator.eval(&loaded, &pairs, -distance, SliceFilter::Exact).unwrap();
         for (pair, found) in pairs.iter().zip(&found) {
             let expected = decoder.log_value(*pair, level, Filter::Bilinear);
-            // The logarithm of a driver is good to about 1e-6 of a level.
+            // The logarithm of a driver is accurate to about 1e-6 of a level.
             assert!((expected[1] - found.log_value[1]).abs() < 2e-5, "{distance}: {expected:?} {found:?}");
         }
     }
 }
 
-/// Fetches are counted by a counter that is put before every line that fetches.
+/// Counts fetches by an instrumented shader, with a counter before every line that fetches.
 #[test]
 fn a_reconstruction_costs_four_fetches_per_level_and_one() {
     let Some(gpu) = crate::common::gpu() else { return };
@@ -214,7 +214,7 @@ fn a_reconstruction_costs_four_fetches_per_level_and_one() {
         instrumented += "\n";
     }
     assert_eq!(counters, 3, "index, hardware and exact");
-    // The entry point evaluates twice: once for the log value, and that is what is counted.
+    // The entry point evaluates twice. The count is that of the first evaluation, for the log value.
     let counted = "        log_value = log_value_of(wi, wo, level, hardware);";
     let entry = EVALUATE_WGSL
         .replace("return 0.0;", "return f32(log_fetches);")
@@ -225,7 +225,7 @@ fn a_reconstruction_costs_four_fetches_per_level_and_one() {
     let pairs = pairs(50, 6);
     let plain = [1, 3, 5].map(|levels| header(Parameterisation::HalfDifference, levels, 3, 8));
     for header in plain.into_iter().chain([lifted(3, 3, 8)]) {
-        let (levels, is_lifted) = (header.levels, header.lifted);
+        let (levels, is_preserving) = (header.levels, header.lifted);
         let pack = wavelet(&pack(header, 1 << levels, 3));
         for (filter, slices, reconstructions, texels) in [
             (Filter::Nearest, SliceFilter::Exact, 1, 1),
@@ -235,9 +235,9 @@ fn a_reconstruction_costs_four_fetches_per_level_and_one() {
             (Filter::Slices, SliceFilter::Exact, 1, 4),
             (Filter::Bilinear, SliceFilter::Exact, 4, 4),
         ] {
-            // Of lifted packs each outer cell is reconstructed by itself.
-            let outer = if is_lifted && filter != Filter::Nearest { 4 } else { 1 };
-            let (reconstructions, texels) = (reconstructions * outer, if is_lifted { 1 } else { texels });
+            // Energy-preserving packs reconstruct each outer cell separately.
+            let outer = if is_preserving && filter != Filter::Nearest { 4 } else { 1 };
+            let (reconstructions, texels) = (reconstructions * outer, if is_preserving { 1 } else { texels });
             let loaded = evaluator.load(&pack, filter).unwrap();
             for level in 0..=levels {
                 // An index look-up per detail, and a coefficient of 1 or 4 texels.
@@ -260,7 +260,7 @@ fn a_reconstruction_costs_four_fetches_per_level_and_one() {
     println!("32 x 32, nearest: {} fetches", 4 * 5 + 1);
 }
 
-/// Numbers in the code of the shader: their byte ranges.
+/// Byte ranges of the numbers in the shader's code.
 fn literals(source: &str) -> Vec<Range<usize>> {
     let mut found = Vec::new();
     let mut start = 0;
@@ -292,19 +292,19 @@ fn literals(source: &str) -> Vec<Range<usize>> {
     found
 }
 
-/// Changes that leave every value as it is, and why.
+/// Changes that do not affect any value, with the reason.
 const HARMLESS: [(&str, &str, &str); 8] = [
     ("let last = whole + select(", "1u", "one more level with weight 0; the count of fetches notices"),
     ("let cells = select(4u, ", "2u", "one more cell with weight 0; the count of fetches notices"),
     ("wavelet_brdf_sampler, at, ", "0.25", "there is one mip level"),
     ("let t = select(", "0.25", "only a zero vector has no angle"),
     ("wavelet_brdf_reconstruct(at, ", "2u", "one more cell with weight 0, which a tap of one cell has"),
-    ("wavelet_brdf_parameters.scaling_offset, ", "0.25", "no half of the scaling coefficient is asked for"),
-    ("let k = round(x * ", "1.4412523050000001e0", "the remainder is a little larger, and as good"),
-    ("let x = max(value, vec3<f32>(-", "8.6913e1", "as good as 0 below either"),
+    ("wavelet_brdf_parameters.scaling_offset, ", "0.25", "the half of the scaling coefficient is never requested"),
+    ("let k = round(x * ", "1.4412523050000001e0", "the remainder is a little larger, with the same accuracy"),
+    ("let x = max(value, vec3<f32>(-", "8.6913e1", "equivalent to 0 below either"),
 ];
 
-/// A number, changed a little.
+/// A number with a small change.
 fn changed(text: &str) -> String {
     match text.strip_suffix('u') {
         Some(integer) => format!("{}u", integer.parse::<u32>().unwrap() + 1),
@@ -317,10 +317,10 @@ fn changed(text: &str) -> String {
     }
 }
 
-/// The negative control: every number in the shader, changed a little, is noticed. One shader has all of these changes, of which a
-/// run chooses one; constants have shaders of their own.
+/// The negative control: a small change of any number in the shader is detected. One shader contains all of these
+/// changes, of which a run selects one. Constants have shaders of their own.
 #[test]
-fn a_changed_constant_is_noticed() {
+fn a_changed_constant_is_detected() {
     let Some(gpu) = crate::common::gpu() else { return };
     let found = literals(WAVELET_BRDF_WGSL);
     let before = |range: &Range<usize>| WAVELET_BRDF_WGSL[..range.start].rsplit('\n').next().unwrap();
@@ -333,18 +333,18 @@ fn a_changed_constant_is_noticed() {
         all.replace_range(range.clone(), &format!("select({text}, {}, change == {}u)", changed(text), k + 1));
     }
     let mut evaluator = Evaluator::with_shaders(gpu, &all, EVALUATE_WGSL).unwrap();
-    assert!(!is_noticed(&evaluator), "no change is in force");
+    assert!(!is_detected(&evaluator), "no change is active");
     let mut missed = Vec::new();
     for (k, range) in found.iter().enumerate() {
         let text = &WAVELET_BRDF_WGSL[range.clone()];
         let changed = changed(text);
         let noticed = if is_chosen(range) {
             evaluator.change = k as u32 + 1;
-            is_noticed(&evaluator)
+            is_detected(&evaluator)
         } else {
             let mut source = WAVELET_BRDF_WGSL.to_owned();
             source.replace_range(range.clone(), &changed);
-            Evaluator::with_shaders(gpu, &source, EVALUATE_WGSL).map_or(true, |evaluator| is_noticed(&evaluator))
+            Evaluator::with_shaders(gpu, &source, EVALUATE_WGSL).map_or(true, |evaluator| is_detected(&evaluator))
         };
         let line = WAVELET_BRDF_WGSL[..range.start].matches('\n').count();
         let harmless = HARMLESS.iter().any(|(part, text, _)| changed == *text && before(range).ends_with(part));
@@ -360,7 +360,7 @@ fn a_changed_constant_is_noticed() {
     assert!(missed.is_empty(), "{} of {}:\n{}", missed.len(), found.len(), missed.join("\n"));
 }
 
-fn is_noticed(evaluator: &Evaluator<'_>) -> bool {
+fn is_detected(evaluator: &Evaluator<'_>) -> bool {
     let pairs = all_kinds_of_pairs(400, 8);
     let crop = Crop { directions: DirectionRange::ALL, window: Window { first: [1, 2], size: [5, 3] } };
     let mut absurd = pack(header(Parameterisation::TangentPole, 2, 3, 8), 4, 1);

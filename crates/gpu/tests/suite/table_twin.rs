@@ -1,4 +1,4 @@
-//! The shipped shader of table packs against the CPU decoder, on whatever adapter there is.
+//! The shipped shader of table packs, compared with the CPU decoder on any adapter.
 
 use brdfc_formats::BrdfPack;
 use brdfc_formats::direction::DirectionPair;
@@ -10,7 +10,7 @@ use brdfc_probe::{EVALUATE_TABLE_WGSL, Evaluated, Evaluator};
 use brdfc_testing::codecs::table::tables;
 use brdfc_testing::packs::pairs;
 
-/// Curves of the packs that are tested have values between -1 and 2.
+/// Range of the curves of the tested packs, between -1 and 2.
 const CURVE_RANGE: f32 = 3.0;
 
 /// Random pairs, pairs below the horizon, and pairs where angles are 0 or at their largest.
@@ -29,7 +29,7 @@ fn all_kinds_of_pairs(count: usize, seed: u64) -> Vec<DirectionPair> {
     all
 }
 
-/// Tables at their finest level of detail, and those that have more at some of them, and beyond.
+/// Tables at their finest level of detail, and tables with more levels at some of these, and beyond.
 fn with_levels() -> Vec<(String, TablePack, f32)> {
     let levels = |pack: &TablePack| if pack.levels() == 0 { vec![0.0] } else { vec![3.0, 1.4, 0.0, 2.0, 4.0] };
     let at = |(name, pack): (String, TablePack)| {
@@ -38,7 +38,7 @@ fn with_levels() -> Vec<(String, TablePack, f32)> {
     tables().into_iter().flat_map(at).collect()
 }
 
-/// What the evaluation shows of the logarithms on either side of a level.
+/// Logarithms of the evaluation, interpolated between both sides of a level.
 fn log_value(decoder: &TableDecoder, pair: DirectionPair, level: f32) -> [f32; 3] {
     let LogValues { fine, coarse, coarse_weight } = decoder.log_values(pair, level);
     std::array::from_fn(|k| fine[k] + coarse_weight * (coarse[k] - fine[k]))
@@ -63,7 +63,7 @@ fn manual_filtering_gives_the_bits_of_the_cpu_decoder() {
             assert_eq!(expected.map(f32::to_bits), found.log_value.map(f32::to_bits), "{name}, {pair:?}");
             let f_r = decoder.eval_at(*pair, level);
             for channel in 0..3 {
-                // The exponential and the two operations behind it: see `shader_twin`.
+                // The exponential and the two operations after it: see `shader_twin`.
                 let v = f64::from(expected[channel]);
                 let bound = 0.25 * (v.exp() + 1e-4) * (5.0 + 2.0 * v.abs()) * 2f64.powi(-23);
                 let difference = (f64::from(f_r[channel]) - f64::from(found.f_r[channel])).abs();
@@ -73,7 +73,7 @@ fn manual_filtering_gives_the_bits_of_the_cpu_decoder() {
     }
 }
 
-/// What the texture unit costs: at most 1/128 of a texel's range, whose format has 10 bits or is a half.
+/// Error of the texture unit: at most 1/128 of a texel's range. The format has 10 bits or half floats.
 #[test]
 fn hardware_filtering_is_within_its_precision() {
     let Some(gpu) = crate::common::gpu() else { return };
@@ -96,9 +96,9 @@ fn hardware_filtering_is_within_its_precision() {
     println!("hardware filtering is off by {largest} of a texel's range");
 }
 
-/// Lines of the shader that a test must notice when they are wrong.
+/// Changes of lines of the shader that the test must detect.
 #[test]
-fn changed_shaders_are_noticed() {
+fn changed_shaders_are_detected() {
     let Some(gpu) = crate::common::gpu() else { return };
     let pairs = all_kinds_of_pairs(300, 7);
     let changes = [

@@ -1,4 +1,4 @@
-//! Which texel formats a device need not have, as `formats/src/container/spec.md` says it, is what wgpu asks for.
+//! Checks the optional texel formats in `formats/src/container/spec.md` against the features that wgpu requires.
 
 use wgpu::{Features, TextureFormat};
 
@@ -19,7 +19,7 @@ const FORMATS: [(&str, TextureFormat); 11] = [
 #[test]
 fn the_page_names_the_features_that_formats_need() {
     let page = include_str!("../../../../formats/src/container/spec.md");
-    let (_, section) = page.split_once("### What a device has to offer").expect("the section");
+    let (_, section) = page.split_once("### Required features").expect("the section");
     let (section, _) = section.split_once("\n## ").unwrap();
     let row_of = |name: &str| {
         let own = format!("`{name}`");

@@ -1,5 +1,5 @@
-//! All shaders through a second compiler: Tint, that of Chrome and Dawn, is stricter than naga. It runs in Node, by the
-//! package that `scripts/test` installs beside this file.
+//! Compiles all shaders with a second compiler: Tint, used by Chrome and Dawn, is stricter than naga. It runs in Node,
+//! by the package that `scripts/test` installs next to this file.
 
 use brdfc_formats::PackKind;
 use brdfc_formats::bandwidth::propagation::PROPAGATION_WGSL;
@@ -10,7 +10,7 @@ use brdfc_formats::wavelet::shader::WAVELET_BRDF_WGSL;
 use serde::{Deserialize, Serialize};
 use std::process::{Command, Stdio};
 
-/// How the script says that the package does not run here.
+/// Exit code of the script if the package does not run on this machine.
 const NO_PACKAGE: i32 = 3;
 
 #[derive(Serialize)]
@@ -39,7 +39,7 @@ struct Message {
     text: String,
 }
 
-/// What Tint says to each of the modules, or `None` where it is missing.
+/// Tint's messages for each of the modules; `None` if it is missing.
 fn compiled(modules: &[Module]) -> Option<Answer> {
     let folder = brdfc_testing::repository().join("tests/tint");
     let mut command = Command::new("node");
@@ -48,16 +48,16 @@ fn compiled(modules: &[Module]) -> Option<Answer> {
     let mut child = match child {
         Ok(child) => child,
         Err(error) => {
-            println!("skipped: no shader goes through Tint: node: {error}");
+            println!("skipped: Tint does not run: node: {error}");
             return None;
         }
     };
-    // A script that has ended reads nothing; its exit code tells why.
+    // A script that has ended does not read; its exit code has the reason.
     let _ = serde_json::to_writer(child.stdin.take().unwrap(), modules);
     let output = child.wait_with_output().unwrap();
     let errors = String::from_utf8_lossy(&output.stderr);
     if output.status.code() == Some(NO_PACKAGE) {
-        println!("skipped: no shader goes through Tint: {}", errors.lines().next().unwrap_or_default());
+        println!("skipped: Tint does not run: {}", errors.lines().next().unwrap_or_default());
         return None;
     }
     assert!(output.status.success(), "{}: {errors}", output.status);
@@ -66,7 +66,7 @@ fn compiled(modules: &[Module]) -> Option<Answer> {
     Some(answer)
 }
 
-/// The messages about a module, each with the line that it is about.
+/// The messages about a module, each with its line.
 fn complaints(module: &Module, messages: &[Message]) -> String {
     let line = |message: &Message| {
         let code = module.source.lines().nth(message.line.max(1) - 1).unwrap_or_default().trim();
@@ -78,7 +78,7 @@ fn complaints(module: &Module, messages: &[Message]) -> String {
     messages.iter().map(line).collect()
 }
 
-/// What engines paste before shaders of their own.
+/// Sources that engines paste before their own shaders.
 fn shipped() -> Vec<Module> {
     let decoders = PackKind::ALL.map(|decoder| Module::new(decoder.name(), (decoder.descriptor().wgsl)()));
     let others = [("direction mesh", DIRECTION_MESH_WGSL), ("propagation", PROPAGATION_WGSL)];
@@ -106,7 +106,7 @@ fn composed() -> Vec<Module> {
     ]
 }
 
-/// Without optional features of WebGPU. The last three modules are wrong, so that silence means something.
+/// Compiles without optional features of WebGPU. The last three modules are wrong, to show that errors are reported.
 #[test]
 fn tint_compiles_all_shaders() {
     let mut modules = shipped();
@@ -122,7 +122,7 @@ fn tint_compiles_all_shaders() {
         Module::new("not WGSL", "fn"),
     ]);
     let Some(answer) = compiled(&modules) else { return };
-    // The device is a plain one.
+    // The device has no optional features.
     assert_eq!(answer.features, ["core-features-and-limits"]);
     let messages = modules.iter().zip(&answer.modules);
     let all: Vec<String> = messages.map(|(module, messages)| complaints(module, messages)).collect();
@@ -133,7 +133,7 @@ fn tint_compiles_all_shaders() {
     assert!(!all[good + 2].is_empty());
 }
 
-/// Without Tint, too: the fault that naga lets pass.
+/// A check that does not need Tint: numbers that naga accepts but Tint does not.
 #[test]
 fn numbers_of_shaders_are_within_those_of_32_bits() {
     let too_large = |source: &str| {

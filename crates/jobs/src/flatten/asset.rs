@@ -1,4 +1,4 @@
-//! What a flat BTF's file says of itself: how it was made and what was measured.
+//! The report in a flat BTF's file: settings and measurements.
 
 use brdfc_flat_btf::encode::{AssetReport, FlattenRecipe, Form};
 use brdfc_flat_btf::factored::FactoredTarget;
@@ -15,34 +15,34 @@ pub struct AssetFile {
     pub version: u32,
     /// The asset's name.
     pub name: String,
-    /// What it was made from: an address with all parameters, or names of files without folders.
+    /// Its source: an address with all parameters, or file names without folders.
     pub source: String,
     /// Materials of a computed BTF.
     pub materials: Vec<String>,
-    /// Whether images over the tile coloured the materials or mixed them.
+    /// True if images over the tile coloured or mixed the materials.
     pub images_over_the_tile: bool,
-    /// How it was made.
+    /// Settings of the encoder.
     pub settings: Settings,
-    /// What was measured.
+    /// Measurements.
     pub report: AssetReport,
 }
 
-/// A flat BTF: the report in its file, and how large it is.
+/// A flat BTF: the report in its file, and its sizes.
 #[derive(Debug, Clone, PartialEq, Serialize, schemars::JsonSchema)]
 pub struct FlatAsset {
-    /// What the file says.
+    /// The report in the file.
     #[serde(flatten)]
     pub about: AssetFile,
     /// Bytes of the file.
     pub bytes: u64,
     /// Bytes of its textures on a GPU.
     pub gpu_bytes: u64,
-    /// Of each texture that a shader has bound, by its name in the shader: bytes on a GPU.
+    /// Bytes on a GPU of each bound texture, by its name in the shader.
     pub images: BTreeMap<String, u64>,
 }
 
 impl FlatAsset {
-    /// A flat BTF of this report, in a file of so many bytes.
+    /// Describes a flat BTF in a file of `bytes` bytes.
     pub fn new(about: AssetFile, file: &FlatBtfFile, bytes: u64) -> Self {
         let bindings = file.bindings();
         let stored = bindings.textures().filter(|(_, texels)| texels.stored != Stored::Empty);
@@ -51,7 +51,7 @@ impl FlatAsset {
     }
 }
 
-/// The settings as reports hold them.
+/// Settings of the encoder in reports.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, schemars::JsonSchema)]
 pub struct Settings {
     /// Texels of the flat BTF per side.
@@ -64,30 +64,30 @@ pub struct Settings {
     pub largest_angle: f64,
     /// Rays per texel and axis.
     pub oversampling: usize,
-    /// Set and number of the views: the set as it was named, a file without its folder.
+    /// Name and number of the views; files are named without folders.
     pub views: (String, usize),
-    /// Set and number of the lights.
+    /// Name and number of the lights.
     pub lights: (String, usize),
-    /// How holes were filled.
+    /// Method of filling holes.
     pub fill: FillMethod,
-    /// Rays per texel of the light of one bounce.
+    /// Rays per texel for light of one bounce.
     pub bounces: usize,
-    /// Rounds of stretch-reducing reweighting at most.
+    /// Maximum rounds of stretch-reducing reweighting.
     pub stretch_rounds: usize,
-    /// Which form was made.
+    /// Form of the flat BTF.
     pub form: Form,
-    /// Target of the factors that replace all views; none in the light form.
+    /// Target of the factors that replace all views; absent in the light form.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub factored: Option<FactoredTarget>,
-    /// Whether displacements of two bytes replace the indirection map.
+    /// True if two-byte displacements replace the indirection map.
     #[serde(default)]
     pub compact: bool,
-    /// Whether files are compressed with Zstandard.
+    /// True if files are compressed with Zstandard.
     pub supercompression: bool,
 }
 
 impl Settings {
-    /// The settings of a recipe; `supercompress`: whether files are compressed with Zstandard.
+    /// The settings of a recipe. `supercompress` is true if files are compressed with Zstandard.
     pub(super) fn new(recipe: &FlattenRecipe, supercompress: bool) -> Self {
         let header = &recipe.indirection;
         Self {
@@ -110,7 +110,7 @@ impl Settings {
 }
 
 impl AssetFile {
-    /// Bytes that the values of all views would take on a GPU, stored as they are; 0 of the light form.
+    /// Bytes on a GPU of the values of all views without factoring; 0 for the light form.
     pub fn gpu_bytes_of_views(&self) -> u64 {
         let Settings { flat_texels, views, lights, form, .. } = &self.settings;
         if *form == Form::Full { view_gpu_bytes(*flat_texels as u32, lights.1 as u32) * views.1 as u64 } else { 0 }

@@ -1,4 +1,4 @@
-//! One flat BTF against another of the same surface: what their decoders give for the same places, views and lights.
+//! Compares the decoded values of two flat BTFs of one surface at the same places, views and lights.
 
 use brdfc_flat_btf::probes::{ColourErrors, difference, random_between};
 use brdfc_formats::direction::{Vector, from_polar};
@@ -11,18 +11,18 @@ use rayon::prelude::*;
 const LOOK_UPS: usize = 65_536;
 const SEED: u64 = 0xf1a7;
 
-/// How far one flat BTF is from another. Look-ups are random places of the tile, at the finest level, in the full form.
+/// Differences between two flat BTFs, at random places of the tile, at the finest level, in the full form.
 #[derive(Debug, Clone, Copy, PartialEq, serde::Serialize, schemars::JsonSchema)]
 pub struct FlatComparison {
-    /// Views and lights that the reference has.
+    /// Differences at views and lights of the reference.
     pub at_samples: ColourErrors,
-    /// Random views and lights, as steep as the steepest of the reference at most, uniform by solid angle.
+    /// Differences at random views and lights, uniform by solid angle, no steeper than the steepest of the reference.
     pub between_samples: ColourErrors,
-    /// Look-ups of both kinds where the reference is not black.
+    /// Number of look-ups of both kinds where the reference is not black.
     pub lit: usize,
 }
 
-/// Measures `other` against `reference`; nothing of a reference without values for views.
+/// Measures `other` against `reference`. Returns `None` if the reference has no values for views.
 pub fn compare_flat(reference: &FlatMaterial, other: &FlatMaterial) -> Option<FlatComparison> {
     let sampled = reference.decoder().parts().values.directions()?.map(|angles| {
         let unit = |[polar, azimuth]: &[f32; 2]| from_polar(f64::from(*polar), f64::from(*azimuth));

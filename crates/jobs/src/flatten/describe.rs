@@ -1,4 +1,4 @@
-//! What inputs of flattening are, before they are flattened.
+//! Describes inputs of flattening.
 
 use super::input::structure;
 use crate::error::Error;
@@ -12,7 +12,7 @@ use brdfc_source::{Input, InputError};
 use serde::Serialize;
 use std::path::Path;
 
-/// What kind of input it is, with what is worth knowing about it.
+/// Kind and properties of an input.
 #[derive(Debug, Clone, PartialEq, Serialize, schemars::JsonSchema)]
 #[serde(tag = "kind", rename_all = "kebab-case")]
 pub enum SurfaceFacts {
@@ -46,35 +46,35 @@ pub enum SurfaceFacts {
         lights: usize,
         /// Texels per row, and rows.
         size: [usize; 2],
-        /// Code of the colour model: 0 RGB, 11 the logarithm of Y with U and V as shares of it.
+        /// Code of the colour model: 0 is RGB, 11 is the logarithm of Y with U and V as ratios to Y.
         colour_model: i32,
         /// Columns of the matrices of each of the three channels.
         components: Vec<usize>,
-        /// Whether values have the cosine of the light's polar angle in them.
+        /// True if values include the cosine of the light's polar angle.
         has_cosine: bool,
-        /// Names of the measurement setup, the image sensor and the light source; those that the file has.
+        /// Names of the measurement setup, the image sensor and the light source, as far as the file has them.
         devices: Vec<String>,
-        /// Bytes that its matrices take in memory.
+        /// Bytes of its matrices in memory.
         memory_bytes: u64,
     },
     /// Images of an ordinary BTF.
     ImageStack {
-        /// Different directions to the viewer.
+        /// Distinct directions to the viewer.
         views: usize,
-        /// Different directions to the light.
+        /// Distinct directions to the light.
         lights: usize,
-        /// Images that are there.
+        /// Number of images.
         images: usize,
-        /// Views x lights without one: with any, the stack is refused.
+        /// Number of pairs of view and light without an image. Flattening requires 0.
         missing: usize,
         /// Pixels per row, and rows.
         size: [u32; 2],
-        /// Extensions of the images, lower case, each once.
+        /// Extensions of the images in lower case, without duplicates.
         extensions: Vec<String>,
     },
 }
 
-/// What a mesh has, and whether it is a surface that repeats.
+/// Properties of a mesh, and of its repetition.
 #[derive(Debug, Clone, PartialEq, Serialize, schemars::JsonSchema)]
 pub struct MeshFacts {
     /// Vertices in the file.
@@ -83,27 +83,26 @@ pub struct MeshFacts {
     pub triangles: usize,
     /// Names of its materials.
     pub materials: Vec<String>,
-    /// Whether vertices have colours.
+    /// True if vertices have colours.
     pub colours: bool,
     /// Lowest and highest coordinates along x, y and z, in the file's unit.
     pub bounds: [[f64; 2]; 3],
-    /// The period with which it closes, if one was found: 1, or the side of a square bounding box.
+    /// The period with which it closes, if found: 1, or the side of a square bounding box.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub tile: Option<f64>,
-    /// What would be repaired with this period.
+    /// Repairs with this period.
     #[serde(skip_serializing_if = "Option::is_none")]
     #[serde(rename = "repaired")]
     pub repairs: Option<WeldReport>,
-    /// Why it does not close.
+    /// Error message if it does not close.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub problem: Option<String>,
 }
 
-/// Describes a structure, a mesh, a height map, or an ordinary BTF; nothing where the input is none of
-/// these by its name.
+/// Describes a structure, a mesh, a height map, or an ordinary BTF. Returns `None` if the name of the input is of another kind.
 ///
 /// # Errors
-/// Files that cannot be read or do not follow their layout, wrong addresses. A mesh that does not close is none.
+/// Returns an error if a file cannot be read or is invalid, or if an address is invalid. A mesh that does not close is no error.
 pub fn describe_surface(input: &Input) -> Result<Option<SurfaceFacts>, Error> {
     if let Some(structure) = structure(input)? {
         return Ok(Some(describe_structure(&structure)));
@@ -140,7 +139,7 @@ fn describe_mesh(mesh: &TriangleMesh) -> MeshFacts {
     let outcome = closed(1.0).or_else(|error: MesoError| {
         let [width, height] = [0, 1].map(|axis: usize| bounds[axis][1] - bounds[axis][0]);
         let square = width > 0.0 && (width - height).abs() <= 1e-6 * width && (width - 1.0).abs() > 1e-6;
-        // The side may be a rounded one; its own error says less than the one with the hint.
+        // The side may be rounded, so the first error, which has the hint, is more useful.
         if square { closed(width).map_err(|_| error) } else { Err(error) }
     });
     let (tile, repairs, problem) = match outcome {
@@ -193,7 +192,7 @@ fn describe_ubo_btf(path: &Path) -> Result<SurfaceFacts, InputError> {
     })
 }
 
-/// Lowest and highest; 0 to 0 of nothing.
+/// Lowest and highest value; zeros if there are none.
 fn range(values: impl Iterator<Item = f64>) -> [f64; 2] {
     values
         .fold(None, |found: Option<[f64; 2]>, v| Some(found.map_or([v; 2], |[a, b]| [a.min(v), b.max(v)])))

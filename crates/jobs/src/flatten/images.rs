@@ -1,4 +1,4 @@
-//! Images of an ordinary BTF: those that come in, as the encoder asks for them, and those that are written besides.
+//! Images of an ordinary BTF: reads them for the encoder, and writes computed ones.
 
 use crate::btf_stack::{StackFormat, write_image};
 use crate::error::Error;
@@ -14,7 +14,7 @@ use brdfc_source::ordinary_btf::OrdinaryBtf;
 use rayon::prelude::*;
 use std::path::Path;
 
-/// Images of a folder, or those that a file's matrices give.
+/// Images from a folder, or decoded from a file's matrices.
 pub(super) struct StackImages<'a>(pub(super) &'a OrdinaryBtf);
 
 impl ViewImages for StackImages<'_> {
@@ -26,7 +26,7 @@ impl ViewImages for StackImages<'_> {
     }
 }
 
-/// Writes the images of the ordinary BTF, computed directly, as many texels per side as the reference plane has.
+/// Computes the images of the ordinary BTF directly and writes them, at the resolution of the reference plane.
 pub(super) fn write_images(
     model: &MesoModel,
     appearance: &Appearance,
@@ -41,7 +41,7 @@ pub(super) fn write_images(
         let seen = ViewImage::new(model, *direction, size, recipe.oversampling);
         let write = |light: usize| {
             let image = seen.direct(model, appearance, lights[light]);
-            // Row 0 of a rendering is its top.
+            // Row 0 of an image is its top.
             let rows: Vec<[f32; 3]> = image.chunks_exact(size).rev().flatten().copied().collect();
             let angles = ImageAngles { light: recipe.lights.angles[light], view: recipe.views.angles[view] };
             write_image(folder, light * views.len() + view, angles, &rows, [size; 2], format)

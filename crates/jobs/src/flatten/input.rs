@@ -1,4 +1,4 @@
-//! Opens what is flattened: geometry, materials, images.
+//! Opens the inputs of flattening: geometry, materials, images.
 
 use crate::error::Error;
 use brdfc_core::address::SYNTH_PREFIX;
@@ -17,15 +17,15 @@ use brdfc_source::tile_image::{FileImage, open_colours, open_shares};
 use brdfc_wavelet::encode::encode;
 use brdfc_wavelet::recipe::{Recipe, Target};
 
-/// What reports call the reference plane itself.
+/// Name of the reference plane in reports.
 pub const PLANE: &str = "the plane";
 /// A structure without relief.
 const FLAT: &str = "sponge?height=0&resolution=16";
 
-/// What is flattened.
+/// Inputs of flattening.
 #[derive(Debug, Clone, PartialEq)]
 pub struct MesoOptions {
-    /// A structure, a mesh or a height map; without one the reference plane, which images show where no relief is given.
+    /// A structure, a mesh or a height map; `None` for the reference plane, as for images without a relief.
     pub geometry: Option<Input>,
     /// The period of a mesh along x and y, in its unit.
     pub tile: f64,
@@ -33,38 +33,38 @@ pub struct MesoOptions {
     pub height_scale: f64,
     /// Height of a height map's 0, in tiles.
     pub height_offset: f64,
-    /// Materials: name in the mesh, if one is meant, and source.
+    /// Materials: optional name in the mesh, and source.
     pub materials: Vec<(Option<String>, Input)>,
     /// Image that multiplies the reflectance.
     pub colour: Option<Input>,
-    /// Image whose channels are shares of the materials.
+    /// Image whose channels are weights of the materials.
     pub weights: Option<Input>,
 }
 
-/// Geometry that was read.
+/// Geometry of a surface.
 pub struct Geometry {
     /// The surface.
     pub mesh: PeriodicMesh,
-    /// What was repaired, for meshes.
+    /// Repairs, for meshes.
     pub weld: Option<WeldReport>,
-    /// Names of the mesh's materials, in the order of its weights; empty for one without.
+    /// Names of the mesh's materials, in the order of its weights; empty for meshes without names.
     pub material_names: Vec<String>,
     /// Materials of a structure.
     pub default_materials: Vec<String>,
-    /// The input as reports name it: an address with all parameters, or a file's name without its folder.
+    /// Name of the input in reports: an address with all parameters, or a file name without its folder.
     pub name: String,
-    /// The input as errors name it.
+    /// Name of the input in errors.
     pub input: String,
 }
 
 /// Reads geometry.
 ///
 /// # Errors
-/// Files that cannot be read, wrong addresses, geometry that does not close.
+/// Returns an error if a file cannot be read, an address is invalid, or the geometry does not close.
 pub fn open_geometry(options: &MesoOptions) -> Result<Geometry, Error> {
     let Some(input) = &options.geometry else {
-        let mut mesh = Structure::parse(FLAT).expect("an address of ours").mesh();
-        // Rounding of the mean height.
+        let mut mesh = Structure::parse(FLAT).expect("a valid address").mesh();
+        // Removes rounding errors of the mean height.
         mesh.positions.iter_mut().for_each(|point| point[2] = 0.0);
         return Ok(Geometry {
             mesh,
@@ -100,24 +100,24 @@ pub fn open_geometry(options: &MesoOptions) -> Result<Geometry, Error> {
     Ok(Geometry { mesh, weld, material_names, default_materials: Vec::new(), name, input: input.to_string() })
 }
 
-/// The structure at an address; nothing of files.
+/// The structure at an address; `None` for files.
 pub(super) fn structure(input: &Input) -> Result<Option<Structure>, Error> {
     let Some(address) = input.address() else { return Ok(None) };
     let text = address.strip_prefix(SYNTH_PREFIX).unwrap_or(address);
     Structure::parse(text).map(Some).map_err(|error| Error::input(error).prefixed(address))
 }
 
-/// What a surface without a material is made of.
+/// Material of surfaces without one.
 const DEFAULT_MATERIAL: &str = "synth:lambert?kd=0.5";
 
-/// The materials' sources in the order of the surface's weights, as they were named.
+/// Sources of the materials, in the order of the surface's weights.
 ///
 /// # Errors
-/// Names that the mesh does not have, and materials without a source.
+/// Returns an error if a name is not in the mesh, or if the number of materials does not match the surface.
 pub fn material_list(options: &MesoOptions, geometry: &Geometry) -> Result<Vec<Input>, Error> {
     let materials = listed(options, geometry)?;
     if options.weights.is_some() && materials.len() < 2 {
-        return Err(Error::wrong_usage("--weights", "one material", "two or more, whose shares the image gives"));
+        return Err(Error::wrong_usage("--weights", "one material", "two or more, which the image blends"));
     }
     Ok(materials)
 }
@@ -132,7 +132,11 @@ fn listed(options: &MesoOptions, geometry: &Geometry) -> Result<Vec<Input>, Erro
             return wrong(format!("the name {name} twice"), "one material for each name".to_owned());
         }
         if !names.contains(name) {
-            let allowed = if names.is_empty() { "no names: the surface has none".to_owned() } else { names.join(", ") };
+            let allowed = if names.is_empty() {
+                "materials without names: the surface has none".to_owned()
+            } else {
+                names.join(", ")
+            };
             return wrong(format!("the name {name}"), allowed);
         }
     }
@@ -144,27 +148,30 @@ fn listed(options: &MesoOptions, geometry: &Geometry) -> Result<Vec<Input>, Erro
         if count > 1 || (count > 0 && named.len() == names.len()) {
             return wrong(format!("{count} without a name"), format!("one, for the rest of {}", names.join(", ")));
         }
-        // Of a mesh with names: its own source, or the one without a name.
+        // Materials of a mesh with names have their own source, or the unnamed one.
         let rest = unnamed.last().map_or_else(|| DEFAULT_MATERIAL.into(), |input| (*input).clone());
         let own = |name: &String| options.materials.iter().rev().find(|(n, _)| n.as_ref() == Some(name));
         return Ok(names.iter().map(|name| own(name).map_or(&rest, |(_, input)| input).clone()).collect());
     }
     let defaults = &geometry.default_materials;
-    let wanted = if options.weights.is_some() { count.max(1) } else { defaults.len().max(1) };
-    if count > wanted {
-        let allowed = format!("{wanted}, as many as the surface blends (or give --weights)");
+    let needed = if options.weights.is_some() { count.max(1) } else { defaults.len().max(1) };
+    if count > needed {
+        let allowed = format!("at most {needed}, as many as the surface blends, or --weights");
         return wrong(format!("{count} materials"), allowed);
     }
     let source = |k: usize| {
-        // One material alone is that of the whole surface.
+        // A single material covers the whole surface.
         let given = unnamed.get(k).or(if unnamed.len() == 1 { unnamed.first() } else { None });
         let default = || defaults.get(k).map_or(DEFAULT_MATERIAL, String::as_str).into();
         given.map_or_else(default, |input| (*input).clone())
     };
-    Ok((0..wanted).map(source).collect())
+    Ok((0..needed).map(source).collect())
 }
 
-/// Opens the materials. Scans, whose every evaluation is a fit, are tabulated first: unfiltered, 16 bits.
+/// Opens the materials. Scans are tabulated first (unfiltered, 16 bits), because each of their evaluations is a fit.
+///
+/// # Errors
+/// Returns an error if a material or an image cannot be opened, or if cancelled.
 pub fn open_appearance(
     options: &MesoOptions,
     materials: &[Input],

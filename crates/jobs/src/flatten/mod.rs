@@ -1,4 +1,4 @@
-//! Flat BTFs: their inputs are opened, `brdfc_flat_btf::encode` makes them, and their file is put in place.
+//! Flat BTFs: opens their inputs, encodes them with `brdfc_flat_btf::encode`, and writes their file.
 
 mod asset;
 mod comparison;

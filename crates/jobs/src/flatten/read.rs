@@ -1,4 +1,4 @@
-//! Reads a flat BTF with what its file says of itself.
+//! Reads a flat BTF with its report.
 
 use super::asset::{AssetFile, FlatAsset};
 use brdfc_formats::FormatError;
@@ -8,10 +8,10 @@ use brdfc_source::flat_btf::{flat_btf_file, open_flat_btf};
 use brdfc_source::json::json_problem;
 use std::path::Path;
 
-/// The flat BTF that a path means, its file or the only one of a folder, with its report.
+/// Reads a flat BTF from its file, or from a folder with one such file, with its report.
 ///
 /// # Errors
-/// As [`open_flat_btf`]; a file without a report, or with a damaged one.
+/// Returns the errors of [`open_flat_btf`], and an error if the report is missing or damaged.
 pub fn open_asset(path: &Path) -> Result<(FlatBtfFile, FlatAsset), InputError> {
     let file = open_flat_btf(path)?;
     let place = flat_btf_file(path)?.unwrap_or_else(|| path.to_owned());
@@ -22,10 +22,10 @@ pub fn open_asset(path: &Path) -> Result<(FlatBtfFile, FlatAsset), InputError> {
     Ok((file, asset))
 }
 
-/// What a file says of itself.
+/// The report in a file.
 ///
 /// # Errors
-/// No report, or a damaged one.
+/// Returns an error if the report is missing or damaged.
 pub fn read_report(file: &FlatBtfFile) -> Result<AssetFile, FormatError> {
     let allowed = "the report that 'brdfc flatten' writes into it";
     if file.report.is_empty() {

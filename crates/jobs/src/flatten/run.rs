@@ -1,4 +1,4 @@
-//! Makes a flat BTF and puts its file in place.
+//! Makes a flat BTF and writes its file.
 
 use super::asset::{AssetFile, FlatAsset, Settings};
 use super::images::{StackImages, write_images};
@@ -16,11 +16,11 @@ use brdfc_source::Input;
 use brdfc_source::ordinary_btf::OrdinaryBtf;
 use std::path::Path;
 
-/// Where the values of texels come from.
+/// Source of the values of texels.
 pub enum Values {
-    /// Materials of the surface.
+    /// Computed from materials of the surface.
     Computed(Appearance),
-    /// Images of an ordinary BTF.
+    /// Measured, from images of an ordinary BTF.
     Measured(OrdinaryBtf),
 }
 
@@ -28,17 +28,18 @@ pub enum Values {
 pub struct Surface {
     /// Its shape.
     pub geometry: Geometry,
-    /// Sources of its materials; none of an ordinary BTF.
+    /// Sources of its materials; empty for an ordinary BTF.
     pub materials: Vec<String>,
-    /// Where values come from.
+    /// Source of the values of texels.
     pub values: Values,
 }
 
 impl Surface {
-    /// Reads geometry and materials, or geometry and an ordinary BTF over it: a folder of images, or a .btf file.
+    /// Reads geometry and materials, or geometry and an ordinary BTF (a folder of images, or a .btf file).
     ///
     /// # Errors
-    /// Files that cannot be read, wrong addresses, geometry that does not close, materials that do not fit it.
+    /// Returns an error if a file cannot be read, an address is invalid, the geometry does not close, or the materials do not
+    /// match it.
     pub fn open(options: &MesoOptions, btf: Option<&Path>) -> Result<Self, Error> {
         let Some(path) = btf else {
             let geometry = open_geometry(options)?;
@@ -56,27 +57,27 @@ impl Surface {
     }
 }
 
-/// What is made, and where.
+/// A flat BTF to make.
 pub struct FlattenJob<'a> {
     /// The asset's name.
     pub name: &'a str,
-    /// The folder of its file.
+    /// The folder for its file.
     pub folder: &'a Path,
-    /// How it is made.
+    /// Settings of the encoder.
     pub recipe: &'a FlattenRecipe,
-    /// Whether images are compressed with Zstandard.
+    /// True to compress the file with Zstandard.
     pub supercompress: bool,
-    /// What is flattened.
+    /// The surface and the values of its texels.
     pub surface: Surface,
-    /// Folder and kind of the images of an ordinary BTF to write besides, computed directly.
+    /// Folder and format for directly computed images of the ordinary BTF; `None` to write none.
     pub images: Option<(&'a Path, StackFormat)>,
 }
 
-/// Makes a flat BTF and writes `NAME.ktx2`. Values of views are kept in the folder on the way.
+/// Makes a flat BTF and writes `NAME.ktx2`. Stores values of views temporarily in the folder.
 ///
 /// # Errors
-/// A recipe that cannot be followed, a surface that cannot be laid flat, images that cannot be read, files that cannot be
-/// written. A file of that name in the folder stays as it was.
+/// Returns an error if the recipe is invalid, the surface cannot be flattened, or a file cannot be read or written. An existing
+/// file of that name then stays unchanged.
 pub fn run(job: FlattenJob<'_>, progress: &dyn Progress) -> Result<FlatAsset, Error> {
     let Surface { geometry, materials, values: texels } = job.surface;
     let Geometry { mesh, weld, name: source, input, .. } = geometry;

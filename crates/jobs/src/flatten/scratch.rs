@@ -7,14 +7,14 @@ use std::path::{Path, PathBuf};
 
 /// Scratch storage in a folder, a file for each view.
 pub(super) struct FolderScratch {
-    /// Where files are.
+    /// Folder of the scratch files.
     folder: PathBuf,
-    /// What errors name: the folder of the finished files.
+    /// Folder of the finished files, for errors.
     name: String,
 }
 
 impl FolderScratch {
-    /// In a folder that goes away afterwards, beside the files of `finished`.
+    /// Scratch storage in the temporary `folder`. Errors name the folder `finished`.
     pub(super) fn new(folder: PathBuf, finished: &Path) -> Self {
         Self { folder, name: finished.display().to_string() }
     }
@@ -23,7 +23,7 @@ impl FolderScratch {
         self.folder.join(format!("view.{view}"))
     }
 
-    fn in_words(&self, view: u32) -> String {
+    fn label(&self, view: u32) -> String {
         format!("{}, scratch file of view {view}", self.name)
     }
 }
@@ -32,11 +32,11 @@ impl Scratch for FolderScratch {
     type Error = Error;
 
     fn write_scratch(&self, view: u32, values: &[u8]) -> Result<(), Error> {
-        std::fs::write(self.file(view), values).map_err(|error| Error::write(self.in_words(view), &error))
+        std::fs::write(self.file(view), values).map_err(|error| Error::write(self.label(view), &error))
     }
 
     fn read_scratch(&self, view: u32) -> Result<Vec<u8>, Error> {
-        std::fs::read(self.file(view)).map_err(|error| InputError::Io { name: self.in_words(view), error }.into())
+        std::fs::read(self.file(view)).map_err(|error| InputError::Io { name: self.label(view), error }.into())
     }
 }
 
@@ -45,7 +45,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn what_was_written_is_read_and_what_was_not_is_an_error() {
+    fn written_values_are_read_and_missing_ones_are_an_error() {
         let folder = tempfile::tempdir().unwrap();
         let scratch = FolderScratch::new(folder.path().to_owned(), Path::new("button"));
         scratch.write_scratch(7, b"first").unwrap();

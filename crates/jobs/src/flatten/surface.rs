@@ -1,10 +1,10 @@
-//! Summaries of what is flattened.
+//! Summaries of the inputs of flattening.
 
 use super::describe::{MeshFacts, SurfaceFacts};
 use super::words::{height, repairs_in_words};
 use brdfc_core::words::bytes;
 
-/// Names and values.
+/// Names and values of the properties of an input.
 pub fn in_words(facts: &SurfaceFacts) -> Vec<(&'static str, String)> {
     match facts {
         SurfaceFacts::Structure { address, vertices, triangles, heights: [low, high], materials } => vec![
@@ -14,7 +14,7 @@ pub fn in_words(facts: &SurfaceFacts) -> Vec<(&'static str, String)> {
             ("heights", format!("{} to {} tiles", height(*low), height(*high))),
             ("materials", materials.join(", ")),
         ],
-        SurfaceFacts::Mesh(mesh) => mesh_in_words(mesh),
+        SurfaceFacts::Mesh(mesh) => mesh_summary(mesh),
         SurfaceFacts::HeightMap { size: [width, height], values: [low, high] } => vec![
             ("kind", "height map, for 'brdfc flatten'".to_owned()),
             ("pixels", format!("{width} x {height}")),
@@ -36,20 +36,23 @@ pub fn in_words(facts: &SurfaceFacts) -> Vec<(&'static str, String)> {
             ("colour model", colour_model.to_string()),
             ("components", components.iter().map(usize::to_string).collect::<Vec<_>>().join(" + ")),
             ("cosine", if *has_cosine { "in the values" } else { "not in the values" }.to_owned()),
-            ("measured by", if devices.is_empty() { "nobody said".to_owned() } else { devices.join(", ") }),
+            ("measured by", if devices.is_empty() { "unknown".to_owned() } else { devices.join(", ") }),
             ("in memory", bytes(*memory_bytes)),
         ],
         SurfaceFacts::ImageStack { views, lights, images, missing, size: [width, height], extensions } => vec![
             ("kind", "images of an ordinary BTF, for 'brdfc flatten'".to_owned()),
             ("views x lights", format!("{views} x {lights}")),
             ("images", format!("{images}, .{}", extensions.join(", ."))),
-            ("missing", if *missing == 0 { "none".to_owned() } else { format!("{missing}: it would be refused") }),
+            (
+                "missing",
+                if *missing == 0 { "none".to_owned() } else { format!("{missing}; 'brdfc flatten' requires all") },
+            ),
             ("pixels", format!("{width} x {height}")),
         ],
     }
 }
 
-fn mesh_in_words(mesh: &MeshFacts) -> Vec<(&'static str, String)> {
+fn mesh_summary(mesh: &MeshFacts) -> Vec<(&'static str, String)> {
     let [x, y, z] = mesh.bounds.map(|[low, high]| format!("{low} to {high}"));
     let materials = if mesh.materials.is_empty() { "no names".to_owned() } else { mesh.materials.join(", ") };
     let mut lines = vec![
@@ -67,8 +70,8 @@ fn mesh_in_words(mesh: &MeshFacts) -> Vec<(&'static str, String)> {
     }
     if let Some(repairs) = &mesh.repairs {
         lines.push(("surface", format!("{} vertices, {} triangles", repairs.vertices, repairs.triangles)));
-        let words = repairs_in_words(repairs);
-        lines.push(("repaired", if words.is_empty() { "nothing".to_owned() } else { words.join("; ") }));
+        let text = repairs_in_words(repairs);
+        lines.push(("repaired", if text.is_empty() { "nothing".to_owned() } else { text.join("; ") }));
     }
     lines
 }

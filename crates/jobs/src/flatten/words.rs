@@ -1,4 +1,4 @@
-//! What is said of an asset besides figures.
+//! Summaries and remarks about flat BTFs.
 
 use super::asset::{AssetFile, FlatAsset, Settings};
 use brdfc_core::words::{bytes, percent};
@@ -6,28 +6,28 @@ use brdfc_flat_btf::factored::FactoredTarget;
 use brdfc_flat_btf::probes::ColourErrors;
 use brdfc_flat_btf::weld::WeldReport;
 
-/// Texels per side, and views, below which steps are seen on a plane that fills a rendering.
+/// Texels per side, and views, below which steps are visible on a plane that fills a rendering.
 const FEW_TEXELS: usize = 128;
 const FEW_VIEWS: usize = 40;
 
-/// What a user should know of an asset: what was repaired, and what no view sees.
+/// Remarks about an asset: repairs, texels that no view sees, and low resolutions.
 pub fn remarks(asset: &AssetFile) -> Vec<String> {
     let mut lines = asset.report.repairs.as_ref().map(repairs_in_words).unwrap_or_default();
     if asset.report.never_seen > 0 {
-        lines.push(format!("{} of the texels are seen by none of the views", percent(asset.unseen())));
+        lines.push(format!("{} of the texels are not seen by any view", percent(asset.unseen())));
     }
     let Settings { flat_texels, texels, views, .. } = &asset.settings;
     if *flat_texels < FEW_TEXELS || (*texels as usize) < FEW_TEXELS || views.1 < FEW_VIEWS {
         lines.push(format!(
-            "{texels} and {flat_texels} texels per side and {} views are for a first look: outlines and highlights are stepped; the \
-             defaults, 256 and 81, look right from nearby",
+            "{texels} and {flat_texels} texels per side and {} views are for previews: outlines and highlights show steps; the \
+             defaults, 256 texels and 81 views, look right from nearby",
             views.1
         ));
     }
     lines
 }
 
-/// That factors are further from the views than was asked for, where they are.
+/// Message if the factors miss their target; `None` if they meet it.
 pub fn missed(asset: &AssetFile) -> Option<String> {
     let (Some(FactoredTarget::Error(most)), Some(factored)) = (asset.settings.factored, &asset.report.factored) else {
         return None;
@@ -36,20 +36,20 @@ pub fn missed(asset: &AssetFile) -> Option<String> {
     (found > most).then(|| {
         format!(
             "mean ΔE of factors where texels are seen: found {found:.3} with {} components, the best of {} that were tried, \
-             expected {most}",
+             expected at most {most}",
             factored.components,
             factored.tried.len()
         )
     })
 }
 
-/// What was repaired in a mesh; nothing where it was whole.
+/// Messages about repairs of a mesh, one per kind; empty if nothing was repaired.
 pub fn repairs_in_words(repairs: &WeldReport) -> Vec<String> {
     [
-        (repairs.unreferenced_vertices, "vertices that no triangle has were left out"),
-        (repairs.degenerate_triangles, "triangles with two equal corners were left out"),
-        (repairs.duplicate_triangles, "triangles that were there twice were left out"),
-        (repairs.turned_triangles, "triangles were turned over, so that outside is up"),
+        (repairs.unreferenced_vertices, "unreferenced vertices were left out"),
+        (repairs.degenerate_triangles, "degenerate triangles were left out"),
+        (repairs.duplicate_triangles, "duplicate triangles were left out"),
+        (repairs.turned_triangles, "triangles were turned over, so that they face up"),
         (repairs.exchanged_edges, "triangles without area were repaired"),
     ]
     .into_iter()
@@ -58,12 +58,12 @@ pub fn repairs_in_words(repairs: &WeldReport) -> Vec<String> {
     .collect()
 }
 
-/// Four decimals, and no negative zero.
+/// Formats a height with four decimals, without negative zero.
 pub fn height(value: f64) -> String {
     format!("{:.4}", (value * 1e4).round() / 1e4 + 0.0)
 }
 
-/// What people read of an asset: names and values. Its errors stand apart.
+/// Names and values of an asset's properties, without its errors.
 pub fn facts(FlatAsset { about: asset, bytes: file, gpu_bytes, .. }: &FlatAsset) -> Vec<(&'static str, String)> {
     let (report, settings) = (&asset.report, &asset.settings);
     let (views, lights) = (&settings.views, &settings.lights);
@@ -82,13 +82,13 @@ pub fn facts(FlatAsset { about: asset, bytes: file, gpu_bytes, .. }: &FlatAsset)
         let (stored, whole) = (factored.gpu_bytes, asset.gpu_bytes_of_views());
         let share = whole as f64 / stored.max(1) as f64;
         let text = format!("{} components{shadows}: {} on a GPU", factored.components, bytes(stored));
-        facts.push(("views", format!("{text}, {} as they are ({share:.0}:1)", bytes(whole))));
+        facts.push(("views", format!("{text}, {} unfactored ({share:.0}:1)", bytes(whole))));
     }
     facts.push(("size", format!("{}, {} on a GPU", bytes(*file), bytes(*gpu_bytes))));
     facts
 }
 
-/// Its errors that are known, and what they are called.
+/// Its measured errors with their names.
 pub fn errors(asset: &AssetFile) -> Vec<(&'static str, ColourErrors)> {
     let errors = &asset.report.errors;
     let factored = asset.report.factored.as_ref().map(|facts| facts.errors);
@@ -100,7 +100,7 @@ pub fn errors(asset: &AssetFile) -> Vec<(&'static str, ColourErrors)> {
     };
     [
         ("ΔE at sampled directions", errors.at_samples),
-        ("ΔE between them", errors.between_samples),
+        ("ΔE between sampled directions", errors.between_samples),
         ("ΔE of the light form", errors.light_form),
         (
             "ΔE of factors, where seen",

@@ -1,6 +1,6 @@
-//! Many files that change places as one: written aside under their names, listed, then moved. Who is killed before the list stands
-//! has changed nothing; what is listed is moved by whoever comes next. Where a file cannot be moved, all that were are moved back,
-//! by this process or the next.
+//! Atomic moves of several files: commits moves and record together, for crash recovery. New files are written aside
+//! and listed, then moved. A process that is killed before it writes the list has changed nothing; after that, the
+//! next process completes the moves. If a file cannot be moved, this process or the next one moves all files back.
 
 use super::placed::PLACED;
 use crate::error::Error;
@@ -12,21 +12,23 @@ use std::io::ErrorKind;
 use std::path::{Path, PathBuf};
 
 const FOLDER: &str = "commit";
-/// Inside it: what is to be done; its name once it is to be taken back.
+/// The list of moves, inside the folder.
 const LIST: &str = "list";
+/// The list after a failure, when the moves are rolled back.
 const BACK: &str = "back";
-/// Files that come, and those that stood in their places or go, under their names.
+/// Subfolder of new files, under their own names.
 const NEW: &str = "new";
+/// Subfolder of replaced and removed files, under their own names.
 const OLD: &str = "old";
 
-/// What is to be done, by the names of files in the output folder.
+/// Names of the files in the output folder that are written and removed.
 #[derive(Debug, Default, PartialEq, Serialize, Deserialize)]
 struct Moves {
     write: Vec<String>,
     remove: Vec<String>,
 }
 
-/// Moves that are being gathered.
+/// A journal of moves that are not yet committed.
 #[derive(Debug)]
 pub(super) struct Journal {
     aside: PathBuf,
@@ -34,16 +36,17 @@ pub(super) struct Journal {
 }
 
 impl Journal {
-    /// An empty one. The caller holds the folder's lock.
+    /// Creates an empty journal. The caller holds the lock of the folder.
     pub(super) fn new(root: &Path) -> Self {
         Self { aside: root.join(FOLDER), moves: Moves::default() }
     }
 
+    /// Returns true if a killed process left a list.
     pub(super) fn is_there(root: &Path) -> bool {
         [LIST, BACK].iter().any(|name| root.join(FOLDER).join(name).exists())
     }
 
-    /// Writes a file aside, under its own name: what the file system does not take is refused before anything moves.
+    /// Writes a file aside, under its own name. Names that the file system rejects fail here, before any file moves.
     pub(super) fn write(&mut self, name: &str, bytes: &[u8]) -> std::io::Result<()> {
         let folder = self.aside.join(NEW);
         if self.moves.write.is_empty() {
@@ -54,26 +57,26 @@ impl Journal {
         Ok(())
     }
 
-    /// A file will be removed.
+    /// Adds a file to remove.
     pub(super) fn remove(&mut self, name: &str) {
         self.moves.remove.push(name.to_owned());
     }
 
-    /// Whether nothing is to be done.
+    /// Returns true if there are no moves.
     pub(super) fn is_empty(&self) -> bool {
         self.moves == Moves::default()
     }
 
-    /// Does it all, and puts the record of what is placed then in place with it: whoever finishes it knows what is ours.
+    /// Commits the moves together with the record of the placed files, so that crash recovery also has the record.
     ///
     /// # Errors
-    /// The first file that cannot be moved: then nothing has changed.
+    /// Returns an error at the first file that cannot be moved. The folder is unchanged then.
     pub(super) fn commit(self, folder: &Path, root: &Path, placed: &[u8]) -> Result<(), Error> {
         self.list(placed).map_err(|error| Error::write(self.aside.join(LIST), &error))?;
         Self::finish(folder, root)
     }
 
-    /// Writes the list: from then on whoever comes next does what it says.
+    /// Writes the list. From then on, the next process completes the moves if this one is killed.
     pub(super) fn list(&self, placed: &[u8]) -> std::io::Result<()> {
         std::fs::create_dir_all(self.aside.join(OLD))?;
         std::fs::write(self.aside.join(PLACED), placed)?;
@@ -82,11 +85,11 @@ impl Journal {
         std::fs::rename(&begun, self.aside.join(LIST))
     }
 
-    /// Does what a list says that somebody left, or takes it back where that was begun, and removes what was written aside without
-    /// one. The caller holds the folder's lock.
+    /// Completes the moves of a list, or the rollback of a failed list, and removes files that were written aside
+    /// without a list. The caller holds the lock of the folder.
     ///
     /// # Errors
-    /// The first file that cannot be moved. Then all are moved back.
+    /// Returns an error at the first file that cannot be moved, after moving all files back.
     pub(super) fn finish(folder: &Path, root: &Path) -> Result<(), Error> {
         let aside = root.join(FOLDER);
         let list = |name: &str| -> Option<Moves> { read_record(&aside.join(name)) };
@@ -101,10 +104,10 @@ impl Journal {
                     Err(error)
                 }
             },
-            // A list that cannot be read any more: what stood aside for it comes back.
-            (None, None) => come_back(folder, &aside.join(OLD)),
+            // The list is damaged: restore the files that were moved aside for it.
+            (None, None) => restore(folder, &aside.join(OLD)),
         };
-        // The list last: without one, what stands aside would be taken for lost.
+        // Remove the list last: without it, the files in the old folder would be restored.
         for done in [aside.join(OLD), aside.join(NEW), aside] {
             match std::fs::remove_dir_all(&done) {
                 Err(error) if error.kind() != ErrorKind::NotFound => {
@@ -117,19 +120,19 @@ impl Journal {
     }
 }
 
-/// Moves files to where they belong, as far as that was not done before.
+/// Completes the remaining moves of a list.
 fn forward(folder: &Path, root: &Path, aside: &Path, moves: &Moves) -> Result<(), Error> {
     let (new, old) = (aside.join(NEW), aside.join(OLD));
-    // Where two names that differ in case alone are one file, the old one is to go before the new one comes; where that was done
-    // before, the new one is there.
+    // On systems where names that differ only in case are one file, the old file is removed before the new one is
+    // moved in. A name that has already been moved in must not be removed.
     let moved = |name: &&String| !new.join(name).exists();
-    let come: BTreeSet<String> = moves.write.iter().filter(moved).map(|name| folded(name)).collect();
-    for name in moves.remove.iter().filter(|name| is_plain(name) && !come.contains(&folded(name))) {
+    let arrived: BTreeSet<String> = moves.write.iter().filter(moved).map(|name| folded(name)).collect();
+    for name in moves.remove.iter().filter(|name| is_plain(name) && !arrived.contains(&folded(name))) {
         step_aside(&folder.join(name), &old.join(name))?;
     }
     for name in moves.write.iter().filter(|name| is_plain(name)) {
         let (from, to) = (new.join(name), folder.join(name));
-        // It was moved before.
+        // An earlier process moved it.
         if !from.exists() {
             continue;
         }
@@ -143,7 +146,7 @@ fn forward(folder: &Path, root: &Path, aside: &Path, moves: &Moves) -> Result<()
     Ok(())
 }
 
-/// Moves what stands in a place out of it, if anything does. Folders stay: they are nobody's but the user's.
+/// Moves an existing file out of the way. Folders are an error: they belong to the user.
 fn step_aside(place: &Path, old: &Path) -> Result<(), Error> {
     let error = |error: std::io::Error| Error::write(place, &error);
     match place.symlink_metadata() {
@@ -154,7 +157,7 @@ fn step_aside(place: &Path, old: &Path) -> Result<(), Error> {
     }
 }
 
-/// Moves files back that came, and those that had gone.
+/// Rolls back: moves new files out and old files back in.
 fn take_back(folder: &Path, aside: &Path, moves: &Moves) -> Result<(), Error> {
     let (new, old) = (aside.join(NEW), aside.join(OLD));
     let back = |from: PathBuf, to: PathBuf| match std::fs::rename(&from, &to) {
@@ -170,8 +173,8 @@ fn take_back(folder: &Path, aside: &Path, moves: &Moves) -> Result<(), Error> {
     Ok(())
 }
 
-/// Moves files back whose places are empty.
-fn come_back(folder: &Path, old: &Path) -> Result<(), Error> {
+/// Moves old files back whose places are empty.
+fn restore(folder: &Path, old: &Path) -> Result<(), Error> {
     for entry in std::fs::read_dir(old).into_iter().flatten().flatten() {
         let place = folder.join(entry.file_name());
         if place.symlink_metadata().is_err() {
@@ -182,7 +185,7 @@ fn come_back(folder: &Path, old: &Path) -> Result<(), Error> {
 }
 
 impl Drop for Journal {
-    /// After an error nothing is left aside. A list that stands is somebody's to finish.
+    /// Removes the files written aside after an error, unless there is a list for the next process to complete.
     fn drop(&mut self) {
         if !self.aside.join(LIST).exists() && !self.aside.join(BACK).exists() {
             let _ = std::fs::remove_dir_all(&self.aside);

@@ -1,9 +1,9 @@
-//! The folder that a build fills: what stands there is what its report says.
+//! The output folder of a build, whose contents match the build report.
 //!
-//! Files are put in place all together, when all are made. What a build puts there its report lists with hashes, so that the next
-//! one may replace or remove it; what anybody else puts there is never touched. A record in the store says the same, and by which
-//! stamps files are known without being read: the store may be deleted. A process that is killed while files change places
-//! leaves a journal, by which whoever opens the folder next finishes what was begun.
+//! A build puts all files in place together, when all are made. Its report lists them with hashes, so that the next
+//! build may replace or remove them; files of others are never touched. A record in the store has the same list, and
+//! the stamps by which unchanged files are recognised without reading them. The store may be deleted. A process that
+//! is killed while it moves files leaves a journal, and the next process that opens the folder completes the moves.
 
 mod journal;
 mod placed;
@@ -16,26 +16,26 @@ use std::collections::{BTreeMap, BTreeSet};
 use std::fs::File;
 use std::path::{Path, PathBuf};
 
-/// Held while files change places.
+/// Lock file, locked while files are moved.
 const LOCK: &str = "lock";
 
 /// The bytes of a file to put in place.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Contents {
-    /// A file of the store.
-    Kept(Digest),
-    /// These.
+    /// A file in the store.
+    Cached(Digest),
+    /// Bytes in memory.
     Bytes(Vec<u8>),
 }
 
-/// What changed in the folder.
+/// Changes that a build made in the folder.
 #[derive(Debug, Clone, Default, PartialEq, Eq)]
 pub struct Changes {
     /// Files that were written.
     pub written: Vec<String>,
     /// Files of earlier builds that were removed.
     pub removed: Vec<String>,
-    /// Files of earlier builds that are no longer needed, but were changed by somebody since, and stay.
+    /// Files of earlier builds that are no longer needed, but stay because they were edited.
     pub left: Vec<String>,
 }
 
@@ -48,10 +48,10 @@ pub struct OutputFolder {
 }
 
 impl OutputFolder {
-    /// Finishes what a killed build had begun, and reads what earlier builds put here.
+    /// Completes the moves of a killed build, and reads the record of earlier builds.
     ///
     /// # Errors
-    /// A folder that cannot be written to.
+    /// Returns an error if the folder cannot be written to.
     pub fn open(path: &Path, store: &Store) -> Result<Self, Error> {
         let root = store.root().to_owned();
         let _lock = lock(&root)?;
@@ -60,32 +60,33 @@ impl OutputFolder {
         Ok(Self { path: path.to_owned(), root, placements })
     }
 
-    /// Whether a killed build left files between two places.
+    /// Returns true if a killed build left moves to complete.
     pub fn is_unfinished(path: &Path) -> bool {
         Journal::is_there(&path.join(crate::store::FOLDER))
     }
 
-    /// Files of earlier builds that a report lists, with their hashes: ours even where the store was deleted.
+    /// Adds the files that a report lists, with their hashes. They count as files of a build even if the store was
+    /// deleted.
     pub fn also_placed(&mut self, listed: impl IntoIterator<Item = (String, Digest)>) {
         self.placements.also(&self.path, listed);
     }
 
-    /// The bytes of a file that a build put in place.
+    /// Returns the bytes of a file that a build put in place; `None` if there is none with this hash.
     pub fn bytes(&self, digest: &Digest) -> Option<Vec<u8>> {
         let (name, _) = self.placements.files.iter().find(|(_, placed)| placed.digest == *digest)?;
         let bytes = std::fs::read(self.path.join(name)).ok()?;
         (Digest::of(&bytes) == *digest).then_some(bytes)
     }
 
-    /// Whether a file of this name is there that has other bytes.
+    /// Returns true if the folder has a file of this name with other bytes.
     pub fn holds_other(&self, name: &str, digest: &Digest) -> bool {
         std::fs::read(self.path.join(name)).is_ok_and(|bytes| Digest::of(&bytes) != *digest)
     }
 
-    /// Whether a build may write files of these names.
+    /// Checks that a build may write files of these names.
     ///
     /// # Errors
-    /// The first that is there and that no build wrote.
+    /// Returns an error at the first that exists and that no build wrote. With `force`, only folders are errors.
     pub fn refuse_foreign<'a>(&self, names: impl IntoIterator<Item = &'a str>, force: bool) -> Result<(), Error> {
         for name in names {
             let path = self.path.join(name);
@@ -96,22 +97,22 @@ impl OutputFolder {
                 () if metadata.is_symlink() => "a link that no build made",
                 () => "a file that no build wrote",
             };
-            let allowed = "nothing, or what an earlier build wrote there (--force replaces a file)";
+            let allowed = "nothing, or a file of an earlier build (--force replaces other files)";
             return Err(Error::io(format!("{}: found {found}, expected {allowed}", path.display())));
         }
         Ok(())
     }
 
-    /// Files of earlier builds that are there and unchanged.
+    /// Unchanged files of earlier builds, with their hashes.
     pub fn there(&self) -> BTreeMap<String, Digest> {
         let verified = self.placements.verified(&self.path).into_iter();
         verified.map(|(name, placed)| (name, placed.digest)).collect()
     }
 
-    /// Whether none of these inputs is a file of an earlier build that is removed when files of these names are put in place.
+    /// Checks that a build that writes files of these names removes none of its inputs.
     ///
     /// # Errors
-    /// The first that is.
+    /// Returns an error at the first input that is a file of an earlier build and not among the names.
     pub fn refuse_removing<'a>(
         &self,
         inputs: impl Iterator<Item = &'a Path>,
@@ -124,7 +125,7 @@ impl OutputFolder {
         let read: BTreeSet<PathBuf> = inputs.filter_map(|input| input.canonicalize().ok()).collect();
         match removed.find(|name| self.path.join(name).canonicalize().is_ok_and(|path| read.contains(&path))) {
             Some(name) => {
-                let found = "an input, which this build would remove, as it makes no file of that name";
+                let found = "an input that this build would remove";
                 let allowed = "another output folder, or --keep";
                 Err(Error::wrong_usage(self.path.join(name).display(), found, allowed))
             }
@@ -132,19 +133,19 @@ impl OutputFolder {
         }
     }
 
-    /// Puts all files in place by their names, and removes those of earlier builds that are not among them. Until all are
-    /// written aside the folder stays as it is. `files` is given those of earlier builds that are there and unchanged, while no
-    /// other build can change them: what of them is to stay is to be among what it returns.
+    /// Puts all files in place, and removes those of earlier builds that are not among them. The folder does not
+    /// change until all files are written aside. `files` receives the unchanged files of earlier builds, while no
+    /// other build can change them, and returns the files to place, including those that stay.
     ///
     /// # Errors
-    /// A file that cannot be written: then nothing has changed.
+    /// Returns an error if a file cannot be written. The folder is unchanged then.
     pub fn place(
         &mut self,
         store: &Store,
         files: impl FnOnce(&BTreeMap<String, Digest>) -> Vec<(String, Contents)>,
     ) -> Result<Changes, Error> {
         let _lock = lock(&self.root)?;
-        // Another build may have been faster.
+        // Another build may have placed files since `open`.
         Journal::finish(&self.path, &self.root)?;
         if let Some(placements) = read_record::<Placements>(&self.root.join(PLACED)) {
             self.placements.files.extend(placements.files);
@@ -156,7 +157,7 @@ impl OutputFolder {
         let mut placements = Placements::default();
         for (name, contents) in files {
             let digest = match &contents {
-                Contents::Kept(digest) => *digest,
+                Contents::Cached(digest) => *digest,
                 Contents::Bytes(bytes) => Digest::of(bytes),
             };
             if let Some(placed) = unchanged.get(&name).filter(|placed| placed.digest == digest) {
@@ -166,9 +167,9 @@ impl OutputFolder {
             let target = self.path.join(&name);
             let bytes = match contents {
                 Contents::Bytes(bytes) => bytes,
-                Contents::Kept(digest) => {
+                Contents::Cached(digest) => {
                     let found = store.object(&digest).or_else(|| self.bytes(&digest));
-                    let lost = || std::io::Error::other("what was made for it is gone from the store");
+                    let lost = || std::io::Error::other("its contents are missing from the store");
                     found.ok_or_else(|| Error::write(&target, &lost()))?
                 }
             };
@@ -192,20 +193,20 @@ impl OutputFolder {
             journal.commit(&self.path, &self.root, &write_record(&placements))?;
         }
         placements.stamp(&self.path);
-        // The files are in place, and the report lists them: where stamps cannot be kept, files are read again.
+        // The files are in place, and the report lists them: without the stamps, the next build reads the files.
         let _ = crate::write::write_atomic(&record, &write_record(&placements));
         self.placements = placements;
         Ok(changes)
     }
 }
 
-/// Whether a place is one of a build's own in an output folder, both without links: it is called as packs and reports are, or is
-/// in the store, but where marks of what is done are.
+/// Returns true if a path belongs to a build in an output folder: it has the extension of packs or reports, or is in
+/// the store outside the folder of stamps. Both paths have their links resolved.
 pub fn is_own(place: &Path, out: &Path) -> bool {
     const OWN: [&str; 2] = ["ktx2", "json"];
     let store = out.join(FOLDER);
-    let is_called_so = place.extension().is_some_and(|found| OWN.iter().any(|own| found.eq_ignore_ascii_case(own)));
-    place.parent() == Some(out) && is_called_so || place.starts_with(&store) && !place.starts_with(store.join(DONE))
+    let is_product = place.extension().is_some_and(|found| OWN.iter().any(|own| found.eq_ignore_ascii_case(own)));
+    place.parent() == Some(out) && is_product || place.starts_with(&store) && !place.starts_with(store.join(DONE))
 }
 
 /// Waits until no other process moves files.
@@ -213,7 +214,7 @@ fn lock(root: &Path) -> Result<File, Error> {
     let path = root.join(LOCK);
     let error = |error: std::io::Error| Error::write(&path, &error);
     let file = File::options().create(true).truncate(false).write(true).open(&path).map_err(error)?;
-    // Where files cannot be locked, two builds at a time are the user's to avoid.
+    // On systems without file locks, the user has to avoid two builds at a time.
     let _ = file.lock();
     Ok(file)
 }

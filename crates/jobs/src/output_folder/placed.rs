@@ -1,4 +1,4 @@
-//! What builds put into a folder.
+//! Records of the files that builds put into a folder.
 
 use crate::file_name::is_plain;
 use crate::store::{Digest, Stamp};
@@ -7,26 +7,26 @@ use std::collections::BTreeMap;
 use std::path::Path;
 use std::time::SystemTime;
 
-/// The record of them, beside the store.
+/// File name of the record, in the folder of the store.
 pub(super) const PLACED: &str = "placed";
 
 /// A file that a build put in place.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
 pub(super) struct Placed {
-    /// Of its bytes.
+    /// Hash of its bytes.
     pub(super) digest: Digest,
-    /// By which it is known to be unchanged without being read.
+    /// Stamp by which the unchanged file is recognised without reading it.
     pub(super) stamp: Option<Stamp>,
 }
 
-/// Files by name.
+/// Placed files, by name.
 #[derive(Debug, Clone, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub(super) struct Placements {
     pub(super) files: BTreeMap<String, Placed>,
 }
 
 impl Placements {
-    /// Adds files that have these hashes and are not known, or by others.
+    /// Adds files whose contents have the listed hashes, and updates the hashes of recorded files likewise.
     pub(super) fn also(&mut self, folder: &Path, listed: impl IntoIterator<Item = (String, Digest)>) {
         for (name, digest) in listed {
             let placed = Placed { digest, stamp: None };
@@ -37,7 +37,7 @@ impl Placements {
         }
     }
 
-    /// Those that are unchanged, with the stamps by which they are known the next time.
+    /// The unchanged files, with their current stamps.
     pub(super) fn verified(&self, folder: &Path) -> BTreeMap<String, Placed> {
         let now = SystemTime::now();
         let there = |(name, placed): (&String, &Placed)| {
@@ -48,7 +48,7 @@ impl Placements {
         self.files.iter().filter_map(there).collect()
     }
 
-    /// Notes how files are known again that were just put in place.
+    /// Records the stamps of files that were just put in place.
     pub(super) fn stamp(&mut self, folder: &Path) {
         let now = SystemTime::now();
         for (name, placed) in &mut self.files {
@@ -60,7 +60,7 @@ impl Placements {
     }
 }
 
-/// What the file system says of a file that is still as it was put in place.
+/// Returns the current stamp of a file if its contents are unchanged.
 fn stamp_if_unchanged(folder: &Path, name: &str, placed: &Placed) -> Option<Stamp> {
     let path = folder.join(name);
     let stamp = Stamp::of(&path.symlink_metadata().ok()?)?;

@@ -34,7 +34,7 @@ impl There {
 }
 
 #[test]
-fn the_folder_becomes_what_is_listed() {
+fn the_folder_has_the_listed_files() {
     let there = There::new();
     there.write("notes.txt", "a person's");
     let first = there.place(&[bytes("a", "1"), bytes("b", "2"), bytes("report.json", "ab")]);
@@ -45,19 +45,19 @@ fn the_folder_becomes_what_is_listed() {
     assert_eq!((there.text("a"), there.text("notes.txt").as_deref()), (None, Some("a person's")));
     let keep = |there: &BTreeMap<String, Digest>| {
         assert_eq!(there.keys().collect::<Vec<_>>(), ["b", "c", "report.json"]);
-        vec![("b".to_owned(), Contents::Kept(there["b"])), bytes("c", "3")]
+        vec![("b".to_owned(), Contents::Cached(there["b"])), bytes("c", "3")]
     };
-    let kept = there.open().place(&there.store, keep).unwrap();
+    let third = there.open().place(&there.store, keep).unwrap();
     assert_eq!(
-        (kept.written, kept.removed, there.text("b").as_deref()),
+        (third.written, third.removed, there.text("b").as_deref()),
         (vec![], vec!["report.json".into()], Some("2"))
     );
-    // What was kept is still ours.
+    // The file that stayed still belongs to the build.
     assert_eq!(there.place(&[bytes("c", "3")]).removed, ["b"]);
 }
 
 #[test]
-fn what_a_person_changed_is_left_and_what_broke_is_mended() {
+fn edited_files_stay_and_damaged_files_are_repaired() {
     let there = There::new();
     there.place(&[bytes("a", "1"), bytes("b", "2")]);
     there.write("a", "edited by a person");
@@ -66,14 +66,14 @@ fn what_a_person_changed_is_left_and_what_broke_is_mended() {
     assert_eq!((changes.written, changes.left), (vec!["b".to_owned()], vec!["a".to_owned()]));
     assert_eq!(there.text("a").as_deref(), Some("edited by a person"));
     let error = there.open().refuse_foreign(["b", "a"], false).unwrap_err().to_string();
-    assert!(error.contains("a: found a file that no build wrote"), "a is a person's now: {error}");
+    assert!(error.contains("a: found a file that no build wrote"), "a belongs to the user: {error}");
     there.open().refuse_foreign(["a"], true).unwrap();
     std::fs::create_dir(there.folder.path().join("c")).unwrap();
-    assert!(there.open().refuse_foreign(["c"], true).is_err(), "no folder is replaced");
+    assert!(there.open().refuse_foreign(["c"], true).is_err(), "folders are not replaced");
 }
 
 #[test]
-fn a_report_says_what_is_ours_where_the_store_was_deleted() {
+fn a_report_lists_the_files_if_the_store_was_deleted() {
     let there = There::new();
     there.place(&[bytes("a", "1")]);
     std::fs::remove_file(there.folder.path().join(FOLDER).join(PLACED)).unwrap();
@@ -89,9 +89,9 @@ fn a_report_says_what_is_ours_where_the_store_was_deleted() {
     assert!(folder.refuse_foreign(["a"], false).is_err());
 }
 
-/// On systems to which two names are one file that differ in case alone, the new file is not to be removed as the old one.
+/// On systems where names that differ only in case are one file, removing the old file must not remove the new one.
 #[test]
-fn old_files_go_before_new_ones_come() {
+fn old_files_are_removed_before_new_ones_are_moved() {
     let there = There::new();
     there.place(&[bytes("a", "1")]);
     let root = there.folder.path().join(FOLDER);
@@ -102,10 +102,10 @@ fn old_files_go_before_new_ones_come() {
     assert_eq!(there.text("a").as_deref(), Some("2"));
 }
 
-/// A folder in the way of the last of three files: the first two are taken back, by the same run and, where that was killed, by the
-/// next.
+/// A folder in the way of the last of three files: the first two are moved back by the same process, or by the next
+/// if that one was killed.
 #[test]
-fn what_cannot_be_moved_is_taken_back() {
+fn failed_moves_are_rolled_back() {
     let there = There::new();
     there.place(&[bytes("a", "old"), bytes("b", "old")]);
     let root = there.folder.path().join(FOLDER);
@@ -123,7 +123,7 @@ fn what_cannot_be_moved_is_taken_back() {
     let error = begin().commit(there.folder.path(), &root, &[]).unwrap_err().to_string();
     assert!(error.contains("/d: "), "{error}");
     assert!(is_as_before(&there) && there.folder.path().join("d").is_dir());
-    // A list that cannot be read: what stood aside comes back.
+    // A damaged list: the files that were moved aside are restored.
     let begun = begin();
     std::fs::create_dir_all(root.join("commit/old")).unwrap();
     std::fs::rename(there.folder.path().join("b"), root.join("commit/old/b")).unwrap();
@@ -131,7 +131,7 @@ fn what_cannot_be_moved_is_taken_back() {
     std::mem::forget(begun);
     there.open();
     assert!(is_as_before(&there));
-    // Killed when the list had become that of what is to be taken back, and one file was.
+    // Killed during the rollback, after one file was moved back.
     let begun = begin();
     std::fs::create_dir_all(root.join("commit/old")).unwrap();
     std::fs::write(root.join("commit/back"), write_record(&(vec!["a", "c", "d"], vec!["b"]))).unwrap();
@@ -146,7 +146,7 @@ fn what_cannot_be_moved_is_taken_back() {
     assert!(is_as_before(&there));
 }
 
-/// What a file system does not take is refused before anything moves.
+/// Names that the file system rejects fail before any file moves.
 #[test]
 fn names_that_are_too_long_change_nothing() {
     let there = There::new();
@@ -159,9 +159,9 @@ fn names_that_are_too_long_change_nothing() {
     assert_eq!(there.place(&[bytes("a", "newer")]).written, ["a"]);
 }
 
-/// Killed at any moment: before the list stands nothing has changed, after that everything will.
+/// Killed at any moment: before the list is written, nothing changes; after that, the next process completes all moves.
 #[test]
-fn what_was_listed_is_finished_by_the_next() {
+fn the_next_process_completes_listed_moves() {
     let there = There::new();
     there.place(&[bytes("a", "old"), bytes("b", "old"), bytes("report.json", "old")]);
     let root = there.folder.path().join(FOLDER);
@@ -172,7 +172,7 @@ fn what_was_listed_is_finished_by_the_next() {
     assert_eq!(there.text("a").as_deref(), Some("old"), "no list");
     assert!(!root.join("commit").exists());
 
-    // A list with its files, one of which was moved already.
+    // A list with its files, one of which has already been moved.
     ["commit/new", "commit/old"].iter().for_each(|name| std::fs::create_dir_all(root.join(name)).unwrap());
     std::fs::write(root.join("commit/new/report.json"), "new").unwrap();
     let moves = (vec!["a", "report.json", "../outside"], vec!["b", "../../passwd"]);
@@ -183,7 +183,7 @@ fn what_was_listed_is_finished_by_the_next() {
     std::fs::write(root.join("commit").join(PLACED), write_record(&placements)).unwrap();
     there.write("c", "c");
     assert!(OutputFolder::is_unfinished(there.folder.path()));
-    // What was just placed is ours: the next build may replace it.
+    // Files that were just placed belong to the build: the next one may replace them.
     there.open().refuse_foreign(["a", "c"], false).unwrap();
     let texts = ["a", "b", "report.json"].map(|name| there.text(name));
     assert_eq!(texts, [Some("old".into()), None, Some("new".into())]);

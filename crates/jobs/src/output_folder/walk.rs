@@ -1,5 +1,5 @@
-//! A random walk over an output folder, beside a plain model of it: builds, a person who deletes, edits and adds files, bits that flip
-//! in the store, builds that were killed. After each build the folder has what it was asked for, or is as it was.
+//! A random walk over an output folder and a simple model of it: builds, killed builds, a user who deletes, edits and
+//! adds files, and flipped bits in the store. After each build, the folder has the requested files, or is unchanged.
 
 use super::*;
 use crate::output_folder::journal::Journal;
@@ -9,7 +9,7 @@ use rand_chacha::ChaCha8Rng;
 const STEPS: usize = 10_000;
 const NAMES: [&str; 6] = ["a", "b", "c", "A", "é", "report.json"];
 
-/// What stands in the folder, without the store.
+/// Files in the folder, without the store.
 type Files = BTreeMap<String, Vec<u8>>;
 
 fn files_in(folder: &Path) -> Files {
@@ -27,11 +27,12 @@ fn files_below(folder: &Path) -> Vec<PathBuf> {
     all
 }
 
-/// The model: what stands there, and what of it builds put there.
+/// The model of the folder.
 #[derive(Debug, Default, Clone)]
 struct Model {
+    /// All files.
     files: Files,
-    /// What the last build put there, which its report lists.
+    /// Files that the last build put there, which its report lists.
     placed: Files,
 }
 
@@ -53,7 +54,7 @@ impl Walk {
         (!from.is_empty()).then(|| from[self.random.random_range(0..from.len())].clone())
     }
 
-    /// Files that a build is asked for: the report among them lists the others.
+    /// Files that a build is asked for, including the report, which lists the others.
     fn asked(&mut self) -> Files {
         let mut files = Files::new();
         for name in NAMES.iter().filter(|name| **name != "report.json" && **name != "A") {
@@ -66,7 +67,7 @@ impl Walk {
         files
     }
 
-    /// As a build opens the folder: what its report lists is known.
+    /// Opens the folder like a build, with the files that the report lists.
     fn opened(&self) -> (Store, OutputFolder) {
         let store = Store::open(self.path(), true).unwrap();
         let mut folder = OutputFolder::open(self.path(), &store).unwrap();
@@ -87,19 +88,19 @@ impl Walk {
 
     fn build(&mut self) {
         let asked = self.asked();
-        // Sometimes a folder is in the way that comes after the check.
+        // Sometimes a folder gets in the way after the check.
         let in_the_way = self.random.random_bool(0.1).then(|| "c".to_owned());
         let (store, mut folder) = self.opened();
         let before = files_in(self.path());
-        // Where the report is no build's any more and the store is gone, nobody knows what was.
+        // If the report was edited and the store is gone, the files of earlier builds are unknown.
         let has_report =
             before.get("report.json").is_some_and(|report| self.model.placed.get("report.json") == Some(report));
         if folder.refuse_foreign(asked.keys().map(String::as_str), false).is_err() {
             let ours = |name: &String| self.model.placed.get(name) == before.get(name) || !before.contains_key(name);
-            assert!(!has_report || !asked.keys().all(ours), "what builds put there is known: {:?}", self.model);
+            assert!(!has_report || !asked.keys().all(ours), "the files of builds are known: {:?}", self.model);
             assert_eq!(files_in(self.path()), before);
             self.refused += 1;
-            // The person makes room.
+            // The user removes the files in the way.
             for name in asked.keys().filter(|name| before.contains_key(*name) && (!has_report || !ours(name))) {
                 std::fs::remove_file(self.path().join(name)).unwrap();
                 self.model.files.remove(name);
@@ -122,7 +123,7 @@ impl Walk {
                     let was_ours = self.model.placed.get(name) == Some(bytes);
                     assert!(
                         asked.contains_key(name) || was_ours || now.get(name) == Some(bytes),
-                        "{name} is a person's"
+                        "{name} belongs to the user"
                     );
                     let stays = asked.contains_key(name) || !was_ours || !has_report;
                     assert!(stays || !now.contains_key(name), "{name} is left over");
@@ -139,7 +140,7 @@ impl Walk {
         }
     }
 
-    /// A build that was killed with this many of its files moved.
+    /// A build that was killed after it moved up to two of its files.
     fn killed(&mut self) {
         let asked = self.asked();
         let (_store, folder) = self.opened();
@@ -163,7 +164,7 @@ impl Walk {
                 std::fs::rename(root.join("commit/new").join(name), self.path().join(name)).unwrap();
                 assert_eq!(std::fs::read(self.path().join(name)).unwrap(), *bytes);
             }
-            // Whoever comes next goes on.
+            // The next process completes the moves.
             let left = |(name, _): &(&String, &Vec<u8>)| !gone.contains(name) && !asked.contains_key(*name);
             let rest = self.model.files.iter().filter(left).map(|(name, bytes)| (name.clone(), bytes.clone()));
             self.model.files = rest.chain(asked.clone()).collect();
@@ -179,7 +180,7 @@ impl Walk {
         match self.random.random_range(0..8) {
             0..3 => self.build(),
             3 => self.killed(),
-            // A person deletes a file, edits one, adds one.
+            // The user deletes a file, edits one, adds one.
             4 => {
                 if let Some(path) = self.pick(&files_below(self.path())) {
                     std::fs::remove_file(&path).unwrap();
@@ -212,7 +213,7 @@ impl Walk {
 }
 
 #[test]
-fn whatever_happens_a_build_ends_with_its_files_or_changes_nothing() {
+fn a_build_ends_with_its_files_or_changes_nothing() {
     let folder = tempfile::tempdir().unwrap();
     let random = ChaCha8Rng::seed_from_u64(30);
     let mut walk = Walk { folder, random, model: Model::default(), built: 0, refused: 0, taken_back: 0 };

@@ -1,4 +1,4 @@
-//! Photographs and what was made of them, held against each other one by one: no rendering is kept.
+//! Compares photographs with packs, maps or captures made from them, one image at a time to save memory.
 
 use super::input::refused;
 use crate::error::Error;
@@ -14,21 +14,21 @@ use rayon::prelude::*;
 use std::ops::Range;
 use std::path::Path;
 
-/// Rows that are decoded at once.
+/// Number of rows decoded at once.
 const BAND: usize = 64;
-/// Largest difference of a coordinate of two lights that are the same.
+/// Largest difference between coordinates of equal lights.
 const SAME_LIGHT: f32 = 1e-4;
 
-/// What may be held against photographs.
+/// Inputs that can be compared with photographs.
 const ALLOWED: &str = "a pack of 'brdfc pwt', a .ptm or an RTI capture";
 
-/// Errors of what was made of photographs.
+/// Errors of an input against photographs.
 #[derive(Debug, Clone, serde::Serialize, schemars::JsonSchema)]
 pub struct PhotographComparison {
     /// Errors over all photographs.
     #[serde(flatten)]
     pub errors: StackErrors,
-    /// Each photograph.
+    /// Errors of each photograph.
     pub photographs: Vec<PhotographErrors>,
 }
 
@@ -37,14 +37,14 @@ pub struct PhotographComparison {
 pub struct PhotographErrors {
     /// Unit vector to its light.
     pub light: [f32; 3],
-    /// Peak signal-to-noise ratio of sRGB codes, dB.
+    /// Peak signal-to-noise ratio of sRGB levels, dB.
     pub psnr: f64,
     /// Mean ΔE (CIE76).
     pub delta_e: f64,
 }
 
-/// What shows a rendering under a light of the reference.
-enum Shown {
+/// An input that can be rendered under the lights of the reference.
+enum Compared {
     Pack(Box<PwtDecoder>),
     Map(Ptm),
     Stack(RtiCapture),
@@ -54,21 +54,21 @@ enum Shown {
 /// and by ΔE (CIE76).
 ///
 /// # Errors
-/// What cannot be read or is none of these; another size; a stack under other lights.
+/// Returns an error if an input cannot be read, is of another kind or size, or is a capture under other lights.
 pub fn compare_photographs(reference: &Path, input: &Input) -> Result<PhotographComparison, Error> {
     let stack = RtiCapture::open(reference)?;
-    let shown = Shown::open(input, &stack)?;
+    let shown = Compared::open(input, &stack)?;
     let width = stack.size()[0];
     let of_light = |light: usize| -> Result<PhotographSums, InputError> {
-        let wanted = stack.image(light)?.pixels;
-        if let Shown::Stack(other) = &shown {
-            return Ok(photograph_sums(&other.image(light)?.pixels, &wanted));
+        let reference = stack.image(light)?.pixels;
+        if let Compared::Stack(other) = &shown {
+            return Ok(photograph_sums(&other.image(light)?.pixels, &reference));
         }
         let mut sums = PhotographSums::default();
         for first in (0..stack.size()[1]).step_by(BAND) {
             let rows = first..(first + BAND).min(stack.size()[1]);
             let texels = rows.start * width..rows.end * width;
-            sums += photograph_sums(&shown.rows(stack.lights()[light], rows), &wanted[texels]);
+            sums += photograph_sums(&shown.rows(stack.lights()[light], rows), &reference[texels]);
         }
         Ok(sums)
     };
@@ -81,7 +81,7 @@ pub fn compare_photographs(reference: &Path, input: &Input) -> Result<Photograph
     Ok(PhotographComparison { errors: StackErrors::of_photographs(&sums), photographs: each.collect() })
 }
 
-impl Shown {
+impl Compared {
     fn open(input: &Input, reference: &RtiCapture) -> Result<Self, Error> {
         let shown = match input.extension()?.as_str() {
             "ktx2" => match open_pack(input)? {
@@ -91,7 +91,7 @@ impl Shown {
             ptm::EXTENSION => Self::Map(ptm::open_ptm(input)?),
             _ => match input.path().filter(|path| is_rti_capture(path)) {
                 Some(path) => Self::Stack(RtiCapture::open(path)?),
-                None => return Err(refused(input, "input", "none of these", ALLOWED)),
+                None => return Err(refused(input, "input", "another kind of input", ALLOWED)),
             },
         };
         let found = match &shown {
@@ -102,7 +102,7 @@ impl Shown {
         let wrong = |error: FormatError| Error::from(InputError::Format { name: input.to_string(), error });
         let [width, height] = reference.size();
         if found != [width, height] {
-            let allowed = format!("{width} x {height}, as the reference has");
+            let allowed = format!("{width} x {height}, the size of the reference");
             return Err(wrong(FormatError::whole("size", format!("{} x {}", found[0], found[1]), allowed)));
         }
         if let Self::Stack(stack) = &shown {
@@ -111,7 +111,7 @@ impl Shown {
         Ok(shown)
     }
 
-    /// Linear RGB of some rows under a light; none of photographs, which are compared whole.
+    /// Linear RGB of some rows under a light; empty for captures, whose images are compared whole.
     fn rows(&self, light: [f32; 3], rows: Range<usize>) -> Vec<[f32; 3]> {
         match self {
             Self::Pack(decoder) => {
@@ -124,20 +124,20 @@ impl Shown {
     }
 }
 
-/// Whether two stacks were lit alike.
-fn same_lights(found: &[[f32; 3]], wanted: &[[f32; 3]]) -> Result<(), FormatError> {
+/// Checks that two captures have the same lights.
+fn same_lights(found: &[[f32; 3]], expected: &[[f32; 3]]) -> Result<(), FormatError> {
     let refused = |found: String, allowed: String| Err(FormatError::whole("lights", found, allowed));
-    if found.len() != wanted.len() {
-        return refused(found.len().to_string(), format!("{}, as the reference has", wanted.len()));
+    if found.len() != expected.len() {
+        return refused(found.len().to_string(), format!("{}, as in the reference", expected.len()));
     }
     let near = |(a, b): (&[f32; 3], &[f32; 3])| a.iter().zip(b).all(|(a, b)| (a - b).abs() < SAME_LIGHT);
-    match found.iter().zip(wanted).position(|pair| !near(pair)) {
+    match found.iter().zip(expected).position(|pair| !near(pair)) {
         None => Ok(()),
         Some(at) => {
-            let told = |[x, y, z]: [f32; 3]| format!("({x:.4}, {y:.4}, {z:.4})");
+            let text = |[x, y, z]: [f32; 3]| format!("({x:.4}, {y:.4}, {z:.4})");
             refused(
-                format!("{} as number {}", told(found[at]), at + 1),
-                format!("{}, as the reference has", told(wanted[at])),
+                format!("{} as number {}", text(found[at]), at + 1),
+                format!("{}, as in the reference", text(expected[at])),
             )
         }
     }

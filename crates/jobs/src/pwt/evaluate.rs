@@ -1,4 +1,4 @@
-//! Values at places of renderings and tiles: of polynomial wavelet trees, and of flat BTFs.
+//! Values of polynomial wavelet trees and flat BTFs at texture coordinates.
 
 use brdfc_formats::Pack;
 use brdfc_formats::pwt::PwtDecoder;
@@ -8,20 +8,20 @@ use brdfc_source::flat_btf::{flat_btf_file, flat_view, open_flat_btf};
 use brdfc_source::{Input, InputError};
 use rayon::prelude::*;
 
-/// What has a value at a place of a rendering.
+/// A material with values at texture coordinates.
 #[allow(clippy::large_enum_variant)]
 pub enum Relightable {
-    /// A polynomial wavelet tree: one view.
+    /// A polynomial wavelet tree, which has one view.
     Pack(PwtDecoder),
-    /// A flat BTF, with its views.
+    /// A flat BTF, which has several views.
     Flat(FlatMaterial),
 }
 
 impl Relightable {
-    /// Reads an input; nothing if it is neither a tree nor a flat BTF.
+    /// Reads an input. Returns `None` if it is neither a tree nor a flat BTF.
     ///
     /// # Errors
-    /// One that cannot be read, or is broken.
+    /// Returns an error if the input cannot be read or is invalid.
     pub fn open(input: &Input) -> Result<Option<Self>, InputError> {
         if let Some(material) = open_flat_material(input)? {
             return Ok(Some(Self::Flat(material)));
@@ -35,12 +35,12 @@ impl Relightable {
         }
     }
 
-    /// Whether values depend on where they are seen from.
+    /// Returns true if values depend on the viewing direction.
     pub fn has_views(&self) -> bool {
         matches!(self, Self::Flat(_))
     }
 
-    /// Levels of detail besides the finest.
+    /// Number of levels of detail coarser than the finest.
     pub fn levels(&self) -> u32 {
         match self {
             Self::Pack(decoder) => decoder.pack().header().levels,
@@ -48,12 +48,12 @@ impl Relightable {
         }
     }
 
-    /// [`Self::value`] of each query.
+    /// Evaluates [`Self::value`] for each query.
     pub fn values(&self, queries: &[TexelQuery], level: f32) -> Vec<[f32; 3]> {
         queries.par_iter().map(|query| self.value(query, level)).collect()
     }
 
-    /// Linear RGB. `level` counts from the coarsest, 0; [`Self::levels`] is the finest.
+    /// Linear RGB at a level of detail, from 0 (the coarsest) to [`Self::levels`] (the finest).
     pub fn value(&self, query: &TexelQuery, level: f32) -> [f32; 3] {
         let single = |v: [f64; 3]| v.map(|c| c as f32);
         let coarser = (self.levels() as f32 - level).max(0.0);
@@ -63,7 +63,7 @@ impl Relightable {
                 if query.incoming[2] <= 0.0 || query.outgoing[2] <= 0.0 {
                     return [0.0; 3];
                 }
-                // Down on the rendering is back along the bitangent.
+                // Down in the image is backwards along the bitangent.
                 let [u, v] = query.uv;
                 material.value(FlatForm::Full, [u, 1.0 - v], coarser, query.outgoing, query.incoming)
             }
@@ -71,10 +71,10 @@ impl Relightable {
     }
 }
 
-/// Reads a flat BTF of the full form; nothing if the input is none.
+/// Reads a flat BTF in its full form. Returns `None` if the input is not a flat BTF.
 ///
 /// # Errors
-/// One that cannot be read, is broken, or has no full form.
+/// Returns an error if the flat BTF cannot be read, is invalid, or has no full form.
 pub fn open_flat_material(input: &Input) -> Result<Option<FlatMaterial>, InputError> {
     let of_file = |error| InputError::Format { name: input.to_string(), error };
     let Some(path) = input.path() else { return Ok(None) };

@@ -1,5 +1,5 @@
-//! What becomes a polynomial wavelet tree: photographs under known lights, one view of a BTF, a polynomial texture map, or a
-//! tree that is there already.
+//! Opens inputs of polynomial wavelet trees: photographs under known lights, one view of a BTF, a polynomial texture map, or an
+//! existing tree.
 
 use crate::error::Error;
 use brdfc_formats::direction::Vector;
@@ -19,15 +19,15 @@ use brdfc_source::{Input, InputError, ptm};
 use rayon::prelude::*;
 use std::path::Path;
 
-/// Lights at which a map or a pack is looked at to be fitted again.
+/// Number of lights under which a map or a pack is rendered to be fitted again.
 const SPREAD: usize = 96;
-/// Most numbers of all photographs together: 6 GiB of them.
+/// Maximum numbers in all photographs together: 6 GiB.
 const MAX_NUMBERS: u64 = 3 << 29;
 
-/// What becomes a tree.
+/// Inputs that are accepted.
 const ALLOWED: &str = "a folder with a list of lights (.lp), the list, a BTF, a flat BTF, a .ptm or a pack (.ktx2)";
 
-/// What was read.
+/// An input that was read.
 pub enum LightInput {
     /// Photographs.
     Renderings(LightSamples),
@@ -38,14 +38,15 @@ pub enum LightInput {
 }
 
 impl LightInput {
-    /// Reads an input. Of BTFs the view of this index is taken, the first one if there is none.
+    /// Reads an input. `view` is the index of the view of a BTF, 0 by default.
     ///
     /// # Errors
-    /// What cannot be read, or is none of these; a view that is not there; more photographs than memory should hold.
+    /// Returns an error if the input cannot be read or is of another kind, the view does not exist, or the photographs exceed the
+    /// limit.
     pub fn open(input: &Input, view: Option<usize>) -> Result<Self, Error> {
         let extension = input.extension()?;
         if view.is_some() && (["ktx2", ptm::EXTENSION].contains(&extension.as_str())) {
-            return Err(Error::wrong_usage("--view", "with one view", "with BTFs"));
+            return Err(Error::usage("--view does not apply to inputs with one view, only to BTFs"));
         }
         if extension == ptm::EXTENSION {
             let map = ptm::open_ptm(input)?;
@@ -55,7 +56,7 @@ impl LightInput {
         if extension == "ktx2" {
             return match brdfc_source::pack::open_pack(input)? {
                 Pack::Pwt(pack) => {
-                    // A small file may be a large rendering.
+                    // A small file may hold a large image.
                     check_spread(input, pack.header().size)?;
                     Ok(Self::Pack(pack))
                 }
@@ -67,7 +68,7 @@ impl LightInput {
         };
         if is_rti_capture(path) {
             if view.is_some() {
-                return Err(Error::wrong_usage("--view", "with an RTI capture, which has one", "with BTFs"));
+                return Err(Error::usage("--view does not apply to RTI captures, only to BTFs"));
             }
             return Ok(Self::Renderings(photographs(path)?));
         }
@@ -75,7 +76,7 @@ impl LightInput {
             let found = if extension.is_empty() { "no extension".to_owned() } else { format!(".{extension}") };
             return Err(refused(input, "file name", &found, ALLOWED));
         }
-        // Renderings may have been drawn into the folder of a flat BTF.
+        // The folder of a flat BTF may also hold renderings.
         if flat_btf_file(path)?.is_some() {
             return Ok(Self::Renderings(flat_view(path, view.unwrap_or(0))?));
         }
@@ -83,10 +84,10 @@ impl LightInput {
             return Ok(Self::Renderings(one_view(path, view.unwrap_or(0))?));
         }
         std::fs::metadata(path).map_err(|error| InputError::Io { name: input.to_string(), error })?;
-        Err(refused(input, "input", "none of these", ALLOWED))
+        Err(refused(input, "input", "another kind of input", ALLOWED))
     }
 
-    /// Photographs, or what a map or pack shows under many lights.
+    /// Photographs, or renderings of a map or a pack under many lights.
     pub fn into_samples(self) -> LightSamples {
         match self {
             Self::Renderings(samples) => samples,
@@ -96,9 +97,9 @@ impl LightInput {
     }
 }
 
-/// Whether a photograph holds values above 1, which is white: errors in dB count them as 1.
+/// Returns true if a photograph has values above 1 (white), which errors in dB count as 1.
 pub fn any_above_white(samples: &LightSamples) -> bool {
-    let is_bright = |rendering: &Vec<[f32; 3]>| rendering.as_flattened().iter().any(|value| *value > 1.0);
+    let is_bright = |photograph: &Vec<[f32; 3]>| photograph.as_flattened().iter().any(|value| *value > 1.0);
     samples.renderings.par_iter().any(is_bright)
 }
 
@@ -113,11 +114,11 @@ fn check_amount(input: &impl std::fmt::Display, size: [usize; 2], lights: usize)
         return Ok(());
     }
     let found = format!("{lights} of {} x {} pixels", size[0], size[1]);
-    let allowed = format!("{} million pixels in all", MAX_NUMBERS / 3_000_000);
+    let allowed = format!("at most {} million pixels in all", MAX_NUMBERS / 3_000_000);
     Err(refused(input, "photographs", &found, &allowed))
 }
 
-/// A map or a pack is fitted again at what it shows under [`SPREAD`] lights.
+/// Checks the size of a map or a pack, which is rendered under [`SPREAD`] lights and fitted again.
 fn check_spread(input: &impl std::fmt::Display, size: [u32; 2]) -> Result<(), Error> {
     let pixels: u64 = size.map(u64::from).iter().product();
     let most = MAX_NUMBERS / 3 / SPREAD as u64;
@@ -125,11 +126,11 @@ fn check_spread(input: &impl std::fmt::Display, size: [u32; 2]) -> Result<(), Er
         return Ok(());
     }
     let found = format!("{} x {} pixels", size[0], size[1]);
-    let allowed = format!("{most} in all, to be looked at under {SPREAD} lights");
+    let allowed = format!("at most {most} in all, which are rendered under {SPREAD} lights");
     Err(refused(input, "size", &found, &allowed))
 }
 
-/// Linear RGB of so many photographs, decoded side by side; of several errors the first. What a file has below black is noise.
+/// Decodes `count` photographs to linear RGB in parallel. Returns the first error. Negative values are noise and become 0.
 fn decoded(
     count: usize,
     image: impl Fn(usize) -> Result<Image, InputError> + Sync + Send,
@@ -142,7 +143,7 @@ fn decoded(
     images.into_iter().map(|image| image.map(not_negative)).collect()
 }
 
-/// All photographs of an RTI capture, decoded side by side.
+/// Decodes all photographs of an RTI capture in parallel.
 fn photographs(path: &Path) -> Result<LightSamples, Error> {
     let stack = RtiCapture::open(path)?;
     check_amount(&path.display(), stack.size(), stack.len())?;
@@ -159,8 +160,8 @@ fn one_view(path: &Path, view: usize) -> Result<LightSamples, Error> {
     Ok(LightSamples { size: btf.size(), lights, renderings, repeats: true, defined: None })
 }
 
-/// A view of a flat BTF, with the texels that it sees as defined ones where the asset says which. Its rows go up, those of
-/// renderings down.
+/// A view of a flat BTF. If the asset has a visibility mask, only texels that the view sees are defined. Rows of flat BTFs go up,
+/// those of images down.
 fn flat_view(path: &Path, view: usize) -> Result<LightSamples, Error> {
     let file = open_flat_btf(path)?;
     let number = u32::try_from(view).unwrap_or(u32::MAX);
@@ -180,7 +181,7 @@ fn flat_view(path: &Path, view: usize) -> Result<LightSamples, Error> {
     Ok(LightSamples { size: [side, side], lights, renderings, repeats: true, defined })
 }
 
-/// Which texels a view of a flat BTF sees; nothing where it sees none.
+/// Texels that a view of a flat BTF sees; `None` if it sees none.
 fn seen_texels(mask: &VisibilityMask, header: &FlatHeader) -> Option<Vec<bool>> {
     let size = header.size;
     let seen = (0..size * size).map(|texel| mask.is_seen(header.view, [texel % size, size - 1 - texel / size]));

@@ -1,4 +1,4 @@
-//! Packs and maps of photographs, and how wrong they are at lights left out.
+//! Makes packs and maps from photographs, and measures their errors at held-out lights.
 
 use crate::error::Error;
 use brdfc_formats::FormatError;
@@ -11,38 +11,38 @@ use rand::RngExt as _;
 use rand::SeedableRng as _;
 use serde::Serialize;
 
-/// Errors at lights that the fit has not seen.
+/// Errors at held-out lights.
 #[derive(Debug, Clone, PartialEq, Serialize, schemars::JsonSchema)]
 pub struct HeldOut {
-    /// Which lights, by their place in the list.
+    /// Indices of the lights in the list.
     pub lights: Vec<usize>,
-    /// Peak signal-to-noise ratio of sRGB codes, dB.
+    /// Peak signal-to-noise ratio of sRGB levels, dB.
     pub psnr: f64,
     /// Mean ΔE (CIE76).
     pub delta_e: f64,
 }
 
-/// What is made, and what was left out to measure it.
+/// An encoded pack and its errors at held-out lights.
 pub struct PwtMade {
-    /// The pack and what was found on the way.
+    /// The pack and details of its encoding.
     pub encoded: PwtEncoded,
-    /// Lights that the fit has not seen, and the errors there.
+    /// Held-out lights and the errors there.
     pub held_out: Option<HeldOut>,
-    /// Lights that were fitted.
+    /// Number of lights that were fitted.
     pub lights: usize,
 }
 
-/// Encodes photographs, some of them left out by a seeded permutation: their errors are those of unseen lights.
+/// Encodes photographs. Holds out `hold_out` of them, chosen by a seeded permutation, to measure errors at unseen lights.
 ///
 /// # Errors
-/// Photographs or options out of range; more lights left out than there are to spare.
+/// Returns an error if photographs or options are out of range, or if no light is left to fit.
 pub fn make(samples: &LightSamples, recipe: &PwtRecipe, hold_out: usize, seed: u64) -> Result<PwtMade, Error> {
     if hold_out == 0 {
         let encoded = encode(samples, recipe).map_err(wrong)?;
         return Ok(PwtMade { encoded, held_out: None, lights: samples.lights.len() });
     }
     if hold_out >= samples.lights.len() {
-        let allowed = format!("0 to {}: one light is fitted at least", samples.lights.len().saturating_sub(1));
+        let allowed = format!("0 to {}, as at least one light must be fitted", samples.lights.len().saturating_sub(1));
         return Err(Error::wrong_usage("--hold-out", hold_out, allowed));
     }
     let left_out = &permutation(samples.lights.len(), seed)[..hold_out];
@@ -53,7 +53,7 @@ pub fn make(samples: &LightSamples, recipe: &PwtRecipe, hold_out: usize, seed: u
     Ok(PwtMade { encoded, held_out: Some(held_out), lights: rest.len() })
 }
 
-/// Photographs out of range; or levels, of which there may be as many as their size allows.
+/// Error about photographs out of range, or about more levels than their size allows.
 fn wrong(error: FormatError) -> Error {
     match error.field.as_ref() {
         "levels" => Error::wrong_usage("--levels", error.found, error.allowed),
@@ -61,7 +61,7 @@ fn wrong(error: FormatError) -> Error {
     }
 }
 
-/// The numbers below `count` in an order that a seed decides (Fisher and Yates).
+/// Random permutation of the numbers below `count` (Fisher and Yates).
 pub fn permutation(count: usize, seed: u64) -> Vec<usize> {
     let mut random = rand_chacha::ChaCha8Rng::seed_from_u64(seed);
     let mut order: Vec<usize> = (0..count).collect();
@@ -71,7 +71,7 @@ pub fn permutation(count: usize, seed: u64) -> Vec<usize> {
     order
 }
 
-/// What of a recipe a polynomial texture map has by its nature: its own terms and scale, unless others are asked for.
+/// Defaults of a recipe for polynomial texture maps: their own terms and scale.
 pub fn recipe_of_map(recipe: PwtRecipe) -> PwtRecipe {
     PwtRecipe {
         coordinates: recipe.coordinates.or(Some(LightCoordinates::Projected)),
@@ -82,10 +82,10 @@ pub fn recipe_of_map(recipe: PwtRecipe) -> PwtRecipe {
     }
 }
 
-/// A polynomial texture map of photographs, and its errors there.
+/// Makes a polynomial texture map from photographs, and measures its errors there.
 ///
 /// # Errors
-/// Photographs out of range.
+/// Returns an error if photographs are out of range.
 pub fn make_map(samples: &LightSamples, model: MapModel) -> Result<(Ptm, StackErrors), Error> {
     let map = fit_map(samples, model).map_err(wrong)?;
     let shown = renderings_of(&map, samples.lights.clone());

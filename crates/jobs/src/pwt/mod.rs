@@ -1,4 +1,4 @@
-//! `brdfc pwt`: photographs under known lights become a pack, or a polynomial texture map.
+//! `brdfc pwt`: makes packs and polynomial texture maps from photographs under known lights.
 
 mod compare;
 mod evaluate;

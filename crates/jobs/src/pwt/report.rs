@@ -1,4 +1,4 @@
-//! What `brdfc pwt` says.
+//! Report of `brdfc pwt`.
 
 use super::make::{HeldOut, PwtMade};
 use brdfc_formats::pwt::LightCoordinates;
@@ -6,64 +6,64 @@ use brdfc_pwt::choose::Candidate;
 use brdfc_pwt::{PwtFacts, PwtTextureFacts};
 use serde::Serialize;
 
-/// What is worth knowing of a level of detail.
+/// Properties of a level of detail.
 #[derive(Debug, Clone, PartialEq, Serialize, schemars::JsonSchema)]
 pub struct LevelReport {
-    /// 0 is the finest; the last one is what remains of the rendering.
+    /// Number of the level, from 0 (the finest) to the last, which is the coarsest approximation of the image.
     pub level: u32,
-    /// Subbands of its first channel.
+    /// Number of subbands of its first channel.
     pub subbands: usize,
-    /// Share of the rendering's energy that they have, all channels together.
+    /// Share of the image's energy in them, all channels together.
     pub energy: f64,
-    /// Highest degree of any of them; none where all are pruned.
+    /// Highest degree of the subbands; absent if all are pruned.
     pub degree: Option<u32>,
 }
 
-/// What `--json` prints of a pack that was made.
+/// JSON report of a pack.
 #[derive(Debug, Clone, PartialEq, Serialize, schemars::JsonSchema)]
 pub struct PwtReport {
-    /// Columns and rows of the rendering.
+    /// Columns and rows of the image.
     pub size: [u32; 2],
-    /// Lights that were fitted.
+    /// Number of lights that were fitted.
     pub lights: usize,
-    /// In what the terms are polynomials.
+    /// Coordinates of the light in which the terms are polynomials.
     pub coordinates: LightCoordinates,
     /// Highest degree.
     pub degree: u32,
-    /// Ridge that keeps the fit smooth where no light is.
+    /// Ridge parameter, which keeps the fit smooth between lights.
     pub ridge: f64,
-    /// The scale of values that were fitted.
+    /// Scale of the fitted values.
     pub domain: &'static str,
     /// Condition number of the normal equations.
     pub condition: f64,
-    /// The best of each domain and coordinates that were tried, the one taken first.
+    /// The best candidate of each domain and coordinates, the selected one first.
     pub tried: Vec<Candidate>,
     /// Levels of detail, the finest first.
     pub levels: Vec<LevelReport>,
     /// Textures, the finest first.
     pub textures: Vec<PwtTextureFacts>,
-    /// Fetches of a pixel.
+    /// Texture fetches per pixel.
     pub fetches: u32,
     /// Bytes on a GPU, mipmaps included.
     pub bytes_on_gpu: u64,
     /// Bytes of the file.
     pub bytes_on_disk: usize,
-    /// Peak signal-to-noise ratio of sRGB codes at the lights that were fitted, dB; of rows spread over the photographs, about
-    /// two million texels in all.
+    /// Peak signal-to-noise ratio of sRGB levels at the fitted lights, dB, from rows spread over the photographs, about two
+    /// million texels in all.
     pub psnr: f64,
-    /// Mean ΔE (CIE76) there.
+    /// Mean ΔE (CIE76) of the same texels.
     pub delta_e: f64,
-    /// Signal-to-noise ratio at each light left out in turn, of 512 texels, before pruning and rounding; null where so few
-    /// lights do not tell.
+    /// Signal-to-noise ratio of leave-one-out cross-validation over the lights, from 512 texels, before pruning and rounding; null
+    /// if there are too few lights.
     pub left_out_psnr: Option<f64>,
-    /// Errors at lights that were held out.
+    /// Errors at held-out lights.
     pub held_out: Option<HeldOut>,
-    /// Whether it meets what was asked for.
+    /// True if it meets its target.
     pub met: bool,
 }
 
 impl PwtReport {
-    /// Of what was made, and the bytes of its file.
+    /// Reports a pack in a file of `bytes_on_disk` bytes.
     pub fn new(made: &PwtMade, bytes_on_disk: usize) -> Self {
         let encoded = &made.encoded;
         let header = encoded.pack.header();

@@ -1,4 +1,4 @@
-//! What adaptive shading took, and how wrong it looks.
+//! Cost and error of adaptive shading.
 
 use super::render::PartMaterial;
 use brdfc_gpu::AdapterDescription;
@@ -7,10 +7,10 @@ use brdfc_render::adaptive::{LevelCount, Settings};
 use schemars::JsonSchema;
 use serde::Serialize;
 
-/// One rendering, drawn adaptively and by the forward renderer, against the ground truth.
+/// One rendering, shaded adaptively and forward, compared with the ground truth.
 #[derive(Debug, Clone, Serialize, JsonSchema)]
 pub struct AdaptiveVerification {
-    /// Which scene.
+    /// Name of the scene.
     pub scene: String,
     /// Pixels per row.
     pub width: usize,
@@ -22,44 +22,44 @@ pub struct AdaptiveVerification {
     pub surface_points: u64,
     /// Factor from radiance to the display's range [0, 1], for renderings and comparisons.
     pub exposure: f64,
-    /// What drew.
+    /// The graphics adapter.
     pub adapter: AdapterDescription,
     /// Parts of the scene with their materials.
     pub parts: Vec<PartMaterial>,
     /// Width and height of the environment.
     pub environment: [usize; 2],
-    /// What was asked for.
+    /// Settings of adaptive shading.
     pub settings: AdaptiveSettings,
-    /// What adaptive shading took.
+    /// Cost and error of adaptive shading.
     pub adaptive: Shading,
-    /// Seconds that the bandwidth buffer takes, run on its own before.
+    /// Seconds of the bandwidth buffer, measured in a separate run.
     pub bandwidth_seconds: f64,
-    /// What each level of the pyramid shaded, finest first.
+    /// Counts of each level of the pyramid, finest first.
     pub levels: Vec<LevelCount>,
-    /// What forward shading took, with the same number of samples for every point.
+    /// Cost and error of forward shading with the same number of samples for every point.
     pub forward: Shading,
     /// Samples per point of the ground truth.
     pub truth_samples: usize,
-    /// PSNR that the spread of the ground truth's own samples amounts to, dB: an upper bound of its error, which runs of
-    /// samples overstate. Absent if there is none.
+    /// PSNR of the ground truth, dB: a lower bound from the spread between runs of its samples, which overstates the error.
+    /// Absent if there is no error.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub truth_psnr: Option<f64>,
-    /// Seconds that the ground truth took, on the CPU.
+    /// Seconds of the ground truth, on the CPU.
     pub truth_seconds: f64,
 }
 
-/// How adaptive shading was asked to spend; see [`Settings`].
+/// Settings of adaptive shading; see [`Settings`].
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, JsonSchema)]
 pub struct AdaptiveSettings {
-    /// `n_b`, incident directions that bandwidth is averaged over.
+    /// `n_b`, number of incident directions over which bandwidth is averaged.
     pub directions: u32,
     /// Mean samples of a surface point if all were shaded.
     pub budget: f32,
     /// Factor on predicted bandwidths.
     pub caution: f32,
-    /// Fewest samples of a shaded pixel.
+    /// Minimum samples of a shaded pixel.
     pub fewest: u32,
-    /// Most samples of a shaded pixel.
+    /// Maximum samples of a shaded pixel.
     pub most: u32,
 }
 
@@ -75,15 +75,15 @@ impl From<&Settings> for AdaptiveSettings {
 pub struct Shading {
     /// Samples of incident light.
     pub samples: u64,
-    /// The same per point that shows a surface.
+    /// Samples of incident light per point that shows a surface.
     pub samples_per_point: f64,
     /// Shaded pixels of all levels.
     pub shaded: u64,
     /// Seconds to shade, without the G-buffer.
     pub seconds: f64,
-    /// Pixels that hold no number, in the rendering or in the ground truth; they are left out of the PSNR.
+    /// Pixels with NaN or infinite values in the rendering or in the ground truth; the PSNR excludes them.
     pub invalid_pixels: usize,
-    /// dB of PSNR against the ground truth, as a display shows both; absent if there is no difference.
+    /// PSNR of the displayed colours against the ground truth, dB; absent if there is no difference.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub psnr: Option<f64>,
     /// Mean FLIP against the ground truth over pixels that show a surface, 0 to 1.
@@ -91,7 +91,7 @@ pub struct Shading {
 }
 
 impl Shading {
-    /// Of a rendering of so many points, by its samples and shaded pixels, against the ground truth.
+    /// Measures a rendering against the ground truth. `points` is the number of points that show a surface.
     pub fn new(
         image: &LinearImage,
         [samples, shaded]: [u64; 2],

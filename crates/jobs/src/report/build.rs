@@ -22,7 +22,7 @@ use std::path::Path;
 /// Layout of the report of a build.
 pub const BUILD_VERSION: u32 = 3;
 
-/// What a build says of itself: printed by `--json`, and without times and paths the file `report.json` in its folder.
+/// Report of a build: `--json` prints it, and `report.json` in the output folder holds it without times and paths.
 #[derive(Debug, Clone, Serialize, Deserialize, schemars::JsonSchema)]
 pub struct BuildReport {
     /// Layout of this report.
@@ -36,7 +36,7 @@ pub struct BuildReport {
     pub environment: Option<EnvironmentEntry>,
     /// Materials that no use refers to.
     pub skipped: Vec<String>,
-    /// What is needed of each material, why, and what that saves. Only in what is printed, where it was asked for.
+    /// Requirements of each material with their reasons and savings. Only in printed reports with `--explain`.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub needs: Vec<Explained>,
 }
@@ -73,34 +73,34 @@ pub struct MaterialEntry {
     /// `<material>.json`, which lists its parts; absent if it failed, or was only planned.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub list: Option<FileEntry>,
-    /// What was measured; absent if it failed, or was only planned.
+    /// Measurements; absent if it failed, or was only planned.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub report: Option<MaterialReport>,
-    /// What the bandwidth map and the samples hold.
+    /// Contents of the bandwidth map and the samples.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub maps: Option<MapsReport>,
-    /// What the gates saw that the manifest requires.
+    /// Results of the gates in the manifest.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub gates: Vec<GateResult>,
-    /// Bytes on a GPU that its pack will have. Only where it was planned.
+    /// Predicted bytes of its pack on a GPU. Only for planned materials.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub predicted: Option<Predicted>,
-    /// Why it failed.
+    /// Error message; absent if it succeeded.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub error: Option<String>,
-    /// Whether an earlier build made it, and this one did not ask for it but kept it.
+    /// True if an earlier build made it and this one retained it without requesting it.
     #[serde(default, skip_serializing_if = "std::ops::Not::not")]
     pub kept: bool,
-    /// Whether nothing had to be made. Only in what is printed.
+    /// True if all of it came from the store. Only in printed reports.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub cached: Option<bool>,
-    /// Seconds per stage. Only in what is printed.
+    /// Seconds per stage. Only in printed reports.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub stages: Option<Vec<StageTime>>,
 }
 
 impl MaterialEntry {
-    /// The list of a material that was made; nothing of one that failed, or was only planned.
+    /// The list of the material's parts; `None` if it failed, or was only planned.
     pub fn file(&self) -> Option<MaterialFile> {
         let [bandwidth, samples] = PARTS;
         let parts = [(PACK, &self.pack), (bandwidth, &self.bandwidth), (samples, &self.samples)];
@@ -109,7 +109,7 @@ impl MaterialEntry {
         Some(MaterialFile { version: MATERIAL_VERSION, material, parts, report, maps: self.maps.clone() })
     }
 
-    /// Whether it is what was asked for.
+    /// Returns true if it was made, met its limits and passed its gates.
     pub fn passed(&self) -> bool {
         let met = self.report.as_ref().is_some_and(|report| report.missed.is_none());
         met && self.gates.iter().all(|gate| gate.passed)
@@ -127,49 +127,49 @@ pub struct EnvironmentEntry {
     /// The map with its hash; absent if it failed, or was only planned.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub file: Option<FileEntry>,
-    /// What the map holds; absent if it failed, or was only planned.
+    /// Contents of the map; absent if it failed, or was only planned.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub report: Option<Packed<BandwidthFacts>>,
-    /// Why it failed.
+    /// Error message; absent if it succeeded.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub error: Option<String>,
-    /// Whether an earlier build made it, and this one did not ask for it but kept it.
+    /// True if an earlier build made it and this one retained it without requesting it.
     #[serde(default, skip_serializing_if = "std::ops::Not::not")]
     pub kept: bool,
-    /// Whether nothing had to be made. Only in what is printed.
+    /// True if all of it came from the store. Only in printed reports.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub cached: Option<bool>,
-    /// Seconds per stage. Only in what is printed.
+    /// Seconds per stage. Only in printed reports.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub stages: Option<Vec<StageTime>>,
 }
 
 impl BuildReport {
-    /// Reads a `report.json`, all of whose files are in its folder.
+    /// Reads a `report.json`.
     ///
     /// # Errors
-    /// What cannot be read, is no report, has another version or names files elsewhere.
+    /// Returns an error if the file cannot be read, is not a report, has another version or names files outside its folder.
     pub fn open(path: &Path) -> Result<Self, Error> {
         let bytes = read_file(path, MAX_TEXT_BYTES)?;
-        let allowed = "the report.json of a build by this version of brdfc, which 'brdfc build' writes again";
+        let allowed = "the report.json of a build by this version of brdfc; 'brdfc build' rewrites it";
         let wrong = |found: String| Error::wrong_input(path.display(), found, allowed);
         let report: Self = serde_json::from_slice(&bytes).map_err(|error| wrong(json_problem(&error)))?;
         if let Some(name) = report.names().find(|name| !is_plain(name)) {
-            return Err(wrong(format!("the file {name:?}, which leads out of its folder")));
+            return Err(wrong(format!("the file {name:?}, which is outside its folder")));
         }
         match report.version {
             BUILD_VERSION => Ok(report),
-            version => Err(wrong(format!("version {version} of the layout, which is {BUILD_VERSION} now"))),
+            version => Err(wrong(format!("layout version {version}, which is now {BUILD_VERSION}"))),
         }
     }
 
-    /// All names that it has for files.
+    /// Names of all files in the report.
     fn names(&self) -> impl Iterator<Item = &str> {
         let parts = self.materials.iter().flat_map(|entry| [&entry.pack, &entry.bandwidth, &entry.samples]);
         self.files().map(|entry| &entry.file).chain(parts.flatten()).map(String::as_str)
     }
 
-    /// Of a finished build.
+    /// Reports a finished build.
     pub fn new(plan: &Plan, outcomes: &Outcomes) -> Self {
         let environment = plan.environment.as_ref().zip(outcomes.environment.as_ref());
         let materials = outcomes.materials.iter().filter_map(|outcome| {
@@ -183,7 +183,7 @@ impl BuildReport {
         }
     }
 
-    /// Of a build that is only planned, with the materials that need not be made again.
+    /// Reports a planned build. `known` are the materials that need not be made again.
     pub fn planned(plan: &Plan, known: &BTreeMap<&str, Made>) -> Self {
         let materials = plan.jobs.iter().map(|job| {
             let (predicted, cached) = match known.get(job.name.as_str()) {
@@ -200,7 +200,7 @@ impl BuildReport {
         Self { materials: materials.collect(), environment, ..Self::empty(plan) }
     }
 
-    /// Without what differs between runs: times, and where manifest and packs are.
+    /// Removes details that differ between runs: times, and the paths of the manifest and the packs.
     #[must_use]
     pub fn lasting(mut self, plan: &Plan, out: &Path) -> Self {
         let out = format!("{}/", out.display());
@@ -220,8 +220,8 @@ impl BuildReport {
         self
     }
 
-    /// What of this report stays beside materials of these names, which are [`folded`]: those that are called otherwise, and whose
-    /// files are all there; the environment, where there is none beside it.
+    /// Selects the entries that a build of the materials `asked` (names that are [`folded`]) retains: materials of other names
+    /// whose files are all in `there`, and the environment if the build has none.
     #[must_use]
     pub fn kept_beside(
         mut self,
@@ -230,23 +230,23 @@ impl BuildReport {
         there: &BTreeMap<String, Digest>,
     ) -> Self {
         let is_there = |file: &FileEntry| there.get(&file.file) == Some(&file.blake3);
-        let is_kept = |entry: &MaterialEntry| {
+        let is_retained = |entry: &MaterialEntry| {
             let is_asked_for = asked.contains(&folded(&entry.material));
             !is_asked_for && !entry.files.is_empty() && entry.files.iter().all(is_there)
         };
-        self.materials.retain(is_kept);
+        self.materials.retain(is_retained);
         self.materials.iter_mut().for_each(|entry| entry.kept = true);
         self.environment = self.environment.filter(|entry| !environment && entry.file.as_ref().is_some_and(is_there));
         self.environment.iter_mut().for_each(|entry| entry.kept = true);
         self
     }
 
-    /// With what is kept of an earlier build.
+    /// Adds the retained entries of an earlier build.
     #[must_use]
-    pub fn with_kept(mut self, kept: Self) -> Self {
-        self.materials.extend(kept.materials);
+    pub fn with_kept(mut self, retained: Self) -> Self {
+        self.materials.extend(retained.materials);
         self.materials.sort_by(|a, b| a.material.cmp(&b.material));
-        self.environment = self.environment.or(kept.environment);
+        self.environment = self.environment.or(retained.environment);
         self
     }
 
@@ -263,12 +263,12 @@ impl BuildReport {
     }
 }
 
-/// The file of the environment's map.
+/// File name of the environment's bandwidth map.
 pub fn environment_map() -> String {
     part_name(ENVIRONMENT, PARTS[0])
 }
 
-/// A material and its files.
+/// Entry of a material with the names of its files.
 fn files(name: &str, declared: &str, maps: [bool; 2]) -> MaterialEntry {
     let [bandwidth, samples] = [0, 1].map(|k| maps[k].then(|| part_name(name, PARTS[k])));
     let (material, source) = (name.to_owned(), declared.to_owned());

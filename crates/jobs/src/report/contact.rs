@@ -1,4 +1,4 @@
-//! A contact sheet of materials that the engines' shaders drew, each held against its source.
+//! Contact sheet of materials drawn by the engines' shaders and compared with their sources.
 
 use super::render::Verification;
 use brdfc_core::words::bytes;
@@ -16,13 +16,13 @@ pub struct MaterialVerification {
     pub material: String,
     /// Bytes of its pack on a GPU.
     pub bytes_on_gpu: u64,
-    /// How wrong its rendering is. Every material has the exposure of its own rendering.
+    /// Errors of its rendering. Every material has the exposure of its own rendering.
     #[serde(flatten)]
     pub verification: Verification,
 }
 
 impl MaterialVerification {
-    /// Its renderings with a label: source, shader and their difference.
+    /// Labelled renderings of source, shader and their difference.
     pub fn cell(&self, views: &Views) -> Cell {
         let exposure = self.verification.exposure;
         let reference = views.reference();
@@ -41,7 +41,7 @@ impl MaterialVerification {
         }
     }
 
-    /// The gates that closed, in words.
+    /// Messages of the gates that failed.
     pub fn closed(&self) -> impl Iterator<Item = String> {
         self.verification.gates.iter().filter(|gate| !gate.passed).map(|gate| format!("{}: {gate}", self.material))
     }

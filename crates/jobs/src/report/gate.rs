@@ -1,22 +1,22 @@
-//! What a gate saw: a limit that a finished pack or rendering is held against.
+//! Results of gates: limits that finished packs and renderings are checked against.
 
 use serde::{Deserialize, Serialize};
 
-/// A limit, and what was found. A gate that saw nothing did not pass.
+/// A limit and the value that was found. A gate with nothing to measure fails.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, schemars::JsonSchema)]
 pub struct GateResult {
-    /// Which, by its key.
+    /// Key of the gate.
     pub gate: String,
-    /// What was found: a number, or why there is none.
+    /// The value that was found, or why there is none.
     pub found: String,
-    /// What is allowed.
+    /// The expected value.
     pub allowed: String,
-    /// Whether it is open.
+    /// True if the gate passed.
     pub passed: bool,
 }
 
 impl GateResult {
-    /// Of a gate by this name.
+    /// Result of the gate with the key `gate`.
     pub fn new(gate: &str, found: impl Into<String>, allowed: impl Into<String>, passed: bool) -> Self {
         Self { gate: gate.to_owned(), found: found.into(), allowed: allowed.into(), passed }
     }

@@ -1,4 +1,4 @@
-//! What lists the parts of a material for whoever loads them.
+//! The list of a material's parts, for programs that load them.
 
 use super::material::MaterialReport;
 use crate::scene::maps::MapsReport;
@@ -18,9 +18,9 @@ pub struct MaterialFile {
     /// Files of the material, by part: `brdf` is the pack; where an environment lights the scene, `bandwidth` is
     /// the bandwidth map and `samples` are the importance samples.
     pub parts: BTreeMap<String, String>,
-    /// What was measured.
+    /// Measurements of the pack.
     pub report: MaterialReport,
-    /// What the maps hold.
+    /// Contents of the maps.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub maps: Option<MapsReport>,
 }
@@ -32,7 +32,7 @@ impl MaterialFile {
     }
 }
 
-/// A file of JSON, for people and programs.
+/// Writes a value as an indented JSON file.
 pub fn json_file(value: &impl Serialize) -> Vec<u8> {
     let mut bytes = serde_json::to_vec_pretty(value).expect("reports are plain data");
     bytes.push(b'\n');

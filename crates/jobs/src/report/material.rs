@@ -14,17 +14,17 @@ use brdfc_source::open::Opened;
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 
-/// One material, encoded. The same input, options and version give the same report: times stand apart in
+/// Report of one encoded material. The same input, options and version give the same report: times are in separate
 /// [`StageTime`]s.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, schemars::JsonSchema)]
 pub struct MaterialReport {
     /// Measured samples in the input; 0 for analytic models.
     pub samples_in: u64,
-    /// Values of the source that the pack was made from; symmetry gives the others.
+    /// Values of the source from which the pack was made; symmetry gives the others.
     pub evaluated: u64,
     /// Colour channels, 1 or 3.
     pub channels: u32,
-    /// What its codec says.
+    /// Report of its codec.
     pub codec: CodecReport,
     /// Texture fetches of a look-up.
     pub fetches: u32,
@@ -32,44 +32,43 @@ pub struct MaterialReport {
     pub bytes_on_disk: u64,
     /// Bytes on a GPU.
     pub bytes_on_gpu: u64,
-    /// Directions that it is for: errors are those within.
+    /// Directions that it covers; errors are over these.
     pub directions: DirectionRange,
-    /// Bytes on a GPU that it has less than one for all directions.
+    /// Bytes on a GPU that it saves compared with a pack for all directions.
     pub cropped_bytes: u64,
-    /// Bytes on a GPU of what the same limits ask for over all directions, where a search within a range looked for it and found
-    /// it.
+    /// Bytes on a GPU of a pack that meets the same limits over all directions, if a search within a range found one.
     #[serde(default)]
     pub of_all_directions: Option<u64>,
     /// `μ`, 1/sr.
     pub mean: f64,
-    /// What a user sees: filtered pack against source.
+    /// Filtered pack against source, at independent test directions.
     pub off_grid: Comparison,
-    /// How far the source, which was completed from samples, may be from what was sampled; absent of other sources.
+    /// Error of the fit to samples; absent for sources that are not fitted.
     #[serde(default)]
     pub fit: Option<FitError>,
-    /// Rows of the input with a negative channel, which was raised to 0 when it was read.
+    /// Rows of the input with a negative channel, which was raised to 0.
     pub rows_raised: u64,
-    /// Rows of a scan of another azimuth of incidence than the others, where there are any.
+    /// Rows of a scan whose azimuth of incidence differs from the others, if any.
     pub stray_rows: Option<StrayRows>,
-    /// What had to be repaired while the pack was made.
+    /// Counts of repairs while the pack was made.
     #[serde(rename = "repaired")]
     pub repairs: Tally,
-    /// What it costs that values are the same from both sides, where that was asked for.
+    /// Cost of symmetrising values, if requested.
     pub averaging: Option<AveragingCost>,
-    /// What was tried, from coarse to fine; empty where the options say what to make.
+    /// Packs that were tried, from coarse to fine; empty if the options determine the pack.
     pub tried: Vec<Trial>,
-    /// What nothing that was tried meets: then the pack is the best of them.
+    /// Limits that no pack that was tried meets; the pack is then the best of them.
     pub missed: Option<String>,
-    /// The pack's entries `brdfc.*`, as base64, for loaders that drop them: their layouts are those of formats/src/*/spec.md.
+    /// The pack's key/value data `brdfc.*` in Base64, for loaders that drop it. Layouts: formats/src/*/spec.md.
     #[serde(default)]
     pub entries: BTreeMap<String, String>,
 }
 
 impl MaterialReport {
-    /// The report of a pack, and of what it was made from.
+    /// Reports a pack and its source.
     ///
     /// # Errors
-    /// Cancellation.
+    /// Returns an error if cancelled.
     pub fn new(encoded: &EncodedPack, opened: &Opened, progress: &dyn Progress) -> Result<Self, Cancelled> {
         let (source, input) = (opened.source.as_ref(), &opened.facts);
         let directions = encoded.pack.directions();
@@ -108,13 +107,13 @@ pub struct StageTime {
     pub seconds: f64,
 }
 
-/// Difference of albedos from which on it is told.
+/// Difference of albedos above which it is reported.
 const ALBEDO: f64 = 0.05;
 
-/// Albedo of a source from which on it is reported that it creates light: measurements at grazing angles are off by a little.
+/// Albedo of a source above which it is reported as not energy-conserving. Measurements at grazing angles exceed 1 slightly.
 const ENERGY: f64 = 1.1;
 
-/// Lines that say in words what a reader of the table should know; empty for a clean source.
+/// Remarks on a material, one per line; empty for a clean source.
 pub fn remarks(report: &MaterialReport) -> Vec<String> {
     let mut lines = Vec::new();
     if report.rows_raised > 0 {
@@ -125,71 +124,70 @@ pub fn remarks(report: &MaterialReport) -> Vec<String> {
     lines.extend(report.stray_rows.map(|strays| strays.in_words()));
     lines.extend(repairs_in_words(&report.repairs));
     if report.off_grid.norms.samples > 0 && is_black(report.off_grid.mean) {
-        lines.push("the material is black wherever it was looked at".to_owned());
+        lines.push("the material is black at all test directions".to_owned());
         return lines;
     }
-    lines.extend(report.fit.as_ref().map_or(Vec::new(), |fit| fit_in_words(fit, &report.off_grid)));
+    lines.extend(report.fit.as_ref().map_or(Vec::new(), |fit| fit_remarks(fit, &report.off_grid)));
     if let Some(AveragingCost { delta_e, relative_error }) = report.averaging
         && (delta_e >= 0.005 || relative_error >= 5e-5)
     {
         let percent = 100.0 * relative_error;
-        lines.push(format!("the mean of both ways alone is off by a ΔE of {delta_e:.2} and ε_r of {percent:.2} %"));
+        lines.push(format!("symmetrising alone causes a ΔE of {delta_e:.2} and ε_r of {percent:.2} %"));
     }
     if let Some(highlight) = report.off_grid.highlight.filter(|highlight| highlight.kept() < HIGHLIGHT) {
-        lines.push(format!("the highlight has {}", highlight.in_words()));
+        lines.push(format!("the highlight keeps {}", highlight.in_words()));
     }
     let whole = report.off_grid.albedo.iter().flat_map(|point| point.reference).fold(1.0, f64::max);
     if whole > ENERGY {
         let times = if whole < 1000.0 { format!("{whole:.2}") } else { format!("{whole:.1e}") };
         lines.push(format!("not energy-conserving: the source reflects up to {times} times the light that reaches it"));
     }
-    // Of what reflects more than comes in, as a share of that.
+    // Relative to the albedo of sources that are not energy-conserving.
     if report.off_grid.albedo_max_difference > ALBEDO * whole {
         let most = report.off_grid.albedo_max_difference;
         lines.push(format!(
-            "the albedo is off by up to {}: narrow or grazing light is missed by renderings of a ball",
+            "the albedo error is up to {}: renderings of a ball miss narrow and grazing light",
             if most < 1000.0 { format!("{most:.3}") } else { format!("{most:.1e}") }
         ));
     }
     if let Some(all) = report.of_all_directions.filter(|all| *all < report.bytes_on_gpu) {
         lines.push(format!(
-            "the limit is held over the directions that occur, which is harder than over all: it takes {} instead of {}",
+            "the limit over the directions that occur is harder to meet than over all directions: it takes {} instead of {}",
             bytes(report.bytes_on_gpu),
             bytes(all)
         ));
     }
-    let on_grid = report.codec.on_grid().map(|norms| (norms, "on"));
-    for (norms, place) in on_grid.into_iter().chain([(&report.off_grid.norms, "off")]) {
+    let on_grid = report.codec.on_grid().map(|norms| (norms, "on the grid"));
+    for (norms, place) in on_grid.into_iter().chain([(&report.off_grid.norms, "at independent test directions")]) {
         if 2 * norms.below_floor > norms.samples {
             let share = 100.0 * norms.below_floor as f64 / norms.samples as f64;
-            lines.push(format!(
-                "{share:.1} % of the samples {place} the grid lie below 0.1 % of the mean: ε_r {place} the grid leaves them out"
-            ));
+            lines.push(format!("{share:.1} % of the samples {place} are below 0.1 % of the mean; ε_r excludes them"));
         }
     }
     lines
 }
 
-/// Mean spread of repeated samples from which on it is reported.
+/// Spread of repeated samples above which it is reported.
 const SPREAD: f64 = 0.05;
 
-/// Lines about a fit that is the weaker part, and about samples that contradict each other.
-fn fit_in_words(fit: &FitError, off_grid: &Comparison) -> Vec<String> {
+/// Remarks on fits that are less accurate than the pack, and on samples that contradict each other.
+fn fit_remarks(fit: &FitError, off_grid: &Comparison) -> Vec<String> {
     let mut lines = Vec::new();
     if let Some(weakness) = fit.weakness(off_grid.rendering.delta_e.mean) {
-        lines.push(format!("errors are those against a fit to samples, which is the weaker part: {weakness}"));
+        lines
+            .push(format!("errors are relative to a fit to samples, which is less accurate than the pack: {weakness}"));
     }
     if let Some(Repeats { pairs, spread, largest, .. }) = fit.repeats.filter(|repeats| repeats.spread > SPREAD) {
         let (spread, largest) = (percent(spread), percent(largest));
         lines.push(format!(
-            "{} measured more than once: values differ by {spread} of the larger in all, {largest} at most",
+            "{} measured more than once: values differ by {spread} of the larger overall, {largest} at most",
             if pairs == 1 { "1 direction pair was".to_owned() } else { format!("{pairs} direction pairs were") }
         ));
     }
     lines
 }
 
-/// Lines that say in words what had to be repaired; empty for a clean source.
+/// Messages about repairs, one per kind; empty for a clean source.
 pub fn repairs_in_words(tally: &Tally) -> Vec<String> {
     let share = |count: u64| format!("{:.1} %", 100.0 * count as f64 / tally.evaluations.max(1) as f64);
     [
@@ -198,8 +196,8 @@ pub fn repairs_in_words(tally: &Tally) -> Vec<String> {
         (tally.fell_to_linear, "local fits fell back to linear degree"),
         (tally.fell_to_constant, "local fits fell back to a weighted mean"),
         (tally.clamped_to_neighbours, "local fits were clamped to the range of their neighbours"),
-        (tally.negative_raised, "values, negative or no number, were raised to 0"),
-        (tally.largest_lowered, "values were lowered to the largest that a pack may hold"),
+        (tally.negative_raised, "values were negative or NaN and were raised to 0"),
+        (tally.largest_lowered, "values were lowered to the largest that a pack can store"),
     ]
     .into_iter()
     .filter(|(count, _)| *count > 0)
@@ -219,23 +217,23 @@ mod tests {
         DirectionRange { light, view }
     }
 
-    /// A scan whose highlight is nearly all that is left took 126.7 KiB within the range, and 1.9 KiB over all directions.
+    /// A scan of which the range leaves little but the highlight took 126.7 KiB within the range, and 1.9 KiB over all directions.
     #[test]
-    fn a_harder_range_is_told() {
+    fn a_harder_range_is_reported() {
         let Some(path) = brdfc_testing::shared_data("rgl/vch_golden_yellow_rgb.bsdf") else { return };
         let opened = open(&path, None).expect("a source");
         let source = opened.source.as_ref();
-        let told = |directions: DirectionRange| {
+        let encoded = |directions: DirectionRange| {
             let mut recipe = PackRecipe::default();
             recipe.limit_directions(directions);
             let made = encode(source, &recipe, &()).expect("a pack");
-            let words = remarks(&MaterialReport::new(&made, &opened, &()).expect("it is not cancelled"));
-            (made.pack.gpu_bytes(), words.iter().any(|line| line.contains("harder than over all")))
+            let lines = remarks(&MaterialReport::new(&made, &opened, &()).expect("it is not cancelled"));
+            (made.pack.gpu_bytes(), lines.iter().any(|line| line.contains("harder to meet than over all")))
         };
-        let (bytes, harder) = told(range([85.0, 90.0], [0.0, 90.0]));
+        let (bytes, harder) = encoded(range([85.0, 90.0], [0.0, 90.0]));
         assert!(bytes < 40 << 10 && harder, "{bytes}");
-        let (bytes, harder) = told(range([20.0, 90.0], [35.0, 90.0]));
+        let (bytes, harder) = encoded(range([20.0, 90.0], [35.0, 90.0]));
         assert!(bytes <= 2 << 10 && !harder, "{bytes}");
-        assert!(!told(DirectionRange::ALL).1);
+        assert!(!encoded(DirectionRange::ALL).1);
     }
 }

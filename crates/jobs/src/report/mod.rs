@@ -1,4 +1,4 @@
-//! What is said about finished work: JSON with a schema, and tables for people.
+//! Reports about finished work: JSON with a schema, and tables.
 
 #[cfg(feature = "render")]
 pub mod adaptive;

@@ -1,4 +1,4 @@
-//! What a verification reports: how wrong packs look, and where the error comes from.
+//! Reports of verifications: errors of renderings of packs, by cause.
 
 use super::gate::GateResult;
 use brdfc_core::words::format_number;
@@ -13,7 +13,7 @@ use serde::Serialize;
 /// A verification of one view.
 #[derive(Debug, Clone, Serialize, JsonSchema)]
 pub struct Verification {
-    /// Which scene.
+    /// Name of the scene.
     pub scene: String,
     /// Pixels per row.
     pub width: usize,
@@ -23,31 +23,31 @@ pub struct Verification {
     pub samples: usize,
     /// Factor from radiance to the display's range [0, 1], for renderings and comparisons.
     pub exposure: f64,
-    /// What drew.
+    /// The graphics adapter.
     pub adapter: AdapterDescription,
     /// Parts of the scene with their materials.
     pub parts: Vec<PartMaterial>,
-    /// Share of the surfaces that is left out, as packs were not made for the directions from which it is lit or seen.
+    /// Share of the surfaces that is left out, as packs do not cover the directions from which it is lit or seen.
     pub left_out: f64,
-    /// What a user sees: the shader's image against the CPU's from the sources. Absent without sources.
+    /// Total error: the shader's rendering against the CPU's from the sources. Absent without sources.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub total: Option<ImageDifference>,
-    /// Codec error: the CPU's image from packs against the one from sources. Absent without sources.
+    /// Codec error: the CPU's rendering from packs against the one from sources. Absent without sources.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub codec: Option<ImageDifference>,
-    /// What the grid alone loses: the CPU's image from whole, unquantised tables against the one from sources.
+    /// Grid error: the CPU's rendering from whole, unquantised tables against the one from sources.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub grid: Option<ImageDifference>,
-    /// Shading error: the shader's image against the CPU's, both from packs.
+    /// Shading error: the shader's rendering against the CPU's, both from packs.
     pub shading: ImageDifference,
-    /// Mean FLIP over surfaces of the shader's image; only where a gate asks for it.
+    /// Mean FLIP over surfaces of the shader's rendering; only if a gate requires it.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub flip: Option<f64>,
-    /// What the gates saw that were asked for.
+    /// Results of the requested gates.
     pub gates: Vec<GateResult>,
 }
 
-/// Limits of a rendering against its reference. Those that are absent are none.
+/// Limits of the error of a rendering against its reference. `None` means no limit.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
 pub struct RenderingGates {
     /// Largest mean ΔE*ab over surfaces.
@@ -58,7 +58,7 @@ pub struct RenderingGates {
     pub flip: Option<f64>,
 }
 
-/// Which material a part shows.
+/// A part of the scene and its material.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, JsonSchema)]
 pub struct PartMaterial {
     /// The part's name.
@@ -69,12 +69,12 @@ pub struct PartMaterial {
     pub bytes_on_gpu: u64,
 }
 
-/// Radiance times exposure below which a pixel counts as black: a fiftieth of what a display shows brightest, as a code.
+/// Radiance times exposure below which a pixel counts as black. As an 8-bit level this is a fiftieth of the brightest.
 const BLACK: f64 = 0.005;
-/// Share of the pixels on surfaces that are to be neither black nor white. Of a mirror under a point light few are.
-const SHOWN: f64 = 1e-3;
-/// How many times as bright as the darkest of them the brightest is to be.
-const CONTRAST: f64 = 1.02;
+/// Minimum share of the pixels on surfaces that are neither black nor white. It is small because a mirror under a point light has few.
+const MIN_SHOWN: f64 = 1e-3;
+/// Minimum ratio of the brightest to the darkest of them.
+const MIN_CONTRAST: f64 = 1.02;
 
 impl Verification {
     /// Compares views. Without an `exposure` the brightest 1 % of the reference are clipped.
@@ -107,8 +107,7 @@ impl Verification {
         }
     }
 
-    /// Holds the rendering against gates. None passes where no surface is seen, no light falls on any, or a pixel holds no
-    /// number.
+    /// Checks the rendering against gates. All fail if no surface is visible or lit, or if a pixel is NaN or infinite.
     #[must_use]
     pub fn checked_by(mut self, gates: &RenderingGates, views: &Views) -> Self {
         let nothing = self.nothing_seen(views);
@@ -125,32 +124,32 @@ impl Verification {
         for (name, limit, found) in measured {
             let (Some(limit), Some(found)) = (limit, found) else { continue };
             self.gates.push(match &nothing {
-                Some(nothing) => GateResult::new(name, nothing, limit.to_string(), false),
-                None => GateResult::new(name, format!("{found:.4}"), limit.to_string(), found <= limit),
+                Some(nothing) => GateResult::new(name, nothing, at_most(limit), false),
+                None => GateResult::new(name, format!("{found:.4}"), at_most(limit), found <= limit),
             });
         }
         self
     }
 
-    /// Why the rendering says nothing, if that is so.
+    /// Reason why the rendering cannot be checked, if any.
     pub fn nothing_seen(&self, views: &Views) -> Option<String> {
         let difference = self.checked();
         if difference.pixels == 0 {
-            let why = if views.left_out > 0.0 { ", of those that packs were made for" } else { "" };
+            let why = if views.left_out > 0.0 { " within the directions that packs cover" } else { "" };
             Some(format!("no pixel that shows a surface{why}"))
         } else if difference.invalid_pixels > 0 {
-            Some(format!("{} pixels that hold no number", difference.invalid_pixels))
+            Some(format!("{} pixels with NaN or infinite values", difference.invalid_pixels))
         } else {
             nothing_shown(views.reference(), self.exposure)
         }
     }
 
-    /// What a check is made on: the total, or the shading where there are no sources.
+    /// The difference that gates check: the total error, or the shading error without sources.
     pub fn checked(&self) -> &ImageDifference {
         self.total.as_ref().unwrap_or(&self.shading)
     }
 
-    /// The comparisons that there are, with what they are called in tables.
+    /// The available comparisons with their names in tables.
     pub fn rows(&self) -> Vec<(&'static str, &ImageDifference)> {
         [
             ("shader against source", self.total.as_ref()),
@@ -164,8 +163,12 @@ impl Verification {
     }
 }
 
-/// Why an image shows nothing at an exposure, if that is so: no light, too few pixels of surfaces that are neither black nor white, or no
-/// contrast among them.
+fn at_most(limit: f64) -> String {
+    format!("at most {limit}")
+}
+
+/// Reason why a rendering shows nothing at an exposure, if any: no light, too few pixels of surfaces that are neither black nor
+/// white, or no contrast among them.
 pub fn nothing_shown(image: &LinearImage, exposure: f64) -> Option<String> {
     let on_surfaces = || {
         let all = image.pixels.iter().zip(&image.coverage);
@@ -176,15 +179,15 @@ pub fn nothing_shown(image: &LinearImage, exposure: f64) -> Option<String> {
         |pixel: &[f64; 3]| pixel.iter().any(|value| *value > BLACK) && pixel.iter().any(|value| *value < 1.0);
     let shown = || on_surfaces().filter(is_shown).map(|pixel| pixel.iter().sum::<f64>());
     let of = on_surfaces().count();
-    let (count, needed) = (shown().count(), (SHOWN * of as f64).ceil() as usize);
+    let (count, needed) = (shown().count(), (MIN_SHOWN * of as f64).ceil() as usize);
     if !on_surfaces().any(is_lit) {
         Some("no light: all surfaces are black".to_owned())
     } else if count < needed {
         let exposure = format_number(exposure);
         Some(format!(
-            "{count} of {of} pixels that are neither black nor white, at exposure {exposure}; {needed} are needed"
+            "{count} of {of} pixels that are neither black nor white, at exposure {exposure} (at least {needed} needed)"
         ))
-    } else if shown().fold(0.0, f64::max) < CONTRAST * shown().fold(f64::INFINITY, f64::min) {
+    } else if shown().fold(0.0, f64::max) < MIN_CONTRAST * shown().fold(f64::INFINITY, f64::min) {
         Some("no contrast: all surfaces look alike".to_owned())
     } else {
         None

@@ -1,4 +1,4 @@
-//! Materials by the files that they are in: folders, lists of files, and patterns.
+//! Batch builds: materials from folders, lists of files, and patterns.
 
 use super::manifest::{Manifest, Material, Use};
 use super::names;
@@ -15,23 +15,23 @@ use std::io::Read as _;
 use std::path::{Path, PathBuf};
 use toml::Spanned;
 
-/// What files of packs end in.
+/// Extension of packs.
 const PACKS: &str = "ktx2";
 
-/// Sources that were found, and what was left out.
+/// Sources that the inputs name, and files that are not sources.
 #[derive(Debug, Clone, Default, PartialEq, Eq)]
 pub struct Found {
-    /// Paths and addresses, each file once; those of a folder or a pattern sorted.
+    /// Paths and addresses, without duplicates. The files of a folder or a pattern are sorted.
     pub sources: Vec<OsString>,
-    /// Files of folders that are no kind of material.
+    /// Files in folders that have no format of a material.
     pub others: Vec<PathBuf>,
 }
 
-/// Sources by files, folders, patterns and addresses. Of a folder it is all files in it that are measured materials, not
-/// those in folders below, and no packs.
+/// Finds the sources that files, folders, patterns and addresses name. A folder stands for the measured materials in
+/// it, without subfolders and packs.
 ///
 /// # Errors
-/// Folders that cannot be listed, or hold no material; patterns that nothing matches.
+/// Returns an error if a folder cannot be listed or holds no material, or if no file matches a pattern.
 pub fn find(inputs: &[Named]) -> Result<Found, Error> {
     let mut found = Found::default();
     let mut seen = BTreeSet::new();
@@ -59,30 +59,31 @@ pub fn find(inputs: &[Named]) -> Result<Found, Error> {
     Ok(found)
 }
 
-/// What was given at the command line.
+/// Inputs from the command line.
 pub fn given(inputs: &[OsString]) -> Vec<Named> {
     inputs.iter().map(|input| Named::new("", input)).collect()
 }
 
-/// The address of a source that is one.
+/// Returns the source as text if it is a `synth:` address.
 pub fn address_of(source: &OsStr) -> Option<&str> {
     source.to_str().filter(|text| address::is_synth(text))
 }
 
-/// Whether its name is that of a file that has reflectance.
+/// Returns true if a file has the extension of a reflectance format.
 pub fn is_material(path: &Path) -> bool {
     let extension = path.extension().map(|extension| extension.to_string_lossy().to_ascii_lowercase());
     extension.is_some_and(|extension| FORMATS.iter().any(|format| format.extension() == extension))
 }
 
-/// Whether it is a material that is no pack yet. Tables of all kinds are called .csv: one that is a scan has columns of values.
+/// Returns true if a file is a measured material, which excludes packs. A .csv file counts if it has columns of values.
 fn is_measured(path: &Path) -> bool {
     let called = |name: &str| path.extension().is_some_and(|extension| extension.eq_ignore_ascii_case(name));
-    // What is no plain file, such as a pipe, may have nothing to read for ever.
+    // Regular files only: a read from a pipe may block forever.
     path.is_file() && is_material(path) && !called(PACKS) && (!called("csv") || has_values(path))
 }
 
-/// Whether the start names a column that scans alone have. What cannot be read is for the reader to tell.
+/// Returns true if the first bytes name a column that only scans have, or cannot be read: the reader reports the
+/// error then.
 fn has_values(path: &Path) -> bool {
     const START: u64 = 4096;
     let mut start = Vec::new();
@@ -109,34 +110,38 @@ fn of_folder(folder: &Path) -> Result<(Vec<OsString>, Vec<PathBuf>), Error> {
             1 => "one file of another kind".to_owned(),
             count => format!("{count} files of other kinds"),
         };
-        let allowed = format!("a folder with files {}; packs are taken by name alone", files_but_for(PACKS));
+        let allowed = format!("a folder with files {}; name packs individually", files_but_for(PACKS));
         return Err(Error::check(format!("{}: found {found}, expected {allowed}", folder.display())));
     }
     Ok((measured.into_iter().map(OsString::from).collect(), others))
 }
 
-/// The files that match; errors name the pattern as `told`.
-fn matching(pattern: &Named, told: impl Display) -> Result<Vec<OsString>, Error> {
+/// Finds the files that match. Errors name the pattern as `label`.
+fn matching(pattern: &Named, label: impl Display) -> Result<Vec<OsString>, Error> {
     let (built, files): (Vec<PathBuf>, Vec<PathBuf>) = pattern.files()?.into_iter().partition(|path| is_built(path));
     if files.is_empty() {
-        let allowed = "a file, or a pattern such as scans/*.binary that files match";
-        let found =
-            if built.is_empty() { "no file that matches" } else { "packs of a build alone, which are taken by name" };
-        return Err(Error::check(format!("{told}: found {found}, expected {allowed}")));
+        let allowed = "a file, or a pattern that matches files, such as scans/*.binary";
+        let found = if built.is_empty() {
+            "no file that matches"
+        } else {
+            "only packs of a build, which must be named individually"
+        };
+        return Err(Error::check(format!("{label}: found {found}, expected {allowed}")));
     }
     Ok(files.into_iter().map(OsString::from).collect())
 }
 
-/// Whether it is a pack in the output folder of a build: a pattern that is wide means none of them.
+/// Returns true if a file is a pack in the output folder of a build. Patterns skip such packs.
 fn is_built(path: &Path) -> bool {
     let is_pack = path.extension().is_some_and(|extension| extension.eq_ignore_ascii_case(PACKS));
     is_pack && path.parent().is_some_and(|folder| folder.join(crate::store::FOLDER).is_dir())
 }
 
-/// A manifest of these sources, each used once, from anywhere. Names are those of the files.
+/// Creates a manifest of these sources, each with one use without limits. The names of the materials come from the
+/// files.
 ///
 /// # Errors
-/// Two sources of one name.
+/// Returns an error if two sources have the same name.
 pub fn manifest_of(sources: &[OsString]) -> Result<Manifest, Error> {
     let mut manifest = Manifest::default();
     let mut names = Names::default();
@@ -150,20 +155,20 @@ pub fn manifest_of(sources: &[OsString]) -> Result<Manifest, Error> {
 }
 
 impl Manifest {
-    /// Paths and patterns of what its uses need, and of its environment. `folder` is the manifest's.
+    /// Paths and patterns of the used materials and of the environment. `folder` is the folder of the manifest.
     pub fn inputs(&self, folder: &Path) -> Vec<Named> {
         let used = self.uses.iter().filter_map(|used| self.materials.get(used.material.get_ref()));
         let sources = used.map(|material| &material.source).filter(|source| address_of(source).is_none());
-        // The environment is a file, whatever its name.
+        // The environment is always a file, even if its name has wildcards.
         let environment = self.scene.environment.iter().map(|file| Named::new(folder.join(file), ""));
         sources.map(|source| Named::new(folder, source)).chain(environment).collect()
     }
 
-    /// The manifest in which each material whose source is a pattern became the materials of the files that match; a use
-    /// of it is one of each. `folder` is the manifest's.
+    /// Expands patterns: replaces each material whose source is a pattern with one material per matching file, and
+    /// each of its uses with one use per file. `folder` is the folder of the manifest.
     ///
     /// # Errors
-    /// Patterns that nothing matches; two materials of one name.
+    /// Returns an error if no file matches a pattern, or if two materials have the same name.
     pub fn expanded(mut self, folder: &Path) -> Result<Self, Error> {
         let named = |material: &Material| Named::new(folder, &material.source);
         let is_group = |material: &Material| address_of(&material.source).is_none() && named(material).is_pattern();
@@ -175,10 +180,10 @@ impl Manifest {
         let mut members: BTreeMap<String, Vec<String>> = BTreeMap::new();
         let mut added = Vec::new();
         for group in groups {
-            let material = self.materials.remove(&group).expect("it is one of them");
+            let material = self.materials.remove(&group).expect("the group is a material");
             let source = material.source.display();
             for path in matching(&named(&material), source).map_err(|error| in_manifest(error, &group, &material))? {
-                // As the manifest might have named it.
+                // Relative to the manifest, like other sources.
                 let declared = Path::new(&path).strip_prefix(folder).map_or(path.clone(), OsString::from);
                 added.push((group.clone(), Material { source: declared, ..material.clone() }));
             }
@@ -196,7 +201,7 @@ impl Manifest {
     }
 }
 
-/// The error of a material's source, with its place in the manifest. Folders that cannot be read are named alone.
+/// Adds the place in the manifest to the error of a material's source. I/O errors stay unchanged.
 fn in_manifest(error: Error, name: &str, material: &Material) -> Error {
     if error.kind() == ErrorKind::Io {
         return error;
@@ -211,7 +216,7 @@ fn each_member(used: Use, members: &BTreeMap<String, Vec<String>>) -> Vec<Use> {
     names.iter().map(of).collect()
 }
 
-/// Names that are taken, folded, with the source that has each.
+/// Names in use, folded, with the source of each.
 #[derive(Default)]
 struct Names(BTreeMap<String, String>);
 
@@ -220,19 +225,22 @@ impl Names {
         self.0.insert(folded(name), source.display().to_string());
     }
 
-    /// The name of a source.
+    /// Adds the name of a source and returns it.
+    ///
+    /// # Errors
+    /// Returns an error if the name is invalid or in use.
     fn add(&mut self, source: &OsStr) -> Result<String, Error> {
-        let told = source.display().to_string();
+        let label = source.display().to_string();
         let name = match address_of(source).and_then(|address| address.strip_prefix(address::SYNTH_PREFIX)) {
             Some(model) => model.split('?').next().unwrap_or_default().to_owned(),
             None => names::of_file(Path::new(source)),
         };
         names::check_name(&name, true)
-            .map_err(|allowed| Error::wrong_input(&told, format!("the name {name}"), allowed))?;
-        match self.0.insert(folded(&name), told.clone()) {
+            .map_err(|allowed| Error::wrong_input(&label, format!("the name {name}"), allowed))?;
+        match self.0.insert(folded(&name), label.clone()) {
             Some(first) => {
-                let (both, found) = (format!("{first} and {told}"), format!("the name {name} for both"));
-                Err(Error::wrong_input(both, found, "one material of a name, whatever its case"))
+                let (both, found) = (format!("{first} and {label}"), format!("the name {name} for both"));
+                Err(Error::wrong_input(both, found, "one material per name (upper and lower case are equal)"))
             }
             None => Ok(name),
         }
@@ -250,7 +258,7 @@ mod tests {
     }
 
     #[test]
-    fn a_folder_is_its_measured_files() {
+    fn a_folder_stands_for_its_measured_files() {
         let there = folder(&["b.brdf", "a.binary", "notes.txt", "c.BSDF", "old.ktx2", ".d.csv"]);
         let write = |name: &str, text: &str| std::fs::write(there.path().join(name), text).unwrap();
         write("pairs.csv", "wi_x,wi_y,wi_z,wo_x,wo_y,wo_z\n0,0,1,0,0,1\n");
@@ -282,11 +290,11 @@ mod tests {
     }
 
     #[test]
-    fn collisions_are_refused() {
+    fn collisions_are_rejected() {
         let sources = ["x/red.brdf", "y/Red.binary"].map(OsString::from);
         let error = manifest_of(&sources).unwrap_err().to_string();
         assert!(error.starts_with("x/red.brdf and y/Red.binary: found the name Red for both"), "{error}");
         let names: Vec<_> = manifest_of(&["nul.brdf".into()]).unwrap().materials.into_keys().collect();
-        assert_eq!(names, ["nul_"], "no such file can be on Windows");
+        assert_eq!(names, ["nul_"], "Windows cannot have such a file");
     }
 }

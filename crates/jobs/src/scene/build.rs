@@ -1,9 +1,9 @@
-//! A whole build: what a plan asks for is made, and then put in place together with its report.
+//! A build from a plan to the files and the report in the output folder.
 
 use super::error::JobError;
 use super::memory;
 use super::plan::{Plan, REPORT, list_name};
-use super::run::{Made, Outcome, Outcomes, Workshop, run};
+use super::run::{BuildContext, Made, Outcome, Outcomes, run};
 use super::works::{Work, WorkResult, make};
 use crate::error::Error;
 use crate::file_name::folded;
@@ -19,29 +19,29 @@ use serde::{Deserialize, Serialize};
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};
 
-/// How a build is done. None of it decides the bytes of a pack.
+/// Settings of a build. None of them affects the bytes of a pack.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct BuildSettings {
-    /// The output folder, which is there.
+    /// The output folder, which exists.
     pub out: PathBuf,
-    /// Whether what was made before is used.
+    /// True if results of earlier builds are reused.
     pub looks_up: bool,
-    /// Other output folders, of whose stores what is needed is taken.
+    /// Other output folders, whose stores are copied into this one.
     pub from: Vec<PathBuf>,
-    /// Whether materials of earlier builds stay that this one does not ask for.
+    /// True if materials of earlier builds stay that are not part of this one.
     pub keep: bool,
-    /// Whether files may be replaced that no build wrote.
+    /// True if the build may replace files that no build wrote.
     pub force: bool,
-    /// Whether the first failure ends the build, and leaves the folder as it was.
+    /// True if the first failure stops the build and leaves the folder unchanged.
     pub fail_fast: bool,
-    /// Whether a failure leaves the folder as it was, after all others were made.
+    /// True if a failure leaves the folder unchanged. The other materials are still made.
     pub whole: bool,
-    /// Bytes that all materials that are worked on may take together; `None`: 300 MiB for each thread.
+    /// Memory limit of all jobs that run at a time, bytes; `None`: 300 MiB per thread.
     pub memory: Option<u64>,
 }
 
 impl BuildSettings {
-    /// A build into `out` that uses what was made before and makes what it can.
+    /// Settings for a build into `out` that reuses earlier results and continues after failures.
     pub fn new(out: impl Into<PathBuf>) -> Self {
         Self {
             out: out.into(),
@@ -60,35 +60,37 @@ impl BuildSettings {
     }
 }
 
-/// A build that came to its end.
+/// A completed build.
 #[derive(Debug)]
 pub struct Built {
-    /// What became of each material.
+    /// Result of each material.
     pub outcomes: Outcomes,
-    /// All of it, times included.
+    /// The full report, including times.
     pub report: BuildReport,
-    /// What changed in the folder; `None` where it was left as it was.
+    /// Changes in the folder; `None` if the build left it unchanged.
     pub changes: Option<Changes>,
 }
 
-/// Makes what is not there yet, and makes the folder what the report says. A material that fails has no files there; where a
-/// file could not be written, or the build was to end at the first failure, the folder stays as it was.
+/// Makes all parts that are not in the store, and updates the folder to match the report. Materials that fail have no
+/// files there. The folder stays unchanged if a file cannot be written, and after a failure with `fail_fast` or
+/// `whole`.
 ///
 /// # Errors
-/// A folder that cannot be written to, or holds files of somebody else; cancellation.
+/// Returns an error if the folder cannot be written to, if a file that no build wrote is in the way, or if the caller
+/// cancels.
 pub fn build(plan: &Plan, settings: &BuildSettings, progress: &dyn Progress) -> Result<Built, Error> {
     let (store, mut folder) = opened(settings)?;
     let names: Vec<String> = plan.files().collect();
     let there = folder.there();
-    let stays = kept(plan, settings, &there).map_or(Vec::new(), |kept| files_of(&kept));
+    let stays = retained(plan, settings, &there).map_or(Vec::new(), |report| files_of(&report));
     let named: BTreeSet<&str> = names.iter().chain(&stays).map(String::as_str).collect();
     folder.refuse_removing(plan.sources(), &named)?;
     folder.refuse_foreign(names.iter().map(String::as_str), settings.force)?;
     let placed: BTreeSet<Digest> = there.into_values().collect();
-    let workshop =
-        Workshop { store: &store, placed: &placed, memory: settings.memory(), fail_fast: settings.fail_fast };
-    let outcomes = run(plan, &workshop, progress);
-    // With `fail_fast` it is the failure of another that stops the rest.
+    let context =
+        BuildContext { store: &store, placed: &placed, memory: settings.memory(), fail_fast: settings.fail_fast };
+    let outcomes = run(plan, &context, progress);
+    // With `fail_fast`, the failure of one job cancels the rest.
     let stopped = outcomes.errors().any(JobError::is_cancelled);
     if stopped && !(settings.fail_fast && outcomes.any_failed()) {
         return Err(Cancelled.into());
@@ -105,48 +107,48 @@ pub fn build(plan: &Plan, settings: &BuildSettings, progress: &dyn Progress) -> 
         progress.check()?;
         folder.place(&store, |there| {
             let mut stays = Vec::new();
-            if let Some(kept) = kept(plan, settings, there) {
-                let file = |name: String| Some((name.clone(), Contents::Kept(*there.get(&name)?)));
-                stays = files_of(&kept).into_iter().filter_map(file).collect();
-                report = report.clone().with_kept(kept);
+            if let Some(earlier) = retained(plan, settings, there) {
+                let file = |name: String| Some((name.clone(), Contents::Cached(*there.get(&name)?)));
+                stays = files_of(&earlier).into_iter().filter_map(file).collect();
+                report = report.clone().with_kept(earlier);
             }
             stays.extend(files(&outcomes, report.clone().lasting(plan, &settings.out)));
             stays
         })?
     };
-    let kept = report.materials.iter().filter(|entry| entry.kept).map(|entry| entry.material.as_str());
-    write_notes(&store, plan, &outcomes, &kept.collect::<Vec<_>>());
+    let retained = report.materials.iter().filter(|entry| entry.kept).map(|entry| entry.material.as_str());
+    write_notes(&store, plan, &outcomes, &retained.collect::<Vec<_>>());
     store.prune();
     Ok(Built { outcomes, report, changes: Some(changes) })
 }
 
-/// What stays of the build before, where that was asked for.
-fn kept(plan: &Plan, settings: &BuildSettings, there: &BTreeMap<String, Digest>) -> Option<BuildReport> {
+/// The entries of the previous build that stay with `keep`.
+fn retained(plan: &Plan, settings: &BuildSettings, there: &BTreeMap<String, Digest>) -> Option<BuildReport> {
     let earlier = if settings.keep { earlier_report(&settings.out) } else { None };
     let asked: BTreeSet<String> = plan.jobs.iter().map(|job| folded(&job.name)).collect();
     Some(earlier?.kept_beside(&asked, plan.environment.is_some(), there))
 }
 
-/// The files that a report names.
+/// The files that a report lists.
 fn files_of(report: &BuildReport) -> Vec<String> {
     report.files().map(|file| file.file.clone()).collect()
 }
 
-/// What is known of a material besides its report, and differs between machines and runs.
+/// Facts about a material that are not in its report, because they differ between machines and runs.
 #[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
 pub struct BuiltNote {
     /// Path or address of its source.
     pub source: String,
-    /// Hash of what was read of it.
+    /// Hash of the source.
     pub digest: Option<Digest>,
-    /// Seconds per stage when its pack was made.
+    /// Seconds per stage of the run that made its pack.
     pub stages: Vec<StageTime>,
 }
 
 const NOTES: &str = "built";
 
-/// Keeps notes for pages about the build. They are no part of it: where they cannot be kept nothing else is wrong.
-fn write_notes(store: &Store, plan: &Plan, outcomes: &Outcomes, kept: &[&str]) {
+/// Writes the notes that report pages use. They are optional, so errors are ignored.
+fn write_notes(store: &Store, plan: &Plan, outcomes: &Outcomes, retained: &[&str]) {
     let note = |(name, made): (&str, &Made)| {
         let input = &plan.job(name)?.input;
         let source = match input.path() {
@@ -156,13 +158,13 @@ fn write_notes(store: &Store, plan: &Plan, outcomes: &Outcomes, kept: &[&str]) {
         Some((name.to_owned(), BuiltNote { source, digest: Some(made.source), stages: made.pack_times.clone() }))
     };
     let path = store.root().join(NOTES);
-    let mut notes: BTreeMap<String, BuiltNote> = if kept.is_empty() { BTreeMap::new() } else { notes_in(&path) };
-    notes.retain(|name, _| kept.contains(&name.as_str()));
+    let mut notes: BTreeMap<String, BuiltNote> = if retained.is_empty() { BTreeMap::new() } else { notes_in(&path) };
+    notes.retain(|name, _| retained.contains(&name.as_str()));
     notes.extend(outcomes.made().filter_map(note));
     let _ = crate::write::write_atomic(&path, &write_record(&notes));
 }
 
-/// The notes of the build that filled a folder, by material; none where its store is gone.
+/// Reads the notes of the build that filled a folder, by material; empty if its store is missing.
 pub fn notes(out: &Path) -> BTreeMap<String, BuiltNote> {
     notes_in(&out.join(FOLDER).join(NOTES))
 }
@@ -171,7 +173,10 @@ fn notes_in(path: &Path) -> BTreeMap<String, BuiltNote> {
     read_record(path).unwrap_or_default()
 }
 
-/// Makes some pieces of a build and keeps them in the store of its folder, which stays as it is otherwise.
+/// Makes some work items of a build and stores them in the cache of its folder. The files of the folder stay unchanged.
+///
+/// # Errors
+/// Returns an error if the folder or a store cannot be opened.
 pub fn build_works(
     works: &[Work<'_>],
     settings: &BuildSettings,
@@ -179,11 +184,11 @@ pub fn build_works(
 ) -> Result<Vec<WorkResult>, Error> {
     let (store, folder) = opened(settings)?;
     let placed = folder.there().into_values().collect();
-    let workshop = Workshop { store: &store, placed: &placed, memory: settings.memory(), fail_fast: false };
-    Ok(make(works, &workshop, progress))
+    let context = BuildContext { store: &store, placed: &placed, memory: settings.memory(), fail_fast: false };
+    Ok(make(works, &context, progress))
 }
 
-/// The store and the folder, with what was brought from elsewhere.
+/// Opens the store and the folder, and copies the entries of the stores in `from`.
 fn opened(settings: &BuildSettings) -> Result<(Store, OutputFolder), Error> {
     let store = Store::open(&settings.out, settings.looks_up)?;
     settings.from.iter().try_for_each(|other| store.take_from(other))?;
@@ -191,7 +196,7 @@ fn opened(settings: &BuildSettings) -> Result<(Store, OutputFolder), Error> {
     Ok((store, folder))
 }
 
-/// An output folder with what its report says is there; a report that can be read is a build's own.
+/// Opens an output folder with the files that its report lists. A report that can be parsed was written by a build.
 pub(super) fn known_folder(out: &Path, store: &Store) -> Result<OutputFolder, Error> {
     let mut folder = OutputFolder::open(out, store)?;
     if let Some((report, digest)) = read_report(out) {
@@ -201,7 +206,7 @@ pub(super) fn known_folder(out: &Path, store: &Store) -> Result<OutputFolder, Er
     Ok(folder)
 }
 
-/// The report of the build before this one, if it can be read.
+/// Reads the report of the previous build; `None` if that fails.
 pub fn earlier_report(out: &Path) -> Option<BuildReport> {
     read_report(out).map(|(report, _)| report)
 }
@@ -211,12 +216,12 @@ fn read_report(out: &Path) -> Option<(BuildReport, Digest)> {
     Some((serde_json::from_slice(&bytes).ok()?, Digest::of(&bytes)))
 }
 
-/// Everything that stands in the folder, the report last.
+/// All files of a build, the report last.
 fn files(outcomes: &Outcomes, report: BuildReport) -> Vec<(String, Contents)> {
     let mut files = Vec::new();
     for (name, made) in outcomes.made() {
         for (part, digest) in &made.files {
-            files.push((part_name(name, part), Contents::Kept(*digest)));
+            files.push((part_name(name, part), Contents::Cached(*digest)));
         }
     }
     for entry in report.materials.iter().filter(|entry| !entry.kept) {
@@ -225,14 +230,14 @@ fn files(outcomes: &Outcomes, report: BuildReport) -> Vec<(String, Contents)> {
         }
     }
     if let Some(Ok(made)) = &outcomes.environment {
-        files.push((environment_map(), Contents::Kept(made.file)));
+        files.push((environment_map(), Contents::Cached(made.file)));
     }
     files.push((REPORT.to_owned(), Contents::Bytes(json_file(&report))));
     files
 }
 
 impl Outcome {
-    /// Whether it is what was asked for.
+    /// Returns true if the material was made, meets its budget and passes all gates.
     pub fn passed(&self) -> bool {
         self.result.as_ref().is_ok_and(Made::passed)
     }
@@ -244,7 +249,7 @@ impl Outcomes {
         self.materials.iter().filter_map(|outcome| Some((outcome.name.as_str(), outcome.result.as_ref().ok()?)))
     }
 
-    /// Why materials or the environment failed.
+    /// Errors of the materials and of the environment.
     pub fn errors(&self) -> impl Iterator<Item = &JobError> {
         let environment = self.environment.iter().filter_map(|result| result.as_ref().err());
         self.materials.iter().filter_map(|outcome| outcome.result.as_ref().err()).chain(environment)

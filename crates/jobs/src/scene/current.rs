@@ -1,11 +1,11 @@
-//! What a scene needs of a folder of packs: taken from there where it is current, made where it is not.
+//! Packs and maps of a scene from an output folder. Parts that are not current are made.
 
 use super::build::known_folder;
 use super::error::JobError;
 use super::maps::part_name;
 use super::memory::{self, Shared};
 use super::plan::{EnvironmentJob, Job};
-use super::run::{Made, Workshop};
+use super::run::{BuildContext, Made};
 use crate::error::Error;
 use crate::output_folder::OutputFolder;
 use crate::report::build::environment_map;
@@ -16,27 +16,30 @@ use brdfc_formats::Pack;
 use std::collections::BTreeSet;
 use std::path::Path;
 
-/// A folder that a build fills.
+/// An output folder with its store.
 pub struct PackFolder {
     store: Store,
     folder: OutputFolder,
     placed: BTreeSet<Digest>,
 }
 
-/// A material of it, as its recipe and the bytes of its source now ask for.
+/// A material made from its current recipe and source.
 pub struct Current {
-    /// The pack, then the maps in the order of [`PARTS`](super::maps::PARTS) where the scene needs them.
+    /// The pack, then the maps that the scene needs, in the order of [`PARTS`](super::maps::PARTS).
     pub parts: Vec<Pack>,
-    /// What nothing that was tried meets.
+    /// The limits of the budget that no trial met.
     pub missed: Option<String>,
-    /// What its gates saw.
+    /// Results of its gates.
     pub gates: Vec<GateResult>,
-    /// Files that stand in the folder but are others; they were made from something else.
+    /// Names of files in the folder that were made from another recipe or source.
     pub stale: Vec<String>,
 }
 
 impl PackFolder {
-    /// A folder that is there.
+    /// Opens an existing folder.
+    ///
+    /// # Errors
+    /// Returns an error if the folder cannot be written to.
     pub fn open(path: &Path) -> Result<Self, Error> {
         let store = Store::open(path, true)?;
         let folder = known_folder(path, &store)?;
@@ -44,36 +47,42 @@ impl PackFolder {
         Ok(Self { store, folder, placed })
     }
 
-    /// A folder that a build filled, if there is one and nothing is to be finished there: nothing is written.
+    /// Opens a folder that a build filled; `None` if there is none, or if an interrupted build has to be finished
+    /// there first.
     pub fn looked_at(path: &Path) -> Option<Self> {
         let is_settled = Self::is_one(path) && !OutputFolder::is_unfinished(path);
         is_settled.then(|| Self::open(path).ok()).flatten()
     }
 
-    /// Whether a build or an earlier call worked in this folder.
+    /// Returns true if the folder has a store.
     pub fn is_one(path: &Path) -> bool {
         path.join(crate::store::FOLDER).is_dir()
     }
 
-    fn workshop(&self) -> Workshop<'_> {
+    fn context(&self) -> BuildContext<'_> {
         let memory = memory::PER_THREAD * rayon::current_num_threads() as u64;
-        Workshop { store: &self.store, placed: &self.placed, memory, fail_fast: false }
+        BuildContext { store: &self.store, placed: &self.placed, memory, fail_fast: false }
     }
 
-    /// A material that needs not be made again.
+    /// Returns a material if it is current.
     pub fn known(&self, job: &Job) -> Option<Made> {
-        self.workshop().known(job)
+        self.context().known(job)
     }
 
-    /// A material, made before of the source with this hash.
+    /// Returns a material if it was made from the source with this hash.
     pub fn known_of(&self, job: &Job, source: Digest) -> Option<Made> {
-        self.workshop().known_of(job, source)
+        self.context().known_of(job, source)
     }
 
-    /// A material. What had to be made is kept in the store; the files in the folder stay as they are.
+    /// Returns a material, and makes the parts that are not current. New parts go to the store; the files in the
+    /// folder stay unchanged.
+    ///
+    /// # Errors
+    /// Returns an error if the source cannot be read, the encoder fails, the store cannot be written to, or the
+    /// caller cancels.
     pub fn material(&self, job: &Job, progress: &dyn Progress) -> Result<Current, JobError> {
-        let workshop = self.workshop();
-        let made = workshop.material(job, &Shared::new(workshop.memory), progress)?;
+        let context = self.context();
+        let made = context.material(job, &Shared::new(context.memory), progress)?;
         let mut current =
             Current { parts: Vec::new(), missed: made.report.missed, gates: made.gates, stale: Vec::new() };
         for (part, digest) in &made.files {
@@ -86,15 +95,18 @@ impl PackFolder {
         Ok(current)
     }
 
-    /// The map of the environment.
+    /// Returns the map of the environment, and makes it if it is not current.
+    ///
+    /// # Errors
+    /// As [`Self::material`].
     pub fn environment(&self, job: &EnvironmentJob, progress: &dyn Progress) -> Result<Pack, JobError> {
-        let workshop = self.workshop();
-        let made = workshop.environment(job, &Shared::new(workshop.memory), progress)?;
+        let context = self.context();
+        let made = context.environment(job, &Shared::new(context.memory), progress)?;
         self.pack(&environment_map(), &made.file)
     }
 
     fn pack(&self, name: &str, digest: &Digest) -> Result<Pack, JobError> {
-        let gone = || Error::write(name, &std::io::Error::other("it is gone from the store"));
+        let gone = || Error::write(name, &std::io::Error::other("missing from the store"));
         let bytes = self
             .store
             .object(digest)

@@ -1,4 +1,4 @@
-//! Why a job fails.
+//! Errors of jobs.
 
 use crate::encode::EncodeError;
 use crate::error::Error;
@@ -6,28 +6,28 @@ use brdfc_core::progress::Cancelled;
 use brdfc_formats::FormatError;
 use brdfc_source::InputError;
 
-/// Why a material, or the environment, failed.
+/// Error of the job of a material or of the environment.
 #[derive(Debug, thiserror::Error)]
 pub enum JobError {
-    /// The source.
+    /// The source cannot be read.
     #[error(transparent)]
     Input(#[from] InputError),
-    /// The encoder.
+    /// The encoder failed.
     #[error(transparent)]
     Encode(EncodeError),
     /// The caller asked to stop.
     #[error(transparent)]
     Cancelled(#[from] Cancelled),
-    /// A map that its own layout refuses: a fault of the program.
+    /// A map breaks the rules of its own layout: a bug of the program.
     #[error("{0}")]
     Map(FormatError),
-    /// A file of the store that cannot be written.
+    /// A file of the store cannot be written.
     #[error(transparent)]
     Store(Error),
 }
 
 impl JobError {
-    /// Whether it was not even begun, because another failed or somebody asked to stop.
+    /// Returns true if the job was cancelled, because another failed or the caller asked to stop.
     pub fn is_cancelled(&self) -> bool {
         matches!(self, Self::Cancelled(_))
     }

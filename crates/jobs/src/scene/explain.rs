@@ -1,4 +1,4 @@
-//! What a scene needs of each material, why, and what that saves.
+//! Explanations of a build: the needs of each material, the uses that cause them, and the savings.
 
 use super::plan::{Job, Plan};
 use super::run::Made;
@@ -12,43 +12,43 @@ use brdfc_formats::crop::{DirectionRange, Elevations};
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 
-/// One need.
+/// A need of a material.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, schemars::JsonSchema)]
 pub struct Explained {
-    /// Whose.
+    /// Name of the material.
     pub material: String,
-    /// What is needed.
+    /// The need.
     pub need: String,
-    /// Which uses ask for that.
+    /// The uses that cause it.
     pub why: String,
-    /// Bytes on a GPU that are left out for it, where that is known: of what was made and of what would have been made without
-    /// it, or the mean of other materials of this build.
+    /// Bytes on a GPU that the need saves, compared with a pack made without it, or estimated from the mean of the
+    /// other materials of this build. Absent if unknown.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub saved_bytes: Option<u64>,
-    /// Seconds of work that are saved, likewise; below zero where the need costs some. Of two runs only where they differ for
-    /// sure.
+    /// Seconds of work that the need saves, from the same comparison; negative if it costs time. Absent if unknown,
+    /// or if two runs differ by no more than their usual variation.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub saved_seconds: Option<f64>,
 }
 
-/// The needs of all materials of a plan; what is saved where there are packs. `kept` finds what was made before of a job,
-/// which may be one that no plan has: what a material would be without one of its needs.
-pub fn explain(plan: &Plan, made: &BTreeMap<&str, &Made>, kept: &Kept<'_>) -> Vec<Explained> {
+/// Explains the needs of all materials of a plan, with the savings of those that were made. `lookup` finds earlier
+/// results of a job, including jobs that no plan has: a material without one of its needs.
+pub fn explain(plan: &Plan, made: &BTreeMap<&str, &Made>, lookup: &CachedLookup<'_>) -> Vec<Explained> {
     let maps = [0, 1].map(|k| Mean::of(made.values().filter_map(|made| of_map(made, k))));
     let packs = Mean::of(made.values().map(|made| (made.report.bytes_on_gpu, seconds(&made.pack_times, |_| true))));
     let mut all = Vec::new();
     for job in &plan.jobs {
         let made = made.get(job.name.as_str()).copied();
         let before = all.len();
-        all.extend(levels(job, made, kept));
-        all.extend(coarser_levels(job, made, kept));
-        all.extend(directions(job, made, kept));
+        all.extend(levels(job, made, lookup));
+        all.extend(coarser_levels(job, made, lookup));
+        all.extend(directions(job, made, lookup));
         all.extend(without_maps(job, plan, maps));
         if all.len() == before {
             let names = names(&job.uses, |used| {
                 used.nearest.is_none() && used.light() == Elevations::ALL && used.view() == Elevations::ALL
             });
-            all.push(said(
+            all.push(entry(
                 job,
                 "all levels of detail and directions",
                 &names.unwrap_or_else(|| "any distance".to_owned()),
@@ -68,7 +68,7 @@ pub fn explain(plan: &Plan, made: &BTreeMap<&str, &Made>, kept: &Kept<'_>) -> Ve
     all
 }
 
-/// Mean bytes on a GPU, and seconds.
+/// Mean bytes on a GPU and mean seconds of several materials.
 #[derive(Clone, Copy)]
 struct Mean {
     bytes: u64,
@@ -84,30 +84,36 @@ impl Mean {
     }
 }
 
-fn said(job: &Job, need: &str, why: &str) -> Explained {
+fn entry(job: &Job, need: &str, why: &str) -> Explained {
     let (material, need, why) = (job.name.clone(), need.to_owned(), why.to_owned());
     Explained { material, need, why, saved_bytes: None, saved_seconds: None }
 }
 
-/// What is needed of a material that no use refers to.
+/// The need of a material that no use refers to.
 pub const NOTHING: &str = "nothing";
 
-/// A material of another recipe, made of the source with this hash, if it was made before.
-pub type Kept<'a> = dyn Fn(&Job, Digest) -> Option<Made> + 'a;
+/// Looks up the earlier result of a job, made from the source with this hash.
+pub type CachedLookup<'a> = dyn Fn(&Job, Digest) -> Option<Made> + 'a;
 
-/// What a pack has less than what was made before by another recipe: bytes, and seconds where they differ by more than runs do.
-fn less_than_kept(job: &Job, recipe: PackRecipe, made: Option<&Made>, kept: &Kept<'_>) -> (Option<u64>, Option<f64>) {
-    let other = made.and_then(|made| kept(&Job { recipe, maps: [false; 2], ..job.clone() }, made.source));
+/// Savings of a pack compared with the cached pack of another recipe: bytes, and seconds if they differ by more than
+/// the variation between runs.
+fn saved_against_cached(
+    job: &Job,
+    recipe: PackRecipe,
+    made: Option<&Made>,
+    lookup: &CachedLookup<'_>,
+) -> (Option<u64>, Option<f64>) {
+    let other = made.and_then(|made| lookup(&Job { recipe, maps: [false; 2], ..job.clone() }, made.source));
     let Some((made, other)) = made.zip(other) else { return (None, None) };
     let bytes = other.report.bytes_on_gpu.checked_sub(made.report.bytes_on_gpu);
     let [before, now] = [&other, made].map(|made| seconds(&made.pack_times, |_| true));
-    (bytes, Some(before - now).filter(|saved| saved.abs() > LEAST_SHARE * before.max(now)))
+    (bytes, Some(before - now).filter(|saved| saved.abs() > MIN_SHARE * before.max(now)))
 }
 
-/// Two runs of the same work may differ by so much of the longer one.
-const LEAST_SHARE: f64 = 0.5;
+/// Two runs of the same work may differ by this share of the longer one.
+const MIN_SHARE: f64 = 0.5;
 
-/// The recipe of a material with all levels of detail that were asked for.
+/// The recipe of a material with all levels of detail of its options.
 fn with_all_levels(job: &Job) -> PackRecipe {
     let mut recipe = job.asked.clone();
     recipe.limit_directions(job.needs.directions);
@@ -115,8 +121,8 @@ fn with_all_levels(job: &Job) -> PackRecipe {
 }
 
 /// Finer levels of detail that are not stored.
-fn levels(job: &Job, made: Option<&Made>, kept: &Kept<'_>) -> Option<Explained> {
-    // Among tables there may be none whose levels the distance takes away.
+fn levels(job: &Job, made: Option<&Made>, lookup: &CachedLookup<'_>) -> Option<Explained> {
+    // `None` if the codec cannot leave out finer levels.
     let [stored, all] = job.recipe.stored_levels()?;
     if stored == all {
         return None;
@@ -126,12 +132,12 @@ fn levels(job: &Job, made: Option<&Made>, kept: &Kept<'_>) -> Option<Explained> 
     let why = format!("nearest at {}: {}", job.needs.nearest, names(&job.uses, nearest).unwrap_or_default());
     let saved_bytes =
         made.and_then(|made| job.recipe.bytes_of_left_out_levels(&made.report.codec, made.report.channels));
-    let (of_kept, saved_seconds) = less_than_kept(job, with_all_levels(job), made, kept);
-    Some(Explained { saved_bytes: saved_bytes.or(of_kept), saved_seconds, ..said(job, &need, &why) })
+    let (of_cached, saved_seconds) = saved_against_cached(job, with_all_levels(job), made, lookup);
+    Some(Explained { saved_bytes: saved_bytes.or(of_cached), saved_seconds, ..entry(job, &need, &why) })
 }
 
-/// Coarser levels of detail of tables that are not stored.
-fn coarser_levels(job: &Job, made: Option<&Made>, kept: &Kept<'_>) -> Option<Explained> {
+/// Coarser levels of detail of table packs that are not stored.
+fn coarser_levels(job: &Job, made: Option<&Made>, lookup: &CachedLookup<'_>) -> Option<Explained> {
     let (asked, stored) = (job.asked.coarser_levels(), job.recipe.coarser_levels());
     if stored == asked {
         return None;
@@ -139,12 +145,12 @@ fn coarser_levels(job: &Job, made: Option<&Made>, kept: &Kept<'_>) -> Option<Exp
     let need = format!("{stored} of {asked} coarser levels of detail");
     let farthest = |used: &Use| used.farthest.as_ref().is_some_and(|at| *at.get_ref() >= job.needs.farthest);
     let why = format!("farthest at {}: {}", job.needs.farthest, names(&job.uses, farthest).unwrap_or_default());
-    let (saved_bytes, saved_seconds) = less_than_kept(job, with_all_levels(job), made, kept);
-    Some(Explained { saved_bytes, saved_seconds, ..said(job, &need, &why) })
+    let (saved_bytes, saved_seconds) = saved_against_cached(job, with_all_levels(job), made, lookup);
+    Some(Explained { saved_bytes, saved_seconds, ..entry(job, &need, &why) })
 }
 
-/// Directions that are cropped. A search makes another pack than without them.
-fn directions(job: &Job, made: Option<&Made>, kept: &Kept<'_>) -> Option<Explained> {
+/// Directions outside the range of the uses, which are cropped. With a search, the cropped pack also differs otherwise.
+fn directions(job: &Job, made: Option<&Made>, lookup: &CachedLookup<'_>) -> Option<Explained> {
     let DirectionRange { light, view } = job.needs.directions;
     if job.needs.directions.is_all() {
         return None;
@@ -158,38 +164,38 @@ fn directions(job: &Job, made: Option<&Made>, kept: &Kept<'_>) -> Option<Explain
         [of("light", light), of("seen", view)].into_iter().filter(|part| !part.is_empty()).collect();
     let mut whole = job.recipe.clone();
     whole.limit_directions(DirectionRange::ALL);
-    let (of_kept, saved_seconds) = less_than_kept(job, whole, made, kept);
+    let (of_cached, saved_seconds) = saved_against_cached(job, whole, made, lookup);
     let found = |made: &Made| made.report.of_all_directions?.checked_sub(made.report.bytes_on_gpu);
     let saved_bytes = made.and_then(|made| match &job.recipe {
         recipe if recipe.has_fixed_size() => Some(made.report.cropped_bytes),
-        // What is cropped is room for more nodes and slices.
+        // With a byte budget, the cropped bytes are spent on more nodes and slices.
         recipe if !recipe.limits_error() => None,
-        _ => found(made).or(of_kept).filter(|bytes| *bytes > 0),
+        _ => found(made).or(of_cached).filter(|bytes| *bytes > 0),
     });
-    Some(Explained { saved_bytes, saved_seconds, ..said(job, &parts.join(", "), &why) })
+    Some(Explained { saved_bytes, saved_seconds, ..entry(job, &parts.join(", "), &why) })
 }
 
-/// Maps that are not made of a scene that has an environment.
+/// Maps that are not made although the scene has an environment.
 fn without_maps(job: &Job, plan: &Plan, maps: [Option<Mean>; 2]) -> Option<Explained> {
-    let wanted = job.maps;
-    if !plan.has_environment || wanted == [true; 2] {
+    let requested = job.maps;
+    if !plan.has_environment || requested == [true; 2] {
         return None;
     }
-    let need = match wanted {
+    let need = match requested {
         [false, false] => "no maps",
         [true, false] => "a bandwidth map, no samples",
         _ => "samples, no bandwidth map",
     };
-    let why = if job.needs.lit_by_environment { "what uses want" } else { "points alone light it" };
-    let missing = [0, 1].into_iter().filter(|k| !wanted[*k]);
+    let why = if job.needs.lit_by_environment { "maps of the uses" } else { "point lights only" };
+    let missing = [0, 1].into_iter().filter(|k| !requested[*k]);
     let means: Option<Vec<Mean>> = missing.map(|k| maps[k]).collect();
     let saved_bytes = means.as_ref().map(|means| means.iter().map(|mean| mean.bytes).sum());
     let saved_seconds = means.map(|means| means.iter().map(|mean| mean.seconds).sum()).filter(|seconds| *seconds > 0.0);
     let names = names(&job.uses, |_| true).unwrap_or_default();
-    Some(Explained { saved_bytes, saved_seconds, ..said(job, need, &format!("{why}: {names}")) })
+    Some(Explained { saved_bytes, saved_seconds, ..entry(job, need, &format!("{why}: {names}")) })
 }
 
-/// Bytes of a map of a material that has it, and seconds where it was made now.
+/// Bytes of a map of a material, and seconds if this build made it; `None` if the material does not have the map.
 fn of_map(made: &Made, k: usize) -> Option<(u64, f64)> {
     let maps = made.maps.as_ref()?;
     let (bytes, stage) = match k {
@@ -203,7 +209,7 @@ fn seconds(times: &[StageTime], counts: impl Fn(&str) -> bool) -> f64 {
     times.iter().filter(|time| counts(&time.stage)).map(|time| time.seconds).sum()
 }
 
-/// Names of uses, a few at most.
+/// Names of the selected uses, the first three of them; `None` if there are none.
 fn names(uses: &[(String, Use)], which: impl Fn(&Use) -> bool) -> Option<String> {
     const NAMED: usize = 3;
     let all: Vec<&str> = uses.iter().filter(|(_, used)| which(used)).map(|(name, _)| name.as_str()).collect();

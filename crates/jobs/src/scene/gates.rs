@@ -1,4 +1,4 @@
-//! Gates: what a finished pack has to be, however it was asked for. A gate that saw nothing does not pass.
+//! Gates: limits that a finished pack has to meet, independently of its recipe. A gate with nothing to measure fails.
 
 use crate::report::fit;
 use crate::report::gate::GateResult;
@@ -14,21 +14,24 @@ use serde::Deserialize;
 #[derive(Debug, Clone, Default, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Require {
-    /// Largest mean ΔE of renderings, with 95 % below four times that.
+    /// Largest mean ΔE of renderings; 95 % have to be below four times this.
     pub max_delta_e: Option<f64>,
-    /// Least share of the highlight's light that is kept.
+    /// Smallest retained share of the highlight's light.
     pub min_highlight: Option<Fraction>,
-    /// Largest mean relative error `ε_r`, off any grid.
+    /// Largest mean relative error `ε_r` at independent test directions.
     pub max_error: Option<Fraction>,
-    /// Most bytes on a GPU.
+    /// Largest size on a GPU, bytes.
     #[serde(default, deserialize_with = "bytes_from_manifest")]
     pub max_bytes: Option<u64>,
-    /// Most texture fetches of a look-up.
+    /// Largest number of texture fetches per look-up.
     pub max_fetches: Option<u32>,
 }
 
 impl Require {
-    /// The gates, each from here or else from `defaults`.
+    /// Resolves the gates: values of `defaults` replace absent ones.
+    ///
+    /// # Errors
+    /// Returns an error if a value is out of range.
     pub fn resolve(&self, defaults: &Self) -> Result<Budget, OptionError> {
         Budget::checked(
             self.max_delta_e.or(defaults.max_delta_e),
@@ -40,18 +43,18 @@ impl Require {
     }
 }
 
-/// What a finished pack, and the fit that it was made from, have to be.
+/// Limits of a finished pack and of the fit that it was made from.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Gates {
-    /// The table `require`.
+    /// Limits of the pack, from the table `require`.
     pub required: Budget,
-    /// What is asked of the fit.
+    /// Limits of the fit.
     pub fit: FitLimits,
-    /// What was asked of the pack's error, here or by its recipe.
+    /// Error limits of the pack, from `require` or the recipe. They also apply to the error against the samples.
     pub errors: ErrorLimits,
 }
 
-/// Holds a material against its gates.
+/// Checks a material against its gates.
 pub fn check(gates: &Gates, report: &MaterialReport) -> Vec<GateResult> {
     let mut results = check_pack(&gates.required, report);
     results.extend(fit::check(gates.fit, gates.errors, report));
@@ -65,25 +68,25 @@ fn check_pack(gates: &Budget, report: &MaterialReport) -> Vec<GateResult> {
     };
     let (norms, rendering) = (&report.off_grid.norms, &report.off_grid.rendering.delta_e);
     if let Some(limit) = gates.delta_e {
-        let allowed = format!("{limit}, and 95 % below {}", TAIL * limit);
+        let allowed = format!("a mean of at most {limit}, 95 % below {}", TAIL * limit);
         if is_black(report.off_grid.mean) {
-            let found = "no light: the material is black wherever it was looked at";
+            let found = "no light: the material is black in all tested directions";
             hold("max_delta_e", found.to_owned(), allowed, false);
         } else {
-            let found = format!("{:.3}, and 95 % below {:.3}", rendering.mean, rendering.p95);
-            // What is no number is not below either.
+            let found = format!("a mean of {:.3}, 95 % below {:.3}", rendering.mean, rendering.p95);
+            // NaN fails.
             hold("max_delta_e", found, allowed, rendering.mean <= limit && rendering.p95 <= TAIL * limit);
         }
     }
     if let Some(least) = gates.highlight {
-        // What has no highlight loses none.
+        // Materials without a highlight pass.
         let found = report.off_grid.highlight;
         let text = found.map_or("no highlight".to_owned(), |highlight| highlight.in_words());
-        let allowed = format!("{} of its light or more", percent(least));
+        let allowed = format!("at least {} of its light", percent(least));
         hold("min_highlight", text, allowed, found.is_none_or(|highlight| highlight.kept() >= least));
     }
     if let Some(limit) = gates.error {
-        let allowed = format!("{} %", 100.0 * limit);
+        let allowed = format!("at most {} %", 100.0 * limit);
         if norms.counted() == 0 {
             hold("max_error", "no sample above the floor".to_owned(), allowed, false);
         } else {
@@ -92,11 +95,11 @@ fn check_pack(gates: &Budget, report: &MaterialReport) -> Vec<GateResult> {
         }
     }
     if let Some(limit) = gates.bytes {
-        let (found, allowed) = (format!("{} bytes", report.bytes_on_gpu), counted(limit as usize, "byte"));
-        hold("max_bytes", found, allowed, report.bytes_on_gpu <= limit);
+        let allowed = format!("at most {}", counted(limit as usize, "byte"));
+        hold("max_bytes", format!("{} bytes", report.bytes_on_gpu), allowed, report.bytes_on_gpu <= limit);
     }
     if let Some(limit) = gates.fetches {
-        hold("max_fetches", report.fetches.to_string(), limit.to_string(), report.fetches <= limit);
+        hold("max_fetches", report.fetches.to_string(), format!("at most {limit}"), report.fetches <= limit);
     }
     results
 }
@@ -119,7 +122,7 @@ mod tests {
     }
 
     #[test]
-    fn each_gate_opens_and_closes() {
+    fn each_gate_passes_and_fails() {
         let report = report("synth:ggx?alpha=0.4");
         let none = Budget::NONE;
         assert!(check_pack(&none, &report).is_empty());
@@ -131,7 +134,7 @@ mod tests {
     }
 
     #[test]
-    fn nothing_seen_is_not_passed() {
+    fn gates_with_nothing_to_measure_fail() {
         let black = report("synth:lambert?kd=0");
         let gates = Budget::NONE.delta_e(100.0).error(1000.0);
         let results = check_pack(&gates, &black);

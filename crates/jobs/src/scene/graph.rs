@@ -1,5 +1,5 @@
-//! A build as a graph of jobs, for engines that run such graphs: one job per material and part, and one at the end that puts
-//! all in place.
+//! A build as a job graph for build systems and render farms: one job per material and part, and a final job that
+//! puts all files in place.
 
 use super::plan::Plan;
 use crate::store::{DONE, FOLDER};
@@ -7,61 +7,61 @@ use schemars::JsonSchema;
 use serde::Serialize;
 use std::path::{Path, PathBuf};
 
-/// The graph.
+/// A job graph.
 #[derive(Debug, Clone, PartialEq, Serialize, JsonSchema)]
 pub struct Graph {
-    /// Layout of this report.
+    /// Layout version of this report.
     pub version: u32,
-    /// Jobs that do not depend on each other.
+    /// Independent jobs.
     pub jobs: Vec<GraphJob>,
-    /// What comes when all of them are done.
+    /// The final job, which depends on all others.
     pub merge: MergeJob,
 }
 
-/// One job.
+/// A job of the graph.
 #[derive(Debug, Clone, PartialEq, Serialize, JsonSchema)]
 pub struct GraphJob {
-    /// Its name: material and part.
+    /// Name of the job: material and part.
     pub name: String,
-    /// The material; absent for the environment.
+    /// Name of the material; absent for the environment.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub material: Option<String>,
-    /// `brdf` is the pack, `maps` are bandwidth map and samples.
+    /// Part that the job makes: `brdf` is the pack, `maps` are the bandwidth map and the samples.
     pub part: String,
-    /// Files that it reads.
+    /// Input files.
     pub inputs: Vec<String>,
     /// Program and arguments.
     pub command: Vec<String>,
-    /// The file that it writes when it is done.
+    /// Stamp file, which the job writes on success.
     pub stamp: String,
 }
 
-/// The last job.
+/// The final job.
 #[derive(Debug, Clone, PartialEq, Serialize, JsonSchema)]
 pub struct MergeJob {
     /// Program and arguments.
     pub command: Vec<String>,
-    /// The file that it writes when it is done.
+    /// Stamp file, which the job writes on success.
     pub stamp: String,
-    /// What it puts into the output folder: packs, maps and what is said of them. It leaves alone what is there unchanged.
+    /// Files that it puts into the output folder: packs, maps and reports. It does not rewrite unchanged files.
     pub outputs: Vec<String>,
 }
 
-/// Where what is built comes from and goes to, as commands name it.
+/// Program, inputs and output folder, as they appear in the commands.
 #[derive(Debug, Clone)]
 pub struct Places {
     /// The program.
     pub program: String,
     /// The manifest, or files and folders.
     pub inputs: Vec<String>,
-    /// The manifest, if there is one: a file that all jobs read.
+    /// The manifest, which all jobs read; `None` without one.
     pub manifest: Option<PathBuf>,
     /// The output folder.
     pub out: PathBuf,
 }
 
 impl Graph {
-    /// Of a plan.
+    /// Creates the graph of a plan.
     pub fn new(plan: &Plan, places: &Places) -> Self {
         let stamp = |name: &str| places.out.join(FOLDER).join(DONE).join(name).display().to_string();
         let build = |more: &[&str]| {
@@ -92,11 +92,11 @@ impl Graph {
         Self { version: 1, jobs: jobs.collect(), merge }
     }
 
-    /// As a file for ninja.
+    /// Formats the graph as a Ninja build file.
     pub fn ninja(&self) -> String {
         let mut text = "ninja_required_version = 1.3\n\n\
                         rule job\n  command = $job\n  description = $name\n\n\
-                        # What is unchanged keeps its time.\n\
+                        # Unchanged outputs keep their times.\n\
                         rule merge\n  command = $job\n  description = merge\n  restat = 1\n\n"
             .to_owned();
         for job in &self.jobs {
@@ -120,7 +120,7 @@ fn path_of_ninja(path: &str) -> String {
     value(path).replace(' ', "$ ").replace(':', "$:")
 }
 
-/// Arguments for a shell.
+/// Formats a command line for a shell, inside a Ninja value.
 fn command(arguments: &[String]) -> String {
     let quoted = |argument: &String| {
         let plain = |c: char| c.is_ascii_alphanumeric() || "-_./=,:@%+".contains(c);

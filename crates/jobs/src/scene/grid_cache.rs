@@ -1,11 +1,11 @@
-//! Grids of sources in the store of a build: where a ratio changes, or bits, nothing is evaluated again.
+//! Sampled grids in the store of a build. A new ratio or number of bits reuses the grid of the source.
 
 use crate::encode::GridCache;
-use crate::store::{Digest, Kept, Key, Store};
+use crate::store::{Cached, Digest, Key, Store};
 use brdfc_core::Tally;
 use std::collections::BTreeSet;
 
-/// The grids of a source, in the store.
+/// Cache of the grids of one source, in the store.
 pub(super) struct StoreGridCache<'a> {
     pub(super) store: &'a Store,
     pub(super) source: Digest,
@@ -19,12 +19,12 @@ impl StoreGridCache<'_> {
 
 impl GridCache for StoreGridCache<'_> {
     fn take(&self, name: &str) -> Option<(Vec<u8>, Tally)> {
-        let Kept { report, files } = self.store.look_up(&self.key(name), &BTreeSet::new())?;
+        let Cached { report, files } = self.store.look_up(&self.key(name), &BTreeSet::new())?;
         Some((self.store.object(files.first()?)?, report))
     }
 
     fn put(&self, name: &str, values: &dyn Fn() -> Vec<u8>, tally: &Tally) {
-        // What cannot be stored is made again.
+        // Without a cached grid, the next build evaluates the source again.
         let _ = self.store.keep(self.key(name), &[values()], tally);
     }
 }

@@ -1,4 +1,4 @@
-//! What a scene is made of: a manifest, or a list of materials.
+//! Inputs of a scene: a manifest, or a list of materials.
 
 use super::batch::{address_of, is_material};
 use super::manifest::Manifest;
@@ -9,15 +9,16 @@ use brdfc_source::read::{MAX_TEXT_BYTES, read_file};
 use std::ffi::OsString;
 use std::path::{Path, PathBuf};
 
-/// The manifest, if that is what is given: one file that is no kind of material is taken for one, whatever its name.
+/// Returns the manifest if the inputs are one. A single file without the extension of a material format counts as a
+/// manifest.
 ///
 /// # Errors
-/// Standard input; a manifest among other inputs.
+/// Returns an error if an input is `-`, or if a manifest is among other inputs.
 pub fn manifest_among(inputs: &[OsString]) -> Result<Option<PathBuf>, Error> {
     let alone = inputs.len() == 1;
     if inputs.iter().any(|input| input == "-") {
-        let allowed = "a manifest, or files, folders, patterns and synth: addresses: standard input is for commands of one \
-                       file, such as 'brdfc encode -' (a file of this name is ./-)";
+        let allowed = "a manifest, or files, folders, patterns and synth: addresses (only commands that take one file \
+                       read standard input, such as 'brdfc encode -'; for a file of this name, write ./-)";
         return Err(Error::wrong_usage("inputs", "-", allowed));
     }
     let is_manifest = |input: &OsString| {
@@ -35,7 +36,7 @@ pub fn manifest_among(inputs: &[OsString]) -> Result<Option<PathBuf>, Error> {
     }
 }
 
-/// The folders in which a new file would be found.
+/// The folders where a new file can become an input.
 pub(crate) fn folders(named: &[Named]) -> Vec<PathBuf> {
     let folder = |input: &Named| {
         let base = if input.is_pattern() { input.base().0 } else { input.path() };
@@ -44,15 +45,15 @@ pub(crate) fn folders(named: &[Named]) -> Vec<PathBuf> {
     named.iter().filter_map(folder).collect()
 }
 
-/// Inputs in one line.
+/// Joins the inputs for a message.
 pub(crate) fn listed(inputs: &[OsString]) -> String {
     inputs.iter().map(|input| input.display().to_string()).collect::<Vec<_>>().join(", ")
 }
 
-/// A manifest with its text. Patterns in it became the files that match.
+/// Reads a manifest and expands its patterns. Also returns its text.
 ///
 /// # Errors
-/// A file that cannot be read, or breaks the rules of `docs/scene.md`; patterns that nothing matches.
+/// Returns an error if the file cannot be read or breaks the rules of `docs/manifest.md`, or if no file matches a pattern.
 pub fn read_manifest(path: &Path) -> Result<(String, Manifest), Error> {
     let bytes = read_file(path, MAX_TEXT_BYTES)?;
     let text = std::str::from_utf8(&bytes).map_err(|error| {

@@ -1,4 +1,4 @@
-//! The scene manifest, `scene.toml`: materials, and the uses a scene makes of them.
+//! The scene manifest, `scene.toml`: materials and their uses.
 
 pub use super::place::{ManifestError, line_of, near_miss};
 pub use super::uses::Use;
@@ -20,27 +20,27 @@ use std::ffi::OsString;
 use toml::Spanned;
 use toml::de::{DeTable, DeValue, Deserializer};
 
-/// A manifest as it stands in the file. See `docs/scene.md` for the meaning of each key.
+/// The contents of a manifest. See `docs/manifest.md` for the meaning of each key.
 #[derive(Debug, Clone, Default)]
 pub struct Manifest {
-    /// What holds for the whole scene.
+    /// Settings of the whole scene.
     pub scene: SceneSection,
-    /// What holds for materials that do not say otherwise.
+    /// Defaults of the materials.
     pub defaults: Defaults,
     /// Materials by name.
     pub materials: BTreeMap<String, Material>,
-    /// What the scene shows.
+    /// Uses of the materials.
     pub uses: Vec<Use>,
-    /// What `brdfc render` shows.
+    /// Settings of `brdfc render`.
     pub render: RenderSection,
 }
 
 /// The table `defaults`.
 #[derive(Debug, Clone, Default)]
 pub struct Defaults {
-    /// How materials are encoded.
+    /// Encoding options.
     pub options: EncodeOptions,
-    /// What finished packs have to be.
+    /// Limits that finished packs have to meet.
     pub require: Require,
 }
 
@@ -49,15 +49,15 @@ pub struct Defaults {
 pub struct Material {
     /// A path or a pattern, relative to the manifest, or a `synth:` address.
     pub source: OsString,
-    /// Line of the manifest, from 1, on which that stands; 0 without a manifest.
+    /// Line of the source in the manifest, from 1; 0 without a manifest.
     pub line: usize,
-    /// How it is encoded.
+    /// Encoding options.
     pub options: EncodeOptions,
-    /// What its finished pack has to be.
+    /// Limits that its finished pack has to meet.
     pub require: Require,
 }
 
-/// The tables whose keys are those of one type.
+/// The tables that deserialise directly.
 #[derive(Default, Deserialize)]
 struct PlainTables {
     #[serde(default)]
@@ -74,23 +74,23 @@ impl Manifest {
     /// Parses and checks a manifest.
     ///
     /// # Errors
-    /// Text that is no TOML, unknown keys (with the nearest known one), values out of range, uses of materials that
-    /// are not there.
+    /// Returns an error if the text is not TOML, a key is unknown (with the nearest known one), a value is out of
+    /// range, or a use names an unknown material.
     pub fn parse(text: &str) -> Result<Self, ManifestError> {
         let tree = DeTable::parse(text).map_err(|error| {
             let found = format!("{} in \"{}\"", error.message(), snippet(text, error.span()));
-            ManifestError::new(line_of(text, error.span()), "manifest", found, "TOML as docs/scene.md describes it")
+            ManifestError::new(line_of(text, error.span()), "manifest", found, "TOML as described in docs/manifest.md")
         })?;
         shapes::check(text, tree.get_ref(), &all_keys())?;
         let manifest = Self::read(text, tree.clone()).map_err(|error| {
             let found = error.message().to_owned();
-            ManifestError::new(line_of(text, error.span()), "manifest", found, "what docs/scene.md describes")
+            ManifestError::new(line_of(text, error.span()), "manifest", found, "keys and values as in docs/manifest.md")
         })?;
         manifest.check(text, tree.get_ref())?;
         Ok(manifest)
     }
 
-    /// Reads what has the right kinds.
+    /// Reads a tree whose values have been checked by [`shapes::check`].
     fn read(text: &str, mut tree: Spanned<DeTable<'_>>) -> Result<Self, toml::de::Error> {
         let ends: Vec<usize> = text.bytes().enumerate().filter(|(_, byte)| *byte == b'\n').map(|(at, _)| at).collect();
         let root = tree.get_mut();
@@ -132,8 +132,7 @@ impl Manifest {
             .map_err(|p| error(line(&["defaults", "require", p.field]), "defaults.require", p))?;
         if let Some((first, second)) = same_file(self.materials.keys().map(String::as_str)) {
             let found = format!("the names \"{first}\" and \"{second}\"");
-            let allowed =
-                "names that differ in more than case and the form of accents: on some systems both are one file";
+            let allowed = "names that differ in more than case and accent encoding (both are one file on some systems)";
             return Err(place.error(&["materials", second], found, allowed));
         }
         for (name, material) in &self.materials {
@@ -146,8 +145,9 @@ impl Manifest {
                 return Err(place.error(&["materials", name], "no source".to_owned(), &allowed));
             }
             if material.source == "-" {
-                let allowed =
-                    format!("{SOURCES}; standard input is for commands of one file, such as 'brdfc encode -'");
+                let allowed = format!(
+                    "{SOURCES} (only commands that take one file read standard input, such as 'brdfc encode -')"
+                );
                 return Err(place.error(&["materials", name, "source"], "\"-\"".to_owned(), &allowed));
             }
             PackRecipe::from_options(&material.options, options)
@@ -163,7 +163,7 @@ impl Manifest {
             if !self.materials.contains_key(name) {
                 let known: Vec<&str> = self.materials.keys().map(String::as_str).collect();
                 let allowed =
-                    if known.is_empty() { "a material (there are none)".to_owned() } else { known.join(", ") };
+                    if known.is_empty() { "a material (the manifest has none)".to_owned() } else { known.join(", ") };
                 let line = line_of(text, Some(used.material.span()));
                 let error =
                     ManifestError::new(line, format!("uses[{number}].material"), format!("\"{name}\""), allowed);
@@ -175,7 +175,7 @@ impl Manifest {
     }
 }
 
-/// A table of options with what else stands in it: `source` and the table `require`.
+/// Reads the table of a material or of the defaults: `source`, the encoding options, and the table `require`.
 fn with_options(table: Spanned<DeValue<'_>>) -> Result<(Spanned<String>, EncodeOptions, Require), toml::de::Error> {
     let span = table.span();
     let mut table = match table.into_inner() {
@@ -208,7 +208,7 @@ fn all_keys() -> Vec<Key> {
     ]
 }
 
-/// What an option of an encoding is.
+/// The key of an encoding option or a gate.
 fn option_key(name: &'static str) -> Key {
     let shape = match name {
         "codec" | "parameterisation" | "ranking" => Shape::Text,

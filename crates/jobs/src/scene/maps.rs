@@ -1,4 +1,4 @@
-//! The maps of scenes that an environment lights: how fast lobes and light vary, and samples of the lobes.
+//! Maps for scenes with an environment light: the bandwidth of lobes and light, and importance samples of the lobes.
 
 use super::error::JobError;
 use brdfc_bandwidth::DEFAULT_EPSILON;
@@ -13,21 +13,21 @@ use brdfc_source::read::ReadListener;
 use serde::{Deserialize, Serialize};
 use std::path::Path;
 
-/// Which of [`PARTS`] are wanted of a material.
-pub type WantedMaps = [bool; 2];
+/// Requested maps of a material: one flag for each of [`PARTS`].
+pub type RequestedMaps = [bool; 2];
 
-/// Everything that decides the bytes of maps, besides the source and which are wanted: pixels per side at which lobes are
-/// transformed, `ε` of the bandwidth, sizes of the importance samples.
+/// All parameters that affect the bytes of maps: pixels per side at which lobes are transformed, `ε` of the
+/// bandwidth, and sizes of the importance samples.
 pub(super) fn map_recipe() -> (Resolution, f64, ImportanceRecipe) {
     (Resolution::default(), DEFAULT_EPSILON, ImportanceRecipe::default())
 }
 
-/// A file that was written, and what it holds.
+/// A file of a map, and facts about its contents.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, schemars::JsonSchema)]
 pub struct Packed<T> {
     /// Bytes of the file.
     pub bytes_on_disk: u64,
-    /// What it holds.
+    /// Facts about its contents.
     pub facts: T,
 }
 
@@ -40,32 +40,35 @@ impl<T> Packed<T> {
 /// The maps of one material.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, schemars::JsonSchema)]
 pub struct MapsReport {
-    /// How fast its lobes vary; where the scene needs it.
+    /// Bandwidth map, which holds how fast the lobes vary; absent if the scene does not need it.
     pub bandwidth: Option<Packed<BandwidthFacts>>,
-    /// Samples of its lobes; likewise.
+    /// Importance samples of the lobes; absent if the scene does not need them.
     pub samples: Option<Packed<ImportanceFacts>>,
-    /// What had to be repaired while they were made.
+    /// Repairs made while the maps were computed.
     #[serde(rename = "repaired")]
     pub repairs: Tally,
 }
 
-/// The parts of a material that are maps.
+/// Names of the maps among the parts of a material.
 pub const PARTS: [&str; 2] = ["bandwidth", "samples"];
 
-/// The file of a part.
+/// File name of a part.
 pub fn part_name(material: &str, part: &str) -> String {
     format!("{material}.{part}.ktx2")
 }
 
-/// The parts that are wanted, in the order in which [`material_maps`] gives their bytes.
-pub fn wanted_parts(wanted: WantedMaps) -> impl Iterator<Item = &'static str> {
-    PARTS.into_iter().zip(wanted).filter_map(|(part, wanted)| wanted.then_some(part))
+/// Names of the requested maps, in the order in which [`material_maps`] returns their bytes.
+pub fn requested_parts(requested: RequestedMaps) -> impl Iterator<Item = &'static str> {
+    PARTS.into_iter().zip(requested).filter_map(|(part, requested)| requested.then_some(part))
 }
 
-/// The bytes of the files that are wanted.
+/// Makes the requested maps of a material. Returns the bytes of their files.
+///
+/// # Errors
+/// Returns an error if a map breaks the rules of its layout, or if the caller cancels.
 pub fn material_maps(
     source: &dyn Source,
-    [wants_bandwidth, wants_samples]: WantedMaps,
+    [wants_bandwidth, wants_samples]: RequestedMaps,
     progress: &dyn Progress,
 ) -> Result<(Vec<Vec<u8>>, MapsReport), JobError> {
     let (resolution, epsilon, samples) = map_recipe();
@@ -88,10 +91,10 @@ pub fn material_maps(
     Ok((files, report))
 }
 
-/// The bytes of the file of an environment's map.
+/// Makes the bandwidth map of an environment. Returns the bytes of its file.
 ///
 /// # Errors
-/// An image that cannot be used; when the work is cancelled.
+/// Returns an error if the image cannot be read, or if the caller cancels.
 pub fn environment_file(
     path: &Path,
     listener: &mut dyn ReadListener,

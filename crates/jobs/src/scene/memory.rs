@@ -1,11 +1,12 @@
-//! How much memory the materials that are worked on may take together.
+//! Memory limit of the jobs that run at a time.
 
 use std::sync::{Condvar, Mutex, PoisonError};
 use std::time::Duration;
 
-/// Of each thread, where nothing is said, bytes.
+/// Default memory limit per thread, bytes.
 pub const PER_THREAD: u64 = 300 << 20;
-/// Memory for a source of this kind while it is read, evaluated and cross-validated, in sixths of its file's length.
+
+/// Memory to read, evaluate and cross-validate a source of this kind, in sixths of the length of its file.
 fn sixths(extension: &str) -> u64 {
     match extension {
         // Doubles become floats, next to a map of valid cells.
@@ -13,47 +14,47 @@ fn sixths(extension: &str) -> u64 {
         // Rows of few columns with their search trees, three times: the scan and two folds of its cross-validation. Measured:
         // 22 times a file of 300,000 rows.
         "csv" => 144,
-        // The same with 31 spectral columns, of which three values are kept. Measured: 3.7 times the file.
+        // The same with 31 spectral columns, of which three values are stored. Measured: 3.7 times the file.
         "brdf" => 30,
         // Tensors with their sums.
         _ => 24,
     }
 }
 
-/// Memory for a source of this kind and of so many bytes while it is read, evaluated and cross-validated, bytes.
+/// Memory to read, evaluate and cross-validate a source of this kind and length, bytes.
 pub fn of_source(extension: &str, length: u64) -> u64 {
     (length / 6).saturating_mul(sixths(extension))
 }
 
-/// The longest file of this kind that fits, bytes.
+/// Length of the longest file of this kind that fits into `memory`, bytes.
 pub fn longest_source(extension: &str, memory: u64) -> u64 {
     memory / sixths(extension) * 6
 }
 
-/// How long a thread waits before it looks for parts of loops again.
+/// Time that a thread waits before it looks for other work in the pool again.
 const MOMENT: Duration = Duration::from_millis(1);
 
-/// Memory that several share.
+/// A memory budget that several jobs share.
 pub struct Shared {
     all: u64,
     free: Mutex<u64>,
     freed: Condvar,
 }
 
-/// A share of it, given back at the end.
+/// A share of the budget, returned on drop.
 pub struct Share<'a> {
     of: &'a Shared,
     bytes: u64,
 }
 
 impl Shared {
-    /// So many bytes.
+    /// Creates a budget of `all` bytes.
     pub fn new(all: u64) -> Self {
         Self { all, free: Mutex::new(all), freed: Condvar::new() }
     }
 
-    /// Waits until there are so many bytes; who wants more than there are works alone. A thread of a pool does parts of the
-    /// pool's loops meanwhile.
+    /// Waits until so many bytes are free. A job that needs more than the whole budget runs alone. A thread of a pool
+    /// runs other tasks of the pool while it waits.
     pub fn take(&self, bytes: u64) -> Share<'_> {
         let bytes = bytes.min(self.all);
         loop {
@@ -101,9 +102,9 @@ mod tests {
         assert!((9..=10).contains(&most.into_inner()));
     }
 
-    /// On the threads of a pool, too, where who waits does parts of the loop of who works.
+    /// Also on the threads of a pool, where a waiting thread runs parts of the loop of the working one.
     #[test]
-    fn who_waits_in_a_pool_goes_on_when_there_is_enough() {
+    fn a_waiting_thread_of_a_pool_continues_when_memory_is_free() {
         use rayon::prelude::*;
         let shared = Shared::new(10);
         let done = AtomicU64::new(0);

@@ -1,4 +1,4 @@
-//! Scenes: a manifest, or a list of files, becomes packs.
+//! Scenes: builds of packs from a manifest or a list of files.
 
 pub mod batch;
 pub mod build;

@@ -1,4 +1,4 @@
-//! Names of materials. Files are called after them, on whatever system the packs travel to.
+//! Names of materials, which are file names on all systems.
 
 use super::scene_section::ENVIRONMENT;
 use crate::file_name::{composed, folded};
@@ -6,42 +6,46 @@ use std::collections::BTreeMap;
 use std::path::Path;
 use unicode_normalization::char::is_combining_mark;
 
-/// What a name may be.
-pub const ALLOWED: &str = "letters of any script, digits, - and _, as packs are files of that name";
-/// Most bytes (of UTF-8) of a name: with what follows in names of files they are within the 255 of most file systems.
+/// Characters of a name, for messages.
+pub const ALLOWED: &str = "letters of any script, digits, - and _ (packs have this file name)";
+/// Length of the longest name, bytes of UTF-8. With the endings of files it stays below the 255 bytes of most file
+/// systems.
 pub const MAX_BYTES: usize = 200;
-/// The file of the whole build.
+/// Name of the build report.
 const REPORT: &str = "report";
 
-/// Whether files can be called so, or what is allowed instead. `lit` scenes have files of their own.
+/// Checks the name of a material. `lit` is true if the scene has an environment, whose files reserve another name.
+///
+/// # Errors
+/// Returns the expected names.
 pub fn check_name(name: &str, lit: bool) -> Result<(), String> {
     if name.is_empty() || !name.chars().all(is_allowed) {
         return Err(ALLOWED.to_owned());
     }
     if name.len() > MAX_BYTES {
-        return Err(format!("at most {MAX_BYTES} bytes, as packs are files of that name"));
+        return Err(format!("at most {MAX_BYTES} bytes of UTF-8 (packs have this file name)"));
     }
     let name = folded(name);
     if name == REPORT {
-        return Err(format!("{ALLOWED}; not \"{REPORT}\", the file of the whole build"));
+        return Err(format!("another name (\"{REPORT}\" is reserved for the build report)"));
     }
     if lit && name == ENVIRONMENT {
-        return Err("another name: the maps of the scene's environment have this one".to_owned());
+        return Err("another name (this one is reserved for the maps of the scene's environment)".to_owned());
     }
     if is_device(&name) {
-        return Err("another name: Windows takes files that are called so for devices".to_owned());
+        return Err("another name (this one is a device on Windows)".to_owned());
     }
     Ok(())
 }
 
-/// The first two names that are one file on some system, as they differ in case alone, or in how accents are written.
+/// Finds two names that are one file on some systems, because they differ only in case or in the encoding of accents.
 pub fn same_file<'a>(names: impl IntoIterator<Item = &'a str>) -> Option<(&'a str, &'a str)> {
     let mut seen: BTreeMap<String, &str> = BTreeMap::new();
     names.into_iter().find_map(|name| Some((seen.insert(folded(name), name)?, name)))
 }
 
-/// The name of a material from that of its file: accents are composed, what no name may hold becomes `_`, what is too long is cut,
-/// and a name that none may be ends in `_`.
+/// Derives the name of a material from its file: composes accents, replaces other characters with `_`, truncates long
+/// names, and appends `_` to reserved names.
 pub fn of_file(path: &Path) -> String {
     let stem = composed(&path.file_stem().unwrap_or_default().to_string_lossy());
     let mut name = String::new();
@@ -61,7 +65,7 @@ fn is_allowed(c: char) -> bool {
     c.is_alphanumeric() || is_combining_mark(c) || "-_".contains(c)
 }
 
-/// Names that stand for devices on Windows, with any extension.
+/// Returns true if a name stands for a device on Windows, with any extension.
 fn is_device(name: &str) -> bool {
     let name = name.to_ascii_uppercase();
     let numbered = |prefix| name.strip_prefix(prefix).is_some_and(|n| n.len() == 1 && ("1"..="9").contains(&n));
@@ -73,7 +77,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn names_that_are_files_everywhere() {
+    fn names_are_files_on_all_systems() {
         for name in ["red", "red-plastic_2", "CONE", "COM10", "com", "environment", "päint", "漢字", "हिन्दी"]
         {
             assert_eq!(check_name(name, false), Ok(()), "{name}");
@@ -82,9 +86,9 @@ mod tests {
             ("", "letters"),
             ("a b", "letters"),
             ("../a", "letters"),
-            ("Report", "the whole build"),
-            ("con", "devices"),
-            ("Lpt1", "devices"),
+            ("Report", "the build report"),
+            ("con", "a device"),
+            ("Lpt1", "a device"),
             ("a:b", "letters"),
             ("a\u{200b}b", "letters"),
             (&"x".repeat(201), "at most 200 bytes"),
@@ -95,7 +99,7 @@ mod tests {
     }
 
     #[test]
-    fn case_alone_is_no_difference() {
+    fn names_that_differ_only_in_case_are_equal() {
         assert_eq!(same_file(["a", "b", "A"]), Some(("a", "A")));
         assert_eq!(same_file(["é", "e\u{301}"]), Some(("é", "e\u{301}")));
         assert_eq!(same_file(["a", "b", "漢字", "木綿"]), None);

@@ -1,4 +1,5 @@
-//! Needs: what the scene asks of each material. Everything outside is not computed and not written.
+//! Needs of a scene: the levels of detail, directions and maps of each material that its uses can show. `brdfc`
+//! builds only these.
 
 use super::manifest::Manifest;
 use super::uses::Use;
@@ -6,32 +7,32 @@ use brdfc_formats::crop::DirectionRange;
 use brdfc_formats::wavelet::level_of_detail;
 use std::collections::BTreeMap;
 
-/// What one material is needed for.
+/// Needs of one material.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Needs {
-    /// Uses that refer to it, at least 1.
+    /// Number of uses, at least 1.
     pub uses: usize,
-    /// Nearest distance at which any of them is seen, 0 or more.
+    /// Nearest distance of all uses, 0 or more.
     pub nearest: f64,
-    /// Farthest distance, infinite where one may be seen from anywhere.
+    /// Farthest distance of all uses; infinite if any has no limit.
     pub farthest: f64,
-    /// The smallest range that holds the directions of all.
+    /// Smallest range that contains the directions of all uses.
     pub directions: DirectionRange,
-    /// Whether an environment lights it. Point lights need no maps.
+    /// True if an environment lights it. Point lights need no maps.
     pub lit_by_environment: bool,
-    /// Whether it is needed how fast its lobes vary.
+    /// True if it needs a bandwidth map.
     pub bandwidth: bool,
-    /// Whether samples of its lobes are needed.
+    /// True if it needs importance samples.
     pub samples: bool,
 }
 
 impl Needs {
-    /// Finest level of detail that is ever asked for, of `levels`: [`level_of_detail`] at the nearest use, rounded up.
+    /// Finest level of detail that any use needs, of `levels`: [`level_of_detail`] at the nearest distance, rounded up.
     pub fn stored_levels(&self, levels: u32, distance_scale: f64) -> u32 {
         level_of_detail(levels, self.nearest, distance_scale).ceil() as u32
     }
 
-    /// How many levels below the finest are ever asked for: `log2(α d)` at the farthest use, rounded up.
+    /// Number of levels below the finest that any use needs: `log2(α d)` at the farthest distance, rounded up.
     pub fn coarser_levels(&self, distance_scale: f64) -> u32 {
         let below = (distance_scale * self.farthest).log2().max(0.0).ceil();
         if below < f64::from(u32::MAX) { below as u32 } else { u32::MAX }
@@ -40,7 +41,7 @@ impl Needs {
     fn of(used: &Use, has_environment: bool) -> Self {
         let distance = |distance: &Option<toml::Spanned<f64>>| distance.as_ref().map(|distance| *distance.get_ref());
         let lit_by_environment = has_environment && used.is_lit_by_environment();
-        let [bandwidth, samples] = used.wants_maps().map(|wanted| wanted && lit_by_environment);
+        let [bandwidth, samples] = used.requested_maps().map(|requested| requested && lit_by_environment);
         Self {
             uses: 1,
             nearest: distance(&used.nearest).unwrap_or(0.0),
@@ -52,7 +53,7 @@ impl Needs {
         }
     }
 
-    /// What both need.
+    /// Union of two needs.
     fn with(self, other: Self) -> Self {
         Self {
             uses: self.uses + other.uses,
@@ -66,13 +67,13 @@ impl Needs {
     }
 }
 
-/// The environment whose map the scene needs: the one that lights it, if any use wants to know how fast light varies.
+/// The environment of the scene if any use needs its bandwidth map.
 pub fn environment<'a>(manifest: &'a Manifest, needs: &BTreeMap<&str, Needs>) -> Option<&'a str> {
     let environment = manifest.scene.environment.as_deref()?;
     needs.values().any(|needs| needs.bandwidth).then_some(environment)
 }
 
-/// The needs of every material that is used, by name.
+/// The needs of all materials that have uses, by name.
 pub fn needs(manifest: &Manifest) -> BTreeMap<&str, Needs> {
     let has_environment = manifest.scene.environment.is_some();
     let mut all: BTreeMap<&str, Needs> = BTreeMap::new();
@@ -93,7 +94,7 @@ mod tests {
     }
 
     #[test]
-    fn distance_takes_levels_away() {
+    fn distance_limits_levels() {
         let at = |nearest: f64, farthest: f64| {
             let text = format!(
                 "[materials.a]\nsource='x'\n[[uses]]\nmaterial='a'\nnearest={nearest:?}\nfarthest={farthest:?}\n"
@@ -128,17 +129,17 @@ mod tests {
         let needs = all["a"];
         assert_eq!((needs.uses, needs.nearest, needs.farthest), (2, 7.0, 30.0));
         let directions = DirectionRange { light: Elevations::ALL, view: Elevations { from: 10.0, to: 60.0 } };
-        assert_eq!(needs.directions, directions, "a use that says nothing of lights has all");
+        assert_eq!(needs.directions, directions, "a use without light_elevation has all");
     }
 
     #[test]
-    fn maps_are_needed_where_an_environment_lights_something() {
+    fn maps_are_needed_if_an_environment_lights_a_use() {
         let materials = "[materials.a]\nsource='x'\n[materials.b]\nsource='y'\n";
         let used = format!("{materials}[[uses]]\nmaterial='a'\n");
         let lit = parse(&format!("[scene]\nenvironment='sky.exr'\n{used}"));
         assert_eq!(environment(&lit, &needs(&lit)), Some("sky.exr"));
         assert!(needs(&lit).len() == 1 && needs(&lit)["a"].bandwidth && needs(&lit)["a"].samples);
-        // What mirrors show is no light.
+        // The environment that mirrors reflect does not light the scene.
         for other in [used.clone(), format!("{used}[render]\nenvironment='sky.exr'\n")] {
             let manifest = parse(&other);
             assert!(environment(&manifest, &needs(&manifest)).is_none() && !needs(&manifest)["a"].bandwidth, "{other}");
@@ -148,7 +149,7 @@ mod tests {
     }
 
     #[test]
-    fn uses_say_what_lights_them_and_which_maps_they_want() {
+    fn uses_have_lighting_and_maps() {
         let lit = |rest: &str| {
             let text =
                 format!("[scene]\nenvironment='sky.exr'\n[materials.a]\nsource='x'\n[[uses]]\nmaterial='a'\n{rest}");
@@ -166,14 +167,14 @@ mod tests {
     }
 
     #[test]
-    fn needs_that_make_no_sense_are_refused() {
+    fn invalid_needs_are_rejected() {
         let error = |rest: &str| {
             let text = format!("[materials.a]\nsource='x'\n[[uses]]\nmaterial='a'\n{rest}\n");
             Manifest::parse(&text).expect_err(rest).to_string()
         };
         for (rest, expected) in [
             ("nearest=-1", "line 5, uses[0].nearest: found -1, expected a distance, 0 or more"),
-            ("nearest=4\nfarthest=3", "line 6, uses[0].farthest: found 3, expected 4 or more, which is the nearest"),
+            ("nearest=4\nfarthest=3", "line 6, uses[0].farthest: found 3, expected at least 4 (the nearest distance)"),
             ("view_elevation=[30, 20]", "uses[0].view_elevation: found [30, 20], expected [from, to], 0 to 90"),
             ("light_elevation=[0, 91]", "uses[0].light_elevation: found [0, 91]"),
             ("light_elevation=[10, 12]", "5 apart or more"),
@@ -188,6 +189,6 @@ mod tests {
         }
         let text = "[scene]\nenvironment='sky.exr'\n[materials.a]\nsource='x'\n[[uses]]\nmaterial='a'\nlight_elevation=[0,30]\n";
         let found = Manifest::parse(text).expect_err("an environment").to_string();
-        assert!(found.contains("an environment lights from everywhere"), "{found}");
+        assert!(found.contains("an environment lights from all directions"), "{found}");
     }
 }

@@ -1,4 +1,4 @@
-//! Paths and patterns as people write them.
+//! Paths and glob patterns of users.
 
 use crate::error::Error;
 use crate::write::or_here;
@@ -7,7 +7,7 @@ use std::ffi::{OsStr, OsString};
 use std::path::{Path, PathBuf};
 use walkdir::{DirEntry, WalkDir};
 
-/// A path or a pattern that somebody wrote, relative to a folder. What stands in the name of the folder stands for itself.
+/// A path or a pattern, relative to a folder. Wildcards in the path of the folder have no meaning.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Named {
     folder: PathBuf,
@@ -15,29 +15,29 @@ pub struct Named {
 }
 
 impl Named {
-    /// As it was written.
+    /// Creates a path or a pattern from the text of the user.
     pub fn new(folder: impl Into<PathBuf>, name: impl Into<OsString>) -> Self {
         Self { folder: folder.into(), name: name.into() }
     }
 
-    /// As a path.
+    /// The full path, with wildcards as ordinary characters.
     pub fn path(&self) -> PathBuf {
-        // Behind an empty name a file would be asked for as a folder.
+        // Joining an empty name would append a slash.
         if self.name.is_empty() { self.folder.clone() } else { self.folder.join(&self.name) }
     }
 
-    /// Whether it is a pattern, and no file of that name.
+    /// Returns true if the name has wildcards and no such file exists.
     pub fn is_pattern(&self) -> bool {
         has_wildcards(&self.name) && !self.path().exists()
     }
 
-    /// The folder below which files match; whether they may be in folders below it.
+    /// The folder that contains all matching files. Also returns true if they can be in its subfolders.
     pub fn base(&self) -> (PathBuf, bool) {
         let (base, rest) = self.split();
         (base, rest.len() > 1)
     }
 
-    /// The parts before the first wildcard, and the others.
+    /// Splits the path before the first part with a wildcard.
     fn split(&self) -> (PathBuf, Vec<&OsStr>) {
         let parts: Vec<&OsStr> = Path::new(&self.name).iter().collect();
         let plain = parts.iter().take_while(|part| !has_wildcards(part)).count();
@@ -46,16 +46,17 @@ impl Named {
         (base, parts[plain..].to_vec())
     }
 
-    /// The files that match, sorted. `*` and `?` match no `/` and no dot that a name begins with, `**` any folders that
-    /// are neither hidden nor links.
+    /// Finds all matching files, sorted. `*` and `?` do not match `/` or a leading dot. `**` matches any number of
+    /// folders, except hidden folders and links.
     ///
     /// # Errors
-    /// Patterns that are none, folders that cannot be read.
+    /// Returns an error if the pattern is invalid, or if a folder cannot be read.
     pub fn files(&self) -> Result<Vec<PathBuf>, Error> {
         let (base, rest) = self.split();
         let pattern = Pattern::new(&rest, &self.path())?;
         let root = or_here(&base);
-        // Links to folders are followed as far as the pattern says how far: one upwards would lead to all files once more.
+        // Links to folders are followed only in patterns of fixed depth: with `**`, a link upwards would repeat all
+        // files.
         let walk = WalkDir::new(root).min_depth(1).max_depth(pattern.depth()).follow_links(!pattern.is_deep);
         let mut files = Vec::new();
         for entry in walk.into_iter().filter_entry(|entry| pattern.may_lead_on(entry)) {
@@ -63,7 +64,7 @@ impl Named {
                 Ok(entry) => entry,
                 Err(error) => match (error.path(), error.io_error()) {
                     (Some(path), Some(error)) if path.is_dir() => return Err(Error::read(path, error)),
-                    // A link that leads nowhere or round, or no folder at all.
+                    // A dangling or cyclic link, or a missing folder.
                     _ => continue,
                 },
             };
@@ -81,24 +82,24 @@ fn has_wildcards(name: &OsStr) -> bool {
     name.to_string_lossy().contains(['*', '?', '[', '{'])
 }
 
-/// What is to be matched below a folder.
+/// A pattern below a folder.
 struct Pattern {
     whole: String,
-    /// Of each level before the first `**`: what a name may be, and whether it may begin with a dot.
+    /// For each level before the first `**`: the pattern of a name, and true if the name may begin with a dot.
     levels: Vec<(String, bool)>,
     is_deep: bool,
 }
 
 impl Pattern {
-    fn new(parts: &[&OsStr], told: &Path) -> Result<Self, Error> {
+    fn new(parts: &[&OsStr], path: &Path) -> Result<Self, Error> {
         let texts: Option<Vec<&str>> = parts.iter().map(|part| part.to_str()).collect();
-        let wrong = |found: &str, allowed: &str| Error::wrong_usage(told.display(), found, allowed);
-        let no_text = || wrong("a pattern with a name that is no UTF-8", "its folder, or the names of files");
+        let wrong = |found: &str, allowed: &str| Error::wrong_usage(path.display(), found, allowed);
+        let no_text = || wrong("a pattern that is not UTF-8", "a UTF-8 pattern, a folder or file names");
         let texts = texts.ok_or_else(no_text)?;
         let of_parts = texts.iter().find_map(|text| problem(text));
-        let back = texts.contains(&"..").then_some("with .. behind the first wildcard");
+        let back = texts.contains(&"..").then_some(".. after the first wildcard");
         if let Some(problem) = back.or(of_parts) {
-            return Err(wrong(&format!("a wrong pattern, {problem}"), "a pattern such as scans/*.binary"));
+            return Err(wrong(&format!("an invalid pattern ({problem})"), "a pattern such as scans/*.binary"));
         }
         let plain = texts.iter().take_while(|text| **text != "**");
         let levels: Vec<_> = plain.map(|text| ((*text).to_owned(), text.starts_with('.'))).collect();
@@ -109,7 +110,7 @@ impl Pattern {
         if self.is_deep { usize::MAX } else { self.levels.len() }
     }
 
-    /// Whether it, or something below it, may match.
+    /// Returns true if the entry, or a file below it, can match.
     fn may_lead_on(&self, entry: &DirEntry) -> bool {
         let is_hidden = entry.file_name().as_encoded_bytes().starts_with(b".");
         match entry.depth().checked_sub(1).map(|level| self.levels.get(level)) {
@@ -122,29 +123,29 @@ impl Pattern {
     }
 }
 
-/// What is wrong with one part of a pattern. The matcher takes such a part for one that matches nothing.
+/// Finds a syntax error in one part of a pattern. The matcher does not report such errors: it matches nothing.
 fn problem(part: &str) -> Option<&'static str> {
     let (mut class, mut braces, mut letters) = (false, 0usize, part.chars().peekable());
     while let Some(letter) = letters.next() {
         match letter {
-            '\\' if letters.next().is_none() => return Some("with nothing behind \\"),
+            '\\' if letters.next().is_none() => return Some("nothing after \\"),
             ']' if class => class = false,
             '[' if !class => {
                 class = true;
                 letters.next_if(|next| matches!(next, '!' | '^'));
-                // First, it stands for itself.
+                // A leading `]` is an ordinary character.
                 letters.next_if_eq(&']');
             }
             '{' if !class => braces += 1,
-            '}' if !class && braces == 0 => return Some("with } that no { opens"),
+            '}' if !class && braces == 0 => return Some("} without {"),
             '}' if !class => braces -= 1,
             _ => {}
         }
     }
     if class {
-        return Some("with [ that no ] closes");
+        return Some("[ without ]");
     }
-    (braces > 0).then_some("with { that no } closes")
+    (braces > 0).then_some("{ without }")
 }
 
 #[cfg(test)]
@@ -167,7 +168,7 @@ mod tests {
     }
 
     #[test]
-    fn what_a_shell_would_match() {
+    fn patterns_match_as_in_a_shell() {
         let there =
             folder(&["a.brdf", "b.brdf", ".c.brdf", "x/d.brdf", "x/y/e.brdf", ".z/f.brdf", "x/.git/g.brdf", "n.txt"]);
         let matched = |pattern| matched(there.path(), pattern);
@@ -187,21 +188,21 @@ mod tests {
         );
         assert!(Named::new(there.path(), "*/../a.brdf").files().is_err());
         for (pattern, problem) in [
-            ("[a", "with [ that no ] closes"),
-            ("[]", "with [ that no ] closes"),
-            ("{a,*", "with { that no } closes"),
-            ("a*}", "with } that no { opens"),
-            ("*\\", "with nothing behind \\"),
+            ("[a", "[ without ]"),
+            ("[]", "[ without ]"),
+            ("{a,*", "{ without }"),
+            ("a*}", "} without {"),
+            ("*\\", "nothing after \\"),
         ] {
             let error = Named::new(there.path(), pattern).files().unwrap_err().to_string();
-            assert!(error.contains(&format!("found a wrong pattern, {problem}; ")), "{error}");
+            assert!(error.contains(&format!("found an invalid pattern ({problem}), expected ")), "{error}");
         }
         assert_eq!(matched("[]a].br{d,e}f"), ["a.brdf"]);
     }
 
     #[test]
     #[cfg(unix)]
-    fn names_that_are_no_text_and_links_that_lead_nowhere() {
+    fn names_that_are_not_utf8_and_dangling_links() {
         use std::os::unix::ffi::OsStrExt;
         let there = folder(&["a.brdf", "[b]/c.brdf"]);
         let odd = there.path().join(OsStr::from_bytes(b"\xff.brdf"));

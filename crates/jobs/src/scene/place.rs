@@ -1,44 +1,44 @@
-//! Where something stands in a manifest, and what is wrong there.
+//! Errors of manifests, with their lines and keys.
 
 use std::ops::Range;
 
-/// A manifest that is wrong.
+/// An error in a manifest.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
 #[error("line {line}, {field}: found {found}, expected {allowed}{}", suggestion.as_ref().map_or(String::new(), |s| format!(" (did you mean {s}?)")))]
 pub struct ManifestError {
     /// Line, from 1.
     pub line: usize,
-    /// Key, with the tables it is in.
+    /// Key, with its tables.
     pub field: String,
-    /// What stands there.
+    /// The value in the manifest.
     pub found: String,
-    /// What may stand there.
+    /// The expected values.
     pub allowed: String,
-    /// A near miss.
+    /// A known name with a similar spelling.
     pub suggestion: Option<String>,
 }
 
 impl ManifestError {
-    /// On a line, of a key.
+    /// Creates an error at a line and a key.
     pub(super) fn new(line: usize, field: impl Into<String>, found: String, allowed: impl Into<String>) -> Self {
         Self { line, field: field.into(), found, allowed: allowed.into(), suggestion: None }
     }
 }
 
-/// Where keys of a manifest stand.
+/// Text and tree of a manifest, to locate keys.
 pub(super) struct Place<'a> {
     pub(super) text: &'a str,
     pub(super) tree: &'a toml::de::DeTable<'a>,
 }
 
 impl Place<'_> {
-    /// An error at the deepest key of `path` that is there.
+    /// Creates an error at the deepest existing key of `path`.
     pub(super) fn error(&self, path: &[&str], found: String, allowed: &str) -> ManifestError {
         ManifestError::new(line_of_key(self.text, self.tree, path), path.join("."), found, allowed)
     }
 }
 
-/// The known name that is most like `name`, if any is.
+/// Finds the known name with the most similar spelling; `None` if none is similar.
 pub fn near_miss(name: &str, known: &[&str]) -> Option<String> {
     known
         .iter()
@@ -48,13 +48,13 @@ pub fn near_miss(name: &str, known: &[&str]) -> Option<String> {
         .map(|(_, k)| k.to_owned())
 }
 
-/// The line, from 1, where a span of a manifest starts.
+/// Line of the start of a span, from 1.
 pub fn line_of(text: &str, span: Option<Range<usize>>) -> usize {
     let end = span.map_or(0, |s| s.start.min(text.len()));
     1 + text.as_bytes()[..end].iter().filter(|byte| **byte == b'\n').count()
 }
 
-/// Line of the deepest key of `path` that is there.
+/// Line of the deepest existing key of `path`, from 1.
 pub(super) fn line_of_key(text: &str, tree: &toml::de::DeTable<'_>, path: &[&str]) -> usize {
     let mut line = 1;
     let mut table = Some(tree);
@@ -66,12 +66,12 @@ pub(super) fn line_of_key(text: &str, tree: &toml::de::DeTable<'_>, path: &[&str
     line
 }
 
-/// The line on which a span starts, shortened.
+/// The line where a span starts, truncated.
 pub(super) fn snippet(text: &str, span: Option<Range<usize>>) -> String {
-    const LONGEST: usize = 60;
+    const MAX_CHARS: usize = 60;
     let line = text.lines().nth(line_of(text, span) - 1).unwrap_or_default().trim();
-    // As it will be told.
-    let line: String = line.chars().take(LONGEST + 1).map(|c| if c.is_control() { '\u{fffd}' } else { c }).collect();
-    let short: String = line.chars().take(LONGEST).collect();
+    // Control characters are not printed.
+    let line: String = line.chars().take(MAX_CHARS + 1).map(|c| if c.is_control() { '\u{fffd}' } else { c }).collect();
+    let short: String = line.chars().take(MAX_CHARS).collect();
     if short.len() < line.len() { format!("{short}...") } else { short }
 }

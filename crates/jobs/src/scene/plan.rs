@@ -1,9 +1,9 @@
-//! What a build will do: which materials, from where, by which recipes.
+//! Build plans: the materials of a scene with their sources and recipes.
 
 use super::batch::address_of;
 use super::gates::Gates;
 use super::manifest::Manifest;
-use super::maps::{WantedMaps, part_name, wanted_parts};
+use super::maps::{RequestedMaps, part_name, requested_parts};
 use super::needs::{self, Needs, needs};
 use super::scene_section::ENVIRONMENT;
 use super::uses::Use;
@@ -14,97 +14,97 @@ use brdfc_source::Input;
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
-/// One material to make.
+/// The job that makes one material.
 #[derive(Debug, Clone)]
 pub struct Job {
     /// The material's name.
     pub name: String,
-    /// Path or address as the manifest has it.
+    /// Path or address as written in the manifest.
     pub declared: String,
     /// Path or address, resolved against the manifest's folder.
     pub input: Input,
-    /// How it is to be encoded, without a look at needs.
+    /// The recipe from its options, before the needs limit it.
     pub asked: PackRecipe,
-    /// How it is encoded, needs included.
+    /// The recipe, limited by the needs.
     pub recipe: PackRecipe,
-    /// Which maps it needs.
-    pub maps: WantedMaps,
-    /// What its finished pack has to be.
+    /// The maps that it needs.
+    pub maps: RequestedMaps,
+    /// Limits that the finished pack has to meet.
     pub gates: Gates,
-    /// What the scene asks of it.
+    /// Needs of the scene.
     pub needs: Needs,
     /// The uses that refer to it, with their names.
     pub uses: Vec<(String, Use)>,
 }
 
 impl Job {
-    /// Whether both are the same work.
+    /// Returns true if both jobs have the same source, recipe and maps.
     pub(super) fn is_same_work(&self, other: &Self) -> bool {
         self.input == other.input && self.recipe == other.recipe && self.maps == other.maps
     }
 }
 
-/// The environment's map.
+/// The job that makes the map of the environment.
 #[derive(Debug, Clone)]
 pub struct EnvironmentJob {
-    /// Path as the manifest has it.
+    /// Path as written in the manifest.
     pub declared: String,
     /// Path, resolved against the manifest's folder.
     pub path: PathBuf,
 }
 
-/// What a build will do.
+/// A build plan.
 #[derive(Debug, Clone)]
 pub struct Plan {
     /// The scene's name.
     pub scene: String,
-    /// Materials to make, by name.
+    /// Jobs of the materials, sorted by name.
     pub jobs: Vec<Job>,
-    /// The environment, where the scene needs its map.
+    /// Job of the environment; `None` if the scene does not need its map.
     pub environment: Option<EnvironmentJob>,
-    /// Whether the scene has an environment, needed or not.
+    /// True if the scene has an environment, even if its map is not needed.
     pub has_environment: bool,
-    /// Materials that no use refers to: not even opened.
+    /// Materials that no use refers to. They are not opened.
     pub skipped: Vec<String>,
 }
 
 impl Plan {
-    /// Whether there is nothing to make.
+    /// Returns true if there is nothing to make.
     pub fn is_empty(&self) -> bool {
         self.jobs.is_empty() && self.environment.is_none()
     }
 
-    /// The job of a material; they are sorted by name.
+    /// The job of a material.
     pub fn job(&self, name: &str) -> Option<&Job> {
         self.jobs.binary_search_by(|job| job.name.as_str().cmp(name)).ok().map(|at| &self.jobs[at])
     }
 
-    /// Files that are read.
+    /// Paths of all sources that are files.
     pub fn sources(&self) -> impl Iterator<Item = &Path> {
         let environment = self.environment.iter().map(|job| job.path.as_path());
         self.jobs.iter().filter_map(|job| job.input.path()).chain(environment)
     }
 
-    /// Names of the files that a build writes into its folder.
+    /// Names of the files that a build writes into its output folder.
     pub fn files(&self) -> impl Iterator<Item = String> {
         let environment = self.environment.iter().map(|_| part_name(ENVIRONMENT, "bandwidth"));
         let of_job = |job: &Job| {
-            let maps = wanted_parts(job.maps).map(|part| part_name(&job.name, part));
+            let maps = requested_parts(job.maps).map(|part| part_name(&job.name, part));
             [pack_name(&job.name), list_name(&job.name)].into_iter().chain(maps).collect::<Vec<_>>()
         };
         self.jobs.iter().flat_map(of_job).chain(environment).chain([REPORT.to_owned()])
     }
 }
 
-/// What a build says of itself, in the folder of its packs.
+/// File name of the build report in the output folder.
 pub const REPORT: &str = "report.json";
 
-/// The file that lists the parts of a material.
+/// Name of the file that lists the parts of a material.
 pub fn list_name(material: &str) -> String {
     format!("{material}.json")
 }
 
-/// The pack's file of a material.
+/// File name of the pack of a material.
 pub fn pack_name(material: &str) -> String {
     part_name(material, "brdf")
 }
@@ -117,10 +117,11 @@ fn uses_by_material(manifest: &Manifest) -> BTreeMap<&str, Vec<(String, Use)>> {
     all
 }
 
-/// Plans a build: which materials, with which recipes. Patterns were expanded before.
+/// Plans a build. Patterns in the manifest must have been expanded. Paths are relative to `folder`.
 ///
 /// # Errors
-/// Options of a material that do not go together with the defaults; of a manifest as it was parsed there are none.
+/// Returns an error if options of a material conflict with the defaults. [`Manifest::parse`] has already rejected such
+/// manifests.
 pub fn plan(manifest: &Manifest, folder: &Path) -> Result<Plan, Error> {
     let needed = needs(manifest);
     let mut uses = uses_by_material(manifest);

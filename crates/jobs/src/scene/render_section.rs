@@ -1,5 +1,4 @@
-//! The `[render]` table of a manifest: what `brdfc render` shows. Names of scenes and parts are the renderer's and are
-//! checked there.
+//! The `[render]` table of a manifest: settings of `brdfc render`. The renderer checks the names of scenes and parts.
 
 use super::place::{ManifestError, Place};
 use super::shapes::{Key, Shape, key, required};
@@ -9,33 +8,34 @@ use std::borrow::Cow;
 use std::collections::BTreeMap;
 use toml::Spanned;
 
-/// Pixels per side at most.
+/// Largest width and height, pixels.
 pub const MAX_SIDE: usize = 8192;
-/// Samples per pixel and axis at most.
+/// Largest number of samples per pixel and axis.
 pub const MAX_SAMPLES: usize = 16;
 
-/// What is drawn, and how. What is absent is the scene's own default.
+/// Settings of a rendering. Absent values are the defaults of the built-in scene.
 #[derive(Debug, Clone, Default, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct RenderSection {
-    /// Which built-in scene.
+    /// Name of the built-in scene.
     pub scene: Option<Spanned<String>>,
-    /// Pixels per row.
+    /// Width, pixels.
     pub width: Option<usize>,
-    /// Rows.
+    /// Height, pixels.
     pub height: Option<usize>,
     /// Samples per pixel and axis.
     pub samples: Option<usize>,
-    /// Factor from radiance to the display's range.
+    /// Factor from radiance to the range of the display.
     pub exposure: Option<f64>,
-    /// What goes over all parts instead of materials, relative to the manifest: a flat BTF or the pack of an RTI capture.
+    /// Path, relative to the manifest, of a flat BTF or the pack of an RTI capture that covers all parts instead of
+    /// materials.
     pub asset: Option<String>,
-    /// A latitude-longitude EXR file, relative to the manifest, that mirrors show.
+    /// Path, relative to the manifest, of a latitude-longitude EXR or HDR image that mirrors reflect.
     pub environment: Option<String>,
-    /// From where.
+    /// Camera.
     #[serde(default)]
     pub camera: CameraSection,
-    /// Point lights; they replace the scene's own.
+    /// Point lights, which replace those of the built-in scene.
     pub lights: Option<Vec<LightSection>>,
     /// Material of each part of the scene.
     #[serde(default)]
@@ -46,11 +46,11 @@ pub struct RenderSection {
 #[derive(Debug, Clone, Default, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct CameraSection {
-    /// Where it is.
+    /// Position.
     pub eye: Option<[f64; 3]>,
-    /// What it looks at.
+    /// Point in the centre of the rendering.
     pub target: Option<[f64; 3]>,
-    /// Which way is up.
+    /// Up direction.
     pub up: Option<[f64; 3]>,
     /// Vertical angle of view, degrees.
     pub field_of_view: Option<f64>,
@@ -60,7 +60,7 @@ pub struct CameraSection {
 #[derive(Debug, Clone, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct LightSection {
-    /// Where it is.
+    /// Position.
     pub position: [f64; 3],
     /// Radiant intensity, W/sr, linear RGB or grey.
     pub intensity: Intensity,
@@ -77,7 +77,7 @@ pub enum Intensity {
 }
 
 impl Intensity {
-    /// Linear RGB.
+    /// Intensity per channel, linear RGB.
     pub fn colour(self) -> [f64; 3] {
         match self {
             Self::Grey(value) => [value; 3],
@@ -94,7 +94,7 @@ pub(super) const RENDER_KEYS: &[Key] = &[
     key("samples", Shape::WholeNumber, SAMPLES),
     key("exposure", Shape::Number, "above 0"),
     key("asset", Shape::Text, ASSETS),
-    key("environment", Shape::Text, "a file .exr or .hdr"),
+    key("environment", Shape::Text, "an .exr or .hdr file"),
     key("camera", Shape::Table(Cow::Borrowed(CAMERA_KEYS)), ""),
     key("lights", Shape::Tables(LIGHT_KEYS), ""),
     key("materials", Shape::NamedTexts, "part = \"material\""),
@@ -109,7 +109,7 @@ const LIGHT_KEYS: &[Key] = &[
     required("position", Shape::Numbers(3), "[x, y, z]"),
     required("intensity", Shape::NumberOrThree, "W/sr, grey or [r, g, b], 0 or more"),
 ];
-/// What is allowed, in words.
+// Ranges, for messages.
 const SIDES: &str = "1 to 8192";
 const SAMPLES: &str = "1 to 16";
 const ANGLES: &str = "1 to 170 degrees";
@@ -139,8 +139,8 @@ impl RenderSection {
             return wrong(&["render", "asset"], "\"\"".to_owned(), ASSETS);
         }
         if let Some((part, _)) = self.materials.first_key_value().filter(|_| self.asset.is_some()) {
-            let found = format!("a material of {}, beside render.asset", part.get_ref());
-            return wrong(&["render", "materials"], found, "one of the two: an asset goes over all parts");
+            let found = format!("a material of {} as well as render.asset", part.get_ref());
+            return wrong(&["render", "materials"], found, "one of the two (an asset covers all parts)");
         }
         let camera = &self.camera;
         for (key, vector) in [("eye", camera.eye), ("target", camera.target), ("up", camera.up)] {
@@ -171,7 +171,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn words_are_the_bounds() {
+    fn messages_have_the_bounds() {
         assert_eq!((SIDES, SAMPLES), (format!("1 to {MAX_SIDE}").as_str(), format!("1 to {MAX_SAMPLES}").as_str()));
     }
 }

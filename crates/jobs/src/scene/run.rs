@@ -1,11 +1,11 @@
-//! Makes what a plan asks for: one job per material, and one for the environment where it is needed. What was made before
-//! from the same is taken from the store.
+//! Runs the jobs of a plan: one per material, and one for the environment if the scene needs its map. Unchanged
+//! results come from the store.
 
 pub use super::error::JobError;
 
 use super::gates;
 use super::grid_cache::StoreGridCache;
-use super::maps::{MapsReport, Packed, WantedMaps, environment_file, map_recipe, material_maps, wanted_parts};
+use super::maps::{MapsReport, Packed, RequestedMaps, environment_file, map_recipe, material_maps, requested_parts};
 use super::memory::{self, Shared};
 use super::plan::{EnvironmentJob, Job, Plan};
 use super::scene_section::ENVIRONMENT;
@@ -13,7 +13,7 @@ use crate::encode::{PackRecipe, encode_cached};
 use crate::report::gate::GateResult;
 use crate::report::material::{MaterialReport, StageTime};
 use crate::stage_clock::StageClock;
-use crate::store::{Digest, HeardDigest, Kept, Key, Stamp, Store};
+use crate::store::{Cached, Digest, HashingObserver, Key, Stamp, Store};
 use brdfc_bandwidth::DEFAULT_EPSILON;
 use brdfc_bandwidth::facts::BandwidthFacts;
 use brdfc_core::progress::{Cancelled, Progress, Stage};
@@ -24,86 +24,86 @@ use std::path::Path;
 use std::sync::Mutex;
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 
-/// What a build did.
+/// Results of a build.
 #[derive(Debug)]
 pub struct Outcomes {
-    /// To each material, in the order of the plan.
+    /// Results of the materials, in the order of the plan.
     pub materials: Vec<Outcome>,
-    /// To the environment, where it was planned.
+    /// Result of the environment; `None` if the plan has none.
     pub environment: Option<Result<MadeEnvironment, JobError>>,
 }
 
-/// What a build did to one material.
+/// Result of one material.
 #[derive(Debug)]
 pub struct Outcome {
     /// The material's name.
     pub name: String,
-    /// Report and times, or why there is no pack.
+    /// Report and times, or the error.
     pub result: Result<Made, JobError>,
 }
 
-/// A material that is in the store now.
+/// A material whose files are in the store.
 #[derive(Debug, Clone)]
 pub struct Made {
-    /// What was measured.
+    /// Measurements of the pack.
     pub report: MaterialReport,
-    /// What its maps hold, where it needs them.
+    /// Contents of its maps, if the scene needs them.
     pub maps: Option<MapsReport>,
-    /// Hash of what it was made of.
+    /// Hash of its source.
     pub source: Digest,
-    /// What its gates saw.
+    /// Results of its gates.
     pub gates: Vec<GateResult>,
     /// Its files, by part.
     pub files: Vec<(&'static str, Digest)>,
-    /// Seconds per stage; `None` where nothing had to be made.
+    /// Seconds per stage; `None` if all parts came from the store.
     pub times: Option<Vec<StageTime>>,
-    /// Seconds per stage when the pack was made, now or before.
+    /// Seconds per stage of the run that made the pack, which may be an earlier one.
     pub pack_times: Vec<StageTime>,
 }
 
-/// What the store keeps of a pack.
+/// Record of a pack in the store: its report, and seconds per stage.
 type PackNote = (MaterialReport, Vec<StageTime>);
 
 impl Made {
-    /// Whether it is what was asked for.
+    /// Returns true if the pack meets its budget and passes all gates.
     pub fn passed(&self) -> bool {
         self.report.missed.is_none() && self.gates.iter().all(|gate| gate.passed)
     }
 }
 
-/// The environment's map, which is in the store now.
+/// The map of the environment, whose file is in the store.
 #[derive(Debug, Clone)]
 pub struct MadeEnvironment {
-    /// What it holds.
+    /// Contents of the map.
     pub report: Packed<BandwidthFacts>,
-    /// The file.
+    /// Hash of the file.
     pub file: Digest,
-    /// Seconds per stage; `None` where nothing had to be made.
+    /// Seconds per stage; `None` if the map came from the store.
     pub times: Option<Vec<StageTime>>,
 }
 
-/// The pack, as a part.
+/// Name of the pack among the parts of a material.
 pub const PACK: &str = "brdf";
 
-/// What all jobs share.
-pub struct Workshop<'a> {
-    /// What was made before, and where what is made is kept.
+/// State that all jobs of a build share.
+pub struct BuildContext<'a> {
+    /// Cache of results: jobs look them up and add their own.
     pub store: &'a Store,
-    /// Hashes of files of earlier builds that are in their places.
+    /// Hashes of the unchanged files of earlier builds in the output folder.
     pub placed: &'a BTreeSet<Digest>,
-    /// Bytes that all may take together.
+    /// Memory limit of all jobs together, bytes.
     pub memory: u64,
-    /// Whether the first failure ends the work.
+    /// True if the first failure stops the build.
     pub fail_fast: bool,
 }
 
-/// Runs all jobs; one that fails does not stop the others, unless the workshop says so.
-pub fn run(plan: &Plan, workshop: &Workshop<'_>, progress: &dyn Progress) -> Outcomes {
-    let shared = Shared::new(workshop.memory);
+/// Runs all jobs. A job that fails does not stop the others, unless `fail_fast` is set.
+pub fn run(plan: &Plan, context: &BuildContext<'_>, progress: &dyn Progress) -> Outcomes {
+    let shared = Shared::new(context.memory);
     let stop = AtomicBool::new(false);
-    // The environment comes first: it has no part in what materials share, and others wait for none of it.
+    // The environment runs first: it does not depend on the materials, and they do not depend on it.
     let first = usize::from(plan.environment.is_some());
-    // Two materials of one source and recipe are made once.
+    // Materials with the same source and recipe are made once.
     let same = |k: usize| plan.jobs[..k].iter().position(|job| job.is_same_work(&plan.jobs[k]));
     let twins: Vec<Option<usize>> = (0..plan.jobs.len()).map(same).collect();
     let environment = Mutex::new(None);
@@ -111,9 +111,9 @@ pub fn run(plan: &Plan, workshop: &Workshop<'_>, progress: &dyn Progress) -> Out
         let Some(number) = number.checked_sub(first) else {
             let job = plan.environment.as_ref()?;
             let part = progress.part(ENVIRONMENT);
-            let result = workshop.environment(job, &shared, part.as_ref());
+            let result = context.environment(job, &shared, part.as_ref());
             part.finished(result.is_ok());
-            *environment.lock().expect("nobody panics with it") = Some(result);
+            *environment.lock().expect("no thread panics while it holds the lock") = Some(result);
             return None;
         };
         if twins[number].is_some() {
@@ -124,11 +124,11 @@ pub fn run(plan: &Plan, workshop: &Workshop<'_>, progress: &dyn Progress) -> Out
         let result = if stop.load(Ordering::Relaxed) {
             Err(JobError::Cancelled(Cancelled))
         } else {
-            let result = workshop.material(job, &shared, part.as_ref());
+            let result = context.material(job, &shared, part.as_ref());
             part.finished(result.is_ok());
             result
         };
-        if workshop.fail_fast && !result.as_ref().is_ok_and(Made::passed) {
+        if context.fail_fast && !result.as_ref().is_ok_and(Made::passed) {
             stop.store(true, Ordering::Relaxed);
         }
         Some(result)
@@ -139,8 +139,8 @@ pub fn run(plan: &Plan, workshop: &Workshop<'_>, progress: &dyn Progress) -> Out
             let part = progress.part(&job.name);
             let result = match twin.and_then(|twin| materials[twin].result.as_ref().ok()) {
                 Some(made) => Ok(Made { gates: gates::check(&job.gates, &made.report), times: None, ..made.clone() }),
-                // What it fails by names the source as this material has it.
-                None => workshop.material(job, &shared, part.as_ref()),
+                // Run it again: the error names the source as this material declares it.
+                None => context.material(job, &shared, part.as_ref()),
             };
             part.finished(result.is_ok());
             result
@@ -148,14 +148,15 @@ pub fn run(plan: &Plan, workshop: &Workshop<'_>, progress: &dyn Progress) -> Out
         let result = result.unwrap_or_else(of_twin);
         materials.push(Outcome { name: job.name.clone(), result });
     }
-    Outcomes { materials, environment: environment.into_inner().expect("nobody panics with it") }
+    Outcomes { materials, environment: environment.into_inner().expect("no thread panics while it holds the lock") }
 }
 
-/// Does all work in order, as many at a time as there are threads, and gives the results in that order.
+/// Runs `work` for 0 to `count`, one item per thread at a time, and returns the results in that order.
 ///
-/// Each thread of a pool of its own does whole pieces of work, one after the other; a thread that waits does parts of others'
-/// loops. As tasks of the common pool they would be begun by a thread that waits for a part of a loop, too: more of them would
-/// take memory, and the one below would stand still until the one above is done, or for ever, where that waits for its memory.
+/// The items run on a separate thread pool: each of its threads runs whole items one after the other, and a thread
+/// that waits runs iterations of the other items' loops. As tasks of the global pool, items could be stolen by a
+/// thread that waits for part of a loop. More items would then hold memory, and the item below on that thread's stack
+/// would be blocked until the stolen one ends, or would deadlock if that one waits for memory.
 pub(super) fn in_turn<T: Send>(count: usize, work: impl Fn(usize) -> T + Sync) -> Vec<T> {
     let next = AtomicUsize::new(0);
     let results: Mutex<Vec<Option<T>>> = Mutex::new((0..count).map(|_| None).collect());
@@ -166,7 +167,7 @@ pub(super) fn in_turn<T: Send>(count: usize, work: impl Fn(usize) -> T + Sync) -
                 return;
             }
             let result = work(number);
-            results.lock().expect("nobody panics with it")[number] = Some(result);
+            results.lock().expect("no thread panics while it holds the lock")[number] = Some(result);
         }
     };
     match rayon::ThreadPoolBuilder::new().num_threads(rayon::current_num_threads()).build() {
@@ -175,85 +176,86 @@ pub(super) fn in_turn<T: Send>(count: usize, work: impl Fn(usize) -> T + Sync) -
         }
         Err(_) => one_by_one(),
     }
-    let results = results.into_inner().expect("nobody panics with it");
-    results.into_iter().map(|result| result.expect("each was done")).collect()
+    let results = results.into_inner().expect("no thread panics while it holds the lock");
+    results.into_iter().map(|result| result.expect("each item has run")).collect()
 }
 
-/// What stands in the store of one material.
-struct Shelf {
+/// Entries of one material in the store.
+struct CachedMaterial {
     source: Digest,
-    pack: Option<Kept<PackNote>>,
-    maps: Option<Kept<MapsReport>>,
+    pack: Option<Cached<PackNote>>,
+    maps: Option<Cached<MapsReport>>,
 }
 
-/// Which parts of a material are asked for.
+/// The requested parts of a material.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(super) struct Wanted {
+pub(super) struct RequestedParts {
     pack: bool,
     maps: bool,
 }
 
-impl Wanted {
+impl RequestedParts {
     pub(super) const PACK: Self = Self { pack: true, maps: false };
     pub(super) const MAPS: Self = Self { pack: false, maps: true };
     const ALL: Self = Self { pack: true, maps: true };
 }
 
-impl Shelf {
-    fn has(&self, job: &Job, wanted: Wanted) -> bool {
+impl CachedMaterial {
+    fn has(&self, job: &Job, requested: RequestedParts) -> bool {
         let maps = self.maps.is_some() || job.maps == [false; 2];
-        (self.pack.is_some() || !wanted.pack) && (maps || !wanted.maps)
+        (self.pack.is_some() || !requested.pack) && (maps || !requested.maps)
     }
 }
 
-impl Workshop<'_> {
-    /// A material, from the store or made now.
+impl BuildContext<'_> {
+    /// Returns a material from the store, or makes it.
     ///
     /// # Errors
-    /// Sources that cannot be read, recipes that cannot be followed, files that cannot be written, cancellation.
+    /// Returns an error if the source cannot be read, the encoder fails, a file cannot be written, or the caller
+    /// cancels.
     pub fn material(&self, job: &Job, shared: &Shared, progress: &dyn Progress) -> Result<Made, JobError> {
-        let (shelf, times) = self.shelf(job, Wanted::ALL, shared, progress)?;
-        Ok(of_shelf(job, shelf, times))
+        let (cached, times) = self.cached_or_made(job, RequestedParts::ALL, shared, progress)?;
+        Ok(made_from_cache(job, cached, times))
     }
 
-    /// A material that is in the store, made of what its source is now.
+    /// Returns a material from the store if it was made from the current contents of its source.
     pub fn known(&self, job: &Job) -> Option<Made> {
         let known = job.input.path().and_then(|path| self.store.known(path));
         let read = || Some(opened_with_digest(&job.input, &kind_of(&job.input), u64::MAX).ok()?.1);
         self.known_of(job, known.or_else(read)?)
     }
 
-    /// A material that is in the store, made of the source with this hash.
+    /// Returns a material from the store if it was made from the source with this hash.
     pub fn known_of(&self, job: &Job, source: Digest) -> Option<Made> {
-        let shelf = self.look_up(job, source);
-        shelf.has(job, Wanted::ALL).then(|| of_shelf(job, shelf, None))
+        let cached = self.look_up(job, source);
+        cached.has(job, RequestedParts::ALL).then(|| made_from_cache(job, cached, None))
     }
 
-    /// Some parts of a material; whether anything had to be made.
+    /// Makes the requested parts of a material. Returns true if any of them was not in the store.
     pub(super) fn made_part(
         &self,
         job: &Job,
-        wanted: Wanted,
+        requested: RequestedParts,
         shared: &Shared,
         progress: &dyn Progress,
     ) -> Result<bool, JobError> {
-        Ok(self.shelf(job, wanted, shared, progress)?.1.is_some())
+        Ok(self.cached_or_made(job, requested, shared, progress)?.1.is_some())
     }
 
-    /// What is wanted of a material, and seconds per stage where something had to be made.
-    fn shelf(
+    /// Returns the requested parts of a material, and the seconds per stage if any of them had to be made.
+    fn cached_or_made(
         &self,
         job: &Job,
-        wanted: Wanted,
+        requested: RequestedParts,
         shared: &Shared,
         progress: &dyn Progress,
-    ) -> Result<(Shelf, Option<Vec<StageTime>>), JobError> {
+    ) -> Result<(CachedMaterial, Option<Vec<StageTime>>), JobError> {
         progress.check()?;
         let known = job.input.path().and_then(|path| self.store.known(path));
         if let Some(source) = known {
-            let shelf = self.look_up(job, source);
-            if shelf.has(job, wanted) {
-                return Ok((shelf, None));
+            let cached = self.look_up(job, source);
+            if cached.has(job, requested) {
+                return Ok((cached, None));
             }
         }
         let clock = StageClock::new(progress);
@@ -263,47 +265,48 @@ impl Workshop<'_> {
         let bytes = memory::of_source(&extension, length).saturating_add(job.recipe.memory());
         let _share = shared.take(bytes);
         progress.check()?;
-        // On the pool's threads, so that no more than those work.
-        let (shelf, all_kept) = rayon::scope(|_| self.fill(job, wanted, &extension, &clock))?;
-        Ok((shelf, if all_kept { None } else { Some(clock.finish()) }))
+        // On the pool's threads, so that the number of busy threads stays the same.
+        let (cached, all_cached) = rayon::scope(|_| self.fill(job, requested, &extension, &clock))?;
+        Ok((cached, if all_cached { None } else { Some(clock.finish()) }))
     }
 
-    /// Reads the source, and makes what is not in the store; whether nothing had to be made.
+    /// Reads the source and makes the parts that are not in the store. Also returns true if all parts were in the
+    /// store.
     fn fill(
         &self,
         job: &Job,
-        wanted: Wanted,
+        requested: RequestedParts,
         extension: &str,
         clock: &StageClock<'_>,
-    ) -> Result<(Shelf, bool), JobError> {
+    ) -> Result<(CachedMaterial, bool), JobError> {
         let longest = memory::longest_source(extension, self.memory);
         let (opened, source, stamp) = opened_with_digest(&job.input, extension, longest)?;
         if let Some(path) = job.input.path() {
             self.remember(path, source, stamp);
         }
-        let mut shelf = self.look_up(job, source);
-        if shelf.has(job, wanted) {
-            return Ok((shelf, true));
+        let mut cached = self.look_up(job, source);
+        if cached.has(job, requested) {
+            return Ok((cached, true));
         }
-        if wanted.pack && shelf.pack.is_none() {
-            shelf.pack = Some(self.make_pack(&opened, source, &job.recipe, clock)?);
+        if requested.pack && cached.pack.is_none() {
+            cached.pack = Some(self.make_pack(&opened, source, &job.recipe, clock)?);
         }
-        if wanted.maps && job.maps != [false; 2] && shelf.maps.is_none() {
-            shelf.maps = Some(self.make_maps(&opened, source, job.maps, clock)?);
+        if requested.maps && job.maps != [false; 2] && cached.maps.is_none() {
+            cached.maps = Some(self.make_maps(&opened, source, job.maps, clock)?);
         }
-        Ok((shelf, false))
+        Ok((cached, false))
     }
 
-    fn look_up(&self, job: &Job, source: Digest) -> Shelf {
+    fn look_up(&self, job: &Job, source: Digest) -> CachedMaterial {
         let (store, placed, has_maps) = (self.store, self.placed, job.maps != [false; 2]);
-        Shelf {
+        CachedMaterial {
             source,
             pack: store.look_up(&pack_key(source, &job.recipe), placed),
             maps: if has_maps { store.look_up(&maps_key(source, job.maps), placed) } else { None },
         }
     }
 
-    /// Notes by what a source is known again that was read.
+    /// Records the stamp of a source that was read, so that the next build need not read it.
     fn remember(&self, path: &Path, digest: Digest, stamp: Option<Stamp>) {
         if let Some(stamp) = stamp {
             self.store.remember(path, stamp, digest);
@@ -316,31 +319,34 @@ impl Workshop<'_> {
         source: Digest,
         recipe: &PackRecipe,
         clock: &StageClock<'_>,
-    ) -> Result<Kept<PackNote>, JobError> {
+    ) -> Result<Cached<PackNote>, JobError> {
         let cache = StoreGridCache { store: self.store, source };
         let encoded = encode_cached(opened.source.as_ref(), recipe, &cache, clock)?;
         let report = MaterialReport::new(&encoded, opened, clock)?;
-        // What is finished is kept, cancelled or not.
+        // A finished pack is stored even if the build is cancelled.
         let _ = clock.stage(Stage::Write, 1);
         let note = (report, clock.so_far());
         let files = self.store.keep(pack_key(source, recipe), &[encoded.bytes], &note).map_err(JobError::Store)?;
-        Ok(Kept { report: note, files })
+        Ok(Cached { report: note, files })
     }
 
     fn make_maps(
         &self,
         opened: &Opened,
         source: Digest,
-        wanted: WantedMaps,
+        requested: RequestedMaps,
         clock: &StageClock<'_>,
-    ) -> Result<Kept<MapsReport>, JobError> {
-        let (files, report) = material_maps(opened.source.as_ref(), wanted, clock)?;
+    ) -> Result<Cached<MapsReport>, JobError> {
+        let (files, report) = material_maps(opened.source.as_ref(), requested, clock)?;
         let _ = clock.stage(Stage::Write, 1);
-        let files = self.store.keep(maps_key(source, wanted), &files, &report).map_err(JobError::Store)?;
-        Ok(Kept { report, files })
+        let files = self.store.keep(maps_key(source, requested), &files, &report).map_err(JobError::Store)?;
+        Ok(Cached { report, files })
     }
 
-    /// The environment's map, from the store or made now.
+    /// Returns the map of the environment from the store, or makes it.
+    ///
+    /// # Errors
+    /// As [`Self::material`].
     pub fn environment(
         &self,
         job: &EnvironmentJob,
@@ -350,31 +356,32 @@ impl Workshop<'_> {
         progress.check()?;
         let path = job.path.as_path();
         let key = |source| Key::new("environment", source, &DEFAULT_EPSILON);
-        let kept = |source| self.store.look_up(&key(source), self.placed);
-        let found = |Kept { report, files }, times| MadeEnvironment { report, file: files[0], times };
-        if let Some(kept) = self.store.known(path).and_then(kept) {
-            return Ok(found(kept, None));
+        let look_up = |source| self.store.look_up(&key(source), self.placed);
+        let found = |Cached { report, files }, times| MadeEnvironment { report, file: files[0], times };
+        if let Some(cached) = self.store.known(path).and_then(look_up) {
+            return Ok(found(cached, None));
         }
         let clock = StageClock::new(progress);
         let _share = shared.take(self.memory / 2);
         let extension = extension_of(path);
-        let mut heard = HeardDigest::new(&extension, memory::longest_source(&extension, self.memory));
-        let (bytes, report) = rayon::scope(|_| environment_file(path, &mut heard, &clock))?;
-        let (source, stamp) = heard.finish().map_err(|error| InputError::io(path, error))?;
+        let mut observer = HashingObserver::new(&extension, memory::longest_source(&extension, self.memory));
+        let (bytes, report) = rayon::scope(|_| environment_file(path, &mut observer, &clock))?;
+        let (source, stamp) = observer.finish().map_err(|error| InputError::io(path, error))?;
         self.remember(path, source, stamp);
-        if let Some(kept) = kept(source) {
-            return Ok(found(kept, None));
+        if let Some(cached) = look_up(source) {
+            return Ok(found(cached, None));
         }
         let _ = clock.stage(Stage::Write, 1);
         let files = self.store.keep(key(source), &[bytes], &report).map_err(JobError::Store)?;
-        Ok(found(Kept { report, files }, Some(clock.finish())))
+        Ok(found(Cached { report, files }, Some(clock.finish())))
     }
 }
 
-/// A source of this kind and of so many bytes at most, the hash of what was read of it, and by what it is known again.
+/// Opens a source of at most `longest` bytes. Also returns the hash of its contents, and the stamp by which a later
+/// build recognises it.
 ///
 /// # Errors
-/// What cannot be read, or changes meanwhile.
+/// Returns an error if the source cannot be read, or changes while it is read.
 pub(crate) fn opened_with_digest(
     source: &Input,
     extension: &str,
@@ -388,35 +395,35 @@ pub(crate) fn opened_with_digest(
         };
         return Ok((opened, digest, None));
     };
-    let mut heard = HeardDigest::new(extension, longest);
-    let opened = open_file_heard(path, None, &mut heard)?;
-    let (digest, stamp) = heard.finish().map_err(|error| InputError::io(path, error))?;
+    let mut observer = HashingObserver::new(extension, longest);
+    let opened = open_file_heard(path, None, &mut observer)?;
+    let (digest, stamp) = observer.finish().map_err(|error| InputError::io(path, error))?;
     Ok((opened, digest, stamp))
 }
 
-/// The ending of a file's name, by which its kind is told.
+/// Returns the extension of a file, in lower case, which determines its kind; empty for addresses.
 pub(crate) fn kind_of(source: &Input) -> String {
     source.path().map_or(String::new(), extension_of)
 }
 
-fn of_shelf(job: &Job, shelf: Shelf, times: Option<Vec<StageTime>>) -> Made {
-    let pack = shelf.pack.expect("the shelf is complete");
+fn made_from_cache(job: &Job, cached: CachedMaterial, times: Option<Vec<StageTime>>) -> Made {
+    let pack = cached.pack.expect("all parts are in the store");
     let mut files = vec![(PACK, pack.files[0])];
-    let maps = shelf.maps.map(|maps| {
-        files.extend(wanted_parts(job.maps).zip(maps.files));
+    let maps = cached.maps.map(|maps| {
+        files.extend(requested_parts(job.maps).zip(maps.files));
         maps.report
     });
     let (report, pack_times) = pack.report;
     let gates = gates::check(&job.gates, &report);
-    Made { report, maps, source: shelf.source, gates, files, times, pack_times }
+    Made { report, maps, source: cached.source, gates, files, times, pack_times }
 }
 
 fn pack_key(source: Digest, recipe: &PackRecipe) -> Key {
     Key::new(PACK, source, recipe)
 }
 
-fn maps_key(source: Digest, wanted: WantedMaps) -> Key {
-    Key::new("maps", source, &(map_recipe(), wanted))
+fn maps_key(source: Digest, requested: RequestedMaps) -> Key {
+    Key::new("maps", source, &(map_recipe(), requested))
 }
 
 fn extension_of(path: &Path) -> String {

@@ -6,18 +6,19 @@ use brdfc_core::words::format_number;
 use serde::Deserialize;
 use std::path::Path;
 
-/// Name of the files of the scene's environment. No material of a scene that has one may be called so.
+/// Name of the files of the scene's environment, reserved in scenes that have one.
 pub const ENVIRONMENT: &str = "environment";
 
-/// What holds for the whole scene.
+/// Settings of the whole scene.
 #[derive(Debug, Clone, Default, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct SceneSection {
-    /// A name for reports.
+    /// Name of the scene in reports.
     pub name: Option<String>,
     /// `α` of the level of detail `l = N - clamp(log2(α d), 0, N)`, per unit of distance; 0.15 by default.
     pub distance_scale: Option<f64>,
-    /// A latitude-longitude image, relative to the manifest, that lights the scene. Absent: it is lit otherwise.
+    /// Path, relative to the manifest, of a latitude-longitude image that lights the scene. Absent: no environment
+    /// lights it.
     pub environment: Option<String>,
 }
 
@@ -25,7 +26,7 @@ pub struct SceneSection {
 pub(super) const SCENE_KEYS: &[Key] = &[
     key("name", Shape::Text, ""),
     key("distance_scale", Shape::Number, "above 0"),
-    key("environment", Shape::Text, "a file .exr or .hdr"),
+    key("environment", Shape::Text, "an .exr or .hdr file"),
 ];
 
 impl SceneSection {
@@ -40,7 +41,7 @@ impl SceneSection {
             let extension = Path::new(file).extension().and_then(|e| e.to_str()).unwrap_or("");
             if !["exr", "hdr"].iter().any(|known| extension.eq_ignore_ascii_case(known)) {
                 let found = format!("\"{file}\"");
-                return Err(place.error(&["scene", "environment"], found, "a file .exr or .hdr"));
+                return Err(place.error(&["scene", "environment"], found, "an .exr or .hdr file"));
             }
         }
         Ok(())

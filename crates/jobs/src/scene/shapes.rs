@@ -1,4 +1,4 @@
-//! What kind of value each key of a manifest has, in words. Kinds are checked here, ranges where values are read.
+//! Keys of a manifest and the kinds of their values. This module checks kinds; the sections check ranges.
 
 use super::place::{ManifestError, line_of, near_miss};
 use brdfc_core::byte_count;
@@ -13,7 +13,7 @@ use toml::de::{DeTable, DeValue};
 pub(super) struct Key {
     pub(super) name: &'static str,
     pub(super) shape: Shape,
-    /// Which values of this kind, in words; empty if all.
+    /// Description of the range, for messages; empty without a limit.
     pub(super) range: &'static str,
     pub(super) is_required: bool,
 }
@@ -24,11 +24,11 @@ pub(super) enum Shape {
     Text,
     Truth,
     Number,
-    /// From 0.
+    /// An integer, 0 or more.
     WholeNumber,
-    /// So many numbers.
+    /// A list of this many numbers.
     Numbers(usize),
-    /// One number, or three.
+    /// One number, or a list of three.
     NumberOrThree,
     Texts,
     /// A fraction or a percentage.
@@ -37,28 +37,31 @@ pub(super) enum Shape {
     Bytes,
     /// A table with these keys.
     Table(Cow<'static, [Key]>),
-    /// A list of such tables.
+    /// A list of tables with these keys.
     Tables(&'static [Key]),
-    /// A table of such tables, each under a name.
+    /// Tables with these keys, by name.
     NamedTables(Cow<'static, [Key]>),
-    /// A table of strings, each under a name.
+    /// Strings by name.
     NamedTexts,
 }
 
-/// How ranges without an upper bound are told.
+/// Endings of the descriptions of ranges without an upper bound.
 const OPEN: [&str; 2] = ["or more", "above 0"];
 
-/// A key that may be left out.
+/// Creates an optional key.
 pub(super) const fn key(name: &'static str, shape: Shape, range: &'static str) -> Key {
     Key { name, shape, range, is_required: false }
 }
 
-/// A key that has to be there.
+/// Creates a required key.
 pub(super) const fn required(name: &'static str, shape: Shape, range: &'static str) -> Key {
     Key { name, shape, range, is_required: true }
 }
 
 /// Checks the keys of a manifest and the kinds of their values.
+///
+/// # Errors
+/// Returns an error at the first unknown key or wrong kind of value.
 pub(super) fn check(text: &str, tree: &DeTable<'_>, keys: &[Key]) -> Result<(), ManifestError> {
     Checked { text }.table(tree, keys, "", "")
 }
@@ -68,7 +71,7 @@ struct Checked<'a> {
 }
 
 impl Checked<'_> {
-    /// `heading` is how the table is written, `field` how messages name it.
+    /// Checks a table. `heading` is its header in the file, `field` its path in messages.
     fn table(&self, table: &DeTable<'_>, keys: &[Key], field: &str, heading: &str) -> Result<(), ManifestError> {
         let names: Vec<&str> = keys.iter().map(|key| key.name).collect();
         if let Some(unknown) = table.keys().find(|key| !names.contains(&key.get_ref().as_ref())) {
@@ -81,7 +84,7 @@ impl Checked<'_> {
             });
         }
         for (name, value) in table.iter() {
-            let key = keys.iter().find(|key| key.name == name.get_ref()).expect("unknown keys were told");
+            let key = keys.iter().find(|key| key.name == name.get_ref()).expect("unknown keys are rejected above");
             self.value(value, &key.shape, key.range, &joined(field, name.get_ref()), name.span())?;
         }
         Ok(())
@@ -95,9 +98,9 @@ impl Checked<'_> {
         field: &str,
         key: Range<usize>,
     ) -> Result<(), ManifestError> {
-        // Lines are counted from the beginning: only where one is told.
+        // Counting lines takes a pass over the text, so only errors do it.
         let wrong = |allowed: String| {
-            Err(ManifestError::new(line_of(self.text, Some(key.clone())), field, self.shown(value), allowed))
+            Err(ManifestError::new(line_of(self.text, Some(key.clone())), field, self.format_value(value), allowed))
         };
         let heading = field;
         match (shape, value.get_ref()) {
@@ -109,7 +112,7 @@ impl Checked<'_> {
                     self.table(table, keys, &field, &format!("[[{heading}]]"))?;
                     if let Some(key) = keys.iter().find(|key| key.is_required && !table.contains_key(key.name)) {
                         let line = line_of(self.text, Some(entry.span()));
-                        let allowed = format!("{} = {}", key.name, in_words(&key.shape, key.range, key.name));
+                        let allowed = format!("{} = {}", key.name, expected_value(&key.shape, key.range, key.name));
                         let found = format!("no {}", key.name);
                         return Err(ManifestError::new(line, field, found, allowed));
                     }
@@ -127,19 +130,19 @@ impl Checked<'_> {
             }
             (shape, value) => match fits(shape, value) {
                 Fit::Fits => Ok(()),
-                Fit::Other => wrong(in_words(shape, range, field)),
-                // What has an upper bound needs no other.
+                Fit::Other => wrong(expected_value(shape, range, field)),
+                // The range of other keys already has an upper bound.
                 Fit::TooLarge(most) if range.is_empty() || OPEN.iter().any(|end| range.ends_with(end)) => {
-                    wrong(format!("{} (up to {most})", in_words(shape, range, field)))
+                    wrong(format!("{} (up to {most})", expected_value(shape, range, field)))
                 }
-                Fit::TooLarge(_) => wrong(in_words(shape, range, field)),
+                Fit::TooLarge(_) => wrong(expected_value(shape, range, field)),
             },
         }
     }
 
-    /// A value as it is written, shortened.
-    fn shown(&self, value: &Spanned<DeValue<'_>>) -> String {
-        const LONGEST: usize = 40;
+    /// Formats a value as written in the file, truncated.
+    fn format_value(&self, value: &Spanned<DeValue<'_>>) -> String {
+        const MAX_CHARS: usize = 40;
         match value.get_ref() {
             DeValue::Table(_) => "a table".to_owned(),
             DeValue::Array(array) if array.iter().any(|entry| entry.get_ref().is_table()) => {
@@ -148,7 +151,7 @@ impl Checked<'_> {
             _ => {
                 let written = self.text.get(value.span()).unwrap_or_default().split_whitespace();
                 let written = written.collect::<Vec<_>>().join(" ");
-                let short: String = written.chars().take(LONGEST).collect();
+                let short: String = written.chars().take(MAX_CHARS).collect();
                 if short.len() < written.len() { format!("{short}...") } else { short }
             }
         }
@@ -159,11 +162,12 @@ fn joined(field: &str, name: &str) -> String {
     if field.is_empty() { name.to_owned() } else { format!("{field}.{name}") }
 }
 
-/// Whether a value is of a kind.
+/// Result of the check of a kind.
 enum Fit {
     Fits,
+    /// Another kind.
     Other,
-    /// Of its kind, and beyond this.
+    /// The right kind, but above this bound.
     TooLarge(String),
 }
 
@@ -203,7 +207,7 @@ fn fits(shape: &Shape, value: &DeValue<'_>) -> Fit {
     }
 }
 
-/// Whether it is a number that can be computed with.
+/// Checks that a value is a number within the range of `i64` or `f64`.
 fn number(value: &DeValue<'_>) -> Fit {
     match value {
         DeValue::Integer(_) if whole(value).is_none_or(|whole| i64::try_from(whole).is_err()) => {
@@ -217,15 +221,15 @@ fn number(value: &DeValue<'_>) -> Fit {
     }
 }
 
-/// A whole number; of those that are longer than any the nearest.
+/// The value of an integer, clamped to the range of `i128`.
 fn whole(value: &DeValue<'_>) -> Option<i128> {
     let integer = value.as_integer()?;
     let longest = if integer.as_str().starts_with('-') { i128::MIN } else { i128::MAX };
     Some(i128::from_str_radix(integer.as_str(), integer.radix()).unwrap_or(longest))
 }
 
-/// What may stand there, in words.
-fn in_words(shape: &Shape, range: &str, field: &str) -> String {
+/// Describes the expected values of a key.
+fn expected_value(shape: &Shape, range: &str, field: &str) -> String {
     let kind = match shape {
         Shape::Text => "a string".to_owned(),
         Shape::Truth => "true or false".to_owned(),

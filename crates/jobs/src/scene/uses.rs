@@ -1,4 +1,4 @@
-//! `[[uses]]` of a manifest: what shows a material, from where and how lit.
+//! The `[[uses]]` tables of a manifest: objects with a material, their distances, directions and lighting.
 
 use super::place::{ManifestError, line_of};
 use super::shapes::{Key, Shape, key, required};
@@ -8,25 +8,25 @@ use serde::Deserialize;
 use std::ops::Range;
 use toml::Spanned;
 
-/// One object that shows a material.
+/// One use of a material by an object.
 #[derive(Debug, Clone, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Use {
-    /// A name for people.
+    /// Name of the object, for messages.
     pub object: Option<String>,
-    /// Which material.
+    /// Name of the material.
     pub material: Spanned<String>,
-    /// Nearest distance at which it is seen; finer levels of detail than that asks for are not stored. Absent: any.
+    /// Nearest viewing distance. Finer levels of detail are not stored. Absent: no limit.
     pub nearest: Option<Spanned<f64>>,
-    /// Farthest distance at which it is seen; coarser levels of table packs than that asks for are not stored. Absent: any.
+    /// Farthest viewing distance. Coarser levels of table packs are not stored. Absent: no limit.
     pub farthest: Option<Spanned<f64>>,
     /// Elevations of lights above the surface, degrees, `[from, to]`. Absent: all.
     pub light_elevation: Option<Spanned<[f32; 2]>>,
-    /// Elevations of viewers, likewise.
+    /// Elevations of viewers above the surface, degrees, `[from, to]`. Absent: all.
     pub view_elevation: Option<Spanned<[f32; 2]>>,
-    /// What lights it: `points`, `environment`. Absent: points, and the environment of a scene that has one.
+    /// Light sources: `points`, `environment`. Absent: points, and the environment if the scene has one.
     pub lighting: Option<Spanned<Vec<String>>>,
-    /// Which maps are wanted where an environment lights it: `bandwidth`, `samples`. Absent: both.
+    /// Requested maps if an environment lights the object: `bandwidth`, `samples`. Absent: both.
     pub maps: Option<Spanned<Vec<String>>>,
 }
 
@@ -41,16 +41,16 @@ pub(super) const USE_KEYS: &[Key] = &[
     key("lighting", Shape::Texts, "points, environment"),
     key("maps", Shape::Texts, "bandwidth, samples"),
 ];
-/// What is allowed, in words.
+// Ranges, for messages.
 const DISTANCES: &str = "a distance, 0 or more";
 const ELEVATIONS: &str = "[from, to], 0 to 90 degrees above the surface, 5 apart or more";
 const LIGHTING: [&str; 2] = ["points", "environment"];
 const MAPS: [&str; 2] = ["bandwidth", "samples"];
-/// Elevations of a range are so far apart at least, degrees.
+/// Smallest width of a range of elevations, degrees.
 const NARROWEST: f32 = 5.0;
 
 impl Use {
-    /// A use of which nothing is known.
+    /// A use without limits.
     pub fn of(material: Spanned<String>) -> Self {
         Self {
             object: None,
@@ -64,32 +64,32 @@ impl Use {
         }
     }
 
-    /// What it is called: the object, or its number from 0.
+    /// Name for messages: the object, or `uses[number]` with a number from 0.
     pub fn name(&self, number: usize) -> String {
         self.object.clone().unwrap_or_else(|| format!("uses[{number}]"))
     }
 
-    /// Elevations of lights.
+    /// Range of the elevations of lights.
     pub fn light(&self) -> Elevations {
         elevations(self.light_elevation.as_ref())
     }
 
-    /// Elevations of viewers.
+    /// Range of the elevations of viewers.
     pub fn view(&self) -> Elevations {
         elevations(self.view_elevation.as_ref())
     }
 
-    /// Whether the environment of a scene that has one lights it.
+    /// Returns true if the environment of the scene, if any, lights the object.
     pub fn is_lit_by_environment(&self) -> bool {
         self.lighting.as_ref().is_none_or(|lighting| lighting.get_ref().iter().any(|kind| kind == LIGHTING[1]))
     }
 
-    /// Whether the maps of bandwidth and of samples are wanted of what an environment lights.
-    pub fn wants_maps(&self) -> [bool; 2] {
-        MAPS.map(|map| self.maps.as_ref().is_none_or(|wanted| wanted.get_ref().iter().any(|name| name == map)))
+    /// Requested maps: one flag each for bandwidth and samples.
+    pub fn requested_maps(&self) -> [bool; 2] {
+        MAPS.map(|map| self.maps.as_ref().is_none_or(|requested| requested.get_ref().iter().any(|name| name == map)))
     }
 
-    /// Checks ranges. `has_environment`: of the scene.
+    /// Checks ranges. `has_environment` is true if the scene has an environment.
     pub(super) fn check(&self, number: usize, text: &str, has_environment: bool) -> Result<(), ManifestError> {
         let wrong = |key: &str, span: Range<usize>, found: String, allowed: &str| {
             Err(ManifestError::new(line_of(text, Some(span)), format!("uses[{number}].{key}"), found, allowed))
@@ -104,7 +104,7 @@ impl Use {
         if let (Some(nearest), Some(farthest)) = (&self.nearest, &self.farthest)
             && farthest.get_ref() < nearest.get_ref()
         {
-            let allowed = format!("{} or more, which is the nearest", format_number(*nearest.get_ref()));
+            let allowed = format!("at least {} (the nearest distance)", format_number(*nearest.get_ref()));
             return wrong("farthest", farthest.span(), format_number(*farthest.get_ref()), &allowed);
         }
         for (key, range) in [("light_elevation", &self.light_elevation), ("view_elevation", &self.view_elevation)] {
@@ -127,18 +127,18 @@ impl Use {
                 return wrong("lighting", lighting.span(), found(), "one or both of points, environment");
             }
             if !has_environment && self.is_lit_by_environment() {
-                return wrong("lighting", lighting.span(), found(), "[\"points\"]: the scene has no environment");
+                return wrong("lighting", lighting.span(), found(), "[\"points\"], as the scene has no environment");
             }
         }
         let lit_by_environment = has_environment && self.is_lit_by_environment();
         if let (Some(range), true) = (&self.light_elevation, lit_by_environment) {
             let found = format!("{:?} under an environment", range.get_ref());
-            let allowed = "it beside lighting = [\"points\"]: an environment lights from everywhere";
+            let allowed = "lighting = [\"points\"], as an environment lights from all directions";
             return wrong("light_elevation", range.span(), found, allowed);
         }
         if let (Some(maps), false) = (&self.maps, lit_by_environment) {
             let found = format!("{:?} without an environment", maps.get_ref());
-            return wrong("maps", maps.span(), found, "it where an environment lights the object");
+            return wrong("maps", maps.span(), found, "an environment that lights the object");
         }
         Ok(())
     }
@@ -156,7 +156,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn words_are_the_bounds() {
+    fn messages_have_the_bounds() {
         assert!(ELEVATIONS.ends_with(&format!(", {NARROWEST} apart or more")));
         let range = |name: &str| USE_KEYS.iter().find(|key| key.name == name).unwrap().range;
         assert_eq!((range("lighting"), range("maps")), (LIGHTING.join(", ").as_str(), MAPS.join(", ").as_str()));

@@ -1,4 +1,4 @@
-//! Whether a build is what was asked for.
+//! The verdict on a build: failures, missed budgets and failed gates.
 
 use super::error::JobError;
 use super::run::{Made, Outcomes};
@@ -7,7 +7,7 @@ use crate::error::Error;
 use brdfc_core::words::counted;
 
 impl Outcomes {
-    /// Whether something failed, missed its budget or does not pass its gates; what was never begun does not count.
+    /// Returns true if a job failed, missed its budget or failed a gate. Cancelled jobs do not count.
     pub(super) fn any_failed(&self) -> bool {
         let of_material = |result: &Result<Made, JobError>| match result {
             Ok(made) => !made.passed(),
@@ -18,7 +18,7 @@ impl Outcomes {
             || environment.is_some_and(|error| !error.is_cancelled())
     }
 
-    /// What failed, missed its budget or does not pass its gates: a line each, with its name.
+    /// Lists all failures, missed budgets and failed gates, one line each, with the name of the material.
     pub fn problems(&self) -> Vec<String> {
         let mut lines = Vec::new();
         for outcome in &self.materials {
@@ -38,12 +38,15 @@ impl Outcomes {
         lines
     }
 
-    /// Whether all was made, within its budget and past its gates. Of several failures the kind with the highest exit code
-    /// decides.
+    /// Summarises the build.
+    ///
+    /// # Errors
+    /// Returns an error if a job failed, missed its budget or failed a gate. The failure with the highest exit code
+    /// decides the kind.
     pub fn verdict(self) -> Result<(), Error> {
         let count = self.materials.len();
         let missed = self.made().filter(|(_, made)| made.report.missed.is_some()).count();
-        let closed = self.made().filter(|(_, made)| made.gates.iter().any(|gate| !gate.passed)).count();
+        let failed_gates = self.made().filter(|(_, made)| made.gates.iter().any(|gate| !gate.passed)).count();
         let environment = self.environment.and_then(Result::err);
         let failures = self.materials.into_iter().filter_map(|o| o.result.err()).filter(|error| !error.is_cancelled());
         let mut failures: Vec<Error> = failures.map(Error::from).collect();
@@ -53,7 +56,7 @@ impl Outcomes {
         }
         for (number, one, more) in [
             (missed, "missed its budget", "missed their budget"),
-            (closed, "is not what is required of it", "are not what is required of them"),
+            (failed_gates, "does not meet its requirements", "do not meet their requirements"),
         ] {
             if number > 0 {
                 let what = if number == 1 { one } else { more };

@@ -1,5 +1,5 @@
-//! What a build reads, looked at again and again: which of the files changed, came or went, and when nobody writes to them
-//! any more.
+//! Watches the input files of a build: detects changed, new and removed files, and waits until writes to them are
+//! complete.
 
 use super::batch::{address_of, find, given};
 use super::manifest::Manifest;
@@ -14,44 +14,45 @@ use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Duration;
 
-/// Files that are the same at both ends of this time are finished: editors write in several steps.
+/// Files that do not change during this time are complete. Editors write in several steps.
 const QUIET: Duration = Duration::from_millis(200);
 
-/// The files that were there at one moment, by what the system says of them; `None` where a file that is named is missing.
+/// The input files at one moment, with their stamps; `None` for a named file that is missing.
 #[derive(Debug, Clone, Default, PartialEq, Eq)]
 pub struct Look {
     manifest: Option<PathBuf>,
     files: BTreeMap<PathBuf, Option<Stamp>>,
 }
 
-/// What became of a file between two looks.
+/// Kind of change of a file between two looks.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, serde::Serialize, schemars::JsonSchema)]
 #[serde(rename_all = "kebab-case")]
 pub enum What {
-    /// Other contents, or another file of that name.
+    /// The contents changed, or another file has the name.
     Changed,
-    /// It was not there, or not asked for.
+    /// The file did not exist, or was not an input.
     New,
-    /// It is not there any more, or not asked for.
+    /// The file no longer exists, or is no longer an input.
     Gone,
 }
 
-/// A file that is not as it was.
+/// A change of an input file.
 #[derive(Debug, Clone, PartialEq, Eq, serde::Serialize, schemars::JsonSchema)]
 pub struct Change {
-    /// Which, as it was asked for.
+    /// Path of the file.
     pub file: String,
-    /// What became of it.
+    /// Kind of the change.
     pub what: What,
 }
 
 impl Look {
-    /// How many files are there.
+    /// Number of existing files.
     pub fn count(&self) -> usize {
         self.files.values().flatten().count()
     }
 
-    /// What is other than it was earlier, by name. Files that another manifest names or does not name are no news.
+    /// Changes since an earlier look, by name. If the manifest changed, files that only its old or new version names
+    /// do not count.
     pub fn changes_since(&self, earlier: &Self) -> Vec<Change> {
         let paths: BTreeSet<&PathBuf> = self.files.keys().chain(earlier.files.keys()).collect();
         let stamps = |path: &PathBuf| [earlier, self].map(|look| look.files.get(path).copied().flatten());
@@ -70,10 +71,10 @@ impl Look {
     }
 }
 
-/// The files that decide what a build makes.
+/// The input files of a build.
 #[derive(Debug)]
 pub struct Watched {
-    /// With the stamp that it had when it was read last.
+    /// The manifest, with its stamp at the last read.
     manifest: Option<(PathBuf, Option<Stamp>)>,
     /// Paths and patterns.
     named: Vec<Named>,
@@ -82,23 +83,24 @@ pub struct Watched {
 }
 
 impl Watched {
-    /// Those of a manifest. It need not be there, nor follow the rules: what it named last counts.
+    /// Watches a manifest and the files that it names. While the manifest is missing or invalid, the files of its
+    /// last valid version are watched.
     pub fn of_manifest(manifest: &Path, out: &Path) -> Self {
         Self { manifest: Some((manifest.to_owned(), None)), named: Vec::new(), out: out.to_owned() }
     }
 
-    /// Files, folders, patterns and addresses.
+    /// Watches files, folders and patterns.
     pub fn of_inputs(inputs: &[OsString], out: &Path) -> Self {
         Self { manifest: None, named: given(inputs), out: out.to_owned() }
     }
 
-    /// Whether it is a pack in the output folder: a build that is begun again by what it wrote would have no end.
+    /// Returns true if a file is a pack in the output folder. A build must not start again because of its own output.
     fn is_own(&self, path: &Path) -> bool {
         let there = |folder: &Path| or_here(folder).canonicalize().ok();
         path.extension().is_some_and(|extension| extension == "ktx2") && there(parent(path)) == there(&self.out)
     }
 
-    /// What is there now.
+    /// Looks at all input files.
     pub fn look(&mut self) -> Look {
         let mut files = BTreeMap::new();
         if let Some((manifest, known)) = &mut self.manifest {
@@ -112,7 +114,7 @@ impl Watched {
             files.insert(manifest.clone(), stamp);
         }
         for input in &self.named {
-            // What is wrong with one is for the build to tell.
+            // The build reports errors of inputs.
             let Ok(found) = find(std::slice::from_ref(input)) else { continue };
             let matched = input.is_pattern();
             let paths = found.sources.iter().filter(|source| address_of(source).is_none()).map(PathBuf::from);
@@ -124,7 +126,8 @@ impl Watched {
         Look { manifest: self.manifest.as_ref().map(|(path, _)| path.clone()), files }
     }
 
-    /// The folders in which a change can make the next look another one. Files are replaced, so it is their folders.
+    /// The folders to watch for events, with true if their subfolders count. Programs replace files, so events of
+    /// single files are not enough.
     fn folders(&self, look: &Look) -> Folders {
         let mut folders = Folders::new();
         let mut add = |path: &Path, deep: bool| {
@@ -151,8 +154,8 @@ impl Watched {
         folders
     }
 
-    /// Waits until what is there is other than `before`, and nobody writes to it; nothing where `ended` is set, which a
-    /// [`Waker`] makes known.
+    /// Waits until the input files differ from `before` and are complete. Returns `None` when `ended` is set; the
+    /// thread that sets it has to call the [`Waker`].
     pub fn next(&mut self, events: &mut FileEvents, before: &Look, ended: &AtomicBool) -> Option<Look> {
         while !ended.load(Ordering::Relaxed) {
             let mut now = self.look();
@@ -179,8 +182,9 @@ impl Watched {
         None
     }
 
-    /// Does some work that began after `before` was seen, and gives its result with what is there instead, if that changed
-    /// meanwhile. Then the flag is set that the work is given: its result is of no use any more.
+    /// Runs `work`, and watches for changes since `before` in the meantime. Returns the result and the new look if
+    /// the input files changed. A change sets the flag that `work` receives, which should then stop: its result is
+    /// out of date.
     pub fn during<T>(
         &mut self,
         events: &mut FileEvents,
@@ -190,7 +194,7 @@ impl Watched {
         let (cancelled, ended) = (AtomicBool::new(false), AtomicBool::new(false));
         let waker = events.waker();
         std::thread::scope(|scope| {
-            // After a panic, too, or the scope would wait for ever.
+            // Dropped after a panic as well: otherwise the scope would wait forever.
             let end = End { ended: &ended, waker };
             let helper = scope.spawn(|| {
                 let next = self.next(events, before, &ended);
@@ -216,7 +220,7 @@ impl Drop for End<'_> {
     }
 }
 
-/// What a manifest names that can be read.
+/// The inputs that a manifest names; `None` if it cannot be read.
 pub(crate) fn named_in(manifest: &Path) -> Option<Vec<Named>> {
     let bytes = read_file(manifest, MAX_TEXT_BYTES).ok()?;
     let manifest_text = std::str::from_utf8(&bytes).ok()?;
@@ -235,13 +239,13 @@ fn parent(path: &Path) -> &Path {
 mod tests {
     use super::*;
 
-    fn told(now: &Look, earlier: &Look, folder: &Path) -> Vec<String> {
+    fn summary(now: &Look, earlier: &Look, folder: &Path) -> Vec<String> {
         let name = |file: &str| Path::new(file).strip_prefix(folder).unwrap().display().to_string();
         now.changes_since(earlier).iter().map(|change| format!("{} {:?}", name(&change.file), change.what)).collect()
     }
 
     #[test]
-    fn a_manifest_says_what_is_looked_at() {
+    fn a_manifest_names_the_watched_files() {
         let there = tempfile::tempdir().unwrap();
         let (folder, manifest) = (there.path(), there.path().join("[scene].toml"));
         let write = |name: &str, text: &str| std::fs::write(folder.join(name), text).unwrap();
@@ -257,19 +261,20 @@ mod tests {
         write("spare.csv", "still not used");
         write("b.brdf", "b");
         let second = watched.look();
-        assert_eq!(told(&second, &first, folder), ["b.brdf New"]);
-        // A manifest that cannot be read names what it named before.
+        assert_eq!(summary(&second, &first, folder), ["b.brdf New"]);
+        // While the manifest cannot be read, its previous files are watched.
         write("[scene].toml", "[materials");
         let third = watched.look();
-        assert_eq!((told(&third, &second, folder), third.count()), (vec!["[scene].toml Changed".to_owned()], 3));
+        assert_eq!((summary(&third, &second, folder), third.count()), (vec!["[scene].toml Changed".to_owned()], 3));
         std::fs::remove_file(&manifest).unwrap();
-        assert_eq!(told(&watched.look(), &third, folder), ["[scene].toml Gone"]);
+        assert_eq!(summary(&watched.look(), &third, folder), ["[scene].toml Gone"]);
         write("[scene].toml", &text.replace("*.brdf", "spare.csv"));
-        assert_eq!(told(&watched.look(), &third, folder), ["[scene].toml Changed"], "what else it names is no news");
+        let changes = summary(&watched.look(), &third, folder);
+        assert_eq!(changes, ["[scene].toml Changed"], "files of the new version do not count");
     }
 
     #[test]
-    fn packs_that_a_build_writes_are_no_news_and_those_elsewhere_are() {
+    fn only_packs_outside_the_output_folder_are_watched() {
         let there = tempfile::tempdir().unwrap();
         let folder = there.path();
         for name in ["packs/a.brdf.ktx2", "packs/a.json", "packs/b.brdf", "old/c.brdf.ktx2"] {
@@ -280,11 +285,11 @@ mod tests {
         let count = |inputs: &[OsString], out: &str| Watched::of_inputs(inputs, &folder.join(out)).look().count();
         assert_eq!(count(std::slice::from_ref(&pattern), "packs/."), 2);
         assert_eq!(count(std::slice::from_ref(&pattern), "elsewhere"), 3);
-        assert_eq!(count(&[folder.join("packs/a.brdf.ktx2").into()], "packs"), 1, "it was asked for");
+        assert_eq!(count(&[folder.join("packs/a.brdf.ktx2").into()], "packs"), 1, "a named pack");
     }
 
     #[test]
-    fn folders_are_followed_in_place_of_files() {
+    fn folders_are_watched_instead_of_files() {
         let there = tempfile::tempdir().unwrap();
         let folder = there.path().join("[a]");
         std::fs::create_dir_all(folder.join("scans/deep")).unwrap();
@@ -302,7 +307,7 @@ mod tests {
         assert_eq!(followed("scans/*.brdf"), [here(false), scans(false)]);
         assert_eq!(followed("scans/*/*.brdf"), [here(false), scans(true)]);
         assert_eq!(followed("**/*.brdf"), [here(true)]);
-        // What is not there yet is awaited in what is.
+        // A missing folder is awaited in its nearest existing parent.
         assert_eq!(followed("gone/below/a.brdf"), [here(false)]);
         assert_eq!(followed("gone/*/a.brdf"), [here(false)]);
     }

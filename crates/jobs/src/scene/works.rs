@@ -1,18 +1,18 @@
-//! A build in pieces: each part of each material is made by itself, on whichever machine, and kept in a store. A build that has
-//! all of them in its store only puts them in place.
+//! Distributed builds: each part of each material is a work item that any machine can make and store. A build that
+//! finds all items in its store only puts the files in place.
 
 use super::error::JobError;
 use super::memory::Shared;
 use super::plan::{EnvironmentJob, Job, Plan};
-use super::run::{PACK, Wanted, Workshop, in_turn};
+use super::run::{BuildContext, PACK, RequestedParts, in_turn};
 use super::scene_section::ENVIRONMENT;
 use brdfc_core::progress::Progress;
 use std::str::FromStr;
 
-/// The maps of a material, as a part.
+/// Name of the maps among the parts of a material.
 const MAPS: &str = "maps";
 
-/// One piece of work.
+/// A work item.
 #[derive(Debug, Clone, Copy)]
 pub enum Work<'a> {
     /// A pack.
@@ -24,7 +24,7 @@ pub enum Work<'a> {
 }
 
 impl Work<'_> {
-    /// What it is called: `MATERIAL.brdf`, `MATERIAL.maps` or `environment.maps`.
+    /// Name of the item: `MATERIAL.brdf`, `MATERIAL.maps` or `environment.maps`.
     pub fn name(&self) -> String {
         match self {
             Self::Pack(job) => format!("{}.{PACK}", job.name),
@@ -33,7 +33,7 @@ impl Work<'_> {
         }
     }
 
-    /// Path or address that it reads.
+    /// Path or address of its source.
     pub fn source(&self) -> String {
         match self {
             Self::Pack(job) | Self::Maps(job) => job.input.to_string(),
@@ -41,7 +41,7 @@ impl Work<'_> {
         }
     }
 
-    /// The material; none of the environment.
+    /// Name of the material; `None` for the environment.
     pub fn material(&self) -> Option<&str> {
         match self {
             Self::Pack(job) | Self::Maps(job) => Some(&job.name),
@@ -49,7 +49,7 @@ impl Work<'_> {
         }
     }
 
-    /// Which part of it.
+    /// Name of the part.
     pub fn part(&self) -> &'static str {
         match self {
             Self::Pack(_) => PACK,
@@ -59,7 +59,8 @@ impl Work<'_> {
 }
 
 impl Plan {
-    /// All pieces, in an order that depends on the plan alone. Two that are the same work are there once.
+    /// All work items, in an order that depends only on the plan. Materials with the same source and recipe share
+    /// their items.
     pub fn works(&self) -> Vec<Work<'_>> {
         let mut works: Vec<Work<'_>> = self.environment.iter().map(Work::Environment).collect();
         for (number, job) in self.jobs.iter().enumerate() {
@@ -73,17 +74,17 @@ impl Plan {
     }
 }
 
-/// One of several equal shares of the pieces of a build.
+/// One of several equal shares of the work items of a build.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Shard {
-    /// Which, from 1.
+    /// Number of the shard, from 1.
     pub number: usize,
-    /// Of how many.
+    /// Number of shards.
     pub count: usize,
 }
 
 impl Shard {
-    /// Its pieces: every `count`-th.
+    /// Selects the items of this shard: every `count`-th.
     pub fn of<'a>(self, works: Vec<Work<'a>>) -> Vec<Work<'a>> {
         works.into_iter().skip(self.number - 1).step_by(self.count).collect()
     }
@@ -97,26 +98,24 @@ impl FromStr for Shard {
             let shard = Self { number: number.parse().ok()?, count: count.parse().ok()? };
             (1 <= shard.number && shard.number <= shard.count).then_some(shard)
         });
-        parsed.ok_or_else(|| "expected a number from 1 on and how many there are, such as 2/8".to_owned())
+        parsed.ok_or_else(|| "expected NUMBER/COUNT with NUMBER from 1 to COUNT, such as 2/8".to_owned())
     }
 }
 
-/// What became of a piece: whether it had to be made.
+/// Result of a work item: true if it was made, false if it was in the store.
 pub type WorkResult = Result<bool, JobError>;
 
-/// Makes pieces and keeps them in the store. One that fails does not stop the others.
-pub fn make(works: &[Work<'_>], workshop: &Workshop<'_>, progress: &dyn Progress) -> Vec<WorkResult> {
-    let shared = Shared::new(workshop.memory);
+/// Makes work items and stores them. An item that fails does not stop the others.
+pub fn make(works: &[Work<'_>], context: &BuildContext<'_>, progress: &dyn Progress) -> Vec<WorkResult> {
+    let shared = Shared::new(context.memory);
     in_turn(works.len(), |number| {
         let work = works[number];
         let name = work.name();
         let part = progress.part(&name);
         let result = match work {
-            Work::Pack(job) => workshop.made_part(job, Wanted::PACK, &shared, part.as_ref()),
-            Work::Maps(job) => workshop.made_part(job, Wanted::MAPS, &shared, part.as_ref()),
-            Work::Environment(job) => {
-                workshop.environment(job, &shared, part.as_ref()).map(|made| made.times.is_some())
-            }
+            Work::Pack(job) => context.made_part(job, RequestedParts::PACK, &shared, part.as_ref()),
+            Work::Maps(job) => context.made_part(job, RequestedParts::MAPS, &shared, part.as_ref()),
+            Work::Environment(job) => context.environment(job, &shared, part.as_ref()).map(|made| made.times.is_some()),
         };
         part.finished(result.is_ok());
         result
@@ -138,7 +137,7 @@ mod tests {
     }
 
     #[test]
-    fn every_piece_is_in_one_shard() {
+    fn every_item_is_in_one_shard() {
         let plan = planned();
         let names = |works: Vec<Work<'_>>| works.iter().map(Work::name).collect::<Vec<_>>();
         let all = names(plan.works());

@@ -1,25 +1,25 @@
-//! Hashes of bytes, and what an entry is found by.
+//! Hashes of bytes, and keys of entries.
 
 use serde::de::Error as _;
 use serde::{Deserialize, Deserializer, Serialize, Serializer};
 use std::fmt;
 
-/// The BLAKE3 hash of some bytes: 64 hexadecimal digits where people read it.
+/// A BLAKE3 hash: 64 hexadecimal digits in text and JSON, 32 bytes in binary formats.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub struct Digest([u8; 32]);
 
 impl Digest {
-    /// Of bytes in memory.
+    /// Hashes bytes in memory.
     pub fn of(bytes: &[u8]) -> Self {
         Self(*blake3::hash(bytes).as_bytes())
     }
 
-    /// Of what a hasher was given.
+    /// Returns the hash of all bytes that the hasher has received.
     pub(super) fn finish(hasher: &blake3::Hasher) -> Self {
         Self(*hasher.finalize().as_bytes())
     }
 
-    /// Its bytes.
+    /// The 32 bytes of the hash.
     pub fn bytes(&self) -> &[u8; 32] {
         &self.0
     }
@@ -57,15 +57,15 @@ impl schemars::JsonSchema for Digest {
     }
 }
 
-/// Everything that decides what is made.
+/// Key of an entry: a hash of all inputs that affect the result.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Key(Digest);
 
-/// Of all that encodes: another program with the same encoders makes the same bytes.
+/// Hash of the encoders' sources. Programs with the same encoders make the same bytes.
 const ENCODERS: &str = env!("BRDFC_ENCODERS");
 
 impl Key {
-    /// Of a part that is made of a source by a resolved recipe.
+    /// Returns the key of a part that a resolved recipe makes from a source.
     pub fn new(part: &str, source: Digest, recipe: &impl Serialize) -> Self {
         let recipe =
             bincode::serde::encode_to_vec(recipe, bincode::config::standard()).expect("recipes are plain data");

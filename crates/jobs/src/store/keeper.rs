@@ -1,4 +1,4 @@
-//! The store itself: entries by key, files by the hash of their bytes, sources by their stamps.
+//! The store: entries by key, files by the hash of their bytes, sources by their paths.
 
 use super::digest::{Digest, Key};
 use super::record::{read_record, write_record};
@@ -15,33 +15,33 @@ use std::time::{Duration, SystemTime};
 
 /// The store's folder, inside the output folder. It may be deleted at any time.
 pub const FOLDER: &str = ".brdfc-cache";
-/// Inside it: marks of what is done.
+/// Subfolder of the stamp files of completed work items.
 pub const DONE: &str = "done";
 const ENTRIES: &str = "entries";
 const OBJECTS: &str = "objects";
 const SOURCES: &str = "sources";
-/// By which backups and version control leave the folder out.
+/// Files that exclude the folder from backups and version control.
 const MARKS: [(&str, &str); 2] = [
     ("CACHEDIR.TAG", "Signature: 8a477f597d28d172789f06886806bc55\n# Made by brdfc; may be deleted at any time.\n"),
     (".gitignore", "*\n"),
 ];
-/// What no build has asked for in this time is removed.
-const KEPT_FOR: Duration = Duration::from_secs(30 * 24 * 3600);
-/// Times of use are noted this coarsely.
+/// Files that no build has used for this long are removed.
+const MAX_AGE: Duration = Duration::from_secs(30 * 24 * 3600);
+/// Resolution of the times of last use.
 const NOTED: Duration = Duration::from_secs(24 * 3600);
 
-/// What an entry says: a report, and the files that were made.
+/// A cached result: a report, and the files that belong to it.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Kept<T> {
-    /// What was measured.
+pub struct Cached<T> {
+    /// Measurements.
     pub report: T,
-    /// The files, in the order in which they were kept.
+    /// Hashes of the files, in the order in which [`Store::keep`] received them.
     pub files: Vec<Digest>,
 }
 
 #[derive(Debug, Serialize, Deserialize)]
 struct Entry<T> {
-    /// Its own: an entry in another's place is none.
+    /// Its own key, which detects entries under wrong names.
     key: Key,
     files: Vec<Digest>,
     report: T,
@@ -64,7 +64,10 @@ pub struct Store {
 }
 
 impl Store {
-    /// Of this output folder, which is there. Without `looks_up` everything is made again.
+    /// Opens the store of an existing output folder. Without `looks_up`, all look-ups are misses.
+    ///
+    /// # Errors
+    /// Returns an error if the folder cannot be written to.
     pub fn open(folder: &Path, looks_up: bool) -> Result<Self, Error> {
         let root = folder.join(FOLDER);
         let new = |folder: &Path| std::fs::create_dir_all(folder).map_err(|error| Error::write(folder, &error));
@@ -79,12 +82,12 @@ impl Store {
         Ok(store)
     }
 
-    /// The store's folder.
+    /// Folder of the store.
     pub(crate) fn root(&self) -> &Path {
         &self.root
     }
 
-    /// The hash of a source that has not changed since it was read.
+    /// Returns the hash of a source if its stamp has not changed since [`Self::remember`].
     pub fn known(&self, path: &Path) -> Option<Digest> {
         if !self.looks_up {
             return None;
@@ -94,14 +97,14 @@ impl Store {
         (known.path == name_of(path) && known.stamp == stamp).then_some(known.digest)
     }
 
-    /// Notes by what a source is known again. Where that cannot be kept it is read again, and nothing else happens.
+    /// Records the stamp and the hash of a source. Errors are ignored: the next build reads the source again.
     pub fn remember(&self, path: &Path, stamp: Stamp, digest: Digest) {
         let known = KnownSource { path: name_of(path), stamp, digest };
         let _ = self.write(&self.source_path(path), &write_record(&known));
     }
 
-    /// What was made for this key, if all its files are still there: in the store, or among those that are `placed`.
-    pub fn look_up<T: DeserializeOwned>(&self, key: &Key, placed: &BTreeSet<Digest>) -> Option<Kept<T>> {
+    /// Returns the result for a key if all its files still exist, in the store or among the `placed` files.
+    pub fn look_up<T: DeserializeOwned>(&self, key: &Key, placed: &BTreeSet<Digest>) -> Option<Cached<T>> {
         if !self.looks_up {
             return None;
         }
@@ -113,10 +116,13 @@ impl Store {
         }
         note_use(&path);
         entry.files.iter().for_each(|digest| note_use(&self.object_path(digest)));
-        Some(Kept { report: entry.report, files: entry.files })
+        Some(Cached { report: entry.report, files: entry.files })
     }
 
-    /// Keeps what was made: first its files, then the entry that names them.
+    /// Stores a result: first its files, then the entry that lists them. Returns the hashes of the files.
+    ///
+    /// # Errors
+    /// Returns an error if a file cannot be written.
     pub fn keep<T: Serialize>(&self, key: Key, files: &[Vec<u8>], report: &T) -> Result<Vec<Digest>, Error> {
         let mut digests = Vec::new();
         for bytes in files {
@@ -129,17 +135,17 @@ impl Store {
         Ok(digests)
     }
 
-    /// The bytes of a file, if they are what its name says.
+    /// Returns the bytes of a file if they match the hash.
     pub fn object(&self, digest: &Digest) -> Option<Vec<u8>> {
         let bytes = std::fs::read(self.object_path(digest)).ok()?;
         (Digest::of(&bytes) == *digest).then_some(bytes)
     }
 
-    /// Takes what another store holds and this one does not, such as that of another machine. What is broken there is never
-    /// believed: it is checked when it is looked up.
+    /// Copies the entries and files that only the store of another output folder has, such as one from another machine.
+    /// Damaged entries do no harm: each look-up checks what it returns.
     ///
     /// # Errors
-    /// A folder without a store; what cannot be read or written.
+    /// Returns an error if the folder has no store, or if a file cannot be read or written.
     pub fn take_from(&self, folder: &Path) -> Result<(), Error> {
         for kind in [OBJECTS, ENTRIES] {
             let other = folder.join(FOLDER).join(kind);
@@ -155,20 +161,20 @@ impl Store {
         Ok(())
     }
 
-    /// Removes what no build has asked for in a month.
+    /// Removes entries and files that no build has used for 30 days.
     pub fn prune(&self) {
         for folder in [ENTRIES, OBJECTS, SOURCES] {
             let Ok(files) = std::fs::read_dir(self.root.join(folder)) else { continue };
             for file in files.flatten() {
                 let used = file.metadata().and_then(|metadata| metadata.modified());
-                if used.is_ok_and(|used| used.elapsed().is_ok_and(|age| age > KEPT_FOR)) {
+                if used.is_ok_and(|used| used.elapsed().is_ok_and(|age| age > MAX_AGE)) {
                     let _ = std::fs::remove_file(file.path());
                 }
             }
         }
     }
 
-    /// Writes a file whole or not at all.
+    /// Writes a file atomically.
     fn write(&self, path: &Path, bytes: &[u8]) -> Result<(), Error> {
         let number = self.staged.fetch_add(1, Ordering::Relaxed);
         let aside = self.staging.path().join(number.to_string());
@@ -192,12 +198,12 @@ impl Store {
     }
 }
 
-/// A path that does not depend on the working folder.
+/// Absolute path, as text.
 fn name_of(path: &Path) -> String {
     std::path::absolute(path).unwrap_or_else(|_| path.to_owned()).display().to_string()
 }
 
-/// Keeps a file from being pruned.
+/// Updates the time of last use of a file, so that it is not pruned.
 fn note_use(path: &Path) {
     let now = SystemTime::now();
     let noted = path.metadata().and_then(|metadata| metadata.modified());
@@ -214,17 +220,17 @@ mod tests {
         Key::new("brdf", Digest::of(b"source"), &number)
     }
 
-    fn found(store: &Store, number: u32) -> Option<Kept<String>> {
+    fn found(store: &Store, number: u32) -> Option<Cached<String>> {
         store.look_up(&key(number), &BTreeSet::new())
     }
 
     #[test]
-    fn what_was_kept_is_found_by_its_key_alone() {
+    fn a_result_is_found_only_by_its_key() {
         let folder = tempfile::tempdir().unwrap();
         let store = Store::open(folder.path(), true).unwrap();
         let files = store.keep(key(1), &[b"pack".to_vec(), b"map".to_vec()], &"report").unwrap();
-        let kept = Kept { report: "report".to_owned(), files: files.clone() };
-        assert_eq!((found(&store, 1), found(&store, 2)), (Some(kept), None));
+        let cached = Cached { report: "report".to_owned(), files: files.clone() };
+        assert_eq!((found(&store, 1), found(&store, 2)), (Some(cached), None));
         assert_eq!(store.object(&files[0]).as_deref(), Some(&b"pack"[..]));
         assert_eq!(found(&Store::open(folder.path(), false).unwrap(), 1), None);
         drop(store);
@@ -238,7 +244,7 @@ mod tests {
         let store = Store::open(folder.path(), true).unwrap();
         let files = store.keep(key(1), &[b"pack".to_vec()], &"report").unwrap();
         std::fs::copy(store.entry_path(&key(1)), store.entry_path(&key(2))).unwrap();
-        assert_eq!(found(&store, 2), None, "an entry in another's place");
+        assert_eq!(found(&store, 2), None, "an entry under the name of another");
         std::fs::write(store.object_path(&files[0]), "pick").unwrap();
         assert_eq!(found(&store, 1), None, "other bytes");
         let placed = BTreeSet::from([files[0]]);

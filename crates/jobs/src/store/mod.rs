@@ -1,8 +1,9 @@
-//! What was made before, by what it was made from.
+//! Cache of build results, keyed by their inputs.
 //!
-//! A folder `.brdfc-cache` beside the packs. Entries stand under a hash of the bytes that were read, the resolved recipe and
-//! the encoders; files stand under the hash of their bytes. Whatever is broken, truncated, put in another's place or made by
-//! another program is a miss: it is made again. Several builds may use one folder at a time.
+//! The cache is the folder `.brdfc-cache` next to the packs. The key of an entry is a hash of the bytes of the
+//! source, the resolved recipe and the encoders; the name of a file is the hash of its bytes. Entries that are
+//! damaged, truncated, swapped or made by other encoders are misses, and the build makes their files again. Several
+//! builds may use one cache at a time.
 
 mod digest;
 mod keeper;
@@ -11,7 +12,7 @@ mod staging;
 mod stamp;
 
 pub use digest::{Digest, Key};
-pub use keeper::{DONE, FOLDER, Kept, Store};
+pub use keeper::{Cached, DONE, FOLDER, Store};
 pub use record::{read_record, write_record};
 pub use staging::{PREFIX, SUFFIX, Staging, abandoned, placing};
-pub use stamp::{HeardDigest, Stamp};
+pub use stamp::{HashingObserver, Stamp};

@@ -1,18 +1,18 @@
-//! Small files of our own: `bincode` behind a checksum over all that they say.
+//! Records: small internal files in `bincode`, with a checksum over the contents.
 
 use super::digest::Digest;
 use serde::Serialize;
 use serde::de::DeserializeOwned;
 use std::path::Path;
 
-/// Changes with the layout of any record.
+/// Identifies the layout of records; it changes when the layout of any record changes.
 const MAGIC: [u8; 8] = *b"brdfc r2";
-/// Bytes of a checksum.
+/// Length of a checksum, bytes.
 const CHECKSUM: usize = 32;
-/// More is no record of ours. Memory is asked for within that.
+/// Largest record, bytes. It also bounds the allocations of the decoder.
 const LIMIT: usize = 64 << 20;
 
-/// The value of a record: `None` where there is none, or where it is broken, truncated or of another layout.
+/// Reads a record; `None` if it is missing, damaged, truncated or of another layout.
 pub fn read_record<T: DeserializeOwned>(path: &Path) -> Option<T> {
     if std::fs::metadata(path).ok()?.len() > LIMIT as u64 {
         return None;
@@ -21,21 +21,21 @@ pub fn read_record<T: DeserializeOwned>(path: &Path) -> Option<T> {
 }
 
 fn parsed<T: DeserializeOwned>(bytes: &[u8]) -> Option<T> {
-    let (checksum, said) = bytes.split_at_checked(CHECKSUM)?;
-    if Digest::of(said).bytes() != checksum {
+    let (checksum, contents) = bytes.split_at_checked(CHECKSUM)?;
+    if Digest::of(contents).bytes() != checksum {
         return None;
     }
-    let body = said.strip_prefix(&MAGIC)?;
+    let body = contents.strip_prefix(&MAGIC)?;
     let config = bincode::config::standard().with_limit::<LIMIT>();
     let (value, length) = bincode::serde::decode_from_slice(body, config).ok()?;
     (length == body.len()).then_some(value)
 }
 
-/// The bytes of a record.
+/// Returns the bytes of a record.
 pub fn write_record(value: &impl Serialize) -> Vec<u8> {
-    let mut said = MAGIC.to_vec();
-    said.extend(bincode::serde::encode_to_vec(value, bincode::config::standard()).expect("records are plain data"));
-    [&Digest::of(&said).bytes()[..], &said].concat()
+    let mut contents = MAGIC.to_vec();
+    contents.extend(bincode::serde::encode_to_vec(value, bincode::config::standard()).expect("records are plain data"));
+    [&Digest::of(&contents).bytes()[..], &contents].concat()
 }
 
 #[cfg(test)]
@@ -43,7 +43,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn any_flipped_bit_and_any_cut_is_seen() {
+    fn any_flipped_bit_and_any_truncation_is_detected() {
         let value = (String::from("ratio"), vec![0.5f64, 4.0]);
         let bytes = write_record(&value);
         assert_eq!(parsed::<(String, Vec<f64>)>(&bytes), Some(value));
@@ -59,10 +59,10 @@ mod tests {
     }
 
     #[test]
-    fn lengths_that_lie_ask_for_no_memory() {
-        let mut said = MAGIC.to_vec();
-        said.extend([253, 255, 255, 255, 255, 255, 255, 255, 127]);
-        let bytes = [&Digest::of(&said).bytes()[..], &said].concat();
+    fn wrong_lengths_allocate_no_memory() {
+        let mut contents = MAGIC.to_vec();
+        contents.extend([253, 255, 255, 255, 255, 255, 255, 255, 127]);
+        let bytes = [&Digest::of(&contents).bytes()[..], &contents].concat();
         assert_eq!(parsed::<Vec<u8>>(&bytes), None);
     }
 }

@@ -1,4 +1,5 @@
-//! Folders for what is not finished, which go away with the process that made them, and are swept where it was killed.
+//! Staging folders for unfinished files. A process removes its own when it ends; later processes remove those of
+//! processes that were killed.
 
 use std::fs::File;
 use std::path::{Path, PathBuf};
@@ -6,39 +7,42 @@ use std::sync::{Mutex, MutexGuard, PoisonError};
 use std::time::{Duration, SystemTime};
 use tempfile::TempDir;
 
-/// What the names of unfinished files and folders begin and end with.
+/// First characters of the names of unfinished files and folders.
 pub const PREFIX: &str = ".brdfc-";
-/// See [`PREFIX`].
+/// Last characters of the names of unfinished files and folders.
 pub const SUFFIX: &str = ".tmp";
-/// Held as long as the process lives that works in the folder.
+/// Lock file of a staging folder, locked until its process ends.
 const LOCK: &str = "lock";
-/// The same file before it is held.
+/// Name of the lock file before it is locked.
 const UNLOCKED: &str = "lock.new";
-/// Between making something and locking it less time goes by.
+/// Upper bound of the time between creating a file and locking it.
 const NEW: Duration = Duration::from_secs(10);
 
-/// Those of this process.
+/// Staging folders of this process.
 static ALL: Mutex<Vec<PathBuf>> = Mutex::new(Vec::new());
 
-/// Held while finished files change places.
+/// Locked while finished files are moved into place.
 static PLACING: Mutex<()> = Mutex::new(());
 
-/// Held while finished files change places. A program that ends on a signal takes it first, then calls
+/// Locks the placing of finished files. A program that ends on a signal takes this lock first, then calls
 /// [`Staging::remove_all`].
 pub fn placing() -> MutexGuard<'static, ()> {
     PLACING.lock().unwrap_or_else(PoisonError::into_inner)
 }
 
-/// A folder beside finished files, on the same file system, for those that are renamed into place when they are whole.
+/// A staging folder on the same file system as the finished files, which are renamed into place when complete.
 #[derive(Debug)]
 pub struct Staging {
-    // Before the folder: on some systems an open file cannot be removed.
+    // Declared before the folder, to be dropped first: some systems cannot remove an open file.
     _lock: File,
     folder: TempDir,
 }
 
 impl Staging {
-    /// Makes one in `parent`, which is there, after what dead processes left there is swept.
+    /// Removes abandoned staging folders in `parent`, which exists, and creates a new one.
+    ///
+    /// # Errors
+    /// Returns an error if the folder or its lock cannot be created.
     pub fn new(parent: &Path) -> std::io::Result<Self> {
         sweep(parent);
         let folder = tempfile::Builder::new().prefix(PREFIX).suffix(SUFFIX).tempdir_in(parent)?;
@@ -46,12 +50,12 @@ impl Staging {
         Ok(Self { _lock: locked(folder.path())?, folder })
     }
 
-    /// Removes all of this process, which is about to end.
+    /// Removes all staging folders of this process, which is about to end.
     pub fn remove_all() {
         all().iter().for_each(|folder| drop(remove(folder)));
     }
 
-    /// The folder.
+    /// Path of the folder.
     pub fn path(&self) -> &Path {
         self.folder.path()
     }
@@ -64,7 +68,8 @@ impl Drop for Staging {
     }
 }
 
-/// Removes a folder, its lock last: what has none is taken for new, and would stay for a while if this is killed.
+/// Removes a folder, its lock last. A folder without a lock counts as new, and would stay for a while if this process
+/// is killed.
 fn remove(folder: &Path) -> std::io::Result<()> {
     for entry in std::fs::read_dir(folder)?.flatten().filter(|entry| entry.file_name() != LOCK) {
         let path = entry.path();
@@ -73,12 +78,12 @@ fn remove(folder: &Path) -> std::io::Result<()> {
     std::fs::remove_dir_all(folder)
 }
 
-/// A folder's lock, which has its name only once it is held: whoever finds it free between the two would take its owner for
-/// dead.
+/// Creates the lock of a folder. The file gets its name only when it is locked: otherwise another process could find it
+/// unlocked and remove the folder.
 fn locked(folder: &Path) -> std::io::Result<File> {
     let aside = folder.join(UNLOCKED);
     let lock = File::create(&aside)?;
-    // Where files cannot be locked, nothing that has a lock is swept.
+    // On systems without file locks, folders with a lock file are never removed.
     let _ = lock.try_lock();
     std::fs::rename(aside, folder.join(LOCK))?;
     Ok(lock)
@@ -88,14 +93,14 @@ fn all() -> MutexGuard<'static, Vec<PathBuf>> {
     ALL.lock().unwrap_or_else(PoisonError::into_inner)
 }
 
-/// Removes what processes left unfinished in `parent` that are no longer there.
+/// Removes abandoned files and folders in `parent`.
 pub fn sweep(parent: &Path) {
     for path in abandoned(parent) {
         let _ = if path.is_dir() { remove(&path) } else { std::fs::remove_file(path) };
     }
 }
 
-/// What processes left unfinished in `parent` that are no longer there: files and folders.
+/// Unfinished files and folders in `parent` whose processes have ended.
 pub fn abandoned(parent: &Path) -> Vec<PathBuf> {
     let Ok(entries) = std::fs::read_dir(parent) else { return Vec::new() };
     let is_ours = |entry: &std::fs::DirEntry| {
@@ -111,7 +116,7 @@ fn is_abandoned(path: &Path) -> bool {
     let age = |metadata: std::fs::Metadata| SystemTime::now().duration_since(metadata.modified().ok()?).ok();
     let is_new = || age(metadata).is_none_or(|age| age < NEW);
     match File::open(&lock) {
-        // A file is made before it is locked.
+        // A new file may not be locked yet.
         Ok(file) => file.try_lock().is_ok() && (lock != path || !is_new()),
         Err(_) => !is_new(),
     }
@@ -122,22 +127,22 @@ mod tests {
     use super::*;
 
     #[test]
-    fn what_the_dead_left_is_swept_and_what_the_living_use_is_not() {
+    fn sweep_removes_abandoned_folders_only() {
         let parent = tempfile::tempdir().unwrap();
-        let alive = Staging::new(parent.path()).unwrap();
-        let dead = parent.path().join(".brdfc-dead.tmp");
-        std::fs::create_dir(&dead).unwrap();
-        std::fs::write(dead.join(LOCK), "").unwrap();
-        std::fs::write(dead.join("part.ktx2"), "half").unwrap();
+        let in_use = Staging::new(parent.path()).unwrap();
+        let abandoned = parent.path().join(".brdfc-dead.tmp");
+        std::fs::create_dir(&abandoned).unwrap();
+        std::fs::write(abandoned.join(LOCK), "").unwrap();
+        std::fs::write(abandoned.join("part.ktx2"), "half").unwrap();
         let unrelated = parent.path().join("notes.tmp");
         std::fs::write(&unrelated, "a person's").unwrap();
         let next = Staging::new(parent.path()).unwrap();
-        assert!(alive.path().is_dir() && next.path().is_dir() && unrelated.is_file() && !dead.exists());
-        drop((alive, next));
+        assert!(in_use.path().is_dir() && next.path().is_dir() && unrelated.is_file() && !abandoned.exists());
+        drop((in_use, next));
         assert_eq!(std::fs::read_dir(parent.path()).unwrap().count(), 1);
     }
 
-    /// Watches a folder that is removed: as long as there is anything in it, there is its lock.
+    /// Watches a folder while it is removed: its lock exists as long as any other file does.
     #[test]
     fn a_lock_is_removed_last() {
         let parent = tempfile::tempdir().unwrap();
@@ -159,15 +164,15 @@ mod tests {
     }
 
     #[test]
-    fn who_sweeps_while_others_begin_takes_nobody_for_dead() {
+    fn concurrent_sweeps_remove_no_new_folders() {
         let parent = tempfile::tempdir().unwrap();
         std::thread::scope(|scope| {
             for _ in 0..4 {
                 scope.spawn(|| {
                     for _ in 0..250 {
-                        let begun = Staging::new(parent.path()).unwrap();
-                        std::fs::write(begun.path().join("part"), "half").unwrap();
-                        assert!(begun.path().join(LOCK).is_file());
+                        let staging = Staging::new(parent.path()).unwrap();
+                        std::fs::write(staging.path().join("part"), "half").unwrap();
+                        assert!(staging.path().join(LOCK).is_file());
                     }
                 });
             }
@@ -175,7 +180,7 @@ mod tests {
     }
 
     #[test]
-    fn files_that_are_just_being_written_are_left_alone() {
+    fn sweep_keeps_new_files() {
         let parent = tempfile::tempdir().unwrap();
         let file = parent.path().join(".brdfc-new.tmp");
         std::fs::write(&file, "half").unwrap();

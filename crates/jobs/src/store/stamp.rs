@@ -1,4 +1,4 @@
-//! What a file system says of a file, by which it is known again without being read.
+//! File metadata by which an unchanged file is recognised without reading it.
 
 use super::digest::Digest;
 use brdfc_formats::FormatError;
@@ -7,22 +7,23 @@ use serde::{Deserialize, Serialize};
 use std::fs::{File, Metadata};
 use std::time::{Duration, SystemTime, UNIX_EPOCH};
 
-/// A change within this time of another may leave the same time behind.
+/// Two changes within this time may leave the same modification time.
 const GRANULARITY: Duration = Duration::from_secs(2);
 
-/// Length, times and place of a file: the same as long as nobody writes to it or replaces it.
+/// Length, times and inode of a file. A stamp changes when a program writes to the file or replaces it.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Stamp {
     length: u64,
-    /// Since 1970.
+    /// Time of the last change of the contents, since 1970.
     modified: Duration,
-    /// Of the file's own entry, where the system has that: seconds and nanoseconds; device and number of the file.
+    /// Time of the last change of the inode, seconds and nanoseconds; 0 where the system has none.
     changed: (i64, i64),
+    /// Device and inode number; 0 where the system has none.
     place: (u64, u64),
 }
 
 impl Stamp {
-    /// Of a file; `None` of what has no contents of its own, such as a pipe, or no time.
+    /// Returns the stamp of a file; `None` if it is not a regular file, or has no modification time.
     pub fn of(metadata: &Metadata) -> Option<Self> {
         if !metadata.is_file() {
             return None;
@@ -38,7 +39,7 @@ impl Stamp {
         Some(Self { length: metadata.len(), modified, changed, place })
     }
 
-    /// Whether a change after `now` would leave another stamp: times of files have a coarse grain.
+    /// Returns true if a change after `now` is certain to change the stamp. File times have a coarse resolution.
     pub fn is_settled(&self, now: SystemTime) -> bool {
         let Ok(now) = now.duration_since(UNIX_EPOCH) else { return false };
         let changed = Duration::from_secs(self.changed.0.max(0) as u64);
@@ -46,39 +47,40 @@ impl Stamp {
     }
 }
 
-/// Hashes what is read, and notes whether the file changed meanwhile.
-pub struct HeardDigest {
+/// Hashes the bytes of a file while it is read, and detects changes in the meantime.
+pub struct HashingObserver {
     hasher: blake3::Hasher,
     file: Option<File>,
     stamp: Option<Stamp>,
     started: SystemTime,
-    /// Largest file, bytes.
+    /// Length of the largest file that is read, bytes.
     limit: u64,
 }
 
-impl HeardDigest {
-    /// Of a file of this kind, that has at most so many bytes. Files of other kinds are read in another order.
+impl HashingObserver {
+    /// Prepares for a file of this kind with at most `limit` bytes. The kind is part of the hash, as other kinds are
+    /// read in another order.
     pub fn new(kind: &str, limit: u64) -> Self {
         let mut hasher = blake3::Hasher::new();
         hasher.update(kind.to_ascii_lowercase().as_bytes());
         Self { hasher, file: None, stamp: None, started: SystemTime::now(), limit }
     }
 
-    /// The hash of what was read, and by what the file is known again, if that is safe to say.
+    /// Returns the hash, and the stamp if any later change is certain to change it.
     ///
     /// # Errors
-    /// A file that was written to meanwhile: what was read may be no file that ever was.
+    /// Returns an error if the file changed while it was read: the bytes may mix two versions.
     pub fn finish(self) -> std::io::Result<(Digest, Option<Stamp>)> {
         let now = self.file.as_ref().and_then(|file| Stamp::of(&file.metadata().ok()?));
         if now != self.stamp {
-            return Err(std::io::Error::other("it was written to meanwhile"));
+            return Err(std::io::Error::other("the file changed while it was read"));
         }
         let stamp = self.stamp.filter(|stamp| stamp.is_settled(self.started));
         Ok((Digest::finish(&self.hasher), stamp))
     }
 }
 
-impl ReadListener for HeardDigest {
+impl ReadListener for HashingObserver {
     fn opened(&mut self, file: &File, length: u64) -> Result<(), FormatError> {
         if length > self.limit {
             let allowed = format!("at most {} bytes with this --memory", self.limit);
@@ -106,26 +108,26 @@ mod tests {
         let folder = tempfile::tempdir().unwrap();
         let path = folder.path().join("scan.brdf");
         std::fs::write(&path, "rows").unwrap();
-        let heard = |path| {
-            let mut heard = HeardDigest::new("brdf", 100);
-            read_heard(path, 100, &mut heard).unwrap();
-            heard.finish().unwrap()
+        let observed = |path| {
+            let mut observer = HashingObserver::new("brdf", 100);
+            read_heard(path, 100, &mut observer).unwrap();
+            observer.finish().unwrap()
         };
-        let (digest, stamp) = heard(&path);
-        assert!(stamp.is_none(), "it may be written to within the same tick");
-        assert_eq!(digest, heard(&path).0);
+        let (digest, stamp) = observed(&path);
+        assert!(stamp.is_none(), "it may change within the same tick");
+        assert_eq!(digest, observed(&path).0);
         let stamp = Stamp::of(&std::fs::metadata(&path).unwrap()).unwrap();
         assert!(stamp.is_settled(SystemTime::now() + Duration::from_secs(9)));
-        assert!(HeardDigest::new("brdf", 3).opened(&File::open(&path).unwrap(), 4).is_err());
+        assert!(HashingObserver::new("brdf", 3).opened(&File::open(&path).unwrap(), 4).is_err());
     }
 
     #[test]
-    fn a_change_meanwhile_is_noticed() {
+    fn a_change_during_the_read_is_detected() {
         let mut file = tempfile::NamedTempFile::new().unwrap();
         file.write_all(b"first").unwrap();
-        let mut heard = HeardDigest::new("brdf", 100);
-        heard.opened(file.as_file(), 5).unwrap();
+        let mut observer = HashingObserver::new("brdf", 100);
+        observer.opened(file.as_file(), 5).unwrap();
         file.write_all(b" and more").unwrap();
-        assert!(heard.finish().is_err());
+        assert!(observer.finish().is_err());
     }
 }

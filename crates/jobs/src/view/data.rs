@@ -1,4 +1,4 @@
-//! What stands in a page, as its script reads it.
+//! Data of a page, as its script reads it.
 
 use super::item::ViewItem;
 use super::mesh::PackedMesh;
@@ -10,7 +10,7 @@ use brdfc_shaders::Program;
 use serde::Serialize;
 use std::collections::BTreeMap;
 
-/// Everything.
+/// All data of a page.
 #[derive(Debug, Serialize)]
 pub(super) struct PageData {
     /// [`Programs`], packed.
@@ -19,17 +19,17 @@ pub(super) struct PageData {
     pub items: Vec<PageItem>,
 }
 
-/// What draws.
+/// Shader programs.
 #[derive(Debug, Serialize)]
 pub(super) struct Programs {
-    /// Kinds of packs, by decoder; behind a comma, how it filters where that is not a sampler's.
+    /// Programs by decoder; the suffix `, exact` marks filtering in the shader.
     pub of: BTreeMap<String, Program>,
-    /// What shows what was drawn.
+    /// The program that displays renderings.
     pub show: Program,
 }
 
 impl Programs {
-    /// As compressed JSON.
+    /// Compressed JSON of the programs.
     pub(super) fn packed(&self) -> String {
         packed(&serde_json::to_vec(self).expect("programs are plain"))
     }
@@ -57,13 +57,13 @@ pub(super) struct PageItem {
     scenes: Vec<String>,
     /// Tiles per unit of uv, by scene.
     repeats: BTreeMap<String, u32>,
-    /// Sines of elevations that it is for: the viewer's lowest and highest, and the lights'.
+    /// Sines of the elevations that it covers: the viewer's lowest and highest, then the lights'.
     sines: [f64; 4],
-    /// How much coarser it can be.
+    /// Number of levels coarser than the finest.
     levels: u32,
     /// The finest level.
     finest: u32,
-    /// Whether its texels are 32-bit floats that a sampler is declared for.
+    /// True if its texels are 32-bit floats for which a sampler is declared.
     pub(super) wide: bool,
 }
 
@@ -90,18 +90,18 @@ impl PageItem {
         }
     }
 
-    /// Bytes of its textures as they are uploaded.
+    /// Bytes of its textures as uploaded.
     pub(super) fn texel_bytes(&self) -> u64 {
         self.resources.iter().map(|resource| resource.texel_bytes).sum()
     }
 
-    /// Bytes that are its own.
+    /// Bytes of its data in the page.
     pub(super) fn bytes(&self) -> usize {
         self.resources.iter().map(|resource| resource.bytes()).sum()
     }
 }
 
-/// What is bound.
+/// A bound resource.
 #[derive(Debug, Serialize)]
 struct PageResource {
     binding: u32,
@@ -134,7 +134,7 @@ impl PageResource {
     fn new(binding: Binding<'_>) -> Self {
         let mut texel_bytes = 0;
         let contents = match binding.resource {
-            // Samplers filter.
+            // The default block lets samplers filter.
             Resource::Frame => PageContents::Uniform { data: packed(&FrameBlock::default().to_bytes()) },
             Resource::Uniform(bytes) => PageContents::Uniform { data: packed(&bytes) },
             Resource::Sampler { repeats } => PageContents::Sampler { repeats },

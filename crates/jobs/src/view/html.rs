@@ -1,4 +1,4 @@
-//! The page's elements.
+//! Elements of the viewer page.
 
 use super::data::PageData;
 use super::script::script;
@@ -33,7 +33,7 @@ button { font: inherit; padding: 0.2rem 0.7rem; }
 body.embedded { grid-template: 1fr / 1fr; height: 100%; } .embedded form { display: none; }
 ";
 
-/// The colours of differences.
+/// Colours of differences, as a CSS variable.
 fn ramp() -> String {
     let colours = brdfc_render::rendering::RAMP.map(|[r, g, b]| format!("rgb({r} {g} {b})"));
     format!(":root {{ --ramp: {}; }}", colours.join(", "))
@@ -41,12 +41,12 @@ fn ramp() -> String {
 
 /// The page.
 pub(super) fn html(title: &str, data: &PageData) -> String {
-    // No end of the element within it, and no comment.
+    // Escaped, so that the text neither ends the element nor starts a comment.
     let text = serde_json::to_string(data).expect("data is plain").replace('<', "\\u003c");
     let body = html! {
         div #stage {
-            canvas #canvas tabindex="0" aria-label="The material on a surface. Arrow keys turn it, with Shift they move the light." {}
-            input type="range" name="split" form="controls" min="0" max="1" step="0.002" aria-label="Where the left rendering ends";
+            canvas #canvas tabindex="0" aria-label="The material on a surface. Arrow keys turn it; with Shift they move the light." {}
+            input type="range" name="split" form="controls" min="0" max="1" step="0.002" aria-label="Position of the divider";
             div #border {}
             p #wrong hidden {}
         }
@@ -69,7 +69,7 @@ fn controls(title: &str, data: &PageData) -> Markup {
             label hidden[!several] { "Left" (choices(data, false)) }
             label hidden[!several] { "Right" (choices(data, true)) }
             fieldset #modes {
-                @for (value, what) in [("split", "split"), ("one", "left alone"), ("difference", "ΔE")] {
+                @for (value, what) in [("split", "split"), ("one", "left only"), ("difference", "ΔE")] {
                     label { input type="radio" name="mode" value=(value); " " (what) }
                 }
             }
@@ -77,8 +77,8 @@ fn controls(title: &str, data: &PageData) -> Markup {
             p #whole { "Drawing …" }
             p #here .soft {}
             div #levels {
-                label { input type="checkbox" name="follows"; " level of detail by the distance, as in an engine" }
-                label { input type="range" name="coarser" min="0" step="0.1" aria-label="Coarser by this many levels"; span #coarser-shown .soft {} }
+                label { input type="checkbox" name="follows"; " level of detail from the distance, as in an engine" }
+                label { input type="range" name="coarser" min="0" step="0.1" aria-label="Levels coarser than the finest"; span #coarser-shown .soft {} }
             }
             label { "Exposure" input type="range" name="stops" min="-4" max="4" step="0.1"; }
             fieldset {
@@ -87,16 +87,16 @@ fn controls(title: &str, data: &PageData) -> Markup {
                 label { input type="radio" name="drags" value="light"; " light" }
             }
             p {
-                button type="button" #again { "Start again" } " "
-                button type="button" #save { "Save the rendering" }
+                button type="button" #again { "Reset" } " "
+                button type="button" #save { "Save as PNG" }
             }
             p.soft {
-                "Shift or the right button drags the light; the wheel, two fingers, + and - go nearer and farther; arrow keys turn, \
-                 with Shift they move the light."
+                "Drag with Shift or the right button to move the light. Zoom with the wheel, two fingers, + or -. Arrow keys turn \
+                 the surface; with Shift they move the light."
             }
             div #facts {}
-            @if several { p.soft { "ΔE is the colour difference CIE76 of what a display shows; about 1 is just visible." } }
-            p.soft { "Drawn by " span #api { "…" } }
+            @if several { p.soft { "ΔE is the CIE76 difference of the displayed colours; about 1 is just visible." } }
+            p.soft { "Drawn with " span #api { "…" } }
         }
     }
 }
@@ -104,7 +104,7 @@ fn controls(title: &str, data: &PageData) -> Markup {
 fn choices(data: &PageData, or_none: bool) -> Markup {
     html! {
         select name=(if or_none { "right" } else { "left" }) {
-            @if or_none { option value="-1" { "nothing" } }
+            @if or_none { option value="-1" { "none" } }
             @for (number, item) in data.items.iter().enumerate() { option value=(number) { (item.name) } }
         }
     }

@@ -1,4 +1,4 @@
-//! What a page draws.
+//! Materials of a page.
 
 use brdfc_formats::BrdfPack;
 use brdfc_formats::PackKind;
@@ -8,36 +8,36 @@ use brdfc_formats::flat_btf::{FlatBtfDecoder, FlatValues, SampledDirections};
 use brdfc_formats::pwt::PwtPack;
 use brdfc_render::scenes::Builtin;
 
-/// Scenes of BRDFs, the first one foremost.
-const OF_BRDFS: [Builtin; 4] = [Builtin::Sphere, Builtin::Cloth, Builtin::Teapot, Builtin::Plane];
-/// Scenes of flat BTFs, likewise.
-const OF_FLAT_BTFS: [Builtin; 4] = [Builtin::Plane, Builtin::Teapot, Builtin::Cloth, Builtin::Sphere];
+/// Scenes of BRDFs; the first is the default.
+const BRDF_SCENES: [Builtin; 4] = [Builtin::Sphere, Builtin::Cloth, Builtin::Teapot, Builtin::Plane];
+/// Scenes of flat BTFs; the first is the default.
+const FLAT_BTF_SCENES: [Builtin; 4] = [Builtin::Plane, Builtin::Teapot, Builtin::Cloth, Builtin::Sphere];
 
 /// A material of a page.
 #[derive(Debug, Clone)]
 pub struct ViewItem {
-    /// What it is called.
+    /// Its name on the page.
     pub name: String,
-    /// What is worth knowing of it, in a few words.
+    /// A short description.
     pub facts: String,
-    /// What is drawn.
+    /// The pack that is drawn.
     pub drawn: Drawn,
 }
 
-/// What is drawn.
+/// A pack that pages draw.
 #[derive(Debug, Clone)]
 #[allow(clippy::large_enum_variant)]
 pub enum Drawn {
     /// A pack of a BRDF.
     Brdf(BrdfPack),
-    /// A flat BTF, and what blends its views and lights.
+    /// A flat BTF, and the directions between which its views and lights are blended.
     FlatBtf(Box<FlatBtfDecoder>, Option<SampledDirections>),
     /// A polynomial wavelet tree.
     Pwt(Box<PwtPack>),
 }
 
 impl ViewItem {
-    /// What decodes it.
+    /// Kind of its pack.
     pub fn decoder(&self) -> PackKind {
         match &self.drawn {
             Drawn::Brdf(pack) => pack.kind(),
@@ -46,7 +46,7 @@ impl ViewItem {
         }
     }
 
-    /// What is bound for it.
+    /// Bindings of its shader.
     pub fn bindings(&self) -> Bindings<'_> {
         match &self.drawn {
             Drawn::Brdf(pack) => pack.bindings(),
@@ -64,7 +64,7 @@ impl ViewItem {
         }
     }
 
-    /// How much coarser than the finest it can be, and which level the finest is.
+    /// Number of levels coarser than the finest, and the number of the finest level.
     pub(super) fn levels(&self) -> (u32, u32) {
         let of_mipmaps = |levels: u32| (levels.saturating_sub(1), 0);
         match &self.drawn {
@@ -80,7 +80,7 @@ impl ViewItem {
         }
     }
 
-    /// Directions that it is for.
+    /// Directions that it covers.
     pub(super) fn directions(&self) -> DirectionRange {
         match &self.drawn {
             Drawn::Brdf(pack) => pack.directions(),
@@ -88,16 +88,16 @@ impl ViewItem {
         }
     }
 
-    /// Scenes that it goes onto, the first one foremost; a rendering goes onto a plane of its own shape.
+    /// Scenes on which it can be drawn, the default first. Polynomial wavelet trees are drawn on a plane of their image's shape.
     pub(super) fn scenes(&self) -> Vec<ItemScene> {
         match &self.drawn {
-            Drawn::Brdf(_) => OF_BRDFS.map(ItemScene::Builtin).to_vec(),
-            Drawn::FlatBtf(..) => OF_FLAT_BTFS.map(ItemScene::Builtin).to_vec(),
-            Drawn::Pwt(pack) => vec![ItemScene::Rendering(pack.header().size)],
+            Drawn::Brdf(_) => BRDF_SCENES.map(ItemScene::Builtin).to_vec(),
+            Drawn::FlatBtf(..) => FLAT_BTF_SCENES.map(ItemScene::Builtin).to_vec(),
+            Drawn::Pwt(pack) => vec![ItemScene::Image(pack.header().size)],
         }
     }
 
-    /// Tiles per unit of uv on a scene: as `brdfc render` has them.
+    /// Tiles per unit of uv on a scene, as in `brdfc render`.
     pub(super) fn repeat(&self, scene: ItemScene) -> u32 {
         match (&self.drawn, scene) {
             (Drawn::FlatBtf(..), ItemScene::Builtin(builtin)) => builtin.tiles(),
@@ -109,18 +109,18 @@ impl ViewItem {
 /// A scene of a page.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum ItemScene {
-    /// One of the renderer's.
+    /// A built-in scene of the renderer.
     Builtin(Builtin),
-    /// A rendering of so many pixels on the ground, seen from above.
-    Rendering([u32; 2]),
+    /// An image of this width and height in pixels on the ground, seen from above.
+    Image([u32; 2]),
 }
 
 impl ItemScene {
-    /// What it is called.
+    /// Name of the scene.
     pub(super) fn name(self) -> String {
         match self {
             Self::Builtin(builtin) => builtin.name().to_owned(),
-            Self::Rendering([width, height]) => format!("rendering {width} x {height}"),
+            Self::Image([width, height]) => format!("image {width} x {height}"),
         }
     }
 }

@@ -1,4 +1,5 @@
-//! Meshes in few bytes: up to 16 bits a number, each stored as what the two corners before it do not tell, and compressed.
+//! Compact meshes: numbers of up to 16 bits, each stored as the residual of a linear prediction from the two corners before it, and
+//! compressed.
 
 use super::packed::packed;
 use brdfc_render::scene::{Mesh, Vertex};
@@ -6,25 +7,25 @@ use serde::Serialize;
 
 /// Numbers of a corner: position, uv, and two octahedral coordinates each of normal and tangent.
 const STREAMS: usize = 9;
-/// Numbers that are stored between the lowest and the highest: position and uv.
+/// Numbers that are stored relative to their range: position and uv.
 const BOUNDED: usize = 5;
-/// The largest of each number: 14 bits of a position, 16 of uv, 13 of a normal, 11 of a tangent.
-const LARGEST: [u16; STREAMS] = [0x3fff, 0x3fff, 0x3fff, 0xffff, 0xffff, 0x1fff, 0x1fff, 0x7ff, 0x7ff];
+/// Largest value of each number: 14 bits of a position, 16 of uv, 13 of a normal, 11 of a tangent.
+const MAX_VALUES: [u16; STREAMS] = [0x3fff, 0x3fff, 0x3fff, 0xffff, 0xffff, 0x1fff, 0x1fff, 0x7ff, 0x7ff];
 
-/// A mesh as a page holds it.
+/// A mesh as pages store it.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub(super) struct PackedMesh {
     vertices: usize,
     triangles: usize,
-    /// Of each number that is bounded, the lowest.
+    /// Lowest value of each bounded number.
     low: [f32; BOUNDED],
-    /// And how far the highest is from it.
+    /// Highest minus lowest value of each bounded number.
     span: [f32; BOUNDED],
-    /// The largest of each number.
+    /// Largest stored value of each number.
     largest: [u16; STREAMS],
-    /// Numbers one after the other, of each the lower bytes of all corners, then the higher ones; packed.
+    /// One stream per number: the lower bytes of all corners, then the higher bytes; packed.
     corners: String,
-    /// Indices, each less the one of the triangle before, as 32-bit numbers; packed.
+    /// Indices minus those of the triangle before, as 32-bit integers; packed.
     indices: String,
 }
 
@@ -49,13 +50,13 @@ impl PackedMesh {
             let ([a, b], [c, d]) = (octahedral(corner.normal), octahedral(corner.tangent));
             let vectors = [a, b, c, d];
             let of = |k: usize| if k < BOUNDED { share(k) } else { 0.5 * vectors[k - BOUNDED] + 0.5 };
-            std::array::from_fn(|k| (of(k) * f32::from(LARGEST[k])).round() as u16)
+            std::array::from_fn(|k| (of(k) * f32::from(MAX_VALUES[k])).round() as u16)
         };
         let corners: Vec<[u16; STREAMS]> = mesh.vertices.iter().map(rounded).collect();
         let streams = (0..STREAMS).flat_map(|stream| {
-            let rests = rests(corners.iter().map(|corner| corner[stream]));
-            let high: Vec<u8> = rests.iter().map(|rest| rest.to_le_bytes()[1]).collect();
-            let low: Vec<u8> = rests.iter().map(|rest| rest.to_le_bytes()[0]).collect();
+            let residuals = residuals(corners.iter().map(|corner| corner[stream]));
+            let high: Vec<u8> = residuals.iter().map(|residual| residual.to_le_bytes()[1]).collect();
+            let low: Vec<u8> = residuals.iter().map(|residual| residual.to_le_bytes()[0]).collect();
             low.into_iter().chain(high)
         });
         let streams: Vec<u8> = streams.collect();
@@ -71,26 +72,26 @@ impl PackedMesh {
             triangles: mesh.triangles.len(),
             low,
             span,
-            largest: LARGEST,
+            largest: MAX_VALUES,
             corners: packed(&streams),
             indices: packed(&steps),
         }
     }
 }
 
-/// What the line through the two numbers before does not tell: 0, -1, 1, -2 and so on become 0, 1, 2, 3.
-fn rests(numbers: impl Iterator<Item = u16>) -> Vec<u16> {
+/// Residuals of linear prediction from the two numbers before, zigzag-encoded: 0, -1, 1, -2 become 0, 1, 2, 3.
+fn residuals(numbers: impl Iterator<Item = u16>) -> Vec<u16> {
     let (mut before, mut last) = (0u16, 0u16);
-    let rest = |(k, number): (usize, u16)| {
+    let residual = |(k, number): (usize, u16)| {
         let guess = if k > 1 { last.wrapping_mul(2).wrapping_sub(before) } else { last };
         (before, last) = (last, number);
-        let rest = number.wrapping_sub(guess) as i16;
-        ((rest << 1) ^ (rest >> 15)) as u16
+        let residual = number.wrapping_sub(guess) as i16;
+        ((residual << 1) ^ (residual >> 15)) as u16
     };
-    numbers.enumerate().map(rest).collect()
+    numbers.enumerate().map(residual).collect()
 }
 
-/// Where a unit vector is on the unfolded octahedron, -1 to 1 (Meyer et al. 2010).
+/// Octahedral coordinates of a unit vector, -1 to 1 (Meyer et al. 2010).
 fn octahedral([x, y, z]: [f32; 3]) -> [f32; 2] {
     let sum = x.abs() + y.abs() + z.abs();
     let (x, y) = (x / sum, y / sum);
@@ -104,10 +105,10 @@ mod tests {
     use brdfc_render::scenes::Builtin;
 
     #[test]
-    fn smooth_numbers_leave_little() {
-        assert_eq!(rests([5, 7, 9, 11, 12].into_iter()), [10, 4, 0, 0, 1]);
-        // Around the end of 16 bits.
-        assert_eq!(rests([65535, 1, 3].into_iter())[1..], [4, 0]);
+    fn smooth_numbers_have_small_residuals() {
+        assert_eq!(residuals([5, 7, 9, 11, 12].into_iter()), [10, 4, 0, 0, 1]);
+        // Wraps around at 16 bits.
+        assert_eq!(residuals([65535, 1, 3].into_iter())[1..], [4, 0]);
     }
 
     #[test]

@@ -1,7 +1,7 @@
-//! A page that draws packs: turned, lit and held against each other by whoever opens it.
+//! Viewer pages that draw packs interactively and compare them.
 //!
-//! One file of HTML that needs no network. What is bound is as `brdfc_shaders::resources` says it, compressed, so that the page
-//! neither parses packs nor unpacks Zstandard; shaders are the decoders of `brdfc-formats` behind `shaders/shade.wgsl`, in
+//! A page is one HTML file that needs no network. It holds the compressed resources of `brdfc_shaders::resources`, so it neither
+//! parses packs nor decompresses Zstandard. Its shaders are the decoders of `brdfc-formats` followed by `shaders/shade.wgsl`, in
 //! WGSL and in GLSL ES 3.00.
 
 mod data;
@@ -23,19 +23,19 @@ use data::{PageData, PageItem, Programs};
 use open::check_bytes;
 use std::collections::BTreeMap;
 
-/// A page, and what of it is not the packs' own.
+/// A viewer page.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct ViewPage {
-    /// The file.
+    /// The HTML file.
     pub html: String,
-    /// Bytes of it that are no pack's.
+    /// Bytes of the file without the data of packs.
     pub bytes_alone: usize,
 }
 
-/// The page of these materials, the first of them on the left, the second one, if there is one, on the right.
+/// Writes a page of these materials. It shows the first on the left and the second, if any, on the right.
 ///
 /// # Errors
-/// More textures than a page should hold.
+/// Returns an error if the textures exceed the limit of a page.
 pub fn view_page(items: &[ViewItem]) -> Result<ViewPage, Error> {
     let scenes = scenes::of(items);
     let listed: Vec<PageItem> = items.iter().map(PageItem::new).collect();

@@ -1,4 +1,4 @@
-//! Inputs to what a page draws.
+//! Opens the inputs of a page.
 
 use super::item::{Drawn, ViewItem};
 use crate::encode::EncodeError;
@@ -21,41 +21,41 @@ use brdfc_table::encode::encode;
 use brdfc_table::recipe::{Size, TableRecipe};
 use std::path::Path;
 
-/// What can be drawn.
+/// Inputs that can be drawn.
 const ALLOWED: &str = "a pack of a BRDF, a flat BTF, a pack of 'brdfc pwt', the folder of a \
-                       build, or a material; several of them by their names";
+                       build, or a material; name several one by one";
 
-/// Bytes of the table that a source is drawn as, larger than packs are. Four times as many bring renderings of measured materials
-/// nearer to them by 0.03 ΔE at most.
+/// Bytes of the table pack as which a source is drawn, more than packs usually have. With four times as many, renderings of
+/// measured materials are closer by at most 0.03 ΔE.
 const TABLE_BYTES: u64 = 128 << 10;
-/// Most bytes of textures of all materials: a page is to open in a browser.
+/// Maximum bytes of textures of all materials, so that browsers can open the page.
 const MAX_BYTES: u64 = 256 << 20;
 
-/// Refuses more textures than a page should hold.
+/// Returns an error if the textures exceed the limit of a page.
 pub(super) fn check_bytes(name: &str, size: u64) -> Result<(), Error> {
     if size <= MAX_BYTES {
         return Ok(());
     }
-    let allowed = "256 MiB in a page: fewer materials, or smaller ones";
+    let allowed = "at most 256 MiB in a page; use fewer or smaller materials";
     Err(refused(name, format!("{} of textures", bytes(size)), allowed))
 }
 
-/// An input of another kind.
+/// Error about an input that cannot be drawn.
 fn refused(name: &str, found: impl Into<String>, allowed: &'static str) -> Error {
     InputError::Format { name: name.to_owned(), error: FormatError::whole("input", found, allowed) }.into()
 }
 
-/// What else a page draws.
+/// Options of pages.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct ViewOptions {
-    /// Of builds, the sources of packs, too, where they still are.
+    /// True to draw the sources of builds' packs, too, if they still exist.
     pub sources: bool,
 }
 
-/// Reads inputs: packs as they are, builds as their packs, each with its source, and sources as tables.
+/// Reads inputs: packs, the packs of builds with their sources, and sources as table packs.
 ///
 /// # Errors
-/// What cannot be read, breaks its layout, or cannot be drawn; cancellation.
+/// Returns an error if an input cannot be read, is invalid or cannot be drawn, or if cancelled.
 pub fn open_items(inputs: &[Input], options: ViewOptions, progress: &dyn Progress) -> Result<Vec<ViewItem>, Error> {
     let mut items: Vec<ViewItem> = Vec::new();
     for input in inputs {
@@ -65,14 +65,14 @@ pub fn open_items(inputs: &[Input], options: ViewOptions, progress: &dyn Progres
             None => vec![of_input(input, progress)?],
         };
         for mut item in opened {
-            item.name = unlike(&items, item.name);
+            item.name = unique_name(&items, item.name);
             items.push(item);
         }
     }
     Ok(items)
 }
 
-/// The folder of a build, by itself or by its report.
+/// The folder of a build, from its own path or the path of its report.
 fn build_folder(path: &Path) -> Option<&Path> {
     if path.file_name().is_some_and(|name| name == REPORT) {
         return path.parent().map(or_here);
@@ -85,8 +85,8 @@ fn has_packs(folder: &Path) -> bool {
     std::fs::read_dir(folder).is_ok_and(|entries| entries.flatten().any(is_pack))
 }
 
-/// A name that no other item has.
-fn unlike(items: &[ViewItem], name: String) -> String {
+/// Makes a name unique among the items.
+fn unique_name(items: &[ViewItem], name: String) -> String {
     let is_taken = |name: &str| items.iter().any(|item| item.name == name);
     if !is_taken(&name) {
         return name;
@@ -102,7 +102,7 @@ fn of_input(input: &Input, progress: &dyn Progress) -> Result<ViewItem, Error> {
             return of_flat_btf(name, path);
         }
         if is_rti_capture(path) {
-            let allowed = "a pack of it, which 'brdfc pwt' makes";
+            let allowed = "a pack of it, made by 'brdfc pwt'";
             return Err(refused(&input.to_string(), "an RTI capture", allowed));
         }
         if path.is_dir() {
@@ -143,7 +143,7 @@ fn of_brdf(name: String, pack: BrdfPack) -> ViewItem {
         _ => {}
     }
     if !pack.directions().is_all() {
-        facts += &format!(", for {} alone", pack.directions());
+        facts += &format!(", only for {}", pack.directions());
     }
     ViewItem { name, facts, drawn: Drawn::Brdf(pack) }
 }
@@ -165,7 +165,7 @@ fn of_flat_btf(name: String, path: &Path) -> Result<ViewItem, Error> {
     let FlatBtfFile { decoder, directions, .. } = open_flat_btf(path)?;
     let parts = decoder.parts();
     let size = parts.gpu_bytes();
-    // Before it is compressed.
+    // Checked before it is compressed.
     check_bytes(&path.display().to_string(), size)?;
     let form = if parts.values.factored().is_some() { "factored" } else { "light form" };
     let facts = format!("flat BTF, {form}, {} on a GPU", bytes(size));
@@ -182,7 +182,7 @@ fn of_build(folder: &Path, options: ViewOptions, progress: &dyn Progress) -> Res
         let note = notes.get(&material).cloned().unwrap_or_default();
         let source = options.sources.then(|| source_of(&note));
         if let Some(Err(reason)) = &source {
-            item.facts += &format!("; not beside its source: {reason}");
+            item.facts += &format!("; shown without its source: {reason}");
         }
         items.push(item);
         if let Some(Ok(source)) = source {

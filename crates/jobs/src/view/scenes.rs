@@ -1,11 +1,11 @@
-//! The scenes of a page: those of its materials.
+//! Scenes of a page.
 
 use super::data::PageScene;
 use super::item::{ItemScene, ViewItem};
 use super::mesh::PackedMesh;
 use brdfc_render::pwt::rendering_scene;
 
-/// Every scene that a material goes onto, once.
+/// All scenes of the materials, without duplicates.
 pub(super) fn of(items: &[ViewItem]) -> Vec<PageScene> {
     let mut all: Vec<ItemScene> = Vec::new();
     for scene in items.iter().flat_map(ViewItem::scenes) {
@@ -19,7 +19,7 @@ pub(super) fn of(items: &[ViewItem]) -> Vec<PageScene> {
 fn page_scene(of: ItemScene) -> PageScene {
     let scene = match of {
         ItemScene::Builtin(builtin) => builtin.scene(),
-        ItemScene::Rendering(size) => rendering_scene(size.map(|side| side as usize), [1; 2]),
+        ItemScene::Image(size) => rendering_scene(size.map(|side| side as usize), [1; 2]),
     };
     let [part] = &scene.parts[..] else { unreachable!("scenes of pages have one part") };
     let mesh = PackedMesh::new(&part.mesh);

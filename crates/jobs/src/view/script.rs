@@ -1,6 +1,6 @@
-//! The script of a page: modules that stand in one scope.
+//! The script of a page: modules in a single scope.
 
-/// In the order in which they use each other. Those of the folder `shared` are also part of the package for the web.
+/// Modules, each after the ones that it imports. Those in the folder `shared` are also part of the web package.
 const MODULES: [&str; 12] = [
     include_str!("shared/levels.js"),
     include_str!("page/state.js"),
@@ -16,11 +16,11 @@ const MODULES: [&str; 12] = [
     include_str!("page/main.js"),
 ];
 
-/// All of them, without what they import from each other.
+/// Joins all modules, without their imports and exports.
 pub(super) fn script() -> String {
     let lines = MODULES.iter().flat_map(|module| module.lines());
-    let kept = lines.filter(|line| !line.starts_with("import "));
-    kept.map(|line| line.strip_prefix("export ").unwrap_or(line)).collect::<Vec<_>>().join("\n")
+    let lines = lines.filter(|line| !line.starts_with("import "));
+    lines.map(|line| line.strip_prefix("export ").unwrap_or(line)).collect::<Vec<_>>().join("\n")
 }
 
 #[cfg(test)]
@@ -29,7 +29,7 @@ mod tests {
     use std::collections::BTreeMap;
 
     #[test]
-    fn no_name_stands_twice_in_the_scope() {
+    fn names_are_unique_in_the_scope() {
         let mut names: BTreeMap<&str, usize> = BTreeMap::new();
         let script = script();
         for line in script.lines() {
@@ -44,7 +44,7 @@ mod tests {
         assert!(names.len() > 40);
         let twice: Vec<_> = names.iter().filter(|(_, count)| **count > 1).collect();
         assert!(twice.is_empty(), "{twice:?}");
-        // It ends where the element does that holds it.
+        // The script must not end its element.
         assert!(!script.contains("</script") && !script.contains("import ") && script.contains("globalThis.brdfcView"));
     }
 }

@@ -1,31 +1,31 @@
-//! The shaders of pages: WGSL that is put together from parts, and what `programs.json` holds of it in GLSL ES 3.00.
+//! Shaders of pages: WGSL assembled from parts, and its GLSL ES 3.00 translation from `programs.json`.
 
 use brdfc_formats::PackKind;
 use brdfc_shaders::{Program, TranslatedProgram};
 use std::collections::BTreeMap;
 use std::sync::OnceLock;
 
-/// What shows what was drawn.
+/// Name of the shader that displays renderings.
 const SHOW: &str = "show";
 
 /// A shader of pages, before it is translated.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct PageShader {
-    /// What it is called in the page.
+    /// Its name in the page.
     pub name: String,
-    /// The source of both shaders.
+    /// Source of the vertex and the fragment shader.
     pub wgsl: String,
-    /// The entry point of the vertex shader.
+    /// Entry point of the vertex shader.
     pub vertex: &'static str,
-    /// That of the fragment shader.
+    /// Entry point of the fragment shader.
     pub fragment: &'static str,
 }
 
 impl PageShader {
-    /// The file that holds all of them in GLSL ES 3.00. `./scripts/bless` writes it.
+    /// File with the GLSL ES 3.00 translations of all shaders. `./scripts/bless` writes it.
     pub const FILE: &str = "crates/jobs/src/view/programs.json";
 
-    /// All of them.
+    /// All shaders of pages.
     pub fn all() -> Vec<Self> {
         let of_kind = |kind: PackKind| {
             let may_be_wide = kind.descriptor().brdf.is_some_and(|shader| shader.may_be_wide);
@@ -35,11 +35,11 @@ impl PageShader {
         drawn.flat_map(of_kind).chain([Self::showing()]).collect()
     }
 
-    /// The shader that draws a kind of pack; `exact`: the shader filters, not a sampler. Each has one way in it: drivers compile, and
-    /// some run, both sides of a branch.
+    /// The shader that draws a kind of pack. With `exact`, the shader filters instead of a sampler. Each variant is a separate
+    /// shader, because drivers compile, and some run, both sides of a branch.
     ///
     /// # Panics
-    /// For kinds of packs that no page draws.
+    /// Panics for kinds of packs that pages do not draw.
     pub(super) fn drawing(decoder: PackKind, exact: bool) -> Self {
         let of_kind = drawing_wgsl(decoder, exact).expect("only packs that pages draw become items");
         let (frame, corner) = (brdfc_render::shading_point::SHADING_POINT_WGSL, brdfc_render::camera::CORNER_WGSL);
@@ -49,7 +49,7 @@ impl PageShader {
         Self { name, wgsl, vertex: "project", fragment: "shade" }
     }
 
-    /// What shows what was drawn.
+    /// The shader that displays renderings.
     pub(super) fn showing() -> Self {
         let colours = brdfc_render::rendering::RAMP.map(|rgb| {
             let [r, g, b] = rgb.map(|code| code / 255.0);
@@ -66,7 +66,7 @@ impl PageShader {
         Self { name: SHOW.to_owned(), wgsl, vertex: "cover", fragment: "show" }
     }
 
-    /// In both languages.
+    /// The shader in both languages.
     pub(super) fn program(&self) -> Program {
         static ALL: OnceLock<BTreeMap<String, TranslatedProgram>> = OnceLock::new();
         let all = ALL.get_or_init(|| serde_json::from_str(include_str!("programs.json")).expect("written by a test"));
@@ -75,7 +75,7 @@ impl PageShader {
     }
 }
 
-/// How a kind of pack is placed, evaluated and filtered on a page; `None` for kinds that no page draws.
+/// WGSL that places, evaluates and filters a kind of pack on a page; `None` for kinds that pages do not draw.
 fn drawing_wgsl(kind: PackKind, exact: bool) -> Option<String> {
     if let Some(shader) = kind.descriptor().brdf {
         let value = if exact { shader.exact } else { shader.filtered };

@@ -1,4 +1,4 @@
-//! BTF image stacks: what is written is read, and what is wrong is said.
+//! BTF image stacks: written stacks are read back, and faults are reported.
 
 use brdfc_formats::direction_set::DirectionSet;
 use brdfc_jobs::btf_stack::{StackFormat, write_image};
@@ -17,7 +17,7 @@ fn lights() -> DirectionSet {
     DirectionSet::grid(2, 3, 40.0).unwrap()
 }
 
-/// Multiples of 1/1024 from 0 to 2, which 16-bit floats hold exactly; others in every image.
+/// Multiples of 1/1024 from 0 to 2, which 16-bit floats hold exactly; different in every image.
 fn pixels(view: usize, light: usize) -> Vec<[f32; 3]> {
     let value = |at: usize, k: usize| ((at * 131 + k * 37 + view * 17 + light * 71) % 2048) as f32 / 1024.0;
     (0..SIZE[0] * SIZE[1]).map(|at| [0, 1, 2].map(|k| value(at, k))).collect()
@@ -74,14 +74,14 @@ fn png_stacks_are_clipped_srgb() {
     let image = stack.view(3, 2).unwrap();
     let mut clipped = 0;
     for (found, written) in image.pixels.iter().flatten().zip(pixels(3, 2).iter().flatten()) {
-        // Half a code is at most this much of linear light.
+        // Half a level is at most this much of linear light.
         assert!((found - written.min(1.0)).abs() < 0.0046, "{found} {written}");
         clipped += usize::from(*written > 1.0);
     }
     assert!(clipped > 0 && clipped < 45);
 }
 
-/// Row 0 is the top and column 0 the left; also in files that others wrote.
+/// Row 0 is the top and column 0 the left, also in files by other programs.
 #[test]
 fn eight_and_sixteen_bits_and_grey_and_jpeg() {
     let folder = tempfile::tempdir().unwrap();
@@ -109,7 +109,7 @@ fn eight_and_sixteen_bits_and_grey_and_jpeg() {
 }
 
 #[test]
-fn an_image_that_is_missing_or_twice_there() {
+fn missing_and_duplicate_images() {
     let folder = tempfile::tempdir().unwrap();
     let paths = write_stack(folder.path(), StackFormat::Png);
     std::fs::remove_file(&paths[5]).unwrap();
@@ -132,7 +132,7 @@ fn images_of_two_sizes() {
 }
 
 #[test]
-fn images_that_are_too_large_broken_or_something_else() {
+fn images_that_are_too_large_broken_or_of_another_kind() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("tl000 pl000 tv000 pv000.png");
     image::GrayImage::new(4097, 1).save(&path).unwrap();
@@ -143,12 +143,12 @@ fn images_that_are_too_large_broken_or_something_else() {
     assert!(open_error(folder.path()).contains("PNG, JPEG or EXR"));
     image::RgbImage::from_fn(64, 64, |x, y| image::Rgb([(x * y) as u8, x as u8, y as u8])).save(&path).unwrap();
     let whole = std::fs::read(&path).unwrap();
-    // The header is there: only decoding finds out.
+    // The header is intact, so only decoding fails.
     std::fs::write(&path, &whole[..whole.len() / 2]).unwrap();
     let stack = BtfStack::open(folder.path()).unwrap();
     let error = stack.view(0, 0).unwrap_err();
     assert!(matches!(error, InputError::Format { .. }) && error.to_string().contains("tl000"), "{error}");
-    // Another size since it was opened.
+    // The size changes after opening.
     image::RgbImage::new(2, 2).save(&path).unwrap();
     assert!(stack.view(0, 0).unwrap_err().to_string().contains("found 2 x 2, expected 64 x 64"));
     std::fs::remove_file(&path).unwrap();
@@ -202,7 +202,7 @@ fn links_to_folders_are_not_entered() {
 }
 
 #[test]
-fn what_is_no_image_is_not_written() {
+fn invalid_images_are_not_written() {
     let folder = tempfile::tempdir().unwrap();
     let write = |pixels: &[[f32; 3]], size| {
         write_image(folder.path(), 0, angles(0, 0), pixels, size, StackFormat::Png).unwrap_err().to_string()

@@ -1,4 +1,4 @@
-//! Flat BTFs of committed inputs are the bytes, and decode to the values, in the codec's list: see docs/goldens.md.
+//! Flat BTFs of committed inputs have the bytes and decoded values in the codec's list; see docs/goldens.md.
 
 use brdfc_flat_btf::encode::FlattenRecipe;
 use brdfc_flat_btf::factored::FactoredTarget;
@@ -51,12 +51,12 @@ fn flat_btfs() {
     // Overhangs hide some of its texels from every view.
     let button = meso("synth:button?resolution=16".to_owned(), &[]);
     let mut packs = flat_btf("button", &button, &recipe, true);
-    // A height map whose colours are an image, with holes filled the other way, one bounce and no Zstandard.
+    // A height map with colours from an image, the other method of filling holes, one bounce and no Zstandard.
     let mut relief = meso(testdata("golden/relief.png"), &[(None, "synth:lewis?kd=0.5&ks=0.2&n=12")]);
     relief.colour = Some(Input::from(&testdata("golden/cloth.png")));
     let pushed = FlattenRecipe { fill: FillMethod::PushPull, bounces: 4, rounds: 2, ..recipe.clone() };
     packs.extend(flat_btf("relief", &relief, &pushed, false));
-    // A mesh with two materials, as normals and diffuse colours alone.
+    // A mesh with two materials, as normals and diffuse colours only.
     let studs = meso(
         testdata("golden/studs.obj"),
         &[(Some("stud"), "synth:lambert?kd=0.6,0.2,0.1"), (None, "synth:velvet?kd=0.3")],

@@ -1,4 +1,4 @@
-//! RTI captures: what is written is read, and what is wrong is said.
+//! RTI captures: written captures are read back, and faults are reported.
 
 use brdfc_jobs::btf_stack::StackFormat;
 use brdfc_jobs::rti_capture::write_rti_capture;
@@ -8,10 +8,10 @@ use brdfc_testing::shared_data;
 use std::path::Path;
 
 const SIZE: [usize; 2] = [5, 3];
-/// They lie in a plane, and the last is not of length 1.
+/// Coplanar lights; the last is not of length 1.
 const LIGHTS: [[f32; 3]; 4] = [[0.0, 0.0, 1.0], [0.6, 0.0, 0.8], [-0.6, 0.0, 0.8], [3.0, 0.0, 3.0]];
 
-/// Multiples of 1/1024 from 0 to 2, which 16-bit floats hold exactly; others in every image.
+/// Multiples of 1/1024 from 0 to 2, which 16-bit floats hold exactly; different in every image.
 fn pixels(light: usize) -> Vec<[f32; 3]> {
     let value = |at: usize, k: usize| ((at * 131 + k * 37 + light * 71) % 2048) as f32 / 1024.0;
     (0..SIZE[0] * SIZE[1]).map(|at| [0, 1, 2].map(|k| value(at, k))).collect()
@@ -26,7 +26,7 @@ fn error(path: &Path) -> String {
     RtiCapture::open(path).expect_err("an error").to_string()
 }
 
-/// A stack whose images are whatever `save` makes of their names, under lights at different heights.
+/// Writes a capture under lights at different heights. `save` writes the images.
 fn stack_of(folder: &Path, names: &[&str], save: impl Fn(&Path, usize)) {
     let mut list = format!("{}\r\n", names.len());
     for (k, name) in names.iter().enumerate() {
@@ -71,7 +71,7 @@ fn png_stacks_are_clipped_srgb_and_the_same_every_time() {
     folders.iter().for_each(|folder| write_stack(folder.path(), StackFormat::Png));
     let image = RtiCapture::open(folders[0].path()).unwrap().image(3).unwrap();
     for (found, written) in image.pixels.iter().flatten().zip(pixels(3).iter().flatten()) {
-        // Half a code is at most this much of linear light.
+        // Half a level is at most this much of linear light.
         assert!((found - written.min(1.0)).abs() < 0.0046, "{found} {written}");
     }
     for name in ["dirs.lp", "0000.png", "0003.png"] {
@@ -81,7 +81,7 @@ fn png_stacks_are_clipped_srgb_and_the_same_every_time() {
 }
 
 #[test]
-fn what_is_no_stack_is_not_written() {
+fn invalid_captures_are_not_written() {
     let folder = tempfile::tempdir().unwrap();
     let write = |lights: &[[f32; 3]], pixels: usize| {
         let write = write_rti_capture(folder.path(), lights, [2, 2], StackFormat::Png, |_| vec![[0.5; 3]; pixels]);
@@ -94,7 +94,7 @@ fn what_is_no_stack_is_not_written() {
     assert_eq!(std::fs::read_dir(folder.path()).unwrap().count(), 0);
 }
 
-/// Codes of every kind of image mean the same light.
+/// Equal levels are the same light in all kinds of images.
 #[test]
 fn eight_and_sixteen_bits_and_grey_and_jpeg() {
     let folder = tempfile::tempdir().unwrap();
@@ -124,7 +124,7 @@ fn eight_and_sixteen_bits_and_grey_and_jpeg() {
 }
 
 #[test]
-fn names_may_have_folders_that_are_there_or_not() {
+fn names_may_have_folders_that_exist_or_not() {
     let folder = tempfile::tempdir().unwrap();
     std::fs::create_dir(folder.path().join("in")).unwrap();
     for file in ["in/a.png", "b.png", "c.png", "d.png"] {
@@ -138,11 +138,10 @@ fn names_may_have_folders_that_are_there_or_not() {
     }
     std::fs::write(&list, "2\n\nb.png 0 0 1\ngone/b.png 1 1 1\n").unwrap();
     assert!(
-        error(&list)
-            .ends_with("x.lp: line 4, image: found \"gone/b.png\", the file of line 3, expected each image once")
+        error(&list).ends_with("x.lp: line 4, image: found \"gone/b.png\", as on line 3, expected each image once")
     );
     std::fs::write(&list, "2\nb.png 0 0 1\nin/b.jpg 1 1 1\n").unwrap();
-    let expected = "x.lp: line 3, image: found \"in/b.jpg\", which is not there, expected a file, relative to this one or beside it";
+    let expected = "x.lp: line 3, image: found \"in/b.jpg\", which does not exist, expected a file relative to this one, or next to it";
     assert!(error(&list).ends_with(expected), "{}", error(&list));
 }
 
@@ -152,17 +151,17 @@ fn images_of_two_sizes_too_large_or_broken() {
     let save = |width: u32, height: u32| image::RgbImage::new(width, height).save(folder.path().join("b.jpg")).unwrap();
     stack_of(folder.path(), &["a.png", "b.jpg"], |path, _| grey(path));
     save(2, 4);
-    assert!(error(folder.path()).ends_with("b.jpg: image size: found 2 x 4, expected 4 x 2, as a.png has"));
+    assert!(error(folder.path()).ends_with("b.jpg: image size: found 2 x 4, expected 4 x 2, the size of a.png"));
     save(4097, 1);
     assert!(error(folder.path()).ends_with("b.jpg: image size: found 4097 x 1, expected 1 to 4096 along each side"));
     std::fs::write(folder.path().join("b.jpg"), "no image").unwrap();
-    let told = error(folder.path());
+    let text = error(folder.path());
     assert!(
-        told.contains("b.jpg: image: found ") && told.ends_with("expected a whole PNG, JPEG or EXR image"),
-        "{told}"
+        text.contains("b.jpg: image: found ") && text.ends_with("expected a whole PNG, JPEG or EXR image"),
+        "{text}"
     );
     std::fs::write(folder.path().join("b.jpg"), b"GIF89a\x01\x00\x01\x00").unwrap();
-    assert!(error(folder.path()).ends_with("b.jpg: image: found some other layout, expected PNG, JPEG or EXR"));
+    assert!(error(folder.path()).ends_with("b.jpg: image: found an unknown format, expected PNG, JPEG or EXR"));
     // Every cut of a JPEG is an error or an image, when it is opened or when it is read.
     let noise = image::RgbImage::from_fn(4, 2, |x, y| image::Rgb([(x * 60) as u8, (y * 99) as u8, 7]));
     noise.save(folder.path().join("b.jpg")).unwrap();
@@ -185,25 +184,25 @@ fn lists_that_are_none_or_several() {
     let folder = tempfile::tempdir().unwrap();
     assert!(
         error(folder.path())
-            .ends_with("lists of lights: found none, expected one file .lp in a folder, or the path of one")
+            .ends_with("lists of lights: found none, expected one .lp file in the folder, or the path of one")
     );
     grey(&folder.path().join("a.png"));
     let list = folder.path().join("b.lp");
-    let told = |bytes: &[u8]| {
+    let error_of = |bytes: &[u8]| {
         std::fs::write(&list, bytes).unwrap();
         error(folder.path())
     };
     assert!(
-        told(b"1\na.png 0 0 0")
+        error_of(b"1\na.png 0 0 0")
             .ends_with("b.lp: line 2, direction: found a vector of length 0, expected any other length")
     );
-    assert!(told(b"2\na.png 0 0 1").contains("b.lp: line 1, number of lights: found 2, expected 1"));
+    assert!(error_of(b"2\na.png 0 0 1").contains("b.lp: line 1, number of lights: found 2, expected 1"));
     assert!(
-        told(b"\x89PNG\r\n\x1a\n\0").ends_with("UTF-8; it looks like a PNG image (.png)")
-            || told(b"\0").contains("NUL")
+        error_of(b"\x89PNG\r\n\x1a\n\0").ends_with("UTF-8; it looks like a PNG image (.png)")
+            || error_of(b"\0").contains("NUL")
     );
-    assert!(told(&[7, 0, 255]).contains("b.lp: line 1, text: found a NUL byte"));
-    assert!(told(b"").contains("number of lights: found an empty file"));
+    assert!(error_of(&[7, 0, 255]).contains("b.lp: line 1, text: found a NUL byte"));
+    assert!(error_of(b"").contains("number of lights: found an empty file"));
     std::fs::write(&list, "1\na.png 0 0 1").unwrap();
     assert!(RtiCapture::open(folder.path()).is_ok());
     std::fs::write(folder.path().join("a.LP"), "").unwrap();
@@ -223,7 +222,7 @@ fn a_real_stack() {
     for (found, stated) in stack.lights()[0].iter().zip([0.205_158_6, -0.237_020_6, 0.949_595_3]) {
         assert!((found - stated).abs() < 1e-6, "{:?}", stack.lights()[0]);
     }
-    // The image as the library decodes it to 16 bits, and its codes one by one.
+    // The image as the library decodes it to 16 bits, level by level.
     let image = stack.image(5).unwrap();
     let other = image::open(stack.file(5)).unwrap().into_rgb16();
     for (found, code) in image.pixels.iter().flatten().zip(other.as_raw()) {

@@ -65,7 +65,7 @@ fn images_are_radiance_relative_to_white() {
 }
 
 #[test]
-fn files_are_described_and_refused_where_they_do_not_belong() {
+fn files_are_described_and_rejected_as_other_inputs() {
     let folder = tempfile::tempdir().unwrap();
     let bytes = to_bytes(&example(false), Scalar::Single);
     let path = write(folder.path(), "felt.btf", &bytes);
@@ -76,10 +76,10 @@ fn files_are_described_and_refused_where_they_do_not_belong() {
     assert_eq!((views, lights, size, components), (1, 2, [2, 3], vec![1, 1, 1]));
     assert_eq!((devices, memory_bytes), (vec!["dome".to_owned(), "LED".to_owned()], 3 * 8 * 4));
 
-    let told = |path: &Path| open(path.as_os_str().to_owned(), None).err().expect("an error").to_string();
-    assert!(told(&path).ends_with("; a BTF is for 'brdfc flatten'"), "{}", told(&path));
-    let lies = told(&write(folder.path(), "felt.binary", &bytes));
-    assert!(lies.contains("it looks like a BTF of the Bonn database of 2014 (.btf)"), "{lies}");
+    let error_of = |path: &Path| open(path.as_os_str().to_owned(), None).err().expect("an error").to_string();
+    assert!(error_of(&path).ends_with("; use 'brdfc flatten' for BTFs"), "{}", error_of(&path));
+    let misnamed = error_of(&write(folder.path(), "felt.binary", &bytes));
+    assert!(misnamed.contains("it looks like a BTF of the Bonn database of 2014 (.btf)"), "{misnamed}");
 
     let error = |bytes: &[u8]| OrdinaryBtf::open(&write(folder.path(), "bad.btf", bytes)).err().expect("an error");
     assert!(error(&bytes[..100]).to_string().contains("bad.btf: byte"));

@@ -1,4 +1,4 @@
-//! How different two images look.
+//! Colour differences between two images.
 
 use super::LinearImage;
 use super::psnr::{decibels, squared_difference};
@@ -22,12 +22,12 @@ pub struct Spread {
     pub max: f64,
 }
 
-/// Differences of an image from a reference, of what a display shows: `clamp(exposure * radiance, 0, 1)`, white = 1.
+/// Differences of an image from a reference, as displayed: `clamp(exposure * radiance, 0, 1)`, white = 1.
 #[derive(Debug, Clone, PartialEq, Serialize, JsonSchema)]
 pub struct ImageDifference {
     /// Pixels that show a surface in either image; the measures below are over these.
     pub pixels: usize,
-    /// Pixels of them that hold no number in either image, and are left out.
+    /// Number of these pixels that are not finite in either image, and are left out.
     pub invalid_pixels: usize,
     /// ΔE*ab, the distance in CIE L*a*b* (1976), D65: the measure of Claustres et al. 2007, section 6.3.
     pub delta_e: Spread,
@@ -55,7 +55,7 @@ pub fn auto_exposure(image: &LinearImage) -> f64 {
     if bright > 0.0 { 1.0 / bright } else { 1.0 }
 }
 
-/// ΔE*ab per pixel; 0 where either holds no number.
+/// ΔE*ab per pixel; 0 where either image is not finite.
 pub fn delta_e_map(image: &LinearImage, reference: &LinearImage, exposure: f64) -> Vec<f32> {
     let map = |(a, b): (&[f32; 3], &[f32; 3])| {
         pixel_difference(*a, *b, exposure).map_or(0.0, |difference| difference.delta_e as f32)
@@ -103,7 +103,7 @@ fn pixel_difference(a: [f32; 3], b: [f32; 3], exposure: f64) -> Option<PixelDiff
     Some(PixelDifference { delta_e, delta_e_2000, squared })
 }
 
-/// What a display shows of a pixel.
+/// Displayed colour of a pixel.
 pub(crate) fn shown_colour(pixel: [f32; 3], exposure: f64) -> Lab<D65, f64> {
     let [r, g, b] = pixel.map(|c| (f64::from(c) * exposure).clamp(0.0, 1.0));
     LinSrgb::<f64>::new(r, g, b).into_color()
@@ -114,7 +114,7 @@ pub(crate) fn colour_difference(a: Lab<D65, f64>, b: Lab<D65, f64>) -> (f64, f64
     (a.distance(b), Ciede2000::difference(a, b))
 }
 
-/// Of values of pixels.
+/// Statistics of the values of pixels.
 pub(crate) fn spread(mut values: Vec<f64>) -> Spread {
     if values.is_empty() {
         return Spread::default();
@@ -127,7 +127,7 @@ pub(crate) fn spread(mut values: Vec<f64>) -> Spread {
     Spread { mean, standard_deviation: variance.sqrt(), p95, max }
 }
 
-/// The value that a share of the others are not above; 0 of none.
+/// The value at a percentile; 0 without values.
 fn percentile(values: &mut [f64], share: f64) -> f64 {
     if values.is_empty() {
         return 0.0;
@@ -192,10 +192,10 @@ mod tests {
     }
 
     #[test]
-    fn what_is_beyond_the_display_does_not_count() {
+    fn values_beyond_white_do_not_count() {
         let d = compare_images(&image(&[[3.0; 3]]), &image(&[[5.0; 3]]), 1.0);
         assert_eq!(d.delta_e.max, 0.0);
-        // The control: at a lower exposure it does.
+        // Control: at a lower exposure it does.
         assert!(compare_images(&image(&[[3.0; 3]]), &image(&[[5.0; 3]]), 0.1).delta_e.max > 1.0);
     }
 

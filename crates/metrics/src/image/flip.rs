@@ -1,4 +1,4 @@
-//! FLIP: the difference that a person sees when two images are shown in turn at the same place.
+//! FLIP: visible difference between two images that alternate at the same place.
 //!
 //! After Andersson, Nilsson, Akenine-Möller, Oskarsson, Åström and Fairchild 2020, "FLIP: A Difference Evaluator for
 //! Alternating Images", Proc. ACM Comput. Graph. Interact. Tech. 3(2), the version for low dynamic range: sections 4.1
@@ -8,7 +8,7 @@ use super::LinearImage;
 use rayon::prelude::*;
 use std::f64::consts::PI;
 
-/// Pixels per degree of visual angle where nothing is said: a display of 0.7 m and 3840 pixels at 0.7 m (section 5).
+/// Default pixels per degree of visual angle: a display of 0.7 m and 3840 pixels at 0.7 m (section 5).
 pub const PIXELS_PER_DEGREE: f64 = 67.0;
 
 /// Contrast sensitivity of the opponent channels (section 4.1.1, table 1): `[a, b]` of sums of Gaussians
@@ -47,13 +47,13 @@ pub struct Flip {
     pub mean_on_surfaces: f64,
 }
 
-/// FLIP of an image and a reference of the same size, as a display shows them: `clamp(exposure * radiance, 0, 1)` over
-/// the background. What is no number counts as black. Beyond the border the outermost pixels repeat.
+/// FLIP of an image and a reference of the same size, as displayed: `clamp(exposure * radiance, 0, 1)` over the
+/// background. Values that are not finite count as black. Pixels beyond the border repeat the outermost ones.
 ///
 /// `pixels_per_degree`: of visual angle, above 0; see [`PIXELS_PER_DEGREE`].
 ///
 /// # Panics
-/// If sizes differ, or `pixels_per_degree` is no positive number.
+/// If sizes differ, or `pixels_per_degree` is not a positive number.
 pub fn flip(image: &LinearImage, reference: &LinearImage, exposure: f64, pixels_per_degree: f64) -> Flip {
     assert_eq!((image.width, image.height), (reference.width, reference.height), "images of one size");
     assert!(pixels_per_degree > 0.0 && pixels_per_degree.is_finite(), "pixels per degree");
@@ -77,7 +77,7 @@ pub fn flip(image: &LinearImage, reference: &LinearImage, exposure: f64, pixels_
     Flip { map, mean, mean_on_surfaces }
 }
 
-/// What a person sees of an image.
+/// Features of an image after the model of the visual system.
 struct Seen {
     /// L*, a*, b* after the contrast sensitivity filters, with Hunt's adjustment.
     colours: Vec<[f32; 3]>,
@@ -117,7 +117,7 @@ impl Seen {
 
 fn displayed(image: &LinearImage, pixel: usize, exposure: f64) -> [f64; 3] {
     let behind = 1.0 - f64::from(image.coverage[pixel]);
-    // The minimum of a number and none is the number.
+    // The minimum of a number and NaN is the number.
     [0, 1, 2].map(|k| {
         let shown = (f64::from(image.pixels[pixel][k]) * exposure).max(0.0);
         (shown.min(1.0) + f64::from(image.background[k]) * behind).clamp(0.0, 1.0)
@@ -155,24 +155,24 @@ fn to_lab(rgb: [f64; 3]) -> [f64; 3] {
     [116.0 * y - 16.0, 500.0 * (x - y), 200.0 * (y - z)]
 }
 
-/// Hunt: chroma seems weaker where it is dark (section 4.1.2).
+/// Applies the Hunt effect: chroma seems weaker in the dark (section 4.1.2).
 fn hunt_adjusted([l, a, b]: [f64; 3]) -> [f64; 3] {
     [l, 0.01 * l * a, 0.01 * l * b]
 }
 
-/// The distance of Abasi, Tehran and Fairchild 2020: city blocks in lightness, Euclidean in chroma.
+/// The HyAB distance of Abasi, Tehran and Fairchild 2020: city blocks in lightness, Euclidean in chroma.
 fn hyab(a: [f32; 3], b: [f32; 3]) -> f32 {
     let [l, r, y] = [0, 1, 2].map(|k| a[k] - b[k]);
     l.abs() + (r * r + y * y).sqrt()
 }
 
-/// The largest difference of colours that a display has, between green and blue, to the exponent of differences.
+/// Largest colour difference of a display, between green and blue, raised to the exponent of differences.
 fn largest_colour_difference() -> f64 {
     let [green, blue] = [[0.0, 1.0, 0.0], [0.0, 0.0, 1.0]].map(|rgb| hunt_adjusted(to_lab(rgb)).map(|c| c as f32));
     f64::from(hyab(green, blue)).powf(COLOUR_EXPONENT)
 }
 
-/// Colour differences as shares of the range from 0 to 1 (section 4.1.3): large ones are all about the same error.
+/// Maps colour differences to the range from 0 to 1 (section 4.1.3): large ones are compressed.
 fn redistributed(distance: f32, largest: f64) -> f32 {
     let value = f64::from(distance).powf(COLOUR_EXPONENT);
     let knee = KNEE * largest;
@@ -184,7 +184,7 @@ fn redistributed(distance: f32, largest: f64) -> f32 {
     share.min(1.0) as f32
 }
 
-/// A channel as far as the eye resolves it.
+/// Filters a channel by the contrast sensitivity of the eye.
 fn sensitivity_filtered(plane: &[f32], width: usize, channel: usize, pixels_per_degree: f64) -> Vec<f32> {
     // One window for all channels, three standard deviations of the widest Gaussian.
     let widest = SENSITIVITY.iter().copied().flatten().map(|[_, b]| *b).fold(0.0, f64::max);
@@ -218,14 +218,14 @@ fn feature_kernels(pixels_per_degree: f64) -> [Vec<f32>; 3] {
         let weights: Vec<f64> = (-radius..=radius).map(at).collect();
         let sum_of = |sign: f64| weights.iter().map(|w| (sign * w).max(0.0)).sum::<f64>();
         let (above, below) = (sum_of(1.0), sum_of(-1.0));
-        // Where pixels are so large that the neighbours weigh nothing there is no sum to divide by.
+        // With very large pixels the neighbours weigh nothing, and there is no sum to divide by.
         let share = |w: &f64| w / if *w < 0.0 { below } else { above }.max(f64::MIN_POSITIVE);
         weights.iter().map(|w| share(w) as f32).collect()
     };
     [kernel(&|_| 1.0), kernel(&|x| -x), kernel(&|x| (x / deviation).powi(2) - 1.0)]
 }
 
-/// A plane convolved along rows and then along columns with kernels of an odd number of weights.
+/// Convolves a plane along rows and then along columns with kernels of an odd number of weights.
 fn convolved(plane: &[f32], width: usize, along_rows: &[f32], along_columns: &[f32]) -> Vec<f32> {
     let height = plane.len() / width;
     let clamped = |at: usize, step: usize, radius: usize, size: usize| (at + step).saturating_sub(radius).min(size - 1);

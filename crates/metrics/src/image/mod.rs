@@ -1,4 +1,4 @@
-//! Images in memory: what renderers return and comparisons take.
+//! Images in memory, the results of renderers and the input of comparisons.
 
 mod difference;
 mod flip;
@@ -16,16 +16,16 @@ pub struct LinearImage {
     pub width: usize,
     /// Rows.
     pub height: usize,
-    /// Linear RGB (the primaries of sRGB), not negative, 0 where nothing covers; row by row from the top, left to right.
+    /// Linear RGB (the primaries of sRGB), not negative, 0 where no surface is; row by row from the top, left to right.
     pub pixels: Vec<[f32; 3]>,
     /// Share of a pixel's samples that hit a surface, 0 to 1. Same order as `pixels`.
     pub coverage: Vec<f32>,
-    /// What a rendering shows where nothing covers: linear RGB of the display, 0 to 1, whatever the exposure.
+    /// Displayed colour where no surface is: linear RGB of the display, 0 to 1, independent of the exposure.
     pub background: [f32; 3],
 }
 
 impl LinearImage {
-    /// A black image that nothing covers.
+    /// A black image without surfaces.
     pub fn black(width: usize, height: usize) -> Self {
         let (pixels, coverage) = (vec![[0.0; 3]; width * height], vec![0.0; width * height]);
         Self { width, height, pixels, coverage, background: [0.0; 3] }

@@ -6,22 +6,22 @@ use rayon::prelude::*;
 use schemars::JsonSchema;
 use serde::Serialize;
 
-/// Mean squared error of an image and what it is in decibels, of sRGB-encoded values of what a display shows:
-/// `encode(clamp(exposure * radiance, 0, 1))`, white = 1.
+/// Mean squared error of an image, also in decibels, of displayed sRGB-encoded values: `encode(clamp(exposure *
+/// radiance, 0, 1))`, white = 1.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, JsonSchema)]
 pub struct SignalToNoise {
     /// Pixels that show a surface in either image; the measures are over these.
     pub pixels: usize,
-    /// Pixels of them that hold no number in either image, and are left out.
+    /// Number of these pixels that are not finite in either image, and are left out.
     pub invalid_pixels: usize,
     /// Mean over pixels and channels of the squared difference, 0 to 1.
     pub mean_squared_error: f64,
-    /// `-10 log10(mean_squared_error)`, dB; absent where there is no difference, which is no finite number of decibels.
+    /// `-10 log10(mean_squared_error)`, dB; absent (infinite) if there is no difference.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub psnr: Option<f64>,
 }
 
-/// Compares an image with a reference of the same size, as a display shows them at this exposure.
+/// Compares an image with a reference of the same size, as displayed at this exposure.
 ///
 /// # Panics
 /// If sizes differ.
@@ -44,12 +44,12 @@ pub fn signal_to_noise(image: &LinearImage, reference: &LinearImage, exposure: f
     }
 }
 
-/// `-10 log10` of a mean squared error; `None` of 0.
+/// `-10 log10` of a mean squared error; `None` for 0.
 pub(super) fn decibels(mean_squared_error: f64) -> Option<f64> {
     (mean_squared_error > 0.0).then(|| -10.0 * mean_squared_error.log10())
 }
 
-/// Sum over channels of squared differences of encoded values; `None` where either pixel holds no number.
+/// Sum over channels of squared differences of encoded values; `None` where either pixel is not finite.
 pub(super) fn squared_difference(a: [f32; 3], b: [f32; 3], exposure: f64) -> Option<f64> {
     if a.iter().chain(&b).any(|c| !c.is_finite()) {
         return None;
@@ -83,7 +83,7 @@ mod tests {
             (found.mean_squared_error - 0.01).abs() < 1e-7 && (found.psnr.unwrap() - 20.0).abs() < 1e-4,
             "{found:?}"
         );
-        // The control: differences of linear values are others.
+        // Control: differences of linear values are others.
         let linear_difference = f64::from(linear(0.3) - linear(0.2)).powi(2);
         assert!((linear_difference - 0.01).abs() > 1e-3);
         // Half the pixels differ: half the error, 3 dB more.
@@ -112,13 +112,13 @@ mod tests {
     }
 
     #[test]
-    fn background_and_what_is_no_number_are_left_out() {
+    fn background_and_non_finite_pixels_are_left_out() {
         let mut a = image(&[[0.5; 3], [0.2; 3], [f32::NAN; 3]]);
         let mut b = image(&[[0.5; 3], [0.9; 3], [0.5; 3]]);
         (a.coverage[1], b.coverage[1]) = (0.0, 0.0);
         let found = signal_to_noise(&a, &b, 1.0);
         assert_eq!((found.pixels, found.invalid_pixels, found.psnr), (2, 1, None));
-        // The control: where one image shows a surface the difference counts.
+        // Control: where one image shows a surface the difference counts.
         b.coverage[1] = 0.1;
         assert!(signal_to_noise(&a, &b, 1.0).psnr.unwrap() < 20.0);
     }

@@ -7,31 +7,31 @@ use brdfc_formats::FormatError;
 
 /// Largest magnitude of a coordinate, in the file's unit.
 pub const MAX_COORDINATE: f64 = 1e12;
-/// Most vertices of a mesh.
+/// Maximum number of vertices of a mesh.
 pub const MAX_VERTICES: usize = 1 << 23;
-/// Most triangles of a mesh, of which polygons have two fewer than corners.
+/// Maximum number of triangles of a mesh; a polygon counts as its number of corners minus two.
 pub const MAX_TRIANGLES: usize = 1 << 23;
 
-/// A mesh as a file holds it, not yet welded; lengths are in the file's own unit, z is up.
+/// A mesh as stored in a file, before welding; lengths are in the file's own unit, z is up.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct TriangleMesh {
-    /// Where vertices are; finite, up to [`MAX_COORDINATE`].
+    /// Positions of vertices; finite, up to [`MAX_COORDINATE`].
     pub positions: Vec<[f64; 3]>,
-    /// Vertices of triangles, counter-clockwise seen from outside.
+    /// Vertex indices of triangles, counter-clockwise seen from outside.
     pub triangles: Vec<[u32; 3]>,
-    /// Names of materials, in the order of their first triangles; empty when the file names none.
+    /// Names of materials, in the order of their first triangles; empty if the file names none.
     pub materials: Vec<String>,
-    /// Index into `materials` of each triangle; empty when there are none.
+    /// Index into `materials` of each triangle; empty without materials.
     pub triangle_materials: Vec<u32>,
-    /// Linear RGB of each vertex, 0 to 1; empty when the file has none.
+    /// Linear RGB of each vertex, 0 to 1; empty if the file has no colours.
     pub colours: Vec<[f32; 3]>,
 }
 
 impl TriangleMesh {
-    /// Whether all of it is as the fields say.
+    /// Checks the invariants of the fields.
     ///
     /// # Errors
-    /// No triangles, lists of the wrong length, indices and numbers out of range.
+    /// Returns an error for no triangles, lists of the wrong length, and indices and numbers out of range.
     pub fn check(&self) -> Result<(), FormatError> {
         let vertices = self.positions.len();
         if self.triangles.is_empty() {
@@ -72,7 +72,7 @@ fn check_length(field: &'static str, found: usize, full: usize) -> Result<(), Fo
     Err(FormatError::whole(field, found.to_string(), format!("0 or {full}")))
 }
 
-/// Finite and not above [`MAX_COORDINATE`].
+/// Returns true for finite values up to [`MAX_COORDINATE`].
 fn is_coordinate(value: f64) -> bool {
     value.abs() <= MAX_COORDINATE
 }
@@ -102,7 +102,7 @@ pub(crate) mod testing {
         )
     }
 
-    /// Cuts, changes and doubles bytes: every reader answers with a mesh that passes its check, or with an error.
+    /// Truncates, changes and repeats bytes: every reader must return a mesh that passes its check, or an error.
     pub fn mutate(bytes: &[u8], read: impl Fn(&[u8]) -> Result<TriangleMesh, FormatError>) {
         let check = |bytes: &[u8]| {
             if let Ok(mesh) = read(bytes) {
@@ -139,7 +139,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn what_is_wrong_is_named() {
+    fn errors_name_the_field() {
         let good = TriangleMesh {
             positions: vec![[0.0; 3]; 3],
             triangles: vec![[0, 1, 2]],

@@ -1,4 +1,4 @@
-//! Wavefront OBJ, the polygons of it. Layout: `crates/readers/src/meso/spec.md`.
+//! Reader and writer of polygons in Wavefront OBJ. Layout: `crates/readers/src/meso/spec.md`.
 
 use super::{MAX_COORDINATE, MAX_TRIANGLES, MAX_VERTICES, TriangleMesh, is_coordinate};
 use crate::colour::{decode_srgb, encode_srgb};
@@ -18,7 +18,7 @@ pub static KIND: FileKind = FileKind {
     begins: Begins::Text(|text| begins_with(first_line(text), &["v ", "vn ", "vt ", "o ", "g ", "mtllib ", "usemtl "])),
 };
 
-/// Name of the material of faces before the first `usemtl`, where others have one.
+/// Name of the material of faces before the first `usemtl`, if other faces have one.
 pub const DEFAULT_MATERIAL: &str = "default";
 
 /// Keywords whose lines do not change the surface.
@@ -47,15 +47,15 @@ const IGNORED: [&str; 19] = [
 /// Parses an OBJ.
 ///
 /// # Errors
-/// What is no text, unknown keywords (free-form surfaces are), numbers that do not parse or are out of range, indices of
-/// no vertex, faces of fewer than three corners, no faces, colours at some vertices only, more than [`MAX_VERTICES`] or
-/// [`MAX_TRIANGLES`].
+/// Returns an error for invalid text, unknown keywords (including free-form surfaces), numbers that do not parse or are
+/// out of range, indices without a vertex, faces with fewer than three corners, no faces, colours at some vertices
+/// only, and more than [`MAX_VERTICES`] or [`MAX_TRIANGLES`].
 pub fn from_bytes(bytes: &[u8]) -> Result<TriangleMesh, FormatError> {
     let mut reader = Reader::default();
     let mut lines = (1u64..).zip(text::checked(bytes)?.lines());
     while let Some((line, content)) = lines.next() {
         let mut content = Cow::Borrowed(content);
-        // A backslash at its end joins a line to the next one.
+        // A backslash at the end joins a line to the next one.
         while content.ends_with('\\') && !content.starts_with('#') {
             let joined = content.to_mut();
             joined.pop();
@@ -75,10 +75,10 @@ struct Reader {
     mesh: TriangleMesh,
     /// Indices into the names; faces without one have [`DEFAULT_MATERIAL`].
     names: BTreeMap<String, u32>,
-    /// What `usemtl` said last.
+    /// Material of the last `usemtl`.
     current: Option<String>,
     named: bool,
-    /// Highest index of a vertex that was not there yet, counted from 1, and its line.
+    /// Highest index of a vertex that is not defined yet, counted from 1, and its line.
     ahead: (u64, u64),
     corners: Vec<u32>,
 }
@@ -164,7 +164,7 @@ impl Reader {
         Ok(())
     }
 
-    /// Index of the vertex of `v`, `v/vt`, `v//vn` or `v/vt/vn`.
+    /// Index of the vertex in `v`, `v/vt`, `v//vn` or `v/vt/vn`.
     fn corner(&mut self, line: u64, token: &str) -> Result<u32, FormatError> {
         let known = self.mesh.positions.len() as i64;
         let index = token.split('/').next().and_then(|v| v.parse::<i64>().ok());
@@ -182,7 +182,7 @@ impl Reader {
         if place >= known && place as u64 >= self.ahead.0 {
             self.ahead = (place as u64 + 1, line);
         }
-        // What does not fit is above the number of vertices, and refused in the end.
+        // An index that does not fit exceeds the number of vertices, and is rejected at the end.
         Ok(place as u32)
     }
 
@@ -208,13 +208,13 @@ fn without_comment(text: &str) -> &str {
     text.split('#').next().unwrap_or("")
 }
 
-/// Writes a mesh; positions read back as they are, colours up to rounding. Names of materials are to be single words.
+/// Writes a mesh. Positions round-trip exactly, colours up to rounding. Names of materials must be single words.
 ///
 /// # Errors
-/// Those of `output`.
+/// Returns errors of `output`.
 ///
 /// # Panics
-/// May do so where the mesh does not pass [`TriangleMesh::check`].
+/// May panic if the mesh does not pass [`TriangleMesh::check`].
 pub fn write(output: &mut impl Write, mesh: &TriangleMesh) -> std::io::Result<()> {
     for (index, [x, y, z]) in mesh.positions.iter().enumerate() {
         write!(output, "v {x:?} {y:?} {z:?}")?;
@@ -344,7 +344,7 @@ mod tests {
 
     proptest! {
         #[test]
-        fn what_is_written_is_read(mesh in meshes(), materials in prop::collection::vec(0u32..3, 30)) {
+        fn meshes_round_trip(mesh in meshes(), materials in prop::collection::vec(0u32..3, 30)) {
             let mut mesh = mesh;
             // Names are numbered as triangles use them.
             let mut order = Vec::new();

@@ -1,4 +1,4 @@
-//! PLY, ascii and binary of either byte order. Layout: `crates/readers/src/meso/spec.md`.
+//! Reader and writer of PLY, ascii and binary in either byte order. Layout: `crates/readers/src/meso/spec.md`.
 
 mod header;
 
@@ -19,8 +19,9 @@ pub static KIND: FileKind =
 /// Parses a PLY.
 ///
 /// # Errors
-/// Headers that do not follow the layout, no `vertex` with x, y and z, no `face` with a list of vertices, fewer or more
-/// data than the header says, numbers and indices out of range, no faces, more than [`MAX_VERTICES`] or [`MAX_TRIANGLES`].
+/// Returns an error for headers that violate the layout, no `vertex` with x, y and z, no `face` with a list of
+/// vertices, fewer or more data than the header declares, numbers and indices out of range, no faces, and more than
+/// [`MAX_VERTICES`] or [`MAX_TRIANGLES`].
 pub fn from_bytes(bytes: &[u8]) -> Result<TriangleMesh, FormatError> {
     let header = Header::from_bytes(bytes)?;
     let layout = VertexLayout::find(header.element("vertex")?)?;
@@ -43,7 +44,7 @@ pub fn from_bytes(bytes: &[u8]) -> Result<TriangleMesh, FormatError> {
     Ok(mesh)
 }
 
-/// Which properties of a vertex hold what.
+/// Indices of the properties of a vertex.
 struct VertexLayout {
     position: [usize; 3],
     colour: Option<[usize; 3]>,
@@ -79,7 +80,7 @@ impl VertexLayout {
     }
 }
 
-/// The property of a face that lists its vertices.
+/// Finds the property of a face that lists its vertices.
 fn find_list(element: &Element) -> Result<usize, FormatError> {
     let found = element.properties.iter().position(|p| ["vertex_indices", "vertex_index"].contains(&p.name.as_str()));
     let property = found.map(|index| &element.properties[index]);
@@ -173,7 +174,7 @@ fn read_faces(
 }
 
 fn skip(values: &mut Values<'_>, element: &Element) -> Result<(), FormatError> {
-    // Rows without properties have no data, however many there are.
+    // Rows without properties have no data, for any number of rows.
     if element.properties.is_empty() {
         return Ok(());
     }
@@ -188,7 +189,7 @@ fn skip(values: &mut Values<'_>, element: &Element) -> Result<(), FormatError> {
     Ok(())
 }
 
-/// The numbers after the header, one after another.
+/// Reader of the numbers after the header.
 enum Values<'a> {
     Ascii { lines: std::str::Lines<'a>, tokens: std::str::SplitAsciiWhitespace<'a>, line: u64, left: usize },
     Binary { cursor: Cursor<'a>, big_endian: bool },
@@ -211,7 +212,7 @@ impl<'a> Values<'a> {
         Ok(Self::Ascii { lines: text.lines(), tokens, line: header.lines, left: text.len() })
     }
 
-    /// An error where reading has got to.
+    /// Creates an error at the current position.
     fn error(&self, field: &'static str, found: impl Into<String>, allowed: impl Into<String>) -> FormatError {
         match self {
             Self::Ascii { line, .. } => FormatError::at_line(*line, field, found, allowed),
@@ -219,10 +220,10 @@ impl<'a> Values<'a> {
         }
     }
 
-    /// Rows of an element, if there are data for so many.
+    /// Number of rows of an element, checked against the remaining data.
     fn check_room(&self, element: &Element) -> Result<usize, FormatError> {
         let (row, left) = match self {
-            // A digit and a space each.
+            // At least a digit and a space each.
             Self::Ascii { left, .. } => (2 * element.properties.len() as u64, *left as u64 + 1),
             Self::Binary { cursor, .. } => {
                 (element.properties.iter().map(|p| p.least_bytes()).sum(), cursor.remaining() as u64)
@@ -232,7 +233,7 @@ impl<'a> Values<'a> {
             return Ok(element.count as usize);
         }
         let found = format!("{} rows of {} or more", element.count, element.name);
-        Err(self.error("element count", found, format!("{}, for which there are data", left / row)))
+        Err(self.error("element count", found, format!("at most {}, limited by the remaining data", left / row)))
     }
 
     fn scalar(&mut self, scalar: Scalar, field: &'static str) -> Result<f64, FormatError> {
@@ -264,7 +265,7 @@ impl<'a> Values<'a> {
         }
     }
 
-    /// Length of a list, for which there are data.
+    /// Length of a list, checked against the remaining data.
     fn list_length(&mut self, count: Scalar, item: Scalar) -> Result<u64, FormatError> {
         let length = self.scalar(count, "list length")?;
         let room = match self {
@@ -274,7 +275,7 @@ impl<'a> Values<'a> {
         if length >= 0.0 && length <= room as f64 && length.fract() == 0.0 {
             return Ok(length as u64);
         }
-        Err(self.error("list length", length.to_string(), format!("0 to {room}, for which there are data")))
+        Err(self.error("list length", length.to_string(), format!("0 to {room}, limited by the remaining data")))
     }
 
     fn skip_list(&mut self, count: Scalar, item: Scalar) -> Result<(), FormatError> {
@@ -300,10 +301,10 @@ impl<'a> Values<'a> {
     }
 }
 
-/// Writes a mesh as little-endian binary with double coordinates and linear float colours. Materials are left out.
+/// Writes a mesh as little-endian binary with double coordinates and linear float colours, without materials.
 ///
 /// # Errors
-/// Those of `output`.
+/// Returns errors of `output`.
 pub fn write(output: &mut impl Write, mesh: &TriangleMesh) -> std::io::Result<()> {
     let coloured = !mesh.colours.is_empty();
     writeln!(output, "ply\nformat binary_little_endian 1.0\nelement vertex {}", mesh.positions.len())?;

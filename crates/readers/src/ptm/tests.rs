@@ -24,13 +24,13 @@ fn rows_run_from_the_bottom_and_colours_follow_all_coefficients() {
     let PtmModel::Lrgb { luminance, colour } = ptm.model() else { panic!("{ptm:?}") };
     assert_eq!(luminance.iter().map(|bytes| bytes[5]).collect::<Vec<_>>(), [102, 103, 100, 101]);
     assert_eq!(colour, &[[12, 22, 32], [13, 23, 33], [10, 20, 30], [11, 21, 31]]);
-    // 101 / 2 of a colour, under any light.
+    // 101 / 2 times the colour, under any light.
     assert_eq!(ptm.value(3, [0.3, -0.9]), [11.0, 21.0, 31.0].map(|code: f32| 50.5 * code / 255.0));
 }
 
-/// Each term alone, by a byte of its own.
+/// Each term alone, with its own byte.
 #[test]
-fn terms_stand_in_the_order_of_the_paper() {
+fn terms_are_in_the_order_of_the_paper() {
     let (scale, bias) = ([1.0, 10.0, 20.0, 40.0, 80.0, 30.0], [0, 1, 2, 3, 4, 5]);
     let value = |term: usize, light| {
         let mut bytes = [0, 1, 2, 3, 4, 5];
@@ -39,7 +39,7 @@ fn terms_stand_in_the_order_of_the_paper() {
         Ptm::new([1, 1], scale, bias, model).unwrap().value(0, light)
     };
     for (term, expected) in [0.5, 5.0, 10.0, 40.0, 80.0, 60.0].into_iter().enumerate() {
-        // Green has no term, blue more than 255.
+        // Green has no term, blue exceeds 255.
         assert_eq!(value(term, [0.5, 0.5]), [expected, 0.0, 255.0], "{term}");
     }
     assert_eq!(value(3, [-0.5, 0.5])[0], 0.0, "negative values are clamped");
@@ -54,7 +54,7 @@ fn the_luminance_is_not_clamped_before_it_meets_a_colour() {
 }
 
 #[test]
-fn channels_stand_in_blocks() {
+fn channels_are_in_blocks() {
     let mut bytes = b"PTM_1.2\nPTM_FORMAT_RGB\n2 1\n1 1 1 1 1 1 0 0 0 0 0 0\n".to_vec();
     bytes.extend(0..36);
     let ptm = Ptm::from_bytes(&bytes).unwrap();
@@ -73,7 +73,7 @@ fn headers_have_line_ends_where_they_like() {
     ] {
         assert_eq!(Ptm::from_bytes(&lrgb(header)).as_ref(), Ok(&expected), "{header}");
     }
-    // One line end is the header's, more are pixels.
+    // One line end belongs to the header, further ones are pixels.
     assert!(
         message(&lrgb(&format!("{HEADER}\n"))).starts_with("file length: found 37 bytes after the header, expected 36")
     );
@@ -126,11 +126,11 @@ fn files_that_are_cut_or_longer() {
 #[test]
 fn parts_that_do_not_fit() {
     let model = |count: usize| PtmModel::Lrgb { luminance: vec![[0; 6]; 4], colour: vec![[0; 3]; count] };
-    let told = |size, scale, model| Ptm::new(size, [scale; 6], [0; 6], model).map(drop).map_err(|e| e.to_string());
-    assert_eq!(told([2, 2], 1.0, model(4)), Ok(()));
-    assert_eq!(told([2, 2], 1.0, model(3)), Err("pixels: found 3, expected 4 of 2 x 2".to_owned()));
-    assert_eq!(told([2, 0], 1.0, model(4)), Err("height: found 0, expected 1 to 65536".to_owned()));
-    assert!(told([2, 2], f32::NAN, model(4)).unwrap_err().starts_with("scale: found NaN"));
+    let result = |size, scale, model| Ptm::new(size, [scale; 6], [0; 6], model).map(drop).map_err(|e| e.to_string());
+    assert_eq!(result([2, 2], 1.0, model(4)), Ok(()));
+    assert_eq!(result([2, 2], 1.0, model(3)), Err("pixels: found 3, expected 4 for 2 x 2".to_owned()));
+    assert_eq!(result([2, 0], 1.0, model(4)), Err("height: found 0, expected 1 to 65536".to_owned()));
+    assert!(result([2, 2], f32::NAN, model(4)).unwrap_err().starts_with("scale: found NaN"));
     let error = Ptm::from_coefficients_lrgb([1, 1], &[[0.0, 0.0, f32::INFINITY, 0.0, 0.0, 0.0]], &[[0; 3]]);
     assert_eq!(error.unwrap_err().to_string(), "coefficient: found inf, expected finite numbers");
     assert!(Ptm::from_coefficients_rgb([1, 1], &[]).is_err());
@@ -153,7 +153,7 @@ fn coefficients() -> impl Strategy<Value = [f32; 6]> {
     prop::array::uniform6(coefficient())
 }
 
-/// Every coefficient within half a step, a step being 1/255 of the range.
+/// Every coefficient is within half a step; a step is 1/255 of the range.
 fn check(ptm: &Ptm, written: &[[f32; 6]], read: &[[u8; 6]]) -> Result<(), TestCaseError> {
     for term in 0..TERMS {
         let values = || written.iter().map(|c| f64::from(c[term]));
@@ -172,7 +172,7 @@ fn check(ptm: &Ptm, written: &[[f32; 6]], read: &[[u8; 6]]) -> Result<(), TestCa
 
 proptest! {
     #[test]
-    fn rgb_comes_back(pixels in prop::collection::vec(prop::array::uniform3(coefficients()), 6)) {
+    fn rgb_round_trips(pixels in prop::collection::vec(prop::array::uniform3(coefficients()), 6)) {
         let ptm = Ptm::from_coefficients_rgb([2, 3], &pixels).unwrap();
         let PtmModel::Rgb(bytes) = ptm.model() else { panic!("{ptm:?}") };
         check(&ptm, pixels.as_flattened(), bytes.as_flattened())?;
@@ -180,7 +180,7 @@ proptest! {
     }
 
     #[test]
-    fn lrgb_comes_back(
+    fn lrgb_round_trips(
         luminance in prop::collection::vec(coefficients(), 6),
         colour in prop::collection::vec(prop::array::uniform3(any::<u8>()), 6),
     ) {

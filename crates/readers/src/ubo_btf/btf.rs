@@ -1,54 +1,54 @@
-//! A BTF as products of matrices.
+//! BTFs as products of matrices.
 
 use super::colour::ColourModel;
 use super::matrix::Channel;
 use brdfc_formats::direction_set::DirectionSet;
 use brdfc_formats::{FormatError, memory};
 
-/// What every file begins with.
+/// Signature at the beginning of every file.
 pub const SIGNATURE: &[u8; 10] = b"!DFMF08FCR";
-/// Versions of the header that are read.
+/// Supported versions of the header.
 pub const VERSIONS: std::ops::RangeInclusive<u32> = 1..=4;
-/// Most texels per row, and rows.
+/// Maximum width and height, texels.
 pub const MAX_SIZE: u32 = 4096;
-/// Channels of a colour.
+/// Number of channels of a colour.
 pub const CHANNELS: usize = 3;
-/// Bytes of each name in the header.
+/// Number of bytes of each name in the header.
 pub(super) const NAME_BYTES: usize = 80;
 
-/// The versions in words.
+/// Supported versions, for messages.
 pub(super) fn versions() -> String {
     format!("{} to {}", VERSIONS.start(), VERSIONS.end())
 }
 
-/// What a file says besides its values.
+/// Metadata of a file.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Description {
     /// Version of the header.
     pub version: u32,
-    /// Name of the measurement setup, of the sensor, of the light.
+    /// Names of the measurement setup, of the sensor and of the light.
     pub devices: [String; 3],
-    /// Texels per millimetre; as it stands in the file.
+    /// Texels per millimetre, as stored.
     pub texels_per_millimetre: f32,
-    /// Factors of red, green and blue; as they stand in the file. They are not applied to values.
+    /// Factors of red, green and blue, as stored. They are not applied to values.
     pub rgb_factors: [f32; 3],
-    /// Whether values have the cosine of the light's polar angle in them.
+    /// True if values include the cosine of the light's polar angle.
     pub has_cosine: bool,
-    /// Bytes of the XML about the measurement, which is skipped.
+    /// Size of the skipped XML about the measurement, bytes.
     pub xml_bytes: u32,
     /// Directions to the viewer.
     pub views: DirectionSet,
     /// Directions to the light; the same for every view.
     pub lights: DirectionSet,
-    /// Texels per row, and rows.
+    /// Width and height, texels.
     pub size: [usize; 2],
-    /// How channels become red, green and blue.
+    /// Conversion of channels to red, green and blue.
     pub colour_model: ColourModel,
 }
 
-/// A BTF, its matrices as the file has them: a value is computed when it is asked for.
+/// A BTF with its matrices as stored; values are computed on demand.
 ///
-/// Row 0 is the first in the file, which is the top of the tile.
+/// Row 0 is the first in the file, the top of the tile.
 #[derive(Debug, Clone, PartialEq)]
 pub struct UboBtf {
     pub(super) description: Description,
@@ -56,12 +56,12 @@ pub struct UboBtf {
 }
 
 impl UboBtf {
-    /// A checked BTF. Row `view * lights + light` of a channel's first matrix is a pair of directions, row
-    /// `row * width + column` of its second one a texel.
+    /// Creates a checked BTF. Row `view * lights + light` of a channel's first matrix belongs to a pair of directions,
+    /// row `row * width + column` of its second one to a texel.
     ///
     /// # Errors
-    /// A size outside 1 to [`MAX_SIZE`]; matrices with other numbers of rows; a version outside [`VERSIONS`], or 1 with a
-    /// cosine flag; a PCA whose numbers are not finite.
+    /// Returns an error for a size outside 1 to [`MAX_SIZE`], matrices with other numbers of rows, a version outside
+    /// [`VERSIONS`], version 1 with a cosine flag, and a PCA whose numbers are not finite.
     pub fn new(description: Description, channels: [Channel; CHANNELS]) -> Result<Self, FormatError> {
         let wrong = |field: &'static str, found: usize, allowed: String| {
             Err(FormatError::whole(field, found.to_string(), allowed))
@@ -80,7 +80,7 @@ impl UboBtf {
             ));
         }
         if !description.colour_model.is_finite() {
-            return Err(FormatError::whole("colour model", "what is not finite", "finite numbers"));
+            return Err(FormatError::whole("colour model", "values that are not finite", "finite numbers"));
         }
         let pairs = description.views.len() * description.lights.len();
         let [width, height] = description.size;
@@ -95,28 +95,28 @@ impl UboBtf {
         Ok(Self { description, channels })
     }
 
-    /// What the file says besides its values.
+    /// Metadata of the file.
     pub fn description(&self) -> &Description {
         &self.description
     }
 
-    /// The channels before colours are made of them.
+    /// The channels before conversion to colours.
     pub fn channels(&self) -> &[Channel; CHANNELS] {
         &self.channels
     }
 
-    /// Bytes that the matrices take in memory.
+    /// Size of the matrices in memory, bytes.
     pub fn memory_bytes(&self) -> u64 {
         self.channels.iter().map(|channel| channel.pairs().memory_bytes() + channel.texels().memory_bytes()).sum()
     }
 
     /// Linear RGB of one texel, by indices of the view and the light and by `row * width + column`.
     ///
-    /// Values are what the matrices and the colour model give: they may be slightly negative, and are not clipped. Where
-    /// [`Description::has_cosine`] is unset, they are without the cosine of the light's polar angle.
+    /// Values are the results of the matrices and the colour model, without clipping: they may be slightly negative. If
+    /// [`Description::has_cosine`] is false, they exclude the cosine of the light's polar angle.
     ///
     /// # Errors
-    /// Indices that the file has not.
+    /// Returns an error for indices out of range.
     pub fn texel(&self, view: usize, light: usize, texel: usize) -> Result<[f32; 3], FormatError> {
         let pair = self.pair(view, light)?;
         let [width, height] = self.description.size;
@@ -127,10 +127,10 @@ impl UboBtf {
         Ok(self.colour(std::array::from_fn(|c| self.channels[c].texels().dot(texel, &rows[c]))))
     }
 
-    /// Linear RGB of the whole tile, as [`Self::texel`] gives it, row by row from the top.
+    /// Linear RGB of the whole tile, as from [`Self::texel`], row by row from the top.
     ///
     /// # Errors
-    /// Indices that the file has not.
+    /// Returns an error for indices out of range.
     pub fn image(&self, view: usize, light: usize) -> Result<Vec<[f32; 3]>, FormatError> {
         let pair = self.pair(view, light)?;
         let [width, height] = self.description.size;
@@ -145,7 +145,7 @@ impl UboBtf {
         Ok(pixels)
     }
 
-    /// Finite, whatever stands in the matrices.
+    /// Always finite, for any matrices.
     fn colour(&self, channels: [f32; 3]) -> [f32; 3] {
         self.description
             .colour_model

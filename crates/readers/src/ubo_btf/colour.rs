@@ -1,43 +1,43 @@
-//! Decorrelated channels to linear RGB.
+//! Conversion of decorrelated channels to linear RGB.
 
 use brdfc_formats::FormatError;
 use brdfc_formats::vector_math::exp;
 
-/// Added to values before their logarithm is taken.
+/// Added to values before taking the logarithm.
 const EPSILON: f32 = 1e-5;
 
-/// How the three channels of a file become linear red, green and blue. Discriminants are the codes in the file.
+/// Conversion of the three channels of a file to linear red, green and blue. Discriminants are the codes in the file.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[repr(i32)]
 pub enum ColourModel {
     /// Red, green, blue.
     Rgb = 0,
-    /// Luma and two differences of colour.
+    /// Luma and two colour differences.
     Yuv = 1,
     /// `transform` row by row: `rgb[j] = Σ_i channel[i] transform[i][j] + mean[j]`.
     Pca {
-        /// Added at last.
+        /// Added at the end.
         mean: [f32; 3],
         /// One row for each channel.
         transform: [[f32; 3]; 3],
     } = 3,
     /// Luma, orange and green: `[Y + Co - Cg, Y + Cg, Y - Co - Cg]`.
     YCoCg = 4,
-    /// YUV of which Y is stored as `ln(Y + 1e-5)`.
+    /// YUV with Y stored as `ln(Y + 1e-5)`.
     LogYuv = 9,
-    /// The same; U and V as `sign(U) ln(|U| / 1e-5)`.
+    /// Same as [`Self::LogYuv`], with U and V as `sign(U) ln(|U| / 1e-5)`.
     LogLogYuv = 10,
-    /// The same as [`Self::LogYuv`]; U and V as shares of `Y + 1e-5`. That of the database's files.
+    /// Same as [`Self::LogYuv`], with U and V as shares of `Y + 1e-5`. Files of the database use this model.
     LogYRatioUv = 11,
     /// `ln(value + 1e-5)` of red, green and blue.
     LogRgb = 12,
 }
 
 impl ColourModel {
-    /// The model with a code; `mean` and `transform` are those of the file.
+    /// Creates the model of a code; `mean` and `transform` are those of the file.
     ///
     /// # Errors
-    /// Any other code, at that byte.
+    /// Returns an error at that byte for any other code.
     pub(super) fn from_code(
         code: i32,
         mean: [f32; 3],
@@ -88,7 +88,7 @@ impl ColourModel {
         }
     }
 
-    /// Linear RGB of three channels as the matrices give them.
+    /// Linear RGB of three channels from the matrices.
     pub fn to_rgb(self, [a, b, c]: [f32; 3]) -> [f32; 3] {
         let luma = || exp(a) - EPSILON;
         let signed = |v: f32| if v == 0.0 { 0.0 } else { (EPSILON * exp(v.abs())).copysign(v) };

@@ -1,26 +1,26 @@
-//! The two factors of a channel.
+//! The two matrix factors of a channel.
 
 use brdfc_formats::container::half;
 use brdfc_formats::{FormatError, memory};
 
-/// What numbers of a matrix are in a file.
+/// Type of the numbers of a matrix in a file.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Scalar {
     /// IEEE 754 half, 2 bytes.
     Half,
     /// Single, 4 bytes.
     Single,
-    /// Double, 8 bytes; kept as single.
+    /// Double, 8 bytes; stored as single in memory.
     Double,
 }
 
 impl Scalar {
-    /// The one of that many bytes.
+    /// The type with this many bytes.
     pub(super) fn of_size(bytes: u8) -> Option<Self> {
         [Self::Half, Self::Single, Self::Double].into_iter().find(|scalar| scalar.size() == u64::from(bytes))
     }
 
-    /// Bytes of one number.
+    /// Size of a number, bytes.
     pub fn size(self) -> u64 {
         match self {
             Self::Half => 2,
@@ -30,14 +30,14 @@ impl Scalar {
     }
 }
 
-/// Numbers as they are kept: halves stay as small as in the file.
+/// Numbers in memory: halves stay halves.
 #[derive(Debug, Clone, PartialEq)]
 enum Numbers {
     Half(Vec<u16>),
     Single(Vec<f32>),
 }
 
-/// Finite numbers, row by row.
+/// A matrix of finite numbers, row by row.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Matrix {
     numbers: Numbers,
@@ -45,7 +45,7 @@ pub struct Matrix {
 }
 
 impl Matrix {
-    /// Room for `count` numbers.
+    /// Allocates memory for `count` numbers.
     pub(super) fn reserved(scalar: Scalar, count: usize, columns: usize) -> Result<Self, FormatError> {
         let numbers = match scalar {
             Scalar::Half => Numbers::Half(memory::reserved("matrix", count)?),
@@ -54,7 +54,8 @@ impl Matrix {
         Ok(Self { numbers, columns })
     }
 
-    /// Appends the numbers in `bytes`, a whole number of them; where one is not finite, which of them.
+    /// Appends the numbers in `bytes`, a whole number of them. Returns the index and value of the first one that is not
+    /// finite as an error.
     pub(super) fn append(&mut self, scalar: Scalar, bytes: &[u8]) -> Result<(), (usize, f64)> {
         let check = |index: usize, value: f64| if value.is_finite() { Ok(()) } else { Err((index, value)) };
         match (&mut self.numbers, scalar) {
@@ -83,7 +84,7 @@ impl Matrix {
         Ok(())
     }
 
-    /// Rows: pairs of directions, or texels.
+    /// Number of rows: pairs of directions, or texels.
     pub fn rows(&self) -> usize {
         match &self.numbers {
             Numbers::Half(numbers) => numbers.len() / self.columns,
@@ -91,7 +92,7 @@ impl Matrix {
         }
     }
 
-    /// Bytes that its numbers take.
+    /// Size of its numbers, bytes.
     pub fn memory_bytes(&self) -> u64 {
         match &self.numbers {
             Numbers::Half(numbers) => 2 * numbers.len() as u64,
@@ -108,7 +109,7 @@ impl Matrix {
         }
     }
 
-    /// Product with a row, without a copy of it; the order of its sums depends on nothing but the length.
+    /// Scalar product with a row, without a copy of it; the order of its sums depends on the length alone.
     pub(super) fn dot(&self, row: usize, with: &[f32]) -> f32 {
         let range = row * self.columns..(row + 1) * self.columns;
         match &self.numbers {
@@ -118,10 +119,10 @@ impl Matrix {
     }
 }
 
-/// Numbers in each of the sums that are added up side by side, so that they become vector code.
+/// Number of parallel sums, so that they become vector code.
 const LANES: usize = 16;
 
-/// Product of two rows of one length; the order of its sums depends on nothing but the length.
+/// Scalar product of two rows of the same length; the order of its sums depends on the length alone.
 #[inline]
 fn dot_of<T: Copy>(a: &[T], b: &[f32], decode: impl Fn(T) -> f32) -> f32 {
     let (a, rest) = a.as_chunks::<LANES>();
@@ -144,10 +145,10 @@ pub struct Channel {
 }
 
 impl Channel {
-    /// Makes a channel of `components` columns from numbers that stand row by row; as halves they are rounded.
+    /// Creates a channel of `components` columns from numbers in row order; halves are rounded.
     ///
     /// # Errors
-    /// No component, rows that are not whole, numbers that are not finite or become so.
+    /// Returns an error for no components, incomplete rows, and numbers that are not finite or become so.
     pub fn new(components: usize, pairs: &[f32], texels: &[f32], scalar: Scalar) -> Result<Self, FormatError> {
         let matrix = |numbers: &[f32]| {
             if components == 0 || numbers.is_empty() || !numbers.len().is_multiple_of(components) {
@@ -171,17 +172,17 @@ impl Channel {
         Self { pairs, texels }
     }
 
-    /// Columns of both matrices.
+    /// Number of columns of both matrices.
     pub fn components(&self) -> usize {
         self.pairs.columns
     }
 
-    /// One row for each pair of a view and a light.
+    /// Matrix with a row for each pair of a view and a light.
     pub fn pairs(&self) -> &Matrix {
         &self.pairs
     }
 
-    /// One row for each texel.
+    /// Matrix with a row for each texel.
     pub fn texels(&self) -> &Matrix {
         &self.texels
     }

@@ -1,4 +1,4 @@
-//! BTFs of the database of Bonn University of 2014: colours that were decorrelated, each channel a product of two matrices.
+//! BTFs of the database of Bonn University of 2014: decorrelated colours, each channel a product of two matrices.
 //!
 //! Layout: `crates/readers/src/ubo_btf.md`.
 

@@ -1,4 +1,4 @@
-//! Reads the layout, no more than a block of the file at a time besides what is kept.
+//! Reader of the layout. Besides its result it holds one block of the file at a time.
 
 use super::btf::{CHANNELS, Description, MAX_SIZE, NAME_BYTES, SIGNATURE, UboBtf, VERSIONS, versions};
 use super::colour::ColourModel;
@@ -8,11 +8,11 @@ use brdfc_formats::direction_set::{DirectionSet, MAX_DIRECTIONS, SAME_DIRECTION,
 use brdfc_formats::{FormatError, memory};
 use std::io::{Cursor, Read, Seek, SeekFrom};
 
-/// Bytes of a matrix that are read at once; a multiple of every number's size.
+/// Number of bytes of a matrix that are read at once; a multiple of every number's size.
 const BLOCK_BYTES: usize = 1 << 16;
-/// Angles in a file stand for a multiple of this part of a degree where that is the nearest f32.
+/// Angles in a file represent a multiple of this fraction of a degree if that is the nearest f32.
 const STEPS_PER_DEGREE: f64 = 1e4;
-/// Other layouts of the database, which begin alike.
+/// Other layouts of the database with a similar signature.
 const OTHER_SIGNATURES: [(&[u8], &str); 4] = [
     (b"!FMF", "FMF, the codec without decorrelated colours"),
     (b"!PVF", "PVF, the codec with a factorisation for each view"),
@@ -20,33 +20,34 @@ const OTHER_SIGNATURES: [(&[u8], &str); 4] = [
     (b"!DFMF", "DFMF in another version"),
 ];
 
-/// Why a file cannot be read.
+/// Error of reading a file.
 #[derive(Debug, thiserror::Error)]
 pub enum ReadError {
-    /// It breaks its layout.
+    /// The file violates its layout.
     #[error(transparent)]
     Format(#[from] FormatError),
-    /// The system does not give it.
+    /// The system cannot read it.
     #[error(transparent)]
     Io(#[from] std::io::Error),
 }
 
 impl UboBtf {
-    /// Reads a file that is in memory.
+    /// Reads a file in memory.
     ///
     /// # Errors
-    /// What the layout does not allow; every length is held against what is left of the file before memory is asked for.
+    /// Returns an error for violations of the layout. Every length is checked against the rest of the file before
+    /// memory is allocated.
     pub fn from_bytes(bytes: &[u8]) -> Result<Self, FormatError> {
         Self::from_reader(Cursor::new(bytes)).map_err(|error| match error {
             ReadError::Format(error) => error,
-            ReadError::Io(error) => FormatError::whole("bytes", error.to_string(), "what can be read"),
+            ReadError::Io(error) => FormatError::whole("bytes", error.to_string(), "readable bytes"),
         })
     }
 
-    /// Reads a file from its start to its end, a block at a time: only what is kept takes memory.
+    /// Reads a file from its start to its end, a block at a time, with memory for the result only.
     ///
     /// # Errors
-    /// As [`Self::from_bytes`]; what cannot be read.
+    /// Same as [`Self::from_bytes`]. Also returns an error if the file cannot be read.
     pub fn from_reader(mut file: impl Read + Seek) -> Result<Self, ReadError> {
         let length = file.seek(SeekFrom::End(0))?;
         file.seek(SeekFrom::Start(0))?;
@@ -69,10 +70,10 @@ impl<R: Read + Seek> Reader<R> {
         let at = self.position;
         let rotations = self.word("rotations")?;
         if rotations != 0 {
-            let allowed = "0: values in turned frames of texels make no images";
+            let allowed = "0: rotated frames of texels are not supported";
             return Err(FormatError::at_byte(at, "rotations", rotations.to_string(), allowed).into());
         }
-        // Of the channel with the most; each says it again.
+        // Number of components of the channel with the most; each channel repeats its own.
         self.word("components")?;
         let at = self.position;
         let code = i32::from_le_bytes(self.array("colour model")?);
@@ -107,7 +108,7 @@ impl<R: Read + Seek> Reader<R> {
         Err(FormatError::at_byte(0, "signature", found, format!("\"{}\"", SIGNATURE.escape_ascii())).into())
     }
 
-    /// What stands before the directions; these, the size and the colour model are still to be filled in.
+    /// Reads the header up to the directions, without the directions, the size and the colour model.
     fn header(&mut self) -> Result<Description, ReadError> {
         let start = self.position;
         let size = self.word("header size")?;
@@ -138,9 +139,13 @@ impl<R: Read + Seek> Reader<R> {
         }
         let read = self.position - start;
         if u64::from(size) != read {
-            return Err(
-                FormatError::at_byte(start, "header size", size.to_string(), format!("{read}, its bytes")).into()
-            );
+            return Err(FormatError::at_byte(
+                start,
+                "header size",
+                size.to_string(),
+                format!("{read}, its size in bytes"),
+            )
+            .into());
         }
         let none = || DirectionSet { name: String::new(), angles: Vec::new() };
         Ok(Description {
@@ -157,7 +162,7 @@ impl<R: Read + Seek> Reader<R> {
         })
     }
 
-    /// A view, then its lights, and so on; all views have the same lights.
+    /// Reads each view followed by its lights; all views have the same lights.
     fn directions(&mut self) -> Result<(DirectionSet, DirectionSet), ReadError> {
         let start = self.position;
         let count = self.count("views")?;
@@ -182,7 +187,7 @@ impl<R: Read + Seek> Reader<R> {
                 continue;
             }
             if found != lights.len() {
-                let allowed = format!("{}, as of the first view", lights.len());
+                let allowed = format!("{}, as for the first view", lights.len());
                 return Err(FormatError::at_byte(at, "lights of a view", found.to_string(), allowed).into());
             }
             for (light, expected) in vectors.iter().enumerate() {
@@ -191,7 +196,7 @@ impl<R: Read + Seek> Reader<R> {
                 let difference = subtract(vector(&angles), *expected);
                 if dot(difference, difference) >= SAME_DIRECTION * SAME_DIRECTION {
                     let found = format!("{angles:?} degrees of view {view}");
-                    let allowed = format!("{:?}, as of the first view", lights[light]);
+                    let allowed = format!("{:?}, as for the first view", lights[light]);
                     return Err(FormatError::at_byte(at, "light", found, allowed).into());
                 }
             }
@@ -215,7 +220,7 @@ impl<R: Read + Seek> Reader<R> {
         let first = u64::from(self.word("rows of the first matrix")?);
         let second_at = self.position;
         let second = u64::from(self.word("rows of the second matrix")?);
-        // Images may be the columns instead of apparent BRDFs; of squares the latter are meant.
+        // The columns may be images instead of apparent BRDFs; square matrices have the latter.
         let is_transposed = first == texels && first != pairs;
         let expected = if is_transposed { [texels, pairs] } else { [pairs, texels] };
         for (at, field, found, expected) in [
@@ -223,17 +228,17 @@ impl<R: Read + Seek> Reader<R> {
             (second_at, "rows of the second matrix", second, expected[1]),
         ] {
             if found != expected {
-                let other = if is_transposed { String::new() } else { format!(" ({texels} where they are exchanged)") };
+                let other = if is_transposed { String::new() } else { format!(" ({texels} if they are exchanged)") };
                 let allowed = if at == rows_at { format!("{expected}{other}") } else { expected.to_string() };
                 return Err(FormatError::at_byte(at, field, found.to_string(), allowed).into());
             }
         }
         let row = u64::from(components) * scalar.size();
         // 2048 * 2048 + 4096 * 4096 + 1 rows of less than 2^35 bytes fit.
-        let wanted = row * (1 + first + second);
-        if components == 0 || wanted > self.left() {
+        let needed = row * (1 + first + second);
+        if components == 0 || needed > self.left() {
             let most = self.left() / (scalar.size() * (1 + first + second));
-            let allowed = format!("1 to {most}, for which {} bytes are left", self.left());
+            let allowed = format!("1 to {most}, limited by the remaining {} bytes", self.left());
             return Err(FormatError::at_byte(at, "components of a channel", components.to_string(), allowed).into());
         }
         self.skip(row, "singular values")?;
@@ -264,7 +269,7 @@ impl<R: Read + Seek> Reader<R> {
         self.length.saturating_sub(self.position)
     }
 
-    /// Whether `bytes` are left.
+    /// Returns an error unless `bytes` remain.
     fn room(&self, bytes: u64, field: &'static str) -> Result<(), FormatError> {
         if bytes <= self.left() {
             return Ok(());
@@ -328,7 +333,7 @@ impl<R: Read + Seek> Reader<R> {
         Err(FormatError::at_byte(at, field, found.to_string(), format!("1 to {most}")).into())
     }
 
-    /// A polar angle and an azimuth, radians in the file; degrees.
+    /// Reads a polar angle and an azimuth, radians in the file, and converts them to degrees.
     fn angles(&mut self) -> Result<[f64; 2], ReadError> {
         let at = self.position;
         let angles = self.singles::<2>("angles of a direction")?.map(degrees);
@@ -339,7 +344,7 @@ impl<R: Read + Seek> Reader<R> {
     }
 }
 
-/// The round number of degrees that the file can only have meant, or exactly what stands there.
+/// The round number of degrees whose f32 the file has, or the exact value.
 fn degrees(radians: f32) -> f64 {
     let exact = f64::from(radians).to_degrees();
     let round = (exact * STEPS_PER_DEGREE).round() / STEPS_PER_DEGREE;

@@ -1,4 +1,4 @@
-//! What the pages of measured files say, and files that are only read.
+//! Tests of the pages of measured files, and of files that are only read.
 
 mod spec_dumps;
 mod ubo_btf;

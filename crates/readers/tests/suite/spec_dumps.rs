@@ -1,4 +1,4 @@
-//! The dumps and texts on the pages of measured files are those of files that these tests make.
+//! The dumps and texts on the pages of measured files match files that these tests create.
 
 use brdfc_readers::merl::{self, Merl};
 use brdfc_readers::meso::{obj, ply};
@@ -17,7 +17,7 @@ fn merl_tables() {
     assert_eq!(check_dump(page, &bytes), 4);
 }
 
-/// The text files stand on their pages as they are, between fences; the dump shows their first bytes.
+/// The pages contain the text files verbatim between fences; the dump shows their first bytes.
 #[test]
 fn scans() {
     let page = include_str!("../../src/scan.md");
@@ -48,7 +48,7 @@ fn meshes() {
 }
 
 #[test]
-fn what_the_pages_of_scans_say_about_text() {
+fn the_text_rules_on_the_pages_of_scans_hold() {
     let scan = |text: &str| Scan::from_bytes(text.as_bytes());
     for good in [
         "2 450 650\n0 0 0 0 1 1\n",

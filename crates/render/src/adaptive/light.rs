@@ -6,11 +6,11 @@ use brdfc_formats::bandwidth::BandwidthMap;
 use brdfc_formats::bandwidth::propagation::{BRIGHTEST, DirectedLight};
 use std::f32::consts::PI;
 
-/// How fast light from far away varies, and how much there is of it: a pyramid over the texels of its bandwidth map.
+/// Bandwidth and radiance of distant light: a pyramid over the texels of its bandwidth map.
 ///
-/// A few directions stand for a whole lobe in a prediction. Each looks up the mean over the solid angle that it stands for,
-/// not the light in just that direction (as "Filtered importance sampling", Křivánek and Colbert 2008, do it for radiance):
-/// else a few directions miss what is small and bright.
+/// In a prediction, a few directions represent a whole lobe. Each looks up the mean over the solid angle that it
+/// represents, not the light from exactly that direction (as "Filtered importance sampling", Křivánek and Colbert 2008, does
+/// for radiance). Otherwise a few directions would miss small bright sources.
 #[derive(Debug, Clone, PartialEq)]
 pub struct DistantLight {
     bandwidth: BandwidthMap,
@@ -29,10 +29,11 @@ pub struct LightLevel {
 }
 
 impl DistantLight {
-    /// An environment with its map. The bandwidth is 0 everywhere if the map is not one of an environment.
+    /// Makes the pyramid of an environment and its map. The bandwidth is 0 everywhere if the map is not an
+    /// environment's.
     ///
     /// # Panics
-    /// If the environment has no pixels, or not as many as its size says.
+    /// If the environment has no pixels, or if their number does not match its size.
     pub fn new(environment: &Environment, bandwidth: BandwidthMap) -> Self {
         let [width, height] = bandwidth.size().map(|side| side as usize);
         let moments = environment.moments_over([width, height], f64::from(BRIGHTEST));
@@ -50,19 +51,20 @@ impl DistantLight {
         Self { bandwidth, levels }
     }
 
-    /// The map.
+    /// The bandwidth map.
     pub fn bandwidth(&self) -> &BandwidthMap {
         &self.bandwidth
     }
 
-    /// The finest level, of the map's size, and all others, each half as large along both axes, rounded down, but at least 1.
+    /// The finest level, of the map's size, and all others, each half as large along both axes, rounded down, but at
+    /// least 1.
     pub fn levels(&self) -> &[LightLevel] {
         &self.levels
     }
 
-    /// The mean around the direction of a [`BandwidthMap::environment_texel`], over about so much solid angle, sr: on the level
-    /// whose texels are at most as large at the equator, and more than a quarter of it while both sides can be halved. Texels
-    /// near the poles are smaller.
+    /// Mean around the direction of a [`BandwidthMap::environment_texel`], over approximately this solid angle, sr.
+    /// Uses the level whose texels at the equator are at most as large, and more than a quarter of it as long as both
+    /// sides can be halved. Texels near the poles are smaller.
     pub fn at(&self, texel: [u32; 2], solid_angle: f32) -> DirectedLight {
         let texels = self.bandwidth.size().into_iter().product::<u32>() as f32;
         let covered = solid_angle * texels / (2.0 * PI * PI);
@@ -75,7 +77,7 @@ impl DistantLight {
 }
 
 impl LightLevel {
-    /// With half the texels along each axis; each row has its solid angle per texel.
+    /// Halves the number of texels along each axis. Each row has its solid angle per texel.
     fn halved(&self, solid_angles: &[f64]) -> Self {
         let [width, height] = [self.width, self.height].map(|side| (side / 2).max(1));
         let texel = |at: usize| {
@@ -93,7 +95,7 @@ impl LightLevel {
     }
 }
 
-/// What a texel of the next level covers of so many: two, and the last one what is left.
+/// Texels that a texel of the next level covers: two, and the last one the rest.
 fn covered(at: usize, count: usize) -> std::ops::Range<usize> {
     let end = if at + 1 >= count / 2 { count } else { 2 * at + 2 };
     2 * at..end
@@ -130,7 +132,7 @@ mod tests {
         }
     }
 
-    /// Of a whole sphere, against sums over the finest texels.
+    /// Coarser levels of a whole sphere, compared with sums over the finest texels.
     #[test]
     fn coarser_levels_have_the_mean_over_their_solid_angle() {
         for (width, height) in [(64, 32), (100, 38), (96, 3), (512, 1)] {
@@ -147,7 +149,7 @@ mod tests {
             }
             assert!((f64::from(whole.radiance) * all / sum - 1.0).abs() < 1e-5, "{whole:?}");
             assert!((f64::from(whole.squares) * all / squares - 1.0).abs() < 1e-5, "{whole:?}");
-            // Bandwidth is weighted by light, and never beyond what is there.
+            // Bandwidth is weighted by light, and never above the maximum of the finest level.
             let most = finest.texels.iter().map(|texel| texel.bandwidth).fold(0.0, f32::max);
             assert!(
                 light.levels().iter().flat_map(|level| &level.texels).all(|texel| texel.bandwidth <= 1.0001 * most)

@@ -1,4 +1,4 @@
-//! What adaptive shading looks up of a material, made from the material itself.
+//! Look-ups of adaptive shading for a material, made from its source.
 
 use super::AdaptiveMaterial;
 use crate::shade::Reflectance;
@@ -13,15 +13,15 @@ use brdfc_formats::importance::ImportancePack;
 use brdfc_importance::{ImportanceRecipe, LobeDistributions, importance_samples};
 use brdfc_metrics::image::luminance;
 
-/// Outgoing directions that [`albedo`] looks from.
+/// Number of outgoing directions that [`albedo`] averages over.
 const VIEWS: u32 = 8;
-/// Samples of each of them.
+/// Number of samples per outgoing direction.
 const SAMPLES: u32 = 128;
 
-/// Everything that is made of a material besides its pack.
+/// Maps and samples of a material, besides its pack.
 #[derive(Debug)]
 pub struct Lookups {
-    /// How fast its lobe varies.
+    /// Bandwidth of its lobe.
     pub bandwidth: BandwidthMap,
     /// Directions drawn in proportion to its lobe.
     pub samples: ImportancePack,
@@ -32,17 +32,17 @@ pub struct Lookups {
 }
 
 impl Lookups {
-    /// With the default recipes.
+    /// Makes all look-ups with the default recipes.
     ///
     /// # Errors
-    /// What the layouts refuse, which the default recipes do not ask for.
+    /// Returns an error for recipes that the layouts reject, which the default recipes do not cause.
     pub fn new(source: &dyn Source) -> Result<Self, FormatError> {
         let (bandwidth, _) = brdf_map(source, Resolution::default(), DEFAULT_EPSILON)?;
         let (samples, _) = importance_samples(source, &ImportanceRecipe::default())?;
         Self::of_packs(source, bandwidth, samples)
     }
 
-    /// With packs that are there already.
+    /// Makes the rest for existing packs.
     ///
     /// # Errors
     /// As [`Lookups::new`].
@@ -56,7 +56,7 @@ impl Lookups {
         Ok(Self { bandwidth, samples, distributions, albedo })
     }
 
-    /// As a material with this `f_r`.
+    /// An adaptive material with this `f_r`.
     pub fn material<'a>(&'a self, reflectance: &'a dyn Reflectance) -> AdaptiveMaterial<'a> {
         AdaptiveMaterial { reflectance, samples: &self.samples, bandwidth: &self.bandwidth, albedo: self.albedo }
     }

@@ -1,8 +1,9 @@
-//! Adaptive shading: only where and as much as the predicted bandwidth asks for ("Interactive rendering of acquired
-//! materials on dynamic geometry using bandwidth prediction", Bagher, Soler, Subr, Belcour and Holzschuch 2012, section 3).
+//! Adaptive shading: samples only where and as densely as the predicted bandwidth requires ("Interactive rendering of
+//! acquired materials on dynamic geometry using bandwidth prediction", Bagher, Soler, Subr, Belcour and Holzschuch
+//! 2012, section 3).
 //!
-//! Light comes from the environment alone, without visibility. [`predict`] fills the bandwidth buffer, [`Pyramid`] makes
-//! its levels, [`shade`] goes through them from coarse to fine; this file sequences them.
+//! Light comes from the environment alone, without visibility. [`predict`] fills the bandwidth buffer, [`Pyramid`]
+//! makes its levels, and [`shade`] processes them from coarse to fine. This file calls them in order.
 
 mod light;
 mod lookups;
@@ -26,20 +27,20 @@ pub use scene::{AdaptiveMaterial, AdaptiveScene, Settings};
 pub use shading::{forward, shade_point};
 pub use tile::MAX_DIRECTIONS;
 pub use truth::{GroundTruth, Start, ground_truth};
-pub use upsample::{LEAST_WEIGHT, UpsamplingGuide, parents, weight};
+pub use upsample::{MIN_WEIGHT, UpsamplingGuide, parents, weight};
 
 use super::gbuffer::GBuffer;
 use super::scene::Frame;
 use brdfc_metrics::image::LinearImage;
 
-/// A rendering, and what it took.
+/// A rendering, and its cost.
 #[derive(Debug, Clone, PartialEq)]
 pub struct AdaptiveRendering {
     /// The rendering at the frame's size.
     pub image: LinearImage,
-    /// What was predicted, at the resolution of the finest level.
+    /// The prediction, at the resolution of the finest level.
     pub prediction: Prediction,
-    /// What each level shaded, finest first.
+    /// Counts of each level, finest first.
     pub levels: Vec<LevelCount>,
 }
 
@@ -55,12 +56,12 @@ impl AdaptiveRendering {
     }
 }
 
-/// Draws a scene: predicts, then shades from coarse to fine, and takes the mean over the samples of each pixel.
+/// Draws a scene: predicts, shades from coarse to fine, and takes the mean over the samples of each pixel.
 ///
 /// `buffer` is the scene's G-buffer with `1 << settings.antialiasing_levels` points per pixel and axis.
 ///
 /// # Panics
-/// If the buffer is of another size, or there are fewer materials than parts.
+/// If the buffer has another size, or if there are fewer materials than parts.
 pub fn draw(scene: &AdaptiveScene<'_>, frame: Frame, buffer: &GBuffer, settings: &Settings) -> AdaptiveRendering {
     let sub = 1usize << settings.antialiasing_levels;
     assert_eq!((buffer.width, buffer.height), (frame.width * sub, frame.height * sub), "the buffer of this frame");

@@ -1,38 +1,38 @@
 //! The passes over the pyramid, from coarse to fine (section 3.2, figure 9 of Bagher et al. 2012).
 
-use super::upsample::{LEAST_WEIGHT, UpsamplingGuide, parents, weight};
+use super::upsample::{MIN_WEIGHT, UpsamplingGuide, parents, weight};
 use super::{AdaptiveScene, Prediction, Pyramid, coarsest, shade_point};
 use crate::gbuffer::GBuffer;
 use rayon::prelude::*;
 
-/// What a level shaded.
+/// Counts of one level.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq, serde::Serialize, schemars::JsonSchema)]
 pub struct LevelCount {
     /// Pixels of the level that show a surface and are not left to finer levels.
     pub pixels: u64,
-    /// Of these, pixels that were shaded; the others took over what the coarser level has.
+    /// Pixels among them that were shaded. The others were interpolated from the coarser level.
     pub shaded: u64,
     /// Samples of incident light.
     pub samples: u64,
 }
 
-/// What the passes leave.
+/// Result of the passes.
 #[derive(Debug, Clone, PartialEq)]
 pub struct ShadedLevels {
-    /// Radiance of each point of the buffer, row by row; 0 where no surface is.
+    /// Radiance of each point of the buffer, row by row; 0 without a surface.
     pub radiance: Vec<[f32; 3]>,
-    /// What each level did, finest first.
+    /// Counts of each level, finest first.
     pub levels: Vec<LevelCount>,
 }
 
-/// A level under way: a value for each pixel that was computed.
+/// The level in progress: a value for each computed pixel.
 struct Computed {
     width: usize,
     height: usize,
     values: Vec<Option<[f32; 3]>>,
 }
 
-/// What becomes of a pixel.
+/// Outcome of a pixel.
 enum Made {
     /// Left to a finer level, or no surface.
     Nothing,
@@ -40,32 +40,32 @@ enum Made {
     Shaded([f32; 3], u32),
 }
 
-/// Goes through the levels. A pixel of a level stands for a square of the buffer; it is shaded where the finest level that
-/// any pixel of the square asks for is this one, takes over what the coarser level has where that is coarser, and is left
-/// out where it is finer. Where nothing around it fits, it is shaded, too.
+/// Processes the levels. A pixel of a level stands for a square of the buffer. Compared with the finest level that any
+/// pixel of the square needs, it is shaded if this level is the same, interpolated from the coarser level if this level
+/// is finer, and left out if this level is coarser. It is also shaded if no surrounding value fits.
 ///
-/// A pixel of a level `l` above 0 gets `2^l / 2` times the samples of the most demanding pixel in its square, up to `most`: its
-/// error shows in `4^l` pixels, of which the means over the pixels around leave about a quarter, and the sum of squared
-/// errors is least where samples are in proportion to the root of that.
+/// A pixel of a level `l` above 0 gets `2^l / 2` times the samples of the most demanding pixel in its square, up to
+/// `most`. Its error shows in `4^l` pixels, of which the means over the surrounding pixels leave about a quarter, and
+/// the sum of squared errors is least if samples are proportional to the root of that.
 pub fn shade(scene: &AdaptiveScene<'_>, buffer: &GBuffer, prediction: &Prediction, most: u32) -> ShadedLevels {
     let coarsest = coarsest(buffer) as usize;
     let (width, height) = (buffer.width, buffer.height);
-    let wanted = Pyramid::new(width, height, prediction.level.clone(), coarsest, i32::min);
+    let targets = Pyramid::new(width, height, prediction.level.clone(), coarsest, i32::min);
     let samples = Pyramid::new(width, height, prediction.samples.clone(), coarsest, u32::max);
-    let stands = stands_for(buffer, coarsest);
+    let points = stands_for(buffer, coarsest);
     let mut coarser: Option<Computed> = None;
     let mut levels = Vec::new();
     for level in (0..=coarsest).rev() {
-        let (width, height, wanted) = &wanted.levels[level];
+        let (width, height, targets) = &targets.levels[level];
         let pixel = |at: usize| -> Made {
-            let (point, level) = (stands.levels[level].2[at], level as i32);
-            if point == NONE || wanted[at] < level {
+            let (point, level) = (points.levels[level].2[at], level as i32);
+            if point == NONE || targets[at] < level {
                 return Made::Nothing;
             }
-            if wanted[at] > level
+            if targets[at] > level
                 && let Some(coarser) = &coarser
                 && let Some(value) =
-                    upsampled(buffer, &stands, coarser, point, [at % width, at / width], level as usize)
+                    upsampled(buffer, &points, coarser, point, [at % width, at / width], level as usize)
             {
                 return Made::Upsampled(value);
             }
@@ -94,16 +94,16 @@ pub fn shade(scene: &AdaptiveScene<'_>, buffer: &GBuffer, prediction: &Predictio
     ShadedLevels { radiance: finest.into_iter().map(Option::unwrap_or_default).collect(), levels }
 }
 
-/// `2^level / 2` times the samples above level 0, up to the most.
+/// `samples` times `2^level / 2` above level 0, up to the maximum.
 fn raised(samples: u32, level: i32, most: u32) -> u32 {
     samples.saturating_mul(1 << (level - 1).max(0)).min(most)
 }
 
-/// No surface.
+/// Marks pixels without a surface.
 const NONE: u32 = u32::MAX;
 
-/// For each pixel of each level the point of the buffer that it stands for: that in the middle of its square or else the
-/// one of the finer level's pixels that comes first.
+/// For each pixel of each level, the point of the buffer that it stands for: the point in the middle of its square, or
+/// else that of the first of the finer level's pixels that has one.
 fn stands_for(buffer: &GBuffer, coarsest: usize) -> Pyramid<u32> {
     let own = |pixel: usize| if buffer.part_at(pixel).is_some() { pixel as u32 } else { NONE };
     let finest = (0..buffer.part.len()).map(own).collect();
@@ -120,10 +120,10 @@ fn stands_for(buffer: &GBuffer, coarsest: usize) -> Pyramid<u32> {
     pyramid
 }
 
-/// The weighted mean of what was computed around a pixel at the coarser level; `None` where nothing fits.
+/// The weighted mean of the values around a pixel at the coarser level; `None` if no value fits.
 fn upsampled(
     buffer: &GBuffer,
-    stands: &Pyramid<u32>,
+    points: &Pyramid<u32>,
     coarser: &Computed,
     point: u32,
     at: [usize; 2],
@@ -134,12 +134,12 @@ fn upsampled(
     let (mut sum, mut total) = ([0.0f32; 3], 0.0f32);
     for parent in parents(at, [coarser.width, coarser.height]) {
         let Some(value) = coarser.values[parent] else { continue };
-        let stands_at = stands.levels[level + 1].2[parent];
-        let w = weight(&pixel, &guide_of(buffer, stands_at as usize), spacing);
+        let point = points.levels[level + 1].2[parent];
+        let w = weight(&pixel, &guide_of(buffer, point as usize), spacing);
         (0..3).for_each(|k| sum[k] += w * value[k]);
         total += w;
     }
-    (total > LEAST_WEIGHT).then(|| sum.map(|s| s / total))
+    (total > MIN_WEIGHT).then(|| sum.map(|s| s / total))
 }
 
 fn guide_of(buffer: &GBuffer, point: usize) -> UpsamplingGuide {

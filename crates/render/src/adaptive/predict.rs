@@ -1,5 +1,5 @@
-//! The bandwidth buffer: for each pixel, at which level of the pyramid it is shaded and by how many samples (sections 2.2,
-//! 2.3 and 3.1 of Bagher et al. 2012).
+//! The bandwidth buffer: for each pixel, the level of the pyramid at which it is shaded, and the number of samples
+//! (sections 2.2, 2.3 and 3.1 of Bagher et al. 2012).
 
 use super::scene::{AdaptiveScene, Settings};
 use super::tile::bandwidth_and_deviation;
@@ -11,29 +11,29 @@ use brdfc_formats::bandwidth::propagation::{
 };
 use rayon::prelude::*;
 
-/// The level of pixels that show no surface: any level will do.
+/// Level of pixels that show no surface, which fit any level.
 pub const ANY_LEVEL: i32 = i32::MAX;
 
-/// What is predicted of the pixels of a G-buffer, row by row.
+/// Predictions for the pixels of a G-buffer, row by row.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Prediction {
-    /// Cycles per pixel of the rendering, equation 6; 0 where no surface is.
+    /// Cycles per pixel of the rendering, equation 6; 0 without a surface.
     pub bandwidth: Vec<f32>,
-    /// Standard deviation of a sample as it shows: the root of `V` of equation 7, see
-    /// [`brdfc_formats::bandwidth::propagation::VarianceEstimate`], times how much a relative error changes the display; 0
-    /// where no surface is.
+    /// Visible standard deviation of a sample: the root of `V` of equation 7, see
+    /// [`brdfc_formats::bandwidth::propagation::VarianceEstimate`], times the change of the display per relative error;
+    /// 0 without a surface.
     pub deviation: Vec<f32>,
-    /// Level of the pyramid, 0 the G-buffer's own resolution; [`ANY_LEVEL`] where no surface is.
+    /// Level of the pyramid, 0 the G-buffer's own resolution; [`ANY_LEVEL`] without a surface.
     pub level: Vec<i32>,
-    /// Samples of the pixel if it is shaded; 0 where no surface is.
+    /// Samples of the pixel if it is shaded; 0 without a surface.
     pub samples: Vec<u32>,
 }
 
-/// Predicts every pixel of the buffer, whose points stand `1 << antialiasing_levels` to a pixel and axis.
+/// Predicts every pixel of the buffer, which has `1 << antialiasing_levels` points per pixel and axis.
 ///
 /// Each of `settings.directions` incident directions is drawn in proportion to the lobe, so that `L ρ cos θ` over the
-/// density is proportional to `L`: neither the material nor the reflected light is evaluated. The tenth of the directions that
-/// does not follow the lobe counts like the others. Neighbouring points share what they find.
+/// density is proportional to `L`: neither the material nor the reflected light is evaluated. The tenth of the
+/// directions that does not follow the lobe counts like the others. Neighbouring points share their results.
 pub fn predict(scene: &AdaptiveScene<'_>, frame: Frame, buffer: &GBuffer, settings: &Settings) -> Prediction {
     let curvature = curvature(buffer);
     let field_of_view = field_of_view(&scene.scene.camera, frame);
@@ -47,8 +47,8 @@ pub fn predict(scene: &AdaptiveScene<'_>, frame: Frame, buffer: &GBuffer, settin
     let scale = sample_scale((sum / covered.max(1) as f64) as f32, settings.samples);
     let coarsest = coarsest(buffer);
     let level = |pixel: usize| match is_surface(&pixel) {
-        // Level 0 is the buffer's resolution, which is finer than the rendering's with antialiasing.
-        // What no pixel can show still has the most detail of all, so the limit comes after the factor.
+        // Level 0 is the buffer's resolution, which with antialiasing is finer than the rendering's. Points with detail
+        // beyond the pixel's limit still have the most, so the limit applies after the factor.
         true => (pyramid_level(in_rendering(settings.caution * angular[pixel]), coarsest)
             + settings.antialiasing_levels as i32)
             .clamp(0, coarsest),
@@ -72,7 +72,7 @@ pub fn coarsest(buffer: &GBuffer) -> i32 {
     coarsest_of(buffer.width, buffer.height)
 }
 
-/// The same of a buffer of this size.
+/// The coarsest level of a buffer of this size.
 pub fn coarsest_of(width: usize, height: usize) -> i32 {
     width.min(height).max(1).ilog2() as i32
 }

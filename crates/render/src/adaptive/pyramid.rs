@@ -8,7 +8,7 @@ pub struct Pyramid<T> {
 }
 
 impl<T: Copy> Pyramid<T> {
-    /// `coarsest + 1` levels, where `merge` takes the values of a finer level two by two.
+    /// Makes `coarsest + 1` levels. `merge` combines the values of a finer level in pairs.
     pub fn new(width: usize, height: usize, values: Vec<T>, coarsest: usize, merge: impl Fn(T, T) -> T) -> Self {
         let mut levels = vec![(width, height, values)];
         for _ in 0..coarsest {
@@ -32,7 +32,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_coarse_pixel_has_the_smallest_or_largest_of_what_it_covers() {
+    fn a_coarse_pixel_has_the_extreme_of_its_finer_pixels() {
         let values: Vec<i32> = (0..35).map(|i| (i * 13) % 31).collect();
         for (merge, fold) in [
             (i32::min as fn(i32, i32) -> i32, i32::min as fn(i32, i32) -> i32),

@@ -1,10 +1,10 @@
-//! From points to pixels.
+//! Averaging of points to pixels.
 
 use crate::gbuffer::GBuffer;
 use crate::scene::{Frame, Scene};
 use brdfc_metrics::image::LinearImage;
 
-/// Means over the points of each pixel.
+/// Averages the points of each pixel.
 pub fn resolve(scene: &Scene, frame: Frame, buffer: &GBuffer, radiance: &[[f32; 3]], sub: usize) -> LinearImage {
     let (mut pixels, mut coverage) = (Vec::new(), Vec::new());
     for pixel in 0..frame.width * frame.height {

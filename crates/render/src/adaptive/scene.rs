@@ -1,4 +1,4 @@
-//! What adaptive shading is given: a scene with its look-ups, and how much may be spent on it.
+//! Input of adaptive shading: a scene with its look-ups, and the settings of cost and quality.
 
 use super::light::DistantLight;
 use crate::scene::Scene;
@@ -6,48 +6,49 @@ use crate::shade::Reflectance;
 use brdfc_formats::bandwidth::BandwidthMap;
 use brdfc_formats::importance::ImportancePack;
 
-/// What a part is made of.
+/// Material of a part.
 #[derive(Clone, Copy)]
 pub struct AdaptiveMaterial<'a> {
-    /// Its `f_r`.
+    /// BRDF of the material.
     pub reflectance: &'a dyn Reflectance,
     /// Directions drawn in proportion to its lobe.
     pub samples: &'a ImportancePack,
-    /// How fast its lobe varies.
+    /// Bandwidth of its lobe.
     pub bandwidth: &'a BandwidthMap,
-    /// Luminance of its albedo, roughly: how bright it is among the others.
+    /// Approximate luminance of its albedo: its brightness compared with the other materials.
     pub albedo: f32,
 }
 
-/// A scene with everything that adaptive shading looks up.
+/// A scene with all look-ups of adaptive shading.
 #[derive(Clone, Copy)]
 pub struct AdaptiveScene<'a> {
-    /// Parts, camera and environment; point lights and mirrors are not looked at.
+    /// Parts, camera and environment. Point lights and mirrors are ignored.
     pub scene: &'a Scene,
     /// The environment, as predictions look it up.
     pub light: &'a DistantLight,
-    /// One for each part.
+    /// One material for each part.
     pub materials: &'a [AdaptiveMaterial<'a>],
 }
 
-/// How much is spent, and how carefully.
+/// Cost and quality of adaptive shading.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Settings {
-    /// `n_b`, incident directions that bandwidth is averaged over, rounded up to a multiple of 4. Points take a quarter of them
-    /// each and share with up to 15 others, so that an average is over up to four times as many.
+    /// `n_b`, the number of incident directions that bandwidth is averaged over, rounded up to a multiple of 4. Each
+    /// point takes a quarter of them and shares with up to 15 others, so that an average is over up to four times as
+    /// many.
     pub directions: u32,
-    /// Mean samples of a surface pixel before [`Settings::fewest`] and [`Settings::most`] hold.
+    /// Mean samples of a surface pixel, before the limits [`Settings::fewest`] and [`Settings::most`] apply.
     pub samples: f32,
-    /// Fewest samples of a shaded pixel.
+    /// Minimum number of samples of a shaded pixel.
     pub fewest: u32,
-    /// Most samples of a shaded pixel.
+    /// Maximum number of samples of a shaded pixel.
     pub most: u32,
     /// Radiance that the display shows as white.
     pub white: f32,
-    /// Multiplies bandwidths before levels are chosen: 1 is Nyquist's rate for them, 2 twice as many pixels along each axis.
-    /// Predicted bandwidths are mostly too high, by the maps (1.2 to 1.45 times those of waves, largest of three channels) and
-    /// by the propagation (no signs, every direction in the plane of incidence), so less than 1 will do; weak detail on strong
-    /// slow light is found too low.
+    /// Factor on bandwidths before levels are chosen: 1 is their Nyquist rate, 2 twice as many pixels along each axis.
+    /// Predicted bandwidths are mostly too high, because of the maps (1.2 to 1.45 times those of waves, largest of
+    /// three channels) and of the propagation (no signs, every direction in the plane of incidence), so less than 1 is
+    /// sufficient. They are too low for weak detail on strong slow light.
     pub caution: f32,
     /// Levels finer than pixels: 0, 1 for 2 x 2 samples per pixel, 2 for 4 x 4.
     pub antialiasing_levels: u32,

@@ -7,8 +7,8 @@ use brdfc_formats::direction::DirectionPair;
 use brdfc_metrics::image::LinearImage;
 use rayon::prelude::*;
 
-/// Reflected radiance at a point of the buffer by `count` consecutive samples of its material's pack, from a place in the
-/// sequence that depends on the point.
+/// Reflected radiance at a point of the buffer by `count` consecutive samples of its material's pack, from a position
+/// in the sequence that depends on the point.
 pub fn shade_point(scene: &AdaptiveScene<'_>, buffer: &GBuffer, pixel: usize, count: u32) -> [f32; 3] {
     let Some(part) = buffer.part_at(pixel) else { return [0.0; 3] };
     let material = &scene.materials[part];
@@ -30,14 +30,14 @@ pub fn shade_point(scene: &AdaptiveScene<'_>, buffer: &GBuffer, pixel: usize, co
     sum.map(|s| s / count.max(1) as f32)
 }
 
-/// The rendering of a forward renderer: every point of the buffer with the same number of samples.
+/// Renders forward: shades every point of the buffer with the same number of samples.
 pub fn forward(scene: &AdaptiveScene<'_>, frame: Frame, buffer: &GBuffer, count: u32) -> LinearImage {
     let radiance: Vec<[f32; 3]> =
         (0..buffer.part.len()).into_par_iter().map(|pixel| shade_point(scene, buffer, pixel, count)).collect();
     resolve(scene.scene, frame, buffer, &radiance, buffer.width / frame.width)
 }
 
-/// Spreads consecutive numbers over all: a permutation of 32 bits (the finaliser of MurmurHash3 by Appleby).
+/// Scatters consecutive numbers: a permutation of 32 bits (the finaliser of MurmurHash3 by Appleby).
 fn scattered(value: u32) -> u32 {
     let mut h = value;
     h ^= h >> 16;

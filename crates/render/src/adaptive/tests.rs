@@ -1,4 +1,4 @@
-//! Known answers of adaptive shading, and what it saves.
+//! Known answers of adaptive shading, and the samples that it saves.
 
 use super::*;
 use crate::scene::{Environment, Scene};
@@ -70,7 +70,7 @@ fn windows() -> Environment {
 const FRAME: Frame = Frame { width: 96, height: 96, samples: 1 };
 
 #[test]
-fn in_a_furnace_nothing_varies_and_next_to_nothing_is_shaded() {
+fn in_a_furnace_nothing_varies_and_few_pixels_are_shaded() {
     let prepared = prepared("synth:lambert?kd=0.6", Builtin::Sphere, environment(|_, _| 1.0));
     let buffer = prepared.buffer(FRAME);
     prepared.with(|scene| {
@@ -98,7 +98,7 @@ fn with_every_pixel_at_the_finest_level_it_is_the_forward_renderer() {
     });
 }
 
-/// The same error for a fraction of the samples; and where what is predicted is not believed, a larger error.
+/// The same error for a fraction of the samples, and a larger error if predictions are ignored.
 #[test]
 fn a_fraction_of_the_samples_gives_the_same_error() {
     let prepared = prepared("synth:ggx?alpha=0.3", Builtin::BumpyBall, windows());

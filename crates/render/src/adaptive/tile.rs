@@ -1,10 +1,10 @@
 //! Bandwidth and variance of points that share incident directions.
 //!
-//! Points of a tile of 4 x 4 each look along a sixteenth of four times `n_b` directions, a run of the sequence of their own,
-//! and take over what the other points of the same part and nearly the same normal have found along theirs: "Interleaved
-//! sampling" (Keller and Heidrich 2001). So an average is over up to `4 n_b` directions for the work of `n_b / 4`. Where fewer
-//! than four points are alike, a point looks along the next runs itself, and the average is over `n_b`. Bandwidth follows
-//! the mean curvature of what is alike.
+//! Points of a tile of 4 x 4 each look along a sixteenth of four times `n_b` directions, their own run of the sequence,
+//! and reuse the results of the other points of the same part and nearly the same normal: "Interleaved sampling"
+//! (Keller and Heidrich 2001). So an average is over up to `4 n_b` directions for the work of `n_b / 4`. If fewer than
+//! four points are alike, a point looks along the next runs itself, and the average is over `n_b`. Bandwidth follows
+//! the mean curvature of the points that are alike.
 
 use super::{AdaptiveScene, Settings};
 use crate::gbuffer::GBuffer;
@@ -18,14 +18,14 @@ use rayon::prelude::*;
 const SIDE: usize = 4;
 /// Points of a tile.
 const POINTS: usize = SIDE * SIDE;
-/// Shares that make `n_b` directions.
+/// Number of shares that make up `n_b` directions.
 const ENOUGH: usize = 4;
-/// Most directions: far more than samples of a lobe.
+/// Maximum number of directions: far more than samples of a lobe.
 pub const MAX_DIRECTIONS: u32 = 1 << 16;
-/// Points whose normals have at least this cosine, 18°, are of the same piece of a surface.
+/// Points are of the same piece of a surface if their normals have at least this cosine, 18°.
 const SAME_PIECE: f32 = 0.95;
 
-/// Cycles per radian and deviation as it shows of all points, row by row; 0 where no surface is.
+/// Cycles per radian and visible deviation of all points, row by row; 0 without a surface.
 pub(super) fn bandwidth_and_deviation(
     scene: &AdaptiveScene<'_>,
     buffer: &GBuffer,
@@ -35,7 +35,7 @@ pub(super) fn bandwidth_and_deviation(
     let tile =
         Tile { scene, buffer, curvature, run: settings.directions.clamp(1, MAX_DIRECTIONS).div_ceil(ENOUGH as u32) };
     let (mut angular, mut deviations) = (vec![0.0; buffer.part.len()], vec![0.0; buffer.part.len()]);
-    // A row of tiles is a task.
+    // Each row of tiles is a task.
     let tasks = angular.par_chunks_mut(SIDE * buffer.width).zip(deviations.par_chunks_mut(SIDE * buffer.width));
     tasks.enumerate().for_each(|(row, (angular, deviations))| {
         let first = row * SIDE * buffer.width;
@@ -60,27 +60,28 @@ pub(super) fn bandwidth_and_deviation(
     (angular, deviations)
 }
 
-/// What an error of the estimate does to the rendering: standard deviation of one sample in units of the display's codes.
+/// Effect of an error of the estimate on the rendering: standard deviation of one sample in the display's encoded
+/// values.
 ///
-/// For `N_i` samples of pixels that show as displayed codes `s(L)`, the sum of squared errors `Σ (σ_i s'(L_i))² / N_i` is
-/// least for a given sum of `N_i` where `N_i` is in proportion to `σ_i s'(L_i)`. `V` is `σ²` relative to the squared mean,
-/// and `s` is nearly the power 1/2.2 up to white, beyond which nothing shows.
+/// For `N_i` samples of pixels with displayed values `s(L)`, the sum of squared errors `Σ (σ_i s'(L_i))² / N_i` is
+/// least for a given sum of `N_i` if `N_i` is proportional to `σ_i s'(L_i)`. `V` is `σ²` relative to the squared mean.
+/// `s` is nearly the power 1/2.2 up to white, and constant above it.
 fn visible_deviation(variance: f32, luminance: f32, white: f32) -> f32 {
     let shown = luminance / white;
     let response = if shown < 1.0 { shown.sqrt() } else { 1.0 / (shown * shown) };
     variance.sqrt() * response
 }
 
-/// What tiles are looked up in.
+/// Scene, buffer and settings of the tiles.
 struct Tile<'a> {
     scene: &'a AdaptiveScene<'a>,
     buffer: &'a GBuffer,
     curvature: &'a [f32],
-    /// Directions of each point.
+    /// Number of directions per point.
     run: u32,
 }
 
-/// What some of the directions of a point find.
+/// Sums over some of the directions of a point.
 #[derive(Debug, Clone, Copy, Default)]
 struct Share {
     average: BandwidthAverage,
@@ -94,17 +95,17 @@ impl Share {
 }
 
 impl Tile<'_> {
-    /// Of a point that shows a surface.
+    /// Part of a point, which must show a surface.
     fn part(&self, point: usize) -> usize {
         self.buffer.part_at(point).expect("points of tiles show a surface")
     }
 
-    /// What each point finds along its own directions.
+    /// The share of each point, along its own directions.
     fn shares(&self, points: &[Option<usize>; POINTS]) -> [Share; POINTS] {
         std::array::from_fn(|k| points[k].map_or(Share::default(), |point| self.share(point, k)))
     }
 
-    /// Of each point, one bit for each point of the tile that shows the same piece of a surface, itself included.
+    /// For each point, one bit for each point of the tile that shows the same piece of a surface, including itself.
     fn alike(&self, points: &[Option<usize>; POINTS]) -> [u16; POINTS] {
         let normals = points.map(|point| point.map_or([0.0; 3], |point| self.buffer.normal[point]));
         let parts = points.map(|point| point.map(|point| self.buffer.part[point]));
@@ -120,7 +121,7 @@ impl Tile<'_> {
         alike
     }
 
-    /// All that counts for point `k` of a tile, given which points are like it.
+    /// Sums the shares for point `k` of a tile, given the points like it.
     fn joined(&self, (k, point): (usize, usize), shares: &[Share; POINTS], alike: u16) -> Share {
         let is_alike = |other: &usize| alike >> other & 1 == 1;
         let joined = (0..POINTS).filter(is_alike).fold(Share::default(), |all, other| all.join(shares[other]));
@@ -129,7 +130,7 @@ impl Tile<'_> {
         next.fold(joined, |all, other| all.join(self.share(point, other)))
     }
 
-    /// What a point finds along a run of directions.
+    /// Evaluates a run of directions of a point.
     fn share(&self, point: usize, number: usize) -> Share {
         let frame = self.buffer.frame(point);
         let material = &self.scene.materials[self.part(point)];

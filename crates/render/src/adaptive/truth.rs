@@ -27,28 +27,29 @@ impl LobeSampler for MeasuredLobe<'_> {
     }
 }
 
-/// Where in the sequence of samples points begin.
+/// Position of each point's first sample in the sequence.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Start {
-    /// Anywhere: errors are noise.
+    /// A different position for each point, so that errors are noise.
     Scattered,
-    /// All at the same place: errors vary no faster than the rendering, which leaves its spectrum without noise.
+    /// The same position for all points: errors vary no faster than the rendering, which keeps noise out of its
+    /// spectrum.
     Shared,
 }
 
-/// A converged rendering, and how far it may be off.
+/// A converged rendering, and its standard error.
 #[derive(Debug, Clone, PartialEq)]
 pub struct GroundTruth {
     /// The rendering.
     pub image: LinearImage,
-    /// Standard error of each channel, from the spread of 16 runs of each point's samples: more than the error of
-    /// [`Start::Scattered`], whose runs fill each other's gaps, and where a pixel has several points.
+    /// Standard error of each channel, from the spread of 16 runs of each point's samples. It overestimates the error
+    /// of [`Start::Scattered`], whose runs fill each other's gaps, and the error of pixels with several points.
     pub error: LinearImage,
 }
 
 impl GroundTruth {
-    /// PSNR of the rendering against itself with its standard error added, as a display shows both at this exposure, dB: the
-    /// rendering is at least as good. `None` if there is no error.
+    /// PSNR of the rendering against itself with its standard error added, as a display shows both at this exposure,
+    /// dB: a lower bound for the rendering. `None` if there is no error.
     pub fn psnr(&self, exposure: f64) -> Option<f64> {
         let mut other = self.image.clone();
         for (pixel, error) in other.pixels.iter_mut().zip(&self.error.pixels) {
@@ -58,8 +59,8 @@ impl GroundTruth {
     }
 }
 
-/// The rendering that `samples` samples for each point of the buffer give, half of them by the lobe of the material, half
-/// by the light of the environment. One distribution for each part.
+/// Renders with `samples` samples for each point of the buffer, half of them by the lobe of the material, half by the
+/// light of the environment. There is one distribution for each part.
 ///
 /// # Panics
 /// If there are fewer distributions than parts.

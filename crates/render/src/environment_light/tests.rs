@@ -77,7 +77,7 @@ fn a_matte_surface_in_a_constant_environment_has_its_albedo() {
     assert!((sum[1] / (2.5 * albedo[1]) - 1.0).abs() < 1e-3, "{sum:?}");
 }
 
-/// The bilinear look-up makes a tent of a texel, `∫ tent sin θ dθ dφ = sin θ 2 (1 - cos Δθ) / Δθ Δφ`.
+/// The bilinear look-up turns a texel into a tent, `∫ tent sin θ dθ dφ = sin θ 2 (1 - cos Δθ) / Δθ Δφ`.
 #[test]
 fn a_single_bright_texel_is_one_term() {
     let point = point();
@@ -128,7 +128,7 @@ fn samples_agree_with_the_sum_over_texels_within_their_error() {
             let error = (found.radiance[k] - expected[k]).abs();
             assert!(error < 3.0 * found.error[k] + left, "{address}: {found:?} {expected:?} {coarse:?}");
             assert!(found.error[k] < 0.01 * expected[k], "{address}: {found:?}");
-            // Small sources are why the light is sampled, too.
+            // Small sources are the reason to sample the light, too.
             assert!(by_cosine.error[k] > 3.0 * found.error[k], "{address}: {by_cosine:?} {found:?}");
             let wrong = reflected(&point, &environment, &WithoutCosine(&material), &both, 1 << 14);
             assert!((wrong.radiance[k] - expected[k]).abs() > 10.0 * found.error[k], "{address}: {wrong:?}");

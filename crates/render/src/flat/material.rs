@@ -5,7 +5,7 @@ use brdfc_formats::direction::Vector;
 use brdfc_formats::direction_mesh::DirectionMesh;
 use brdfc_formats::flat_btf::{BlendedDirection, FlatBtfDecoder, SampledDirections, ViewWeights};
 
-/// What is drawn of a flat BTF.
+/// Form in which a flat BTF is drawn.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum FlatForm {
     /// Every sampled view and light (equation 1 of Hadim et al. 2009), blended between the directions of the samples.
@@ -14,7 +14,7 @@ pub enum FlatForm {
     Light,
 }
 
-/// A flat BTF, and what is needed to put it on a surface.
+/// A flat BTF, and its mapping to a surface.
 #[derive(Debug, Clone)]
 pub struct FlatMaterial {
     decoder: FlatBtfDecoder,
@@ -23,11 +23,11 @@ pub struct FlatMaterial {
 }
 
 impl FlatMaterial {
-    /// A material that repeats `repeat` times per unit of a mesh's uv. A whole number, 1 or more, so that it closes
+    /// A material that repeats `repeat` times per unit of a mesh's uv, a whole number of at least 1, so that it closes
     /// where u has gone once around.
     ///
     /// # Errors
-    /// Directions that cannot be blended: what [`SampledDirections::new`] refuses; a repetition of 0.
+    /// Returns an error if the directions cannot be blended (see [`SampledDirections::new`]), or if `repeat` is 0.
     pub fn new(decoder: FlatBtfDecoder, repeat: u32) -> Result<Self, FormatError> {
         if repeat == 0 {
             return Err(FormatError::whole("repeat", "0", "1 or more tiles per unit of uv"));
@@ -36,7 +36,7 @@ impl FlatMaterial {
         Ok(Self { decoder, repeat, directions })
     }
 
-    /// The parts.
+    /// The decoder.
     pub fn decoder(&self) -> &FlatBtfDecoder {
         &self.decoder
     }
@@ -46,24 +46,24 @@ impl FlatMaterial {
         self.repeat
     }
 
-    /// Whether there are values of views and lights: [`FlatForm::Full`] needs them.
+    /// Returns true if there are values of views and lights, which [`FlatForm::Full`] needs.
     pub fn has_views(&self) -> bool {
         self.directions.is_some()
     }
 
-    /// What blends sampled directions.
+    /// The blending of sampled directions.
     ///
     /// # Panics
-    /// Without values of views.
+    /// If the material has no values of views.
     pub fn sampled_directions(&self) -> &SampledDirections {
         self.directions.as_ref().expect("the full form needs views")
     }
 
     /// Relative radiance at the coordinates `uv` of a mesh. `view` and `light` are unit vectors in the local frame;
-    /// `level_of_detail` is that of the texels, 0 the finest, and makes a difference where they have mipmaps.
+    /// `level_of_detail` is that of the texels, 0 the finest. It has an effect only if they have mipmaps.
     ///
-    /// Lights lower than all sampled ones have the value of the nearest sampled direction, times the ratio of cosines:
-    /// a surface goes dark towards the horizon of its light without a step. The light form needs none of this.
+    /// Lights lower than all sampled ones have the value of the nearest sampled direction, times the ratio of cosines,
+    /// so that a surface goes dark towards the horizon of its light without a step. The light form does not need this.
     ///
     /// # Panics
     /// For the full form without views.

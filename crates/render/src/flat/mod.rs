@@ -1,11 +1,11 @@
 //! Flat BTFs on the surfaces of a scene, with parallax (section 3.5 of Hadim et al. 2009).
 //!
-//! The surfaces of a scene are macro surfaces: each is the reference plane of the meso-geometry, bent. Directions
-//! are taken in its local frame, tangent, bitangent and normal; a light below its horizon gives nothing. One material goes
-//! over all parts of a scene; their bump maps and mirrors are not looked at.
+//! The surfaces of a scene are macro surfaces: each is the reference plane of the meso-geometry, bent. Directions are
+//! in its local frame: tangent, bitangent and normal. A light below its horizon contributes nothing. One material
+//! covers all parts of a scene; their bump maps and mirrors are ignored.
 //!
 //! Values of flat BTFs are relative to a white diffuser that faces the light: a point light of radiant intensity I at
-//! distance d gives the radiance `value I / (π d²)`. The cosine is inside.
+//! distance d gives the radiance `value I / (π d²)`. The value includes the cosine.
 
 mod material;
 mod reference;
@@ -25,7 +25,7 @@ use brdfc_formats::direction::{Vector, dot};
 use brdfc_metrics::image::LinearImage;
 use std::f64::consts::PI;
 
-/// Draws a scene whose parts are all of one flat BTF: `flat_scene.wgsl` does the same steps.
+/// Draws a scene whose parts all use one flat BTF, in the same steps as `flat_scene.wgsl`.
 ///
 /// # Panics
 /// For the full form of a material without values of views: see [`FlatMaterial::has_views`].
@@ -41,7 +41,7 @@ pub fn draw_on_cpu(scene: &Scene, frame: Frame, material: &FlatMaterial, form: F
     })
 }
 
-/// Radiance towards the viewer, of texels of a mipmap level.
+/// Radiance towards the viewer of texels of a mipmap level.
 fn reflected(scene: &Scene, point: &ShadingPoint, material: &FlatMaterial, form: FlatForm, level: f32) -> Vector {
     let mut radiance = [0.0; 3];
     for light in &scene.lights {

@@ -1,4 +1,4 @@
-//! What a flat BTF on a plane is to look like: the displaced surface itself, ray cast.
+//! The reference for a flat BTF on a plane: the displaced surface itself, ray cast.
 
 use crate::sample_means::sample_means;
 use crate::scene::{Frame, Mesh, Scene};
@@ -11,7 +11,7 @@ use std::f64::consts::PI;
 
 /// World space seen from a plane that is covered with tiles.
 struct Tiling {
-    /// Where tile coordinates are 0.
+    /// Origin of tile coordinates.
     origin: Vector,
     /// Unit vectors along u, along v, and up.
     axes: [Vector; 3],
@@ -20,8 +20,8 @@ struct Tiling {
 }
 
 impl Tiling {
-    /// The plane of a mesh's first triangle. `None` where u and v are not at right angles and of one scale, or the mesh
-    /// is not plane.
+    /// The plane of a mesh's first triangle. `None` if u and v are not at right angles or differ in scale, or if the
+    /// mesh is not plane.
     fn new(mesh: &Mesh, repeat: u32) -> Option<Self> {
         let corners = mesh.triangles.first()?.map(|corner| &mesh.vertices[corner as usize]);
         let [a, b, c] = corners.map(|corner| double(corner.position));
@@ -54,11 +54,12 @@ impl Tiling {
 /// Draws the plane of a scene with the real displaced surface on it: the repetition of `model`, `repeat` tiles per unit
 /// of uv, under direct light with cast shadows.
 ///
-/// Rays, distances and directions to lights are exact for each point of the displaced surface; only shadow rays go on
-/// beyond a light, which is above the whole surface. The plane's edge is where a ray crosses z = 0 at uv of 0 and 1.
+/// Rays, distances and directions to lights are exact for each point of the displaced surface. Only shadow rays
+/// continue beyond a light, which is above the whole surface. The plane's edge is where a ray crosses z = 0 at uv of 0
+/// and 1.
 ///
 /// # Panics
-/// If the scene's first part is not a plane with square tiles, or the camera is not above it: a mistake of the caller.
+/// If the scene's first part is not a plane with square tiles, or the camera is not above it: a bug of the caller.
 pub fn reference_plane(
     scene: &Scene,
     frame: Frame,

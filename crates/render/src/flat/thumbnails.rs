@@ -1,4 +1,4 @@
-//! Small renderings of what a flat BTF holds.
+//! Small renderings of the contents of a flat BTF.
 
 use super::{FlatForm, FlatMaterial, draw_on_cpu};
 use crate::rendering::{DELTA_E_FULL_SCALE, Panel, difference_panel, heat_map, to_panel};
@@ -13,33 +13,33 @@ use brdfc_metrics::image::{LinearImage, auto_exposure, compare_images};
 pub const SIDE: usize = 160;
 /// Samples of a pixel, per side.
 const SAMPLES: usize = 2;
-/// Polar angle of the view of renderings from the side, degrees.
+/// Polar angle of oblique views, degrees.
 const SLANTED: f64 = 60.0;
-/// Polar angle of the light of renderings that are lit from the side, degrees, and its azimuth.
+/// Polar angle and azimuth of oblique light, degrees.
 const LIT_FROM: [f64; 2] = [50.0, 135.0];
 const FRAME: Frame = Frame { width: SIDE, height: SIDE, samples: SAMPLES };
 
-/// One rendering.
+/// A rendering with its caption.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct FlatRendering {
-    /// What it shows, in words for people.
+    /// Caption of the rendering.
     pub caption: String,
     /// The rendering, 160 pixels per side.
     pub panel: Panel,
 }
 
-/// Renderings that belong together.
+/// Renderings of one material.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct FlatRenderings {
     /// Over one tile of the reference plane, u to the right and v down.
     pub tile: Vec<FlatRendering>,
-    /// Over the parameters, likewise: what texels hold.
+    /// Contents of texels over the parameters, in the same orientation.
     pub texels: Vec<FlatRendering>,
     /// On surfaces.
     pub scenes: Vec<FlatRendering>,
 }
 
-/// Draws everything on the CPU, in the full form where there are views. `mask` says which texels are seen in which view.
+/// Draws all renderings on the CPU, in the full form if there are views. `mask` says which texels each view sees.
 pub fn flat_renderings(material: &FlatMaterial, mask: Option<&VisibilityMask>) -> FlatRenderings {
     FlatRenderings { tile: tile(material), texels: texels(material, mask), scenes: scenes(material) }
 }
@@ -55,7 +55,7 @@ fn tile(material: &FlatMaterial) -> Vec<FlatRendering> {
     let slanted = SLANTED.min(f64::from(header.largest_angle).to_degrees());
     let side = direction(slanted, 0.0);
     let lit = |view: Vector, light: Vector| {
-        // A tile is a part of the unit of uv.
+        // A tile is a fraction of the unit of uv.
         let of_tile = |uv: [f64; 2]| uv.map(|c| c / f64::from(material.repeat()));
         let image = colours(|uv| material.value(form(material), of_tile(uv), 0.0, view, light).map(f64::from));
         to_panel(&image, auto_exposure(&image))
@@ -132,13 +132,13 @@ fn direction(polar: f64, azimuth: f64) -> Vector {
     [polar.sin() * azimuth.cos(), polar.sin() * azimuth.sin(), polar.cos()]
 }
 
-/// Where a pixel's middle is, 0 to 1.
+/// Position of a pixel's middle, 0 to 1.
 fn middle(pixel: usize, offset: [f64; 2]) -> [f64; 2] {
     let at = [pixel % SIDE, pixel / SIDE];
     [0, 1].map(|k| (at[k] as f64 + offset[k]) / SIDE as f64)
 }
 
-/// Linear colours, the mean over a pixel.
+/// Linear colours, averaged over each pixel.
 fn colours(value: impl Fn([f64; 2]) -> [f64; 3]) -> LinearImage {
     let offsets = (0..SAMPLES * SAMPLES).map(|k| [k % SAMPLES, k / SAMPLES]);
     let offsets: Vec<[f64; 2]> = offsets.map(|at| at.map(|c| (c as f64 + 0.5) / SAMPLES as f64)).collect();
@@ -154,13 +154,13 @@ fn colours(value: impl Fn([f64; 2]) -> [f64; 3]) -> LinearImage {
     LinearImage { coverage: vec![1.0; pixels.len()], pixels, ..LinearImage::black(SIDE, SIDE) }
 }
 
-/// Bytes as they are, of a pixel's middle.
+/// Unconverted bytes at each pixel's middle.
 fn bytes(value: impl Fn([f64; 2]) -> [u8; 3]) -> Panel {
     let rgb = (0..SIDE * SIDE).flat_map(|pixel| value(middle(pixel, [0.5; 2])));
     Panel { width: SIDE, height: SIDE, rgb: rgb.collect() }
 }
 
-/// Numbers, of a pixel's middle.
+/// Numbers at each pixel's middle.
 fn field(value: impl Fn([f64; 2]) -> f32) -> Vec<f32> {
     (0..SIDE * SIDE).map(|pixel| value(middle(pixel, [0.5; 2]))).collect()
 }
@@ -198,7 +198,7 @@ mod tests {
     }
 
     #[test]
-    fn texels_stand_where_their_parameters_are() {
+    fn texels_are_at_their_parameters() {
         let renderings = renderings();
         let [_, diffuse, seen] = renderings.texels.as_slice() else { panic!("{}", renderings.texels.len()) };
         let [red, blue] = [[SIDE / 4, SIDE / 2], [3 * SIDE / 4, SIDE / 2]].map(|at| pixel(&diffuse.panel, at));

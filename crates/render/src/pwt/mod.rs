@@ -1,11 +1,11 @@
-//! Renderings under any light, of packs of polynomial wavelet trees, on the surfaces of a scene.
+//! Renderings of polynomial wavelet trees on the surfaces of a scene, under any light.
 //!
-//! Each surface is the rendering's plane, bent: the rendering's right is the tangent, its top the bitangent, and the light
-//! that a texel is evaluated for is the direction to the scene's light in that frame, whatever the view. One material
-//! goes over all parts of a scene; their bump maps and mirrors are not looked at.
+//! Each surface is the image plane of the photographs, bent. Their right is the tangent, their top the bitangent. A
+//! texel is evaluated for the direction to the scene's light in that frame, for every view. One material covers all
+//! parts of a scene; their bump maps and mirrors are ignored.
 //!
-//! Values are relative to what the photographs show of white, with the cosine inside: a point light of radiant intensity
-//! I at distance d gives the radiance `value I / (π d²)`.
+//! Values are relative to white in the photographs and include the cosine: a point light of radiant intensity I at
+//! distance d gives the radiance `value I / (π d²)`.
 
 mod photograph;
 mod scene;
@@ -36,45 +36,46 @@ impl PwtMaterial {
     /// A material that repeats `repeat` times per unit of a mesh's uv.
     ///
     /// # Errors
-    /// A repetition of 0, or of more than 1 where the rendering is no tile.
+    /// Returns an error if `repeat` is 0, or more than 1 for an image that is no tile.
     pub fn new(decoder: PwtDecoder, repeat: u32) -> Result<Self, FormatError> {
         let wrong = |allowed| Err(FormatError::whole("repeat", repeat.to_string(), allowed));
         match (repeat, decoder.pack().header().repeats) {
             (0, _) => wrong("1 or more per unit of uv"),
-            (2.., false) => wrong("1: the rendering is no tile"),
+            (2.., false) => wrong("1, since the image is no tile"),
             _ => Ok(Self { decoder, repeat }),
         }
     }
 
-    /// What it decodes.
+    /// The decoder.
     pub fn decoder(&self) -> &PwtDecoder {
         &self.decoder
     }
 
-    /// Renderings per unit of a mesh's uv.
+    /// Repetitions per unit of a mesh's uv.
     pub fn repeat(&self) -> u32 {
         self.repeat
     }
 }
 
-/// Draws a scene whose parts are all of one pack, with exact filters: `pwt_scene.wgsl` does the same steps.
+/// Draws a scene whose parts all use one pack, with exact filters, in the same steps as `pwt_scene.wgsl`.
 pub fn draw_on_cpu(scene: &Scene, frame: Frame, material: &PwtMaterial) -> LinearImage {
     let decoder = &material.decoder;
     let size = decoder.pack().header().size.map(|side| side as usize);
     draw(scene, frame, material.repeat, size, |_, uv, level, light| decoder.value(uv, level, light.map(|c| c as f32)))
 }
 
-/// The same of photographs, one for each light of the scene, whatever its direction.
+/// Draws a scene with photographs, one for each light of the scene, independent of its direction.
 ///
 /// # Panics
-/// If there is another number of photographs than of lights.
+/// If the number of photographs differs from the number of lights.
 pub fn draw_photographs(scene: &Scene, frame: Frame, photographs: &[Photograph], repeat: u32) -> LinearImage {
     assert_eq!(photographs.len(), scene.lights.len(), "a photograph for each light");
     let size = photographs.first().map_or([1; 2], Photograph::size);
     draw(scene, frame, repeat, size, |light, uv, level, _| photographs[light].value(uv, level))
 }
 
-/// `value` is relative to white at a light's number, a place in the rendering, a mipmap level and a direction.
+/// Draws with `value`, which is relative to white, for a light's number, a position in the image, a mipmap level and a
+/// direction.
 fn draw(
     scene: &Scene,
     frame: Frame,
@@ -90,7 +91,7 @@ fn draw(
         let steps = footprint(scene, frame, hit, frame.sample_position(pixel, sample));
         let level = mipmap_level(steps, repeat, size);
         let from_behind = from_behind(&part.mesh, hit.triangle, point.to_viewer);
-        let uv = rendering_coordinates(point.uv, from_behind, repeat);
+        let uv = image_coordinates(point.uv, from_behind, repeat);
         let mut radiance = [0.0; 3];
         for (number, light) in scene.lights.iter().enumerate() {
             let to_light = subtract(light.position, point.position);
@@ -106,9 +107,9 @@ fn draw(
     })
 }
 
-/// Where a point is in the rendering: v goes down in it, and along the bitangent on the surface.
-fn rendering_coordinates([u, v]: [f64; 2], from_behind: bool, repeat: u32) -> [f32; 2] {
-    // From behind the point's v is negated, and the bitangent goes the other way.
+/// Position of a point in the image: v runs down in it, and along the bitangent on the surface.
+fn image_coordinates([u, v]: [f64; 2], from_behind: bool, repeat: u32) -> [f32; 2] {
+    // On back faces the point's v is negated, and the bitangent has the opposite direction.
     let down = if from_behind { -v } else { 1.0 - v };
     [u, down].map(|c| (c * f64::from(repeat)) as f32)
 }
@@ -121,7 +122,7 @@ mod tests {
     const FRAME: Frame = Frame { width: 40, height: 20, samples: 1 };
     const SIZE: [usize; 2] = [40, 20];
 
-    /// Every pixel of a photograph that is red at the top left, blue at the bottom right.
+    /// A photograph with red at the top left and blue at the bottom right.
     fn photograph() -> Photograph {
         let pixel = |at: usize| [1.0 - (at % 40) as f32 / 80.0, 0.25, (at / 40) as f32 / 40.0];
         Photograph::new(SIZE, (0..800).map(pixel).collect(), false)
@@ -146,9 +147,9 @@ mod tests {
         assert!(at(3, 17)[2] > 3.0 * at(3, 2)[2]);
     }
 
-    /// The light that a photograph is made under: its top is up in the rendering.
+    /// The light of a photograph: its top is up in the image.
     #[test]
-    fn directions_are_those_of_the_rendering() {
+    fn directions_are_those_of_the_photograph() {
         let mut scene = scene();
         let towards = |position| PointLight { position, intensity: [PI * 1e6; 3] };
         scene.lights = vec![towards([1e3, 0.1, 0.0]), towards([0.0, 0.1, -1e3]), towards([0.0, 1e3, 0.0])];

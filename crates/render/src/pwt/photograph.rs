@@ -1,4 +1,4 @@
-//! What a pack is to look like: a photograph, filtered as its texels are.
+//! References for packs: photographs, filtered in the same way as texels.
 
 use brdfc_formats::tap::{Tap, bilinear};
 
@@ -11,10 +11,10 @@ pub struct Photograph {
 }
 
 impl Photograph {
-    /// Of linear RGB, row by row from the top.
+    /// Makes a photograph from linear RGB, row by row from the top.
     ///
     /// # Panics
-    /// If a side is 0, or there is another number of pixels: a mistake of the caller.
+    /// If a side is 0, or if the number of pixels does not match: a bug of the caller.
     pub fn new(size: [usize; 2], pixels: Vec<[f32; 3]>, repeats: bool) -> Self {
         assert!(size[0] * size[1] > 0 && pixels.len() == size[0] * size[1], "{size:?} and {} pixels", pixels.len());
         let mut levels = vec![(size, pixels)];
@@ -29,7 +29,7 @@ impl Photograph {
         self.levels[0].0
     }
 
-    /// Linear RGB at a place, 0 to 1 across the rendering and down from its top, at a mipmap level.
+    /// Linear RGB at a position, 0 to 1 across the photograph and down from its top, at a mipmap level.
     pub fn value(&self, uv: [f32; 2], level: f32) -> [f32; 3] {
         let level = level.clamp(0.0, (self.levels.len() - 1) as f32);
         let (finer, blend) = (level.floor(), level.fract());
@@ -51,7 +51,7 @@ impl Photograph {
     }
 }
 
-/// Half of each side, at least 1; where a side is odd its last pixel counts for two.
+/// Halves each side, to at least 1. The last pixel of an odd side counts for two.
 fn halved([width, height]: [usize; 2], pixels: &[[f32; 3]]) -> ([usize; 2], Vec<[f32; 3]>) {
     let half = [width.div_ceil(2), height.div_ceil(2)];
     let mean = |at: usize| {
@@ -72,7 +72,7 @@ mod tests {
         let pixels: Vec<[f32; 3]> = (0..6).map(|k| [k as f32, 0.0, 1.0]).collect();
         let photograph = Photograph::new([3, 2], pixels.clone(), false);
         let tile = Photograph::new([3, 2], pixels, true);
-        // Of thirds, positions are exact up to rounding.
+        // With thirds, positions are exact up to rounding.
         let expect = |photograph: &Photograph, uv, lod, first: f32| {
             let value = photograph.value(uv, lod);
             assert!(

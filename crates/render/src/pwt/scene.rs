@@ -1,4 +1,4 @@
-//! A rendering on the ground, seen from above.
+//! An image on the ground, seen from above.
 
 use crate::scene::{Camera, PointLight, Scene};
 use crate::scenes::Builtin;
@@ -6,15 +6,15 @@ use std::f64::consts::PI;
 
 /// Vertical angle of view, degrees.
 const FIELD_OF_VIEW: f64 = 30.0;
-/// What of the frame the rendering fills.
+/// Share of the frame that the image fills.
 const FILLED: f64 = 0.98;
-/// How far the light is, in halves of the rendering's longer side: about parallel.
+/// Distance of the light, in halves of the image's longer side: about parallel.
 const DISTANCE: f64 = 50.0;
-/// Direction of the light in the rendering's frame: from the upper left.
+/// Direction of the light in the frame of the image: from the upper left.
 const LIGHT: [f64; 3] = [-0.48, 0.48, 0.734];
 
-/// [`Builtin::Plane`] in the proportions of a rendering, its longer side 2, under a camera that sees all of it: the right of
-/// the rendering is +x, its top -z. `frame` is the width and height of what is drawn.
+/// [`Builtin::Plane`] in the proportions of an image, its longer side 2, under a camera that sees all of it. The right
+/// of the image is +x, its top -z. `frame` is the width and height of the rendering.
 pub fn rendering_scene(size: [usize; 2], frame: [usize; 2]) -> Scene {
     let mut scene = Builtin::Plane.scene();
     let longer = size[0].max(size[1]) as f64;
@@ -31,7 +31,7 @@ pub fn rendering_scene(size: [usize; 2], frame: [usize; 2]) -> Scene {
     scene
 }
 
-/// A light that is far away in a direction of the rendering's frame, under which white has the radiance 1.
+/// A distant light in a direction of the image's frame, under which white has the radiance 1.
 pub fn distant_light([x, y, z]: [f64; 3]) -> PointLight {
     let position = [x, z, -y].map(|c| c * DISTANCE);
     PointLight { position, intensity: [PI * DISTANCE * DISTANCE; 3] }

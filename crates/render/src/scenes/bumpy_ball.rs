@@ -8,9 +8,9 @@ use crate::vector::{add_scaled, double};
 use brdfc_formats::direction::{Vector, dot, normalize};
 use std::f64::consts::PI;
 
-/// Points that would be spread evenly over the whole ball; bumps are those on one side.
+/// Number of points spread evenly over the whole ball; only those on one side are bumps.
 const POINTS: usize = 128;
-/// Where the bumps are: around this direction, up to a right angle from it.
+/// Centre direction of the bumps, which cover up to a right angle from it.
 const SIDE: Vector = [0.94, 0.10, 0.33];
 /// Height of a bump.
 const HEIGHT: f64 = 0.03;
@@ -25,7 +25,7 @@ fn bumps() -> Vec<Vector> {
         let (sine, azimuth) = ((1.0 - y * y).sqrt(), golden * index as f64);
         [sine * azimuth.cos(), y, sine * azimuth.sin()]
     };
-    // Whole bumps only: the other half is a sphere.
+    // Complete bumps only: the other half is a sphere.
     let inside = |d: &Vector| dot(*d, normalize(SIDE)) > RADIUS.sin();
     (0..POINTS).map(point).filter(inside).collect()
 }
@@ -77,7 +77,7 @@ mod tests {
     use super::*;
     use crate::vector::{cross, subtract};
 
-    /// By differences of positions.
+    /// Normal by differences of positions.
     fn measured_normal(d: Vector, bumps: &[Vector]) -> Vector {
         let aside = normalize(cross(d, [0.3, 0.9, 0.2]));
         let across = cross(d, aside);
@@ -97,7 +97,7 @@ mod tests {
             let (normal, d) = (double(corner.normal), normalize(double(corner.position)));
             let expected = measured_normal(d, &bumps);
             assert!(dot(normal, expected) > 1.0 - 1e-6, "{corner:?} {expected:?}");
-            // The control: the normals of the smooth ball are others.
+            // The control: the normals of the smooth ball differ.
             let angle = dot(d, expected).clamp(-1.0, 1.0).acos();
             turned += usize::from(angle > 0.05);
             largest = largest.max(angle);

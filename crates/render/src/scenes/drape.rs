@@ -1,46 +1,46 @@
 //! Cloth that falls over a round pedestal, by position-based dynamics (Müller et al. 2007) with small steps.
 //!
-//! Only + - * / and square roots: the same on every machine.
+//! Uses only + - * / and square roots, so that the result is the same on every machine.
 
 use crate::vector::{add_scaled, subtract};
 use brdfc_flat_btf::structures::noise::value_noise;
 use brdfc_formats::direction::{Vector, dot};
 
-/// Steps while the cloth has half as many quads per side; large motion is cheap there.
+/// Number of steps with half as many quads per side, where large motion is cheap.
 const COARSE_STEPS: usize = 800;
-/// Steps with all quads: fine folds, and what the finer cloth has too much of its stretch.
+/// Number of steps with all quads: these add fine folds and remove excess stretch of the finer cloth.
 const FINE_STEPS: usize = 110;
-/// Seconds of a step.
+/// Length of a step, seconds.
 const STEP: f64 = 1.0 / 260.0;
-/// Fall in a second squared.
+/// Acceleration of the fall, units per second squared.
 const GRAVITY: f64 = 6.0;
-/// Share of the velocity that a step keeps.
-const KEPT: f64 = 0.992;
-/// Share of the sliding that friction takes from a point on the pedestal or the floor.
+/// Share of the velocity that a step retains.
+const DAMPING: f64 = 0.992;
+/// Share of the sliding that friction removes at the pedestal or the floor.
 const FRICTION: f64 = 0.35;
-/// How much narrower the pedestal gets per unit of depth below its rim: room for folds.
+/// Decrease of the pedestal's radius per unit of depth below its rim, which leaves room for folds.
 const TAPER: f64 = 0.45;
-/// Passes that take the last small wrinkles out.
+/// Number of passes that remove the last small wrinkles.
 const SMOOTHING: usize = 9;
 /// Share of the error in length that one step corrects: along the weave, across it, and over two quads (bending).
 const STIFFNESS: [f64; 3] = [1.0, 0.3, 0.35];
 
-/// A square cloth and what it falls on. The top of the pedestal is at height 0.
+/// A square cloth and the pedestal that it falls on. The top of the pedestal is at height 0.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Drape {
     /// Length of a side.
     pub side: f64,
     /// Quads per side, an even number.
     pub quads: usize,
-    /// Middle of the cloth over the middle of the pedestal, `[x, z]`; off it, folds are less alike.
+    /// Middle of the cloth relative to the middle of the pedestal, `[x, z]`. An offset makes folds less alike.
     pub offset: [f64; 2],
     /// Radius of the pedestal.
     pub radius: f64,
     /// Radius of its rounded rim.
     pub rim: f64,
-    /// Height of a floor that the cloth does not pass.
+    /// Height of a floor, which stops the cloth.
     pub floor: f64,
-    /// Of the noise that folds start from.
+    /// Seed of the noise that folds start from.
     pub seed: u64,
 }
 
@@ -68,7 +68,7 @@ impl Drape {
         points
     }
 
-    /// The cloth before it falls: flat but for a little noise, without which it would balance and fold alike
+    /// The cloth before it falls: flat except for a little noise, without which it would balance and fold alike
     /// everywhere.
     fn flat(&self, quads: usize) -> Vec<Vector> {
         let point = |index: usize| {
@@ -87,10 +87,10 @@ impl Drape {
             for (point, before) in points.iter_mut().zip(&mut before) {
                 let velocity = subtract(*point, *before);
                 *before = *point;
-                *point = add_scaled(*point, KEPT, velocity);
+                *point = add_scaled(*point, DAMPING, velocity);
                 point[1] -= GRAVITY * STEP * STEP;
             }
-            // Both ways in turn, so that the order of links leaves no trace.
+            // Alternate the order of links, so that it has no effect.
             if step % 2 == 0 {
                 links.iter().for_each(|link| link.pull(points));
             } else {
@@ -105,10 +105,10 @@ impl Drape {
         }
     }
 
-    /// Moves a point out of the pedestal and the floor; says whether it was inside.
+    /// Moves a point out of the pedestal and the floor. Returns true if it was inside.
     fn push_out(&self, point: &mut Vector) -> bool {
         let radial = (point[0] * point[0] + point[2] * point[2]).sqrt();
-        // From the circle that is the middle of the rim's rounding.
+        // Relative to the circle in the middle of the rim's rounding.
         let (out, up) = (radial - (self.radius - self.rim), point[1] + self.rim);
         let wall = out - TAPER * up.min(0.0);
         let (distance, direction) = if out > 0.0 && up > 0.0 {
@@ -170,7 +170,7 @@ fn links(quads: usize, spacing: f64) -> Vec<Link> {
     links
 }
 
-/// A square grid with a point between any two, on the cubic through four.
+/// Inserts a point between any two of a square grid, on the cubic through four.
 fn refine(points: &[Vector], side: usize) -> Vec<Vector> {
     let finer = |line: &dyn Fn(usize) -> Vector| -> Vec<Vector> {
         (0..2 * side - 1)
@@ -193,7 +193,7 @@ fn refine(points: &[Vector], side: usize) -> Vec<Vector> {
     (0..long * long).map(|index| columns[index % long][index / long]).collect()
 }
 
-/// Each point moves a quarter of the way to the middle of its neighbours; those of the hem only along it.
+/// Moves each point a quarter of the way to the middle of its neighbours. Points of the hem move only along it.
 fn smooth(points: &[Vector], side: usize) -> Vec<Vector> {
     let point = |index: usize| {
         let (column, row) = (index % side, index / side);
@@ -219,7 +219,7 @@ mod tests {
         Drape { side: 2.0, quads: 24, offset: [0.03, 0.02], radius: 0.5, rim: 0.1, floor: -0.4, seed: 3 };
 
     #[test]
-    fn a_fallen_cloth_stays_outside_and_keeps_its_lengths() {
+    fn a_fallen_cloth_is_outside_and_has_its_lengths() {
         let points = DRAPE.fall();
         assert_eq!(points.len(), 25 * 25);
         assert_eq!(points, DRAPE.fall());
@@ -243,7 +243,7 @@ mod tests {
     }
 
     #[test]
-    fn refining_keeps_points_and_planes() {
+    fn refinement_preserves_points_and_planes() {
         let side = 5;
         let plane = |x: f64, z: f64| [x, 0.5 * x - 0.25 * z, z];
         let coarse: Vec<Vector> = (0..25).map(|i| plane((i % side) as f64, (i / side) as f64)).collect();

@@ -4,7 +4,7 @@ use crate::scene::{Mesh, Vertex};
 use crate::vector::{add_scaled, cross, subtract};
 use brdfc_formats::direction::{Vector, dot, normalize};
 
-/// Step of the differences that tangents come from, in parameters.
+/// Parameter step of the differences that give tangents.
 const STEP: f64 = 1e-4;
 
 /// A grid of `columns` x `rows` quads over `(u, v)` in the unit square. Normals are `dP/du x dP/dv`, tangents `dP/du`.
@@ -25,8 +25,8 @@ pub(super) fn surface(columns: usize, rows: usize, position: impl Fn(f64, f64) -
 }
 
 /// A grid of quads through points that are stored row by row, `columns + 1` in each. Normals are means over the
-/// triangles of a point: on rough ground they keep to what is drawn better than differences do. Tangents are
-/// differences along a row.
+/// triangles of a point, which follow the mesh on rough ground better than differences do. Tangents are differences
+/// along a row.
 pub(super) fn through(points: &[Vector], columns: usize) -> Mesh {
     let width = columns + 1;
     let rows = points.len() / width - 1;
@@ -48,15 +48,15 @@ pub(super) fn through(points: &[Vector], columns: usize) -> Mesh {
     Mesh { vertices: vertices.collect(), triangles }
 }
 
-/// A vertex whose tangent is put at right angles to its normal.
+/// A vertex whose tangent is made orthogonal to its normal.
 pub(super) fn vertex(position: Vector, normal: Vector, tangent: Vector, uv: [f64; 2]) -> Vertex {
     let tangent = normalize(add_scaled(tangent, -dot(normal, tangent), normal));
     let single = |v: Vector| v.map(|c| c as f32);
     Vertex { position: single(position), normal: single(normal), tangent: single(tangent), uv: uv.map(|c| c as f32) }
 }
 
-/// Two triangles for each quad of a grid of vertices that is stored row by row; counter-clockwise where u goes right
-/// and v goes up.
+/// Two triangles for each quad of a grid of vertices that is stored row by row; counter-clockwise if u goes right and v
+/// goes up.
 pub(super) fn quads(columns: usize, rows: usize) -> Vec<[u32; 3]> {
     let mut triangles = Vec::with_capacity(2 * columns * rows);
     for row in 0..rows {

@@ -29,21 +29,22 @@ pub enum Builtin {
     Terrain,
     /// A square on the ground, seen obliquely.
     Plane,
-    /// A bottle, a surface of revolution. Like those below its uv count tiles, which are square and close all around.
+    /// A bottle, a surface of revolution. In this and the following scenes uv counts tiles, which are square and close
+    /// all around.
     Bottle,
-    /// A vase, likewise.
+    /// A vase, a surface of revolution.
     Vase,
     /// A teapot: a body with lid, spout and handle.
     Teapot,
-    /// A ball with a smooth half and a half of round bumps. Like the next one it has no point lights: its environment
-    /// lights it.
+    /// A ball with a smooth half and a half of round bumps. This and the next scene have no point lights: the
+    /// environment lights them.
     BumpyBall,
     /// A torus with a smooth and a ribbed half.
     RibbedTorus,
 }
 
 impl Builtin {
-    /// The names that manifests and the command line use, in the order of the scenes.
+    /// Names in manifests and on the command line, in the order of the scenes.
     pub const NAMES: [(&'static str, Self); 10] = [
         ("sphere", Self::Sphere),
         ("cloth", Self::Cloth),
@@ -57,12 +58,12 @@ impl Builtin {
         ("ribbed-torus", Self::RibbedTorus),
     ];
 
-    /// Its name.
+    /// Name of the scene.
     pub fn name(self) -> &'static str {
         Self::NAMES[self as usize].0
     }
 
-    /// Tiles per unit of uv that show a relief well.
+    /// Number of tiles per unit of uv that shows a relief well.
     pub fn tiles(self) -> u32 {
         match self {
             Self::Plane | Self::Bottle | Self::Vase | Self::Teapot => 4,

@@ -15,7 +15,7 @@ pub(super) fn scene() -> Scene {
             up: [0.0, 1.0, 0.0],
             field_of_view: 33.0,
         },
-        // From the left and the back: relief shows.
+        // From the left and the back, so that relief shows.
         lights: vec![PointLight { position: [-2.6, 2.1, -1.0], intensity: [PI * 14.0; 3] }],
         environment: sky::environment(),
         background: [0.1, 0.1, 0.11],

@@ -6,11 +6,12 @@ use crate::vector::{add_scaled, cross, subtract};
 use brdfc_formats::direction::{Vector, dot, normalize};
 use std::f64::consts::TAU;
 
-/// Steps of a curve from row to row of a mesh, for its length.
+/// Steps per row of a mesh, for the length of a curve.
 const STEPS: usize = 16;
 
-/// Around the y axis; `profile` is radius and height, t from 0 to 1 upwards. Tangents run around. u goes once around in
-/// `turns` tiles, v along the profile at the scale that u has there: tiles are square, and smaller where the radius is.
+/// A surface of revolution around the y axis; `profile` is radius and height, t from 0 to 1 upwards. Tangents run
+/// around. u goes once around in `turns` tiles, v along the profile at the scale of u there: tiles are square, and
+/// smaller at smaller radii.
 pub(super) fn revolution(columns: usize, rows: usize, turns: u32, profile: impl Fn(f64) -> [f64; 2]) -> Mesh {
     let mut mesh = surface(columns, rows, |u, t| {
         let (phi, [r, y]) = (-TAU * u, profile(t));
@@ -24,8 +25,8 @@ pub(super) fn revolution(columns: usize, rows: usize, turns: u32, profile: impl 
     mesh
 }
 
-/// Around a curve in the plane z = 0, t from 0 to 1; `curve` gives a point and the radius there. Tiles as those of
-/// [`revolution`], tangents run around.
+/// A tube around a curve in the plane z = 0, t from 0 to 1; `curve` returns a point and the radius there. Tiles are
+/// those of [`revolution`], tangents run around.
 pub(super) fn tube(columns: usize, rows: usize, turns: u32, curve: impl Fn(f64) -> (Vector, f64)) -> Mesh {
     const STEP: f64 = 1e-4;
     let mut mesh = surface(columns, rows, |u, t| {
@@ -41,7 +42,7 @@ pub(super) fn tube(columns: usize, rows: usize, turns: u32, curve: impl Fn(f64) 
 }
 
 /// A round cap around the y axis, `profile` from the pole (radius 0) outwards. uv are those of a disc: straight from
-/// the pole at the length of the profile, so that nothing shrinks there. `unit` is the length of a tile.
+/// the pole at the length of the profile, so that tiles do not shrink there. `unit` is the length of a tile.
 pub(super) fn cap(columns: usize, rows: usize, unit: f64, profile: impl Fn(f64) -> [f64; 2]) -> Mesh {
     const STEP: f64 = 1e-4;
     let lengths = lengths(rows, |t| {
@@ -67,7 +68,7 @@ pub(super) fn cap(columns: usize, rows: usize, unit: f64, profile: impl Fn(f64) 
     mesh
 }
 
-/// Triangles of no area, such as those at a pole, are left out.
+/// Removes triangles without area, such as those at a pole.
 fn without_slivers(mesh: &mut Mesh) {
     let at = |corner: u32| mesh.vertices[corner as usize].position.map(f64::from);
     mesh.triangles.retain(|[a, b, c]| {
@@ -84,7 +85,7 @@ fn lengths(rows: usize, point: impl Fn(f64) -> Vector) -> Vec<f64> {
     })
 }
 
-/// Tiles up to each row where a tile is as long as it is wide: `turns` of them around the radius.
+/// Tiles up to each row if tiles are square, with `turns` of them around the circumference.
 fn conformal(rows: usize, turns: f64, curve: impl Fn(f64) -> (Vector, f64)) -> Vec<f64> {
     sums(rows, |a, b| {
         let (step, radius) = (subtract(curve(b).0, curve(a).0), curve(0.5 * (a + b)).1);
@@ -92,7 +93,7 @@ fn conformal(rows: usize, turns: f64, curve: impl Fn(f64) -> (Vector, f64)) -> V
     })
 }
 
-/// Running sums of a value for each small step from 0 to 1, row by row.
+/// Running sums of a value over small steps from 0 to 1, row by row.
 fn sums(rows: usize, value: impl Fn(f64, f64) -> f64) -> Vec<f64> {
     let last = rows * STEPS;
     let mut sum = 0.0;

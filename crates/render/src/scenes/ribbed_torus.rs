@@ -7,18 +7,18 @@ use crate::vector::cross;
 use brdfc_formats::direction::{Vector, normalize};
 use std::f64::consts::{FRAC_PI_2, PI, TAU};
 
-/// From the axis to the middle of the tube.
+/// Distance from the axis to the middle of the tube.
 const RING: f64 = 0.70;
 /// Radius of the tube.
 const TUBE: f64 = 0.36;
 /// Height of the ribs, from the mean.
 const HEIGHT: f64 = 0.014;
-/// Ribs all around, were they everywhere.
+/// Number of ribs of a fully ribbed torus.
 const RIBS: f64 = 18.0;
-/// Azimuths between which ribs are, radians, and over which they rise and fall.
+/// Azimuths of the ribbed half, radians, over which ribs rise and fall.
 const RIBBED: [f64; 2] = [-FRAC_PI_2, FRAC_PI_2];
 const RAMP: f64 = 0.5;
-/// How far the ring is turned from lying flat towards the viewer, radians.
+/// Angle by which the ring is turned from lying flat towards the viewer, radians.
 const TURN: f64 = 0.95;
 
 /// A step from 0 to 1 over the unit interval, twice continuously differentiable, and its derivative.
@@ -49,7 +49,7 @@ fn point(azimuth: f64, around: f64) -> [Vector; 3] {
     ]
 }
 
-/// u goes around the ring, v around the tube.
+/// The mesh: u runs around the ring, v around the tube.
 fn mesh(columns: usize, rows: usize) -> Mesh {
     let mut mesh = Mesh { vertices: Vec::new(), triangles: quads(columns, rows) };
     for row in 0..=rows {
@@ -93,7 +93,7 @@ mod tests {
                     assert!((0..3).all(|k| (found[k] - expected[k]).abs() < 1e-7), "{found:?} {expected:?}");
                 }
             }
-            // The control: without the slope of ribs a derivative would be wrong by as much.
+            // The control: without the slope of ribs a derivative would be wrong by this much.
             sloped += usize::from(tube(azimuth)[1].abs() > 0.05);
         }
         assert!(sloped > 10, "{sloped}");

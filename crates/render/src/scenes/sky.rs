@@ -1,4 +1,4 @@
-//! The environment that mirrors show where no other is given.
+//! The default environment of mirrors.
 
 use crate::scene::Environment;
 
@@ -20,7 +20,7 @@ pub(super) fn environment() -> Environment {
             let across = smooth_step((width - from_centre) / 0.08);
             across * smooth_step((up - low) / 0.06) * smooth_step((high - up) / 0.06)
         };
-        // The camera of the scenes looks along -z: what is behind it, at +z, is what mirrors show.
+        // The camera of the scenes looks along -z, so mirrors show what is behind it, at +z.
         let light = 5.0 * window(1.05, 0.28, 0.25, 0.75) + 3.0 * window(2.4, 0.2, 0.2, 0.7);
         [0, 1, 2].map(|k| (base[k] + light * [1.0, 0.96, 0.9][k]) as f32)
     };

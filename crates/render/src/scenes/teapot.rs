@@ -8,7 +8,7 @@ use std::f64::consts::{FRAC_PI_2, PI};
 
 /// Tiles around the body.
 const AROUND: u32 = 3;
-/// Length of a tile at the widest place of the body.
+/// Length of a tile at the widest part of the body.
 const TILE: f64 = 1.3;
 
 pub(super) fn scene() -> Scene {
@@ -29,37 +29,37 @@ pub(super) fn scene() -> Scene {
     lit("teapot", whole, camera)
 }
 
-/// From the foot to the rim that the lid lies in.
+/// Profile from the foot to the rim that holds the lid.
 fn body(t: f64) -> [f64; 2] {
     let angle = -0.9 + t * 1.95;
     let foot = 0.05 * (-t / 0.03).exp();
     [0.62 * angle.cos().max(0.0).powf(0.8) + foot, 0.38 + 0.40 * angle.sin() / 0.85]
 }
 
-/// A dome from the middle to a little inside the rim.
+/// Profile of a dome from the middle to a little inside the rim.
 fn lid(t: f64) -> [f64; 2] {
     let [rim, height] = body(1.0);
     let r = (rim + 0.012) * t;
     [r, height + 0.115 * (1.0 - t * t) - 0.004]
 }
 
-/// From the top down to the lid.
+/// Profile from the top down to the lid.
 fn knob(t: f64) -> [f64; 2] {
     let top = lid(0.0)[1] + 0.15;
     let radius = 0.082;
-    // A ball down to its waist, and from there straight down.
+    // A ball down to its waist, and straight down from there.
     let angle = PI * 0.80 * t;
     let waist = smooth_step((t - 0.78) / 0.3);
     [radius * angle.sin() + 0.02 * waist, top - radius * (1.0 - angle.cos()) - 0.03 * waist]
 }
 
-/// Out of the body to the right and up, narrower and narrower.
+/// Curve out of the body to the right and up, with decreasing radius.
 fn spout(t: f64) -> (Vector, f64) {
     let (a, b, c, d) = ([0.42, 0.22], [0.95, 0.22], [0.78, 0.66], [1.12, 0.80]);
     (bezier([a, b, c, d], t), 0.145 - 0.085 * smooth_step(t * 1.05))
 }
 
-/// An ear on the left.
+/// Curve of an ear on the left.
 fn handle(t: f64) -> (Vector, f64) {
     let angle = FRAC_PI_2 + PI * t;
     let (x, y) = (0.5 * angle.cos(), 0.235 * angle.sin());

@@ -1,4 +1,4 @@
-//! What every built-in scene keeps to.
+//! Invariants of every built-in scene.
 
 use super::*;
 use crate::scene::{Frame, Mesh, Vertex};
@@ -46,7 +46,7 @@ fn triangles_are_as_many_as_the_paper_has() {
     assert_eq!(count(Builtin::Terrain), 45_000);
 }
 
-/// With the usual scale of distances, what is nearer than 6.66 is drawn in full detail.
+/// At the usual scale of distances, everything nearer than 6.66 is drawn in full detail.
 #[test]
 fn objects_are_near_enough_for_full_detail() {
     let frame = Frame { width: 64, height: 64, samples: 1 };
@@ -61,7 +61,7 @@ fn objects_are_near_enough_for_full_detail() {
     }
 }
 
-/// The paper's renderings are of objects that fill half of them.
+/// The objects in the paper's renderings fill half of them.
 #[test]
 fn shapes_for_environments_fill_half_the_rendering() {
     for builtin in [Builtin::BumpyBall, Builtin::RibbedTorus] {
@@ -91,10 +91,10 @@ fn every_part_is_seen() {
     }
 }
 
-/// Pairs of triangles of a mesh, without a corner in common, of which an edge of one passes through the other.
+/// Pairs of triangles of a mesh without a common corner where an edge of one passes through the other.
 fn crossings(mesh: &Mesh) -> Vec<[usize; 2]> {
     let corners = |triangle: usize| mesh.triangles[triangle].map(|c| double(mesh.vertices[c as usize].position));
-    // Triangles by the cells of space that their boxes touch.
+    // Triangles by the cells of space that their bounding boxes touch.
     let mut cells: BTreeMap<[i64; 3], Vec<usize>> = BTreeMap::new();
     for triangle in 0..mesh.triangles.len() {
         let at = corners(triangle);
@@ -121,7 +121,7 @@ fn crossings(mesh: &Mesh) -> Vec<[usize; 2]> {
     found
 }
 
-/// Whether the line from `a` to `b` passes through a triangle (Möller and Trumbore 1997).
+/// Returns true if the line from `a` to `b` passes through a triangle (Möller and Trumbore 1997).
 fn passes_through(a: Vector, b: Vector, [p, q, r]: [Vector; 3]) -> bool {
     let (along, e1, e2, from) = (subtract(b, a), subtract(q, p), subtract(r, p), subtract(a, p));
     let normal = cross(along, e2);
@@ -141,7 +141,7 @@ fn cloths_do_not_pass_through_themselves() {
         let part = scene.parts.iter().find(|part| part.name == "cloth").unwrap();
         let found = crossings(&part.mesh);
         assert!(found.is_empty(), "{builtin:?}: {} crossings, {:?}", found.len(), &found[..found.len().min(9)]);
-        // The control: two sheets that do.
+        // The control: two sheets that do intersect.
         let mut folded = part.mesh.clone();
         for vertex in &mut folded.vertices {
             vertex.position[1] = if vertex.position[0] < 0.0 { 0.3 * vertex.position[0] } else { vertex.position[1] };
@@ -153,9 +153,9 @@ fn cloths_do_not_pass_through_themselves() {
     }
 }
 
-/// The still life stands on the table: nothing hangs in the air or sinks in.
+/// All objects rest on the table: none floats or sinks in.
 #[test]
-fn things_stand_on_the_table() {
+fn objects_rest_on_the_table() {
     let scene = Builtin::Table.scene();
     for part in &scene.parts[1..] {
         let lowest = part.mesh.vertices.iter().map(|vertex| vertex.position[1]).fold(f32::INFINITY, f32::min);
@@ -181,7 +181,7 @@ fn things_stand_on_the_table() {
     }
 }
 
-/// How a triangle's position changes with u and with v.
+/// Change of a triangle's position with u and with v.
 fn along_uv(mesh: &Mesh, triangle: usize) -> Option<[Vector; 2]> {
     let [a, b, c] = mesh.triangles[triangle].map(|corner| mesh.vertices[corner as usize]);
     let edge = |end: Vertex| subtract(double(end.position), double(a.position));
@@ -192,7 +192,7 @@ fn along_uv(mesh: &Mesh, triangle: usize) -> Option<[Vector; 2]> {
     (determinant.abs() > 1e-12).then(|| [solve(h, -f), solve(-g, e)])
 }
 
-/// Textures are put on the right way around: relief is lit and shifted by directions in the frame of the vertices.
+/// Orientation of textures: relief is lit and shifted by directions in the frame of the vertices.
 #[test]
 fn frames_follow_the_coordinates_of_textures() {
     let balls = [Builtin::Sphere, Builtin::BumpyBall];
@@ -214,7 +214,7 @@ fn frames_follow_the_coordinates_of_textures() {
     }
 }
 
-/// Also a whole number of tiles: a texture meets itself without a seam.
+/// The number of tiles is also whole, so that a texture meets itself without a seam.
 #[test]
 fn tiles_are_square_and_close_all_around() {
     for (builtin, around) in [(Builtin::Plane, None), (Builtin::Bottle, Some(2.0)), (Builtin::Vase, Some(3.0))] {

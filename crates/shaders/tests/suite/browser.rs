@@ -1,5 +1,5 @@
-//! Translated decoders in a browser: GLSL ES 3.00 by WebGL 2, WGSL by WebGPU, each against the CPU decoder at 10,000 queries a
-//! pack; with exact weights, and once more with the sampler filtering.
+//! Translated decoders in a browser: GLSL ES 3.00 by WebGL 2, WGSL by WebGPU, each compared with the CPU decoder at
+//! 10,000 queries a pack; with exact weights, and once more with the sampler filtering.
 
 use crate::texts::text;
 use brdfc_formats::PackKind;
@@ -41,7 +41,8 @@ fn wgsl(decoder: PackKind) -> String {
     let piece = text(decoder, Language::Wgsl);
     let count = SIDE * SIDE;
     let call = call(decoder);
-    // Packs bind the frame block even where no called function reads it; an automatic layout has only what is read.
+    // Packs bind the frame block even if no called function reads it. An automatic layout contains only bindings that
+    // are read.
     let frame = if piece.contains("brdfc_frame") { "_ = brdfc_frame.blend;" } else { "" };
     format!(
         "{piece}
@@ -61,16 +62,16 @@ fn wgsl(decoder: PackKind) -> String {
     )
 }
 
-/// A case with the shader that is to evaluate it.
+/// A case with the shader that evaluates it.
 struct Asked<'a> {
     case: &'a Case,
     shader: &'a str,
     interface: &'a Interface,
-    /// Whether the sampler filters.
+    /// True if the sampler filters.
     sampled: bool,
 }
 
-/// The list of the cases and the bytes that it points into.
+/// The list of the cases and the data that it points into.
 fn page_of(api: &str, asked: &[Asked<'_>]) -> (Value, Vec<u8>) {
     let mut data: Vec<u8> = Vec::new();
     let mut add = |bytes: &[u8]| {
@@ -106,7 +107,7 @@ fn page_of(api: &str, asked: &[Asked<'_>]) -> (Value, Vec<u8>) {
                     entry["format"] = format!("{:?}", texels.format).into();
                     entry["texelBytes"] = texels.format.texel_bytes().into();
                     entry["levels"] = texels.levels.into();
-                    // What WebGL asks of textures, as it has no samplers of their own.
+                    // Texture parameters of WebGL, which has no separate samplers.
                     let sampler = texels.sampler.as_deref().filter(|_| *sampled);
                     entry["filtered"] = sampler.is_some().into();
                     entry["repeats"] = case.repeats(sampler).into();
@@ -125,7 +126,7 @@ fn page_of(api: &str, asked: &[Asked<'_>]) -> (Value, Vec<u8>) {
             Resource::Texture(texels) => texels.clone().widened().format != texels.format,
             _ => false,
         };
-        // The WGSL has a sampler for it, which a texture of floats takes by this feature alone.
+        // The WGSL has a sampler for it, which accepts a texture of floats only with this feature.
         let feature = case.bound().any(is_wide).then_some("float32-filterable");
         listed.push(json!({
             "name": case.name,
@@ -139,7 +140,7 @@ fn page_of(api: &str, asked: &[Asked<'_>]) -> (Value, Vec<u8>) {
     (json!({ "api": api, "cases": listed }), data)
 }
 
-/// The answers to all cases by the page, or `None` where there is no browser.
+/// The page's answers to all cases; `None` without a browser.
 fn answers(api: &str, asked: &[Asked<'_>]) -> Option<Vec<Vec<[f32; 4]>>> {
     let (list, data) = page_of(api, asked);
     let files = [
@@ -151,7 +152,7 @@ fn answers(api: &str, asked: &[Asked<'_>]) -> Option<Vec<Vec<[f32; 4]>>> {
     Some(numbers(&result_of_page(&files)?, asked.len()))
 }
 
-/// Answers to so many cases from what a page posts.
+/// Parses the answers to this many cases from a page's post.
 pub fn numbers(posted: &[u8], cases: usize) -> Vec<Vec<[f32; 4]>> {
     let text = String::from_utf8_lossy(&posted[..posted.len().min(2000)]);
     assert_eq!(posted.len(), cases * 16 * SIDE * SIDE, "{text}");
@@ -161,7 +162,7 @@ pub fn numbers(posted: &[u8], cases: usize) -> Vec<Vec<[f32; 4]>> {
     answers.chunks(SIDE * SIDE).map(<[_]>::to_vec).collect()
 }
 
-/// Shaders of all decoders, with what they bind.
+/// Shaders of all decoders, with their bindings.
 fn shaders(source: fn(PackKind) -> String) -> BTreeMap<&'static str, (String, Interface)> {
     let shader = |decoder: PackKind| (decoder.name(), (source(decoder), shader(decoder, Language::Wgsl).interface));
     PackKind::ALL.into_iter().map(shader).collect()
@@ -178,7 +179,7 @@ fn agrees(api: &str, source: fn(PackKind) -> String) {
     check(api, &cases, &found);
 }
 
-/// Packs as encoders make them, whose neighbouring texels are not far apart.
+/// Packs made by encoders, in which neighbouring texels are similar.
 fn materials() -> Vec<SamplerCase> {
     let red = brdfc_testing::testdata("demo/red_plastic.binary");
     let opened = |input: &str| brdfc_source::open::open(input, None).unwrap().source;
@@ -196,15 +197,15 @@ fn materials() -> Vec<SamplerCase> {
     all
 }
 
-/// What is changed about look-ups with filters.
+/// Change to filtered look-ups.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 enum Lookups {
-    /// Nothing.
+    /// No change.
     AsTheyAre,
-    /// Positions and levels have 8 bits behind the point, as GPUs hold them: software drivers have been seen to filter with all
+    /// Positions and levels have 8 fractional bits, as in GPUs. Software drivers have been observed to filter with all
     /// bits of a float.
     Rounded,
-    /// They are half a texel beside.
+    /// Positions are off by half a texel.
     Shifted,
 }
 
@@ -212,10 +213,11 @@ impl Lookups {
     const ALL: [Self; 3] = [Self::AsTheyAre, Self::Rounded, Self::Shifted];
 }
 
-/// Made-up packs and materials, with the bounds of each query: they take longer than the browser, and serve both interfaces.
+/// Made-up packs and materials, with the bounds of each query. They take longer than the browser, and both APIs share
+/// them.
 static SAMPLED: LazyLock<[Vec<SamplerCase>; 2]> = LazyLock::new(|| [sampler_cases(), materials()]);
 
-/// The sampler filters: against the CPU, with the bounds of each query.
+/// Compares filtering by the sampler with the CPU, with the bounds of each query.
 fn agrees_by_sampler(api: &str, source: fn(PackKind) -> String, changed: fn(&str, &Interface, Lookups) -> String) {
     let [made_up, materials] = &*SAMPLED;
     let shaders = shaders(source);
@@ -268,7 +270,7 @@ highp vec3 changed(highp vec3 at, ivec3 size) { return at + vec3(0.5 / float(siz
 "
         }
     };
-    // Behind the precisions.
+    // Insert after the precision statements.
     let first = shader.find("\nstruct").unwrap();
     format!("{}\n{changed}{}", &shader[..first], &shader[first..])
 }

@@ -1,4 +1,4 @@
-//! Translated decoders through the compilers of others: glslang, and the validator of SPIR-V. Metal's compiler runs on Apple's
+//! Translated decoders compiled by other tools: glslang, and the validator of SPIR-V. Metal's compiler runs on Apple's
 //! systems alone.
 
 use super::texts::{TEXTS, text};
@@ -7,12 +7,12 @@ use brdfc_shaders::{Language, shader};
 use std::path::Path;
 use std::process::Command;
 
-/// What a compiler says against a file; nothing where it has no complaint. `None` where there is no such program.
+/// Output of a compiler for a file, empty if it accepts the file. `None` if there is no such program.
 fn complaint(program: &str, arguments: &[&str], file: &Path) -> Option<String> {
     let output = match Command::new(program).args(arguments).arg(file).output() {
         Ok(output) => output,
         Err(error) => {
-            println!("skipped: no shader goes through {program}: {error}");
+            println!("skipped: {program} does not run: {error}");
             return None;
         }
     };
@@ -20,7 +20,7 @@ fn complaint(program: &str, arguments: &[&str], file: &Path) -> Option<String> {
     Some(if output.status.success() { String::new() } else { said })
 }
 
-/// A whole shader around a piece, as its user would write it, and how glslang compiles it.
+/// A complete shader around a fragment, as its user would write it, and the arguments of glslang.
 fn whole(language: Language, piece: &str) -> Option<(String, &'static [&'static str])> {
     match language {
         Language::Glsl => Some((
@@ -43,7 +43,7 @@ fn whole(language: Language, piece: &str) -> Option<(String, &'static [&'static 
 fn glslang_compiles_them() {
     let folder = tempfile::tempdir().unwrap();
     let file = folder.path().join("shader.txt");
-    // It writes SPIR-V into the folder that it runs in.
+    // glslang writes SPIR-V into the working directory.
     let out = folder.path().join("out.spv").display().to_string();
     let mut compiled = 0;
     for decoder in PackKind::ALL {
@@ -55,7 +55,7 @@ fn glslang_compiles_them() {
             std::fs::write(&file, &source).unwrap();
             let Some(said) = complaint("glslangValidator", &arguments, &file) else { return };
             assert_eq!(said, "", "{} in {}", decoder.name(), language.name());
-            // It would say so.
+            // The control: a wrong type is an error.
             std::fs::write(&file, source + "flaot x;\n").unwrap();
             assert!(complaint("glslangValidator", &arguments, &file).unwrap().contains("ERROR"));
             compiled += 1;
@@ -65,7 +65,7 @@ fn glslang_compiles_them() {
 }
 
 #[test]
-fn the_validator_of_spirv_takes_them() {
+fn the_validator_of_spirv_accepts_them() {
     let folder = tempfile::tempdir().unwrap();
     let file = folder.path().join("shader.spv");
     for decoder in PackKind::ALL {
@@ -73,7 +73,7 @@ fn the_validator_of_spirv_takes_them() {
         std::fs::write(&file, &words).unwrap();
         let Some(said) = complaint("spirv-val", &["--target-env", "vulkan1.1"], &file) else { return };
         assert_eq!(said, "", "{}", decoder.name());
-        // Without its last instruction.
+        // The control: without its last instruction the module is invalid.
         std::fs::write(&file, &words[..words.len() - 4]).unwrap();
         assert_ne!(complaint("spirv-val", &["--target-env", "vulkan1.1"], &file).unwrap(), "");
     }

@@ -1,4 +1,4 @@
-//! Translated decoders: what they say of themselves, what other compilers say of them, and what they compute.
+//! Translated decoders: their headers, their acceptance by other compilers, and their values.
 
 mod browser;
 mod compilers;

@@ -44,7 +44,7 @@ async function withWebGl(cases, macros) {
     };
     gl.bindFramebuffer(gl.FRAMEBUFFER, gl.createFramebuffer());
     gl.framebufferTexture2D(gl.FRAMEBUFFER, gl.COLOR_ATTACHMENT0, gl.TEXTURE_2D, floats(null), 0);
-    // Of shaders that several cases share: compilers take longer than all else.
+    // Shared by several cases, since compilation takes longer than everything else.
     const programs = new Map();
     const found = [];
     for (const [k, item] of cases.entries()) {

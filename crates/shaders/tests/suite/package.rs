@@ -1,5 +1,5 @@
-//! The package for the web: packs as files, loaded and bound by it, in WebGL 2 and in WebGPU, against the CPU decoder.
-//! `bindings/web/build` makes the package.
+//! The package for the web loads and binds packs from files, in WebGL 2 and in WebGPU. Results are compared with the
+//! CPU decoder. `bindings/web/build` makes the package.
 
 use crate::browser::numbers;
 use brdfc_formats::bindings::FrameBlock;
@@ -16,8 +16,8 @@ const PAGE: &str = "<!doctype html><meta charset=utf-8><title>brdfc</title>
 <script type=importmap>{ \"imports\": { \"three\": \"/three/three.module.js\" } }</script>
 <script type=module src=package.js></script>";
 
-/// The call in WGSL. Wide texels may be floats, which the package binds as ones that are not filtered: of them samplers are asked for
-/// nothing.
+/// The call in WGSL. Wide texels may be floats, which the package binds without filtering, so samplers are not used on
+/// them.
 fn wgsl_call(decoder: PackKind) -> String {
     let exact =
         |brdf: BrdfShader| format!("vec4f({}, 0.0)", brdf.exact.replace("(wi, wo, level", "(a.xyz, b.xyz, a.w"));
@@ -27,7 +27,7 @@ fn wgsl_call(decoder: PackKind) -> String {
 fn agrees(api: &str) {
     let folder = brdfc_testing::repository().join("bindings/web/dist");
     let Ok(entries) = std::fs::read_dir(&folder) else {
-        println!("skipped: no pack is loaded by the package for the web: ./bindings/web/build makes it");
+        println!("skipped: the package for the web is missing; run ./bindings/web/build");
         return;
     };
     let mut built: Vec<(String, Vec<u8>)> = entries
@@ -39,7 +39,7 @@ fn agrees(api: &str) {
     for file in ["three.module.js", "three.core.js"] {
         built.push((format!("three/{file}"), std::fs::read(three.join(file)).unwrap()));
     }
-    // Maps and samples are for renderers that this package does not have.
+    // The package has no renderers that use maps and samples.
     let loaded =
         |case: &Case| ![PackKind::Bandwidth, PackKind::Importance].contains(&case.decoder) && !case.files.is_empty();
     let cases: Vec<Case> = cases().into_iter().filter(loaded).collect();
@@ -67,7 +67,7 @@ fn agrees(api: &str) {
         let item = json!({ "glsl": call(case.decoder), "wgsl": wgsl_call(case.decoder) });
         add(&case.name, case.files[0].clone(), &case.queries, case.frame, item);
     }
-    // The package has no decoder of this one.
+    // The package has no decoder of this kind.
     let unknown = json!({
         "glsl": gradient::CALL,
         "wgsl": gradient::CALL,

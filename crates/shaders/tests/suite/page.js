@@ -96,7 +96,7 @@ function withWebGl(cases, blobs) {
     gl.texStorage2D(gl.TEXTURE_2D, 1, gl.RGBA32F, side, side);
     gl.bindFramebuffer(gl.FRAMEBUFFER, gl.createFramebuffer());
     gl.framebufferTexture2D(gl.FRAMEBUFFER, gl.COLOR_ATTACHMENT0, gl.TEXTURE_2D, target, 0);
-    // Of shaders that several cases share: compilers take longer than all else.
+    // Shared by several cases, since compilation takes longer than everything else.
     const programs = new Map();
     return cases.map(({ glsl, resources, queries, feature, sampled }) => {
         if (sampled && feature && !hasWideFilters) {
@@ -160,7 +160,8 @@ async function withWebGpu(cases, blobs) {
     if (!adapter) {
         throw new Error('no WebGPU');
     }
-    // Without features, and with one for floats that stand for integers of 16 bits; of each, shaders that several cases share.
+    // Devices without features, and with one for floats that replace integers of 16 bits; for each, shaders that
+    // several cases share.
     const devices = new Map();
     const opened = async (feature) => {
         const requiredFeatures = feature ? [feature] : [];

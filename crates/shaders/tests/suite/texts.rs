@@ -1,4 +1,4 @@
-//! What translated decoders say of themselves is in them.
+//! Consistency of translated decoders with their headers.
 
 use brdfc_formats::PackKind;
 use brdfc_shaders::{BindingKind, Language, shader};
@@ -7,11 +7,11 @@ pub fn text(decoder: PackKind, language: Language) -> String {
     String::from_utf8(shader(decoder, language).bytes).unwrap()
 }
 
-/// The languages that are text.
+/// The text languages.
 pub const TEXTS: [Language; 5] = [Language::Wgsl, Language::Glsl, Language::Essl300, Language::Hlsl, Language::Msl];
 
 #[test]
-fn every_decoder_goes_into_every_language() {
+fn every_decoder_has_every_language() {
     for decoder in PackKind::ALL {
         assert_eq!(PackKind::from_name(decoder.name()), Some(decoder));
         for language in TEXTS {
@@ -27,7 +27,7 @@ fn every_decoder_goes_into_every_language() {
                 assert!(header.contains(&format!(" {function}(")), "{header}");
                 assert_eq!(code.matches(&format!(" {function}(")).count().min(1), 1, "{} {function}", language.name());
             }
-            // Translated code has no comments, and nothing of a tool's own names.
+            // Translated code has no comments, and no names that a tool made up.
             if language != Language::Wgsl {
                 assert!(text.is_ascii() && !text.contains("_group_") && !text.contains("nagaSampler"), "{text}");
                 assert!(!text.contains("brdfc_entry") && !text.contains("void main"));
@@ -72,7 +72,7 @@ fn interfaces_are_those_of_the_blocks() {
 }
 
 #[test]
-fn headers_say_how_a_language_declares_it() {
+fn headers_have_the_declarations_of_the_language() {
     let of = |language| text(PackKind::Table, language);
     assert!(of(Language::Glsl).contains("//     vec3 table_brdf(vec3 wi, vec3 wo)\n"));
     assert!(of(Language::Hlsl).contains("//     float3 table_brdf(float3 wi, float3 wo)\n"));

@@ -1,6 +1,6 @@
-//! Any material as one of the RGL database: its values where the visible normals of a distribution that resembles it are
-//! uniform, after Dupuy and Jakob 2018, sections 3 and 4. The measurement finds that distribution by power iterations; here it
-//! is what the material sends back to where light comes from.
+//! Resampling of any material as one of the RGL database: its values at positions where the visible normals of a
+//! similar distribution are uniform, after Dupuy and Jakob 2018, sections 3 and 4. The measurement finds that
+//! distribution by power iterations; here it is the retro-reflection of the material.
 
 use super::warp::VisibleNormals;
 use brdfc_formats::FormatError;
@@ -10,15 +10,15 @@ use std::f64::consts::{FRAC_PI_2, PI, TAU};
 
 /// Largest polar angle of incidence, degrees.
 const STEEPEST_DEGREES: f64 = 89.0;
-/// Height of the lowest directions from which light is sent back.
+/// Height of the lowest directions of retro-reflection.
 const LOWEST: f64 = 1e-3;
-/// Least density of normals, relative to that of a rough surface: no direction is without values.
+/// Smallest density of normals, relative to that of a rough surface, so that all directions have values.
 const LEAST_DENSITY: f64 = 0.02;
 
 /// Sizes of the tables.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct RglGrid {
-    /// Azimuths of incidence: 1 for isotropic materials, or else 3 or more over a full turn, both ends counted.
+    /// Azimuths of incidence: 1 for isotropic materials, otherwise at least 3 over a full turn, including both ends.
     pub azimuths: usize,
     /// Polar angles of incidence.
     pub polar: usize,
@@ -29,7 +29,7 @@ pub struct RglGrid {
 }
 
 impl RglGrid {
-    /// That of a material, by whether it is isotropic.
+    /// Default grid of isotropic or anisotropic materials.
     pub fn of(isotropic: bool) -> Self {
         if isotropic {
             return Self { azimuths: 1, polar: 24, normals: [128, 64], values: 64 };
@@ -52,7 +52,7 @@ impl RglGrid {
         from_polar(FRAC_PI_2 * u * u, TAU * v - PI + phi_i)
     }
 
-    /// Directions whose reflection back to themselves says how normals are distributed: `u` fastest.
+    /// Directions whose retro-reflection gives the distribution of normals: `u` fastest.
     pub fn retro_pairs(&self) -> Vec<DirectionPair> {
         let [columns, rows] = self.normals;
         let at = |k: usize| [(k % columns) as f64 / (columns - 1) as f64, (k / columns) as f64 / (rows - 1) as f64];
@@ -67,17 +67,17 @@ impl RglGrid {
         (0..columns * rows).map(pair).collect()
     }
 
-    /// The distributions, from the values at [`Self::retro_pairs`].
+    /// Computes the distributions from the values at [`Self::retro_pairs`].
     ///
     /// # Errors
-    /// More than there is memory for.
+    /// Returns an error if there is not enough memory.
     pub fn distributions(self, retro: &[[f64; 3]]) -> Result<Distributions, FormatError> {
         let [columns, rows] = self.normals;
         let normal = |k: usize| {
             let v = if self.azimuths == 1 { 0.5 } else { (k / columns) as f64 / (rows - 1) as f64 };
             [(k % columns) as f64 / (columns - 1) as f64, v]
         };
-        // A microfacet sends back D / (4 cos²); what is diffuse is the least that a direction has.
+        // A microfacet reflects D / (4 cos²) back; the minimum over a direction is the diffuse part.
         let bright: Vec<f64> = (0..columns * rows)
             .map(|k| {
                 let row = if self.azimuths == 1 { 0 } else { k / columns };
@@ -89,7 +89,7 @@ impl RglGrid {
         let least = LEAST_DENSITY * if mean > 0.0 { mean } else { 1.0 };
         let ndf: Vec<f64> = bright.into_iter().map(|density| density + least).collect();
         let (phi_i, theta_i) = (self.phi_i(), self.theta_i());
-        // Of microfacets that are seen, in the unit square.
+        // Visible microfacets, in the unit square.
         let seen = |wi: Vector, turn: f64, k: usize| {
             let [u, v] = [(k % columns) as f64 / (columns - 1) as f64, (k / columns) as f64 / (rows - 1) as f64];
             let facing = dot(wi, Self::normal([u, v], turn)).max(0.0);
@@ -97,7 +97,7 @@ impl RglGrid {
         };
         let mut vndf = Vec::new();
         for phi in &phi_i {
-            // Of isotropic materials azimuths count from that of incidence.
+            // Azimuths of isotropic materials are relative to that of incidence.
             let turn = if self.azimuths == 1 { *phi } else { 0.0 };
             for theta in &theta_i {
                 let wi = from_polar(*theta, *phi);
@@ -118,7 +118,7 @@ impl RglGrid {
             let mut sum = 0.0;
             for (j, density) in ndf.iter().enumerate() {
                 let [u, v] = [(j % columns) as f64 / (columns - 1) as f64, (j / columns) as f64 / (rows - 1) as f64];
-                // The first and the last row are the same.
+                // The first and the last row are equal.
                 let ends = if j / columns == 0 || j / columns == rows - 1 { 0.5 } else { 1.0 };
                 let facing = dot(wi, Self::normal([u, v], 0.0)).max(0.0);
                 // dω = sin θ dθ dφ, θ = π/2 u².
@@ -130,7 +130,7 @@ impl RglGrid {
     }
 }
 
-/// How normals are distributed, and where values are wanted.
+/// Distributions of normals, and the positions of values.
 #[derive(Debug, Clone)]
 pub struct Distributions {
     grid: RglGrid,
@@ -143,7 +143,8 @@ pub struct Distributions {
 }
 
 impl Distributions {
-    /// Where values are wanted: azimuths, polar angles, rows and columns, the last fastest. Pairs below the horizon have none.
+    /// Direction pairs of the values: azimuths, polar angles, rows and columns, the last fastest. `None` below the
+    /// horizon.
     pub fn pairs(&self) -> Vec<DirectionPair> {
         let n = self.grid.values;
         let mut pairs = Vec::new();
@@ -162,7 +163,7 @@ impl Distributions {
         pairs
     }
 
-    /// The file's tables, from the values at [`Self::pairs`].
+    /// Assembles the file's tables from the values at [`Self::pairs`].
     pub fn finish(self, values: &[[f64; 3]], description: String) -> Rgl {
         let pairs = self.pairs();
         let [columns, rows] = self.grid.normals;
@@ -204,7 +205,7 @@ impl Distributions {
     }
 }
 
-/// Of linear RGB.
+/// Luminance of linear RGB.
 fn luminance([r, g, b]: [f64; 3]) -> f64 {
     0.2126 * r + 0.7152 * g + 0.0722 * b
 }
@@ -216,7 +217,7 @@ mod tests {
     use brdfc_core::address::parse_synth;
     use brdfc_core::{Source, Tally};
 
-    /// As `brdfc convert` does, without threads.
+    /// Resamples as `brdfc convert` does, without threads.
     fn resampled(source: &dyn Source, grid: RglGrid) -> Rgl {
         let mut tally = Tally::default();
         let mut values = |pairs: &[DirectionPair]| -> Vec<[f64; 3]> {
@@ -229,7 +230,7 @@ mod tests {
     }
 
     #[test]
-    fn points_come_back_from_the_warped_square() {
+    fn points_round_trip_through_the_warped_square() {
         let source = parse_synth("synth:ggx?alpha=0.2").unwrap();
         let grid = RglGrid { azimuths: 1, polar: 3, normals: [24, 12], values: 8 };
         let retro: Vec<[f64; 3]> =
@@ -248,14 +249,14 @@ mod tests {
     }
 
     #[test]
-    fn materials_are_found_again() {
+    fn materials_are_recovered() {
         for (address, limit) in
             [("synth:lambert?kd=0.5", 2e-3), ("synth:ggx?kd=0.2&alpha=0.3", 0.03), ("synth:ward?ax=0.3&ay=0.5", 0.05)]
         {
             let source = parse_synth(address).unwrap();
             let isotropic = source.symmetry().isotropic;
             let rgl = resampled(source.as_ref(), RglGrid::of(isotropic));
-            let found = RglSource::new(rgl, |_| unreachable!("it is RGB")).unwrap();
+            let found = RglSource::new(rgl, |_| unreachable!("the material is RGB")).unwrap();
             let (mut sum, mut count) = (0.0, 0.0);
             for k in 0..2000u32 {
                 let share = |prime: f64| (f64::from(k) * prime).fract();

@@ -1,4 +1,4 @@
-//! Tables over the unit square and the map that makes the visible normals uniform.
+//! Tables over the unit square, and the map that makes the visible normals uniform.
 
 use brdfc_formats::FormatError;
 use brdfc_formats::memory::{filled, reserved};
@@ -7,9 +7,9 @@ use brdfc_readers::rgl::Map;
 /// Position between two nodes of a table.
 #[derive(Debug, Clone, Copy)]
 pub struct Cell {
-    /// Node before.
+    /// Index of the node before the position.
     pub index: usize,
-    /// 0 at that node, 1 at the next.
+    /// Fraction to the next node, 0 to 1.
     pub fraction: f64,
 }
 
@@ -22,7 +22,7 @@ impl Cell {
     }
 }
 
-/// Value of a table between its four nodes.
+/// Bilinear interpolation of a table.
 pub fn bilinear(map: &Map, u: f64, v: f64) -> f64 {
     let (x, y) = (Cell::new(u, map.columns), Cell::new(v, map.rows));
     let row = |index: usize| {
@@ -36,7 +36,7 @@ fn mix(a: f64, b: f64, t: f64) -> f64 {
     (1.0 - t) * a + t * b
 }
 
-/// The tabulated incident directions around a given one, with their weights.
+/// Tabulated incident directions around a given one, with their weights.
 #[derive(Debug, Clone, Copy)]
 pub struct Incidence {
     entries: [(usize, f64); 4],
@@ -44,7 +44,7 @@ pub struct Incidence {
 }
 
 impl Incidence {
-    /// Weights for linear interpolation along both axes; outside an axis its nearest entry counts.
+    /// Weights of linear interpolation along both axes, clamped to the ends of an axis.
     pub fn new(phi_axis: &[f64], phi: f64, theta_axis: &[f64], theta: f64) -> Self {
         let mut this = Self { entries: [(0, 0.0); 4], count: 0 };
         for (p, phi_weight) in neighbours(phi_axis, phi) {
@@ -59,7 +59,7 @@ impl Incidence {
         this
     }
 
-    /// Index over (phi_i, theta_i) and weight; the weights are positive and add up to 1.
+    /// Indices over (phi_i, theta_i) and weights; the weights are positive and add up to 1.
     pub fn slices(&self) -> &[(usize, f64)] {
         &self.entries[..self.count]
     }
@@ -75,25 +75,25 @@ fn neighbours(axis: &[f64], value: f64) -> [(usize, f64); 2] {
     [(next - 1, 1.0 - t), (next, t)]
 }
 
-/// Densities of visible normals and their running integrals, each incident direction scaled to integral 1.
+/// Densities of visible normals and their cumulative integrals, each incident direction scaled to integral 1.
 ///
-/// The map is the one of the inversion method, first over rows, then along a row, for the density that is bilinear
-/// between the nodes. Lengths are counted in nodes, so that no spacing enters.
+/// The map is that of the inversion method, first over rows, then along a row, for the density that is bilinear between
+/// the nodes. Lengths are counted in nodes, so that no spacing enters.
 #[derive(Debug, Clone)]
 pub struct VisibleNormals {
     rows: usize,
     columns: usize,
-    /// Density, and its integral along the row up to here. Shape (incidence, row, column).
+    /// Density, and its cumulative integral along the row. Shape (incidence, row, column).
     nodes: Vec<[f32; 2]>,
-    /// Integral of the whole row, and the integral of the rows up to here. Shape (incidence, row).
+    /// Integral of the whole row, and the cumulative integral of the rows. Shape (incidence, row).
     totals: Vec<[f32; 2]>,
 }
 
 impl VisibleNormals {
-    /// From densities of shape (incidence, `rows`, `columns`).
+    /// Creates the map from densities of shape (incidence, `rows`, `columns`).
     ///
     /// # Errors
-    /// More than there is memory for.
+    /// Returns an error if there is not enough memory.
     pub fn new(densities: &[f32], rows: usize, columns: usize) -> Result<Self, FormatError> {
         let mut this = Self {
             rows,
@@ -121,7 +121,7 @@ impl VisibleNormals {
         Ok(this)
     }
 
-    /// The point `(u, v)` that falls to `[s, t]`, for one tabulated incident direction: the inverse of [`Self::invert`].
+    /// Maps `[s, t]` to the point `(u, v)`, for one tabulated incident direction: the inverse of [`Self::invert`].
     pub fn sample(&self, slice: usize, [s, t]: [f64; 2]) -> [f64; 2] {
         let total = |y: usize| self.totals[slice * self.rows + y].map(f64::from);
         let (y, down) = place(self.rows, t * total(self.rows - 1)[1], |y| total(y)[1], |y| total(y)[0]);
@@ -135,7 +135,7 @@ impl VisibleNormals {
         [if whole > 0.0 { u } else { s }, (y as f64 + down) / (self.rows - 1) as f64]
     }
 
-    /// Where the point `(u, v)` falls once the density is made uniform; both in `[0, 1]`.
+    /// Maps the point `(u, v)` to the square in which the density is uniform; both in `[0, 1]`.
     pub fn invert(&self, incidence: &Incidence, u: f64, v: f64) -> [f64; 2] {
         let (x, y) = (Cell::new(u, self.columns), Cell::new(v, self.rows));
         let (mut before, mut left, mut right) = (0.0, 0.0, 0.0);
@@ -155,14 +155,14 @@ impl VisibleNormals {
         }
         let along_row = before + segment(left, right, x.fraction);
         let whole_row = mix(upper, lower, y.fraction);
-        // A row without visible normals has no shape to follow.
+        // A row without visible normals has a uniform density.
         let s = if whole_row > 0.0 { along_row / whole_row } else { u };
         [s.clamp(0.0, 1.0), (rows_before + segment(upper, lower, y.fraction)).clamp(0.0, 1.0)]
     }
 }
 
-/// Which node before, and how far behind it, a running integral has a value: `from(k)` is the integral up to node `k`, and
-/// `density(k)` what is integrated there. The inverse of [`segment`].
+/// Finds the position at which a cumulative integral has a value: the node before it, and the distance from that node.
+/// `from(k)` is the integral up to node `k`, and `density(k)` the integrand there. The inverse of [`segment`].
 fn place(nodes: usize, value: f64, from: impl Fn(usize) -> f64, density: impl Fn(usize) -> f64) -> (usize, f64) {
     let (mut low, mut high) = (0, nodes - 1);
     while high - low > 1 {
@@ -179,7 +179,7 @@ fn place(nodes: usize, value: f64, from: impl Fn(usize) -> f64, density: impl Fn
     (low, fraction.clamp(0.0, 1.0))
 }
 
-/// Integral from 0 to `t` of the line that goes from `a` at 0 to `b` at 1.
+/// Integral from 0 to `t` of the line from `a` at 0 to `b` at 1.
 fn segment(a: f64, b: f64, t: f64) -> f64 {
     t * (a + 0.5 * t * (b - a))
 }

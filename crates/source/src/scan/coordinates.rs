@@ -1,24 +1,25 @@
-//! Coordinates in which a scan is searched and fitted: half and difference angles, warped so that distance means
-//! difference in appearance.
+//! Coordinates for searching and fitting a scan: half and difference angles, warped so that distance means difference
+//! in appearance.
 //!
-//! The half vector's polar angle enters as `x = 0.63 ln(1 + θh / 0.12)`: steps near the mirror direction count for
-//! more. The difference vector enters as `y = θd` and `z = r φd`, where `r = 0.20 θh / (θh + 0.01) · s / (s + 0.03)`,
-//! `s = sin θd`, shrinks the azimuth to nothing where it means nothing (`θh = 0`, `θd = 0`).
+//! The half vector's polar angle enters as `x = 0.63 ln(1 + θh / 0.12)`: steps near the mirror direction have more
+//! weight. The difference vector enters as `y = θd` and `z = r φd`, where `r = 0.20 θh / (θh + 0.01) · s / (s + 0.03)`,
+//! `s = sin θd`, shrinks the azimuth to zero where it is undefined (`θh = 0`, `θd = 0`).
 //!
-//! Every row also stands for its reciprocal, [`RECIPROCAL_DISTANCE`] away along one more axis: real scans are not
+//! Every row also represents its reciprocal, [`RECIPROCAL_DISTANCE`] away along one more axis. Real scans are not
 //! reciprocal to within their noise (values at 80 degrees of incidence and their reciprocals differ by up to a factor
-//! of 4 in the scans of the Cornell laboratory), so exchanged rows fill gaps and give way where direct ones are near.
+//! of 4 in the scans of the Cornell laboratory), so exchanged rows fill gaps, and direct ones outweigh them where both
+//! are near.
 //!
-//! The constants were chosen on held-out rows, rings and incidences of real scans; none of them is critical.
+//! The constants were tuned on held-out rows, rings and incidences of real scans; none of them is critical.
 
 use brdfc_formats::direction::{DirectionPair, dot};
 use std::f64::consts::{PI, TAU};
 
 /// Distance between a measured row and its reciprocal.
 pub const RECIPROCAL_DISTANCE: f64 = 0.2;
-/// Radius in which an azimuth that is undefined counts as 0.
+/// Radius within which an undefined azimuth counts as 0.
 const TINY: f64 = 1e-9;
-/// How far beyond its ends the fold of azimuths is continued with images, radians.
+/// Width of the continuation of the azimuths' fold with images beyond each end, radians.
 const BEYOND: f64 = 0.8;
 
 /// A direction pair in half and difference angles.
@@ -29,7 +30,7 @@ struct Angles {
     /// Azimuth of the half vector: cosine and sine.
     azimuth: [f64; 2],
     theta_d: f64,
-    /// What the difference azimuth is multiplied by.
+    /// Scale of the difference azimuth.
     r: f64,
     /// Difference azimuth, `(-π, π]`.
     phi_d: f64,
@@ -58,18 +59,18 @@ impl Angles {
     }
 }
 
-/// A space of `D` coordinates; searched with one more, 0 for measured rows and for queries.
+/// A space of `D` coordinates. The search space has one more, which is 0 for measured rows and for queries.
 pub trait Space<const D: usize, const S: usize> {
-    /// Coordinates of a pair; all symmetric pairs but the reciprocal one have the same.
+    /// Coordinates of a pair; all symmetric pairs except the reciprocal one have the same.
     fn place(pair: DirectionPair) -> [f64; D];
 
-    /// Where a row stands in the search space, itself first: images across the ends of the azimuth's fold, so that
-    /// neighbours are found there, and the reciprocals of all these.
+    /// Positions of a row in the search space, the row itself first: images across the ends of the azimuth's fold, so
+    /// that neighbours are found there, and the reciprocals of all of them.
     fn images(pair: DirectionPair) -> Vec<[f64; S]>;
 }
 
-/// `(x, y, z)` of an isotropic, mirror-symmetric material: rotation is left out by the angles, the mirror (`-φd`) by
-/// folding `φd` into `[0, π]`.
+/// `(x, y, z)` of an isotropic, mirror-symmetric material: the angles are invariant to rotation, and folding `φd` into
+/// `[0, π]` makes them invariant to the mirror (`-φd`).
 pub struct Isotropic;
 
 impl Space<3, 4> for Isotropic {

@@ -1,31 +1,31 @@
-//! What is worth knowing about a file of a scan.
+//! Facts about a file of a scan.
 
 use super::summary::ScanSummary;
 use brdfc_core::Describe;
 use brdfc_core::StrayRows;
 use brdfc_core::words::percent;
 
-/// What is worth knowing of a scattered scan.
+/// Facts about a scattered scan.
 #[derive(Debug, Clone, PartialEq, serde::Serialize, schemars::JsonSchema)]
 pub struct ScanFacts {
     /// Wavelengths in nm; empty for RGB columns.
     pub wavelengths: Vec<f64>,
-    /// What the header of an ALTA table says; absent for other scans.
+    /// Header of an ALTA table; absent for other scans.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub alta: Option<AltaHeader>,
-    /// Counts.
+    /// Counts of rows.
     #[serde(flatten)]
     pub summary: ScanSummary,
 }
 
-/// What the header of an ALTA table says, in its words.
+/// Header of an ALTA table, verbatim.
 #[derive(Debug, Clone, PartialEq, serde::Serialize, schemars::JsonSchema)]
 pub struct AltaHeader {
-    /// How directions are written, `PARAM_IN`.
+    /// Parameterisation of directions, `PARAM_IN`.
     pub directions: String,
-    /// What values are, `PARAM_OUT`.
+    /// Quantity of the values, `PARAM_OUT`.
     pub values: String,
-    /// Values of a row: 1 or 3.
+    /// Number of values of a row: 1 or 3.
     pub channels: usize,
 }
 
@@ -34,7 +34,7 @@ impl Describe for ScanFacts {
         let Self { wavelengths, alta, summary } = self;
         let s = summary;
         let isotropic = if s.strays.is_some() {
-            "taken as isotropic: one azimuth of incidence, but for a few rows"
+            "taken as isotropic: one azimuth of incidence, except for a few rows"
         } else if s.isotropic {
             "taken as isotropic: one azimuth of incidence"
         } else {

@@ -1,13 +1,15 @@
-//! Moving least squares: a local polynomial through the neighbours of the asked point (section 3 of Claustres et al. 2007).
+//! Moving least squares: a local polynomial through the neighbours of the queried point (section 3 of Claustres et al.
+//! 2007).
 //!
-//! With offsets `p` from the asked point, in units of the distance to the first neighbour left out, a weight
-//! `(1 - |p|³)³` and the basis `1, p, p pᵀ`, the value of the fit at `p = 0` is its constant term. A second pass weighs down
-//! neighbours that the first fit misses (biweight). Linear and quadratic fit share one elimination: the
+//! With offsets `p` from the queried point, in units of the distance to the first neighbour left out, a weight `(1 -
+//! |p|³)³` and the basis `1, p, p pᵀ`, the value of the fit at `p = 0` is its constant term. A second pass reduces the
+//! weights of neighbours that the first fit misses (biweight). Linear and quadratic fit share one elimination: the
 //! linear normal matrix is the leading block of the quadratic one.
 //!
-//! A fit is trusted by its variance factor `[(BᵀWB)⁻¹]₀₀`, the variance of its value for data of unit variance (1 for a
-//! plain mean): fully below 20, not at all above 200, which is where a neighbourhood is rank-deficient or
-//! ill-conditioned for that degree. Distrust blends towards the next lower degree, down to the weighted mean.
+//! The trust in a fit depends on its variance factor `[(BᵀWB)⁻¹]₀₀`, the variance of its value for data of unit
+//! variance (1 for a plain mean): full below 20, none above 200, where a neighbourhood is rank-deficient or
+//! ill-conditioned for that degree. In between the value is blended with the next lower degree, down to the weighted
+//! mean.
 
 use brdfc_core::Tally;
 
@@ -15,24 +17,24 @@ use brdfc_core::Tally;
 pub const NEIGHBOURS_3D: usize = 14;
 /// Neighbours of a fit in 4 dimensions.
 pub const NEIGHBOURS_4D: usize = 20;
-/// Most neighbours of a fit.
+/// Maximum number of neighbours of a fit.
 const MOST: usize = 20;
 /// Terms of a quadratic in 3 dimensions.
 pub const TERMS_3D: usize = 10;
 /// Terms of a quadratic in 4 dimensions.
 pub const TERMS_4D: usize = 15;
-/// What keeps the normal matrix regular: added to the diagonal for constant, linear and quadratic terms.
+/// Regularisation of the normal matrix: added to the diagonal for constant, linear and quadratic terms.
 pub const RIDGE: [f64; 3] = [2e-9, 1.01e-7, 5e-4];
-/// Residuals, in units of their median, from which a neighbour hardly counts.
+/// Residual, in units of the median, above which a neighbour hardly counts.
 const OUTLIER: f64 = 5.0;
-/// Variance factors of full and of no trust.
+/// Variance factors with full and with no trust.
 const TRUST: [f64; 2] = [20.0, 200.0];
-/// Share of the quadratic fit where both are trusted: it follows curvature, the linear one averages more noise.
+/// Share of the quadratic fit if both are trusted: it follows curvature, the linear one averages more noise.
 const QUADRATIC_SHARE: f64 = 0.5;
-/// How far below its neighbours a value may extrapolate, in units of their range.
+/// Limit of extrapolation below the neighbours, in units of their range.
 const MARGIN_BELOW: f64 = 0.1;
 
-/// Neighbours of one asked point.
+/// Neighbours of one queried point.
 #[derive(Debug, Clone)]
 pub struct Neighbourhood<const D: usize> {
     count: usize,
@@ -48,7 +50,7 @@ impl<const D: usize> Default for Neighbourhood<D> {
 }
 
 impl<const D: usize> Neighbourhood<D> {
-    /// Adds a neighbour: offset and distance in units of the support radius (a reciprocal row is farther than its
+    /// Adds a neighbour: its offset and distance in units of the support radius (a reciprocal row is farther than its
     /// offset), and log values. At most 20.
     pub fn push(&mut self, offset: [f64; D], distance: f64, value: [f64; 3]) {
         let distance = distance.min(1.0);
@@ -58,8 +60,9 @@ impl<const D: usize> Neighbourhood<D> {
         self.count += 1;
     }
 
-    /// Fitted log values at the asked point for the first `channels` channels, within reach of the neighbours' range: as far
-    /// as they are trusted, a quadratic of `M` terms and a linear fit in equal shares. At least one neighbour.
+    /// Fitted log values at the queried point for the first `channels` channels, limited to the range of the neighbours
+    /// with a margin: a quadratic of `M` terms and a linear fit in equal shares, as far as they are trusted. Needs at
+    /// least one neighbour.
     pub fn fit<const M: usize>(&self, channels: usize, tally: &mut Tally) -> [f64; 3] {
         let n = self.count;
         let mut weights = [0.0; MOST];
@@ -124,7 +127,7 @@ impl<const D: usize> Neighbourhood<D> {
         basis
     }
 
-    /// Biweight of the residuals of both fits' mean, over all channels together.
+    /// Biweights from the residuals of the mean of both fits, over all channels together.
     fn reweigh<const M: usize>(
         &self,
         basis: &[[f64; M]; MOST],
@@ -160,7 +163,7 @@ fn weight(distance: f64) -> f64 {
     (1.0 - distance.powi(3)).powi(3)
 }
 
-/// Weight of a neighbour in the second fit, by how far the first one missed it, 0 to 1: `(1 - u²)²`.
+/// Weight of a neighbour in the second fit, by its residual in the first, 0 to 1: `(1 - u²)²`.
 fn biweight(missed: f64) -> f64 {
     (1.0 - missed * missed).powi(2)
 }
@@ -174,18 +177,18 @@ fn normalise(weights: &mut [f64]) {
     }
 }
 
-/// Coefficients of both fits, per channel, and variance factors of their values at the asked point.
+/// Coefficients of both fits, per channel, and variance factors of their values at the queried point.
 #[derive(Debug, Clone)]
 pub struct Solution<const M: usize> {
-    /// Of the linear fit; 0 beyond its terms.
+    /// Coefficients of the linear fit; 0 beyond its terms.
     pub linear: [[f64; M]; 3],
-    /// Of the quadratic fit.
+    /// Coefficients of the quadratic fit.
     pub quadratic: [[f64; M]; 3],
-    /// Of both values.
+    /// Variance factors of the linear and the quadratic value.
     pub variance: [f64; 2],
 }
 
-/// Right sides that are carried along: one per channel, and the unit vector of the constant term.
+/// Number of right-hand sides: one per channel, and the unit vector of the constant term.
 const RIGHT: usize = 4;
 
 /// Solves `(BᵀWB + ridge) a = BᵀW e` for the quadratic basis of `M` terms and for its linear part, by elimination
@@ -213,7 +216,7 @@ pub fn solve<const D: usize, const M: usize>(
         matrix[term][term] += RIDGE[if term == 0 { 0 } else { 1 + usize::from(term > D) }];
     }
     for j in 0..M {
-        // The ridge keeps pivots positive but for rounding.
+        // The ridge keeps pivots positive except for rounding.
         matrix[j][j] = matrix[j][j].max(1e-12);
         let (pivot, pivot_right) = (matrix[j], right[j]);
         for i in j + 1..M {

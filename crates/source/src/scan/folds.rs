@@ -1,4 +1,4 @@
-//! Scans without some of their rows, and how far a direction pair is from any row.
+//! Cross-validation of scans: scans without some of their rows, and the distance of a direction pair from the rows.
 
 use super::{Points, ScanSource, Tree};
 use crate::scan::coordinates::{Anisotropic, Isotropic, Space};
@@ -9,13 +9,13 @@ use std::collections::BTreeMap;
 use std::f64::consts::TAU;
 use std::num::NonZero;
 
-/// Incidences that round to the same multiple of it are one, degrees.
+/// Incidences that round to the same multiple of this angle are equal, degrees.
 const INCIDENCE: f64 = 1.0;
-/// Rows among which the nearest by angles is looked for: those that are nearest in the space of the search.
+/// Number of candidates for the nearest row by angles: the nearest ones in the search space.
 const NEAREST: NonZero<usize> = NonZero::new(8).expect("positive");
 
 impl ScanSource {
-    /// The number of the incidence of each row, and how many there are.
+    /// Index of the incidence of each row, and the number of incidences.
     fn incidences(&self) -> (Vec<usize>, usize) {
         let degrees = |radians: f64| (radians.to_degrees() / INCIDENCE).round() as i32;
         let key = |pair: &DirectionPair| {
@@ -54,7 +54,7 @@ impl Completion for ScanSource {
 
     fn fold(&self, parts: Parts, number: usize) -> Option<Fold> {
         let rows = self.pairs.len();
-        // Rows are in the order of their places, so that every tenth of them is spread over all.
+        // Rows are in the order of their positions, so that every tenth of them is spread over all.
         let (of_row, count) = match parts {
             Parts::Samples => ((0..rows).collect(), rows),
             Parts::Incidences => self.incidences(),
@@ -81,7 +81,7 @@ impl Completion for ScanSource {
     }
 }
 
-/// Folds of so many rows or incidences.
+/// Number of folds for `count` rows or incidences.
 fn folds_of(count: usize) -> usize {
     if count < 2 { 0 } else { count.min(MAX_PARTS) }
 }
@@ -92,8 +92,8 @@ fn distance(pair: DirectionPair, sample: DirectionPair) -> f64 {
     angle(pair.incoming, sample.incoming).max(angle(pair.outgoing, sample.outgoing))
 }
 
-/// Angles between a direction pair and a sample of an isotropic, mirror-symmetric material: the larger of those between lights and
-/// between viewers, with the sample turned so that either lie in one plane with the normal.
+/// Angle between a direction pair and a sample of an isotropic, mirror-symmetric material: the larger of those between
+/// lights and between viewers, with the sample rotated so that one of them is in the same plane with the normal.
 fn isotropic_distance(pair: DirectionPair, sample: DirectionPair) -> f64 {
     let polar = |v: [f64; 3]| v[0].hypot(v[1]).atan2(v[2]);
     let turn = |pair: DirectionPair| {

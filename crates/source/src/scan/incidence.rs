@@ -1,25 +1,25 @@
-//! Azimuths of incidence: a scan of one is of a material that is taken as isotropic. Few rows that stray from it do not
-//! make a measurement of another: they would have the scan fitted over one angle more, with nothing to fit it to.
+//! Azimuths of incidence. The material of a scan with a single azimuth is taken as isotropic. Few rows with other
+//! azimuths do not make a scan anisotropic: it would be fitted over one more angle, without data along it.
 
 use brdfc_readers::scan::Row;
 use std::f64::consts::TAU;
 
-/// Azimuths closer than this are one, radians. It is also the polar angle below which there is none.
+/// Azimuths closer than this are equal, radians. Also the polar angle below which the azimuth is undefined.
 const SAME_AZIMUTH: f64 = 1e-4;
-/// Largest share of rows with an azimuth that may stray from the common one; one row always may.
+/// Largest share of rows with an azimuth that may differ from the common one; a single row always may.
 const STRAY_SHARE: f64 = 0.05;
 
-/// What the azimuths of incidence of a scan say.
+/// Azimuths of incidence of a scan.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Incidence {
-    /// There is one, or there are several and rows that stray from it, whose numbers these are.
+    /// A single azimuth, with the indices of the rows that differ from it.
     One(Vec<usize>),
-    /// A considerable part of the rows has others.
+    /// A large share of the rows has other azimuths.
     Several,
 }
 
 impl Incidence {
-    /// Looks at all rows. At normal incidence there is no azimuth.
+    /// Classifies all rows. There is no azimuth at normal incidence.
     pub fn of(rows: &[Row]) -> Self {
         let mut azimuths: Vec<f64> =
             rows.iter().filter(|row| has_azimuth(row)).map(|row| row.phi_i.rem_euclid(TAU)).collect();
@@ -41,7 +41,7 @@ fn same(a: f64, b: f64) -> bool {
     (turns - turns.round()).abs() * TAU < SAME_AZIMUTH
 }
 
-/// The azimuth that most are the same as, of a sorted circle.
+/// The most common azimuth of a sorted circle.
 fn most_common(azimuths: &[f64]) -> Option<f64> {
     let count = azimuths.len();
     let turned = |k: usize| azimuths[k % count] + if k < count { 0.0 } else { TAU };
@@ -82,7 +82,7 @@ mod tests {
             (&[(75, 0.0), (1, 0.2), (1, 3.0)], Some(2)),
             (&[(7, 0.0), (1, 0.2)], Some(1)),
             (&[(95, 0.0), (5, 0.2)], Some(5)),
-            // Where it is cut open a circle is whole.
+            // The circle is continuous where the angle wraps.
             (&[(40, TAU - 4e-5), (40, 4e-5), (40, -3e-5), (1, 1.0)], Some(1)),
         ] {
             assert_eq!(strays(azimuths), expected, "{azimuths:?}");
@@ -92,7 +92,7 @@ mod tests {
     }
 
     #[test]
-    fn what_is_measured_at_several_stays_so() {
+    fn scans_with_several_azimuths_stay_so() {
         let ring: Vec<(usize, f64)> = (0..8).map(|k| (2, 0.7 * f64::from(k))).collect();
         let singles: Vec<(usize, f64)> = (0..8).map(|k| (1, 0.7 * f64::from(k))).collect();
         for azimuths in [&[(6, 0.0), (6, 1.5)][..], &[(94, 0.0), (6, 1.5)], &[(6, 0.0), (2, 1.5)], &ring, &singles] {
@@ -105,7 +105,7 @@ mod tests {
         let mut scan = rows(&[(30, 0.0), (30, 0.5)]);
         scan[30..].iter_mut().for_each(|row| row.theta_i = 0.0);
         assert_eq!(Incidence::of(&scan), Incidence::One(Vec::new()));
-        // They do not make the others a small part.
+        // They do not change the share of the other rows.
         scan.extend(rows(&[(3, 1.0)]));
         assert_eq!(Incidence::of(&scan), Incidence::Several);
     }

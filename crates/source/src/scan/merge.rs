@@ -1,11 +1,11 @@
-//! Rows that measured the same direction pair become one point.
+//! Merges rows that measured the same direction pair.
 
-/// Positions closer than this, per coordinate, are one direction pair measured twice.
+/// Positions closer than this, per coordinate, are repeated measurements of one direction pair.
 const SAME_POSITION: f64 = 1e-6;
 
 /// Rows of one direction pair.
 pub struct Group {
-    /// The first of the rows, as a row number.
+    /// Index of the first of the rows.
     pub representative: usize,
     sum: [f64; 3],
     lowest: [f64; 3],
@@ -19,7 +19,7 @@ impl Group {
         self.sum.map(|s| s / self.count)
     }
 
-    /// Whether there are several rows.
+    /// Returns true if there are several rows.
     pub fn repeats(&self) -> bool {
         self.count > 1.0
     }
@@ -29,7 +29,7 @@ impl Group {
         self.highest.iter().sum()
     }
 
-    /// By how much they are larger than the smallest.
+    /// Difference to the smallest values, summed over channels.
     pub fn spread(&self) -> f64 {
         self.highest() - self.lowest.iter().sum::<f64>()
     }

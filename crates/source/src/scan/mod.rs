@@ -1,5 +1,5 @@
-//! Scattered scans as a source: nearest neighbours completed and smoothed by moving least squares, at the asked
-//! direction pair itself.
+//! Scattered scans as sources: nearest neighbours, completed and smoothed by moving least squares at the queried
+//! direction pair.
 
 mod coordinates;
 mod facts;
@@ -30,9 +30,9 @@ use kiddo::{ImmutableKdTree, SquaredEuclidean};
 use merge::{Group, merge};
 use std::num::NonZero;
 
-/// Fewest distinct direction pairs of a scan.
+/// Minimum number of distinct direction pairs of a scan.
 pub const MIN_ROWS: usize = 8;
-/// Bias of the logarithm `ln(f + bias)`, in units of the scan's median: below it lies dark noise.
+/// Bias of the logarithm `ln(f + bias)`, in units of the scan's median: values below it are dark noise.
 const LOG_BIAS: f64 = 0.05;
 
 /// Scans as text.
@@ -81,9 +81,9 @@ fn opened<F: From<ScanFacts>>(scan: &Scan, alta: Option<&AltaTable>) -> Result<O
 /// A scan that can be evaluated anywhere.
 pub struct ScanSource {
     points: Points,
-    /// Each distinct direction pair, as it was measured.
+    /// The distinct direction pairs, as measured.
     pairs: Vec<DirectionPair>,
-    /// `ln(f + bias)` of each.
+    /// `ln(f + bias)` of each pair.
     values: Vec<[f64; 3]>,
     bias: f64,
     grey: bool,
@@ -91,17 +91,17 @@ pub struct ScanSource {
     summary: ScanSummary,
 }
 
-/// The space that the scan is searched in.
+/// Search space of the scan.
 enum Points {
     Isotropic(Tree<4>),
     Anisotropic(Tree<5>),
 }
 
-/// Positions in a search space of `S` axes, images included; items of the tree are position numbers.
+/// Positions in a search space of `S` axes, including images; items of the tree are indices of positions.
 struct Tree<const S: usize> {
     tree: ImmutableKdTree<f64, S>,
     positions: Vec<[f64; S]>,
-    /// Which value each position, image or not, has.
+    /// Index of the value of each position, image or not.
     value_of: Vec<u32>,
 }
 
@@ -112,11 +112,11 @@ impl std::fmt::Debug for ScanSource {
 }
 
 impl ScanSource {
-    /// Builds the search tree. Rows that stray from the one azimuth of incidence are taken as isotropic, and held against
-    /// the others.
+    /// Builds the search tree. Rows whose azimuth of incidence differs from the common one are taken as isotropic, and
+    /// compared with the others.
     ///
     /// # Errors
-    /// Fewer than [`MIN_ROWS`] distinct direction pairs.
+    /// Returns an error for fewer than [`MIN_ROWS`] distinct direction pairs.
     pub fn new(scan: &Scan) -> Result<Self, FormatError> {
         let strays = match Incidence::of(&scan.rows) {
             Incidence::Several => return Self::of_rows(&scan.rows, false),
@@ -127,7 +127,7 @@ impl ScanSource {
         let others: Vec<Row> =
             (0..scan.rows.len()).filter(|row| next.next_if_eq(row).is_none()).map(|row| scan.rows[row]).collect();
         let Ok(others) = Self::of_rows(&others, true) else {
-            // Too few to hold anything against.
+            // Too few rows for a comparison.
             return Self::of_rows(&scan.rows, false);
         };
         let strays = StrayRows {
@@ -151,7 +151,7 @@ impl ScanSource {
         Ok(Self { summary: ScanSummary { negative, ..source.summary }, ..source })
     }
 
-    /// Of direction pairs with values of 0 or more.
+    /// Creates a source from direction pairs with values of 0 or more.
     fn of_pairs(pairs: &[DirectionPair], raised: &[[f64; 3]], isotropic: bool) -> Result<Self, FormatError> {
         let (points, groups) = if isotropic {
             let (entries, groups) = entries::<3, 4, Isotropic>(pairs, raised);
@@ -164,7 +164,7 @@ impl ScanSource {
             return Err(FormatError::whole(
                 "rows",
                 format!("{} distinct direction pairs in {} rows", groups.len(), pairs.len()),
-                format!("at least {MIN_ROWS} distinct direction pairs, so that a surface can be fitted"),
+                format!("at least {MIN_ROWS} distinct direction pairs"),
             ));
         }
         let bias = log_bias(raised);
@@ -188,7 +188,7 @@ impl ScanSource {
         Ok(Self { points, pairs, values, bias, grey, repeats, summary })
     }
 
-    /// What was found while the scan was taken in.
+    /// Counts and repairs of the scan.
     pub fn summary(&self) -> ScanSummary {
         self.summary
     }
@@ -205,7 +205,8 @@ impl ScanSource {
         query[..D].copy_from_slice(&point);
         let count = NonZero::new(neighbours + 1).expect("at least one");
         let found = tree.tree.query(&query).nearest_n::<SquaredEuclidean<f64>>(count).execute();
-        // The support reaches just past the first neighbour left out, so that neighbours come and go at weight 0.
+        // The support reaches just past the first neighbour left out, so that weights of neighbours vanish at its
+        // border.
         let radius = (1.001 * found.last().map_or(0.0, |f| f.distance.sqrt())).max(1e-6);
         let mut neighbourhood = Neighbourhood::<D>::default();
         for item in found.iter().take(neighbours) {
@@ -244,7 +245,7 @@ impl Source for ScanSource {
         }
     }
 
-    /// Reciprocity is no symmetry of the fit: exchanged rows count, but less than direct ones.
+    /// The fit is not reciprocal: exchanged rows have less weight than direct ones.
     fn symmetry(&self) -> Symmetry {
         let isotropic = self.summary.isotropic;
         Symmetry { isotropic, mirror: isotropic, reciprocal: false }
@@ -266,7 +267,7 @@ impl<const S: usize> Tree<S> {
     }
 }
 
-/// Search positions with the number of the group they belong to.
+/// Search positions with the index of their group.
 type Entries<const S: usize> = (Vec<[f64; S]>, Vec<u32>);
 
 fn entries<const D: usize, const S: usize, P: Space<D, S>>(
@@ -287,7 +288,7 @@ fn pair_of(row: &Row) -> DirectionPair {
     DirectionPair::from_angles(row.theta_i, row.phi_i, row.theta_o, row.phi_o)
 }
 
-/// Direction pairs that were measured more than once.
+/// Repeated direction pairs.
 fn repeats_of(groups: &[Group]) -> Option<Repeats> {
     let repeated = || groups.iter().filter(|group| group.repeats());
     let pairs = repeated().count();
@@ -301,7 +302,7 @@ fn repeats_of(groups: &[Group]) -> Option<Repeats> {
     })
 }
 
-/// Mean over rows of their difference to a source, as a fraction of the larger value.
+/// Mean difference of rows from a source, as a fraction of the larger value.
 fn mean_difference<'a>(rows: impl ExactSizeIterator<Item = &'a Row>, source: &ScanSource) -> f64 {
     let count = rows.len() as f64;
     let difference = |row: &Row| {

@@ -1,28 +1,27 @@
-//! What is worth knowing about a scan.
+//! Summary of a scan.
 
 use brdfc_core::StrayRows;
 
-/// What was found while a scan was taken in.
+/// Counts and repairs of a scan.
 #[derive(Debug, Clone, Copy, PartialEq, serde::Serialize, schemars::JsonSchema)]
 pub struct ScanSummary {
-    /// Rows of the file.
+    /// Number of rows of the file.
     pub rows: usize,
-    /// Direction pairs after equal ones, mirror images included, were averaged.
+    /// Number of direction pairs after averaging equal ones, including mirror images.
     pub distinct: usize,
     /// Largest difference between rows of one direction pair, as a fraction of the larger value.
     pub largest_disagreement: f64,
-    /// Rows with a negative channel (noise, or a colour outside the gamut), raised to 0.
+    /// Number of rows with a negative channel (noise, or a colour outside the gamut), raised to 0.
     pub negative: usize,
-    /// Rows that are 0 in all channels.
+    /// Number of rows with 0 in all channels.
     pub zero: usize,
-    /// Whether all rows have one azimuth of incidence, but for strays, or leave it open, so that the material is taken as
-    /// isotropic.
+    /// True if all rows have the same azimuth of incidence, except for strays, or none, so that the material is taken
+    /// as isotropic.
     pub isotropic: bool,
-    /// Rows that stray from the azimuth of incidence that the others have. Absent where there are none.
+    /// Rows whose azimuth of incidence differs from that of the others. Absent without such rows.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub strays: Option<StrayRows>,
-    /// Rows of the file that say nothing about reflectance: directions at or below the horizon.
-    /// Absent where there are none.
+    /// Number of ignored rows of the file: directions at or below the horizon. Absent without such rows.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub left_out: Option<usize>,
 }

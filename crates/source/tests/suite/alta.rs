@@ -1,4 +1,4 @@
-//! ALTA tables as sources: one material in every form is one source.
+//! ALTA tables as sources: all forms of one material give one source.
 
 use brdfc_core::address::parse_synth;
 use brdfc_core::{Source, Tally};
@@ -88,8 +88,8 @@ fn isotropic_forms_are_one_material() {
     assert!(far <= 4, "{far} of {} are farther than a tenth from the material", asked.len());
 }
 
-/// The page's claim about `INV_STERADIAN_COSINE_FACTOR`: with the view's cosine taken out light and view can be exchanged,
-/// with the light's they cannot.
+/// Checks the page's claim about `INV_STERADIAN_COSINE_FACTOR`: after removing the view's cosine the data are
+/// reciprocal, after removing the light's they are not.
 #[test]
 fn the_cosine_of_measured_tape_is_the_views() {
     let Some(path) = brdfc_testing::shared_data("retro/retro-3M-jaune.dat") else { return };
@@ -104,7 +104,7 @@ fn the_cosine_of_measured_tape_is_the_views() {
         });
         let Some(other) = exchanged.filter(|other| other.theta_i < row.theta_i) else { continue };
         let ratio = (row.value[0] / other.value[0]).ln();
-        // As if the cosine had been the light's.
+        // The same with the light's cosine.
         let wrong = ratio + 2.0 * (row.theta_o.cos() / row.theta_i.cos()).ln();
         logarithms[0].push(ratio);
         logarithms[1].push(wrong);

@@ -1,4 +1,4 @@
-//! Flat BTFs as files: what is written is read, and other files are refused.
+//! Flat BTFs as files: they round-trip, and other files are rejected.
 
 use brdfc_formats::flat_btf::factored::ShadowFormat;
 use brdfc_formats::flat_btf::{FlatBtfDecoder, FlatBtfFile, FlatBtfParts, FlatValues};
@@ -20,7 +20,7 @@ fn error(path: &Path) -> String {
 }
 
 #[test]
-fn files_come_back() {
+fn files_round_trip() {
     let folder = tempfile::tempdir().unwrap();
     let whole = FlatBtfFile { report: "{}".to_owned(), ..example(3) };
     let file = folder.path().join("knit.blue.ktx2");
@@ -46,7 +46,7 @@ fn files_come_back() {
 fn views_as_they_are_have_no_file() {
     let decoder = FlatBtfDecoder::new(parts(SMALL, 3)).unwrap();
     let error = FlatBtfFile::new(decoder, None).unwrap_err().to_string();
-    assert!(error.starts_with("values of a flat BTF: found 3 views as they are, expected factored ones"), "{error}");
+    assert!(error.starts_with("values of a flat BTF: found 3 uncompressed views, expected factored ones"), "{error}");
     let light = FlatBtfParts { values: FlatValues::None, ..parts(SMALL, 3) };
     let light = FlatBtfFile::new(FlatBtfDecoder::new(light).unwrap(), None).unwrap();
     assert!(flat_view(&light, 0).unwrap_err().to_string().contains("the light form, which has no views"));
@@ -56,7 +56,7 @@ fn views_as_they_are_have_no_file() {
 fn no_flat_btf_or_several() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path();
-    assert!(error(path).contains("flat BTF: found no file of one, expected "), "{}", error(path));
+    assert!(error(path).contains("flat BTF: found none, expected "), "{}", error(path));
     for name in ["b.ktx2", "a.ktx2"] {
         std::fs::write(path.join(name), example(4).to_bytes(true)).unwrap();
     }

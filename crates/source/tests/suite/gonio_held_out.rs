@@ -1,4 +1,4 @@
-//! Held-out rows of real gonioreflectometer scans: what moving least squares is worth.
+//! Held-out rows of real gonioreflectometer scans test moving least squares.
 
 use brdfc_core::{Source, Tally};
 use brdfc_formats::direction::{DirectionPair, dot};
@@ -41,15 +41,15 @@ fn median(values: &mut [f64]) -> f64 {
     values[values.len() / 2]
 }
 
-/// Median relative error at left-out rows, per seed, of an estimator made from the other rows.
+/// Median relative error at left-out rows, per seed, of an estimator based on the other rows.
 fn held_out(rows: &[Row], estimate: impl Fn(&[Row], &[DirectionPair]) -> Vec<f64>) -> Vec<f64> {
     (0..SEEDS)
         .map(|seed| {
             let mut shuffled = rows.to_vec();
             shuffled.shuffle(&mut ChaCha8Rng::seed_from_u64(seed));
-            let (left_out, kept) = shuffled.split_at(rows.len() / 10);
+            let (left_out, rest) = shuffled.split_at(rows.len() / 10);
             let pairs: Vec<_> = left_out.iter().map(pair).collect();
-            let found = estimate(kept, &pairs);
+            let found = estimate(rest, &pairs);
             let floor = 0.01 * median(&mut rows.iter().map(|r| r.value[0]).collect::<Vec<_>>());
             let mut errors: Vec<f64> = left_out
                 .iter()
@@ -62,21 +62,21 @@ fn held_out(rows: &[Row], estimate: impl Fn(&[Row], &[DirectionPair]) -> Vec<f64
         .collect()
 }
 
-fn moving_least_squares(kept: &[Row], pairs: &[DirectionPair]) -> Vec<f64> {
-    let source = ScanSource::new(&Scan { rows: kept.to_vec(), ..Scan::default() }).unwrap();
+fn moving_least_squares(rest: &[Row], pairs: &[DirectionPair]) -> Vec<f64> {
+    let source = ScanSource::new(&Scan { rows: rest.to_vec(), ..Scan::default() }).unwrap();
     assert!(source.summary().isotropic);
     let mut tally = Tally::default();
     pairs.iter().map(|pair| source.eval(*pair, &mut tally)[0]).collect()
 }
 
-fn nearest_neighbour(kept: &[Row], pairs: &[DirectionPair]) -> Vec<f64> {
-    let points: Vec<_> = kept.iter().map(pair).collect();
+fn nearest_neighbour(rest: &[Row], pairs: &[DirectionPair]) -> Vec<f64> {
+    let points: Vec<_> = rest.iter().map(pair).collect();
     pairs
         .iter()
         .map(|asked| {
             let near = |p: &DirectionPair| dot(p.incoming, asked.incoming) + dot(p.outgoing, asked.outgoing);
-            let best = (0..kept.len()).max_by(|a, b| near(&points[*a]).total_cmp(&near(&points[*b]))).unwrap();
-            kept[best].value[0]
+            let best = (0..rest.len()).max_by(|a, b| near(&points[*a]).total_cmp(&near(&points[*b]))).unwrap();
+            rest[best].value[0]
         })
         .collect()
 }
@@ -97,11 +97,11 @@ fn left_out_rows_are_predicted() {
             100.0 * nearest
         );
         assert!(mean <= allowed, "{name}: {mean}");
-        assert!(nearest > mean, "the check tells a bad estimator from a good one: {nearest}");
+        assert!(nearest > mean, "the check separates a bad estimator from a good one: {nearest}");
     }
 }
 
-/// Retro-reflective tape: rows that are left out are predicted, and the peak stands where the light is.
+/// Retro-reflective tape: left-out rows are predicted, and the peak is at the light.
 #[test]
 fn retro_reflective_tape_is_bright_towards_the_light() {
     let Some(path) = brdfc_testing::shared_data("retro/retro-3M-jaune.dat") else { return };

@@ -1,5 +1,4 @@
-//! Files that are larger than what may be read, or that would ask for more memory than there is. They are sparse: they take
-//! no room on the disk.
+//! Files that exceed limits of size or would need too much memory. They are sparse and take no room on the disk.
 
 use brdfc_formats::FormatError;
 use brdfc_readers::scan::MAX_ROWS;
@@ -8,7 +7,7 @@ use brdfc_source::read::{MAX_FILE_BYTES, ReadListener};
 use std::fs::File;
 use std::io::Write;
 
-/// Counts what is read.
+/// Counts the bytes that are read.
 #[derive(Default)]
 struct Count(u64);
 
@@ -18,7 +17,7 @@ impl ReadListener for Count {
     }
 }
 
-/// What is said of a file that starts so, and how many bytes of it were read.
+/// Error of a file with this start and length, and the number of bytes that were read.
 fn refused(name: &str, start: &[u8], length: u64) -> (String, u64) {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join(name);
@@ -53,7 +52,7 @@ fn text_ends_at_its_first_nul_byte() {
         {
             let (error, read) = refused(name, start, MAX_FILE_BYTES);
             assert!(
-                error.starts_with(expected) && error.ends_with("of the file, expected text, which has none"),
+                error.starts_with(expected) && error.ends_with("of the file, expected text without NUL bytes"),
                 "{error}"
             );
             assert!(read < 1 << 20, "{name}: {read} bytes were read");
@@ -61,7 +60,7 @@ fn text_ends_at_its_first_nul_byte() {
     }
 }
 
-/// Unclosed quotes make the rest of a table one field.
+/// An unclosed quote turns the rest of a table into one field.
 #[test]
 fn records_have_a_largest_length() {
     let quoted = [&b"theta_i,phi_i,theta_o,phi_o,r,g,b\n\""[..], &b"a\n".repeat(9 << 20)].concat();

@@ -1,4 +1,4 @@
-//! Broken RGL files: each is refused with the place and the field, none of them panics.
+//! Broken RGL files: each error has the place and the field, and none panics.
 
 use std::f32::consts::{FRAC_PI_2, PI};
 
@@ -22,7 +22,7 @@ fn floats(values: &[f32]) -> Vec<u8> {
     values.iter().flat_map(|v| v.to_le_bytes()).collect()
 }
 
-/// Reads and, where the file is valid, evaluates.
+/// Reads and, if the file is valid, evaluates it.
 fn survive(bytes: &[u8]) -> bool {
     let Ok(rgl) = Rgl::from_bytes(bytes) else { return false };
     if let Ok(source) = RglSource::new(rgl, |wavelengths| Ok(vec![[1.0; 3]; wavelengths.len()])) {
@@ -62,7 +62,7 @@ fn no_single_corrupt_byte_panics() {
     let mut valid = 0;
     for offset in 0..bytes.len() {
         let mut broken = bytes.clone();
-        // All values in the headers; in the data a spread of them.
+        // All values in the headers, and a sample of them in the data.
         let step = if offset < start { 1 } else { 15 };
         for value in (0..=u8::MAX).step_by(step) {
             broken[offset] = value;
@@ -127,7 +127,7 @@ fn a_shape_longer_than_the_file_is_refused() {
 }
 
 #[test]
-fn data_lie_behind_the_headers_and_inside_the_file() {
+fn data_are_after_the_headers_and_inside_the_file() {
     let container = material();
     let bytes = container.build();
     let field = container.header_offsets()[5] + 2 + "vndf".len() + 3;
@@ -141,7 +141,7 @@ fn data_lie_behind_the_headers_and_inside_the_file() {
 }
 
 #[test]
-fn names_are_utf_8_and_stand_once() {
+fn names_are_utf_8_and_unique() {
     let mut twice = material();
     twice.fields.push(Field { name: b"ndf".to_vec(), ..twice.fields[4].clone() });
     let error = refused(&twice);

@@ -1,4 +1,4 @@
-//! RGL materials against values that Mitsuba 3.9.1 `measured` gave for the same files.
+//! RGL materials against values of Mitsuba 3.9.1 `measured` for the same files.
 
 use brdfc_core::{Source, Tally};
 use brdfc_formats::direction::DirectionPair;
@@ -23,7 +23,7 @@ fn load(name: &str) -> Option<(Rgl, Vec<[f64; 9]>)> {
     Some((rgl, rows))
 }
 
-/// Share of the rows of which all three channels agree.
+/// Share of the rows in which all three channels agree.
 fn agreement(rgl: Rgl, rows: &[[f64; 9]]) -> f64 {
     let source = RglSource::new(rgl, rgb_only).unwrap();
     let agrees = |row: &&[f64; 9]| {

@@ -1,4 +1,4 @@
-//! RGL materials built so that `f_r` is known.
+//! RGL materials with known `f_r`.
 
 use std::f32::consts::{FRAC_PI_2, PI};
 
@@ -9,7 +9,7 @@ use brdfc_readers::rgl::{Azimuths, Rgl};
 use brdfc_source::rgl::RglSource;
 use brdfc_testing::tensor::Material;
 
-/// RGB weights for the two wavelengths of the spectral materials here.
+/// RGB weights of the two wavelengths of the spectral materials here.
 fn weights(wavelengths: &[f64]) -> Result<Vec<[f64; 3]>, FormatError> {
     assert_eq!(wavelengths, [400.0, 700.0]);
     Ok(vec![[0.0, 0.25, 1.0], [1.0, 0.75, 0.0]])
@@ -27,7 +27,7 @@ fn assert_close(found: f64, expected: f64) {
     assert!((found - expected).abs() <= 1e-6 * expected.abs().max(1.0), "{found} instead of {expected}");
 }
 
-/// Directions all over the hemisphere, none of them special.
+/// General directions all over the hemisphere.
 fn pairs() -> impl Iterator<Item = DirectionPair> {
     (0..400).map(|k| {
         let k = f64::from(k);
@@ -40,7 +40,7 @@ fn pairs() -> impl Iterator<Item = DirectionPair> {
     })
 }
 
-/// `(u, v)` of the half vector, the azimuth counted from `from`.
+/// `(u, v)` of the half vector, with the azimuth relative to `from`.
 fn half_coordinates(pair: DirectionPair, from: f64) -> [f64; 2] {
     let [x, y, z] = half_vector(pair);
     let v = (y.atan2(x) - from) / std::f64::consts::TAU + 0.5;
@@ -168,7 +168,7 @@ fn a_whole_circle_is_looked_up_as_it_is_and_its_ends_meet() {
         let [r, _, b] = eval(&source, pair);
         assert_close(r / b, 0.5 + azimuth(pair.incoming) / std::f64::consts::TAU);
     }
-    // Azimuth +π lies at the end of the half -π to 0 that is written -π.
+    // Azimuth +π is at the end of the half -π to 0 that is written -π.
     let half = self::source(&anisotropic([-PI, -FRAC_PI_2, 0.0]));
     let [r, _, b] = eval(&half, DirectionPair::new([-0.6, 0.0, 0.8], [0.0, 0.6, 0.8]));
     assert_close(r / b, 0.0);
@@ -197,7 +197,7 @@ fn weights_are_checked() {
     let material = Material { wavelengths: Some(vec![400.0, 700.0]), colour: |_| 3e38, ..Material::default() };
     let rgl = Rgl::from_bytes(&material.container().build()).unwrap();
     let error = RglSource::new(rgl.clone(), |_| Ok(vec![[1.0; 3]])).unwrap_err();
-    assert_eq!(error.to_string(), "colour weights: found 1 weights, expected 2, one for each wavelength");
+    assert_eq!(error.to_string(), "colour weights: found 1 weights, expected 2, one per wavelength");
     let error = RglSource::new(rgl.clone(), |_| Ok(vec![[1.0; 3]; 2])).unwrap_err();
     assert_eq!(error.field, "linear RGB");
     let error = RglSource::new(rgl, |_| Err(FormatError::whole("wavelengths", "a gap", "none"))).unwrap_err();

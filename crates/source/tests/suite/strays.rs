@@ -1,4 +1,5 @@
-//! Rows of a scan that stray from the azimuth of incidence of the others are told and measured, not obeyed.
+//! Rows of a scan whose azimuth of incidence differs from that of the others are reported and measured; their azimuth
+//! is ignored.
 
 use brdfc_core::{Source, Tally};
 use brdfc_formats::direction::DirectionPair;
@@ -17,7 +18,7 @@ fn simulated(model: &str, rows: usize, azimuths: usize) -> Vec<Row> {
     scan(model.as_ref(), &plan)
 }
 
-/// The same measurement with the sample turned under it.
+/// The same measurement with a rotated sample.
 fn turned(row: Row, by: f64) -> Row {
     Row { phi_i: row.phi_i + by, phi_o: row.phi_o + by, ..row }
 }
@@ -38,7 +39,7 @@ fn a_few_rows_do_not_make_a_scan_anisotropic() {
     let strays = found.summary().strays.unwrap();
     assert!(found.summary().isotropic && found.symmetry().isotropic && found.symmetry().mirror);
     assert_eq!((strays.rows, strays.of, strays.line, strays.azimuth.round()), (2, 76, None, 13.0));
-    // They are of the same material, so that turned back they say what they said before.
+    // They are of the same material, so that rotating them back recovers their values.
     assert!(strays.difference < 0.1, "{strays:?}");
     for (theta_i, theta_o, phi_o) in [(0.3, 0.4, 3.0), (0.8, 1.1, 2.0), (1.2, 0.2, 0.5)] {
         let at = |source: &ScanSource| {
@@ -47,7 +48,7 @@ fn a_few_rows_do_not_make_a_scan_anisotropic() {
         let (value, expected) = (at(&found), at(&whole));
         assert!((value - expected).abs() < 1e-9 * expected, "{value} {expected}");
     }
-    // Of another material, they are measured to be.
+    // Rows of another material have a large difference.
     for row in [30, 50] {
         rows[row].value = rows[row].value.map(|v| 5.0 * v);
     }
@@ -59,7 +60,7 @@ fn a_few_rows_do_not_make_a_scan_anisotropic() {
 fn anisotropic_scans_stay_so() {
     let two: Vec<Row> = simulated(BRUSHED, 40, 8).into_iter().filter(|row| row.phi_i < 1.0).collect();
     assert_eq!(two.len(), 10);
-    // A tenth of the rows is no accident.
+    // A tenth of the rows makes a scan anisotropic.
     let mut tenth = simulated(PAINT, 80, 1);
     tenth.iter_mut().take(8).for_each(|row| *row = turned(*row, 1.0));
     for rows in [two, simulated(BRUSHED, 16, 8), simulated(BRUSHED, 400, 8), simulated(BRUSHED, 60, 2), tenth] {
@@ -69,9 +70,9 @@ fn anisotropic_scans_stay_so() {
     }
 }
 
-/// Taken as isotropic, a scan of brushed metal is another material: what a wrong decision costs.
+/// Cost of a wrong decision: a scan of brushed metal that is taken as isotropic is another material.
 #[test]
-fn what_strays_from_brushed_metal_differs() {
+fn strays_from_brushed_metal_differ() {
     let mut rows = simulated(BRUSHED, 100, 1);
     let across = simulated(BRUSHED, 400, 4).into_iter().filter(|row| row.phi_i > 1.0 && row.phi_i < 2.0);
     rows.extend(across.take(4));
@@ -80,7 +81,7 @@ fn what_strays_from_brushed_metal_differs() {
 }
 
 #[test]
-fn the_first_line_is_told() {
+fn the_first_line_is_reported() {
     let mut rows = simulated(PAINT, 77, 1);
     rows[29] = turned(rows[29], 12.5f64.to_radians());
     rows[40] = turned(rows[40], 1.0);

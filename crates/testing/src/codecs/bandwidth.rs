@@ -58,11 +58,11 @@ impl TestedCodec for Bandwidth {
         let values: Vec<f32> = (0..15).map(|_| numbers.between(0.0, 40.0) as f32).collect();
         let header = BandwidthHeader { kind: BandwidthKind::Environment, epsilon: 0.02, transformed: [64, 32] };
         let map = BandwidthMap::new(header, [5, 3], &values).expect("values in range").to_bytes(false);
-        // A writer takes the least scale that does.
+        // A writer uses the smallest sufficient scale.
         let mut texture = Texture::from_bytes(&map).expect("our own map");
         let entry = texture.entries.get_mut("brdfc.bandwidth").expect("the entry of a map");
         entry[36..].copy_from_slice(&64f32.to_le_bytes());
-        // The uniform block begins with it.
+        // The uniform block starts with it.
         let block =
             texture.entries.get_mut("brdfc.uniform.bandwidth_environment_parameters").expect("the block of a map");
         block[..4].copy_from_slice(&64f32.to_le_bytes());
@@ -72,7 +72,7 @@ impl TestedCodec for Bandwidth {
         made
     }
 
-    /// All its values, and what the look-up of its kind finds.
+    /// Hashes all its values, and look-ups of its kind.
     fn hashes(&self, pack: Pack) -> Hashes {
         let Pack::Bandwidth(map) = pack else { unreachable!("{}", pack.kind().name()) };
         let mut numbers = Values::default();

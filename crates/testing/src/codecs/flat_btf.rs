@@ -1,7 +1,8 @@
 //! Flat BTFs.
 //!
-//! Where the sampler filters: they are no sum of what is filtered. The bound is twice what the value changes by when polar angle
-//! and azimuth of the view, place and level are moved by the step, summed. Twice, as two mipmap levels are rounded each by itself.
+//! Bounds with the sampler filtering: values are not sums of filtered values. The bound is twice the sum of the changes
+//! of the value when the polar angle and azimuth of the view, the place and the level are each moved by the step. The
+//! factor is two because both mipmap levels are rounded separately.
 
 mod made_up;
 
@@ -24,7 +25,7 @@ use brdfc_formats::flat_btf::{
 use brdfc_formats::{Pack, PackKind};
 use std::f32::consts::TAU;
 
-/// Flat BTFs of every kind of values that files have.
+/// Flat BTFs with each kind of values that files can have.
 fn some_flat_btfs() -> [(&'static str, FlatBtfDecoder); 2] {
     let whole = parts(SMALL, 4);
     let compact = displacements(SMALL, 1, 4).into();
@@ -48,7 +49,7 @@ fn flat_queries() -> Vec<Query> {
     (0..SIDE * SIDE).map(query).collect()
 }
 
-/// As `FlatMaterial::value` of the renderer.
+/// The same as `FlatMaterial::value` of the renderer.
 fn flat_value(
     decoder: &FlatBtfDecoder,
     directions: Option<&SampledDirections>,
@@ -63,7 +64,7 @@ fn flat_value(
     decoder.value(uv, level, views, lights).map(|value| value * dimmed)
 }
 
-/// View and light among the sampled ones, and what is left of a light below all of these.
+/// Weights of view and light among the sampled directions, and the remaining factor for a light below all of these.
 fn blends(
     SampledDirections { views, lights, lowest_light }: &SampledDirections,
     [view, light]: [[f32; 3]; 2],
@@ -75,7 +76,7 @@ fn blends(
     ([blended(views, view), blended(lights, light)], (light[2] / lowest_light).min(1.0))
 }
 
-/// A view whose place among the views of the indirection is moved by so many of them, polar angle first.
+/// A view whose position among the views of the indirection is moved by this number of views, polar angle first.
 fn moved_view(decoder: &FlatBtfDecoder, [x, y, z]: [f32; 3], [polar, azimuth]: [f32; 2]) -> [f32; 3] {
     let header = decoder.parts().indirection.header();
     let steps = [header.largest_angle / (header.zenith_samples - 1) as f32, TAU / header.azimuth_samples as f32];
@@ -84,8 +85,8 @@ fn moved_view(decoder: &FlatBtfDecoder, [x, y, z]: [f32; 3], [polar, azimuth]: [
     [theta.sin() * phi.cos(), theta.sin() * phi.sin(), theta.cos()]
 }
 
-/// A value of a flat BTF with the indirection of another view, and with what is filtered behind it moved, in parameters and
-/// levels.
+/// A value of a flat BTF with the indirection of another view, and with the filtered look-ups behind it moved, in
+/// parameters and levels.
 fn moved_value(
     decoder: &FlatBtfDecoder,
     directions: Option<&SampledDirections>,
@@ -106,7 +107,7 @@ fn moved_value(
     value.map(|channel| channel * dimmed)
 }
 
-/// What a value of a flat BTF may be off by.
+/// Error bound for a value of a flat BTF.
 fn flat_bound(decoder: &FlatBtfDecoder, directions: Option<&SampledDirections>, query: &Query) -> [f64; 4] {
     let [a, b, _] = query;
     let view = [b[0], b[1], b[2]];
@@ -118,7 +119,7 @@ fn flat_bound(decoder: &FlatBtfDecoder, directions: Option<&SampledDirections>, 
         let coarser = (a[2].ceil() as u32).min(last);
         [STEP / (size >> coarser).max(1) as f32, STEP]
     });
-    // The shader keeps off the borders of blocks by half a step more.
+    // The shader stays half a step more away from the borders of blocks.
     let turn = 1.5 * STEP;
     let axes = [
         [turn, 0.0, 0.0, 0.0, 0.0],
@@ -190,7 +191,7 @@ impl TestedCodec for FlatBtf {
     fn committed(&self) -> Files {
         let mut numbers = Numbers::new(5);
         let made = parts(SMALL, 7);
-        // A writer makes the least exponent that does; a reader takes any word.
+        // A writer uses the smallest sufficient exponent; a reader accepts any word.
         let texels = (0..SMALL.flat * SMALL.flat).map(|_| numbers.bits()).collect();
         let diffuse = DiffuseMap::new(SMALL.flat, texels).expect("any words");
         let light = FlatBtfParts { diffuse, values: FlatValues::None, ..made.clone() };
@@ -201,7 +202,7 @@ impl TestedCodec for FlatBtf {
         let fine = parts(Sizes { reference: 2 * reference, ..SMALL }, 13);
         let indirection = displacements(SMALL, reference, 17).into();
         let compact = FlatBtfParts { indirection, values, ..fine };
-        // Its values follow rules that a decoder in another language was written for.
+        // Its values follow simple rules, for which a decoder in another language was written.
         let example = FlatBtfParts { values: FlatValues::Factored(Box::new(factored_example())), ..made };
         let file = |parts: FlatBtfParts, mask| {
             FlatBtfFile::new(FlatBtfDecoder::new(parts).expect("parts of one asset"), mask).expect("what a file has")
@@ -220,8 +221,8 @@ impl TestedCodec for FlatBtf {
         packs
     }
 
-    /// All values of its maps, its look-ups, the light form, and of a factored one the values of all texels in all views
-    /// under all lights, and look-ups at and between mipmap levels.
+    /// Hashes all values of its maps, its look-ups and the light form, and of a factored one the values of all texels
+    /// in all views under all lights, and look-ups at and between mipmap levels.
     fn hashes(&self, pack: Pack) -> Hashes {
         let Pack::FlatBtf(file) = pack else { unreachable!("{}", pack.kind().name()) };
         let mut numbers = Values::default();

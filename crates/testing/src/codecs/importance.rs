@@ -53,7 +53,7 @@ impl TestedCodec for Importance {
         let mut texel = |_| {
             let [p, q] = [0; 2].map(|_| numbers.between(-0.7, 0.7));
             let square = p * p + q * q;
-            // Not quite of length 1.
+            // The length is not exactly 1.
             let length = numbers.between(0.999_997, 1.000_003) / (1.0 + square);
             let half = [2.0 * p, 2.0 * q, 1.0 - square].map(|c| (c * length) as f32);
             [half[0], half[1], half[2], numbers.between(0.01, 90.0) as f32]
@@ -65,7 +65,7 @@ impl TestedCodec for Importance {
         made
     }
 
-    /// All half vectors with their densities, and samples of fixed directions.
+    /// Hashes all half vectors with their densities, and samples of fixed directions.
     fn hashes(&self, pack: Pack) -> Hashes {
         let Pack::Importance(pack) = pack else { unreachable!("{}", pack.kind().name()) };
         let mut numbers = Values::default();

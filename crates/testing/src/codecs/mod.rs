@@ -1,4 +1,4 @@
-//! What tests know of each codec, in a file of its name.
+//! Test data of each codec, in a file of its name.
 
 pub mod bandwidth;
 pub mod flat_btf;
@@ -13,7 +13,7 @@ use crate::golden::Hashes;
 use crate::sampler::SamplerCase;
 use brdfc_formats::{FormatError, Pack, PackKind};
 
-/// What tests know of a codec.
+/// Test data of a codec.
 pub fn tested(kind: PackKind) -> &'static dyn TestedCodec {
     match kind {
         PackKind::Table => &table::Table,
@@ -25,7 +25,7 @@ pub fn tested(kind: PackKind) -> &'static dyn TestedCodec {
     }
 }
 
-/// The cases of all codecs, each of which has some.
+/// The cases of all codecs. Each codec has at least one.
 pub fn cases() -> Vec<Case> {
     let of_kind = |kind| {
         let cases = tested(kind).cases();
@@ -35,16 +35,16 @@ pub fn cases() -> Vec<Case> {
     PackKind::ALL.into_iter().flat_map(of_kind).collect()
 }
 
-/// The cases of all codecs with the sampler filtering. Their texels are random, so that neighbours are as far apart as can be: no
-/// material is.
+/// The cases of all codecs with the sampler filtering. Their texels are random, so that neighbours differ as much as
+/// possible, more than in any material.
 pub fn sampler_cases() -> Vec<SamplerCase> {
     PackKind::ALL.into_iter().flat_map(|kind| tested(kind).sampler_cases()).collect()
 }
 
-/// What the decoder of its kind makes of one file.
+/// Hashes of the values that the decoder of its kind reads from one file.
 ///
 /// # Errors
-/// What the reader refuses.
+/// Returns the error of the reader.
 pub fn of_pack(bytes: &[u8]) -> Result<Hashes, FormatError> {
     let pack = Pack::from_bytes(bytes)?;
     Ok(tested(pack.kind()).hashes(pack))

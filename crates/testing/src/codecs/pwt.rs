@@ -1,7 +1,7 @@
 //! Polynomial wavelet trees.
 //!
-//! Where the sampler filters: every filtered number may be off by three steps of its range, two axes and the mipmap levels. The
-//! bound is how far its colour may be with channels off by their sums.
+//! Bounds with the sampler filtering: every filtered number may be off by three steps of its range, for two axes and
+//! the mipmap levels. The bound is the resulting change of the colour when the channels are off by their sums.
 
 use crate::codec::{Files, Measured, TestedCodec};
 use crate::engines::{Case, EXACT, Query, SIDE, four};
@@ -16,8 +16,8 @@ use brdfc_formats::pwt::{
 };
 use brdfc_formats::{Pack, PackKind};
 
-/// One that repeats where `extent` is its size and `repeats` says so; grey of channel 0, weights that are the terms
-/// themselves, no textures yet.
+/// A header that repeats if `extent` is its size and `repeats` is set: grey of channel 0, weights equal to the terms,
+/// no textures yet.
 pub fn plain(size: [u32; 2], extent: [u32; 2], levels: u32, basis: LightBasis) -> PwtHeader {
     let triangle = (0..basis.terms()).flat_map(|k| (0..=k).map(move |j| if j == k { 1.0 } else { 0.0 })).collect();
     PwtHeader {
@@ -49,7 +49,7 @@ pub fn lengths(header: &PwtHeader) -> Vec<usize> {
     header.textures.iter().map(of).collect()
 }
 
-/// A pack of any texels.
+/// A pack of random texels.
 pub fn random(header: PwtHeader, seed: u64) -> PwtPack {
     let mut numbers = Numbers::new(seed);
     let texels = lengths(&header).into_iter().map(|count| (0..count).map(|_| numbers.bits() as u8).collect()).collect();
@@ -73,7 +73,7 @@ fn any(header: PwtHeader, domain: Domain, textures: &[[u32; 3]], seed: u64) -> P
     let textures = textures.iter().map(|[level, channels, layers]| {
         let component = |_| {
             count += 1;
-            // Terms and channels in turn.
+            // Alternates between terms and channels.
             Component { channel: count % 3, term: count / 3 % terms, scale: between(0.1, 2.0), low: between(-1.0, 0.5) }
         };
         let components = (0..channels * layers).map(component).collect();
@@ -102,7 +102,7 @@ pub fn packs() -> Vec<(&'static str, PwtPack)> {
     .collect()
 }
 
-/// What the page of the layout shows: two terms of a tile of 2 x 2 texels, one of them coarse.
+/// The example of the layout's page: two terms of a tile of 2 x 2 texels, one of them coarse.
 pub fn example() -> PwtPack {
     let basis = LightBasis { coordinates: LightCoordinates::Projected, degree: 1 };
     let textures = vec![single(0, 0, 1.0, 0.0), single(1, 1, 0.5, -0.25)];
@@ -111,7 +111,7 @@ pub fn example() -> PwtPack {
     PwtPack::new(header, vec![vec![0, 255, 51, 102, 102], vec![204]]).expect("a header in range")
 }
 
-/// Places on renderings, levels and lights.
+/// Places on images, levels and lights.
 fn queries() -> Vec<Query> {
     let mut numbers = Numbers::new(13);
     let query = |k: usize| {
@@ -122,7 +122,7 @@ fn queries() -> Vec<Query> {
     (0..SIDE * SIDE).map(query).collect()
 }
 
-/// What a colour of a tree may be off by at a place and light.
+/// Error bound for a colour of a tree at a place and light.
 fn bound(decoder: &PwtDecoder, [a, b, _]: &Query) -> [f64; 4] {
     let header = decoder.pack().header();
     let weights = header.weights([b[0], b[1], b[2]]);
@@ -191,8 +191,7 @@ impl TestedCodec for Pwt {
         made
     }
 
-    /// What it says of itself, all texels, weights of all terms, and look-ups at and between all
-    /// levels.
+    /// Hashes its header, all texels, weights of all terms, and look-ups at and between all levels.
     fn hashes(&self, pack: Pack) -> Hashes {
         let Pack::Pwt(pack) = pack else { unreachable!("{}", pack.kind().name()) };
         let mut numbers = Values::default();
@@ -207,7 +206,7 @@ impl TestedCodec for Pwt {
         let decoder = PwtDecoder::new(pack);
         for light in directions().map(as_f32) {
             let weights = header.weights(light);
-            // Of those below the horizon, too: but for the pole, they are numbers.
+            // Below the horizon they are finite, too, except at the pole.
             numbers.add(weights);
             for (k, uv) in points().enumerate().step_by(3) {
                 let level = 0.3 * (k % 12) as f32;

@@ -1,7 +1,8 @@
 //! Table packs.
 //!
-//! Where the sampler filters: they hold logarithms of `f_r + με`. The bound `b` of the logarithm is the step times the largest
-//! difference of neighbours around the query, summed over the axes; `f_r + με` may be off by the factor `exp(b)`.
+//! Bounds with the sampler filtering: tables hold logarithms of `f_r + με`. The bound `b` of the logarithm is the step
+//! times the largest difference of neighbours around the query, summed over the axes; `f_r + με` may be off by the
+//! factor `exp(b)`.
 
 use crate::codec::{Measured, TestedCodec};
 use crate::engines::{Case, EXACT, Query, brdf_queries, four};
@@ -71,21 +72,22 @@ pub fn tables() -> Vec<(String, TablePack)> {
     packs.into_iter().chain(cropped).collect()
 }
 
-/// Tables of every kind of look-up.
+/// Tables for every kind of look-up.
 fn some_tables() -> Vec<(String, TablePack)> {
-    let wanted = [
+    let names = [
         "symmetry 3, layers 1",
         "symmetry 12, layers 3",
         "symmetry 0, layers 1, curve",
         "symmetry 15, layers 3, curve",
         "symmetry 5, layers 3, cropped",
     ];
-    let some: Vec<_> = tables().into_iter().filter(|(name, _)| wanted.contains(&name.as_str())).collect();
+    let some: Vec<_> = tables().into_iter().filter(|(name, _)| names.contains(&name.as_str())).collect();
     assert!(some.len() > 3);
     some
 }
 
-/// Sums over axes of what neighbours around a position differ by: of the cells that it is in when it is moved by a step.
+/// Sums over axes of the differences of neighbours around a position, in the cells that it is in when it is moved by a
+/// step.
 fn differences(values: &[[f32; 3]], size: [usize; 3], at: [f32; 3]) -> [f32; 3] {
     let ranges: [_; 3] = std::array::from_fn(|axis| {
         let last = size[axis] - 1;
@@ -113,7 +115,7 @@ fn differences(values: &[[f32; 3]], size: [usize; 3], at: [f32; 3]) -> [f32; 3] 
     std::array::from_fn(|channel| most.iter().map(|axis| axis[channel]).sum())
 }
 
-/// What the logarithm of a table may be off by at a pair.
+/// Error bound for the logarithm of a table at a pair.
 fn bound(pack: &TablePack, values: &[[f32; 3]], pair: DirectionPair, level: f32) -> [f32; 3] {
     let (header, window) = (pack.header(), pack.window());
     let position = header.position(pair);
@@ -183,8 +185,8 @@ impl TestedCodec for Table {
         some_tables().iter().map(|(name, pack)| sampler_case(name, pack)).collect()
     }
 
-    /// `values` are texels and filtered logarithms; `reflectances` are what the exponential makes of them; `errors`
-    /// are those that the pack says of itself.
+    /// Hashes of a table: `values` are texels and filtered logarithms; `reflectances` are their exponentials; `errors`
+    /// are those in the pack's metadata.
     fn hashes(&self, pack: Pack) -> Hashes {
         let Pack::Table(pack) = pack else { unreachable!("{}", pack.kind().name()) };
         let decoder = TableDecoder::new(&pack);

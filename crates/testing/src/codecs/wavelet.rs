@@ -1,7 +1,7 @@
 //! Wavelet packs.
 //!
-//! Where the sampler filters: the logarithm is a sum over slices, all filtered with the same weights. Its bound is what it changes
-//! by when the outer direction is moved by the step.
+//! Bounds with the sampler filtering: the logarithm is a sum over slices, all filtered with the same weights. Its bound
+//! is its change when the outer direction is moved by the step.
 
 use crate::codec::{Files, Measured, TestedCodec};
 use crate::engines::{Case, EXACT, Query, brdf_queries, four};
@@ -21,23 +21,23 @@ pub fn header(parameterisation: Parameterisation, levels: u32, channels: u32, bi
     Header { parameterisation, levels, stored_levels: levels, channels, bits, mean: 0.25, bias: 0.01, lifted: false }
 }
 
-/// That of a pack whose coarser cells keep the light.
+/// Header of an energy-preserving pack.
 pub fn lifted(levels: u32, channels: u32, bits: u32) -> Header {
     Header { lifted: true, ..header(Parameterisation::TangentPole, levels, channels, bits) }
 }
 
-/// A pack with made-up slices: `kept` coefficients, spread over the tree, with random texels and scales that keep
+/// A pack with made-up slices: `retained` coefficients, spread over the tree, with random texels and scales that keep
 /// values in a sensible range.
-pub fn pack(header: Header, kept: usize, seed: u64) -> WaveletPack {
+pub fn pack(header: Header, retained: usize, seed: u64) -> WaveletPack {
     let mut numbers = Numbers::new(seed);
     let cells = header.cells();
     let stored = 1usize << (2 * header.stored_levels);
-    assert!((1..=stored).contains(&kept));
+    assert!((1..=stored).contains(&retained));
     let mut index = vec![0u16; cells];
     let mut next = 0;
     for coefficient in 0..stored {
         // Evenly spread; the scaling coefficient comes first.
-        if coefficient * kept / stored >= next || coefficient == 0 {
+        if coefficient * retained / stored >= next || coefficient == 0 {
             next += 1;
             index[coefficient] = next as u16;
         }
@@ -82,18 +82,21 @@ pub fn packs() -> Vec<(String, WaveletPack)> {
     for levels in 1..=5u32 {
         for channels in [1, 3] {
             for bits in [8, 12, 16] {
-                for kept in [1, 2, 3, 1 << levels] {
+                for retained in [1, 2, 3, 1 << levels] {
                     let seed = packs.len() as u64;
                     let parameterisation = Parameterisation::NAMES[(levels + bits / 4) as usize % 2].1;
-                    let made = pack(header(parameterisation, levels, channels, bits), kept, seed);
-                    packs.push((format!("levels {levels}, channels {channels}, bits {bits}, kept {kept}"), made));
+                    let made = pack(header(parameterisation, levels, channels, bits), retained, seed);
+                    packs.push((
+                        format!("levels {levels}, channels {channels}, bits {bits}, retained {retained}"),
+                        made,
+                    ));
                 }
             }
         }
     }
     for (levels, channels, bits) in [(1, 1, 16), (2, 3, 12), (4, 3, 8), (5, 1, 8), (6, 3, 16)] {
         let made = pack(lifted(levels, channels, bits), 1 << levels, packs.len() as u64);
-        packs.push((format!("lifted, levels {levels}, channels {channels}, bits {bits}"), made));
+        packs.push((format!("energy-preserving, levels {levels}, channels {channels}, bits {bits}"), made));
     }
     let cropped = packs.iter().enumerate().filter(|(k, _)| k % 9 == 5).map(|(k, (name, pack))| {
         let grid = pack.header.grid() as u32;
@@ -106,7 +109,7 @@ pub fn packs() -> Vec<(String, WaveletPack)> {
     packs
 }
 
-/// The pack whose bytes stand in `formats/src/container/spec.md` and `formats/src/wavelet/spec.md`.
+/// The pack whose bytes are in `formats/src/container/spec.md` and `formats/src/wavelet/spec.md`.
 pub fn example() -> WaveletPack {
     let header = Header {
         parameterisation: Parameterisation::HalfDifference,
@@ -134,8 +137,7 @@ pub fn example() -> WaveletPack {
     }
 }
 
-/// Reads bytes, whatever their checksum is, and where they are a pack decodes it here and there: whatever a file holds, `f_r`
-/// is a number.
+/// Reads bytes with any checksum. If they are a pack, decodes it at some points and checks that `f_r` is finite.
 pub fn survives(bytes: &[u8]) -> bool {
     let Ok(pack) = WaveletPack::from_bytes(&sealed(bytes.to_vec())) else { return false };
     let decoder = WaveletDecoder::new(&pack);
@@ -148,18 +150,19 @@ pub fn survives(bytes: &[u8]) -> bool {
     true
 }
 
-/// Wavelet packs of every kind of look-up.
+/// Wavelet packs for every kind of look-up.
 fn some_wavelets() -> Vec<(String, WaveletPack, Filter)> {
     let filters = [Filter::Nearest, Filter::Slices, Filter::Bilinear];
-    let wanted =
-        |name: &str| name.starts_with("lifted") || name.contains("cropped") || name.contains("levels 4, channels 3");
-    let some = packs().into_iter().filter(|(name, _)| wanted(name)).step_by(3).enumerate();
+    let is_selected = |name: &str| {
+        name.starts_with("energy-preserving") || name.contains("cropped") || name.contains("levels 4, channels 3")
+    };
+    let some = packs().into_iter().filter(|(name, _)| is_selected(name)).step_by(3).enumerate();
     let some: Vec<_> = some.map(|(k, (name, pack))| (name, pack, filters[k % 3])).collect();
     assert!(some.len() > 4);
     some
 }
 
-/// What the logarithm of a wavelet pack may be off by at a pair: what it changes by when the outer direction is moved.
+/// Error bound for the logarithm of a wavelet pack at a pair: its change when the outer direction is moved.
 fn bound(decoder: &WaveletDecoder, pair: DirectionPair, level: f32, filter: Filter) -> [f32; 3] {
     let header = decoder.header();
     let (outer, inner) = header.parameterisation.to_axes(pair);
@@ -184,7 +187,7 @@ pub fn sampler_case(name: &str, pack: &WaveletPack, filter: Filter) -> SamplerCa
     let (pairs, mut queries) = brdf_queries(pack.header.levels, 12);
     queries.iter_mut().for_each(|[_, b, _]| b[3] = 1.0);
     let floor = pack.header.mean * pack.header.bias;
-    // A sampler filters slices also where the nearest inner cell is taken.
+    // A sampler filters slices even if the nearest inner cell is used.
     let nearest = filter == Filter::Nearest && !pack.header.lifted;
     let on_cpu = if nearest { Filter::Slices } else { filter };
     let answer = |(pair, [a, ..]): (&DirectionPair, &Query)| {
@@ -228,7 +231,7 @@ impl TestedCodec for Wavelet {
     }
 
     fn committed(&self) -> Files {
-        // Texels of 12 bits that are no steps, and of the fourth component whatever there is.
+        // Texels of 12 bits that are not multiples of a step, with random values in the fourth component.
         let twelve = pack(header(Parameterisation::HalfDifference, 2, 3, 12), 5, 1).to_bytes(false);
         let mut coarse = header(Parameterisation::TangentPole, 3, 1, 8);
         coarse.stored_levels = 1;
@@ -243,8 +246,8 @@ impl TestedCodec for Wavelet {
         made
     }
 
-    /// `values` are log-encoded, all rows of the table and filtered ones; `reflectances` are what the
-    /// exponential makes of them; `errors` are those that the pack says of itself.
+    /// Hashes of a pack: `values` are log-encoded, all rows of the table and filtered ones; `reflectances` are their
+    /// exponentials; `errors` are those in the pack's metadata.
     fn hashes(&self, pack: Pack) -> Hashes {
         let Pack::Wavelet(pack) = pack else { unreachable!("{}", pack.kind().name()) };
         let decoder = WaveletDecoder::new(&pack);

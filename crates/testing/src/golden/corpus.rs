@@ -1,4 +1,4 @@
-//! Committed packs that every version must read to the same values.
+//! Committed packs, which every version must decode to the same values.
 
 use super::{Entries, Hashes, REFUSED, changes, folder, hash, lists, tell};
 use crate::codecs::of_pack;
@@ -19,7 +19,7 @@ pub fn packs(codec: &str) -> BTreeMap<String, Vec<u8>> {
     paths.filter_map(read).collect()
 }
 
-/// Puts a pack into the corpus. One that is there is left as it is: it stands for the version that wrote it.
+/// Adds a pack to the corpus. An existing pack is not replaced, since it represents the version that wrote it.
 pub fn add(codec: &str, name: &str, bytes: &[u8]) {
     let path = folder(codec).join(name.to_owned() + EXTENSION);
     if path.exists() {
@@ -30,7 +30,7 @@ pub fn add(codec: &str, name: &str, bytes: &[u8]) {
     tell(&format!("{codec}/{name}{EXTENSION}: added, {} bytes", bytes.len()));
 }
 
-/// Hashes of one file, or why it was refused.
+/// Hashes of one file, or the reader's error.
 pub fn entry(bytes: &[u8]) -> Hashes {
     let mut hashes = of_pack(bytes).unwrap_or_else(refused);
     hashes.insert("file", hash(bytes));
@@ -46,10 +46,10 @@ pub fn entries(packs: &BTreeMap<String, Vec<u8>>) -> Entries {
     packs.iter().map(|(file, bytes)| (file.clone(), entry(bytes))).collect()
 }
 
-/// How many of a codec's committed packs are read to other values than listed.
+/// Number of a codec's committed packs that decode to other values than listed.
 pub fn moved(codec: &'static str) -> usize {
     let list = lists::corpus(codec);
-    let found = list.wanted(&list.read(), entries(&packs(codec)));
+    let found = list.expected(&list.read(), entries(&packs(codec)));
     let mut names: Vec<String> =
         changes(&list.read(), &found).into_iter().filter(|change| change.column != "file").map(|c| c.entry).collect();
     names.dedup();

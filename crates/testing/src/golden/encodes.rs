@@ -1,4 +1,4 @@
-//! What encoders make of committed inputs, against the list of a codec.
+//! Compares the output of encoders for committed inputs with the list of a codec.
 
 use super::corpus::{add, entries, moved};
 use super::{Change, blessing, hash, lists};
@@ -7,16 +7,17 @@ use crate::codecs::tested;
 use brdfc_formats::container::{MAX_TEXEL_BYTES, PackedTexture};
 use std::collections::BTreeMap;
 
-/// Largest file that goes into the corpus of packs that later versions must read.
+/// Maximum size of a file for the corpus of packs that later versions must read.
 const CORPUS_BYTES: usize = 12 << 10;
 
 /// Files by name, as `corpus` has them.
 pub type Packs = BTreeMap<String, Vec<u8>>;
 
-/// The entry that follows from all others.
+/// The entry that is derived from all others.
 const CHECKSUM: &str = "brdfc.checksum";
 
-/// What an encoder stores, whatever the container puts around it: format and extent, entries but for what was measured, texels.
+/// Hash of the data that an encoder stores, independent of the container: format and extent, entries except measured
+/// values, texels.
 fn contents(bytes: &[u8], measured: &[Measured]) -> String {
     let texture = PackedTexture::from_bytes(bytes).and_then(|packed| packed.unpack_levels(MAX_TEXEL_BYTES));
     let texture =
@@ -28,7 +29,7 @@ fn contents(bytes: &[u8], measured: &[Measured]) -> String {
         match measured.iter().find(|(entry, _)| entry == key) {
             Some((_, None)) => continue,
             Some((_, Some(range))) => drop(value.drain(range.clone())),
-            // A file in an entry.
+            // An entry that is itself a file.
             None if key.starts_with("brdfc.image.") => value = contents(&value, &[]).into_bytes(),
             None => {}
         }
@@ -39,10 +40,10 @@ fn contents(bytes: &[u8], measured: &[Measured]) -> String {
     hash(&stored)
 }
 
-/// Compares what was encoded with a codec's list. Blessing also adds small packs to the corpus, those in `kept`.
-pub fn check_encodes(codec: &'static str, packs: &Packs, kept: impl Fn(&str) -> bool) {
+/// Compares encoded packs with a codec's list. Blessing also adds small packs to the corpus if `selected` returns true.
+pub fn check_encodes(codec: &'static str, packs: &Packs, selected: impl Fn(&str) -> bool) {
     if blessing() {
-        for (file, bytes) in packs.iter().filter(|(file, bytes)| kept(file) && bytes.len() <= CORPUS_BYTES) {
+        for (file, bytes) in packs.iter().filter(|(file, bytes)| selected(file) && bytes.len() <= CORPUS_BYTES) {
             add(codec, file.trim_end_matches(".ktx2"), bytes);
         }
     }
@@ -51,16 +52,16 @@ pub fn check_encodes(codec: &'static str, packs: &Packs, kept: impl Fn(&str) -> 
     for (name, hashes) in &mut found {
         hashes.insert("contents", contents(&packs[name], measured));
     }
-    lists::encodes(codec).check(found, |changes| inverse_in_words(codec, changes));
+    lists::encodes(codec).check(found, |changes| inverse_summary(codec, changes));
 }
 
-/// Where stored contents moved, their values say nothing about the decoder: committed packs do.
-fn inverse_in_words(codec: &'static str, changes: &[Change]) -> String {
+/// Summary of the decoder for changed contents. Their values do not test the decoder, but committed packs do.
+fn inverse_summary(codec: &'static str, changes: &[Change]) -> String {
     if changes.iter().all(|change| change.column != "contents") {
         return String::new();
     }
     match moved(codec) {
-        0 => format!("The inverse half holds: the committed packs of {codec} decode as before."),
-        count => format!("The inverse half moved, too: {count} committed packs of {codec} decode otherwise."),
+        0 => format!("The decoder is unchanged: the committed packs of {codec} have the same values."),
+        count => format!("The decoder changed, too: {count} committed packs of {codec} have other values."),
     }
 }

@@ -1,9 +1,10 @@
-//! Other files of the same texture or pack: what `formats/src/container/spec.md` lets a reader accept, and `Texture::to_bytes` never writes.
+//! Alternative files of the same texture or pack, which `formats/src/container/spec.md` allows but `Texture::to_bytes`
+//! never writes.
 
 use crate::packs::sealed;
 use std::collections::BTreeMap;
 
-/// Names of the forms that [`form`] makes.
+/// Names of the forms of [`form`].
 pub const FORMS: [&str; 3] = ["entries", "sections", "zstandard"];
 
 /// The sections of a file, without its Zstandard frame.
@@ -16,7 +17,7 @@ struct Sections {
 }
 
 const ZSTANDARD: u32 = 2;
-/// Where the level index begins, and bytes of a level in it.
+/// Offset of the level index, and the size of a level in it, bytes.
 const INDEX: usize = 80;
 const LEVEL: usize = 24;
 
@@ -25,7 +26,7 @@ fn u32_at(bytes: &[u8], at: usize) -> usize {
 }
 
 impl Sections {
-    /// Takes a file of our own writer apart.
+    /// Parses a file of our own writer.
     fn of(bytes: &[u8]) -> Self {
         let section = |at: usize| &bytes[u32_at(bytes, at)..][..u32_at(bytes, at + 4)];
         let is_zstandard = u32_at(bytes, 44) as u32 == ZSTANDARD;
@@ -52,7 +53,7 @@ impl Sections {
         INDEX + self.levels.len() * LEVEL
     }
 
-    /// Head of the file for sections at these places: offset and length of descriptor, entries, global data, and of
+    /// Head of the file for sections at these places: offset and length of descriptor, metadata, global data, and of
     /// each level.
     fn head(&self, scheme: u32, places: [[usize; 2]; 3], levels: &[[usize; 2]]) -> Vec<u8> {
         let [descriptor, entries, global] = places;
@@ -67,7 +68,7 @@ impl Sections {
     }
 }
 
-/// Entries in this order, with this byte in the padding.
+/// Metadata in this order, with this byte in the padding.
 fn entry_bytes(entries: &[(String, Vec<u8>)], padding: u8) -> Vec<u8> {
     let mut bytes = Vec::new();
     for (key, value) in entries {
@@ -80,8 +81,8 @@ fn entry_bytes(entries: &[(String, Vec<u8>)], padding: u8) -> Vec<u8> {
     bytes
 }
 
-/// Writes sections in this order, each at the next free byte with that gap before it: 0 descriptor, 1 entries, 2 global
-/// data, 3 levels, the coarsest first.
+/// Writes sections in this order, each at the next free byte after a gap: 0 descriptor, 1 metadata, 2 global data, 3
+/// levels, the coarsest first.
 fn write(
     sections: &Sections,
     scheme: u32,
@@ -102,15 +103,15 @@ fn write(
             }
             continue;
         }
-        // What is not there has no place.
+        // Empty sections have offset 0.
         places[part] = if parts[part].is_empty() { [0; 2] } else { [start + body.len(), parts[part].len()] };
         body.extend(parts[part]);
     }
     [sections.head(scheme, places, &levels), body].concat()
 }
 
-/// The file with entries of other writers, the last first, no orientation, padding that is not zero, and one that does not
-/// follow its layout.
+/// The file with metadata of other writers in reverse order, no orientation, padding that is not zero, and an entry
+/// that violates the layout.
 fn other_entries(sections: &Sections) -> Vec<u8> {
     let mut entries = sections.entries.clone();
     entries.remove("KTXorientation");
@@ -125,7 +126,7 @@ fn other_entries(sections: &Sections) -> Vec<u8> {
     write(sections, 0, [&sections.descriptor, &bytes, &[]], &sections.levels, [(0, 0), (1, 0), (2, 0), (3, 5)])
 }
 
-/// The file with its levels first at an odd byte, global data that mean nothing, gaps, and bytes behind the end.
+/// The file with its levels first at an odd byte, arbitrary global data, gaps, and bytes after the end.
 fn other_sections(sections: &Sections) -> Vec<u8> {
     let entries: Vec<(String, Vec<u8>)> = sections.entries.clone().into_iter().collect();
     let entries = entry_bytes(&entries, 0);
@@ -135,7 +136,7 @@ fn other_sections(sections: &Sections) -> Vec<u8> {
     bytes
 }
 
-/// The file with a frame of another level and a checksum, after a gap.
+/// The file with a frame of another compression level and a checksum, after a gap.
 fn other_frame(sections: &Sections) -> Vec<u8> {
     let entries: Vec<(String, Vec<u8>)> = sections.entries.clone().into_iter().collect();
     let mut compressor = zstd::bulk::Compressor::new(19).expect("a level of Zstandard");
@@ -146,13 +147,13 @@ fn other_frame(sections: &Sections) -> Vec<u8> {
     write(sections, ZSTANDARD, parts, &frames, [(0, 0), (1, 0), (2, 0), (3, 16)])
 }
 
-/// Another file of the same texture: form `k` of [`FORMS`], of a file that our own writer made.
+/// Another file of the same texture: form `k` of [`FORMS`], of a file by our own writer.
 pub fn form(k: usize, bytes: &[u8]) -> Vec<u8> {
     let sections = Sections::of(bytes);
     sealed([other_entries, other_sections, other_frame][k](&sections))
 }
 
-/// A file of our own writer in every other form, by this name with that of the form.
+/// A file by our own writer in every other form, with the name of the form appended.
 pub fn foreign_forms(name: &str, bytes: &[u8]) -> Vec<(String, Vec<u8>)> {
     FORMS.iter().enumerate().map(|(k, form_name)| (format!("{name}-foreign-{form_name}"), form(k, bytes))).collect()
 }

@@ -3,7 +3,7 @@
 use super::{Column, List};
 use brdfc_formats::PackKind;
 
-/// The codecs, by their folders of the formats.
+/// The codecs, named by their folders in the formats.
 pub fn codecs() -> Vec<&'static str> {
     let codecs: Vec<&str> = PackKind::ALL.into_iter().map(folder_name).collect();
     let folders = std::fs::read_dir(crate::repository().join("formats/src")).expect("the formats");
@@ -17,7 +17,7 @@ pub fn codecs() -> Vec<&'static str> {
     codecs
 }
 
-/// The folder that a codec's specification is in.
+/// Folder of a codec's specification.
 fn folder_name(kind: PackKind) -> &'static str {
     kind.descriptor().specification.rsplit('/').nth(1).expect("a page in the codec's folder")
 }
@@ -27,19 +27,19 @@ pub fn kind(codec: &str) -> PackKind {
     PackKind::ALL.into_iter().find(|kind| folder_name(*kind) == codec).unwrap_or_else(|| panic!("no codec {codec}"))
 }
 
-/// Whether packs of a codec have reflectances, and say how wrong they are.
+/// Returns true if packs of a codec have reflectances and error metadata.
 fn of_reflectances(codec: &str) -> bool {
     kind(codec).descriptor().brdf.is_some()
 }
 
-/// Packs in the codec's folder, as decoders read them.
+/// List of the packs in the codec's folder, which decoders read.
 pub fn corpus(codec: &'static str) -> List {
-    const ABOUT: &[&str] = &["Packs beside this file: hashes of the files and of what decoders make of them."];
+    const ABOUT: &[&str] = &["Packs next to this file: hashes of the files and of their decoded values."];
     const COLUMNS: &[Column] = &[Column::everywhere("file"), Column::everywhere("values")];
     const OF_REFLECTANCES: &[Column] = &[
         Column::everywhere("errors"),
         Column::everywhere("file"),
-        // The exponential is the C library's.
+        // The exponential is that of the C library.
         Column::on_one_platform("reflectances"),
         Column::everywhere("values"),
     ];
@@ -47,11 +47,11 @@ pub fn corpus(codec: &'static str) -> List {
     List { codec, file: "corpus.toml", about: ABOUT, columns }
 }
 
-/// What encoders make of committed inputs.
+/// List of the output of encoders for committed inputs.
 pub fn encodes(codec: &'static str) -> List {
     const ABOUT: &[&str] = &[
-        "What tests/suite/golden.rs of the encoder makes: 'contents' are hashes of what an encoder stores, entries and texels; 'file' of",
-        "all bytes; the others of what decoders make of them. Encoders use ln, exp and trigonometry of the C library.",
+        "Packs that tests/suite/golden.rs of the encoder makes: 'contents' are hashes of the stored metadata and texels;",
+        "'file' of all bytes; the others of decoded values. Encoders use ln, exp and trigonometry of the C library.",
     ];
     const COLUMNS: &[Column] =
         &[Column::on_one_platform("contents"), Column::on_one_platform("file"), Column::on_one_platform("values")];

@@ -1,6 +1,5 @@
-//! Lists of hashes that pin what is written and what is read. Tests compare; with `BRDFC_BLESS` in the environment they
-//! write the lists again. The crates of the formats and of
-//! the encoders share this.
+//! Lists of hashes that pin the written and the decoded data. Tests compare them. With `BRDFC_BLESS` in the environment
+//! they write the lists again. The crates of the formats and of the encoders share this.
 
 pub mod corpus;
 pub mod encodes;
@@ -12,39 +11,39 @@ use std::collections::{BTreeMap, BTreeSet};
 use std::io::Write as _;
 use std::path::PathBuf;
 
-/// What writes the lists again.
+/// Command that writes the lists again.
 const COMMAND: &str = "./scripts/bless";
 const BLESS: &str = "BRDFC_BLESS";
 
-/// Where hashes hold that pass through nothing but sums, products, quotients and square roots.
+/// Platforms of hashes that depend only on sums, products, quotients and square roots.
 pub const EVERYWHERE: &str = "every platform";
-/// Where hashes hold that pass through `ln`, `exp` or trigonometry: these are the C library's.
+/// Platform of hashes that depend on `ln`, `exp` or trigonometry of the C library.
 pub const ONE_PLATFORM: &str = "x86_64-unknown-linux-gnu";
 
-/// What stands in place of a hash where a reader refused a pack.
+/// Prefix that replaces a hash if a reader refused the pack.
 pub const REFUSED: &str = "refused: ";
 
-/// Whether a hash is none.
+/// Returns true if a hash is a reader's error.
 pub fn is_refusal(hash: &str) -> bool {
     hash.starts_with(REFUSED)
 }
 
-/// The folder of a codec's packs and lists. Nothing else knows where they are.
+/// Folder of a codec's packs and lists, the only place with this path.
 pub fn folder(codec: &str) -> PathBuf {
     crate::repository().join("formats/src").join(codec).join("golden")
 }
 
-/// Whether lists are to be written.
+/// Returns true if lists are to be written.
 pub fn blessing() -> bool {
     std::env::var_os(BLESS).is_some_and(|value| !value.is_empty() && value != "0")
 }
 
-/// Says what blessing does, past the capture of tests that pass.
+/// Prints a message of blessing on standard error, which tests do not capture.
 pub fn tell(text: &str) {
     let _ = writeln!(std::io::stderr(), "golden: {text}");
 }
 
-/// What is hashed of every entry of a list, and where that holds.
+/// A column of hashes, and the platforms on which they are valid.
 #[derive(Debug, Clone, Copy)]
 pub struct Column {
     pub name: &'static str,
@@ -71,7 +70,7 @@ pub type Hashes = BTreeMap<&'static str, String>;
 /// Hashes of all entries by name.
 pub type Entries = BTreeMap<String, Hashes>;
 
-/// A hash that is not the one of the list.
+/// A difference between a hash and the list.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Change {
     pub entry: String,
@@ -81,8 +80,8 @@ pub struct Change {
 }
 
 impl Change {
-    /// As much of the hashes as tells them apart.
-    fn in_words(&self) -> String {
+    /// Summary with enough of the hashes to distinguish them.
+    fn summary(&self) -> String {
         let short = |hash: &Option<String>| match hash {
             None => "none".to_owned(),
             Some(hash) if hash.len() == 64 => hash[..16].to_owned(),
@@ -103,11 +102,11 @@ pub struct List {
 }
 
 const OTHER_PACK: &str = "the pack is not the one that was committed";
-/// The table that says where columns hold.
+/// The table of platforms for each column.
 const HOLDS_ON: &str = "holds_on";
 
 impl List {
-    /// What it is called in messages.
+    /// Name for messages.
     fn name(&self) -> String {
         format!("{}/{}", self.codec, self.file)
     }
@@ -116,16 +115,16 @@ impl List {
         folder(self.codec).join(self.file)
     }
 
-    /// The hashes in the file; none where there is no file yet. Columns that no longer are have no place here.
+    /// Hashes in the file, empty without a file. Ignores columns that no longer exist.
     pub fn read(&self) -> Entries {
         let Ok(text) = std::fs::read_to_string(self.path()) else { return Entries::new() };
         let broken = |what: &str| -> ! { panic!("{}: {what}", self.path().display()) };
         let table: toml::Table = text.parse().unwrap_or_else(|error| broken(&format!("{error}")));
         let hashes = |value: toml::Value| {
-            let toml::Value::Table(mut row) = value else { broken("an entry that is no table") };
+            let toml::Value::Table(mut row) = value else { broken("found an entry that is not a table") };
             let hash = |column: &Column| match row.remove(column.name) {
                 Some(toml::Value::String(hash)) => Some((column.name, hash)),
-                Some(other) => broken(&format!("{} is {other}, and no string", column.name)),
+                Some(other) => broken(&format!("{}: found {other}, expected a string", column.name)),
                 None => None,
             };
             self.columns.iter().filter_map(hash).collect()
@@ -147,8 +146,8 @@ impl List {
         text
     }
 
-    /// What is to be listed: what was found, and of columns that do not hold on this machine what stands there.
-    fn wanted(&self, listed: &Entries, mut found: Entries) -> Entries {
+    /// Entries to be listed: those found, except that columns of other platforms retain their listed values.
+    fn expected(&self, listed: &Entries, mut found: Entries) -> Entries {
         for column in self.columns.iter().filter(|column| !column.holds_here()) {
             for (name, hashes) in &mut found {
                 hashes.remove(column.name);
@@ -161,7 +160,7 @@ impl List {
         found
     }
 
-    /// Compares what was found with the list, or writes the list. `more` adds to the message of a failure.
+    /// Compares hashes with the list, or writes the list. `more` adds to the message of a failure.
     pub fn check(&self, found: Entries, more: impl FnOnce(&[Change]) -> String) {
         let elsewhere = self.columns.iter().filter(|column| !column.holds_here());
         let elsewhere: Vec<&str> = elsewhere.map(|column| column.name).collect();
@@ -169,76 +168,76 @@ impl List {
             println!("skipped: {}: {} of {ONE_PLATFORM} alone", self.name(), elsewhere.join(", "));
         }
         let listed = self.read();
-        let wanted = self.wanted(&listed, found);
-        let changes = changes(&listed, &wanted);
+        let expected = self.expected(&listed, found);
+        let changes = changes(&listed, &expected);
         if blessing() {
-            self.bless(&wanted, &changes);
+            self.bless(&expected, &changes);
         } else if !changes.is_empty() {
-            panic!("{}{}\nIf that is meant: {COMMAND}\n", self.explain(&changes), more(&changes));
+            panic!("{}{}\nIf the change is intended, run {COMMAND}\n", self.explain(&changes), more(&changes));
         }
     }
 
-    fn bless(&self, wanted: &Entries, changes: &[Change]) {
+    fn bless(&self, expected: &Entries, changes: &[Change]) {
         let name = self.name();
         if let Some(change) = changes.iter().find(|change| change.new.as_deref().is_some_and(is_refusal)) {
-            panic!("{name}: {} cannot be blessed: {}", change.entry, change.in_words());
+            panic!("{name}: {} cannot be blessed: {}", change.entry, change.summary());
         }
         let is_other = |change: &&Change| change.column == "file" && change.old.is_some() && change.new.is_some();
         if let Some(change) = changes.iter().filter(|_| self.is_of_committed_packs()).find(is_other) {
             panic!("{name}: {} cannot be blessed: {OTHER_PACK}; give it another name", change.entry);
         }
-        let text = self.text(wanted);
-        // The comment may have changed alone.
+        let text = self.text(expected);
+        // The comment alone may have changed.
         if std::fs::read_to_string(self.path()).is_ok_and(|old| old == text) {
             return tell(&format!("{name}: no change"));
         }
-        changes.iter().for_each(|change| tell(&format!("{name}: {}: {}", change.entry, change.in_words())));
+        changes.iter().for_each(|change| tell(&format!("{name}: {}: {}", change.entry, change.summary())));
         std::fs::create_dir_all(folder(self.codec)).expect("the codec's folder can be made");
         std::fs::write(self.path(), text).unwrap_or_else(|error| panic!("{}: {error}", self.path().display()));
         tell(&match changes.len() {
-            0 => format!("{name}: no hash changed, other text did"),
+            0 => format!("{name}: no hash changed; other text did"),
             count => format!("{name}: hashes that changed: {count}"),
         });
     }
 
-    /// Which entries moved, and which half that is.
+    /// Describes the changed entries, and whether the encoder or the decoder changed.
     pub fn explain(&self, changes: &[Change]) -> String {
         let mut moved: BTreeMap<&str, Vec<&Change>> = BTreeMap::new();
         changes.iter().for_each(|change| moved.entry(&change.entry).or_default().push(change));
-        let mut text = format!("{}: entries that moved: {}\n", self.path().display(), moved.len());
+        let mut text = format!("{}: changed entries: {}\n", self.path().display(), moved.len());
         for (entry, changes) in moved {
             text += &format!("  {entry}: {}\n", self.verdict(&changes));
-            changes.iter().for_each(|change| text += &format!("      {}\n", change.in_words()));
+            changes.iter().for_each(|change| text += &format!("      {}\n", change.summary()));
         }
         text
     }
 
-    /// Which half moved, from the columns of one entry that did.
+    /// Conclusion from the changed columns of one entry.
     ///
-    /// `contents` is what an encoder stores and a decoder decodes. Where it holds, the forward half did its work as
-    /// before; `file` is more than that: it has measured errors, which pass through the decoder, and the container
-    /// around all. Committed packs have no `contents`: their files stay as they are.
+    /// `contents` is the data that an encoder stores. If it is unchanged, so is the encoder. `file` has more: measured
+    /// errors, which depend on the decoder, and the container. Committed packs have no `contents`, since their files do
+    /// not change.
     fn verdict(&self, changes: &[&Change]) -> &'static str {
         let moved = |column: &str| changes.iter().any(|change| change.column == column);
         let values = moved("values") || moved("reflectances");
         if changes[0].entry == HOLDS_ON {
-            "columns, or where they hold, are others"
+            "the columns or their platforms changed"
         } else if changes.iter().all(|change| change.old.is_none()) {
             "not in the list"
         } else if changes.iter().all(|change| change.new.is_none()) {
-            "in the list, but nowhere else"
+            "only in the list"
         } else if self.is_of_committed_packs() && moved("file") {
             OTHER_PACK
         } else if moved("contents") && values {
-            "bytes and values moved: the forward half stores something else"
+            "bytes and values changed: the encoder stores other data"
         } else if moved("contents") {
-            "bytes moved, values hold: the forward half stores the same in another way"
+            "bytes changed, values did not: the encoder stores the same values in another way"
         } else if values {
-            "values moved, what is stored holds: the inverse half decodes it otherwise"
+            "values changed, stored data did not: the decoder changed"
         } else if moved("errors") {
-            "measured errors moved, what is stored and its values hold"
+            "measured errors changed, stored data and values did not"
         } else {
-            "bytes of the file moved, what is stored and its values hold: the container or Zstandard"
+            "bytes of the file changed, stored data and values did not: the container or Zstandard changed"
         }
     }
 

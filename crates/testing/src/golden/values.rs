@@ -1,8 +1,8 @@
-//! What decoders make of packs, as hashes: every stored value, and look-ups at fixed places.
+//! Hashes of decoded values: every stored value, and look-ups at fixed places.
 //!
-//! The places are found without mathematical functions, and all hashes but the `reflectances` of wavelet packs are of sums,
-//! products, quotients and square roots alone, and of factored flat BTFs of sines that are rounded to single precision: they
-//! hold on every machine.
+//! The places are computed without mathematical functions. All hashes except the `reflectances` of wavelet packs depend
+//! only on sums, products, quotients and square roots, and those of factored flat BTFs also on sines that are rounded
+//! to single precision. They are the same on every machine.
 
 use super::Hashes;
 use brdfc_formats::ErrorSummary;
@@ -54,7 +54,7 @@ pub(crate) fn single(v: [f64; 3]) -> [f32; 3] {
     v.map(|c| c as f32)
 }
 
-/// Points of a plane that repeats, inside the tile and outside.
+/// Points of a periodic plane, inside the tile and outside.
 pub(crate) fn points() -> impl Iterator<Item = [f32; 2]> + Clone {
     (0..40).map(|k| [0.173 * k as f32 - 1.3, 0.311 * k as f32 - 4.2])
 }

@@ -1,4 +1,5 @@
-//! Translated shaders in the repository are what naga makes of the WGSL. `./scripts/bless` writes them.
+//! Checks that translated shaders in the repository are naga's current output for the WGSL. `./scripts/bless` writes
+//! them.
 
 use brdfc_formats::PackKind;
 use brdfc_jobs::view::PageShader;
@@ -9,14 +10,14 @@ use brdfc_translate::{program, translate};
 use serde::Serialize;
 use std::collections::BTreeMap;
 
-/// Holds a file of the repository against what it is made of.
+/// Compares a file of the repository with the data that it is made from.
 fn check(file: &str, made: &impl Serialize) {
     let path = repository().join(file);
     let text = serde_json::to_string_pretty(made).unwrap() + "\n";
-    if std::fs::read_to_string(&path).is_ok_and(|kept| kept == text) {
+    if std::fs::read_to_string(&path).is_ok_and(|current| current == text) {
         return;
     }
-    assert!(blessing(), "{file} is not what naga makes of the WGSL: ./scripts/bless");
+    assert!(blessing(), "{file} differs from naga's output for the WGSL; run ./scripts/bless");
     std::fs::write(&path, text).unwrap();
     tell(&format!("{file}: written"));
 }

@@ -12,7 +12,7 @@ const DRAWN: &str = "
 ";
 
 #[test]
-fn bindings_are_told_by_their_names() {
+fn bindings_are_identified_by_their_names() {
     let made = program(DRAWN, "corner", "colour").unwrap();
     let contains = |lines: &[String], text: &str| lines.iter().any(|line| line.contains(text));
     let bound = |all: &[Named]| all.iter().map(|one| (one.group, one.binding)).collect::<Vec<_>>();
@@ -28,7 +28,7 @@ fn bindings_are_told_by_their_names() {
 }
 
 #[test]
-fn what_is_wrong_is_said() {
+fn wrong_sources_are_reported() {
     assert!(program(DRAWN, "nothing", "colour").is_err());
     assert!(program("fn f() -> f32 { return 1u; }", "f", "f").unwrap_err().contains("return"));
 }

@@ -1,4 +1,4 @@
-//! Propagation by hand, and known answers.
+//! Hand-computed propagation and known answers.
 
 use super::*;
 
@@ -26,7 +26,7 @@ fn a_bounce_by_hand() {
     assert_eq!(Bandwidth::distant(10.0).one_bounce(0.0, SURFACE, 2.0), bandwidth(62.0, 128.0));
     // 1, 2 -> 1, 5 -> 0.5, 5 -> 10.5, 5 -> 13.5, 4 -> 21.5, 4 -> 43, 4 -> 43, 90
     assert_eq!(bandwidth(1.0, 2.0).one_bounce(3.0, SURFACE, 2.0), bandwidth(43.0, 90.0));
-    // Each parameter matters.
+    // All parameters matter.
     for (changed, field) in [
         (BandwidthSurface { cos_incoming: 0.25, ..SURFACE }, "cos_incoming"),
         (BandwidthSurface { cos_outgoing: 0.25, ..SURFACE }, "cos_outgoing"),
@@ -48,7 +48,7 @@ fn nothing_in_nothing_out() {
     assert_eq!(VarianceEstimate::default().add(0.0, 0.0, 5.0).relative(0.0), 0.0);
 }
 
-/// Around a ball of radius ½ from 4 away, the viewer's angle to the normal turns by `1 + d' / (R cos θo)`.
+/// Around a sphere of radius ½ at a distance of 4, the viewer's angle to the normal turns by `1 + d' / (R cos θo)`.
 #[test]
 fn albedo_varies_with_the_viewers_angle() {
     let ball = BandwidthSurface { cos_outgoing: 0.5, curvature: 2.0, ..SURFACE };
@@ -81,17 +81,17 @@ fn a_plane_under_a_distant_light_varies_with_direction_alone() {
         let seen = Bandwidth::distant(light).one_bounce(0.0, BandwidthSurface { lobe, ..plane }, 50.0);
         assert_eq!(seen, bandwidth(0.0, lobe.min(light)));
     }
-    // Not so a texture, a curved surface, or a light close by.
+    // A texture, a curved surface or a close light do vary in space.
     let textured = BandwidthSurface { texture: 1.0, ..plane };
     assert_eq!(Bandwidth::distant(3.0).one_bounce(0.0, textured, 50.0), bandwidth(2.0, 103.0));
     assert!(Bandwidth::distant(3.0).one_bounce(0.0, BandwidthSurface { curvature: 0.1, ..plane }, 50.0).spatial > 0.0);
     assert!(bandwidth(1.0, 3.0).one_bounce(1.0, plane, 50.0).spatial > 0.0);
 }
 
-/// In a mirror ball of radius R, seen from d', a pixel's angle α moves by `d' α / cos θo` on the ball; the normal
-/// turns by that over R, the reflected ray by twice as much and by α.
+/// In a mirror sphere of radius R at distance d', a pixel's angle α moves by `d' α / cos θo` on the sphere; the normal
+/// turns by that over R, the reflected ray by twice as much plus α.
 #[test]
-fn a_mirror_ball_shows_what_geometry_says() {
+fn a_mirror_sphere_agrees_with_geometry() {
     for (radius, distance, cosine, light) in [(0.5, 4.0, 1.0, 3.0), (0.1, 2.0, 0.5, 7.0), (2.0, 0.25, 0.25, 1.5)] {
         let ball = BandwidthSurface {
             cos_incoming: cosine,
@@ -140,7 +140,7 @@ fn everything_stays_finite() {
 fn the_mean_is_weighted() {
     let average = BandwidthAverage::default().add(bandwidth(1.0, 2.0), 3.0).add(bandwidth(5.0, 6.0), 1.0);
     assert_eq!(average.mean(), bandwidth(2.0, 3.0));
-    // Brightness alone changes nothing; a maximum would be (5, 6).
+    // Scaling all weights changes nothing; a maximum would be (5, 6).
     let dim = BandwidthAverage::default().add(bandwidth(1.0, 2.0), 0.375).add(bandwidth(5.0, 6.0), 0.125);
     assert_eq!(dim.mean(), average.mean());
 }
@@ -174,7 +174,7 @@ fn levels_by_hand() {
     ] {
         assert_eq!(pyramid_level(bandwidth, 9), level, "{bandwidth}");
     }
-    // The Nyquist rate holds, and the next coarser level would not do.
+    // The Nyquist rate is met, and the next coarser level would miss it.
     for step in 1..2000 {
         let bandwidth = step as f32 * 7.7e-4;
         let level = pyramid_level(bandwidth, 100);
@@ -187,10 +187,10 @@ fn levels_by_hand() {
 fn variance_by_hand() {
     let even = VarianceEstimate::default().add(3.0, 1.0, 2.0).add(3.0, 1.0, 2.0);
     assert_eq!(even.relative(0.0), 4.0);
-    // All light from one of the directions: twice the variance. The sum that the paper prints sees no difference.
+    // All light from one direction gives twice the variance. The printed sum of the paper does not change.
     let uneven = VarianceEstimate::default().add(3.0, 1.0, 4.0).add(3.0, 1.0, 0.0);
     assert_eq!(uneven.relative(0.0), 8.0);
-    // Exposure changes nothing, unless the pixel is too dark to matter.
+    // Exposure changes nothing, unless the pixel is below `darkest`.
     let dim = VarianceEstimate::default().add(3.0, 1.0, 0.25).add(3.0, 1.0, 0.25);
     assert_eq!((dim.relative(0.0), dim.relative(0.125), dim.relative(0.5)), (4.0, 4.0, 1.0));
 }

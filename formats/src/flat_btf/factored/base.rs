@@ -1,49 +1,49 @@
-//! The base of a factored flat BTF: a diffuse and a glossy reflection under the normal of each texel, which the sum of
-//! components corrects. It is evaluated for the view and the light themselves, so that highlights are as sharp as they are,
-//! however far apart the sampled directions lie.
+//! Base of a factored flat BTF: a diffuse and a glossy reflection under the normal of each texel, corrected by the sum
+//! of components. It is evaluated for the exact view and light, so that the distance between sampled directions does
+//! not blur highlights.
 
 use super::header::{DIFFERENCE_ANGLES, HALF_ANGLES};
 use super::maps::WeightRange;
 use crate::FormatError;
 use crate::flat_btf::MAX_COORDINATE;
 
-/// Largest number of a table, and largest colour of a base: beyond the largest value of a view.
+/// Maximum number in a table, and maximum colour of a base: above the largest value of a view.
 pub const MAX_BASE: f32 = 65_536.0;
-/// Largest diffuse and glossy albedo.
+/// Maximum diffuse and glossy albedo.
 const MAX_ALBEDO: f32 = 1024.0;
-/// Least sum of the cosines that a glossy reflection is divided by.
-const LEAST_COSINES: f32 = 0.1;
-/// Largest paraboloid coordinate of a normal: it may hang over until its height is -15/17.
+/// Minimum sum of cosines in the divisor of a glossy reflection.
+const MIN_COSINES: f32 = 0.1;
+/// Maximum paraboloid coordinate of a normal. It allows overhangs down to a height of -15/17.
 const MAX_SLOPE: f32 = 4.0;
 
-/// What a gloss of 1 shows, linear RGB by half angle and difference angle, without the factor of the cosines: the table `T`.
+/// Table `T`: reflection for a gloss of 1, linear RGB by half angle and difference angle, without the cosine factor.
 #[derive(Debug, Clone, PartialEq)]
 pub struct BaseTable {
-    /// Half angle by half angle, `48 x 8`.
+    /// `48 x 8` entries, difference angle fastest.
     entries: Vec<[f32; 3]>,
 }
 
-/// What a texel has of the base.
+/// Values of the base at a texel.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct BaseTexel {
     /// Diffuse albedo, linear RGB.
     pub diffuse: [f32; 3],
-    /// What the table is multiplied by.
+    /// Factor of the table.
     pub gloss: f32,
     /// Unit normal.
     pub normal: [f32; 3],
 }
 
-/// A view and a light as a normal sees them.
+/// Angles of a view and a light relative to a normal.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct BaseAngles {
     /// Cosine of the light's angle to the normal, above 0.
     pub cosine: f32,
-    /// Cosine of the view's, 0 where it is behind the surface.
+    /// Cosine of the view's angle to the normal, 0 if it is behind the surface.
     pub outgoing: f32,
-    /// What a glossy reflection is multiplied by: `cos θi / max(cos θi + cos θo, 0.1)`.
+    /// Factor of a glossy reflection: `cos θi / max(cos θi + cos θo, 0.1)`.
     pub geometry: f32,
-    /// Four entries of the table and their weights.
+    /// Four table entries and their weights.
     pub taps: [(usize, f32); 4],
 }
 
@@ -52,7 +52,7 @@ fn dot(a: [f32; 3], b: [f32; 3]) -> f32 {
 }
 
 impl BaseAngles {
-    /// Of unit vectors; nothing where the light is behind the surface.
+    /// Angles for unit vectors; `None` if the light is behind the surface.
     #[inline]
     pub fn new(normal: [f32; 3], view: [f32; 3], light: [f32; 3]) -> Option<Self> {
         let cosine = dot(normal, light).min(1.0);
@@ -62,7 +62,7 @@ impl BaseAngles {
         let outgoing = dot(normal, view).clamp(0.0, 1.0);
         let sum = [view[0] + light[0], view[1] + light[1], view[2] + light[2]];
         let length = dot(sum, sum).sqrt();
-        // Opposite to each other they have no half vector.
+        // Opposite vectors have no half vector.
         let scale = if length > 1e-6 { 1.0 / length } else { 0.0 };
         let apart = [normal[0] - scale * sum[0], normal[1] - scale * sum[1], normal[2] - scale * sum[2]];
         let half = (0.5 * dot(apart, apart)).min(1.0).sqrt().sqrt() * (HALF_ANGLES - 1) as f32;
@@ -77,19 +77,19 @@ impl BaseAngles {
             (first + DIFFERENCE_ANGLES, across * (1.0 - along)),
             (first + DIFFERENCE_ANGLES + 1, across * along),
         ];
-        Some(Self { cosine, outgoing, geometry: cosine / (cosine + outgoing).max(LEAST_COSINES), taps })
+        Some(Self { cosine, outgoing, geometry: cosine / (cosine + outgoing).max(MIN_COSINES), taps })
     }
 }
 
 impl BaseTable {
-    /// `48 x 8` entries, half angle by half angle.
+    /// Creates a table from `48 x 8` entries, difference angle fastest.
     ///
     /// # Errors
-    /// Another number of entries; numbers that are not 0 to [`MAX_BASE`].
+    /// Returns an error if the number of entries is wrong or a number is not in 0 to [`MAX_BASE`].
     pub fn new(entries: Vec<[f32; 3]>) -> Result<Self, FormatError> {
-        let wanted = HALF_ANGLES * DIFFERENCE_ANGLES;
-        if entries.len() != wanted {
-            return Err(FormatError::whole("entries of the base", entries.len().to_string(), wanted.to_string()));
+        let expected = HALF_ANGLES * DIFFERENCE_ANGLES;
+        if entries.len() != expected {
+            return Err(FormatError::whole("entries of the base", entries.len().to_string(), expected.to_string()));
         }
         let good = |entry: &[f32; 3]| entry.iter().all(|number| (0.0..=MAX_BASE).contains(number));
         match entries.iter().position(|entry| !good(entry)) {
@@ -102,17 +102,17 @@ impl BaseTable {
         }
     }
 
-    /// One that reflects nothing.
+    /// Table without reflection.
     pub fn black() -> Self {
         Self { entries: vec![[0.0; 3]; HALF_ANGLES * DIFFERENCE_ANGLES] }
     }
 
-    /// All entries, half angle by half angle.
+    /// All entries, difference angle fastest.
     pub fn entries(&self) -> &[[f32; 3]] {
         &self.entries
     }
 
-    /// The table between its entries.
+    /// Interpolates the table.
     #[inline]
     pub fn at(&self, taps: &[(usize, f32); 4]) -> [f32; 3] {
         taps.iter().fold([0.0f32; 3], |sum, (at, weight)| {
@@ -121,8 +121,8 @@ impl BaseTable {
         })
     }
 
-    /// The colour of a texel in a view under a light that arrives in full, linear RGB relative to a white diffuser that faces
-    /// the light: `diffuse cos θi + gloss T(half angle, difference angle) geometry`, 0 to [`MAX_BASE`].
+    /// Colour of a texel in a view under an unshadowed light, linear RGB relative to a white diffuser that faces the
+    /// light: `diffuse cos θi + gloss T(half angle, difference angle) geometry`, 0 to [`MAX_BASE`].
     #[inline]
     pub fn colour(&self, texel: &BaseTexel, view: [f32; 3], light: [f32; 3]) -> [f32; 3] {
         let Some(angles) = BaseAngles::new(texel.normal, view, light) else { return [0.0; 3] };
@@ -132,9 +132,9 @@ impl BaseTable {
     }
 }
 
-/// What the numbers of the two layers of the base stand for: `diffuse` red, green, blue, `gloss`; and the normal.
+/// Decodes the components of the two base layers: `diffuse` red, green, blue, `gloss`; and the normal.
 pub(super) fn base_texel([red, green, blue, gloss, x, x_low, y, y_low]: [f32; 8]) -> BaseTexel {
-    // What is no number is the least.
+    // NaN becomes the minimum.
     let between = |number: f32, least: f32, most: f32| if number > least { number.min(most) } else { least };
     let albedo = |number: f32| between(number, 0.0, MAX_ALBEDO);
     let slope = |number: f32| between(number, -MAX_COORDINATE, MAX_COORDINATE);
@@ -147,8 +147,8 @@ pub(super) fn base_texel([red, green, blue, gloss, x, x_low, y, y_low]: [f32; 8]
     }
 }
 
-/// The paraboloid coordinates of a unit normal, `(x, y) / (1 + z)`, as 16 bits each, as the second layer of the base holds them
-/// by [`slope_ranges`].
+/// Paraboloid coordinates of a unit normal, `(x, y) / (1 + z)`, as 16 bits each, in the form that the second base layer
+/// holds with [`slope_ranges`].
 pub fn slope_words([x, y, z]: [f32; 3]) -> [u16; 2] {
     let scale = 1.0 / (1.0 + z).max(1e-6);
     [x, y].map(|c| {
@@ -157,7 +157,7 @@ pub fn slope_words([x, y, z]: [f32; 3]) -> [u16; 2] {
     })
 }
 
-/// The unit normal of [`slope_words`].
+/// Unit normal of [`slope_words`].
 pub fn slope_texel(words: [u16; 2]) -> [f32; 3] {
     let [high, low, ..] = slope_ranges();
     let [x, y] = words.map(|word| {
@@ -167,7 +167,7 @@ pub fn slope_texel(words: [u16; 2]) -> [f32; 3] {
     base_texel([0.0, 0.0, 0.0, 0.0, x, 0.0, y, 0.0]).normal
 }
 
-/// What the bytes of [`slope_words`] stand for, the higher one of each first.
+/// Ranges of the bytes of [`slope_words`], the higher byte of each first.
 pub fn slope_ranges() -> [WeightRange; 4] {
     let unit = 2.0 * MAX_SLOPE / 65535.0;
     let [high, low] =
@@ -185,7 +185,7 @@ mod tests {
         [x / length, y / length, z / length]
     }
 
-    /// Known answer: without gloss it is Lambert's.
+    /// Without gloss the base is Lambertian.
     #[test]
     fn without_gloss_it_is_diffuse() {
         let table = BaseTable::new(vec![[9.0; 3]; HALF_ANGLES * DIFFERENCE_ANGLES]).unwrap();
@@ -196,7 +196,7 @@ mod tests {
         assert!(table.colour(&glossy, [0.0, 0.0, 1.0], [0.0, 0.0, 1.0])[0] > 2.0);
     }
 
-    /// Where the entries are, by angles in double precision.
+    /// Compares positions of entries with angles in double precision.
     #[test]
     fn places_are_angles() {
         for (half, difference) in [(0.02f64, 0.0f64), (0.3, 0.4), (1.0, 0.2), (0.0, 1.2)] {
@@ -211,26 +211,26 @@ mod tests {
             let found = |of: fn(usize) -> usize| {
                 angles.taps.iter().map(|(at, weight)| of(*at) as f64 * f64::from(*weight)).sum::<f64>()
             };
-            let wanted = 47.0 * (1.0 - half.cos()).powf(0.25);
-            assert!((found(|at| at / DIFFERENCE_ANGLES) - wanted).abs() < 2e-2, "{half}: {wanted}");
+            let expected = 47.0 * (1.0 - half.cos()).powf(0.25);
+            assert!((found(|at| at / DIFFERENCE_ANGLES) - expected).abs() < 2e-2, "{half}: {expected}");
             assert!((found(|at| at % DIFFERENCE_ANGLES) - 7.0 * (1.0 - difference.cos())).abs() < 1e-3);
         }
     }
 
     #[test]
-    fn tables_out_of_range_are_refused() {
+    fn tables_out_of_range_are_rejected() {
         let mut entries = vec![[0.5; 3]; HALF_ANGLES * DIFFERENCE_ANGLES];
         assert!(BaseTable::new(entries[1..].to_vec()).is_err());
         for number in [f32::NAN, f32::INFINITY, -0.1, 7e4] {
             entries[19][1] = number;
-            let refused = BaseTable::new(entries.clone()).unwrap_err().to_string();
-            assert!(refused.contains("entry (2, 3) of the base"), "{refused}");
+            let rejected = BaseTable::new(entries.clone()).unwrap_err().to_string();
+            assert!(rejected.contains("entry (2, 3) of the base"), "{rejected}");
         }
     }
 
     proptest! {
         #[test]
-        fn normals_come_back(x in -1.0f32..1.0, y in -1.0f32..1.0, z in -0.8f32..1.0) {
+        fn normals_round_trip(x in -1.0f32..1.0, y in -1.0f32..1.0, z in -0.8f32..1.0) {
             prop_assume!(x * x + y * y + z * z > 0.01);
             let normal = unit([x, y, z]);
             prop_assume!(normal[2] > -0.85);
@@ -242,7 +242,7 @@ mod tests {
             }
         }
 
-        /// Whatever a file holds, and wherever a filter ends: numbers.
+        /// The base is finite for any file contents and at the ends of filters.
         #[test]
         fn bases_are_numbers(numbers in prop::array::uniform8(prop::num::f32::NORMAL | prop::num::f32::INFINITE | prop::num::f32::ZERO)) {
             let texel = base_texel(numbers);

@@ -1,4 +1,4 @@
-//! The part `basis`: what each component is in each view under each light, and the table of the base.
+//! The part `basis`: components for each view and light, and the table of the base.
 
 use super::base::BaseTable;
 use super::header::{BASIS_PART, DIFFERENCE_ANGLES, FactoredErrors, FactoredHeader, GROUP, HALF_ANGLES};
@@ -6,8 +6,8 @@ use crate::FormatError;
 use crate::container::{Extent, TexelFormat, Texture};
 use crate::flat_btf::layout::{check_format, words, wrong_extent};
 
-/// Components as integers: of each pair of a view and a light three opponent colours, of each of these all components. Behind
-/// them the table of the base.
+/// Components as integers: for each pair of a view and a light three opponent colours, for each of these all
+/// components. The table of the base follows.
 #[derive(Debug, Clone, PartialEq)]
 pub struct BasisMap {
     header: FactoredHeader,
@@ -16,16 +16,16 @@ pub struct BasisMap {
 }
 
 impl BasisMap {
-    /// A basis from the words of its texels, row by row.
+    /// Creates a basis from the words of its texels, row by row.
     ///
     /// # Errors
-    /// A header or an entry of the table out of range, another number of words.
+    /// Returns an error if the header or a table entry is out of range, or the number of words is wrong.
     pub fn new(header: FactoredHeader, words: Vec<u32>) -> Result<Self, FormatError> {
         header.check()?;
-        let wanted = 4 * Extent::D2(header.basis_extent()).texels();
-        if words.len() as u64 != wanted {
+        let expected = 4 * Extent::D2(header.basis_extent()).texels();
+        if words.len() as u64 != expected {
             let field = format!("words of the part {BASIS_PART}");
-            return Err(FormatError::whole(field, words.len().to_string(), format!("{wanted}, as the header says")));
+            return Err(FormatError::whole(field, words.len().to_string(), format!("{expected}, as the header says")));
         }
         let first = 4 * header.basis_extent()[0] as usize * header.views.len();
         let entries = words[first..].chunks_exact(4).take(HALF_ANGLES * DIFFERENCE_ANGLES);
@@ -34,11 +34,11 @@ impl BasisMap {
         Ok(Self { header, base, words })
     }
 
-    /// A basis from a table and integers: `steps(view, light, colour, component)`, called in order and clamped to -32767 to 32767
-    /// where they have 16 bits, and to -127 to 127 else.
+    /// Creates a basis from a table and integers. `steps(view, light, colour, component)` is called in order; its
+    /// results are clamped to -32767 to 32767 for 16-bit components and to -127 to 127 otherwise.
     ///
     /// # Errors
-    /// A header out of range.
+    /// Returns an error if the header is out of range.
     pub fn from_steps(
         header: FactoredHeader,
         base: &BaseTable,
@@ -69,32 +69,33 @@ impl BasisMap {
         Self::new(header, words)
     }
 
-    /// What the asset says of itself.
+    /// Header of the asset.
     pub fn header(&self) -> &FactoredHeader {
         &self.header
     }
 
-    /// The same with other errors.
+    /// Replaces the errors.
     #[must_use]
     pub fn with_errors(mut self, errors: FactoredErrors) -> Self {
         self.header.errors = errors;
         self
     }
 
-    /// The table of the base.
+    /// Table of the base.
     pub fn base(&self) -> &BaseTable {
         &self.base
     }
 
-    /// Words of the texels, row by row, those of the table among them.
+    /// Words of the texels, row by row, including the table.
     pub fn words(&self) -> &[u32] {
         &self.words
     }
 
-    /// The integers of an opponent colour in a view under a light: all components, [`FactoredHeader::steps`] not applied.
+    /// Integers of an opponent colour in a view under a light, for all components, before multiplication by
+    /// [`FactoredHeader::steps`].
     ///
     /// # Panics
-    /// Without such a view, light or colour.
+    /// Panics if there is no such view, light or colour.
     pub fn integers(&self, view: u32, light: u32, colour: usize) -> impl Iterator<Item = f32> {
         let header = &self.header;
         let stride = 4 * header.texels_per_colour() as usize;
@@ -107,13 +108,13 @@ impl BasisMap {
         wide.iter().flat_map(half).chain(narrow.iter().flat_map(byte)).map(|step| step as f32)
     }
 
-    /// Reads and checks the image of a file with its entry.
+    /// Reads and validates the image of a file with its header.
     pub(in crate::flat_btf) fn from_texture(texture: &Texture) -> Result<Self, FormatError> {
         let header = FactoredHeader::from_texture(texture)?;
         check_format(texture, BASIS_PART, TexelFormat::Rgba32Uint)?;
         let extent = Extent::D2(header.basis_extent());
         if texture.extent != extent {
-            let allowed = format!("a 2D texture of {extent}, as its entry says");
+            let allowed = format!("a 2D texture of {extent}, as its header says");
             return Err(wrong_extent(BASIS_PART, texture.extent, allowed));
         }
         Self::new(header, words(&texture.texels))

@@ -1,5 +1,4 @@
-//! The CPU decoder, the reference that shaders are held against: f32 arithmetic in a fixed order without fused
-//! operations.
+//! CPU decoder, the reference for shaders: f32 operations in a fixed order without fused operations.
 
 use super::base::{BaseTexel, base_texel};
 use super::basis::BasisMap;
@@ -14,12 +13,12 @@ use crate::tap::{footprint, periodic_tap, wrap};
 
 const MAX_COMPONENTS: usize = MAX_GROUPS as usize * GROUP;
 const BASE_NUMBERS: usize = BASE_LAYERS as usize * GROUP;
-/// What a byte of a texel counts.
+/// Step of a byte.
 const UNIT: f32 = 1.0 / 255.0;
 
-/// A flat BTF as a product: shadows of each texel and light, times a base and a sum of components of each view and light with
-/// weights of each texel. Beside the parts that find a texel ([`super::super::FlatBtfDecoder::indirection`]) it takes the place of all
-/// views.
+/// Factored flat BTF: a shadow for each texel and light, times a base plus a sum of components for each view and light
+/// with weights for each texel. It replaces all views; the parts that find a texel
+/// ([`super::super::FlatBtfDecoder::indirection`]) remain.
 #[derive(Debug, Clone, PartialEq)]
 pub struct FactoredFlatBtf {
     basis: BasisMap,
@@ -35,7 +34,7 @@ pub struct FactoredFlatBtf {
 struct Place {
     level: u32,
     fine: [(usize, f32); 4],
-    /// Where its share is not 0.
+    /// Coarser level with its weight, unless the weight is 0.
     coarse: Option<([(usize, f32); 4], f32)>,
 }
 
@@ -49,15 +48,15 @@ pub struct FactoredTexel<'a> {
 }
 
 impl FactoredTexel<'_> {
-    /// What it has of the base.
+    /// Values of the base.
     pub fn base(&self) -> &BaseTexel {
         &self.base
     }
 
-    /// Its value in a view under a light.
+    /// Value in a view under a light.
     ///
     /// # Panics
-    /// Without such a view or light.
+    /// Panics if there is no such view or light.
     pub fn value(&self, view: u32, light: u32) -> [f32; 3] {
         let asset = self.asset;
         let shadow = asset.lit(&self.place, light);
@@ -81,7 +80,7 @@ impl Place {
         Self { level, fine: texels(level), coarse: (blend > 0.0).then(|| (texels(level + 1), blend)) }
     }
 
-    /// A filtered number: `texel(level, index)` is 0 to 255.
+    /// Filtered component; `texel(level, index)` is 0 to 255.
     fn sample(&self, texel: impl Fn(u32, usize) -> u8) -> f32 {
         let filtered = |level: u32, taps: [(usize, f32); 4]| {
             taps.into_iter().fold(0.0f32, |sum, (at, weight)| sum + weight * (f32::from(texel(level, at)) * UNIT))
@@ -95,20 +94,21 @@ impl Place {
 }
 
 impl FactoredFlatBtf {
-    /// Checks that the parts belong together.
+    /// Creates an asset after checking that the parts match.
     ///
     /// # Errors
-    /// Names the part whose size, levels, layers are not those that the basis says, or that is missing or too many.
+    /// Returns an error that names a part whose size, levels or layers differ from the basis, or that is missing or
+    /// superfluous.
     pub fn new(basis: BasisMap, weights: WeightMap, shadow: Option<ShadowMap>) -> Result<Self, FormatError> {
         let header = basis.header();
-        let told = |[size, levels, layers]: [u32; 3]| format!("{levels} levels of {layers} layers of {size} x {size}");
+        let text = |[size, levels, layers]: [u32; 3]| format!("{levels} levels of {layers} layers of {size} x {size}");
         let same = |part: &str, found: [u32; 3], layers: u32| {
-            let wanted = [header.size, header.levels, layers];
-            if found == wanted {
+            let expected = [header.size, header.levels, layers];
+            if found == expected {
                 return Ok(());
             }
-            let (field, allowed) = (format!("size of the part {part}"), format!("{}, as the basis says", told(wanted)));
-            Err(FormatError::whole(field, told(found), allowed))
+            let allowed = format!("{}, as the basis says", text(expected));
+            Err(FormatError::whole(format!("size of the part {part}"), text(found), allowed))
         };
         same("weights", [weights.size(), weights.levels(), weights.layers()], BASE_LAYERS + header.groups)?;
         match (&shadow, header.shadow) {
@@ -117,10 +117,10 @@ impl FactoredFlatBtf {
                 same("shadow", [map.size(), map.levels(), map.lights()], header.lights.len() as u32)?;
             }
             (None, ShadowFormat::R8) => {
-                return Err(FormatError::whole("part shadow", "none", "one, as the basis says"));
+                return Err(FormatError::whole("part shadow", "none", "one, as the basis requires"));
             }
             (Some(_), ShadowFormat::None) => {
-                return Err(FormatError::whole("part shadow", "one", "none, as the basis says"));
+                return Err(FormatError::whole("part shadow", "one", "none, as the basis requires"));
             }
         }
         let (views, lights) = (unit_vectors(&header.views), unit_vectors(&header.lights));
@@ -128,7 +128,7 @@ impl FactoredFlatBtf {
         Ok(Self { basis, weights, shadow, views, lights, lowest_light })
     }
 
-    /// What the asset says of itself.
+    /// Header of the asset.
     pub fn header(&self) -> &FactoredHeader {
         self.basis.header()
     }
@@ -143,29 +143,29 @@ impl FactoredFlatBtf {
         &self.weights
     }
 
-    /// The part `shadow`, where there is one.
+    /// The part `shadow`, if there is one.
     pub fn shadow(&self) -> Option<&ShadowMap> {
         self.shadow.as_ref()
     }
 
-    /// The same with other errors.
+    /// Replaces the errors.
     #[must_use]
     pub fn with_errors(self, errors: FactoredErrors) -> Self {
         Self { basis: self.basis.with_errors(errors), ..self }
     }
 
-    /// Bytes of texels in graphics memory, mipmaps included.
+    /// GPU memory including mipmaps, bytes.
     pub fn gpu_bytes(&self) -> u64 {
         self.header().gpu_bytes()
     }
 
-    /// Values at parameters of the flat BTF, relative to a white diffuser that faces the light: linear RGB, 0 or more. `uv` is
-    /// of any size, with period 1; `level_of_detail` is that of the texels, 0 the finest. Weights and shadows are filtered, sums
-    /// of components and shadows blended over the sampled directions; the base is that of the directions themselves, but of a
-    /// light that is lower than all sampled ones that of the lowest.
+    /// Value at parameters of the flat BTF, relative to a white diffuser that faces the light: linear RGB, 0 or more.
+    /// `uv` is unbounded with period 1; `level_of_detail` refers to the texels, 0 the finest. Weights and shadows are
+    /// filtered. Sums of components and shadows are blended over the sampled directions. The base is evaluated for the
+    /// exact directions, with the light raised to the lowest sampled light.
     ///
     /// # Panics
-    /// With weights for views or lights that are not there: a mistake of the caller.
+    /// Panics if weights refer to views or lights that do not exist.
     pub fn value(
         &self,
         uv: [f32; 2],
@@ -199,15 +199,15 @@ impl FactoredFlatBtf {
         self.colour(&base, [view.direction, light], sum).map(|channel| shadow * channel)
     }
 
-    /// Height of the lowest sampled light above the surface: the cosine of its polar angle.
+    /// Height of the lowest sampled light above the surface, the cosine of its polar angle.
     pub fn lowest_light(&self) -> f32 {
         self.lowest_light
     }
 
-    /// A texel `[column, row]` of the finest level, for all views and lights.
+    /// Texel `[column, row]` of the finest level, for all views and lights.
     ///
     /// # Panics
-    /// Without such a texel.
+    /// Panics if there is no such texel.
     pub fn texel(&self, [column, row]: [u32; 2]) -> FactoredTexel<'_> {
         let size = self.header().size;
         assert!(column < size && row < size, "texel ({column}, {row}) of {size} x {size}");
@@ -217,10 +217,10 @@ impl FactoredFlatBtf {
         FactoredTexel { asset: self, place, base, components }
     }
 
-    /// A view as it would be stored without factors, of the finest level.
+    /// Reconstructs an uncompressed view at the finest level.
     ///
     /// # Panics
-    /// Without such a view.
+    /// Panics if there is no such view.
     pub fn view(&self, view: u32) -> FlatView {
         let FactoredHeader { size, views, lights, .. } = self.header();
         let (size, pixels) = (*size, (*size * *size) as usize);
@@ -235,7 +235,7 @@ impl FactoredFlatBtf {
         FlatView::new(header, texels).expect("the directions were checked, and values are not negative")
     }
 
-    /// What a place has of the base, and weights of all components.
+    /// Values of the base and weights of all components at a place.
     fn texel_at(&self, place: &Place) -> (BaseTexel, [f32; MAX_COMPONENTS]) {
         let (mut base, mut components) = ([0.0; BASE_NUMBERS], [0.0; MAX_COMPONENTS]);
         let (bases, groups) = (base.chunks_exact_mut(GROUP), components.chunks_exact_mut(GROUP));
@@ -253,7 +253,7 @@ impl FactoredFlatBtf {
         (base_texel(base), components)
     }
 
-    /// How much of a light arrives.
+    /// Fraction of a light that reaches a place.
     fn lit(&self, place: &Place, light: u32) -> f32 {
         match &self.shadow {
             Some(shadow) => place.sample(|level, at| shadow.layer(level, light)[at]),
@@ -261,7 +261,7 @@ impl FactoredFlatBtf {
         }
     }
 
-    /// What these components add to a base in a view under a light.
+    /// Sum of the components in a view under a light, which is added to the base.
     fn sum(&self, components: &[f32; MAX_COMPONENTS], view: u32, light: u32) -> [f32; 3] {
         let steps = &self.header().steps;
         [0, 1, 2].map(|colour: usize| {
@@ -270,7 +270,7 @@ impl FactoredFlatBtf {
         })
     }
 
-    /// What a base, seen from a view under a light that arrives in full, and a sum show.
+    /// Colour of a base and a sum in a view under an unshadowed light.
     fn colour(&self, base: &BaseTexel, [view, light]: [[f32; 3]; 2], sum: [f32; 3]) -> [f32; 3] {
         let opponent = to_opponent(self.basis.base().colour(base, view, light));
         let all = [opponent[0] + sum[0], opponent[1] + sum[1], opponent[2] + sum[2]];
@@ -278,7 +278,7 @@ impl FactoredFlatBtf {
     }
 }
 
-/// A direction, or where it is lower than `lowest`, the one of the same azimuth with that height.
+/// Raises a direction to the height `lowest` if it is lower, with the same azimuth.
 fn raised([x, y, z]: [f32; 3], lowest: f32) -> [f32; 3] {
     let length = (x * x + y * y).sqrt();
     if z >= lowest || length <= 0.0 {

@@ -1,21 +1,21 @@
-// Factored flat BTFs on a GPU: shadows of texels and lights, times a base of texels and a sum of components with weights of
-// texels.
+// Factored flat BTFs: shadows of texels and lights, times a base of texels and a sum of components weighted per texel.
 //
-// The layout of the files is described in `formats/src/flat_btf/factored/spec.md`; the CPU decoder with the same steps in
-// the same order is `FactoredFlatBtf` of the crate `brdfc-formats`.
+// File layout: `formats/src/flat_btf/factored/spec.md`. The CPU decoder `FactoredFlatBtf` of the crate `brdfc-formats`
+// performs the same steps in the same order.
 //
-// To use it: paste it behind `decoder.wgsl`, whose texture of values may then be any 2D array, move the bindings where
-// they suit you, and call
+// Usage: append this file to `decoder.wgsl`, whose texture of values may then be any 2D array, move the bindings as
+// needed, and call
 //
 //     let seen = flat_btf_indirection(uv, view);
 //     let value = factored_value(seen.xy, level_of_detail, view, light, views, lights);
 //
-// view and light are unit vectors, views and lights the sampled directions that stand for them. level_of_detail is that of the flat BTF's texels, 0 the finest; factored_mipmap_level finds it in a fragment shader, where
-// control flow is uniform. Values are those of flat_btf_full.
+// view and light are unit vectors; views and lights are the sampled directions that approximate them. level_of_detail
+// refers to the flat BTF's texels, 0 the finest; factored_mipmap_level computes it in a fragment shader, in uniform
+// control flow. Values are the same as those of flat_btf_full.
 //
-// With the sampler this costs a fetch per group of four components, two for the base and one per light, four loads of the
-// base's table, and 3 ceil((groups + wide groups) / 4) loads per pair of a view and a light. Manual filtering fetches 4 or 8
-// times for one.
+// With the sampler this takes a fetch per group of four components, two for the base and one per light, four loads of
+// the base's table, and 3 ceil((groups + wide groups) / 4) loads per pair of a view and a light. Manual filtering takes
+// 4 or 8 fetches instead of one.
 
 const FACTORED_MAX_GROUPS: u32 = 16u;
 // Layers of weights before those of the groups.
@@ -26,17 +26,17 @@ const FACTORED_DIFFERENCE_ANGLES: u32 = 8u;
 const FACTORED_LARGEST_BASE: f32 = 65536.0;
 const FACTORED_LARGEST_ALBEDO: f32 = 1024.0;
 const FACTORED_LEAST_COSINES: f32 = 0.1;
-// Beyond the cube root of every value that a flat BTF stores.
+// Above the cube root of any value that a flat BTF stores.
 const FACTORED_LARGEST_ROOT: f32 = 41.0;
 
-// The same fields, in the same order, as `FactoredParameters` of `brdfc-formats`. 1376 bytes.
+// Same fields and order as `FactoredParameters` of `brdfc-formats`. 1376 bytes.
 struct FactoredParameters {
     size: u32,          // T: the flat BTF has T x T texels
     levels: u32,        // mipmap levels of weights and shadows
     groups: u32,        // groups of four components
-    wide_groups: u32,   // of which so many have 16 bits in the basis, the others 8
-    shadowed: u32,      // 0: every texel is lit by every light
-    chroma: u32,        // four signed bytes: smallest and largest ratios of both opponent colours to lightness, times 48
+    wide_groups: u32,   // number of groups with 16 bits in the basis, the others have 8
+    shadowed: u32,      // 0: all lights reach all texels
+    chroma: u32,        // four signed bytes: minimum and maximum ratios of both opponent colours to lightness, times 48
     views: u32,         // rows of the basis before the base's table
     lowest_light: f32,  // cosine of the largest polar angle of a sampled light
     steps: array<vec4<f32>, 48>,    // three opponent colours, 16 groups each
@@ -45,35 +45,35 @@ struct FactoredParameters {
 }
 
 @group(1) @binding(23) var<uniform> factored_parameters: FactoredParameters;
-// The image `weights`, two layers of the base and a layer per group, with mipmaps.
+// The image `weights`: two layers of the base and a layer per group, with mipmaps.
 @group(1) @binding(24) var factored_weights: texture_2d_array<f32>;
-// The image `shadow`, a layer per light, with mipmaps; without shadows any 2D array.
+// The image `shadow`: a layer per light, with mipmaps; any 2D array without shadows.
 @group(1) @binding(25) var factored_shadow: texture_2d_array<f32>;
 // The image `basis`.
 @group(1) @binding(26) var factored_basis: texture_2d<u32>;
-// Linear filter, also between mipmap levels; repeats.
+// Linear filter within and between mipmap levels; repeat.
 @group(1) @binding(27) var factored_sampler: sampler;
 
 // A point of the flat BTF and the mipmap levels around a level of detail.
 struct FactoredPlace {
     uv: vec2<f32>,
     level: u32,
-    blend: f32,    // share of the next coarser level
+    blend: f32,    // weight of the next coarser level
 }
 
-// What a place has of the base: a diffuse and a glossy reflection under a normal.
+// Values of the base at a place: a diffuse and a glossy reflection under a normal.
 struct FactoredBase {
     diffuse: vec3<f32>,
     gloss: f32,
     normal: vec3<f32>,
 }
 
-// The weights of all components.
+// Weights of all components.
 var<private> factored_components: array<vec4<f32>, FACTORED_MAX_GROUPS>;
 
-// The level of detail of a pixel, from how uv changes to the pixels on the right and below, dpdx(uv) and dpdy(uv): the mean, in
-// octaves, of both sides of what it covers. By the longer side, what lies across it would be blurred away, and on a flat BTF that
-// is next to what is hidden. With n x n samples in a pixel each takes log2(n) less.
+// Level of detail of a pixel from the differences of uv to the pixels on the right and below, dpdx(uv) and dpdy(uv):
+// the mean, in octaves, of both sides of its footprint. The longer side alone would blur across it, over texels that
+// are hidden neighbours in a flat BTF. With n x n samples per pixel subtract log2(n).
 fn factored_mipmap_level(right: vec2<f32>, below: vec2<f32>) -> f32 {
     let across = right * f32(factored_parameters.size);
     let down = below * f32(factored_parameters.size);
@@ -115,7 +115,7 @@ fn factored_value(
     return shadow * factored_from_opponent(factored_bounded(factored_to_opponent(colour) + sum));
 }
 
-// A light, or where it is lower than all sampled ones, the one of the same azimuth with their least height.
+// Raises a light to the height of the lowest sampled light if it is lower, with the same azimuth.
 fn factored_raised(light: vec3<f32>) -> vec3<f32> {
     let lowest = factored_parameters.lowest_light;
     let length = sqrt(light.x * light.x + light.y * light.y);
@@ -126,7 +126,7 @@ fn factored_raised(light: vec3<f32>) -> vec3<f32> {
     return vec3<f32>(light.x * scale, light.y * scale, lowest);
 }
 
-// What the two layers of the base hold.
+// Decodes the two layers of the base.
 fn factored_base(place: FactoredPlace) -> FactoredBase {
     let albedo = min(max(factored_numbers(place, 0u), vec4<f32>(0.0)), vec4<f32>(FACTORED_LARGEST_ALBEDO));
     let slopes = factored_numbers(place, 1u);
@@ -139,7 +139,7 @@ fn factored_dot(a: vec3<f32>, b: vec3<f32>) -> f32 {
     return a.x * b.x + a.y * b.y + a.z * b.z;
 }
 
-// The base in a view under a light that arrives in full: linear RGB.
+// Colour of the base in a view under an unshadowed light: linear RGB.
 fn factored_base_colour(base: FactoredBase, view: vec3<f32>, light: vec3<f32>) -> vec3<f32> {
     let cosine = min(factored_dot(base.normal, light), 1.0);
     if cosine <= 0.0 {
@@ -168,14 +168,14 @@ fn factored_base_colour(base: FactoredBase, view: vec3<f32>, light: vec3<f32>) -
     return min(base.diffuse * cosine + gloss * entry, vec3<f32>(FACTORED_LARGEST_BASE));
 }
 
-// An entry of the base's table.
+// Entry of the base's table.
 fn factored_entry(at: u32) -> vec3<f32> {
     let width = textureDimensions(factored_basis).x;
     let texel = textureLoad(factored_basis, vec2<u32>(at % width, factored_parameters.views + at / width), 0);
     return bitcast<vec3<f32>>(texel.xyz);
 }
 
-// What the components add in a view under a light.
+// Sum of the components in a view under a light.
 fn factored_pair(view: u32, light: u32) -> vec3<f32> {
     var opponent = vec3<f32>(0.0);
     for (var colour = 0u; colour < 3u; colour += 1u) {
@@ -218,7 +218,7 @@ fn factored_sum(view: u32, light: u32, colour: u32) -> f32 {
     return sum;
 }
 
-// Cube roots of numbers that are not negative; 0 below 1e-18.
+// Cube roots of non-negative numbers; 0 below 1e-18.
 fn factored_cube_roots(x: vec3<f32>) -> vec3<f32> {
     let guess = bitcast<vec3<f32>>(bitcast<vec3<u32>>(x) / vec3<u32>(3u) + vec3<u32>(0x2a5137a0u));
     let first = factored_root_step(x, guess);
@@ -240,7 +240,7 @@ fn factored_to_opponent(rgb: vec3<f32>) -> vec3<f32> {
     return vec3<f32>(116.0 * root.y, 500.0 * (root.x - root.y), 200.0 * (root.y - root.z));
 }
 
-// A sum within the colours that the asset has.
+// Clamps a sum to the colours of the asset.
 fn factored_bounded(opponent: vec3<f32>) -> vec3<f32> {
     let lightness = max(opponent.x, 0.0);
     let word = vec4<u32>(factored_parameters.chroma) << vec4<u32>(24u, 16u, 8u, 0u);
@@ -255,7 +255,7 @@ fn factored_from_opponent(opponent: vec3<f32>) -> vec3<f32> {
     let x = y + opponent.y * (1.0 / 500.0);
     let z = y - opponent.z * (1.0 / 200.0);
     let sums = vec3<f32>(x, y, z);
-    // What is no number is 0.
+    // NaN becomes 0.
     let root = select(vec3<f32>(0.0), min(sums, vec3<f32>(FACTORED_LARGEST_ROOT)), sums > vec3<f32>(0.0));
     let xyz = root * root * root;
     let rgb = vec3<f32>(
@@ -265,7 +265,7 @@ fn factored_from_opponent(opponent: vec3<f32>) -> vec3<f32> {
     return max(rgb, vec3<f32>(0.0));
 }
 
-// How much of a light arrives.
+// Fraction of a light that reaches the place.
 fn factored_lit(place: FactoredPlace, light: u32) -> f32 {
     if factored_parameters.shadowed == 0u {
         return 1.0;
@@ -281,12 +281,12 @@ fn factored_lit(place: FactoredPlace, light: u32) -> f32 {
     return fine;
 }
 
-// What the four numbers of a layer stand for.
+// Decodes the four components of a layer.
 fn factored_numbers(place: FactoredPlace, layer: u32) -> vec4<f32> {
     return factored_parameters.lows[layer] + factored_parameters.scales[layer] * factored_weight_sample(place, layer);
 }
 
-// Four numbers, 0 to 1 each.
+// Four components, 0 to 1 each.
 fn factored_weight_sample(place: FactoredPlace, layer: u32) -> vec4<f32> {
     if brdfc_frame.sampler_filters == 1u {
         let detail = f32(place.level) + place.blend;
@@ -323,7 +323,7 @@ fn factored_weight_level(uv: vec2<f32>, level: u32, layer: u32) -> vec4<f32> {
     return value;
 }
 
-// Texels on a side of a mipmap level.
+// Texels per side of a mipmap level.
 fn factored_side(level: u32) -> u32 {
     return max(factored_parameters.size >> level, 1u);
 }

@@ -1,4 +1,4 @@
-//! What a factored flat BTF says of itself, in the entry `brdfc.flat-btf.factored` of its basis.
+//! Header of a factored flat BTF, the value of the key `brdfc.flat-btf.factored` of its basis.
 
 use super::domain::ChromaRange;
 use crate::FormatError;
@@ -9,17 +9,17 @@ use crate::flat_btf::flat_view::{MAX_DIRECTIONS, check_directions, direction_ent
 use crate::flat_btf::layout::word;
 use std::collections::BTreeMap;
 
-/// The entry that makes a texture the basis of a factored flat BTF.
+/// Key that identifies the basis of a factored flat BTF.
 pub(crate) const FACTORED: &str = "brdfc.flat-btf.factored";
-/// Most groups of four components.
+/// Maximum number of groups of four components.
 pub const MAX_GROUPS: u32 = 16;
-/// Components of a group.
+/// Components per group.
 pub const GROUP: usize = 4;
 /// Half angles of the base's table: entry `i` is at `|n - h|² / 2 = (i / 47)⁴`, with normal `n` and half vector `h`.
 pub const HALF_ANGLES: usize = 48;
 /// Difference angles of the base's table: entry `j` is at a cosine of `1 - j / 7`.
 pub const DIFFERENCE_ANGLES: usize = 8;
-/// Layers of the part `weights` that the base takes, before those of the components.
+/// Layers of the part `weights` for the base, before those of the components.
 pub const BASE_LAYERS: u32 = 2;
 
 pub(super) const BASIS_PART: &str = "basis";
@@ -28,11 +28,11 @@ const KIND: &str = "the basis of a factored flat BTF";
 /// Bytes before the steps.
 const FIXED_BYTES: usize = 4 * (9 + 6);
 
-/// How shadows are stored.
+/// Storage of shadows.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 #[repr(u32)]
 pub enum ShadowFormat {
-    /// There are none: every texel is lit by every light.
+    /// No shadows: all lights reach all texels.
     None = 0,
     /// 8 bits per texel and light.
     R8 = 1,
@@ -41,7 +41,7 @@ pub enum ShadowFormat {
 impl ShadowFormat {
     const ALL: [Self; 2] = [Self::None, Self::R8];
 
-    /// The texels of the part `shadow`, where there is one.
+    /// Texel format of the part `shadow`, if there is one.
     pub fn texel_format(self) -> Option<TexelFormat> {
         match self {
             Self::None => None,
@@ -50,88 +50,88 @@ impl ShadowFormat {
     }
 }
 
-/// Colour differences (ΔE of 1976) from the values that were factored, over texels that were left out of the fit and all
+/// Colour differences (ΔE of 1976) from the values before factorisation, over texels that the fit left out and all
 /// views and lights.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize, schemars::JsonSchema))]
 pub struct FactoredErrors {
-    /// Texels.
+    /// Number of texels.
     pub texels: u32,
-    /// Mean where a texel is seen in the view.
+    /// Mean over texels visible in the view.
     pub seen_mean: f32,
-    /// 95th percentile of the same.
+    /// 95th percentile over the same.
     pub seen_p95: f32,
-    /// Largest of the same.
+    /// Maximum over the same.
     pub seen_max: f32,
-    /// Mean over all views, with the values of texels that are not seen there, which were filled in.
+    /// Mean over all texels, including filled-in values of texels that are not visible in the view.
     pub all_mean: f32,
-    /// 95th percentile of the same.
+    /// 95th percentile over the same.
     pub all_p95: f32,
 }
 
-/// What a factored flat BTF says of itself.
+/// Header of a factored flat BTF.
 #[derive(Debug, Clone, PartialEq)]
 pub struct FactoredHeader {
     /// `T`, texels per side, 1 to 8192.
     pub size: u32,
-    /// Mipmap levels of shadows and weights.
+    /// Number of mipmap levels of shadows and weights.
     pub levels: u32,
-    /// `G`, groups of four components, 1 to [`MAX_GROUPS`].
+    /// `G`, number of groups of four components, 1 to [`MAX_GROUPS`].
     pub groups: u32,
-    /// Of how many of them the basis has 16 bits; the others have 8.
+    /// Number of groups for which the basis has 16 bits; the others have 8.
     pub wide_groups: u32,
-    /// How shadows are stored.
+    /// Storage of shadows.
     pub shadow: ShadowFormat,
-    /// Polar angle, 0 to π/2, and azimuth, 0 up to 2π, of all views, radians.
+    /// Polar angle, 0 to π/2, and azimuth, [0, 2π), of all views, radians.
     pub views: Vec<[f32; 2]>,
-    /// The same of all lights.
+    /// Same for all lights.
     pub lights: Vec<[f32; 2]>,
-    /// Colours that its texels have.
+    /// Range of the colours of its texels.
     pub chroma: ChromaRange,
-    /// What a step of the basis means: of each opponent colour, for all components.
+    /// Step sizes of the basis: for each opponent colour, for all components.
     pub steps: [Vec<f32>; 3],
-    /// How wrong it is.
+    /// Measured errors.
     pub errors: FactoredErrors,
 }
 
-fn refused(field: &str, found: impl ToString, allowed: impl Into<String>) -> FormatError {
+fn rejected(field: &str, found: impl ToString, allowed: impl Into<String>) -> FormatError {
     FormatError::whole(format!("{FACTORED} {field}"), found.to_string(), allowed.into())
 }
 
 impl FactoredHeader {
-    /// `K`, components.
+    /// `K`, number of components.
     pub fn components(&self) -> usize {
         self.groups as usize * GROUP
     }
 
-    /// Words of the basis for one opponent colour of a pair of a view and a light: two for a group of 16 bits, else one.
+    /// Words of the basis for one opponent colour of a pair of a view and a light: two per 16-bit group, otherwise one.
     pub fn words(&self) -> u32 {
         self.groups + self.wide_groups
     }
 
-    /// Texels of four words that hold them.
+    /// Texels of four words for one opponent colour.
     pub fn texels_per_colour(&self) -> u32 {
         self.words().div_ceil(4)
     }
 
-    /// Columns and rows of the basis: a row per view, and those of the base's table.
+    /// Columns and rows of the basis: one row per view, and the rows of the base's table.
     pub fn basis_extent(&self) -> [u32; 2] {
         let width = self.lights.len() as u32 * 3 * self.texels_per_colour();
         let table = (HALF_ANGLES * DIFFERENCE_ANGLES) as u32;
         [width, self.views.len() as u32 + table.div_ceil(width.max(1))]
     }
 
-    /// Columns, rows and layers of the weights, the layers of the base among them.
+    /// Columns, rows and layers of the weights, including the layers of the base.
     pub fn weights_extent(&self) -> Extent {
         Extent::D2Array([self.size, self.size, BASE_LAYERS + self.groups])
     }
 
-    /// Columns, rows and layers of the shadows, where there are some.
+    /// Columns, rows and layers of the shadows.
     pub fn shadow_extent(&self) -> Extent {
         Extent::D2Array([self.size, self.size, self.lights.len() as u32])
     }
 
-    /// Bytes of all parts on a GPU, mipmaps included.
+    /// GPU memory of all parts including mipmaps, bytes.
     pub fn gpu_bytes(&self) -> u64 {
         let bytes = |texels: u64, format: TexelFormat| texels * format.texel_bytes() as u64;
         let shadow = self.shadow.texel_format();
@@ -140,10 +140,10 @@ impl FactoredHeader {
             + shadow.map_or(0, |format| bytes(self.shadow_extent().texels_of_levels(self.levels), format))
     }
 
-    /// Checks ranges.
+    /// Checks all ranges.
     ///
     /// # Errors
-    /// Names the field that is out of range.
+    /// Returns an error that names the field that is out of range.
     pub fn check(&self) -> Result<(), FormatError> {
         let checked = |field, found, range| FormatError::check_range(format!("{FACTORED} {field}"), found, range);
         checked("size", self.size, 1..=MAX_EXTENT_2D)?;
@@ -151,7 +151,8 @@ impl FactoredHeader {
         checked("levels", self.levels, 1..=most)?;
         checked("groups", self.groups, 1..=MAX_GROUPS)?;
         if self.wide_groups > self.groups {
-            return Err(refused("wide groups", self.wide_groups, format!("0 to {}, the groups", self.groups)));
+            let allowed = format!("0 to {}, the number of groups", self.groups);
+            return Err(rejected("wide groups", self.wide_groups, allowed));
         }
         check_directions(&self.views, &self.lights)?;
         let [width, height] = self.basis_extent();
@@ -163,21 +164,21 @@ impl FactoredHeader {
         let [a, b, c, d] = self.chroma.0;
         if a > b || c > d {
             let found = format!("{a} to {b} and {c} to {d}");
-            return Err(refused("range of colours", found, "two ranges whose first number is not the larger"));
+            return Err(rejected("range of colours", found, "two ranges with minimum <= maximum"));
         }
         for steps in &self.steps {
             if steps.len() != self.components() {
-                let allowed = format!("{}, as groups says", self.components());
-                return Err(refused("steps", format!("{} numbers", steps.len()), allowed));
+                let allowed = format!("{}, as groups requires", self.components());
+                return Err(rejected("steps", format!("{} numbers", steps.len()), allowed));
             }
             if let Some(found) = steps.iter().find(|step| !(0.0..=f32::MAX).contains(*step)) {
-                return Err(refused("step", found, "a finite number that is not negative"));
+                return Err(rejected("step", found, "a finite non-negative number"));
             }
         }
         let FactoredErrors { texels: _, seen_mean, seen_p95, seen_max, all_mean, all_p95 } = self.errors;
         let errors = [seen_mean, seen_p95, seen_max, all_mean, all_p95];
         match errors.into_iter().find(|error| !(0.0..=f32::MAX).contains(error)) {
-            Some(found) => Err(refused("error", found, "a finite number that is not negative")),
+            Some(found) => Err(rejected("error", found, "a finite non-negative number")),
             None => Ok(()),
         }
     }
@@ -199,7 +200,7 @@ impl FactoredHeader {
     pub(super) fn from_texture(texture: &Texture) -> Result<Self, FormatError> {
         let bytes = entry(texture, FACTORED, KIND)?;
         if bytes.len() < FIXED_BYTES {
-            return Err(refused("length", format!("{} bytes", bytes.len()), format!("{FIXED_BYTES} bytes or more")));
+            return Err(rejected("length", format!("{} bytes", bytes.len()), format!("{FIXED_BYTES} bytes or more")));
         }
         let mut cursor = Cursor::new(bytes);
         word(&mut cursor, FACTORED, "version", VERSION..=VERSION)?;
@@ -220,10 +221,10 @@ impl FactoredHeader {
         };
         let chroma = ChromaRange::from_word(cursor.u32("range of colours")?);
         let components = groups as usize * GROUP;
-        let wanted = FIXED_BYTES + 3 * 4 * components;
-        if bytes.len() != wanted {
-            let allowed = format!("{wanted} bytes, as groups says");
-            return Err(refused("length", format!("{} bytes", bytes.len()), allowed));
+        let expected = FIXED_BYTES + 3 * 4 * components;
+        if bytes.len() != expected {
+            let allowed = format!("{expected} bytes, as groups requires");
+            return Err(rejected("length", format!("{} bytes", bytes.len()), allowed));
         }
         let mut steps = [(); 3].map(|()| vec![0.0; components]);
         for step in steps.iter_mut().flatten() {

@@ -1,5 +1,5 @@
-//! The parts `weights` and `shadow`: what a texel has of the base and of each component, and how much of each light reaches it.
-//! Both have mipmaps.
+//! The parts `weights` and `shadow`: values of the base and component weights of each texel, and the fraction of each
+//! light that reaches it. Both have mipmaps.
 
 use super::header::{BASE_LAYERS, GROUP, MAX_GROUPS};
 use crate::FormatError;
@@ -8,9 +8,9 @@ use crate::container::{Extent, MAX_EXTENT_2D, MAX_LAYERS, TexelFormat, Texture};
 use crate::cursor::Cursor;
 use crate::flat_btf::layout::{word, wrong_extent};
 
-/// The entry that makes a texture the weights of a factored flat BTF.
+/// Key that identifies the weights of a factored flat BTF.
 const WEIGHTS: &str = "brdfc.flat-btf.weights";
-/// The entry that makes a texture the shadows of a factored flat BTF.
+/// Key that identifies the shadows of a factored flat BTF.
 const SHADOW: &str = "brdfc.flat-btf.shadow";
 const VERSION: u32 = 1;
 
@@ -34,13 +34,13 @@ impl Layers {
         checked("size", size, MAX_EXTENT_2D)?;
         checked("layers", layers, most_layers)?;
         checked("levels", levels, self.extent().most_levels())?;
-        let wanted = self.extent().texels_of_levels(levels) * self.format.texel_bytes() as u64;
-        if self.texels.len() as u64 != wanted {
+        let expected = self.extent().texels_of_levels(levels) * self.format.texel_bytes() as u64;
+        if self.texels.len() as u64 != expected {
             let field = format!("bytes of the part {part}");
             return Err(FormatError::whole(
                 field,
                 self.texels.len().to_string(),
-                format!("{wanted}, as its size says"),
+                format!("{expected}, as its size says"),
             ));
         }
         Ok(self)
@@ -74,28 +74,28 @@ impl Layers {
                 Self { part, format, size: width, layers, levels: texture.levels, texels: texture.texels }
                     .check(most_layers)
             }
-            other => Err(wrong_extent(part, other, "a 2D array of equal sides")),
+            other => Err(wrong_extent(part, other, "a 2D array of square layers")),
         }
     }
 }
 
-/// What a weight of 0 to 1 stands for: `low + scale texel`.
+/// Range of a component: a texel of 0 to 1 means `low + scale texel`.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct WeightRange {
-    /// What texels are multiplied by.
+    /// Factor of texel values.
     pub scale: f32,
-    /// What is added to that.
+    /// Offset.
     pub low: f32,
 }
 
 impl WeightRange {
-    /// What the byte of a texel stands for.
+    /// Decodes the byte of a texel.
     pub fn of_byte(self, byte: u8) -> f32 {
         self.low + self.scale * (f32::from(byte) * (1.0 / 255.0))
     }
 }
 
-/// Numbers of the base and weights of all components: four to a texel, and to a layer. The base has the first layers.
+/// Values of the base and weights of all components, four per texel and layer. The base has the first layers.
 #[derive(Debug, Clone, PartialEq)]
 pub struct WeightMap {
     layers: Layers,
@@ -105,11 +105,13 @@ pub struct WeightMap {
 impl WeightMap {
     const PART: &'static str = "weights";
 
-    /// Weights from texels of four bytes: all mipmap levels from the finest, layer by layer, row by row. A range per number
-    /// says how many layers there are: those of the base, and one at least of components.
+    /// Creates weights from texels of four bytes: all mipmap levels from the finest, layer by layer, row by row. There
+    /// is one range per component, which determines the number of layers: those of the base and at least one of
+    /// components.
     ///
     /// # Errors
-    /// Sizes out of range, another number of bytes, ranges that are not four to a layer or not finite.
+    /// Returns an error if sizes are out of range, the number of bytes is wrong, or ranges are not finite or not four
+    /// per layer.
     pub fn new(size: u32, levels: u32, ranges: Vec<WeightRange>, texels: Vec<u8>) -> Result<Self, FormatError> {
         let least = (BASE_LAYERS as usize + 1) * GROUP;
         if !ranges.len().is_multiple_of(GROUP) || ranges.len() < least {
@@ -117,7 +119,7 @@ impl WeightMap {
             return Err(FormatError::whole(
                 field,
                 ranges.len().to_string(),
-                format!("a multiple of {GROUP}, {least} at least"),
+                format!("a multiple of {GROUP}, at least {least}"),
             ));
         }
         if let Some(k) = ranges.iter().position(|range| !(range.scale.is_finite() && range.low.is_finite())) {
@@ -134,42 +136,42 @@ impl WeightMap {
         self.layers.size
     }
 
-    /// Mipmap levels.
+    /// Number of mipmap levels.
     pub fn levels(&self) -> u32 {
         self.layers.levels
     }
 
-    /// Layers, those of the base among them.
+    /// Number of layers, including those of the base.
     pub fn layers(&self) -> u32 {
         self.layers.layers
     }
 
-    /// What the numbers of each layer stand for, four to a layer.
+    /// Ranges of the components, four per layer.
     pub fn ranges(&self) -> &[WeightRange] {
         &self.ranges
     }
 
-    /// All texels, as a GPU takes them.
+    /// All texels in GPU layout.
     pub fn texels(&self) -> &[u8] {
         &self.layers.texels
     }
 
-    /// Four bytes a texel, row by row.
+    /// Texels of a layer, four bytes each, row by row.
     ///
     /// # Panics
-    /// Without such a level or layer.
+    /// Panics if there is no such level or layer.
     pub fn layer(&self, level: u32, layer: u32) -> &[u8] {
         self.layers.layer(level, layer)
     }
 
-    /// The entry of the ranges.
+    /// Key and value of the ranges.
     pub(in crate::flat_btf) fn entry(&self) -> (String, Vec<u8>) {
         let words = [VERSION, self.ranges.len() as u32].into_iter();
         let words = words.chain(self.ranges.iter().flat_map(|range| [range.scale.to_bits(), range.low.to_bits()]));
         (WEIGHTS.to_owned(), words.flat_map(u32::to_le_bytes).collect())
     }
 
-    /// Reads and checks the image of a file with its entry.
+    /// Reads and validates the image of a file with its ranges.
     pub(in crate::flat_btf) fn from_texture(texture: Texture) -> Result<Self, FormatError> {
         let bytes = entry(&texture, WEIGHTS, "the weights of a factored flat BTF")?;
         if bytes.len() < 8 {
@@ -190,7 +192,7 @@ impl WeightMap {
     }
 }
 
-/// How much of each light reaches a texel, averaged over views: a factor of linear RGB, a layer to each light.
+/// Fraction of each light that reaches a texel, averaged over views: a factor of linear RGB, one layer per light.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct ShadowMap {
     layers: Layers,
@@ -199,10 +201,11 @@ pub struct ShadowMap {
 impl ShadowMap {
     const PART: &'static str = "shadow";
 
-    /// Shadows from bytes, 0 in shadow and 255 lit: all mipmap levels from the finest, light by light, row by row.
+    /// Creates shadows from bytes, 0 for shadow and 255 for lit: all mipmap levels from the finest, light by light, row
+    /// by row.
     ///
     /// # Errors
-    /// Sizes out of range, another number of bytes.
+    /// Returns an error if sizes are out of range or the number of bytes is wrong.
     pub fn new(size: u32, levels: u32, lights: u32, texels: Vec<u8>) -> Result<Self, FormatError> {
         let (part, format, layers) = (Self::PART, TexelFormat::R8Unorm, lights);
         let layers = Layers { part, format, size, layers, levels, texels }.check(MAX_LAYERS)?;
@@ -214,7 +217,7 @@ impl ShadowMap {
         self.layers.size
     }
 
-    /// Mipmap levels.
+    /// Number of mipmap levels.
     pub fn levels(&self) -> u32 {
         self.layers.levels
     }
@@ -224,25 +227,25 @@ impl ShadowMap {
         self.layers.layers
     }
 
-    /// All texels, as a GPU takes them.
+    /// All texels in GPU layout.
     pub fn texels(&self) -> &[u8] {
         &self.layers.texels
     }
 
-    /// A byte a texel, row by row.
+    /// Texels of a light, one byte each, row by row.
     ///
     /// # Panics
-    /// Without such a level or light.
+    /// Panics if there is no such level or light.
     pub fn layer(&self, level: u32, light: u32) -> &[u8] {
         self.layers.layer(level, light)
     }
 
-    /// The entry of the version.
+    /// Key and value of the version.
     pub(in crate::flat_btf) fn entry(&self) -> (String, Vec<u8>) {
         (SHADOW.to_owned(), VERSION.to_le_bytes().to_vec())
     }
 
-    /// Reads and checks the image of a file with its entry.
+    /// Reads and validates the image of a file with its version.
     pub(in crate::flat_btf) fn from_texture(texture: Texture) -> Result<Self, FormatError> {
         let bytes = sized(entry(&texture, SHADOW, "the shadows of a factored flat BTF")?, SHADOW, 4)?;
         word(&mut Cursor::new(bytes), SHADOW, "version", VERSION..=VERSION)?;

@@ -1,8 +1,9 @@
-//! Flat BTFs as a product of small textures, some hundredths of what all views take. Byte layout: `spec.md` in this folder.
+//! Flat BTFs as a product of small textures, a few hundredths of the size of all views. Byte layout: `spec.md` in this
+//! folder.
 //!
-//! A value is a shadow of its texel and light times a base, a diffuse and a glossy reflection under the texel's normal, and a
-//! sum: weights of the texel, components of the view and the light. The sum is in cube roots of tristimulus values, shadows are
-//! in linear light, so that both may be filtered.
+//! A value is a shadow, which depends on texel and light, times the colour of a base plus a sum. The base is a diffuse
+//! and a glossy reflection under the texel's normal. The sum combines weights of the texel with components of the view
+//! and the light, in cube roots of tristimulus values. Shadows are in linear light. Both can be filtered.
 
 mod base;
 mod basis;

@@ -1,26 +1,25 @@
-//! What a shader needs besides the textures of a factored flat BTF: `formats/src/flat_btf/factored/factored.wgsl` and its
-//! uniform block.
+//! Shader side of factored flat BTFs: `formats/src/flat_btf/factored/factored.wgsl` and its uniform block.
 
 use super::decode::FactoredFlatBtf;
 use super::header::{BASE_LAYERS, GROUP, MAX_GROUPS};
 
-/// The WGSL decoder, to be pasted behind [`crate::flat_btf::shader::FLAT_BTF_WGSL`]. It declares a uniform block, three
+/// WGSL decoder, to be appended to [`crate::flat_btf::shader::FLAT_BTF_WGSL`]. It declares a uniform block, three
 /// textures and a sampler in bind group 1; see the file.
 pub const FACTORED_WGSL: &str = include_str!("factored.wgsl");
 
-/// How far a number that the sampler filters may be from exact weights, in units of the largest difference of neighbouring
-/// texels: samplers have weights of 8 bits or fewer.
+/// Maximum error of hardware filtering against exact weights, in units of the largest difference of neighbouring
+/// texels. Samplers use weights of 8 bits or fewer.
 pub const FACTORED_FILTER_PRECISION: f32 = 1.0 / 128.0;
 
-/// The uniform block `FactoredParameters` of the shader.
+/// The uniform block `FactoredParameters`.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct FactoredParameters;
 
 impl FactoredParameters {
-    /// Bytes of the block.
+    /// Size of the block, bytes.
     pub const SIZE: usize = 32 + 4 * GROUP * (3 * MAX_GROUPS + 2 * (BASE_LAYERS + MAX_GROUPS)) as usize;
 
-    /// The block of an asset as the shader reads it: little-endian, fields in order, zeros where nothing is.
+    /// The block of an asset as the shader reads it: little-endian fields in order, padded with zeros.
     pub fn to_bytes(asset: &FactoredFlatBtf) -> Vec<u8> {
         let header = asset.header();
         let shadowed = u32::from(asset.shadow().is_some());

@@ -19,16 +19,16 @@ use brdfc_terminal::table::{percent, plain, significant};
 use brdfc_terminal::{Common, Error};
 use std::time::Instant;
 
-/// Errors at which costs are compared, dB of PSNR.
+/// PSNR at which costs are compared, dB.
 const PSNR: [f64; 3] = [28.0, 30.0, 33.0];
 /// Shapes with smooth and bumpy parts.
 const SHAPES: [Builtin; 2] = [Builtin::BumpyBall, Builtin::RibbedTorus];
-/// Mean samples per pixel that the studies at a fixed budget ask for.
+/// Mean samples per pixel of the studies at a fixed budget.
 const BUDGET: f32 = 64.0;
 
 pub(super) fn run(arguments: &Arguments, common: Common) -> Result<StudyResult, Error> {
     let side = arguments.pixels.unwrap_or(512);
-    // Windows of 32 x 32 pixels are to fit into the sphere.
+    // Windows of 32 x 32 pixels must fit into the sphere.
     let least = if arguments.study == Study::PixelBandwidth { 64 } else { 32 };
     if !(least..=2048).contains(&side) {
         return Err(Error::usage(format!("--pixels: found {side}, expected {least} to 2048")));
@@ -44,7 +44,7 @@ pub(super) fn run(arguments: &Arguments, common: Common) -> Result<StudyResult, 
     let lighting = Lighting::new(environment).map_err(unpackable)?;
     let default = [on_adapter::GLOSSY.into()];
     let inputs = if arguments.inputs.is_empty() { &default[..] } else { &arguments.inputs };
-    // All of them before the work: a missing one is found at once.
+    // Open all inputs before the work, so that a missing one is reported immediately.
     let sources: Vec<Box<dyn Source>> =
         inputs.iter().map(|input| Ok(open(input, None)?.source)).collect::<Result<_, Error>>()?;
     let frame = Frame { width: side, height: side, samples: 1 };
@@ -70,7 +70,7 @@ pub(super) fn run(arguments: &Arguments, common: Common) -> Result<StudyResult, 
 }
 
 fn unpackable(error: FormatError) -> Error {
-    Error::internal(format!("a map that its own layout refuses: {error}"))
+    Error::internal(format!("bandwidth map of the environment: {error}"))
 }
 
 fn empty(study: Study) -> StudyResult {
@@ -157,11 +157,11 @@ pub(super) fn equal_error_text(rows: &[EqualErrorRow]) -> String {
     let summary = if gains.is_empty() { "none".to_owned() } else { significant(worst) };
     plain(&header, &cells)
         + &format!(
-            "\nforward, adaptive and best: samples per pixel that shows a surface, for the same PSNR against a ground truth of\n\
-             {} samples, good for {}; interpolated between powers of two. drawn: PSNR of\n\
-             the rendering with that budget. adaptive: default caution; best: the caution that takes fewest.\n\
-             shaded: shaded pixels per pixel of surface. bandwidth: time of the bandwidth buffer as a share of forward\n\
-             shading's. Smallest gain at default caution: {summary}; not reached, or passed, with 1 to 512 samples (-): {missed} of {}.\n",
+            "\nforward, adaptive and best: samples per surface pixel, for the same PSNR against a ground truth of\n\
+             {} samples, accurate to {}; interpolated between powers of two. drawn: PSNR of\n\
+             the rendering with that budget. adaptive: default caution; best: the caution with the fewest.\n\
+             shaded: shaded pixels per surface pixel. bandwidth: time of the bandwidth buffer as a share of forward\n\
+             shading's. Smallest gain at default caution: {summary}; target not reached, or exceeded, with 1 to 512 samples (-): {missed} of {}.\n",
             rows.first().map_or(0, |row| row.truth_samples),
             rows.iter()
                 .filter_map(|row| row.truth_psnr)
@@ -185,7 +185,7 @@ pub(super) fn fourier_text(rows: &[FourierRow]) -> String {
         .collect();
     plain(&header, &cells)
         + "\nPredicted pixel bandwidth over the root mean square of frequency in windows of 32 x 32 pixels of the ground truth as\n\
-           displayed. Wanted: within 4 on 90 %, too low by 2 on at most 5 %, correlation 0.7.\n"
+           displayed. Target: within 4 on 90 %, too low by 2 on at most 5 %, correlation 0.7.\n"
 }
 
 pub(super) fn directions_text(rows: &[DirectionsStudy]) -> String {
@@ -206,8 +206,8 @@ pub(super) fn directions_text(rows: &[DirectionsStudy]) -> String {
         })
         .collect();
     plain(&header, &cells)
-        + "\nRenderings for the same number of samples per pixel that shows a surface, with bandwidth averaged over more and more\n\
-           incident directions. bandwidth: time of the bandwidth buffer. Wanted: within 0.3 dB of each other.\n"
+        + "\nRenderings for the same number of samples per surface pixel, with bandwidth averaged over increasing numbers of\n\
+           incident directions. bandwidth: time of the bandwidth buffer. Target: within 0.3 dB of each other.\n"
 }
 
 pub(super) fn antialiasing_text(rows: &[AntialiasingStudy]) -> String {
@@ -231,5 +231,5 @@ pub(super) fn antialiasing_text(rows: &[AntialiasingStudy]) -> String {
         .collect();
     plain(&header, &cells)
         + "\nPoints per pixel; shaded pixels of all levels and samples of incident light. exponents: of shaded pixels, samples and\n\
-           time over points, from 1 to 16. Wanted: at most 0.7.\n"
+           time over points, from 1 to 16. Target: at most 0.7.\n"
 }

@@ -8,7 +8,7 @@ use brdfc_terminal::{Error, Flags};
 use clap::{Parser, ValueEnum};
 use std::path::PathBuf;
 
-/// Repeat a study of the papers, with the paper's own figures beside ours.
+/// Reproduce a study of the papers, and print the paper's own figures next to ours.
 ///
 /// Timings of single stages are criterion benchmarks: 'cargo bench -p brdfc-benches'.
 #[derive(Debug, Parser)]
@@ -33,19 +33,20 @@ Examples:
   brdfc-bench --study pixel-bandwidth red-plastic.binary --environment museum.exr"
 )]
 pub struct Arguments {
-    /// Materials of the studies that draw (default: synth:velvet, and a glossy metal for level-of-detail and those of
-    /// adaptive shading) and of pareto (default: three models), or structures of flat-btf and btf (default: all four) and of rays (default: synth:button), or the photographs of relighting.
+    /// Materials of the studies that draw (default: synth:velvet, and a glossy metal for level-of-detail and for
+    /// adaptive shading) and of pareto (default: three models), structures of flat-btf and btf (default: all four) and
+    /// of rays (default: synth:button), or the photographs of relighting.
     #[arg(value_name = "INPUT")]
     pub(super) inputs: Vec<Input>,
-    /// Which study.
+    /// Study to run.
     #[arg(long, value_enum, default_value = "wavelet-brdf")]
     pub(super) study: Study,
-    /// Write the frames of level-of-detail into this folder, the figure of codecs, pareto, relighting or btf, or the mesh and the rays
-    /// of rays.
+    /// Write the frames of level-of-detail, the figure of codecs, pareto, relighting or btf, or the mesh and the rays
+    /// of rays into this folder.
     #[arg(long, value_name = "DIR")]
     pub(super) out: Option<PathBuf>,
-    /// Texels of the reference plane per side, for flat-btf (default 128) and rays (default 64); for btf of both BTFs,
-    /// a power of two from 8 to 256 (default 32).
+    /// Texels of the reference plane per side, for flat-btf (default 128) and rays (default 64); for btf those of both
+    /// BTFs, a power of two from 8 to 256 (default 32).
     #[arg(long, value_name = "N", value_parser = any_whole_number::<usize>("a whole number, 8 or more"))]
     pub(super) texels: Option<usize>,
     /// Texels of flat BTFs per side for flat-btf, a power of two (default: twice those of the plane).
@@ -63,7 +64,7 @@ pub struct Arguments {
     /// Latitude-longitude image, .exr or .hdr, that lights the studies of adaptive shading (default: a sky).
     #[arg(long, value_name = "FILE")]
     pub(super) environment: Option<Input>,
-    /// Pixels per side of the studies of adaptive shading, 32 to 2048, for pixel-bandwidth 64 and more (default 512).
+    /// Pixels per side of the studies of adaptive shading, 32 to 2048, for pixel-bandwidth at least 64 (default 512).
     #[arg(long, value_name = "N", value_parser = any_whole_number::<usize>("32 to 2048"))]
     pub(super) pixels: Option<usize>,
     /// Samples per pixel of their ground truth, 16 to 65536 (default 256).
@@ -72,10 +73,10 @@ pub struct Arguments {
     /// Use the adapter whose name contains this (default: the fastest).
     #[arg(long, value_name = "NAME")]
     pub(super) adapter: Option<String>,
-    /// Python with the packages of tests/peers/requirements.txt, by which codecs measures zfp and SZ3, too.
+    /// Python with the packages of tests/peers/requirements.txt, with which codecs also measures zfp and SZ3.
     #[arg(long, value_name = "PYTHON")]
     pub(super) peers: Option<PathBuf>,
-    /// Few settings of pareto, few pixels of level-of-detail: seconds.
+    /// Use few settings for pareto or few pixels for level-of-detail, which takes seconds.
     #[arg(long)]
     pub(super) small: bool,
     /// Print the JSON schema of the report, and nothing else.
@@ -89,7 +90,7 @@ pub struct Arguments {
 const ADAPTIVE: &[Study] = &[Study::Adaptive, Study::PixelBandwidth, Study::BandwidthDirections, Study::Antialiasing];
 
 impl Arguments {
-    /// Whether every flag that was given has an effect on the study.
+    /// Returns an error if a flag has no effect on the study.
     pub(super) fn check(&self) -> Result<(), Error> {
         let options = [("--directions", self.directions.as_ref()), ("--environment", self.environment.as_ref())];
         let inputs = self.inputs.iter().map(|input| ("INPUT", Some(input)));
@@ -97,17 +98,18 @@ impl Arguments {
         if let (Study::WaveletBrdf, Some(name)) = (self.study, self.study.to_possible_value())
             && !self.inputs.is_empty()
         {
-            let allowed = "expected with the studies that draw (throughput, codecs, level-of-detail and images: materials), with \
-                           pareto (materials), and with btf, flat-btf and rays (structures), and with relighting (photographs)";
-            return Err(Error::usage(format!("INPUT: found with --study {}; {allowed}", name.get_name())));
+            let allowed = "expected with the studies that draw (throughput, codecs, level-of-detail and images: \
+                           materials), with pareto (materials), with btf, flat-btf and rays (structures), and with \
+                           relighting (photographs)";
+            return Err(Error::usage(format!("INPUT: found with --study {}, {allowed}", name.get_name())));
         }
         let writes = matches!(
             self.study,
             Study::LevelOfDetail | Study::Codecs | Study::Pareto | Study::Rays | Study::Relighting | Study::Btf
         );
         if !writes && self.out.is_some() {
-            let allowed = "expected with --study level-of-detail, --study codecs, --study pareto, --study rays, --study relighting and --study btf";
-            return Err(Error::usage(format!("--out: found with another study; {allowed}")));
+            let allowed = "expected with --study level-of-detail, codecs, pareto, rays, relighting or btf";
+            return Err(Error::usage(format!("--out: found with another study, {allowed}")));
         }
         for (given, option, studies) in [
             (self.texels.is_some(), "texels", &[Study::FlatBtf, Study::Rays, Study::Btf][..]),

@@ -15,10 +15,10 @@ use brdfc_terminal::{Common, Error};
 use std::cell::Cell;
 use std::time::{Duration, Instant};
 
-/// Of both BTFs.
+/// Texels per side of both BTFs.
 const TEXELS: usize = 32;
 const MAX_TEXELS: usize = 256;
-/// Remarks come at least this far apart.
+/// Minimum time between progress messages.
 const BETWEEN_REMARKS: Duration = Duration::from_secs(5);
 
 pub(super) fn run(arguments: &Arguments, common: Common) -> Result<StudyResult, Error> {
@@ -32,21 +32,21 @@ pub(super) fn run(arguments: &Arguments, common: Common) -> Result<StudyResult, 
     let all: Vec<Input> =
         STRUCTURES.iter().map(|info| Input::Address(format!("{SYNTH_PREFIX}{}", info.name))).collect();
     let inputs = if arguments.inputs.is_empty() { &all } else { &arguments.inputs };
-    // All names before the work: a wrong one is found at once.
+    // Check all names before the work, so that a wrong one is reported immediately.
     let addresses = inputs.iter().map(address).collect::<Result<Vec<_>, _>>()?;
     if let Some(folder) = &arguments.out {
         make_folder(folder)?;
     }
     let steps = inputs.len() * set.len() * PARTS;
     let started = Instant::now();
-    let (so_far, told) = (Cell::new(0), Cell::new(started));
+    let (so_far, last_remark) = (Cell::new(0), Cell::new(started));
     let done = |parts: usize| {
         so_far.set(so_far.get() + parts);
-        if told.get().elapsed() >= BETWEEN_REMARKS {
+        if last_remark.get().elapsed() >= BETWEEN_REMARKS {
             let (elapsed, share) = (started.elapsed().as_secs_f64(), so_far.get() as f64 / steps as f64);
             let left = elapsed / share * (1.0 - share);
             remark(common, &format!("{:.0} %, {elapsed:.0} s, about {left:.0} s left", 100.0 * share));
-            told.set(Instant::now());
+            last_remark.set(Instant::now());
         }
     };
     let mut models = Vec::new();
@@ -66,7 +66,7 @@ pub(super) fn run(arguments: &Arguments, common: Common) -> Result<StudyResult, 
     Ok(StudyResult::Btf(study))
 }
 
-/// The structure that an input names.
+/// The structure named by an input.
 fn address(input: &Input) -> Result<&str, Error> {
     input.address().and_then(|address| address.strip_prefix(SYNTH_PREFIX)).ok_or_else(|| {
         let names: Vec<&str> = STRUCTURES.iter().map(|info| info.name).collect();
@@ -85,7 +85,7 @@ pub(super) fn text(study: &BtfStudy) -> String {
     );
     for model in &study.models {
         for (kind, asset) in [("ordinary BTF", &model.classic), ("flat BTF", &model.flat)] {
-            text += &format!("\n{}, {kind}, {} of it seen\n\n{}", model.model, percent(asset.seen), table(asset));
+            text += &format!("\n{}, {kind}, {} of it visible\n\n{}", model.model, percent(asset.seen), table(asset));
         }
         text += &format!("\n{}", claims(model));
     }
@@ -115,13 +115,13 @@ fn table(asset: &BtfAsset) -> String {
 
 fn claims(model: &BtfModel) -> String {
     let claims = &model.claims;
-    let told = |met: bool| if met { "met" } else { "missed" };
+    let label = |met: bool| if met { "met" } else { "missed" };
     format!(
-        "PWT at PTM's ΔE, ordinary BTF: {:.1} % of PTM's bytes; wanted at most 50 %: {}\n\
-         PWT at PTM's ΔE, flat BTF: {:.1} % of those of the ordinary BTF; wanted at most 50 %: {}\n",
+        "PWT at PTM's ΔE, ordinary BTF: {:.1} % of PTM's bytes; target at most 50 %: {}\n\
+         PWT at PTM's ΔE, flat BTF: {:.1} % of those of the ordinary BTF; target at most 50 %: {}\n",
         100.0 * claims.classic_share,
-        told(claims.classic_met),
+        label(claims.classic_met),
         100.0 * claims.flat_share,
-        told(claims.flat_met)
+        label(claims.flat_met)
     )
 }

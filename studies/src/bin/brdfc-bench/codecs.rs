@@ -16,9 +16,9 @@ use std::time::Instant;
 
 /// Runs zfp and SZ3.
 const SCRIPT: &str = include_str!("../../../../tests/peers/compress.py");
-/// Largest differences of logarithms that they are allowed.
+/// Maximum differences of logarithms allowed to zfp and SZ3.
 const TOLERANCES: [f64; 9] = [0.8, 0.4, 0.2, 0.1, 0.05, 0.025, 0.0125, 0.006, 0.003];
-const LEFT_OUT: &str = "no --peers PYTHON was given that has the packages of tests/peers/requirements.txt";
+const LEFT_OUT: &str = "--peers PYTHON with the packages of tests/peers/requirements.txt is missing";
 
 pub(super) fn run(arguments: &Arguments, common: Common) -> Result<StudyResult, Error> {
     let gpu = opened_adapter(arguments)?;
@@ -59,7 +59,7 @@ fn error(error: CodecStudyError) -> Error {
     }
 }
 
-/// Whether Python has what the script needs, before anything is measured.
+/// Returns an error if Python lacks the packages of the script, before anything is measured.
 fn check(python: &Path) -> Result<(), String> {
     let name = python.display();
     let ran = Command::new(python).args(["-c", "import numpy, pysz, zfpy"]).output();
@@ -68,16 +68,16 @@ fn check(python: &Path) -> Result<(), String> {
         return Ok(());
     }
     let allowed = "expected a Python with the packages of tests/peers/requirements.txt";
-    Err(format!("--peers {name}: found {}; {allowed}", last_line(&ran.stderr)))
+    Err(format!("--peers {name}: found {}, {allowed}", last_line(&ran.stderr)))
 }
 
-/// What a program said last.
+/// The last line that a program printed.
 fn last_line(text: &[u8]) -> String {
     let text = String::from_utf8_lossy(text);
-    text.lines().rev().find(|line| !line.trim().is_empty()).unwrap_or("that it failed").to_owned()
+    text.lines().rev().find(|line| !line.trim().is_empty()).unwrap_or("a failure without a message").to_owned()
 }
 
-/// One run of the script, in a folder of its own.
+/// Runs the script once, in a folder of its own.
 fn compress(python: &Path, table: &DenseTable) -> Result<Vec<Compressed>, String> {
     let wrong = |text: String| format!("--peers {}: {text}", python.display());
     let folder = tempfile::tempdir().map_err(|error| wrong(error.to_string()))?;
@@ -104,7 +104,7 @@ fn compress(python: &Path, table: &DenseTable) -> Result<Vec<Compressed>, String
     parsed.collect::<Option<Vec<_>>>().ok_or_else(|| wrong(format!("found {printed:?}, expected lines of its script")))
 }
 
-/// "codec tolerance bytes seconds file".
+/// Parses a line "codec tolerance bytes seconds file".
 fn parse(line: &str, [count, length]: [usize; 2], folder: &Path) -> Option<Compressed> {
     let [codec, tolerance, bytes, seconds, file] = line.split(' ').collect::<Vec<_>>().try_into().ok()?;
     let numbers = std::fs::read(folder.join(file)).ok()?;
@@ -121,12 +121,12 @@ fn parse(line: &str, [count, length]: [usize; 2], folder: &Path) -> Option<Compr
 pub(super) fn text(study: &CodecStudy) -> String {
     let mut text: String = study.materials.iter().map(material_text).collect();
     let header = ["material", "codec", "ΔE", "on GPU", "on disk", "zfp", "zfp, nodes", "SZ3", "SZ3, nodes", "GGX ΔE"];
-    let rows: Vec<Vec<String>> = study.materials.iter().filter_map(beside).collect();
+    let rows: Vec<Vec<String>> = study.materials.iter().filter_map(comparison).collect();
     text += &plain(&header, &rows);
     text += &format!(
-        "\nThe table or factored pack of 16 KiB with the smaller ΔE; compressed bytes with which zfp and SZ3 have the same, of \
-         a dense table and of nodes that were fitted for a pack; the ΔE of a fitted GGX.\nMillions of evaluations per second: one CPU thread, and the shader on {}.\n\
-         A GPU cannot sample zfp and SZ3; on GPU: what they are unpacked to, in halves.\n",
+        "\nThe table or factored pack of 16 KiB with the smaller ΔE; compressed bytes of zfp and SZ3 with the same ΔE, for \
+         a dense table and for the nodes of a pack; the ΔE of a fitted GGX.\nMillions of evaluations per second: one CPU thread, and the shader on {}.\n\
+         A GPU cannot sample zfp and SZ3; on GPU: decompressed to halves.\n",
         adapter(&study.adapter)
     );
     if let Some(why) = &study.peers_left_out {
@@ -151,7 +151,7 @@ fn material_text(material: &CodecMaterial) -> String {
         "95 %",
     ];
     let mega = |rate: Option<f64>| rate.map_or("-".to_owned(), |rate| format!("{:.2}", rate / 1e6));
-    // Of zfp and SZ3 what no smaller one beats; all of it is in the JSON.
+    // Only the front of zfp and SZ3; the JSON has all rows.
     let worth = |row: &&CodecRow| {
         let alike = |other: &CodecRow| other.codec == row.codec && other.dense == row.dense;
         let smaller = |other: &CodecRow| alike(other) && other.bytes_on_disk < row.bytes_on_disk;
@@ -181,8 +181,8 @@ fn material_text(material: &CodecMaterial) -> String {
     plain(&header, &rows) + "\n"
 }
 
-/// What the closer pack of 16 KiB is up against.
-fn beside(material: &CodecMaterial) -> Option<Vec<String>> {
+/// Comparison of the better pack of 16 KiB with the others.
+fn comparison(material: &CodecMaterial) -> Option<Vec<String>> {
     let of_16_kib = |row: &&CodecRow| {
         matches!(row.codec.as_str(), "table" | "factored") && (12 << 10..=16 << 10).contains(&row.bytes_on_gpu)
     };

@@ -14,12 +14,12 @@ use brdfc_terminal::{Common, Error};
 use std::sync::Mutex;
 use std::time::{Duration, Instant};
 
-/// Of the plane; the flat BTF has twice as many per side, the paper's 256.
+/// Texels of the plane per side. The flat BTF has twice as many per side, 256 as in the paper.
 const TEXELS: usize = 128;
 const MAX_ANGLE: f64 = 80.0;
-/// Most texels of the plane: with these views, of the indirection map.
+/// Maximum number of texels of the plane per side, limited by the indirection map with these views.
 const MAX_TEXELS: usize = (MAX_EXTENT_2D / 25) as usize;
-/// Remarks come at least this far apart.
+/// Minimum time between progress messages.
 const BETWEEN_REMARKS: Duration = Duration::from_secs(5);
 
 pub(super) fn run(arguments: &Arguments, common: Common) -> Result<StudyResult, Error> {
@@ -91,9 +91,9 @@ pub(super) fn text(settings: &StudySettings, rows: &[ModelRow]) -> String {
         settings.indirection[1],
         settings.largest_angle
     );
-    text += "Table 1: colour difference (L*a*b*) of BTFs rebuilt by equation 1; maximum and variance of means of images. Through \
-         displacements: as they are stored, what a renderer shows; through the map: by an indirection map of \
-         directions and distances; exact rays: in place of both, what the flat BTF alone loses\n";
+    text += "Table 1: colour difference (L*a*b*) of BTFs rebuilt by equation 1; maximum and variance of means of images. \
+         Through displacements: as stored, as in renderings; through the map: by an indirection map of \
+         directions and distances; exact rays: instead of both, errors of the flat BTF alone\n";
     let header = ["model", "through displacements", "max", "variance", "through the map", "max", "variance"];
     let header = [&header[..], &["exact rays", "max", "variance"]].concat();
     let header = [&header[..], &["paper", "mean", "max", "variance"]].concat();
@@ -109,7 +109,7 @@ pub(super) fn text(settings: &StudySettings, rows: &[ModelRow]) -> String {
             .chain(paper)
             .collect()
     });
-    text += "\nTable 1, means by polar angle of the view. Unblended: through a map that has each view itself\n";
+    text += "\nTable 1, means by polar angle of the view. Unblended: through a map that contains each view\n";
     let header =
         ["model", "polar angle", "views", "through displacements", "through the map", "unblended", "exact rays"];
     let cells = rows.iter().flat_map(|row| {
@@ -122,7 +122,7 @@ pub(super) fn text(settings: &StudySettings, rows: &[ModelRow]) -> String {
         })
     });
     text += &plain(&header, cells);
-    text += "\nTable 1, means through the map by how holes are filled, and unblended\n";
+    text += "\nTable 1, means through the map for both methods of filling holes, and unblended\n";
     text += &table(&["model", "poisson", "push-pull", "unblended"], rows, |row| {
         let r = &row.reconstruction;
         [name(row)].into_iter().chain([r.through_map.mean, r.mean_push_pull, r.mean_unblended].map(two)).collect()

@@ -1,4 +1,4 @@
-//! `brdfc-bench`: studies that repeat the papers' tables.
+//! `brdfc-bench`: studies that reproduce the papers' tables.
 
 #[cfg(feature = "render")]
 mod adaptive;
@@ -22,7 +22,7 @@ use clap::CommandFactory as _;
 use serde::Serialize;
 use std::process::ExitCode;
 
-/// What `--json` prints.
+/// Output of `--json`.
 #[derive(Debug, Serialize, schemars::JsonSchema)]
 struct Report {
     /// Layout of this report.

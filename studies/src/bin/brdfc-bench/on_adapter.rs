@@ -21,7 +21,7 @@ use brdfc_wavelet::recipe::Recipe;
 use std::path::Path;
 use std::time::Instant;
 
-/// Anisotropic, soft: the paper's velvet.
+/// Anisotropic and soft, as the paper's velvet.
 pub(super) const VELVET: &str = "synth:velvet?kd=0.1,0.01,0.02&ks=0.5,0.3,0.35";
 /// Sharp enough to glitter.
 pub(super) const GLOSSY: &str = "synth:ggx?kd=0.05,0.04,0.03&f0=0.9,0.8,0.6&alpha=0.1";
@@ -66,7 +66,7 @@ pub(super) fn run(arguments: &Arguments, common: Common) -> Result<StudyResult, 
     }
 }
 
-/// The adapter that is asked for.
+/// The requested adapter.
 pub(super) fn opened_adapter(arguments: &Arguments) -> Result<Gpu, Error> {
     graphics_environment::prepare();
     let choice = arguments.adapter.clone().map_or(AdapterChoice::Best, AdapterChoice::Named);
@@ -88,13 +88,15 @@ fn one(arguments: &Arguments, default: &str) -> Result<Input, Error> {
     }
 }
 
-/// A pack with levels of detail as it is, or the wavelet pack that a source becomes at 4:1 and 8 bits.
+/// An input's pack if it has levels of detail, or the wavelet pack of a source at 4:1 and 8 bits.
 fn pack(input: &Input) -> Result<BrdfPack, Error> {
     if input.extension()? == "ktx2" {
         let pack = open_brdf_pack(input)?;
         if pack.levels() == 0 {
-            let found = format!("found {} of one level of detail", pack.kind().in_words());
-            return Err(Error::input(format!("{input}: pack: {found}, expected packs with more (encode --levels)")));
+            let found = format!("found {} with one level of detail", pack.kind().in_words());
+            return Err(Error::input(format!(
+                "{input}: pack: {found}, expected a pack with several (encode --levels)"
+            )));
         }
         return Ok(pack);
     }
@@ -102,8 +104,7 @@ fn pack(input: &Input) -> Result<BrdfPack, Error> {
     Ok(encode_pack(opened.source.as_ref(), &PackRecipe::Wavelet(Recipe::default()).without_measuring(), &())?.pack)
 }
 
-/// A pack as it is, or what a source becomes as a table of 16 KiB, plain and factored, and as a wavelet pack at 4:1 and 8
-/// bits.
+/// An input's pack, or packs of a source: tables of 16 KiB, plain and factored, and a wavelet pack at 4:1 and 8 bits.
 fn packs(input: &Input) -> Result<Vec<BrdfPack>, Error> {
     if input.extension()? == "ktx2" {
         return Ok(vec![open_brdf_pack(input)?]);
@@ -189,7 +190,7 @@ pub(super) fn level_of_detail_text(result: &LevelOfDetail) -> String {
     .collect();
     plain(&header, &rows)
         + &format!(
-            "\nlevel by distance, bilinear: {:.1} ms; without lights: {:.1} ms, taken off before speed-ups\n\n",
+            "\nlevel by distance, bilinear: {:.1} ms; without lights: {:.1} ms, subtracted before speed-ups\n\n",
             1e3 * result.seconds_by_distance,
             1e3 * result.seconds_without_light
         )
@@ -235,8 +236,8 @@ pub(super) fn images_text(rows: &[ImageRow]) -> String {
     plain(&header, &cells)
         + &format!(
             "\nCloth, 512 x 512 pixels of 4 samples, 4:1, 8 bits; mean and standard deviation of ΔE of CIE L*a*b* over\n\
-             surfaces, against the source. '--ranking visible --bias 0.0003', but for 'by default'. Pack and table are drawn\n\
-             on the CPU, the table whole and at 16 bits: what the grid alone loses.\n\
+             surfaces, against the source. '--ranking visible --bias 0.0003', except for 'by default'. Pack and table are drawn\n\
+             on the CPU, the complete table at 16 bits, with errors of the grid alone.\n\
              Met: at most {PAPER_MEAN} and {PAPER_SIGMA}, the paper's velvet. Shader: {adapter}.\n"
         )
 }

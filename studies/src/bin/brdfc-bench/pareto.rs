@@ -1,4 +1,4 @@
-//! The study of run time against error.
+//! The study of run time and error.
 
 use super::arguments::Arguments;
 use brdfc_source::Input;
@@ -13,7 +13,7 @@ use std::time::{Duration, Instant};
 
 /// A glossy plastic, a velvet, a brushed metal.
 const MODELS: [&str; 3] = ["synth:ggx?alpha=0.15", "synth:velvet", "synth:ward?ax=0.15&ay=0.5"];
-/// Remarks come at least this far apart.
+/// Minimum time between progress messages.
 const BETWEEN_REMARKS: Duration = Duration::from_secs(5);
 
 pub(super) fn run(arguments: &Arguments, common: Common) -> Result<StudyResult, Error> {
@@ -24,16 +24,16 @@ pub(super) fn run(arguments: &Arguments, common: Common) -> Result<StudyResult, 
     }
     let settings = settings(arguments.small);
     let started = Instant::now();
-    let told = Cell::new(Instant::now());
+    let last_remark = Cell::new(Instant::now());
     let mut materials = Vec::new();
     for (number, input) in inputs.iter().enumerate() {
         let opened = open(input, None)?;
         let name = input.short_name();
         let done = |share: f64| {
-            if told.get().elapsed() < BETWEEN_REMARKS && share < 1.0 {
+            if last_remark.get().elapsed() < BETWEEN_REMARKS && share < 1.0 {
                 return;
             }
-            told.set(Instant::now());
+            last_remark.set(Instant::now());
             let seconds = started.elapsed().as_secs_f64();
             let left = seconds / (number as f64 + share) * (inputs.len() as f64 - number as f64 - share);
             let (at, all, percent) = (number + 1, inputs.len(), 100.0 * share);
@@ -52,9 +52,9 @@ pub(super) fn run(arguments: &Arguments, common: Common) -> Result<StudyResult, 
 pub(super) fn text(study: &ParetoStudy) -> String {
     let mut text: String = study.materials.iter().map(material_text).collect();
     text += &format!(
-        "Rows that no other beats in both bytes on a GPU and mean ΔE, or in both seconds of encoding and mean ΔE; --json has \
-         all.\nEncoding: from the opened source to the file, on {} threads, without measuring off the grid; once, or the shortest \
-         of up to three\nwhere that takes less than half a second. Decoding: millions of evaluations per second of one CPU \
+        "Rows on the Pareto front of bytes on a GPU and mean ΔE, or of seconds of encoding and mean ΔE; --json has \
+         all.\nEncoding: from the opened source to the file, on {} threads, without measuring errors; once, or the shortest \
+         of up to three\nif that takes less than half a second. Decoding: millions of evaluations per second of one CPU \
          thread.\n",
         study.threads
     );

@@ -25,7 +25,7 @@ pub(super) fn run(arguments: &Arguments, common: Common) -> Result<StudyResult, 
     let texels = arguments.texels.unwrap_or(64);
     if !TEXELS.contains(&texels) {
         let allowed = format!("expected {} to {}", TEXELS.start(), TEXELS.end());
-        return Err(Error::usage(format!("--texels: found {texels}; {allowed}")));
+        return Err(Error::usage(format!("--texels: found {texels}, {allowed}")));
     }
     if let Some(folder) = &arguments.out {
         make_folder(folder)?;
@@ -63,7 +63,7 @@ pub(super) fn text(study: &RayStudy) -> String {
     plain(&header, &rows)
         + &format!(
             "\nMillions of rays per second. {}: {} triangles, {2} x {2} texels; tiles: per ray, mean.\n\
-             repeated: with --out, against the mesh of the dump, without going from tile to tile.\n",
+             repeated: with --out, against the mesh of the dump, without traversal of tiles.\n",
             study.model, study.triangles, study.texels
         )
 }

@@ -9,9 +9,9 @@ use brdfc_terminal::output::{make_folder, remark, write_file};
 use brdfc_terminal::table::{bytes, percent, plain};
 use brdfc_terminal::{Common, Error};
 
-/// Lights that are held out.
+/// Number of held-out lights.
 const HELD_OUT: usize = 8;
-/// Permutations that say which.
+/// Seeds of the permutations that select them.
 const SEEDS: [u64; 5] = [0, 1, 2, 3, 4];
 
 pub(super) fn run(arguments: &Arguments, common: Common) -> Result<StudyResult, Error> {
@@ -23,11 +23,11 @@ pub(super) fn run(arguments: &Arguments, common: Common) -> Result<StudyResult, 
     if let Some(folder) = &arguments.out {
         make_folder(folder)?;
     }
-    let told = |error: brdfc_formats::FormatError| Error::input(format!("{input}: {error}"));
-    let study =
-        relighting(&samples, HELD_OUT, &SEEDS, &|method| remark(common, &format!("{method}: done"))).map_err(told)?;
+    let with_input = |error: brdfc_formats::FormatError| Error::input(format!("{input}: {error}"));
+    let done = |method: &str| remark(common, &format!("{method}: done"));
+    let study = relighting(&samples, HELD_OUT, &SEEDS, &done).map_err(with_input)?;
     if let Some(folder) = &arguments.out {
-        let rendering = relit(&samples, HELD_OUT).map_err(told)?;
+        let rendering = relit(&samples, HELD_OUT).map_err(with_input)?;
         write_file(&folder.join("relighting.png"), &to_png(&rendering, 1.0))?;
     }
     Ok(StudyResult::Relighting(study))

@@ -1,4 +1,4 @@
-//! In a browser, against what `brdfc render` draws.
+//! Pages in a browser, compared with `brdfc render`.
 
 use crate::common::cli::Folder;
 use brdfc_metrics::image::{ImageDifference, LinearImage, compare_images};
@@ -9,13 +9,13 @@ use std::collections::BTreeMap;
 
 const SIDE: usize = 128;
 const SQUARE: [usize; 2] = [SIDE; 2];
-/// Of the mean ΔE.
+/// Limit of the mean ΔE.
 const BOUND: f64 = 0.5;
 
-/// What a page says and draws after each of these changes; nothing where there is no browser.
+/// Text and renderings of a page after each of these changes; `None` without a browser.
 struct Seen {
-    /// Of scripts in place of changes.
-    told: Vec<Value>,
+    /// Results of scripts that replace changes.
+    results: Vec<Value>,
     api: String,
     first: f64,
     speed: f64,
@@ -34,10 +34,10 @@ addEventListener('error', ({ message }) => say(`error: ${message}`));
 addEventListener('unhandledrejection', ({ reason }) => say(`error: ${reason?.name}: ${reason?.message ?? reason}`));
 (async () => {
     const first = await brdfcView.first;
-    const found = { first, api: document.getElementById('api').textContent, renderings: [], firsts: [], exposures: [], measured: [], told: [] };
+    const found = { first, api: document.getElementById('api').textContent, renderings: [], firsts: [], exposures: [], measured: [], results: [] };
     for (const changes of CHANGES) {
         if (typeof changes === 'string') {
-            found.told.push(await (0, eval)(`(async () => { ${changes} })()`));
+            found.results.push(await (0, eval)(`(async () => { ${changes} })()`));
             continue;
         }
         await brdfcView.set(changes);
@@ -55,7 +55,7 @@ addEventListener('unhandledrejection', ({ reason }) => say(`error: ${reason?.nam
     let script = script.replace("CHANGES", &json!(changes).to_string());
     let page = with_script(page, size, api, &script);
     let posted = result_of_page(&[("", "text/html", page.as_bytes())])?;
-    let told: Value = serde_json::from_slice(&posted).unwrap_or_else(|_| {
+    let report: Value = serde_json::from_slice(&posted).unwrap_or_else(|_| {
         panic!("{}", String::from_utf8_lossy(&posted));
     });
     let rendering = |text: &Value| {
@@ -64,14 +64,14 @@ addEventListener('unhandledrejection', ({ reason }) => say(`error: ${reason?.nam
         linear(&png)
     };
     Some(Seen {
-        told: told["told"].as_array().unwrap().clone(),
-        api: told["api"].as_str().unwrap().to_owned(),
-        first: told["first"].as_f64().unwrap(),
-        speed: told["speed"].as_f64().unwrap_or(0.0),
-        renderings: told["renderings"].as_array().unwrap().iter().map(rendering).collect(),
-        firsts: told["firsts"].as_array().unwrap().iter().map(rendering).collect(),
-        exposures: told["exposures"].as_array().unwrap().iter().map(|exposure| exposure.as_f64().unwrap()).collect(),
-        measured: told["measured"].as_array().unwrap().clone(),
+        results: report["results"].as_array().unwrap().clone(),
+        api: report["api"].as_str().unwrap().to_owned(),
+        first: report["first"].as_f64().unwrap(),
+        speed: report["speed"].as_f64().unwrap_or(0.0),
+        renderings: report["renderings"].as_array().unwrap().iter().map(rendering).collect(),
+        firsts: report["firsts"].as_array().unwrap().iter().map(rendering).collect(),
+        exposures: report["exposures"].as_array().unwrap().iter().map(|exposure| exposure.as_f64().unwrap()).collect(),
+        measured: report["measured"].as_array().unwrap().clone(),
     })
 }
 
@@ -82,7 +82,7 @@ fn linear(png: &[u8]) -> LinearImage {
     LinearImage { pixels, coverage: vec![1.0; width * height], ..LinearImage::black(width, height) }
 }
 
-/// What `brdfc render` draws, each rendering once.
+/// Renderings of `brdfc render`, each drawn once.
 struct Renders<'a> {
     folder: &'a Folder,
     known: BTreeMap<String, LinearImage>,
@@ -93,7 +93,7 @@ impl<'a> Renders<'a> {
         Self { folder, known: BTreeMap::new() }
     }
 
-    /// A page's rendering against that of these arguments, where that shows anything but its background.
+    /// Compares a page's rendering with that of these arguments, where that shows anything but its background.
     fn against(&mut self, rendering: &LinearImage, arguments: &[&str]) -> ImageDifference {
         let draw = || {
             let (width, height) = (rendering.width, rendering.height);
@@ -114,7 +114,7 @@ impl<'a> Renders<'a> {
 
 const APIS: [(&str, &str); 2] = [("webgl2", "WebGL 2"), ("webgpu", "WebGPU")];
 
-/// Packs of BRDFs on every scene; and the same question of another pack is answered otherwise.
+/// Packs of BRDFs on every scene; another pack gives a different result.
 #[test]
 fn balls_cloths_and_teapots_are_those_of_render() {
     if !crate::common::has_adapter() {
@@ -160,13 +160,13 @@ fn balls_cloths_and_teapots_are_those_of_render() {
             assert!(difference.delta_e.mean < BOUND, "{pack} on {scene}: {:?}", difference.delta_e);
             assert!(of_first.delta_e.mean < BOUND, "first, {pack} on {scene}: {:?}", of_first.delta_e);
         }
-        // Another material is noticed.
+        // Another material is detected.
         let other = renders.against(&found.renderings[1], &["table.ktx2"]);
         assert!(other.delta_e.mean > 5.0, "{:?}", other.delta_e);
     }
 }
 
-/// The first rendering of a large page has the exposure of some of its pixels alone.
+/// The first rendering of a large page has the exposure of only some of its pixels.
 #[test]
 fn a_large_first_rendering_is_that_of_render() {
     if !crate::common::has_adapter() {
@@ -178,7 +178,7 @@ fn a_large_first_rendering_is_that_of_render() {
     folder.run(&["view", "table.ktx2", "-o", "view.html"]).succeeded();
     let scenes = ["sphere", "teapot"];
     let changes = scenes.map(|scene| json!({ "scene": scene }));
-    // Not narrower than high: a page fits a narrow window, `render` always the height.
+    // Not narrower than high: a page fits a narrow window, `render` always fits the height.
     let Some(found) = seen(&folder.text("view.html"), [512, 512], "webgl2", &changes) else { return };
     let mut renders = Renders::of(&folder);
     for (scene, (rendering, first)) in scenes.iter().zip(found.renderings.iter().zip(&found.firsts)) {
@@ -187,12 +187,12 @@ fn a_large_first_rendering_is_that_of_render() {
         let of_first = renders.against(first, &[&words[..], &["--samples", "1"]].concat()).delta_e.mean;
         println!("view, 512 x 512: {scene}: ΔE {fine:.3}, of a first rendering {of_first:.3}");
         assert!(fine < BOUND && of_first < BOUND, "{scene}: {fine} {of_first}");
-        // They are not one rendering: fewer samples, another exposure.
+        // They are different renderings: fewer samples, another exposure.
         assert!(rendering.pixels != first.pixels);
     }
 }
 
-/// A page whose driver gives up draws on by WebGL 2, also where that happens while something else is chosen.
+/// A page whose driver fails continues with WebGL 2, also while another option is being selected.
 #[test]
 fn a_driver_that_gives_up_is_replaced() {
     let folder = Folder::new();
@@ -229,13 +229,13 @@ fn a_driver_that_gives_up_is_replaced() {
         ("webgl2", "before.getContext('webgl2').getExtension('WEBGL_lose_context').loseContext();"),
     ] {
         let Some(found) = seen(&page, SQUARE, api, &[lost(what)]) else { return };
-        println!("view, {api}: {}", found.told[0]);
-        assert_eq!((&found.told[0][0], &found.told[0][1]), (&json!("WebGL 2"), &json!(true)), "{api}");
-        assert!(found.told[0][2].as_f64().unwrap() > 0.05 && found.told[0][3].as_u64().unwrap() > 1250, "{api}");
+        println!("view, {api}: {}", found.results[0]);
+        assert_eq!((&found.results[0][0], &found.results[0][1]), (&json!("WebGL 2"), &json!(true)), "{api}");
+        assert!(found.results[0][2].as_f64().unwrap() > 0.05 && found.results[0][3].as_u64().unwrap() > 1250, "{api}");
     }
 }
 
-/// What the page says of the difference of two packs is what renderings of both say.
+/// The difference of two packs on the page agrees with renderings of both.
 #[test]
 fn differences_are_those_of_the_renderings() {
     let folder = Folder::new();
@@ -252,22 +252,22 @@ fn differences_are_those_of_the_renderings() {
         LinearImage { coverage, ..image.clone() }
     };
     let apart = compare_images(&covered(a), &covered(b), 1.0).delta_e;
-    let told = &found.measured[0];
-    println!("view: ΔE {} as the page says, {:.3} of its renderings", told["mean"], apart.mean);
-    assert!(apart.mean > 0.1 && (told["mean"].as_f64().unwrap() - apart.mean).abs() < 0.1);
-    assert!((told["p95"].as_f64().unwrap() - apart.p95).abs() < 0.3);
+    let report = &found.measured[0];
+    println!("view: ΔE {} as the page says, {:.3} of its renderings", report["mean"], apart.mean);
+    assert!(apart.mean > 0.1 && (report["mean"].as_f64().unwrap() - apart.mean).abs() < 0.1);
+    assert!((report["p95"].as_f64().unwrap() - apart.p95).abs() < 0.3);
     for row in 0..SIDE {
         let range = SIDE * row..SIDE * (row + 1);
         let ([left, _], [_, right]) = (halves(&a.pixels[range.clone()]), halves(&b.pixels[range.clone()]));
         assert!(split.pixels[range].iter().eq(left.iter().chain(right)), "row {row}");
     }
-    // Beside the ball nothing is compared; on it, what is alike is dark.
+    // Nothing is compared outside the ball; on it, equal pixels are dark.
     assert_eq!(difference.pixels[0], background);
     assert!(difference.pixels.iter().any(|pixel| pixel.iter().sum::<f32>() < 0.1));
     assert!(difference.pixels != split.pixels);
 }
 
-/// The controls, as a hand moves them; and what one of both is not made for.
+/// The controls, used as by hand, and directions that one of both packs does not cover.
 #[test]
 fn controls_do_what_they_say() {
     let folder = Folder::new();
@@ -279,7 +279,7 @@ fn controls_do_what_they_say() {
     folder.run(&["build", "scene.toml", "--out", "packs"]).succeeded();
     folder.run(&["encode", "synth:ggx?alpha=0.3", "-o", "<!--<script>.ktx2"]).succeeded();
     folder.run(&["view", "packs", "--no-sources", "<!--<script>.ktx2", "-o", "view.html"]).succeeded();
-    // A script that the page's own would be if names were not escaped, and each control with what it is to change.
+    // A script that would become the page's own if names were not escaped, and each control with its effect.
     let slider = |name: &str, value: f64| {
         json!(format!(
             "const slider = document.querySelector('input[name={name}]'); slider.value = {value}; \
@@ -331,15 +331,15 @@ fn controls_do_what_they_say() {
         point,
     ];
     let Some(found) = seen(&folder.text("view.html"), SQUARE, "webgl2", &changes) else { return };
-    let [split, stops, turned, nearer, lit, pinched, _, _, pointed] = &found.told[..] else {
-        panic!("{:?}", found.told)
+    let [split, stops, turned, nearer, lit, pinched, _, _, pointed] = &found.results[..] else {
+        panic!("{:?}", found.results)
     };
     assert_eq!((split, stops), (&json!(0.25), &json!(1)));
     assert!(turned[0].as_f64().unwrap() > 0.05 && nearer[1].as_f64().unwrap() > 1.05 && lit.as_f64().unwrap() > 0.3);
     assert_eq!(pinched, &json!([2, 0]));
     let here = pointed[0].as_str().unwrap();
     assert!(here.starts_with("ΔE here: ") && here[10..].trim().parse::<f64>().is_ok(), "{here}");
-    // The rim of the ball, which one of both is not made for, does not count.
+    // The rim of the ball, which one of both does not cover, does not count.
     let (mean, pixels) = (pointed[1]["mean"].as_f64().unwrap(), pointed[1]["pixels"].as_u64().unwrap());
     println!("view: ΔE {mean:.3} over {pixels} pixels of a pack for high views");
     assert!(mean < 0.2 && (1250..7500).contains(&pixels), "{mean} {pixels}");
@@ -373,7 +373,7 @@ fn flat_btfs_and_renderings_under_light_are_those_of_render() {
         let Some(found) = seen(&folder.text("view.html"), SQUARE, api, &changes) else { return };
         assert_eq!(found.api, name);
         for (k, (input, scene)) in cases.iter().enumerate() {
-            // On a plane, `brdfc render` exposes for the surface itself, which the page does not have.
+            // On a plane, `brdfc render` sets the exposure for the surface itself, which the page does not have.
             let exposure = format!("{:.4}", found.exposures[k]);
             let scene_of = if scene.is_empty() { vec![] } else { vec!["--scene", *scene] };
             let words = [&[*input, "--exposure", &exposure][..], &scene_of].concat();
@@ -381,7 +381,7 @@ fn flat_btfs_and_renderings_under_light_are_those_of_render() {
             println!("view, {name}: {input} {scene}: ΔE {:.3}", difference.delta_e.mean);
             assert!(difference.delta_e.mean < BOUND, "{input} {scene}: {:?}", difference.delta_e);
         }
-        // Another surface is noticed.
+        // Another surface is detected.
         let other = renders.against(&found.renderings[1], &["button", "--scene", "plane", "--exposure", "1"]);
         assert!(other.delta_e.mean > 5.0, "{:?}", other.delta_e);
     }

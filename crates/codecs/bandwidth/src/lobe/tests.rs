@@ -2,7 +2,7 @@ use super::*;
 use brdfc_core::Symmetry;
 use brdfc_formats::direction::dot;
 
-/// A round lobe that stands still, `exp(s (cos α - 1))`, about an axis.
+/// A round lobe about a fixed axis, `exp(s (cos α - 1))`.
 struct Spot {
     axis: Vector,
     sharpness: f64,
@@ -20,10 +20,10 @@ impl Source for Spot {
     }
 }
 
-/// `cos^n` about the mirror direction, on a constant.
+/// `cos^n` about the mirror direction, plus a constant.
 struct Phong {
     exponent: f64,
-    /// Other than 1 along the tangent.
+    /// Anisotropic along the tangent unless 1.
     brush: f64,
     symmetry: Symmetry,
 }
@@ -86,7 +86,7 @@ fn doubling_an_exponent_raises_the_peak_by_the_square_root_of_2() {
 #[test]
 fn the_threshold_hardly_matters() {
     for exponent in [10.0, 100.0] {
-        // Up to 45 degrees of incidence: a lobe that the horizon cuts off has an edge there.
+        // Up to 45 degrees of incidence: lobes that the horizon cuts off have an edge there.
         let peaks = [0.003, 0.01, 0.03]
             .map(|epsilon| peak(&lobe_bandwidth(&phong(exponent), 64, epsilon).values[..8 * CELLS * SIDE]));
         println!("{exponent}: {peaks:?}");
@@ -100,13 +100,14 @@ fn a_constant_lobe_has_no_bandwidth() {
     assert!(lobe_bandwidth(&constant, 64, 0.01).values.iter().all(|value| *value == 0.0));
 }
 
-/// `cos^n` falls to half at `1.18 / √n` radians: of 64 pixels per side 16 are within that up to an exponent of 113.
+/// `cos^n` falls to half at `1.18 / √n` radians. With 64 pixels per side, 16 pixels are within that radius up to an
+/// exponent of 113.
 #[test]
-fn lobes_that_are_narrower_than_pixels_show_are_found() {
+fn lobes_too_narrow_for_the_pixels_are_found() {
     let narrow = |exponent: f64, side: usize| lobe_bandwidth(&phong(exponent), side, 0.01).narrow;
     assert_eq!([10.0, 50.0, 2000.0].map(|exponent| narrow(exponent, 64)), [false, false, true]);
     assert_eq!([64, 128, 256].map(|side| narrow(1000.0, side)), [true, true, false]);
-    // A constant lobe, and noise on one.
+    // A constant lobe, with and without noise.
     assert!(!narrow(0.0, 64));
     struct Noise;
     impl Source for Noise {
@@ -125,7 +126,8 @@ fn lobes_that_are_narrower_than_pixels_show_are_found() {
     assert!(peak(&noise.values) > 4.0 && !noise.narrow, "{}", peak(&noise.values));
 }
 
-/// The highlight is in the cell of the mirror direction; a mean over the cells around it would hide it.
+/// The highlight is in the cell of the mirror direction; the negative control, a mean over the surrounding cells, would
+/// hide it.
 #[test]
 fn the_peak_is_at_the_highlight() {
     let map = lobe_bandwidth(&phong(200.0), 64, 0.01).values;
@@ -147,7 +149,7 @@ fn a_cell_keeps_the_largest_of_its_pixels() {
     let source = phong(100.0);
     let lobe = image.lobe(&source, incoming([0, 8]), false, &mut Tally::default());
     let values = image.bandwidth(&lobe[0], 0.01);
-    // Cells that have less than one of their pixels.
+    // Number of cells that are lower than one of their pixels.
     let lower = |cells: [[f32; CELLS]; CELLS]| {
         let is_lower = |(number, members): &(usize, &Vec<usize>)| {
             assert!(!members.is_empty());
@@ -162,7 +164,7 @@ fn a_cell_keeps_the_largest_of_its_pixels() {
     assert!(wrong > 20, "{wrong}");
 }
 
-/// With and without the symmetry, up to wavelets that lie differently.
+/// Compares with and without the symmetry, up to the alignment of wavelets.
 #[test]
 fn symmetries_save_lobes_and_change_little() {
     let plain = Symmetry::NONE;

@@ -11,7 +11,7 @@ fn range(values: &[f32]) -> [f64; 2] {
     values.iter().fold([f64::INFINITY, 0.0], |[low, high], v| [low.min(f64::from(*v)), high.max(f64::from(*v))])
 }
 
-/// Smallest and largest ratio of the frequency found to the true one, of waves along u and along v.
+/// Smallest and largest ratio of the estimated to the true frequency, for waves along u and along v.
 fn ratios(size: usize, cycles: f64, epsilon: f64) -> [f64; 2] {
     let mut all = [f64::INFINITY, 0.0f64];
     for along_v in [false, true] {
@@ -33,7 +33,7 @@ fn a_wave_has_its_frequency_anywhere() {
     }
 }
 
-/// Where there is no finer level.
+/// Frequencies without a finer level.
 #[test]
 fn waves_up_to_the_nyquist_rate() {
     for cycles in [60, 64, 70, 76, 84, 90, 96, 100, 110, 120, 127] {
@@ -56,9 +56,9 @@ fn the_threshold_hardly_matters() {
     }
 }
 
-/// The negative control: a tail that starts one level off, either way, is out of the bounds that hold above.
+/// The negative control: a tail that starts one level off, in either direction, exceeds the bounds of the tests above.
 #[test]
-fn a_tail_that_starts_one_level_off_is_seen() {
+fn a_tail_that_starts_one_level_off_is_detected() {
     let cycles = 11.0;
     let wave = image(256, 256, |x, _| (TAU * cycles * x + 0.3).sin());
     let scales = scales(Image::plain(&wave, 256, 256), 128, Border::Periodic, [0; 2], f32::max);
@@ -75,7 +75,7 @@ fn a_tail_that_starts_one_level_off_is_seen() {
 }
 
 #[test]
-fn what_is_constant_up_to_rounding_has_no_bandwidth() {
+fn constants_up_to_rounding_have_no_bandwidth() {
     for border in [Border::Periodic, Border::Bounded] {
         for value in [0.0f32, 1.0, 0.1, 3.3e7, 1e-30, 1e38, -0.7] {
             let constant = vec![value; 64 * 64];
@@ -104,7 +104,7 @@ fn large_and_small_numbers_make_no_difference() {
     }
 }
 
-/// A step at the border, a ramp that does not meet itself: only a periodic image has them.
+/// A step at the border, a ramp that does not meet itself: only periodic images have them.
 #[test]
 fn a_bounded_image_has_no_border() {
     let size = 128;
@@ -124,7 +124,7 @@ fn a_bounded_image_has_no_border() {
     }
 }
 
-/// Detail in one place raises the frequency there, and not everywhere.
+/// Detail in one place raises the frequency only there.
 #[test]
 fn detail_is_local() {
     let size = 256;
@@ -133,7 +133,7 @@ fn detail_is_local() {
     for border in [Border::Periodic, Border::Bounded] {
         let found = frequencies(&rendering, [size; 2], size, border, 0.01);
         let at = |column: usize, row: usize| f64::from(found.v[row * size / 2 + column]) * size as f64;
-        // Lower than the 50 cycles, as the strong wave has coefficients 25 times as large: see the module.
+        // Below the 50 cycles, because the coefficients of the strong wave are 25 times as large: see the module.
         assert!(at(32, 32) > 30.0 && at(96, 96) < 8.0, "{border:?}: {} {}", at(32, 32), at(96, 96));
     }
 }
@@ -153,12 +153,12 @@ fn odd_shapes() {
     assert_eq!(rows.u[..], frequencies(&wave, [512, 16], 16, Border::Periodic, 0.01).u[..3 * 256]);
 }
 
-/// The weaker detail is, the lower it is found.
+/// Weaker detail is underestimated more.
 #[test]
-fn weak_detail_is_found_lower_or_not_at_all() {
+fn weak_detail_is_underestimated_or_ignored() {
     let size = 256;
     for cycles in [23.0, 32.0, 40.0] {
-        // `Λ` of a wave in all of the image is in proportion to its amplitude over its frequency.
+        // `Λ` of a wave over the whole image is proportional to its amplitude divided by its frequency.
         let found = |weight: f64| {
             let amplitude = weight * cycles / 2.0;
             let both = |x: f64, y: f64| (TAU * 2.0 * x).sin() + amplitude * (TAU * cycles * y + 0.3).sin();
@@ -176,8 +176,8 @@ fn weak_detail_is_found_lower_or_not_at_all() {
     }
 }
 
-/// The whole rule in double precision, written down once more without regard to time: for every block all wavelets of all
-/// levels are asked whether they hold it.
+/// Reference implementation of the whole rule in double precision, without optimisations: for every block, it checks
+/// all wavelets of all levels.
 fn reference(image: &[f64], [width, height]: [usize; 2], border: Border, epsilon: f64) -> [Vec<f64>; 2] {
     let fits = |side: usize, splits: u32| match border {
         Border::Periodic => 1 << splits <= side,
@@ -266,7 +266,7 @@ fn off_reference(size: [usize; 2], border: Border, value: impl Fn(f64, f64) -> f
     pairs.map(|(a, b)| (f64::from(*a) - b).abs() / b.max(1e-6)).fold(0.0, f64::max)
 }
 
-/// Frequencies are within 1e-4; within 1e-2 where the mean is thirty times the detail, so that coefficients have lost five
+/// Frequencies are within 1e-4, or within 1e-2 if the mean is thirty times the detail, so that coefficients lose five
 /// bits.
 #[test]
 fn single_precision_is_close_to_double() {
@@ -274,12 +274,12 @@ fn single_precision_is_close_to_double() {
     for border in [Border::Periodic, Border::Bounded] {
         for size in [[64, 64], [128, 32]] {
             let plain = off_reference(size, border, busy);
-            let lifted = off_reference(size, border, |x, y| 30.0 + busy(x, y));
-            println!("{border:?} {size:?}: {plain:e}, lifted {lifted:e}");
-            assert!(plain < 1e-4 && lifted < 1e-2, "{border:?} {size:?}: {plain} {lifted}");
+            let offset = off_reference(size, border, |x, y| 30.0 + busy(x, y));
+            println!("{border:?} {size:?}: {plain:e}, offset {offset:e}");
+            assert!(plain < 1e-4 && offset < 1e-2, "{border:?} {size:?}: {plain} {offset}");
         }
     }
-    // The negative control: an image that is off by a thousandth of the detail.
+    // The negative control: an image with an error of a thousandth of the detail.
     let single = image(64, 64, busy);
     let double: Vec<f64> = single.iter().enumerate().map(|(i, v)| f64::from(*v) + 1e-3 * (i % 2) as f64).collect();
     let found = frequencies(&single, [64; 2], 64, Border::Periodic, 0.01);
@@ -287,7 +287,7 @@ fn single_precision_is_close_to_double() {
     assert!(found.u.iter().zip(&u).any(|(a, b)| (f64::from(*a) / b - 1.0).abs() > 1e-3));
 }
 
-/// Blocks of more pixels have at least what the blocks of 2 x 2 pixels in them have, up to 5 %, and little more.
+/// Larger blocks have at least the frequency of the blocks of 2 x 2 pixels in them, up to 5 %, and little more.
 #[test]
 fn larger_blocks_miss_nothing() {
     let size = 256;
@@ -295,7 +295,7 @@ fn larger_blocks_miss_nothing() {
     let rendering = image(size, size, |x, y| (TAU * 2.0 * x).sin() + burst(x, y) * (TAU * 60.0 * y).sin());
     for border in [Border::Periodic, Border::Bounded] {
         let fine = frequencies(&rendering, [size; 2], size, border, 0.01);
-        // Share of the blocks that are too low, and mean ratio.
+        // Share of blocks that are too low, and mean ratio.
         let compared = |doublings: [u32; 2], join: fn(f32, f32) -> f32| {
             let whole = Image::plain(&rendering, size, size);
             let found = block_frequencies(whole, size, border, 0.01, doublings, join);
@@ -317,9 +317,9 @@ fn larger_blocks_miss_nothing() {
             let (low, mean) = compared(doublings, f32::max);
             println!("{border:?} {doublings:?}: {low} low, mean {mean}");
             assert!(low == 0.0 && mean < 1.1, "{border:?} {doublings:?}: {low} {mean}");
-            // The negative control.
+            // The negative control: a mean.
             let (low, _) = compared(doublings, |a, b| 0.5 * (a + b));
-            assert!(low > 0.0, "{border:?} {doublings:?}: a mean is not seen");
+            assert!(low > 0.0, "{border:?} {doublings:?}: a mean is not detected");
         }
     }
 }

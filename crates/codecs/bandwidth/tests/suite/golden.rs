@@ -1,4 +1,4 @@
-//! Encodes of committed inputs are the bytes, and decode to the values, in the codec's list: see docs/goldens.md.
+//! Encodes committed inputs and compares the bytes, and the decoded values, with the codec's list: see docs/goldens.md.
 
 use brdfc_bandwidth::DEFAULT_EPSILON;
 use brdfc_bandwidth::map::{brdf_map, environment_map, texture_map};
@@ -27,7 +27,7 @@ fn bandwidth_maps() {
         ("brdf.ktx2".to_owned(), brdf.to_bytes(true)),
         ("environment.ktx2".to_owned(), environment.to_bytes(true)),
         ("texture-repeats.ktx2".to_owned(), texture([0.3, 0.25], true)),
-        // So dense that halves need a scale.
+        // Dense enough that halves require a scale.
         ("texture-ends.ktx2".to_owned(), texture([1e-5, 2e-5], false)),
     ]);
     check_encodes("bandwidth", &packs, |_| true);

@@ -1,3 +1,3 @@
-//! Bandwidth maps from outside the crate.
+//! Tests bandwidth maps through the public interface.
 
 mod golden;

@@ -1,7 +1,7 @@
-//! What a recipe tells before the work: whether it can be followed, and what it takes.
+//! Validates recipes and estimates their memory before any work.
 
 use super::recipe::FlattenRecipe;
-use crate::caster::STEEPEST_DEGREES;
+use crate::caster::MAX_POLAR_DEGREES;
 use crate::displacement::coarser;
 use crate::factored::FactoredRecipe;
 use crate::fill::FillMethod;
@@ -12,32 +12,32 @@ use brdfc_formats::direction_set::DirectionSet;
 use brdfc_formats::flat_btf::{DisplacementHeader, FlatHeader, IndirectionHeader};
 use std::f32::consts::TAU;
 
-/// Most memory that a recipe may take.
+/// Maximum memory of a recipe, in bytes.
 pub const MAX_BYTES: u64 = 8 << 30;
-/// A point of the surface with its normals and material, and what belongs to it.
+/// Bytes per texel: a point of the surface with its normals and material, and the data derived from it.
 const TEXEL_BYTES: u64 = 256;
-/// A view and a light of a texel while a view is made: its value, packed, and as scratch storage takes it.
+/// Bytes per texel and light of a view in progress: the value as floats, packed, and as scratch bytes.
 const VALUE_BYTES: u64 = 12;
-/// Most views in memory at once.
+/// Maximum number of views in memory at once.
 const MAX_VIEWS_AT_ONCE: usize = 8;
 
 impl FlattenRecipe {
-    /// Whether packs can hold what is asked for, rays can find it, and memory can hold it on the way, with one view at a
-    /// time: so it does not depend on the machine.
+    /// Checks that packs can hold the asset, that rays are not too steep, and that one view at a time fits into memory.
+    /// The result does not depend on the machine.
     ///
     /// # Errors
-    /// The first thing that is out of range.
+    /// Returns the first value that is out of range.
     pub fn check(&self) -> Result<(), FormatError> {
         let IndirectionHeader { size, .. } = self.indirection;
         DisplacementHeader::new(IndirectionHeader { size: size / coarser(size), ..self.indirection }).check()?;
         for (what, set) in [("views", &self.views), ("lights", &self.lights)] {
             let of_set = |error: FormatError| FormatError { field: format!("{what}, {}", error.field).into(), ..error };
-            if let Some(steep) = set.angles.iter().position(|[polar, _]| *polar > STEEPEST_DEGREES) {
+            if let Some(steep) = set.angles.iter().position(|[polar, _]| *polar > MAX_POLAR_DEGREES) {
                 let field = format!("{what}, direction {steep}, polar angle");
                 let found = format!("{} degrees", set.angles[steep][0]);
-                return Err(FormatError::whole(field, found, format!("0 to {STEEPEST_DEGREES}")));
+                return Err(FormatError::whole(field, found, format!("0 to {MAX_POLAR_DEGREES}")));
             }
-            // What the shader blends with.
+            // The shader blends over this mesh.
             DirectionMesh::new(set).map_err(of_set)?;
         }
         let header = self.header(0);
@@ -48,32 +48,33 @@ impl FlattenRecipe {
         let bytes = self.bytes(1);
         if bytes > MAX_BYTES {
             let gib = |bytes: u64| format!("{:.1} GiB", bytes as f64 / f64::from(1 << 30));
-            let allowed = format!("{}: fewer texels, views, lights or bounces", gib(MAX_BYTES));
+            let allowed = format!("at most {}; reduce texels, views, lights or bounces", gib(MAX_BYTES));
             return Err(FormatError::whole("memory", gib(bytes), allowed));
         }
         Ok(())
     }
 
-    /// The header of a view.
+    /// Header of a view.
     pub(super) fn header(&self, view: u32) -> FlatHeader {
         let (views, lights) = (angles(&self.views), angles(&self.lights));
         FlatHeader { size: self.flat_texels as u32, view, views, lights }
     }
 
-    /// How many views are made at once: one per thread, as far as memory allows.
+    /// Number of views computed at once: one per thread, as far as memory allows.
     pub(super) fn views_at_once(&self) -> usize {
         let most = rayon::current_num_threads().clamp(1, MAX_VIEWS_AT_ONCE).min(self.views.len());
         (2..=most).rev().find(|views| self.bytes(*views) <= MAX_BYTES).unwrap_or(1)
     }
 
-    /// Bytes in memory at most, roughly, with so many views at once: what grows with texels, views, lights and bounces.
+    /// Estimated peak memory in bytes for `views_at_once` views: the parts that grow with texels, views, lights and
+    /// bounces.
     pub fn bytes(&self, views_at_once: usize) -> u64 {
         let texels = (self.flat_texels * self.flat_texels) as u64;
         let (views, lights) = (self.views.len() as u64, self.lights.len() as u64);
         let guide = u64::from(self.fill == FillMethod::Poisson && self.factored.is_some());
         let per_light = VALUE_BYTES * (views_at_once as u64 + guide) + 1;
         let map: u64 = self.indirection.extent().into_iter().map(u64::from).product();
-        // Factors are made when all views are.
+        // Factors are computed after all views.
         let factors = self.factored.map_or(0, |target| FactoredRecipe::new(target).memory(&self.header(0)));
         texels * (TEXEL_BYTES + views)
             + (texels * lights * per_light).max(factors)
@@ -115,7 +116,7 @@ mod tests {
     }
 
     #[test]
-    fn the_papers_setting_is_within_its_memory() {
+    fn the_setting_of_the_paper_fits_into_memory() {
         assert!(recipe().check().is_ok());
         let light = FlattenRecipe { factored: None, ..recipe() };
         for (recipe, most) in [(light, 1u64 << 30), (recipe(), 2 << 30)] {
@@ -125,7 +126,7 @@ mod tests {
     }
 
     #[test]
-    fn the_number_of_threads_decides_how_many_views_are_made_at_once_and_nothing_else() {
+    fn threads_only_determine_the_views_computed_at_once() {
         let threads = [1, 2, 8, 64];
         let on_each = |recipe: &FlattenRecipe| {
             threads.map(|threads| {
@@ -147,7 +148,7 @@ mod tests {
     }
 
     #[test]
-    fn what_cannot_be_made_is_known_before() {
+    fn invalid_recipes_fail_before_any_work() {
         let steep = FlattenRecipe { views: list(&[[0.0, 0.0], [89.99, 0.0]]), ..recipe() };
         assert_eq!(
             steep.check().unwrap_err().to_string(),
@@ -156,7 +157,7 @@ mod tests {
         let large = FlattenRecipe { flat_texels: 2048, ..recipe() };
         assert!(large.check().unwrap_err().to_string().contains("memory: found "));
         let bounced = FlattenRecipe { bounces: 1024, ..recipe() };
-        assert!(bounced.check().unwrap_err().to_string().contains("GiB, expected 8.0 GiB"));
+        assert!(bounced.check().unwrap_err().to_string().contains("GiB, expected at most 8.0 GiB"));
         assert!(FlattenRecipe { bounces: 64, ..recipe() }.check().is_ok());
     }
 

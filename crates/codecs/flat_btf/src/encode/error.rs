@@ -1,17 +1,17 @@
-//! Why flattening fails.
+//! Errors of flattening.
 
 use crate::factored::FactorError;
 use crate::parameterise::ParameteriseError;
 use brdfc_core::progress::Cancelled;
 use brdfc_formats::FormatError;
 
-/// Why there is no flat BTF. `E` is the error of what the caller gave: scratch storage, images.
+/// Encoding errors. `E` is the error type of the caller's scratch storage and images.
 #[derive(Debug, thiserror::Error)]
 pub enum EncodeError<E> {
-    /// The surface cannot be laid flat.
+    /// The surface cannot be parameterised.
     #[error(transparent)]
     Parameterise(ParameteriseError),
-    /// A recipe that cannot be followed, or values that the layout cannot hold.
+    /// An invalid recipe, or values that the layout cannot hold.
     #[error(transparent)]
     Format(#[from] FormatError),
     /// Scratch storage or images failed.

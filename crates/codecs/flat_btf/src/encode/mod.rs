@@ -1,4 +1,5 @@
-//! From a surface with its appearance, or an ordinary BTF, to a flat BTF. Each step is a file of its own; this one sequences.
+//! Encodes a surface with its appearance, or an ordinary BTF, as a flat BTF. Each step has its own file; this one
+//! sequences them.
 
 mod check;
 mod error;
@@ -37,17 +38,17 @@ use pass::Pass;
 use probing::{computed_probes, measured_probes};
 use scratch::ScratchViews;
 
-/// What is flattened. `E` is the error of the images.
+/// Input of the encoder. `E` is the error type of the images.
 pub struct FlatInput<'a, E> {
     /// The surface.
     pub mesh: PeriodicMesh,
-    /// What was repaired in it, for the report.
+    /// Repairs of the mesh, copied to the report.
     pub repairs: Option<WeldReport>,
-    /// Where the values of texels come from.
+    /// Source of the texel values.
     pub values: ValueSource<'a, E>,
 }
 
-/// Where the values of texels come from.
+/// Source of the texel values.
 pub enum ValueSource<'a, E> {
     /// Materials of the surface.
     Computed(&'a Appearance),
@@ -55,27 +56,27 @@ pub enum ValueSource<'a, E> {
     Measured(&'a dyn ViewImages<Error = E>),
 }
 
-/// A flat BTF, and what was found on the way.
+/// A flat BTF with its report and intermediate results.
 pub struct FlatBtfEncoded {
-    /// What a decoder reads. There are no values in the light form.
+    /// Parts that a decoder reads. The light form has no values.
     pub parts: FlatBtfParts,
-    /// Which texels each view sees.
+    /// Texels that each view sees.
     pub mask: VisibilityMask,
-    /// What was measured.
+    /// Measurements.
     pub report: AssetReport,
-    /// The surface, laid flat.
+    /// The parameterised surface.
     pub model: MesoModel,
 }
 
-/// Flattens a surface. `E` is the error of the images and of the scratch storage, which takes the values of all views, 4
-/// bytes for each texel, view and light; the light form has none.
+/// Encodes a surface as a flat BTF. `E` is the error type of the images and of the scratch storage. The scratch storage
+/// takes 4 bytes for each texel, view and light; the light form needs none.
 ///
-/// The flat BTF is the same on any number of threads, of which depends how many views are in memory at once:
+/// The flat BTF does not depend on the number of threads, which only determines how many views are in memory at once:
 /// [`FlattenRecipe::bytes`].
 ///
 /// # Errors
-/// A recipe that cannot be followed, a surface that cannot be laid flat, images or scratch storage that fail; when the work
-/// is stopped.
+/// Returns an error if the recipe is invalid, if the surface cannot be parameterised, if images or scratch storage
+/// fail, or if the work is cancelled.
 pub fn encode<E: Send>(
     input: FlatInput<'_, E>,
     recipe: &FlattenRecipe,
@@ -90,7 +91,7 @@ pub fn encode<E: Send>(
     let single = |v: Vector| v.map(|c| c as f32);
     let normal = NormalMap::new(size, texels.points.iter().map(|p| single(p.normal)).collect())?;
     let (displacements, reference) = indirection_maps(&model, recipe, progress)?;
-    // Colours come last; the decoder is asked for indirections before.
+    // The decoder is used for indirections before colours exist.
     let black = DiffuseMap::new(size, vec![0; texels.points.len()])?;
     let parts =
         FlatBtfParts { reference, indirection: displacements.into(), normal, diffuse: black, values: FlatValues::None };
@@ -156,7 +157,8 @@ pub fn encode<E: Send>(
     Ok(FlatBtfEncoded { parts: decoder.into_parts(), mask, report, model })
 }
 
-/// What a view from above sees, and how that moves with the view.
+/// Measures the surface points that each view sees through the reference plane, as displacements from the view along
+/// the normal.
 fn indirection_maps<E>(
     model: &MesoModel,
     recipe: &FlattenRecipe,

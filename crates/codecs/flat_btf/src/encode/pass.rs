@@ -15,7 +15,7 @@ use brdfc_formats::direction::Vector;
 use brdfc_formats::flat_btf::DiffuseMap;
 use rayon::prelude::*;
 
-/// What a pass over all views needs.
+/// Context of a pass over all views.
 pub(super) struct Pass<'a> {
     pub(super) recipe: &'a FlattenRecipe,
     pub(super) model: &'a MesoModel,
@@ -27,8 +27,8 @@ pub(super) struct Pass<'a> {
 }
 
 impl Pass<'_> {
-    /// Makes the views, a few at a time, keeps those of the full form in scratch storage, and fits the diffuse colours on
-    /// the way. `outside` makes the caller's error of the field's.
+    /// Computes the views a few at a time, writes those of the full form to scratch storage, and accumulates the fit of
+    /// the diffuse colours. `outside` converts the field's error into the caller's.
     pub(super) fn run<F: LightField, E: Send>(
         &self,
         (field, outside): (&F, fn(F::Error) -> E),
@@ -75,7 +75,7 @@ impl Pass<'_> {
         Ok(DiffuseMap::from_colours(self.recipe.flat_texels as u32, &colours)?)
     }
 
-    /// The packed texels of one view, light by light.
+    /// Packed texels of one view, light by light.
     fn texels_of<F: LightField>(
         &self,
         field: &F,

@@ -1,19 +1,19 @@
-//! Look-ups into the finished maps that errors are measured with.
+//! Probes the finished maps to measure errors.
 
 use super::pass::Pass;
 use super::report::AssetErrors;
 use crate::measured::ViewImages;
-use crate::probes::{Directions, Probes, shown};
+use crate::probes::{Directions, Probes, direct_radiance};
 use crate::surface::Appearance;
 use brdfc_formats::FormatError;
 use brdfc_formats::direction_mesh::DirectionMesh;
 use brdfc_formats::flat_btf::FlatBtfDecoder;
 use std::convert::Infallible;
 
-/// Look-ups of each kind; each of a measured BTF reads an image, and there are an eighth of them.
+/// Probes of each kind. Measured BTFs use an eighth of them, because each reads an image.
 const PROBES: usize = 4096;
 
-/// Look-ups of both kinds.
+/// Probes of both kinds.
 pub(super) struct AllProbes {
     at_samples: Option<Probes>,
     between: Option<Probes>,
@@ -24,7 +24,7 @@ impl AllProbes {
         self.at_samples.iter_mut().chain(self.between.iter_mut()).collect()
     }
 
-    /// Errors of what a shader sees, and of the views that its factors stand for.
+    /// Errors of the decoded asset, and of the views that its factors replace.
     pub(super) fn measure(&self, decoder: &FlatBtfDecoder) -> AssetErrors {
         let asset = decoder.parts().values.factored();
         let stored = |probes: &Option<Probes>| Some(probes.as_ref()?.factored(asset?));
@@ -49,7 +49,7 @@ pub(super) fn computed_probes(
         return Ok(AllProbes { at_samples: None, between: None });
     }
     let truth = |view: usize, light: usize, at: [f64; 2]| -> Result<[f32; 3], Infallible> {
-        Ok(shown(pass.model, appearance, at, pass.views[view], pass.lights[light]))
+        Ok(direct_radiance(pass.model, appearance, at, pass.views[view], pass.lights[light]))
     };
     let Ok(at_samples) = Probes::at_samples(PROBES, decoder, pass.views, pass.lights, truth);
     let (view_mesh, light_mesh) = (DirectionMesh::new(&pass.recipe.views)?, DirectionMesh::new(&pass.recipe.lights)?);
@@ -59,7 +59,7 @@ pub(super) fn computed_probes(
     Ok(AllProbes { at_samples: Some(at_samples), between: Some(between) })
 }
 
-/// Against the images themselves.
+/// Probes that compare with the input images.
 pub(super) fn measured_probes<E: Send>(
     pass: &Pass<'_>,
     decoder: &FlatBtfDecoder,

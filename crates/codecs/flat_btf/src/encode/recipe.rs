@@ -1,4 +1,4 @@
-//! Everything that decides a flat BTF besides the surface and its appearance.
+//! Settings of a flat BTF other than the surface and its appearance.
 
 use crate::factored::FactoredTarget;
 use crate::fill::FillMethod;
@@ -6,17 +6,17 @@ use brdfc_formats::direction_set::DirectionSet;
 use brdfc_formats::flat_btf::IndirectionHeader;
 use serde::{Deserialize, Serialize};
 
-/// Which parts are made.
+/// Parts to encode.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, schemars::JsonSchema)]
 #[serde(rename_all = "kebab-case")]
 pub enum Form {
-    /// Everything: equation 1.
+    /// All parts: equation 1.
     Full,
     /// Without the flat BTF itself: normal map and diffuse colour.
     Light,
 }
 
-/// How a meso-structure is flattened.
+/// Settings for flattening a meso-structure.
 #[derive(Debug, Clone, PartialEq)]
 pub struct FlattenRecipe {
     /// Texels of the flat BTF per side: a power of two.
@@ -29,18 +29,18 @@ pub struct FlattenRecipe {
     pub views: DirectionSet,
     /// Lights.
     pub lights: DirectionSet,
-    /// How holes are filled.
+    /// Method for filling holes.
     pub fill: FillMethod,
-    /// Rays per texel that gather the light of one bounce; 0: none.
+    /// Rays per texel that gather the light of one bounce; 0 disables it.
     pub bounces: usize,
-    /// Rounds of stretch-reducing reweighting at most.
+    /// Maximum rounds of stretch-reducing reweighting.
     pub rounds: usize,
-    /// What the factors of the full form are to be like, which replace all views; `None` makes the light form.
+    /// Target of the factors that replace all views in the full form; `None` selects the light form.
     pub factored: Option<FactoredTarget>,
 }
 
 impl FlattenRecipe {
-    /// Which parts are made.
+    /// Parts to encode.
     pub fn form(&self) -> Form {
         if self.factored.is_some() { Form::Full } else { Form::Light }
     }

@@ -1,4 +1,4 @@
-//! Storage for the values of views, which together take more than memory holds.
+//! Storage for the values of all views, which may exceed memory.
 
 use super::error::EncodeError;
 use brdfc_formats::FormatError;
@@ -7,21 +7,21 @@ use std::collections::BTreeMap;
 use std::convert::Infallible;
 use std::sync::{Mutex, PoisonError};
 
-/// Storage for the time of one encoding. Calls may come from several threads, each for another view.
+/// Storage for the duration of one encoding. Several threads may call it at once, each for a different view.
 pub trait Scratch: Sync {
-    /// Why values cannot be written or read.
+    /// Error of writing or reading values.
     type Error: Send;
 
-    /// Keeps the values of a view.
+    /// Stores the values of a view.
     ///
     /// # Errors
-    /// When there is no room for them.
+    /// Returns an error if they cannot be stored.
     fn write_scratch(&self, view: u32, values: &[u8]) -> Result<(), Self::Error>;
 
-    /// Returns what was written for a view, any number of times.
+    /// Returns the values written for a view. May be called any number of times.
     ///
     /// # Errors
-    /// When it cannot be read.
+    /// Returns an error if they cannot be read.
     fn read_scratch(&self, view: u32) -> Result<Vec<u8>, Self::Error>;
 }
 
@@ -54,7 +54,7 @@ impl ScratchViews {
         Self { header }
     }
 
-    /// A view from its packed texels, light by light.
+    /// Builds a view from its packed texels, light by light.
     pub(super) fn view(&self, view: u32, texels: Vec<u32>) -> Result<FlatView, FormatError> {
         FlatView::new(FlatHeader { view, ..self.header.clone() }, texels)
     }
@@ -68,7 +68,7 @@ impl ScratchViews {
     /// Reads a view back.
     ///
     /// # Errors
-    /// Of the storage; another number of bytes than was written.
+    /// Returns errors of the storage, and an error if the number of bytes differs from the number written.
     pub(super) fn read<E: Send>(
         &self,
         view: u32,
@@ -78,7 +78,7 @@ impl ScratchViews {
         let length = 4 * (self.header.size as usize).pow(2) * self.header.lights.len();
         if values.len() != length {
             let (field, found) = (format!("scratch storage of view {view}"), format!("{} bytes", values.len()));
-            return Err(FormatError::whole(field, found, format!("{length}, as were written")).into());
+            return Err(FormatError::whole(field, found, format!("{length} as written")).into());
         }
         let texels = values.as_chunks::<4>().0.iter().map(|word| u32::from_le_bytes(*word)).collect();
         Ok(self.view(view, texels)?)

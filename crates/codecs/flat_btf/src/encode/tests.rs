@@ -1,4 +1,4 @@
-//! What goes through scratch storage comes back, and what fails stops the work.
+//! Views pass through scratch storage unchanged, and storage errors stop the work.
 
 use super::*;
 use crate::factored::FactoredTarget;
@@ -38,7 +38,7 @@ fn whole(recipe: &FlattenRecipe) -> (FlatBtfEncoded, MemoryScratch) {
     (made(recipe, &scratch, &()).unwrap(), scratch)
 }
 
-/// Scratch storage that does something else with one of the views.
+/// Scratch storage that corrupts one of the views.
 struct Broken<F> {
     inner: MemoryScratch,
     read: F,
@@ -62,7 +62,7 @@ impl<F: Fn(u32, Vec<u8>) -> Result<Vec<u8>, String> + Sync> Scratch for Broken<F
 }
 
 #[test]
-fn views_in_storage_are_those_that_are_factored() {
+fn factors_are_fitted_to_the_stored_views() {
     let recipe = recipe();
     let (found, scratch) = whole(&recipe);
     let views = ScratchViews::new(recipe.header(0));
@@ -74,7 +74,7 @@ fn views_in_storage_are_those_that_are_factored() {
 }
 
 #[test]
-fn the_light_form_keeps_nothing() {
+fn the_light_form_writes_no_scratch() {
     let (light, scratch) = whole(&FlattenRecipe { factored: None, ..recipe() });
     let (full, _) = whole(&recipe());
     assert_eq!(light.parts.values, FlatValues::None);
@@ -111,7 +111,7 @@ fn storage_that_fails_stops_the_work() {
         values.truncate(if view == 1 { 4093 } else { values.len() });
         Ok(values)
     };
-    assert_eq!(error(cut), "scratch storage of view 1: found 4093 bytes, expected 4096, as were written");
+    assert_eq!(error(cut), "scratch storage of view 1: found 4093 bytes, expected 4096 as written");
 }
 
 #[test]

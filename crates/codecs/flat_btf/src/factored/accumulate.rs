@@ -1,5 +1,5 @@
-//! One pass over the views: for each texel and light the sums over views of values, and of the base, times the basis. With them
-//! and the mask, weights and shadows of a texel can be solved for as often as wanted without its values.
+//! Sums over views, in one pass: for each texel and light, of values and of the base, times the basis. With these sums
+//! and the mask, weights and shadows of a texel can be solved any number of times without its values.
 
 use super::base::{Rays, StoredBase};
 use super::basis::Basis;
@@ -10,10 +10,10 @@ use brdfc_formats::container::rgb9e5;
 use brdfc_formats::flat_btf::factored::to_opponent;
 use rayon::prelude::*;
 
-/// Texels of a strip that is worked on at once.
+/// Texels of a strip, the unit of parallel work.
 const STRIP: usize = 128;
 
-/// Of a texel and a light, with values x, base o, and what a view counts m: `Σ m x₀` (lightness), `Σ m x·o`, `Σ m o·o`.
+/// Sums of a texel and a light, with values x, base o and view weight m: `Σ m x₀` (lightness), `Σ m x·o`, `Σ m o·o`.
 pub(super) type Scalars = [f32; 3];
 
 /// Sums of some texels: `Σ m Bᵀ x` and `Σ m Bᵀ o`, `texels x L x K` each, and scalars, `texels x L`. Bytes:
@@ -32,7 +32,8 @@ impl Sums {
         Self { bases: products.clone(), products, scalars: vec![[0.0; 3]; pairs] }
     }
 
-    /// Adds some views. The result depends on which come together, as rounding does. `base`: that of these texels.
+    /// Adds some views. The rounding of the result depends on how views are grouped. `base` is the base of these
+    /// texels.
     pub(super) fn add(
         &mut self,
         basis: &Basis,
@@ -42,7 +43,7 @@ impl Sums {
     ) {
         let (k, lights) = (basis.components, basis.lights);
         let columns = 3 * views.len();
-        // Of each light the rows of all these views, one below the other.
+        // For each light, the rows of all these views, concatenated.
         let rows_of = |light: usize| views.iter().flat_map(move |words| basis.pair(words.view, light));
         let rows: Vec<f32> = (0..lights).flat_map(rows_of).copied().collect();
         let sums = self.products.par_chunks_mut(STRIP * lights * k).zip(self.bases.par_chunks_mut(STRIP * lights * k));

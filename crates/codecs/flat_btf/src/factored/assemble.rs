@@ -1,4 +1,4 @@
-//! Parts from what was solved for.
+//! Assembles parts from the solution.
 
 use super::base::StoredBase;
 use super::basis::Basis;
@@ -13,16 +13,16 @@ use brdfc_formats::flat_btf::factored::{
 };
 use brdfc_formats::flat_btf::{FlatHeader, VisibilityMask};
 
-/// Shape of an asset: what decides its bytes.
+/// Parameters of an asset that determine its bytes.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) struct Shape {
     /// Groups of four components.
     pub(super) groups: u32,
-    /// Whether there is a factor per texel and light.
+    /// True if each texel and light has a factor of its own.
     pub(super) shadowed: bool,
 }
 
-/// The header of an asset of `size` texels per side, with all mipmap levels.
+/// Header of an asset of `size` texels per side, with all mipmap levels.
 pub(super) fn header(shape: Shape, size: u32, directions: &FlatHeader, chroma: ChromaRange) -> FactoredHeader {
     FactoredHeader {
         size,
@@ -38,7 +38,7 @@ pub(super) fn header(shape: Shape, size: u32, directions: &FlatHeader, chroma: C
     }
 }
 
-/// The part `basis`, and what a decoder makes of it.
+/// The part `basis`, and the basis as a decoder reconstructs it.
 pub(super) fn basis(header: FactoredHeader, base: &BaseTable, basis: &Basis) -> Result<(BasisMap, Basis), FormatError> {
     let header = FactoredHeader { steps: steps(basis, header.wide_groups), ..header };
     let all = header.steps.clone();
@@ -48,17 +48,18 @@ pub(super) fn basis(header: FactoredHeader, base: &BaseTable, basis: &Basis) -> 
     Ok((BasisMap::from_steps(header, base, step)?, rounded(basis, &all)))
 }
 
-/// What a texel that no view sees counts in mipmaps, of one that all see: where there is nothing else, it is what there is.
-const LEAST_COUNT: f32 = 1e-3;
+/// Mipmap weight of a texel that no view sees, relative to one that all views see: such texels only matter where there
+/// are no others.
+const MIN_COUNT: f32 = 1e-3;
 
-/// How much each texel counts in mipmaps: the share of views that see it.
+/// Mipmap weight of each texel: the share of views that see it.
 pub(super) fn counts(mask: &VisibilityMask) -> Vec<f32> {
     let (size, views) = (mask.size(), mask.views());
     let seen = |at: u32| (0..views).filter(|view| mask.is_seen(*view, [at % size, at / size])).count();
-    (0..size * size).map(|at| LEAST_COUNT.max(seen(at) as f32 / views as f32)).collect()
+    (0..size * size).map(|at| MIN_COUNT.max(seen(at) as f32 / views as f32)).collect()
 }
 
-/// An asset of the texels of a basis and their bases, row by row; in mipmaps they have these [`counts`].
+/// Assembles an asset from the solved texels and their bases, row by row; mipmaps weight texels by [`counts`].
 pub(super) fn asset(
     basis: BasisMap,
     base: &StoredBase,

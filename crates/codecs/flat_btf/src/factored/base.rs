@@ -1,5 +1,5 @@
-//! The base: a table of gloss for the whole surface, and of each texel a diffuse and a glossy albedo under its normal. It is
-//! fitted to what is seen and lit; shadows and components account for the rest.
+//! The base: a table of gloss for the whole surface and, for each texel, a diffuse and a glossy albedo under its
+//! normal. It is fitted to seen and lit values; shadows and components account for the rest.
 
 use super::lit::threshold;
 use super::masks::Masks;
@@ -12,13 +12,13 @@ use brdfc_formats::flat_btf::factored::{
 use brdfc_formats::flat_btf::{FlatHeader, NormalMap, unit_vectors};
 use rayon::prelude::*;
 
-/// Texels of a strip that is worked on at once.
+/// Texels of a strip, the unit of parallel work.
 const STRIP: usize = 128;
-/// What a value counts in a view that does not see the texel: enough for texels that no view sees.
+/// Weight of a value in a view that does not see the texel. It defines texels that no view sees.
 const UNSEEN: f32 = 1e-3;
-/// Cosines below which a pair does not count: errors of normals are largest there.
-pub(super) const LEAST_COSINE: f32 = 0.1;
-/// Most of what the table shows that a texel may.
+/// Cosines below which a pair is ignored: errors of normals are largest there.
+pub(super) const MIN_COSINE: f32 = 0.1;
+/// Maximum gloss of a texel, relative to the table.
 const MAX_GLOSS: f32 = 2.0;
 
 /// Sampled directions as unit vectors.
@@ -34,23 +34,24 @@ impl Rays {
     }
 }
 
-/// Normals as they are stored.
+/// Normals after quantisation.
 pub(super) fn stored_normals(map: &NormalMap) -> Vec<[f32; 3]> {
     map.normals().iter().map(|normal| slope_texel(slope_words(*normal))).collect()
 }
 
-/// What a difference of such a value counts: equal steps of its cube root look alike.
+/// Perceptual weight of a difference in such a value: equal steps of its cube root look alike.
 #[inline]
-pub(super) fn visible([r, g, b]: [f32; 3]) -> f32 {
+pub(super) fn perceptual_weight([r, g, b]: [f32; 3]) -> f32 {
     let root = cube_root(0.05 + (r + g + b) * (1.0 / 3.0));
     1.0 / (root * root * root * root)
 }
 
-/// Diffuse albedo, gloss.
+/// Diffuse albedo (three), gloss.
 pub(super) type Albedo = [f32; 4];
 
-/// Sums over views that albedos are solved from, of each texel and light: with weight w, value x, cosine c, gloss g of the table
-/// in red, green, blue `w c²`, `w c g` (three), `w g·g`, `w c x` (three), `w g·x`, and the cube root of its green.
+/// Sums over views for solving albedos, for each texel and light: with weight w, value x, cosine c, and gloss g of the
+/// table in red, green, blue, they are `w c²`, `w c g` (three), `w g·g`, `w c x` (three), `w g·x`, and the cube root of
+/// the green value.
 #[derive(Debug, Clone)]
 pub(super) struct AlbedoSums {
     lights: usize,
@@ -87,10 +88,10 @@ impl AlbedoSums {
                         let seen = if masks.is_seen(first + texel, view.view) { 1.0 } else { UNSEEN };
                         sums[9] += seen * cube_root(x[1]);
                         let Some(angles) = BaseAngles::new(normal, outgoing, *incoming) else { continue };
-                        if angles.cosine < LEAST_COSINE || angles.outgoing < LEAST_COSINE {
+                        if angles.cosine < MIN_COSINE || angles.outgoing < MIN_COSINE {
                             continue;
                         }
-                        let (weight, c) = (seen * visible(x), angles.cosine);
+                        let (weight, c) = (seen * perceptual_weight(x), angles.cosine);
                         let g = table.at(&angles.taps).map(|t| t * angles.geometry);
                         sums[0] += weight * c * c;
                         for k in 0..3 {
@@ -105,7 +106,7 @@ impl AlbedoSums {
         });
     }
 
-    /// Which lights reach each texel: `texels x L`.
+    /// For each texel and light, true if the light reaches the texel: `texels x L`.
     pub(super) fn lit(&self) -> Vec<bool> {
         let of_texel = |numbers: &[[f32; 10]]| -> Vec<bool> {
             let mut sums: Vec<f32> = numbers.iter().map(|sums| sums[9]).collect();
@@ -115,7 +116,7 @@ impl AlbedoSums {
         self.numbers.par_chunks(self.lights).flat_map_iter(of_texel).collect()
     }
 
-    /// The albedos that fit best where lights reach.
+    /// Least squares albedos over the lights that reach each texel.
     pub(super) fn solve(&self) -> Vec<Albedo> {
         let lit = self.lit();
         let texels = self.numbers.par_chunks(self.lights).zip(lit.par_chunks(self.lights));
@@ -145,7 +146,7 @@ impl AlbedoSums {
 #[derive(Debug, Clone)]
 pub(super) struct StoredBase {
     pub(super) table: BaseTable,
-    /// Of diffuse albedo and gloss.
+    /// Ranges of diffuse albedo (three) and gloss.
     ranges: [WeightRange; 4],
     albedos: Vec<[u8; 4]>,
     slopes: Vec<[u16; 2]>,
@@ -153,7 +154,7 @@ pub(super) struct StoredBase {
 }
 
 impl StoredBase {
-    /// Rounds what was found.
+    /// Quantises a fitted base.
     pub(super) fn new(table: BaseTable, albedos: &[Albedo], normals: &NormalMap) -> Self {
         let ranges: [WeightRange; 4] =
             weight_ranges(albedos.as_flattened(), 4).try_into().expect("one to each of four numbers");
@@ -168,7 +169,7 @@ impl StoredBase {
         Self { table, ranges, albedos, slopes, texels }
     }
 
-    /// Some texels alone.
+    /// The base of some texels alone.
     pub(super) fn of(&self, texels: &[usize]) -> Self {
         Self {
             table: self.table.clone(),
@@ -179,7 +180,7 @@ impl StoredBase {
         }
     }
 
-    /// What the numbers of both layers stand for.
+    /// Ranges of the numbers of both layers.
     pub(super) fn ranges(&self) -> Vec<WeightRange> {
         [self.ranges, slope_ranges()].concat()
     }
@@ -189,12 +190,12 @@ impl StoredBase {
         &self.albedos
     }
 
-    /// Numbers of the second.
+    /// Numbers of the second layer.
     pub(super) fn slopes(&self) -> &[[u16; 2]] {
         &self.slopes
     }
 
-    /// Lightness and opponent colours of a texel in a view under a light that arrives in full.
+    /// Lightness and opponent colours of a texel in a view under an unshadowed light.
     #[inline]
     pub(super) fn opponent(&self, texel: usize, view: [f32; 3], light: [f32; 3]) -> [f32; 3] {
         to_opponent(self.table.colour(&self.texels[texel], view, light))

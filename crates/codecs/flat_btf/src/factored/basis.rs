@@ -1,4 +1,4 @@
-//! Components of each view and light, in numbers.
+//! Components of each view and light, as floats.
 
 use super::matrix::{Rows, add_product, add_square, packed_length};
 use nalgebra::DMatrix;
@@ -38,13 +38,14 @@ impl Basis {
         Squares { lights: self.lights, length, numbers }
     }
 
-    /// The leading components alone.
+    /// The basis truncated to its leading components.
     pub(super) fn truncated(&self, components: usize) -> Self {
         let values = self.values.chunks_exact(self.components).flat_map(|row| row[..components].iter().copied());
         Self { components, values: values.collect(), ..*self }
     }
 
-    /// The same product with orthonormal columns, by falling energy of their weights. `weights`: texels x K.
+    /// Returns the same product with orthonormal columns, sorted by decreasing energy of their weights. `weights`:
+    /// texels x K.
     pub(super) fn sorted(&self, weights: &mut Vec<f32>) -> Self {
         let k = self.components;
         let own = gram(&self.values, k);
@@ -55,7 +56,7 @@ impl Basis {
         // Own = V Λ Vᵀ: B V Λ^-½ is orthonormal, weights become W V Λ^½.
         let eigen = own.symmetric_eigen();
         let floor = eigen.eigenvalues.max() * 1e-12;
-        // Nothing but black.
+        // All values are black.
         if floor <= 0.0 {
             return self.clone();
         }
@@ -77,19 +78,19 @@ impl Basis {
 #[derive(Debug, Clone)]
 pub(super) struct Squares {
     lights: usize,
-    /// Numbers of a packed matrix.
+    /// Length of a packed matrix.
     pub(super) length: usize,
     numbers: Vec<f32>,
 }
 
 impl Squares {
-    /// Of a view a row per light.
+    /// For a view, one row per light.
     pub(super) fn view(&self, view: usize) -> Rows<'_> {
         let length = self.lights * self.length;
         Rows::new(&self.numbers[view * length..][..length], self.lights, self.length)
     }
 
-    /// Of a light a row per view.
+    /// For a light, one row per view.
     pub(super) fn light(&self, light: usize, views: usize) -> Rows<'_> {
         let stride = self.lights * self.length;
         let numbers = &self.numbers[light * self.length..];
@@ -99,7 +100,7 @@ impl Squares {
 
 /// `Aᵀ A` of rows of k numbers, in double precision.
 fn gram(rows: &[f32], k: usize) -> DMatrix<f64> {
-    // Fixed pieces, so that the sum does not depend on threads.
+    // Fixed chunks, so that the sum does not depend on the number of threads.
     let pieces: Vec<DMatrix<f64>> = rows
         .par_chunks(4096 * k)
         .map(|piece| {
@@ -118,7 +119,7 @@ fn gram(rows: &[f32], k: usize) -> DMatrix<f64> {
     DMatrix::from_fn(k, k, |row, column| lower[(row.max(column), row.min(column))])
 }
 
-/// Rows of k numbers times a matrix.
+/// Multiplies rows of k numbers with a matrix.
 fn turned(rows: &[f32], matrix: &DMatrix<f64>) -> Vec<f32> {
     let k = matrix.nrows();
     let by_rows: Vec<f32> = (0..k * k).map(|at| matrix[(at / k, at % k)] as f32).collect();

@@ -1,4 +1,4 @@
-//! A basis that might do: fitted to some texels, tried on others.
+//! Candidate bases: fitted to some texels, tested on others.
 
 use super::accumulate::Sums;
 use super::assemble::{self, Shape};
@@ -13,15 +13,15 @@ use brdfc_formats::FormatError;
 use brdfc_formats::flat_btf::FlatHeader;
 use brdfc_formats::flat_btf::factored::{ChromaRange, FactoredErrors, GROUP};
 
-/// Views that are added to sums at once.
+/// Number of views added to sums at once.
 pub(super) const VIEWS_AT_ONCE: usize = 8;
-/// Rounds of a fit from a first guess, and of one that goes on with more texels.
+/// Rounds of a fit from a first guess, and of one that continues with more texels.
 const FIRST_ROUNDS: usize = 3;
 const MORE_ROUNDS: usize = 3;
-/// Error of a value that weights are not to follow: the square of a difference in opponent colours.
+/// Noise variance of a value, as a squared difference in opponent colours: regularises weights.
 const NOISE_VARIANCE: f64 = 30.0;
 
-/// A basis with its weights at the texels that it was fitted to.
+/// A basis with the weights of the texels that it was fitted to.
 #[derive(Debug, Clone)]
 pub(super) struct Candidate {
     pub(super) shape: Shape,
@@ -29,7 +29,7 @@ pub(super) struct Candidate {
 }
 
 impl Candidate {
-    /// Fits one to texels.
+    /// Fits a candidate to texels.
     pub(super) fn new(values: &Values, shape: Shape) -> Self {
         let mut shadows = first_shadows(values, shape.shadowed);
         let mut fit = Fit::guess(values, &shadows, shape.groups as usize * GROUP);
@@ -37,20 +37,20 @@ impl Candidate {
         Self { shape, fit }
     }
 
-    /// Goes on with other texels.
+    /// Continues the fit with other texels.
     pub(super) fn refine(&mut self, values: &Values) {
         let mut shadows = first_shadows(values, self.shape.shadowed);
         (0..MORE_ROUNDS).for_each(|_| self.fit.improve(values, &mut shadows, self.shape.shadowed));
     }
 
-    /// The leading components alone: nearly the best of so many where there are no shadows.
+    /// Keeps the leading components: near-optimal where there are no shadows.
     pub(super) fn truncated(&self, groups: u32) -> Self {
         let (all, k) = (self.fit.basis.components, groups as usize * GROUP);
         let weights = self.fit.weights.chunks_exact(all).flat_map(|row| row[..k].iter().copied()).collect();
         Self { shape: Shape { groups, ..self.shape }, fit: Fit { basis: self.fit.basis.truncated(k), weights } }
     }
 
-    /// What it needs to be solved for texels.
+    /// Quantised basis and products for solving texels.
     pub(super) fn rounded(
         &self,
         size: u32,
@@ -64,7 +64,7 @@ impl Candidate {
         Ok(Rounded { map, basis, squares, prior: self.fit.prior(NOISE_VARIANCE), shadowed: self.shape.shadowed })
     }
 
-    /// Its errors at texels that it was not fitted to; `base`: that of these texels.
+    /// Errors at texels outside the fit; `base` is the base of these texels.
     pub(super) fn errors(
         &self,
         held_out: &Sample,
@@ -93,7 +93,7 @@ impl Candidate {
         }
         let masks = held_out.masks.first(count);
         let texels = solve_texels(&sums, &masks, &rounded);
-        // Held-out texels stand in a square of no meaning: its mipmaps are not looked at.
+        // Held-out texels form an arbitrary square, whose mipmaps are not used.
         let counts = vec![1.0; count];
         let asset = assemble::asset(rounded.map, &base, &texels, &counts)?;
         Ok(errors(&asset, held_out, count, |k| [(k % size) as u32, (k / size) as u32]))

@@ -1,4 +1,4 @@
-//! How many components: the fewest bytes that meet a target, or the least error within bytes.
+//! Chooses the number of components: the fewest bytes that meet a target, or the least error within a number of bytes.
 
 use super::assemble::Shape;
 use super::base::StoredBase;
@@ -11,25 +11,25 @@ use brdfc_formats::FormatError;
 use brdfc_formats::flat_btf::FlatHeader;
 use brdfc_formats::flat_btf::factored::{ChromaRange, GROUP};
 
-/// What candidates are fitted to and tried on.
+/// Data that candidates are fitted to and tested on.
 pub(super) struct Trials<'a> {
     pub(super) values: &'a Values,
     pub(super) held_out: &'a Sample,
-    /// The base of what is held out.
+    /// Base of the held-out texels.
     pub(super) base: &'a StoredBase,
     pub(super) directions: &'a FlatHeader,
     pub(super) chroma: ChromaRange,
     pub(super) progress: &'a dyn Progress,
 }
 
-/// How much of a target trials may take: the whole asset errs a little more than they do.
+/// Share of the target error that trials may have: the error of the whole asset is slightly larger.
 const MARGIN: f64 = 0.95;
 
-/// What more bytes have to make of an error to be worth it.
+/// Factor below which an error must fall to justify more bytes.
 const BETTER: f32 = 0.99;
 
-/// The candidate with the least error where texels are seen; of those that are about as good the one that was tried first, which
-/// has the fewest bytes.
+/// The candidate with the least error where texels are seen. Among similar ones it is the first, which has the fewest
+/// bytes.
 #[derive(Default)]
 struct Least {
     error: f32,
@@ -37,7 +37,7 @@ struct Least {
 }
 
 impl Least {
-    /// Looks at the candidate that was tried last.
+    /// Considers the candidate of the last trial.
     fn take(&mut self, candidate: Candidate, tried: &[FactoredTrial]) {
         let Some(trial) = tried.last() else { return };
         if self.candidate.is_none() || trial.errors.seen_mean < BETTER * self.error {
@@ -47,7 +47,7 @@ impl Least {
 }
 
 impl Trials<'_> {
-    /// The candidate that a target asks for, and all that were tried.
+    /// Returns the candidate for a target, and all trials.
     pub(super) fn choose<E>(&self, target: FactoredTarget) -> Result<(Candidate, Vec<FactoredTrial>), FactorError<E>> {
         let mut tried = Vec::new();
         self.progress.stage(Stage::Try, 0)?;
@@ -72,7 +72,7 @@ impl Trials<'_> {
         Ok(candidate)
     }
 
-    /// The fewest bytes with a mean error of at most so much where texels are seen; the least error where nothing has.
+    /// Finds the fewest bytes with a mean error of at most `most` where texels are seen, or else the least error.
     fn meet<E>(&self, most: f64, tried: &mut Vec<FactoredTrial>) -> Result<Candidate, FactorError<E>> {
         let most = MARGIN * most;
         let met = |tried: &[FactoredTrial]| tried.last().is_some_and(|trial| f64::from(trial.errors.seen_mean) <= most);
@@ -103,7 +103,7 @@ impl Trials<'_> {
         Ok(best.map(|(_, candidate)| candidate).or(least.candidate).unwrap_or(plain))
     }
 
-    /// The least error of what takes at most so many bytes.
+    /// Finds the least error with at most `most` bytes.
     fn fit_into<E>(&self, most: u64, tried: &mut Vec<FactoredTrial>) -> Result<Candidate, FactorError<E>> {
         let fitting = |shadowed: bool| -> Result<Vec<Shape>, FormatError> {
             let shapes = shapes(self.directions, shadowed)?;
@@ -117,13 +117,13 @@ impl Trials<'_> {
             _ => Candidate::new(self.values, shape),
         };
         let mut least = Least::default();
-        // More components are not always better where texels are seen: they go to what was filled in as well.
+        // More components do not always reduce the error where texels are seen, because they also fit filled texels.
         for shape in plain.into_iter().chain(shadowed) {
             let candidate = self.attempt(truncated(shape), tried)?;
             least.take(candidate, tried);
         }
         least.candidate.ok_or_else(|| {
-            FormatError::whole("bytes of factors", most.to_string(), "those of the smallest asset or more").into()
+            FormatError::whole("bytes of factors", most.to_string(), "at least the bytes of the smallest asset").into()
         })
     }
 }

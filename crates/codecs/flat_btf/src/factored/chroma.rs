@@ -1,11 +1,11 @@
-//! The colours that texels have: what decoders keep sums of components within.
+//! Range of colours that texels have: decoders clamp sums of components to it.
 
 use brdfc_formats::container::rgb9e5;
 use brdfc_formats::flat_btf::factored::{ChromaRange, to_opponent};
 use brdfc_formats::flat_btf::{FlatView, VisibilityMask};
 use rayon::prelude::*;
 
-/// Lightness of a grey of 0.5 % of a white diffuser: what is darker has no colour that can be told.
+/// Lightness of a grey of 0.5 % of a white diffuser: darker values have no measurable colour.
 const DARK: f32 = 20.0;
 /// Texels of a unit of parallel work.
 const CHUNK: usize = 4096;
@@ -13,7 +13,7 @@ const CHUNK: usize = 4096;
 /// Smallest and largest ratio of each opponent colour to lightness.
 type Ratios = [[f32; 2]; 2];
 
-/// The ratios of texels that were looked at.
+/// Range of the ratios of the texels visited.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Chroma(Ratios);
 
@@ -26,7 +26,8 @@ impl Chroma {
         Self([0, 1].map(|k: usize| [self.0[k][0].min(other.0[k][0]), self.0[k][1].max(other.0[k][1])]))
     }
 
-    /// Takes every texel that a view sees, under one light each: another one in each view and of each next texel.
+    /// Adds every texel that a view sees under one light each; the light changes from view to view and from texel to
+    /// texel.
     pub(super) fn add_view(&mut self, view: &FlatView, mask: &VisibilityMask) {
         let header = view.header();
         let (size, lights, number) = (header.size, header.lights.len(), header.view);
@@ -43,7 +44,7 @@ impl Chroma {
         *self = chunks.into_iter().fold(*self, Self::and);
     }
 
-    /// The range of what was looked at; all colours where nothing was bright enough.
+    /// Range of the texels visited; all colours if none was bright enough.
     pub(super) fn range(self) -> ChromaRange {
         if self.0[0][0] > self.0[0][1] { ChromaRange::ALL } else { ChromaRange::around(self.0) }
     }

@@ -1,4 +1,4 @@
-//! From views to a factored flat BTF, in passes over the views.
+//! Factors views, in passes over them.
 
 use super::accumulate::Sums;
 use super::assemble;
@@ -20,17 +20,17 @@ use brdfc_formats::FormatError;
 use brdfc_formats::flat_btf::{FlatHeader, FlatView, NormalMap, VisibilityMask};
 use rayon::prelude::*;
 
-/// Texels that candidates are fitted to before one is chosen.
+/// Number of texels that candidates are fitted to before one is chosen.
 const TRIAL_TEXELS: usize = 1000;
-/// Texels that errors are measured at: a square number.
+/// Number of texels that errors are measured at: a square number.
 const HELD_OUT: usize = 484;
-/// Bytes of views that are in memory at once, as far as one fits in.
+/// Maximum bytes of views in memory at once, but at least one view.
 const VIEW_BYTES: usize = 256 << 20;
 
-/// Factors a flat BTF. `view` gives one view after the other, in as many passes as there are slabs of both kinds, and one
-/// before.
+/// Factors a flat BTF. `view` returns views in order, in one initial pass and one pass per slab of both kinds.
 ///
-/// With V views, L lights, T² texels, K components, N texels of the fit, n texels of a slab, p threads it takes about, bytes:
+/// With V views, L lights, T² texels, K components, N texels of the fit, n texels of a slab, p threads it takes about
+/// these bytes:
 ///
 /// - `24 V L N` values of the fit, at most [`FactoredRecipe::training_bytes`], and `4 V L (N + 484)` words of the first pass;
 /// - `4 V L K (K + 1)` products of the basis, two tables of them;
@@ -42,7 +42,8 @@ const VIEW_BYTES: usize = 256 << 20;
 /// The asset is the same on any number of threads.
 ///
 /// # Errors
-/// Of `view`; views that do not belong together or to the mask; a target that nothing can meet; when the work is stopped.
+/// Returns errors of `view`, and an error if views do not match each other or the mask, if the target cannot be met, or
+/// if the work is cancelled.
 pub fn factor<E: Send>(
     recipe: &FactoredRecipe,
     normals: &NormalMap,
@@ -51,7 +52,7 @@ pub fn factor<E: Send>(
     progress: &dyn Progress,
 ) -> Result<Factored, FactorError<E>> {
     if normals.size() != mask.size() {
-        let allowed = format!("{}, that of the mask", mask.size());
+        let allowed = format!("{}, the size of the mask", mask.size());
         return Err(FormatError::whole("size of the part normal", normals.size().to_string(), allowed).into());
     }
     let reader = Reader { mask, view };
@@ -113,7 +114,7 @@ pub fn factor<E: Send>(
 struct Slabs {
     firsts: Vec<usize>,
     length: usize,
-    /// Of the surface.
+    /// Texels of the surface.
     texels: usize,
 }
 
@@ -124,12 +125,12 @@ impl Slabs {
         Self { firsts: (0..texels).step_by(length).collect(), length, texels }
     }
 
-    /// The texels of one slab after the other.
+    /// Iterates over the slabs.
     fn each(&self) -> impl Iterator<Item = Vec<usize>> + use<'_> {
         self.firsts.iter().map(|first| (*first..self.texels.min(first + self.length)).collect())
     }
 
-    /// The words of the texels from `first` on in some views.
+    /// Words of some views for the texels from `first` on.
     fn words<'a>(&self, batch: std::ops::Range<usize>, views: &'a [FlatView], first: usize) -> Vec<ViewWords<'a>> {
         let words =
             |(view, pack): (usize, &'a FlatView)| ViewWords { view, words: pack.texels(), first, stride: self.texels };
@@ -137,14 +138,14 @@ impl Slabs {
     }
 }
 
-/// Where views come from.
+/// Reads views through a callback.
 struct Reader<'a, F> {
     mask: &'a VisibilityMask,
     view: F,
 }
 
 impl<E: Send, F: Fn(u32) -> Result<FlatView, E> + Sync> Reader<'_, F> {
-    /// The numbers of the views that are in memory together.
+    /// Numbers of the views that are in memory together.
     fn batches(&self, directions: &FlatHeader) -> impl Iterator<Item = std::ops::Range<usize>> + use<E, F> {
         let views = directions.views.len();
         let bytes = 4 * (directions.size as usize).pow(2) * directions.lights.len();
@@ -152,7 +153,7 @@ impl<E: Send, F: Fn(u32) -> Result<FlatView, E> + Sync> Reader<'_, F> {
         (0..views).step_by(at_once).map(move |first| first..views.min(first + at_once))
     }
 
-    /// Some views, checked against the mask and, once they are known, the directions of the first.
+    /// Reads some views and checks them against the mask and, once known, the directions of the first view.
     fn read(
         &self,
         views: std::ops::Range<usize>,
@@ -163,23 +164,26 @@ impl<E: Send, F: Fn(u32) -> Result<FlatView, E> + Sync> Reader<'_, F> {
             let view = view.map_err(FactorError::View)?;
             let header = view.header();
             let found = [header.size, header.view, header.views.len() as u32];
-            let wanted = [self.mask.size(), number as u32, self.mask.views()];
-            if found != wanted {
-                let told = |[size, view, views]: [u32; 3]| format!("view {view} of {views}, {size} x {size} texels");
-                return Err(
-                    FormatError::whole("part flat", told(found), format!("{}, as the mask", told(wanted))).into()
-                );
+            let expected = [self.mask.size(), number as u32, self.mask.views()];
+            if found != expected {
+                let label = |[size, view, views]: [u32; 3]| format!("view {view} of {views}, {size} x {size} texels");
+                return Err(FormatError::whole(
+                    "part flat",
+                    label(found),
+                    format!("{}, like the mask", label(expected)),
+                )
+                .into());
             }
             if directions.is_some_and(|first| (&first.views, &first.lights) != (&header.views, &header.lights)) {
                 let field = format!("directions of view {number}");
-                return Err(FormatError::whole(field, "other directions", "those of view 0").into());
+                return Err(FormatError::whole(field, "other directions", "the directions of view 0").into());
             }
             Ok(view)
         };
         read.into_iter().map(checked).collect()
     }
 
-    /// The base of all texels: its table fitted to some, albedos slab by slab.
+    /// Fits the base of all texels: its table to some, albedos slab by slab.
     fn base(
         &self,
         recipe: &FactoredRecipe,
@@ -210,7 +214,7 @@ impl<E: Send, F: Fn(u32) -> Result<FlatView, E> + Sync> Reader<'_, F> {
         Ok(StoredBase::new(table, &albedos, normals))
     }
 
-    /// Weights and shadows of all texels, slab by slab.
+    /// Solves weights and shadows of all texels, slab by slab.
     fn solve(
         &self,
         recipe: &FactoredRecipe,

@@ -1,6 +1,6 @@
-//! The table of the base, fitted to some texels by alternating least squares: the table, then albedos of each texel.
+//! Fits the table of the base to some texels by alternating least squares: the table, then the albedos of each texel.
 
-use super::base::{Albedo, AlbedoSums, LEAST_COSINE, Rays, visible};
+use super::base::{Albedo, AlbedoSums, MIN_COSINE, Rays, perceptual_weight};
 use super::sample::Sample;
 use super::words::ViewWords;
 use brdfc_formats::FormatError;
@@ -9,20 +9,20 @@ use brdfc_formats::flat_btf::factored::{BaseAngles, BaseTable, DIFFERENCE_ANGLES
 use nalgebra::{DMatrix, DVector};
 use rayon::prelude::*;
 
-/// Texels that the table is fitted to.
+/// Number of texels that the table is fitted to.
 const TEXELS: usize = 1000;
-/// Texels whose squares are summed together.
+/// Number of texels whose squares are summed together.
 const STRIP: usize = 125;
 const ROUNDS: usize = 3;
 const ENTRIES: usize = HALF_ANGLES * DIFFERENCE_ANGLES;
-/// Shares of the mean of the diagonal that pull entries to a line over half angles, and to their neighbours over difference
-/// angles: holes are filled, noise is smoothed.
+/// Regularisation, as shares of the mean of the diagonal: curvature over half angles, slope over difference angles. It
+/// fills holes and smooths noise.
 const CURVATURE: f64 = 3e-4;
 const SLOPE: f64 = 3e-5;
-/// Beyond this entry over half angles, about 25 degrees, one of so many pairs counts.
+/// Beyond this entry over half angles, about 25 degrees, only one in `THINNED` pairs is used.
 const NARROW: usize = 26 * DIFFERENCE_ANGLES;
 const THINNED: usize = 7;
-/// Beyond this entry, about 40 degrees, what is seen is taken for diffuse at first.
+/// Beyond this entry, about 40 degrees, values initially count as diffuse.
 const WIDE: usize = 33 * DIFFERENCE_ANGLES;
 
 /// Normal equations of the table.
@@ -36,7 +36,7 @@ impl Equations {
         Self { matrix: DMatrix::zeros(ENTRIES, ENTRIES), right: [(); 3].map(|()| DVector::zeros(ENTRIES)) }
     }
 
-    /// A pair whose gloss is `difference`, `scale` times the table.
+    /// Adds a pair with glossy remainder `difference`; its gloss is `scale` times the table.
     fn add(&mut self, angles: &BaseAngles, scale: f64, weight: f64, difference: [f64; 3]) {
         for (at, share) in angles.taps {
             let share = weight * scale * f64::from(share);
@@ -55,7 +55,7 @@ impl Equations {
         self
     }
 
-    /// The table that fits best.
+    /// Least squares solution for the table.
     fn solve(mut self) -> Vec<[f32; 3]> {
         let mean = self.matrix.trace() / ENTRIES as f64;
         let mut pull = |share: f64, terms: &[(usize, f64)]| {
@@ -77,7 +77,7 @@ impl Equations {
                 pull(1e-9, &[(at, 1.0)]);
             }
         }
-        // What is black has no equations.
+        // Black entries have no equations.
         for k in 0..ENTRIES {
             self.matrix[(k, k)] += f64::MIN_POSITIVE;
         }
@@ -88,10 +88,10 @@ impl Equations {
     }
 }
 
-/// A table for texels with these normals.
+/// Fits a table to texels with these normals.
 ///
 /// # Errors
-/// None that values of views can lead to.
+/// Returns an error only for invalid tables, which values of views never produce.
 pub(super) fn fit_table(sample: &Sample, normals: &[[f32; 3]], rays: &Rays) -> Result<BaseTable, FormatError> {
     let fit = TableFit { sample, normals, rays, texels: sample.texels.len().min(TEXELS) };
     let mut table = BaseTable::black();
@@ -122,7 +122,7 @@ impl TableFit<'_> {
         sums
     }
 
-    /// Pairs of a texel that count: what is seen, lit, and not at a grazing angle.
+    /// Visits the pairs of a texel that are used: seen, lit, and not at a grazing angle.
     fn each_pair(&self, texel: usize, lit: &[bool], mut pair: impl FnMut(&BaseAngles, usize, [f32; 3])) {
         let lights = self.rays.lights.len();
         for (view, outgoing) in self.rays.views.iter().enumerate() {
@@ -131,8 +131,8 @@ impl TableFit<'_> {
             }
             for (light, incoming) in self.rays.lights.iter().enumerate().filter(|(l, _)| lit[texel * lights + l]) {
                 if let Some(angles) = BaseAngles::new(self.normals[texel], *outgoing, *incoming)
-                    && angles.cosine >= LEAST_COSINE
-                    && angles.outgoing >= LEAST_COSINE
+                    && angles.cosine >= MIN_COSINE
+                    && angles.outgoing >= MIN_COSINE
                 {
                     pair(&angles, view * lights + light, rgb9e5::decode(self.sample.word(texel, view, light)));
                 }
@@ -140,12 +140,12 @@ impl TableFit<'_> {
         }
     }
 
-    /// Medians far from the mirrored direction, and a gloss of 1.
+    /// Initial albedos: medians far from the mirrored direction, and a gloss of 1.
     fn first_albedos(&self, lit: &[bool]) -> Vec<Albedo> {
         let of_texel = |texel: usize| {
             let mut seen = [const { Vec::new() }; 3];
             self.each_pair(texel, lit, |angles, _, value| {
-                if angles.taps[0].0 >= WIDE && angles.cosine > 2.0 * LEAST_COSINE {
+                if angles.taps[0].0 >= WIDE && angles.cosine > 2.0 * MIN_COSINE {
                     seen.iter_mut().zip(value).for_each(|(seen, c)| seen.push(c / angles.cosine));
                 }
             });
@@ -169,7 +169,7 @@ impl TableFit<'_> {
                         let diffuse = [r, g, b].map(|albedo| albedo * angles.cosine);
                         let rest = [0, 1, 2].map(|k: usize| f64::from(value[k] - diffuse[k]));
                         let scale = f64::from(gloss * angles.geometry);
-                        equations.add(angles, scale, f64::from(visible(value)), rest);
+                        equations.add(angles, scale, f64::from(perceptual_weight(value)), rest);
                     }
                 });
             }

@@ -1,4 +1,4 @@
-//! Weights and shadows of each texel by itself, from its sums over the views: no values are needed any more.
+//! Solves weights and shadows of each texel independently, from its sums over the views, without its values.
 
 use super::accumulate::{Scalars, Sums};
 use super::basis::{Basis, Squares};
@@ -12,24 +12,24 @@ use rayon::prelude::*;
 
 /// Rounds of weights and shadows; they converge in about four.
 const ROUNDS: usize = 4;
-/// Masks whose products are made at once.
+/// Number of masks whose products are computed at once.
 const MASKS: usize = 16;
 
-/// What is solved for of some texels.
+/// Solution for some texels.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct Texels {
-    /// Texels x K, best for the rounded shadows.
+    /// Texels x K, optimal for the rounded shadows.
     pub(super) weights: Vec<f32>,
-    /// Texels x L, as stored; none without shadows.
+    /// Texels x L, as stored; empty without shadows.
     pub(super) shadows: Vec<u8>,
 }
 
-/// A texel's place, weights and stored shadows.
+/// A texel's index, weights and stored shadows.
 type SolvedTexel = (usize, Vec<f32>, Vec<u8>);
 
-/// Solves for all texels of the sums. The prior is added to the diagonal for weights.
+/// Solves all texels of the sums. The prior is added to the diagonal for weights.
 ///
-/// Besides sums and results: `2 L K (K + 1)` bytes for each of the masks that are worked on at once, 16 per thread.
+/// In addition to sums and results it takes `2 L K (K + 1)` bytes for each mask in progress, 16 per thread.
 pub(super) fn solve_texels(sums: &Sums, masks: &Masks, rounded: &Rounded) -> Texels {
     let Rounded { basis, squares, prior, shadowed, .. } = rounded;
     let shadowed = *shadowed;
@@ -90,7 +90,7 @@ struct TexelSums<'a> {
     scalars: &'a [Scalars],
 }
 
-/// Room for one texel after the other.
+/// Scratch memory for solving texels one after the other.
 struct Solver<'a> {
     components: usize,
     lights: usize,
@@ -116,7 +116,7 @@ impl<'a> Solver<'a> {
         }
     }
 
-    /// Weights and stored shadows.
+    /// Solves the weights and stored shadows of a texel.
     fn texel(&mut self, sums: TexelSums<'_>, products: &[f32], shadowed: bool) -> (Vec<f32>, Vec<u8>) {
         if !shadowed {
             return (self.weights(sums, products, &vec![1.0; self.lights]), Vec::new());

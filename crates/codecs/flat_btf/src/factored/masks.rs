@@ -1,8 +1,8 @@
-//! Which views see a texel, as bits: texels with equal masks share the products of the basis.
+//! Bit masks of the views that see each texel: texels with equal masks share the products of the basis.
 
 use brdfc_formats::flat_btf::VisibilityMask;
 
-/// What the value of a texel counts in a view that does not see it, where it was filled in.
+/// Weight of a filled value, in a view that does not see the texel.
 pub(super) const UNSEEN_WEIGHT: f32 = 0.1;
 
 /// Bits of each texel.
@@ -13,7 +13,7 @@ pub(super) struct Masks {
 }
 
 impl Masks {
-    /// Those of some texels, each at `row T + column`.
+    /// Masks of some texels, each at `row T + column`.
     pub(super) fn new(mask: &VisibilityMask, texels: &[usize]) -> Self {
         let (size, views) = (mask.size() as usize, mask.views() as usize);
         let words = views.div_ceil(64);
@@ -27,27 +27,27 @@ impl Masks {
         Self { words, bits }
     }
 
-    /// Those of the first texels alone.
+    /// Masks of the first texels alone.
     pub(super) fn first(&self, texels: usize) -> Self {
         Self { words: self.words, bits: self.bits[..texels * self.words].to_vec() }
     }
 
-    /// The bits of a texel, by its place among those that were given.
+    /// The bits of a texel, by its index in this set.
     pub(super) fn of(&self, texel: usize) -> &[u64] {
         &self.bits[texel * self.words..][..self.words]
     }
 
-    /// Whether a texel is seen in a view.
+    /// Returns true if a view sees a texel.
     pub(super) fn is_seen(&self, texel: usize, view: usize) -> bool {
         self.bits[texel * self.words + view / 64] >> (view % 64) & 1 == 1
     }
 
-    /// What a value counts.
+    /// Weight of a value.
     pub(super) fn weight(&self, texel: usize, view: usize) -> f32 {
         if self.is_seen(texel, view) { 1.0 } else { UNSEEN_WEIGHT }
     }
 
-    /// Texels of equal masks together: in the order of masks, then of texels.
+    /// Groups texels with equal masks, in the order of masks, then of texels.
     pub(super) fn groups(&self) -> Vec<Vec<usize>> {
         let count = self.bits.len() / self.words;
         let mut order: Vec<usize> = (0..count).collect();

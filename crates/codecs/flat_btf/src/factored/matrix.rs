@@ -1,8 +1,8 @@
-//! Matrices in slices, row by row: products, and packed symmetric ones.
+//! Matrices in slices, row by row: products and packed symmetric matrices.
 
 use nalgebra::{DMatrixView, DMatrixViewMut, Dyn};
 
-/// A matrix in a slice: how far apart rows and columns are.
+/// A matrix in a slice, with row and column strides.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Rows<'a> {
     pub(super) numbers: &'a [f32],
@@ -28,13 +28,14 @@ impl<'a> Rows<'a> {
     }
 }
 
-/// Least side of a product that is left to the library, whose own path for smaller ones reads beyond matrices with strides.
-const LEAST_SIDE: usize = 6;
+/// Smallest side of a product that the library computes; its own path for smaller ones reads beyond matrices with
+/// strides.
+const MIN_SIDE: usize = 6;
 
 /// `sum += a b`; rows of the sum are `stride` apart.
 pub(super) fn add_product(sum: &mut [f32], stride: usize, a: Rows<'_>, b: Rows<'_>) {
     assert_eq!(a.columns, b.rows, "sides of a product");
-    if a.rows.min(a.columns).min(b.columns) >= LEAST_SIDE {
+    if a.rows.min(a.columns).min(b.columns) >= MIN_SIDE {
         let mut sum = DMatrixViewMut::from_slice_with_strides_mut(sum, a.rows, b.columns, stride, 1);
         let sum: &mut DMatrixViewMut<'_, f32, Dyn, Dyn> = &mut sum;
         sum.gemm(1.0, &a.view(), &b.view(), 1.0);
@@ -50,7 +51,7 @@ pub(super) fn add_product(sum: &mut [f32], stride: usize, a: Rows<'_>, b: Rows<'
     }
 }
 
-/// Numbers of a packed symmetric matrix: row by row, each from the diagonal on.
+/// Length of a packed symmetric matrix: row by row, each from the diagonal on.
 pub(super) fn packed_length(side: usize) -> usize {
     side * (side + 1) / 2
 }
@@ -65,7 +66,7 @@ pub(super) fn add_square(packed: &mut [f32], v: &[f32]) {
     }
 }
 
-/// What a packed matrix is to be multiplied with, number by number, so that the sum is `vᵀ A v`.
+/// Weights whose dot product with a packed matrix is `vᵀ A v`.
 pub(super) fn quadratic_weights(v: &[f32], weights: &mut [f32]) {
     weights.fill(0.0);
     add_square(weights, v);
@@ -91,7 +92,7 @@ pub(super) fn dot(a: &[f32], b: &[f32]) -> f32 {
     sums.iter().sum::<f32>() + rest
 }
 
-/// Solves `(A + ridge) x = b` for a packed positive semidefinite A; several right sides one after the other, in place.
+/// Solves `(A + ridge) x = b` for a packed positive semidefinite A and several consecutive right sides, in place.
 /// `room` is overwritten.
 pub(super) fn solve(packed: &[f32], ridge: impl Fn(usize) -> f64, right: &mut [f64], room: &mut Vec<f64>) {
     let columns = right.len();
@@ -102,7 +103,7 @@ pub(super) fn solve(packed: &[f32], ridge: impl Fn(usize) -> f64, right: &mut [f
     for row in 0..side {
         room[start(row)] += ridge(row);
     }
-    // Gaussian elimination of rows, which the symmetric matrix keeps packed: rows become pivots times unit triangles.
+    // Gaussian elimination on the packed rows: they become pivots times unit triangular rows.
     for pivot in 0..side {
         let (done, below) = room.split_at_mut(start(pivot) + side - pivot);
         let row = &done[start(pivot)..];
@@ -150,7 +151,7 @@ mod tests {
             let mut other = vec![1.0; rows * columns];
             add_product(&mut other, columns, ra, Rows::new(&across, columns, inner).transposed());
             let down: Vec<f32> = (0..inner * rows).map(|k| a[inner * (k % rows) + k / rows]).collect();
-            // The last row of the sum ends where it ends.
+            // The last row of the sum has no padding.
             let stride = columns + 2;
             let mut third = vec![1.0; rows * stride - 2];
             add_product(&mut third, stride, Rows::new(&down, inner, rows).transposed(), rb);
@@ -175,7 +176,7 @@ mod tests {
         quadratic_weights(&x, &mut weights);
         let by_hand: f32 = (0..9).map(|k| dot(&numbers(side, k), &x).powi(2)).sum();
         assert!((dot(&packed, &weights) - by_hand).abs() < 1e-4 * by_hand);
-        // (A + ridge) x, from the squares that A is made of.
+        // (A + ridge) x, from the squares that form A.
         let ridge = |k: usize| 0.01 * (k + 1) as f64;
         let mut right: Vec<f64> = (0..side).map(|k| ridge(k) * f64::from(x[k])).collect();
         for v in (0..9).map(|k| numbers(side, k)) {

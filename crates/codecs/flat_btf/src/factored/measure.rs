@@ -1,4 +1,4 @@
-//! How far a factored flat BTF is from the values that it was made of: decoded as shaders do, at texels outside the fit.
+//! Errors of a factored flat BTF against the original values: decoded as in shaders, at texels outside the fit.
 
 use super::sample::Sample;
 use brdfc_formats::container::rgb9e5;
@@ -6,7 +6,7 @@ use brdfc_formats::flat_btf::factored::{FactoredErrors, FactoredFlatBtf};
 use brdfc_metrics::lab::{distance_squared, lab};
 use rayon::prelude::*;
 
-/// Errors at the texels of a sample: the k-th of them is the texel `place(k)` of the asset.
+/// Errors at the texels of a sample; the k-th of them is the texel `place(k)` of the asset.
 pub(super) fn errors(
     asset: &FactoredFlatBtf,
     sample: &Sample,
@@ -18,8 +18,8 @@ pub(super) fn errors(
         let texel = asset.texel(place(k));
         let difference = |pair: usize| {
             let (view, light) = (pair / lights, pair % lights);
-            let wanted = rgb9e5::decode(sample.word(k, view, light));
-            distance_squared(lab(texel.value(view as u32, light as u32)), lab(wanted)).sqrt()
+            let expected = rgb9e5::decode(sample.word(k, view, light));
+            distance_squared(lab(texel.value(view as u32, light as u32)), lab(expected)).sqrt()
         };
         (0..views * lights).map(difference).collect()
     };
@@ -40,7 +40,7 @@ pub(super) fn errors(
     }
 }
 
-/// The value that a share of all is below; 0 of none.
+/// Quantile of some values at `share`; 0 if there are none.
 fn quantile(values: &mut [f32], share: f64) -> f32 {
     if values.is_empty() {
         return 0.0;

@@ -1,12 +1,12 @@
-//! Mipmaps of bytes and words: each texel of a level is the mean of the area that it covers, in which texels count as much as they
-//! are seen. What few views see, such as the lower side of an overhang, is next to what many see on the surface, and not in the
-//! pixels of a renderer.
+//! Mipmaps of bytes and words. Each texel of a level is the mean of the area that it covers, weighted by the share of
+//! views that see each texel. Rarely seen texels, such as the lower side of an overhang, may be adjacent in the map to
+//! often seen ones, but not in the pixels of a renderer.
 
 use rayon::prelude::*;
 
-/// A whole number that means can be taken of.
+/// An integer type that supports averaging.
 pub(super) trait Whole: Copy + Send + Sync + Into<f32> {
-    /// The nearest one.
+    /// The nearest integer.
     fn nearest(number: f32) -> Self;
 }
 
@@ -22,8 +22,8 @@ impl Whole for u16 {
     }
 }
 
-/// All levels of square layers, the finest first; `finest` is layer by layer, row by row, `channels` numbers a texel. `counts` says
-/// how much each texel counts, more than 0.
+/// Computes all levels of square layers, the finest first; `finest` is layer by layer, row by row, with `channels`
+/// numbers per texel. `counts` are the weights of the texels, all above 0.
 pub(super) fn with_mipmaps<T: Whole>(finest: &[T], counts: &[f32], channels: usize, levels: u32) -> Vec<T> {
     let size = counts.len().isqrt();
     let length = size * size * channels;
@@ -37,10 +37,11 @@ pub(super) fn with_mipmaps<T: Whole>(finest: &[T], counts: &[f32], channels: usi
     all
 }
 
-/// Of each of `side` texels the first of `size` that it covers, and how much of those it covers; 1 in all.
+/// For each of `side` texels, the first of `size` texels that it covers, and the share of each covered texel; shares
+/// sum to 1.
 fn shares(size: usize, side: usize) -> Vec<(usize, Vec<f32>)> {
     let covered = |k: usize| {
-        // In units of 1 / (size side), in which all borders are whole.
+        // In units of 1 / (size side), in which all borders are integers.
         let (from, to) = (k * size, (k + 1) * size);
         let (first, end) = (from / side, to.div_ceil(side));
         let share = |at: usize| ((to.min((at + 1) * side) - from.max(at * side)) as f32) / size as f32;
@@ -86,7 +87,7 @@ mod tests {
     fn levels_are_means() {
         let finest: Vec<u8> = vec![0, 100, 8, 8, 100, 200, 8, 8, 1, 1, 50, 60, 1, 1, 70, 80];
         assert_eq!(with_mipmaps(&finest, &[1.0; 16], 1, 3)[16..], [100, 8, 1, 65, 44]);
-        // Layers, then levels; channels apart.
+        // Layers, then levels; channels do not mix.
         let two: Vec<u8> = finest.iter().flat_map(|byte| [*byte, 255]).collect();
         let both = [two.clone(), two].concat();
         let all = with_mipmaps(&both, &[1.0; 16], 2, 3);
@@ -95,7 +96,7 @@ mod tests {
     }
 
     #[test]
-    fn texels_count_as_much_as_they_are_seen() {
+    fn texels_are_weighted_by_visibility() {
         let finest: Vec<u8> = vec![0, 100, 8, 8, 100, 200, 8, 8, 1, 1, 50, 60, 1, 1, 70, 80];
         let mut counts = [0.5; 16];
         counts[5] = 1e-6;
@@ -106,7 +107,7 @@ mod tests {
 
     #[test]
     fn odd_sides_share_texels() {
-        // Of five columns the first of two covers two and a half.
+        // The first of two texels covers two and a half of five columns.
         let finest: Vec<u8> = (0..5).flat_map(|_| [10, 20, 30, 40, 50]).collect();
         assert_eq!(with_mipmaps(&finest, &[1.0; 25], 1, 3)[25..], [18, 42, 18, 42, 30]);
         assert!(shares(7, 3).iter().all(|(_, shares)| (shares.iter().sum::<f32>() - 1.0).abs() < 1e-6));

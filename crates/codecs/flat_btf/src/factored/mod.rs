@@ -3,9 +3,11 @@
 //! in the scale of `brdfc_formats::flat_btf::factored::to_opponent`. Layout:
 //! `formats/src/flat_btf/factored/spec.md`.
 //!
-//! Stages: texels are drawn (`sample`), the base is fitted to some of them and, in a pass over the views, to every texel
-//! (`gloss`, `base`); sets of components of several sizes are fitted to some texels (`train`) and tried on others (`candidate`,
-//! `choose`), the chosen one is fitted to more; one more pass gathers what every texel needs (`accumulate`), which is then solved by itself (`local`), rounded (`quantise`), and measured (`measure`).
+//! Stages: texels are sampled (`sample`); the base is fitted to some of them and, in a pass over the views, to every
+//! texel (`gloss`, `base`); sets of components of several sizes are fitted to some texels (`train`) and tested on
+//! others (`candidate`, `choose`); the chosen one is fitted to more texels. One more pass accumulates the sums of every
+//! texel (`accumulate`), from which each texel is solved independently (`local`). The result is rounded (`quantise`)
+//! and measured (`measure`).
 
 mod accumulate;
 mod assemble;

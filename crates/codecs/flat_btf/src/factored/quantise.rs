@@ -1,17 +1,17 @@
-//! Integers of the basis, bytes of shadows and weights.
+//! Quantisation of the basis to integers, and of shadows and weights to bytes.
 
 use super::basis::Basis;
 use brdfc_formats::flat_btf::factored::{GROUP, WeightRange};
 use rayon::prelude::*;
 
-/// Groups of four components whose basis has 16 bits: as many as fit into the texels that one takes, since the first
-/// components need them most.
+/// Number of component groups with a 16-bit basis: as many as fit without additional texels. The first components need
+/// the precision most.
 pub(super) fn wide_groups(groups: u32) -> u32 {
     let texels = (groups + 1).div_ceil(4);
     (4 * texels - groups).min(groups)
 }
 
-/// Steps of a basis, by colour and component: what the largest value of each needs.
+/// Quantisation steps of a basis, by colour and component, scaled to the largest value of each.
 pub(super) fn steps(basis: &Basis, wide_groups: u32) -> [Vec<f32>; 3] {
     let wide = wide_groups as usize * GROUP;
     [0, 1, 2].map(|colour| {
@@ -24,12 +24,12 @@ pub(super) fn steps(basis: &Basis, wide_groups: u32) -> [Vec<f32>; 3] {
     })
 }
 
-/// The integer of a value.
+/// Quantises a value.
 pub(super) fn integer(value: f32, step: f32) -> i32 {
     if step > 0.0 { (value / step).round_ties_even() as i32 } else { 0 }
 }
 
-/// What a decoder makes of a basis.
+/// The basis as a decoder reconstructs it.
 pub(super) fn rounded(basis: &Basis, steps: &[Vec<f32>; 3]) -> Basis {
     let mut rounded = basis.clone();
     for (row, values) in rounded.values.chunks_exact_mut(basis.components).enumerate() {
@@ -39,21 +39,21 @@ pub(super) fn rounded(basis: &Basis, steps: &[Vec<f32>; 3]) -> Basis {
     rounded
 }
 
-/// A shadow as it is stored: the cube of what cube roots are multiplied with.
+/// Quantises a shadow: stores the cube of the factor of cube roots.
 pub(super) fn shadow_byte(shadow: f32) -> u8 {
     (255.0 * shadow * shadow * shadow).round().clamp(0.0, 255.0) as u8
 }
 
-/// What cube roots are multiplied with.
+/// Factor of cube roots for a stored shadow.
 pub(super) fn shadow_of_byte(byte: u8) -> f32 {
     (f32::from(byte) / 255.0).cbrt()
 }
 
-/// Shares of the smallest and of the largest weights that a range may leave out.
-const LEFT_OUT: [f64; 5] = [0.0, 1e-4, 3e-4, 1e-3, 3e-3];
+/// Shares of the smallest and largest weights that a range may clamp.
+const CLAMPED_SHARES: [f64; 5] = [0.0, 1e-4, 3e-4, 1e-3, 3e-3];
 
-/// Ranges of the weights of each component, texels x K: those that keep the sum of squared errors least when weights are
-/// rounded to 8 bits and clamped.
+/// Ranges of the weights of each component, texels x K, that minimise the sum of squared errors after clamping and
+/// rounding to 8 bits.
 pub(super) fn weight_ranges(weights: &[f32], components: usize) -> Vec<WeightRange> {
     let range = |component: usize| {
         let mut sorted: Vec<f32> = weights.iter().skip(component).step_by(components).copied().collect();
@@ -66,13 +66,13 @@ pub(super) fn weight_ranges(weights: &[f32], components: usize) -> Vec<WeightRan
             let (low, high) = (sorted[skipped], sorted[sorted.len() - 1 - skipped]);
             WeightRange { scale: high - low, low }
         };
-        let measured = LEFT_OUT.map(candidate).map(|range| (error(&range), range));
+        let measured = CLAMPED_SHARES.map(candidate).map(|range| (error(&range), range));
         measured.into_iter().min_by(|a, b| a.0.total_cmp(&b.0)).expect("there are candidates").1
     };
     (0..components).into_par_iter().map(range).collect()
 }
 
-/// The byte of a weight.
+/// Quantises a weight.
 pub(super) fn weight_byte(weight: f32, range: WeightRange) -> u8 {
     if range.scale > 0.0 { (255.0 * (weight - range.low) / range.scale).round().clamp(0.0, 255.0) as u8 } else { 0 }
 }
@@ -105,13 +105,13 @@ mod tests {
     }
 
     #[test]
-    fn outliers_are_left_out_where_that_pays() {
+    fn outliers_are_clamped_where_that_pays() {
         let mut weights: Vec<f32> = (0..20_000).map(|k| (k % 100) as f32 / 100.0).collect();
         let all = weight_ranges(&weights, 2);
         assert!(all.iter().all(|range| range.low < 0.02 && range.scale > 0.95), "{all:?}");
         weights[4] = 20.0;
         let range = weight_ranges(&weights, 2)[0];
-        // One outlier of 10,000 costs 19², all the others would cost 0.02² each.
+        // One outlier of 10,000 costs 19²; without clamping, all others would cost 0.02² each.
         assert_eq!(range.scale, 20.0);
         weights[4] = 3.0;
         (0..20).for_each(|k| weights[1000 * k + 1] = if k == 0 { 2.0 } else { weights[1] });

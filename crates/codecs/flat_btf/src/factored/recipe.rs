@@ -1,35 +1,36 @@
-//! What is asked of a factored flat BTF, whether that can be met at all, and what it takes in memory.
+//! Targets of factored flat BTFs, their validation, and memory estimates.
 
 use super::assemble::{Shape, header};
 use brdfc_formats::FormatError;
 use brdfc_formats::flat_btf::FlatHeader;
 use brdfc_formats::flat_btf::factored::{ChromaRange, GROUP, MAX_GROUPS};
 
-/// Groups of components that are tried: 4, 8, 12, 20, 28, 44, 60 components.
+/// Numbers of component groups to try: 4, 8, 12, 20, 28, 44, 60 components.
 const GROUPS: [u32; 7] = [1, 2, 3, 5, 7, 11, 15];
 
-/// What a factored flat BTF is to be like.
+/// Target of a factored flat BTF.
 #[derive(Debug, Clone, Copy, PartialEq, serde::Serialize, serde::Deserialize, schemars::JsonSchema)]
 #[serde(rename_all = "kebab-case")]
 pub enum FactoredTarget {
-    /// The fewest bytes whose mean error, ΔE where texels are seen, is at most this.
+    /// Fewest bytes with a mean error, ΔE where texels are seen, of at most this.
     Error(f64),
-    /// The least error that takes at most so many bytes on a GPU.
+    /// Least error with at most this many bytes on a GPU.
     Bytes(u64),
-    /// So many components, rounded up to a multiple of four.
+    /// Fixed number of components, rounded up to a multiple of four.
     Components {
         /// 1 to 64.
         components: u32,
-        /// Whether each texel and light has a factor of its own.
+        /// True if each texel and light has a factor of its own.
         shadowed: bool,
     },
 }
 
 impl FactoredTarget {
-    /// Whether any asset with these directions can meet it, as far as that is known without the values.
+    /// Checks that an asset with these directions can meet the target, as far as that is known without the values.
     ///
     /// # Errors
-    /// Numbers out of range, fewer bytes than the smallest asset takes, more lights than its parts can hold.
+    /// Returns an error for numbers out of range, for fewer bytes than the smallest asset takes, and for more lights
+    /// than its parts can hold.
     pub fn check(&self, directions: &FlatHeader) -> Result<(), FormatError> {
         match self {
             Self::Error(most) if !(*most >= 0.0 && most.is_finite()) => {
@@ -57,7 +58,7 @@ impl FactoredTarget {
     }
 }
 
-/// The shapes that are tried, the smallest first: one at least.
+/// Shapes to try, the smallest first; at least one.
 pub(super) fn shapes(directions: &FlatHeader, shadowed: bool) -> Result<Vec<Shape>, FormatError> {
     let shapes = GROUPS.map(|groups| Shape { groups, shadowed });
     header(shapes[0], directions.size, directions, ChromaRange::ALL).check()?;
@@ -72,26 +73,26 @@ pub(super) fn gpu_bytes(shape: Shape, directions: &FlatHeader) -> u64 {
     header(shape, directions.size, directions, ChromaRange::ALL).gpu_bytes()
 }
 
-/// Everything that decides the asset besides the views.
+/// Settings that determine the asset, in addition to the views.
 #[derive(Debug, Clone, Copy, PartialEq, serde::Serialize, serde::Deserialize)]
 pub struct FactoredRecipe {
-    /// What is asked for.
+    /// Target.
     pub target: FactoredTarget,
-    /// Texels that the basis is fitted to, as far as `training_bytes` allows.
+    /// Number of texels that the basis is fitted to, as far as `training_bytes` allows.
     pub training_texels: usize,
-    /// Most bytes of values of the fit.
+    /// Maximum bytes of the values of the fit.
     pub training_bytes: usize,
-    /// Most bytes of sums in memory: where all texels take more, the views are gone over several times.
+    /// Maximum bytes of sums in memory; if all texels exceed it, the encoder makes several passes over the views.
     pub slab_bytes: usize,
 }
 
 impl FactoredRecipe {
-    /// The usual settings: 2500 texels, 384 MiB, 768 MiB.
+    /// Default settings: 2500 texels, 384 MiB, 768 MiB.
     pub fn new(target: FactoredTarget) -> Self {
         Self { target, training_texels: 2500, training_bytes: 384 << 20, slab_bytes: 768 << 20 }
     }
 
-    /// Bytes in memory at most, roughly, on one thread: see [`super::factor`].
+    /// Estimated peak memory in bytes, on one thread: see [`super::factor`].
     pub fn memory(&self, directions: &FlatHeader) -> u64 {
         let [views, lights] = [&directions.views, &directions.lights].map(|angles| angles.len() as u64);
         let texels = u64::from(directions.size).pow(2);

@@ -1,38 +1,38 @@
-//! What is told of a factored flat BTF, and what can go wrong.
+//! Reports and errors of the factorisation.
 
 use brdfc_core::progress::Cancelled;
 use brdfc_formats::FormatError;
 use brdfc_formats::flat_btf::factored::{FactoredErrors, FactoredFlatBtf};
 
-/// A number of components that was tried, fitted to fewer texels than the asset.
+/// A trial of a number of components, fitted to fewer texels than the asset.
 #[derive(Debug, Clone, Copy, PartialEq, serde::Serialize, serde::Deserialize, schemars::JsonSchema)]
 pub struct FactoredTrial {
     /// Components.
     pub components: u32,
-    /// Whether each texel and light has a factor of its own.
+    /// True if each texel and light has a factor of its own.
     pub shadowed: bool,
     /// Bytes that the asset would take on a GPU, mipmaps included.
     pub gpu_bytes: u64,
-    /// Errors at texels that were left out.
+    /// Errors at held-out texels.
     pub errors: FactoredErrors,
 }
 
-/// What is worth knowing of a factored flat BTF.
+/// Facts about a factored flat BTF.
 #[derive(Debug, Clone, PartialEq, serde::Serialize, serde::Deserialize, schemars::JsonSchema)]
 pub struct FactoredFacts {
     /// Components.
     pub components: u32,
-    /// Whether each texel and light has a factor of its own.
+    /// True if each texel and light has a factor of its own.
     pub shadowed: bool,
     /// Bytes of texels on a GPU, mipmaps included.
     pub gpu_bytes: u64,
-    /// Errors of the asset at texels that were left out of the fit.
+    /// Errors of the asset at held-out texels.
     pub errors: FactoredErrors,
-    /// What was tried.
+    /// All trials.
     pub tried: Vec<FactoredTrial>,
 }
 
-/// An asset and what is worth knowing of it.
+/// A factored flat BTF with its facts.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Factored {
     /// The parts.
@@ -41,13 +41,13 @@ pub struct Factored {
     pub facts: FactoredFacts,
 }
 
-/// Why there is no asset.
+/// Errors of the factorisation.
 #[derive(Debug, thiserror::Error)]
 pub enum FactorError<E> {
-    /// A view could not be had.
+    /// A view cannot be read.
     #[error("{0}")]
     View(E),
-    /// Views that do not fit together, or a target out of range.
+    /// Views that do not match, or a target out of range.
     #[error(transparent)]
     Format(#[from] FormatError),
     /// The work was stopped.

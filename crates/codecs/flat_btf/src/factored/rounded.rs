@@ -3,7 +3,7 @@
 use super::basis::{Basis, Squares};
 use brdfc_formats::flat_btf::factored::BasisMap;
 
-/// A basis as decoders see it, ready to be solved for texels.
+/// A quantised basis as decoders see it, with the products for solving texels.
 #[derive(Debug, Clone)]
 pub(super) struct Rounded {
     pub(super) map: BasisMap,

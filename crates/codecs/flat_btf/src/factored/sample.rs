@@ -1,4 +1,4 @@
-//! Texels that the basis is fitted to, and such that errors are measured at: with all their values.
+//! Samples of texels with all their values: for the fit and for error measurements.
 
 use super::base::{Rays, StoredBase};
 use super::masks::Masks;
@@ -10,11 +10,12 @@ use rand_chacha::ChaCha8Rng;
 use rayon::prelude::*;
 use std::ops::Range;
 
-/// Seed of the choice.
+/// Seed of the sampling.
 const SEED: u64 = 0xfac7;
 
-/// Texels to fit and texels to measure: apart, spread over the surface in random order. There are `held_out` of the latter,
-/// or a fifth of all if that is less, and `fitted` of the former, or the rest. Of fewer than 25 both are all.
+/// Draws disjoint sets of texels for the fit and for measurements, spread over the surface in random order: `held_out`
+/// texels for measurements, or a fifth of all if that is less, and `fitted` for the fit, or the rest. With fewer than
+/// 25 texels, both sets contain all.
 pub(super) fn choose(texels: usize, fitted: usize, held_out: usize) -> [Vec<usize>; 2] {
     if texels < 25 {
         return [(0..texels).collect(), (0..texels).collect()];
@@ -33,11 +34,11 @@ pub(super) fn choose(texels: usize, fitted: usize, held_out: usize) -> [Vec<usiz
 /// Texels of the flat BTF with the words of all views and lights.
 #[derive(Debug, Clone)]
 pub(super) struct Sample {
-    /// Each at `row T + column`.
+    /// Texel indices, `row T + column`.
     pub(super) texels: Vec<usize>,
     pub(super) masks: Masks,
     pub(super) lights: usize,
-    /// Of each view `L x texels` words, light by light.
+    /// For each view, `L x texels` words, light by light.
     pub(super) views: Vec<Vec<u32>>,
 }
 
@@ -46,7 +47,7 @@ impl Sample {
         Self { texels, masks, lights: 0, views: Vec::new() }
     }
 
-    /// Takes the next view.
+    /// Adds the next view.
     pub(super) fn add_view(&mut self, view: &FlatView) {
         self.lights = view.header().lights.len();
         let light = |light: usize| {
@@ -61,7 +62,7 @@ impl Sample {
         self.views[view][light * self.texels.len() + texel]
     }
 
-    /// Some of the texels, from the first on, as numbers for a fit. `base`: of the texels of this sample.
+    /// The first `count` texels, as numbers for a fit. `base` is the base of the texels of this sample.
     pub(super) fn values(&self, count: usize, base: &StoredBase, rays: &Rays) -> Values {
         let views = self.views.len();
         let [mut numbers, mut bases] = [(); 2].map(|()| vec![0.0; views * count * self.lights * 3]);
@@ -84,11 +85,11 @@ pub(super) struct Values {
     pub(super) views: usize,
     pub(super) lights: usize,
     pub(super) texels: usize,
-    /// What a view of a texel counts: `V x texels`.
+    /// Weights of the views of each texel: `V x texels`.
     pub(super) weights: Vec<f32>,
     /// `V x texels x L x 3`.
     pub(super) numbers: Vec<f32>,
-    /// The same of what the base shows where every light arrives in full.
+    /// Colours of the base under unshadowed lights, in the same layout.
     pub(super) bases: Vec<f32>,
 }
 
@@ -99,19 +100,19 @@ impl Values {
         &self.numbers[(view * self.texels + texel) * length..][..length]
     }
 
-    /// The same of its base.
+    /// Colours of its base, in the same layout.
     pub(super) fn base_row(&self, view: usize, texel: usize) -> &[f32] {
         let length = 3 * self.lights;
         &self.bases[(view * self.texels + texel) * length..][..length]
     }
 
-    /// What a view of a texel counts.
+    /// Weight of a view of a texel.
     pub(super) fn weight(&self, view: usize, texel: usize) -> f32 {
         self.weights[view * self.texels + texel]
     }
 
-    /// What shadows times the base leave of the rows of some texels in a view, times what they count and `shadows`, a row of L
-    /// per texel of all: `texels x 3 L`.
+    /// Computes `m s (x - s o)` for some texels in a view, with weight m, value x and base o, where s is the texel's
+    /// row of L in `shadows`: `texels x 3 L`.
     pub(super) fn scaled(&self, view: usize, texels: Range<usize>, shadows: &[f32], rows: &mut Vec<f32>) {
         rows.clear();
         for texel in texels {
@@ -139,7 +140,7 @@ mod tests {
         all.sort_unstable();
         all.dedup();
         assert!(all.len() == 400 && all[399] < 1000);
-        // Spread over everything.
+        // The sets are spread over all texels.
         assert!((0..4).all(|k| (40..160).contains(&fitted.iter().filter(|at| *at / 250 == k).count())));
         let [fitted, held_out] = choose(30, 300, 100);
         assert_eq!((fitted.len(), held_out.len()), (24, 6));

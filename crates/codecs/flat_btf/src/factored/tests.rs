@@ -1,4 +1,4 @@
-//! Assets whose factors are known come back; what has none does not.
+//! Assets with known factors are recovered; assets without factors are not.
 
 use super::{Factored, FactoredRecipe, FactoredTarget, FactoredTrial, factor};
 use brdfc_formats::FormatError;
@@ -10,7 +10,7 @@ const SIZE: u32 = 16;
 const VIEWS: u32 = 9;
 const LIGHTS: u32 = 12;
 
-/// A number of 0 to 1 that looks random.
+/// A pseudorandom number of 0 to 1.
 fn noise(a: u32, b: u32) -> f32 {
     let mut x = a.wrapping_mul(0x9e37_79b9) ^ b.wrapping_mul(0x85eb_ca6b) ^ 0x5bd1_e995;
     for _ in 0..2 {
@@ -48,7 +48,8 @@ fn made(target: FactoredTarget, mask: &VisibilityMask, views: &[FlatView]) -> Fa
     factor(&FactoredRecipe::new(target), &flat(mask.size()), mask, view, &()).unwrap()
 }
 
-/// One of two colours of light and view, mixed by texel, under shadows of texel and light. No texel is dark under all lights.
+/// One of two colours of light and view, blended by texel, under shadows of texel and light. No texel is dark under all
+/// lights.
 fn product(texel: u32, view: u32, light: u32, shadow: impl Fn(u32, u32) -> f32) -> [f32; 3] {
     let component = |k: u32| {
         let at = 100 * view + light;
@@ -60,7 +61,7 @@ fn product(texel: u32, view: u32, light: u32, shadow: impl Fn(u32, u32) -> f32) 
     from_opponent(sum).map(|c| c * shadow(texel, light))
 }
 
-/// Half of it hard, the other half soft.
+/// Half of the shadows are hard, the other half soft.
 fn shadow(texel: u32, light: u32) -> f32 {
     let number = noise(texel + 7000, light);
     if light == texel % LIGHTS {
@@ -75,12 +76,13 @@ fn shadow(texel: u32, light: u32) -> f32 {
 const EIGHT: FactoredTarget = FactoredTarget::Components { components: 8, shadowed: true };
 
 #[test]
-fn products_come_back() {
+fn products_are_recovered() {
     let seen = mask(|_, _| true);
     let made = made(EIGHT, &seen, &views(|t, v, l| product(t, v, l, shadow)));
     let errors = made.facts.errors;
     assert!(errors.texels > 40 && errors.seen_mean < 0.6 && errors.seen_mean == errors.all_mean, "{errors:?}");
-    // With as many components as there are, shadows are found, too: where nothing arrives, nothing else explains it.
+    // With exactly as many components as needed, shadows are recovered, too: only they can explain the absence of
+    // light.
     let four = FactoredTarget::Components { components: 4, shadowed: true };
     let made = self::made(four, &seen, &views(|t, v, l| product(t, v, l, shadow)));
     assert!(made.facts.errors.seen_mean < 0.6, "{:?}", made.facts.errors);
@@ -96,8 +98,8 @@ fn products_come_back() {
     assert!(mean(&dark) < 0.01 && mean(&lit) > 0.5, "{} {}", mean(&dark), mean(&lit));
 }
 
-/// A gloss that is narrower than the steps between directions, under another normal at each texel, of other albedos: the base
-/// holds it, components have nothing to do.
+/// A gloss narrower than the steps between directions, under a different normal at each texel and with different
+/// albedos: the base represents it, and components have nothing to add.
 #[test]
 fn gloss_under_known_normals_is_the_base() {
     let normal = |t: u32| {
@@ -126,7 +128,7 @@ fn gloss_under_known_normals_is_the_base() {
     assert!(unknown.seen_mean > 10.0 * known.seen_mean, "{unknown:?} {known:?}");
 }
 
-/// The negative control: with lights shuffled at every texel there is no product any more.
+/// The negative control: with lights shuffled at every texel, the values are no product.
 #[test]
 fn shuffled_lights_have_no_factors() {
     let shuffled = |t: u32, v: u32, l: u32| {
@@ -137,7 +139,7 @@ fn shuffled_lights_have_no_factors() {
     assert!(errors.seen_mean > 8.0, "{errors:?}");
 }
 
-/// A flat matte surface of one colour: one component, without shadows, and nothing to be wrong about.
+/// A flat matte surface of one colour: one component, without shadows, and no error.
 #[test]
 fn a_flat_surface_needs_nothing() {
     let lambert = |_: u32, _: u32, l: u32| [0.8, 0.4, 0.2].map(|c: f32| c * (1.2 * l as f32 / LIGHTS as f32).cos());
@@ -149,7 +151,7 @@ fn a_flat_surface_needs_nothing() {
     assert!(asset.shadow().unwrap().texels().iter().all(|byte| *byte >= 253), "nothing is in shadow");
 }
 
-/// What was filled in where texels are not seen hardly matters: garbage there leaves what is seen alone.
+/// Filled values of unseen texels hardly matter: garbage there does not affect seen ones.
 #[test]
 fn unseen_texels_do_not_disturb() {
     let is_seen = |t: u32, v: u32| noise(t, v + 50) > 0.3;
@@ -159,7 +161,7 @@ fn unseen_texels_do_not_disturb() {
     let errors = |seen: &VisibilityMask| made(EIGHT, seen, &views(garbage)).facts.errors;
     let masked = errors(&mask(is_seen));
     assert!(masked.seen_mean < 2.5 && masked.all_mean > 3.0 * masked.seen_mean, "{masked:?}");
-    // With all of it taken for seen what is seen is worse.
+    // With garbage treated as seen, the error at seen texels grows.
     let all = errors(&mask(|_, _| true));
     assert!(all.seen_mean > 2.0 * masked.seen_mean, "{all:?} {masked:?}");
 }
@@ -171,7 +173,7 @@ fn fewest_bytes_that_meet_an_error() {
     assert!(chosen.facts.errors.seen_mean <= 0.5, "{:?}", chosen.facts);
     let met = chosen.facts.tried.iter().filter(|trial| trial.errors.seen_mean <= 0.95 * 0.5);
     assert_eq!(met.map(|trial| trial.gpu_bytes).min(), Some(chosen.facts.gpu_bytes));
-    // Nothing meets this; the best that was tried is kept.
+    // No candidate meets this target; the best trial is selected.
     let best = made(FactoredTarget::Error(0.0), &seen, &views);
     assert!(best.facts.errors.seen_mean > 0.0 && best.facts.tried.len() == 14, "{:?}", best.facts);
     let least = best.facts.tried.iter().map(|trial| trial.errors.seen_mean).fold(f32::MAX, f32::min);
@@ -181,10 +183,10 @@ fn fewest_bytes_that_meet_an_error() {
         .iter()
         .find(|trial| (trial.components, trial.shadowed) == (best.facts.components, best.facts.shadowed));
     assert!(0.98 * own.unwrap().errors.seen_mean <= least, "{:?}", best.facts);
-    // Bytes.
+    // A target in bytes.
     let small = made(FactoredTarget::Bytes(chosen.asset.gpu_bytes()), &seen, &views);
     assert!(small.facts.gpu_bytes <= chosen.asset.gpu_bytes());
-    // All that fit are tried, not the largest alone.
+    // All shapes that fit are tried, not only the largest.
     let many = made(FactoredTarget::Bytes(u64::MAX), &seen, &views);
     let errors = |tried: &[FactoredTrial]| tried.iter().map(|trial| trial.errors.seen_mean).fold(f32::MAX, f32::min);
     assert_eq!(many.facts.tried.len(), 14);
@@ -200,7 +202,7 @@ fn fewest_bytes_that_meet_an_error() {
     assert_eq!(refused, "components: found 0, expected 1 to 64");
 }
 
-/// Slabs only change where rounding falls; threads nothing.
+/// Slabs only change rounding; the number of threads changes nothing.
 #[test]
 fn threads_and_slabs() {
     let (seen, views) = (mask(|t, v| noise(t, v) > 0.2), views(|t, v, l| product(t, v, l, shadow)));
@@ -237,12 +239,12 @@ fn views_of_other_assets_are_refused() {
         }
         FlatView::new(header, views[view as usize].texels().to_vec())
     });
-    assert_eq!(turned, "directions of view 4: found other directions, expected those of view 0");
+    assert_eq!(turned, "directions of view 4: found other directions, expected the directions of view 0");
     let missing = refusal(&|view| Err(FormatError::whole("file", format!("no view {view}"), "one")));
     assert_eq!(missing, "file: found no view 0, expected one");
 }
 
-/// A black asset, and one of a few texels, are assets, too.
+/// Black assets and assets of a few texels.
 #[test]
 fn ends_of_the_range() {
     let seen = mask(|_, _| true);

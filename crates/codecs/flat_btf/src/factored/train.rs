@@ -1,4 +1,4 @@
-//! The fit of basis, weights and shadows to some texels, by alternating least squares: each in turn, the others fixed.
+//! Fits basis, weights and shadows to some texels by alternating least squares: each in turn, the others fixed.
 
 use super::basis::{Basis, Squares};
 use super::lit::threshold;
@@ -8,19 +8,19 @@ use rand::{RngExt as _, SeedableRng as _};
 use rand_chacha::ChaCha8Rng;
 use rayon::prelude::*;
 
-/// Texels of a strip that is worked on at once.
+/// Texels of a strip, the unit of parallel work.
 const STRIP: usize = 64;
-/// Share of the mean of the diagonal that is added to it: for weights, for the basis.
+/// Ridge for weights and for the basis, as a share of the mean of the diagonal.
 const WEIGHT_RIDGE: f64 = 1e-4;
 const BASIS_RIDGE: f64 = 1e-5;
-/// Share of the mean of denominators that pulls a shadow to what it was.
+/// Ridge towards the previous shadow, as a share of the mean of the denominators.
 pub(super) const SHADOW_RIDGE: f32 = 1e-3;
-/// Columns that the first guess of a basis has more than asked for, and how often it is multiplied.
+/// Additional columns of the first guess of a basis, and its number of power iterations.
 const OVERSAMPLING: usize = 8;
 const GUESS_ROUNDS: usize = 2;
 const SEED: u64 = 0xb515;
 
-/// A basis, and what the texels of the fit have of it.
+/// A basis, and the weights of the fitted texels.
 #[derive(Debug, Clone)]
 pub(super) struct Fit {
     pub(super) basis: Basis,
@@ -28,7 +28,7 @@ pub(super) struct Fit {
     pub(super) weights: Vec<f32>,
 }
 
-/// A factor of each texel and light, as far as there are any, so that the base alone fits best: texels x L, at most 1.
+/// Initial factors of each texel and light, if any, for which the base alone fits best: texels x L, at most 1.
 pub(super) fn first_shadows(values: &Values, shadowed: bool) -> Vec<f32> {
     let mut shadows = vec![1.0; values.texels * values.lights];
     if shadowed {
@@ -46,9 +46,9 @@ pub(super) fn first_shadows(values: &Values, shadowed: bool) -> Vec<f32> {
 }
 
 impl Fit {
-    /// A first guess of `components`: the leading singular vectors of what is lit.
+    /// Computes a first guess of `components`: the leading singular vectors of the lit values.
     ///
-    /// Multiplies with the values `2 (GUESS_ROUNDS + 1)` times; besides them `4 K (3 V L + texels)` bytes.
+    /// Multiplies with the values `2 (GUESS_ROUNDS + 1)` times; takes another `4 K (3 V L + texels)` bytes.
     pub(super) fn guess(values: &Values, shadows: &[f32], components: usize) -> Self {
         let (views, lights, texels) = (values.views, values.lights, values.texels);
         let columns = components + OVERSAMPLING;
@@ -67,7 +67,7 @@ impl Fit {
         Self { basis: sorted.truncated(components), weights }
     }
 
-    /// One round: weights, shadows if there are any, weights again, the basis.
+    /// Runs one round: weights, shadows if there are any, weights again, the basis.
     pub(super) fn improve(&mut self, values: &Values, shadows: &mut [f32], shadowed: bool) {
         let squares = self.basis.squares();
         self.weights = solve_weights(values, shadows, &self.basis, &squares);
@@ -80,7 +80,7 @@ impl Fit {
         self.basis = self.basis.sorted(&mut self.weights);
     }
 
-    /// What an error of `variance` per value makes of the weights: added to the diagonal of what is solved for them.
+    /// Prior of the weights for a noise of `variance` per value: added to the diagonal when solving for them.
     pub(super) fn prior(&self, variance: f64) -> Vec<f64> {
         let k = self.basis.components;
         let count = (self.weights.len() / k).max(1) as f64;
@@ -93,7 +93,7 @@ impl Fit {
     }
 }
 
-/// Gram and Schmidt, twice, on the columns of rows. Columns without a length of their own become 0.
+/// Orthonormalises the columns of rows by Gram and Schmidt, twice. Linearly dependent columns become 0.
 fn orthonormalise(rows: &mut [f32], columns: usize) {
     let count = rows.len() / columns;
     let mut by_columns: Vec<Vec<f64>> =
@@ -117,7 +117,7 @@ fn orthonormalise(rows: &mut [f32], columns: usize) {
     }
 }
 
-/// `Xᵀ left`: rows of the values' columns.
+/// Computes `Xᵀ left`: rows of the values' columns.
 fn right_side(values: &Values, shadows: &[f32], left: &[f32], columns: usize) -> Vec<f32> {
     let length = 3 * values.lights;
     let mut result = vec![0.0; values.views * length * columns];
@@ -130,7 +130,7 @@ fn right_side(values: &Values, shadows: &[f32], left: &[f32], columns: usize) ->
     result
 }
 
-/// `X basis`: a row of K per texel.
+/// Computes `X basis`: a row of K per texel.
 fn weighted_sums(values: &Values, shadows: &[f32], basis: &Basis) -> Vec<f32> {
     let k = basis.components;
     let mut sums = vec![0.0; values.texels * k];
@@ -145,7 +145,7 @@ fn weighted_sums(values: &Values, shadows: &[f32], basis: &Basis) -> Vec<f32> {
     sums
 }
 
-/// Weights of all texels that fit best, shadows and basis given.
+/// Least squares weights of all texels, for a given basis and shadows.
 fn solve_weights(values: &Values, shadows: &[f32], basis: &Basis, squares: &Squares) -> Vec<f32> {
     let (k, lights) = (basis.components, values.lights);
     let mut weights = weighted_sums(values, shadows, basis);
@@ -168,7 +168,7 @@ fn solve_weights(values: &Values, shadows: &[f32], basis: &Basis, squares: &Squa
     weights
 }
 
-/// What a view of each texel counts times the squares of its shadows: `texels x L`.
+/// Weight of a view of each texel times the squares of its shadows: `texels x L`.
 fn lit_squares(values: &Values, shadows: &[f32], view: usize, texels: std::ops::Range<usize>, factors: &mut Vec<f32>) {
     factors.clear();
     for texel in texels {
@@ -187,7 +187,7 @@ pub(super) fn trace(packed: &[f32], side: usize) -> f64 {
     sum
 }
 
-/// Shadows that fit best to the base and what factors add to it.
+/// Least squares shadows for the base plus the factors' contribution.
 fn solve_shadows(values: &Values, shadows: &mut [f32], factors: Option<(&Basis, &[f32])>) {
     let lights = values.lights;
     shadows.par_chunks_mut(STRIP * lights).enumerate().for_each(|(strip, shadows)| {
@@ -218,7 +218,7 @@ fn solve_shadows(values: &Values, shadows: &mut [f32], factors: Option<(&Basis, 
     });
 }
 
-/// Shadows from numerators and denominators, 0 to 1, with a pull to what they were.
+/// Shadows from numerators and denominators, 0 to 1, with a ridge towards their previous values.
 pub(super) fn ridged_shadows(shadows: &mut [f32], sums: &[[f32; 2]]) {
     let mean = sums.iter().map(|[_, below]| below).sum::<f32>() / sums.len() as f32;
     let ridge = SHADOW_RIDGE * mean + 1e-6;
@@ -227,7 +227,7 @@ pub(super) fn ridged_shadows(shadows: &mut [f32], sums: &[[f32; 2]]) {
     }
 }
 
-/// The basis that fits best, with a pull to what it was.
+/// Least squares basis, with a ridge towards its previous values.
 fn solve_basis(values: &Values, shadows: &[f32], weights: &[f32], before: &Basis) -> Vec<f32> {
     let (k, lights, texels) = (before.components, values.lights, values.texels);
     let length = packed_length(k);

@@ -1,6 +1,6 @@
 //! Values of texels as views hold them.
 
-/// Words of some texels in a view: those from `first` on of each light, lights `stride` apart.
+/// Words of some texels in a view: `first` and following of each light; lights are `stride` apart.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct ViewWords<'a> {
     pub(super) view: usize,

@@ -6,22 +6,22 @@ mod push_pull;
 pub use poisson::Poisson;
 pub use push_pull::PushPull;
 
-/// How texels that a view does not see get their values.
+/// Method for filling texels that a view does not see.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, serde::Serialize, serde::Deserialize, schemars::JsonSchema)]
 #[serde(rename_all = "kebab-case")]
 pub enum FillMethod {
-    /// From coarser and coarser means of what is seen around them: fast, as in Hadim et al. 2009.
+    /// Fills from successively coarser means of the seen texels around them: fast, as in Hadim et al. 2009.
     PushPull,
-    /// As differences of the texel's own values in the view that sees it most from above (Pérez et al. 2003): the
-    /// gradients of that view, fitted at the border of the hole. Better and slower.
+    /// Fills by Poisson editing (Pérez et al. 2003): takes the gradients of the most vertical view that sees the texel,
+    /// fitted at the border of the hole. Better and slower.
     Poisson,
 }
 
 impl FillMethod {
-    /// The names that scripts use.
+    /// Names in scripts.
     pub const NAMES: [(&'static str, Self); 2] = [("push-pull", Self::PushPull), ("poisson", Self::Poisson)];
 
-    /// The name that scripts use.
+    /// Name in scripts.
     pub fn name(self) -> &'static str {
         match self {
             Self::PushPull => "push-pull",

@@ -1,25 +1,25 @@
 //! Poisson inpainting (Pérez, Gangnet and Blake 2003, "Poisson image editing").
 //!
-//! A hole takes the gradients of a guide image, and meets what is known at its border: `Δx = Δg` inside, `x = f` outside.
-//! With `x = g + e` this is the membrane `Δe = 0` inside, `e = f - g` outside. The matrix depends on the mask alone: one
-//! factorisation serves all lights and colours of a view.
+//! A hole takes the gradients of a guide image and meets the known texels at its border: `Δx = Δg` inside, `x = f`
+//! outside. With `x = g + e` this is the membrane `Δe = 0` inside, `e = f - g` outside. The matrix depends on the mask
+//! alone: one factorisation serves all lights and colours of a view.
 
 use super::super::sparse::{Cholesky, Symbolic};
 use std::sync::Arc;
 
-/// A mask made ready to fill images of `size` x `size` texels that repeat at their borders.
+/// A factorised mask that fills images of `size` x `size` texels with periodic borders.
 pub struct Poisson {
     holes: Vec<u32>,
-    /// For each hole, the known texels beside it.
+    /// For each hole, the adjacent known texels.
     borders: Vec<Vec<u32>>,
     factor: Option<Cholesky>,
 }
 
 impl Poisson {
-    /// For images of `known.len()` texels, a square.
+    /// Factorises the mask of a square of `known.len()` texels.
     ///
     /// # Panics
-    /// With another number of texels.
+    /// Panics if the number of texels is not a square.
     pub fn new(known: &[bool]) -> Self {
         let n = known.len().isqrt();
         assert_eq!(n * n, known.len(), "a square of texels");
@@ -42,7 +42,7 @@ impl Poisson {
             for neighbour in around {
                 match row_of[neighbour] {
                     u32::MAX => borders[row].push(neighbour as u32),
-                    // The lower half is enough.
+                    // The lower half is sufficient.
                     other if other < row as u32 => add(row as u32, other, -1.0),
                     _ => {}
                 }
@@ -50,14 +50,13 @@ impl Poisson {
         }
         let factor = (!holes.is_empty()).then(|| {
             let symbolic = Symbolic::new(holes.len(), &places).expect("no more rows than texels");
-            // Weakly diagonally dominant, and every hole ends at a known texel: positive definite.
+            // Weakly diagonally dominant, and every hole borders a known texel: positive definite.
             Cholesky::new(&Arc::new(symbolic), &values, &()).expect("the matrix is positive definite")
         });
         Self { holes, borders, factor }
     }
 
-    /// Gives texels that are not known a value; the others stay as they are. Where nothing is known the guide is taken.
-    /// Values are not negative.
+    /// Fills unknown texels; known ones stay unchanged. Copies the guide if no texel is known. Values are not negative.
     pub fn fill(&self, image: &mut [[f32; 3]], guide: &[[f32; 3]]) {
         let mut right = vec![[0.0f64; 3]; self.holes.len()];
         for (row, border) in self.borders.iter().enumerate() {
@@ -85,7 +84,7 @@ mod tests {
     }
 
     #[test]
-    fn a_guide_that_is_off_by_a_constant_gives_the_rendering_back() {
+    fn a_guide_that_is_off_by_a_constant_reproduces_the_image() {
         let n = 16;
         let rendering: Vec<[f32; 3]> =
             (0..n * n).map(|i| [(i % n) as f32 + 1.0, ((i * i) % 13) as f32, 5.0 + (i / n) as f32]).collect();

@@ -1,17 +1,18 @@
-//! Push-pull (section 3.3 of Hadim et al. 2009): holes filled from coarser and coarser means of what is known around them.
+//! Push-pull (section 3.3 of Hadim et al. 2009): fills holes from successively coarser means of the known texels around
+//! them.
 
-/// A mask made ready to fill images of `size` x `size` texels that repeat at their borders.
+/// A mask prepared to fill images of `size` x `size` texels with periodic borders.
 pub struct PushPull {
-    /// Weight of each texel per level, finest first, 0 to 1: how much is known under it.
+    /// Weight of each texel per level, finest first: share of known texels under it, 0 to 1.
     weights: Vec<Vec<f32>>,
     size: usize,
 }
 
 impl PushPull {
-    /// For images of `known.len()` texels, a square with a power of two on each side.
+    /// Prepares the mask of a square of `known.len()` texels, with a power of two on each side.
     ///
     /// # Panics
-    /// With another number of texels.
+    /// Panics with another number of texels.
     pub fn new(known: &[bool]) -> Self {
         let size = known.len().isqrt();
         assert!(size * size == known.len() && size.is_power_of_two(), "{} texels", known.len());
@@ -27,7 +28,7 @@ impl PushPull {
         Self { weights, size }
     }
 
-    /// Gives texels that are not known a value; the others stay as they are. Black if nothing is known.
+    /// Fills unknown texels; known ones stay unchanged. Black if no texel is known.
     pub fn fill(&self, image: &mut [[f32; 3]]) {
         // Pull: weighted means, level by level.
         let mut levels: Vec<Vec<[f32; 3]>> = Vec::with_capacity(self.weights.len() - 1);
@@ -50,7 +51,7 @@ impl PushPull {
             levels.push(coarse);
             n /= 2;
         }
-        // Push: what is missing comes from the level above.
+        // Push: fill missing values from the level above.
         for level in (0..self.weights.len() - 1).rev() {
             let (below, above) = levels.split_at_mut(level);
             let fine: &mut [[f32; 3]] = if level == 0 { &mut *image } else { below[level - 1].as_mut_slice() };
@@ -73,9 +74,9 @@ fn four(i: usize, n: usize) -> [usize; 4] {
     [(0, 0), (1, 0), (0, 1), (1, 1)].map(|(x, y)| (row + y) * n + column + x)
 }
 
-/// Bilinear value of a level of `n` per side at a texel of the next finer one.
+/// Bilinear value of a level with side `n` at a texel of the next finer one.
 fn between(coarse: &[[f32; 3]], n: usize, column: usize, row: usize) -> [f32; 3] {
-    // A fine texel lies a quarter of a coarse one from its coarse centre, to the side that its parity says.
+    // A fine texel lies a quarter of a coarse one from the coarse centre, on the side given by its parity.
     let pair = |at: usize| {
         let near = at / 2;
         let far = if at.is_multiple_of(2) { (near + n - 1) % n } else { (near + 1) % n };
@@ -95,7 +96,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn what_is_known_stays_and_a_constant_goes_on() {
+    fn known_texels_stay_and_constants_extend() {
         let n = 32;
         let known: Vec<bool> = (0..n * n).map(|i| i % 7 == 0 && i / n < 20).collect();
         let fill = PushPull::new(&known);
@@ -108,7 +109,7 @@ mod tests {
     }
 
     #[test]
-    fn holes_lie_between_what_surrounds_them() {
+    fn holes_lie_between_their_surroundings() {
         let n = 16;
         let known: Vec<bool> = (0..n * n).map(|i| !(5..11).contains(&(i % n)) || !(5..11).contains(&(i / n))).collect();
         let source: Vec<[f32; 3]> = (0..n * n).map(|i| [(i % n) as f32, 1.0, 0.0]).collect();

@@ -1,15 +1,15 @@
-//! Lays a periodic surface flat: every point gets parameters `(u, v)` that repeat as the surface does.
+//! Parameterises a periodic surface: every point gets parameters `(u, v)` that repeat as the surface does.
 //!
 //! Mean value coordinates (Floater 2003): each vertex is the mean of its neighbours with weights
 //! `w_ij = (tan(α_{i-1} / 2) + tan(α_i / 2)) / |x_j - x_i|`, rows normalised. The whole border of the square is free:
-//! opposite sides are one, and the map goes on smoothly across them.
+//! opposite sides are identified, and the map continues smoothly across them.
 //!
 //! On a torus such a system has a solution only if the weights do not drift: walking from vertex to vertex with the
 //! weights as probabilities must lead nowhere on average. Mean value weights are not symmetric and may drift. They are
-//! therefore tilted, `w_ij exp(θ · t_ij + h_j - h_i)` with `t_ij` the tiles that an edge goes on, by the one `θ` that
-//! stops the drift, and the `h` that keeps the sum of the weights the same at all vertices; on a plane both are 0. All
-//! weights stay positive, which is all that it takes for a map without flipped triangles (Gortler, Gotsman and Thurston
-//! 2006, "Discrete one-forms on meshes and applications to 3D mesh parameterization").
+//! therefore tilted, `w_ij exp(θ · t_ij + h_j - h_i)` with `t_ij` the tiles that an edge advances, by the one `θ` that
+//! stops the drift and the `h` that makes the sum of the weights the same at all vertices; on a plane both are 0. All
+//! weights stay positive, which suffices for a map without flipped triangles (Gortler, Gotsman and Thurston 2006,
+//! "Discrete one-forms on meshes and applications to 3D mesh parameterization").
 
 mod error;
 mod tilt;
@@ -29,11 +29,11 @@ use weights::mean_value_weights;
 pub struct SurfaceParameterisation {
     /// `(u, v)` of each vertex. A corner in another tile has these plus the tile.
     pub coordinates: Vec<[f64; 2]>,
-    /// What was measured.
+    /// Quality measurements.
     pub report: SurfaceParameterisationReport,
 }
 
-/// How good a parameterisation is.
+/// Quality of a parameterisation.
 #[derive(Debug, Clone, Copy, PartialEq, serde::Serialize, serde::Deserialize, schemars::JsonSchema)]
 #[schemars(rename = "ParameterisationReport")]
 pub struct SurfaceParameterisationReport {
@@ -41,30 +41,30 @@ pub struct SurfaceParameterisationReport {
     pub residual: f64,
     /// Length of the tilt `θ`, per tile.
     pub tilt: f64,
-    /// Triangles that lie upside down: 0.
+    /// Number of flipped triangles: 0.
     pub flipped: usize,
     /// Stretch of mean value coordinates.
     pub before: Stretch,
-    /// Stretch of what is used.
+    /// Stretch of the final parameters.
     pub after: Stretch,
     /// Rounds of reweighting that lowered the stretch.
     pub rounds: usize,
 }
 
-/// Most steps that [`parameterise`] plans for: each of its solutions takes about `tilt::STEPS`.
+/// Number of steps that [`parameterise`] plans at most: each of its solutions takes about `tilt::STEPS`.
 pub fn steps(rounds: usize) -> usize {
     (1 + rounds) * tilt::STEPS
 }
 
-/// Lays `mesh` flat. Up to `rounds` rounds of reweighting divide the weights at each vertex by the stretch there
+/// Parameterises `mesh`. Up to `rounds` rounds of reweighting divide the weights at each vertex by the stretch there
 /// (Yoshizawa, Belyaev and Seidel 2004, "A fast and simple stretch-minimizing mesh parameterization"), as long as the
-/// stretch falls: texels go where the surface is.
+/// stretch falls, which distributes texels more evenly over the surface.
 ///
-/// `progress` hears of about [`steps`]`(rounds)` steps.
+/// `progress` receives about [`steps`]`(rounds)` steps.
 ///
 /// # Errors
-/// More than [`MAX_VERTICES`], a system that cannot be solved to [`RESIDUAL_LIMIT`], triangles that come out flipped,
-/// [`ParameteriseError::Cancelled`].
+/// Returns an error for more than [`MAX_VERTICES`] vertices, for a system that cannot be solved to [`RESIDUAL_LIMIT`],
+/// for flipped triangles, and [`ParameteriseError::Cancelled`].
 pub fn parameterise(
     mesh: &PeriodicMesh,
     rounds: usize,
@@ -108,7 +108,7 @@ pub fn parameterise(
     Ok(SurfaceParameterisation { coordinates: best.coordinates, report })
 }
 
-/// Number of triangles without positive area, and where the first is.
+/// Number of triangles without positive area, and a corner of the first.
 fn flipped(mesh: &PeriodicMesh, coordinates: &[[f64; 2]]) -> (usize, [f64; 3]) {
     let bad = |t: &usize| twice_area(corner_coordinates(mesh, coordinates, *t)) <= 0.0;
     let mut all = (0..mesh.triangles.len()).filter(bad);
@@ -123,7 +123,7 @@ mod tests {
     use crate::testing::{Patience, bumps, height_field, overhang};
     use brdfc_core::progress::Cancelled;
 
-    /// Moves the vertices of a plane about, so that its triangles are irregular.
+    /// Displaces the vertices of a plane, so that its triangles are irregular.
     fn shaken(n: usize) -> PeriodicMesh {
         let mut mesh = height_field(n, |_, _| 0.0);
         for (index, p) in mesh.positions.iter_mut().enumerate() {
@@ -142,7 +142,7 @@ mod tests {
         parameterise(mesh, rounds, &())
     }
 
-    /// A plane with one vertex that stands up and leans over by so many tiles along x and y.
+    /// A plane with one raised vertex that leans over by `[x, y]` tiles.
     fn leaning(n: usize, [x, y]: [f64; 2]) -> PeriodicMesh {
         let mut points = height_field(n, |_, _| 0.0).positions;
         let tip = &mut points[n / 2 * n + n / 2];
@@ -151,7 +151,7 @@ mod tests {
     }
 
     #[test]
-    fn spikes_lean_as_far_as_they_like() {
+    fn spikes_may_lean_any_distance() {
         for n in [6, 12] {
             for lean in [0.6, 0.8, 1.0, 3.0, 30.0] {
                 for turned in [[lean, 0.3 * lean], [-lean, 0.0], [0.3 * lean, -lean]] {
@@ -172,14 +172,14 @@ mod tests {
         let found = laid_flat(&mesh, 0).unwrap();
         assert_eq!(flipped(&mesh, &found.coordinates).0, 0);
         assert!(found.report.residual < 1e-11 && found.report.tilt > 1e-2, "{:?}", found.report);
-        // The control: untilted, they drift.
+        // The negative control: untilted, they drift.
         let edges = mean_value_weights(&mesh);
         let off = tilt::drift_without_tilt(&edges, mesh.positions.len()).unwrap();
         assert!(off[0].hypot(off[1]) > 1e-4, "{off:?}");
     }
 
     #[test]
-    fn it_stops_when_told_and_counts_its_steps() {
+    fn it_can_be_cancelled_and_counts_its_steps() {
         let mesh = overhang(16);
         let count = |most: usize| {
             let patience = Patience::new(most);
@@ -236,14 +236,14 @@ mod tests {
                 assert!(found.report.residual < RESIDUAL_LIMIT);
             }
         }
-        // The control: seen from above, the same sheet has flipped triangles.
+        // The negative control: seen from above, the same sheet has flipped triangles.
         let mesh = overhang(32);
         let from_above: Vec<[f64; 2]> = mesh.positions.iter().map(|p| [p[0], p[1]]).collect();
         assert!(flipped(&mesh, &from_above).0 > 0);
     }
 
     #[test]
-    fn reweighting_spends_texels_where_the_surface_is() {
+    fn reweighting_lowers_the_stretch() {
         let mesh = overhang(32);
         let report = laid_flat(&mesh, 10).unwrap().report;
         assert!(report.rounds > 0 && report.after.l2 < report.before.l2, "{report:?}");

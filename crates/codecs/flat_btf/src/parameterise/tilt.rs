@@ -1,15 +1,15 @@
 //! The tilt of weights that stops their drift.
 //!
-//! Normalised weights `λ_ij` are the probabilities of a random walk. Of the matrix `λ_ij exp(θ · t_ij)`, with `t_ij` the
-//! tiles that an edge goes on, let `ρ(θ)` be the largest eigenvalue and `r = exp(h)` its positive eigenvector. Then
-//! `P_ij = λ_ij exp(θ · t_ij) r_j / (ρ r_i)` are probabilities again (Doob's transform), and their drift is the gradient
-//! of `log ρ`. That is a convex function of `θ`, which grows without bound in all directions, because a surface over the
-//! tile has walks that lead everywhere: it has one minimum, and there the drift is 0. Which positions the edges have
-//! does not matter, only their weights.
+//! Normalised weights `λ_ij` are the probabilities of a random walk. Let `ρ(θ)` be the largest eigenvalue of the matrix
+//! `λ_ij exp(θ · t_ij)`, with `t_ij` the tiles that an edge advances, and `r = exp(h)` its positive eigenvector. Then
+//! `P_ij = λ_ij exp(θ · t_ij) r_j / (ρ r_i)` are probabilities again (Doob's transform), and their drift is the
+//! gradient of `log ρ`. That is a convex function of `θ`, which grows without bound in all directions, because a
+//! surface over the tile has walks to every tile. It therefore has one minimum, where the drift is 0. Only the weights
+//! of the edges matter, not their positions.
 //!
-//! Newton's method finds `θ` and `h` at once. Everything that it asks for are solutions with `I - P`: the shares of time
-//! `π`; parameters `u` with a drift, `(I - P) u = Σ_j P_ij t_ij - c`, which are also how `h` answers to `θ`; the
-//! correction of `h`. The second derivative of `log ρ` is the variance of `t_ij + u_j - u_i - c`.
+//! Newton's method finds `θ` and `h` together. It requires solutions of systems with `I - P`: the shares of time `π`;
+//! parameters `u` with a drift, `(I - P) u = Σ_j P_ij t_ij - c`, which are also the derivative of `h` with respect to
+//! `θ`; the correction of `h`. The second derivative of `log ρ` is the variance of `t_ij + u_j - u_i - c`.
 
 use super::super::sparse::Symbolic;
 use super::error::{DRIFT_LIMIT, ParameteriseError, RESIDUAL_LIMIT};
@@ -19,36 +19,37 @@ use brdfc_core::progress::Progress;
 use rayon::prelude::*;
 use std::sync::Arc;
 
-/// How far the logarithms of the rows' sums may then be from one another.
+/// Largest difference between the logarithms of the row sums at convergence.
 const UNEVENNESS_LIMIT: f64 = 1e-9;
-/// Newton's steps towards the tilt: four or five are usual.
+/// Maximum number of Newton steps towards the tilt: four or five are usual.
 const TILT_STEPS: usize = 100;
 /// Residual that solutions aim at.
 const EXACT: f64 = 1e-13;
-/// Residual, relative to the right side, of solutions that only lead to the next step.
+/// Relative residual of solutions that only lead to the next step.
 const ROUGH: f64 = 1e-4;
-/// Most that one step changes the logarithm of a weight: the second derivative then stays of one size.
+/// Largest change of the logarithm of a weight in one step: keeps the second derivative at a similar size.
 const MAX_CHANGE: f64 = 1.0;
-/// Rounds in which the first shares of time are found; one or two are usual.
+/// Maximum number of rounds for the first shares of time; one or two are usual.
 const FIRST_ROUNDS: usize = 20;
 /// Steps of the walk in each of them.
 const FIRST_WALK: usize = 32;
 const UNEVEN: &str = "the weights differ too much from one another";
-/// How often a solution without great trouble asks whether to go on.
+/// Number of progress steps of a well-conditioned solution.
 pub(super) const STEPS: usize = 14;
 
-/// Parameters and the weights they come from.
+/// Parameters and the weights that they come from.
 pub(super) struct Solution {
     pub coordinates: Vec<[f64; 2]>,
     pub residual: f64,
     pub tilt: f64,
 }
 
-/// Solves `u_i = Σ_j λ_ij (u_j + tile_ij)` with the tilt that allows it, from a first guess, whose first vertex stays.
-/// `progress` hears of about [`STEPS`] steps.
+/// Solves `u_i = Σ_j λ_ij (u_j + tile_ij)` with the tilt that makes it solvable, from a first guess, whose first vertex
+/// stays fixed. `progress` receives about [`STEPS`] steps.
 ///
 /// # Errors
-/// Weights beyond arithmetic, a drift or a residual that stays, [`ParameteriseError::Cancelled`].
+/// Returns an error for weights outside the range of floats, for a drift or residual that does not vanish, and
+/// [`ParameteriseError::Cancelled`].
 pub(super) fn solve(
     edges: &[Edge],
     guess: &[[f64; 2]],
@@ -114,7 +115,7 @@ pub(super) fn solve(
     Err(ParameteriseError::Drift { found: drift[0].hypot(drift[1]) })
 }
 
-/// A first guess of the shares of time: sums of the weights at each vertex, which is right for symmetric weights.
+/// First guess of the shares of time: sums of the weights at each vertex, exact for symmetric weights.
 fn first_shares(edges: &[Edge], n: usize) -> Result<Vec<f64>, ParameteriseError> {
     let mut share = vec![0.0; n];
     edges.iter().for_each(|edge| share[edge.from as usize] += edge.weight);
@@ -122,13 +123,13 @@ fn first_shares(edges: &[Edge], n: usize) -> Result<Vec<f64>, ParameteriseError>
     share.iter_mut().for_each(|s| *s /= total);
     if let Some(vertex) = share.iter().position(|s| !(*s > 0.0 && s.is_finite())) {
         return Err(ParameteriseError::Singular {
-            reason: format!("the weights at vertex {vertex} are no numbers above 0"),
+            reason: format!("the weights at vertex {vertex} are not finite numbers above 0"),
         });
     }
     Ok(share)
 }
 
-/// Probabilities of the tilted weights, and the logarithm of the sum at each vertex before they were divided by it.
+/// Probabilities of the tilted weights, and the logarithm of the row sum at each vertex before normalisation.
 fn tilted<'a>(edges: &'a [Edge], tilt: [f64; 2], potential: &[f64]) -> (Walk<'a>, Vec<f64>) {
     let mut probabilities = Vec::with_capacity(edges.len());
     let mut log_sums = vec![0.0; potential.len()];
@@ -149,7 +150,7 @@ fn tilted<'a>(edges: &'a [Edge], tilt: [f64; 2], potential: &[f64]) -> (Walk<'a>
     (Walk { edges, probabilities }, log_sums)
 }
 
-/// A solver, and the shares of time that it was made for.
+/// A solver, and the shares of time that it was built for.
 fn first_solver(
     walk: &Walk<'_>,
     share: &mut [f64],
@@ -159,7 +160,7 @@ fn first_solver(
     let mut excess = vec![0.0; share.len()];
     let ones = vec![1.0; share.len()];
     for _ in 0..FIRST_ROUNDS {
-        // Steps of the walk even out what is wrong nearby; the solver does so far off.
+        // Steps of the walk reduce local errors; the solver reduces distant ones.
         for _ in 0..FIRST_WALK {
             walk.backward(share, &ones, &mut excess);
             share.iter_mut().zip(&excess).for_each(|(s, e)| *s -= 0.5 * e);
@@ -173,11 +174,11 @@ fn first_solver(
     Err(ParameteriseError::Singular { reason: UNEVEN.into() })
 }
 
-/// Improves the shares of time until as much comes to each vertex as leaves it. They add up to 1. Returns the largest
+/// Improves the shares of time until inflow and outflow balance at each vertex. They sum to 1. Returns the largest
 /// factor by which one changed.
 fn stationary(solver: &Solver, walk: &Walk<'_>, share: &mut [f64]) -> Result<f64, ParameteriseError> {
     let n = share.len();
-    // What comes to each vertex beyond what leaves it; shares are searched as multiples of those at hand.
+    // Inflow less outflow of each vertex; shares are sought as multiples of the current ones.
     let mut excess = vec![0.0; n];
     walk.backward(share, &vec![1.0; n], &mut excess);
     excess.iter_mut().for_each(|e| *e = -*e);
@@ -197,7 +198,7 @@ fn stationary(solver: &Solver, walk: &Walk<'_>, share: &mut [f64]) -> Result<f64
     Err(ParameteriseError::Singular { reason: UNEVEN.into() })
 }
 
-/// Mean over the edges of each vertex of the tiles that they go on.
+/// For each vertex, the mean over its edges of the tiles that they advance.
 fn mean_steps(walk: &Walk<'_>, n: usize) -> Vec<[f64; 2]> {
     let mut steps = vec![[0.0; 2]; n];
     for (edge, p) in walk.edges.iter().zip(&walk.probabilities) {
@@ -206,7 +207,7 @@ fn mean_steps(walk: &Walk<'_>, n: usize) -> Vec<[f64; 2]> {
     steps
 }
 
-/// How far an edge leads in parameters, less the drift: 0 in the mean over the edges of a vertex.
+/// Advance of an edge in parameters, less the drift: its mean over the edges of a vertex is 0.
 fn along(edge: &Edge, u: &[Vec<f64>; 2], drift: [f64; 2]) -> [f64; 2] {
     let (from, to) = (edge.from as usize, edge.to.vertex as usize);
     [0, 1].map(|k| f64::from(edge.to.tile[k]) + u[k][to] - u[k][from] - drift[k])
@@ -236,7 +237,8 @@ fn newton_step(
     step.iter().all(|s| s.is_finite()).then_some(step)
 }
 
-/// Moves the first vertex where it stands, and checks the equations themselves, without a drift.
+/// Translates the solution so that the first vertex stays in place, and checks the equations themselves, without a
+/// drift.
 fn finish(walk: &Walk<'_>, u: [Vec<f64>; 2], first: [f64; 2], tilt: [f64; 2]) -> Result<Solution, ParameteriseError> {
     let shift = [0, 1].map(|k| first[k] - u[k][0]);
     let coordinates: Vec<[f64; 2]> = u[0].iter().zip(&u[1]).map(|(x, y)| [x + shift[0], y + shift[1]]).collect();
@@ -252,7 +254,7 @@ fn finish(walk: &Walk<'_>, u: [Vec<f64>; 2], first: [f64; 2], tilt: [f64; 2]) ->
     Ok(Solution { coordinates, residual, tilt: tilt[0].hypot(tilt[1]) })
 }
 
-/// The drift of the weights as they are.
+/// Drift of the untilted weights.
 #[cfg(test)]
 pub(super) fn drift_without_tilt(edges: &[Edge], n: usize) -> Result<[f64; 2], ParameteriseError> {
     let (walk, _) = tilted(edges, [0.0; 2], &vec![0.0; n]);

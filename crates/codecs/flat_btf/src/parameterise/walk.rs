@@ -1,12 +1,12 @@
 //! The linear systems of a random walk over the edges of a mesh, and their solver.
 //!
 //! With `π` the share of time that the walk spends at each vertex, `diag(π) (I - P)` is a Laplacian plus a circulation:
-//! `S + K` with `S` symmetric, `K` skew, and the rows and columns of both adding up to 0. A circulation is local, so that
-//! `S⁻¹ (S + K)` stays near the identity however many vertices there are: one sparse Cholesky factorisation of `S` and a
-//! few steps of a minimal residual method replace the LU factorisation of the whole, which fills in far more (the
-//! splitting of Concus and Golub 1976, "A generalized conjugate gradient method for nonsymmetric systems of linear
-//! equations"; the steps of Eisenstat, Elman and Schultz 1983, "Variational iterative methods for nonsymmetric systems
-//! of linear equations", ORTHOMIN).
+//! `S + K` with `S` symmetric, `K` skew, and the rows and columns of both summing to 0. A circulation is local, so that
+//! `S⁻¹ (S + K)` stays near the identity for any number of vertices: one sparse Cholesky factorisation of `S` and a few
+//! steps of a minimal residual method replace the LU factorisation of the whole, which fills in far more (the splitting
+//! of Concus and Golub 1976, "A generalized conjugate gradient method for nonsymmetric systems of linear equations";
+//! the steps of Eisenstat, Elman and Schultz 1983, "Variational iterative methods for nonsymmetric systems of linear
+//! equations", ORTHOMIN).
 
 use super::super::sparse::{Cholesky, FactorError, Symbolic};
 use super::error::ParameteriseError;
@@ -15,14 +15,14 @@ use brdfc_core::progress::Progress;
 use std::collections::VecDeque;
 use std::sync::Arc;
 
-/// Directions that a step is made orthogonal to.
-const KEPT_DIRECTIONS: usize = 6;
-/// Most steps of one solution.
+/// Number of previous directions that each step is made orthogonal to.
+const MAX_DIRECTIONS: usize = 6;
+/// Maximum number of steps of one solution.
 const MAX_STEPS: usize = 400;
-/// Steps without progress after which a solution is as good as it gets.
+/// Steps without progress after which the iteration stops.
 const IDLE_STEPS: usize = 6;
 
-/// A random walk: `probabilities[e]` of leaving along edge `e`, 1 in all for each vertex.
+/// A random walk: `probabilities[e]` is the probability of leaving along edge `e`; they sum to 1 for each vertex.
 pub(super) struct Walk<'a> {
     pub edges: &'a [Edge],
     pub probabilities: Vec<f64>,
@@ -33,7 +33,7 @@ impl Walk<'_> {
     fn forward(&self, scale: &[f64], x: &[f64], out: &mut [f64]) {
         out.fill(0.0);
         for (edge, p) in self.edges.iter().zip(&self.probabilities) {
-            // Differences along edges: nothing is lost where the values are large and near each other.
+            // Sums differences along edges, which loses no precision if values are large and close together.
             let from = edge.from as usize;
             out[from] += p * (x[from] - x[edge.to.vertex as usize]);
         }
@@ -52,15 +52,15 @@ impl Walk<'_> {
     }
 }
 
-/// Solves systems of walks that are not far from the one it was made for.
+/// Solves systems of walks close to the one it was built for.
 pub(super) struct Solver {
-    /// Of the symmetric part without the first row and column; none for a single vertex.
+    /// Factor of the symmetric part without the first row and column; `None` for a single vertex.
     factor: Option<Cholesky>,
 }
 
 impl Solver {
-    /// `share` need not be the exact share of time at each vertex. All walks that have `symbolic` in common have the same
-    /// edges. `progress` hears of a few steps.
+    /// Factorises a walk. `share` need not be the exact share of time at each vertex. All walks that share `symbolic`
+    /// have the same edges. `progress` receives a few steps.
     pub fn new(
         walk: &Walk<'_>,
         share: &[f64],
@@ -110,13 +110,13 @@ impl Solver {
         z
     }
 
-    /// Solves `diag(scale) (I - P) x = right` from a first guess, up to a constant; `right` adds up to 0. Returns the
-    /// largest residual of a row over its scale.
+    /// Solves `diag(scale) (I - P) x = right` from a first guess, up to a constant. `right` sums to 0. Returns the
+    /// largest residual of a row divided by its scale.
     pub fn forward(&self, walk: &Walk<'_>, scale: &[f64], right: &[f64], x: &mut [f64], enough: f64) -> f64 {
         self.solve(|x, out| walk.forward(scale, x, out), scale, right, x, enough)
     }
 
-    /// As [`Solver::forward`], with the transpose of the matrix.
+    /// Solves the transposed system; see [`Solver::forward`].
     pub fn backward(&self, walk: &Walk<'_>, scale: &[f64], right: &[f64], x: &mut [f64], enough: f64) -> f64 {
         self.solve(|x, out| walk.backward(scale, x, out), scale, right, x, enough)
     }
@@ -136,13 +136,13 @@ impl Solver {
         let residual = |x: &[f64], r: &mut Vec<f64>| {
             apply(x, r);
             r.iter_mut().zip(right).for_each(|(r, b)| *r = b - *r);
-            // Of rounding: no solution has it.
+            // The mean residual is rounding: no solution removes it.
             let rest = r.iter().sum::<f64>() / total;
             subtract_scaled(r, rest, scale);
         };
         residual(x, &mut r);
         let mut exact = largest(&r);
-        let mut kept: VecDeque<Direction> = VecDeque::with_capacity(KEPT_DIRECTIONS);
+        let mut directions: VecDeque<Direction> = VecDeque::with_capacity(MAX_DIRECTIONS);
         let (mut least, mut idle) = (product(&r, &r), 0);
         for _ in 0..MAX_STEPS {
             if exact <= enough || exact.is_nan() {
@@ -151,7 +151,7 @@ impl Solver {
             let mut along = self.precondition(&r);
             let mut image = vec![0.0; n];
             apply(&along, &mut image);
-            for direction in &kept {
+            for direction in &directions {
                 let share = product(&image, &direction.image) / direction.squared;
                 subtract_scaled(&mut along, share, &direction.along);
                 subtract_scaled(&mut image, share, &direction.image);
@@ -163,21 +163,21 @@ impl Solver {
             }
             subtract_scaled(x, -step, &along);
             subtract_scaled(&mut r, step, &image);
-            if kept.len() == KEPT_DIRECTIONS {
-                kept.pop_front();
+            if directions.len() == MAX_DIRECTIONS {
+                directions.pop_front();
             }
-            kept.push_back(Direction { along, image, squared });
+            directions.push_back(Direction { along, image, squared });
             let now = product(&r, &r);
             idle = if now < 0.9 * least { 0 } else { idle + 1 };
             least = least.min(now);
             if largest(&r) <= enough || idle == IDLE_STEPS {
-                // What was carried on has rounding of its own.
+                // The updated residual has accumulated rounding: recompute it.
                 residual(x, &mut r);
                 let before = std::mem::replace(&mut exact, largest(&r));
                 if exact > 0.5 * before {
                     break;
                 }
-                kept.clear();
+                directions.clear();
                 (least, idle) = (product(&r, &r), 0);
             }
         }
@@ -186,7 +186,7 @@ impl Solver {
     }
 }
 
-/// A step that was taken.
+/// A previous step.
 struct Direction {
     along: Vec<f64>,
     image: Vec<f64>,

@@ -12,7 +12,7 @@ pub(super) struct Edge {
 }
 
 /// `w_ij = (tan(α_(i-1) / 2) + tan(α_i / 2)) / |x_j - x_i|` (Floater 2003) of all directed edges, by vertex, in a fixed
-/// order. Not normalised: what uses them divides each row by its sum.
+/// order. Not normalised: callers divide each row by its sum.
 pub(super) fn mean_value_weights(mesh: &PeriodicMesh) -> Vec<Edge> {
     let mut edges = Vec::with_capacity(6 * mesh.triangles.len());
     for (index, triangle) in mesh.triangles.iter().enumerate() {
@@ -34,7 +34,7 @@ pub(super) fn mean_value_weights(mesh: &PeriodicMesh) -> Vec<Edge> {
         }
     }
     edges.sort_by_key(|edge| (edge.from, edge.to.vertex, edge.to.tile));
-    // Each edge comes from the triangles on both its sides.
+    // Each edge gets contributions from the triangles on both sides.
     edges
         .chunk_by(|a, b| (a.from, a.to) == (b.from, b.to))
         .map(|pair| Edge { weight: pair.iter().map(|edge| edge.weight).sum(), ..pair[0] })

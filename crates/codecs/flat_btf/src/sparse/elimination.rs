@@ -1,23 +1,23 @@
-//! The order of elimination, and its tree.
+//! Elimination order and elimination tree.
 
 use super::{FactorError, NONE};
 
 const MAX_ROWS: usize = 1 << 29;
 const MAX_PLACES: usize = 1 << 29;
-/// Most entries of a factor: 16 GiB.
+/// Maximum number of entries of a factor: 16 GiB.
 const MAX_ENTRIES: u64 = 1 << 31;
 
-/// Neighbours of each vertex of a graph, ascending; none is its own.
+/// Neighbours of each vertex of a graph, ascending, without the vertex itself.
 pub(super) struct Graph {
     starts: Vec<u32>,
     neighbours: Vec<u32>,
 }
 
 impl Graph {
-    /// The graph of a symmetric matrix of `n` rows with entries in `places`: row and column, in either half, in any
-    /// order and number.
+    /// Builds the graph of a symmetric matrix of `n` rows with entries in `places`: row and column, in either half, in
+    /// any order, duplicates allowed.
     pub fn new(n: usize, places: &[[u32; 2]]) -> Result<Self, FactorError> {
-        // Rows and twice the places are counted in 32 bits with a sign.
+        // Rows and twice the places are counted in signed 32-bit integers.
         if n >= MAX_ROWS || places.len() >= MAX_PLACES {
             return Err(FactorError::TooLarge { rows: n });
         }
@@ -32,37 +32,37 @@ impl Graph {
             neighbours[*end as usize] = to;
             *end += 1;
         }
-        let mut kept = 0;
+        let mut count = 0;
         for vertex in 0..n {
             let (from, to) = (starts[vertex] as usize, starts[vertex + 1] as usize);
             neighbours[from..to].sort_unstable();
-            let start = kept;
+            let start = count;
             for at in from..to {
-                if kept == start || neighbours[kept - 1] != neighbours[at] {
-                    neighbours[kept] = neighbours[at];
-                    kept += 1;
+                if count == start || neighbours[count - 1] != neighbours[at] {
+                    neighbours[count] = neighbours[at];
+                    count += 1;
                 }
             }
             starts[vertex] = start as u32;
         }
-        starts[n] = kept as u32;
-        neighbours.truncate(kept);
+        starts[n] = count as u32;
+        neighbours.truncate(count);
         Ok(Self { starts, neighbours })
     }
 
-    /// How many vertices there are.
+    /// Number of vertices.
     pub fn len(&self) -> usize {
         self.starts.len() - 1
     }
 
-    /// Vertices beside one.
+    /// Neighbours of a vertex.
     pub fn neighbours(&self, vertex: u32) -> &[u32] {
         &self.neighbours[self.starts[vertex as usize] as usize..self.starts[vertex as usize + 1] as usize]
     }
 
-    /// An order of the vertices whose elimination fills in little: approximate minimum degree.
+    /// Fill-reducing elimination order: approximate minimum degree.
     fn approximate_minimum_degree(&self) -> Vec<u32> {
-        // The lower half; with its diagonal, since the crate subtracts the number of rows from that of entries.
+        // The lower half with its diagonal, since the crate subtracts the number of rows from that of entries.
         let n = self.len();
         let (mut starts, mut rows) = (Vec::with_capacity(n + 1), Vec::with_capacity(n + self.neighbours.len() / 2));
         starts.push(0);
@@ -77,11 +77,11 @@ impl Graph {
     }
 }
 
-/// The order in which rows are eliminated.
+/// Elimination order, tree and column counts.
 pub(super) struct Elimination {
-    /// Which row comes at each step.
+    /// Row eliminated at each step.
     pub order: Vec<u32>,
-    /// At which step each row comes.
+    /// Step at which each row is eliminated.
     pub step: Vec<u32>,
     /// The elimination tree: for each step, the next one that it changes, or [`NONE`] (Davis 2006, section 4.1).
     pub parents: Vec<u32>,
@@ -90,12 +90,13 @@ pub(super) struct Elimination {
 }
 
 impl Elimination {
-    /// By approximate minimum degree; the descendants of every step come right before it.
+    /// Orders by approximate minimum degree; the descendants of every step directly precede it.
     pub fn new(graph: &Graph) -> Result<Self, FactorError> {
         Self::in_order(graph, graph.approximate_minimum_degree(), MAX_ENTRIES)
     }
 
-    /// In a given order, but for steps that do not hang on each other. A factor of more than `most` entries is refused.
+    /// Eliminates in a given order, except that independent steps may be reordered. Returns an error if the factor has
+    /// more than `most` entries.
     pub fn in_order(graph: &Graph, order: Vec<u32>, most: u64) -> Result<Self, FactorError> {
         let raw = tree(graph, &order, &inverse(&order));
         let post = postorder(&raw);
@@ -120,7 +121,7 @@ fn inverse(order: &[u32]) -> Vec<u32> {
 /// The elimination tree (Liu 1990, "The role of elimination trees in sparse factorization").
 fn tree(graph: &Graph, order: &[u32], step: &[u32]) -> Vec<u32> {
     let mut parents = vec![NONE; order.len()];
-    // Ancestors found so far, for short ways up.
+    // Ancestors found so far, which shorten the paths to the root.
     let mut ancestors = vec![NONE; order.len()];
     for (now, row) in order.iter().enumerate() {
         let now = now as u32;
@@ -139,7 +140,7 @@ fn tree(graph: &Graph, order: &[u32], step: &[u32]) -> Vec<u32> {
     parents
 }
 
-/// All of a tree, children before their parents and siblings as they stand.
+/// Postorder of a tree: children before their parents, siblings in the given order.
 fn postorder(parents: &[u32]) -> Vec<u32> {
     let n = parents.len();
     let (mut first_child, mut next_sibling) = (vec![NONE; n], vec![NONE; n]);
@@ -154,7 +155,7 @@ fn postorder(parents: &[u32]) -> Vec<u32> {
     while root != NONE {
         path.push(root);
         while let Some(at) = path.last().copied() {
-            // A child goes before its parent, once.
+            // Children are visited before their parent, once.
             let child = std::mem::replace(&mut first_child[at as usize], NONE);
             if child == NONE {
                 order.push(at);
@@ -171,8 +172,8 @@ fn postorder(parents: &[u32]) -> Vec<u32> {
     order
 }
 
-/// Entries of each column of the factor: row `i` has one in each column on the ways up the tree from its entries left of
-/// the diagonal to `i` (Davis 2006, section 4.2).
+/// Number of entries of each column of the factor: row `i` has one in each column on the paths up the tree from its
+/// entries left of the diagonal to `i` (Davis 2006, section 4.2).
 fn column_counts(
     graph: &Graph,
     order: &[u32],

@@ -8,7 +8,7 @@ use rayon::prelude::*;
 use std::ops::Range;
 use std::sync::Arc;
 
-/// The factor of a matrix.
+/// Cholesky factor of a matrix.
 #[derive(Debug, Clone)]
 pub struct Cholesky {
     pub(super) symbolic: Arc<Symbolic>,
@@ -16,14 +16,14 @@ pub struct Cholesky {
 }
 
 impl Cholesky {
-    /// Factorises the matrix with these `values`, in the order of the places that were analysed. `progress` hears of
-    /// a few steps.
+    /// Factorises the matrix with these `values`, in the order of the analysed places. `progress` receives a few steps.
     ///
     /// # Errors
-    /// [`FactorError::NotPositiveDefinite`], [`FactorError::Cancelled`]; [`FactorError::TooLarge`] without the memory.
+    /// Returns [`FactorError::NotPositiveDefinite`], [`FactorError::Cancelled`], or [`FactorError::TooLarge`] if memory
+    /// runs out.
     ///
     /// # Panics
-    /// With another number of values than places.
+    /// Panics if the number of values differs from the number of places.
     pub fn new(symbolic: &Arc<Symbolic>, values: &[f64], progress: &dyn Progress) -> Result<Self, FactorError> {
         assert_eq!(values.len(), symbolic.places.len(), "one value for each place");
         let too_large = FactorError::TooLarge { rows: symbolic.rows };
@@ -49,7 +49,7 @@ impl Cholesky {
                 Ok(left)
             });
             let pieces: Vec<Result<Vec<Remainder>, FactorError>> = pieces.collect();
-            // In their order: of several errors it is always the first.
+            // In order, so that the first of several errors is returned.
             for ((segment, lanes), left) in parts.into_iter().zip(pieces) {
                 stack.extend(left?);
                 if segment.top {
@@ -62,7 +62,7 @@ impl Cholesky {
 }
 
 impl Symbolic {
-    /// Makes the columns of nodes that follow one another. Their children left their remainders on the stack.
+    /// Computes the columns of consecutive nodes. Their children left their remainders on the stack.
     fn make(&self, nodes: Range<usize>, mut lanes: &mut [Lane], stack: &mut Vec<Remainder>) -> Result<(), FactorError> {
         for index in nodes {
             let node = &self.nodes.nodes[index];
@@ -85,7 +85,7 @@ impl Symbolic {
         Ok(())
     }
 
-    /// Adds what a child left to the columns of its parent and to their remainder.
+    /// Adds the remainder of a child to the columns of its parent and to the parent's remainder.
     fn take_up(&self, child: Remainder, lanes: &mut [Lane], pivots: usize, remainder: &mut Remainder) {
         let above = &self.nodes.above[child.rows.clone()];
         let padded = pivots.next_multiple_of(TILE);

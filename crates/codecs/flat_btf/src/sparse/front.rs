@@ -1,21 +1,21 @@
 //! Dense factorisation of fronts.
 //!
 //! The columns of a node are stored in tiles of [`TILE`] rows: first the tiles of the pivots, padded with zeros, then
-//! those of the rows below. Of each tile all columns come after one another, as lanes of one value per row. Whatever is
-//! done to a front is a product of two tiles then, which the processor does on many numbers at once.
+//! those of the rows below. The columns of a tile are contiguous, as lanes of one value per row. All operations on a
+//! front are then products of two tiles, which vectorise.
 
 use super::{Lane, TILE};
 use rayon::prelude::*;
 use std::ops::Range;
 
-/// Multiplications from which threads share a step.
+/// Number of multiplications above which threads share a step.
 const SHARED: usize = 1 << 18;
-/// Columns taken at a time when the remainder is made: tiles stay in the cache.
+/// Columns per block of the remainder update, so that tiles stay in the cache.
 const DEPTH: usize = 256;
 
-/// What a node leaves to its parent: a symmetric matrix, with a row for each row below the pivots.
+/// Update matrix that a node passes to its parent: symmetric, with a row for each row below the pivots.
 pub(super) struct Remainder {
-    /// Which of all nodes' rows they are.
+    /// Range of the rows among those of all nodes.
     pub rows: Range<usize>,
     /// Rows padded to whole tiles.
     pub height: usize,
@@ -24,14 +24,14 @@ pub(super) struct Remainder {
 }
 
 impl Remainder {
-    /// None without the memory.
+    /// Allocates zeros; `None` if memory runs out.
     pub fn zeros(rows: Range<usize>) -> Option<Self> {
         let height = rows.len().next_multiple_of(TILE);
         Some(Self { rows, height, values: zeros(height.checked_mul(height)?)? })
     }
 }
 
-/// So many zeros; none without the memory.
+/// Allocates `count` zeros; `None` if memory runs out.
 pub(super) fn zeros<T: Copy + Default>(count: usize) -> Option<Vec<T>> {
     let mut values = Vec::new();
     values.try_reserve_exact(count).ok()?;
@@ -54,7 +54,7 @@ fn subtract(from: &mut [f64], lane: &Lane) {
     from.iter_mut().zip(lane).for_each(|(value, other)| *value -= other);
 }
 
-/// Factorises the columns of a node in place. The error is the pivot that is not above 0.
+/// Factorises the columns of a node in place. Returns the index of a pivot that is not above 0 as the error.
 pub(super) fn factorise(lanes: &mut [Lane], pivots: usize) -> Result<(), usize> {
     for done in (0..pivots).step_by(TILE) {
         let (diagonal, below) = lanes[done / TILE * pivots..].split_at_mut(pivots);
@@ -96,7 +96,7 @@ fn factorise_tile(tile: &mut [Lane]) -> Result<(), usize> {
             subtract(&mut lane, &other);
         }
         let root = lane[c].sqrt();
-        // Also not for NaN.
+        // Also rejects NaN.
         if !(root > 0.0 && root.is_finite()) {
             return Err(c);
         }
@@ -109,7 +109,7 @@ fn factorise_tile(tile: &mut [Lane]) -> Result<(), usize> {
     Ok(())
 }
 
-/// Subtracts from the remainder what the columns of its node explain; `lanes` are those of the rows below the pivots.
+/// Subtracts the products of the node's columns from the remainder; `lanes` are those of the rows below the pivots.
 pub(super) fn subtract_products(remainder: &mut Remainder, lanes: &[Lane], pivots: usize) {
     let height = remainder.height;
     if height == 0 {

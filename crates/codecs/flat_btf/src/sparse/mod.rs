@@ -2,12 +2,12 @@
 //!
 //! Rows are eliminated in an order that keeps `L` sparse (Amestoy, Davis and Duff 1996, "An approximate minimum degree
 //! ordering algorithm"). Columns of `L` with the same rows below them form a node, and each node is a small dense
-//! factorisation, whose remainder its parent in the tree of nodes takes up: the multifrontal method (Duff and Reid 1983,
-//! "The multifrontal solution of indefinite sparse symmetric linear equations"; Liu 1992, "The multifrontal method for
-//! sparse matrix solution: theory and practice"). Notation follows Davis 2006, "Direct methods for sparse linear
-//! systems", chapter 4.
+//! factorisation, whose remainder is added to its parent in the tree of nodes: the multifrontal method (Duff and Reid
+//! 1983, "The multifrontal solution of indefinite sparse symmetric linear equations"; Liu 1992, "The multifrontal
+//! method for sparse matrix solution: theory and practice"). Notation follows Davis 2006, "Direct methods for sparse
+//! linear systems", chapter 4.
 //!
-//! Sums have one order whatever the number of threads, and no instruction is chosen by what the processor offers:
+//! Summation order does not depend on the number of threads, and no instruction is selected by processor features:
 //! results are the same everywhere.
 
 use brdfc_core::progress::Cancelled;
@@ -23,7 +23,7 @@ mod tests;
 pub use factor::Cholesky;
 pub use symbolic::Symbolic;
 
-/// Why a matrix has no factor.
+/// Errors of analysis and factorisation.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, thiserror::Error)]
 pub enum FactorError {
     /// A pivot is not above 0, or not finite.
@@ -32,13 +32,13 @@ pub enum FactorError {
         /// The row of the pivot.
         row: usize,
     },
-    /// The matrix or its factor is larger than indices or the memory.
+    /// The matrix or its factor exceeds the index range or the memory.
     #[error("the factor of a matrix of {rows} rows is too large")]
     TooLarge {
         /// Rows of the matrix.
         rows: usize,
     },
-    /// The caller asked to stop.
+    /// The caller cancelled.
     #[error(transparent)]
     Cancelled(#[from] Cancelled),
 }
@@ -49,5 +49,5 @@ const TILE: usize = 4;
 /// A column of a tile.
 type Lane = [f64; TILE];
 
-/// No node, no row.
+/// Marks a missing node or row.
 const NONE: u32 = u32::MAX;

@@ -9,15 +9,15 @@ use std::ops::Range;
 pub(super) struct Node {
     /// The first of its columns.
     pub first: u32,
-    /// How many columns it has.
+    /// Number of its columns.
     pub pivots: u32,
-    /// Where its rows below the pivots start among all nodes' rows.
+    /// Start of its rows below the pivots among all nodes' rows.
     pub rows: usize,
-    /// How many rows it has below its pivots.
+    /// Number of its rows below the pivots.
     pub below: u32,
-    /// How many nodes right before it in the order of the stack hand it their remainder.
+    /// Number of nodes directly before it in stack order that pass it their remainder.
     pub children: u32,
-    /// Where its lanes start in the factor.
+    /// Start of its lanes in the factor.
     pub lanes: usize,
 }
 
@@ -37,19 +37,19 @@ impl Node {
         (self.padded_pivots() + self.padded_below()) / TILE * self.pivots as usize
     }
 
-    /// Multiplications of its factorisation, about.
+    /// Approximate number of multiplications of its factorisation.
     pub fn work(&self) -> u64 {
         let (pivots, below) = (u64::from(self.pivots), u64::from(self.below));
         pivots * (pivots * pivots / 6 + pivots * below / 2 + below * below / 2 + 16 * below + 64)
     }
 }
 
-/// Share of zeros among the stored entries up to which a node of at most so many columns is merged with its parent: many
-/// tiny nodes cost more than a few operations on zeros (Ashcraft and Grimes 1989, "The influence of relaxed supernode
-/// partitions on the multifrontal method").
+/// Share of zeros among the stored entries up to which a node of at most this many columns is merged with its parent:
+/// many tiny nodes cost more than a few operations on zeros (Ashcraft and Grimes 1989, "The influence of relaxed
+/// supernode partitions on the multifrontal method").
 const RELAXED: [(u64, f64); 4] = [(4, 1.0), (16, 0.6), (48, 0.15), (u64::MAX, 0.05)];
 
-/// A node in the making: columns from `first` up to `last`, `height` rows from the diagonal of the first column down.
+/// A node under construction: columns
 struct Draft {
     first: u32,
     last: u32,
@@ -64,7 +64,7 @@ impl Draft {
         columns * self.height - columns * (columns - 1) / 2
     }
 
-    /// A child and its parent as one, if that does not store too many zeros.
+    /// Merges a child into its parent, unless that stores too many zeros.
     fn merged(&self, child: &Self) -> Option<Self> {
         let columns = u64::from(self.last - child.first) + 1;
         let height = self.height + u64::from(self.first - child.first);
@@ -75,7 +75,8 @@ impl Draft {
     }
 }
 
-/// Splits the columns into nodes: first those with the very same rows, then nodes that are better off with their parent.
+/// Splits the columns into nodes: first those with identical rows, then merges nodes with their parent where that is
+/// cheaper.
 fn drafts(elimination: &Elimination) -> Vec<Draft> {
     let Elimination { parents, counts, .. } = elimination;
     let mut done: Vec<Draft> = Vec::new();
@@ -86,7 +87,7 @@ fn drafts(elimination: &Elimination) -> Vec<Draft> {
             continue;
         }
         let mut draft = Draft { first: first as u32, last: column as u32, height: counts[first].into(), zeros: 0 };
-        // The node right before this one is its last child, or none of its.
+        // The last child of this node, if any, directly precedes it.
         while let Some(child) = done.last().filter(|child| parents[child.last as usize] <= draft.last) {
             let Some(merged) = draft.merged(child) else { break };
             draft = merged;
@@ -104,7 +105,7 @@ pub(super) struct Nodes {
     pub nodes: Vec<Node>,
     /// Rows below the pivots, ascending for each node.
     pub rows: Vec<u32>,
-    /// For each of the rows, where it is in the front of the node's parent.
+    /// For each of the rows, its position in the front of the node's parent.
     pub above: Vec<u32>,
     /// The node of each column.
     pub of_column: Vec<u32>,
@@ -122,7 +123,7 @@ impl Nodes {
         }
         let mut all =
             Self { nodes: Vec::with_capacity(drafts.len()), rows: Vec::new(), above: Vec::new(), of_column, lanes: 0 };
-        // Where rows are in the front at hand; whether they are in it.
+        // Position of each row in the current front, and the front that it belongs to.
         let (mut place, mut member) = (vec![0u32; n], vec![NONE; n]);
         let mut waiting: Vec<u32> = Vec::new();
         for (index, draft) in drafts.iter().enumerate() {
@@ -174,13 +175,13 @@ impl Nodes {
         all
     }
 
-    /// Where the rows of a node are among those of all.
+    /// Range of the rows of a node among those of all nodes.
     pub fn range(&self, node: u32) -> Range<usize> {
         let node = &self.nodes[node as usize];
         node.rows..node.rows + node.below as usize
     }
 
-    /// Where in the factor an entry is: 4 times its lane, plus its row in there.
+    /// Position of an entry in the factor: 4 times its lane, plus its row in the lane.
     pub fn place(&self, row: u32, column: u32) -> usize {
         let index = self.of_column[column as usize];
         let node = &self.nodes[index as usize];

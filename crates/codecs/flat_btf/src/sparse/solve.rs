@@ -1,4 +1,4 @@
-//! Solution of systems with a factor.
+//! Triangular solves with a factor.
 
 use super::factor::Cholesky;
 use super::nodes::Node;
@@ -8,7 +8,7 @@ impl Cholesky {
     /// Solves `A x = b` for `K` right sides at once, in place: one entry of `x` per row.
     ///
     /// # Panics
-    /// With another number of rows.
+    /// Panics if `x` does not have one entry per row.
     pub fn solve<const K: usize>(&self, x: &mut [[f64; K]]) {
         let symbolic = &*self.symbolic;
         assert_eq!(x.len(), symbolic.rows(), "one value for each row");
@@ -30,7 +30,7 @@ impl Cholesky {
         (diagonal, below, &self.symbolic.nodes.rows[node.rows..][..node.below as usize])
     }
 
-    /// `x = L⁻¹ x` as far as the columns of one node go.
+    /// `x = L⁻¹ x`, restricted to the columns of one node.
     fn forward<const K: usize>(&self, node: &Node, x: &mut [[f64; K]]) {
         let (diagonal, below, rows) = self.parts(node);
         let pivots = node.pivots as usize;
@@ -38,7 +38,7 @@ impl Cholesky {
         for (tile, lanes) in diagonal.chunks_exact(pivots).enumerate() {
             let start = TILE * tile;
             let (made, rest) = own.split_at_mut(start);
-            let mut sum = explained(lanes, made);
+            let mut sum = tile_gemv(lanes, made);
             for c in 0..rest.len().min(TILE) {
                 let lane = &lanes[start + c];
                 for k in 0..K {
@@ -49,14 +49,14 @@ impl Cholesky {
         }
         let after = node.first as usize + pivots;
         for (lanes, rows) in below.chunks_exact(pivots).zip(rows.chunks(TILE)) {
-            let sum = explained(lanes, own);
+            let sum = tile_gemv(lanes, own);
             for (r, row) in rows.iter().enumerate() {
                 (0..K).for_each(|k| others[*row as usize - after][k] -= sum[k][r]);
             }
         }
     }
 
-    /// `x = L⁻ᵀ x` as far as the columns of one node go.
+    /// `x = L⁻ᵀ x`, restricted to the columns of one node.
     fn backward<const K: usize>(&self, node: &Node, x: &mut [[f64; K]], sums: &mut Vec<[Lane; K]>) {
         let (diagonal, below, rows) = self.parts(node);
         let pivots = node.pivots as usize;
@@ -69,7 +69,7 @@ impl Cholesky {
             for (r, row) in rows.iter().enumerate() {
                 (0..K).for_each(|k| values[k][r] = others[*row as usize - after][k]);
             }
-            explain(lanes, &values, sums);
+            tile_gemv_t(lanes, &values, sums);
         }
         for (tile, lanes) in diagonal.chunks_exact(pivots).enumerate().rev() {
             let start = TILE * tile;
@@ -84,13 +84,13 @@ impl Cholesky {
                     own[start + c][k] = values[k][c];
                 }
             }
-            explain(&lanes[..start], &values, &mut sums[..start]);
+            tile_gemv_t(&lanes[..start], &values, &mut sums[..start]);
         }
     }
 }
 
 /// `Σ_l lane_l x_l` for the first columns of a tile.
-fn explained<const K: usize>(lanes: &[Lane], x: &[[f64; K]]) -> [Lane; K] {
+fn tile_gemv<const K: usize>(lanes: &[Lane], x: &[[f64; K]]) -> [Lane; K] {
     let mut sum = [[0.0; TILE]; K];
     for (lane, x) in lanes.iter().zip(x) {
         for (sum, x) in sum.iter_mut().zip(x) {
@@ -101,7 +101,7 @@ fn explained<const K: usize>(lanes: &[Lane], x: &[[f64; K]]) -> [Lane; K] {
 }
 
 /// Adds to the sum of each column its products with the values of a tile's rows, row by row.
-fn explain<const K: usize>(lanes: &[Lane], values: &[Lane; K], sums: &mut [[Lane; K]]) {
+fn tile_gemv_t<const K: usize>(lanes: &[Lane], values: &[Lane; K], sums: &mut [[Lane; K]]) {
     for (lane, sums) in lanes.iter().zip(sums) {
         for (sum, values) in sums.iter_mut().zip(values) {
             for r in 0..TILE {

@@ -1,45 +1,45 @@
-//! What can be said about a factor before the numbers are known.
+//! Symbolic factorisation, before values are known.
 
 use super::elimination::{Elimination, Graph};
 use super::nodes::Nodes;
 use super::{FactorError, NONE};
 use std::ops::Range;
 
-/// Share of all work up to which a part of the tree is done in one piece.
+/// Share of all work up to which a subtree is one task.
 const PIECE: f64 = 1.0 / 64.0;
-/// Parts of all work after which the caller is asked whether to go on.
+/// Parts of all work between two calls of `progress`.
 const STAGES: u64 = 4;
 
-/// The pattern of a matrix, analysed: serves all matrices with entries in the same places.
+/// The analysed pattern of a matrix. Serves all matrices with entries in the same places.
 #[derive(Debug)]
 pub struct Symbolic {
     pub(super) rows: usize,
-    /// Which row of the matrix comes at each step of the elimination.
+    /// Row of the matrix that is eliminated at each step.
     pub(super) order: Vec<u32>,
     pub(super) nodes: Nodes,
-    /// Where in the factor each entry of the matrix starts.
+    /// Position in the factor at which each entry of the matrix is added.
     pub(super) places: Vec<usize>,
-    /// All nodes in their order, in parts of about the same work.
+    /// All nodes in order, in stages of about equal work.
     pub(super) stages: Vec<Vec<Segment>>,
 }
 
-/// Nodes that are made in one go.
+/// Nodes that one task computes.
 #[derive(Debug)]
 pub(super) struct Segment {
     pub nodes: Range<usize>,
-    /// Whether it is above others, and has to wait for them; otherwise it is a part of the tree that hangs on no other.
+    /// True if the nodes are above others and wait for them; false for an independent subtree.
     pub top: bool,
 }
 
 impl Symbolic {
-    /// Analyses a matrix of `rows` rows with entries in `places`: row and column, in either half. The values of entries
-    /// in one place, or in one and its mirror image, will be added.
+    /// Analyses a matrix of `rows` rows with entries in `places`: row and column, in either half. Values of the same
+    /// place or of its mirror image are added.
     ///
     /// # Errors
-    /// [`FactorError::TooLarge`].
+    /// Returns [`FactorError::TooLarge`].
     ///
     /// # Panics
-    /// If a place is outside the matrix.
+    /// Panics if a place is outside the matrix.
     pub fn new(rows: usize, places: &[[u32; 2]]) -> Result<Self, FactorError> {
         let graph = Graph::new(rows, places)?;
         let elimination = Elimination::new(&graph)?;
@@ -61,19 +61,19 @@ impl Symbolic {
         self.rows
     }
 
-    /// Entries of the factor, with those that are 0 for what nodes were merged.
+    /// Entries of the factor, including zeros stored by merged nodes.
     pub fn factor_entries(&self) -> u64 {
         let entries = |pivots: u64, below: u64| pivots * (pivots + 1) / 2 + pivots * below;
         self.nodes.nodes.iter().map(|node| entries(node.pivots.into(), node.below.into())).sum()
     }
 }
 
-/// Cuts the tree of nodes into pieces that can be made at the same time, and what is above them.
+/// Splits the tree of nodes into independent subtrees and the nodes above them.
 fn stages(nodes: &Nodes) -> Vec<Vec<Segment>> {
     let own: Vec<u64> = nodes.nodes.iter().map(|node| node.work()).collect();
     let total: u64 = own.iter().sum();
     let most = (PIECE * total as f64) as u64;
-    // Of each node and all that hangs on it: how much work, and the first node.
+    // For each subtree: its work and its first node.
     let (mut work, mut first): (Vec<u64>, Vec<usize>) = (own.clone(), (0..own.len()).collect());
     let mut parents = vec![NONE; own.len()];
     for (index, node) in nodes.nodes.iter().enumerate().filter(|(_, node)| node.below > 0) {

@@ -6,7 +6,7 @@ use nalgebra::{DMatrix, DVector};
 use proptest::prelude::*;
 use std::sync::Arc;
 
-/// A symmetric matrix as a caller has it.
+/// A symmetric matrix as the caller provides it.
 #[derive(Debug, Clone)]
 struct Matrix {
     rows: usize,
@@ -36,7 +36,7 @@ impl Matrix {
         matrix
     }
 
-    /// Of a grid of `n` x `n` points that repeats, with diagonals.
+    /// Laplacian of a periodic grid of `n` x `n` points with diagonals.
     fn torus(n: usize) -> Self {
         let mut edges = Vec::new();
         for (x, y) in (0..n * n).map(|at| (at % n, at / n)) {
@@ -80,7 +80,7 @@ impl Matrix {
         Cholesky::new(&self.symbolic(), &self.values, &())
     }
 
-    /// Largest difference of `A x` and `right`, over the largest sum of sizes of a row of `A` and of `x`.
+    /// Largest difference of `A x` and `right`, relative to the largest row sum of `|A|` times the largest `|x|`.
     fn error(&self, x: &[f64], right: &[f64]) -> f64 {
         let largest = |v: &[f64]| v.iter().fold(0.0, |most: f64, v| most.max(v.abs()));
         let sizes = Self { values: self.values.iter().map(|v| v.abs()).collect(), ..self.clone() };
@@ -100,13 +100,13 @@ fn solved(matrix: &Matrix, right: &[f64]) -> Vec<f64> {
     x.into_iter().flatten().collect()
 }
 
-/// Every vertex of `of` beside every other.
+/// Edges between every two vertices of `of`.
 fn clique(of: std::ops::Range<usize>) -> impl Iterator<Item = (usize, usize, f64)> {
     of.clone().flat_map(move |a| (of.start..a).map(move |b| (a, b, 1.0)))
 }
 
 #[test]
-fn the_identity_leaves_things_as_they_are() {
+fn the_identity_changes_nothing() {
     for rows in [0, 1, 4, 9] {
         let mut matrix = Matrix::empty(rows);
         (0..rows).for_each(|row| matrix.add(row, row, 1.0));
@@ -119,7 +119,7 @@ fn the_identity_leaves_things_as_they_are() {
 
 #[test]
 fn a_small_system_by_hand() {
-    // [4 2; 2 5] x = [8; 8] has x = [1.5; 1]. Entries in one place are added, from either half.
+    // [4 2; 2 5] x = [8; 8] has x = [1.5; 1]. Entries in the same place, from either half, are added.
     let matrix =
         Matrix { rows: 2, places: vec![[0, 0], [1, 0], [1, 1], [0, 1], [1, 1]], values: vec![4.0, 0.5, 2.0, 1.5, 3.0] };
     assert_eq!(solved(&matrix, &[8.0, 8.0]), [1.5, 1.0]);
@@ -153,7 +153,7 @@ fn right_sides_do_not_touch_each_other() {
 }
 
 #[test]
-fn other_names_of_the_rows_change_nothing() {
+fn permuting_the_rows_changes_nothing() {
     let matrix = Matrix::torus(12);
     let rename = |row: u32| (row * 35 + 11) % 144;
     let mut renamed = matrix.clone();
@@ -166,7 +166,7 @@ fn other_names_of_the_rows_change_nothing() {
 }
 
 #[test]
-fn what_is_not_positive_definite_is_refused() {
+fn indefinite_matrices_are_refused() {
     let two = |values: [f64; 3]| Matrix { rows: 2, places: vec![[0, 0], [1, 0], [1, 1]], values: values.to_vec() };
     for values in [
         [1.0, 1.0, 1.0],
@@ -182,7 +182,7 @@ fn what_is_not_positive_definite_is_refused() {
         assert!(matches!(error, FactorError::NotPositiveDefinite { row: 0 | 1 }), "{values:?}: {error}");
     }
     assert!(two([1.0, 1.0, 1.0 + 1e-9]).factor().is_ok());
-    // A row of a larger matrix without entries, and with one below 0: they are named.
+    // A row of a larger matrix without entries, and one with an entry below 0: the error names the row.
     let mut matrix = Matrix::torus(8);
     matrix.rows += 1;
     let error = matrix.factor().unwrap_err();
@@ -193,7 +193,7 @@ fn what_is_not_positive_definite_is_refused() {
 }
 
 #[test]
-fn what_is_too_large_is_refused_before_any_work() {
+fn large_matrices_are_refused_before_any_work() {
     let error = Symbolic::new(1 << 29, &[]).unwrap_err();
     assert_eq!(error.to_string(), "the factor of a matrix of 536870912 rows is too large");
     // A clique fills its triangle.
@@ -206,12 +206,12 @@ fn what_is_too_large_is_refused_before_any_work() {
 #[test]
 fn large_fronts_and_long_trees() {
     let pairs = |rows, edges: Vec<(usize, usize, f64)>| Matrix::laplacian(rows, &edges, 0.01);
-    // Two cliques beside a third: their columns are many, with others below them.
-    let beside = (0..600).flat_map(|a| (600..650).map(move |b| (a, b, 0.5)));
-    let cliques = clique(0..300).chain(clique(300..600)).chain(beside).collect();
+    // Two cliques connected to a third: they have many columns, with others below them.
+    let connected = (0..600).flat_map(|a| (600..650).map(move |b| (a, b, 0.5)));
+    let cliques = clique(0..300).chain(clique(300..600)).chain(connected).collect();
     let chain = (1..100_000).map(|at| (at - 1, at, 1.0 + (at % 3) as f64)).collect();
     let star = (1..20_000).map(|at| (0, at, 1.0)).collect();
-    // Nothing ties these together.
+    // Disconnected components.
     let apart = clique(0..40).chain(clique(40..77)).collect();
     for matrix in [pairs(650, cliques), pairs(100_000, chain), pairs(20_000, star), pairs(90, apart)] {
         let right = rough(matrix.rows);
@@ -227,7 +227,7 @@ fn little_is_filled_in() {
     let natural = Elimination::in_order(&graph, (0..matrix.rows as u32).collect(), u64::MAX).unwrap();
     let natural = Symbolic::of(&graph, natural, &matrix.places).factor_entries();
     let found = matrix.symbolic().factor_entries();
-    // In rows, a band of about two rows fills in.
+    // In natural order, a band of about two grid rows fills in.
     assert!(natural > 48 * 48 * 80, "{natural}");
     assert!(found < natural / 2 && found < 48 * 48 * 45, "{found} of {natural}");
 }
@@ -254,15 +254,15 @@ fn threads_do_not_change_a_bit() {
     };
     let alone = on(1);
     assert!([2, 3, 8].iter().all(|threads| on(*threads) == alone));
-    // Nor which of several errors is told.
+    // The first of several errors does not depend on threads either.
     let mut bad = matrix;
     (0..8100).step_by(7).for_each(|row| bad.add(row, row, -1e3));
-    let told = bad.factor().unwrap_err();
-    assert!((0..20).all(|_| bad.factor().unwrap_err() == told), "{told}");
+    let first = bad.factor().unwrap_err();
+    assert!((0..20).all(|_| bad.factor().unwrap_err() == first), "{first}");
 }
 
 #[test]
-fn it_stops_when_told() {
+fn it_can_be_cancelled() {
     let matrix = Matrix::torus(40);
     let symbolic = matrix.symbolic();
     let up_to = |most: usize| {
@@ -277,22 +277,22 @@ fn it_stops_when_told() {
     }
 }
 
-/// Entries of the factor by its definition: elimination ties all that is beside a row together.
+/// Number of entries of the factor by its definition: elimination connects all neighbours of a row.
 fn fill(graph: &Graph, order: &[u32]) -> Vec<u32> {
     let n = graph.len();
-    let mut beside = vec![vec![false; n]; n];
+    let mut connected = vec![vec![false; n]; n];
     for (now, row) in order.iter().enumerate() {
         for neighbour in graph.neighbours(*row) {
-            beside[now][order.iter().position(|row| row == neighbour).unwrap()] = true;
+            connected[now][order.iter().position(|row| row == neighbour).unwrap()] = true;
         }
     }
     for now in 0..n {
-        let later: Vec<usize> = (now + 1..n).filter(|at| beside[now][*at]).collect();
+        let later: Vec<usize> = (now + 1..n).filter(|at| connected[now][*at]).collect();
         for a in &later {
-            later.iter().filter(|b| *b != a).for_each(|b| beside[*a][*b] = true);
+            later.iter().filter(|b| *b != a).for_each(|b| connected[*a][*b] = true);
         }
     }
-    (0..n).map(|now| 1 + beside[now][now + 1..].iter().filter(|beside| **beside).count() as u32).collect()
+    (0..n).map(|now| 1 + connected[now][now + 1..].iter().filter(|connected| **connected).count() as u32).collect()
 }
 
 proptest! {
@@ -302,7 +302,7 @@ proptest! {
         edges in prop::collection::vec((0usize..120, 0usize..120, -3.0f64..3.0), 0..400),
         rest in 1e-3f64..2.0,
     ) {
-        // Weights of either sign: diagonally dominant all the same.
+        // Weights of either sign; diagonally dominant nevertheless.
         let mut matrix = Matrix::empty(rows);
         for (a, b, weight) in edges.into_iter().map(|(a, b, weight)| (a % rows, b % rows, weight)).filter(|(a, b, _)| a != b) {
             matrix.add(a, b, weight);
@@ -314,7 +314,7 @@ proptest! {
         let x = solved(&matrix, &right);
         let error = matrix.error(&x, &right);
         prop_assert!(error < 1e-14, "{error:e}");
-        // The control: the solution of another system is told apart.
+        // The negative control: the solution of another system fails the check.
         matrix.add(rows / 2, rows / 2, 1e-6);
         let other = solved(&matrix, &right);
         matrix.places.pop();

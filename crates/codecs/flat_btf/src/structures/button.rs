@@ -20,16 +20,16 @@ pub(super) const INFO: StructureInfo = StructureInfo {
     build: |values| Box::new(Buttons::new(values[2] as u64, values[3] as i64, values[4])),
 };
 
-/// Radius of the disc of parameters that becomes a stud, in distances between studs. Less than half, by what centres
-/// are moved.
+/// Radius of the disc of parameters that becomes a stud, in distances between studs. Below one half, to allow for the
+/// jitter of centres.
 const DISC: f64 = 0.46;
-/// Most that a centre is moved from its place, per axis, in distances between studs.
+/// Maximum displacement of a centre, per axis, in distances between studs.
 const JITTER: f64 = 0.03;
 
 struct Buttons {
     seed: u64,
     count: i64,
-    /// The same shape for all studs.
+    /// The shape shared by all studs.
     profile: Profile,
 }
 
@@ -76,7 +76,7 @@ impl Pointwise for Buttons {
             // The base is a little darker than the studs.
             lightness = mix(0.72, 1.0, smooth_step(0.0, 0.25, z));
         }
-        // A shear along z: it cannot make the surface meet itself.
+        // A shear along z, which cannot cause self-intersections.
         point[2] += self.base(point[0], point[1]);
         let tint = [lightness as f32; 3];
         (point, VertexMaterial { tint, ..VertexMaterial::default() })
@@ -86,13 +86,13 @@ impl Pointwise for Buttons {
 /// The outline of a stud of cap radius 1 in the plane of radius and height: four quarter ellipses, joined with a common
 /// tangent, and the level base.
 ///
-/// Height never rises outward, and where it is level the radius grows, so that the outline does not meet itself; nor
+/// Height never rises outward, and where it is level the radius grows. Therefore the outline does not meet itself, nor
 /// does any blend of it with the identity.
 struct Profile {
     /// Centre and half axes of the quarters: dome, rim, underside, foot.
     quarters: [Quarter; 4],
-    /// How much of the parameter is spent up to each of the points at equal steps of the quarters' angles.
-    spent: Vec<f64>,
+    /// Parameter consumed up to each point at equal steps of the quarters' angles.
+    consumed: Vec<f64>,
 }
 
 /// The points `centre + (radial sin t, vertical cos t)`, `t` from `start` to `start + π / 2`.
@@ -118,15 +118,15 @@ const UNDERSIDE: f64 = 0.46;
 const NARROWEST: f64 = 0.26;
 /// Width of the foot around the neck, in cap radii.
 const FOOT: f64 = 0.26;
-/// Points of the outline per quarter at which lengths are kept.
+/// Points of the outline per quarter at which lengths are tabulated.
 const STEPS: usize = 64;
-/// Parameter spent on one radian of turning, as a length in cap radii: bends get more vertices.
+/// Parameter consumed by one radian of turning, as a length in cap radii: bends get more vertices.
 const TURNING: f64 = 0.12;
 
 impl Profile {
     fn new(overhang: f64) -> Self {
         let neck = 1.0 - overhang;
-        // Where the underside goes over from the rim to the neck.
+        // Junction of the rim and the neck on the underside.
         let middle = 1.0 - 0.45 * overhang;
         let quarters = [
             Quarter { centre: [0.0, WIDEST], radial: 1.0, vertical: TOP - WIDEST, start: 0.0 },
@@ -134,7 +134,7 @@ impl Profile {
             Quarter { centre: [middle, NARROWEST], radial: neck - middle, vertical: UNDERSIDE - NARROWEST, start: 0.0 },
             Quarter { centre: [neck + FOOT, NARROWEST], radial: -FOOT, vertical: NARROWEST, start: FRAC_PI_2 },
         ];
-        let mut profile = Self { quarters, spent: vec![0.0] };
+        let mut profile = Self { quarters, consumed: vec![0.0] };
         let (mut before, mut heading) = (profile.point(0), 0.0);
         for k in 1..=4 * STEPS {
             let here = profile.point(k);
@@ -143,7 +143,7 @@ impl Profile {
             heading += turned;
             // Headings of -π and π are the same.
             let turned = turned.abs().min((std::f64::consts::TAU - turned.abs()).abs());
-            profile.spent.push(profile.spent[k - 1] + step[0].hypot(step[1]) + TURNING * turned);
+            profile.consumed.push(profile.consumed[k - 1] + step[0].hypot(step[1]) + TURNING * turned);
             before = here;
         }
         profile
@@ -157,14 +157,14 @@ impl Profile {
 
     /// Radius and height at parameter `s`: 0 at the axis, 1 at the edge of the disc, there `[rim, 0]`.
     fn at(&self, s: f64, rim: f64) -> [f64; 2] {
-        let curved = self.spent[4 * STEPS];
+        let curved = self.consumed[4 * STEPS];
         let foot = self.quarters[3].at(1.0)[0];
         let sought = s * (curved + rim - foot);
         if sought >= curved {
             return [foot + sought - curved, 0.0];
         }
-        let k = self.spent.partition_point(|spent| *spent <= sought).clamp(1, 4 * STEPS) - 1;
-        let within = (sought - self.spent[k]) / (self.spent[k + 1] - self.spent[k]);
+        let k = self.consumed.partition_point(|consumed| *consumed <= sought).clamp(1, 4 * STEPS) - 1;
+        let within = (sought - self.consumed[k]) / (self.consumed[k + 1] - self.consumed[k]);
         let quarter = k / STEPS;
         self.quarters[quarter].at(((k % STEPS) as f64 + within) / STEPS as f64)
     }

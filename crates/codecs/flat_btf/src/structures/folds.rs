@@ -23,7 +23,7 @@ pub(super) const INFO: StructureInfo = StructureInfo {
 
 /// Height of a fold from valley to ridge at its strongest, in distances between folds.
 const RELIEF: f64 = 0.5;
-/// Points of a line at which lengths are kept, per fold.
+/// Points of a line at which lengths are tabulated, per fold.
 const STEPS: usize = 128;
 
 struct Folds {
@@ -37,9 +37,9 @@ impl Folds {
         gradient_noise(x * cells[0] as f64, y * cells[1] as f64, self.seed ^ salt, Some(cells))
     }
 
-    /// The cloth before it leans over: a height field, in distances between folds.
+    /// The upright cloth: a height field, in distances between folds.
     fn relief(&self, x: f64, y: f64) -> f64 {
-        // Ridges wander and run askew for a while.
+        // Ridges wander and run obliquely in places.
         let wander = 0.08 * (TAU * y).sin() + 0.11 * self.noise(x, y, [2, 2], 0x11);
         let phase = TAU * (self.count * x + self.count.min(3.0) * wander);
         // Narrow ridges, wide valleys.
@@ -49,11 +49,11 @@ impl Folds {
         RELIEF * strength * wave + slack
     }
 
-    /// Where a point of the height field goes when the cloth leans over: at a given `y` and `z`, `x` still grows, so
-    /// that the surface cannot meet itself.
+    /// Displaces a point of the height field along x, so that the cloth leans over. For a given `y` and `z`, `x` still
+    /// increases, so that the surface cannot meet itself.
     fn leant(&self, x: f64, y: f64, z: f64) -> f64 {
         let direction = 0.8 + 0.35 * self.noise(0.0, y, [1, 3], 0x44) + 0.12 * (TAU * x).sin();
-        // More towards the ridge: it rolls over.
+        // The displacement grows towards the ridge, which rolls over.
         x + self.lean * direction * (0.55 * z + 1.0 * z * z) / self.count
     }
 
@@ -62,7 +62,7 @@ impl Folds {
         [self.leant(x, y, z), y, z / self.count]
     }
 
-    /// What the cloth is made of at a point of the cloth: satin stripes on a matte ground, yarn by yarn.
+    /// Material at a point of the cloth: satin stripes on a matte ground, yarn by yarn.
     fn material(&self, u: f64, v: f64) -> VertexMaterial {
         const YARNS: i64 = 96;
         let yarn =
@@ -85,8 +85,8 @@ impl Folds {
 }
 
 impl Relief for Folds {
-    /// Parameters of the cloth are lengths: along a line they are spent evenly, so that steep places get their share of
-    /// vertices and stripes keep their width.
+    /// Parameters of the cloth are arc lengths along a line, so that steep places get their share of vertices and
+    /// stripes keep their width.
     fn line(&self, v: f64) -> Box<dyn Fn(f64) -> Sample + '_> {
         let steps = STEPS * self.count as usize;
         let at = |k: usize| k as f64 / steps as f64;

@@ -23,11 +23,11 @@ pub(super) const INFO: StructureInfo = StructureInfo {
     },
 };
 
-/// Half axes of the half of a stitch, along and across, in widths of a column.
+/// Half axes of a leg, along and across, in widths of a column.
 const LEG: [f64; 2] = [0.62, 0.235];
 /// Slope of a leg, columns per column along the fabric: tangent of its angle to the column.
 const SLANT: f64 = 0.42;
-/// How far a leg rises, in widths of a column.
+/// Height of a leg, in widths of a column.
 const RELIEF: f64 = 0.24;
 
 struct Knit {
@@ -37,13 +37,13 @@ struct Knit {
     irregularity: f64,
 }
 
-/// What is on top at a point.
+/// The topmost yarn at a point.
 struct Top {
     height: f64,
     row: i64,
-    /// Random number of the stitch.
+    /// Random number of the stitch, 0 to 1.
     stitch: f64,
-    /// Height over the groove between fibres, 0 to 1.
+    /// Height above the groove between fibres, 0 to 1.
     fibre: f64,
 }
 
@@ -53,7 +53,7 @@ impl Knit {
         let at = [x * self.columns as f64, y * self.columns as f64];
         let row_height = self.columns as f64 / self.rows as f64;
         let (half, row) = ((2.0 * at[0]).floor() as i64, (at[1] / row_height).floor() as i64);
-        // Where no leg is, the yarn under the stitches.
+        // The yarn under the stitches, where no leg covers it.
         let mut top = Top { height: 0.0, row: row.rem_euclid(self.rows), stitch: 0.5, fibre: 0.0 };
         for (half, row) in (-1..=1).flat_map(|dx| (-2..=2).map(move |dy| (half + dx, row + dy))) {
             let wrapped = [half.rem_euclid(2 * self.columns), row.rem_euclid(self.rows)];
@@ -75,7 +75,7 @@ impl Knit {
             }
             // The yarn is round where it is on top and dives under its neighbours at its ends.
             let body = (1.0 + vary(5, 0.12)) * inside.powf(0.6) - 0.12 * side * a;
-            // Plies wind around the yarn: grooves askew across it.
+            // Plies wind around the yarn: oblique grooves across it.
             let turns = 3.6 * along / LEG[0] + 1.3 * side * b + random(6);
             let fibre = 0.5 + 0.5 * (TAU * turns * 0.5).cos();
             let height = RELIEF * (body + 0.085 * (fibre - 0.5) * inside.sqrt());

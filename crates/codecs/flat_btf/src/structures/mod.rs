@@ -1,8 +1,8 @@
 //! Procedural meso-geometry for validation: the cases of Figure 1 of Hadim et al. 2009.
 //!
-//! Each structure is a function from parameters `(u, v)` to points and materials that goes on periodically: at
-//! `(u + 1, v)` and `(u, v + 1)` is the same point, one tile on. `docs/synth.md` has the formulas. Addresses
-//! have the grammar of [`address`](brdfc_core::address).
+//! Each structure is a periodic function from parameters `(u, v)` to points and materials: `(u + 1, v)` and `(u, v +
+//! 1)` give the same point, one tile further. `docs/synth.md` has the formulas. Addresses have the grammar of
+//! [`address`](brdfc_core::address).
 
 mod button;
 mod folds;
@@ -32,11 +32,12 @@ pub struct Structure {
 }
 
 impl Structure {
-    /// The structure at an address without its prefix `synth:`, such as `button?resolution=160&seed=3`.
+    /// Parses an address without its prefix `synth:`, such as `button?resolution=160&seed=3`.
     ///
     /// # Errors
     ///
-    /// When the structure or a parameter is unknown, or a value is missing, doubled, not a number, or out of range.
+    /// Returns an error if the structure or a parameter is unknown, or if a value is missing, repeated, not a number,
+    /// or out of range.
     pub fn parse(text: &str) -> Result<Self, AddressError> {
         let (name, query) = split_query(text);
         let info = find_named("structure", name, &STRUCTURES, |info| info.name)?;
@@ -55,13 +56,14 @@ impl Structure {
         canonical_address(self.info.name, self.info.parameters, &values)
     }
 
-    /// Addresses of the materials that [`VertexMaterial::weights`](super::mesh::VertexMaterial::weights) of the mesh refer to, each with an albedo below 1.
+    /// Addresses of the materials that [`VertexMaterial::weights`](super::mesh::VertexMaterial::weights) of the mesh
+    /// refer to. Each has an albedo below 1.
     pub fn default_materials(&self) -> &'static [&'static str] {
         self.info.materials
     }
 
-    /// The surface as a mesh of `resolution` x `resolution` points. `z = 0` is its mean height: as much volume lies
-    /// between the surface and the plane above it as below.
+    /// Returns the surface as a mesh of `resolution` x `resolution` points. Its mean height is `z = 0`: the volumes
+    /// above and below the plane are equal.
     pub fn mesh(&self) -> PeriodicMesh {
         let (resolution, height) = (self.values[0] as usize, self.values[1]);
         let surface = (self.info.build)(&self.values);
@@ -88,8 +90,7 @@ impl Structure {
     }
 }
 
-/// Mean height over the tile, with overhangs counted by the volume under them: the integral of z over the projected
-/// area, which is negative where a triangle faces down.
+/// Mean height over the tile: the integral of z over the projected area, which is negative where a triangle faces down.
 fn mean_height(mesh: &PeriodicMesh) -> f64 {
     let volume = |triangle: usize| {
         let [a, b, c] = mesh.corners(triangle);
@@ -99,7 +100,7 @@ fn mean_height(mesh: &PeriodicMesh) -> f64 {
     (0..mesh.triangles.len()).map(volume).sum()
 }
 
-/// A list of all structures with their parameters, ranges and defaults, for help texts.
+/// Lists all structures with their parameters, ranges and defaults, for help texts.
 pub fn describe_structures() -> String {
     STRUCTURES.iter().map(|info| describe(info.name, info.meaning, info.parameters, &[])).collect()
 }

@@ -1,6 +1,6 @@
-//! Noise from a hash of integers: the same everywhere.
+//! Noise from an integer hash: the same on every machine.
 
-/// A value in [0, 1) for each point of the integer grid.
+/// Hashes a point of the integer grid to a value in [0, 1).
 pub fn lattice(x: i64, y: i64, seed: u64) -> f64 {
     let mut h = (x as u64).wrapping_mul(0x9e37_79b9_7f4a_7c15) ^ (y as u64).wrapping_mul(0xc2b2_ae3d_27d4_eb4f) ^ seed;
     for _ in 0..2 {
@@ -9,7 +9,7 @@ pub fn lattice(x: i64, y: i64, seed: u64) -> f64 {
     ((h ^ (h >> 32)) >> 11) as f64 / (1u64 << 53) as f64
 }
 
-/// The point of the grid, taken into the period if there is one.
+/// Wraps a point of the grid into the period, if there is one.
 fn wrapped([x, y]: [i64; 2], period: Option<[i64; 2]>) -> [i64; 2] {
     period.map_or([x, y], |[width, height]| [x.rem_euclid(width), y.rem_euclid(height)])
 }
@@ -29,7 +29,7 @@ pub fn smooth_step(start: f64, end: f64, x: f64) -> f64 {
     fade(((x - start) / (end - start)).clamp(0.0, 1.0))
 }
 
-/// Value noise in [-1, 1], smooth (quintic interpolation), with one feature per unit. With a period it repeats.
+/// Value noise in [-1, 1], smooth (quintic interpolation), with one feature per unit; periodic if `period` is given.
 pub fn value_noise(x: f64, y: f64, seed: u64, period: Option<[i64; 2]>) -> f64 {
     let (x0, y0) = (x.floor(), y.floor());
     let (s, t) = (fade(x - x0), fade(y - y0));
@@ -40,8 +40,8 @@ pub fn value_noise(x: f64, y: f64, seed: u64, period: Option<[i64; 2]>) -> f64 {
     mix(mix(at(0, 0), at(1, 0), s), mix(at(0, 1), at(1, 1), s), t)
 }
 
-/// Gradient noise in about [-1, 1] (Perlin 2002), 0 at the points of the grid: without the flat spots and straight
-/// edges of value noise. With a period it repeats.
+/// Gradient noise in about [-1, 1] (Perlin 2002), 0 at the points of the grid, without the flat spots and straight
+/// edges of value noise; periodic if `period` is given.
 pub fn gradient_noise(x: f64, y: f64, seed: u64, period: Option<[i64; 2]>) -> f64 {
     let (x0, y0) = (x.floor(), y.floor());
     let (s, t) = (x - x0, y - y0);
@@ -53,20 +53,21 @@ pub fn gradient_noise(x: f64, y: f64, seed: u64, period: Option<[i64; 2]>) -> f6
     1.6 * mix(mix(at(0, 0), at(1, 0), fade(s)), mix(at(0, 1), at(1, 1), fade(s)), fade(t))
 }
 
-/// Sum of octaves of gradient noise, each twice as fine and `gain` as high. `shape` is applied to each.
+/// Sum of octaves of gradient noise, each with twice the frequency and `gain` times the amplitude of the previous one.
+/// `shape` is applied to each octave.
 pub fn fractal(x: f64, y: f64, seed: u64, octaves: u32, gain: f64, shape: impl Fn(f64) -> f64) -> f64 {
     let (mut sum, mut height, mut at) = (0.0, 1.0, [x, y]);
     for octave in 0..octaves {
         sum += height * shape(gradient_noise(at[0], at[1], seed + u64::from(octave), None));
         height *= gain;
-        // Turned and shifted, so that lattices of octaves do not fall together.
+        // Rotated and shifted, so that the lattices of octaves do not coincide.
         at = [1.6 * at[0] - 1.2 * at[1] + 17.3, 1.2 * at[0] + 1.6 * at[1] - 9.1];
     }
     sum
 }
 
-/// Sum of octaves of gradient noise over the unit tile, which repeats after 1 along u and v: `cells` features per tile
-/// in the first octave, each next one twice as fine and `gain` as high.
+/// Sum of octaves of gradient noise over the unit tile, with period 1 along u and v: `cells` features per tile in the
+/// first octave; each further octave has twice the frequency and `gain` times the amplitude.
 pub fn periodic_fractal(u: f64, v: f64, seed: u64, cells: [i64; 2], octaves: u32, gain: f64) -> f64 {
     (0..octaves)
         .map(|octave| {

@@ -19,7 +19,7 @@ pub(super) const INFO: StructureInfo = StructureInfo {
     build: |values| Box::new(Sponge { seed: values[2] as u64, count: values[3] as i64, porosity: values[4] }),
 };
 
-/// Sizes of pores, each half the one before.
+/// Number of pore sizes, each half the previous one.
 const SIZES: u32 = 3;
 /// Depth of a pore in radii.
 const DEPTH: f64 = 0.9;
@@ -37,12 +37,12 @@ impl Sponge {
         for size in 0..SIZES {
             let cells = self.count << size;
             let seed = self.seed ^ (u64::from(size + 1) << 32);
-            // Pores are not quite round.
+            // Pores are not exactly round.
             let bend = |salt: u64| {
                 let period = [2 * cells, 2 * cells];
                 0.12 * gradient_noise(u * period[0] as f64, v * period[1] as f64, seed ^ salt, Some(period))
             };
-            // Shifted, so that cells of different sizes have no edges in common.
+            // Shifted, so that cells of different sizes share no edges.
             let shift = 0.37 * f64::from(size);
             let at = [u * cells as f64 + shift + bend(0x51), v * cells as f64 + shift + bend(0x52)];
             let cell = at.map(|x| x.floor() as i64);

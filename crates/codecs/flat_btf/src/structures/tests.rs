@@ -1,4 +1,4 @@
-//! What holds for all structures, and what sets each apart.
+//! Properties common to all structures, and those that distinguish them.
 
 use super::relief::Relief;
 use super::*;
@@ -106,7 +106,7 @@ fn nothing_meets_itself() {
     ] {
         assert_eq!(meeting(&mesh(text)), None, "{text}");
     }
-    // A curve with loops does meet itself.
+    // The negative control: a curve with loops meets itself.
     let n = 48;
     let point = |k: usize| {
         let [u, v] = [k % n, k / n].map(|k| k as f64 / n as f64);
@@ -117,9 +117,9 @@ fn nothing_meets_itself() {
     assert!(meeting(&looped).is_some());
 }
 
-/// Two triangles without a common corner of which an edge of one passes through the other.
+/// Finds two triangles without a common corner such that an edge of one passes through the other.
 fn meeting(mesh: &PeriodicMesh) -> Option<[usize; 2]> {
-    // Cells of the tile, each with the triangles over it, and where those stand relative to the tile.
+    // Cells of the tile, each with the triangles over it and their offsets relative to the tile.
     const CELLS: i64 = 40;
     let mut cells = vec![Vec::new(); (CELLS * CELLS) as usize];
     for k in 0..mesh.triangles.len() {
@@ -156,7 +156,7 @@ fn meeting(mesh: &PeriodicMesh) -> Option<[usize; 2]> {
     None
 }
 
-/// Whether a segment passes through a triangle.
+/// Returns true if a segment passes through a triangle.
 fn pierces(start: Vector, end: Vector, triangle: [Vector; 3]) -> bool {
     let volume =
         |p: Vector, q: Vector, r: Vector, s: Vector| dot(cross(subtract(q, p), subtract(r, p)), subtract(s, p));
@@ -216,7 +216,7 @@ fn materials_are_shares_and_vary() {
 }
 
 #[test]
-fn materials_reflect_less_than_they_get() {
+fn materials_reflect_less_than_they_receive() {
     for address in STRUCTURES.iter().flat_map(|info| info.materials) {
         let source = parse_synth(address).unwrap();
         for incidence in [0.0, 0.8, 1.3] {
@@ -224,7 +224,7 @@ fn materials_reflect_less_than_they_get() {
             let mut albedo = [0.0; 3];
             const N: usize = 64;
             for k in 0..N * N {
-                // Cosine-weighted directions: the mean of f π.
+                // Cosine-weighted directions: the albedo is the mean of f π.
                 let [a, b] = [k % N, k / N].map(|k| (k as f64 + 0.5) / N as f64);
                 let outgoing = from_polar(a.sqrt().asin(), std::f64::consts::TAU * b);
                 let value = source.eval(DirectionPair::new(incoming, outgoing), &mut Tally::default());
@@ -236,7 +236,7 @@ fn materials_reflect_less_than_they_get() {
 }
 
 #[test]
-fn addresses_are_parsed_and_errors_say_what_is_allowed() {
+fn addresses_are_parsed_and_errors_name_the_expected_values() {
     let canonical = |text: &str| Structure::parse(text).unwrap().canonical();
     assert_eq!(canonical("button"), "synth:button?resolution=192&height=1&seed=1&count=2&overhang=0.35");
     assert_eq!(

@@ -1,59 +1,59 @@
-//! What a mesh can have that makes it no periodic surface.
+//! Errors of meshes that are no periodic surface.
 
 use brdfc_formats::FormatError;
 use brdfc_formats::direction::Vector;
 use std::fmt;
 
-/// Farthest that a surface rises above or falls below the reference plane, in tiles.
-pub const TALLEST: f64 = 16.0;
-/// Farthest that a triangle reaches along x or y, in tiles.
-pub const WIDEST: f64 = 64.0;
+/// Maximum distance of the surface from the reference plane, in tiles.
+pub const MAX_HEIGHT: f64 = 16.0;
+/// Maximum extent of a triangle along x or y, in tiles.
+pub const MAX_EXTENT: f64 = 64.0;
 
-/// Geometry that is no surface over the tile. Vertices and triangles are counted from 0, in the order of the mesh;
-/// lengths and places are in the file's unit.
+/// Errors of geometry that is no surface over the tile. Vertices and triangles are counted from 0, in the order of the
+/// mesh; lengths and positions are in the file's unit.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum MesoError {
     /// The mesh breaks the rules of its type.
     #[error(transparent)]
     Mesh(#[from] FormatError),
-    /// The period is no length.
+    /// The period is not a finite length above 0.
     #[error("tile: found {0}, a zero-area tile, expected a finite length above 0")]
     Tile(f64),
-    /// A vertex too far away for tiles to be counted.
-    #[error("vertex {vertex} at {}: found {found:e} tiles from the origin, expected 1e6", Point(*.position))]
+    /// A vertex too far away to count tiles.
+    #[error("vertex {vertex} at {}: found {found:e} tiles from the origin, expected at most 1e6", Point(*.position))]
     Far {
-        /// Which.
+        /// Index of the vertex.
         vertex: usize,
-        /// Where.
+        /// Its position.
         position: Vector,
-        /// Largest of its coordinates, in tiles.
+        /// Its largest coordinate, in tiles.
         found: f64,
     },
     /// No triangle is left.
     #[error(
-        "triangles: found {triangles}, none of them with three different corners{}, expected at least one with an area",
+        "triangles: found {triangles}, none of them with three distinct corners{}, expected at least one with an area",
         .hint
     )]
     Empty {
         /// Triangles in the mesh.
         triangles: usize,
-        /// How large the mesh is.
+        /// Size of the mesh.
         hint: Hint,
     },
     /// Edges with one triangle: a hole, or a border that the opposite one does not continue.
     #[error(
-        "edges: found {count} with one triangle, the first at triangle {triangle} from {} to {}, expected two triangles \
-         at every edge, where need be one tile on: this is a hole, or a border that does not fit the opposite one{}",
+        "edges: found {count} with one triangle, the first at triangle {triangle} from {} to {}, expected two \
+         triangles at every edge: the mesh has a hole, or opposite borders that do not match{}",
         Point(.edge[0]), Point(.edge[1]), .hint
     )]
     Open {
         /// Edges with one triangle.
         count: usize,
-        /// The first triangle at one.
+        /// First triangle with such an edge.
         triangle: usize,
         /// Ends of that edge.
         edge: [Vector; 2],
-        /// How large the mesh is.
+        /// Size of the mesh.
         hint: Hint,
     },
     /// Edges with three triangles or more.
@@ -65,19 +65,19 @@ pub enum MesoError {
     NonManifold {
         /// Edges with more than two triangles.
         count: usize,
-        /// The first triangle at one.
+        /// First triangle with such an edge.
         triangle: usize,
         /// Triangles at that edge.
         triangles: usize,
         /// Ends of that edge.
         edge: [Vector; 2],
-        /// How large the mesh is.
+        /// Size of the mesh.
         hint: Hint,
     },
-    /// More than one surface.
+    /// More than one piece.
     #[error(
-        "surface: found {count} pieces that are not joined, the second with triangle {triangle} at {}, expected one \
-         that goes on from tile to tile: loose parts are to be merged with what is below",
+        "surface: found {count} disconnected pieces, the second with triangle {triangle} at {}, expected one piece \
+         that continues from tile to tile; merge loose parts with the surface below them",
         Point(*.position)
     )]
     Pieces {
@@ -90,12 +90,12 @@ pub enum MesoError {
     },
     /// A surface with one side, such as a Moebius strip.
     #[error(
-        "surface: found no consistent orientation, neither side of triangle {triangle} at {} can be out, expected a \
+        "surface: found no consistent orientation (neither side of triangle {triangle} at {} can face out), expected a \
          surface with two sides",
         Point(*.position)
     )]
     NotOrientable {
-        /// Where the sides meet.
+        /// Triangle at which the orientations conflict.
         triangle: usize,
         /// Its first corner.
         position: Vector,
@@ -106,14 +106,14 @@ pub enum MesoError {
         Point(*.position)
     )]
     Touching {
-        /// Which.
+        /// Index of the vertex.
         vertex: usize,
-        /// Where.
+        /// Its position.
         position: Vector,
     },
     /// Handles, or a closed body.
-    #[error("surface: found {vertices} vertices - {edges} edges + {triangles} triangles = {}, {}, expected 0: a surface \
-             that is a sheet, without handles or holes through it", .characteristic, what_it_is(*.characteristic))]
+    #[error("surface: found {vertices} vertices - {edges} edges + {triangles} triangles = {}, {}, expected 0: a \
+             sheet without handles or through holes", .characteristic, describe_surface(*.characteristic))]
     Topology {
         /// Vertices.
         vertices: usize,
@@ -125,65 +125,66 @@ pub enum MesoError {
         characteristic: i64,
     },
     /// The surface does not cover the tile once.
-    #[error("surface: found that it covers the tile {found:.3} times, expected once{}", .hint)]
+    #[error("surface: found a coverage of {found:.3} tiles, expected 1 tile{}", .hint)]
     Cover {
-        /// Area of the projection along z in tiles, overhangs counted with their sign.
+        /// Area of the projection along z in tiles, with overhangs counted by their sign.
         found: f64,
-        /// How large the mesh is.
+        /// Size of the mesh.
         hint: Hint,
     },
-    /// A triangle whose corners lie in a line, and that no exchange of an edge repairs.
+    /// A triangle with collinear corners that no edge flip repairs.
     #[error(
-        "triangle {triangle}: found no area between {}, {} and {}, expected corners that are not in one line",
+        "triangle {triangle}: found no area between {}, {} and {}, expected corners that are not collinear",
         Point(.corners[0]), Point(.corners[1]), Point(.corners[2])
     )]
     Flat {
-        /// Which.
+        /// Index of the triangle.
         triangle: usize,
         /// Its corners.
         corners: [Vector; 3],
     },
     /// More materials than a surface blends.
-    #[error("materials: found {}: {}, expected at most 4", .0.len(), some(.0))]
+    #[error("materials: found {}: {}, expected at most 4", .0.len(), join_truncated(.0))]
     Materials(Vec<String>),
-    /// A surface that rises or falls too far.
-    #[error("heights: found {} to {} tiles, expected {} tiles above and below the reference plane at most", .0[0], .0[1], TALLEST)]
+    /// A surface that is too high or too low.
+    #[error("heights: found {} to {} tiles, expected at most {MAX_HEIGHT} tiles above and below the reference plane", .0[0], .0[1])]
     Tall([f64; 2]),
-    /// A triangle that reaches over too many tiles.
-    #[error("triangle {triangle}: found that it reaches over {found:.0} tiles, expected {} along each axis", WIDEST)]
+    /// A triangle that spans too many tiles.
+    #[error("triangle {triangle}: found an extent of {found:.0} tiles, expected at most {MAX_EXTENT} along each axis")]
     Wide {
-        /// Which.
+        /// Index of the triangle.
         triangle: usize,
         /// Its larger extent along x and y, in tiles.
         found: f64,
     },
-    /// Triangles that reach over many tiles each.
-    #[error("triangles: found that they reach over {found} tiles together, expected {allowed}")]
+    /// Triangles that span too many tiles in total.
+    #[error("triangles: found {found} overlapped tiles in total, expected at most {allowed}")]
     Spread {
         /// Sum over all triangles.
         found: u64,
-        /// Largest sum.
+        /// Maximum sum.
         allowed: u64,
     },
-    /// A height map of a size that cannot be joined, or with heights that are no numbers.
+    /// A height map with an invalid size, or with heights that are not finite.
     #[error("heights: found {found}, expected {allowed}")]
     Heights {
-        /// What stands there.
+        /// The value found.
         found: String,
-        /// What may stand there.
+        /// The expected value.
         allowed: &'static str,
     },
 }
 
-fn what_it_is(characteristic: i64) -> String {
+fn describe_surface(characteristic: i64) -> String {
     match characteristic {
         2 => "a closed body".to_owned(),
-        below if below < 0 && below % 2 == 0 => format!("{} handles or holes through it", -below / 2),
+        -2 => "one handle or through hole".to_owned(),
+        below if below < 0 && below % 2 == 0 => format!("{} handles or through holes", -below / 2),
         _ => "no closed surface".to_owned(),
     }
 }
 
-/// A place as text.
+/// A position as text.
 struct Point(Vector);
 
 impl fmt::Display for Point {
@@ -193,12 +194,12 @@ impl fmt::Display for Point {
     }
 }
 
-/// Says what the period may have been meant to be.
+/// Mesh size and period, with a suggestion for the period.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Hint {
     /// Sizes of the bounding box along x and y.
     pub extent: [f64; 2],
-    /// The period that was given.
+    /// The given period.
     pub tile: f64,
 }
 
@@ -206,7 +207,7 @@ impl fmt::Display for Hint {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let Self { extent: [width, depth], tile } = *self;
         write!(f, " (the mesh spans {width} x {depth} and the tile is {tile}")?;
-        // A square other than the tile is likely to be the tile.
+        // A square mesh of another size than the tile is probably one tile.
         if (width - depth).abs() <= 1e-3 * width && (width - tile).abs() > 1e-3 * tile && width > 0.0 {
             write!(f, ": try `--tile {width}`")?;
         }
@@ -214,10 +215,10 @@ impl fmt::Display for Hint {
     }
 }
 
-/// Names, as many as a message has room for.
-fn some(names: &[String]) -> String {
-    const MOST: usize = 12;
-    let more = names.len().saturating_sub(MOST);
+/// Joins names with commas, truncated to 12.
+fn join_truncated(names: &[String]) -> String {
+    const MAX: usize = 12;
+    let more = names.len().saturating_sub(MAX);
     let more = if more == 0 { String::new() } else { format!(" and {more} more") };
-    format!("{}{more}", names[..names.len().min(MOST)].join(", "))
+    format!("{}{more}", names[..names.len().min(MAX)].join(", "))
 }

@@ -1,30 +1,31 @@
-//! Which vertices are one, modulo whole tiles.
+//! Identifies vertices that coincide modulo whole tiles.
 
 use crate::mesh::Corner;
 use brdfc_formats::direction::Vector;
 use std::collections::HashMap;
 
-/// How far apart coinciding vertices may be, in tiles.
+/// Maximum distance between coinciding vertices, in tiles.
 pub const TOLERANCE: f64 = 1e-5;
-/// Cells per tile of the grid that finds neighbours: much larger than the tolerance, smaller than triangles.
+/// Cells per tile of the grid for the neighbour search: cells are much larger than the tolerance and smaller than
+/// triangles.
 const CELLS: i64 = 4096;
-/// End of a list.
+/// Marks the end of a list.
 const NONE: u32 = u32::MAX;
 
 /// Welded vertices.
 pub struct Identified {
-    /// Where they are: the first vertex met of each, shifted by whole tiles to `[0, 1)` less the tolerance.
+    /// Positions: the first vertex of each group, shifted by whole tiles to `[0, 1)` less the tolerance.
     pub positions: Vec<Vector>,
     /// Index of that first vertex.
     pub first: Vec<u32>,
-    /// Which one each vertex is, and in which tile.
+    /// Welded vertex and tile of each input vertex.
     pub corners: Vec<Corner>,
 }
 
-/// Joins each point to the nearest one before it within the tolerance, modulo whole tiles along x and y.
+/// Joins each point to the nearest earlier one within the tolerance, modulo whole tiles along x and y.
 pub fn identify(points: impl Iterator<Item = Vector>) -> Identified {
     let mut found = Identified { positions: Vec::new(), first: Vec::new(), corners: Vec::new() };
-    // Last vertex of each cell, and the one before each vertex.
+    // Last vertex of each cell, and the previous vertex in the cell of each vertex.
     let mut last: HashMap<[i64; 3], u32> = HashMap::new();
     let mut before: Vec<u32> = Vec::new();
     for (index, point) in points.enumerate() {
@@ -62,7 +63,7 @@ fn cell_of([x, y, z]: Vector) -> [i64; 3] {
     [x.rem_euclid(CELLS), y.rem_euclid(CELLS), z]
 }
 
-/// Cells that the tolerance reaches into, each once: one for most points.
+/// Cells within the tolerance of a point, each once: one for most points.
 fn cells_around(point: Vector) -> impl Iterator<Item = [i64; 3]> {
     let [low, high] = [-1.0, 1.0].map(|sign| point.map(|c| ((c + sign * TOLERANCE) * CELLS as f64).floor() as i64));
     let range = move |k: usize| low[k]..=high[k];

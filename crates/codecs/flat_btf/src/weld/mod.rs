@@ -1,11 +1,11 @@
-//! From a mesh as a file holds it, or a height map, to a surface that closes over the tile.
+//! Converts a mesh as stored in a file, or a height map, to a surface that closes over the tile.
 
 mod error;
 mod identify;
 mod sliver;
 mod topology;
 
-pub use error::{Hint, MesoError, TALLEST, WIDEST};
+pub use error::{Hint, MAX_EXTENT, MAX_HEIGHT, MesoError};
 pub use identify::TOLERANCE;
 
 use super::mesh::{Corner, MAX_MATERIALS, PeriodicMesh, VertexMaterial};
@@ -16,13 +16,13 @@ use serde::{Deserialize, Serialize};
 use sliver::in_first_tile;
 use topology::EdgeError;
 
-/// Farthest coordinate along any axis, in tiles.
+/// Maximum coordinate along any axis, in tiles.
 const MAX_TILES: f64 = 1e6;
 
-/// Tiles that triangles may reach over, together: some for each triangle, and as many for all.
+/// Limit of the tiles that all triangles overlap in total: per triangle, plus a constant.
 const MAX_SPREAD: [u64; 2] = [16, 1 << 20];
 
-/// What a mesh had, and what was repaired.
+/// Statistics and repairs of a mesh.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize, schemars::JsonSchema)]
 pub struct WeldReport {
     /// Vertices in the mesh.
@@ -33,27 +33,27 @@ pub struct WeldReport {
     pub vertices: usize,
     /// Triangles of the surface.
     pub triangles: usize,
-    /// Vertices joined to one before them, in the same tile or another.
+    /// Vertices merged with an earlier one, in the same tile or another.
     pub merged_vertices: usize,
-    /// Vertices left out because no triangle has them.
+    /// Vertices dropped because no triangle uses them.
     pub unreferenced_vertices: usize,
-    /// Triangles left out because two corners are one.
+    /// Triangles dropped because two corners coincide.
     pub degenerate_triangles: usize,
-    /// Triangles left out because there is the same before them, in the same tile or another.
+    /// Triangles dropped because they duplicate an earlier one, in the same tile or another.
     pub duplicate_triangles: usize,
-    /// Triangles turned over.
+    /// Triangles whose orientation was reversed.
     pub turned_triangles: usize,
-    /// Triangles whose corners lie in a line, repaired by exchanging the longest edge for the other diagonal.
+    /// Triangles with collinear corners, repaired by flipping the longest edge.
     pub exchanged_edges: usize,
 }
 
-/// Joins the vertices of a mesh that repeats after `tile`, in the file's unit, along x and y.
+/// Welds a mesh with period `tile`, in the file's unit, along x and y.
 ///
-/// Triangles are turned so that outside is up. The surface's materials are the mesh's, in their order.
+/// Triangles are oriented so that the outside is up. The surface has the materials of the mesh, in the same order.
 ///
 /// # Errors
-/// Whatever is no sheet over the tile, see [`MesoError`]: holes, borders that do not fit, edges of more than two
-/// triangles, parts that are loose or only touch, handles.
+/// Returns a [`MesoError`] if the mesh is no sheet over the tile: holes, borders that do not match, edges of more than
+/// two triangles, parts that are disconnected or only touch, handles.
 pub fn weld(mesh: &TriangleMesh, tile: f64) -> Result<(PeriodicMesh, WeldReport), MesoError> {
     if !(tile.is_finite() && tile > 0.0) {
         return Err(MesoError::Tile(tile));
@@ -64,7 +64,7 @@ pub fn weld(mesh: &TriangleMesh, tile: f64) -> Result<(PeriodicMesh, WeldReport)
     }
     let mut welder = Welder::new(mesh, tile)?;
     welder.close()?;
-    welder.mend_slivers()?;
+    welder.repair_slivers()?;
     check_extent(&welder.surface).map_err(|error| match error {
         MesoError::Wide { triangle, found } => MesoError::Wide { triangle: welder.triangles[triangle] as usize, found },
         other => other,
@@ -72,10 +72,11 @@ pub fn weld(mesh: &TriangleMesh, tile: f64) -> Result<(PeriodicMesh, WeldReport)
     Ok(welder.finish())
 }
 
-/// Whether rays against the repeated surface take reasonable time and memory, and single precision is enough for them.
+/// Checks that ray casting against the repeated surface takes reasonable time and memory, and that single precision
+/// suffices.
 fn check_extent(surface: &PeriodicMesh) -> Result<(), MesoError> {
     let heights = surface.height_range();
-    if heights.iter().any(|z| z.abs() > TALLEST) {
+    if heights.iter().any(|z| z.abs() > MAX_HEIGHT) {
         return Err(MesoError::Tall(heights));
     }
     let mut spread = 0;
@@ -86,7 +87,7 @@ fn check_extent(surface: &PeriodicMesh) -> Result<(), MesoError> {
             c[0].max(c[1]).max(c[2]) - c[0].min(c[1]).min(c[2])
         };
         let [x, y] = [extent(0), extent(1)];
-        if x.max(y) > WIDEST {
+        if x.max(y) > MAX_EXTENT {
             return Err(MesoError::Wide { triangle, found: x.max(y) });
         }
         spread += (x as u64 + 1) * (y as u64 + 1);
@@ -99,15 +100,15 @@ struct Welder<'a> {
     mesh: &'a TriangleMesh,
     tile: f64,
     surface: PeriodicMesh,
-    /// Index of the vertex of the mesh that each one of the surface is.
+    /// For each vertex of the surface, its index in the mesh.
     vertices: Vec<u32>,
-    /// Index of the triangle of the mesh that each one of the surface is.
+    /// For each triangle of the surface, its index in the mesh.
     triangles: Vec<u32>,
     report: WeldReport,
 }
 
 impl<'a> Welder<'a> {
-    /// Identifies vertices and leaves out what is no triangle.
+    /// Identifies vertices and drops degenerate triangles.
     fn new(mesh: &'a TriangleMesh, tile: f64) -> Result<Self, MesoError> {
         let mut used = vec![false; mesh.positions.len()];
         mesh.triangles.iter().flatten().for_each(|vertex| used[*vertex as usize] = true);
@@ -142,10 +143,10 @@ impl<'a> Welder<'a> {
         }
         let duplicate = duplicates(&surface.triangles);
         report.duplicate_triangles = duplicate.iter().filter(|duplicate| **duplicate).count();
-        let kept = |index: usize| !duplicate[index];
+        let is_unique = |index: usize| !duplicate[index];
         let (mut at, mut index) = (0.., 0..);
-        surface.triangles.retain(|_| at.next().is_some_and(kept));
-        triangles.retain(|_| index.next().is_some_and(kept));
+        surface.triangles.retain(|_| at.next().is_some_and(is_unique));
+        triangles.retain(|_| index.next().is_some_and(is_unique));
         let vertices = identified.first.iter().map(|at| listed[*at as usize]).collect();
         let mut welder = Self { mesh, tile, surface, vertices, triangles, report };
         if welder.surface.triangles.is_empty() {
@@ -155,28 +156,28 @@ impl<'a> Welder<'a> {
         Ok(welder)
     }
 
-    /// Leaves out vertices of which only degenerate triangles are left.
+    /// Drops vertices that only degenerate triangles use.
     fn drop_unused_vertices(&mut self) {
         let mut used = vec![false; self.surface.positions.len()];
         self.surface.triangles.iter().flatten().for_each(|corner| used[corner.vertex as usize] = true);
-        let mut kept = 0;
+        let mut count = 0;
         let mut index = vec![0; used.len()];
         for old in 0..used.len() {
-            index[old] = kept as u32;
+            index[old] = count as u32;
             if used[old] {
-                self.surface.positions[kept] = self.surface.positions[old];
-                self.vertices[kept] = self.vertices[old];
-                kept += 1;
+                self.surface.positions[count] = self.surface.positions[old];
+                self.vertices[count] = self.vertices[old];
+                count += 1;
             }
         }
-        self.surface.positions.truncate(kept);
-        self.vertices.truncate(kept);
-        self.report.unreferenced_vertices += used.len() - kept;
+        self.surface.positions.truncate(count);
+        self.vertices.truncate(count);
+        self.report.unreferenced_vertices += used.len() - count;
         let corners = self.surface.triangles.iter_mut().flatten();
         corners.for_each(|corner| corner.vertex = index[corner.vertex as usize]);
     }
 
-    /// Turns triangles so that the surface is one sheet with its outside up, or says why it is none.
+    /// Orients the triangles of the surface with the outside up, and checks that they form one sheet.
     fn close(&mut self) -> Result<(), MesoError> {
         let partners = topology::partners(&self.surface.triangles).map_err(|error| self.edge_error(error))?;
         let orientation = topology::orient(&self.surface.triangles, &partners);
@@ -191,7 +192,7 @@ impl<'a> Welder<'a> {
         }
         let mut turn = orientation.turn;
         self.turn(&turn);
-        // The size is judged once the topology is known: a closed body covers nothing.
+        // The projected area is checked after the topology: a closed body covers nothing.
         if self.surface.projected_area() < 0.0 {
             self.turn(&vec![true; turn.len()]);
             turn.iter_mut().for_each(|turn| *turn = !*turn);
@@ -221,7 +222,7 @@ impl<'a> Welder<'a> {
         self.surface.triangles.iter_mut().zip(turn).filter(|(_, turn)| **turn).for_each(|(t, _)| t.swap(1, 2));
     }
 
-    fn mend_slivers(&mut self) -> Result<(), MesoError> {
+    fn repair_slivers(&mut self) -> Result<(), MesoError> {
         self.report.exchanged_edges = sliver::repair(&mut self.surface);
         match (0..self.surface.triangles.len()).find(|t| sliver::is_flat(self.surface.corners(*t))) {
             Some(flat) => {
@@ -239,7 +240,7 @@ impl<'a> Welder<'a> {
         (self.surface, self.report)
     }
 
-    /// Shares of the triangles at each vertex, and its colour.
+    /// Material shares of the triangles at each vertex, and its colour.
     fn materials(&self) -> Vec<VertexMaterial> {
         let mut counts = vec![[0u32; MAX_MATERIALS]; self.surface.positions.len()];
         for (corners, index) in self.surface.triangles.iter().zip(&self.triangles) {
@@ -267,7 +268,7 @@ impl<'a> Welder<'a> {
         }
     }
 
-    /// Corners of the triangle of the file that a triangle of the surface is, in the file's unit.
+    /// Corners, in the file's unit, of the input triangle that corresponds to a triangle of the surface.
     fn corners_in_file(&self, triangle: usize) -> [Vector; 3] {
         self.mesh.triangles[self.triangles[triangle] as usize].map(|vertex| self.mesh.positions[vertex as usize])
     }
@@ -284,7 +285,7 @@ impl<'a> Welder<'a> {
     }
 }
 
-/// Which triangles have the corners of one before them, in any order.
+/// For each triangle, true if it has the corners of an earlier one, in any order.
 fn duplicates(triangles: &[[Corner; 3]]) -> Vec<bool> {
     let key = |index: usize| {
         let mut corners = triangles[index].map(|corner| (corner.vertex, corner.tile));
@@ -299,12 +300,13 @@ fn duplicates(triangles: &[[Corner; 3]]) -> Vec<bool> {
     duplicate
 }
 
-/// The surface through a height map, one vertex in the middle of each pixel.
+/// Converts a height map to a surface with one vertex in the middle of each pixel.
 ///
-/// Heights stand row by row from the top, `y = 1`; a pixel of height `h` is at `z = scale h + offset`, in tiles.
+/// Heights are in rows from the top, `y = 1`; a pixel of height `h` is at `z = scale h + offset`, in tiles.
 ///
 /// # Errors
-/// Fewer than 3 columns or rows, another number of heights, heights that are no finite numbers.
+/// Returns an error for fewer than 3 columns or rows, for another number of heights, and for heights that are not
+/// finite.
 pub fn from_heights(
     width: usize,
     height: usize,
@@ -314,7 +316,7 @@ pub fn from_heights(
 ) -> Result<PeriodicMesh, MesoError> {
     if width < 3 || height < 3 || width.checked_mul(height) != Some(heights.len()) {
         let found = format!("{width} x {height} pixels with {} heights", heights.len());
-        return Err(MesoError::Heights { found, allowed: "3 or more per side, and one height for each pixel" });
+        return Err(MesoError::Heights { found, allowed: "at least 3 pixels per side and one height per pixel" });
     }
     let mut points = Vec::with_capacity(heights.len());
     for row in 0..height {
@@ -323,7 +325,7 @@ pub fn from_heights(
             let z = scale * f64::from(*value) + offset;
             if !z.is_finite() || z.abs() > MAX_TILES {
                 let found = format!("{scale} x {value} + {offset} at pixel ({column}, {line})");
-                return Err(MesoError::Heights { found, allowed: "finite heights up to 1e6 tiles" });
+                return Err(MesoError::Heights { found, allowed: "finite heights of at most 1e6 tiles" });
             }
             points.push([(column as f64 + 0.5) / width as f64, (row as f64 + 0.5) / height as f64, z]);
         }

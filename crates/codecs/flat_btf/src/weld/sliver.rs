@@ -1,14 +1,14 @@
-//! Triangles whose three corners lie in a line, as tools leave them where a vertex stands on an edge.
+//! Repairs slivers: triangles with collinear corners, which tools leave where a vertex lies on an edge.
 
 use super::topology::{self, EdgeKey};
 use crate::mesh::{Corner, PeriodicMesh};
 use brdfc_formats::direction::{Vector, cross, dot, subtract};
 use std::collections::HashSet;
 
-/// Height over the longest side, below which a triangle is a line.
+/// Ratio of height to longest side below which a triangle is flat.
 const FLAT: f64 = 1e-7;
 
-/// Whether corners lie in a line.
+/// Returns true if the corners are collinear.
 pub fn is_flat(corners: [Vector; 3]) -> bool {
     let normal = cross(subtract(corners[1], corners[0]), subtract(corners[2], corners[0]));
     let longest = (0..3).map(|side| square_length(corners, side)).fold(0.0, f64::max);
@@ -20,10 +20,8 @@ fn square_length(corners: [Vector; 3], side: usize) -> f64 {
     dot(along, along)
 }
 
-/// Exchanges the longest edge of flat triangles for the other diagonal of the two triangles there, where that leaves
-/// fewer flat ones and the diagonal is no edge yet. Returns how many edges.
-///
-/// The surface is closed and oriented, and stays so.
+/// Flips the longest edge of flat triangles where that leaves fewer flat ones and the new diagonal is not yet an edge.
+/// Returns the number of flips. The surface remains closed and oriented.
 pub fn repair(surface: &mut PeriodicMesh) -> usize {
     let mut exchanged = 0;
     loop {
@@ -31,16 +29,16 @@ pub fn repair(surface: &mut PeriodicMesh) -> usize {
             (0..surface.triangles.len()).filter(|triangle| is_flat(surface.corners(*triangle))).collect();
         let before = exchanged;
         if !flat.is_empty() {
-            exchanged += mend_some(surface, &flat);
+            exchanged += repair_pass(surface, &flat);
         }
-        // An exchange may have made room for the next.
+        // A flip may enable the next one.
         if exchanged == before {
             return exchanged;
         }
     }
 }
 
-fn mend_some(surface: &mut PeriodicMesh, flat: &[usize]) -> usize {
+fn repair_pass(surface: &mut PeriodicMesh, flat: &[usize]) -> usize {
     let Ok(partners) = topology::partners(&surface.triangles) else { return 0 };
     let sides = |triangle: &[Corner; 3]| [0, 1, 2].map(|k| topology::edge(triangle[k], triangle[(k + 1) % 3]).0);
     let mut edges: HashSet<EdgeKey> = surface.triangles.iter().flat_map(sides).collect();

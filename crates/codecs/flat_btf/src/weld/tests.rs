@@ -3,7 +3,7 @@ use brdfc_formats::direction::{cross, dot, normalize, subtract};
 use proptest::prelude::*;
 use std::f64::consts::{PI, TAU};
 
-/// A mesh of `(columns + 1) x (rows + 1)` vertices at `place(column, row)` of 0 to 1 each, borders doubled.
+/// A mesh of `(columns + 1) x (rows + 1)` vertices at `place(column, row)` of 0 to 1 each, with duplicated borders.
 fn grid(columns: usize, rows: usize, place: impl Fn(f64, f64) -> Vector) -> TriangleMesh {
     let vertex = |column: usize, row: usize| (row * (columns + 1) + column) as u32;
     let mut mesh = TriangleMesh::default();
@@ -26,7 +26,7 @@ fn flat(n: usize) -> TriangleMesh {
     grid(n, n, |x, y| [x, y, 0.0])
 }
 
-/// Hills that repeat after 1, so that no two places are alike.
+/// Hills with period 1 that differ from place to place.
 fn hills(x: f64, y: f64) -> f64 {
     0.1 * (TAU * x + 0.3).sin() + 0.07 * (TAU * (y + x)).cos() + 0.02 * (2.0 * TAU * y).sin()
 }
@@ -127,7 +127,7 @@ fn overhangs_may_cross_the_border() {
 fn repairs_are_counted() {
     let (expected, plain) = weld(&hilly(5), 1.0).unwrap();
     let mut mesh = hilly(5);
-    // A vertex for nothing, a triangle again, the same in the next tile, and two that are none.
+    // An unused vertex, a duplicate triangle, a duplicate in the next tile, and two degenerate triangles.
     mesh.positions.push([0.5, 0.5, 9.0]);
     let last = mesh.positions.len() as u32;
     let [a, b, c] = mesh.triangles[7];
@@ -184,7 +184,7 @@ fn with_slivers(points: &[f64]) -> TriangleMesh {
 }
 
 #[test]
-fn slivers_are_mended() {
+fn slivers_are_repaired() {
     for points in [[0.5].as_slice(), &[0.2, 0.7], &[0.1, 0.2, 0.3, 0.9]] {
         let (surface, report) = weld(&with_slivers(points), 1.0).unwrap();
         assert_closed(&surface);
@@ -258,11 +258,11 @@ fn tiles_and_meshes_without_size_are_refused() {
     mesh.positions[5][2] = 3e6;
     assert_eq!(
         message(&mesh, 1.0),
-        "vertex 5 at (0.3333333333333333, 0.3333333333333333, 3000000): found 3e6 tiles from the origin, expected 1e6"
+        "vertex 5 at (0.3333333333333333, 0.3333333333333333, 3000000): found 3e6 tiles from the origin, expected at most 1e6"
     );
     assert!(message(&flat(3), 1e-320).contains("found inf tiles"));
     let error = message(&flat(3), 1e6);
-    assert!(error.starts_with("triangles: found 18, none of them with three different corners"), "{error}");
+    assert!(error.starts_with("triangles: found 18, none of them with three distinct corners"), "{error}");
     assert!(error.contains("(the mesh spans 1 x 1 and the tile is 1000000: try `--tile 1`)"), "{error}");
 }
 
@@ -313,10 +313,7 @@ fn loose_parts_are_refused() {
     add_tetrahedron(&mut mesh, [0.3, 0.3, 1.0]);
     add_tetrahedron(&mut mesh, [0.6, 0.3, 1.0]);
     let error = message(&mesh, 1.0);
-    assert!(
-        error.contains("found 3 pieces that are not joined, the second with triangle 32 at (0.3, 0.3, 1)"),
-        "{error}"
-    );
+    assert!(error.contains("found 3 disconnected pieces, the second with triangle 32 at (0.3, 0.3, 1)"), "{error}");
 }
 
 #[test]
@@ -350,7 +347,7 @@ fn with_handle(order: [usize; 4]) -> TriangleMesh {
 #[test]
 fn handles_are_refused() {
     let error = message(&with_handle([0, 3, 2, 1]), 1.0);
-    assert!(error.contains("= -2, 1 handles or holes through it, expected 0"), "{error}");
+    assert!(error.contains("= -2, one handle or through hole, expected 0"), "{error}");
 }
 
 #[test]
@@ -380,19 +377,19 @@ fn parts_that_touch_are_refused() {
 
 #[test]
 fn sheets_that_cover_the_tile_more_than_once_are_refused() {
-    // No two vertices are of one height.
+    // No two vertices have the same height.
     let steps = grid(4, 4, |x, y| [x, y, 0.04 * (x % 1.0) + 0.16 * (y % 1.0)]);
     let error = message(&steps, 0.5);
-    assert!(error.contains("found that it covers the tile 4.000 times, expected once"), "{error}");
+    assert!(error.contains("found a coverage of 4.000 tiles, expected 1 tile"), "{error}");
     assert!(error.contains("try `--tile 1`"), "{error}");
-    // A tube along x covers nothing: what faces up and what faces down are as large.
+    // A tube along x covers nothing: the areas that face up and down are equal.
     let tube = grid(6, 8, |u, v| [u, 0.3 * (TAU * v).cos(), 0.3 * (TAU * v).sin()]);
     let error = message(&tube, 1.0);
     assert!(error.contains("0.000 times"), "{error}");
 }
 
 #[test]
-fn height_maps_stand_upright() {
+fn height_maps_are_upright() {
     let heights: Vec<f32> = (0..20).map(|k| k as f32).collect();
     let surface = from_heights(5, 4, &heights, 0.5, -1.0).unwrap();
     assert_closed(&surface);
@@ -411,7 +408,7 @@ fn wrong_height_maps_are_refused() {
     let error =
         |width, height, values: &[f32], scale| from_heights(width, height, values, scale, 0.0).unwrap_err().to_string();
     assert!(error(2, 4, &[0.0; 8], 1.0).contains("found 2 x 4 pixels with 8 heights"));
-    assert!(error(4, 4, &[0.0; 15], 1.0).contains("one height for each pixel"));
+    assert!(error(4, 4, &[0.0; 15], 1.0).contains("one height per pixel"));
     assert!(error(usize::MAX, 4, &[0.0; 15], 1.0).contains("with 15 heights"));
     let mut values = [0.0; 16];
     values[6] = f32::NAN;
@@ -420,7 +417,7 @@ fn wrong_height_maps_are_refused() {
 }
 
 proptest! {
-    /// Any order of vertices and triangles, any tile and any place of it.
+    /// Welding does not depend on the order of vertices and triangles, nor on the tile size and the position in it.
     #[test]
     fn displaced_plates_close(
         n in 2usize..7,
@@ -459,7 +456,7 @@ proptest! {
         prop_assert_eq!(report.merged_vertices, 2 * n + 1);
     }
 
-    /// Whatever the triangles are, the answer is a closed surface or an error.
+    /// For any triangles, the result is a closed surface or an error.
     #[test]
     fn any_mesh_is_answered(
         points in prop::collection::vec([0i32..4, 0i32..4, 0i32..2], 4..12),

@@ -1,4 +1,4 @@
-//! How triangles hang together: edges, sides, fans, pieces.
+//! Mesh connectivity: edges, sides, fans, pieces.
 
 use crate::mesh::Corner;
 use rayon::prelude::*;
@@ -6,16 +6,16 @@ use rayon::prelude::*;
 /// Three corners; side `k` goes from corner `k` to the next.
 pub type Triangle = [Corner; 3];
 
-/// A triangle at edges that have not two: of one triangle, or of three and more.
+/// Edges without exactly two triangles, and the first triangle with one.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct BadEdges {
-    /// Such edges.
+    /// Number of such edges.
     pub count: usize,
-    /// First triangle at one.
+    /// First triangle with one.
     pub triangle: usize,
-    /// Its side.
+    /// Side of that triangle.
     pub side: usize,
-    /// Triangles there.
+    /// Number of triangles at that edge.
     pub triangles: usize,
 }
 
@@ -28,13 +28,13 @@ pub enum EdgeError {
     NonManifold(BadEdges),
 }
 
-/// For each side, `3 triangle + side`, the other one at its edge.
+/// For each side, `3 triangle + side`, the other side at its edge.
 pub type Partners = Vec<u32>;
 
-/// Ends of a side, and how many tiles it goes, in the direction that comes first; and whether that is its own.
+/// Ends of a side and the tiles that it crosses, in the lexicographically first direction.
 pub type EdgeKey = (u32, u32, [i32; 2]);
 
-/// The edge between two corners.
+/// The edge between two corners; the flag is true if the key has the same direction.
 pub fn edge(from: Corner, to: Corner) -> (EdgeKey, bool) {
     let step = [0, 1].map(|k| to.tile[k] - from.tile[k]);
     let (along, back) = ((from.vertex, to.vertex, step), (to.vertex, from.vertex, step.map(|s| -s)));
@@ -48,7 +48,7 @@ fn edge_at(triangle: &Triangle, side: usize) -> (EdgeKey, bool) {
 /// Finds the two sides at each edge.
 ///
 /// # Errors
-/// Edges of more than two triangles, or else of one.
+/// Returns [`EdgeError::NonManifold`] for edges of more than two triangles, else [`EdgeError::Open`] for edges of one.
 pub fn partners(triangles: &[Triangle]) -> Result<Partners, EdgeError> {
     let half_edges = 3 * triangles.len();
     let mut sides: Vec<(EdgeKey, u32)> =
@@ -76,24 +76,24 @@ pub fn partners(triangles: &[Triangle]) -> Result<Partners, EdgeError> {
     }
 }
 
-/// Partners once triangles are turned by exchanging corners 1 and 2, which exchanges sides 0 and 2.
+/// Partners after turning triangles by exchanging corners 1 and 2, which exchanges sides 0 and 2.
 pub fn turned(partners: &Partners, turn: &[bool]) -> Partners {
     let moved = |half: usize| if turn[half / 3] { half / 3 * 3 + 2 - half % 3 } else { half };
     (0..partners.len()).map(|half| moved(partners[moved(half)] as usize) as u32).collect()
 }
 
-/// Pieces that share edges, and which triangles are to be turned for both sides of every edge to run opposite ways.
+/// Pieces connected by edges, and the triangles to turn so that the two sides of every edge run in opposite directions.
 #[derive(Debug, PartialEq, Eq)]
 pub struct Orientation {
     /// Triangles to turn; the first of each piece stays.
     pub turn: Vec<bool>,
     /// First triangle of each piece.
     pub pieces: Vec<usize>,
-    /// A triangle that would have to face both ways.
+    /// A triangle that would need both orientations.
     pub conflict: Option<usize>,
 }
 
-/// Flood fill from the first triangle of each piece.
+/// Orients by flood fill from the first triangle of each piece.
 pub fn orient(triangles: &[Triangle], partners: &Partners) -> Orientation {
     let mut seen = vec![false; triangles.len()];
     let mut found = Orientation { turn: vec![false; triangles.len()], pieces: Vec::new(), conflict: None };
@@ -136,7 +136,7 @@ pub fn touching_vertex(triangles: &[Triangle], partners: &Partners, vertices: us
         if std::mem::replace(&mut has_fan[vertex as usize], true) {
             return Some(vertex);
         }
-        // Around the vertex: across the side that ends at a corner, to the side that starts there.
+        // Walk around the vertex: cross the side that ends at a corner, to the side that starts there.
         let mut corner = start;
         while !std::mem::replace(&mut seen[corner], true) {
             corner = partners[corner / 3 * 3 + (corner + 2) % 3] as usize;
@@ -173,7 +173,7 @@ mod tests {
     }
 
     #[test]
-    fn a_turned_triangle_is_seen() {
+    fn turned_triangles_are_detected() {
         let mut triangles = smallest();
         triangles[1].swap(1, 2);
         let before = partners(&triangles).unwrap();

@@ -1,4 +1,4 @@
-//! Encodes of committed inputs are the bytes, and decode to the values, in the codec's list: see docs/goldens.md.
+//! Encodes committed inputs and compares the bytes, and the decoded values, with the codec's list: see docs/goldens.md.
 
 use brdfc_importance::{HalfGrid, ImportanceRecipe, importance_samples};
 use brdfc_source::open::open;

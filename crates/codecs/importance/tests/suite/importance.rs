@@ -1,4 +1,5 @@
-//! Importance samples against what they must estimate: white furnaces, albedos by quadrature, solid angles.
+//! Tests importance samples against the integrals that they estimate: white furnaces, albedos by quadrature, solid
+//! angles.
 
 use brdfc_core::address::parse_synth;
 use brdfc_core::{Source, Symmetry, Tally};
@@ -67,7 +68,7 @@ fn reflection(projection: f64) -> f64 {
     4.0 * projection
 }
 
-/// Outgoing directions in the middle of rows, between rows, and anywhere; degrees.
+/// Outgoing directions in the middle of rows, between rows, and arbitrary ones; degrees.
 const OUTGOING: [[f64; 2]; 8] =
     [[0.0, 0.0], [3.7, 20.0], [17.3, 100.0], [30.0, 190.0], [45.1, 277.0], [60.0, 45.0], [71.9, 350.0], [80.0, 135.0]];
 
@@ -103,7 +104,7 @@ fn lambert_in_a_white_furnace_shows_its_albedo() {
     assert!(error(lambert.as_ref(), &pack, &reference, 64) < 0.03);
 }
 
-/// Densities are densities: they integrate 1 to the solid angle, and the cosine to π.
+/// Densities are normalised: their inverses sum to the solid angle, and with the cosine to π.
 #[test]
 fn inverse_densities_sum_to_solid_angles() {
     let pack = pack(source("synth:ggx?kd=0.3&alpha=0.4").as_ref());
@@ -123,10 +124,10 @@ fn inverse_densities_sum_to_solid_angles() {
     }
 }
 
-/// Counts of stored half vectors against probabilities, and stored densities against solid angles, in regions of the
+/// Compares counts of stored half vectors with probabilities, and stored densities with solid angles, in regions of the
 /// hemisphere that do not follow the cells' borders.
 #[test]
-fn half_vectors_are_as_dense_as_they_say() {
+fn half_vectors_have_their_stored_density() {
     let ggx = source("synth:ggx?kd=0.2&f0=0.3&alpha=0.3");
     let recipe = ImportanceRecipe { samples: 8192, isotropic_polar: 8, ..ImportanceRecipe::default() };
     let (pack, _) = importance_samples(ggx.as_ref(), &recipe).unwrap();
@@ -169,13 +170,13 @@ fn half_vectors_are_as_dense_as_they_say() {
             precise += u32::from(standard < 0.05 * TAU / 30.0);
         }
         assert!(precise >= 4, "row {row}: {squares:?}");
-        // Negative control: as if the density did not depend on the half vector.
+        // The negative control: a density that does not depend on the half vector.
         let flat: f64 = (0..30).map(|k| (counted[k] - 8192.0 / 30.0).powi(2) / (8192.0 / 30.0)).sum();
         assert!(flat > 1000.0, "row {row}: {flat}");
     }
 }
 
-/// Errors with 64, 256 and 1024 samples, and the most they may be.
+/// Maximum errors with 64, 256 and 1024 samples.
 const CONVERGENCE: [(&str, [f64; 3]); 6] = [
     ("synth:ggx?kd=0.3&f0=0.04&alpha=0.3", [0.05, 0.02, 0.01]),
     ("synth:ggx?kd=0.1&f0=0.5&alpha=0.1", [0.05, 0.02, 0.01]),
@@ -205,9 +206,9 @@ fn albedos_converge_to_quadrature() {
     }
 }
 
-/// The quadrature itself: a white Lambertian surface reflects everything if and only if the Jacobian is `4 (wo · h)`.
+/// Tests the quadrature: a white Lambertian surface reflects everything if and only if the Jacobian is `4 (wo · h)`.
 #[test]
-fn a_wrong_jacobian_is_noticed() {
+fn a_wrong_jacobian_is_detected() {
     let white = source("synth:lambert?kd=1");
     let pack = pack(white.as_ref());
     for outgoing in directions() {
@@ -215,7 +216,7 @@ fn a_wrong_jacobian_is_noticed() {
         assert!((found - 1.0).abs() < 2e-3, "{outgoing:?}: {found}");
         let wrong = quadrature(outgoing, |_| 1.0, |incoming| integrand(white.as_ref(), incoming, outgoing));
         assert!((wrong - 1.0).abs() > 0.1, "{outgoing:?}: {wrong}");
-        // So for samples whose density is taken per steradian of half vectors.
+        // The same for samples whose density is taken per steradian of half vectors.
         let samples = samples_of(&pack, outgoing, 0, 1024);
         let wrong: f64 = samples
             .iter()
@@ -277,7 +278,7 @@ fn measured_materials_converge() {
     }
 }
 
-/// A source whose symmetries are hidden, or whose values are no numbers.
+/// A source with hidden symmetries, or with values that are no numbers.
 struct Changed(Box<dyn Source>, Symmetry, f64);
 
 impl Source for Changed {
@@ -291,13 +292,13 @@ impl Source for Changed {
 }
 
 #[test]
-fn symmetries_save_work_and_nothing_else() {
+fn symmetries_only_save_work() {
     let small = ImportanceRecipe { anisotropic_polar: 4, anisotropic_azimuths: 8, samples: 256, ..Default::default() };
     let (folded, few) = importance_samples(source("synth:ward").as_ref(), &small).unwrap();
     let plain = Changed(source("synth:ward"), Symmetry::NONE, 1.0);
     let (all, many) = importance_samples(&plain, &small).unwrap();
     assert_eq!(4 * few.evaluations, many.evaluations);
-    // Rows of the first quarter are the same; the others are as good.
+    // Rows of the first quarter are identical; the others are equally accurate.
     assert_eq!(folded.texels()[..2 * 256], all.texels()[..2 * 256]);
     assert_ne!(folded.texels(), all.texels());
     let references = references(&plain);

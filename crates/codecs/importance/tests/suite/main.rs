@@ -1,4 +1,4 @@
-//! Importance samples against what they must estimate.
+//! Tests importance samples against the integrals that they estimate.
 
 mod golden;
 mod importance;

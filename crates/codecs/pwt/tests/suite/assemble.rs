@@ -1,4 +1,4 @@
-//! Terms at their levels, and the textures that they make.
+//! Tests the arrangement of terms at their levels, and the resulting textures.
 
 use brdfc_formats::pwt::{LightBasis, LightCoordinates, PwtHeader, PwtPack};
 use brdfc_pwt::assemble::arrange;
@@ -19,15 +19,15 @@ fn magnified_by_hand() {
     assert_eq!(range(&[plane, Plane { size: [1, 1], values: vec![-3.0] }]), (-3.0, 1.0));
 }
 
-/// A term whose rendering needs no levels, with these errors.
+/// A term with these errors; its image needs no levels.
 fn term(term: usize, errors: &[f64]) -> TermImages {
     TermImages { channel: 0, term, levels: Vec::new(), errors: errors.to_vec() }
 }
 
 #[test]
 fn steps_gain_most_per_byte_first() {
-    // From level 1 on it takes a quarter of the bytes: 8 for ¼, then 1 for ¾. The second gains 4 for 1 at once: its level 1,
-    // which would gain ½ for ¼, is passed over. The third gains nothing.
+    // Level 1 takes a quarter of the bytes. The first term gains 8 for ¼, then 1 for ¾. The second gains 4 for 1 in one
+    // step: its level 1, which would gain ½ for ¼, is skipped. The third gains nothing.
     let images = [term(0, &[0.0, 1.0, 9.0]), term(1, &[0.0, 3.5, 4.0]), term(2, &[2.0, 2.0, 2.0])];
     let step = |image, base, error| StepUp { image, base, error };
     assert_eq!(steps(&images), [step(0, 1, 7.0), step(1, 0, 3.0), step(0, 0, 2.0)]);
@@ -37,7 +37,7 @@ fn random(size: [usize; 2], scale: f64, numbers: &mut Numbers) -> Plane {
     Plane { size, values: (0..size[0] * size[1]).map(|_| numbers.between(-scale, scale) as f32).collect() }
 }
 
-/// Coefficients of three terms in three channels, ever weaker.
+/// Coefficients of three terms in three channels, of decreasing strength.
 fn terms(transform: Transform) -> (PacketTree, [Vec<Plane>; 3], Vec<TermImages>) {
     let size = [16, 32];
     let mut numbers = Numbers::new(3);
@@ -107,14 +107,14 @@ fn check(pack: &PwtPack, tree: &PacketTree, coefficients: &[Vec<Plane>; 3]) -> u
 }
 
 #[test]
-fn nothing_is_a_pack() {
+fn an_empty_arrangement_is_a_pack() {
     let (_, _, images) = terms(Transform { wavelet: Wavelet::Haar, border: Border::Periodic, depth: 2 });
     let steps = steps(&images);
     let pack = arrange(&images, &steps, 0).pack(&images, header(2, true)).unwrap();
     assert_eq!((pack.gpu_bytes(), pack.header().fetches()), (4 * 8, 1));
 }
 
-/// Numbers of 4, 2 or 1 to a texel: the most of them whose filling up costs little.
+/// Texels have 4, 2 or 1 channels: the largest number for which padding is cheap.
 #[test]
 fn texels_are_filled_where_that_is_cheap() {
     let (_, _, images) = terms(Transform { wavelet: Wavelet::Haar, border: Border::Periodic, depth: 2 });

@@ -1,4 +1,4 @@
-//! What is chosen where the best choice is known.
+//! Tests choices with a known optimum.
 
 use super::stacks::{polynomial, spiral};
 use brdfc_formats::pwt::{LightBasis, LightCoordinates};
@@ -10,7 +10,7 @@ use brdfc_pwt::tree::{PacketTree, Transform};
 use brdfc_pwt::{Border, DomainName, PwtRecipe, Wavelet};
 
 #[test]
-fn what_made_the_renderings_is_found() {
+fn the_original_basis_is_found() {
     let samples = polynomial([16, 16], spiral(30), false);
     let fixed = PwtRecipe { domain: Some(DomainName::Linear), ..PwtRecipe::default() };
     let found = choose(&samples, &fixed);
@@ -19,14 +19,14 @@ fn what_made_the_renderings_is_found() {
     assert!(best.degree >= 1 && best.held_out_psnr > Some(55.0), "{best:?}");
     assert_eq!(found.len(), 3, "one for each pair of domain and coordinates");
     assert!(found.windows(2).all(|pair| pair[0].held_out_psnr >= pair[1].held_out_psnr));
-    // What is asked for is taken, whatever it does.
+    // Requested settings are always used.
     let asked =
         PwtRecipe { coordinates: Some(LightCoordinates::Hemisphere), degree: Some(0), ridge: Some(0.5), ..fixed };
     let found = choose(&samples, &asked);
     assert_eq!(found.len(), 1);
     assert_eq!((found[0].coordinates, found[0].degree, found[0].ridge), (LightCoordinates::Hemisphere, 0, 0.5));
     assert!(found[0].held_out_psnr.unwrap() < best.held_out_psnr.unwrap() - 20.0, "{found:?}");
-    // In all domains, if none is.
+    // All domains, if none is requested.
     let all = choose(&samples, &PwtRecipe::default());
     assert!(DomainName::ALL.iter().all(|domain| all.iter().any(|candidate| candidate.domain == *domain)));
 }
@@ -37,7 +37,7 @@ fn decibels_by_hand() {
     assert!((decibels(0.0) - 96.33).abs() < 0.01);
 }
 
-/// What remains of the rendering follows the light by degree 2, details are noise that no light tells.
+/// The low-pass subband follows the light with degree 2; details are noise independent of the light.
 #[test]
 fn subbands_have_the_degree_that_predicts_them() {
     let lights = spiral(40);

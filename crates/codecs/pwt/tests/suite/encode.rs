@@ -1,4 +1,4 @@
-//! Whole encodes: what is reached, kept and told.
+//! Tests whole encodes: errors, sizes and reports.
 
 use super::stacks::{lambert, polynomial, spiral};
 use brdfc_formats::pwt::{LightCoordinates, PwtDecoder, PwtPack};
@@ -19,9 +19,9 @@ fn made(samples: &LightSamples, recipe: PwtRecipe) -> PwtEncoded {
     made
 }
 
-/// Known answer: a sum of terms comes back but for the rounding of its texels, also under lights that were not there.
+/// Known answer: a sum of terms is recovered up to the rounding of its texels, also under unseen lights.
 #[test]
-fn polynomials_come_back() {
+fn polynomials_are_recovered() {
     let recipe = PwtRecipe {
         coordinates: Some(LightCoordinates::Projected),
         degree: Some(1),
@@ -37,7 +37,7 @@ fn polynomials_come_back() {
         let errors = stack_errors(&PwtDecoder::new(made.pack), &unseen, 1);
         assert!(errors.psnr > 44.0, "{wavelet:?}: {errors:?}");
     }
-    // Negative control: without the terms that depend on the light.
+    // The negative control: without the terms that depend on the light.
     let flat = made(&polynomial([32, 16], spiral(24), true), PwtRecipe { degree: Some(0), ..recipe });
     assert!(!flat.met && flat.errors.psnr < 30.0, "{:?}", flat.errors);
 }
@@ -65,7 +65,7 @@ fn any_number_of_threads_gives_the_same_bytes() {
 }
 
 #[test]
-fn bytes_are_kept_and_more_are_not_worse() {
+fn byte_limits_hold_and_larger_ones_are_not_worse() {
     let samples = lambert([32, 32], spiral(30), true);
     let mut before = 0.0f64;
     let mut reached = Vec::new();
@@ -80,7 +80,7 @@ fn bytes_are_kept_and_more_are_not_worse() {
 }
 
 #[test]
-fn measured_targets_are_met_or_told() {
+fn measured_targets_are_met_or_reported() {
     let samples = lambert([32, 32], spiral(30), true);
     let small = made(&samples, with(Target::Quality(24.0)));
     let large = made(&samples, with(Target::Quality(28.0)));
@@ -89,8 +89,8 @@ fn measured_targets_are_met_or_told() {
     let seen = made(&samples, with(Target::DeltaE(4.0)));
     assert!(seen.met && seen.errors.delta_e <= 4.0, "{:?}", seen.errors);
     for target in [Target::Quality(200.0), Target::DeltaE(0.0)] {
-        let told = made(&samples, with(target));
-        assert!(!told.met && told.errors.psnr > large.errors.psnr, "{target:?}: {:?}", told.errors);
+        let missed = made(&samples, with(target));
+        assert!(!missed.met && missed.errors.psnr > large.errors.psnr, "{target:?}: {:?}", missed.errors);
     }
     let [little, much] = [0.9, 0.999].map(|share| made(&samples, with(Target::Energy(share))));
     assert!(little.pack.gpu_bytes() < much.pack.gpu_bytes() && little.errors.psnr < much.errors.psnr);
@@ -98,7 +98,8 @@ fn measured_targets_are_met_or_told() {
     assert!(far.pack.gpu_bytes() < near.pack.gpu_bytes() && far.errors.psnr < near.errors.psnr);
 }
 
-/// Fewer lights than terms, on a line, equal, one: what they do not tell is smooth, and what they tell is kept.
+/// Fewer lights than terms, collinear, equal, and single lights: undetermined components are smooth, determined ones
+/// are fitted.
 #[test]
 fn poor_lights() {
     let line = (1..10).map(|k| k as f32 / 10.0).map(|x| [x, 0.0, (1.0 - x * x).sqrt()]);
@@ -110,15 +111,15 @@ fn poor_lights() {
             let recipe = PwtRecipe { degree, ..with(Target::Quality(60.0)) };
             let made = made(&polynomial([16, 16], lights.clone(), false), recipe);
             assert!(made.errors.psnr > least, "{count} lights, {degree:?}: {:?}", made.errors);
-            // Under a light that is not there the rendering is one.
+            // Values under an unseen light stay in range.
             let value = PwtDecoder::new(made.pack).value([0.3, 0.6], 0.0, [-0.6, 0.0, 0.8]);
             assert!(value.iter().all(|c| (0.0..4.0).contains(c)), "{count} lights, {degree:?}: {value:?}");
         }
     }
 }
 
-/// Few lights are fitted no better than others tell: at lights that nobody saw the pack is about as good as what is the same
-/// under all, and it does not say that it is better than it is.
+/// Few lights are not overfitted: at unseen lights the pack is about as good as a constant one, and it does not
+/// overstate its quality.
 #[test]
 fn few_lights_are_not_overfitted() {
     let unseen = lambert([24, 24], spiral(23), false);
@@ -133,11 +134,11 @@ fn few_lights_are_not_overfitted() {
         let (_, constant) = of(Some(0));
         assert!(psnr > constant - 2.0, "{count} lights: {psnr} against {constant}, {candidate:?}");
         assert_eq!(candidate.held_out_psnr.is_none(), count == 1, "{candidate:?}");
-        assert!(candidate.held_out_psnr.is_none_or(|told| told < psnr + 8.0), "{count} lights: {psnr}, {candidate:?}");
+        assert!(candidate.held_out_psnr.is_none_or(|p| p < psnr + 8.0), "{count} lights: {psnr}, {candidate:?}");
     }
 }
 
-/// A polynomial texture map keeps its own polynomials, also where they are above white and below black.
+/// The polynomials of a polynomial texture map are recovered, also where they are above white and below black.
 #[test]
 fn maps_that_clip() {
     let coefficients = [[-80.0, -80.0, 0.0, 400.0, 60.0, 60.0], [10.0, 0.0, 30.0, -200.0, 90.0, 120.0], [0.0; 6]];
@@ -151,14 +152,14 @@ fn maps_that_clip() {
         ..PwtRecipe::default()
     };
     let decoder = PwtDecoder::new(made(&samples, recipe).pack);
-    let shown = renderings_of(&map, spiral(30));
-    let errors = stack_errors(&decoder, &shown, 1);
+    let clamped_renderings = renderings_of(&map, spiral(30));
+    let errors = stack_errors(&decoder, &clamped_renderings, 1);
     assert!(errors.psnr > 38.0, "{errors:?}");
-    let codes = shown.renderings.iter().flatten().flatten();
+    let codes = clamped_renderings.renderings.iter().flatten().flatten();
     assert!(codes.clone().any(|c| *c >= 1.0) && codes.clone().any(|c| *c <= 0.0), "it clips at both ends");
-    // Negative control: what is shown, clamped, is no polynomial.
+    // The negative control: clamped values are no polynomial.
     let clamped = renderings_of(&map, spread_lights(96));
-    let wrong = stack_errors(&PwtDecoder::new(made(&clamped, recipe).pack), &shown, 1);
+    let wrong = stack_errors(&PwtDecoder::new(made(&clamped, recipe).pack), &clamped_renderings, 1);
     assert!(wrong.psnr < errors.psnr - 10.0, "{wrong:?}");
 }
 
@@ -181,7 +182,7 @@ fn sizes_of_all_kinds() {
     }
 }
 
-/// A black stack, and one of a single colour.
+/// A black RTI capture, and one of a single colour.
 #[test]
 fn stacks_without_detail() {
     for value in [0.0, 0.25] {
@@ -190,7 +191,7 @@ fn stacks_without_detail() {
         let made = made(&samples, with(Target::Quality(40.0)));
         assert!(made.met && made.pack.gpu_bytes() <= 8 * 64, "{value}: {:?}", made.errors);
     }
-    // Values beyond what is shown are no panic.
+    // Values out of range do not cause a panic.
     let mut samples = polynomial([4, 4], spiral(9), false);
     samples.renderings[2][5] = [3e38, -3e38, 0.0];
     for domain in DomainName::ALL {
@@ -203,7 +204,7 @@ fn stacks_without_detail() {
 }
 
 #[test]
-fn what_is_out_of_range_is_named() {
+fn values_out_of_range_are_named() {
     let good = polynomial([4, 4], spiral(3), true);
     let said = |samples: &LightSamples, recipe: PwtRecipe| encode(samples, &recipe).unwrap_err().to_string();
     let default = PwtRecipe::default();
@@ -213,7 +214,7 @@ fn what_is_out_of_range_is_named() {
         (PwtRecipe { depth: Some(9), ..default }, "levels: found 9, expected 0 to 8"),
         (
             PwtRecipe { depth: Some(3), ..default },
-            "levels: found 3, expected 0 to 2 for 4 x 4: sides of a tile are halved exactly",
+            "levels: found 3, expected 0 to 2 for 4 x 4, because the sides of a tile are halved exactly",
         ),
         (PwtRecipe { packets: 5, ..default }, "packets: found 5, expected 0 to 4"),
         (with(Target::Bytes(0)), "bytes: found 0, expected 1 to 1000000000000"),
@@ -229,8 +230,8 @@ fn what_is_out_of_range_is_named() {
     };
     assert_eq!(changed(|s| (s.lights, s.renderings) = Default::default()), "lights: found 0, expected 1 to 4096");
     assert_eq!(changed(|s| s.lights[1][2] = -0.5).split(':').next(), Some("light 1"));
-    assert_eq!(changed(|s| s.renderings.truncate(2)), "renderings: found 2, expected 3, one for each light");
-    assert_eq!(changed(|s| s.renderings[2].truncate(15)), "rendering 2: found 15 pixels, expected 4 x 4");
-    assert!(changed(|s| s.renderings[0][6][1] = f32::NAN).starts_with("rendering 0: found ["));
+    assert_eq!(changed(|s| s.renderings.truncate(2)), "images: found 2, expected 3, one per light");
+    assert_eq!(changed(|s| s.renderings[2].truncate(15)), "image 2: found 15 pixels, expected 4 x 4");
+    assert!(changed(|s| s.renderings[0][6][1] = f32::NAN).starts_with("image 0: found ["));
     assert!(changed(|s| s.size = [0, 4]).starts_with("size: found 0 x 4"));
 }

@@ -1,4 +1,5 @@
-//! Encodes of stacks made here are the bytes, and decode to the values, in the codec's list: see docs/goldens.md.
+//! Encodes generated RTI captures and compares the bytes, and the decoded values, with the codec's list: see
+//! docs/goldens.md.
 
 use super::stacks::{lambert, polynomial, spiral};
 use brdfc_formats::pwt::LightCoordinates;
@@ -8,7 +9,7 @@ use brdfc_testing::golden::encodes::{Packs, check_encodes};
 #[test]
 fn polynomial_wavelet_trees() {
     let pack = |samples: &LightSamples, recipe: PwtRecipe| {
-        encode(samples, &recipe).expect("renderings and recipe in range").pack.to_bytes(true)
+        encode(samples, &recipe).expect("images and recipe in range").pack.to_bytes(true)
     };
     let default = PwtRecipe::default();
     let hemisphere = PwtRecipe {

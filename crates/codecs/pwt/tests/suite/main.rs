@@ -1,4 +1,4 @@
-//! Encodes of stacks made here, whose answers are known.
+//! Tests encodes of generated RTI captures with known answers.
 
 mod assemble;
 mod choose;

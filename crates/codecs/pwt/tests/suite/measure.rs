@@ -1,4 +1,4 @@
-//! Errors of packs that are known.
+//! Tests measurements against known errors.
 
 use super::stacks::{lambert, polynomial, spiral};
 use brdfc_formats::pwt::{Domain, LightBasis, LightCoordinates, PwtDecoder, PwtHeader, PwtPack};
@@ -6,7 +6,7 @@ use brdfc_pwt::measure::stack_errors;
 use brdfc_pwt::{LightSamples, PwtRecipe, encode};
 use brdfc_testing::codecs::pwt::{plain, single};
 
-/// A grey pack of one value, its sRGB code as a share.
+/// A grey pack of one value, given by its sRGB encoding, 0 to 1.
 fn grey(code: f32) -> PwtDecoder {
     let basis = LightBasis { coordinates: LightCoordinates::Projected, degree: 0 };
     let header = PwtHeader {
@@ -29,7 +29,7 @@ fn errors_of_known_renderings() {
     let same = stack_errors(&grey(0.5), &stack(0.5), 1);
     assert_eq!((same.lights, same.texels), (5, 12));
     assert!(same.psnr > 90.0 && same.delta_e < 1e-3, "{same:?}");
-    // A tenth of all codes: 20 dB.
+    // An error of a tenth in all values: 20 dB.
     let off = stack_errors(&grey(0.6), &stack(0.5), 1);
     assert!((off.psnr - 20.0).abs() < 1e-3 && off.delta_e > 5.0, "{off:?}");
     // One of 60 pixels alone: 10 log10(60) better.
@@ -37,14 +37,14 @@ fn errors_of_known_renderings() {
     samples.renderings[3][7] = [Domain::Display.decode(0.6); 3];
     let one = stack_errors(&grey(0.5), &samples, 1);
     assert!((one.psnr - 20.0 - 10.0 * 60f64.log10()).abs() < 1e-2, "{one:?}");
-    // It stands in row 1, which every second row leaves out.
+    // The pixel is in row 1, which every second row leaves out.
     let rows = stack_errors(&grey(0.5), &samples, 2);
     assert_eq!(rows.texels, 8);
     assert!(rows.psnr > 90.0 && stack_errors(&grey(0.5), &samples, 100).texels == 4, "{rows:?}");
 }
 
-/// What is not defined counts nothing, in errors and in what is chosen: garbage there changes neither the choice nor what is
-/// told, and without the mask it does.
+/// Undefined texels affect neither errors nor choices: garbage there changes neither the choice nor the report, while
+/// it does without the mask.
 #[test]
 fn undefined_texels_count_nothing() {
     let clean = lambert([32, 32], spiral(24), true);
@@ -63,9 +63,9 @@ fn undefined_texels_count_nothing() {
     assert_eq!(masked_made.errors.texels, 32 * 32 - 8 * 16);
     let unseen = [&clean, &masked_made, &unmasked_made].map(|made| made.candidates[0].held_out_psnr.unwrap());
     assert!((unseen[1] - unseen[0]).abs() < 0.5 && unseen[2] < unseen[0] - 2.0, "{unseen:?}");
-    let told = [&masked_made, &unmasked_made].map(|made| made.errors.delta_e);
-    assert!(told[0] < told[1] - 0.5, "{told:?}");
-    // A pack that is right where texels are defined is told to be.
+    let reported = [&masked_made, &unmasked_made].map(|made| made.errors.delta_e);
+    assert!(reported[0] < reported[1] - 0.5, "{reported:?}");
+    // Errors of a pack that is exact at defined texels are measured as such.
     let all = stack_errors(&PwtDecoder::new(clean.pack.clone()), &unmasked, 1);
     let seen = stack_errors(&PwtDecoder::new(clean.pack), &masked, 1);
     assert!(seen.delta_e < 0.7 * all.delta_e && seen.texels < all.texels, "{seen:?} {all:?}");

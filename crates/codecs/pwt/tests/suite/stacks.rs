@@ -1,8 +1,9 @@
-//! RTI captures made on the spot.
+//! Generated RTI captures.
 
 use brdfc_pwt::LightSamples;
 
-/// Lights on a spiral from the pole to near the horizon, found without trigonometry: a turn by 3-4-5 angles each.
+/// Lights on a spiral from the pole to near the horizon, computed without trigonometry: successive lights turn by an
+/// angle of the 3-4-5 triangle.
 pub fn spiral(count: usize) -> Vec<[f32; 3]> {
     let mut turn = [1.0f64, 0.0];
     let light = |k: usize| {
@@ -15,9 +16,9 @@ pub fn spiral(count: usize) -> Vec<[f32; 3]> {
     (0..count).map(light).collect()
 }
 
-/// Slopes of a relief at a pixel: smooth, periodic over the rendering, -0.5 to 0.5.
+/// Slopes of a relief at a pixel: smooth, periodic over the image, -0.5 to 0.5.
 fn slopes([x, y]: [usize; 2], [width, height]: [usize; 2]) -> [f32; 2] {
-    // A parabola for each half period: continuous, as a sine is.
+    // A parabola for each half period: continuous, like a sine.
     let wave = |k: usize, n: usize| {
         let t = 2.0 * ((k as f32 + 0.5) / n as f32).fract() - 1.0;
         2.0 * t * (1.0 - t.abs())
@@ -37,7 +38,7 @@ fn stack(
     LightSamples { size, lights, renderings, repeats, defined: None }
 }
 
-/// A relief whose values are polynomials of degree 1 of `x` and `y` of the light.
+/// A relief whose values are polynomials of degree 1 in `x` and `y` of the light.
 pub fn polynomial(size: [usize; 2], lights: Vec<[f32; 3]>, repeats: bool) -> LightSamples {
     stack(size, lights, repeats, |at, [x, y, _]| {
         let [p, q] = slopes(at, size);

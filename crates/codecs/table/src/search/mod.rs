@@ -14,45 +14,46 @@ use brdfc_metrics::compare::{Comparison, Reference};
 use brdfc_metrics::sampling::PairSet;
 use recipe::{LARGEST, SearchRecipe, Tables};
 
-/// A table with what was measured while making it.
+/// A table with the measurements of its encoding.
 pub type EncodedTable = Encoded<TableReport>;
 
-/// Smallest and largest table that is tried, bytes on a GPU; each next one is twice as large. Few layers leave knobs on
-/// the outlines of anisotropic highlights, which hardly count in a mean: their smallest is larger.
+/// Bytes on a GPU of the smallest table that is tried; sizes are doublings. Anisotropic tables start larger, because
+/// too few layers leave knobs on the outlines of highlights, which hardly count in a mean.
 #[doc(hidden)]
 pub const SMALLEST: u64 = 1 << 10;
 const SMALLEST_ANISOTROPIC: u64 = 4 << 10;
-/// Likewise where there are levels of detail: with few nodes a row does not keep the light of a narrow highlight.
+/// Smallest size with levels of detail: with few nodes a row does not preserve the light of a narrow highlight.
 const SMALLEST_WITH_LEVELS: u64 = 8 << 10;
-/// Power of the size by which the error of tables is taken to fall at most; it is 2/3 where values are smooth.
+/// Largest power of the size by which the error of tables falls; it is 2/3 for smooth values.
 const FASTEST: f64 = 0.8;
-/// A pack is no closer to the budget than a smaller one where it misses it by more than this share of what the smaller one does.
+/// A pack is closer to the budget than a smaller one only if its excess is below this share of the smaller one's.
 const CLOSER: f64 = 0.97;
-/// Errors that fall by less than this power of the size have stopped falling: a tenth less for twice the bytes.
+/// Errors that fall by less than this power of the size have stalled: a tenth less for twice the bytes.
 const SLOWEST: f64 = 0.15;
-/// They may fall so many times as fast from there on, which may be enough for the budget.
+/// Stalled errors may fall this many times as fast at larger sizes, which may suffice for the budget.
 const CATCHING_UP: f64 = 2.0;
-/// Bytes of a table from which on no larger one is tried for its highlight alone.
+/// Bytes of a table above which no larger one is tried for its highlight alone.
 const MAX_FOR_HIGHLIGHT: u64 = 64 << 10;
-/// Sizes in a row that miss the budget from which on no smaller one is tried.
+/// Number of consecutive misses of the budget after which no smaller size is tried.
 const MISSES: u32 = 2;
-/// Sizes from one trial to the next where none is expected to meet the budget.
+/// Step between tried sizes while none is expected to meet the budget.
 const STRIDE: usize = 2;
-/// Tables of a budget of bytes alone: all of it, a half, a quarter. More nodes do not always bring more, where the format's ten
-/// bits or the samples are the limit.
+/// Number of tables tried for a budget of bytes alone: all of it, a half, a quarter. More nodes do not always help if
+/// the format's ten bits or the samples are the limit.
 const FILLED: u32 = 3;
 
-/// Tries tables from small to large and keeps the first that meets the budget. A budget of bytes alone gets the pack with the
-/// smallest colour differences that fits.
+/// Tries tables from small to large and returns the first that meets the budget. A budget of bytes alone gets the pack
+/// with the smallest colour differences that fits.
 ///
-/// Sizes are left out where even an error that falls as fast as those of tables do at most would miss the budget. When a larger one meets it,
-/// those that were left out since the last miss are tried after all; when none does, some of them are, until errors stop
-/// falling. Below the smallest table that meets the budget factored ones are tried, too: with one fetch more they may be smaller.
-/// Where errors of tables stop falling, factored ones up to that size may still be closer. When nothing meets the budget, the
-/// smallest pack is kept than which no other is much closer.
+/// Sizes are skipped if they would miss the budget even with the fastest fall of the error. If a larger one meets it,
+/// the sizes skipped since the last miss are tried after all; if none does, some of them are, until errors stall.
+/// Factored tables below the smallest table that meets the budget are tried, too: with one more fetch they may be
+/// smaller. Where errors of tables stall, factored ones up to that size may still be closer. If no pack meets the
+/// budget, the result is the smallest pack that no other beats by much.
 ///
 /// # Errors
-/// Budgets that no pack can meet whatever its quality, limits of error that were asked of black materials, cancellation.
+/// Returns an error for budgets that no pack can meet at any quality, for error limits of black materials, and if the
+/// work is cancelled.
 pub fn search(
     source: &dyn Source,
     recipe: &SearchRecipe,
@@ -91,7 +92,7 @@ pub fn search(
     Ok(search.finish())
 }
 
-/// Filtered fetches of a table alone.
+/// Filtered fetches of a plain table.
 fn fewest_fetches(source: &dyn Source) -> u32 {
     if source.symmetry().isotropic { 1 } else { 2 }
 }
@@ -111,12 +112,12 @@ struct Search<'a> {
     reference: Reference,
     progress: &'a dyn Progress,
     prepared: Option<Prepared>,
-    /// What may be kept, with how far over the budget each is.
+    /// Candidates with their excess over the budget.
     made: Vec<(Excess, EncodedTable)>,
     tried: Vec<Trial>,
 }
 
-/// Passes on cancellation alone: stages of a trial are not shown.
+/// Forwards cancellation only, and hides the stages of a trial.
 struct CancelOnly<'a>(&'a dyn Progress);
 
 impl Progress for CancelOnly<'_> {
@@ -139,7 +140,7 @@ impl Search<'_> {
         }
         let below = match plain {
             Found::Met(met) => met,
-            // Around the size from which on more nodes did not help.
+            // Near the size above which more nodes did not help.
             Found::Missed { closest, last } => {
                 let from = closest.saturating_sub(2 * STRIDE);
                 match self.smallest(&sizes[from..=last], true)? {
@@ -148,7 +149,8 @@ impl Search<'_> {
                 }
             }
         };
-        // Highlights fall between nodes of one size and not of the next smaller one: one miss is not the end.
+        // Highlights may fall between nodes of one size but not of the next smaller one: a single miss does not end the
+        // search.
         let mut misses = 0;
         for size in sizes[..below].iter().rev() {
             misses = if self.table(*size, true)?.is_met() { 0 } else { misses + 1 };
@@ -159,19 +161,19 @@ impl Search<'_> {
         Ok(())
     }
 
-    /// Bytes of the largest table that is tried: texels of grey ones are half as large.
+    /// Bytes of the largest table that is tried: grey texels are half as large.
     fn largest(&self) -> u64 {
         if self.source.is_grey() { LARGEST / 2 } else { LARGEST }
     }
 
-    /// Whether the budget has a fetch for a curve.
+    /// Returns true if the fetch budget allows a curve.
     fn may_be_factored(&self) -> bool {
         self.recipe.budget.fetches.is_none_or(|most| most > fewest_fetches(self.source))
     }
 
     /// Tries tables of one kind.
     fn smallest(&mut self, sizes: &[u64], factored: bool) -> Result<Found, EncodeError> {
-        // Of each size how far over the budget its table is.
+        // Excess over the budget of each size.
         let mut excesses: Vec<Option<Excess>> = vec![None; sizes.len()];
         let mut next = Some(0);
         let mut met = None;
@@ -188,7 +190,7 @@ impl Search<'_> {
                 (0..=k).filter_map(expected).fold(f64::INFINITY, f64::min) > 1.0
             };
             let last = sizes.len() - 1;
-            // What is lost of a highlight does not fall evenly, and may not fall at all.
+            // The loss of a highlight does not fall evenly, and may not fall at all.
             let is_lost = excess.error <= 1.0 && sizes[k] >= MAX_FOR_HIGHLIGHT;
             if is_lost || excess.error > 1.0 && has_stalled(&tried(sizes, &excesses), sizes[last]) {
                 break;
@@ -212,19 +214,19 @@ impl Search<'_> {
         Ok(Found::Met(met))
     }
 
-    /// Makes a table; how far over the budget it is.
+    /// Encodes a table and returns its excess over the budget.
     fn table(&mut self, bytes: u64, factored: bool) -> Result<Excess, EncodeError> {
         self.progress.stage(Stage::Try, 1)?;
         let within = CancelOnly(self.progress);
         let recipe = TableRecipe { size: Size::Bytes(bytes), factored, ..self.recipe.table.clone() };
-        let wanted = samples_for(recipe.size, self.source.is_grey());
-        let prepared = match self.prepared.take().filter(|prepared| prepared.samples.len() == wanted) {
+        let count = samples_for(recipe.size, self.source.is_grey());
+        let prepared = match self.prepared.take().filter(|prepared| prepared.samples.len() == count) {
             Some(prepared) => prepared,
-            None => Prepared::new(self.source, &recipe, wanted, &within)?,
+            None => Prepared::new(self.source, &recipe, count, &within)?,
         };
         let made = prepared.pack(&recipe, &within);
         if let (Err(EncodeError::TooFewBytes { .. }), true, false) = (&made, factored, self.tried.is_empty()) {
-            // A curve does not fit; a table did.
+            // A curve does not fit, but a table did.
             self.prepared = Some(prepared);
             return Ok(Excess { error: f64::INFINITY, highlight: 0.0 });
         }
@@ -237,7 +239,7 @@ impl Search<'_> {
         Ok(self.consider(encode::Encoded { pack, bytes, asymmetry, off_grid, tally }.into()))
     }
 
-    /// Notes a pack, and keeps it where it may be the one; how far over the budget it is.
+    /// Records a pack, adds it to the candidates if it may be the result, and returns its excess over the budget.
     fn consider(&mut self, made: EncodedTable) -> Excess {
         let excess = Excess::of(&self.recipe.budget, &made.off_grid);
         self.tried.push(made.trial(&made.codec, excess.is_met()));
@@ -254,13 +256,13 @@ impl Search<'_> {
             let is_one = |excess: &Excess| if least <= 1.0 { excess.is_met() } else { CLOSER * excess.rank() <= least };
             self.made.into_iter().filter(|(excess, _)| is_one(excess)).min_by_key(|(_, made)| bytes(made))
         } else {
-            // Those that keep the highlight first.
+            // Packs that retain the highlight come first.
             let is_lost = |excess: &Excess| excess.highlight > 1.0;
             self.made.into_iter().min_by(|(a, first), (b, second)| {
                 is_lost(a).cmp(&is_lost(b)).then(rendering(first).total_cmp(&rendering(second)))
             })
         };
-        let (excess, mut made) = best.expect("a table was made, or why not was returned");
+        let (excess, mut made) = best.expect("a table was made, or an error was returned");
         made.missed = (!excess.is_met()).then(|| missed(budget, &made.off_grid));
         if self.recipe.table.reciprocal {
             made.averaging = Some(AveragingCost::of(self.source, &self.reference));
@@ -270,20 +272,21 @@ impl Search<'_> {
     }
 }
 
-/// What trials of several sizes found: indices of sizes.
+/// Result of trials of several sizes, as indices of sizes.
 enum Found {
-    /// The smallest that meets the budget.
+    /// The smallest size that meets the budget.
     Met(usize),
-    /// None does: the smallest than which no other is [`CLOSER`], and the last that was tried.
+    /// None does. `closest` is the smallest that no other is [`CLOSER`] than, and `last` was tried last.
     Missed { closest: usize, last: usize },
 }
 
-/// The sizes that were tried, with how far over the budget they are.
+/// The tried sizes with their excess over the budget.
 fn tried(sizes: &[u64], excesses: &[Option<Excess>]) -> Vec<(u64, f64)> {
     sizes.iter().zip(excesses).filter_map(|(size, excess)| Some((*size, (*excess)?.error))).collect()
 }
 
-/// Whether the last two sizes came hardly closer than the best before them, and so little that the largest would miss the budget.
+/// Returns true if the last two sizes are hardly better than the best before them, and the trend is too weak for the
+/// largest size to meet the budget.
 #[doc(hidden)]
 pub fn has_stalled(tried: &[(u64, f64)], largest: u64) -> bool {
     let [before @ .., (_, a), (size, b)] = tried else { return false };
@@ -293,17 +296,17 @@ pub fn has_stalled(tried: &[(u64, f64)], largest: u64) -> bool {
     power < SLOWEST && now * (largest as f64 / *size as f64).powf(-CATCHING_UP * power.max(0.0)) > 1.0
 }
 
-/// How many times over its limits a pack is; infinite where its error is no number.
+/// Errors of a pack relative to their limits; infinite if an error is not finite.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Excess {
-    /// Over the tightest limit of ΔE and `ε_r`. It falls with the size.
+    /// Ratio to the tightest limit of ΔE and `ε_r`. It falls with the size.
     pub error: f64,
-    /// What is lost of the highlight, of what may be lost. It falls in steps, as nodes come to stand within the highlight.
+    /// Lost share of the highlight, relative to its limit. It falls in steps, as nodes enter the highlight.
     pub highlight: f64,
 }
 
 impl Excess {
-    /// Of a pack.
+    /// Excess of a pack.
     pub fn of(budget: &Budget, found: &Comparison) -> Self {
         let rendering = &found.rendering.delta_e;
         let ratios = [
@@ -319,12 +322,12 @@ impl Excess {
         }
     }
 
-    /// Whether all limits are met.
+    /// Returns true if all limits are met.
     pub fn is_met(&self) -> bool {
         self.error <= 1.0 && self.highlight <= 1.0
     }
 
-    /// By which packs that miss something are compared: highlights count once errors are met.
+    /// Order of packs that miss a limit: highlights count once errors are met.
     fn rank(&self) -> f64 {
         // Shares of highlights are from 0 to 1/(1 - 0.999).
         if self.error > 1.0 { 1000.0 * self.error } else { self.highlight.min(1000.0) }
@@ -341,7 +344,7 @@ pub fn sizes(smallest: u64, most: Option<u64>, largest: u64) -> Vec<u64> {
     sizes
 }
 
-/// The sentence about a budget that nothing meets.
+/// Message about a budget that no pack meets.
 fn missed(budget: &Budget, best: &Comparison) -> String {
     let rendering = &best.rendering.delta_e;
     let mut parts = Vec::new();
@@ -349,7 +352,7 @@ fn missed(budget: &Budget, best: &Comparison) -> String {
         && (rendering.mean > limit || rendering.p95 > TAIL * limit)
     {
         parts.push(format!(
-            "ΔE: found a mean of {:.2} and 95 % below {:.2}, expected {limit} and {}",
+            "ΔE: found a mean of {:.2} and 95 % below {:.2}, expected at most {limit} and {}",
             rendering.mean,
             rendering.p95,
             TAIL * limit
@@ -358,12 +361,16 @@ fn missed(budget: &Budget, best: &Comparison) -> String {
     if let (Some(least), Some(found)) = (budget.highlight, best.highlight)
         && found.kept() < least
     {
-        parts.push(format!("highlight: found {}, expected {}", found.in_words(), percent(least)));
+        parts.push(format!("highlight: found {}, expected at least {}", found.in_words(), percent(least)));
     }
     if let Some(limit) = budget.error
         && best.norms.relative_mean > limit
     {
-        parts.push(format!("ε_r: found {:.2} %, expected {} %", 100.0 * best.norms.relative_mean, 100.0 * limit));
+        parts.push(format!(
+            "ε_r: found {:.2} %, expected at most {} %",
+            100.0 * best.norms.relative_mean,
+            100.0 * limit
+        ));
     }
-    format!("nothing that was tried meets the budget, the best is kept; {}", parts.join("; "))
+    format!("no tried pack meets the budget, using the closest; {}", parts.join("; "))
 }

@@ -1,4 +1,4 @@
-//! The recipe of a search: a budget that sizes of tables are tried against.
+//! Recipe of a search: a budget and the tables that are tried.
 
 use crate::encode::MAX_TEXELS;
 use crate::recipe::{Aim, TableRecipe};
@@ -8,27 +8,27 @@ use serde::{Deserialize, Serialize};
 /// Bytes on a GPU of the largest table that a search tries.
 pub const LARGEST: u64 = 4 * MAX_TEXELS;
 
-/// What a search is to meet, and among which tables.
+/// Target of a search, and its candidates.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct SearchRecipe {
-    /// What a table has to meet.
+    /// Budget of the table.
     pub budget: Budget,
-    /// Whether somebody asked for its limits of error: what is black is held against none.
+    /// True if the user set limits of error. Default limits do not apply to black materials.
     pub is_asked: bool,
-    /// What all tables that are tried have in common; its size is not looked at, nor whether it is factored.
+    /// Common recipe of all tried tables; the search sets its size and `factored`.
     pub table: TableRecipe,
-    /// Which tables are tried.
+    /// Kinds of tables that are tried.
     pub tables: Tables,
 }
 
-/// Which tables a search tries.
+/// Kinds of tables that a search tries.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 pub enum Tables {
-    /// Tables alone.
+    /// Plain tables only.
     Plain,
-    /// Tables with a curve.
+    /// Tables with a curve only.
     Factored,
-    /// Tables alone, and those with a curve where they may be smaller or closer.
+    /// Plain tables, and those with a curve where they may be smaller or closer.
     Both,
 }
 
@@ -39,11 +39,11 @@ impl Default for SearchRecipe {
 }
 
 impl SearchRecipe {
-    /// The search for a budget, with a ΔE of [`Budget::default`] where nothing says how good or how large a pack is to be.
+    /// Creates the search for a budget, with the ΔE of [`Budget::default`] if neither error nor size is limited.
     pub fn of_budget(budget: Budget) -> Self {
         let is_open = !budget.limits_error() && budget.bytes.is_none();
         let delta_e = if is_open { Budget::default().delta_e } else { budget.delta_e };
-        // Where ratios alone are limited, they are what tables are made for.
+        // If ratios alone are limited, tables minimise them.
         let aim = if budget.error.is_some() && budget.delta_e.is_none() { Aim::Ratios } else { Aim::Renderings };
         let table = TableRecipe { aim, ..TableRecipe::default() };
         let is_asked = budget.limits_error() || budget.limits_highlight();

@@ -1,4 +1,4 @@
-//! The search within a range of directions: it looks at the pack of all directions, too, which may do.
+//! Search within a range of directions. It also tries the pack for all directions, which may be smaller.
 
 use super::recipe::SearchRecipe;
 use super::{CancelOnly, EncodedTable, Excess, search, smallest_tried};
@@ -11,12 +11,13 @@ use brdfc_formats::BrdfPack;
 use brdfc_formats::crop::{Crop, DirectionRange};
 use brdfc_metrics::compare::Reference;
 
-/// The smallest pack that meets a budget within the range of the recipe's directions.
+/// Finds the smallest pack that meets a budget within the range of the recipe's directions.
 ///
-/// Tables are fitted to the range and measured in it, so that a limit may be harder to meet than over all directions: a
-/// highlight may be all that is left. Unless what meets it is as small as tables come, the search is done without the range as
-/// well, up to as many nodes as were found. What that makes, cropped, is kept where it meets the limit within the range and
-/// is smaller. So above the smallest tables a range costs no bytes where that of all directions would do.
+/// Tables are fitted to the range and measured in it, so that a limit may be harder to meet than over all directions:
+/// the range may contain little but the highlight. Unless the result is as small as tables come, the search runs
+/// without the range as well, up to as many nodes as the result has. The cropped result of that search is used if it
+/// meets the limit within the range and is smaller. So above the smallest tables a range costs no bytes if the pack for
+/// all directions suffices.
 pub fn search_within(
     source: &dyn Source,
     recipe: &SearchRecipe,
@@ -39,8 +40,8 @@ pub fn search_within(
     }
 }
 
-/// What was made within a range, or what was made of all directions, cropped, where that meets the limits there and is smaller.
-/// The reference is that of the range.
+/// Selects the pack for the range or, if it meets the limits there and is smaller, the cropped pack for all directions.
+/// `reference` is that of the range.
 #[doc(hidden)]
 pub fn smaller(
     reference: &Reference,
@@ -52,7 +53,7 @@ pub fn smaller(
     made.of_all_directions = Some(whole.pack.gpu_bytes());
     let BrdfPack::Table(pack) = &whole.pack else { return made };
     let crop = Crop { directions, window: window(pack.header(), directions) };
-    let mut pack = pack.cropped(crop).expect("a window is within the table that it was found for");
+    let mut pack = pack.cropped(crop).expect("a window is within its own table");
     if made.missed.is_none() && pack.gpu_bytes() >= made.pack.gpu_bytes() {
         return made;
     }
@@ -70,8 +71,8 @@ pub fn smaller(
     EncodedTable { of_all_directions, averaging, tried, ..cropped }
 }
 
-/// What the same limits ask for over all directions, among tables that would be no larger than what was made, were it not
-/// cropped; none where no such table meets them.
+/// Searches for the same limits over all directions, among tables no larger than the uncropped result; `None` if no
+/// such table meets them.
 fn of_all_directions(
     source: &dyn Source,
     recipe: &SearchRecipe,
@@ -81,20 +82,20 @@ fn of_all_directions(
     let mut recipe = recipe.clone();
     recipe.table.directions = DirectionRange::ALL;
     if made.missed.is_none() {
-        // A step of the search, so that what is tried is what would be tried without a range.
+        // A size of the search, so that the tried sizes are the same as without a range.
         let most = uncropped(made).next_power_of_two();
         recipe.budget.bytes = Some(recipe.budget.bytes.map_or(most, |bytes| bytes.min(most)));
     }
     progress.stage(Stage::Try, 1)?;
     match search(source, &recipe, &CancelOnly(progress)) {
         Ok((whole, _)) => Ok(Some(whole).filter(|whole| whole.missed.is_none())),
-        // Limits may have no meaning over all directions; the range has its pack all the same.
+        // Limits may have no meaning over all directions; the pack for the range is still valid.
         Err(EncodeError::Cancelled(cancelled)) => Err(EncodeError::Cancelled(cancelled)),
         Err(_) => Ok(None),
     }
 }
 
-/// Bytes on a GPU with what was cropped.
+/// Bytes on a GPU without cropping.
 fn uncropped(made: &EncodedTable) -> u64 {
     made.pack.gpu_bytes() + made.cropped_bytes
 }

@@ -1,4 +1,4 @@
-//! What is cropped is what no look-up within the range of directions touches.
+//! Cropped texels are those that no look-up within the range of directions reads.
 
 use brdfc_core::PackSource;
 use brdfc_core::address::parse_synth;
@@ -26,7 +26,7 @@ const RANGES: [([f32; 2], [f32; 2]); 5] = [
     ([5.0, 90.0], [5.0, 90.0]),
 ];
 
-/// How many logarithms of both differ, at pairs within and outside.
+/// Number of differing logarithms at pairs within and outside.
 fn differing(whole: &TablePack, cropped: &TablePack, directions: DirectionRange) -> [usize; 2] {
     let [a, b] = [whole, cropped].map(TableDecoder::new);
     let mut differing = [0; 2];
@@ -63,7 +63,7 @@ fn look_ups_within_the_range_have_the_same_bits() {
 }
 
 #[test]
-fn a_budget_is_of_what_is_left() {
+fn budgets_count_cropped_bytes() {
     let source = parse_synth("synth:ggx?kd=0.3&f0=0.04&alpha=0.2").expect("an address");
     let directions = range([30.0, 90.0], [30.0, 90.0]);
     for factored in [false, true] {
@@ -81,8 +81,8 @@ fn a_budget_is_of_what_is_left() {
     }
 }
 
-/// Where a highlight is all that is left, a table that is fitted to the range is closer there than one of as many nodes for
-/// all directions, which is cropped; and farther elsewhere, as nothing was fitted to what cannot occur.
+/// If little but a highlight remains, a table that is fitted to the range is closer there than a cropped table with as
+/// many nodes for all directions; elsewhere, where it was not fitted, it is farther.
 #[test]
 fn tables_are_fitted_to_the_range() {
     let source = parse_synth("synth:ggx?kd=0.3,0.2,0.1&f0=0.04&alpha=0.12").expect("an address");
@@ -104,7 +104,7 @@ fn tables_are_fitted_to_the_range() {
     }
 }
 
-/// Ranges are as narrow as packs may have them; samples are within, as many as were asked for.
+/// Ranges are as narrow as packs allow; all samples are within, and their number is exact.
 #[test]
 fn samples_are_within_the_range() {
     let source = parse_synth("synth:lambert").expect("an address");

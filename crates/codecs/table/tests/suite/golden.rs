@@ -1,4 +1,4 @@
-//! Encodes of committed inputs are the bytes, and decode to the values, in the codec's list: see docs/goldens.md.
+//! Encodings of committed inputs have the bytes, and decode to the values, in the codec's list: see docs/goldens.md.
 
 use brdfc_source::open::open;
 use brdfc_table::encode::encode;

@@ -1,4 +1,4 @@
-//! Sources at lists whose angles are kept, against the same ones pair by pair: the same bits.
+//! Evaluation at lists with cached angles gives the same bits as pair by pair.
 
 use brdfc_core::address::parse_synth;
 use brdfc_core::{PackSource, Source};
@@ -11,7 +11,7 @@ use brdfc_source::MerlSource;
 use brdfc_table::recipe::{Size, TableRecipe};
 use brdfc_testing::codecs::table::tables;
 
-/// Tables with cells that are missing, of half a turn and of a whole one.
+/// Tables with missing cells, over half a turn and over a whole one.
 fn merl(phi_difference: usize) -> MerlSource {
     let dimensions = Dimensions { theta_half: 12, theta_difference: 10, phi_difference };
     let value = |[h, d, p]: [f64; 3]| {
@@ -31,7 +31,7 @@ fn check(name: &str, source: &dyn Source) {
     for list in [PairSet::comparison().pairs, rendering_pairs()] {
         let (plain, of_list) = (values_at(source, &list), values_of_list(source, &list));
         assert!(bits(&plain.0) == bits(&of_list.0) && plain.1 == of_list.1, "{name}: {:?} {:?}", plain.1, of_list.1);
-        // The control: of other pairs they are others.
+        // Control: values at other pairs differ.
         let exchanged: Vec<DirectionPair> = list.iter().rev().map(|pair| pair.exchanged()).collect();
         assert!(bits(&values_at(source, &exchanged).0) != bits(&of_list.0), "{name}");
     }

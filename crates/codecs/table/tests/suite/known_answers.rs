@@ -1,4 +1,4 @@
-//! Tables of materials whose answers are known.
+//! Tables of materials with known answers.
 
 use brdfc_codec::EncodeError;
 use brdfc_core::address::parse_synth;
@@ -28,7 +28,7 @@ fn table(source: &dyn Source, bytes: u64) -> Encoded {
     encode(source, &TableRecipe { size: Size::Bytes(bytes), ..TableRecipe::default() }, &()).unwrap()
 }
 
-/// A white furnace: what a matte white receives from everywhere it gives back, from the smallest table.
+/// White furnace: a matte white reflects all light, even in the smallest table.
 #[test]
 fn lambert_is_flat() {
     let lambert = source("synth:lambert?kd=1");
@@ -43,7 +43,7 @@ fn lambert_is_flat() {
     assert!(encoded.off_grid.rendering.delta_e.max < 0.02);
 }
 
-/// Errors fall with the size, and what a pack says of itself is what comparing it with its source finds.
+/// Errors fall with the size, and the stored errors of a pack are those of a comparison with its source.
 #[test]
 fn larger_tables_are_closer_and_errors_are_true() {
     let plastic = open_file(Path::new(&testdata("demo/red_plastic.binary")), None).unwrap().source;
@@ -63,7 +63,7 @@ fn larger_tables_are_closer_and_errors_are_true() {
     assert!(before < 0.1, "{before}");
 }
 
-/// Values that a table holds are found again by fitting one with the same nodes, whatever is folded.
+/// Fitting a table with the same nodes recovers its values, with any folds.
 #[test]
 fn tables_of_tables_are_perfect() {
     for (name, pack) in tables().into_iter().filter(|(_, pack)| pack.curve().is_none()) {
@@ -81,7 +81,7 @@ fn tables_of_tables_are_perfect() {
             .collect();
         let mean = off.iter().sum::<f32>() / off.len() as f32;
         assert!(mean < 2e-3, "{name}: off by {mean} in the mean");
-        // Negative control: nodes that stand elsewhere do not hold the same values.
+        // Negative control: nodes at other positions do not hold the same values.
         let bent = TableHeader { slope: header.slope - 0.4, ..header };
         let taps: Vec<Taps> = samples.angles.iter().map(|a| lattice.taps(&bent.position_of(*a))).collect();
         let nodes = fit(lattice, &taps, &targets).nodes;
@@ -91,12 +91,12 @@ fn tables_of_tables_are_perfect() {
     }
 }
 
-/// `μ` as [`Targets`] has it.
+/// `μ` as in [`Targets`].
 fn mean_of(samples: &Samples) -> f32 {
     Targets::new(samples, 1e-4, false).mean
 }
 
-/// A clear coat over flakes: a narrow lobe on a wide one, which no single warp of the columns suits.
+/// Car paint with a clear coat over flakes: a narrow lobe on a wide one, which no single warp of the columns suits.
 struct CarPaint {
     coat: Box<dyn Source>,
     flakes: Box<dyn Source>,
@@ -122,9 +122,9 @@ impl Source for CarPaint {
     }
 }
 
-/// Where a highlight is too narrow for the columns, a curve is closer with the same bytes.
+/// If a highlight is too narrow for the columns, a curve is closer with the same bytes.
 #[test]
-fn curves_keep_narrow_highlights() {
+fn curves_retain_narrow_highlights() {
     let made = |source: &dyn Source, factored: bool| {
         let recipe = TableRecipe { size: Size::Bytes(8 << 10), factored, ..TableRecipe::default() };
         encode(source, &recipe, &()).unwrap()
@@ -135,18 +135,18 @@ fn curves_keep_narrow_highlights() {
     let [plain, curved] = [&plain, &factored].map(|made| made.off_grid.rendering.delta_e.mean);
     assert!(curved < 0.9 * plain, "{curved} against {plain}");
     assert_eq!(TablePack::from_bytes(&factored.bytes).unwrap(), factored.pack);
-    // Without its curve the same table is nothing like the material.
+    // Without its curve the same table is far from the material.
     let bare = TablePack::new(*factored.pack.header(), &factored.pack.values()).unwrap();
     let (bare, _) = compare(&paint, &PackSource::new(&bare, None), &PairSet::comparison());
     assert!(bare.rendering.delta_e.mean > 10.0 * curved, "{}", bare.rendering.delta_e.mean);
-    // A flat material has a flat curve: nothing is added twice.
+    // A flat material has a flat curve: no contribution counts twice.
     let flat = made(source("synth:lambert?kd=1").as_ref(), true);
     assert!(flat.off_grid.norms.relative_max < 1e-3, "{}", flat.off_grid.norms.relative_max);
 }
 
-/// A table for ratios has better ones with the same bytes, and hardly better renderings.
+/// A table for ratios has better ratios with the same bytes, and hardly better renderings.
 #[test]
-fn tables_are_close_in_what_they_are_for() {
+fn tables_minimise_their_error_measure() {
     let plastic = open_file(Path::new(&testdata("demo/red_plastic.binary")), None).unwrap().source;
     for bytes in [1 << 10, 4 << 10] {
         let made = |aim| {
@@ -169,16 +169,16 @@ fn symmetry_is_measured() {
     assert_eq!(folds("synth:ward?ax=0.15&ay=0.5"), all);
     let isotropic = TableSymmetry { half_turn: false, reflected: false, ..all };
     assert_eq!(folds("synth:ggx?alpha=0.2"), isotropic);
-    // A model whose shadowing depends on the azimuth of light and viewer, not of the half vector alone.
+    // The model's shadowing depends on the azimuths of light and viewer, not of the half vector alone.
     assert_eq!(folds("synth:ggx?alpha_x=0.1&alpha_y=0.4"), TableSymmetry { mirror: false, ..all });
-    // What is not reciprocal is not folded.
+    // Materials that are not reciprocal are not folded.
     assert!(!folds("synth:poulin?kd=0.1&ks=0.3&d=3&h=0.5&n=20").mirror);
     let plastic = open_file(Path::new(&testdata("demo/red_plastic.binary")), None).unwrap().source;
     let asymmetry = Asymmetry::of(plastic.as_ref());
     assert!(asymmetry.reciprocal < 1e-6 && asymmetry.mirror >= 0.0, "{asymmetry:?}");
 }
 
-/// One-sided materials become reciprocal where that is asked for, at a cost that is told.
+/// One-sided materials become reciprocal on request, at a reported cost.
 #[test]
 fn reciprocal_tables_are_reciprocal() {
     struct OneSided;
@@ -198,13 +198,13 @@ fn reciprocal_tables_are_reciprocal() {
     let (plain, both) = (of(false), of(true));
     assert!(plain.off_grid.reciprocity > 0.1 && plain.off_grid.norms.relative_mean < 0.005);
     assert!(both.off_grid.reciprocity < 1e-4, "{}", both.off_grid.reciprocity);
-    assert!(both.off_grid.norms.relative_mean > 0.05, "the mean of both ways is off either");
+    assert!(both.off_grid.norms.relative_mean > 0.05, "the symmetrised values are off either way");
     assert!(both.pack.header().symmetry.reciprocal && !plain.pack.header().symmetry.reciprocal);
 }
 
-/// Light that comes back is no more than the source's, to what the format rounds.
+/// Reflected light does not exceed the source's, up to the format's rounding.
 #[test]
-fn energy_is_kept() {
+fn energy_is_preserved() {
     let metal = source("synth:ggx?kd=0&f0=1&alpha=0.3");
     let encoded = table(metal.as_ref(), 16 << 10);
     let decoder = TableDecoder::new(&encoded.pack);
@@ -243,7 +243,7 @@ fn sizes_are_checked() {
     for axes in [Axes { half: 0, ..axes }, Axes { layers: 0, ..axes }, Axes { azimuth: 256, layers: 256, ..axes }] {
         assert!(matches!(made(Size::Nodes(axes)), Err(EncodeError::Format(_))), "{axes:?}");
     }
-    // No budget asks for more than there are samples for.
+    // No budget needs more samples than the maximum.
     let ward = source("synth:ward?ax=0.15&ay=0.5");
     let recipe = TableRecipe { size: Size::Bytes(1 << 40), measure: false, ..TableRecipe::default() };
     assert!(encode(ward.as_ref(), &recipe, &()).unwrap().pack.gpu_bytes() <= 2 * brdfc_table::encode::MAX_TEXELS + 144);

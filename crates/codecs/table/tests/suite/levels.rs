@@ -16,8 +16,8 @@ fn packed(address: &str, levels: u32) -> TablePack {
     encode(source.as_ref(), &recipe, &()).unwrap().pack
 }
 
-/// What comes back of light from everywhere, in all directions: `∫∫ f cos θi cos θo / π`, over half-difference angles, denser
-/// where highlights are.
+/// Light reflected under uniform illumination in all directions: `∫∫ f cos θi cos θo / π`, over half-difference angles,
+/// denser near highlights.
 fn sent_out(f: impl Fn(DirectionPair) -> f64) -> f64 {
     const COUNT: usize = 100_000;
     let of_place = |[a, b, c, d]: [f64; 4]| {
@@ -41,13 +41,13 @@ fn sent_out(f: impl Fn(DirectionPair) -> f64) -> f64 {
     points(0).take(COUNT).map(of_place).sum::<f64>() / COUNT as f64
 }
 
-/// The integral above is right: all of the light that falls on a matte white comes back.
+/// Check of the integral above: a matte white reflects all light.
 #[test]
 fn light_is_counted_whole() {
     assert!((sent_out(|_| 1.0 / PI) - 1.0).abs() < 1e-3);
 }
 
-/// A white furnace at every level: a matte white stays one.
+/// White furnace: a matte white stays white at every level.
 #[test]
 fn lambert_is_flat_at_every_level() {
     let decoder = TableDecoder::new(&packed("synth:lambert?kd=1", MAX_LEVELS));
@@ -61,7 +61,7 @@ fn lambert_is_flat_at_every_level() {
 }
 
 #[test]
-fn every_level_sends_out_the_same_energy() {
+fn every_level_reflects_the_same_energy() {
     for address in
         ["synth:ggx?kd=0.3,0.1,0.05&f0=0.5&alpha=0.08", "synth:ggx?kd=0&f0=0.9&alpha=0.05", "synth:ward?ax=0.1&ay=0.3"]
     {
@@ -79,7 +79,7 @@ fn every_level_sends_out_the_same_energy() {
             assert!(peak < before, "{address}, level {level}: {peak} after {before}");
             before = peak;
         }
-        // Negative control: blurred logarithms, which coarse levels of wavelet packs are made of, lose light.
+        // Negative control: blurred logarithms, as in coarse levels of wavelet packs, lose light.
         let blurred = sent_out(|pair| {
             let around = |k: usize| {
                 let turn = TAU * k as f64 / 8.0;
@@ -93,7 +93,7 @@ fn every_level_sends_out_the_same_energy() {
     }
 }
 
-/// A direction as a facet sees it whose normal leans by slopes `x` and `y`.
+/// A direction in the frame of a facet whose normal is tilted by slopes `x` and `y`.
 fn tilted(v: Vector, [x, y]: [f64; 2]) -> Vector {
     let length = (1.0 + x * x + y * y).sqrt();
     let normal = [x / length, y / length, 1.0 / length];
@@ -103,7 +103,7 @@ fn tilted(v: Vector, [x, y]: [f64; 2]) -> Vector {
     [dot(v, tangent), dot(v, cross(normal, tangent)), dot(v, normal)]
 }
 
-/// A level is closer to what a bumpy surface shows as a whole than the finest level is.
+/// A level is closer to the average of a bumpy surface than the finest level is.
 #[test]
 fn levels_show_bumps_that_are_too_small_to_see() {
     let address = "synth:ggx?kd=0.3,0.1,0.05&f0=0.3&alpha=0.06";

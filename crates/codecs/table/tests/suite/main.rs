@@ -1,4 +1,4 @@
-//! Tables against what they must hold.
+//! Tests of tables against known properties.
 
 mod crop;
 mod golden;

@@ -1,4 +1,4 @@
-//! Tables of sources that no material is: within their stated error, or counted.
+//! Tables of unphysical sources: within their stated error, or counted.
 
 use brdfc_core::{Source, Symmetry, Tally};
 use brdfc_formats::direction::{DirectionPair, half_vector};
@@ -41,26 +41,26 @@ fn negative_values_and_no_numbers_are_raised_and_counted() {
     assert!(encoded.off_grid.norms.rms.is_finite());
     let encoded = table(|pair| if pair.incoming[2] < 0.3 { f64::NAN } else { 0.2 });
     assert!(encoded.tally.negative_raised > 1000, "{:?}", encoded.tally);
-    // What is no number on one side alone is not the same from both.
+    // NaN on one side only breaks reciprocity.
     assert!(!encoded.pack.header().symmetry.reciprocal);
     assert!(table(|_| 0.2).tally.negative_raised == 0);
     let huge = table(|pair| if pair.incoming[2] < 0.3 { 1e31 } else { 0.2 });
     assert!(huge.tally.largest_lowered > 1000 && huge.tally.negative_raised == 0, "{:?}", huge.tally);
 }
 
-/// A peak that no sample need hit: nothing panics, values are finite, the error is told.
+/// A peak that samples may miss: no panic, finite values, and a reported error.
 #[test]
-fn needles_are_told_of() {
+fn needles_are_reported() {
     let encoded = table(|pair| if half_vector(pair)[2] > 0.999_999 { 1e6 } else { 0.1 });
     let norms = &encoded.off_grid.norms;
     assert!(norms.rms.is_finite() && norms.relative_max > 0.5, "{norms:?}");
-    // As tall as values may be, with all levels of detail, which look at what a fit makes of it.
+    // The highest value, with all levels of detail, which evaluate the fit of it.
     let spike = Odd(|pair| if half_vector(pair)[2] > 0.999 && pair.incoming[2] < 0.6 { 1e30 } else { 1.0 });
     let encoded = encode(&spike, &TableRecipe { levels: 6, ..TableRecipe::default() }, &()).unwrap();
     assert!(encoded.off_grid.norms.rms.is_finite());
 }
 
-/// Below the normal numbers of f32 a material is as good as black; nothing is no number.
+/// Below the normal numbers of f32 a material counts as black; values are finite.
 #[test]
 fn values_next_to_nothing_are_black() {
     for f in [(|_| 1e-42) as fn(DirectionPair) -> f64, |_| 1e-39, |pair| 1e-38 * (1.0 + pair.incoming[0])] {

@@ -1,10 +1,10 @@
-//! Nodes that are rounded to texels.
+//! Rounding of nodes to texels.
 
 use brdfc_formats::table::{Axes, KNOTS, TableHeader, TableSymmetry};
 use brdfc_table::lattice::{Equations, Lattice};
 use brdfc_table::quantise::{STEPS, rounded};
 
-/// A flat table between two steps: rounding each node alone is off everywhere, together they are right in the mean.
+/// A flat table between two steps: rounding each node alone is off everywhere, joint rounding is right in the mean.
 #[test]
 fn rounding_errors_cancel() {
     let mut knots: [f32; KNOTS] = std::array::from_fn(|k| k as f32 / 16.0);

@@ -25,9 +25,9 @@ fn sizes_double_up_to_the_budget() {
     assert_eq!(sizes(4096, Some(1 << 40), LARGEST), sizes(4096, None, LARGEST));
 }
 
-/// What is kept is the smallest that was tried and meets the budget, and none that was left out since the last miss does.
+/// The result is the smallest tried table that meets the budget, and none skipped since the last miss does.
 #[test]
-fn the_smallest_that_meets_is_kept() {
+fn the_result_is_the_smallest_that_meets() {
     for limit in [0.6, 0.3, 0.15] {
         let made = searched("synth:ggx?kd=0.3,0.1,0.05&alpha=0.1", Budget { delta_e: Some(limit), ..NONE });
         let meeting = made.tried.iter().filter(|trial| trial.meets);
@@ -37,9 +37,9 @@ fn the_smallest_that_meets_is_kept() {
     assert!(searched("synth:lambert", Budget::default()).pack.gpu_bytes() <= SMALLEST);
 }
 
-/// Where nothing meets, the largest was tried, and the best is kept.
+/// If no table meets the budget, the largest was tried, and the result is the best.
 #[test]
-fn the_best_is_kept_where_none_meets() {
+fn the_result_is_the_best_where_none_meets() {
     let budget = Budget { error: Some(1e-7), bytes: Some(20_000), ..NONE };
     let made = searched("synth:ggx?kd=0.3,0.1,0.05&alpha=0.1", budget);
     let least = made.tried.iter().map(|trial| trial.relative_error).fold(f64::INFINITY, f64::min);
@@ -47,7 +47,7 @@ fn the_best_is_kept_where_none_meets() {
     assert!(made.tried.iter().any(|trial| trial.bytes_on_gpu > 19_000), "{:?}", made.tried);
 }
 
-/// As many levels as there can be, of colours, which take most bytes.
+/// The maximum number of levels, with colours, which take most bytes.
 #[test]
 fn any_number_of_levels_is_searched() {
     for address in ["synth:ggx?kd=0.3,0.1,0.05&f0=0.5&alpha=0.1", "synth:velvet?kd=0.1,0.2,0.4", "synth:lambert?kd=0"] {
@@ -62,7 +62,7 @@ fn any_number_of_levels_is_searched() {
     }
 }
 
-/// A table fits where no curve does.
+/// A table fits into fewer bytes than a curve.
 #[test]
 fn few_bytes_hold_a_table() {
     let made = searched("synth:ggx?kd=0.3,0.1,0.05&alpha=0.3", Budget { bytes: Some(200), ..NONE });
@@ -74,7 +74,7 @@ fn few_bytes_hold_a_table() {
     assert!(matches!(refused, Err(EncodeError::TooFewBytes { .. })), "{refused:?}");
 }
 
-/// Averaging both ways is what is wrong, and no number of nodes repairs it.
+/// Symmetrising causes the error, and more nodes do not reduce it.
 #[test]
 fn stalled_searches_stop() {
     let one_way = brdfc_testing::wrapped::OneWay(parse_synth("synth:ggx?kd=0.3,0.1,0.05&alpha=0.3").unwrap());
@@ -84,7 +84,7 @@ fn stalled_searches_stop() {
     assert!(made.missed.is_some() && made.pack.gpu_bytes() < LARGEST / 4, "{:?}", made.tried);
 }
 
-/// A dark mirror as a MERL file: between the samples of its highlight nothing is known, and more nodes do not bring it.
+/// A dark mirror as a MERL file: between the samples of its highlight nothing is known, and more nodes do not help.
 #[test]
 fn a_dark_mirror_gets_no_more_bytes_than_help() {
     let model = parse_synth("synth:ggx?kd=0.002&f0=0.04&alpha=0.01").unwrap();
@@ -102,7 +102,7 @@ fn a_dark_mirror_gets_no_more_bytes_than_help() {
 fn errors_that_fall_slowly_have_stalled() {
     let of = |excesses: &[f64]| excesses.iter().enumerate().map(|(k, e)| (1 << (10 + k), *e)).collect::<Vec<_>>();
     let largest = 1 << 19;
-    assert!(!has_stalled(&of(&[3.0, 2.9]), largest), "one step says nothing");
+    assert!(!has_stalled(&of(&[3.0, 2.9]), largest), "a single step is not enough");
     assert!(has_stalled(&of(&[3.0, 2.9, 2.95]), largest) && has_stalled(&of(&[1.5, 1.6, 1.5]), largest));
     assert!(!has_stalled(&of(&[8.0, 5.0, 3.2]), largest) && !has_stalled(&of(&[3.0, 4.0, 1.5]), largest));
     assert!(!has_stalled(&of(&[1.1, 1.09, 1.05]), largest), "a little is enough");

@@ -32,7 +32,7 @@ const RANGES: [([f32; 2], [f32; 2]); 5] = [
     ([20.0, 90.0], [35.0, 90.0]),
 ];
 
-/// Bytes of the pack of all directions, cropped, and whether it meets the budget within the range.
+/// Bytes of the cropped pack for all directions, and whether it meets the budget within the range.
 fn whole_within(source: &dyn Source, recipe: &SearchRecipe) -> (u64, bool) {
     let directions = recipe.table.directions;
     let mut everywhere = recipe.clone();
@@ -46,7 +46,7 @@ fn whole_within(source: &dyn Source, recipe: &SearchRecipe) -> (u64, bool) {
 }
 
 #[test]
-fn a_range_costs_no_bytes_where_the_pack_of_all_directions_would_do() {
+fn a_range_costs_no_bytes_if_the_pack_for_all_directions_suffices() {
     let mut did = 0;
     for address in ["synth:ggx?kd=0.3,0.2,0.1&f0=0.04&alpha=0.15", "synth:ggx?kd=0.1,0.2,0.3&f0=0.04&alpha=0.4"] {
         let source = parse_synth(address).expect("an address");
@@ -54,7 +54,7 @@ fn a_range_costs_no_bytes_where_the_pack_of_all_directions_would_do() {
             let recipe = recipe(range(light, view), 0.5);
             let made = search_within(source.as_ref(), &recipe, &()).expect("a pack");
             let (bytes, is_met) = whole_within(source.as_ref(), &recipe);
-            // The smallest that are tried differ by what is left of 1 KiB.
+            // The smallest sizes differ by the remainder of 1 KiB.
             let bytes = bytes.max(smallest_tried(source.as_ref(), &recipe));
             assert!(!is_met || made.pack.gpu_bytes() <= bytes, "{address} {light:?} {view:?}: {:?}", made.tried);
             did += usize::from(is_met);
@@ -64,9 +64,9 @@ fn a_range_costs_no_bytes_where_the_pack_of_all_directions_would_do() {
     assert!(did >= 2, "{did}");
 }
 
-/// A pack that is larger than it needs to be gives way to that of all directions, but only where that meets the limits.
+/// The pack for all directions replaces a larger one, but only if it meets the limits.
 #[test]
-fn the_pack_of_all_directions_is_taken_where_it_does() {
+fn the_pack_for_all_directions_is_used_if_it_suffices() {
     let source = parse_synth("synth:ggx?kd=0.3,0.2,0.1&f0=0.04&alpha=0.3").expect("an address");
     let directions = range([20.0, 90.0], [35.0, 90.0]);
     let large = || search(source.as_ref(), &recipe(directions, 0.05), &()).expect("a pack");
@@ -75,10 +75,10 @@ fn the_pack_of_all_directions_is_taken_where_it_does() {
         let (made, reference) = large();
         smaller(&reference, &recipe(directions, delta_e), made, &whole)
     };
-    let (taken, kept, before) = (of_limit(2.0), of_limit(0.05), large().0);
+    let (taken, retained, before) = (of_limit(2.0), of_limit(0.05), large().0);
     assert!(taken.pack.gpu_bytes() < before.pack.gpu_bytes() && taken.pack.directions() == directions);
     assert!(taken.off_grid.rendering.delta_e.mean <= 2.0 && taken.tried.len() == before.tried.len() + 1);
-    let [bytes, _] = [&taken, &kept].map(|made| made.of_all_directions);
+    let [bytes, _] = [&taken, &retained].map(|made| made.of_all_directions);
     assert_eq!(bytes, Some(whole.pack.gpu_bytes()));
-    assert!(kept.bytes == before.bytes && kept.tried.last().is_some_and(|trial| !trial.meets));
+    assert!(retained.bytes == before.bytes && retained.tried.last().is_some_and(|trial| !trial.meets));
 }

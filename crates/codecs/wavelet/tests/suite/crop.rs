@@ -1,4 +1,4 @@
-//! What is cropped is what no look-up within the range of directions touches.
+//! Cropped data are those that no look-up within the range of directions reads.
 
 use brdfc_core::address::parse_synth;
 use brdfc_formats::crop::{DirectionRange, Elevations};
@@ -23,7 +23,7 @@ const RANGES: [([f32; 2], [f32; 2]); 5] = [
     ([5.0, 90.0], [5.0, 90.0]),
 ];
 
-/// Logarithms of both at pairs within and outside, and at several levels of detail: how many differ.
+/// Number of differing logarithms at pairs within and outside, at several levels of detail.
 fn differing(whole: &WaveletPack, cropped: &WaveletPack, directions: DirectionRange) -> [usize; 2] {
     let [a, b] = [whole, cropped].map(WaveletDecoder::new);
     let mut differing = [0; 2];
@@ -56,7 +56,7 @@ fn look_ups_within_the_range_have_the_same_bits() {
             let cropped = crop(whole.clone(), directions);
             let [within, outside] = differing(&whole, &cropped, directions);
             assert_eq!(within, 0, "{k}: {directions}");
-            // The control: something was left out, and it shows.
+            // Control: some data were cropped, with visible effect.
             assert!(outside > 0 || 100 * cropped.gpu_bytes() > 95 * whole.gpu_bytes(), "{k}: {directions}");
             let read = WaveletPack::from_bytes(&cropped.to_bytes(true)).expect("a pack");
             assert_eq!(read, cropped);
@@ -65,9 +65,9 @@ fn look_ups_within_the_range_have_the_same_bits() {
     }
 }
 
-/// What a camera above 30 degrees sees, of lights above 30 degrees.
+/// A camera above 30 degrees with lights above 30 degrees.
 #[test]
-fn less_is_left_of_what_is_seen_from_above() {
+fn packs_for_views_from_above_are_smaller() {
     let source = parse_synth("synth:ggx?kd=0.3&f0=0.04&alpha=0.2").expect("an address");
     let directions = range([30.0, 90.0], [30.0, 90.0]);
     let whole = Recipe { levels: 4, stored_levels: 4, ..Recipe::default() };
@@ -76,7 +76,7 @@ fn less_is_left_of_what_is_seen_from_above() {
     let [most, left] = [&whole, &cropped].map(|made| made.pack.gpu_bytes());
     assert!(10 * left < 8 * most, "{left} of {most}");
     assert_eq!(differing(&whole.pack, &cropped.pack, directions)[0], 0);
-    // Its error is that of what it is for: grazing angles are the hardest.
+    // The error is measured within the range: grazing angles are the hardest.
     let [whole, cropped] = [whole, cropped].map(|made| made.off_grid.norms.relative_mean);
     assert!(cropped > 0.0 && cropped < whole, "{cropped} {whole}");
 

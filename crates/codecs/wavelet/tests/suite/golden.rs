@@ -1,4 +1,4 @@
-//! Encodes of committed inputs are the bytes, and decode to the values, in the codec's list: see docs/goldens.md.
+//! Encodings of committed inputs have the bytes, and decode to the values, in the codec's list: see docs/goldens.md.
 
 use brdfc_formats::direction::Parameterisation;
 use brdfc_source::open::open;
@@ -32,7 +32,7 @@ fn wavelet_packs() {
             }
         }
     }
-    // What else decides which slices there are and what is in them.
+    // Other options that decide the slices and their contents.
     let twelve = recipe(Parameterisation::TangentPole, 12);
     let fabric = "synth:velvet?kd=0.1,0.2,0.4";
     let visible = Recipe { target: Target::MaxError(0.1), ranking: Ranking::Visible, ..twelve.clone() };
@@ -41,8 +41,8 @@ fn wavelet_packs() {
     packs.insert("smooth-max-bytes-12-rgb.ktx2".to_owned(), wavelet(fabric, &smooth));
     let coarse = Recipe { stored_levels: 2, supercompress: false, ..recipe(Parameterisation::TangentPole, 8) };
     packs.insert("coarse-8-grey-uncompressed.ktx2".to_owned(), wavelet(&grey, &coarse));
-    let lifted = |bits| Recipe { lift: true, ..recipe(Parameterisation::TangentPole, bits) };
-    packs.insert("lifted-8-grey.ktx2".to_owned(), wavelet(&grey, &lifted(8)));
-    packs.insert("lifted-12-rgb.ktx2".to_owned(), wavelet(&rgb, &lifted(12)));
+    let energy_preserving = |bits| Recipe { lift: true, ..recipe(Parameterisation::TangentPole, bits) };
+    packs.insert("lifted-8-grey.ktx2".to_owned(), wavelet(&grey, &energy_preserving(8)));
+    packs.insert("lifted-12-rgb.ktx2".to_owned(), wavelet(&rgb, &energy_preserving(12)));
     check_encodes("wavelet", &packs, |_| true);
 }

@@ -1,4 +1,4 @@
-//! Numbers that an independent prototype of the method gives on the full 32 x 32 x 32 x 32 table, one channel.
+//! Figures of an independent prototype of the method for the full 32 x 32 x 32 x 32 table, one channel.
 
 use brdfc_core::address::parse_synth;
 use brdfc_core::{Source, Symmetry, Tally};
@@ -84,11 +84,11 @@ fn with_every_slice_only_quantisation_is_left() {
         println!("{} 1:1: {:.4} % at 8 bits, {:.6} % at 16", known.address, 100.0 * coarse, 100.0 * fine);
         assert!(coarse <= 0.002, "{}: {coarse}", known.address);
         assert!(fine <= 0.000_01, "{}: {fine}", known.address);
-        assert!(fine > 0.0 && coarse > fine, "quantisation is seen: {fine} {coarse}");
+        assert!(fine > 0.0 && coarse > fine, "quantisation is visible: {fine} {coarse}");
     }
 }
 
-/// A source with longitude and colatitude exchanged, so that the transform splits colatitude first.
+/// A source with exchanged longitude and colatitude, so that the transform splits colatitude first.
 struct Transposed(Box<dyn Source>);
 
 impl Source for Transposed {
@@ -133,8 +133,8 @@ fn error_of_slices(known: &Known, choose: impl Fn(&[u32]) -> Vec<u32>) -> f64 {
     let (table, _) = resample(source(known).as_ref(), GRID);
     let encoding = LogEncoding::of(&table, DEFAULT_BIAS);
     let coefficients = haar::transform(&log_encode(&table, encoding), false);
-    let mut kept = choose(&threshold::ranking(&threshold::slice_energies(&coefficients), 5));
-    kept.sort_unstable();
+    let mut slices = choose(&threshold::ranking(&threshold::slice_energies(&coefficients), 5));
+    slices.sort_unstable();
     let header = brdfc_formats::wavelet::Header {
         parameterisation: GRID.parameterisation,
         levels: 5,
@@ -145,9 +145,9 @@ fn error_of_slices(known: &Known, choose: impl Fn(&[u32]) -> Vec<u32>) -> f64 {
         bias: encoding.bias as f32,
         lifted: false,
     };
-    let quantised = quantise(&coefficients, &kept, &header);
+    let quantised = quantise(&coefficients, &slices, &header);
     let mut index = vec![0u16; header.cells()];
-    for (slice, k) in (1..).zip(&kept) {
+    for (slice, k) in (1..).zip(&slices) {
         index[*k as usize] = slice;
     }
     let pack = WaveletPack {

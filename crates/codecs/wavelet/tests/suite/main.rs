@@ -1,4 +1,4 @@
-//! Wavelet packs against known answers and the laws of reflectance.
+//! Tests of wavelet packs against known answers and physical laws.
 
 mod crop;
 mod golden;

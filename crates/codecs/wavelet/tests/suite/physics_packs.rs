@@ -1,4 +1,4 @@
-//! Packs against the physics of their sources. Every check is shown to fail on a source or pack that breaks it.
+//! Packs against the physics of their sources. Every check has a negative control that fails.
 
 use brdfc_core::address::parse_synth;
 use brdfc_core::{PackSource, Source, Symmetry};
@@ -36,7 +36,7 @@ fn encoded(source: &dyn Source, grid: Grid, change: impl Fn(&mut Recipe)) -> Enc
     encode(source, &recipe, &()).unwrap()
 }
 
-/// The pack as an engine would see it: through the bytes of its file.
+/// The pack as an engine sees it: through the bytes of its file.
 fn decoded(encoded: &Encoded, level: Option<f32>) -> PackSource {
     PackSource::new(&WaveletPack::from_bytes(&encoded.bytes).unwrap(), level)
 }
@@ -69,7 +69,7 @@ fn lambert_is_the_same_constant_at_every_direction_and_level() {
     }
     let shiny = encoded(source("synth:lewis?kd=0.5&ks=0.05").as_ref(), tangent_pole(3), |_| ());
     let found = distance_from_constant(&decoded(&shiny, None), [0.5 * FRAC_1_PI; 3]);
-    assert!(found > 0.05, "a little gloss is seen: {found}");
+    assert!(found > 0.05, "a little gloss is visible: {found}");
 }
 
 #[test]
@@ -99,17 +99,17 @@ fn tables_of_symmetric_sources_have_the_symmetries() {
     let full = Symmetry { isotropic: false, ..Symmetry::FULL };
     let (folded, _) = resample(&Claiming(Box::new(OneWay(source("synth:lewis"))), full), tangent_pole(3));
     let (whole, _) = resample(&OneWay(source("synth:lewis")), tangent_pole(3));
-    assert!(largest_difference(&folded, &whole) > 0.1, "a false claim shows");
+    assert!(largest_difference(&folded, &whole) > 0.1, "a false claim is detected");
 }
 
 #[test]
 fn half_difference_tables_hold_nothing_from_the_horizon_itself() {
     let (table, _) = resample(source("synth:ward?kd=0.2&ay=0.5").as_ref(), grid(Parameterisation::HalfDifference, 4));
-    // Between 1e-3 above the horizon and the normal no value is above 400 / sr, and the mean is that of a grey paint.
+    // Between 1e-3 above the horizon and the normal no value exceeds 400 / sr, and the mean is that of a grey paint.
     assert!(table.values.iter().all(|v| *v < 400.0) && table.mean() < 1.0, "mean {}", table.mean());
 }
 
-/// Largest relative difference of two tables of one grid, cell by cell. Pairs on the very horizon are left out: there
+/// Largest relative difference of two tables of one grid, cell by cell. Pairs exactly on the horizon are left out:
 /// rounding decides between a value and the value just above.
 fn largest_difference(a: &Table, b: &Table) -> f64 {
     let (n, cells) = (a.grid.n(), a.grid.cells());
@@ -142,7 +142,7 @@ fn a_pack_of_a_reciprocal_source_is_nearly_reciprocal() {
 }
 
 #[test]
-fn a_false_claim_of_reciprocity_shows_off_the_grid() {
+fn a_false_claim_of_reciprocity_shows_at_test_directions() {
     let claim = Symmetry { isotropic: false, ..Symmetry::FULL };
     let honest = encoded(&OneWay(source("synth:lewis?n=3")), tangent_pole(4), |_| ());
     let lying = encoded(&Claiming(Box::new(OneWay(source("synth:lewis?n=3"))), claim), tangent_pole(4), |_| ());
@@ -154,23 +154,23 @@ fn a_false_claim_of_reciprocity_shows_off_the_grid() {
 fn half_difference_suits_a_glossy_isotropic_source() {
     let glossy = source("synth:ggx?kd=0.1&f0=0.2&alpha=0.15");
     let [tangent, half] = Parameterisation::NAMES.map(|(_, p)| encoded(glossy.as_ref(), grid(p, 4), |_| ()));
-    // The RMS is that of the highlight; ε_r counts the dark rest as much, and is no better.
+    // The RMS is dominated by the highlight; ε_r gives the dark rest the same weight, and is no better.
     let uniform = PairSet::new(random_pairs(2000, 2007));
     let [a, b] = [&tangent, &half].map(|e| compare(glossy.as_ref(), &decoded(e, None), &uniform).0.norms.rms);
-    println!("RMS off the grid: tangent-pole {a:.4}, half-difference {b:.4}");
+    println!("RMS at test directions: tangent-pole {a:.4}, half-difference {b:.4}");
     assert!(b < 0.75 * a, "{a} {b}");
-    // The file's bytes decode to the same as was measured.
+    // The file's bytes decode to the measured values.
     let (again, _) = compare(glossy.as_ref(), &decoded(&half, None), &PairSet::comparison());
     assert_eq!(again, half.off_grid);
-    // Negative control: the same texels read with the other meaning.
+    // Negative control: the same texels, read with the other parameterisation.
     let mut swapped = half.pack.clone();
     swapped.header.parameterisation = Parameterisation::TangentPole;
     let (wrong, _) = compare(glossy.as_ref(), &PackSource::new(&swapped, None), &uniform);
     assert!(wrong.norms.rms > 2.0 * b, "{}", wrong.norms.rms);
 }
 
-/// Coefficient `k` of an image of `n` x `n` samples, as an inner product with its wavelet: no cascade, so that it shares
-/// nothing with the code it checks.
+/// Coefficient `k` of an image of `n` x `n` samples, as an inner product with its wavelet: independent of the tested
+/// code, without a cascade.
 fn coefficient(k: usize, n: usize, sample: impl Fn(usize, usize) -> f64) -> f64 {
     // Columns and rows of the wavelet's support, and where its sign changes.
     let (columns, rows, split_rows) = match k {
@@ -228,7 +228,7 @@ fn largest_coefficient_error(model: &dyn Source, reference_bias: f64) -> f64 {
 
 #[test]
 fn single_precision_costs_less_than_a_step_of_16_bits() {
-    // Logarithms lie within ±6, and a scaling coefficient is up to 8 of them: 48 · 2^-24 per rounding, a few roundings.
+    // Logarithms are within ±6, and a scaling coefficient is up to 8 of them: 48 · 2^-24 per rounding, a few roundings.
     for address in ["synth:lewis", "synth:ward", "synth:poulin", "synth:ggx?alpha=0.1"] {
         let found = largest_coefficient_error(source(address).as_ref(), DEFAULT_BIAS);
         println!("{address}: {found:e}");
@@ -275,12 +275,12 @@ fn smoothing_a_noisy_table_brings_it_nearer_to_the_truth() {
     let (rough, smoothed) = (error(&noisy, false), error(&noisy, true));
     println!("against the truth: {rough:.4} as measured, {smoothed:.4} smoothed");
     assert!(smoothed < 0.7 * rough, "{rough} {smoothed}");
-    // Without noise there is nothing to gain, so the gain above is that of the noise.
+    // Without noise there is nothing to gain, so the gain above comes from the noise.
     let (clean, needless) = (error(truth.as_ref(), false), error(truth.as_ref(), true));
     assert!(needless > 0.7 * clean, "{clean} {needless}");
 }
 
-/// Light that a pack sends out under light from `incoming`, over cells of the grid.
+/// Reflected light of a pack under light from `incoming`, over cells of the grid.
 fn cell_albedo(decoder: &WaveletDecoder, incoming: Vector, level: f32) -> f64 {
     let n = decoder.header().grid();
     let angle = |k: usize| -> f64 { PI * k as f64 / n as f64 };
@@ -295,21 +295,21 @@ fn cell_albedo(decoder: &WaveletDecoder, incoming: Vector, level: f32) -> f64 {
     (0..n * n).map(of_cell).sum()
 }
 
-/// A white furnace at every level of detail, whole or not, of packs that keep few slices: a lifted pack sends out what all
-/// of its details send out. Without lifting it gets darker.
+/// White furnace at every level of detail, integer or not, for packs with few slices: an energy-preserving pack
+/// reflects as much as all of its details. A plain pack gets darker.
 #[test]
-fn lifted_levels_keep_the_albedo() {
+fn energy_preserving_levels_have_the_same_albedo() {
     for address in ["synth:lambert?kd=1", "synth:ggx?kd=0.05&f0=0.9&alpha=0.15", "synth:ward?ax=0.15&ay=0.5"] {
         let packed = |lift: bool, ratio: f64| {
             let set = |r: &mut Recipe| (r.lift, r.bits, r.target) = (lift, 16, Target::Ratio(ratio));
             WaveletDecoder::new(&encoded(source(address).as_ref(), tangent_pole(4), set).pack)
         };
-        let (whole, lifted, plain) = (packed(true, 1.0), packed(true, 16.0), packed(false, 16.0));
+        let (whole, preserving, plain) = (packed(true, 1.0), packed(true, 16.0), packed(false, 16.0));
         let mut lost: f64 = 0.0;
         for incoming in [cell_centre(7, 8, 16), cell_centre(4, 6, 16), cell_centre(12, 12, 16)] {
             let expected = cell_albedo(&whole, incoming, 4.0);
             for level in [0.0, 0.4, 1.0, 2.0, 2.7, 3.0, 4.0] {
-                for decoder in [&whole, &lifted] {
+                for decoder in [&whole, &preserving] {
                     let found = cell_albedo(decoder, incoming, level);
                     assert!((found / expected - 1.0).abs() < 2e-3, "{address}, level {level}: {found} of {expected}");
                 }
@@ -317,7 +317,7 @@ fn lifted_levels_keep_the_albedo() {
             }
             assert!(!address.contains("lambert") || (expected - 1.0).abs() < 2e-3, "{expected}");
         }
-        // Between incoming cells logarithms are filtered: no light comes from nowhere.
+        // Between incoming cells logarithms are filtered, which must not add light.
         let neighbours = [(7, 8), (8, 8), (7, 9), (8, 9)].map(|(column, row)| cell_centre(column, row, 16));
         let most = neighbours.map(|incoming| cell_albedo(&whole, incoming, 4.0)).into_iter().fold(0.0, f64::max);
         let middle = from_tangent_pole([PI * 8.0 / 16.0, PI * 9.0 / 16.0]);

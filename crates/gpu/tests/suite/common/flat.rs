@@ -14,7 +14,7 @@ use brdfc_formats::flat_btf::{
     ReferenceMap,
 };
 
-/// A structure such as `button?resolution=48`, and what it is made of: its own materials, or another one.
+/// A structure such as `button?resolution=48`, and its appearance: its own materials, or another one.
 pub fn structure(address: &str, material: Option<&str>) -> (MesoModel, Appearance) {
     let structure = Structure::parse(address).unwrap();
     let materials = material.map_or(structure.default_materials().to_vec(), |material| vec![material; 4]);
@@ -22,7 +22,7 @@ pub fn structure(address: &str, material: Option<&str>) -> (MesoModel, Appearanc
     (MesoModel::new(structure.mesh(), 2, &()).unwrap(), Appearance { sources, ..Default::default() })
 }
 
-/// The parts that are drawn. `texels` per side of the flat BTF: a power of 2.
+/// A flat BTF of a structure. `texels` per side must be a power of 2.
 pub fn parts(
     model: &MesoModel,
     appearance: &Appearance,
@@ -35,7 +35,7 @@ pub fn parts(
     let lit: Vec<Vec<bool>> = from.iter().map(|from| visible(&map, &model.caster, *from)).collect();
     let field = ComputedField::new(&map, appearance, &towards, &from, &lit);
     let [view_angles, light_angles] = [views, lights].map(angles);
-    // Least squares of diffuse colours: sums of value x cosine and of cosine² over what is seen and lit.
+    // Least squares of diffuse colours: sums of value x cosine and of cosine² over visible and lit points.
     let mut sums = vec![([0.0f64; 3], 0.0f64); texels * texels];
     let mut flat_views = Vec::new();
     for (view, towards) in towards.iter().enumerate() {
@@ -69,7 +69,7 @@ pub fn parts(
     }
 }
 
-/// Radians.
+/// Directions of a set, radians.
 fn angles(set: &DirectionSet) -> Vec<[f32; 2]> {
     set.angles.iter().map(|angles| angles.map(|degrees| degrees.to_radians() as f32)).collect()
 }
@@ -84,7 +84,8 @@ fn add(sums: &mut [([f64; 3], f64)], image: &[[f32; 3]], seen: &[bool], lit: &[b
     }
 }
 
-/// The same parts with all displacements times `factor`: with 0 every view sees what the view along the normal does.
+/// The same parts with all displacements scaled by `factor`. With 0 every view sees the points of the view along the
+/// normal.
 pub fn with_displacements(parts: &FlatBtfParts, factor: f32) -> FlatBtfParts {
     let map = parts.indirection.samples().unwrap();
     let scaled = |texel, k, a| {

@@ -1,4 +1,4 @@
-//! What several tests share.
+//! Helpers for several tests.
 
 pub mod flat;
 
@@ -6,10 +6,10 @@ use brdfc_gpu::{AdapterChoice, Gpu};
 use std::sync::OnceLock;
 use std::sync::atomic::{AtomicUsize, Ordering};
 
-/// Devices that are opened: what a software driver compiles for one goes through one thread.
+/// Number of opened devices, since a software driver compiles for one device in a single thread.
 const DEVICES: usize = 2;
 
-/// A graphics device, of each test the same, or nothing and the reason why a test is skipped.
+/// A graphics device, always the same for a test. Prints the reason and returns `None` if there is none.
 pub fn gpu() -> Option<&'static Gpu> {
     static OPENED: [OnceLock<Result<Gpu, String>>; DEVICES] = [const { OnceLock::new() }; DEVICES];
     static NEXT: AtomicUsize = AtomicUsize::new(0);

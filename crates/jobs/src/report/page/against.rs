@@ -1,4 +1,4 @@
-//! A build against an earlier one: what got worse.
+//! Regressions of a build against an earlier one.
 
 use crate::report::build::{BuildReport, MaterialEntry};
 use crate::report::material::MaterialReport;
@@ -6,18 +6,18 @@ use crate::scene::scene_section::ENVIRONMENT;
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 
-/// A figure that got worse by more than is tolerated.
+/// A figure that got worse by more than the tolerance.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, schemars::JsonSchema)]
 pub struct Regression {
-    /// Of which material.
+    /// The material's name.
     pub material: String,
-    /// Which figure.
+    /// The figure's name.
     pub figure: String,
-    /// What it was.
+    /// Its value in the earlier build.
     pub before: String,
-    /// What it is.
+    /// Its value now.
     pub now: String,
-    /// By what share it grew; absent where it is no number.
+    /// Relative growth; absent if the figure is not a number.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub growth: Option<f64>,
 }
@@ -30,13 +30,13 @@ impl std::fmt::Display for Regression {
     }
 }
 
-/// Differences of figures that nobody sees, whatever their share: a hundredth of what two renderings side by side may differ by.
-const SMALLEST: [(&str, f64); 7] = [
+/// Absolute differences of figures that are never reported, as they are invisible: a hundredth of a just visible difference.
+const NEGLIGIBLE: [(&str, f64); 7] = [
     ("mean ΔE", 1e-2),
     ("ΔE, 95th percentile", 4e-2),
     ("ε_r", 1e-4),
     ("largest albedo difference", 5e-4),
-    ("light lost of the highlight", 1e-2),
+    ("light lost in the highlight", 1e-2),
     ("bytes on the GPU", 0.0),
     ("fetches", 0.0),
 ];
@@ -54,46 +54,49 @@ fn figures(report: &MaterialReport) -> [f64; 7] {
     ]
 }
 
-/// What is worse than in `old`, and what is not as it was asked for: figures that grew by more than the share `tolerance`, materials
-/// that are gone or failed, closed gates and missed limits, also those of before and of materials that are new, the environment's map
-/// where it is gone. Where the
-/// directions are others figures do not compare: that is told. So is an earlier build that made nothing. The worst come first.
+/// Lists regressions against `old` and missed requirements, the worst first.
+///
+/// - Figures that grew by more than the share `tolerance`.
+/// - Materials, and the environment's map, that are missing or failed.
+/// - Failed gates and missed limits, whether or not they failed before, and also of new materials.
+/// - Materials whose directions changed: their figures do not compare.
+/// - An earlier build that made no material.
 pub fn regressions(new: &BuildReport, old: &BuildReport, tolerance: f64) -> Vec<Regression> {
     let by_name = |report: &BuildReport| -> BTreeMap<String, usize> {
         report.materials.iter().enumerate().map(|(number, entry)| (entry.material.clone(), number)).collect()
     };
     let (in_new, in_old) = (by_name(new), by_name(old));
     let mut found = Vec::new();
-    // A build that made nothing is nothing to be held against.
+    // A build without packs has no figures to compare with.
     if old.materials.iter().all(|entry| entry.report.is_none()) {
-        found.push(only("all materials", "earlier build", "nothing was made", "nothing to compare with"));
+        found.push(only("all materials", "earlier build", "no packs", "nothing to compare with"));
     }
     for now in &new.materials {
         let was = in_old.get(&now.material).map(|number| &old.materials[*number]);
         if was.is_none_or(|was| was.report.is_none()) {
             match &now.error {
-                Some(error) => found.push(said(now, "material", "not there", error)),
-                None => closed(&MaterialEntry::default(), now, &mut found),
+                Some(error) => found.push(regression(now, "material", "missing", error)),
+                None => failed_checks(&MaterialEntry::default(), now, &mut found),
             }
         }
     }
     let map = |report: &BuildReport| report.environment.as_ref().map(|entry| entry.report.is_some());
     if let (Some(true), now @ (None | Some(false))) = (map(old), map(new)) {
         let error = new.environment.as_ref().and_then(|entry| entry.error.as_deref()).unwrap_or("not made");
-        found.push(only(ENVIRONMENT, "map", "made", if now.is_none() { "gone" } else { error }));
+        found.push(only(ENVIRONMENT, "map", "made", if now.is_none() { "missing" } else { error }));
     }
     for before in &old.materials {
         let now = in_new.get(&before.material).map(|number| &new.materials[*number]);
         match (before.report.as_ref(), now) {
-            (Some(_), None) => found.push(said(before, "material", "there", "gone")),
+            (Some(_), None) => found.push(regression(before, "material", "made", "missing")),
             (Some(was), Some(now)) => match &now.report {
-                None => found.push(said(before, "material", "made", now.error.as_deref().unwrap_or("not made"))),
+                None => found.push(regression(before, "material", "made", now.error.as_deref().unwrap_or("not made"))),
                 Some(is) => {
-                    closed(before, now, &mut found);
-                    // Errors at other directions are other figures.
+                    failed_checks(before, now, &mut found);
+                    // Errors at other directions do not compare.
                     if was.directions != is.directions {
                         let [before, after] = [was, is].map(directions);
-                        found.push(said(now, "directions", &before, &after));
+                        found.push(regression(now, "directions", &before, &after));
                         continue;
                     }
                     grown(&before.material, was, is, tolerance, &mut found);
@@ -114,10 +117,10 @@ fn directions(report: &MaterialReport) -> String {
 }
 
 fn only(material: &str, figure: &str, before: &str, now: &str) -> Regression {
-    said(&MaterialEntry { material: material.to_owned(), ..MaterialEntry::default() }, figure, before, now)
+    regression(&MaterialEntry { material: material.to_owned(), ..MaterialEntry::default() }, figure, before, now)
 }
 
-fn said(entry: &MaterialEntry, figure: &str, before: &str, now: &str) -> Regression {
+fn regression(entry: &MaterialEntry, figure: &str, before: &str, now: &str) -> Regression {
     Regression {
         material: entry.material.clone(),
         figure: figure.to_owned(),
@@ -127,20 +130,20 @@ fn said(entry: &MaterialEntry, figure: &str, before: &str, now: &str) -> Regress
     }
 }
 
-fn closed(before: &MaterialEntry, now: &MaterialEntry, found: &mut Vec<Regression>) {
+fn failed_checks(before: &MaterialEntry, now: &MaterialEntry, found: &mut Vec<Regression>) {
     for gate in now.gates.iter().filter(|gate| !gate.passed) {
         let was = before.gates.iter().find(|other| other.gate == gate.gate && !other.passed);
-        found.push(said(now, &gate.gate, was.map_or("passed", |was| &was.found), &gate.found));
+        found.push(regression(now, &gate.gate, was.map_or("passed", |was| &was.found), &gate.found));
     }
     let missed = |entry: &MaterialEntry| entry.report.as_ref().and_then(|report| report.missed.clone());
     if let Some(text) = missed(now) {
-        found.push(said(now, "limits", if missed(before).is_some() { "missed" } else { "met" }, &text));
+        found.push(regression(now, "limits", if missed(before).is_some() { "missed" } else { "met" }, &text));
     }
 }
 
 fn grown(material: &str, was: &MaterialReport, is: &MaterialReport, tolerance: f64, found: &mut Vec<Regression>) {
-    for (((figure, smallest), before), now) in SMALLEST.into_iter().zip(figures(was)).zip(figures(is)) {
-        // What is no number now is worse than any.
+    for (((figure, smallest), before), now) in NEGLIGIBLE.into_iter().zip(figures(was)).zip(figures(is)) {
+        // NaN is worse than any number.
         let within = now <= before * (1.0 + tolerance) || now - before <= smallest;
         if !(within || now.is_nan() && before.is_nan()) {
             let growth = if before > 0.0 { now / before - 1.0 } else { f64::INFINITY };
@@ -195,7 +198,7 @@ mod tests {
         assert!(changed(|_| {}).is_empty());
         assert!(changed(|entry| entry.report.as_mut().unwrap().bytes_on_gpu -= 1).is_empty());
         assert!(changed(|entry| entry.report.as_mut().unwrap().off_grid.rendering.delta_e.mean *= 1.019).is_empty());
-        // A third more of what nobody sees.
+        // A growth by a third that is invisible.
         let (mut old, mut new) = (build(), build());
         for (report, mean) in [(&mut old, 0.0042), (&mut new, 0.0057)] {
             report.materials[1].report.as_mut().unwrap().off_grid.rendering.delta_e.mean = mean;
@@ -204,36 +207,36 @@ mod tests {
     }
 
     #[test]
-    fn what_is_missed_is_told_whatever_was_before() {
+    fn missed_limits_are_reported_even_if_missed_before() {
         let mut both = build();
         both.materials[1].report.as_mut().unwrap().missed = Some("nothing meets it".into());
         both.materials[0].gates = vec![GateResult::new("require.max_bytes", "2".to_owned(), "1".to_owned(), false)];
-        let told: Vec<String> = regressions(&both, &both, 0.02).iter().map(ToString::to_string).collect();
+        let found: Vec<String> = regressions(&both, &both, 0.02).iter().map(ToString::to_string).collect();
         assert_eq!(
-            told,
+            found,
             ["a: require.max_bytes: found 2; before 2", "b: limits: found nothing meets it; before missed"]
         );
     }
 
     #[test]
-    fn what_is_worse_is_told() {
-        let told = changed(|entry| entry.report.as_mut().unwrap().off_grid.rendering.delta_e.mean += 0.5);
-        assert!(told.len() == 1 && told[0].starts_with("b: mean ΔE: found 0.") && told[0].contains("; before 0."));
-        let told = changed(|entry| entry.report.as_mut().unwrap().off_grid.norms.relative_mean = f64::NAN);
-        assert!(told.len() == 1 && told[0].contains("ε_r: found NaN"), "{told:?}");
-        let told = changed(|entry| (entry.report, entry.error) = (None, Some("it broke".into())));
-        assert_eq!(told, ["b: material: found it broke; before made"]);
-        let told = changed(|entry| entry.gates.push(GateResult::new("require.max_bytes", "9", "8", false)));
-        assert_eq!(told, ["b: require.max_bytes: found 9; before passed"]);
-        let told = changed(|entry| entry.report.as_mut().unwrap().missed = Some("nothing meets it".into()));
-        assert_eq!(told, ["b: limits: found nothing meets it; before met"]);
-        let told = changed(|entry| entry.material = "c".into());
-        assert_eq!(told, ["b: material: found gone; before there"]);
+    fn regressions_are_reported() {
+        let found = changed(|entry| entry.report.as_mut().unwrap().off_grid.rendering.delta_e.mean += 0.5);
+        assert!(found.len() == 1 && found[0].starts_with("b: mean ΔE: found 0.") && found[0].contains("; before 0."));
+        let found = changed(|entry| entry.report.as_mut().unwrap().off_grid.norms.relative_mean = f64::NAN);
+        assert!(found.len() == 1 && found[0].contains("ε_r: found NaN"), "{found:?}");
+        let found = changed(|entry| (entry.report, entry.error) = (None, Some("it broke".into())));
+        assert_eq!(found, ["b: material: found it broke; before made"]);
+        let found = changed(|entry| entry.gates.push(GateResult::new("require.max_bytes", "9", "8", false)));
+        assert_eq!(found, ["b: require.max_bytes: found 9; before passed"]);
+        let found = changed(|entry| entry.report.as_mut().unwrap().missed = Some("nothing meets it".into()));
+        assert_eq!(found, ["b: limits: found nothing meets it; before met"]);
+        let found = changed(|entry| entry.material = "c".into());
+        assert_eq!(found, ["b: material: found missing; before made"]);
     }
 
-    /// What is new and broken is told, too; and a build that made nothing is nothing to be held against.
+    /// New materials that fail are reported, too, and so is an earlier build without packs.
     #[test]
-    fn nothing_passes_by_not_being_there() {
+    fn nothing_passes_by_being_absent() {
         let (new, old) = (build(), build());
         let nothing = BuildReport { materials: Vec::new(), ..build() };
         let found = regressions(&new, &nothing, 0.02);
@@ -247,14 +250,14 @@ mod tests {
         more.materials.push(broken);
         let found = regressions(&more, &old, 0.02);
         assert!(found.len() == 1 && found[0].material == "zzz" && found[0].now == "gone", "{found:?}");
-        let mut closed = new.clone();
-        let mut entry = closed.materials[0].clone();
+        let mut missed = new.clone();
+        let mut entry = missed.materials[0].clone();
         entry.material = "zzz".into();
         entry.gates = vec![GateResult::new("require.max_bytes", "2".to_owned(), "1".to_owned(), false)];
-        closed.materials.push(entry);
-        assert_eq!(regressions(&closed, &old, 0.02)[0].material, "zzz");
+        missed.materials.push(entry);
+        assert_eq!(regressions(&missed, &old, 0.02)[0].material, "zzz");
 
-        // Errors of other directions do not compare.
+        // Errors at other directions do not compare.
         let mut narrow = new.clone();
         narrow.materials[0].report.as_mut().unwrap().directions.view.from = 45.0;
         let found = regressions(&narrow, &old, 0.02);

@@ -1,4 +1,4 @@
-//! The tables of pages, for spreadsheets.
+//! The tables of pages as CSV.
 
 use super::gather::{Page, PageMaterial};
 use crate::flatten::FlatAsset;
@@ -6,7 +6,7 @@ use crate::flatten::FlatAsset;
 const HEADER: &str = "material,source,codec,size,fetches,bytes_on_disk,bytes_on_gpu,delta_e_mean,delta_e_p95,relative_error,\
                       albedo_max_difference,reciprocity,passed,kept,error\n";
 
-/// A line per material behind a header.
+/// Writes a header and a line per material.
 pub fn csv(page: &Page) -> String {
     let mut text = HEADER.to_owned();
     for PageMaterial { entry, .. } in &page.materials {
@@ -38,7 +38,7 @@ pub fn csv(page: &Page) -> String {
     text
 }
 
-/// A line per texture of a flat BTF behind a header.
+/// Writes a header and a line per texture of a flat BTF.
 pub fn flat_csv(asset: &FlatAsset) -> String {
     let mut text = "texture,gpu_bytes\n".to_owned();
     for (name, bytes) in &asset.images {
@@ -47,7 +47,7 @@ pub fn flat_csv(asset: &FlatAsset) -> String {
     text
 }
 
-/// As a field of RFC 4180.
+/// Quotes a field as RFC 4180 requires.
 fn quoted(text: &str) -> String {
     if text.contains([',', '"', '\n', '\r']) { format!("\"{}\"", text.replace('"', "\"\"")) } else { text.to_owned() }
 }

@@ -1,4 +1,4 @@
-//! What a page shows of a material besides figures: renderings of source and pack, and where both differ.
+//! Renderings of a material's source and pack, and the directions at which both differ.
 
 use brdfc_core::PackSource;
 use brdfc_core::Source;
@@ -16,38 +16,39 @@ use brdfc_render::within::{outside, share_left_out, without};
 /// Pixels of a thumbnail, per side.
 pub const SIDE: usize = 96;
 const FRAME: Frame = Frame { width: SIDE, height: SIDE, samples: 1 };
-/// What every material is drawn on: as it is.
+/// Scenes of every material, with the tangent as it is.
 const SCENES: [(Builtin, bool); 2] = [(Builtin::Sphere, false), (Builtin::Cloth, false)];
-/// What anisotropic ones are drawn on besides: turned, so that what lay along the highlight lies across.
+/// Additional scene of anisotropic materials, with the tangent turned by 90 degrees.
 const TURNED: (Builtin, bool) = (Builtin::Sphere, true);
 
-/// Renderings of one scene, drawn by the decoder of the CPU.
+/// Renderings of one scene, drawn by the CPU decoder.
 #[derive(Debug, Clone)]
 pub struct Thumbnails {
-    /// Which scene.
+    /// Name of the scene.
     pub scene: &'static str,
-    /// Whether the tangent is turned by 90 degrees.
+    /// True if the tangent is turned by 90 degrees.
     pub turned: bool,
-    /// The source, where it is at hand.
+    /// The source, if available.
     pub source: Option<Panel>,
     /// The pack.
     pub pack: Panel,
-    /// ΔE of both, dark 0 to light 10; its mean over surfaces.
+    /// Rendering of ΔE, from 0 (dark) to 10 (light), and the mean ΔE over surfaces.
     pub difference: Option<(Panel, f64)>,
-    /// Share of the surface's pixels that are left out, as the pack is for other directions.
+    /// Share of the surface's pixels that are left out, as the pack does not cover their directions.
     pub left_out: f64,
 }
 
-/// Everything that is made from a pack and its source.
+/// Renderings and errors of a pack and its source.
 #[derive(Debug, Clone)]
 pub struct Evidence {
-    /// A ball and a cloth; of anisotropic materials the ball once more, turned.
+    /// A ball and a cloth; for anisotropic materials also the ball with the tangent turned.
     pub thumbnails: Vec<Thumbnails>,
-    /// Where both differ; absent without the source.
+    /// Error by angle; absent without the source.
     pub by_angle: Option<ByAngle>,
 }
 
-/// Draws and compares, where the pack is for the directions that are asked for: the rest is left out. Both renderings of a scene have the exposure of the source's.
+/// Draws and compares a pack and its source, and leaves out directions that the pack does not cover. Both renderings of a scene
+/// have the exposure of the source's rendering.
 pub fn evidence(pack: &BrdfPack, source: Option<&dyn Source>) -> Evidence {
     let decoded = PackSource::new(&**pack, None);
     let draw = |source: &dyn Source, (builtin, turned): (Builtin, bool)| -> (LinearImage, f64) {

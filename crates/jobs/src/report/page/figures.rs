@@ -1,4 +1,4 @@
-//! Small plots, as SVG in the colours of the text around them.
+//! Small SVG plots in the colours of the surrounding text.
 
 use super::super::material::MaterialReport;
 use brdfc_metrics::by_angle::AngleError;
@@ -7,10 +7,11 @@ use plotters::coord::ranged1d::ValueFormatter;
 use plotters::prelude::*;
 
 const SIZE: (u32, u32) = (300, 180);
-/// Stands for the colour of the text, which is put in its place.
+/// Placeholder for the text colour, which replaces it.
 const INK: RGBColor = RGBColor(1, 2, 3);
+/// Placeholder for the colour of grid lines.
 const FAINT: RGBColor = RGBColor(4, 5, 6);
-/// Apart for most eyes, on light and on dark.
+/// Colours of series, distinct on light and dark pages.
 const FIRST: RGBColor = RGBColor(59, 130, 206);
 const SECOND: RGBColor = RGBColor(217, 119, 43);
 
@@ -32,16 +33,16 @@ pub(super) fn errors_by_angle(angles: &[AngleError]) -> String {
     })
 }
 
-/// Mean ΔE over bytes, of what was tried, and of what was kept.
+/// Mean ΔE over bytes: all packs that were tried, and the one that was selected.
 pub(super) fn error_over_bytes(report: &MaterialReport) -> String {
-    let kept = (report.bytes_on_gpu as f64, report.off_grid.rendering.delta_e.mean.max(1e-3));
+    let selected = (report.bytes_on_gpu as f64, report.off_grid.rendering.delta_e.mean.max(1e-3));
     let tried: Vec<(f64, f64, bool)> = report
         .tried
         .iter()
         .map(|trial| (trial.bytes_on_gpu as f64, trial.delta_e.max(1e-3), trial.codec == "wavelet"))
         .filter(|(_, error, _)| error.is_finite())
         .collect();
-    let all = || tried.iter().map(|(bytes, error, _)| (*bytes, *error)).chain([kept]);
+    let all = || tried.iter().map(|(bytes, error, _)| (*bytes, *error)).chain([selected]);
     let ends = |values: &mut dyn Iterator<Item = f64>| {
         let (low, high) = values.fold((f64::MAX, f64::MIN), |(low, high), v| (low.min(v), high.max(v)));
         (0.7 * low)..(1.4 * high)
@@ -54,12 +55,12 @@ pub(super) fn error_over_bytes(report: &MaterialReport) -> String {
             Circle::new((*bytes, *error), 3, if *wavelet { SECOND } else { FIRST }.filled())
         };
         chart.draw_series(tried.iter().map(point))?;
-        chart.draw_series([Circle::new(kept, 6, INK.stroke_width(2))])?;
+        chart.draw_series([Circle::new(selected, 6, INK.stroke_width(2))])?;
         Ok(())
     })
 }
 
-/// Albedo over the polar angle of incoming light, mean of the channels: source and pack.
+/// Albedo of source and pack over the polar angle of incoming light, as the mean of the channels.
 pub(super) fn albedos(report: &MaterialReport) -> String {
     let first = report.off_grid.albedo.iter().filter(|point| point.phi == 0.0);
     let grey = |colour: [f64; 3]| colour.iter().sum::<f64>() / 3.0;
@@ -108,7 +109,7 @@ where
     Ok(())
 }
 
-/// Few digits, and letters for thousands and millions.
+/// Formats a number with few digits, and `k` and `M` for thousands and millions.
 fn short(value: f64) -> String {
     match value.abs() {
         large if large >= 1e6 => format!("{:.0}M", value / 1e6),
@@ -125,7 +126,7 @@ fn plot(draw: impl FnOnce(&Area<'_>) -> Drawn) -> String {
         let root = SVGBackend::with_string(&mut text, SIZE).into_drawing_area();
         draw(&root).and_then(|()| root.present().map_err(Into::into))
     };
-    // A plot that cannot be drawn is no reason to have no page.
+    // The page is written even if a plot cannot be drawn.
     if drawn.is_err() {
         return String::new();
     }

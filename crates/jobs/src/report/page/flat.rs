@@ -1,4 +1,4 @@
-//! The page of a flat BTF: its report, and renderings of what it holds.
+//! The page of a flat BTF: its report and renderings of its contents.
 
 use super::markup::{colour_scale, document, image};
 use super::view_link::ViewLink;
@@ -13,21 +13,21 @@ use brdfc_source::flat_btf::flat_btf_file;
 use maud::{Markup, html};
 use std::path::Path;
 
-/// Tiles per unit of uv on the scenes: few enough that a relief shows.
+/// Tiles per unit of uv on the scenes: few enough to show the relief.
 const REPEAT: u32 = 4;
 
-/// A page, before it is written.
+/// Contents of a page about a flat BTF.
 #[derive(Debug)]
 pub struct FlatPage {
-    /// What `brdfc flatten` says.
+    /// The report that `brdfc flatten` wrote.
     pub asset: FlatAsset,
-    /// What it holds.
+    /// Renderings of its contents.
     pub renderings: FlatRenderings,
-    /// A page that draws it.
+    /// The viewer page to link to.
     pub view: Option<ViewLink>,
 }
 
-/// Whether a path is a flat BTF and no build: its file, or a folder with one and without a report.
+/// Returns true if a path is a flat BTF and not a build: a file, or a folder that holds one and no build report.
 pub fn is_flat_btf(path: &Path) -> bool {
     !path.join(REPORT).is_file() && !matches!(flat_btf_file(path), Ok(None))
 }
@@ -36,7 +36,7 @@ impl FlatPage {
     /// Reads a flat BTF and draws it.
     ///
     /// # Errors
-    /// A file that cannot be read, or breaks the rules of its layout.
+    /// Returns an error if the file cannot be read or is invalid.
     pub fn open(path: &Path) -> Result<Self, Error> {
         let (file, asset) = open_asset(path)?;
         let material = FlatMaterial::new(file.decoder, REPEAT).map_err(|error| InputError::format(path, error))?;
@@ -45,16 +45,16 @@ impl FlatPage {
     }
 }
 
-/// A whole file of HTML. The same page gives the same bytes.
+/// Writes the page as HTML. Output is deterministic.
 pub fn flat_html(page: &FlatPage) -> String {
     let FlatPage { asset: whole, renderings, .. } = page;
     let asset = &whole.about;
     let content = html! {
         p {
-            "A flat BTF: a surface with relief, laid flat. ΔE is the colour difference of look-ups against what the surface \
-             shows (CIE L*a*b*; about 1 is just visible)."
+            "A flat BTF: a surface with relief, laid flat. ΔE is the colour difference between look-ups and the surface \
+             (CIE L*a*b*; about 1 is just visible)."
         }
-        @if let Some(view) = &page.view { p { a href=(view.whole()) { "Turn and light it in a browser" } } }
+        @if let Some(view) = &page.view { p { a href=(view.whole()) { "Open in the viewer" } } }
         div.scroll { table.wraps {
             tbody { @for (name, value) in facts(whole) { tr { td { (name) } td.left.words { (value) } } } }
             @if !asset.materials.is_empty() { tbody { tr {
@@ -68,7 +68,7 @@ pub fn flat_html(page: &FlatPage) -> String {
             (row(&renderings.tile))
         }
         section.material {
-            h2 { "What texels hold, over the parameters" }
+            h2 { "Texel values, over the parameters" }
             (row(&renderings.texels))
         }
         section.material {
@@ -93,7 +93,7 @@ fn errors_table(asset: &AssetFile) -> Markup {
     let known = errors(asset);
     html! {
         @if known.is_empty() {
-            p.soft { "Errors were not measured: that takes direct light and values that can be computed again." }
+            p.soft { "Errors were not measured: this requires direct light and values that can be recomputed." }
         } @else {
             div.scroll { table.wraps {
                 thead { tr { th { "error" } th { "look-ups" } th { "mean" } th { "95 %" } th { "largest" } } }
@@ -106,7 +106,7 @@ fn errors_table(asset: &AssetFile) -> Markup {
     }
 }
 
-/// What is on a GPU.
+/// Table of the textures.
 fn images(asset: &FlatAsset) -> Markup {
     let line = |name: &str, gpu: u64| html! { tr { td { (name) } td { (bytes(gpu)) } } };
     html! {

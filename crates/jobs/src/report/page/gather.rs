@@ -1,4 +1,4 @@
-//! What a page is made of: the report in a folder, its packs, and their sources where they still are.
+//! Gathers the contents of a page: the report in a folder, its packs, and their sources if they still exist.
 
 use super::against::{Regression, regressions};
 use super::evidence::{Evidence, evidence};
@@ -17,41 +17,41 @@ use brdfc_source::Input;
 use rayon::prelude::*;
 use std::path::{Path, PathBuf};
 
-/// A page, before it is written.
+/// Contents of a page about a build.
 #[derive(Debug)]
 pub struct Page {
     /// The scene's name.
     pub scene: String,
     /// Materials, by name.
     pub materials: Vec<PageMaterial>,
-    /// The environment that lights the scene, with its map where there is one.
+    /// The environment that lights the scene, with its bandwidth map if there is one.
     pub environment: Option<(EnvironmentEntry, Option<PagePart>)>,
     /// Materials that no use refers to.
     pub skipped: Vec<String>,
-    /// Whether it was held against an earlier build.
-    pub is_held: bool,
-    /// What is worse than there.
+    /// True if the build was compared with an earlier one.
+    pub is_compared: bool,
+    /// Regressions against the earlier build.
     pub regressions: Vec<Regression>,
-    /// A page that draws the packs.
+    /// The viewer page to link to.
     pub view: Option<ViewLink>,
 }
 
 /// One material of a page.
 #[derive(Debug)]
 pub struct PageMaterial {
-    /// What the build says.
+    /// The material's entry in the build report.
     pub entry: MaterialEntry,
-    /// Seconds per stage when the pack was made, where that is known.
+    /// Source and seconds per stage of the build, if known.
     pub note: BuiltNote,
-    /// Renderings and errors; absent where there is no pack.
+    /// Renderings and errors; absent without a pack.
     pub evidence: Option<Evidence>,
-    /// Its bandwidth map and its importance samples, where the scene has them.
+    /// Its bandwidth map and importance samples, if the scene has them.
     pub maps: Vec<PagePart>,
-    /// Why the source was not compared, if so.
+    /// Why the pack was not compared with its source; absent if it was.
     pub without_source: Option<String>,
 }
 
-/// The report of a folder, and that of an earlier build.
+/// The report of a folder and of an earlier build.
 #[derive(Debug)]
 pub struct Reports {
     folder: PathBuf,
@@ -60,55 +60,51 @@ pub struct Reports {
 }
 
 impl Reports {
-    /// Reads them. `against` is the `report.json` of the earlier build.
+    /// Reads both reports. `against` is the `report.json` of the earlier build.
     ///
     /// # Errors
-    /// What cannot be read, or is no report.
+    /// Returns an error if a file cannot be read or is not a report.
     pub fn open(folder: &Path, against: Option<&Path>) -> Result<Self, Error> {
         if OutputFolder::is_unfinished(folder) {
-            let found = "a build that was killed while files changed places";
-            return Err(Error::wrong_input(
-                folder.display(),
-                found,
-                "a folder that is whole; 'brdfc build' finishes it",
-            ));
+            let found = "a build that was killed while it replaced files";
+            return Err(Error::wrong_input(folder.display(), found, "a complete folder; 'brdfc build' finishes it"));
         }
         let new = BuildReport::open(&folder.join(REPORT))?;
         Ok(Self { folder: folder.to_owned(), new, old: against.map(BuildReport::open).transpose()? })
     }
 
-    /// The build's own files: packs, maps and what is said of each; and the sources that its packs were made of.
+    /// All files of the build (packs, maps and lists) and the sources of its packs.
     pub fn files(&self) -> Vec<PathBuf> {
         let own = self.new.files().map(|entry| self.folder.join(&entry.file));
         let sources = notes(&self.folder).into_values().map(|note| PathBuf::from(note.source));
         own.chain(sources).collect()
     }
 
-    /// Packs of the materials that have one, by name.
+    /// Packs of the materials that have one, with the materials' names.
     ///
     /// # Errors
-    /// Packs that are not those of the report.
+    /// Returns an error if a pack cannot be read or is not the one in the report.
     pub fn brdf_packs(&self) -> Result<Vec<(String, BrdfPack)>, Error> {
         let made = self.new.materials.iter().filter(|entry| entry.report.is_some());
         let named = made.filter_map(|entry| Some((entry, entry.pack.as_ref()?)));
         named.map(|(entry, name)| Ok((entry.material.clone(), brdf_pack(&self.folder, entry, name)?))).collect()
     }
 
-    /// Materials that will be drawn or listed.
+    /// Number of materials.
     pub fn count(&self) -> usize {
         self.new.materials.len()
     }
 }
 
-/// Draws the packs of a folder and their sources. Figures may be worse than before by the share `tolerance`.
+/// Draws the packs of a folder and their sources. `tolerance` is the relative growth of figures that is no regression.
 ///
 /// # Errors
-/// Packs that are not those of the report.
+/// Returns an error if a pack cannot be read or is not the one in the report.
 pub fn gather(reports: Reports, tolerance: f64, progress: &dyn Progress) -> Result<Page, Error> {
     let Reports { folder, new: report, old } = reports;
     let folder = folder.as_path();
     let notes = notes(folder);
-    let is_held = old.is_some();
+    let is_compared = old.is_some();
     let regressions = old.map_or(Vec::new(), |old| regressions(&report, &old, tolerance));
     let drawn = |entry: MaterialEntry| {
         progress.check()?;
@@ -121,7 +117,15 @@ pub fn gather(reports: Reports, tolerance: f64, progress: &dyn Progress) -> Resu
     };
     let materials = report.materials.into_par_iter().map(drawn).collect::<Result<_, Error>>()?;
     let environment = report.environment.map(|entry| environment(folder, entry)).transpose()?;
-    Ok(Page { scene: report.scene, materials, environment, skipped: report.skipped, is_held, regressions, view: None })
+    Ok(Page {
+        scene: report.scene,
+        materials,
+        environment,
+        skipped: report.skipped,
+        is_compared,
+        regressions,
+        view: None,
+    })
 }
 
 fn material(folder: &Path, entry: MaterialEntry, note: BuiltNote) -> Result<PageMaterial, Error> {
@@ -136,7 +140,7 @@ fn material(folder: &Path, entry: MaterialEntry, note: BuiltNote) -> Result<Page
     Ok(PageMaterial { entry, note, evidence: Some(evidence), maps, without_source: source.err() })
 }
 
-/// The pack of a material, if it is that of the report.
+/// Reads the pack of a material and checks it against the report.
 fn brdf_pack(folder: &Path, entry: &MaterialEntry, name: &str) -> Result<BrdfPack, Error> {
     let path = folder.join(name);
     let bytes = listed_file(folder, &entry.files, name)?;
@@ -144,13 +148,13 @@ fn brdf_pack(folder: &Path, entry: &MaterialEntry, name: &str) -> Result<BrdfPac
     BrdfPack::try_from(pack).map_err(|kind| wrong_file(&path, kind.in_words().to_owned()))
 }
 
-/// What a material was made of, where it still is.
+/// Opens the source of a material, if it still exists.
 ///
 /// # Errors
-/// Why it is not: in words, as a page without it says them.
+/// Returns the reason as the page prints it.
 pub fn source_of(note: &BuiltNote) -> Result<Box<dyn Source>, String> {
     if note.source.is_empty() {
-        return Err("where the source is was not noted: the folder has no store".to_owned());
+        return Err("the path of the source is unknown: the folder has no store".to_owned());
     }
     let input = Input::from(note.source.as_str());
     let (opened, digest, _) =

@@ -1,4 +1,4 @@
-//! The page.
+//! HTML of a page about a build.
 
 use super::evidence::Thumbnails;
 use super::figures::{albedos, error_over_bytes, errors_by_angle};
@@ -13,23 +13,23 @@ use brdfc_metrics::fit_error::{COVERED, FitError};
 use brdfc_render::within::left_out_in_words;
 use maud::{Markup, PreEscaped, html};
 
-/// A whole file of HTML. The same page gives the same bytes.
+/// Writes the page as HTML. Output is deterministic.
 pub fn html(page: &Page) -> String {
     let failed = page.materials.iter().filter(|material| !material.entry.passed()).count();
     let count = page.materials.len();
     let content = html! {
         p {
             @if count == 1 { "One material" } @else { (count) " materials" }
-            @if failed > 0 { ", " span.bad { (failed) " of them failed or not what is required" } }
+            @if failed > 0 { ", " span.bad { (failed) " of them failed or missed a requirement" } }
             ". ΔE is the mean colour difference between renderings of a ball, pack against source (CIE L*a*b*; about \
-             1 is just visible), ε_r the mean relative error of values."
+             1 is just visible); ε_r is the mean relative error of values."
             @if page.materials.iter().any(is_of_a_range) {
-                " Of packs that are for some directions alone, errors are of these; * marks them."
+                " * marks packs that cover only some directions; their errors are over those directions."
             }
             @if !page.skipped.is_empty() { " Not used by the scene: " (page.skipped.join(", ")) "." }
         }
         @if let Some(view) = &page.view {
-            p { a href=(view.whole()) { "Turn and light all packs in a browser" } }
+            p { a href=(view.whole()) { "Open all packs in the viewer" } }
         }
         (regressions(page))
         (table(page))
@@ -44,7 +44,7 @@ fn regressions(page: &Page) -> Markup {
     html! {
         @if !page.regressions.is_empty() {
             div.regressions {
-                h2 { "Worse than before, or not as asked for" }
+                h2 { "Regressions and missed requirements" }
                 div.scroll { table {
                     thead { tr { th { "material" } th.left { "figure" } th { "before" } th { "now" } th { "growth" } } }
                     tbody { @for worse in &page.regressions { tr {
@@ -55,25 +55,25 @@ fn regressions(page: &Page) -> Markup {
                     } } }
                 } }
             }
-        } @else if page.is_held {
-            p.good { "Nothing is worse than in the build before, and all is as it was asked for." }
+        } @else if page.is_compared {
+            p.good { "No figure is worse than in the earlier build, and all requirements are met." }
         }
     }
 }
 
-/// Whether a pack is for some directions alone.
+/// Returns true if a pack covers only some directions.
 fn is_of_a_range(material: &PageMaterial) -> bool {
     material.entry.report.as_ref().is_some_and(|report| !report.directions.is_all())
 }
 
-/// A head by which a table is sorted.
+/// Head of a sortable column.
 fn head(name: &str) -> Markup {
     html! { th data-sorts="" { (name) } }
 }
 
 fn table(page: &Page) -> Markup {
     let heads =
-        ["material", "codec", "size", "fetches", "on disk", "on GPU", "ΔE", "ΔE 95 %", "ε_r", "albedo off by", ""];
+        ["material", "codec", "size", "fetches", "on disk", "on GPU", "ΔE", "ΔE 95 %", "ε_r", "albedo error", ""];
     html! {
         div.scroll { table.all {
             thead { tr { @for name in heads { (head(name)) } } }
@@ -82,7 +82,7 @@ fn table(page: &Page) -> Markup {
                 tr {
                     td {
                         a href={ "#" (entry.material) } { (breakable(&entry.material)) }
-                        @if entry.kept { " " span.soft { "kept" } }
+                        @if entry.kept { " " span.soft { "retained" } }
                     }
                     @if let Some(report) = &entry.report {
                         @let rendering = &report.off_grid.rendering.delta_e;
@@ -107,11 +107,11 @@ fn share(value: f64) -> Markup {
     html! { td data-value=(value) { (percent(value)) } }
 }
 
-/// All materials at a glance: packs, and below each how far its rendering is off.
+/// Renderings of all packs, each above its difference image.
 fn sheet(page: &Page) -> Markup {
     html! {
         h3 { "All packs" }
-        p.soft { "ΔE of each rendering; that of the table is of a ball under each of three distant lights." }
+        p.soft { "ΔE is of the rendering shown. In the table it is the mean over a ball under each of three distant lights." }
         div.sheet { @for material in &page.materials {
             @if let Some(thumbnails) = material.evidence.as_ref().and_then(|evidence| evidence.thumbnails.first()) {
                 figure {
@@ -132,7 +132,7 @@ fn sheet(page: &Page) -> Markup {
     }
 }
 
-/// A name that lines may break behind its marks.
+/// Lets a name break after `_`, `-` and `.`.
 fn breakable(name: &str) -> Markup {
     html! { @for part in name.split_inclusive(['_', '-', '.']) { (part) wbr; } }
 }
@@ -142,10 +142,10 @@ fn section(material: &PageMaterial, view: Option<&ViewLink>) -> Markup {
     html! {
         section.material id=(entry.material) {
             h2 { (entry.material) " " span.soft { (entry.source) } }
-            @if entry.kept { p.soft { "Made by an earlier build, and kept: the last build did not ask for it." } }
+            @if entry.kept { p.soft { "Made by an earlier build and retained: the last build did not request it." } }
             @if let Some(error) = &entry.error { p.bad { (error) } }
             @if let Some(link) = view.and_then(|view| view.of_material(&entry.material)) {
-                p { a href=(link) { "Turn and light it" } }
+                p { a href=(link) { "Open in the viewer" } }
             }
             @if let Some(report) = &entry.report {
                 p {
@@ -154,16 +154,16 @@ fn section(material: &PageMaterial, view: Option<&ViewLink>) -> Markup {
                     @if report.fetches == 1 { "one fetch" } @else { (report.fetches) " fetches" }
                     @if let Some(missed) = &report.missed { ". " span.bad { (missed) } }
                 }
-                @if let Some(fit) = &report.fit { (of_fit(fit)) }
+                @if let Some(fit) = &report.fit { (fit_summary(fit)) }
                 @if !report.directions.is_all() {
                     p.soft {
-                        "For " (report.directions) " alone: errors are of these, ΔE in the table of pixels that are spread over \
-                         them instead of a ball, and renderings leave the rest out."
+                        "Covers only " (report.directions) ". Errors are over these directions, ΔE in the table is over pixels \
+                         spread over them instead of a ball, and renderings leave other directions out."
                     }
                 }
                 @for gate in &entry.gates {
                     p class=(if gate.passed { "good" } else { "bad" }) {
-                        @if gate.passed { "passed " } @else { "closed " } (gate)
+                        @if gate.passed { "passed: " } @else { "failed: " } (gate)
                     }
                 }
                 (renderings(material))
@@ -177,15 +177,15 @@ fn section(material: &PageMaterial, view: Option<&ViewLink>) -> Markup {
     }
 }
 
-/// How well samples predict each other.
-fn of_fit(fit: &FitError) -> Markup {
-    let or_none = |error: Option<f64>| error.map_or("none can be".to_owned(), percent);
+/// Cross-validation errors of a fit to samples.
+fn fit_summary(fit: &FitError) -> Markup {
+    let or_unknown = |error: Option<f64>| error.map_or("unknown".to_owned(), percent);
     html! {
         p {
-            "A fit to samples: ε_r " (or_none(fit.samples)) " at samples left out, " (or_none(fit.incidences))
-            " at incidences left out whole"
-            @if let Some(delta_e) = fit.delta_e { ", about ΔE " (format!("{delta_e:.2}")) " of the ball" }
-            "; a light or a viewer is up to " (format!("{:.0}°", fit.farthest)) " from any sample, and more than "
+            "Fitted to samples: ε_r " (or_unknown(fit.samples)) " at held-out samples, " (or_unknown(fit.incidences))
+            " at held-out incidences"
+            @if let Some(delta_e) = fit.delta_e { ", about ΔE " (format!("{delta_e:.2}")) " on the ball" }
+            ". Lights and viewers are up to " (format!("{:.0}°", fit.farthest)) " from the nearest sample, and farther than "
             (COVERED) "° at " (percent(fit.uncovered)) " of the ball's pixels."
         }
     }
@@ -223,7 +223,7 @@ fn plots(material: &PageMaterial, report: &MaterialReport) -> Markup {
         div.row {
             @if let Some(by_angle) = by_angle { (plot("Error by incoming angle", errors_by_angle(&by_angle.angles))) }
             @if report.tried.len() > 1 {
-                (plot("Error against bytes: tables blue, wavelets orange, ring: kept", error_over_bytes(report)))
+                (plot("Error against bytes: tables blue, wavelets orange, ring: selected", error_over_bytes(report)))
             }
             (plot("Albedo: line source, dots pack", albedos(report)))
         }
@@ -262,23 +262,23 @@ fn angles(pair: &WorstPair) -> [f64; 3] {
     [theta(pair.incoming), theta(pair.outgoing), between]
 }
 
-/// Maps with their bytes and renderings.
+/// Table and images of maps.
 fn maps(name: &str, parts: &[PagePart]) -> Markup {
     html! {
         @if !parts.is_empty() {
             h3 { "Maps" }
             div.scroll { table {
-                thead { tr { th { "file" } th { "on disk" } th { "on GPU" } th.left { "what it holds" } } }
+                thead { tr { th { "file" } th { "on disk" } th { "on GPU" } th.left { "contents" } } }
                 tbody { @for part in parts { tr {
                     td { (part.file) } td { (bytes(part.bytes_on_disk)) } td { (bytes(part.bytes_on_gpu)) }
-                    td.left.words { (part.words) }
+                    td.left.words { (part.summary) }
                 } } }
             } }
             div.row.large { @for part in parts {
-                @if let Some(rendering) = &part.rendering {
+                @if let Some(panel) = &part.image {
                     figure {
-                        (image(rendering, &format!("bandwidth of {name}")))
-                        figcaption { "bandwidth, dark 1/256 of the largest to light" }
+                        (image(panel, &format!("bandwidth of {name}")))
+                        figcaption { "bandwidth, from 1/256 of the largest (dark) to the largest (light)" }
                     }
                 }
             } }
@@ -303,9 +303,9 @@ fn checks(report: &MaterialReport) -> Markup {
     html! {
         h3 { "Checks" }
         ul {
-            li { "largest albedo of the pack " (format!("{over:.3}")) @if over > 1.0 { span.bad { ", more than comes in" } } }
-            li { "albedo off by at most " (format!("{:.4}", off_grid.albedo_max_difference)) }
-            li { "values change by " (percent(off_grid.reciprocity)) " when light and viewer change places" }
+            li { "largest albedo of the pack " (format!("{over:.3}")) @if over > 1.0 { span.bad { ", not energy-conserving" } } }
+            li { "largest albedo error " (format!("{:.4}", off_grid.albedo_max_difference)) }
+            li { "values change by " (percent(off_grid.reciprocity)) " when light and viewer are exchanged" }
             @for line in remarks(report) { li { (line) } }
         }
     }
@@ -321,5 +321,5 @@ fn times(material: &PageMaterial) -> Markup {
         }
     }
     let listed: Vec<String> = sums.iter().map(|(name, seconds)| format!("{name} {seconds:.2} s")).collect();
-    html! { @if !listed.is_empty() { p.soft { "When it was made: " (listed.join(", ")) } } }
+    html! { @if !listed.is_empty() { p.soft { "Build times: " (listed.join(", ")) } } }
 }

@@ -1,4 +1,4 @@
-//! What pages have in common.
+//! Shared parts of pages.
 
 use super::style::{PALETTE, SCRIPT, STYLE};
 use base64::Engine as _;
@@ -6,7 +6,7 @@ use base64::engine::general_purpose::STANDARD;
 use brdfc_render::rendering::{DELTA_E_FULL_SCALE, Panel, rgb_png};
 use maud::{DOCTYPE, Markup, PreEscaped, html};
 
-/// A whole file of HTML, in the colours of light and dark pages.
+/// Writes a complete HTML file with light and dark colours.
 pub(crate) fn file(title: &str, style: &str, body: &Markup) -> String {
     let document = html! {
         (DOCTYPE)
@@ -23,17 +23,17 @@ pub(crate) fn file(title: &str, style: &str, body: &Markup) -> String {
     document.into_string()
 }
 
-/// A report about packs.
+/// Writes a report page.
 pub(super) fn document(title: &str, content: &Markup) -> String {
     file(title, STYLE, &html! { h1 { (title) } (content) script { (PreEscaped(SCRIPT)) } })
 }
 
-/// A rendering inside the page.
+/// Embeds an image as PNG.
 pub(super) fn image(panel: &Panel, description: &str) -> Markup {
     html! { img src={ "data:image/png;base64," (STANDARD.encode(rgb_png(panel))) } alt=(description); }
 }
 
-/// The colours of renderings of differences.
+/// Colour scale of difference images.
 pub(super) fn colour_scale() -> Markup {
     html! {
         p.soft { "Differences: ΔE 0 " span.scale style="display:inline-block" {} " " (DELTA_E_FULL_SCALE) }

@@ -1,4 +1,4 @@
-//! One page about a build or about a flat BTF: a file of HTML that needs no network and reads without scripts, and its figures as CSV and JSON.
+//! Report pages of builds and flat BTFs: one HTML file that needs no network and no scripts, and its figures as CSV and JSON.
 
 mod against;
 mod csv;
@@ -28,14 +28,14 @@ use brdfc_metrics::by_angle::ByAngle;
 use schemars::JsonSchema;
 use serde::Serialize;
 
-/// The figures of a page, for scripts.
+/// Figures of a page, as JSON.
 #[derive(Debug, Serialize, JsonSchema)]
 pub struct PageReport<'a> {
     /// Layout of this report.
     pub version: u32,
     /// The scene's name.
     pub scene: &'a str,
-    /// What is worse than in the build that it was held against; the worst first.
+    /// Regressions against the earlier build, the worst first.
     pub regressions: &'a [Regression],
     /// Materials, by name.
     pub materials: Vec<PageEntry<'a>>,
@@ -44,10 +44,10 @@ pub struct PageReport<'a> {
 /// One material.
 #[derive(Debug, Serialize, JsonSchema)]
 pub struct PageEntry<'a> {
-    /// What the build says.
+    /// The material's entry in the build report.
     #[serde(flatten)]
     pub entry: &'a MaterialEntry,
-    /// Where the pack errs; absent where the source is not at hand, or there is no pack.
+    /// Error by angle; absent if the source is not available or there is no pack.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub by_angle: Option<&'a ByAngle>,
 }

@@ -1,4 +1,4 @@
-//! The files of a build besides packs: what they hold, and a rendering of it.
+//! Files of a build other than packs, with a summary and an image of their contents.
 
 use crate::error::Error;
 use crate::report::build::FileEntry;
@@ -13,64 +13,64 @@ use std::path::Path;
 /// A map of a page.
 #[derive(Debug, Clone, PartialEq)]
 pub struct PagePart {
-    /// Its file.
+    /// Its file name.
     pub file: String,
     /// Bytes of the file.
     pub bytes_on_disk: u64,
     /// Bytes on a GPU.
     pub bytes_on_gpu: u64,
-    /// What it holds, in words.
-    pub words: String,
-    /// Of a bandwidth map, dark 1/256 of its largest value and less to light the largest.
-    pub rendering: Option<Panel>,
+    /// Summary of its contents.
+    pub summary: String,
+    /// Image of a bandwidth map, from 1/256 of its largest value and less (dark) to the largest (light).
+    pub image: Option<Panel>,
 }
 
-/// The bytes of a file that a report lists.
+/// Reads a file that a report lists.
 ///
 /// # Errors
-/// What cannot be read, and another file than the listed one.
+/// Returns an error if the file cannot be read or differs from the listed one.
 pub(super) fn listed_file(folder: &Path, listed: &[FileEntry], name: &str) -> Result<Vec<u8>, Error> {
     let path = folder.join(name);
     let bytes = read_file(&path, MAX_FILE_BYTES)?;
     let entry = listed.iter().find(|file| file.file == name);
     if entry.is_some_and(|file| file.blake3 != Digest::of(&bytes)) {
-        return Err(wrong_file(&path, "another pack".to_owned()));
+        return Err(wrong_file(&path, "a different pack".to_owned()));
     }
     Ok(bytes)
 }
 
-/// A file that is not what the report says.
+/// Error about a file that differs from the report.
 pub(super) fn wrong_file(path: &Path, found: String) -> Error {
-    Error::wrong_input(path.display(), found, "the pack that report.json names; run 'brdfc build'")
+    Error::wrong_input(path.display(), found, "the pack that report.json lists; run 'brdfc build'")
 }
 
-/// A bandwidth map or importance samples.
+/// Reads a bandwidth map or importance samples.
 pub(super) fn map_part(folder: &Path, listed: &[FileEntry], name: &str) -> Result<PagePart, Error> {
     let bytes = listed_file(folder, listed, name)?;
     let path = folder.join(name);
-    let (bytes_on_gpu, words, rendering) =
+    let (bytes_on_gpu, summary, image) =
         match Pack::from_bytes(&bytes).map_err(|error| wrong_file(&path, error.to_string()))? {
             Pack::Bandwidth(map) => {
                 let facts = BandwidthFacts::new(&map);
-                (facts.gpu_bytes, bandwidth_in_words(&facts), Some(bandwidth_panel(&map)))
+                (facts.gpu_bytes, bandwidth_summary(&facts), Some(bandwidth_panel(&map)))
             }
             Pack::Importance(pack) => {
                 let facts = ImportanceFacts::new(&pack);
-                (facts.gpu_bytes, samples_in_words(&facts), None)
+                (facts.gpu_bytes, samples_summary(&facts), None)
             }
             other => return Err(wrong_file(&path, other.kind().in_words().to_owned())),
         };
-    Ok(PagePart { file: name.to_owned(), bytes_on_disk: bytes.len() as u64, bytes_on_gpu, words, rendering })
+    Ok(PagePart { file: name.to_owned(), bytes_on_disk: bytes.len() as u64, bytes_on_gpu, summary, image })
 }
 
-fn bandwidth_in_words(facts: &BandwidthFacts) -> String {
+fn bandwidth_summary(facts: &BandwidthFacts) -> String {
     let [width, height] = facts.size;
     let (largest, mean, unit) = (facts.largest, facts.mean, &facts.unit);
     let what = format!("bandwidth, {width} x {height} values: mean {mean:.2}, largest {largest:.1} {unit}");
     facts.remark().map_or(what.clone(), |remark| format!("{what}. {remark}"))
 }
 
-fn samples_in_words(facts: &ImportanceFacts) -> String {
+fn samples_summary(facts: &ImportanceFacts) -> String {
     let ImportanceFacts { polar, azimuths, samples, .. } = facts;
     format!("importance samples: {samples} for each of {polar} x {azimuths} outgoing directions")
 }

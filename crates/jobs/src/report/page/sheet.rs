@@ -1,4 +1,4 @@
-//! The materials of a page as one rendering.
+//! The contact sheet of a page.
 
 use super::gather::{Page, PageMaterial};
 use brdfc_core::words::bytes;
@@ -6,7 +6,7 @@ use brdfc_render::contact_sheet::{Cell, contact_sheet};
 use brdfc_render::rendering::Panel;
 use brdfc_render::within::left_out_in_words;
 
-/// A contact sheet of all materials, ball and cloth, with bytes and the mean ΔE of the page's table.
+/// Draws a contact sheet of all materials on ball and cloth, with the bytes and the mean ΔE of the page's table.
 pub fn sheet(page: &Page) -> Panel {
     let cells: Vec<Cell> = page.materials.iter().map(cell).collect();
     contact_sheet(&cells)

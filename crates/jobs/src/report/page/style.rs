@@ -1,6 +1,6 @@
-//! How a page looks, and the script that sorts its table; without it the table is as it was written.
+//! Style of pages, and the script that sorts their table.
 
-/// Colours of light and dark pages.
+/// Light and dark colours.
 pub(super) const PALETTE: &str = "
 :root { color-scheme: light dark; --ink: #1c1e21; --paper: #fbfbfa; --faint: #d9d9d6; --soft: #6a6d72; --bad: #b3261e;
   --good: #2e7d32; --card: #ffffff; }
@@ -8,7 +8,7 @@ pub(super) const PALETTE: &str = "
   --bad: #ff8a80; --good: #81c784; --card: #1e2023; } }
 ";
 
-/// Narrow and wide, and on paper.
+/// Layout for narrow, wide and printed pages.
 pub(super) const STYLE: &str = "* { box-sizing: border-box; }
 body { margin: 0 auto; max-width: 76rem; padding: 1rem; background: var(--paper); color: var(--ink);
   font: 15px/1.45 system-ui, sans-serif; }
@@ -51,7 +51,7 @@ ul { margin: 0.2rem 0; padding-left: 1.2rem; }
   .plot { width: 31%; } .plot svg { width: 100%; } }
 ";
 
-/// Sorts by the column whose head is clicked, numbers as numbers.
+/// Sorts the table by the column whose head is clicked, numbers numerically.
 pub(super) const SCRIPT: &str = "
 document.querySelectorAll('th[data-sorts]').forEach((head) => head.addEventListener('click', () => {
   const table = head.closest('table'), body = table.tBodies[0], column = head.cellIndex;

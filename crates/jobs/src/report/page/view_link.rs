@@ -1,9 +1,9 @@
-//! How a report links to a page that draws what it is about.
+//! Links from a report to the viewer page.
 
 use std::collections::BTreeSet;
 use std::fmt::Write as _;
 
-/// A page beside the report, and what it draws.
+/// A viewer page next to the report, and the materials on it.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct ViewLink {
     file: String,
@@ -11,17 +11,17 @@ pub struct ViewLink {
 }
 
 impl ViewLink {
-    /// The page of materials of these names, by the name of its file.
+    /// The page in `file` that shows materials of these names.
     pub fn new(file: &str, names: impl IntoIterator<Item = String>) -> Self {
         Self { file: file.to_owned(), names: names.into_iter().collect() }
     }
 
-    /// The address of the page.
+    /// The address of the whole page.
     pub fn whole(&self) -> String {
         escaped(&self.file)
     }
 
-    /// The address at which the page shows a material of a build, beside its source where it has that; nothing where it does
+    /// The address at which the page shows a material of a build, next to its source if the page has it. `None` if the page does
     /// not have the material.
     pub fn of_material(&self, material: &str) -> Option<String> {
         let source = source_name(material);
@@ -31,12 +31,12 @@ impl ViewLink {
     }
 }
 
-/// What such a page calls the source of a build's material.
+/// Name of the source of a build's material on viewer pages.
 pub fn source_name(material: &str) -> String {
     format!("{material}, source")
 }
 
-/// With every byte that means something in an address, or is no letter or digit, as %XX.
+/// Percent-encodes every byte except letters, digits, `-`, `_` and `.`.
 fn escaped(text: &str) -> String {
     let mut escaped = String::new();
     for byte in text.bytes() {

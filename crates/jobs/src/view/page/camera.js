@@ -1,4 +1,4 @@
-// Where things are seen and lit from.
+// Cameras and lights.
 
 const cross = (a, b) => [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]];
 const dot = (a, b) => a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
@@ -6,7 +6,7 @@ const unit = (v) => v.map((c) => c / Math.hypot(...v));
 const minus = (a, b) => a.map((c, k) => c - b[k]);
 const plus = (a, b) => a.map((c, k) => c + b[k]);
 
-/** A vector turned about a unit axis (Rodrigues). */
+/** Turns a vector about a unit axis (Rodrigues). */
 function turned(v, axis, angle) {
     const [c, s] = [Math.cos(angle), Math.sin(angle)];
     const [across, along] = [cross(axis, v), dot(axis, v) * (1 - c)];
@@ -15,30 +15,30 @@ function turned(v, axis, angle) {
 
 const UP = [0, 1, 0];
 const RIGHT_ANGLE = Math.PI / 2;
-/** How near the poles the viewer comes. */
-const STEEPEST = RIGHT_ANGLE - 0.01;
+/** Largest elevation of the viewer, which keeps it off the poles. */
+const MAX_ELEVATION = RIGHT_ANGLE - 0.01;
 
-/** Right, up and forward of a scene's camera, unit vectors. */
+/** Unit vectors right, up and forward of a scene's camera. */
 function basis({ eye, target, up }) {
     const forward = unit(minus(target, eye));
     const right = unit(cross(forward, up));
     return { right, up: cross(right, forward), forward };
 }
 
-/** The angle by which the camera may be raised, so that it stays on its side of the poles. */
+/** Limits an angle by which the camera is raised, so that it does not pass the poles. */
 export function raised(camera, pitch) {
     const elevation = Math.asin(Math.max(-1, Math.min(1, -basis(camera).forward[1])));
-    const most = Math.max(STEEPEST, elevation);
+    const most = Math.max(MAX_ELEVATION, elevation);
     return Math.max(-most, Math.min(most, elevation + pitch)) - elevation;
 }
 
-/** A vector around the target, turned sideways about the vertical and raised about the camera's right. */
+/** Turns a vector from the target about the camera's right axis (pitch) and the vertical (yaw). */
 function around(camera, v, { yaw, pitch }) {
     return turned(turned(v, basis(camera).right, -pitch), UP, yaw);
 }
 
 /**
- * The uniform block of a rendering; its layout is that of `View` in shade.wgsl.
+ * Writes the uniform block of a rendering, with the layout of `View` in shade.wgsl.
  *
  * @param scene the page's scene
  * @param item the page's material
@@ -51,7 +51,7 @@ export function viewBlock(scene, item, view, aspect) {
         plus(camera.target, around(camera, minus(point, camera.target), turn).map((c) => c * scale));
     const eye = place(camera.eye, view.turn, 1 / view.zoom);
     const { right, up, forward } = basis({ ...camera, eye, up: around(camera, camera.up, view.turn) });
-    // What is high and narrow sees as much sideways as a square.
+    // Tall, narrow views show the same width as square ones.
     const half = Math.tan((camera.fieldOfView * Math.PI) / 360) / Math.min(aspect, 1);
     const block = new ArrayBuffer(96 + 32 * 8);
     const floats = new Float32Array(block);
@@ -61,7 +61,7 @@ export function viewBlock(scene, item, view, aspect) {
     floats.set(up.map((c) => c / half), 8);
     floats.set(forward, 12);
     floats.set(item.sines, 16);
-    // Of BRDFs the finest level is the last one, of textures the first.
+    // The finest level of BRDFs is the last, that of textures the first.
     const level = item.finest > 0 ? Math.max(item.finest - view.coarser, 0) : view.coarser;
     floats.set([view.coarser === null ? -1 : level, Math.log2(view.samples), item.repeats[scene.name] ?? 1], 20);
     words.set([lights.length], 23);

@@ -1,9 +1,9 @@
-// Controls: what they say of the state, and what hands do to them and to the rendering.
+// Controls: they display the state, and change it with the pointer and the keyboard.
 
 import { raised } from './camera.js';
 import { page, scene, state, still } from './state.js';
 
-/** Radians for each pixel that a pointer is dragged, and for each press of a key. */
+/** Radians per dragged pixel, and per key press. */
 const DRAG = 0.008;
 const PRESS = 0.08;
 
@@ -11,20 +11,20 @@ export const find = (id) => document.getElementById(id);
 export const stage = find('stage');
 const controls = document.querySelector('form');
 
-/** Puts the state into the controls. */
-export function tell() {
-    const { scene: shown, left, right, mode, split, coarser, stops } = controls.elements;
+/** Updates the controls from the state. */
+export function updateControls() {
+    const { scene: scenes, left, right, mode, split, coarser, stops } = controls.elements;
     const items = [page.items[state.left], page.items[state.right]];
     const isPair = items[1] !== undefined;
-    [...shown.options].forEach((option) => {
+    [...scenes.options].forEach((option) => {
         option.disabled = items.some((item) => item && !item.scenes.includes(option.value));
     });
-    // A rendering does not stand beside a ball.
+    // Only materials with a common scene can be compared.
     [...right.options].forEach((option) => {
-        const scenes = page.items[Number(option.value)]?.scenes ?? items[0].scenes;
-        option.disabled = !scenes.some((name) => items[0].scenes.includes(name));
+        const names = page.items[Number(option.value)]?.scenes ?? items[0].scenes;
+        option.disabled = !names.some((name) => items[0].scenes.includes(name));
     });
-    [shown.value, left.value, right.value, mode.value] = [state.scene, state.left, state.right, state.mode];
+    [scenes.value, left.value, right.value, mode.value] = [state.scene, state.left, state.right, state.mode];
     const most = Math.max(...items.map((item) => item?.levels ?? 0));
     find('levels').hidden = most === 0;
     coarser.max = most;
@@ -48,12 +48,12 @@ export function tell() {
 }
 
 /**
- * Listens to the controls and to the rendering. `set` hears changes of the state, and whether more of the same is to come; `move`
- * that a hand moved something; `point` the share of the rendering's width and height that the pointer is at, or nothing, and whether
- * it does no more than point.
+ * Listens to the controls and the canvas. `set` receives changes of the state and true if more of them will follow. `move` is called
+ * when the view or the light moved. `point` receives the pointer's position as shares of the width and height, or undefined, and true
+ * if no button is pressed.
  */
 export function listen({ set, move, point, again, save }) {
-    // The slider over the rendering belongs to the controls, but does not stand in them.
+    // The divider belongs to the form, but is not inside it.
     document.addEventListener('input', ({ target }) => {
         if (target.form !== controls) {
             return;
@@ -77,32 +77,32 @@ export function listen({ set, move, point, again, save }) {
     controls.addEventListener('submit', (event) => event.preventDefault());
     find('again').addEventListener('click', again);
     find('save').addEventListener('click', save);
-    onRendering(point, move);
+    onPointer(point, move);
     onKeys(move);
 }
 
 function turn(which, yaw, pitch) {
     const before = state[which];
-    const wanted = before.pitch + pitch;
-    state[which] = { yaw: before.yaw + yaw, pitch: which === 'turn' ? raised(scene().camera, wanted) : wanted };
+    const target = before.pitch + pitch;
+    state[which] = { yaw: before.yaw + yaw, pitch: which === 'turn' ? raised(scene().camera, target) : target };
 }
 
 function zoom(factor) {
     state.zoom = Math.max(0.25, Math.min(8, state.zoom * factor));
 }
 
-/** On the stage, as the canvas may be another one later; what lies on it besides has its own ways. */
-function onCanvas(name, heard, options) {
+/** Listens on the stage, because the canvas may be replaced, and ignores events of other elements on it. */
+function onCanvas(name, handle, options) {
     stage.addEventListener(name, (event) => {
         if (event.target instanceof HTMLCanvasElement) {
-            heard(event);
+            handle(event);
         }
     }, options);
 }
 
-function onRendering(point, move) {
+function onPointer(point, move) {
     onCanvas('contextmenu', (event) => event.preventDefault());
-    /** Pointers that are down, by their number: one drags, two go nearer and farther. */
+    /** Positions of pressed pointers by id: one drags, two zoom. */
     const down = new Map();
     const spread = () => {
         const [a, b] = [...down.values()];
@@ -120,7 +120,7 @@ function onRendering(point, move) {
         point([(event.clientX - box.left) / box.width, (event.clientY - box.top) / box.height], event.buttons === 0);
         const before = down.get(event.pointerId);
         if (event.buttons === 0 || !before) {
-            // Its end was heard by somebody else.
+            // Another element received its end.
             down.delete(event.pointerId);
             return;
         }
@@ -131,7 +131,7 @@ function onRendering(point, move) {
         } else {
             const [x, y] = [event.clientX - before[0], event.clientY - before[1]];
             const isLight = event.shiftKey || event.buttons === 2 || controls.elements.drags.value === 'light';
-            // The surface follows the hand, and so does the light.
+            // The surface and the light follow the pointer.
             turn(isLight ? 'light' : 'turn', (isLight ? 1 : -1) * DRAG * x, (isLight ? -1 : 1) * DRAG * y);
         }
         move();
@@ -163,5 +163,5 @@ function onKeys(move) {
     });
 }
 
-/** What "Start again" sets. */
+/** State that "Reset" sets. */
 export const FRESH = () => ({ turn: still(), light: still(), zoom: 1, coarser: null, stops: 0 });

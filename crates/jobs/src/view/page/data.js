@@ -1,9 +1,9 @@
-// What stands in the page, unpacked.
+// Decodes the data in the page.
 
 import { levelSize } from '../shared/levels.js';
 
 /**
- * Bytes of a text: Base64 of what zlib compressed.
+ * Decodes Base64 and decompresses with zlib.
  *
  * @param {string} text
  * @returns {Promise<Uint8Array<ArrayBuffer>>}
@@ -24,7 +24,7 @@ export const CORNER = 11;
 const [NORMAL, TANGENT, STREAMS] = [5, 7, 9];
 
 /**
- * A mesh from its streams of numbers, each stored as what the two before it do not tell.
+ * Decodes a mesh from its streams of numbers, each stored as the residual of a linear prediction from the two before it.
  *
  * @param {{ vertices: number, triangles: number, low: number[], span: number[], largest: number[], corners: string, indices: string }} mesh
  * @returns {Promise<{ corners: Float32Array<ArrayBuffer>, indices: Uint32Array<ArrayBuffer> }>}
@@ -35,9 +35,9 @@ export async function meshOf({ vertices, triangles, low, span, largest, corners,
     const numbers = Array.from({ length: STREAMS }, (_, stream) => {
         const [from, found] = [2 * vertices * stream, new Uint16Array(vertices)];
         for (let k = 0, [before, last] = [0, 0]; k < vertices; k += 1) {
-            const rest = bytes[from + k] | (bytes[from + vertices + k] << 8);
+            const residual = bytes[from + k] | (bytes[from + vertices + k] << 8);
             const guess = k > 1 ? 2 * last - before : last;
-            found[k] = guess + ((rest >> 1) ^ -(rest & 1));
+            found[k] = guess + ((residual >> 1) ^ -(residual & 1));
             [before, last] = [last, found[k]];
         }
         return found;
@@ -55,7 +55,7 @@ export async function meshOf({ vertices, triangles, low, span, largest, corners,
     return { corners: whole, indices: found };
 }
 
-/** A unit vector from its place on the unfolded octahedron. */
+/** Decodes a unit vector from its octahedral coordinates. */
 function octahedral(x, y) {
     const z = 1 - Math.abs(x) - Math.abs(y);
     const fold = Math.max(-z, 0);
@@ -64,7 +64,7 @@ function octahedral(x, y) {
     return v.map((c) => c / length);
 }
 
-/** What is bound for a resource, as the package for the web has it: a uniform block, a texture or a sampler. */
+/** Decodes the contents of a resource, in the form of the web package: a uniform block, a texture or a sampler. */
 export async function contentsOf(resource) {
     const { kind } = resource;
     if (kind === 'sampler') {

@@ -1,4 +1,4 @@
-// Draws what is chosen, finds its exposure, and reads renderings back.
+// Draws the selected materials, finds the exposure, and reads renderings back.
 
 import { viewBlock } from './camera.js';
 import { autoExposure, differences } from './colour.js';
@@ -7,42 +7,42 @@ import { isPair, page, scene, state } from './state.js';
 import { BYTES, FLOATS, WebGl } from './webgl.js';
 import { featuresOf, WebGpu } from './webgpu.js';
 
-/** Most pixels along a side of the rendering. */
+/** Maximum pixels along a side of the rendering. */
 const MAX_PIXELS = 1024;
-/** Samples along a pixel's side where nothing moves, and where something does. */
+/** Samples along a pixel's side at rest, and while something moves. */
 export const FINE = 2;
 export const COARSE = 1;
-/** What is shown: its layout and its numbers are those of `Show` in show.wgsl. */
+/** Modes of `Show` in show.wgsl. */
 const [PICTURES, COLOURS, DELTA_E, RADIANCE] = [0, 1, 2, 3];
-/** So many pixels, at least, say the exposure of a coarse rendering, which is drawn finely soon. */
+/** Minimum pixels that determine the exposure of a coarse rendering; a fine one follows. */
 const ENOUGH = 50_000;
 
 export class Drawing {
-    /** What was unpacked, but not uploaded yet; what was uploaded: programs, meshes and materials by their name or number. */
+    /** Unpacked data that is not uploaded yet, and uploaded programs, meshes and materials, by name or number. */
     #waiting = new Map();
     #made = new Map();
-    /** Of the materials and the surface that are chosen: the factor to the display's range, once it is known, and if a fine rendering says it. */
+    /** Exposure of the selected materials and surface: `factor` to the display's range, once known, and `isExact` if from a fine rendering. */
     #exposed = {};
-    /** That of what was drawn last. */
+    /** Exposure of the last rendering. */
     #drawnExposed = this.#exposed;
 
     constructor() {
         this.programs = unpacked(page.programs).then((bytes) => JSON.parse(new TextDecoder().decode(bytes)));
     }
 
-    /** Unpacks what a rendering takes, while a driver starts. */
+    /** Unpacks the data of the first rendering while the driver starts. */
     prepare() {
         const begun = [this.#shape(scene()), ...this.#drawn().map((number) => this.#contents(number))];
         begun.forEach(quietly);
     }
 
-    /** Opens what draws: WebGPU where there is, else WebGL 2; `wanted`, if there is one, alone. */
-    async open(canvas, wanted, lost, wrong) {
+    /** Opens WebGPU if available, else WebGL 2; only `api` if given. */
+    async open(canvas, api, lost, wrong) {
         const features = featuresOf(page.items);
-        let found = wanted === 'webgl2' ? undefined : await WebGpu.open(canvas, features, lost, wrong).catch(() => undefined);
-        found ??= wanted === 'webgpu' ? undefined : await WebGl.open(canvas, lost);
+        let found = api === 'webgl2' ? undefined : await WebGpu.open(canvas, features, lost, wrong).catch(() => undefined);
+        found ??= api === 'webgpu' ? undefined : await WebGl.open(canvas, lost);
         if (!found) {
-            throw new Error('there is neither WebGPU nor WebGL 2 with renderings of floats (EXT_color_buffer_float)');
+            throw new Error('neither WebGPU nor WebGL 2 with float render targets (EXT_color_buffer_float) is available');
         }
         [this.backend, this.canvas] = [found, canvas];
         this.#made.clear();
@@ -54,7 +54,7 @@ export class Drawing {
         return this.backend.name;
     }
 
-    /** As many pixels as an element of this size shows. */
+    /** Fits the resolution to an element of this size. */
     resize(clientWidth, clientHeight) {
         const scale = Math.min(devicePixelRatio, MAX_PIXELS / Math.max(clientWidth, clientHeight));
         const [width, height] = [clientWidth, clientHeight].map((side) => Math.max(Math.round(side * scale), 1));
@@ -64,7 +64,7 @@ export class Drawing {
         }
     }
 
-    /** Something else is drawn from now on. */
+    /** Resets the exposure for another selection. */
     forgetExposure() {
         this.#exposed = {};
     }
@@ -77,9 +77,9 @@ export class Drawing {
         return (this.#exposed.factor ?? 1) * 2 ** state.stops;
     }
 
-    /** Draws both renderings; nothing is shown yet. */
+    /** Draws both renderings without showing them. */
     async draw(samples) {
-        // The state may be another one after the wait.
+        // The state may change while this waits.
         const [view, surface, drawn, exposed] = [{ ...state, samples }, scene(), this.#drawn(), this.#exposed];
         const [shape, ...materials] = await Promise.all([this.#mesh(surface), ...drawn.map((number) => this.#material(number))]);
         drawn.forEach((number, which) => {
@@ -89,11 +89,11 @@ export class Drawing {
         this.#drawnExposed = exposed;
     }
 
-    /** Finds the exposure of what was drawn, unless it is known. */
+    /** Finds the exposure of the last rendering, unless it is known. */
     async expose(samples) {
         const mine = this.#drawnExposed;
         if (mine.factor === undefined || (!mine.isExact && samples === FINE)) {
-            // That of what is nearer to the truth: the right one is what the left one is held against.
+            // From the right rendering, which is the reference of the left one.
             const { width, height } = this.canvas;
             const step = samples === FINE ? 1 : Math.max(Math.floor(Math.sqrt((width * height) / ENOUGH)), 1);
             mine.factor = autoExposure(await this.#read(samples, RADIANCE, FLOATS, step));
@@ -101,29 +101,29 @@ export class Drawing {
         }
     }
 
-    /** Shows what was drawn. */
+    /** Shows the last renderings. */
     async show(samples) {
         const program = await this.#made.get('show');
         this.backend.show(program, this.#showBlock(samples, this.#mode()));
     }
 
-    /** Waits until all of it is drawn. */
+    /** Waits until the GPU is done. */
     finished() {
         return this.backend.finished();
     }
 
-    /** What both renderings differ by, drawn finely. */
+    /** Measures the difference of the fine renderings. */
     async measure() {
         return differences(await this.#read(FINE, DELTA_E, FLOATS));
     }
 
-    /** ΔE of a pixel, after `measure`; whether one shows a surface there, and whether both do. */
+    /** Returns ΔE of a pixel, after `measure`, and if one or both renderings show a surface there. */
     async differenceAt(pixel) {
         const [apart, , isSurface, isBoth] = await this.backend.read(FLOATS, [...pixel, 1, 1]);
         return { apart, isSurface: isSurface > 0, isBoth: isBoth > 0 };
     }
 
-    /** What is shown, as a PNG: finely, or as coarsely as the first rendering. */
+    /** Returns the displayed view as a PNG. */
     async rendering(samples = FINE) {
         await this.draw(samples);
         await this.expose(samples);
@@ -134,7 +134,7 @@ export class Drawing {
         return flat.convertToBlob({ type: 'image/png' });
     }
 
-    /** Renderings a second, each drawn as while something moves, and waited for. */
+    /** Measures coarse renderings per second, waiting for each. */
     async speed(count) {
         const [started, { turn }] = [performance.now(), state];
         const program = await this.#made.get('show');
@@ -164,7 +164,7 @@ export class Drawing {
         return new Uint8Array(block);
     }
 
-    /** What is shown, of each pixel or of one in `step` along each side. */
+    /** Reads back every pixel, or one in `step` along each side. */
     async #read(samples, what, which, step = 1) {
         const program = await this.#made.get('show');
         const size = [this.canvas.width, this.canvas.height].map((side) => Math.ceil(side / step));
@@ -172,7 +172,7 @@ export class Drawing {
         return this.backend.read(which, [0, 0, ...size], size);
     }
 
-    /** What draws a kind of pack; where samplers do not filter floats, a shader does that has no other way in it. */
+    /** The program of a material; it filters in the shader if samplers cannot filter its floats. */
     #program({ decoder, wide }) {
         const name = wide && !this.backend.filtersFloats ? `${decoder}, exact` : decoder;
         return this.#uploaded(`program ${name}`, async () => this.backend.program((await this.programs).of[name]));
@@ -212,7 +212,7 @@ export class Drawing {
     }
 }
 
-/** Whoever takes the result hears of an error. */
+/** Ignores errors here; they reach the code that awaits the result. */
 function quietly(work) {
     work.catch(() => undefined);
 }

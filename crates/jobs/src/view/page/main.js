@@ -1,30 +1,30 @@
-// The page: when what is drawn, measured and told.
+// The page: schedules drawing, measuring and updates of the controls.
 
-import { find, FRESH, listen, stage, tell } from './controls.js';
+import { find, FRESH, listen, stage, updateControls } from './controls.js';
 import { COARSE, Drawing, FINE } from './drawing.js';
 import { fromAddress, isPair, page, state, take } from './state.js';
 
-/** Milliseconds without a movement, after which a rendering is drawn finely. */
+/** Milliseconds at rest after which a fine rendering is drawn. */
 const REST = 150;
-/** Milliseconds after an error, in which its cause is heard of. */
+/** Milliseconds after an error within which the loss of the device that caused it is reported. */
 const LATE = 300;
-/** How often a page is drawn again, or tries to, that a graphics driver gave up. */
+/** Maximum attempts to restore a page after a graphics driver failed. */
 const MAX_LOSSES = 6;
 
 const [here, whole, wrong] = ['here', 'whole', 'wrong'].map(find);
 const drawing = new Drawing();
 let canvas = find('canvas');
-/** How often something was asked for, and how often what draws was opened: what is late is not of what is shown now. */
-let asks = 0;
+/** Counts of requested frames and of opened devices, to discard late results. */
+let requests = 0;
 let opened = 0;
-let asked = false;
+let isRequested = false;
 let moved = -Infinity;
 let resting;
-/** Whether the difference of what is shown was measured, and can be read under the pointer: its share of width and height. */
+/** True if the difference of the displayed view was measured. `pointer` is the pointer's position in shares of width and height. */
 let isMeasured = false;
 let pointer;
 let isPointed = false;
-/** How often a driver gave up. */
+/** Number of driver failures. */
 let losses = 0;
 
 function fail(error) {
@@ -33,12 +33,12 @@ function fail(error) {
     throw error;
 }
 
-/** One thing at a time is drawn or read, in turn. What was asked of a driver that gave up ends without a word. */
+/** Runs tasks one after another. Errors of tasks on a lost device are ignored. */
 let lastInTurn = Promise.resolve();
 function inTurn(work) {
     const by = opened;
     const done = lastInTurn.then(work).catch(async (error) => {
-        // That it gave up is said after what this led to.
+        // The loss of the device is reported after the errors that it causes.
         await new Promise((resolve) => setTimeout(resolve, LATE));
         if (by === opened) {
             throw error;
@@ -49,64 +49,64 @@ function inTurn(work) {
 }
 
 async function frame() {
-    asked = false;
+    isRequested = false;
     drawing.resize(stage.clientWidth, stage.clientHeight);
-    // What is new is seen at once, and finely after that.
+    // A new view is drawn coarsely at first, then finely.
     const moving = !drawing.isExposed || performance.now() - moved < REST;
     const samples = moving ? COARSE : FINE;
     await drawing.draw(samples);
     await drawing.expose(samples);
     if (!drawing.isExposed) {
-        // Something else was chosen meanwhile, and asked for.
+        // The selection changed meanwhile, and another frame is requested.
         return;
     }
     await drawing.show(samples);
     clearTimeout(resting);
     if (moving) {
-        resting = setTimeout(ask, Math.max(moved + REST - performance.now(), 0));
+        resting = setTimeout(requestFrame, Math.max(moved + REST - performance.now(), 0));
     } else {
         await measure();
     }
 }
 
-/** Asks for a frame, however often. */
-function ask() {
+/** Requests a frame; several requests give one frame. */
+function requestFrame() {
     isMeasured = false;
-    asks += 1;
-    if (!asked) {
-        asked = true;
+    requests += 1;
+    if (!isRequested) {
+        isRequested = true;
         requestAnimationFrame(() => inTurn(frame).catch(fail));
     }
 }
 
 function move() {
     moved = performance.now();
-    ask();
+    requestFrame();
 }
 
-/** Takes some of the state over, and draws it; `moves`: more of the same is to come. */
+/** Applies changes to the state and draws it. `moves` is true if more changes will follow. */
 function set(changes, moves = false) {
     if (take(changes)) {
         drawing.forgetExposure();
     }
-    tell();
+    updateControls();
     moved = moves ? performance.now() : moved;
-    ask();
+    requestFrame();
 }
 
-/** What both fine renderings differ by. */
+/** Measures and displays the difference of both fine renderings. */
 async function measure() {
     whole.textContent = '';
     if (!isPair()) {
         here.textContent = '';
         return undefined;
     }
-    const before = asks;
+    const before = requests;
     const found = await drawing.measure();
     whole.textContent = found.pixels > 0
-        ? `ΔE of this view: ${found.mean.toFixed(2)} in the mean, ${found.p95.toFixed(2)} at 95 %`
-        : 'Nothing here is shown by both.';
-    isMeasured = before === asks;
+        ? `ΔE of this view: mean ${found.mean.toFixed(2)}, 95th percentile ${found.p95.toFixed(2)}`
+        : 'No overlap to compare.';
+    isMeasured = before === requests;
     await underPointer();
     return found;
 }
@@ -114,12 +114,12 @@ async function measure() {
 async function underPointer() {
     isPointed = false;
     if (!isPair() || !pointer || !isMeasured) {
-        here.textContent = isPair() ? 'Point at the rendering for the ΔE there.' : '';
+        here.textContent = isPair() ? 'Point at the rendering to read ΔE there.' : '';
         return;
     }
     const pixel = [canvas.width, canvas.height].map((count, k) => Math.max(Math.min(Math.floor(pointer[k] * count), count - 1), 0));
     const { apart, isSurface, isBoth } = await drawing.differenceAt(pixel);
-    const without = isSurface ? 'one of the two was not made for these directions' : 'no surface';
+    const without = isSurface ? 'one of the two does not cover these directions' : 'no surface';
     here.textContent = `ΔE here: ${isBoth ? apart.toFixed(2) : without}`;
 }
 
@@ -149,35 +149,35 @@ function startAgain() {
     set(FRESH());
 }
 
-async function open(wanted) {
+async function open(api) {
     opened += 1;
     const mine = opened;
-    const ifMine = (work) => (word) => (mine === opened ? work(word) : undefined);
-    await drawing.open(canvas, wanted, ifMine(() => reopen().catch(fail)), ifMine(fail));
+    const ifMine = (work) => (value) => (mine === opened ? work(value) : undefined);
+    await drawing.open(canvas, api, ifMine(() => reopen().catch(fail)), ifMine(fail));
     find('api').textContent = drawing.api;
 }
 
-/** Where a driver took everything away, the same by WebGL 2. A graphics process that ended is not there again at once. */
+/** Restores a lost page with WebGL 2. It retries, because a graphics process needs time to restart. */
 async function reopen() {
-    // From now on, what the lost one still says is of no interest.
+    // Ignores further messages of the lost device.
     opened += 1;
     for (; losses < MAX_LOSSES; losses += 1) {
         await new Promise((resolve) => setTimeout(resolve, 500));
-        // A canvas keeps to the first context that it gave.
+        // A canvas cannot change the kind of its context.
         const fresh = canvas.cloneNode();
         canvas.replaceWith(fresh);
         canvas = fresh;
         if (await open('webgl2').then(() => true, () => false)) {
             losses += 1;
-            // What was asked of the lost one does not end, or ends badly.
+            // Tasks of the lost device never end, or fail.
             lastInTurn = Promise.resolve();
-            asked = false;
+            isRequested = false;
             wrong.hidden = true;
-            ask();
+            requestFrame();
             return;
         }
     }
-    throw new Error(`the graphics driver gave up ${losses} times`);
+    throw new Error(`the graphics driver failed ${losses} times`);
 }
 
 async function start() {
@@ -195,7 +195,7 @@ async function start() {
     return performance.now();
 }
 
-/** For scripts: when the first rendering stood, in milliseconds from the start; changes; exposure; renderings; differences. */
+/** Interface for scripts. `first` resolves to the time of the first rendering, in milliseconds from the start. */
 globalThis.brdfcView = {
     first: start().catch(fail),
     state,
@@ -205,7 +205,7 @@ globalThis.brdfcView = {
         await lastInTurn;
     },
     exposure: () => drawing.exposure(),
-    /** `isFirst`: as coarse as the first rendering, with its exposure. */
+    /** Renders a PNG; with `isFirst`, as coarsely as the first rendering, with its exposure. */
     rendering: (isFirst = false) => inTurn(() => {
         if (!isFirst) {
             return drawing.rendering(FINE);

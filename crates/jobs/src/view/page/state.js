@@ -1,4 +1,4 @@
-// What is shown, as controls and addresses say it.
+// State of the page, from controls and addresses.
 
 export const page = JSON.parse(document.getElementById('data').textContent);
 
@@ -10,7 +10,7 @@ export const state = {
     right: page.items.length > 1 ? 1 : -1,
     mode: 'split',
     split: 0.5,
-    /** By how many levels it is coarser than the finest; null: as the distance, or the size of a pixel, says. */
+    /** Levels coarser than the finest; null: from the distance, or from the size of a pixel. */
     coarser: null,
     stops: 0,
     turn: still(),
@@ -21,7 +21,7 @@ export const state = {
 export const scene = () => page.scenes.find(({ name }) => name === state.scene);
 export const isPair = () => state.right >= 0;
 
-/** Takes changes over, and what follows from them. Says whether another surface or another material is shown. */
+/** Applies changes and their consequences. Returns true if the surface or a material changed. */
 export function take(changes) {
     const before = { ...state };
     Object.assign(state, changes);
@@ -39,7 +39,7 @@ export function take(changes) {
     return ['scene', 'left', 'right'].some((key) => state[key] !== before[key]);
 }
 
-/** What an address asks for behind its #: scene, left and right by name, mode, coarser, api, embed. */
+/** Reads changes from the fragment of the address: scene, left and right by name, mode, coarser. */
 export function fromAddress() {
     const number = (name) => page.items.findIndex((item) => item.name === name);
     let changes = {};
@@ -47,7 +47,7 @@ export function fromAddress() {
         if (key === 'scene' && page.scenes.some(({ name }) => name === value)) {
             changes.scene = value;
         } else if (key === 'left' && number(value) >= 0) {
-            // Beside its source, unless something else is asked for.
+            // Next to its source, unless the address names another material.
             changes = { left: number(value), right: number(`${value}, source`), ...changes };
         } else if (key === 'right') {
             changes.right = number(value);

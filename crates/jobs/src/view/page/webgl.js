@@ -1,12 +1,12 @@
-// Renderings by WebGL 2.
+// Draws with WebGL 2.
 
 import { uploadTexture } from '../shared/upload_webgl.js';
 import { CORNER } from './data.js';
 
-/** Where blocks are bound. */
+/** Binding points of uniform blocks. */
 const VIEW_POINT = 0;
 const PACK_POINT = 1;
-/** Numbers of renderings besides those of materials: of what is shown, as bytes and as floats. */
+/** Numbers of the render targets of the displayed view, as bytes and as floats. */
 export const BYTES = 2;
 export const FLOATS = 3;
 
@@ -15,7 +15,7 @@ export class WebGl {
     /** 32-bit floats are filtered by the shader. */
     filtersFloats = false;
 
-    /** Nothing where there is none that holds floats. `lost` is called where the driver takes the context away. */
+    /** Returns undefined if WebGL 2 with float render targets is not available. `lost` is called if the context is lost. */
     static async open(canvas, lost) {
         const gl = canvas.getContext('webgl2', { antialias: false, depth: false });
         if (!gl?.getExtension('EXT_color_buffer_float')) {
@@ -33,7 +33,7 @@ export class WebGl {
         this.targets = new Map();
     }
 
-    /** A program of the page. The driver compiles while others are made, until one is checked. */
+    /** Starts compiling a program of the page; `check` waits for the driver and throws errors. */
     program({ vertex, fragment, blocks, textures }) {
         const { gl } = this;
         const program = gl.createProgram();
@@ -66,7 +66,7 @@ export class WebGl {
         return { program, check, textures };
     }
 
-    /** What shows both renderings. */
+    /** The program that shows both renderings. */
     showing(program) {
         return this.program(program);
     }
@@ -88,18 +88,18 @@ export class WebGl {
         return { array, count: indices.length };
     }
 
-    /** A texture that this device does not hold is told before it is black. */
+    /** Throws an error for textures that the device does not support; they would be black. */
     refuseTooLarge({ dimension, size }) {
         const { gl } = this;
         const [sides, layers] = dimension === '3d' ? [size, 1] : [size.slice(0, 2), size[2]];
         const most = gl.getParameter(dimension === '3d' ? gl.MAX_3D_TEXTURE_SIZE : gl.MAX_TEXTURE_SIZE);
         const mostLayers = gl.getParameter(gl.MAX_ARRAY_TEXTURE_LAYERS);
         if (sides.some((side) => side > most) || layers > mostLayers) {
-            throw new Error(`found a texture of ${size.join(' x ')} texels, expected ${most} along a side, ${mostLayers} layers`);
+            throw new Error(`found a texture of ${size.join(' x ')} texels, expected at most ${most} along a side and ${mostLayers} layers`);
         }
     }
 
-    /** A material: what is bound for it. */
+    /** Uploads the resources of a material. */
     material(program, resources) {
         const { gl } = this;
         const bound = { program, blocks: [], textures: new Map() };
@@ -121,7 +121,7 @@ export class WebGl {
         return bound;
     }
 
-    /** Renderings have this size from now on. */
+    /** Sets the size of renderings. */
     resize(width, height) {
         const { gl } = this;
         for (const { texture, depth, frame } of this.targets.values()) {
@@ -134,7 +134,7 @@ export class WebGl {
         this.size = [width, height];
     }
 
-    /** What is drawn into, or shown in; made where it is asked for, as what is never cleared costs nothing. */
+    /** Returns a render target, and creates it at first use. */
     target(key, format, samples, withDepth) {
         const { gl } = this;
         if (!this.targets.has(key)) {
@@ -170,7 +170,7 @@ export class WebGl {
         gl.bindBufferBase(gl.UNIFORM_BUFFER, VIEW_POINT, this.block);
     }
 
-    /** Draws a material on a mesh into a rendering. */
+    /** Draws a material on a mesh into a render target. */
     draw(which, material, mesh, block, samples) {
         const { gl } = this;
         this.drawn[which] = this.target(`rendering ${which} of ${samples}`, gl.RGBA32F, samples, true);
@@ -195,7 +195,7 @@ export class WebGl {
         gl.bindVertexArray(null);
     }
 
-    /** Shows both on the canvas, or in the rendering of this number, on so many pixels of it. */
+    /** Shows both renderings on the canvas, or in render target `which`, on `size` pixels of it. */
     show(program, block, which, size = this.size) {
         const { gl } = this;
         gl.bindFramebuffer(gl.FRAMEBUFFER, which === undefined ? null : this.shown(which));
@@ -218,7 +218,7 @@ export class WebGl {
         gl.readPixels(0, 0, 1, 1, gl.RGBA, gl.UNSIGNED_BYTE, new Uint8Array(4));
     }
 
-    /** Texels of a rectangle of what is shown on so many pixels, rows from the top. */
+    /** Reads a rectangle of the displayed view, rows from the top. */
     async read(which, [x, y, width, height], [, rows] = this.size) {
         const { gl } = this;
         const bytes = which === BYTES;

@@ -1,22 +1,22 @@
-// Renderings by WebGPU.
+// Draws with WebGPU.
 
 import { gpuResource } from '../shared/upload_webgpu.js';
 import { CORNER } from './data.js';
 import { BYTES, FLOATS } from './webgl.js';
 
-/** For floats that a sampler filters: wavelet packs of more than 8 bits. */
+/** Feature for float textures that samplers filter: wavelet packs of more than 8 bits. */
 const FILTERS_FLOATS = 'float32-filterable';
 /** Rows of a copied texture begin at multiples of this. */
 const ROW_BYTES = 256;
 
 export class WebGpu {
     name = 'WebGPU';
-    /** 32-bit floats are filtered by samplers: no other device is taken where a material has them. */
+    /** 32-bit floats are filtered by samplers; `open` requires this if a material has them. */
     filtersFloats = true;
 
     /**
-     * Nothing where there is none that has what the page's materials take. `lost` is called where the driver takes the device
-     * away, `wrong` with an error.
+     * Returns undefined if no device has the required features. `lost` is called if the device is lost, `wrong` with errors that
+     * no other code handles.
      */
     static async open(canvas, features, lost, wrong) {
         const adapter = await navigator.gpu?.requestAdapter();
@@ -54,7 +54,7 @@ export class WebGpu {
         return buffer;
     }
 
-    /** What draws a kind of pack. Drivers compile several at a time. */
+    /** Compiles the program of a kind of pack. Drivers compile several at a time. */
     async program({ wgsl }) {
         const module = this.device.createShaderModule({ code: wgsl });
         let at = 0;
@@ -72,7 +72,7 @@ export class WebGpu {
         return { pipeline };
     }
 
-    /** What shows both renderings: on the canvas, as floats, and, for renderings that are saved, as bytes. */
+    /** The programs that show both renderings: on the canvas, as floats, and as bytes for saved images. */
     async showing({ wgsl }) {
         const { device } = this;
         const module = device.createShaderModule({ code: wgsl });
@@ -104,7 +104,7 @@ export class WebGpu {
         return { pipeline, group: this.device.createBindGroup({ layout: pipeline.getBindGroupLayout(1), entries }) };
     }
 
-    /** Renderings have this size from now on. */
+    /** Sets the size of renderings. */
     resize(width, height) {
         for (const { texture, depth } of this.targets.values()) {
             texture.destroy();
@@ -115,7 +115,7 @@ export class WebGpu {
         this.size = [width, height];
     }
 
-    /** What is drawn into, or shown in; made where it is asked for, as what is never cleared costs nothing. */
+    /** Returns a render target, and creates it at first use. */
     target(key, format, samples, withDepth) {
         if (!this.targets.has(key)) {
             const size = this.size.map((side) => side * samples);
@@ -129,7 +129,7 @@ export class WebGpu {
         return this.targets.get(key);
     }
 
-    /** Draws a material on a mesh into a rendering. */
+    /** Draws a material on a mesh into a render target. */
     draw(which, { pipeline, group }, mesh, block, samples) {
         this.drawn[which] = this.target(`rendering ${which} of ${samples}`, 'rgba32float', samples, true);
         const { texture, depth } = this.drawn[which];
@@ -148,7 +148,7 @@ export class WebGpu {
         this.device.queue.submit([encoder.finish()]);
     }
 
-    /** The block of what is drawn into a rendering, or shown of both. */
+    /** Bind group of the uniform block and textures of a draw call. */
     blockGroup(key, pipeline, block, textures) {
         this.blocks[key] ??= this.buffer(block, GPUBufferUsage.UNIFORM);
         this.device.queue.writeBuffer(this.blocks[key], 0, block);
@@ -157,7 +157,7 @@ export class WebGpu {
         return this.device.createBindGroup({ layout: pipeline.getBindGroupLayout(0), entries });
     }
 
-    /** Shows both on the canvas, or in the rendering of this number, on so many pixels of it. */
+    /** Shows both renderings on the canvas, or in render target `which`, on `size` pixels of it. */
     show(program, block, which, size = this.size) {
         const pipeline = program[which] ?? program.canvas;
         const texture = which === undefined ? this.context.getCurrentTexture() : this.shown(which);
@@ -204,7 +204,7 @@ export class WebGpu {
     }
 }
 
-/** What devices must have for some formats. */
+/** Features that the texel formats of the materials require. */
 export function featuresOf(items) {
     return items.some((item) => item.wide) ? [FILTERS_FLOATS] : [];
 }

@@ -1,4 +1,4 @@
-// How a page draws packs of BRDFs. `brdf` and `brdf_level_of_detail`, which stand before it, call the decoder.
+// Draws packs of BRDFs on a page. `brdf` and `brdf_level_of_detail`, which precede it, call the decoder.
 
 fn placed(uv: vec2<f32>, front: bool) -> vec2<f32> {
     return uv;

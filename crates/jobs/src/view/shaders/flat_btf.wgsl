@@ -1,6 +1,6 @@
-// How a page draws flat BTFs.
+// Draws flat BTFs on a page.
 
-// From behind, v is negated, so that it goes along the bitangent there, too.
+// On back faces v is negated, so that it follows the bitangent there, too.
 fn placed(uv: vec2<f32>, front: bool) -> vec2<f32> {
     return select(vec2<f32>(uv.x, -uv.y), uv, front) * view.repeat;
 }

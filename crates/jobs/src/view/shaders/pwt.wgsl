@@ -1,11 +1,11 @@
-// How a page draws polynomial wavelet trees.
+// Draws polynomial wavelet trees on a page.
 
-// v goes down in the rendering, and along the bitangent on the surface.
+// v points down in the image, and along the bitangent on the surface.
 fn placed(uv: vec2<f32>, front: bool) -> vec2<f32> {
     return vec2<f32>(uv.x, select(uv.y, 1.0 - uv.y, front)) * view.repeat;
 }
 
-// That of a pixel, whatever its samples.
+// The level of a whole pixel, for any number of samples.
 fn level_at(distance: f32, right: vec2<f32>, below: vec2<f32>) -> f32 {
     let whole = exp2(view.octaves);
     return pwt_mipmap_level(right * whole, below * whole);

@@ -1,13 +1,13 @@
-// Draws a mesh of one material under point lights, as the scenes of `brdfc render` are. Appended to a decoder, to what a page
-// says of its kind (`placed`, `level_at`, `reflected`), and to the renderer's `shading_point.wgsl` and `corner.wgsl`.
+// Draws a mesh of one material under point lights, as in the scenes of `brdfc render`. It follows a decoder, the functions of its
+// kind (`placed`, `level_at`, `reflected`), and the renderer's `shading_point.wgsl` and `corner.wgsl`.
 
 struct View {
     eye: vec4<f32>,
     right: vec4<f32>,    // divided by half the width of the image plane at distance 1
     up: vec4<f32>,       // divided by half its height
     forward: vec4<f32>,
-    sines: vec4<f32>,    // of the elevations that the material is for: the viewer's lowest and highest, the lights'
-    level: f32,          // of detail; negative: it follows the distance, or the size of a pixel
+    sines: vec4<f32>,    // of the elevations that the material covers: the viewer's lowest and highest, then the lights'
+    level: f32,          // of detail; negative: from the distance, or from the size of a pixel
     octaves: f32,        // log2 of the samples along a pixel's side
     repeat: f32,         // tiles per unit of uv
     light_count: u32,
@@ -23,7 +23,7 @@ fn project(corner: Corner) -> Varying {
     return projected(corner, view.eye.xyz, view.right.xyz, view.up.xyz, view.forward.xyz, vec2<f32>(0.0));
 }
 
-// Linear radiance and coverage. What is seen or lit from where the material was not made for is left out.
+// Linear radiance and coverage. Surfaces seen or lit from directions that the material does not cover are left out.
 @fragment
 fn shade(in: Varying, @builtin(front_facing) front: bool) -> @location(0) vec4<f32> {
     let uv = placed(in.uv, front);

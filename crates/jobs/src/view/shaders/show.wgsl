@@ -1,14 +1,14 @@
-// Shows drawn renderings: means of a pixel's samples, exposed, sRGB-encoded, one beside another; or says how far they are apart.
-// RAMP and FULL_SCALE, the colours of differences, stand before it.
+// Displays renderings side by side (means of a pixel's samples, exposed and sRGB-encoded), or their difference.
+// RAMP and FULL_SCALE, the colours of differences, precede it.
 
 struct Show {
     background: vec3<f32>, // linear RGB of the display, 0 to 1
     exposure: f32,
-    split: f32,            // in pixels: the first rendering is to the left of it
+    split: f32,            // in pixels: the first rendering is left of it
     what: u32,
     samples: u32,          // along a pixel's side
     pair: u32,             // 1: there is a second rendering
-    step: u32,             // pixels from one that is shown to the next
+    step: u32,             // distance between displayed pixels
     reserved_0: u32,
     reserved_1: u32,
     reserved_2: u32,
@@ -56,7 +56,7 @@ fn show(@builtin(position) at: vec4<f32>) -> @location(0) vec4<f32> {
         let behind = parameters.background * (1.0 - rendering.a);
         return vec4<f32>(encoded(min(rendering.rgb * parameters.exposure, vec3<f32>(1.0)) + behind), 1.0);
     }
-    // Of one surface both have the same coverage: a pixel that has a sample for which one of the materials was not made is not
+    // On the same surface both have the same coverage. Pixels with a sample that one of the materials does not cover are not
     // compared.
     let is_both = a.a > 0.0 && abs(a.a - b.a) < 0.5 * share;
     let apart = distance(lab(a.rgb * parameters.exposure), lab(b.rgb * parameters.exposure));

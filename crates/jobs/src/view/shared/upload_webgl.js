@@ -1,11 +1,11 @@
-// Textures of packs in WebGL 2: for the package, and for the pages of 'brdfc view'.
+// Textures of packs in WebGL 2, for the web package and the pages of 'brdfc view'.
 
 import { levelSize } from './levels.js';
 
 /** @typedef {import('./container.js').TextureData} TextureData */
 
 /**
- * Internal format, format and type of a texel, as names of a context's constants.
+ * Internal format, format and type of texels, as names of WebGL constants.
  *
  * @type {Partial<Record<TextureData['format'], readonly [string, string, string]>>}
  */
@@ -24,7 +24,7 @@ export const GL_FORMATS = {
 };
 
 /**
- * Texels in the array that WebGL takes for their type.
+ * Views texels as the typed array that WebGL expects for their type.
  *
  * @param {TextureData} data
  * @param {number} level
@@ -40,7 +40,7 @@ export function typed(data, level) {
     }
 }
 
-/** How texels are read from memory: constants by name, and what these textures take. Flipping is refused for arrays. */
+/** Pixel storage parameters and their values for these textures. WebGL does not allow flipping for arrays. */
 const UNPACKING = /** @type {const} */ ([
     ['UNPACK_FLIP_Y_WEBGL', false],
     ['UNPACK_PREMULTIPLY_ALPHA_WEBGL', false],
@@ -54,18 +54,18 @@ const UNPACKING = /** @type {const} */ ([
 const BOUND = { '2d': 'TEXTURE_BINDING_2D', '2d-array': 'TEXTURE_BINDING_2D_ARRAY', '3d': 'TEXTURE_BINDING_3D' };
 
 /**
- * Uploads one texture, with its mipmap levels. The context has the state afterwards that it had before, as others use it, too.
+ * Uploads one texture with its mipmap levels. Restores the state of the context, which other code uses, too.
  *
  * @param {WebGL2RenderingContext} gl
  * @param {TextureData} data
- * @param {boolean} filtered whether a sampler filters it
- * @param {boolean} repeats whether its coordinates repeat; else they are clamped to the edge
+ * @param {boolean} filtered true if a sampler filters it
+ * @param {boolean} repeats true if its coordinates repeat, false if they are clamped to the edge
  * @returns {{ target: number, texture: WebGLTexture }}
  */
 export function uploadTexture(gl, data, filtered, repeats) {
     const names = GL_FORMATS[data.format];
     if (names === undefined) {
-        throw new Error(`found texels of ${data.format}, expected what WebGL 2 has`);
+        throw new Error(`found texel format ${data.format}, expected one that WebGL 2 supports`);
     }
     const constants = /** @type {Record<string, number>} */ (/** @type {unknown} */ (gl));
     const [internal, format, type] = names.map((name) => constants[name]);
@@ -93,7 +93,7 @@ export function uploadTexture(gl, data, filtered, repeats) {
             gl.texSubImage3D(target, level, 0, 0, 0, width, height, depth, format, type, typed(data, level));
         }
     });
-    // Samplers do not filter integers and, without an extension, floats of 32 bits; shaders do not ask for it.
+    // Samplers filter neither integers nor, without an extension, 32-bit floats; shaders do not rely on it.
     const linear = filtered && !data.format.endsWith('32float');
     const mipmaps = data.levels.length > 1;
     const small = linear ? (mipmaps ? gl.LINEAR_MIPMAP_LINEAR : gl.LINEAR) : mipmaps ? gl.NEAREST_MIPMAP_NEAREST : gl.NEAREST;

@@ -1,11 +1,11 @@
-// Resources of packs in WebGPU: for the package, and for the pages of 'brdfc view'.
+// Resources of packs in WebGPU, for the web package and the pages of 'brdfc view'.
 
 import { levelSize } from './levels.js';
 
 /** @typedef {import('./container.js').TextureData} TextureData */
 
 /**
- * Uploads one texture, with its mipmap levels.
+ * Uploads one texture with its mipmap levels.
  *
  * @param {GPUDevice} device
  * @param {TextureData} data
@@ -28,7 +28,7 @@ export function gpuTexture(device, data) {
 }
 
 /**
- * What is bound for a resource of a pack, and what holds its memory: nothing of a sampler.
+ * Creates the binding of a resource, and the object `held` that owns its memory; samplers have none.
  *
  * @param {GPUDevice} device
  * @param {import('./pack.js').Contents} contents

@@ -90,7 +90,7 @@ fn the_order_of_images_does_not_matter() {
     let (a, b) = (pattern(0), pattern(1));
     let [forth, back] = [flip(&a, &b, 1.0, PIXELS_PER_DEGREE), flip(&b, &a, 1.0, PIXELS_PER_DEGREE)];
     assert_eq!(forth, back);
-    // The control: of other images it is another.
+    // Control: for other images the result differs.
     assert_ne!(forth, flip(&a, &pattern(2), 1.0, PIXELS_PER_DEGREE));
 }
 
@@ -102,9 +102,9 @@ fn a_wider_blur_is_a_larger_difference() {
     assert!(found[3] < 1.0);
 }
 
-/// From afar fine structure is not seen; without the filters the distance would not matter.
+/// From afar fine structure is invisible; without the filters the distance would not matter.
 #[test]
-fn fine_structure_is_seen_from_near_only() {
+fn fine_structure_is_visible_from_near_only() {
     let grey = plain([0.5; 3]);
     let checks = image(16, 16, |x, y| [if (x + y) % 2 == 0 { 0.4 } else { 0.6 }; 3]);
     let [near, far] = [15.0, 120.0].map(|pixels| flip(&grey, &checks, 1.0, pixels).mean);
@@ -136,7 +136,7 @@ fn separated_filters_are_those_of_the_plane() {
             let value = f64::from(found[y * width + x]);
             let expected = sum_over(x, y, SENSITIVITY[channel]);
             assert!((value - expected).abs() < 1e-4, "{channel}: {value} {expected}");
-            // The control: a single Gaussian where there are two.
+            // Control: a single Gaussian of the two.
             let short = sum_over(x, y, &SENSITIVITY[2][..1]);
             assert!((value - short).abs() > 1e-3, "{channel}: {value} {short}");
         }

@@ -3,9 +3,9 @@
 use crate::scan::quoted;
 use brdfc_formats::FormatError;
 
-/// Largest header.
+/// Maximum size of a header, bytes.
 const MAX_BYTES: usize = 1 << 20;
-/// Most properties of an element, and most elements.
+/// Maximum number of properties of an element, and of elements.
 const MAX_COUNT: usize = 1024;
 const KEYWORDS: &str = "comment, obj_info, element, property, end_header";
 const TYPES: &str = "char, uchar, short, ushort, int, uint, float, double, or int8 to float64";
@@ -51,7 +51,7 @@ impl Scalar {
         !matches!(self, Self::F32 | Self::F64)
     }
 
-    /// Lowest and highest integer.
+    /// Smallest and largest integer.
     fn range(self) -> [f64; 2] {
         match self {
             Self::I8 => [i8::MIN.into(), i8::MAX.into()],
@@ -64,7 +64,7 @@ impl Scalar {
         }
     }
 
-    /// Whether a number in text is one of this type.
+    /// Returns true if a number in text is valid for this type.
     pub fn holds(self, value: f64) -> bool {
         let [lowest, highest] = self.range();
         !self.is_integer() || (value.fract() == 0.0 && (lowest..=highest).contains(&value))
@@ -75,7 +75,7 @@ impl Scalar {
         if self.is_integer() { format!("an integer, {lowest} to {highest}") } else { "a number".to_owned() }
     }
 
-    /// The number in the first [`size`](Self::size) bytes, little-endian.
+    /// Decodes the number in the first [`size`](Self::size) bytes, little-endian.
     pub fn decode(self, [a, b, c, d, e, f, g, h]: [u8; 8]) -> f64 {
         match self {
             Self::I8 => i8::from_le_bytes([a]).into(),
@@ -90,11 +90,11 @@ impl Scalar {
     }
 }
 
-/// What a property holds in each row.
+/// Contents of a property in each row.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Kind {
     Scalar(Scalar),
-    /// Types of its length and of its items.
+    /// A list: types of its length and of its items.
     List(Scalar, Scalar),
 }
 
@@ -106,7 +106,7 @@ pub struct Property {
 }
 
 impl Property {
-    /// Bytes that a row has for it, or more.
+    /// Minimum number of bytes of a row.
     pub fn least_bytes(&self) -> u64 {
         match self.kind {
             Kind::Scalar(scalar) | Kind::List(scalar, _) => scalar.size() as u64,
@@ -132,9 +132,9 @@ pub enum Encoding {
 pub struct Header {
     pub encoding: Encoding,
     pub elements: Vec<Element>,
-    /// Bytes up to the data.
+    /// Number of bytes before the data.
     pub length: usize,
-    /// Lines up to the data.
+    /// Number of lines before the data.
     pub lines: u64,
 }
 

@@ -47,7 +47,7 @@ fn other_elements_and_properties_are_skipped() {
     assert!((mesh.colours[0][2] - 0.215_861).abs() < 1e-6, "128 of sRGB");
 }
 
-/// A file with every type, in the byte order that `number` gives.
+/// A file with every type, in the byte order of `bytes`.
 fn binary(order: &str, bytes: fn(&[u8]) -> Vec<u8>) -> Vec<u8> {
     let mut file = format!(
         "ply\nformat binary_{order}_endian 1.0\nelement vertex 3\nproperty float x\nproperty double y\n\
@@ -154,12 +154,12 @@ fn errors_of_binary_files_name_the_byte() {
     };
     let place = |offset: usize| format!("byte {}, ", start + offset);
     assert!(error(start, &f32::NAN.to_le_bytes()).starts_with(&format!("{}coordinate: found NaN", place(30))));
-    assert!(error(start + 14, &2.0f32.to_le_bytes()).starts_with(&format!("{}colour: found 2;", place(30))));
+    assert!(error(start + 14, &2.0f32.to_le_bytes()).starts_with(&format!("{}colour: found 2,", place(30))));
     let faces = start + 90;
     let length = error(faces + 2, &i32::MAX.to_le_bytes());
     assert_eq!(
         length,
-        format!("{}list length: found 2147483647, expected 0 to 3, for which there are data", place(96))
+        format!("{}list length: found 2147483647, expected 0 to 3, limited by the remaining data", place(96))
     );
     assert!(error(faces + 2, &(-1i32).to_le_bytes()).contains("list length: found -1"));
     assert!(error(faces + 6, &7u32.to_le_bytes()).contains("vertex index: found 7"));
@@ -176,7 +176,7 @@ fn no_change_of_bytes_panics() {
 
 proptest! {
     #[test]
-    fn what_is_written_is_read(mesh in meshes()) {
+    fn meshes_round_trip(mesh in meshes()) {
         let mut bytes = Vec::new();
         write(&mut bytes, &mesh).unwrap();
         prop_assert_eq!(from_bytes(&bytes).unwrap(), mesh);

@@ -1,4 +1,4 @@
-//! BTFs of the Bonn database of 2014, written here and read by the crate.
+//! BTFs of the Bonn database of 2014, written by the tests and read by the crate.
 
 mod write;
 
@@ -37,7 +37,7 @@ fn sign(row: usize, column: usize) -> f32 {
     if (row & column).count_ones().is_multiple_of(2) { 1.0 } else { -1.0 }
 }
 
-/// Channel of known values at full rank: their Walsh transform along the texels, and its inverse.
+/// Full-rank channel with known values: their Walsh transform along the texels, and its inverse.
 fn factored(value: impl Fn(usize, usize) -> f32, pairs: usize, scalar: Scalar) -> Channel {
     let coefficient = |pair: usize, k: usize| {
         (0..TEXELS).map(|texel| value(pair, texel) * sign(k, texel)).sum::<f32>() / TEXELS as f32
@@ -47,14 +47,14 @@ fn factored(value: impl Fn(usize, usize) -> f32, pairs: usize, scalar: Scalar) -
     Channel::new(TEXELS, &first, &second, scalar).unwrap()
 }
 
-/// RGB of a small relief, all different and none the mirror image of another.
+/// RGB of a small relief, without equal values or mirror images.
 fn truth(pair: usize, texel: usize) -> [f32; 3] {
     let (x, y) = ((texel % SIZE[0]) as f32, (texel / SIZE[0]) as f32);
     let shade = 0.3 + 0.05 * pair as f32 + 0.04 * (0.7 * x + pair as f32).sin();
     [shade, shade * (0.5 + 0.1 * y), 0.2 * shade + 0.01 * x]
 }
 
-/// Analogue YUV of RGB: the inverse of the decoder's constants, solved by Cramer's rule from luma weights that fit them.
+/// Analogue YUV of RGB: the inverse of the decoder's constants, solved by Cramer's rule from matching luma weights.
 fn yuv([r, g, b]: [f32; 3]) -> [f32; 3] {
     // r = y + p v, g = y - q u - s v, b = y + t u; q/t and s/p weigh blue and red in luma.
     let (p, q, s, t) = (1.13983, 0.39465, 0.5806, 2.03211);
@@ -79,7 +79,7 @@ fn error_of(bytes: &[u8]) -> FormatError {
     UboBtf::from_bytes(bytes).unwrap_err()
 }
 
-/// Bytes of the parts of a version 4 file up to the first channel.
+/// Offsets of the parts of a version 4 file up to the first channel.
 mod at {
     pub const HEADER: usize = 10;
     pub const XML: usize = HEADER + 4 + 4 + 240 + 16 + 4;
@@ -94,7 +94,7 @@ mod at {
 }
 
 #[test]
-fn what_is_written_is_read() {
+fn files_round_trip() {
     for model in [ColourModel::Rgb, ColourModel::LogYRatioUv] {
         for scalar in [Scalar::Half, Scalar::Single, Scalar::Double] {
             let btf = example(model, scalar);
@@ -117,7 +117,7 @@ fn what_is_written_is_read() {
 }
 
 #[test]
-fn values_are_those_that_were_factored_within_what_halves_give() {
+fn values_match_within_the_precision_of_halves() {
     for (model, scalar) in [
         (ColourModel::Rgb, Scalar::Half),
         (ColourModel::LogYRatioUv, Scalar::Half),
@@ -140,7 +140,7 @@ fn values_are_those_that_were_factored_within_what_halves_give() {
                 let expected = truth(pair, texel);
                 let allowed = match model {
                     ColourModel::Rgb => [0, 1, 2].map(bound),
-                    // Y has that much relatively; the shares of U and V, at most 2.04 of them, beside it.
+                    // Y has that relative error, in addition to the shares of U and V, at most 2.04 of them.
                     _ => [(2.1 * (bound(0) + bound(1) + bound(2)) + 2e-6) * expected.iter().sum::<f32>(); 3],
                 };
                 for c in 0..3 {
@@ -153,7 +153,7 @@ fn values_are_those_that_were_factored_within_what_halves_give() {
                 }
             }
         }
-        // Halves are seen; a bound that takes anything would not be.
+        // Rounding to halves is visible; the lower bound shows that the check is not trivial.
         let least = if scalar == Scalar::Half { 1e-5 } else { 0.0 };
         assert!(worst >= least && worst < 2e-3, "{model:?} {scalar:?} {worst}");
     }
@@ -214,7 +214,7 @@ fn known_colours() {
 }
 
 #[test]
-fn a_file_that_ends_early_says_where() {
+fn truncated_files_report_the_place() {
     let bytes = to_bytes(&example(ColourModel::LogYRatioUv, Scalar::Half), Scalar::Half);
     assert!(UboBtf::from_bytes(&bytes).is_ok());
     for length in 0..bytes.len() {
@@ -230,9 +230,9 @@ fn a_file_that_ends_early_says_where() {
 }
 
 #[test]
-fn wrong_words_are_told_with_their_place() {
+fn wrong_words_are_reported_with_their_place() {
     let good = to_bytes(&example(ColourModel::LogYRatioUv, Scalar::Half), Scalar::Half);
-    let told = |place: usize, word: u32| {
+    let message = |place: usize, word: u32| {
         let mut bytes = good.clone();
         bytes[place..place + 4].copy_from_slice(&word.to_le_bytes());
         error_of(&bytes).to_string()
@@ -245,7 +245,7 @@ fn wrong_words_are_told_with_their_place() {
         (at::VIEWS, 0, "views: found 0, expected 1 to 2048"),
         (at::VIEWS, u32::MAX, "views: found 4294967295"),
         (at::FIRST_LIGHTS, u32::MAX, "lights of a view: found 4294967295"),
-        (at::SECOND_LIGHTS, 1, "lights of a view: found 1, expected 2, as of the first view"),
+        (at::SECOND_LIGHTS, 1, "lights of a view: found 1, expected 2, as for the first view"),
         (at::SIZE, 0, "width: found 0, expected 1 to 4096"),
         (at::SIZE + 4, u32::MAX, "height: found 4294967295"),
         (at::ROTATIONS, 32, "rotations: found 32, expected 0"),
@@ -254,18 +254,18 @@ fn wrong_words_are_told_with_their_place() {
         (at::MODEL, u32::MAX, "colour model: found -1"),
         (at::CHANNEL + 1, 0, "components of a channel: found 0"),
         (at::CHANNEL + 1, u32::MAX, "components of a channel: found 4294967295"),
-        (at::CHANNEL + 5, 7, "rows of the first matrix: found 7, expected 6 (32 where they are exchanged)"),
+        (at::CHANNEL + 5, 7, "rows of the first matrix: found 7, expected 6 (32 if they are exchanged)"),
         (at::CHANNEL + 5, u32::MAX, "rows of the first matrix: found 4294967295"),
         (at::CHANNEL + 9, 33, "rows of the second matrix: found 33, expected 32"),
     ] {
-        let text = told(place, word);
+        let text = message(place, word);
         assert!(text.starts_with(&format!("byte {place}, {expected}")), "{text}");
     }
-    // A length is told where what it measures begins.
-    assert!(told(at::XML, u32::MAX).starts_with(&format!("byte {}, XML: found end of data", at::XML + 4)));
-    let text = told(at::CHANNELS + 4, u32::MAX);
+    // A truncated part is reported at its beginning.
+    assert!(message(at::XML, u32::MAX).starts_with(&format!("byte {}, XML: found end of data", at::XML + 4)));
+    let text = message(at::CHANNELS + 4, u32::MAX);
     assert!(text.starts_with(&format!("byte {}, name of a channel: found end of data", at::CHANNELS + 8)), "{text}");
-    let many = told(at::VIEWS, 2048);
+    let many = message(at::VIEWS, 2048);
     assert!(many.contains("lights of a view") || many.contains("views"), "{many}");
 
     let mut bytes = good.clone();
@@ -275,11 +275,13 @@ fn wrong_words_are_told_with_their_place() {
         format!("byte {}, bytes of a number: found 3, expected 2, 4 or 8", at::CHANNEL)
     );
     let second_light = at::SECOND_LIGHTS + 4;
-    assert!(told(second_light, 0.5f32.to_bits()).contains("as of the first view"));
-    assert!(told(second_light, f32::NAN.to_bits()).starts_with(&format!("byte {second_light}, theta_deg: found NaN")));
-    assert!(told(at::FIRST_LIGHTS + 4, f32::NAN.to_bits()).contains("theta_deg: found NaN"));
-    assert!(told(at::VIEWS + 4, 2f32.to_bits()).contains("theta_deg: found 114.59"));
-    // The first number of the first matrix, behind the singular values.
+    assert!(message(second_light, 0.5f32.to_bits()).contains("as for the first view"));
+    assert!(
+        message(second_light, f32::NAN.to_bits()).starts_with(&format!("byte {second_light}, theta_deg: found NaN"))
+    );
+    assert!(message(at::FIRST_LIGHTS + 4, f32::NAN.to_bits()).contains("theta_deg: found NaN"));
+    assert!(message(at::VIEWS + 4, 2f32.to_bits()).contains("theta_deg: found 114.59"));
+    // The first number of the first matrix, after the singular values.
     let place = at::CHANNEL + 13 + 2 * TEXELS;
     bytes = good.clone();
     bytes[place..place + 2].copy_from_slice(&0x7c00u16.to_le_bytes());
@@ -320,7 +322,7 @@ fn xml_and_long_names_are_skipped() {
 }
 
 #[test]
-fn what_does_not_fit_together_is_refused() {
+fn contradictions_are_rejected() {
     let btf = example(ColourModel::Rgb, Scalar::Half);
     let wrong = |change: &dyn Fn(&mut Description)| {
         let mut description = btf.description().clone();

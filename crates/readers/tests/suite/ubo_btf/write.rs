@@ -1,18 +1,18 @@
-//! Writes the layout.
+//! Writer of the layout for tests.
 
 use brdfc_formats::container::half;
 use brdfc_formats::direction_set::DirectionSet;
 use brdfc_readers::ubo_btf::{ColourModel, Description, Matrix, SIGNATURE, Scalar, UboBtf};
 
-/// Bytes of a name.
+/// Size of a name, bytes.
 const NAME_BYTES: usize = 80;
 
-/// Names of the channels, of versions that have them.
+/// Names of the channels, for versions that have them.
 const CHANNEL_NAMES: [&str; 3] = ["R", "G", "B"];
 
-/// The file, its matrices in numbers of one kind, without XML. Names are cut to 80 bytes.
+/// Bytes of a file with matrices of one type of number, without XML. Names are truncated to 80 bytes.
 ///
-/// [`UboBtf::from_bytes`] reads back the same, but for numbers that were rounded to halves and for what was cut.
+/// [`UboBtf::from_bytes`] round-trips the BTF, except for rounding to halves and for truncated names.
 pub fn to_bytes(btf: &UboBtf, scalar: Scalar) -> Vec<u8> {
     let mut bytes = SIGNATURE.to_vec();
     let d = btf.description();
@@ -40,7 +40,7 @@ pub fn to_bytes(btf: &UboBtf, scalar: Scalar) -> Vec<u8> {
         word(&mut bytes, channel.components() as u32);
         word(&mut bytes, channel.pairs().rows() as u32);
         word(&mut bytes, channel.texels().rows() as u32);
-        // The singular values, which nothing is computed from: they are in the second matrix.
+        // The singular values are unused, because the second matrix includes them.
         numbers(&mut bytes, scalar, &vec![1.0; channel.components()]);
         for matrix in [channel.pairs(), channel.texels()] {
             rows(&mut bytes, scalar, matrix);
@@ -77,7 +77,7 @@ fn header(bytes: &mut Vec<u8>, d: &Description) {
     bytes[start..start + 4].copy_from_slice(&size.to_le_bytes());
 }
 
-/// The longest start of at most [`NAME_BYTES`] that ends between characters.
+/// Longest start of at most [`NAME_BYTES`] that ends between characters.
 fn cut(name: &str) -> &[u8] {
     let end = (0..=NAME_BYTES.min(name.len())).rev().find(|end| name.is_char_boundary(*end)).unwrap_or(0);
     &name.as_bytes()[..end]

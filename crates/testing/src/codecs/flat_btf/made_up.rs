@@ -1,4 +1,4 @@
-//! Made-up flat BTFs, and changes of their files.
+//! Made-up flat BTFs, and modifications of their files.
 
 use crate::packs::{Numbers, sealed, unit_vector};
 use brdfc_formats::FormatError;
@@ -65,7 +65,7 @@ pub fn indirection(sizes: Sizes, seed: u64) -> IndirectionMap {
     .unwrap()
 }
 
-/// Displacements of random bytes between random bounds, of so many blocks per side.
+/// Displacements of random bytes between random bounds, with this number of blocks per side.
 pub fn displacements(sizes: Sizes, blocks: u32, seed: u64) -> DisplacementMap {
     let mut numbers = Numbers::new(seed);
     let header = DisplacementHeader::new(IndirectionHeader { size: blocks, ..header(sizes) });
@@ -164,8 +164,8 @@ pub fn factored(sizes: Sizes, factors: Factors, seed: u64) -> FactoredFlatBtf {
     FactoredFlatBtf::new(basis.unwrap(), weights, shadow).unwrap()
 }
 
-/// A factored asset whose numbers follow rules, none of which is a mathematical function: lightness mostly from component 0,
-/// more under later lights and in later views; what is odd is small.
+/// A factored asset whose numbers follow rules without mathematical functions: lightness mostly from component 0, more
+/// under later lights and in later views. Odd terms are small.
 pub fn factored_example() -> FactoredFlatBtf {
     let (size, levels, groups, wide_groups) = (4u32, 3, 2, 1);
     let (views, lights) = (vec![[0.0, 0.0], [0.5, 1.0], [1.25, 3.0]], vec![[0.0, 0.0], [0.75, 2.0], [1.0, 5.5]]);
@@ -194,7 +194,7 @@ pub fn factored_example() -> FactoredFlatBtf {
     FactoredFlatBtf::new(basis.unwrap(), weights.unwrap(), Some(shadow.unwrap())).unwrap()
 }
 
-/// A file of small maps with a mask, and with these displacements and values.
+/// A file of small maps with a mask and these displacements and values.
 pub fn file(indirection: impl Into<Indirection>, values: FlatValues) -> FlatBtfFile {
     let parts = FlatBtfParts { indirection: indirection.into(), values, ..parts(SMALL, 8) };
     FlatBtfFile::new(FlatBtfDecoder::new(parts).unwrap(), Some(mask(SMALL, 1))).unwrap()
@@ -210,7 +210,7 @@ pub fn light_file() -> FlatBtfFile {
     file(indirection(SMALL, 9), FlatValues::None)
 }
 
-/// What a reader says of a file whose images or entries were changed.
+/// Error of a reader for a file whose images or metadata were changed.
 pub fn refusal(file: &FlatBtfFile, change: impl FnOnce(&mut PackFile)) -> FormatError {
     let mut file = PackFile::from_bytes(&file.to_bytes(false)).expect("our own file");
     change(&mut file);
@@ -237,14 +237,14 @@ pub fn reshape(file: &mut PackFile, name: &str, format: TexelFormat, extent: Ext
     image.bytes.to_mut().resize(extent.texels_of_levels(levels) as usize * format.texel_bytes(), 7);
 }
 
-/// Replaces the word at a byte of an entry.
+/// Replaces the word at an offset of an entry.
 pub fn set_word(file: &mut PackFile, key: &str, offset: usize, word: u32) {
     let entry = file.entries.get_mut(key).expect("an entry of this name");
     entry[offset..offset + 4].copy_from_slice(&word.to_le_bytes());
 }
 
-/// Reads a file, whatever its checksum is, and where it is a flat BTF decodes it here and there: its values are numbers,
-/// whatever it holds.
+/// Reads a file with any checksum. If it is a flat BTF, decodes it at some points and checks that all values are
+/// finite.
 pub fn survives(bytes: &[u8]) -> bool {
     let Ok(file) = FlatBtfFile::from_bytes(&sealed(bytes.to_vec())) else { return false };
     let decoder = &file.decoder;
@@ -274,7 +274,7 @@ pub fn weights(numbers: &mut Numbers, count: u32) -> ViewWeights {
     ViewWeights { indices, weights: weights.map(|w| w / sum) }
 }
 
-/// A table that falls with the half angle and grows with the difference angle: whole numbers over whole numbers.
+/// A table that falls with the half angle and grows with the difference angle: ratios of whole numbers.
 pub fn base_table() -> BaseTable {
     let entry = |at: usize| {
         let (i, j) = ((at / DIFFERENCE_ANGLES) as f32, (at % DIFFERENCE_ANGLES) as f32);
