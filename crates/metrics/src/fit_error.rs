@@ -4,7 +4,7 @@
 use super::norms::NormSums;
 use super::picture::{ReferencePicture, coarse_picture_pairs};
 use brdfc_core::progress::{Cancelled, Progress, Stage};
-use brdfc_core::source::{Completion, Fold, Parts, Repeats};
+use brdfc_core::source::{Completion, Fold, MAX_PEAK, MAX_RISE, Parts, Repeats, Rise};
 use brdfc_core::{Source, Tally};
 use brdfc_formats::crop::DirectionRange;
 use rayon::prelude::*;
@@ -23,6 +23,10 @@ const MANY_REPEATS: f64 = 0.1;
 /// A fit without one incidence spans twice the gap. An error that grows with its square is then larger by three times itself, and each
 /// gap is opened from both its ends.
 const GAPS: f64 = 1.0 / 6.0;
+/// Difference that leaving out one incidence makes over the median of all from which on it contradicts the others.
+const CONTRADICTION: f64 = 6.0;
+/// Incidences from which on one can be told from the others.
+const FEW_INCIDENCES: usize = 5;
 /// Share of a pack's own ΔE from which on the fit is the weaker part: the sum of both, as of independent errors, is a fifth larger.
 const WEAKER: f64 = 0.7;
 
@@ -41,6 +45,8 @@ pub struct FitError {
     pub uncovered: f64,
     /// Samples of one direction pair; absent where none repeats.
     pub repeats: Option<Repeats>,
+    /// How fast samples rise towards the mirror direction; absent where too few are near it.
+    pub rise: Option<Rise>,
 }
 
 impl FitError {
@@ -91,7 +97,7 @@ impl FitError {
         };
         progress.check()?;
         let of_samples = samples.as_ref().map(|(_, differences)| deviation(differences));
-        let of_incidences = incidences.as_ref().map(|(_, differences)| GAPS * differences.iter().sum::<f64>());
+        let of_incidences = incidences.as_ref().map(|(_, differences)| difference_of_gaps(differences));
         let delta_e = match (of_samples, of_incidences) {
             (Some(a), Some(b)) => Some(a.max(b)),
             (a, b) => a.or(b),
@@ -105,6 +111,7 @@ impl FitError {
             farthest: distances.iter().copied().fold(0.0, f64::max),
             uncovered: uncovered as f64 / distances.len().max(1) as f64,
             repeats: completion.repeats(),
+            rise: completion.rise(),
         })
     }
 
@@ -127,6 +134,13 @@ impl FitError {
             let (pairs, spread) = (repeats.pairs, 100.0 * repeats.spread);
             return Some(format!("samples of {pairs} direction pairs repeat, and differ by {spread:.0} %"));
         }
+        if let Some(rise) = self.rise.filter(|rise| rise.peak > MAX_PEAK || rise.ratio > MAX_RISE) {
+            let Rise { incidence, nearest, next, ratio, .. } = rise;
+            return Some(format!(
+                "the highlight is narrower than the samples tell: at {incidence:.0}° incidence values rise {ratio:.1} times from {next:.1}° \
+                 to {nearest:.1}° off the mirror direction (half angles), where samples end"
+            ));
+        }
         self.delta_e.is_none().then(|| "too few samples to leave any out".to_owned())
     }
 
@@ -138,6 +152,16 @@ impl FitError {
             || self.delta_e.filter(weaker).map(|fit| format!("about ΔE {fit:.2} of the fit, {pack:.2} of the pack"));
         self.gaps().or_else(of_fit)
     }
+}
+
+/// Mean ΔE that gaps between incidences cost, from the differences that leaving out each makes. One that differs from all others is no
+/// gap: it contradicts them, and either may be right.
+fn difference_of_gaps(differences: &[f64]) -> f64 {
+    let mut sorted = differences.to_vec();
+    sorted.sort_by(f64::total_cmp);
+    let (median, largest) = (sorted[sorted.len() / 2], sorted[sorted.len() - 1]);
+    let gaps = GAPS * differences.iter().sum::<f64>();
+    if sorted.len() >= FEW_INCIDENCES && largest > CONTRADICTION * median { gaps.max(largest) } else { gaps }
 }
 
 /// How well a fold predicts what was left out of it.
@@ -153,4 +177,20 @@ fn predicted(fold: &Fold, grey: bool) -> NormSums {
         }
     }
     sums
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn one_incidence_that_contradicts_the_others_counts_whole() {
+        let gaps = [0.02, 0.05, 0.05, 0.05, 0.08, 0.04, 0.06, 0.06];
+        assert!((difference_of_gaps(&gaps) - GAPS * gaps.iter().sum::<f64>()).abs() < 1e-12);
+        let one = [0.02, 0.05, 0.05, 0.05, 0.08, 0.13, 0.76, 1.23];
+        assert!((difference_of_gaps(&one) - 1.23).abs() < 1e-12);
+        // The ends of few incidences differ by nature.
+        let few = [0.26, 0.39, 0.02];
+        assert!(difference_of_gaps(&few) < 0.2);
+    }
 }

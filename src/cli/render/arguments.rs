@@ -83,7 +83,7 @@ pub struct Arguments {
     #[arg(long, value_name = "INPUT")]
     pub(super) source: Option<Input>,
     /// Draw the packs that 'brdfc build' put into this folder (default: packs, if one was built there). What was made of
-    /// something else than the manifest says now is made anew for the picture.
+    /// something else than the manifest says now is made anew for the picture; a limit is then missed.
     #[arg(long, value_name = "DIR")]
     pub(super) packs: Option<PathBuf>,
     /// Compare whole tables too, all slices at 16 bits: what the grid alone loses.

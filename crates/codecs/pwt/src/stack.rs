@@ -5,6 +5,9 @@ use brdfc_formats::FormatError;
 /// Fewest and most lights.
 pub const LIGHTS: std::ops::RangeInclusive<usize> = 1..=4096;
 
+/// Largest difference of a coordinate of two lights that are one: a twentieth of a degree.
+const SAME_LIGHT: f32 = 1e-3;
+
 /// Pictures of one view, each under a distant light.
 #[derive(Debug, Clone, PartialEq)]
 pub struct LightSamples {
@@ -103,6 +106,41 @@ impl LightSamples {
         let pictures = self.pictures.iter().map(rows).collect();
         let defined = self.defined.as_ref().map(|mask| (0..size[1]).flat_map(|y| &mask[at(y)]).copied().collect());
         Self { size, lights: self.lights.clone(), pictures, repeats: self.repeats, defined }
+    }
+
+    /// Each light once, with the mean of its pictures: a picture that is left out is not to be predicted by another under the
+    /// same light.
+    #[must_use]
+    pub fn averaged(mut self) -> Self {
+        let mut groups: Vec<Vec<usize>> = Vec::new();
+        for (k, light) in self.lights.iter().enumerate() {
+            let same = |group: &&mut Vec<usize>| {
+                light.iter().zip(&self.lights[group[0]]).all(|(a, b)| (a - b).abs() <= SAME_LIGHT)
+            };
+            match groups.iter_mut().find(same) {
+                Some(group) => group.push(k),
+                None => groups.push(vec![k]),
+            }
+        }
+        if groups.len() == self.lights.len() {
+            return self;
+        }
+        let mean = |group: &Vec<usize>| {
+            let mut picture = std::mem::take(&mut self.pictures[group[0]]);
+            for other in &group[1..] {
+                picture
+                    .as_flattened_mut()
+                    .iter_mut()
+                    .zip(self.pictures[*other].as_flattened())
+                    .for_each(|(a, b)| *a += b);
+            }
+            let count = group.len() as f32;
+            picture.as_flattened_mut().iter_mut().for_each(|value| *value /= count);
+            picture
+        };
+        self.pictures = groups.iter().map(mean).collect();
+        self.lights = groups.iter().map(|group| self.lights[group[0]]).collect();
+        self
     }
 
     /// Without some of the lights.

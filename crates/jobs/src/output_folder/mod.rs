@@ -77,6 +77,11 @@ impl OutputFolder {
         (Digest::of(&bytes) == *digest).then_some(bytes)
     }
 
+    /// True if a file of this name is there.
+    pub fn has(&self, name: &str) -> bool {
+        self.path.join(name).is_file()
+    }
+
     /// Whether a file of this name is there that has other bytes.
     pub fn holds_other(&self, name: &str, digest: &Digest) -> bool {
         std::fs::read(self.path.join(name)).is_ok_and(|bytes| Digest::of(&bytes) != *digest)

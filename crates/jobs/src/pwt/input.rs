@@ -86,10 +86,10 @@ impl LightInput {
         Err(refused(input, "input", "none of these", ALLOWED))
     }
 
-    /// Photographs, or what a map or pack shows under many lights.
+    /// Photographs, those of one light averaged, or what a map or pack shows under many lights.
     pub fn into_samples(self) -> LightSamples {
         match self {
-            Self::Pictures(samples) => samples,
+            Self::Pictures(samples) => samples.averaged(),
             Self::Map(map) => samples_of(&map, spread_lights(SPREAD)),
             Self::Pack(pack) => pictures_of_pack(&PwtDecoder::new(pack), spread_lights(SPREAD)),
         }

@@ -5,7 +5,7 @@ use brdfc_formats::FormatError;
 use brdfc_formats::pwt::{LightCoordinates, PwtDecoder};
 use brdfc_pwt::measure::{StackErrors, picture_errors, stack_errors};
 use brdfc_pwt::ptm::{MapModel, fit_map, pictures_of};
-use brdfc_pwt::{DomainName, LightSamples, PwtEncoded, PwtRecipe, encode};
+use brdfc_pwt::{DomainName, LightSamples, PwtEncoded, PwtRecipe, Target, encode};
 use brdfc_readers::ptm::Ptm;
 use rand::RngExt as _;
 use rand::SeedableRng as _;
@@ -22,6 +22,17 @@ pub struct HeldOut {
     pub delta_e: f64,
 }
 
+/// Why a pack does not meet a target that was asked for.
+#[derive(Debug, Clone, PartialEq)]
+pub enum Missed {
+    /// Errors at the lights that were fitted.
+    Fitted,
+    /// Errors at lights that were held out.
+    HeldOut,
+    /// Photographs say nothing.
+    Nothing(String),
+}
+
 /// What is made, and what was left out to measure it.
 pub struct PwtMade {
     /// The pack and what was found on the way.
@@ -30,6 +41,25 @@ pub struct PwtMade {
     pub held_out: Option<HeldOut>,
     /// Lights that were fitted.
     pub lights: usize,
+}
+
+impl PwtMade {
+    /// Why it misses a target. Limits of error hold at lights that were held out, too.
+    pub fn missed(&self, target: Target) -> Option<Missed> {
+        let fails = |psnr: f64, delta_e: f64| match target {
+            Target::Quality(least) => psnr < least,
+            Target::DeltaE(most) => delta_e > most,
+            Target::Bytes(_) | Target::Energy(_) | Target::Loss(_) => false,
+        };
+        let is_error = matches!(target, Target::Quality(_) | Target::DeltaE(_));
+        if let Some(nothing) = self.encoded.errors.nothing_shown().filter(|_| is_error) {
+            return Some(Missed::Nothing(nothing));
+        }
+        if !self.encoded.met {
+            return Some(Missed::Fitted);
+        }
+        self.held_out.as_ref().filter(|held| fails(held.psnr, held.delta_e)).map(|_| Missed::HeldOut)
+    }
 }
 
 /// Encodes photographs, some of them left out by a seeded permutation: their errors are those of unseen lights.

@@ -3,7 +3,7 @@
 use super::make::{HeldOut, PwtMade};
 use brdfc_formats::pwt::LightCoordinates;
 use brdfc_pwt::choose::Candidate;
-use brdfc_pwt::{PwtFacts, PwtTextureFacts};
+use brdfc_pwt::{PwtFacts, PwtTextureFacts, Target};
 use serde::Serialize;
 
 /// What is worth knowing of a level of detail.
@@ -58,13 +58,13 @@ pub struct PwtReport {
     pub left_out_psnr: Option<f64>,
     /// Errors at lights that were held out.
     pub held_out: Option<HeldOut>,
-    /// Whether it meets what was asked for.
+    /// Whether it meets what was asked for, at lights that were held out, too.
     pub met: bool,
 }
 
 impl PwtReport {
-    /// Of what was made, and the bytes of its file.
-    pub fn new(made: &PwtMade, bytes_on_disk: usize) -> Self {
+    /// Of what was made for a target, and the bytes of its file.
+    pub fn new(made: &PwtMade, target: Target, bytes_on_disk: usize) -> Self {
         let encoded = &made.encoded;
         let header = encoded.pack.header();
         let taken = encoded.candidates[0];
@@ -99,7 +99,7 @@ impl PwtReport {
             delta_e: encoded.errors.delta_e,
             left_out_psnr: taken.held_out_psnr,
             held_out: made.held_out.clone(),
-            met: encoded.met,
+            met: made.missed(target).is_none(),
         }
     }
 }

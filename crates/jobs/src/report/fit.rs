@@ -59,11 +59,12 @@ pub fn check(limits: FitLimits, errors: ErrorLimits, report: &MaterialReport) ->
 mod tests {
     use super::*;
     use crate::encode::{PackRecipe, encode};
-    use brdfc_core::source::Repeats;
+    use brdfc_core::source::{Repeats, Rise};
     use brdfc_metrics::fit_error::FitError;
     use brdfc_source::open::open;
 
     const GOOD: FitError = FitError {
+        rise: None,
         samples: Some(0.02),
         incidences: Some(0.03),
         delta_e: Some(0.3),
@@ -106,6 +107,7 @@ mod tests {
 
     #[test]
     fn gaps_and_contradictions_close_it_whatever_the_limit() {
+        let rise = |ratio, peak| Some(Rise { incidence: 60.0, nearest: 4.0, next: 8.0, ratio, peak });
         let repeats = |share, spread| Some(Repeats { pairs: 9, share, spread, largest: spread });
         for (fit, closes) in [
             (FitError { uncovered: 0.2, ..GOOD }, true),
@@ -113,6 +115,9 @@ mod tests {
             (FitError { repeats: repeats(0.5, 0.9), ..GOOD }, true),
             (FitError { repeats: repeats(0.01, 0.9), ..GOOD }, false),
             (FitError { repeats: repeats(0.5, 0.1), ..GOOD }, false),
+            (FitError { rise: rise(4.0, 5.0), ..GOOD }, true),
+            (FitError { rise: rise(99.0, 1.2), ..GOOD }, true),
+            (FitError { rise: rise(4.0, 1.2), ..GOOD }, false),
             (FitError { samples: None, incidences: None, delta_e: None, ..GOOD }, true),
         ] {
             assert_eq!(!closed(fit, FitLimits::default(), Some(100.0), None).is_empty(), closes, "{fit:?}");

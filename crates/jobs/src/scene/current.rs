@@ -33,6 +33,8 @@ pub struct Current {
     pub gates: Vec<GateResult>,
     /// Files that stand in the folder but are others; they were made from something else.
     pub stale: Vec<String>,
+    /// Files that are not in the folder.
+    pub missing: Vec<String>,
 }
 
 impl PackFolder {
@@ -74,13 +76,20 @@ impl PackFolder {
     pub fn material(&self, job: &Job, progress: &dyn Progress) -> Result<Current, JobError> {
         let workshop = self.workshop();
         let made = workshop.material(job, &Shared::new(workshop.memory), progress)?;
-        let mut current =
-            Current { parts: Vec::new(), missed: made.report.missed, gates: made.gates, stale: Vec::new() };
+        let mut current = Current {
+            parts: Vec::new(),
+            missed: made.report.missed,
+            gates: made.gates,
+            stale: Vec::new(),
+            missing: Vec::new(),
+        };
         for (part, digest) in &made.files {
             let name = part_name(&job.name, part);
             current.parts.push(self.pack(&name, digest)?);
             if self.folder.holds_other(&name, digest) {
                 current.stale.push(name);
+            } else if !self.folder.has(&name) {
+                current.missing.push(name);
             }
         }
         Ok(current)

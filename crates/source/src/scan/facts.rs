@@ -5,6 +5,10 @@ use brdfc_core::Describe;
 use brdfc_core::StrayRows;
 use brdfc_core::words::percent;
 
+/// Spectra that begin later or end earlier, nm, do not say which colour a surface has: 4 % of the observer's blue and 8 % of its red lie
+/// beyond.
+pub const COLOURED: [f64; 2] = [430.0, 650.0];
+
 /// What is worth knowing of a scattered scan.
 #[derive(Debug, Clone, PartialEq, serde::Serialize, schemars::JsonSchema)]
 pub struct ScanFacts {
@@ -77,5 +81,10 @@ impl Describe for ScanFacts {
 
     fn stray_rows(&self) -> Option<StrayRows> {
         self.summary.strays
+    }
+
+    fn partial_spectrum(&self) -> Option<[f64; 2]> {
+        let ends = [*self.wavelengths.first()?, *self.wavelengths.last()?];
+        (ends[0] > COLOURED[0] || ends[1] < COLOURED[1]).then_some(ends)
     }
 }
