@@ -17,11 +17,11 @@ impl There {
     }
 
     fn open(&self) -> OutputFolder {
-        OutputFolder::open(self.folder.path(), &self.store).unwrap()
+        OutputFolder::open(self.folder.path(), &self.store, &()).unwrap()
     }
 
     fn place(&self, files: &[(String, Contents)]) -> Changes {
-        self.open().place(&self.store, |_| files.to_vec()).unwrap()
+        self.open().place(&self.store, &(), |_| Ok(files.to_vec())).unwrap()
     }
 
     fn text(&self, name: &str) -> Option<String> {
@@ -45,9 +45,9 @@ fn the_folder_becomes_what_is_listed() {
     assert_eq!((there.text("a"), there.text("notes.txt").as_deref()), (None, Some("a person's")));
     let keep = |there: &BTreeMap<String, Digest>| {
         assert_eq!(there.keys().collect::<Vec<_>>(), ["b", "c", "report.json"]);
-        vec![("b".to_owned(), Contents::Kept(there["b"])), bytes("c", "3")]
+        Ok(vec![("b".to_owned(), Contents::Kept(there["b"])), bytes("c", "3")])
     };
-    let kept = there.open().place(&there.store, keep).unwrap();
+    let kept = there.open().place(&there.store, &(), keep).unwrap();
     assert_eq!(
         (kept.written, kept.removed, there.text("b").as_deref()),
         (vec![], vec!["report.json".into()], Some("2"))
@@ -153,7 +153,7 @@ fn names_that_are_too_long_change_nothing() {
     there.place(&[bytes("a", "old")]);
     let long = "x".repeat(300);
     let files = vec![bytes("a", "new"), bytes(&long, "new")];
-    let error = there.open().place(&there.store, |_| files).unwrap_err().to_string();
+    let error = there.open().place(&there.store, &(), |_| Ok(files)).unwrap_err().to_string();
     assert!(error.contains(&long), "{error}");
     assert_eq!(there.text("a").as_deref(), Some("old"));
     assert_eq!(there.place(&[bytes("a", "newer")]).written, ["a"]);
