@@ -189,3 +189,21 @@ fn what_was_listed_is_finished_by_the_next() {
     assert_eq!(texts, [Some("old".into()), None, Some("new".into())]);
     assert!(!root.join("commit").exists() && !there.folder.path().parent().unwrap().join("outside").exists());
 }
+
+/// A failure after all files were moved says that they were.
+#[test]
+fn what_cannot_be_cleaned_up_is_no_failed_move() {
+    let there = There::new();
+    there.place(&[bytes("a", "old")]);
+    let root = there.folder.path().join(FOLDER);
+    let mut journal = Journal::new(&root);
+    journal.write("b", b"new").unwrap();
+    journal.list(&write_record(&Placements::default())).unwrap();
+    std::mem::forget(journal);
+    // No folder, so it is not removed as one.
+    std::fs::remove_dir(root.join("commit/old")).unwrap();
+    std::fs::write(root.join("commit/old"), "").unwrap();
+    let error = OutputFolder::open(there.folder.path(), &there.store, &()).unwrap_err();
+    assert!(error.to_string().ends_with("the files of the folder are in place"), "{error}");
+    assert_eq!(there.text("b").as_deref(), Some("new"));
+}
