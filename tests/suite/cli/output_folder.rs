@@ -252,3 +252,46 @@ fn a_build_that_waits_says_so() {
         assert!(seconds < 5.0, "{ran:?}");
     });
 }
+
+/// Links of git-annex or DVC whose files were not fetched are inputs that cannot be read, however they are asked for.
+#[test]
+#[cfg(unix)]
+fn links_that_lead_nowhere_are_errors() {
+    let folder = Folder::new();
+    folder.write("scans/red.binary", std::fs::read(brdfc_testing::testdata("demo/red_plastic.binary")).unwrap());
+    let link = |target: &str, name: &str| std::os::unix::fs::symlink(target, folder.path().join("scans").join(name));
+    link("../annex/blue", "blue.binary").unwrap();
+    link("../annex/table", "table.csv").unwrap();
+    link("ring.brdf", "ring.brdf").unwrap();
+    link("nothing", "notes.txt").unwrap();
+    link(".", "round").unwrap();
+    folder.write("scene.toml", "[materials.all]\nsource='scans/*.b*'\n[[uses]]\nmaterial='all'\n");
+    for input in ["scans", "scans/*.{b*,csv}", "**/*.{binary,brdf,csv}", "scene.toml"] {
+        let ran = build(&folder, &[input], &["--out", "packs"]);
+        assert_eq!((ran.code, packs(&folder, "packs")), (4, vec!["red.brdf.ktx2".to_owned()]), "{input}: {ran:?}");
+        let lost = "scans/blue.binary: cannot read: it is a link, and there is nothing where it leads to";
+        assert!(ran.stderr.contains(lost) && ran.stderr.contains("scans/ring.brdf: cannot read: "), "{ran:?}");
+        assert!(ran.stderr.contains("scans/table.csv: cannot read: ") || input == "scene.toml", "{ran:?}");
+    }
+    let ran = build(&folder, &["scans/*.binary"], &["--out", "packs", "--fail-fast"]);
+    assert_eq!((ran.code, packs(&folder, "packs").len()), (4, 1), "{ran:?}");
+}
+
+/// Names that are one file on systems that do not tell case, in Unicode's sense of it.
+#[test]
+fn names_that_are_one_file_elsewhere_are_refused() {
+    let folder = Folder::new();
+    for [a, b] in [["straße", "STRASSE"], ["ﬁn", "fin"], ["λόγος", "ΛΌΓΟΣ"], ["é", "E\u{301}"]] {
+        let material =
+            |name: &str| format!("[materials.\"{name}\"]\nsource='synth:ggx'\n[[uses]]\nmaterial='{name}'\n");
+        folder.write("scene.toml", material(a) + &material(b));
+        let ran = build(&folder, &["scene.toml"], &["--out", "packs"]);
+        assert!(ran.code == 3 && ran.stderr.contains(b), "{ran:?}");
+    }
+    for name in ["con", "COM¹", "lpt².map", "nul .x"] {
+        let ran = folder.run(&["flatten", "synth:button", "-o", "out", "--name", name]);
+        assert!(ran.code == 2 && ran.stderr.contains("Windows takes files that are called so for devices"), "{ran:?}");
+    }
+    let ran = folder.run(&["flatten", "synth:button", "-o", "con"]);
+    assert!(ran.code == 2 && ran.stderr.contains("--out: found con, ") && !folder.path().join("con").exists());
+}
