@@ -12,9 +12,9 @@ use std::sync::atomic::AtomicBool;
 
 /// Check that packs, folders of builds and reports are whole.
 ///
-/// Packs are read to their last texel and held against their checksum. The files that a report.json lists are held against their
-/// hashes, and its figures against those of each MATERIAL.json. A file that is missing, damaged or changed is printed, and is exit
-/// code 1; so is a folder with nothing to check.
+/// Packs are read to their last texel and held against their checksum, and so is a report.json. The files that it lists are held
+/// against their hashes, and its figures against those of each MATERIAL.json. A file that is missing, damaged or changed is printed,
+/// and is exit code 1; so are a folder of a build without its report.json and a folder with nothing to check.
 ///
 /// Whether errors are small enough is what the gates of a build, and report --against, are for.
 ///

@@ -99,6 +99,9 @@ pub trait Progress: Sync {
 
     /// The work is finished, and whether it succeeded.
     fn finished(&self, _succeeded: bool) {}
+
+    /// The work has waited for a while for this, such as another process. Called once, before any part begins or after all ended.
+    fn waits(&self, _for_what: &str) {}
 }
 
 /// So that whoever hears of the whole can hear of its parts, too.
@@ -121,6 +124,10 @@ impl<P: Progress + ?Sized> Progress for &P {
 
     fn finished(&self, succeeded: bool) {
         (**self).finished(succeeded);
+    }
+
+    fn waits(&self, for_what: &str) {
+        (**self).waits(for_what);
     }
 }
 

@@ -5,7 +5,7 @@ use brdfc_core::words::bytes;
 use brdfc_formats::FormatError;
 use brdfc_formats::memory::reserved;
 use std::fs::File;
-use std::io::{Read, Seek, SeekFrom};
+use std::io::{Cursor, ErrorKind, Read, Seek, SeekFrom};
 use std::path::Path;
 
 /// Largest file that is read. What is made of it in memory is at most a few times as large.
@@ -15,7 +15,7 @@ pub const MAX_TEXT_BYTES: u64 = 16 << 20;
 
 /// Hears of a file that is read.
 pub trait ReadListener {
-    /// A file was opened; nothing of it was read yet. Its length in bytes is 0 for pipes.
+    /// A file was opened, and none of [`Self::bytes`] were heard yet. Its length in bytes is 0 for pipes that are read as they come.
     ///
     /// # Errors
     /// A file that is not to be read, such as one that is too large.
@@ -32,13 +32,22 @@ impl ReadListener for () {}
 
 /// A file whose bytes a listener hears.
 pub(crate) struct HeardFile<'a> {
-    file: File,
+    file: Opened,
     listener: &'a mut dyn ReadListener,
+}
+
+/// A file, or all bytes of a pipe.
+enum Opened {
+    File(File),
+    Pipe(Cursor<Vec<u8>>),
 }
 
 impl Read for HeardFile<'_> {
     fn read(&mut self, buffer: &mut [u8]) -> std::io::Result<usize> {
-        let count = self.file.read(buffer)?;
+        let count = match &mut self.file {
+            Opened::File(file) => file.read(buffer)?,
+            Opened::Pipe(bytes) => bytes.read(buffer)?,
+        };
         self.listener.bytes(&buffer[..count]);
         Ok(count)
     }
@@ -46,23 +55,36 @@ impl Read for HeardFile<'_> {
 
 impl Seek for HeardFile<'_> {
     fn seek(&mut self, position: SeekFrom) -> std::io::Result<u64> {
-        self.file.seek(position)
+        match &mut self.file {
+            Opened::File(file) => file.seek(position),
+            Opened::Pipe(bytes) => bytes.seek(position),
+        }
     }
 }
 
-/// [`open_path`], with somebody who hears of it.
+/// [`open_path`], with somebody who hears of it. Pipes are read to their end before, as they have no length and do not go back.
 pub(crate) fn open_heard<'a>(
     path: &Path,
     listener: &'a mut dyn ReadListener,
 ) -> Result<(HeardFile<'a>, u64), InputError> {
     let (file, length) = open_path(path)?;
+    let is_file = file.metadata().is_ok_and(|metadata| metadata.is_file());
+    let pipe = if is_file { None } else { Some(read_within(path, &file, 0, MAX_FILE_BYTES)?) };
+    let length = pipe.as_ref().map_or(length, |bytes| bytes.len() as u64);
     listener.opened(&file, length).map_err(|error| InputError::format(path, error))?;
+    let file = pipe.map_or_else(|| Opened::File(file), |bytes| Opened::Pipe(Cursor::new(bytes)));
     Ok((HeardFile { file, listener }, length))
 }
 
 /// Opens what is no folder and no device; its length too, which is 0 for pipes.
 pub(crate) fn open_path(path: &Path) -> Result<(File, u64), InputError> {
-    let io = |error| InputError::io(path, error);
+    let io = |error: std::io::Error| {
+        if error.kind() == ErrorKind::NotFound && path.is_symlink() {
+            let text = "it is a link, and there is nothing where it leads to";
+            return InputError::io(path, std::io::Error::new(error.kind(), text));
+        }
+        InputError::io(path, error)
+    };
     let file = File::open(path).map_err(io)?;
     let metadata = file.metadata().map_err(io)?;
     if metadata.is_dir() {
@@ -93,8 +115,9 @@ pub fn read_file(path: &Path, limit: u64) -> Result<Vec<u8>, InputError> {
 /// # Errors
 /// As [`read_file`].
 pub fn read_heard(path: &Path, limit: u64, listener: &mut dyn ReadListener) -> Result<Vec<u8>, InputError> {
-    let (file, length) = open_heard(path, listener)?;
-    read_within(path, file, length, limit)
+    let (file, length) = open_path(path)?;
+    listener.opened(&file, length).map_err(|error| InputError::format(path, error))?;
+    read_within(path, HeardFile { file: Opened::File(file), listener }, length, limit)
 }
 
 /// Reads a file or a pipe of text to its end, or to the first NUL byte, which is the last one of what is returned: text has

@@ -1,7 +1,7 @@
 //! Every check against every kind of nothing that it can meet: a check that has nothing to measure fails. Rows are generated from
 //! checks and from what they are given.
 
-use crate::common::cli::Folder;
+use crate::common::cli::{Folder, with_checksum};
 use brdfc_jobs::btf_stack::StackFormat;
 use brdfc_jobs::light_stack::write_light_stack;
 use brdfc_pwt::ptm::spread_lights;
@@ -151,11 +151,12 @@ fn inputs() -> Folder {
     folder.write("unused.toml", black);
     folder.write("empty/notes.txt", "");
     folder.write("empty.json", "{}");
-    folder.write("nothing.json", "{\"version\": 3, \"scene\": \"s\", \"materials\": [], \"skipped\": []}");
     for (name, value) in [("dark", 1e-4), ("white", 50.0), ("grey", 0.5)] {
         let at = folder.path().join(name);
         write_light_stack(&at, &spread_lights(12), [8, 8], StackFormat::Exr, |_| vec![[value; 3]; 64]).unwrap();
     }
+    let nothing = "{\n  \"version\": 3, \"scene\": \"s\", \"materials\": [], \"skipped\": []\n}";
+    folder.write("nothing.json", with_checksum(nothing));
     folder.write("none.csv", "wi_x,wi_y,wi_z,wo_x,wo_y,wo_z\n");
     folder.write("below.csv", "wi_x,wi_y,wi_z,wo_x,wo_y,wo_z\n0,0,-1,0,0,1\n");
     let mut dark = b"#?RADIANCE\nFORMAT=32-bit_rle_rgbe\n\n-Y 8 +X 16\n".to_vec();

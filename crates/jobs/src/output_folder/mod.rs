@@ -10,14 +10,22 @@ mod placed;
 
 use crate::error::Error;
 use crate::store::{DONE, Digest, FOLDER, Store, read_record, write_record};
+use brdfc_core::progress::Progress;
 use journal::Journal;
 use placed::{PLACED, Placed, Placements};
 use std::collections::{BTreeMap, BTreeSet};
-use std::fs::File;
+use std::fs::{File, TryLockError};
 use std::path::{Path, PathBuf};
+use std::time::{Duration, Instant};
 
 /// Held while files change places.
 const LOCK: &str = "lock";
+/// Between two tries to take it.
+const RETRY: Duration = Duration::from_millis(20);
+/// A wait of this time is reported.
+const REPORTED: Duration = Duration::from_secs(1);
+/// Who only reads waits so long for a build that moves files.
+const PATIENCE: Duration = Duration::from_secs(3);
 
 /// The bytes of a file to put in place.
 #[derive(Debug, Clone, PartialEq)]
@@ -51,10 +59,10 @@ impl OutputFolder {
     /// Finishes what a killed build had begun, and reads what earlier builds put here.
     ///
     /// # Errors
-    /// A folder that cannot be written to.
-    pub fn open(path: &Path, store: &Store) -> Result<Self, Error> {
+    /// A folder that cannot be written to; cancellation while another build moves files.
+    pub fn open(path: &Path, store: &Store, progress: &dyn Progress) -> Result<Self, Error> {
         let root = store.root().to_owned();
-        let _lock = lock(&root)?;
+        let _lock = lock(path, &root, progress)?;
         Journal::finish(path, &root)?;
         let placements = read_record(&root.join(PLACED)).unwrap_or_default();
         Ok(Self { path: path.to_owned(), root, placements })
@@ -63,6 +71,28 @@ impl OutputFolder {
     /// Whether a killed build left files between two places.
     pub fn is_unfinished(path: &Path) -> bool {
         Journal::is_there(&path.join(crate::store::FOLDER))
+    }
+
+    /// Whether a build put files into a folder, by its store.
+    pub fn is_placed(path: &Path) -> bool {
+        path.join(FOLDER).join(PLACED).exists()
+    }
+
+    /// Keeps builds from moving files in a folder as long as what is returned lives, once none does; nothing where no build was.
+    ///
+    /// # Errors
+    /// A build that goes on moving files.
+    pub fn hold_still(path: &Path) -> Result<Option<File>, Error> {
+        let Ok(file) = File::open(path.join(FOLDER).join(LOCK)) else { return Ok(None) };
+        let started = Instant::now();
+        while let Err(TryLockError::WouldBlock) = file.try_lock_shared() {
+            if started.elapsed() >= PATIENCE {
+                let found = "a build at work, which puts files in place";
+                return Err(Error::io(format!("{}: found {found}; allowed once it has ended", path.display())));
+            }
+            std::thread::sleep(RETRY);
+        }
+        Ok(Some(file))
     }
 
     /// Files of earlier builds that a report lists, with their hashes: ours even where the store was deleted.
@@ -142,20 +172,21 @@ impl OutputFolder {
     /// other build can change them: what of them is to stay is to be among what it returns.
     ///
     /// # Errors
-    /// A file that cannot be written: then nothing has changed.
+    /// A file that cannot be written, what `files` fails by, cancellation while another build moves files: then nothing has changed.
     pub fn place(
         &mut self,
         store: &Store,
-        files: impl FnOnce(&BTreeMap<String, Digest>) -> Vec<(String, Contents)>,
+        progress: &dyn Progress,
+        files: impl FnOnce(&BTreeMap<String, Digest>) -> Result<Vec<(String, Contents)>, Error>,
     ) -> Result<Changes, Error> {
-        let _lock = lock(&self.root)?;
+        let _lock = lock(&self.path, &self.root, progress)?;
         // Another build may have been faster.
         Journal::finish(&self.path, &self.root)?;
         if let Some(placements) = read_record::<Placements>(&self.root.join(PLACED)) {
             self.placements.files.extend(placements.files);
         }
         let unchanged: BTreeMap<String, Placed> = self.placements.verified(&self.path);
-        let files = files(&unchanged.iter().map(|(name, placed)| (name.clone(), placed.digest)).collect());
+        let files = files(&unchanged.iter().map(|(name, placed)| (name.clone(), placed.digest)).collect())?;
         let mut journal = Journal::new(&self.root);
         let mut changes = Changes::default();
         let mut placements = Placements::default();
@@ -213,13 +244,22 @@ pub fn is_own(place: &Path, out: &Path) -> bool {
     place.parent() == Some(out) && is_called_so || place.starts_with(&store) && !place.starts_with(store.join(DONE))
 }
 
-/// Waits until no other process moves files.
-fn lock(root: &Path) -> Result<File, Error> {
+/// Waits until no other process moves files or holds them still.
+fn lock(folder: &Path, root: &Path, progress: &dyn Progress) -> Result<File, Error> {
     let path = root.join(LOCK);
     let error = |error: std::io::Error| Error::write(&path, &error);
     let file = File::options().create(true).truncate(false).write(true).open(&path).map_err(error)?;
+    let started = Instant::now();
+    let mut is_reported = false;
     // Where files cannot be locked, two builds at a time are the user's to avoid.
-    let _ = file.lock();
+    while let Err(TryLockError::WouldBlock) = file.try_lock() {
+        progress.check()?;
+        if !is_reported && started.elapsed() >= REPORTED {
+            progress.waits(&format!("another brdfc that works in {}", folder.display()));
+            is_reported = true;
+        }
+        std::thread::sleep(RETRY);
+    }
     Ok(file)
 }
 

@@ -1,7 +1,7 @@
 //! The report of a build.
 
 use super::gate::GateResult;
-use super::list::{MATERIAL_VERSION, MaterialFile};
+use super::list::{MATERIAL_VERSION, MaterialFile, json_file};
 use super::material::{MaterialReport, StageTime};
 use crate::encode::Predicted;
 use crate::error::Error;
@@ -39,6 +39,10 @@ pub struct BuildReport {
     /// What is needed of each material, why, and what that saves. Only in what is printed, where it was asked for.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub needs: Vec<Explained>,
+    /// BLAKE3 of the file without this key, its last one: of the text before the comma that the key follows, a line feed, `}` and a
+    /// line feed. Only in `report.json`.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub checksum: Option<Digest>,
 }
 
 /// A file of a build.
@@ -148,8 +152,16 @@ impl BuildReport {
     /// Reads a `report.json`, all of whose files are in its folder.
     ///
     /// # Errors
-    /// What cannot be read, is no report, has another version or names files elsewhere.
+    /// What cannot be read, is no report, has another version, names files elsewhere or is not as its checksum says.
     pub fn open(path: &Path) -> Result<Self, Error> {
+        Ok(Self::open_with_digest(path)?.0)
+    }
+
+    /// [`Self::open`], with the hash of the file.
+    ///
+    /// # Errors
+    /// As [`Self::open`].
+    pub fn open_with_digest(path: &Path) -> Result<(Self, Digest), Error> {
         let bytes = read_file(path, MAX_TEXT_BYTES)?;
         let allowed = "the report.json of a build by this version of brdfc, which 'brdfc build' writes anew";
         let wrong = |found: String| Error::wrong_input(path.display(), found, allowed);
@@ -157,10 +169,22 @@ impl BuildReport {
         if let Some(name) = report.names().find(|name| !is_plain(name)) {
             return Err(wrong(format!("the file {name:?}, which leads out of its folder")));
         }
-        match report.version {
-            BUILD_VERSION => Ok(report),
-            version => Err(wrong(format!("version {version} of the layout, which is {BUILD_VERSION} now"))),
+        if report.version != BUILD_VERSION {
+            let version = report.version;
+            return Err(wrong(format!("version {version} of the layout, which is {BUILD_VERSION} now")));
         }
+        match report.checksum {
+            None => Err(wrong("no checksum at its end".to_owned())),
+            Some(checksum) if is_sealed(&bytes, checksum) => Ok((report, Digest::of(&bytes))),
+            Some(_) => Err(wrong("changes since the build, by its checksum".to_owned())),
+        }
+    }
+
+    /// The bytes of `report.json`, its checksum last.
+    pub fn to_file(&self) -> Vec<u8> {
+        let text = json_file(&Self { checksum: None, ..self.clone() });
+        let checksum = Digest::of(&text);
+        json_file(&Self { checksum: Some(checksum), ..self.clone() })
     }
 
     /// All names that it has for files.
@@ -220,23 +244,13 @@ impl BuildReport {
         self
     }
 
-    /// What of this report stays beside materials of these names, which are [`folded`]: those that are called otherwise, and whose
-    /// files are all there; the environment, where there is none beside it.
+    /// What of this report stays beside materials of these names, which are [`folded`]: those that were made and are called otherwise;
+    /// the environment, where there is none beside it.
     #[must_use]
-    pub fn kept_beside(
-        mut self,
-        asked: &BTreeSet<String>,
-        environment: bool,
-        there: &BTreeMap<String, Digest>,
-    ) -> Self {
-        let is_there = |file: &FileEntry| there.get(&file.file) == Some(&file.blake3);
-        let is_kept = |entry: &MaterialEntry| {
-            let is_asked_for = asked.contains(&folded(&entry.material));
-            !is_asked_for && !entry.files.is_empty() && entry.files.iter().all(is_there)
-        };
-        self.materials.retain(is_kept);
+    pub fn kept_beside(mut self, asked: &BTreeSet<String>, environment: bool) -> Self {
+        self.materials.retain(|entry| !asked.contains(&folded(&entry.material)) && !entry.files.is_empty());
         self.materials.iter_mut().for_each(|entry| entry.kept = true);
-        self.environment = self.environment.filter(|entry| !environment && entry.file.as_ref().is_some_and(is_there));
+        self.environment = self.environment.filter(|entry| !environment && entry.file.is_some());
         self.environment.iter_mut().for_each(|entry| entry.kept = true);
         self
     }
@@ -259,8 +273,22 @@ impl BuildReport {
 
     fn empty(plan: &Plan) -> Self {
         let (scene, skipped) = (plan.scene.clone(), plan.skipped.clone());
-        Self { version: BUILD_VERSION, scene, materials: Vec::new(), environment: None, skipped, needs: Vec::new() }
+        Self {
+            version: BUILD_VERSION,
+            scene,
+            materials: Vec::new(),
+            environment: None,
+            skipped,
+            needs: Vec::new(),
+            checksum: None,
+        }
     }
+}
+
+/// Whether a file ends in this checksum and it is that of what stands before.
+fn is_sealed(bytes: &[u8], checksum: Digest) -> bool {
+    let end = format!(",\n  \"checksum\": \"{checksum}\"\n}}\n");
+    bytes.strip_suffix(end.as_bytes()).is_some_and(|text| Digest::of(&[text, b"\n}\n"].concat()) == checksum)
 }
 
 /// The file of the environment's map.

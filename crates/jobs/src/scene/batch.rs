@@ -2,7 +2,7 @@
 
 use super::manifest::{Manifest, Material, Use};
 use super::names;
-use super::patterns::Named;
+use super::patterns::{Named, is_lost};
 use crate::error::{Error, ErrorKind};
 use crate::file_name::folded;
 use brdfc_core::address;
@@ -75,11 +75,12 @@ pub fn is_material(path: &Path) -> bool {
     extension.is_some_and(|extension| FORMATS.iter().any(|format| format.extension() == extension))
 }
 
-/// Whether it is a material that is no pack yet. Tables of all kinds are called .csv: one that is a scan has columns of values.
+/// Whether it is a material that is no pack yet, or a link to one that is not there. Tables of all kinds are called .csv: one that is
+/// a scan has columns of values.
 fn is_measured(path: &Path) -> bool {
     let called = |name: &str| path.extension().is_some_and(|extension| extension.eq_ignore_ascii_case(name));
     // What is no plain file, such as a pipe, may have nothing to read for ever.
-    path.is_file() && is_material(path) && !called(PACKS) && (!called("csv") || has_values(path))
+    (path.is_file() || is_lost(path)) && is_material(path) && !called(PACKS) && (!called("csv") || has_values(path))
 }
 
 /// Whether the start names a column that scans alone have. What cannot be read is for the reader to tell.

@@ -8,13 +8,12 @@ use super::works::{Work, WorkResult, make};
 use crate::error::Error;
 use crate::file_name::folded;
 use crate::output_folder::{Changes, Contents, OutputFolder};
-use crate::report::build::{BuildReport, environment_map};
-use crate::report::list::json_file;
+use crate::report::build::{BuildReport, FileEntry, environment_map};
+use crate::report::list::MaterialFile;
 use crate::report::material::StageTime;
 use crate::scene::maps::part_name;
 use crate::store::{Digest, FOLDER, Store, placing, read_record, write_record};
 use brdfc_core::progress::{Cancelled, Progress};
-use brdfc_source::read::{MAX_TEXT_BYTES, read_file};
 use serde::{Deserialize, Serialize};
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};
@@ -75,14 +74,15 @@ pub struct Built {
 /// file could not be written, or the build was to end at the first failure, the folder stays as it was.
 ///
 /// # Errors
-/// A folder that cannot be written to, or holds files of somebody else; cancellation.
+/// A folder that cannot be written to, holds files of somebody else, or not all that is to be kept; cancellation.
 pub fn build(plan: &Plan, settings: &BuildSettings, progress: &dyn Progress) -> Result<Built, Error> {
-    let (store, mut folder) = opened(settings)?;
-    let names: Vec<String> = plan.files().collect();
+    let (store, mut folder) = opened(settings, progress)?;
     let there = folder.there();
-    let stays = kept(plan, settings, &there).map_or(Vec::new(), |kept| files_of(&kept));
-    let named: BTreeSet<&str> = names.iter().chain(&stays).map(String::as_str).collect();
-    folder.refuse_removing(plan.sources(), &named)?;
+    let mut names: BTreeSet<String> = plan.files().collect();
+    if let Some(kept) = kept(plan, settings, &store, &there)? {
+        names.extend(kept.files.into_iter().map(|(name, _)| name));
+    }
+    folder.refuse_removing(plan.sources(), &names.iter().map(String::as_str).collect())?;
     folder.refuse_foreign(names.iter().map(String::as_str), settings.force)?;
     let placed: BTreeSet<Digest> = there.into_values().collect();
     let workshop =
@@ -103,15 +103,14 @@ pub fn build(plan: &Plan, settings: &BuildSettings, progress: &dyn Progress) -> 
     let changes = {
         let _placing = placing();
         progress.check()?;
-        folder.place(&store, |there| {
+        folder.place(&store, progress, |there| {
             let mut stays = Vec::new();
-            if let Some(kept) = kept(plan, settings, there) {
-                let file = |name: String| Some((name.clone(), Contents::Kept(*there.get(&name)?)));
-                stays = files_of(&kept).into_iter().filter_map(file).collect();
-                report = report.clone().with_kept(kept);
+            if let Some(kept) = kept(plan, settings, &store, there)? {
+                stays = kept.files;
+                report = report.clone().with_kept(kept.report);
             }
             stays.extend(files(&outcomes, report.clone().lasting(plan, &settings.out)));
-            stays
+            Ok(stays)
         })?
     };
     let kept = report.materials.iter().filter(|entry| entry.kept).map(|entry| entry.material.as_str());
@@ -120,16 +119,69 @@ pub fn build(plan: &Plan, settings: &BuildSettings, progress: &dyn Progress) -> 
     Ok(Built { outcomes, report, changes: Some(changes) })
 }
 
-/// What stays of the build before, where that was asked for.
-fn kept(plan: &Plan, settings: &BuildSettings, there: &BTreeMap<String, Digest>) -> Option<BuildReport> {
-    let earlier = if settings.keep { earlier_report(&settings.out) } else { None };
-    let asked: BTreeSet<String> = plan.jobs.iter().map(|job| folded(&job.name)).collect();
-    Some(earlier?.kept_beside(&asked, plan.environment.is_some(), there))
+/// What stays of the build before.
+struct KeptBuild {
+    report: BuildReport,
+    files: Vec<(String, Contents)>,
 }
 
-/// The files that a report names.
-fn files_of(report: &BuildReport) -> Vec<String> {
-    report.files().map(|file| file.file.clone()).collect()
+/// What stays of the build before, where that was asked for. Files that are missing or damaged come back from the store.
+///
+/// # Errors
+/// Files of earlier builds that no report lists; those that are lost.
+fn kept(
+    plan: &Plan,
+    settings: &BuildSettings,
+    store: &Store,
+    there: &BTreeMap<String, Digest>,
+) -> Result<Option<KeptBuild>, Error> {
+    if !settings.keep {
+        return Ok(None);
+    }
+    let out = settings.out.as_path();
+    let without = "or a build without --keep";
+    let earlier = match BuildReport::open(&out.join(REPORT)) {
+        Ok(report) => report,
+        Err(error) => match unlisted(plan, out, there) {
+            None => return Ok(None),
+            Some(file) => {
+                let found = format!("{file} of an earlier build, which --keep finds in no report");
+                let allowed = format!("with the {REPORT} of that build, {without}");
+                return Err(Error::io(format!("{error}\n{}: found {found}; allowed {allowed}", out.display())));
+            }
+        },
+    };
+    let asked: BTreeSet<String> = plan.jobs.iter().map(|job| folded(&job.name)).collect();
+    let report = earlier.kept_beside(&asked, plan.environment.is_some());
+    let lists = report.materials.iter().filter_map(|entry| Some((entry.list.as_ref()?, entry.file()?.to_bytes())));
+    let lists: BTreeMap<&str, Vec<u8>> = lists
+        .filter(|(list, bytes)| list.blake3 == Digest::of(bytes))
+        .map(|(list, b)| (list.file.as_str(), b))
+        .collect();
+    let contents = |FileEntry { file, blake3 }: &FileEntry| {
+        let is_there = there.get(file) == Some(blake3);
+        let contents = match lists.get(file.as_str()) {
+            _ if is_there || store.object(blake3).is_some() => Contents::Kept(*blake3),
+            Some(list) => Contents::Bytes(list.clone()),
+            None => {
+                let path = out.join(file);
+                let found = if path.exists() { "other bytes than those" } else { "nothing in place" };
+                let allowed = format!("the file that {REPORT} lists, which --keep is to leave there, {without}");
+                let found = format!("{found} of the build before, and no copy in the store");
+                return Err(Error::io(format!("{}: found {found}; allowed {allowed}", path.display())));
+            }
+        };
+        Ok((file.clone(), contents))
+    };
+    let files = report.files().map(contents).collect::<Result<_, Error>>()?;
+    Ok(Some(KeptBuild { report, files }))
+}
+
+/// A file of an earlier build that this one does not write: one that is known, or else a material's list.
+fn unlisted(plan: &Plan, out: &Path, there: &BTreeMap<String, Digest>) -> Option<String> {
+    let written: BTreeSet<String> = plan.files().collect();
+    let is_other = |name: &String| !written.contains(name);
+    there.keys().cloned().chain(MaterialFile::names_in(out)).find(is_other)
 }
 
 /// What is known of a material besides its report, and differs between machines and runs.
@@ -177,38 +229,28 @@ pub fn build_works(
     settings: &BuildSettings,
     progress: &dyn Progress,
 ) -> Result<Vec<WorkResult>, Error> {
-    let (store, folder) = opened(settings)?;
+    let (store, folder) = opened(settings, progress)?;
     let placed = folder.there().into_values().collect();
     let workshop = Workshop { store: &store, placed: &placed, memory: settings.memory(), fail_fast: false };
     Ok(make(works, &workshop, progress))
 }
 
 /// The store and the folder, with what was brought from elsewhere.
-fn opened(settings: &BuildSettings) -> Result<(Store, OutputFolder), Error> {
+fn opened(settings: &BuildSettings, progress: &dyn Progress) -> Result<(Store, OutputFolder), Error> {
     let store = Store::open(&settings.out, settings.looks_up)?;
     settings.from.iter().try_for_each(|other| store.take_from(other))?;
-    let folder = known_folder(&settings.out, &store)?;
+    let folder = known_folder(&settings.out, &store, progress)?;
     Ok((store, folder))
 }
 
 /// An output folder with what its report says is there; a report that can be read is a build's own.
-pub(super) fn known_folder(out: &Path, store: &Store) -> Result<OutputFolder, Error> {
-    let mut folder = OutputFolder::open(out, store)?;
-    if let Some((report, digest)) = read_report(out) {
+pub(super) fn known_folder(out: &Path, store: &Store, progress: &dyn Progress) -> Result<OutputFolder, Error> {
+    let mut folder = OutputFolder::open(out, store, progress)?;
+    if let Ok((report, digest)) = BuildReport::open_with_digest(&out.join(REPORT)) {
         let listed = report.files().map(|file| (file.file.clone(), file.blake3));
         folder.also_placed(listed.chain([(REPORT.to_owned(), digest)]));
     }
     Ok(folder)
-}
-
-/// The report of the build before this one, if it can be read.
-pub fn earlier_report(out: &Path) -> Option<BuildReport> {
-    read_report(out).map(|(report, _)| report)
-}
-
-fn read_report(out: &Path) -> Option<(BuildReport, Digest)> {
-    let bytes = read_file(&out.join(REPORT), MAX_TEXT_BYTES).ok()?;
-    Some((serde_json::from_slice(&bytes).ok()?, Digest::of(&bytes)))
 }
 
 /// Everything that stands in the folder, the report last.
@@ -227,7 +269,7 @@ fn files(outcomes: &Outcomes, report: BuildReport) -> Vec<(String, Contents)> {
     if let Some(Ok(made)) = &outcomes.environment {
         files.push((environment_map(), Contents::Kept(made.file)));
     }
-    files.push((REPORT.to_owned(), Contents::Bytes(json_file(&report))));
+    files.push((REPORT.to_owned(), Contents::Bytes(report.to_file())));
     files
 }
 

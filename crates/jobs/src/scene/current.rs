@@ -41,7 +41,7 @@ impl PackFolder {
     /// A folder that is there.
     pub fn open(path: &Path) -> Result<Self, Error> {
         let store = Store::open(path, true)?;
-        let folder = known_folder(path, &store)?;
+        let folder = known_folder(path, &store, &())?;
         let placed = folder.there().into_values().collect();
         Ok(Self { store, folder, placed })
     }

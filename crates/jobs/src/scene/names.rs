@@ -1,7 +1,7 @@
 //! Names of materials. Files are called after them, on whatever system the packs travel to.
 
 use super::scene_section::ENVIRONMENT;
-use crate::file_name::{composed, folded};
+use crate::file_name::{composed, folded, is_device};
 use std::collections::BTreeMap;
 use std::path::Path;
 use unicode_normalization::char::is_combining_mark;
@@ -21,14 +21,13 @@ pub fn check_name(name: &str, lit: bool) -> Result<(), String> {
     if name.len() > MOST_BYTES {
         return Err(format!("at most {MOST_BYTES} bytes, as packs are files of that name"));
     }
-    let name = folded(name);
-    if name == REPORT {
+    if folded(name) == folded(REPORT) {
         return Err(format!("{ALLOWED}; not \"{REPORT}\", the file of the whole build"));
     }
-    if lit && name == ENVIRONMENT {
+    if lit && folded(name) == folded(ENVIRONMENT) {
         return Err("another name: the maps of the scene's environment have this one".to_owned());
     }
-    if is_device(&name) {
+    if is_device(name) {
         return Err("another name: Windows takes files that are called so for devices".to_owned());
     }
     Ok(())
@@ -61,13 +60,6 @@ fn is_allowed(c: char) -> bool {
     c.is_alphanumeric() || is_combining_mark(c) || "-_".contains(c)
 }
 
-/// Names that stand for devices on Windows, with any extension.
-fn is_device(name: &str) -> bool {
-    let name = name.to_ascii_uppercase();
-    let numbered = |prefix| name.strip_prefix(prefix).is_some_and(|n| n.len() == 1 && ("1"..="9").contains(&n));
-    ["CON", "PRN", "AUX", "NUL"].contains(&name.as_str()) || numbered("COM") || numbered("LPT")
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -85,6 +77,8 @@ mod tests {
             ("Report", "the whole build"),
             ("con", "devices"),
             ("Lpt1", "devices"),
+            ("COM¹", "devices"),
+            ("lpt²", "devices"),
             ("a:b", "letters"),
             ("a\u{200b}b", "letters"),
             (&"x".repeat(201), "at most 200 bytes"),
@@ -98,6 +92,7 @@ mod tests {
     fn case_alone_is_no_difference() {
         assert_eq!(same_file(["a", "b", "A"]), Some(("a", "A")));
         assert_eq!(same_file(["é", "e\u{301}"]), Some(("é", "e\u{301}")));
+        assert_eq!(same_file(["straße", "STRASSE"]), Some(("straße", "STRASSE")));
         assert_eq!(same_file(["a", "b", "漢字", "木綿"]), None);
     }
 

@@ -26,9 +26,9 @@ impl Named {
         if self.name.is_empty() { self.folder.clone() } else { self.folder.join(&self.name) }
     }
 
-    /// Whether it is a pattern, and no file of that name.
+    /// Whether it is a pattern, and no file or link of that name.
     pub fn is_pattern(&self) -> bool {
-        has_wildcards(&self.name) && !self.path().exists()
+        has_wildcards(&self.name) && self.path().symlink_metadata().is_err()
     }
 
     /// The folder below which files match; whether they may be in folders below it.
@@ -47,7 +47,7 @@ impl Named {
     }
 
     /// The files that match, sorted. `*` and `?` match no `/` and no dot that a name begins with, `**` any folders that
-    /// are neither hidden nor links.
+    /// are neither hidden nor links. Links that lead nowhere match as files do: who reads them finds what is missing.
     ///
     /// # Errors
     /// Patterns that are none, folders that cannot be read.
@@ -58,23 +58,31 @@ impl Named {
         // Links to folders are followed as far as the pattern says how far: one upwards would lead to all files once more.
         let walk = WalkDir::new(root).min_depth(1).max_depth(pattern.depth()).follow_links(!pattern.is_deep);
         let mut files = Vec::new();
-        for entry in walk.into_iter().filter_entry(|entry| pattern.may_lead_on(entry)) {
-            let entry = match entry {
-                Ok(entry) => entry,
+        let leads_on = |entry: &DirEntry| pattern.may_lead_on(entry.file_name(), entry.depth());
+        for entry in walk.into_iter().filter_entry(leads_on) {
+            let path = match &entry {
+                Ok(entry) => entry.path(),
                 Err(error) => match (error.path(), error.io_error()) {
                     (Some(path), Some(error)) if path.is_dir() => return Err(Error::read(path, error)),
-                    // A link that leads nowhere or round, or no folder at all.
+                    // A link that leads nowhere, if it is no folder that leads round, or no folder at all.
+                    (Some(path), _) if pattern.may_lead_on(path.file_name().unwrap_or_default(), error.depth()) => path,
                     _ => continue,
                 },
             };
-            let below = entry.path().strip_prefix(root).unwrap_or(entry.path());
-            if glob_match(&pattern.whole, below.as_os_str().as_encoded_bytes()) && entry.path().is_file() {
+            let below = path.strip_prefix(root).unwrap_or(path);
+            let matches = glob_match(&pattern.whole, below.as_os_str().as_encoded_bytes());
+            if matches && (path.is_file() || is_lost(path)) {
                 files.push(base.join(below));
             }
         }
         files.sort();
         Ok(files)
     }
+}
+
+/// Whether it is a link that leads nowhere, or to itself.
+pub fn is_lost(path: &Path) -> bool {
+    path.is_symlink() && path.metadata().is_err()
 }
 
 fn has_wildcards(name: &OsStr) -> bool {
@@ -109,15 +117,13 @@ impl Pattern {
         if self.is_deep { usize::MAX } else { self.levels.len() }
     }
 
-    /// Whether it, or something below it, may match.
-    fn may_lead_on(&self, entry: &DirEntry) -> bool {
-        let is_hidden = entry.file_name().as_encoded_bytes().starts_with(b".");
-        match entry.depth().checked_sub(1).map(|level| self.levels.get(level)) {
+    /// Whether what has this name at this depth, or something below it, may match.
+    fn may_lead_on(&self, name: &OsStr, depth: usize) -> bool {
+        let is_hidden = name.as_encoded_bytes().starts_with(b".");
+        match depth.checked_sub(1).map(|level| self.levels.get(level)) {
             None => true,
             Some(None) => !is_hidden,
-            Some(Some((level, dotted))) => {
-                glob_match(level, entry.file_name().as_encoded_bytes()) && (*dotted || !is_hidden)
-            }
+            Some(Some((level, dotted))) => glob_match(level, name.as_encoded_bytes()) && (*dotted || !is_hidden),
         }
     }
 }
@@ -206,13 +212,18 @@ mod tests {
         let there = folder(&["a.brdf", "[b]/c.brdf"]);
         let odd = there.path().join(OsStr::from_bytes(b"\xff.brdf"));
         std::fs::write(&odd, "").unwrap();
-        std::os::unix::fs::symlink("gone", there.path().join("dead.brdf")).unwrap();
+        for dead in ["dead.brdf", ".dead.brdf", "dead.csv"] {
+            std::os::unix::fs::symlink("gone", there.path().join(dead)).unwrap();
+        }
         std::os::unix::fs::symlink(there.path(), there.path().join("round")).unwrap();
         std::os::unix::fs::symlink("a.brdf", there.path().join("link.brdf")).unwrap();
         std::os::unix::fs::symlink("ring.brdf", there.path().join("ring.brdf")).unwrap();
         let files = Named::new(there.path(), "*.brdf").files().unwrap();
-        assert_eq!(files, [there.path().join("a.brdf"), there.path().join("link.brdf"), odd]);
-        assert_eq!(Named::new(there.path(), "**/*.brdf").files().unwrap().len(), 4);
+        let named = ["a.brdf", "dead.brdf", "link.brdf", "ring.brdf"].map(|name| there.path().join(name));
+        assert_eq!(files, [&named[..], &[odd]].concat());
+        assert_eq!(Named::new(there.path(), "**/*.brdf").files().unwrap().len(), 6);
+        std::os::unix::fs::symlink("gone", there.path().join("dead?.brdf")).unwrap();
+        assert!(!Named::new(there.path(), "dead?.brdf").is_pattern());
         assert_eq!(Named::new(there.path().join("[b]"), "*.brdf").files().unwrap().len(), 1);
         let below = there.path().join(OsStr::from_bytes(b"\xfe"));
         std::fs::create_dir(&below).unwrap();

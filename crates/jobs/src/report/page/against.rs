@@ -187,6 +187,7 @@ mod tests {
             environment: None,
             skipped: Vec::new(),
             needs: Vec::new(),
+            checksum: None,
         }
     }
 

@@ -10,11 +10,13 @@ use crate::report::build::{BuildReport, EnvironmentEntry, MaterialEntry};
 use crate::scene::build::{BuiltNote, notes};
 use crate::scene::plan::REPORT;
 use crate::scene::run::{kind_of, opened_with_digest};
+use crate::write::folder_of;
 use brdfc_core::Source;
 use brdfc_core::progress::Progress;
 use brdfc_formats::{BrdfPack, Pack};
 use brdfc_source::Input;
 use rayon::prelude::*;
+use std::fs::File;
 use std::path::{Path, PathBuf};
 
 /// A page, before it is written.
@@ -57,14 +59,18 @@ pub struct Reports {
     folder: PathBuf,
     new: BuildReport,
     old: Option<BuildReport>,
+    /// No build moves files meanwhile.
+    _held: Option<File>,
 }
 
 impl Reports {
-    /// Reads them. `against` is the `report.json` of the earlier build.
+    /// Reads them. `against` is the `report.json` of the earlier build. Builds that put files into the folder wait until the page is
+    /// gathered.
     ///
     /// # Errors
-    /// What cannot be read, or is no report.
+    /// What cannot be read, or is no report; a folder in which a build goes on moving files.
     pub fn open(folder: &Path, against: Option<&Path>) -> Result<Self, Error> {
+        let held = OutputFolder::hold_still(folder)?;
         if OutputFolder::is_unfinished(folder) {
             let found = "a build that was killed while files changed places";
             return Err(Error::wrong_input(
@@ -74,7 +80,11 @@ impl Reports {
             ));
         }
         let new = BuildReport::open(&folder.join(REPORT))?;
-        Ok(Self { folder: folder.to_owned(), new, old: against.map(BuildReport::open).transpose()? })
+        let old = |path: &Path| {
+            let _held = OutputFolder::hold_still(folder_of(path))?;
+            BuildReport::open(path)
+        };
+        Ok(Self { folder: folder.to_owned(), new, old: against.map(old).transpose()?, _held: held })
     }
 
     /// The build's own files: packs, maps and what is said of each; and the sources that its packs were made of.
@@ -105,7 +115,7 @@ impl Reports {
 /// # Errors
 /// Packs that are not those of the report.
 pub fn gather(reports: Reports, tolerance: f64, progress: &dyn Progress) -> Result<Page, Error> {
-    let Reports { folder, new: report, old } = reports;
+    let Reports { folder, new: report, old, _held } = reports;
     let folder = folder.as_path();
     let notes = notes(folder);
     let is_held = old.is_some();
