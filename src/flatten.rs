@@ -10,6 +10,7 @@ pub use brdfc_flat_btf::structures::{STRUCTURES, describe_structures};
 pub use brdfc_formats::direction_set::DirectionSet;
 pub use brdfc_formats::flat_btf::IndirectionHeader;
 pub use brdfc_jobs::btf_stack::StackFormat;
+pub use brdfc_jobs::file_name::is_device;
 pub use brdfc_jobs::flatten::{
     AssetFile, FlatAsset, FlattenJob, MesoOptions, PLANE, Surface, Values, open_asset, read_report, run, words,
 };

@@ -24,7 +24,7 @@ use std::fs::File;
 /// Lists the textures of a pack by file name; textures in key/value data are named `NAME#KEY`.
 ///
 /// # Errors
-/// Returns an error if the file cannot be read or is not a pack.
+/// Returns an error if the file cannot be read, is not a pack or is damaged.
 pub fn files(input: &Input) -> Result<BTreeMap<String, PackFile>, Error> {
     let wrong = |error| InputError::Format { name: input.to_string(), error };
     if input.extension()? != "ktx2" {
@@ -34,7 +34,9 @@ pub fn files(input: &Input) -> Result<BTreeMap<String, PackFile>, Error> {
         }
         return Err(wrong(FormatError::whole("input", "no pack", "a pack")).into());
     }
-    Ok(pack_files(&input.short_name(), &input.read(MAX_FILE_BYTES)?).map_err(wrong)?)
+    let bytes = input.read(MAX_FILE_BYTES)?;
+    AnyPack::from_bytes(&bytes).map_err(wrong)?;
+    Ok(pack_files(&input.short_name(), &bytes).map_err(wrong)?)
 }
 
 /// Lists the features that a device needs for all textures of a pack.

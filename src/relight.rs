@@ -4,7 +4,7 @@
 
 pub use brdfc_formats::pwt::LightCoordinates;
 pub use brdfc_jobs::pwt::{
-    LevelReport, LightInput, PwtMade, PwtReport, any_above_white, make, make_map, recipe_of_map,
+    LevelReport, LightInput, Missed, PwtMade, PwtReport, any_above_white, make, make_map, recipe_of_map,
 };
 pub use brdfc_pwt::measure::StackErrors;
 pub use brdfc_pwt::ptm::MapModel;

@@ -6,6 +6,7 @@ use super::output::tell;
 use brdfc::{Cancelled, Plan, Progress, Stage};
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressFinish, ProgressStyle};
 use std::io::IsTerminal;
+use std::sync::OnceLock;
 use std::sync::atomic::{AtomicBool, AtomicU64, AtomicUsize, Ordering};
 use std::time::{Duration, Instant};
 
@@ -40,7 +41,9 @@ pub(super) struct Materials<'a> {
     total: usize,
     finished: AtomicUsize,
     position: AtomicU64,
-    started: Instant,
+    /// When the first material was begun: whatever was waited for before is no work.
+    started: OnceLock<Instant>,
+    quiet: bool,
 }
 
 impl<'a> Materials<'a> {
@@ -70,7 +73,8 @@ impl<'a> Materials<'a> {
             total,
             finished: AtomicUsize::new(0),
             position: AtomicU64::new(0),
-            started: Instant::now(),
+            started: OnceLock::new(),
+            quiet: common.quiet,
         }
     }
 }
@@ -94,7 +98,14 @@ impl Progress for Materials<'_> {
     }
 
     fn part<'a>(&'a self, name: &'a str) -> Box<dyn Progress + 'a> {
+        self.started.get_or_init(Instant::now);
         Box::new(Material { all: self, name })
+    }
+
+    fn waits(&self, for_what: &str) {
+        if !self.quiet {
+            self.bar.suspend(|| tell(&format!("note: waiting for {for_what}")));
+        }
     }
 }
 
@@ -129,7 +140,7 @@ impl Progress for Material<'_> {
         all.position.fetch_max(all.whole * done as u64, Ordering::Relaxed);
         all.bar.set_position(all.position.load(Ordering::Relaxed));
         if all.lines {
-            let elapsed = all.started.elapsed().as_secs_f64();
+            let elapsed = all.started.get_or_init(Instant::now).elapsed().as_secs_f64();
             let left = elapsed / done as f64 * (all.total - done) as f64;
             let what = if succeeded { "done" } else { "failed" };
             let times = format!("{elapsed:.1} s, about {left:.0} s left");

@@ -4,8 +4,8 @@ use super::output::{json_or, note, output_parser, print_report, refuse_flags, re
 use super::{Common, Error};
 use crate::table;
 use brdfc::relight::{
-    DomainName, LevelReport, LightCoordinates, LightInput, MapModel, PTM, Ptm, PwtRecipe, PwtReport, StackErrors,
-    Target, Wavelet, any_above_white, make, make_map, recipe_of_map,
+    DomainName, LevelReport, LightCoordinates, LightInput, MapModel, Missed, PTM, Ptm, PwtRecipe, PwtReport,
+    StackErrors, Target, Wavelet, any_above_white, make, make_map, recipe_of_map,
 };
 use brdfc::{ErrorKind, Input};
 use brdfc_terminal::values::{any_whole_number, bytes_from_text, one_of};
@@ -216,7 +216,12 @@ pub(super) fn run(arguments: &Arguments, common: Common) -> Result<(), Error> {
         return Err(Error::usage(text));
     }
     let photographs = matches!(input, LightInput::Renderings(_));
+    let count = if let LightInput::Renderings(samples) = &input { samples.lights.len() } else { 0 };
     let mut samples = input.into_samples();
+    if samples.lights.len() < count {
+        let text = format!("{count} photographs of {} lights: those of one light are averaged", samples.lights.len());
+        note(common, &arguments.input, &text);
+    }
     if photographs && any_above_white(&samples) {
         note(common, &arguments.input, "the fit includes values above 1 (white); the dB treat them as 1");
     }
@@ -240,8 +245,8 @@ pub(super) fn run(arguments: &Arguments, common: Common) -> Result<(), Error> {
     let seconds = Seconds { read, encode: start.elapsed().as_secs_f64() };
     let bytes = made.encoded.pack.to_bytes(!arguments.no_supercompression);
     write_file(&arguments.output, &bytes)?;
-    let report = PwtReport::new(&made, bytes.len());
-    let missed = (!report.met).then(|| missed(&recipe, &report));
+    let report = PwtReport::new(&made, recipe.target, bytes.len());
+    let missed = made.missed(recipe.target).map(|why| missed(&recipe, &report, &why));
     if !report.met {
         note(common, &arguments.input, "no pack meets the target; wrote the best one");
     }
@@ -256,13 +261,19 @@ fn of_input(input: &Input, error: Error) -> Error {
     if error.kind() == ErrorKind::Input { error.prefixed(input) } else { error }
 }
 
-fn missed(recipe: &PwtRecipe, report: &PwtReport) -> String {
+fn missed(recipe: &PwtRecipe, report: &PwtReport, why: &Missed) -> String {
+    let held_out = report.held_out.as_ref().filter(|_| *why == Missed::HeldOut);
+    let (psnr, delta_e) = held_out.map_or((report.psnr, report.delta_e), |held| (held.psnr, held.delta_e));
+    let at = if held_out.is_some() { " at lights that were held out" } else { "" };
+    if let Missed::Nothing(nothing) = why {
+        return format!("photographs: found {nothing}");
+    }
     match recipe.target {
-        Target::Quality(psnr) => {
-            format!("quality: found {} dB, expected at least {psnr} dB", table::apart(report.psnr, psnr))
+        Target::Quality(least) => {
+            format!("quality{at}: found {} dB, expected at least {least} dB", table::apart(psnr, least))
         }
         Target::DeltaE(limit) => {
-            format!("mean ΔE: found {}, expected at most {limit}", table::apart(report.delta_e, limit))
+            format!("mean ΔE{at}: found {}, expected at most {limit}", table::apart(delta_e, limit))
         }
         Target::Bytes(bytes) => format!("bytes on a GPU: found {}, expected at most {bytes}", report.bytes_on_gpu),
         Target::Energy(share) => format!("energy: found less with all terms and details, expected at least {share}"),

@@ -7,7 +7,8 @@ use super::output::{
 use super::progress::Materials;
 use super::{Common, Error};
 use brdfc::report::{
-    FlatPage, REPORT, Reports, ViewLink, csv, flat_btf_file, flat_csv, flat_html, gather, html, is_flat_btf, sheet_png,
+    CSV_HEADER, FLAT_CSV_HEADER, FlatPage, REPORT, Reports, ViewLink, csv, flat_btf_file, flat_csv, flat_html, gather,
+    html, is_flat_btf, sheet_png,
 };
 use brdfc::view::{ViewOptions, open_items, view_page};
 use brdfc::{Fraction, Input, Progress};
@@ -82,6 +83,7 @@ pub(super) fn run(arguments: &Arguments, common: Common) -> Result<(), Error> {
     let built = reports.files();
     let built: Vec<&Path> = built.iter().map(PathBuf::as_path).collect();
     refuse_pages_over(output, [&csv_path, &json_path], &built)?;
+    refuse_other_figures(output, &csv_path, &json_path)?;
     if let Some(path) = &arguments.view {
         refuse_unfit_view(path, output, &[&built[..], &inputs].concat())?;
     }
@@ -153,6 +155,25 @@ fn refuse_pages_over(output: &Path, figures: [&PathBuf; 2], inputs: &[&Path]) ->
     refuse_missing_folder(output)
 }
 
+/// Rejects figures that would replace anything but those of an earlier page: `scan.csv` next to `scan.html` may be a
+/// measurement.
+fn refuse_other_figures(output: &Path, csv_path: &Path, json_path: &Path) -> Result<(), Error> {
+    let starts = |path: &Path, with: &[&str]| match std::fs::read(path) {
+        Ok(bytes) => with.iter().any(|with| bytes.starts_with(with.as_bytes())),
+        Err(_) => true,
+    };
+    for (path, with) in [(csv_path, &[CSV_HEADER, FLAT_CSV_HEADER][..]), (json_path, &["{"])] {
+        if !starts(path, with) {
+            let (page, path) = (output.display(), path.display());
+            let text = format!(
+                "--output: found {page}, whose figures would be written over {path}, a file of another kind, expected another name"
+            );
+            return Err(Error::usage(text));
+        }
+    }
+    Ok(())
+}
+
 /// Returns the folder of a build, which may be given by its report.
 fn build_folder(path: &Path) -> &Path {
     if path.file_name().is_some_and(|name| name == REPORT) { folder_of(path) } else { path }
@@ -167,6 +188,7 @@ fn of_flat_btf(arguments: &Arguments, common: Common) -> Result<(), Error> {
     let file = flat_btf_file(folder)?;
     let [csv_path, json_path] = ["csv", "json"].map(|extension| output.with_extension(extension));
     refuse_pages_over(output, [&csv_path, &json_path], file.as_deref().as_slice())?;
+    refuse_other_figures(output, &csv_path, &json_path)?;
     if let Some(path) = &arguments.view {
         refuse_unfit_view(path, output, file.as_deref().as_slice())?;
     }

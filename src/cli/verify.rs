@@ -12,9 +12,10 @@ use std::sync::atomic::AtomicBool;
 
 /// Check that packs, folders of builds and reports are intact.
 ///
-/// The program reads packs to their last texel and compares them with their checksums, compares the files that a report.json
-/// lists with their hashes, and compares its figures with those of each MATERIAL.json. It prints every file that is missing,
-/// damaged or modified. The exit code is 1 if there are any, or if a folder contains nothing to check.
+/// The program reads packs to their last texel and compares them with their checksums, as it does a report.json. It compares the
+/// files that a report.json lists with their hashes, and its figures with those of each MATERIAL.json. It prints every file that is
+/// missing, damaged or modified. The exit code is 1 if there are any, if the folder of a build has no report.json, or if a folder
+/// contains nothing to check.
 ///
 /// To check whether errors are small enough, use the gates of a build or report --against.
 ///

@@ -9,5 +9,6 @@ mod determinism;
 mod layers;
 mod library;
 mod packages;
+mod prose;
 mod readme;
 mod scan_truths;

@@ -19,6 +19,10 @@ struct Scan {
     noise: f64,
     /// Returns true if a direction pair, given by its polar angles in degrees, is missing.
     gap: fn(f64, f64) -> bool,
+    /// Smallest azimuth between the viewers and the plane of incidence, degrees.
+    turned: f64,
+    /// Index of the polar angle of light whose values are multiplied by 1.5; 0 for none.
+    brighter: usize,
     /// Factor of the repeated copy of every row.
     repeated: Option<f64>,
     /// True if the fit should be good enough to be trusted: a control for the others.
@@ -33,6 +37,8 @@ const PLAIN: Scan = Scan {
     steepest: 87.5,
     noise: 0.0,
     gap: |_, _| false,
+    turned: 0.0,
+    brighter: 0,
     repeated: None,
     believed: true,
 };
@@ -57,13 +63,15 @@ impl Scan {
             for viewer in 0..viewers {
                 for azimuth in 0..azimuths {
                     let [theta_i, theta_o] = [polar(light, lights), polar(viewer, viewers)];
-                    let phi = PI * azimuth as f64 / (azimuths.max(2) - 1) as f64;
+                    let turned = self.turned.to_radians();
+                    let phi = turned + (PI - 2.0 * turned) * azimuth as f64 / (azimuths.max(2) - 1) as f64;
                     if (self.gap)(theta_i.to_degrees(), theta_o.to_degrees()) {
                         continue;
                     }
                     let pair = DirectionPair::from_angles(theta_i, 0.0, theta_o, phi);
                     let value = model.source().eval(pair, &mut Tally::default());
-                    let factor = 1.0 + self.noise * noise(&mut seed);
+                    let brighter = if self.brighter > 0 && self.brighter == light { 1.5 } else { 1.0 };
+                    let factor = brighter * (1.0 + self.noise * noise(&mut seed));
                     for times in [Some(1.0), self.repeated].into_iter().flatten() {
                         let [r, g, b] = value.map(|v| v * factor * times);
                         writeln!(text, "{theta_i},0,{theta_o},{phi},{r},{g},{b}").expect("memory");
@@ -90,6 +98,8 @@ fn printed_errors_are_true_or_the_fit_is_reported() {
         Scan { name: "much noise", noise: 0.5, counts: [8, 12, 13], believed: false, ..PLAIN },
         Scan { name: "sparse", counts: [5, 6, 7], believed: false, ..PLAIN },
         Scan { name: "coarse", model: "synth:ggx?kd=0.2&alpha=0.08", counts: [7, 9, 13], believed: true, ..PLAIN },
+        Scan { name: "narrow", model: "synth:ggx?kd=0.05&alpha=0.05", turned: 10.0, believed: false, ..PLAIN },
+        Scan { name: "one incidence too bright", brighter: 5, counts: [9, 12, 13], believed: false, ..PLAIN },
         Scan {
             name: "a gap",
             gap: |i, o| (25.0..60.0).contains(&i) || (25.0..60.0).contains(&o),

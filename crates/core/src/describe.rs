@@ -31,6 +31,11 @@ pub trait Describe {
         None
     }
 
+    /// First and last wavelength, nm, of spectra that leave out a part of the visible range which colours depend on.
+    fn partial_spectrum(&self) -> Option<[f64; 2]> {
+        None
+    }
+
     /// Lines for people: names and values.
     fn in_words(&self) -> Vec<(&'static str, String)> {
         let mut lines = self.lines();

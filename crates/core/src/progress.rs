@@ -99,6 +99,9 @@ pub trait Progress: Sync {
 
     /// Ends the work; `succeeded` is its outcome.
     fn finished(&self, _succeeded: bool) {}
+
+    /// The work has waited for a while for this, such as another process. Called once, before any part begins or after all ended.
+    fn waits(&self, _for_what: &str) {}
 }
 
 /// Lets an observer of the whole work observe its parts, too.
@@ -121,6 +124,10 @@ impl<P: Progress + ?Sized> Progress for &P {
 
     fn finished(&self, succeeded: bool) {
         (**self).finished(succeeded);
+    }
+
+    fn waits(&self, for_what: &str) {
+        (**self).waits(for_what);
     }
 }
 

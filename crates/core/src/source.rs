@@ -76,6 +76,27 @@ pub struct Repeats {
     pub largest: f64,
 }
 
+/// How samples rise towards the mirror direction, at the polar angle of incidence where they tell least of a highlight. Values are
+/// those above the diffuse part, times both cosines.
+#[derive(Debug, Clone, Copy, PartialEq, serde::Serialize, serde::Deserialize, schemars::JsonSchema)]
+pub struct Rise {
+    /// Polar angle of incidence, degrees, to 5.
+    pub incidence: f64,
+    /// Half angle of the samples that are nearest to the mirror direction, degrees.
+    pub nearest: f64,
+    /// Half angle of the next ones, degrees.
+    pub next: f64,
+    /// Mean value of the nearest over that of the next.
+    pub ratio: f64,
+    /// The peak over the nearest, were it a lobe of GGX through both; at most 100.
+    pub peak: f64,
+}
+
+/// Estimated peak over the nearest samples from which on a highlight is narrower than they tell.
+pub const MAX_PEAK: f64 = 2.5;
+/// Ratio of the nearest samples and the next from which on they leave a highlight's width open, though one may lie on its peak.
+pub const MAX_RISE: f64 = 30.0;
+
 /// The samples that a source is completed from.
 pub trait Completion: Sync {
     /// Number of folds, at most [`MAX_PARTS`]; 0 if all samples have the same incidence.
@@ -90,4 +111,7 @@ pub trait Completion: Sync {
 
     /// Repeated samples; `None` without any.
     fn repeats(&self) -> Option<Repeats>;
+
+    /// How fast samples rise towards the mirror direction; nothing where too few are near it.
+    fn rise(&self) -> Option<Rise>;
 }

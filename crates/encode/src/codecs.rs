@@ -174,6 +174,10 @@ impl Describe for PackFacts {
         self.of_codec().stray_rows()
     }
 
+    fn partial_spectrum(&self) -> Option<[f64; 2]> {
+        self.of_codec().partial_spectrum()
+    }
+
     fn in_words(&self) -> Vec<(&'static str, String)> {
         self.of_codec().in_words()
     }

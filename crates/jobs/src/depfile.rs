@@ -20,7 +20,7 @@ fn escaped(path: &Path) -> Vec<u8> {
     for byte in path.as_os_str().as_encoded_bytes() {
         match byte {
             b'$' => text.push(b'$'),
-            b'#' | b' ' => text.push(b'\\'),
+            b'#' | b' ' | b':' => text.push(b'\\'),
             _ => {}
         }
         text.push(*byte);
@@ -35,11 +35,12 @@ mod tests {
     #[test]
     fn spaces_and_signs_are_escaped() {
         let folder = tempfile::tempdir().unwrap();
-        let path = folder.path().join("red #1 $.brdf");
+        let path = folder.path().join(if cfg!(windows) { "red #1 $.brdf" } else { "a:red #1 $.brdf" });
         std::fs::write(&path, "").unwrap();
-        let rule = depfile(Path::new("out/report.json"), &[&path, Path::new("synth:lambert")]);
+        let rule = depfile(Path::new("out:1/report.json"), &[&path, Path::new("synth:lambert")]);
         let rule = String::from_utf8(rule).unwrap();
-        assert!(rule.starts_with("out/report.json: \\\n  ") && rule.ends_with("/red\\ \\#1\\ $$.brdf\n"), "{rule}");
+        assert!(rule.starts_with("out\\:1/report.json: \\\n  ") && rule.ends_with("red\\ \\#1\\ $$.brdf\n"), "{rule}");
+        assert!(rule.contains("/a\\:red") || cfg!(windows), "{rule}");
         assert!(!rule.contains("synth"));
     }
 }

@@ -18,10 +18,34 @@ pub fn write_file(path: &Path, bytes: &[u8]) -> Result<(), Error> {
 pub fn refuse_overwriting(option: &str, output: &Path, inputs: &[&Path]) -> Result<(), Error> {
     let Ok(target) = output.canonicalize() else { return Ok(()) };
     let is_it = |file: &PathBuf| file.canonicalize().is_ok_and(|path| path == target);
+    if is_standard_input(&target) {
+        let found = output.display();
+        return Err(Error::usage(format!(
+            "{option}: found {found}, which standard input is redirected from, expected another file"
+        )));
+    }
     if target.is_file() && inputs.iter().any(|input| files_behind(input).iter().any(is_it)) {
         return Err(Error::usage(format!("{option}: found {}, an input, expected another file", output.display())));
     }
     Ok(())
+}
+
+/// True if standard input is redirected from this file.
+#[cfg(unix)]
+fn is_standard_input(path: &Path) -> bool {
+    use std::os::fd::AsFd as _;
+    use std::os::unix::fs::MetadataExt as _;
+    let stdin = std::io::stdin().as_fd().try_clone_to_owned().map(std::fs::File::from);
+    let same = |stdin: std::fs::Metadata, file: std::fs::Metadata| {
+        stdin.is_file() && (stdin.dev(), stdin.ino()) == (file.dev(), file.ino())
+    };
+    stdin.and_then(|stdin| Ok(same(stdin.metadata()?, path.metadata()?))).unwrap_or(false)
+}
+
+/// Returns false: the standard library has no file identity on other systems.
+#[cfg(not(unix))]
+fn is_standard_input(_: &Path) -> bool {
+    false
 }
 
 /// Applies [`refuse_overwriting`] to many outputs.

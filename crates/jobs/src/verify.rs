@@ -16,7 +16,9 @@ use brdfc_source::read::{MAX_FILE_BYTES, MAX_TEXT_BYTES, read_file};
 use rayon::prelude::*;
 use serde::Serialize;
 use std::collections::BTreeSet;
+use std::fs::File;
 use std::path::{Path, PathBuf};
+use std::sync::Arc;
 
 /// A file that was checked.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, schemars::JsonSchema)]
@@ -46,14 +48,19 @@ enum Check {
 #[derive(Debug, Clone, Default)]
 pub struct Checks {
     checks: Vec<(PathBuf, Check)>,
+    /// Locks of the folders, which prevent builds from moving files during the checks.
+    held: Vec<Arc<File>>,
 }
 
 impl Checks {
     /// Adds the checks of a path: a pack (`.ktx2`), the folder of a build with a `report.json`, a folder of packs, or a `report.json` or
     /// `MATERIAL.json` with the files that it lists. Packs in the folder of a build that its report does not list are checked alone.
     ///
+    /// Builds that put files into such a folder wait until the checks are done.
+    ///
     /// # Errors
-    /// Returns an error if the path does not exist or is of another kind, or if a folder has no packs.
+    /// Returns an error if the path does not exist or is of another kind, if a folder has no packs, or if a build keeps
+    /// moving files in the folder.
     pub fn add(&mut self, path: &Path) -> Result<(), Error> {
         let metadata = path.metadata().map_err(|error| Error::read(path, &error))?;
         if metadata.is_dir() {
@@ -61,7 +68,7 @@ impl Checks {
         }
         match path.extension().map(|extension| extension.to_ascii_lowercase()) {
             Some(extension) if extension == "ktx2" => self.checks.push((path.to_owned(), Check::Pack(None))),
-            Some(extension) if extension == "json" => self.add_json(path),
+            Some(extension) if extension == "json" => self.add_json(path)?,
             _ => {
                 let allowed = "a pack (.ktx2), a folder of packs, a report.json or a MATERIAL.json";
                 return Err(Error::wrong_usage(path.display(), "another file", allowed));
@@ -71,11 +78,14 @@ impl Checks {
     }
 
     fn add_folder(&mut self, folder: &Path) -> Result<(), Error> {
+        self.hold(folder)?;
         let report = folder.join(REPORT);
         let before = self.checks.len();
         let mut listed = BTreeSet::new();
         if report.exists() || OutputFolder::is_unfinished(folder) {
             listed = self.add_report(&report);
+        } else if OutputFolder::is_placed(folder) || !MaterialFile::names_in(folder).is_empty() {
+            self.known(&report, None, Some("missing".to_owned()));
         }
         let read = |error: std::io::Error| Error::read(folder, &error);
         let mut packs = Vec::new();
@@ -94,6 +104,11 @@ impl Checks {
                 folder.display()
             )));
         }
+        Ok(())
+    }
+
+    fn hold(&mut self, folder: &Path) -> Result<(), Error> {
+        self.held.extend(OutputFolder::hold_still(folder)?.map(Arc::new));
         Ok(())
     }
 
@@ -132,14 +147,15 @@ impl Checks {
     }
 
     /// Adds a `report.json` or a `MATERIAL.json`, distinguished by content, not by name.
-    fn add_json(&mut self, path: &Path) {
+    fn add_json(&mut self, path: &Path) -> Result<(), Error> {
+        self.hold(folder_of(path))?;
         let is_list = read_file(path, MAX_TEXT_BYTES).is_ok_and(|bytes| {
             let parsed: Result<serde_json::Value, _> = serde_json::from_slice(&bytes);
             parsed.is_ok_and(|value| value.get("material").is_some())
         });
         if !is_list {
             self.add_report(path);
-            return;
+            return Ok(());
         }
         match list_in(path) {
             Ok(list) => {
@@ -151,6 +167,7 @@ impl Checks {
             }
             Err(fault) => self.known(path, None, Some(fault)),
         }
+        Ok(())
     }
 
     /// Number of files to check.

@@ -4,7 +4,7 @@
 use super::norms::NormSums;
 use super::rendering::{ReferenceRendering, coarse_rendering_pairs};
 use brdfc_core::progress::{Cancelled, Progress, Stage};
-use brdfc_core::source::{Completion, Fold, Parts, Repeats};
+use brdfc_core::source::{Completion, Fold, MAX_PEAK, MAX_RISE, Parts, Repeats, Rise};
 use brdfc_core::{Source, Tally};
 use brdfc_formats::crop::DirectionRange;
 use rayon::prelude::*;
@@ -24,6 +24,10 @@ const MANY_REPEATS: f64 = 0.1;
 /// Each incidence that is left out doubles a gap. If the error grows with the square of the gap, it becomes four times
 /// as large, and each gap is doubled from both its ends.
 const GAPS: f64 = 1.0 / 6.0;
+/// An incidence contradicts the others if leaving it out makes a difference above this multiple of the median.
+const CONTRADICTION: f64 = 6.0;
+/// Minimum number of incidences to tell one from the others.
+const MIN_INCIDENCES: usize = 5;
 /// The fit is the larger error above this share of a pack's own ΔE: the sum of both, as of independent errors, is a
 /// fifth larger.
 const WEAKER: f64 = 0.7;
@@ -44,6 +48,8 @@ pub struct FitError {
     pub uncovered: f64,
     /// Repeated direction pairs; absent without any.
     pub repeats: Option<Repeats>,
+    /// How fast samples rise towards the mirror direction; absent where too few are near it.
+    pub rise: Option<Rise>,
 }
 
 impl FitError {
@@ -94,7 +100,7 @@ impl FitError {
         };
         progress.check()?;
         let of_samples = samples.as_ref().map(|(_, differences)| deviation(differences));
-        let of_incidences = incidences.as_ref().map(|(_, differences)| GAPS * differences.iter().sum::<f64>());
+        let of_incidences = incidences.as_ref().map(|(_, differences)| difference_of_gaps(differences));
         let delta_e = match (of_samples, of_incidences) {
             (Some(a), Some(b)) => Some(a.max(b)),
             (a, b) => a.or(b),
@@ -108,6 +114,7 @@ impl FitError {
             farthest: distances.iter().copied().fold(0.0, f64::max),
             uncovered: uncovered as f64 / distances.len().max(1) as f64,
             repeats: completion.repeats(),
+            rise: completion.rise(),
         })
     }
 
@@ -130,6 +137,13 @@ impl FitError {
             let (pairs, spread) = (repeats.pairs, 100.0 * repeats.spread);
             return Some(format!("samples of {pairs} direction pairs repeat, and differ by {spread:.0} %"));
         }
+        if let Some(rise) = self.rise.filter(|rise| rise.peak > MAX_PEAK || rise.ratio > MAX_RISE) {
+            let Rise { incidence, nearest, next, ratio, .. } = rise;
+            return Some(format!(
+                "the highlight is narrower than the samples tell: at {incidence:.0}° incidence values rise {ratio:.1} times from {next:.1}° \
+                 to {nearest:.1}° off the mirror direction (half angles), where samples end"
+            ));
+        }
         self.delta_e.is_none().then(|| "too few samples to leave any out".to_owned())
     }
 
@@ -141,6 +155,16 @@ impl FitError {
             || self.delta_e.filter(weaker).map(|fit| format!("about ΔE {fit:.2} of the fit, {pack:.2} of the pack"));
         self.gaps().or_else(of_fit)
     }
+}
+
+/// Estimates the mean ΔE that gaps between incidences cost, from the difference that leaving out each makes. An incidence
+/// that differs from all others contradicts them; either side may be right, so its difference counts fully.
+fn difference_of_gaps(differences: &[f64]) -> f64 {
+    let mut sorted = differences.to_vec();
+    sorted.sort_by(f64::total_cmp);
+    let (median, largest) = (sorted[sorted.len() / 2], sorted[sorted.len() - 1]);
+    let gaps = GAPS * differences.iter().sum::<f64>();
+    if sorted.len() >= MIN_INCIDENCES && largest > CONTRADICTION * median { gaps.max(largest) } else { gaps }
 }
 
 /// Norms of the predictions of a fold for the samples that it leaves out.
@@ -156,4 +180,20 @@ fn predicted(fold: &Fold, grey: bool) -> NormSums {
         }
     }
     sums
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn one_incidence_that_contradicts_the_others_counts_whole() {
+        let gaps = [0.02, 0.05, 0.05, 0.05, 0.08, 0.04, 0.06, 0.06];
+        assert!((difference_of_gaps(&gaps) - GAPS * gaps.iter().sum::<f64>()).abs() < 1e-12);
+        let one = [0.02, 0.05, 0.05, 0.05, 0.08, 0.13, 0.76, 1.23];
+        assert!((difference_of_gaps(&one) - 1.23).abs() < 1e-12);
+        // The ends of few incidences differ by nature.
+        let few = [0.26, 0.39, 0.02];
+        assert!(difference_of_gaps(&few) < 0.2);
+    }
 }

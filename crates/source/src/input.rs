@@ -150,7 +150,7 @@ fn within<'a>(path: &Path, bytes: &'a [u8], limit: u64) -> Result<&'a [u8], Inpu
 pub(crate) struct InputFile<'a> {
     pub(crate) path: &'a Path,
     pub(crate) file: Contents<'a>,
-    /// Length in bytes, 0 for pipes.
+    /// Length in bytes.
     pub(crate) length: u64,
     /// Requested level of detail.
     pub(crate) level: Option<f32>,
@@ -216,7 +216,6 @@ impl<'a> InputFile<'a> {
             let start_bytes = START_BYTES as u64;
             self.file.take(start_bytes).read_to_end(&mut start)
         });
-        // A pipe cannot seek.
         if found.is_err() {
             start.clear();
         }

@@ -5,7 +5,7 @@ use brdfc_core::words::bytes;
 use brdfc_formats::FormatError;
 use brdfc_formats::memory::reserved;
 use std::fs::File;
-use std::io::{Read, Seek, SeekFrom};
+use std::io::{Cursor, ErrorKind, Read, Seek, SeekFrom};
 use std::path::Path;
 
 /// Maximum size of an input file, bytes. Its decoded form takes at most a few times as much memory.
@@ -15,7 +15,8 @@ pub const MAX_TEXT_BYTES: u64 = 16 << 20;
 
 /// Observer of file reads.
 pub trait ReadListener {
-    /// Called when a file was opened, before it is read. Its length in bytes is 0 for pipes.
+    /// Called when a file was opened, before the first call of [`Self::bytes`]. Its length in bytes is 0 for pipes that
+    /// are not read ahead.
     ///
     /// # Errors
     /// Returns an error if the file must not be read, for example because it is too large.
@@ -33,13 +34,22 @@ impl ReadListener for () {}
 
 /// A file whose bytes a listener observes.
 pub(crate) struct ObservedFile<'a> {
-    file: File,
+    file: Opened,
     listener: &'a mut dyn ReadListener,
+}
+
+/// A file, or all bytes of a pipe.
+enum Opened {
+    File(File),
+    Pipe(Cursor<Vec<u8>>),
 }
 
 impl Read for ObservedFile<'_> {
     fn read(&mut self, buffer: &mut [u8]) -> std::io::Result<usize> {
-        let count = self.file.read(buffer)?;
+        let count = match &mut self.file {
+            Opened::File(file) => file.read(buffer)?,
+            Opened::Pipe(bytes) => bytes.read(buffer)?,
+        };
         self.listener.bytes(&buffer[..count]);
         Ok(count)
     }
@@ -47,23 +57,37 @@ impl Read for ObservedFile<'_> {
 
 impl Seek for ObservedFile<'_> {
     fn seek(&mut self, position: SeekFrom) -> std::io::Result<u64> {
-        self.file.seek(position)
+        match &mut self.file {
+            Opened::File(file) => file.seek(position),
+            Opened::Pipe(bytes) => bytes.seek(position),
+        }
     }
 }
 
-/// Same as [`open_path`], with an observer.
+/// Same as [`open_path`], with an observer. Pipes are read ahead to their end, because they have no length and cannot
+/// seek.
 pub(crate) fn open_observed<'a>(
     path: &Path,
     listener: &'a mut dyn ReadListener,
 ) -> Result<(ObservedFile<'a>, u64), InputError> {
     let (file, length) = open_path(path)?;
+    let is_file = file.metadata().is_ok_and(|metadata| metadata.is_file());
+    let pipe = if is_file { None } else { Some(read_within(path, &file, 0, MAX_FILE_BYTES)?) };
+    let length = pipe.as_ref().map_or(length, |bytes| bytes.len() as u64);
     listener.opened(&file, length).map_err(|error| InputError::format(path, error))?;
+    let file = pipe.map_or_else(|| Opened::File(file), |bytes| Opened::Pipe(Cursor::new(bytes)));
     Ok((ObservedFile { file, listener }, length))
 }
 
 /// Opens a file or a pipe, but no folder and no device. The length is 0 for pipes.
 pub(crate) fn open_path(path: &Path) -> Result<(File, u64), InputError> {
-    let io = |error| InputError::io(path, error);
+    let io = |error: std::io::Error| {
+        if error.kind() == ErrorKind::NotFound && path.is_symlink() {
+            let text = "it is a link whose target does not exist";
+            return InputError::io(path, std::io::Error::new(error.kind(), text));
+        }
+        InputError::io(path, error)
+    };
     let file = File::open(path).map_err(io)?;
     let metadata = file.metadata().map_err(io)?;
     if metadata.is_dir() {
@@ -94,8 +118,9 @@ pub fn read_file(path: &Path, limit: u64) -> Result<Vec<u8>, InputError> {
 /// # Errors
 /// Same as [`read_file`].
 pub fn read_heard(path: &Path, limit: u64, listener: &mut dyn ReadListener) -> Result<Vec<u8>, InputError> {
-    let (file, length) = open_observed(path, listener)?;
-    read_within(path, file, length, limit)
+    let (file, length) = open_path(path)?;
+    listener.opened(&file, length).map_err(|error| InputError::format(path, error))?;
+    read_within(path, ObservedFile { file: Opened::File(file), listener }, length, limit)
 }
 
 /// Reads a text file or a pipe to its end, or through the first NUL byte. Parsers reject the NUL byte.

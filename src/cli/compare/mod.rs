@@ -170,7 +170,7 @@ fn photographs(arguments: &Arguments, reference: &Path, common: Common) -> Resul
     arguments.refuse_flags_of_reflectances("an RTI capture")?;
     let comparison = brdfc::compare::photographs(reference, &arguments.b)?;
     let PhotographComparison { errors, photographs } = &comparison;
-    let found = errors.delta_e;
+    let (found, nothing) = (errors.delta_e, errors.nothing_shown());
     let worst = photographs.iter().max_by(|a, b| a.delta_e.total_cmp(&b.delta_e));
     let [x, y, z] = worst.map_or([0.0; 3], |worst| worst.light);
     let row = vec![
@@ -183,6 +183,10 @@ fn photographs(arguments: &Arguments, reference: &Path, common: Common) -> Resul
     let text = table::plain(&["photographs", "dB", "mean ΔE", "worst", "under the light"], &[row]);
     print_compared(common, Compared::Photographs(PhotographReport { kind: "rti-capture", comparison }), text)?;
     match arguments.max_delta_e {
+        Some(limit) if nothing.is_some() => {
+            let found = nothing.unwrap_or_default();
+            Err(Error::check(format!("mean ΔE: found {found}, expected at most {limit}")))
+        }
         Some(limit) if found > limit => {
             Err(Error::check(format!("mean ΔE: found {}, expected at most {limit}", table::apart(found, limit))))
         }

@@ -6,7 +6,7 @@ use crate::directions::{default_set, direction_set, map_header};
 use crate::inputs::refuse_stdin_twice;
 use crate::output::{check_folder, refuse_flags, refuse_overwriting, refuse_same_outputs};
 use brdfc::Input;
-use brdfc::flatten::{FactoredTarget, FillMethod, FlattenRecipe, Form, MesoOptions};
+use brdfc::flatten::{FactoredTarget, FillMethod, FlattenRecipe, Form, MesoOptions, is_device};
 use brdfc_terminal::words::format_number;
 use std::ffi::{OsStr, OsString};
 use std::path::Path;
@@ -19,16 +19,21 @@ pub(super) fn asset_name(arguments: &Arguments) -> Result<String, Error> {
         Some(path.as_os_str().to_string_lossy().into_owned())
     };
     let name = arguments.name.clone().or_else(folder).unwrap_or_default();
-    let allowed = |c: char| c.is_alphanumeric() || matches!(c, '-' | '_' | '.' | ' ');
-    if name.is_empty() || name.starts_with('.') || name.trim() != name || !name.chars().all(allowed) {
-        let text = "expected letters, digits, -_., and spaces between them";
-        return Err(Error::usage(match arguments.name {
-            Some(_) => format!("--name: found {name:?}; {text}"),
+    let wrong = |text: &str| {
+        Error::usage(match arguments.name {
+            Some(_) => format!("--name: found {name:?}, {text}"),
             None => format!(
-                "--out: found {}, whose last part {name:?} names the asset; {text}, or a --name",
+                "--out: found {}, whose last part {name:?} names the asset, {text}, or a --name",
                 arguments.out.display()
             ),
-        }));
+        })
+    };
+    let allowed = |c: char| c.is_alphanumeric() || matches!(c, '-' | '_' | '.' | ' ');
+    if name.is_empty() || name.starts_with('.') || name.trim() != name || !name.chars().all(allowed) {
+        return Err(wrong("expected letters, digits, -_., and spaces between them"));
+    }
+    if is_device(&name) {
+        return Err(wrong("expected another name: Windows reserves it for a device"));
     }
     Ok(name)
 }

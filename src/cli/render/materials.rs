@@ -161,6 +161,22 @@ pub(super) fn prepare(
         .collect()
 }
 
+/// Rejects a check of packs that are not the files of the folder.
+fn refuse_unchecked(arguments: &Arguments, stale: &[String], missing: &[String]) -> Result<(), Error> {
+    let limits = [arguments.max_delta_e, arguments.max_delta_e_p95, arguments.max_flip, arguments.adaptive.min_psnr];
+    if limits.iter().all(Option::is_none) {
+        return Ok(());
+    }
+    let expected = "the pack that 'brdfc build' makes of this manifest";
+    match (stale.first(), missing.first().filter(|_| arguments.packs.is_some())) {
+        (Some(file), _) => {
+            Err(Error::check(format!("{file}: found a damaged pack or one of another source or options, expected {expected}")))
+        }
+        (None, Some(file)) => Err(Error::check(format!("{file}: found no such file, expected {expected}"))),
+        (None, None) => Ok(()),
+    }
+}
+
 /// Prepares a material, and collects notes about it.
 fn prepare_one(arguments: &Arguments, subject: &Subject, name: &str) -> Result<(Prepared, Vec<String>), Error> {
     let (input, recipe) = match subject {
@@ -178,11 +194,14 @@ fn prepare_one(arguments: &Arguments, subject: &Subject, name: &str) -> Result<(
     let (pack, maps, notes) = match (subject, &source) {
         (Subject::Scene { jobs, packs: Some(packs), .. }, _) => {
             let current = packs.material(job_of(jobs, name), &())?;
+            refuse_unchecked(arguments, &current.stale, &current.missing)?;
             let stale = current.stale.iter().map(|file| {
                 format!("{file} is out of date, so the material was encoded again; run 'brdfc build' to update it")
             });
+            let missing = current.missing.iter().filter(|_| arguments.packs.is_some());
+            let missing = missing.map(|file| format!("{file} is not in the folder: made for the picture"));
             let closed = current.gates.iter().filter(|gate| !gate.passed).map(ToString::to_string);
-            let notes = stale.chain(closed).chain(current.missed).collect();
+            let notes = stale.chain(missing).chain(closed).chain(current.missed).collect();
             let mut parts = current.parts.into_iter();
             let pack = parts.next().and_then(|pack| BrdfPack::try_from(pack).ok());
             let pack = pack.ok_or_else(|| Error::internal(format!("{name}: the store contains no pack")))?;

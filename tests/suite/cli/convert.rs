@@ -102,3 +102,19 @@ fn unsuitable_inputs_and_options_are_reported() {
     }
     assert_eq!(folder.files(".").len(), 1);
 }
+
+/// The file that standard input is redirected from has no name among the inputs.
+#[cfg(unix)]
+#[test]
+fn standard_input_is_not_written_over() {
+    let folder = Folder::new();
+    folder.run(&["synth", "lambert", "-o", "in.binary", "--dimensions", "8x8x16"]).succeeded();
+    let before = folder.read("in.binary");
+    let input = std::fs::File::open(folder.path().join("in.binary")).unwrap();
+    let arguments = ["convert", "-", "-o", "in.binary", "--dimensions", "4x4x8"];
+    let ran = folder.command(&arguments).stdin(input).output().unwrap();
+    let said = String::from_utf8_lossy(&ran.stderr);
+    assert_eq!(ran.status.code(), Some(2), "{said}");
+    assert!(said.contains("in.binary, which standard input is redirected from"), "{said}");
+    assert_eq!(folder.read("in.binary"), before);
+}

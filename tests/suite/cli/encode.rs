@@ -212,6 +212,27 @@ fn a_budget_that_nothing_meets_keeps_the_best() {
 }
 
 #[test]
+fn spectra_of_a_part_of_the_visible_range_are_reported() {
+    let folder = Folder::new();
+    folder.run(&["synth", "lambert?kd=0.6,0.1,0.05", "-o", "full.brdf", "--rows", "240"]).succeeded();
+    let full = folder.run(&["encode", "full.brdf", "-o", "p.ktx2"]).succeeded();
+    assert!(!full.stderr.contains("visible range"), "{full:?}");
+    let lines = folder.text("full.brdf");
+    let cut: String = lines
+        .lines()
+        .map(|line| match line.split_whitespace().collect::<Vec<_>>().as_slice() {
+            [count] if *count == "31" => "16\n".to_owned(),
+            [first, ..] if first.starts_with('#') => format!("{line}\n"),
+            words @ [_, ..] if words.len() == 31 => words[..16].join(" ") + "\n",
+            words => words[..words.len().min(20)].join(" ") + "\n",
+        })
+        .collect();
+    folder.write("cut.brdf", cut);
+    let ran = folder.run(&["encode", "cut.brdf", "-o", "p.ktx2"]).succeeded();
+    assert!(ran.stderr.contains("spectra cover 400 to 550 nm"), "{ran:?}");
+}
+
+#[test]
 fn budgets_that_say_nothing_are_refused() {
     let folder = Folder::new();
     for (input, more, code, expected) in [

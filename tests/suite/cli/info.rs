@@ -306,3 +306,20 @@ fn renderings_under_many_lights_are_described() {
     let piped = folder.command(&["info", "-", "--json"]).write_stdin(ptm).output().unwrap();
     assert_eq!(serde_json::from_slice::<serde_json::Value>(&piped.stdout).unwrap(), report);
 }
+
+#[test]
+fn damaged_packs_and_folders_of_packs() {
+    let folder = Folder::new();
+    folder.run(&["build", "synth:lambert", "synth:ward", "--max-bytes", "1KiB", "--out", "packs"]).succeeded();
+    let ran = folder.run(&["info", "packs"]);
+    let words = "brdfc: packs: found a folder of packs, expected one of its packs, such as packs/lambert.brdf.ktx2, or 'brdfc report'";
+    assert!(ran.code == 3 && ran.stderr.starts_with(words), "{ran:?}");
+    let mut bytes = folder.read("packs/ward.brdf.ktx2");
+    let last = bytes.len() - 1;
+    bytes[last] ^= 1;
+    folder.write("damaged.ktx2", bytes);
+    let [whole, files] =
+        [&["info", "damaged.ktx2"][..], &["info", "damaged.ktx2", "--files"]].map(|run| folder.run(run));
+    assert!(whole.code == 3 && whole.stderr.contains("checksum"), "{whole:?}");
+    assert_eq!((files.code, files.stderr), (whole.code, whole.stderr));
+}

@@ -391,3 +391,29 @@ fn outputs_that_would_be_taken_for_another_kind_are_refused_before_the_work() {
     }
     assert_eq!(folder.files(".").len(), 1);
 }
+
+/// A pipe has no length and does not go back, whichever kind of file comes through it.
+#[test]
+#[cfg(unix)]
+fn named_pipes_are_read_as_files_are() {
+    let folder = Folder::new();
+    let files = inputs(&folder).into_iter().filter(|input| !input.starts_with("synth:"));
+    for file in files {
+        let extension = file.rsplit('.').next().unwrap();
+        let (pipe, out) = (format!("pipe.{extension}"), format!("{extension}.ktx2"));
+        assert!(std::process::Command::new("mkfifo").arg(folder.path().join(&pipe)).status().unwrap().success());
+        folder.run(&["encode", file, "-o", "named.ktx2", "--grid", "2"]).succeeded();
+        for arguments in [
+            &["encode", pipe.as_str(), "-o", &out, "--grid", "2"][..],
+            &["build", &pipe, "--out", "built", "--grid", "2"],
+        ] {
+            std::thread::scope(|scope| {
+                // Opening it waits for the reader.
+                scope.spawn(|| std::fs::write(folder.path().join(&pipe), folder.read(file)));
+                folder.run(arguments).succeeded();
+            });
+        }
+        assert!(folder.read("named.ktx2") == folder.read(&out), "{file}");
+        assert!(folder.read("named.ktx2") == folder.read("built/pipe.brdf.ktx2"), "{file}");
+    }
+}

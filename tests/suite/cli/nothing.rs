@@ -1,7 +1,10 @@
 //! Every check with every kind of empty input: a check that has nothing to measure fails. The rows are generated from the checks and
 //! their inputs.
 
-use crate::common::cli::Folder;
+use crate::common::cli::{Folder, with_checksum};
+use brdfc_jobs::btf_stack::StackFormat;
+use brdfc_jobs::light_stack::write_light_stack;
+use brdfc_pwt::ptm::spread_lights;
 use std::fmt::Write as _;
 
 /// A command with its checks, and inputs of which nothing can be measured.
@@ -64,6 +67,24 @@ const TABLE: &[Checked] = &[
                 1,
                 "no sample above",
             ),
+        ],
+    },
+    Checked {
+        command: &["pwt", "-o", "out.ktx2"],
+        checks: &[&["--max-delta-e", "100"], &["--quality", "1"], &["--quality", "1", "--hold-out", "2"]],
+        nothings: &[
+            ("black photographs", &["dark"], 1, "neither black nor white"),
+            ("white photographs", &["white"], 1, "neither black nor white"),
+            ("grey photographs", &["grey"], 1, "no contrast"),
+        ],
+    },
+    Checked {
+        command: &["compare"],
+        checks: &[&["--max-delta-e", "100"]],
+        nothings: &[
+            ("black photographs", &["dark", "dark"], 1, "neither black nor white"),
+            ("white photographs", &["white", "white"], 1, "neither black nor white"),
+            ("grey photographs", &["grey", "grey"], 1, "no contrast"),
         ],
     },
     Checked {
@@ -130,7 +151,12 @@ fn inputs() -> Folder {
     folder.write("unused.toml", black);
     folder.write("empty/notes.txt", "");
     folder.write("empty.json", "{}");
-    folder.write("nothing.json", "{\"version\": 3, \"scene\": \"s\", \"materials\": [], \"skipped\": []}");
+    for (name, value) in [("dark", 1e-4), ("white", 50.0), ("grey", 0.5)] {
+        let at = folder.path().join(name);
+        write_light_stack(&at, &spread_lights(12), [8, 8], StackFormat::Exr, |_| vec![[value; 3]; 64]).unwrap();
+    }
+    let nothing = "{\n  \"version\": 3, \"scene\": \"s\", \"materials\": [], \"skipped\": []\n}";
+    folder.write("nothing.json", with_checksum(nothing));
     folder.write("none.csv", "wi_x,wi_y,wi_z,wo_x,wo_y,wo_z\n");
     folder.write("below.csv", "wi_x,wi_y,wi_z,wo_x,wo_y,wo_z\n0,0,-1,0,0,1\n");
     let mut dark = b"#?RADIANCE\nFORMAT=32-bit_rle_rgbe\n\n-Y 8 +X 16\n".to_vec();

@@ -113,10 +113,13 @@ fn retained_materials_stay_in_the_report() {
     // Sources of retained materials are still known, and no file is missing.
     let page = folder.run(&["report", "packs", "-o", "page.html", "--against", "old.json"]);
     assert!(page.code == 0 && !page.stderr.contains("gone"), "{page:?}");
-    // Files that a person removed are no longer listed.
-    std::fs::remove_file(folder.path().join("packs/ward.brdf.ktx2")).unwrap();
+    // Missing files come back from the store.
+    let before = folder.products("packs");
+    for file in ["packs/ward.brdf.ktx2", "packs/ggx.json"] {
+        std::fs::remove_file(folder.path().join(file)).unwrap();
+    }
     build(&folder, &["synth:lambert"], &["--out", "packs", "--keep"]).succeeded();
-    assert_eq!(reported(&folder).len(), 2);
+    assert!(folder.products("packs") == before);
     build(&folder, &["synth:lambert"], &["--out", "packs"]).succeeded();
     assert_eq!(reported(&folder), [("lambert".to_owned(), false)]);
     assert_eq!(packs(&folder, "packs"), ["lambert.brdf.ktx2"]);
@@ -151,18 +154,19 @@ fn retained_materials_match_the_report() {
     build(&folder, &["both.toml"], &["--out", "packs"]).succeeded();
     folder.write("packs/b.brdf.ktx2", "garbage");
     build(&folder, &["synth:ward"], &["--out", "packs", "--keep"]).succeeded();
-    assert_eq!(reported(), ["a", "ward"]);
-    folder.run(&["report", "packs", "-o", "page.html"]).succeeded();
+    assert_eq!(reported(), ["a", "b", "ward"]);
+    folder.run(&["verify", "packs"]).succeeded();
     folder.write("upper.toml", "[materials.A]\nsource='synth:lambert'\n[[uses]]\nmaterial='A'\n");
     build(&folder, &["upper.toml"], &["--out", "packs", "--keep"]).succeeded();
-    assert_eq!((reported(), packs(&folder, "packs").len()), (vec!["A".to_owned(), "ward".to_owned()], 3));
+    let names = |names: &[&str]| names.iter().map(|name| (*name).to_owned()).collect::<Vec<_>>();
+    assert_eq!((reported(), packs(&folder, "packs").len()), (names(&["A", "b", "ward"]), 3));
     assert!(!folder.path().join("packs/a.brdf.ktx2").exists() || cfg!(not(target_os = "linux")));
     // A material that fails now has no earlier pack.
     folder.write("broken.toml", "[materials.ward]\nsource='gone.brdf'\n[[uses]]\nmaterial='ward'\n");
     assert_eq!(build(&folder, &["broken.toml"], &["--out", "packs", "--keep"]).code, 4);
     assert_eq!(
         (reported(), packs(&folder, "packs")),
-        (vec!["A".to_owned(), "ward".to_owned()], vec!["A.brdf.ktx2".to_owned(), "b.brdf.ktx2".to_owned()],)
+        (names(&["A", "b", "ward"]), names(&["A.brdf.ktx2", "b.brdf.ktx2"]))
     );
 }
 
@@ -180,4 +184,114 @@ fn marks_and_rules_are_not_written_over_the_builds_own_files() {
     build(&folder, &["synth:ggx"], &["--out", "k", "--stamp", "k/done", "--depfile", "k/rule.d"]).succeeded();
     refused(&["synth:ward"], &["--out", "k", "--keep", "--stamp", "k/ggx.brdf.ktx2"]);
     assert!(!folder.read("k/ggx.brdf.ktx2").is_empty() && folder.files("k").contains_key("rule.d"));
+}
+
+/// With --keep nothing of earlier builds goes that cannot be listed or put back: the build is refused before any work.
+#[test]
+fn what_cannot_be_kept_is_refused() {
+    let keep = |folder: &Folder| build(folder, &["synth:lambert"], &["--out", "packs", "--keep"]);
+    let both = || {
+        let folder = Folder::new();
+        build(&folder, &["synth:lambert", "synth:ggx"], &["--out", "packs"]).succeeded();
+        folder
+    };
+    let refused = |folder: &Folder, words: &str| {
+        let before = folder.products("packs");
+        let ran = keep(folder);
+        assert!(ran.code == 4 && ran.stderr.contains(words) && ran.stderr.contains("without --keep"), "{ran:?}");
+        assert!(folder.products("packs") == before);
+    };
+    let unlisted = "packs: found ggx.brdf.ktx2 of an earlier build, which --keep finds in no report, expected with the";
+    let folder = both();
+    let report = folder.text("packs/report.json");
+    std::fs::remove_file(folder.path().join("packs/report.json")).unwrap();
+    refused(&folder, unlisted);
+    for damaged in ["", "{}", &report[..report.len() / 2], &report.replace("synth:ggx", "synth:ward")] {
+        folder.write("packs/report.json", damaged);
+        refused(&folder, unlisted);
+    }
+    folder.write("packs/report.json", &report);
+    keep(&folder).succeeded();
+    // Without a store and without a report its list says that a build made it.
+    std::fs::remove_dir_all(folder.path().join("packs/.brdfc-cache")).unwrap();
+    std::fs::remove_file(folder.path().join("packs/report.json")).unwrap();
+    refused(&folder, "packs: found ggx.json of an earlier build");
+    folder.write("packs/report.json", &report);
+    // A damaged pack that the store does not have either.
+    for damage in [true, false] {
+        if damage {
+            folder.write("packs/ggx.brdf.ktx2", "damaged");
+        } else {
+            std::fs::remove_file(folder.path().join("packs/ggx.brdf.ktx2")).unwrap();
+        }
+        refused(&folder, "packs/ggx.brdf.ktx2: found ");
+    }
+    // Nothing is to be kept of a folder that has nothing else.
+    let folder = Folder::new();
+    keep(&folder).succeeded();
+    std::fs::remove_file(folder.path().join("packs/report.json")).unwrap();
+    keep(&folder).succeeded();
+}
+
+/// Two builds at a time: the one that has to wait says so, and the wait is in no material's time.
+#[test]
+fn a_build_that_waits_says_so() {
+    let folder = Folder::new();
+    build(&folder, &["synth:ggx"], &["--out", "packs"]).succeeded();
+    let lock = std::fs::File::options().write(true).open(folder.path().join("packs/.brdfc-cache/lock")).unwrap();
+    lock.lock().unwrap();
+    std::thread::scope(|scope| {
+        let arguments = ["build", "synth:lambert", "--codec", "table", "--max-bytes", "1KiB", "--out", "packs"];
+        let waiting = scope.spawn(move || folder.run(&arguments));
+        std::thread::sleep(std::time::Duration::from_secs(6));
+        lock.unlock().unwrap();
+        let ran = waiting.join().unwrap().succeeded();
+        assert!(ran.stderr.starts_with("note: waiting for another brdfc that works in packs\n"), "{ran:?}");
+        let done = ran.stderr.lines().find_map(|line| line.strip_prefix("1 of 1: lambert done (")).unwrap();
+        let seconds: f64 = done.split(' ').next().unwrap().parse().unwrap();
+        assert!(seconds < 5.0, "{ran:?}");
+    });
+}
+
+/// Links of git-annex or DVC whose files were not fetched are inputs that cannot be read, however they are asked for.
+#[test]
+#[cfg(unix)]
+fn links_that_lead_nowhere_are_errors() {
+    let folder = Folder::new();
+    folder.write("scans/red.binary", std::fs::read(brdfc_testing::testdata("demo/red_plastic.binary")).unwrap());
+    let link = |target: &str, name: &str| std::os::unix::fs::symlink(target, folder.path().join("scans").join(name));
+    link("../annex/blue", "blue.binary").unwrap();
+    link("../annex/table", "table.csv").unwrap();
+    link("ring.brdf", "ring.brdf").unwrap();
+    link("nothing", "notes.txt").unwrap();
+    link(".", "round").unwrap();
+    folder.write("scene.toml", "[materials.all]\nsource='scans/*.b*'\n[[uses]]\nmaterial='all'\n");
+    for input in ["scans", "scans/*.{b*,csv}", "**/*.{binary,brdf,csv}", "scene.toml"] {
+        let ran = build(&folder, &[input], &["--out", "packs"]);
+        assert_eq!((ran.code, packs(&folder, "packs")), (4, vec!["red.brdf.ktx2".to_owned()]), "{input}: {ran:?}");
+        let lost = "scans/blue.binary: cannot read: it is a link whose target does not exist";
+        assert!(ran.stderr.contains(lost) && ran.stderr.contains("scans/ring.brdf: cannot read: "), "{ran:?}");
+        assert!(ran.stderr.contains("scans/table.csv: cannot read: ") || input == "scene.toml", "{ran:?}");
+    }
+    let ran = build(&folder, &["scans/*.binary"], &["--out", "packs", "--fail-fast"]);
+    assert_eq!((ran.code, packs(&folder, "packs").len()), (4, 1), "{ran:?}");
+}
+
+/// Names that are one file on systems that do not tell case, in Unicode's sense of it.
+#[test]
+fn names_that_are_one_file_elsewhere_are_refused() {
+    let folder = Folder::new();
+    for [a, b] in [["straße", "STRASSE"], ["ﬁn", "fin"], ["λόγος", "ΛΌΓΟΣ"], ["é", "E\u{301}"]] {
+        let material =
+            |name: &str| format!("[materials.\"{name}\"]\nsource='synth:ggx'\n[[uses]]\nmaterial='{name}'\n");
+        folder.write("scene.toml", material(a) + &material(b));
+        let ran = build(&folder, &["scene.toml"], &["--out", "packs"]);
+        assert!(ran.code == 3 && ran.stderr.contains(b), "{ran:?}");
+    }
+    for name in ["con", "COM¹", "lpt².map", "nul .x"] {
+        let ran = folder.run(&["flatten", "synth:button", "-o", "out", "--name", name]);
+        assert!(ran.code == 2 && ran.stderr.contains("Windows takes files that are called so for devices"), "{ran:?}");
+    }
+    let ran = folder.run(&["flatten", "synth:button", "-o", "con"]);
+    assert!(ran.code == 2 && ran.stderr.contains("--out: found con, ") && !folder.path().join("con").exists());
 }

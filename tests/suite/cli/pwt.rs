@@ -78,6 +78,41 @@ fn targets_are_met_or_reported() {
 }
 
 #[test]
+fn photographs_of_one_light_do_not_predict_each_other() {
+    let folder = stack();
+    let list = String::from_utf8(folder.read("stack/dirs.lp")).unwrap();
+    let lines: Vec<&str> = list.lines().skip(1).collect();
+    for line in &lines {
+        let image = line.split(' ').next().unwrap();
+        folder.write(&format!("stack/copy_{image}"), folder.read(&format!("stack/{image}")));
+    }
+    let copies = lines.iter().map(|line| format!("copy_{line}\n")).collect::<String>();
+    folder.write("stack/twice.lp", format!("{}\n{}\n{copies}", 2 * lines.len(), lines.join("\n")));
+    for more in [&[][..], &["--hold-out", "5"]] {
+        let once = folder.run(&[&["pwt", "stack/dirs.lp", "-o", "once.ktx2", "--json"][..], more].concat()).succeeded();
+        let twice =
+            folder.run(&[&["pwt", "stack/twice.lp", "-o", "twice.ktx2", "--json"][..], more].concat()).succeeded();
+        assert!(twice.stderr.contains("80 photographs of 40 lights"), "{twice:?}");
+        let unseen =
+            |report: &serde_json::Value| [&report["left_out_psnr"], &report["held_out"]["psnr"]].map(|v| v.as_f64());
+        assert_eq!(unseen(&once.json()), unseen(&twice.json()));
+        assert_eq!(folder.read("once.ktx2"), folder.read("twice.ktx2"));
+    }
+}
+
+#[test]
+fn limits_hold_at_lights_that_were_held_out() {
+    let folder = stack();
+    let report = folder.run(&["pwt", "stack", "-o", "p.ktx2", "--hold-out", "10", "--json"]).succeeded().json();
+    let (fitted, unseen) = (report["psnr"].as_f64().unwrap(), report["held_out"]["psnr"].as_f64().unwrap());
+    assert!(unseen < fitted);
+    let asked = format!("{:.3}", f64::midpoint(unseen, fitted));
+    let missed = folder.run(&["pwt", "stack", "-o", "p.ktx2", "--hold-out", "10", "--quality", &asked]);
+    assert_eq!(missed.code, 1, "{missed:?}");
+    assert!(missed.stderr.contains("lights that were held out"), "{missed:?}");
+}
+
+#[test]
 fn the_same_bytes_on_any_number_of_threads() {
     let folder = stack();
     let bytes = ["1", "3"].map(|jobs| {
@@ -240,9 +275,11 @@ fn few_and_poor_lights_have_a_pack() {
     ] {
         folder.write(&format!("stack/{name}.lp"), format!("{}\n{}\n", lines.len(), lines.join("\n")));
         let report = folder.run(&["pwt", &format!("stack/{name}.lp"), "-o", "p.ktx2", "--json"]).succeeded().json();
-        assert_eq!(report["lights"], lines.len(), "{name}");
+        // Photographs of one light are averaged.
+        let lights = if name == "equal" { 1 } else { lines.len() };
+        assert_eq!(report["lights"], lights, "{name}");
         conforms("pwt", &report);
-        assert_eq!(report["left_out_psnr"].is_null(), name == "one", "{report}");
+        assert_eq!(report["left_out_psnr"].is_null(), lights == 1, "{report}");
         assert!(report["condition"].as_f64().unwrap() >= 1.0 && report["psnr"].as_f64().unwrap() > 10.0, "{report}");
     }
 }

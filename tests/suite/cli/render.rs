@@ -217,6 +217,37 @@ fn a_contact_sheet_shows_every_material_and_gates_hold_for_each() {
     assert!(whole == 0.0 && cropped.0 > 0.1, "{whole} {}", cropped.0);
 }
 
+/// A check is made on the files that ship.
+#[test]
+fn limits_hold_for_the_files_of_the_folder_alone() {
+    if !has_adapter() {
+        return;
+    }
+    let folder = Folder::new();
+    let material = |name: &str, kd: &str| {
+        format!("[materials.{name}]\nsource = 'synth:lambert?kd={kd}'\n[[uses]]\nmaterial = '{name}'\n")
+    };
+    let scene = "[render]\nscene = 'sphere'\nwidth = 48\nheight = 48\n";
+    folder.write("scene.toml", material("a", "0.3") + &material("b", "0.6") + scene);
+    folder.run(&["build", "scene.toml", "--out", "made"]).succeeded();
+    let checked = ["render", "scene.toml", "--packs", "made", "-o", "x.png", "--max-delta-e", "3"];
+    folder.run(&checked).succeeded();
+    let whole = folder.read("made/a.brdf.ktx2");
+    folder.write("made/a.brdf.ktx2", folder.read("made/b.brdf.ktx2"));
+    let swapped = folder.run(&checked);
+    assert!(
+        swapped.code == 1 && swapped.stderr.contains("a.brdf.ktx2: found a damaged pack"),
+        "{swapped:?}"
+    );
+    std::fs::remove_file(folder.path().join("made/a.brdf.ktx2")).unwrap();
+    let missing = folder.run(&checked);
+    assert!(missing.code == 1 && missing.stderr.contains("a.brdf.ktx2: found no such file"), "{missing:?}");
+    let drawn = folder.run(&checked[..6]).succeeded();
+    assert!(drawn.stderr.contains("a.brdf.ktx2 is not in the folder"), "{drawn:?}");
+    folder.write("made/a.brdf.ktx2", whole);
+    folder.run(&checked).succeeded();
+}
+
 #[test]
 fn packs_of_a_build_are_drawn_as_they_are() {
     if !has_adapter() {

@@ -259,6 +259,36 @@ fn figures_are_not_written_over_sources_or_lists() {
     }
 }
 
+/// `scan.csv` next to `scan.html` may be a measurement that no list of the folder knows.
+#[test]
+fn figures_are_not_written_over_measurements() {
+    let folder = Folder::new();
+    folder.write("scan.csv", "theta_i,phi_i,theta_o,phi_o,r\n");
+    let ran = folder.run(&["build", "scan.csv", "synth:lambert", "--max-bytes", "1KiB", "--out", "packs"]);
+    assert_eq!(ran.code, 3, "{ran:?}");
+    let refused = folder.run(&["report", "packs", "-o", "scan.html"]);
+    assert_eq!(refused.code, 2, "{refused:?}");
+    assert!(refused.stderr.contains("scan.csv"), "{refused:?}");
+    assert!(folder.text("scan.csv").starts_with("theta_i"));
+    for _ in 0..2 {
+        folder.run(&["report", "packs", "-o", "page.html"]);
+        assert!(folder.text("page.csv").starts_with("material,"));
+    }
+}
+
+#[test]
+fn a_material_that_turned_black_is_worse() {
+    let folder = Folder::new();
+    for (name, kd) in [("before", "0.5"), ("now", "0")] {
+        let source = format!("[materials.paint]\nsource = 'synth:lambert?kd={kd}'\n[[uses]]\nmaterial = 'paint'\n");
+        folder.write("scene.toml", source);
+        folder.run(&["build", "scene.toml", "--out", name]).succeeded();
+    }
+    let ran = folder.run(&["report", "now", "-o", "page.html", "--against", "before"]);
+    assert_eq!(ran.code, 1, "{ran:?}");
+    assert!(ran.stdout.contains("paint: material: found black"), "{ran:?}");
+}
+
 #[test]
 fn folders_that_are_not_what_their_report_says() {
     let folder = Folder::new();

@@ -1,7 +1,7 @@
 //! `brdfc verify`: damaged, modified and missing files are listed, with exit code 1.
 
 use super::schemas::conforms;
-use crate::common::cli::Folder;
+use crate::common::cli::{Folder, with_checksum};
 
 /// A path to verify after a change to a folder, with the beginning of the fault's line and its text.
 type Fault<'a> = (&'a str, &'a dyn Fn(&Folder), &'a str, &'a str);
@@ -58,7 +58,10 @@ fn each_fault_is_named() {
         ),
         (
             "packs",
-            &|folder| replace(folder, "packs/report.json", "\"relative_mean\": 0.", "\"relative_mean\": 0.0"),
+            &|folder| {
+                replace(folder, "packs/report.json", "\"relative_mean\": 0.", "\"relative_mean\": 0.0");
+                folder.write("packs/report.json", with_checksum(&folder.text("packs/report.json")));
+            },
             "packs/report.json: invalid figures of a: ",
             "expected those of a.json",
         ),
@@ -67,7 +70,8 @@ fn each_fault_is_named() {
             &|folder| {
                 let mut report: serde_json::Value = serde_json::from_slice(&folder.read("packs/report.json")).unwrap();
                 report["materials"][0]["files"] = serde_json::json!([]);
-                folder.write("packs/report.json", report.to_string());
+                report.as_object_mut().unwrap().remove("checksum");
+                folder.write("packs/report.json", with_checksum(&serde_json::to_string_pretty(&report).unwrap()));
             },
             "packs/report.json: invalid files of a: ",
             "expected the hash of each of its parts",
@@ -112,4 +116,95 @@ fn nothing_to_check_is_a_failed_check_and_others_are_checked_all_the_same() {
         assert!(ran.code == code && ran.stderr.contains(problem), "{paths:?}: {ran:?}");
         assert_eq!(ran.stdout.contains("packs/more.ktx2: "), paths.contains(&"packs"), "{ran:?}");
     }
+}
+
+/// Whatever is edited in a report, `verify` and `report` say so.
+#[test]
+fn edits_of_a_report_are_found() {
+    let folder = Folder::new();
+    let gated = "[materials.a]\nsource='synth:ggx'\nrequire={ max_delta_e = 0.001 }\n\
+                 [materials.b]\nsource='gone.brdf'\n[materials.c]\nsource='synth:ward'\n\
+                 [[uses]]\nmaterial='a'\n[[uses]]\nmaterial='b'\n";
+    folder.write("scene.toml", gated);
+    let ran = folder.run(&["build", "scene.toml", "--max-bytes", "1KiB", "--codec", "table", "--quiet"]);
+    assert_eq!(ran.code, 4, "{ran:?}");
+    let report = "packs/report.json";
+    let whole = folder.text(report);
+    let end = whole.find(",\n  \"checksum\": \"").expect("a checksum");
+    let text = format!("{}\n}}\n", &whole[..end]);
+    let digest = blake3::hash(text.as_bytes()).to_hex();
+    assert_eq!(whole[end..], format!(",\n  \"checksum\": \"{digest}\"\n}}\n"));
+    assert_eq!(with_checksum(&text), whole);
+    folder.run(&["verify", "packs"]).succeeded();
+    let edits: &[(&str, &str)] = &[
+        ("\"passed\": false", "\"passed\": true"),
+        ("\"gates\": [", "\"notes\": ["),
+        ("\"error\": \"", "\"reason\": \""),
+        ("\"scene\": \"", "\"scene\": \"another "),
+        ("\"source\": \"synth:ggx", "\"source\": \"synth:ward"),
+        ("\"skipped\": [\n    \"c\"\n  ]", "\"skipped\": []"),
+        ("\"checksum\": \"", "\"checksums\": \""),
+        (",\n  \"checksum\": \"", ",\n  \"more\": 1,\n  \"checksum\": \""),
+        ("{\n", "{ \n"),
+    ];
+    for (from, to) in edits {
+        assert!(whole.contains(from), "{from}: {whole}");
+        folder.write(report, whole.replacen(from, to, 1));
+        let ran = folder.run(&["verify", "packs"]);
+        let line = ran.stdout.lines().find(|line| line.starts_with("packs/report.json: found ")).unwrap_or_default();
+        assert!(ran.code == 1 && line.contains("checksum"), "{to}: {ran:?}");
+        let page = folder.run(&["report", "packs", "-o", "page.html"]);
+        assert!(
+            page.code == 3 && page.stderr.contains("packs/report.json: found ") && page.stderr.contains("checksum")
+        );
+    }
+    folder.write("old.json", folder.read(report));
+    folder.write(report, &whole);
+    let page = folder.run(&["report", "packs", "-o", "page.html", "--against", "old.json"]);
+    assert!(page.code == 3 && page.stderr.contains("old.json: found changes since the build"), "{page:?}");
+    folder.run(&["verify", "packs"]).succeeded();
+}
+
+#[test]
+fn a_report_that_is_gone_is_a_fault() {
+    let missing = |folder: &Folder| {
+        let ran = folder.run(&["verify", "packs"]);
+        assert!(ran.code == 1 && ran.stdout == "packs/report.json: missing\n", "{ran:?}");
+    };
+    let folder = built();
+    let lose = |name: &str| std::fs::remove_file(folder.path().join("packs").join(name)).unwrap();
+    lose("report.json");
+    missing(&folder);
+    std::fs::remove_dir_all(folder.path().join("packs/.brdfc-cache")).unwrap();
+    missing(&folder);
+    // Packs alone are a folder of packs.
+    lose("a.json");
+    folder.run(&["verify", "packs"]).succeeded();
+}
+
+/// While a build moves files nothing is missing or damaged, whatever stands there.
+#[test]
+fn a_living_build_is_no_damage() {
+    let folder = built();
+    let lock = std::fs::File::options().write(true).open(folder.path().join("packs/.brdfc-cache/lock")).unwrap();
+    let report = folder.read("packs/report.json");
+    let list = folder.path().join("packs/.brdfc-cache/commit/list");
+    lock.lock().unwrap();
+    folder.write("packs/.brdfc-cache/commit/list", b"begun");
+    std::fs::remove_file(folder.path().join("packs/report.json")).unwrap();
+    let report_on = ["report", "packs", "-o", "page.html", "--quiet"];
+    for arguments in [&["verify", "packs"][..], &["verify", "packs/a.json"], &report_on] {
+        let ran = folder.run(arguments);
+        assert!(ran.code == 4 && ran.stderr.contains("packs: found a build at work"), "{ran:?}");
+    }
+    // Who comes while files are moved waits a little.
+    std::thread::scope(|scope| {
+        let waiting = scope.spawn(|| folder.run(&["verify", "packs"]));
+        std::thread::sleep(std::time::Duration::from_millis(700));
+        folder.write("packs/report.json", report);
+        std::fs::remove_dir_all(list.parent().unwrap()).unwrap();
+        lock.unlock().unwrap();
+        waiting.join().unwrap().succeeded();
+    });
+    folder.run(&report_on).succeeded();
 }

@@ -18,7 +18,18 @@ pub struct StackErrors {
     pub psnr: f64,
     /// Mean ΔE (CIE76).
     pub delta_e: f64,
+    /// Share of the photographs' texels that are neither black nor white.
+    pub shown: f64,
+    /// Brightest of those texels over the darkest, linear values; 1 where there are none.
+    pub contrast: f64,
 }
+
+/// Minimum linear value, of any channel, of a texel that is not black: a fiftieth of white in sRGB.
+const BLACK: f32 = 0.005;
+/// Minimum share of texels that are neither black nor white.
+const MIN_SHOWN: f64 = 1e-3;
+/// Minimum contrast among them.
+const MIN_CONTRAST: f64 = 1.02;
 
 /// Errors of a pack at its finest level against photographs, which need not be those of the fit. Compares every
 /// `stride`-th row.
@@ -40,13 +51,23 @@ pub fn rendering_errors(renderings: &LightSamples, samples: &LightSamples) -> St
 }
 
 /// Sums over one photograph, from which [`StackErrors::of_photographs`] are computed.
-#[derive(Debug, Clone, Copy, Default)]
+#[derive(Debug, Clone, Copy)]
 pub struct PhotographSums {
     texels: usize,
+    /// Number of the photograph's texels that are neither black nor white.
+    shown: usize,
+    /// Smallest and largest sum of channels among them.
+    range: [f32; 2],
     /// Squared differences of sRGB-encoded values.
     squares: f64,
     /// Sum of ΔE.
     distances: f64,
+}
+
+impl Default for PhotographSums {
+    fn default() -> Self {
+        Self { texels: 0, shown: 0, range: [f32::INFINITY, 0.0], squares: 0.0, distances: 0.0 }
+    }
 }
 
 /// Sums for texels in linear RGB against those of a photograph.
@@ -54,8 +75,12 @@ pub fn photograph_sums(found: &[[f32; 3]], expected: &[[f32; 3]]) -> PhotographS
     let codes = |colours: &[[f32; 3]]| to_srgb(Domain::Linear, colours.as_flattened().to_vec());
     let seen = |colour: &[f32; 3]| lab(colour.map(|value| value.max(0.0)));
     let distance = |(found, expected): (&[f32; 3], &[f32; 3])| distance_squared(seen(found), seen(expected)).sqrt();
+    let is_shown = |colour: &&[f32; 3]| colour.iter().any(|c| *c > BLACK) && colour.iter().any(|c| *c < 1.0);
+    let shown = || expected.iter().filter(is_shown).map(|colour| colour.iter().map(|c| c.max(0.0)).sum::<f32>());
     PhotographSums {
         texels: expected.len(),
+        shown: shown().count(),
+        range: [shown().fold(f32::INFINITY, f32::min), shown().fold(0.0, f32::max)],
         squares: squares(&codes(found), &codes(expected)),
         distances: found.iter().zip(expected).map(distance).map(f64::from).sum(),
     }
@@ -64,6 +89,8 @@ pub fn photograph_sums(found: &[[f32; 3]], expected: &[[f32; 3]]) -> PhotographS
 impl std::ops::AddAssign for PhotographSums {
     fn add_assign(&mut self, other: Self) {
         self.texels += other.texels;
+        self.shown += other.shown;
+        self.range = [self.range[0].min(other.range[0]), self.range[1].max(other.range[1])];
         self.squares += other.squares;
         self.distances += other.distances;
     }
@@ -89,7 +116,18 @@ impl StackErrors {
             texels: sums.first().map_or(0, |sums| sums.texels),
             psnr: decibels(all.squares / (3.0 * count)),
             delta_e: all.distances / count,
+            shown: all.shown as f64 / count,
+            contrast: if all.shown > 0 { f64::from(all.range[1] / all.range[0]) } else { 1.0 },
         }
+    }
+
+    /// The reason why errors of these photographs are meaningless, if they are. No limit counts as met then.
+    pub fn nothing_shown(&self) -> Option<String> {
+        if self.shown < MIN_SHOWN {
+            let (found, needed) = (100.0 * self.shown, 100.0 * MIN_SHOWN);
+            return Some(format!("{found:.2} % of the texels that are neither black nor white; {needed} % are needed"));
+        }
+        (self.contrast < MIN_CONTRAST).then(|| "no contrast: all texels look alike".to_owned())
     }
 }
 

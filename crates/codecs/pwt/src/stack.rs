@@ -5,6 +5,9 @@ use brdfc_formats::FormatError;
 /// Range of the number of lights.
 pub const LIGHTS: std::ops::RangeInclusive<usize> = 1..=4096;
 
+/// Largest difference between coordinates of lights that count as one: a twentieth of a degree.
+const SAME_LIGHT: f32 = 1e-3;
+
 /// Images of one view, each under a distant light.
 #[derive(Debug, Clone, PartialEq)]
 pub struct LightSamples {
@@ -102,6 +105,40 @@ impl LightSamples {
         let renderings = self.renderings.iter().map(rows).collect();
         let defined = self.defined.as_ref().map(|mask| (0..size[1]).flat_map(|y| &mask[at(y)]).copied().collect());
         Self { size, lights: self.lights.clone(), renderings, repeats: self.repeats, defined }
+    }
+
+    /// Averages images under the same light, so that cross-validation does not predict an image from its copy.
+    #[must_use]
+    pub fn averaged(mut self) -> Self {
+        let mut groups: Vec<Vec<usize>> = Vec::new();
+        for (k, light) in self.lights.iter().enumerate() {
+            let same = |group: &&mut Vec<usize>| {
+                light.iter().zip(&self.lights[group[0]]).all(|(a, b)| (a - b).abs() <= SAME_LIGHT)
+            };
+            match groups.iter_mut().find(same) {
+                Some(group) => group.push(k),
+                None => groups.push(vec![k]),
+            }
+        }
+        if groups.len() == self.lights.len() {
+            return self;
+        }
+        let mean = |group: &Vec<usize>| {
+            let mut rendering = std::mem::take(&mut self.renderings[group[0]]);
+            for other in &group[1..] {
+                rendering
+                    .as_flattened_mut()
+                    .iter_mut()
+                    .zip(self.renderings[*other].as_flattened())
+                    .for_each(|(a, b)| *a += b);
+            }
+            let count = group.len() as f32;
+            rendering.as_flattened_mut().iter_mut().for_each(|value| *value /= count);
+            rendering
+        };
+        self.renderings = groups.iter().map(mean).collect();
+        self.lights = groups.iter().map(|group| self.lights[group[0]]).collect();
+        self
     }
 
     /// The images without some of the lights.

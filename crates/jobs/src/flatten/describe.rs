@@ -10,7 +10,7 @@ use brdfc_source::meso::{HeightMap, MesoInput, open_meso};
 use brdfc_source::ubo_btf::{UboBtfFile, is_ubo_btf};
 use brdfc_source::{Input, InputError};
 use serde::Serialize;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 /// Kind and properties of an input.
 #[derive(Debug, Clone, PartialEq, Serialize, schemars::JsonSchema)]
@@ -108,7 +108,14 @@ pub fn describe_surface(input: &Input) -> Result<Option<SurfaceFacts>, Error> {
         return Ok(Some(describe_structure(&structure)));
     }
     if let Some(folder) = input.path().filter(|path| path.is_dir()) {
-        return Ok(Some(describe_images(folder)?));
+        return match (describe_images(folder), pack_in(folder)) {
+            (Err(_), Some(pack)) => {
+                let allowed =
+                    format!("one of its packs, such as {}, or 'brdfc report' of a build's folder", pack.display());
+                Err(Error::wrong_input(folder.display(), "a folder of packs", allowed))
+            }
+            (described, _) => Ok(Some(described?)),
+        };
     }
     if let Some(file) = input.path().filter(|path| is_ubo_btf(path)) {
         return Ok(Some(describe_ubo_btf(file)?));
@@ -120,6 +127,12 @@ pub fn describe_surface(input: &Input) -> Result<Option<SurfaceFacts>, Error> {
         }),
         _ => None,
     })
+}
+
+/// The first pack in a folder, if there is one.
+fn pack_in(folder: &Path) -> Option<PathBuf> {
+    let paths = std::fs::read_dir(folder).ok()?.flatten().map(|entry| entry.path());
+    paths.filter(|path| path.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("ktx2"))).min()
 }
 
 fn describe_structure(structure: &Structure) -> SurfaceFacts {

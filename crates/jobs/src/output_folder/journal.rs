@@ -111,7 +111,9 @@ impl Journal {
         for done in [aside.join(OLD), aside.join(NEW), aside] {
             match std::fs::remove_dir_all(&done) {
                 Err(error) if error.kind() != ErrorKind::NotFound => {
-                    return result.and(Err(Error::write(&done, &error)));
+                    let text =
+                        format!("{}: cannot remove: {error}; the files of the folder are in place", done.display());
+                    return result.and(Err(Error::io(text)));
                 }
                 _ => {}
             }

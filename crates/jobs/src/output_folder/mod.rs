@@ -10,14 +10,22 @@ mod placed;
 
 use crate::error::Error;
 use crate::store::{DONE, Digest, FOLDER, Store, read_record, write_record};
+use brdfc_core::progress::Progress;
 use journal::Journal;
 use placed::{PLACED, Placed, Placements};
 use std::collections::{BTreeMap, BTreeSet};
-use std::fs::File;
+use std::fs::{File, TryLockError};
 use std::path::{Path, PathBuf};
+use std::time::{Duration, Instant};
 
 /// Lock file, locked while files are moved.
 const LOCK: &str = "lock";
+/// Time between two attempts to lock it.
+const RETRY: Duration = Duration::from_millis(20);
+/// Time after which a wait is reported.
+const REPORTED: Duration = Duration::from_secs(1);
+/// Maximum time that a reader waits for a build that moves files.
+const PATIENCE: Duration = Duration::from_secs(3);
 
 /// The bytes of a file to put in place.
 #[derive(Debug, Clone, PartialEq)]
@@ -51,10 +59,10 @@ impl OutputFolder {
     /// Completes the moves of a killed build, and reads the record of earlier builds.
     ///
     /// # Errors
-    /// Returns an error if the folder cannot be written to.
-    pub fn open(path: &Path, store: &Store) -> Result<Self, Error> {
+    /// Returns an error if the folder cannot be written to, or if the caller cancels while another build moves files.
+    pub fn open(path: &Path, store: &Store, progress: &dyn Progress) -> Result<Self, Error> {
         let root = store.root().to_owned();
-        let _lock = lock(&root)?;
+        let _lock = lock(path, &root, progress)?;
         Journal::finish(path, &root)?;
         let placements = read_record(&root.join(PLACED)).unwrap_or_default();
         Ok(Self { path: path.to_owned(), root, placements })
@@ -63,6 +71,29 @@ impl OutputFolder {
     /// Returns true if a killed build left moves to complete.
     pub fn is_unfinished(path: &Path) -> bool {
         Journal::is_there(&path.join(crate::store::FOLDER))
+    }
+
+    /// Returns true if a build put files into a folder, according to its store.
+    pub fn is_placed(path: &Path) -> bool {
+        path.join(FOLDER).join(PLACED).exists()
+    }
+
+    /// Waits until no build moves files in a folder, and prevents new moves until the returned file is dropped; `None`
+    /// if the folder has no store.
+    ///
+    /// # Errors
+    /// Returns an error if a build still moves files after 3 s.
+    pub fn hold_still(path: &Path) -> Result<Option<File>, Error> {
+        let Ok(file) = File::open(path.join(FOLDER).join(LOCK)) else { return Ok(None) };
+        let started = Instant::now();
+        while let Err(TryLockError::WouldBlock) = file.try_lock_shared() {
+            if started.elapsed() >= PATIENCE {
+                let found = "a build at work that puts files in place";
+                return Err(Error::io(format!("{}: found {found}, expected none; try again later", path.display())));
+            }
+            std::thread::sleep(RETRY);
+        }
+        Ok(Some(file))
     }
 
     /// Adds the files that a report lists, with their hashes. They count as files of a build even if the store was
@@ -76,6 +107,11 @@ impl OutputFolder {
         let (name, _) = self.placements.files.iter().find(|(_, placed)| placed.digest == *digest)?;
         let bytes = std::fs::read(self.path.join(name)).ok()?;
         (Digest::of(&bytes) == *digest).then_some(bytes)
+    }
+
+    /// Returns true if the folder has a file of this name.
+    pub fn has(&self, name: &str) -> bool {
+        self.path.join(name).is_file()
     }
 
     /// Returns true if the folder has a file of this name with other bytes.
@@ -138,20 +174,22 @@ impl OutputFolder {
     /// other build can change them, and returns the files to place, including those that stay.
     ///
     /// # Errors
-    /// Returns an error if a file cannot be written. The folder is unchanged then.
+    /// Returns an error if a file cannot be written, if `files` fails, or if the caller cancels while another build
+    /// moves files. The folder is unchanged then.
     pub fn place(
         &mut self,
         store: &Store,
-        files: impl FnOnce(&BTreeMap<String, Digest>) -> Vec<(String, Contents)>,
+        progress: &dyn Progress,
+        files: impl FnOnce(&BTreeMap<String, Digest>) -> Result<Vec<(String, Contents)>, Error>,
     ) -> Result<Changes, Error> {
-        let _lock = lock(&self.root)?;
+        let _lock = lock(&self.path, &self.root, progress)?;
         // Another build may have placed files since `open`.
         Journal::finish(&self.path, &self.root)?;
         if let Some(placements) = read_record::<Placements>(&self.root.join(PLACED)) {
             self.placements.files.extend(placements.files);
         }
         let unchanged: BTreeMap<String, Placed> = self.placements.verified(&self.path);
-        let files = files(&unchanged.iter().map(|(name, placed)| (name.clone(), placed.digest)).collect());
+        let files = files(&unchanged.iter().map(|(name, placed)| (name.clone(), placed.digest)).collect())?;
         let mut journal = Journal::new(&self.root);
         let mut changes = Changes::default();
         let mut placements = Placements::default();
@@ -209,13 +247,22 @@ pub fn is_own(place: &Path, out: &Path) -> bool {
     place.parent() == Some(out) && is_product || place.starts_with(&store) && !place.starts_with(store.join(DONE))
 }
 
-/// Waits until no other process moves files.
-fn lock(root: &Path) -> Result<File, Error> {
+/// Waits until no other process moves files or prevents moves.
+fn lock(folder: &Path, root: &Path, progress: &dyn Progress) -> Result<File, Error> {
     let path = root.join(LOCK);
     let error = |error: std::io::Error| Error::write(&path, &error);
     let file = File::options().create(true).truncate(false).write(true).open(&path).map_err(error)?;
+    let started = Instant::now();
+    let mut is_reported = false;
     // On systems without file locks, the user has to avoid two builds at a time.
-    let _ = file.lock();
+    while let Err(TryLockError::WouldBlock) = file.try_lock() {
+        progress.check()?;
+        if !is_reported && started.elapsed() >= REPORTED {
+            progress.waits(&format!("another brdfc that works in {}", folder.display()));
+            is_reported = true;
+        }
+        std::thread::sleep(RETRY);
+    }
     Ok(file)
 }
 

@@ -17,11 +17,11 @@ impl There {
     }
 
     fn open(&self) -> OutputFolder {
-        OutputFolder::open(self.folder.path(), &self.store).unwrap()
+        OutputFolder::open(self.folder.path(), &self.store, &()).unwrap()
     }
 
     fn place(&self, files: &[(String, Contents)]) -> Changes {
-        self.open().place(&self.store, |_| files.to_vec()).unwrap()
+        self.open().place(&self.store, &(), |_| Ok(files.to_vec())).unwrap()
     }
 
     fn text(&self, name: &str) -> Option<String> {
@@ -45,9 +45,9 @@ fn the_folder_has_the_listed_files() {
     assert_eq!((there.text("a"), there.text("notes.txt").as_deref()), (None, Some("a person's")));
     let keep = |there: &BTreeMap<String, Digest>| {
         assert_eq!(there.keys().collect::<Vec<_>>(), ["b", "c", "report.json"]);
-        vec![("b".to_owned(), Contents::Cached(there["b"])), bytes("c", "3")]
+        Ok(vec![("b".to_owned(), Contents::Cached(there["b"])), bytes("c", "3")])
     };
-    let third = there.open().place(&there.store, keep).unwrap();
+    let third = there.open().place(&there.store, &(), keep).unwrap();
     assert_eq!(
         (third.written, third.removed, there.text("b").as_deref()),
         (vec![], vec!["report.json".into()], Some("2"))
@@ -153,7 +153,7 @@ fn names_that_are_too_long_change_nothing() {
     there.place(&[bytes("a", "old")]);
     let long = "x".repeat(300);
     let files = vec![bytes("a", "new"), bytes(&long, "new")];
-    let error = there.open().place(&there.store, |_| files).unwrap_err().to_string();
+    let error = there.open().place(&there.store, &(), |_| Ok(files)).unwrap_err().to_string();
     assert!(error.contains(&long), "{error}");
     assert_eq!(there.text("a").as_deref(), Some("old"));
     assert_eq!(there.place(&[bytes("a", "newer")]).written, ["a"]);
@@ -188,4 +188,22 @@ fn the_next_process_completes_listed_moves() {
     let texts = ["a", "b", "report.json"].map(|name| there.text(name));
     assert_eq!(texts, [Some("old".into()), None, Some("new".into())]);
     assert!(!root.join("commit").exists() && !there.folder.path().parent().unwrap().join("outside").exists());
+}
+
+/// An error after all moves states that the files are in place.
+#[test]
+fn cleanup_errors_are_not_failed_moves() {
+    let there = There::new();
+    there.place(&[bytes("a", "old")]);
+    let root = there.folder.path().join(FOLDER);
+    let mut journal = Journal::new(&root);
+    journal.write("b", b"new").unwrap();
+    journal.list(&write_record(&Placements::default())).unwrap();
+    std::mem::forget(journal);
+    // A file cannot be removed as a folder.
+    std::fs::remove_dir(root.join("commit/old")).unwrap();
+    std::fs::write(root.join("commit/old"), "").unwrap();
+    let error = OutputFolder::open(there.folder.path(), &there.store, &()).unwrap_err();
+    assert!(error.to_string().ends_with("the files of the folder are in place"), "{error}");
+    assert_eq!(there.text("b").as_deref(), Some("new"));
 }

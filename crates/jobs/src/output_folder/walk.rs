@@ -70,7 +70,7 @@ impl Walk {
     /// Opens the folder like a build, with the files that the report lists.
     fn opened(&self) -> (Store, OutputFolder) {
         let store = Store::open(self.path(), true).unwrap();
-        let mut folder = OutputFolder::open(self.path(), &store).unwrap();
+        let mut folder = OutputFolder::open(self.path(), &store, &()).unwrap();
         if let Ok(report) = std::fs::read(self.path().join("report.json"))
             && let Ok(text) = String::from_utf8(report.clone())
         {
@@ -112,7 +112,7 @@ impl Walk {
             std::fs::create_dir(self.path().join(name)).unwrap();
         }
         let contents = asked.iter().map(|(name, bytes)| (name.clone(), Contents::Bytes(bytes.clone()))).collect();
-        match folder.place(&store, |_| contents) {
+        match folder.place(&store, &(), |_| Ok(contents)) {
             Ok(_) => {
                 let now = files_in(self.path());
                 assert!(blocked.is_none());

@@ -87,10 +87,10 @@ impl LightInput {
         Err(refused(input, "input", "another kind of input", ALLOWED))
     }
 
-    /// Photographs, or renderings of a map or a pack under many lights.
+    /// Photographs, averaged per light, or renderings of a map or a pack under many lights.
     pub fn into_samples(self) -> LightSamples {
         match self {
-            Self::Renderings(samples) => samples,
+            Self::Renderings(samples) => samples.averaged(),
             Self::Map(map) => samples_of(&map, spread_lights(SPREAD)),
             Self::Pack(pack) => renderings_of_pack(&PwtDecoder::new(pack), spread_lights(SPREAD)),
         }

@@ -5,7 +5,7 @@ use brdfc_formats::FormatError;
 use brdfc_formats::pwt::{LightCoordinates, PwtDecoder};
 use brdfc_pwt::measure::{StackErrors, rendering_errors, stack_errors};
 use brdfc_pwt::ptm::{MapModel, fit_map, renderings_of};
-use brdfc_pwt::{DomainName, LightSamples, PwtEncoded, PwtRecipe, encode};
+use brdfc_pwt::{DomainName, LightSamples, PwtEncoded, PwtRecipe, Target, encode};
 use brdfc_readers::ptm::Ptm;
 use rand::RngExt as _;
 use rand::SeedableRng as _;
@@ -22,6 +22,17 @@ pub struct HeldOut {
     pub delta_e: f64,
 }
 
+/// Why a pack misses its target.
+#[derive(Debug, Clone, PartialEq)]
+pub enum Missed {
+    /// Errors at the fitted lights are too large.
+    Fitted,
+    /// Errors at the held-out lights are too large.
+    HeldOut,
+    /// The photographs have nothing to measure.
+    Nothing(String),
+}
+
 /// An encoded pack and its errors at held-out lights.
 pub struct PwtMade {
     /// The pack and details of its encoding.
@@ -30,6 +41,25 @@ pub struct PwtMade {
     pub held_out: Option<HeldOut>,
     /// Number of lights that were fitted.
     pub lights: usize,
+}
+
+impl PwtMade {
+    /// The reason why the pack misses a target, if it does. Limits of error apply to held-out lights as well.
+    pub fn missed(&self, target: Target) -> Option<Missed> {
+        let fails = |psnr: f64, delta_e: f64| match target {
+            Target::Quality(least) => psnr < least,
+            Target::DeltaE(most) => delta_e > most,
+            Target::Bytes(_) | Target::Energy(_) | Target::Loss(_) => false,
+        };
+        let is_error = matches!(target, Target::Quality(_) | Target::DeltaE(_));
+        if let Some(nothing) = self.encoded.errors.nothing_shown().filter(|_| is_error) {
+            return Some(Missed::Nothing(nothing));
+        }
+        if !self.encoded.met {
+            return Some(Missed::Fitted);
+        }
+        self.held_out.as_ref().filter(|held| fails(held.psnr, held.delta_e)).map(|_| Missed::HeldOut)
+    }
 }
 
 /// Encodes photographs. Holds out `hold_out` of them, chosen by a seeded permutation, to measure errors at unseen lights.

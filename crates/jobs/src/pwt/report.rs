@@ -3,7 +3,7 @@
 use super::make::{HeldOut, PwtMade};
 use brdfc_formats::pwt::LightCoordinates;
 use brdfc_pwt::choose::Candidate;
-use brdfc_pwt::{PwtFacts, PwtTextureFacts};
+use brdfc_pwt::{PwtFacts, PwtTextureFacts, Target};
 use serde::Serialize;
 
 /// Properties of a level of detail.
@@ -58,13 +58,13 @@ pub struct PwtReport {
     pub left_out_psnr: Option<f64>,
     /// Errors at held-out lights.
     pub held_out: Option<HeldOut>,
-    /// True if it meets its target.
+    /// True if it meets its target, at held-out lights as well.
     pub met: bool,
 }
 
 impl PwtReport {
-    /// Reports a pack in a file of `bytes_on_disk` bytes.
-    pub fn new(made: &PwtMade, bytes_on_disk: usize) -> Self {
+    /// Reports a pack for `target` in a file of `bytes_on_disk` bytes.
+    pub fn new(made: &PwtMade, target: Target, bytes_on_disk: usize) -> Self {
         let encoded = &made.encoded;
         let header = encoded.pack.header();
         let taken = encoded.candidates[0];
@@ -99,7 +99,7 @@ impl PwtReport {
             delta_e: encoded.errors.delta_e,
             left_out_psnr: taken.held_out_psnr,
             held_out: made.held_out.clone(),
-            met: encoded.met,
+            met: made.missed(target).is_none(),
         }
     }
 }

@@ -1,7 +1,7 @@
 //! The report of a build.
 
 use super::gate::GateResult;
-use super::list::{MATERIAL_VERSION, MaterialFile};
+use super::list::{MATERIAL_VERSION, MaterialFile, json_file};
 use super::material::{MaterialReport, StageTime};
 use crate::encode::Predicted;
 use crate::error::Error;
@@ -39,6 +39,10 @@ pub struct BuildReport {
     /// Requirements of each material with their reasons and savings. Only in printed reports with `--explain`.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub needs: Vec<Explained>,
+    /// BLAKE3 of the file without this key, its last one: of the text before the comma that the key follows, a line feed, `}` and a
+    /// line feed. Only in `report.json`.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub checksum: Option<Digest>,
 }
 
 /// A file of a build.
@@ -148,8 +152,17 @@ impl BuildReport {
     /// Reads a `report.json`.
     ///
     /// # Errors
-    /// Returns an error if the file cannot be read, is not a report, has another version or names files outside its folder.
+    /// Returns an error if the file cannot be read, is not a report, has another version, names files outside its folder or
+    /// does not match its checksum.
     pub fn open(path: &Path) -> Result<Self, Error> {
+        Ok(Self::open_with_digest(path)?.0)
+    }
+
+    /// [`Self::open`], with the hash of the file.
+    ///
+    /// # Errors
+    /// As [`Self::open`].
+    pub fn open_with_digest(path: &Path) -> Result<(Self, Digest), Error> {
         let bytes = read_file(path, MAX_TEXT_BYTES)?;
         let allowed = "the report.json of a build by this version of brdfc; 'brdfc build' rewrites it";
         let wrong = |found: String| Error::wrong_input(path.display(), found, allowed);
@@ -157,10 +170,22 @@ impl BuildReport {
         if let Some(name) = report.names().find(|name| !is_plain(name)) {
             return Err(wrong(format!("the file {name:?}, which is outside its folder")));
         }
-        match report.version {
-            BUILD_VERSION => Ok(report),
-            version => Err(wrong(format!("layout version {version}, which is now {BUILD_VERSION}"))),
+        if report.version != BUILD_VERSION {
+            let version = report.version;
+            return Err(wrong(format!("layout version {version}, which is now {BUILD_VERSION}")));
         }
+        match report.checksum {
+            None => Err(wrong("no checksum at its end".to_owned())),
+            Some(checksum) if is_sealed(&bytes, checksum) => Ok((report, Digest::of(&bytes))),
+            Some(_) => Err(wrong("changes since the build, by its checksum".to_owned())),
+        }
+    }
+
+    /// The bytes of `report.json`, its checksum last.
+    pub fn to_file(&self) -> Vec<u8> {
+        let text = json_file(&Self { checksum: None, ..self.clone() });
+        let checksum = Digest::of(&text);
+        json_file(&Self { checksum: Some(checksum), ..self.clone() })
     }
 
     /// Names of all files in the report.
@@ -220,23 +245,13 @@ impl BuildReport {
         self
     }
 
-    /// Selects the entries that a build of the materials `asked` (names that are [`folded`]) retains: materials of other names
-    /// whose files are all in `there`, and the environment if the build has none.
+    /// Selects the entries that a build of the materials `asked` (names that are [`folded`]) retains: encoded materials of
+    /// other names, and the environment if the build has none.
     #[must_use]
-    pub fn kept_beside(
-        mut self,
-        asked: &BTreeSet<String>,
-        environment: bool,
-        there: &BTreeMap<String, Digest>,
-    ) -> Self {
-        let is_there = |file: &FileEntry| there.get(&file.file) == Some(&file.blake3);
-        let is_retained = |entry: &MaterialEntry| {
-            let is_asked_for = asked.contains(&folded(&entry.material));
-            !is_asked_for && !entry.files.is_empty() && entry.files.iter().all(is_there)
-        };
-        self.materials.retain(is_retained);
+    pub fn kept_beside(mut self, asked: &BTreeSet<String>, environment: bool) -> Self {
+        self.materials.retain(|entry| !asked.contains(&folded(&entry.material)) && !entry.files.is_empty());
         self.materials.iter_mut().for_each(|entry| entry.kept = true);
-        self.environment = self.environment.filter(|entry| !environment && entry.file.as_ref().is_some_and(is_there));
+        self.environment = self.environment.filter(|entry| !environment && entry.file.is_some());
         self.environment.iter_mut().for_each(|entry| entry.kept = true);
         self
     }
@@ -259,8 +274,22 @@ impl BuildReport {
 
     fn empty(plan: &Plan) -> Self {
         let (scene, skipped) = (plan.scene.clone(), plan.skipped.clone());
-        Self { version: BUILD_VERSION, scene, materials: Vec::new(), environment: None, skipped, needs: Vec::new() }
+        Self {
+            version: BUILD_VERSION,
+            scene,
+            materials: Vec::new(),
+            environment: None,
+            skipped,
+            needs: Vec::new(),
+            checksum: None,
+        }
     }
+}
+
+/// True if a file ends with this checksum and it matches the text before it.
+fn is_sealed(bytes: &[u8], checksum: Digest) -> bool {
+    let end = format!(",\n  \"checksum\": \"{checksum}\"\n}}\n");
+    bytes.strip_suffix(end.as_bytes()).is_some_and(|text| Digest::of(&[text, b"\n}\n"].concat()) == checksum)
 }
 
 /// File name of the environment's bandwidth map.

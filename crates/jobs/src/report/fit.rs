@@ -63,11 +63,12 @@ fn at_most(limit: &str) -> String {
 mod tests {
     use super::*;
     use crate::encode::{PackRecipe, encode};
-    use brdfc_core::source::Repeats;
+    use brdfc_core::source::{Repeats, Rise};
     use brdfc_metrics::fit_error::FitError;
     use brdfc_source::open::open;
 
     const GOOD: FitError = FitError {
+        rise: None,
         samples: Some(0.02),
         incidences: Some(0.03),
         delta_e: Some(0.3),
@@ -110,6 +111,7 @@ mod tests {
 
     #[test]
     fn gaps_and_contradictions_fail_at_any_limit() {
+        let rise = |ratio, peak| Some(Rise { incidence: 60.0, nearest: 4.0, next: 8.0, ratio, peak });
         let repeats = |share, spread| Some(Repeats { pairs: 9, share, spread, largest: spread });
         for (fit, fails) in [
             (FitError { uncovered: 0.2, ..GOOD }, true),
@@ -117,6 +119,9 @@ mod tests {
             (FitError { repeats: repeats(0.5, 0.9), ..GOOD }, true),
             (FitError { repeats: repeats(0.01, 0.9), ..GOOD }, false),
             (FitError { repeats: repeats(0.5, 0.1), ..GOOD }, false),
+            (FitError { rise: rise(4.0, 5.0), ..GOOD }, true),
+            (FitError { rise: rise(99.0, 1.2), ..GOOD }, true),
+            (FitError { rise: rise(4.0, 1.2), ..GOOD }, false),
             (FitError { samples: None, incidences: None, delta_e: None, ..GOOD }, true),
         ] {
             assert_eq!(!failed(fit, FitLimits::default(), Some(100.0), None).is_empty(), fails, "{fit:?}");

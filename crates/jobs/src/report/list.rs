@@ -2,8 +2,10 @@
 
 use super::material::MaterialReport;
 use crate::scene::maps::MapsReport;
+use brdfc_source::read::{MAX_TEXT_BYTES, read_file};
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
+use std::path::{Path, PathBuf};
 
 /// Layout of the file.
 pub const MATERIAL_VERSION: u32 = 1;
@@ -29,6 +31,20 @@ impl MaterialFile {
     /// The bytes of `<material>.json`.
     pub fn to_bytes(&self) -> Vec<u8> {
         json_file(self)
+    }
+
+    /// The names of such files in a folder, sorted.
+    pub fn names_in(folder: &Path) -> Vec<String> {
+        let entries = std::fs::read_dir(folder).into_iter().flatten().flatten().map(|entry| entry.path());
+        let jsons =
+            entries.filter(|path| path.extension().is_some_and(|extension| extension == "json") && path.is_file());
+        let is_list = |path: &PathBuf| {
+            read_file(path, MAX_TEXT_BYTES).is_ok_and(|bytes| serde_json::from_slice::<Self>(&bytes).is_ok())
+        };
+        let lists = jsons.filter(is_list).filter_map(|path| Some(path.file_name()?.to_str()?.to_owned()));
+        let mut names: Vec<String> = lists.collect();
+        names.sort();
+        names
     }
 }
 

@@ -50,6 +50,9 @@ pub struct MaterialReport {
     pub rows_raised: u64,
     /// Rows of a scan whose azimuth of incidence differs from the others, if any.
     pub stray_rows: Option<StrayRows>,
+    /// First and last wavelength, nm, of spectra that lack a part of the visible range which colours depend on.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub partial_spectrum: Option<[f64; 2]>,
     /// Counts of repairs while the pack was made.
     #[serde(rename = "repaired")]
     pub repairs: Tally,
@@ -78,6 +81,7 @@ impl MaterialReport {
             fit: source.completion().map(measure).transpose()?,
             rows_raised: input.rows_raised(),
             stray_rows: input.stray_rows(),
+            partial_spectrum: input.partial_spectrum(),
             evaluated: encoded.evaluated,
             channels: encoded.pack.channels(),
             codec: encoded.codec.clone(),
@@ -122,6 +126,9 @@ pub fn remarks(report: &MaterialReport) -> Vec<String> {
         lines.push(format!("{raised} of {all} rows ({share:.1} %) had a negative channel, which was raised to 0"));
     }
     lines.extend(report.stray_rows.map(|strays| strays.in_words()));
+    lines.extend(report.partial_spectrum.map(|[first, last]| {
+        format!("spectra cover {first} to {last} nm: colours are those of this part of the visible range alone")
+    }));
     lines.extend(repairs_in_words(&report.repairs));
     if report.off_grid.norms.samples > 0 && is_black(report.off_grid.mean) {
         lines.push("the material is black at all test directions".to_owned());

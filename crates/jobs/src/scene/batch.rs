@@ -2,7 +2,7 @@
 
 use super::manifest::{Manifest, Material, Use};
 use super::names;
-use super::patterns::Named;
+use super::patterns::{Named, is_lost};
 use crate::error::{Error, ErrorKind};
 use crate::file_name::folded;
 use brdfc_core::address;
@@ -75,11 +75,12 @@ pub fn is_material(path: &Path) -> bool {
     extension.is_some_and(|extension| FORMATS.iter().any(|format| format.extension() == extension))
 }
 
-/// Returns true if a file is a measured material, which excludes packs. A .csv file counts if it has columns of values.
+/// Returns true if a file is a measured material, which excludes packs, or a dangling link to one. A .csv file counts
+/// if it has columns of values.
 fn is_measured(path: &Path) -> bool {
     let called = |name: &str| path.extension().is_some_and(|extension| extension.eq_ignore_ascii_case(name));
-    // Regular files only: a read from a pipe may block forever.
-    path.is_file() && is_material(path) && !called(PACKS) && (!called("csv") || has_values(path))
+    // Regular files and dangling links only: a read from a pipe may block forever.
+    (path.is_file() || is_lost(path)) && is_material(path) && !called(PACKS) && (!called("csv") || has_values(path))
 }
 
 /// Returns true if the first bytes name a column that only scans have, or cannot be read: the reader reports the

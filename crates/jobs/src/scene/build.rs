@@ -8,13 +8,12 @@ use super::works::{Work, WorkResult, make};
 use crate::error::Error;
 use crate::file_name::folded;
 use crate::output_folder::{Changes, Contents, OutputFolder};
-use crate::report::build::{BuildReport, environment_map};
-use crate::report::list::json_file;
+use crate::report::build::{BuildReport, FileEntry, environment_map};
+use crate::report::list::MaterialFile;
 use crate::report::material::StageTime;
 use crate::scene::maps::part_name;
 use crate::store::{Digest, FOLDER, Store, placing, read_record, write_record};
 use brdfc_core::progress::{Cancelled, Progress};
-use brdfc_source::read::{MAX_TEXT_BYTES, read_file};
 use serde::{Deserialize, Serialize};
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};
@@ -76,15 +75,16 @@ pub struct Built {
 /// `whole`.
 ///
 /// # Errors
-/// Returns an error if the folder cannot be written to, if a file that no build wrote is in the way, or if the caller
-/// cancels.
+/// Returns an error if the folder cannot be written to, if a file that no build wrote is in the way, if a file that
+/// `keep` retains is lost, or if the caller cancels.
 pub fn build(plan: &Plan, settings: &BuildSettings, progress: &dyn Progress) -> Result<Built, Error> {
-    let (store, mut folder) = opened(settings)?;
-    let names: Vec<String> = plan.files().collect();
+    let (store, mut folder) = opened(settings, progress)?;
     let there = folder.there();
-    let stays = retained(plan, settings, &there).map_or(Vec::new(), |report| files_of(&report));
-    let named: BTreeSet<&str> = names.iter().chain(&stays).map(String::as_str).collect();
-    folder.refuse_removing(plan.sources(), &named)?;
+    let mut names: BTreeSet<String> = plan.files().collect();
+    if let Some(retained) = retained(plan, settings, &store, &there)? {
+        names.extend(retained.files.into_iter().map(|(name, _)| name));
+    }
+    folder.refuse_removing(plan.sources(), &names.iter().map(String::as_str).collect())?;
     folder.refuse_foreign(names.iter().map(String::as_str), settings.force)?;
     let placed: BTreeSet<Digest> = there.into_values().collect();
     let context =
@@ -105,15 +105,14 @@ pub fn build(plan: &Plan, settings: &BuildSettings, progress: &dyn Progress) -> 
     let changes = {
         let _placing = placing();
         progress.check()?;
-        folder.place(&store, |there| {
+        folder.place(&store, progress, |there| {
             let mut stays = Vec::new();
-            if let Some(earlier) = retained(plan, settings, there) {
-                let file = |name: String| Some((name.clone(), Contents::Cached(*there.get(&name)?)));
-                stays = files_of(&earlier).into_iter().filter_map(file).collect();
-                report = report.clone().with_kept(earlier);
+            if let Some(retained) = retained(plan, settings, &store, there)? {
+                stays = retained.files;
+                report = report.clone().with_kept(retained.report);
             }
             stays.extend(files(&outcomes, report.clone().lasting(plan, &settings.out)));
-            stays
+            Ok(stays)
         })?
     };
     let retained = report.materials.iter().filter(|entry| entry.kept).map(|entry| entry.material.as_str());
@@ -122,16 +121,69 @@ pub fn build(plan: &Plan, settings: &BuildSettings, progress: &dyn Progress) -> 
     Ok(Built { outcomes, report, changes: Some(changes) })
 }
 
-/// The entries of the previous build that stay with `keep`.
-fn retained(plan: &Plan, settings: &BuildSettings, there: &BTreeMap<String, Digest>) -> Option<BuildReport> {
-    let earlier = if settings.keep { earlier_report(&settings.out) } else { None };
-    let asked: BTreeSet<String> = plan.jobs.iter().map(|job| folded(&job.name)).collect();
-    Some(earlier?.kept_beside(&asked, plan.environment.is_some(), there))
+/// Entries and files of the previous build that stay with `keep`.
+struct Retained {
+    report: BuildReport,
+    files: Vec<(String, Contents)>,
 }
 
-/// The files that a report lists.
-fn files_of(report: &BuildReport) -> Vec<String> {
-    report.files().map(|file| file.file.clone()).collect()
+/// Selects what stays of the previous build; `None` without `keep`. Missing and damaged files come from the store.
+///
+/// # Errors
+/// Returns an error if a file of an earlier build is in no report, or if a listed file is lost.
+fn retained(
+    plan: &Plan,
+    settings: &BuildSettings,
+    store: &Store,
+    there: &BTreeMap<String, Digest>,
+) -> Result<Option<Retained>, Error> {
+    if !settings.keep {
+        return Ok(None);
+    }
+    let out = settings.out.as_path();
+    let without = "or a build without --keep";
+    let earlier = match BuildReport::open(&out.join(REPORT)) {
+        Ok(report) => report,
+        Err(error) => match unlisted(plan, out, there) {
+            None => return Ok(None),
+            Some(file) => {
+                let found = format!("{file} of an earlier build, which --keep finds in no report");
+                let allowed = format!("the {REPORT} of that build, {without}");
+                return Err(Error::io(format!("{error}\n{}: found {found}, expected {allowed}", out.display())));
+            }
+        },
+    };
+    let asked: BTreeSet<String> = plan.jobs.iter().map(|job| folded(&job.name)).collect();
+    let report = earlier.kept_beside(&asked, plan.environment.is_some());
+    let lists = report.materials.iter().filter_map(|entry| Some((entry.list.as_ref()?, entry.file()?.to_bytes())));
+    let lists: BTreeMap<&str, Vec<u8>> = lists
+        .filter(|(list, bytes)| list.blake3 == Digest::of(bytes))
+        .map(|(list, b)| (list.file.as_str(), b))
+        .collect();
+    let contents = |FileEntry { file, blake3 }: &FileEntry| {
+        let is_there = there.get(file) == Some(blake3);
+        let contents = match lists.get(file.as_str()) {
+            _ if is_there || store.object(blake3).is_some() => Contents::Cached(*blake3),
+            Some(list) => Contents::Bytes(list.clone()),
+            None => {
+                let path = out.join(file);
+                let found = if path.exists() { "a changed file" } else { "no file" };
+                let found = format!("{found}, and no copy of the original in the store");
+                let allowed = format!("the file that {REPORT} lists and --keep retains, {without}");
+                return Err(Error::io(format!("{}: found {found}, expected {allowed}", path.display())));
+            }
+        };
+        Ok((file.clone(), contents))
+    };
+    let files = report.files().map(contents).collect::<Result<_, Error>>()?;
+    Ok(Some(KeptBuild { report, files }))
+}
+
+/// Finds a file of an earlier build that this build does not write: a known one, or else the list of a material.
+fn unlisted(plan: &Plan, out: &Path, there: &BTreeMap<String, Digest>) -> Option<String> {
+    let written: BTreeSet<String> = plan.files().collect();
+    let is_other = |name: &String| !written.contains(name);
+    there.keys().cloned().chain(MaterialFile::names_in(out)).find(is_other)
 }
 
 /// Facts about a material that are not in its report, because they differ between machines and runs.
@@ -182,38 +234,28 @@ pub fn build_works(
     settings: &BuildSettings,
     progress: &dyn Progress,
 ) -> Result<Vec<WorkResult>, Error> {
-    let (store, folder) = opened(settings)?;
+    let (store, folder) = opened(settings, progress)?;
     let placed = folder.there().into_values().collect();
     let context = BuildContext { store: &store, placed: &placed, memory: settings.memory(), fail_fast: false };
     Ok(make(works, &context, progress))
 }
 
 /// Opens the store and the folder, and copies the entries of the stores in `from`.
-fn opened(settings: &BuildSettings) -> Result<(Store, OutputFolder), Error> {
+fn opened(settings: &BuildSettings, progress: &dyn Progress) -> Result<(Store, OutputFolder), Error> {
     let store = Store::open(&settings.out, settings.looks_up)?;
     settings.from.iter().try_for_each(|other| store.take_from(other))?;
-    let folder = known_folder(&settings.out, &store)?;
+    let folder = known_folder(&settings.out, &store, progress)?;
     Ok((store, folder))
 }
 
-/// Opens an output folder with the files that its report lists. A report that can be parsed was written by a build.
-pub(super) fn known_folder(out: &Path, store: &Store) -> Result<OutputFolder, Error> {
-    let mut folder = OutputFolder::open(out, store)?;
-    if let Some((report, digest)) = read_report(out) {
+/// Opens an output folder with the files that its report lists. A valid report was written by a build.
+pub(super) fn known_folder(out: &Path, store: &Store, progress: &dyn Progress) -> Result<OutputFolder, Error> {
+    let mut folder = OutputFolder::open(out, store, progress)?;
+    if let Ok((report, digest)) = BuildReport::open_with_digest(&out.join(REPORT)) {
         let listed = report.files().map(|file| (file.file.clone(), file.blake3));
         folder.also_placed(listed.chain([(REPORT.to_owned(), digest)]));
     }
     Ok(folder)
-}
-
-/// Reads the report of the previous build; `None` if that fails.
-pub fn earlier_report(out: &Path) -> Option<BuildReport> {
-    read_report(out).map(|(report, _)| report)
-}
-
-fn read_report(out: &Path) -> Option<(BuildReport, Digest)> {
-    let bytes = read_file(&out.join(REPORT), MAX_TEXT_BYTES).ok()?;
-    Some((serde_json::from_slice(&bytes).ok()?, Digest::of(&bytes)))
 }
 
 /// All files of a build, the report last.
@@ -232,7 +274,7 @@ fn files(outcomes: &Outcomes, report: BuildReport) -> Vec<(String, Contents)> {
     if let Some(Ok(made)) = &outcomes.environment {
         files.push((environment_map(), Contents::Cached(made.file)));
     }
-    files.push((REPORT.to_owned(), Contents::Bytes(json_file(&report))));
+    files.push((REPORT.to_owned(), Contents::Bytes(report.to_file())));
     files
 }
 

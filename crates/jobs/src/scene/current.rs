@@ -33,6 +33,8 @@ pub struct Current {
     pub gates: Vec<GateResult>,
     /// Names of files in the folder that were made from another recipe or source.
     pub stale: Vec<String>,
+    /// Files that are not in the folder.
+    pub missing: Vec<String>,
 }
 
 impl PackFolder {
@@ -42,7 +44,7 @@ impl PackFolder {
     /// Returns an error if the folder cannot be written to.
     pub fn open(path: &Path) -> Result<Self, Error> {
         let store = Store::open(path, true)?;
-        let folder = known_folder(path, &store)?;
+        let folder = known_folder(path, &store, &())?;
         let placed = folder.there().into_values().collect();
         Ok(Self { store, folder, placed })
     }
@@ -83,13 +85,20 @@ impl PackFolder {
     pub fn material(&self, job: &Job, progress: &dyn Progress) -> Result<Current, JobError> {
         let context = self.context();
         let made = context.material(job, &Shared::new(context.memory), progress)?;
-        let mut current =
-            Current { parts: Vec::new(), missed: made.report.missed, gates: made.gates, stale: Vec::new() };
+        let mut current = Current {
+            parts: Vec::new(),
+            missed: made.report.missed,
+            gates: made.gates,
+            stale: Vec::new(),
+            missing: Vec::new(),
+        };
         for (part, digest) in &made.files {
             let name = part_name(&job.name, part);
             current.parts.push(self.pack(&name, digest)?);
             if self.folder.holds_other(&name, digest) {
                 current.stale.push(name);
+            } else if !self.folder.has(&name) {
+                current.missing.push(name);
             }
         }
         Ok(current)

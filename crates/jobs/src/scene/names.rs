@@ -1,7 +1,7 @@
 //! Names of materials, which are file names on all systems.
 
 use super::scene_section::ENVIRONMENT;
-use crate::file_name::{composed, folded};
+use crate::file_name::{composed, folded, is_device};
 use std::collections::BTreeMap;
 use std::path::Path;
 use unicode_normalization::char::is_combining_mark;
@@ -25,14 +25,13 @@ pub fn check_name(name: &str, lit: bool) -> Result<(), String> {
     if name.len() > MAX_BYTES {
         return Err(format!("at most {MAX_BYTES} bytes of UTF-8 (packs have this file name)"));
     }
-    let name = folded(name);
-    if name == REPORT {
+    if folded(name) == folded(REPORT) {
         return Err(format!("another name (\"{REPORT}\" is reserved for the build report)"));
     }
-    if lit && name == ENVIRONMENT {
+    if lit && folded(name) == folded(ENVIRONMENT) {
         return Err("another name (this one is reserved for the maps of the scene's environment)".to_owned());
     }
-    if is_device(&name) {
+    if is_device(name) {
         return Err("another name (this one is a device on Windows)".to_owned());
     }
     Ok(())
@@ -65,13 +64,6 @@ fn is_allowed(c: char) -> bool {
     c.is_alphanumeric() || is_combining_mark(c) || "-_".contains(c)
 }
 
-/// Returns true if a name stands for a device on Windows, with any extension.
-fn is_device(name: &str) -> bool {
-    let name = name.to_ascii_uppercase();
-    let numbered = |prefix| name.strip_prefix(prefix).is_some_and(|n| n.len() == 1 && ("1"..="9").contains(&n));
-    ["CON", "PRN", "AUX", "NUL"].contains(&name.as_str()) || numbered("COM") || numbered("LPT")
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -89,6 +81,8 @@ mod tests {
             ("Report", "the build report"),
             ("con", "a device"),
             ("Lpt1", "a device"),
+            ("COM¹", "a device"),
+            ("lpt²", "a device"),
             ("a:b", "letters"),
             ("a\u{200b}b", "letters"),
             (&"x".repeat(201), "at most 200 bytes"),
@@ -102,6 +96,7 @@ mod tests {
     fn names_that_differ_only_in_case_are_equal() {
         assert_eq!(same_file(["a", "b", "A"]), Some(("a", "A")));
         assert_eq!(same_file(["é", "e\u{301}"]), Some(("é", "e\u{301}")));
+        assert_eq!(same_file(["straße", "STRASSE"]), Some(("straße", "STRASSE")));
         assert_eq!(same_file(["a", "b", "漢字", "木綿"]), None);
     }
 

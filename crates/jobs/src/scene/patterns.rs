@@ -26,9 +26,9 @@ impl Named {
         if self.name.is_empty() { self.folder.clone() } else { self.folder.join(&self.name) }
     }
 
-    /// Returns true if the name has wildcards and no such file exists.
+    /// Returns true if the name has wildcards and no file or link of that name exists.
     pub fn is_pattern(&self) -> bool {
-        has_wildcards(&self.name) && !self.path().exists()
+        has_wildcards(&self.name) && self.path().symlink_metadata().is_err()
     }
 
     /// The folder that contains all matching files. Also returns true if they can be in its subfolders.
@@ -47,7 +47,7 @@ impl Named {
     }
 
     /// Finds all matching files, sorted. `*` and `?` do not match `/` or a leading dot. `**` matches any number of
-    /// folders, except hidden folders and links.
+    /// folders, except hidden folders and links. Dangling links match like files, so that their readers report them.
     ///
     /// # Errors
     /// Returns an error if the pattern is invalid, or if a folder cannot be read.
@@ -59,23 +59,31 @@ impl Named {
         // files.
         let walk = WalkDir::new(root).min_depth(1).max_depth(pattern.depth()).follow_links(!pattern.is_deep);
         let mut files = Vec::new();
-        for entry in walk.into_iter().filter_entry(|entry| pattern.may_lead_on(entry)) {
-            let entry = match entry {
-                Ok(entry) => entry,
+        let leads_on = |entry: &DirEntry| pattern.may_lead_on(entry.file_name(), entry.depth());
+        for entry in walk.into_iter().filter_entry(leads_on) {
+            let path = match &entry {
+                Ok(entry) => entry.path(),
                 Err(error) => match (error.path(), error.io_error()) {
                     (Some(path), Some(error)) if path.is_dir() => return Err(Error::read(path, error)),
-                    // A dangling or cyclic link, or a missing folder.
+                    // A dangling link, a cyclic link that is not a folder, or a missing folder.
+                    (Some(path), _) if pattern.may_lead_on(path.file_name().unwrap_or_default(), error.depth()) => path,
                     _ => continue,
                 },
             };
-            let below = entry.path().strip_prefix(root).unwrap_or(entry.path());
-            if glob_match(&pattern.whole, below.as_os_str().as_encoded_bytes()) && entry.path().is_file() {
+            let below = path.strip_prefix(root).unwrap_or(path);
+            let matches = glob_match(&pattern.whole, below.as_os_str().as_encoded_bytes());
+            if matches && (path.is_file() || is_lost(path)) {
                 files.push(base.join(below));
             }
         }
         files.sort();
         Ok(files)
     }
+}
+
+/// Returns true for a link that leads to a missing file or to itself.
+pub fn is_lost(path: &Path) -> bool {
+    path.is_symlink() && path.metadata().is_err()
 }
 
 fn has_wildcards(name: &OsStr) -> bool {
@@ -110,15 +118,13 @@ impl Pattern {
         if self.is_deep { usize::MAX } else { self.levels.len() }
     }
 
-    /// Returns true if the entry, or a file below it, can match.
-    fn may_lead_on(&self, entry: &DirEntry) -> bool {
-        let is_hidden = entry.file_name().as_encoded_bytes().starts_with(b".");
-        match entry.depth().checked_sub(1).map(|level| self.levels.get(level)) {
+    /// Returns true if an entry with this name at this depth, or a file below it, can match.
+    fn may_lead_on(&self, name: &OsStr, depth: usize) -> bool {
+        let is_hidden = name.as_encoded_bytes().starts_with(b".");
+        match depth.checked_sub(1).map(|level| self.levels.get(level)) {
             None => true,
             Some(None) => !is_hidden,
-            Some(Some((level, dotted))) => {
-                glob_match(level, entry.file_name().as_encoded_bytes()) && (*dotted || !is_hidden)
-            }
+            Some(Some((level, dotted))) => glob_match(level, name.as_encoded_bytes()) && (*dotted || !is_hidden),
         }
     }
 }
@@ -207,13 +213,18 @@ mod tests {
         let there = folder(&["a.brdf", "[b]/c.brdf"]);
         let odd = there.path().join(OsStr::from_bytes(b"\xff.brdf"));
         std::fs::write(&odd, "").unwrap();
-        std::os::unix::fs::symlink("gone", there.path().join("dead.brdf")).unwrap();
+        for dead in ["dead.brdf", ".dead.brdf", "dead.csv"] {
+            std::os::unix::fs::symlink("gone", there.path().join(dead)).unwrap();
+        }
         std::os::unix::fs::symlink(there.path(), there.path().join("round")).unwrap();
         std::os::unix::fs::symlink("a.brdf", there.path().join("link.brdf")).unwrap();
         std::os::unix::fs::symlink("ring.brdf", there.path().join("ring.brdf")).unwrap();
         let files = Named::new(there.path(), "*.brdf").files().unwrap();
-        assert_eq!(files, [there.path().join("a.brdf"), there.path().join("link.brdf"), odd]);
-        assert_eq!(Named::new(there.path(), "**/*.brdf").files().unwrap().len(), 4);
+        let named = ["a.brdf", "dead.brdf", "link.brdf", "ring.brdf"].map(|name| there.path().join(name));
+        assert_eq!(files, [&named[..], &[odd]].concat());
+        assert_eq!(Named::new(there.path(), "**/*.brdf").files().unwrap().len(), 6);
+        std::os::unix::fs::symlink("gone", there.path().join("dead?.brdf")).unwrap();
+        assert!(!Named::new(there.path(), "dead?.brdf").is_pattern());
         assert_eq!(Named::new(there.path().join("[b]"), "*.brdf").files().unwrap().len(), 1);
         let below = there.path().join(OsStr::from_bytes(b"\xfe"));
         std::fs::create_dir(&below).unwrap();

@@ -13,7 +13,7 @@ use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicU64, Ordering};
 use std::time::{Duration, SystemTime};
 
-/// The store's folder, inside the output folder. It may be deleted at any time.
+/// The store's folder, inside the output folder. It may be deleted unless a build was killed while it placed files.
 pub const FOLDER: &str = ".brdfc-cache";
 /// Subfolder of the stamp files of completed work items.
 pub const DONE: &str = "done";
@@ -22,7 +22,10 @@ const OBJECTS: &str = "objects";
 const SOURCES: &str = "sources";
 /// Files that exclude the folder from backups and version control.
 const MARKS: [(&str, &str); 2] = [
-    ("CACHEDIR.TAG", "Signature: 8a477f597d28d172789f06886806bc55\n# Made by brdfc; may be deleted at any time.\n"),
+    (
+        "CACHEDIR.TAG",
+        "Signature: 8a477f597d28d172789f06886806bc55\n# Made by brdfc; may be deleted after a build that came to its end.\n",
+    ),
     (".gitignore", "*\n"),
 ];
 /// Files that no build has used for this long are removed.

@@ -5,6 +5,10 @@ use brdfc_core::Describe;
 use brdfc_core::StrayRows;
 use brdfc_core::words::percent;
 
+/// Range that a spectrum has to cover for its colour to be known, nm. Below it are 14 % of the observer's z̄ and 3 % of x̄,
+/// above it 4 % of x̄.
+const COLOURED: [f64; 2] = [430.0, 650.0];
+
 /// Facts about a scattered scan.
 #[derive(Debug, Clone, PartialEq, serde::Serialize, schemars::JsonSchema)]
 pub struct ScanFacts {
@@ -77,5 +81,10 @@ impl Describe for ScanFacts {
 
     fn stray_rows(&self) -> Option<StrayRows> {
         self.summary.strays
+    }
+
+    fn partial_spectrum(&self) -> Option<[f64; 2]> {
+        let ends = [*self.wavelengths.first()?, *self.wavelengths.last()?];
+        (ends[0] > COLOURED[0] || ends[1] < COLOURED[1]).then_some(ends)
     }
 }

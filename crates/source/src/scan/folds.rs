@@ -2,7 +2,7 @@
 
 use super::{Points, ScanSource, Tree};
 use crate::scan::coordinates::{Anisotropic, Isotropic, Space};
-use brdfc_core::source::{Completion, Fold, MAX_PARTS, Parts, Repeats};
+use brdfc_core::source::{Completion, Fold, MAX_PARTS, MAX_PEAK, MAX_RISE, Parts, Repeats, Rise};
 use brdfc_formats::direction::{DirectionPair, dot};
 use kiddo::SquaredEuclidean;
 use std::collections::BTreeMap;
@@ -11,11 +11,22 @@ use std::num::NonZero;
 
 /// Incidences that round to the same multiple of this angle are equal, degrees.
 const INCIDENCE: f64 = 1.0;
+/// Angles that round to the same multiple of this are equal, radians.
+const SAME: f64 = 1e-5;
+/// Maximum difference of logarithms between a value and its copy, as opposed to a second measurement.
+const COPY: f64 = 1e-6;
+/// Width of the groups of incidences in which rows near the mirror direction are compared, degrees.
+const STEP: f64 = 5.0;
+/// Maximum polar angle of incidence of these groups, degrees; viewers may be 15 degrees lower.
+const MAX_INCIDENCE: f64 = 62.5;
+/// Minimum number of rows of such a group.
+const MIN_RISE_ROWS: usize = 8;
 /// Number of candidates for the nearest row by angles: the nearest ones in the search space.
 const NEAREST: NonZero<usize> = NonZero::new(8).expect("positive");
 
 impl ScanSource {
-    /// Index of the incidence of each row, and the number of incidences.
+    /// Index of the incidence of each row, and the number of incidences. A row that equals another with light and viewer
+    /// exchanged, value included, is a copy: both belong to whichever incidence has more rows.
     fn incidences(&self) -> (Vec<usize>, usize) {
         let degrees = |radians: f64| (radians.to_degrees() / INCIDENCE).round() as i32;
         let key = |pair: &DirectionPair| {
@@ -24,9 +35,58 @@ impl ScanSource {
             let azimuth = if self.summary.isotropic || polar == 0 { 0 } else { degrees(y.atan2(x)) };
             (polar, azimuth)
         };
-        let mut numbers: BTreeMap<(i32, i32), usize> = self.pairs.iter().map(|pair| (key(pair), 0)).collect();
+        let mut rows_of: BTreeMap<(i32, i32), usize> = BTreeMap::new();
+        self.pairs.iter().for_each(|pair| *rows_of.entry(key(pair)).or_default() += 1);
+        let rows: BTreeMap<_, usize> =
+            self.pairs.iter().enumerate().map(|(row, pair)| (self.place(*pair), row)).collect();
+        let is_copy = |row: usize, pair: DirectionPair| {
+            let other = rows.get(&self.place(pair.exchanged())).filter(|other| **other != row)?;
+            let near = |(a, b): (&f64, &f64)| (a - b).abs() < COPY;
+            self.values[row].iter().zip(&self.values[*other]).all(near).then(|| pair.exchanged())
+        };
+        let key_of = |(row, pair): (usize, &DirectionPair)| {
+            let (own, other) = (key(pair), is_copy(row, *pair).map(|pair| key(&pair)));
+            // Exchanged rows may have no incidence of their own.
+            let count = |key: &(i32, i32)| (rows_of.get(key).copied().unwrap_or(0), std::cmp::Reverse(*key));
+            other.filter(|other| count(other) > count(&own)).unwrap_or(own)
+        };
+        let keys: Vec<(i32, i32)> = self.pairs.iter().enumerate().map(key_of).collect();
+        let mut numbers: BTreeMap<(i32, i32), usize> = keys.iter().map(|key| (*key, 0)).collect();
         numbers.values_mut().enumerate().for_each(|(number, of)| *of = number);
-        (self.pairs.iter().map(|pair| numbers[&key(pair)]).collect(), numbers.len())
+        (keys.iter().map(|key| numbers[key]).collect(), numbers.len())
+    }
+
+    /// Rounded angles of a direction pair, equal for pairs that the material's symmetries identify.
+    fn place(&self, pair: DirectionPair) -> [i64; 4] {
+        let rounded = |radians: f64| (radians / SAME).round() as i64;
+        let polar = |[x, y, z]: [f64; 3]| x.hypot(y).atan2(z);
+        let azimuth = |[x, y, _]: [f64; 3]| y.atan2(x);
+        let [light, view] = [pair.incoming, pair.outgoing];
+        if self.summary.isotropic {
+            let turns = (azimuth(view) - azimuth(light)).rem_euclid(TAU);
+            return [rounded(polar(light)), rounded(polar(view)), rounded(turns.min(TAU - turns)), 0];
+        }
+        [polar(light), azimuth(light), polar(view), azimuth(view)].map(rounded)
+    }
+
+    /// Compares the rows nearest to the mirror direction with the next ones at each polar angle of incidence, in steps of
+    /// [`STEP`] degrees. Returns the angle at which the rows determine the peak least.
+    fn rise_to_mirror(&self) -> Option<Rise> {
+        let mut groups: BTreeMap<i32, Vec<(f64, f64)>> = BTreeMap::new();
+        for (pair, value) in self.pairs.iter().zip(&self.values) {
+            let polar = |[x, y, z]: [f64; 3]| x.hypot(y).atan2(z).to_degrees();
+            let half = [0, 1, 2].map(|k| pair.incoming[k] + pair.outgoing[k]);
+            let incidence = polar(pair.incoming);
+            if incidence <= MAX_INCIDENCE && polar(pair.outgoing) <= MAX_INCIDENCE + 15.0 {
+                let value = value.iter().map(|v| (v.exp() - self.bias).max(0.0)).sum::<f64>();
+                let reflected = value * pair.incoming[2] * pair.outgoing[2];
+                groups.entry((incidence / STEP).round() as i32).or_default().push((polar(half), reflected));
+            }
+        }
+        let rises = groups.into_iter().filter_map(|(group, rows)| rise(f64::from(group) * STEP, rows));
+        // The larger of both excesses.
+        let unknown = |rise: &Rise| (rise.peak / MAX_PEAK).max(rise.ratio / MAX_RISE);
+        rises.max_by(|a, b| unknown(a).total_cmp(&unknown(b)))
     }
 
     fn nearest<const D: usize, const S: usize, P: Space<D, S>>(
@@ -79,6 +139,39 @@ impl Completion for ScanSource {
     fn repeats(&self) -> Option<Repeats> {
         self.repeats
     }
+
+    fn rise(&self) -> Option<Rise> {
+        self.rise_to_mirror()
+    }
+}
+
+/// Compares the rows of one incidence (half angle in degrees, reflected light) nearest to the mirror direction with the next
+/// ones. Returns `None` if there are few rows or no highlight.
+fn rise(incidence: f64, mut rows: Vec<(f64, f64)>) -> Option<Rise> {
+    if rows.len() < MIN_RISE_ROWS {
+        return None;
+    }
+    let mut reflected: Vec<f64> = rows.iter().map(|row| row.1).collect();
+    reflected.sort_by(f64::total_cmp);
+    let diffuse = reflected[reflected.len() / 5];
+    rows.sort_by(|a, b| a.0.total_cmp(&b.0));
+    let mean = |first: f64, last: f64| {
+        let within = rows.iter().filter(|(half, _)| (first..=last).contains(half));
+        let (sum, count) = within.fold((0.0, 0usize), |(sum, count), (_, value)| (sum + value, count + 1));
+        sum / count.max(1) as f64 - diffuse
+    };
+    let nearest = rows[0].0;
+    let apart = (1.75 * nearest).max(nearest + 0.5);
+    let next = rows.iter().find(|(half, _)| *half >= apart)?.0;
+    let at_nearest = mean(nearest, 1.25 * nearest);
+    if at_nearest < 0.5 * diffuse || at_nearest <= 0.0 {
+        return None;
+    }
+    let ratio = (at_nearest / mean(next, 1.4 * next).max(1e-3 * at_nearest).max(0.02 * diffuse)).max(1.0);
+    // D(θ) ∝ 1 / (1 + x)² with x ∝ θ²: x at the nearest, from the ratio and that of the squared angles.
+    let (steps, root) = ((next / nearest.max(1e-6)).powi(2), ratio.sqrt());
+    let x = if root < steps { ((root - 1.0) / (steps - root)).min(9.0) } else { 9.0 };
+    Some(Rise { incidence, nearest, next, ratio, peak: (1.0 + x).powi(2) })
 }
 
 /// Number of folds for `count` rows or incidences.

@@ -3,12 +3,16 @@
 use super::gather::{Page, PageMaterial};
 use crate::flatten::FlatAsset;
 
-const HEADER: &str = "material,source,codec,size,fetches,bytes_on_disk,bytes_on_gpu,delta_e_mean,delta_e_p95,relative_error,\
+/// First line of the figures of a build.
+pub const CSV_HEADER: &str = "material,source,codec,size,fetches,bytes_on_disk,bytes_on_gpu,delta_e_mean,delta_e_p95,relative_error,\
                       albedo_max_difference,reciprocity,passed,kept,error\n";
+
+/// First line of the figures of a flat BTF.
+pub const FLAT_CSV_HEADER: &str = "texture,gpu_bytes\n";
 
 /// Writes a header and a line per material.
 pub fn csv(page: &Page) -> String {
-    let mut text = HEADER.to_owned();
+    let mut text = CSV_HEADER.to_owned();
     for PageMaterial { entry, .. } in &page.materials {
         let mut fields = vec![quoted(&entry.material), quoted(&entry.source)];
         match &entry.report {
@@ -40,7 +44,7 @@ pub fn csv(page: &Page) -> String {
 
 /// Writes a header and a line per texture of a flat BTF.
 pub fn flat_csv(asset: &FlatAsset) -> String {
-    let mut text = "texture,gpu_bytes\n".to_owned();
+    let mut text = FLAT_CSV_HEADER.to_owned();
     for (name, bytes) in &asset.images {
         text += &format!("{name},{bytes}\n");
     }

@@ -10,11 +10,13 @@ use crate::report::build::{BuildReport, EnvironmentEntry, MaterialEntry};
 use crate::scene::build::{BuiltNote, notes};
 use crate::scene::plan::REPORT;
 use crate::scene::run::{kind_of, opened_with_digest};
+use crate::write::folder_of;
 use brdfc_core::Source;
 use brdfc_core::progress::Progress;
 use brdfc_formats::{BrdfPack, Pack};
 use brdfc_source::Input;
 use rayon::prelude::*;
+use std::fs::File;
 use std::path::{Path, PathBuf};
 
 /// Contents of a page about a build.
@@ -57,20 +59,28 @@ pub struct Reports {
     folder: PathBuf,
     new: BuildReport,
     old: Option<BuildReport>,
+    /// No build moves files meanwhile.
+    _held: Option<File>,
 }
 
 impl Reports {
-    /// Reads both reports. `against` is the `report.json` of the earlier build.
+    /// Reads both reports. `against` is the `report.json` of the earlier build. Builds wait until the page is gathered before
+    /// they move files into the folder.
     ///
     /// # Errors
-    /// Returns an error if a file cannot be read or is not a report.
+    /// Returns an error if a file cannot be read or is not a report, or if a build keeps moving files in the folder.
     pub fn open(folder: &Path, against: Option<&Path>) -> Result<Self, Error> {
+        let held = OutputFolder::hold_still(folder)?;
         if OutputFolder::is_unfinished(folder) {
             let found = "a build that was killed while it replaced files";
             return Err(Error::wrong_input(folder.display(), found, "a complete folder; 'brdfc build' finishes it"));
         }
         let new = BuildReport::open(&folder.join(REPORT))?;
-        Ok(Self { folder: folder.to_owned(), new, old: against.map(BuildReport::open).transpose()? })
+        let old = |path: &Path| {
+            let _held = OutputFolder::hold_still(folder_of(path))?;
+            BuildReport::open(path)
+        };
+        Ok(Self { folder: folder.to_owned(), new, old: against.map(old).transpose()?, _held: held })
     }
 
     /// All files of the build (packs, maps and lists) and the sources of its packs.
@@ -101,7 +111,7 @@ impl Reports {
 /// # Errors
 /// Returns an error if a pack cannot be read or is not the one in the report.
 pub fn gather(reports: Reports, tolerance: f64, progress: &dyn Progress) -> Result<Page, Error> {
-    let Reports { folder, new: report, old } = reports;
+    let Reports { folder, new: report, old, _held } = reports;
     let folder = folder.as_path();
     let notes = notes(folder);
     let is_compared = old.is_some();

@@ -14,7 +14,7 @@ mod style;
 mod view_link;
 
 pub use against::{Regression, regressions};
-pub use csv::{csv, flat_csv};
+pub use csv::{CSV_HEADER, FLAT_CSV_HEADER, csv, flat_csv};
 pub use evidence::{Evidence, Thumbnails, evidence};
 pub use flat::{FlatPage, flat_html, is_flat_btf};
 pub use gather::{Page, PageMaterial, Reports, gather, source_of};
