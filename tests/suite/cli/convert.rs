@@ -111,8 +111,9 @@ fn standard_input_is_not_written_over() {
     folder.run(&["synth", "lambert", "-o", "in.binary", "--dimensions", "8x8x16"]).succeeded();
     let before = folder.read("in.binary");
     let input = std::fs::File::open(folder.path().join("in.binary")).unwrap();
-    let arguments = ["convert", "-", "-o", "in.binary", "--dimensions", "4x4x8"];
-    let ran = folder.command(&arguments).stdin(input).output().unwrap();
+    let mut command = std::process::Command::new(env!("CARGO_BIN_EXE_brdfc"));
+    command.current_dir(folder.path()).args(["convert", "-", "-o", "in.binary", "--dimensions", "4x4x8"]);
+    let ran = command.stdin(input).output().unwrap();
     let said = String::from_utf8_lossy(&ran.stderr);
     assert_eq!(ran.status.code(), Some(2), "{said}");
     assert!(said.contains("in.binary, which standard input is redirected from"), "{said}");
