@@ -5,5 +5,5 @@ pub use brdfc_jobs::encode::{
     BrdfRecipe, BrdfReport, CodecReport, EncodeError, EncodedPack, OptionError, Trial, encode, encoders,
 };
 pub use brdfc_jobs::report::gate::GateResult;
-pub use brdfc_jobs::report::material::{StageTime, remarks, repairs_in_words};
+pub use brdfc_jobs::report::material::{StageTime, remarks, repairs_summary};
 pub use brdfc_jobs::stage_clock::StageClock;

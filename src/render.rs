@@ -21,7 +21,7 @@ pub use brdfc_render::adaptive::{
 pub use brdfc_render::contact_sheet::contact_sheet;
 pub use brdfc_render::flat::{FlatForm, FlatMaterial, draw_on_cpu as draw_flat_btf_on_cpu};
 pub use brdfc_render::pwt::{
-    Photograph, PwtMaterial, distant_light, draw_on_cpu as draw_pwt_on_cpu, draw_photographs, rendering_scene,
+    Photograph, PwtMaterial, distant_light, draw_on_cpu as draw_pwt_on_cpu, draw_photographs, image_scene,
 };
 pub use brdfc_render::rendering::{difference_panel, rgb_png, sheet, to_exr, to_panel, to_png};
 pub use brdfc_render::scene::{Environment, Frame, PointLight, Scene};

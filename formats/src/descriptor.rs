@@ -8,7 +8,7 @@ pub struct Descriptor {
     /// Version of its shader bindings. Packs store it; readers reject packs of another version.
     pub version: u32,
     /// Name of one pack in messages, with article.
-    pub in_words: &'static str,
+    pub summary: &'static str,
     /// Name of such packs in the plural.
     pub plural: &'static str,
     /// Path of the specification page, relative to the repository root.

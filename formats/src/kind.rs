@@ -124,8 +124,8 @@ impl PackKind {
     }
 
     /// Name of such a pack in messages, with article.
-    pub fn in_words(self) -> &'static str {
-        self.descriptor().in_words
+    pub fn summary(self) -> &'static str {
+        self.descriptor().summary
     }
 }
 

@@ -36,12 +36,12 @@ pub fn push_within<T>(vector: &mut Vec<T>, element: T, most: usize, field: &'sta
 }
 
 fn missing<T>(field: &'static str, count: usize) -> FormatError {
-    let size = in_words((count as u64).saturating_mul(size_of::<T>() as u64));
+    let size = summary((count as u64).saturating_mul(size_of::<T>() as u64));
     FormatError::whole(field, format!("{count}, which take {size}"), "as much as fits in memory")
 }
 
 /// Formats a number of bytes with a binary unit.
-pub fn in_words(count: u64) -> String {
+pub fn summary(count: u64) -> String {
     const UNITS: [&str; 5] = ["KiB", "MiB", "GiB", "TiB", "PiB"];
     if count < 1024 {
         return format!("{count} B");
@@ -79,7 +79,7 @@ mod tests {
             (1_649_267_441_676, "1.50 TiB"),
             (u64::MAX, "16384.00 PiB"),
         ] {
-            assert_eq!(in_words(count), words);
+            assert_eq!(summary(count), words);
         }
     }
 }

@@ -24,12 +24,12 @@ impl PackOptions {
 
     /// Resolves the recipe, and the limits of the fit to a scan.
     pub fn request(&self) -> Result<(PackRecipe, FitLimits), Error> {
-        let in_flags = |error: OptionError| {
+        let by_flags = |error: OptionError| {
             let (flag, OptionError { found, allowed, .. }) = (error.field.replace('_', "-"), error);
             Error::usage(format!("--{flag}: found {found}, expected {allowed}"))
         };
-        let mut recipe = PackRecipe::from_options(&self.encode, &EncodeOptions::default()).map_err(in_flags)?;
+        let mut recipe = PackRecipe::from_options(&self.encode, &EncodeOptions::default()).map_err(by_flags)?;
         recipe.set_supercompress(!self.no_supercompression);
-        Ok((recipe, self.encode.fit_limits().map_err(in_flags)?))
+        Ok((recipe, self.encode.fit_limits().map_err(by_flags)?))
     }
 }

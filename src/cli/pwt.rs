@@ -215,8 +215,8 @@ pub(super) fn run(arguments: &Arguments, common: Common) -> Result<(), Error> {
         let text = format!("{}: found a pack, expected an --output that ends in .ptm", arguments.input);
         return Err(Error::usage(text));
     }
-    let photographs = matches!(input, LightInput::Renderings(_));
-    let count = if let LightInput::Renderings(samples) = &input { samples.lights.len() } else { 0 };
+    let photographs = matches!(input, LightInput::Photographs(_));
+    let count = if let LightInput::Photographs(samples) = &input { samples.lights.len() } else { 0 };
     let mut samples = input.into_samples();
     if samples.lights.len() < count {
         let text = format!("{count} photographs of {} lights: those of one light are averaged", samples.lights.len());

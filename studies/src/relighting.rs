@@ -5,8 +5,8 @@ use brdfc_formats::FormatError;
 use brdfc_formats::pwt::{LightBasis, LightCoordinates, PwtDecoder, PwtPack};
 use brdfc_jobs::pwt::permutation;
 use brdfc_metrics::image::LinearImage;
-use brdfc_pwt::measure::{StackErrors, rendering_errors, renderings_of_pack, stack_errors};
-use brdfc_pwt::ptm::{MapModel, fit_map, renderings_of};
+use brdfc_pwt::measure::{StackErrors, image_errors, images_of_pack, stack_errors};
+use brdfc_pwt::ptm::{MapModel, fit_map, images_of};
 use brdfc_pwt::{LightSamples, PwtRecipe, Target, encode, plain};
 use brdfc_readers::ptm::Ptm;
 use serde::Serialize;
@@ -120,7 +120,7 @@ fn packed(pack: PwtPack) -> Result<(Made, f64, f64), FormatError> {
 
 fn errors(made: &Made, samples: &LightSamples) -> StackErrors {
     match made {
-        Made::Map(map) => rendering_errors(&renderings_of(map, samples.lights.clone()), samples),
+        Made::Map(map) => image_errors(&images_of(map, samples.lights.clone()), samples),
         Made::Pack(pack) => stack_errors(&PwtDecoder::new(pack.clone()), samples, 1),
     }
 }
@@ -184,10 +184,10 @@ pub fn relit(samples: &LightSamples, held_out: usize) -> Result<LinearImage, For
     let rest: Vec<usize> = (0..lights).filter(|light| *light != shown).collect();
     let photograph = samples.without(&rest);
     let fitted = samples.without(unseen);
-    let map = renderings_of(&fit_map(&fitted, MapModel::Rgb)?, photograph.lights.clone());
+    let map = images_of(&fit_map(&fitted, MapModel::Rgb)?, photograph.lights.clone());
     let bytes = (0.3 * map_bytes(samples.size, MapModel::Rgb)) as u64;
     let tree = encode(&fitted, &PwtRecipe { target: Target::Bytes(bytes), ..PwtRecipe::default() })?.pack;
-    let tree = renderings_of_pack(&PwtDecoder::new(tree), photograph.lights.clone());
+    let tree = images_of_pack(&PwtDecoder::new(tree), photograph.lights.clone());
     let width = samples.size[0];
     let rows = photograph.renderings[0]
         .chunks(width)

@@ -96,7 +96,7 @@ impl Budget {
     }
 
     /// Summary of all limits: `ΔE at most 0.5, at most 1 fetch`.
-    pub fn in_words(&self) -> String {
+    pub fn summary(&self) -> String {
         let Self { delta_e, highlight, error, bytes: most, fetches } = self;
         let limits = [
             delta_e.map(|limit| format!("ΔE at most {limit}")),

@@ -94,7 +94,7 @@ impl<R> Encoded<R> {
             delta_e: rendering.mean,
             delta_e_p95: rendering.p95,
             relative_error: self.off_grid.norms.relative_mean,
-            highlight: self.off_grid.highlight.map(|highlight| highlight.kept()),
+            highlight: self.off_grid.highlight.map(|highlight| highlight.retained()),
             meets,
         }
     }

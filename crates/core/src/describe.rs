@@ -5,7 +5,7 @@ use brdfc_formats::crop::DirectionRange;
 
 /// Facts about an input, from its reader.
 pub trait Describe {
-    /// Lines for people: names and values. [`Self::in_words`] adds the directions.
+    /// Lines for people: names and values. [`Self::summary`] adds the directions.
     fn lines(&self) -> Vec<(&'static str, String)>;
 
     /// Number of measured samples; 0 for models.
@@ -37,7 +37,7 @@ pub trait Describe {
     }
 
     /// Lines for people: names and values.
-    fn in_words(&self) -> Vec<(&'static str, String)> {
+    fn summary(&self) -> Vec<(&'static str, String)> {
         let mut lines = self.lines();
         let directions = self.directions();
         if !directions.is_all() {

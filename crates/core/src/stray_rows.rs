@@ -20,7 +20,7 @@ pub struct StrayRows {
 
 impl StrayRows {
     /// Summary in one line.
-    pub fn in_words(&self) -> String {
+    pub fn summary(&self) -> String {
         let Self { rows, of, azimuth, .. } = self;
         let (have, first) = if *rows == 1 { ("has", "") } else { ("have", "the first ") };
         let line = self.line.map_or(String::new(), |line| format!("on line {line}, "));

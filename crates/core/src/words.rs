@@ -1,6 +1,6 @@
 //! Formatted numbers.
 
-pub use brdfc_formats::memory::in_words as bytes;
+pub use brdfc_formats::memory::summary as bytes;
 
 use std::fmt::{Display, LowerExp};
 

@@ -178,8 +178,8 @@ impl Describe for PackFacts {
         self.of_codec().partial_spectrum()
     }
 
-    fn in_words(&self) -> Vec<(&'static str, String)> {
-        self.of_codec().in_words()
+    fn summary(&self) -> Vec<(&'static str, String)> {
+        self.of_codec().summary()
     }
 }
 

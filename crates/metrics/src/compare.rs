@@ -159,7 +159,7 @@ impl Reference {
                 (point, highlight.as_ref().map(|highlight| highlight.retained(at, &values)))
             })
             .unzip();
-        let highlight = highlights.into_iter().flatten().min_by(|a, b| a.kept().total_cmp(&b.kept()));
+        let highlight = highlights.into_iter().flatten().min_by(|a, b| a.retained().total_cmp(&b.retained()));
         let albedo_max_difference = albedo
             .iter()
             .flat_map(|point| (0..3).map(|c| (point.approximation[c] - point.reference[c]).abs()))

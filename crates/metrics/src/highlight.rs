@@ -31,12 +31,12 @@ pub struct HighlightError {
 
 impl HighlightError {
     /// Retained share of the light, at most 1.
-    pub fn kept(&self) -> f64 {
+    pub fn retained(&self) -> f64 {
         self.light.min(1.0)
     }
 
     /// Summary: `37 % of its light at 15°, peak 1/265`.
-    pub fn in_words(&self) -> String {
+    pub fn summary(&self) -> String {
         let peak = match self.peak {
             0.0 => "none".to_owned(),
             peak if peak < 0.5 => format!("1/{:.0}", 1.0 / peak),

@@ -31,7 +31,7 @@ pub(crate) fn checked(bytes: &[u8]) -> Result<&str, FormatError> {
 
 /// Describes a line or a record that is too long, for errors.
 pub(crate) fn too_long(what: &str) -> String {
-    format!("a {what} of more than {}", brdfc_formats::memory::in_words(MAX_LINE_BYTES as u64))
+    format!("a {what} of more than {}", brdfc_formats::memory::summary(MAX_LINE_BYTES as u64))
 }
 
 /// Describes the valid length, for errors.

@@ -53,6 +53,6 @@ pub fn share_left_out(hits: &Hits, frame: Frame, left_out: &[bool]) -> f64 {
 }
 
 /// Label of this share, empty for 0.
-pub fn left_out_in_words(share: f64) -> String {
+pub fn left_out_summary(share: f64) -> String {
     if share > 0.0 { format!(", {:.1} % left out", 100.0 * share) } else { String::new() }
 }

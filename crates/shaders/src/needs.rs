@@ -70,7 +70,7 @@ impl DeviceNeeds {
     }
 
     /// Summary in one line.
-    pub fn in_words(&self) -> String {
+    pub fn summary(&self) -> String {
         let mut words = Vec::new();
         if !self.webgpu_features.is_empty() {
             let features = self.webgpu_features.join(", ");

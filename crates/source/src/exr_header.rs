@@ -1,7 +1,7 @@
 //! Checks of EXR headers, which bound allocations before decoding.
 
 use brdfc_formats::FormatError;
-use brdfc_formats::memory::in_words;
+use brdfc_formats::memory::summary;
 use exr::meta::BlockDescription;
 use exr::meta::header::Header;
 use exr::prelude::MetaData;
@@ -27,8 +27,8 @@ pub(crate) fn exr_headers(bytes: impl BufRead + Seek, allowed: &'static str) -> 
         let size = sides.into_iter().fold(1, u64::saturating_mul);
         if size > MAX_BLOCK_BYTES {
             let channels = header.channels.list.len();
-            let found = format!("{} in a block of {width} x {height} pixels, {channels} channels", in_words(size));
-            return Err(FormatError::whole("EXR", found, format!("at most {}", in_words(MAX_BLOCK_BYTES))));
+            let found = format!("{} in a block of {width} x {height} pixels, {channels} channels", summary(size));
+            return Err(FormatError::whole("EXR", found, format!("at most {}", summary(MAX_BLOCK_BYTES))));
         }
     }
     Ok(meta.headers.into_iter().collect())

@@ -138,14 +138,14 @@ fn format_of(extension: &str) -> Option<&'static Format<Facts>> {
 /// # Errors
 /// Same as [`open`].
 pub fn open_file(path: &Path, level: Option<f32>) -> Result<Opened, InputError> {
-    open_file_heard(path, level, &mut ())
+    open_file_observed(path, level, &mut ())
 }
 
 /// Same as [`open_file`], with an observer of the bytes.
 ///
 /// # Errors
 /// Same as [`open`].
-pub fn open_file_heard(path: &Path, level: Option<f32>, listener: &mut dyn ReadListener) -> Result<Opened, InputError> {
+pub fn open_file_observed(path: &Path, level: Option<f32>, listener: &mut dyn ReadListener) -> Result<Opened, InputError> {
     if path.is_dir() && is_rti_capture(path) {
         return Err(InputError::format(path, without_brdf("an RTI capture")));
     }

@@ -47,6 +47,6 @@ fn brdf_pack(pack: Pack) -> Result<BrdfPack, FormatError> {
             PackKind::FlatBtf => "a pack of a BRDF; a flat BTF has no single BRDF",
             _ => "a pack of a BRDF",
         };
-        FormatError::whole("pack", kind.in_words(), allowed)
+        FormatError::whole("pack", kind.summary(), allowed)
     })
 }

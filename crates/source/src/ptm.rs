@@ -35,7 +35,7 @@ impl PtmFacts {
     }
 
     /// Lines for people: names and values.
-    pub fn in_words(&self) -> Vec<(&'static str, String)> {
+    pub fn summary(&self) -> Vec<(&'static str, String)> {
         let Self { format, size: [width, height], scale, bias } = self;
         vec![
             ("kind", "polynomial texture map".to_owned()),

@@ -30,7 +30,7 @@ pub fn open_radiance_image(input: impl Into<Input>) -> Result<RadianceImage, Inp
 ///
 /// # Errors
 /// Same as [`open_radiance_image`].
-pub fn open_radiance_image_heard(path: &Path, listener: &mut dyn ReadListener) -> Result<RadianceImage, InputError> {
+pub fn open_radiance_image_observed(path: &Path, listener: &mut dyn ReadListener) -> Result<RadianceImage, InputError> {
     parse(InputFile::at(path, listener)?, &extension_of(path))
 }
 

@@ -110,14 +110,14 @@ pub(crate) fn open_path(path: &Path) -> Result<(File, u64), InputError> {
 /// # Errors
 /// Returns an error for unreadable files, folders, devices, and files with more bytes.
 pub fn read_file(path: &Path, limit: u64) -> Result<Vec<u8>, InputError> {
-    read_heard(path, limit, &mut ())
+    read_file_observed(path, limit, &mut ())
 }
 
 /// Same as [`read_file`], with an observer.
 ///
 /// # Errors
 /// Same as [`read_file`].
-pub fn read_heard(path: &Path, limit: u64, listener: &mut dyn ReadListener) -> Result<Vec<u8>, InputError> {
+pub fn read_file_observed(path: &Path, limit: u64, listener: &mut dyn ReadListener) -> Result<Vec<u8>, InputError> {
     let (file, length) = open_path(path)?;
     listener.opened(&file, length).map_err(|error| InputError::format(path, error))?;
     read_within(path, ObservedFile { file: Opened::File(file), listener }, length, limit)

@@ -111,7 +111,7 @@ pub struct RtiCaptureFacts {
 
 impl RtiCaptureFacts {
     /// Lines for people: names and values.
-    pub fn in_words(&self) -> Vec<(&'static str, String)> {
+    pub fn summary(&self) -> Vec<(&'static str, String)> {
         let Self { lights, polar_angles: [least, most], size: [width, height], extensions } = self;
         vec![
             ("kind", "RTI capture: photographs of one view under known lights".to_owned()),

@@ -77,7 +77,7 @@ pub fn map_header(texels: u32, indirection: &str, largest_angle: f64) -> Result<
 }
 
 /// Describes an error of a recipe by the flags that set it.
-pub fn in_flags(error: &FormatError) -> String {
+pub fn by_flags(error: &FormatError) -> String {
     let FormatError { field, found, allowed, .. } = error;
     match field.as_ref() {
         "bytes of factors" => format!("--max-bytes: found {found}, expected {allowed}"),

@@ -7,7 +7,7 @@ use brdfc_jobs::output_folder::is_own;
 pub use brdfc_jobs::outputs::{
     check_folder, make_folder, refuse_dash, refuse_overwriting, refuse_overwriting_any, write_file,
 };
-use brdfc_jobs::report::material::repairs_in_words;
+use brdfc_jobs::report::material::repairs_summary;
 pub use brdfc_jobs::write::folder_of;
 use brdfc_jobs::write::is_standard_output;
 use clap::builder::{PathBufValueParser, TypedValueParser};
@@ -166,7 +166,7 @@ pub fn note_directions(common: Common, input: &impl std::fmt::Display, source: &
 
 /// Prints repairs of an input's values.
 pub fn note_repairs(common: Common, input: &impl std::fmt::Display, repairs: &Tally) {
-    repairs_in_words(repairs).iter().for_each(|line| note(common, input, line));
+    repairs_summary(repairs).iter().for_each(|line| note(common, input, line));
 }
 
 /// Prints a report: to stdout, or as a remark if the output file goes to stdout.

@@ -50,7 +50,7 @@ pub fn material_row(report: &MaterialReport, seconds: Option<f64>) -> Vec<String
         relative(&report.off_grid.norms),
         format!("{:.2}", rendering.mean),
         format!("{:.2}", rendering.p95),
-        report.off_grid.highlight.map_or("-".to_owned(), |highlight| share(highlight.kept())),
+        report.off_grid.highlight.map_or("-".to_owned(), |highlight| share(highlight.retained())),
         report.fit.map_or("-".to_owned(), |fit| fit.error().map_or("none".to_owned(), share)),
         report.fit.map_or("-".to_owned(), |fit| format!("{:.0}°, {:.0} %", fit.farthest, 100.0 * fit.uncovered)),
         seconds.map_or("cached".to_owned(), |s| format!("{s:.2} s")),
@@ -130,7 +130,7 @@ fn share(share: f64) -> String {
 }
 
 fn highlight_text(comparison: &Comparison) -> String {
-    comparison.highlight.map_or("none".to_owned(), |highlight| highlight.in_words())
+    comparison.highlight.map_or("none".to_owned(), |highlight| highlight.summary())
 }
 
 /// Formats `ε_r`, or a dash if no sample is above the floor.

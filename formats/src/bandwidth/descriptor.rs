@@ -6,7 +6,7 @@ use crate::descriptor::{Answer, Descriptor};
 pub(crate) const DESCRIPTOR: Descriptor = Descriptor {
     name: DECODER.0,
     version: DECODER.1,
-    in_words: "a bandwidth map",
+    summary: "a bandwidth map",
     plural: "bandwidth maps",
     specification: "formats/src/bandwidth/spec.md",
     wgsl: || BANDWIDTH_WGSL.to_owned(),

@@ -6,7 +6,7 @@ use crate::descriptor::{Answer, Descriptor};
 pub(crate) const DESCRIPTOR: Descriptor = Descriptor {
     name: DECODER.0,
     version: DECODER.1,
-    in_words: "a flat BTF",
+    summary: "a flat BTF",
     plural: "flat BTFs",
     specification: "formats/src/flat_btf/spec.md",
     wgsl: flat_btf_value_wgsl,

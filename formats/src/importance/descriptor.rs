@@ -7,7 +7,7 @@ use crate::descriptor::{Answer, Descriptor, StructAnswer};
 pub(crate) const DESCRIPTOR: Descriptor = Descriptor {
     name: DECODER.0,
     version: DECODER.1,
-    in_words: "an importance-sample pack",
+    summary: "an importance-sample pack",
     plural: "importance samples",
     specification: "formats/src/importance/spec.md",
     wgsl: || IMPORTANCE_WGSL.to_owned(),

@@ -6,7 +6,7 @@ use crate::descriptor::{Answer, Descriptor};
 pub(crate) const DESCRIPTOR: Descriptor = Descriptor {
     name: DECODER.0,
     version: DECODER.1,
-    in_words: "a polynomial wavelet tree",
+    summary: "a polynomial wavelet tree",
     plural: "polynomial wavelet trees",
     specification: "formats/src/pwt/spec.md",
     wgsl: || PWT_WGSL.to_owned(),

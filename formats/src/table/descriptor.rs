@@ -6,7 +6,7 @@ use crate::descriptor::{Answer, BrdfShader, Descriptor};
 pub(crate) const DESCRIPTOR: Descriptor = Descriptor {
     name: DECODER.0,
     version: DECODER.1,
-    in_words: "a table pack",
+    summary: "a table pack",
     plural: "table packs",
     specification: "formats/src/table/spec.md",
     wgsl: || TABLE_BRDF_WGSL.to_owned(),

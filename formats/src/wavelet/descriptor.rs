@@ -7,7 +7,7 @@ use crate::descriptor::{Answer, BrdfShader, Descriptor};
 pub(crate) const DESCRIPTOR: Descriptor = Descriptor {
     name: DECODER.0,
     version: DECODER.1,
-    in_words: "a wavelet pack",
+    summary: "a wavelet pack",
     plural: "wavelet packs",
     specification: "formats/src/wavelet/spec.md",
     wgsl: || WAVELET_BRDF_WGSL.to_owned(),

@@ -104,7 +104,7 @@ fn spread(count: usize, weights: &[(usize, f64)]) -> Vec<f64> {
     all
 }
 
-fn looked_up(mesh: &DirectionMesh, count: usize, direction: Vector) -> Vec<f64> {
+fn sample_bilinear(mesh: &DirectionMesh, count: usize, direction: Vector) -> Vec<f64> {
     let (indices, weights) = mesh.weights(direction.map(|c| c as f32));
     spread(count, &[0, 1, 2].map(|k| (indices[k] as usize, f64::from(weights[k]))))
 }
@@ -133,7 +133,7 @@ fn the_look_up_follows_the_page() {
         for k in 0..400 {
             // All directions, including below the horizon.
             let direction = at([f64::from(k) * 97.0 / 400.0, f64::from(k) * 137.508]);
-            let found = looked_up(&mesh, set.len(), direction);
+            let found = sample_bilinear(&mesh, set.len(), direction);
             let allowed = by_the_page(&points, paraboloid(direction), 1e-6);
             let off = |weights: &Weights| {
                 let expected = spread(set.len(), weights);
@@ -164,7 +164,7 @@ fn the_worked_weights_of_the_page() {
             .collect();
         let off = |a: &[f64], b: &[f64]| a.iter().zip(b).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
         assert!(off(&paraboloid(direction), &q) < 1e-6, "{row}");
-        assert!(off(&looked_up(&mesh, 5, direction), &spread(5, &weights)) < 2e-6, "{row}");
+        assert!(off(&sample_bilinear(&mesh, 5, direction), &spread(5, &weights)) < 2e-6, "{row}");
         rows += 1;
     }
     assert_eq!(rows, 6);

@@ -7,7 +7,7 @@ mod text;
 pub use arguments::Arguments;
 pub(super) use text::text;
 
-use super::directions::in_flags;
+use super::directions::by_flags;
 use super::output::{json_or, make_folder, note, print};
 use super::steps::Steps;
 use super::{Common, Error, interrupt};
@@ -39,7 +39,7 @@ pub(super) fn run(arguments: &Arguments, common: Common) -> Result<(), Error> {
     if let Values::Measured(stack) = &surface.values {
         (recipe.views, recipe.lights) = (stack.views().clone(), stack.lights().clone());
     }
-    recipe.check().map_err(|error| Error::usage(in_flags(&error)))?;
+    recipe.check().map_err(|error| Error::usage(by_flags(&error)))?;
     make_folder(&arguments.out)?;
     arguments.write_images.as_deref().map(make_folder).transpose()?;
     let steps = Steps::new(common, interrupt::watch()?);

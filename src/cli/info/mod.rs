@@ -110,7 +110,7 @@ pub(super) fn run(arguments: &Arguments, common: Common) -> Result<(), Error> {
             return print_json(&asset);
         }
         let needs = files::device_needs(&Input::File(file))?;
-        return print(&(flatten::text(&asset, None) + &lines_of(&[("devices", needs.in_words())])));
+        return print(&(flatten::text(&asset, None) + &lines_of(&[("devices", needs.summary())])));
     }
     let is_pack = input.extension()? == "ktx2";
     let contents = match if is_pack { Some(open_pack(input)?) } else { None } {
@@ -123,7 +123,7 @@ pub(super) fn run(arguments: &Arguments, common: Common) -> Result<(), Error> {
     if contents.is_none()
         && let Some(facts) = surface(input)?
     {
-        let text = lines_of(&surface::in_words(&facts));
+        let text = lines_of(&surface::summary(&facts));
         return print(&json_or(common, &SurfaceReport { version: 1, facts }, text));
     }
     let contents = match contents {
@@ -132,7 +132,7 @@ pub(super) fn run(arguments: &Arguments, common: Common) -> Result<(), Error> {
     };
     let devices = if is_pack { Some(files::device_needs(input)?) } else { None };
     let mut lines = contents_lines(&contents);
-    lines.extend(devices.as_ref().map(|needs| ("devices", needs.in_words())));
+    lines.extend(devices.as_ref().map(|needs| ("devices", needs.summary())));
     print(&json_or(common, &Report { version: 1, contents, devices }, lines_of(&lines)))
 }
 
@@ -196,7 +196,7 @@ fn symmetry_text(s: Symmetry) -> String {
 fn contents_lines(contents: &Contents) -> Vec<(&'static str, String)> {
     match contents {
         Contents::Reflectance { facts, symmetry, grey } => {
-            let mut lines = facts.in_words();
+            let mut lines = facts.summary();
             if facts.levels().is_none() {
                 lines.push(("symmetry", symmetry_text(*symmetry)));
                 lines.push(("colour", if *grey { "grey (one channel)" } else { "RGB" }.to_owned()));
@@ -204,15 +204,15 @@ fn contents_lines(contents: &Contents) -> Vec<(&'static str, String)> {
             lines
         }
         Contents::Other(Other::ImportancePack(facts)) => importance_lines(facts),
-        Contents::Other(Other::RtiCapture(facts)) => facts.in_words(),
-        Contents::Other(Other::Ptm(facts)) => facts.in_words(),
+        Contents::Other(Other::RtiCapture(facts)) => facts.summary(),
+        Contents::Other(Other::Ptm(facts)) => facts.summary(),
         Contents::Other(Other::PwtPack(facts)) => pwt_lines(facts),
     }
 }
 
 /// Formats facts about a polynomial wavelet tree.
 pub(super) fn pwt_lines(facts: &PwtFacts) -> Vec<(&'static str, String)> {
-    let mut lines = facts.in_words();
+    let mut lines = facts.summary();
     lines.push(("bytes on a GPU", bytes(facts.gpu_bytes)));
     lines
 }

@@ -41,7 +41,7 @@ pub(super) fn asset(arguments: &Arguments) -> Result<Option<Asset>, Error> {
         _ if flat::is_flat(&input) => AssetKind::Flat,
         "ktx2" => match open_pack(&input) {
             Ok(Pack::Pwt(pack)) => AssetKind::Pwt(Box::new(pack)),
-            Ok(other) if named_by_manifest => return Err(no_asset(&input, other.kind().in_words())),
+            Ok(other) if named_by_manifest => return Err(no_asset(&input, other.kind().summary())),
             Err(error) if named_by_manifest => return Err(error.into()),
             // Packs of BRDFs are opened later, after their flags are checked, and report the error.
             _ => return Ok(None),

@@ -199,7 +199,7 @@ fn prepare_one(arguments: &Arguments, subject: &Subject, name: &str) -> Result<(
                 format!("{file} is out of date, so the material was encoded again; run 'brdfc build' to update it")
             });
             let missing = current.missing.iter().filter(|_| arguments.packs.is_some());
-            let missing = missing.map(|file| format!("{file} is not in the folder: made for the picture"));
+            let missing = missing.map(|file| format!("{file} is not in the folder: made for the rendering"));
             let closed = current.gates.iter().filter(|gate| !gate.passed).map(ToString::to_string);
             let notes = stale.chain(missing).chain(closed).chain(current.missed).collect();
             let mut parts = current.parts.into_iter();
@@ -236,7 +236,7 @@ fn prepare_one(arguments: &Arguments, subject: &Subject, name: &str) -> Result<(
         _ => None,
     };
     if arguments.lod.is_some() && pack.levels() == 0 {
-        let found = pack.kind().in_words();
+        let found = pack.kind().summary();
         return Err(Error::usage(format!(
             "--lod does not apply to {found} of one level, only to packs with levels of detail (--levels)"
         )));
@@ -257,6 +257,6 @@ fn bias_and_smoothing(recipe: &PackRecipe) -> Recipe {
 }
 
 fn no_table(kind: PackKind) -> Error {
-    let (found, allowed) = (kind.in_words(), "wavelet packs (--codec wavelet)");
+    let (found, allowed) = (kind.summary(), "wavelet packs (--codec wavelet)");
     Error::usage(format!("--table does not apply to {found}, only to {allowed}"))
 }

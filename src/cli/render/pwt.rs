@@ -8,7 +8,7 @@ use crate::{Common, Error};
 use brdfc::inspect::{RtiCapture, is_rti_capture};
 use brdfc::render::{
     Builtin, FrameBlock, LinearImage, Photograph, PwtDecoder, PwtMaterial, PwtPack, Verification, Views, distant_light,
-    draw_photographs, draw_pwt, draw_pwt_on_cpu, nearest_photograph, rendering_scene,
+    draw_photographs, draw_pwt, draw_pwt_on_cpu, nearest_photograph, image_scene,
 };
 use brdfc::{FormatError, Input};
 use std::path::Path;
@@ -29,7 +29,7 @@ pub(super) fn verification(
     let longer = size[0].max(size[1]);
     let side = |side: usize| (side * LONGER_SIDE).div_ceil(longer);
     let of_builtin = |builtin: Builtin, frame: [usize; 2]| match builtin {
-        Builtin::Plane => rendering_scene(size, frame),
+        Builtin::Plane => image_scene(size, frame),
         other => other.scene(),
     };
     let start = scene::Start { builtin: Builtin::Plane, size: size.map(side), scene: &of_builtin };

@@ -64,7 +64,7 @@ pub(super) fn factored(
     for view in 0..asset.views() {
         let truth = Truth::new(&asset.renderings(view, lights), asset.mask(view));
         let direction = single(set.directions()[view]);
-        errors.add(truth.errors(&renderings_of(&made.asset, (view, direction), lights), lights));
+        errors.add(truth.errors(&images_of(&made.asset, (view, direction), lights), lights));
         view_done();
     }
     let header = made.asset.header();
@@ -81,7 +81,7 @@ fn single(direction: Vector) -> [f32; 3] {
 }
 
 /// Renderings of a view under all lights. Held-out lights are evaluated as a renderer does for any light.
-fn renderings_of(made: &FactoredFlatBtf, (view, direction): (usize, [f32; 3]), lights: &Lights) -> Vec<Vec<[f32; 3]>> {
+fn images_of(made: &FactoredFlatBtf, (view, direction): (usize, [f32; 3]), lights: &Lights) -> Vec<Vec<[f32; 3]>> {
     let size = made.header().size;
     let samples = ViewWeights { indices: [view as u32; 3], weights: [1.0, 0.0, 0.0] };
     let towards = BlendedDirection { direction, samples };

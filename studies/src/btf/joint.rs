@@ -177,14 +177,14 @@ impl<'a> Joint<'a> {
         let mut errors = Errors::default();
         for view in (0..self.asset.views()).step_by(stride) {
             let truth = Truth::new(&self.asset.renderings(view, self.lights), self.asset.mask(view));
-            errors.add(truth.errors(&self.renderings_of(&planes, view), self.lights));
+            errors.add(truth.errors(&self.images_of(&planes, view), self.lights));
             view_done();
         }
         errors
     }
 
     /// Renderings of a view under all lights.
-    fn renderings_of(&self, planes: &[Option<Plane>], view: usize) -> Vec<Vec<[f32; 3]>> {
+    fn images_of(&self, planes: &[Option<Plane>], view: usize) -> Vec<Vec<[f32; 3]>> {
         let texels = self.asset.size * self.asset.size;
         let (of_view, terms) = (weights(&self.view, self.lights.directions[view]), self.light.terms());
         let at_view = |at: usize| {

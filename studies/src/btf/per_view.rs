@@ -7,8 +7,8 @@ use super::rows::Tally;
 use brdfc_formats::FormatError;
 use brdfc_formats::pwt::{LightBasis, LightCoordinates, PwtDecoder, PwtPack};
 use brdfc_pwt::choose::Candidate;
-use brdfc_pwt::measure::renderings_of_pack;
-use brdfc_pwt::ptm::{MapModel, fit_map, renderings_of};
+use brdfc_pwt::measure::images_of_pack;
+use brdfc_pwt::ptm::{MapModel, fit_map, images_of};
 use brdfc_pwt::{LightSamples, PwtRecipe, Target, encode, plain};
 use std::time::Instant;
 
@@ -83,7 +83,7 @@ impl<'a> View<'a> {
         let start = Instant::now();
         let map = fit_map(&self.samples, model)?;
         let seconds = start.elapsed().as_secs_f64();
-        let shown = renderings_of(&map, self.lights.directions.clone()).renderings;
+        let shown = images_of(&map, self.lights.directions.clone()).renderings;
         let (bytes, fetches) = cost(model);
         let bytes = bytes * texels_with_mipmaps(self.samples.size[0]);
         Ok(self.tally(&shown, bytes, BLENDED_VIEWS * fetches, seconds))
@@ -116,7 +116,7 @@ impl<'a> View<'a> {
 
     fn packed(&self, pack: PwtPack, seconds: f64) -> Tally {
         let (bytes, fetches) = (pack.gpu_bytes(), f64::from(pack.header().fetches()));
-        let shown = renderings_of_pack(&PwtDecoder::new(pack), self.lights.directions.clone()).renderings;
+        let shown = images_of_pack(&PwtDecoder::new(pack), self.lights.directions.clone()).renderings;
         self.tally(&shown, bytes, BLENDED_VIEWS * fetches, seconds)
     }
 

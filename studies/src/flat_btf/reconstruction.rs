@@ -4,7 +4,7 @@ use super::grids::MAP_OVERSAMPLING;
 use super::rows::{AngleErrors, ImageErrors, ReconstructionRow, StudySettings};
 use brdfc_flat_btf::indirection::seen_through_texels;
 use brdfc_flat_btf::model::MesoModel;
-use brdfc_flat_btf::rebuild::{ViewImage, looked_up, stored_parameters};
+use brdfc_flat_btf::rebuild::{ViewImage, sample_bilinear, stored_parameters};
 use brdfc_formats::direction::Vector;
 use brdfc_formats::flat_btf::FlatBtfDecoder;
 use brdfc_metrics::lab::{distance_squared, lab};
@@ -46,10 +46,10 @@ impl LookUps {
         let direct: Vec<[f32; 3]> = direct.iter().map(|value| lab(*value)).collect();
         let of = |rebuilt: Vec<[f32; 3]>| Difference::new(&direct, &rebuilt);
         ImageDifferences {
-            through_map: of(looked_up(inpainted, &self.stored)),
-            through_displacements: of(looked_up(inpainted, &self.compact)),
-            push_pull: of(looked_up(filled, &self.stored)),
-            unblended: of(looked_up(inpainted, &self.unblended)),
+            through_map: of(sample_bilinear(inpainted, &self.stored)),
+            through_displacements: of(sample_bilinear(inpainted, &self.compact)),
+            push_pull: of(sample_bilinear(filled, &self.stored)),
+            unblended: of(sample_bilinear(inpainted, &self.unblended)),
             exact_rays: of(self.seen.rebuilt(inpainted)),
         }
     }

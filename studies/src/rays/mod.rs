@@ -11,7 +11,7 @@ use brdfc_core::address::AddressError;
 use brdfc_flat_btf::model::MesoModel;
 use brdfc_flat_btf::parameterise::ParameteriseError;
 use brdfc_flat_btf::structures::Structure;
-use brdfc_flat_btf::surface::LIFT;
+use brdfc_flat_btf::surface::RAY_OFFSET;
 use brdfc_formats::direction::{add_scaled, dot, from_polar};
 use brdfc_formats::direction_set::DirectionSet;
 use ray::CHUNK;
@@ -192,7 +192,7 @@ fn sky_rays(model: &MesoModel, texels: usize) -> Vec<StudyRay> {
         let facing =
             points.iter().filter(|p| dot(p.normal, direction) > 0.0 && dot(p.geometric_normal, direction) > 0.0);
         rays.extend(facing.map(|point| {
-            let origin = add_scaled(point.position, LIFT, point.geometric_normal);
+            let origin = add_scaled(point.position, RAY_OFFSET, point.geometric_normal);
             StudyRay::new(origin, direction, model.caster.heights())
         }));
     }

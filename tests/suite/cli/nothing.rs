@@ -3,7 +3,7 @@
 
 use crate::common::cli::{Folder, with_checksum};
 use brdfc_jobs::btf_stack::StackFormat;
-use brdfc_jobs::light_stack::write_light_stack;
+use brdfc_jobs::rti_capture::write_rti_capture;
 use brdfc_pwt::ptm::spread_lights;
 use std::fmt::Write as _;
 
@@ -153,7 +153,7 @@ fn inputs() -> Folder {
     folder.write("empty.json", "{}");
     for (name, value) in [("dark", 1e-4), ("white", 50.0), ("grey", 0.5)] {
         let at = folder.path().join(name);
-        write_light_stack(&at, &spread_lights(12), [8, 8], StackFormat::Exr, |_| vec![[value; 3]; 64]).unwrap();
+        write_rti_capture(&at, &spread_lights(12), [8, 8], StackFormat::Exr, |_| vec![[value; 3]; 64]).unwrap();
     }
     let nothing = "{\n  \"version\": 3, \"scene\": \"s\", \"materials\": [], \"skipped\": []\n}";
     folder.write("nothing.json", with_checksum(nothing));

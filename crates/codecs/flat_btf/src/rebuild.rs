@@ -46,7 +46,7 @@ impl ViewImage {
     /// points that the rays of a texel see. It does not use an indirection map, so that its error is that of the flat
     /// image alone.
     pub fn rebuilt(&self, flat: &[[f32; 3]]) -> Vec<[f32; 3]> {
-        let values = looked_up(flat, &self.parameters);
+        let values = sample_bilinear(flat, &self.parameters);
         values.chunks_exact(self.per_texel).map(|values| mean(values.iter().copied(), self.per_texel)).collect()
     }
 }
@@ -64,7 +64,7 @@ pub fn stored_parameters(decoder: &FlatBtfDecoder, view: Vector) -> Vec<[f32; 2]
 }
 
 /// Bilinear, periodic look-ups into a flat image.
-pub fn looked_up(flat: &[[f32; 3]], parameters: &[[f32; 2]]) -> Vec<[f32; 3]> {
+pub fn sample_bilinear(flat: &[[f32; 3]], parameters: &[[f32; 2]]) -> Vec<[f32; 3]> {
     let size = flat.len().isqrt();
     parameters.iter().map(|at| periodic_bilinear(size, *at, |texel| flat[texel])).collect()
 }
@@ -141,7 +141,7 @@ mod tests {
         let decoder = FlatBtfDecoder::new(parts).unwrap();
         let one = ViewWeights { indices: [0; 3], weights: [1.0, 0.0, 0.0] };
         for direction in [from_polar(0.0, 0.0), from_polar(0.9, 0.7), from_polar(1.25, 5.0)] {
-            let rebuilt = looked_up(&flat, &stored_parameters(&decoder, direction));
+            let rebuilt = sample_bilinear(&flat, &stored_parameters(&decoder, direction));
             let mut moved = 0;
             for (texel, rebuilt) in rebuilt.iter().enumerate() {
                 let at = [texel % 6, texel / 6].map(|c| (c as f32 + 0.5) / 6.0);

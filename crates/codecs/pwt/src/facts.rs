@@ -69,7 +69,7 @@ impl PwtFacts {
     }
 
     /// Summary as names and values, without bytes.
-    pub fn in_words(&self) -> Vec<(&'static str, String)> {
+    pub fn summary(&self) -> Vec<(&'static str, String)> {
         let Self { size: [width, height], repeats, levels, coordinates, degree, domain, .. } = self;
         let of_texture = |texture: &PwtTextureFacts| {
             let PwtTextureFacts { level, size: [width, height], layers, channels } = texture;
@@ -113,7 +113,7 @@ mod tests {
         assert_eq!((facts.fetches, facts.gpu_bytes, facts.errors.lights), (2, 6, 3));
         assert_eq!(facts.textures[1], PwtTextureFacts { level: 1, size: [1, 1], layers: 1, channels: 1 });
         let words =
-            |facts: &PwtFacts| facts.in_words().into_iter().map(|(_, value)| value).collect::<Vec<_>>().join("\n");
+            |facts: &PwtFacts| facts.summary().into_iter().map(|(_, value)| value).collect::<Vec<_>>().join("\n");
         for part in
             ["2 x 2, a tile, levels 0 to 1", "projected coordinates, degree 1", "linear", "PSNR 40.00 dB", "35.00 dB"]
         {

@@ -44,7 +44,7 @@ pub fn stack_errors(decoder: &PwtDecoder, samples: &LightSamples, stride: usize)
 }
 
 /// Errors of images against photographs of the same size under the same lights.
-pub fn rendering_errors(renderings: &LightSamples, samples: &LightSamples) -> StackErrors {
+pub fn image_errors(renderings: &LightSamples, samples: &LightSamples) -> StackErrors {
     let width = samples.size[0];
     let rows = |light: usize| move |row: usize| Cow::Borrowed(&renderings.renderings[light][row * width..][..width]);
     StackErrors::of_photographs(&sums(samples, 1, rows))
@@ -97,7 +97,7 @@ impl std::ops::AddAssign for PhotographSums {
 }
 
 /// Images that a pack shows at its finest level under some lights.
-pub fn renderings_of_pack(decoder: &PwtDecoder, lights: Vec<[f32; 3]>) -> LightSamples {
+pub fn images_of_pack(decoder: &PwtDecoder, lights: Vec<[f32; 3]>) -> LightSamples {
     let unpacked = decoder.unpacked(0);
     let header = decoder.pack().header();
     let rendering = |light: &[f32; 3]| unpacked.rows(0..unpacked.size()[1], &header.weights(*light));

@@ -25,9 +25,9 @@ pub fn spread_lights(count: usize) -> Vec<[f32; 3]> {
 }
 
 /// Images that a map shows under some lights.
-pub fn renderings_of(map: &Ptm, lights: Vec<[f32; 3]>) -> LightSamples {
+pub fn images_of(map: &Ptm, lights: Vec<[f32; 3]>) -> LightSamples {
     let size = map.size().map(|side| side as usize);
-    let renderings = lights.par_iter().map(|light| rendering_rows(map, *light, 0..size[1])).collect();
+    let renderings = lights.par_iter().map(|light| image_rows(map, *light, 0..size[1])).collect();
     LightSamples { size, lights, renderings, repeats: false, defined: None }
 }
 
@@ -47,7 +47,7 @@ pub fn samples_of(map: &Ptm, lights: Vec<[f32; 3]>) -> LightSamples {
 ///
 /// # Panics
 /// Panics if the map has no such rows.
-pub fn rendering_rows(map: &Ptm, [x, y, _]: [f32; 3], rows: Range<usize>) -> Vec<[f32; 3]> {
+pub fn image_rows(map: &Ptm, [x, y, _]: [f32; 3], rows: Range<usize>) -> Vec<[f32; 3]> {
     let width = map.size()[0] as usize;
     let linear = |code: f32| decode_srgb(f64::from(code) / 255.0) as f32;
     (rows.start * width..rows.end * width).map(|pixel| map.value(pixel, [x, y]).map(linear)).collect()
@@ -133,7 +133,7 @@ mod tests {
         let coefficients = [[-30.0, -20.0, 10.0, 40.0, -25.0, 140.0], [5.0; 6], [0.0, 0.0, 0.0, 0.0, 0.0, 200.0]];
         let map =
             Ptm::from_coefficients_rgb([2, 1], &[coefficients, coefficients.map(|c| c.map(|c| 0.5 * c))]).unwrap();
-        let samples = renderings_of(&map, spread_lights(60));
+        let samples = images_of(&map, spread_lights(60));
         let found = fit_map(&samples, MapModel::Rgb).unwrap();
         let wrong = LightSamples { lights: samples.lights.iter().map(|[x, y, z]| [-x, -y, *z]).collect(), ..samples };
         let wrong = fit_map(&wrong, MapModel::Rgb).unwrap();
@@ -148,7 +148,7 @@ mod tests {
     fn luminance_and_colour_of_one_hue() {
         let coefficients = [[-30.0, -20.0, 0.0, 40.0, -25.0, 140.0]];
         let map = Ptm::from_coefficients_lrgb([1, 1], &coefficients, &[[255, 128, 64]]).unwrap();
-        let samples = renderings_of(&map, spread_lights(60));
+        let samples = images_of(&map, spread_lights(60));
         let found = fit_map(&samples, MapModel::Lrgb).unwrap();
         for light in [[0.3, 0.2], [-0.5, 0.4]] {
             let [a, b] = [&map, &found].map(|map| map.value(0, light));

@@ -88,7 +88,7 @@ impl BrdfRecipe for Recipe {
     fn target(&self) -> String {
         let most = |most| format!("at most {}", bytes(most));
         match self {
-            Self::Search(search) => search.budget.in_words(),
+            Self::Search(search) => search.budget.summary(),
             Self::Table(TableRecipe { size: Size::Bytes(bytes), .. }) => most(*bytes),
             Self::Table(TableRecipe { size: Size::Nodes(axes), .. }) => {
                 format!("{} x {} x {} x {}", axes.half, axes.difference, axes.azimuth, axes.layers)

@@ -1,7 +1,7 @@
 //! The rebuilt values of the study of flat BTFs are those of the packs: the stored map and the packed values.
 
 use crate::common::flat;
-use brdfc_flat_btf::rebuild::{ViewImage, looked_up, stored_parameters};
+use brdfc_flat_btf::rebuild::{ViewImage, sample_bilinear, stored_parameters};
 use brdfc_formats::container::rgb9e5;
 use brdfc_formats::direction_set::DirectionSet;
 use brdfc_formats::flat_btf::{FlatBtfDecoder, IndirectionHeader, ViewWeights};
@@ -18,7 +18,7 @@ fn rebuilt_images_are_those_of_the_decoder() {
     for (view, direction) in set.directions().iter().enumerate() {
         let image: Vec<[f32; 3]> =
             decoder.parts().values.views()[view].light(1).iter().map(|t| rgb9e5::decode(*t)).collect();
-        let rebuilt = looked_up(&image, &stored_parameters(&decoder, *direction));
+        let rebuilt = sample_bilinear(&image, &stored_parameters(&decoder, *direction));
         let only = |index: usize| ViewWeights { indices: [index as u32; 3], weights: [1.0, 0.0, 0.0] };
         for (texel, value) in rebuilt.iter().enumerate() {
             let at = [texel % 24, texel / 24].map(|c| (c as f32 + 0.5) / 24.0);
@@ -29,7 +29,7 @@ fn rebuilt_images_are_those_of_the_decoder() {
         }
         // The control: rays of the view itself, or a map without displacements, hit other points in oblique views.
         let exact = ViewImage::new(&model, *direction, 24, 1).rebuilt(&image);
-        let unmoved = looked_up(&image, &stored_parameters(&still, *direction));
+        let unmoved = sample_bilinear(&image, &stored_parameters(&still, *direction));
         let off = |image: &[[f32; 3]]| {
             let all = image.iter().zip(&rebuilt).map(|(a, b)| f64::from((a[0] - b[0]).abs()));
             all.sum::<f64>() / rebuilt.len() as f64

@@ -5,7 +5,7 @@ use brdfc_formats::pwt::{PwtDecoder, PwtPack};
 use brdfc_gpu::{draw_pwt, draw_pwt_by, pwt_scene_source};
 use brdfc_metrics::image::{LinearImage, auto_exposure, compare_images};
 use brdfc_pwt::{LightSamples, PwtRecipe, encode};
-use brdfc_render::pwt::{Photograph, PwtMaterial, distant_light, draw_on_cpu, draw_photographs, rendering_scene};
+use brdfc_render::pwt::{Photograph, PwtMaterial, distant_light, draw_on_cpu, draw_photographs, image_scene};
 use brdfc_render::scene::{Frame, Scene};
 use brdfc_render::scenes::Builtin;
 use std::sync::LazyLock;
@@ -45,7 +45,7 @@ fn material() -> PwtMaterial {
 }
 
 fn scenes() -> [Scene; 3] {
-    let above = rendering_scene(SIZE, [FRAME.width, FRAME.height]);
+    let above = image_scene(SIZE, [FRAME.width, FRAME.height]);
     let mut oblique = above.clone();
     oblique.camera = Builtin::Plane.scene().camera;
     oblique.lights.push(distant_light([0.6, -0.3, 0.74]));
@@ -76,7 +76,7 @@ fn shader_and_cpu_draw_the_same_renderings() {
 /// Known answer: under the light of a photograph, the pack looks like it.
 #[test]
 fn a_pack_looks_like_the_photograph_of_its_light() {
-    let mut scene = rendering_scene(SIZE, [FRAME.width, FRAME.height]);
+    let mut scene = image_scene(SIZE, [FRAME.width, FRAME.height]);
     let material = material();
     let drawn = |light: usize, photograph: usize, scene: &mut Scene| {
         scene.lights = vec![distant_light(SAMPLES.lights[light].map(f64::from))];

@@ -1,11 +1,11 @@
 //! Summaries of the inputs of flattening.
 
 use super::describe::{MeshFacts, SurfaceFacts};
-use super::words::{height, repairs_in_words};
+use super::words::{height, repairs_summary};
 use brdfc_core::words::bytes;
 
 /// Names and values of the properties of an input.
-pub fn in_words(facts: &SurfaceFacts) -> Vec<(&'static str, String)> {
+pub fn summary(facts: &SurfaceFacts) -> Vec<(&'static str, String)> {
     match facts {
         SurfaceFacts::Structure { address, vertices, triangles, heights: [low, high], materials } => vec![
             ("kind", "structure, for 'brdfc flatten'".to_owned()),
@@ -70,7 +70,7 @@ fn mesh_summary(mesh: &MeshFacts) -> Vec<(&'static str, String)> {
     }
     if let Some(repairs) = &mesh.repairs {
         lines.push(("surface", format!("{} vertices, {} triangles", repairs.vertices, repairs.triangles)));
-        let text = repairs_in_words(repairs);
+        let text = repairs_summary(repairs);
         lines.push(("repaired", if text.is_empty() { "nothing".to_owned() } else { text.join("; ") }));
     }
     lines

@@ -12,7 +12,7 @@ const FEW_VIEWS: usize = 40;
 
 /// Remarks about an asset: repairs, texels that no view sees, and low resolutions.
 pub fn remarks(asset: &AssetFile) -> Vec<String> {
-    let mut lines = asset.report.repairs.as_ref().map(repairs_in_words).unwrap_or_default();
+    let mut lines = asset.report.repairs.as_ref().map(repairs_summary).unwrap_or_default();
     if asset.report.never_seen > 0 {
         lines.push(format!("{} of the texels are not seen by any view", percent(asset.unseen())));
     }
@@ -44,7 +44,7 @@ pub fn missed(asset: &AssetFile) -> Option<String> {
 }
 
 /// Messages about repairs of a mesh, one per kind; empty if nothing was repaired.
-pub fn repairs_in_words(repairs: &WeldReport) -> Vec<String> {
+pub fn repairs_summary(repairs: &WeldReport) -> Vec<String> {
     [
         (repairs.unreferenced_vertices, "unreferenced vertices were left out"),
         (repairs.degenerate_triangles, "degenerate triangles were left out"),

@@ -5,7 +5,7 @@ use crate::error::Error;
 use brdfc_formats::pwt::PwtDecoder;
 use brdfc_formats::{FormatError, Pack};
 use brdfc_pwt::measure::{PhotographSums, StackErrors, photograph_sums};
-use brdfc_pwt::ptm::rendering_rows;
+use brdfc_pwt::ptm::image_rows;
 use brdfc_readers::ptm::Ptm;
 use brdfc_source::pack::open_pack;
 use brdfc_source::rti_capture::{RtiCapture, is_rti_capture};
@@ -86,7 +86,7 @@ impl Compared {
         let shown = match input.extension()?.as_str() {
             "ktx2" => match open_pack(input)? {
                 Pack::Pwt(pack) => Self::Pack(Box::new(PwtDecoder::new(pack))),
-                other => return Err(refused(input, "pack", other.kind().in_words(), ALLOWED)),
+                other => return Err(refused(input, "pack", other.kind().summary(), ALLOWED)),
             },
             ptm::EXTENSION => Self::Map(ptm::open_ptm(input)?),
             _ => match input.path().filter(|path| is_rti_capture(path)) {
@@ -118,7 +118,7 @@ impl Compared {
                 let weights = decoder.pack().header().weights(light);
                 decoder.unpacked_rows(0, rows.clone()).rows(rows, &weights)
             }
-            Self::Map(map) => rendering_rows(map, light, rows),
+            Self::Map(map) => image_rows(map, light, rows),
             Self::Stack(_) => Vec::new(),
         }
     }

@@ -7,7 +7,7 @@ use brdfc_formats::flat_btf::{FlatHeader, VisibilityMask, unit_vectors};
 use brdfc_formats::pwt::{PwtDecoder, PwtPack};
 use brdfc_formats::{FormatError, Pack};
 use brdfc_pwt::LightSamples;
-use brdfc_pwt::measure::renderings_of_pack;
+use brdfc_pwt::measure::images_of_pack;
 use brdfc_pwt::ptm::{samples_of, spread_lights};
 use brdfc_readers::ptm::Ptm;
 use brdfc_source::btf_stack::has_images;
@@ -30,7 +30,7 @@ const ALLOWED: &str = "a folder with a list of lights (.lp), the list, a BTF, a 
 /// An input that was read.
 pub enum LightInput {
     /// Photographs.
-    Renderings(LightSamples),
+    Photographs(LightSamples),
     /// A polynomial texture map.
     Map(Ptm),
     /// A pack.
@@ -60,7 +60,7 @@ impl LightInput {
                     check_spread(input, pack.header().size)?;
                     Ok(Self::Pack(pack))
                 }
-                other => Err(refused(input, "pack", other.kind().in_words(), "a polynomial wavelet tree")),
+                other => Err(refused(input, "pack", other.kind().summary(), "a polynomial wavelet tree")),
             };
         }
         let Some(path) = input.path() else {
@@ -70,7 +70,7 @@ impl LightInput {
             if view.is_some() {
                 return Err(Error::usage("--view does not apply to RTI captures, only to BTFs"));
             }
-            return Ok(Self::Renderings(photographs(path)?));
+            return Ok(Self::Photographs(photographs(path)?));
         }
         if path.is_file() && extension != "json" && !OrdinaryBtf::is_one(path) {
             let found = if extension.is_empty() { "no extension".to_owned() } else { format!(".{extension}") };
@@ -78,10 +78,10 @@ impl LightInput {
         }
         // The folder of a flat BTF may also hold renderings.
         if flat_btf_file(path)?.is_some() {
-            return Ok(Self::Renderings(flat_view(path, view.unwrap_or(0))?));
+            return Ok(Self::Photographs(flat_view(path, view.unwrap_or(0))?));
         }
         if OrdinaryBtf::is_one(path) && (path.is_file() || has_images(path)) {
-            return Ok(Self::Renderings(one_view(path, view.unwrap_or(0))?));
+            return Ok(Self::Photographs(one_view(path, view.unwrap_or(0))?));
         }
         std::fs::metadata(path).map_err(|error| InputError::Io { name: input.to_string(), error })?;
         Err(refused(input, "input", "another kind of input", ALLOWED))
@@ -90,9 +90,9 @@ impl LightInput {
     /// Photographs, averaged per light, or renderings of a map or a pack under many lights.
     pub fn into_samples(self) -> LightSamples {
         match self {
-            Self::Renderings(samples) => samples.averaged(),
+            Self::Photographs(samples) => samples.averaged(),
             Self::Map(map) => samples_of(&map, spread_lights(SPREAD)),
-            Self::Pack(pack) => renderings_of_pack(&PwtDecoder::new(pack), spread_lights(SPREAD)),
+            Self::Pack(pack) => images_of_pack(&PwtDecoder::new(pack), spread_lights(SPREAD)),
         }
     }
 }

@@ -3,8 +3,8 @@
 use crate::error::Error;
 use brdfc_formats::FormatError;
 use brdfc_formats::pwt::{LightCoordinates, PwtDecoder};
-use brdfc_pwt::measure::{StackErrors, rendering_errors, stack_errors};
-use brdfc_pwt::ptm::{MapModel, fit_map, renderings_of};
+use brdfc_pwt::measure::{StackErrors, image_errors, stack_errors};
+use brdfc_pwt::ptm::{MapModel, fit_map, images_of};
 use brdfc_pwt::{DomainName, LightSamples, PwtEncoded, PwtRecipe, Target, encode};
 use brdfc_readers::ptm::Ptm;
 use rand::RngExt as _;
@@ -118,7 +118,7 @@ pub fn recipe_of_map(recipe: PwtRecipe) -> PwtRecipe {
 /// Returns an error if photographs are out of range.
 pub fn make_map(samples: &LightSamples, model: MapModel) -> Result<(Ptm, StackErrors), Error> {
     let map = fit_map(samples, model).map_err(wrong)?;
-    let shown = renderings_of(&map, samples.lights.clone());
-    let errors = rendering_errors(&shown, samples);
+    let shown = images_of(&map, samples.lights.clone());
+    let errors = image_errors(&shown, samples);
     Ok((map, errors))
 }

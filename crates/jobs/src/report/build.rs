@@ -227,7 +227,7 @@ impl BuildReport {
 
     /// Removes details that differ between runs: times, and the paths of the manifest and the packs.
     #[must_use]
-    pub fn lasting(mut self, plan: &Plan, out: &Path) -> Self {
+    pub fn without_run_details(mut self, plan: &Plan, out: &Path) -> Self {
         let out = format!("{}/", out.display());
         let plain = |error: &mut Option<String>, source: &str, declared: &str| {
             *error = error.as_ref().map(|text| text.replace(source, declared).replace(&out, ""));
@@ -248,7 +248,7 @@ impl BuildReport {
     /// Selects the entries that a build of the materials `asked` (names that are [`folded`]) retains: encoded materials of
     /// other names, and the environment if the build has none.
     #[must_use]
-    pub fn kept_beside(mut self, asked: &BTreeSet<String>, environment: bool) -> Self {
+    pub fn retained_with(mut self, asked: &BTreeSet<String>, environment: bool) -> Self {
         self.materials.retain(|entry| !asked.contains(&folded(&entry.material)) && !entry.files.is_empty());
         self.materials.iter_mut().for_each(|entry| entry.kept = true);
         self.environment = self.environment.filter(|entry| !environment && entry.file.is_some());
@@ -258,7 +258,7 @@ impl BuildReport {
 
     /// Adds the retained entries of an earlier build.
     #[must_use]
-    pub fn with_kept(mut self, retained: Self) -> Self {
+    pub fn with_retained(mut self, retained: Self) -> Self {
         self.materials.extend(retained.materials);
         self.materials.sort_by(|a, b| a.material.cmp(&b.material));
         self.environment = self.environment.or(retained.environment);

@@ -5,7 +5,7 @@ use brdfc_core::words::bytes;
 use brdfc_gpu::verify::Views;
 use brdfc_render::contact_sheet::Cell;
 use brdfc_render::rendering::{difference_panel, to_panel};
-use brdfc_render::within::left_out_in_words;
+use brdfc_render::within::left_out_summary;
 use schemars::JsonSchema;
 use serde::Serialize;
 
@@ -32,7 +32,7 @@ impl MaterialVerification {
             Some(difference_panel(&views.shader, reference, exposure)),
         ];
         let mean = self.verification.checked().delta_e.mean;
-        let left_out = left_out_in_words(self.verification.left_out);
+        let left_out = left_out_summary(self.verification.left_out);
         Cell {
             name: self.material.clone(),
             details: format!("{}  mean ΔE {mean:.2}{left_out}", bytes(self.bytes_on_gpu)),

@@ -125,11 +125,11 @@ pub fn remarks(report: &MaterialReport) -> Vec<String> {
         let (raised, all) = (report.rows_raised, report.samples_in);
         lines.push(format!("{raised} of {all} rows ({share:.1} %) had a negative channel, which was raised to 0"));
     }
-    lines.extend(report.stray_rows.map(|strays| strays.in_words()));
+    lines.extend(report.stray_rows.map(|strays| strays.summary()));
     lines.extend(report.partial_spectrum.map(|[first, last]| {
         format!("spectra cover {first} to {last} nm: colours are those of this part of the visible range alone")
     }));
-    lines.extend(repairs_in_words(&report.repairs));
+    lines.extend(repairs_summary(&report.repairs));
     if report.off_grid.norms.samples > 0 && is_black(report.off_grid.mean) {
         lines.push("the material is black at all test directions".to_owned());
         return lines;
@@ -141,8 +141,8 @@ pub fn remarks(report: &MaterialReport) -> Vec<String> {
         let percent = 100.0 * relative_error;
         lines.push(format!("symmetrising alone causes a ΔE of {delta_e:.2} and ε_r of {percent:.2} %"));
     }
-    if let Some(highlight) = report.off_grid.highlight.filter(|highlight| highlight.kept() < HIGHLIGHT) {
-        lines.push(format!("the highlight keeps {}", highlight.in_words()));
+    if let Some(highlight) = report.off_grid.highlight.filter(|highlight| highlight.retained() < HIGHLIGHT) {
+        lines.push(format!("the highlight keeps {}", highlight.summary()));
     }
     let whole = report.off_grid.albedo.iter().flat_map(|point| point.reference).fold(1.0, f64::max);
     if whole > ENERGY {
@@ -195,7 +195,7 @@ fn fit_remarks(fit: &FitError, off_grid: &Comparison) -> Vec<String> {
 }
 
 /// Messages about repairs, one per kind; empty for a clean source.
-pub fn repairs_in_words(tally: &Tally) -> Vec<String> {
+pub fn repairs_summary(tally: &Tally) -> Vec<String> {
     let share = |count: u64| format!("{:.1} %", 100.0 * count as f64 / tally.evaluations.max(1) as f64);
     [
         (tally.partly_invalid, "interpolations left out invalid cells"),

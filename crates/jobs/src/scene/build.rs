@@ -109,9 +109,9 @@ pub fn build(plan: &Plan, settings: &BuildSettings, progress: &dyn Progress) -> 
             let mut stays = Vec::new();
             if let Some(retained) = retained(plan, settings, &store, there)? {
                 stays = retained.files;
-                report = report.clone().with_kept(retained.report);
+                report = report.clone().with_retained(retained.report);
             }
-            stays.extend(files(&outcomes, report.clone().lasting(plan, &settings.out)));
+            stays.extend(files(&outcomes, report.clone().without_run_details(plan, &settings.out)));
             Ok(stays)
         })?
     };
@@ -154,7 +154,7 @@ fn retained(
         },
     };
     let asked: BTreeSet<String> = plan.jobs.iter().map(|job| folded(&job.name)).collect();
-    let report = earlier.kept_beside(&asked, plan.environment.is_some());
+    let report = earlier.retained_with(&asked, plan.environment.is_some());
     let lists = report.materials.iter().filter_map(|entry| Some((entry.list.as_ref()?, entry.file()?.to_bytes())));
     let lists: BTreeMap<&str, Vec<u8>> = lists
         .filter(|(list, bytes)| list.blake3 == Digest::of(bytes))
@@ -176,7 +176,7 @@ fn retained(
         Ok((file.clone(), contents))
     };
     let files = report.files().map(contents).collect::<Result<_, Error>>()?;
-    Ok(Some(KeptBuild { report, files }))
+    Ok(Some(Retained { report, files }))
 }
 
 /// Finds a file of an earlier build that this build does not write: a known one, or else the list of a material.

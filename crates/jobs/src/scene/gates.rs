@@ -81,9 +81,9 @@ fn check_pack(gates: &Budget, report: &MaterialReport) -> Vec<GateResult> {
     if let Some(least) = gates.highlight {
         // Materials without a highlight pass.
         let found = report.off_grid.highlight;
-        let text = found.map_or("no highlight".to_owned(), |highlight| highlight.in_words());
+        let text = found.map_or("no highlight".to_owned(), |highlight| highlight.summary());
         let allowed = format!("at least {} of its light", percent(least));
-        hold("min_highlight", text, allowed, found.is_none_or(|highlight| highlight.kept() >= least));
+        hold("min_highlight", text, allowed, found.is_none_or(|highlight| highlight.retained() >= least));
     }
     if let Some(limit) = gates.error {
         let allowed = format!("at most {} %", 100.0 * limit);

@@ -8,7 +8,7 @@ use brdfc_bandwidth::resolution::Resolution;
 use brdfc_core::progress::{Progress, Stage};
 use brdfc_core::{Source, Tally};
 use brdfc_importance::{ImportanceFacts, ImportanceRecipe, importance_samples};
-use brdfc_source::radiance_image::open_radiance_image_heard;
+use brdfc_source::radiance_image::open_radiance_image_observed;
 use brdfc_source::read::ReadListener;
 use serde::{Deserialize, Serialize};
 use std::path::Path;
@@ -101,7 +101,7 @@ pub fn environment_file(
     progress: &dyn Progress,
 ) -> Result<(Vec<u8>, Packed<BandwidthFacts>), JobError> {
     progress.stage(Stage::Read, 1)?;
-    let image = open_radiance_image_heard(path, listener)?;
+    let image = open_radiance_image_observed(path, listener)?;
     progress.stage(Stage::BandwidthMap, 1)?;
     let map = environment_map(&image.pixels, image.width, DEFAULT_EPSILON).map_err(JobError::Map)?;
     let bytes = map.to_bytes(true);

@@ -17,7 +17,7 @@ use crate::store::{Cached, Digest, HashingObserver, Key, Stamp, Store};
 use brdfc_bandwidth::DEFAULT_EPSILON;
 use brdfc_bandwidth::facts::BandwidthFacts;
 use brdfc_core::progress::{Cancelled, Progress, Stage};
-use brdfc_source::open::{Facts, Opened, open, open_file_heard};
+use brdfc_source::open::{Facts, Opened, open, open_file_observed};
 use brdfc_source::{Input, InputError};
 use std::collections::BTreeSet;
 use std::path::Path;
@@ -396,7 +396,7 @@ pub(crate) fn opened_with_digest(
         return Ok((opened, digest, None));
     };
     let mut observer = HashingObserver::new(extension, longest);
-    let opened = open_file_heard(path, None, &mut observer)?;
+    let opened = open_file_observed(path, None, &mut observer)?;
     let (digest, stamp) = observer.finish().map_err(|error| InputError::io(path, error))?;
     Ok((opened, digest, stamp))
 }

@@ -100,7 +100,7 @@ impl ReadListener for HashingObserver {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use brdfc_source::read::read_heard;
+    use brdfc_source::read::read_file_observed;
     use std::io::Write as _;
 
     #[test]
@@ -110,7 +110,7 @@ mod tests {
         std::fs::write(&path, "rows").unwrap();
         let observed = |path| {
             let mut observer = HashingObserver::new("brdf", 100);
-            read_heard(path, 100, &mut observer).unwrap();
+            read_file_observed(path, 100, &mut observer).unwrap();
             observer.finish().unwrap()
         };
         let (digest, stamp) = observed(&path);

@@ -122,7 +122,7 @@ fn of_input(input: &Input, progress: &dyn Progress) -> Result<ViewItem, Error> {
         }
         pack => match BrdfPack::try_from(pack) {
             Ok(pack) => Ok(of_brdf(name, pack)),
-            Err(kind) => Err(refused(&input.to_string(), kind.in_words(), ALLOWED)),
+            Err(kind) => Err(refused(&input.to_string(), kind.summary(), ALLOWED)),
         },
     }
 }

@@ -3,7 +3,7 @@
 use super::data::PageScene;
 use super::item::{ItemScene, ViewItem};
 use super::mesh::PackedMesh;
-use brdfc_render::pwt::rendering_scene;
+use brdfc_render::pwt::image_scene;
 
 /// All scenes of the materials, without duplicates.
 pub(super) fn of(items: &[ViewItem]) -> Vec<PageScene> {
@@ -19,7 +19,7 @@ pub(super) fn of(items: &[ViewItem]) -> Vec<PageScene> {
 fn page_scene(of: ItemScene) -> PageScene {
     let scene = match of {
         ItemScene::Builtin(builtin) => builtin.scene(),
-        ItemScene::Image(size) => rendering_scene(size.map(|side| side as usize), [1; 2]),
+        ItemScene::Image(size) => image_scene(size.map(|side| side as usize), [1; 2]),
     };
     let [part] = &scene.parts[..] else { unreachable!("scenes of pages have one part") };
     let mesh = PackedMesh::new(&part.mesh);

@@ -11,7 +11,7 @@ mod photograph;
 mod scene;
 
 pub use photograph::Photograph;
-pub use scene::{distant_light, rendering_scene};
+pub use scene::{distant_light, image_scene};
 
 use super::footprint::{footprint, from_behind, mipmap_level};
 use super::sample_means::sample_means;
@@ -129,7 +129,7 @@ mod tests {
     }
 
     fn scene() -> Scene {
-        rendering_scene(SIZE, [FRAME.width, FRAME.height])
+        image_scene(SIZE, [FRAME.width, FRAME.height])
     }
 
     /// Known answer: seen from above, the rendering is the photograph, upright.

@@ -15,7 +15,7 @@ const LIGHT: [f64; 3] = [-0.48, 0.48, 0.734];
 
 /// [`Builtin::Plane`] in the proportions of an image, its longer side 2, under a camera that sees all of it. The right
 /// of the image is +x, its top -z. `frame` is the width and height of the rendering.
-pub fn rendering_scene(size: [usize; 2], frame: [usize; 2]) -> Scene {
+pub fn image_scene(size: [usize; 2], frame: [usize; 2]) -> Scene {
     let mut scene = Builtin::Plane.scene();
     let longer = size[0].max(size[1]) as f64;
     let half = size.map(|side| side as f64 / longer);

@@ -63,7 +63,7 @@ impl Describe for ScanFacts {
             lines.insert(2, ("directions", alta.directions.clone()));
         }
         if let Some(strays) = s.strays {
-            lines.push(("rows of another azimuth", strays.in_words()));
+            lines.push(("rows of another azimuth", strays.summary()));
         }
         if let Some(left_out) = s.left_out {
             lines.push(("rows left out, at or below the horizon", left_out.to_string()));

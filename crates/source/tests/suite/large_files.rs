@@ -2,7 +2,7 @@
 
 use brdfc_formats::FormatError;
 use brdfc_readers::scan::MAX_ROWS;
-use brdfc_source::open::open_file_heard;
+use brdfc_source::open::open_file_observed;
 use brdfc_source::read::{MAX_FILE_BYTES, ReadListener};
 use std::fs::File;
 use std::io::Write;
@@ -25,7 +25,7 @@ fn refused(name: &str, start: &[u8], length: u64) -> (String, u64) {
     file.write_all(start).unwrap();
     file.set_len(length).unwrap();
     let mut count = Count::default();
-    let error = open_file_heard(&path, None, &mut count).err().unwrap().to_string();
+    let error = open_file_observed(&path, None, &mut count).err().unwrap().to_string();
     (error.split_once(&format!("{name}: ")).unwrap().1.to_owned(), count.0)
 }
 

@@ -88,7 +88,7 @@ fn the_first_line_is_reported() {
     let mut bytes = Vec::new();
     scan_csv::write(&mut bytes, &rows).unwrap();
     let strays = ScanSource::new(&scan_csv::from_bytes(&bytes).unwrap()).unwrap().summary().strays.unwrap();
-    let words = strays.in_words();
+    let words = strays.summary();
     let expected = "2 of 77 rows have another azimuth of incidence (the first on line 31, 12.5°), taken as isotropic; they \
                     differ from the others by ";
     assert!(words.starts_with(expected) && words.ends_with(" %"), "{words}");

@@ -7,7 +7,7 @@ use brdfc_formats::container::MAX_EXTENT_2D;
 use brdfc_source::Input;
 use brdfc_studies::StudyResult;
 use brdfc_studies::flat_btf::{ModelRow, StudyError, StudySettings, study_model};
-use brdfc_terminal::directions::{INDIRECTION, default_set, direction_set, in_flags, map_header};
+use brdfc_terminal::directions::{INDIRECTION, default_set, direction_set, by_flags, map_header};
 use brdfc_terminal::output::remark;
 use brdfc_terminal::table::plain;
 use brdfc_terminal::{Common, Error};
@@ -35,7 +35,7 @@ pub(super) fn run(arguments: &Arguments, common: Common) -> Result<StudyResult, 
     }
     let largest_angle = arguments.largest_angle.unwrap_or(MAX_ANGLE);
     let map = map_header(texels as u32, arguments.indirection.as_deref().unwrap_or(INDIRECTION), largest_angle)?;
-    map.check().map_err(|error| Error::usage(in_flags(&error)))?;
+    map.check().map_err(|error| Error::usage(by_flags(&error)))?;
     let directions = direction_set("directions", arguments.directions.as_ref().unwrap_or(&default_set()))?;
     let settings = StudySettings {
         texels,

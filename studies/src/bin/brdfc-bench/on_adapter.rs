@@ -93,7 +93,7 @@ fn pack(input: &Input) -> Result<BrdfPack, Error> {
     if input.extension()? == "ktx2" {
         let pack = open_brdf_pack(input)?;
         if pack.levels() == 0 {
-            let found = format!("found {} with one level of detail", pack.kind().in_words());
+            let found = format!("found {} with one level of detail", pack.kind().summary());
             return Err(Error::input(format!(
                 "{input}: pack: {found}, expected a pack with several (encode --levels)"
             )));

@@ -3,7 +3,7 @@
 use super::stacks::{lambert, polynomial, spiral};
 use brdfc_formats::pwt::{LightCoordinates, PwtDecoder, PwtPack};
 use brdfc_pwt::measure::stack_errors;
-use brdfc_pwt::ptm::{renderings_of, samples_of, spread_lights};
+use brdfc_pwt::ptm::{images_of, samples_of, spread_lights};
 use brdfc_pwt::{DomainName, LightSamples, PwtEncoded, PwtRecipe, Target, Wavelet, encode};
 use brdfc_readers::ptm::Ptm;
 
@@ -152,13 +152,13 @@ fn maps_that_clip() {
         ..PwtRecipe::default()
     };
     let decoder = PwtDecoder::new(made(&samples, recipe).pack);
-    let clamped_renderings = renderings_of(&map, spiral(30));
+    let clamped_renderings = images_of(&map, spiral(30));
     let errors = stack_errors(&decoder, &clamped_renderings, 1);
     assert!(errors.psnr > 38.0, "{errors:?}");
     let codes = clamped_renderings.renderings.iter().flatten().flatten();
     assert!(codes.clone().any(|c| *c >= 1.0) && codes.clone().any(|c| *c <= 0.0), "it clips at both ends");
     // The negative control: clamped values are no polynomial.
-    let clamped = renderings_of(&map, spread_lights(96));
+    let clamped = images_of(&map, spread_lights(96));
     let wrong = stack_errors(&PwtDecoder::new(made(&clamped, recipe).pack), &clamped_renderings, 1);
     assert!(wrong.psnr < errors.psnr - 10.0, "{wrong:?}");
 }

@@ -315,7 +315,7 @@ impl Excess {
             budget.error.map(|limit| found.norms.relative_mean / limit),
         ];
         let number = |ratio: f64| if ratio.is_nan() { f64::INFINITY } else { ratio };
-        let lost = |least: f64| found.highlight.map_or(0.0, |highlight| (1.0 - highlight.kept()) / (1.0 - least));
+        let lost = |least: f64| found.highlight.map_or(0.0, |highlight| (1.0 - highlight.retained()) / (1.0 - least));
         Self {
             error: ratios.into_iter().flatten().map(number).fold(0.0, f64::max),
             highlight: budget.highlight.map_or(0.0, |least| number(lost(least))),
@@ -359,9 +359,9 @@ fn missed(budget: &Budget, best: &Comparison) -> String {
         ));
     }
     if let (Some(least), Some(found)) = (budget.highlight, best.highlight)
-        && found.kept() < least
+        && found.retained() < least
     {
-        parts.push(format!("highlight: found {}, expected at least {}", found.in_words(), percent(least)));
+        parts.push(format!("highlight: found {}, expected at least {}", found.summary(), percent(least)));
     }
     if let Some(limit) = budget.error
         && best.norms.relative_mean > limit

@@ -49,7 +49,7 @@ fn figures(report: &MaterialReport) -> [f64; 7] {
         off_grid.rendering.delta_e.p95,
         off_grid.norms.relative_mean,
         off_grid.albedo_max_difference,
-        off_grid.highlight.map_or(0.0, |highlight| 1.0 - highlight.kept()),
+        off_grid.highlight.map_or(0.0, |highlight| 1.0 - highlight.retained()),
         report.bytes_on_gpu as f64,
         f64::from(report.fetches),
     ]
@@ -96,7 +96,7 @@ pub fn regressions(new: &BuildReport, old: &BuildReport, tolerance: f64) -> Vec<
                     failed_checks(before, now, &mut found);
                     // Every error of a black material is 0.
                     if is_black(is.off_grid.mean) && !is_black(was.off_grid.mean) {
-                        found.push(said(now, "material", "reflects light", "black"));
+                        found.push(regression(now, "material", "reflects light", "black"));
                         continue;
                     }
                     // Errors at other directions do not compare.

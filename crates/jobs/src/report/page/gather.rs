@@ -155,7 +155,7 @@ fn brdf_pack(folder: &Path, entry: &MaterialEntry, name: &str) -> Result<BrdfPac
     let path = folder.join(name);
     let bytes = listed_file(folder, &entry.files, name)?;
     let pack = Pack::from_bytes(&bytes).map_err(|error| wrong_file(&path, error.to_string()))?;
-    BrdfPack::try_from(pack).map_err(|kind| wrong_file(&path, kind.in_words().to_owned()))
+    BrdfPack::try_from(pack).map_err(|kind| wrong_file(&path, kind.summary().to_owned()))
 }
 
 /// Opens the source of a material, if it still exists.

@@ -10,7 +10,7 @@ use crate::report::material::{MaterialReport, remarks};
 use brdfc_core::words::{bytes, percent};
 use brdfc_metrics::by_angle::WorstPair;
 use brdfc_metrics::fit_error::{COVERED, FitError};
-use brdfc_render::within::left_out_in_words;
+use brdfc_render::within::left_out_summary;
 use maud::{Markup, PreEscaped, html};
 
 /// Writes the page as HTML. Output is deterministic.
@@ -120,7 +120,7 @@ fn sheet(page: &Page) -> Markup {
                         (image(difference, &format!("ΔE of {}", material.entry.material)))
                         figcaption {
                             (breakable(&material.entry.material)) br; "ΔE " (format!("{mean:.2}"))
-                            (left_out_in_words(thumbnails.left_out))
+                            (left_out_summary(thumbnails.left_out))
                         }
                     } @else {
                         figcaption { (breakable(&material.entry.material)) }
@@ -202,7 +202,7 @@ fn renderings(material: &PageMaterial) -> Markup {
                 @if let Some(source) = source {
                     figure { (image(source, &format!("{scene} of {name}, source{how}"))) figcaption { "source" (how) } }
                 }
-                figure { (image(pack, &format!("{scene} of {name}, pack{how}"))) figcaption { "pack" (left_out_in_words(*left_out)) } }
+                figure { (image(pack, &format!("{scene} of {name}, pack{how}"))) figcaption { "pack" (left_out_summary(*left_out)) } }
                 @if let Some((difference, mean)) = difference {
                     figure {
                         (image(difference, &format!("{scene} of {name}, difference{how}")))

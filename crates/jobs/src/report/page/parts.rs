@@ -58,7 +58,7 @@ pub(super) fn map_part(folder: &Path, listed: &[FileEntry], name: &str) -> Resul
                 let facts = ImportanceFacts::new(&pack);
                 (facts.gpu_bytes, samples_summary(&facts), None)
             }
-            other => return Err(wrong_file(&path, other.kind().in_words().to_owned())),
+            other => return Err(wrong_file(&path, other.kind().summary().to_owned())),
         };
     Ok(PagePart { file: name.to_owned(), bytes_on_disk: bytes.len() as u64, bytes_on_gpu, summary, image })
 }

@@ -4,7 +4,7 @@ use super::gather::{Page, PageMaterial};
 use brdfc_core::words::bytes;
 use brdfc_render::contact_sheet::{Cell, contact_sheet};
 use brdfc_render::rendering::Panel;
-use brdfc_render::within::left_out_in_words;
+use brdfc_render::within::left_out_summary;
 
 /// Draws a contact sheet of all materials on ball and cloth, with the bytes and the mean ΔE of the page's table.
 pub fn sheet(page: &Page) -> Panel {
@@ -19,7 +19,7 @@ fn cell(PageMaterial { entry, evidence, .. }: &PageMaterial) -> Cell {
         Some(report) => {
             let size = bytes(report.bytes_on_gpu);
             let limits = if entry.passed() { "" } else { ", missed" };
-            let left_out = left_out_in_words(left_out);
+            let left_out = left_out_summary(left_out);
             format!("{size}  mean ΔE {:.2}{left_out}{limits}", report.off_grid.rendering.delta_e.mean)
         }
         None => "failed: no pack".to_owned(),
