@@ -41,7 +41,7 @@ pub(super) struct Materials<'a> {
     total: usize,
     finished: AtomicUsize,
     position: AtomicU64,
-    /// When the first material was begun: whatever was waited for before is no work.
+    /// Start of the first material, after any wait for another build.
     started: OnceLock<Instant>,
     quiet: bool,
 }

@@ -1,6 +1,6 @@
 """All checks of the plugin, one line each. Run by ../check; exits with 1 if one fails.
 
-usage: check.py DATA [PICTURE.png]
+usage: check.py DATA [IMAGE.png]
 """
 
 import os

@@ -76,8 +76,8 @@ pub struct Repeats {
     pub largest: f64,
 }
 
-/// How samples rise towards the mirror direction, at the polar angle of incidence where they tell least of a highlight. Values are
-/// those above the diffuse part, times both cosines.
+/// Rise of the samples towards the mirror direction, at the polar angle of incidence where they determine a highlight least. Values
+/// are those above the diffuse part, times both cosines.
 #[derive(Debug, Clone, Copy, PartialEq, serde::Serialize, serde::Deserialize, schemars::JsonSchema)]
 pub struct Rise {
     /// Polar angle of incidence, degrees, to 5.
@@ -88,13 +88,14 @@ pub struct Rise {
     pub next: f64,
     /// Mean value of the nearest over that of the next.
     pub ratio: f64,
-    /// The peak over the nearest, were it a lobe of GGX through both; at most 100.
+    /// Peak over the nearest samples of a GGX lobe through both; at most 100.
     pub peak: f64,
 }
 
-/// Estimated peak over the nearest samples from which on a highlight is narrower than they tell.
+/// Maximum peak over the nearest samples of a highlight that samples determine.
 pub const MAX_PEAK: f64 = 2.5;
-/// Ratio of the nearest samples and the next from which on they leave a highlight's width open, though one may lie on its peak.
+/// Maximum ratio of the nearest samples and the next ones: above it the width of the highlight is unknown, even if a sample is
+/// on its peak.
 pub const MAX_RISE: f64 = 30.0;
 
 /// The samples that a source is completed from.
@@ -112,6 +113,6 @@ pub trait Completion: Sync {
     /// Repeated samples; `None` without any.
     fn repeats(&self) -> Option<Repeats>;
 
-    /// How fast samples rise towards the mirror direction; nothing where too few are near it.
+    /// Rise of the samples towards the mirror direction; `None` if too few are near it.
     fn rise(&self) -> Option<Rise>;
 }

@@ -48,7 +48,7 @@ pub struct FitError {
     pub uncovered: f64,
     /// Repeated direction pairs; absent without any.
     pub repeats: Option<Repeats>,
-    /// How fast samples rise towards the mirror direction; absent where too few are near it.
+    /// Rise of the samples towards the mirror direction; absent if too few are near it.
     pub rise: Option<Rise>,
 }
 
@@ -140,7 +140,7 @@ impl FitError {
         if let Some(rise) = self.rise.filter(|rise| rise.peak > MAX_PEAK || rise.ratio > MAX_RISE) {
             let Rise { incidence, nearest, next, ratio, .. } = rise;
             return Some(format!(
-                "the highlight is narrower than the samples tell: at {incidence:.0}° incidence values rise {ratio:.1} times from {next:.1}° \
+                "the highlight is narrower than the samples resolve: at {incidence:.0}° incidence values rise {ratio:.1} times from {next:.1}° \
                  to {nearest:.1}° off the mirror direction (half angles), where samples end"
             ));
         }

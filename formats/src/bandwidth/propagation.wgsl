@@ -194,8 +194,8 @@ fn bandwidth_sample_scale(mean_demand: f32, samples: f32) -> f32 {
 
 // Samples of a shaded pixel.
 fn bandwidth_sample_count(demand: f32, scale: f32, fewest: u32, most: u32) -> u32 {
-    let wanted = ceil(bandwidth_limited(scale * demand));
-    return u32(min(max(wanted, f32(fewest)), f32(most)));
+    let count = ceil(bandwidth_limited(scale * demand));
+    return u32(min(max(count, f32(fewest)), f32(most)));
 }
 
 fn bandwidth_limited(value: f32) -> f32 {

@@ -118,7 +118,7 @@ fn nothing_to_check_is_a_failed_check_and_others_are_checked_all_the_same() {
     }
 }
 
-/// Whatever is edited in a report, `verify` and `report` say so.
+/// `verify` and `report` detect every edit of a report.
 #[test]
 fn edits_of_a_report_are_found() {
     let folder = Folder::new();
@@ -182,7 +182,7 @@ fn a_report_that_is_gone_is_a_fault() {
     folder.run(&["verify", "packs"]).succeeded();
 }
 
-/// While a build moves files nothing is missing or damaged, whatever stands there.
+/// Nothing counts as missing or damaged while a build moves files.
 #[test]
 fn a_living_build_is_no_damage() {
     let folder = built();

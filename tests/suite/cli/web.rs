@@ -56,7 +56,7 @@ fn drawn<const N: usize>(
     let served: Vec<File<'_>> =
         files.iter().map(|(name, media, bytes)| (name.as_str(), *media, bytes.as_slice())).collect();
     let pngs = renderings_of_pages(&examples, [side; 2], &served)?;
-    if let Some(folder) = std::env::var_os("BRDFC_PICTURES") {
+    if let Some(folder) = std::env::var_os("BRDFC_IMAGES") {
         for (example, png) in examples.iter().zip(&pngs) {
             let name: String = example.chars().map(|c| if c.is_alphanumeric() { c } else { '-' }).collect();
             std::fs::write(Path::new(&folder).join(name + ".png"), png).unwrap();

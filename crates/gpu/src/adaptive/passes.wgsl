@@ -16,10 +16,10 @@ fn decide(@builtin(global_invocation_id) id: vec3<u32>) {
     let point = stands_for(job.level, index);
     computed[rendering.levels[job.level].z + index] = vec4<f32>(0.0);
     outcomes[index] = vec4<u32>(LEFT_OUT, 0u, point, NONE);
-    if point == NONE || node.wanted < i32(job.level) {
+    if point == NONE || node.finest < i32(job.level) {
         return;
     }
-    if node.wanted > i32(job.level) && job.level < rendering.coarsest {
+    if node.finest > i32(job.level) && job.level < rendering.coarsest {
         let value = upsampled(point, index, job.level);
         if value.w > 0.0 {
             computed[rendering.levels[job.level].z + index] = value;

@@ -50,7 +50,7 @@ struct Job {
 
 // A pixel of a level.
 struct Node {
-    wanted: i32,                // finest level that any of its points needs
+    finest: i32,                // finest level that any of its points needs
     samples: u32,               // maximum over its points
     first: u32,                 // its first point on a surface, or NONE
 }

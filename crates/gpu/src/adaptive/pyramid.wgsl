@@ -19,5 +19,5 @@ fn merge(@builtin(global_invocation_id) id: vec3<u32>) {
 }
 
 fn merged(a: Node, b: Node) -> Node {
-    return Node(min(a.wanted, b.wanted), max(a.samples, b.samples), min(a.first, b.first));
+    return Node(min(a.finest, b.finest), max(a.samples, b.samples), min(a.first, b.first));
 }

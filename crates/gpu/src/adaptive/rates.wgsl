@@ -47,9 +47,9 @@ fn rates(@builtin(global_invocation_id) id: vec3<u32>) {
     let coarsest = i32(rendering.coarsest);
     // Points with detail beyond the pixel's limit still have the most, so the limit applies after the factor.
     let level = bandwidth_pyramid_level(rendering_bandwidth(settings.caution * predicted[point].w), coarsest);
-    let wanted = clamp(level + i32(settings.antialiasing_levels), 0, coarsest);
+    let finest = clamp(level + i32(settings.antialiasing_levels), 0, coarsest);
     let samples = bandwidth_sample_count(predicted[point].y, settings.scale, settings.fewest, settings.most);
-    nodes[point] = Node(wanted, samples, point);
+    nodes[point] = Node(finest, samples, point);
 }
 
 // Every point at the finest level, with `fewest` samples: a forward renderer.

@@ -98,6 +98,6 @@ fn weight(here: Guide, there: Guide, spacing: f32) -> f32 {
     let v = (there.at - here.at) / spacing;
     let alpha = max(1.0 - abs(v.x), 0.0) * max(1.0 - abs(v.y), 0.0);
     let along = v.x * here.across.x + v.y * here.across.y;
-    let beside = v.y * here.across.x - v.x * here.across.y;
-    return alpha * exp(-(depth + along * along + here.cosine * beside * beside));
+    let sideways = v.y * here.across.x - v.x * here.across.y;
+    return alpha * exp(-(depth + along * along + here.cosine * sideways * sideways));
 }

@@ -348,11 +348,11 @@ const CHANGES: [(&str, &str, &str); 32] = [
     ("rendering_bandwidth(settings.caution * predicted[point].w)", "settings.caution * predicted[point].x", "levels"),
     ("level + i32(settings.antialiasing_levels)", "level", "levels"),
     ("covered += 1u", "covered += 2u", "samples"),
-    ("min(a.wanted, b.wanted)", "max(a.wanted, b.wanted)", "pyramids"),
+    ("min(a.finest, b.finest)", "max(a.finest, b.finest)", "pyramids"),
     ("max(a.samples, b.samples)", "min(a.samples, b.samples)", "pyramids"),
     ("min(samples << doublings, settings.most)", "min(samples, settings.most)", "counts"),
     ("max(level, 1u) - 1u", "level", "counts"),
-    ("node.wanted > i32(job.level)", "node.wanted >= i32(job.level)", "counts"),
+    ("node.finest > i32(job.level)", "node.finest >= i32(job.level)", "counts"),
     ("(drawn.incoming.z * drawn.inverse_density)", "drawn.inverse_density", "forward"),
     ("scattered(point) + first", "scattered(point)", "forward"),
     ("sum / f32(max(node.w, 1u))", "sum / f32(node.z)", "forward"),
@@ -362,7 +362,7 @@ const CHANGES: [(&str, &str, &str); 32] = [
     ("computed[coarser.z + node]", "computed[own.z + node]", "radiance"),
     ("off * off /", "off /", "radiance"),
     ("return alpha * exp", "return exp", "radiance"),
-    ("here.cosine * beside", "beside", "radiance"),
+    ("here.cosine * sideways", "sideways", "radiance"),
     ("vec4<f32>(computed[point].xyz, 1.0)", "vec4<f32>(computed[point].xyz, 2.0)", "coverage"),
 ];
 

@@ -13,7 +13,7 @@ const MAX_PIXELS = 1024;
 export const FINE = 2;
 export const COARSE = 1;
 /** Modes of `Show` in show.wgsl. */
-const [PICTURES, COLOURS, DELTA_E, RADIANCE] = [0, 1, 2, 3];
+const [RENDERINGS, COLOURS, DELTA_E, RADIANCE] = [0, 1, 2, 3];
 /** Minimum pixels that determine the exposure of a coarse rendering; a fine one follows. */
 const ENOUGH = 50_000;
 
@@ -153,7 +153,7 @@ export class Drawing {
     }
 
     #mode() {
-        return isPair() && state.mode === 'difference' ? COLOURS : PICTURES;
+        return isPair() && state.mode === 'difference' ? COLOURS : RENDERINGS;
     }
 
     #showBlock(samples, what, step = 1) {

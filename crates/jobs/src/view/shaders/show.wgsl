@@ -14,7 +14,7 @@ struct Show {
     reserved_2: u32,
 }
 
-const PICTURES: u32 = 0u;
+const RENDERINGS: u32 = 0u;
 const COLOURS: u32 = 1u; // of the difference, on the background where not both show a surface
 const DELTA_E: u32 = 2u; // in red; in alpha 1 where both show a surface
 const RADIANCE: u32 = 3u; // of the last rendering; in alpha its coverage, 0 where not all show a surface
@@ -51,7 +51,7 @@ fn show(@builtin(position) at: vec4<f32>) -> @location(0) vec4<f32> {
         let last = select(a, b, is_pair);
         return vec4<f32>(last.rgb, select(last.a, min(a.a, b.a), is_pair));
     }
-    if parameters.what == PICTURES {
+    if parameters.what == RENDERINGS {
         let rendering = select(b, a, at.x < parameters.split);
         let behind = parameters.background * (1.0 - rendering.a);
         return vec4<f32>(encoded(min(rendering.rgb * parameters.exposure, vec3<f32>(1.0)) + behind), 1.0);
