@@ -17,7 +17,7 @@ use std::sync::atomic::AtomicBool;
 /// missing, damaged or modified. The exit code is 1 if there are any, if the folder of a build has no report.json, or if a folder
 /// contains nothing to check.
 ///
-/// To check whether errors are small enough, use the gates of a build or report --against.
+/// To check whether errors are small enough, use the requirements of a build or report --against.
 ///
 /// Schema of --json: 'verify'.
 #[derive(Debug, Args)]

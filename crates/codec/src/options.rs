@@ -42,7 +42,7 @@ pub struct EncodeOptions {
     #[serde(default, deserialize_with = "bytes_from_manifest")]
     pub max_bytes: Option<u64>,
     /// Maximum of texture fetches per look-up: 1 for a table of an isotropic material, 2 for any table, one more for a
-    /// factored pack, 84 for a wavelet pack.
+    /// factored pack, 84 for a wavelet pack of 32 x 32 cells.
     #[cfg_attr(
         feature = "clap",
         arg(long, value_name = "N", value_parser = whole_number::<u32>(1..=u64::MAX), conflicts_with = "ratio")

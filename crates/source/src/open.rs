@@ -145,7 +145,11 @@ pub fn open_file(path: &Path, level: Option<f32>) -> Result<Opened, InputError> 
 ///
 /// # Errors
 /// Same as [`open`].
-pub fn open_file_observed(path: &Path, level: Option<f32>, listener: &mut dyn ReadListener) -> Result<Opened, InputError> {
+pub fn open_file_observed(
+    path: &Path,
+    level: Option<f32>,
+    listener: &mut dyn ReadListener,
+) -> Result<Opened, InputError> {
     if path.is_dir() && is_rti_capture(path) {
         return Err(InputError::format(path, without_brdf("an RTI capture")));
     }

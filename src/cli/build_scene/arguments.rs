@@ -26,7 +26,7 @@ fn memory_from_text(text: &str) -> Result<u64, String> {
 /// The build reuses packs that it made before from the same source with the same options. If one material fails, the others
 /// are still built. The output folder changes once, at the end: report.json lists the files that the build wrote, and other
 /// files stay. Encoding options override the defaults of a manifest, but not the settings of a single material. The exit
-/// code is 1 if a material misses a limit or a gate of the manifest fails.
+/// code is 1 if a material misses a limit or a requirement of the manifest.
 ///
 /// If the manifest names an environment that lights the scene (environment in the table scene), the build also makes maps for
 /// adaptive shading: bandwidth maps of each material's lobes and of the environment, and importance samples of the lobes.

@@ -13,7 +13,7 @@ use std::path::PathBuf;
 /// MESO is one tile of a repeating surface: synth:STRUCTURE, a mesh (.obj, .ply), or a height map (.png with 8 or 16 bits
 /// grey, .exr). It may also be an ordinary BTF (a folder of images or a .btf file), whose relief --geometry gives. The
 /// program closes every mesh over the borders of the tile and reports repairs. A surface has at most 1048576 vertices, so a
-/// height map has at most 1024 x 1024 pixels.
+/// height map has at most 1,048,576 pixels.
 #[derive(Debug, Args)]
 #[command(after_help = after_help())]
 pub struct Arguments {

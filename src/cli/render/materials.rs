@@ -169,9 +169,9 @@ fn refuse_unchecked(arguments: &Arguments, stale: &[String], missing: &[String])
     }
     let expected = "the pack that 'brdfc build' makes of this manifest";
     match (stale.first(), missing.first().filter(|_| arguments.packs.is_some())) {
-        (Some(file), _) => {
-            Err(Error::check(format!("{file}: found a damaged pack or one of another source or options, expected {expected}")))
-        }
+        (Some(file), _) => Err(Error::check(format!(
+            "{file}: found a damaged pack or one of another source or options, expected {expected}"
+        ))),
         (None, Some(file)) => Err(Error::check(format!("{file}: found no such file, expected {expected}"))),
         (None, None) => Ok(()),
     }

@@ -8,7 +8,7 @@ use crate::{Common, Error};
 use brdfc::inspect::{RtiCapture, is_rti_capture};
 use brdfc::render::{
     Builtin, FrameBlock, LinearImage, Photograph, PwtDecoder, PwtMaterial, PwtPack, Verification, Views, distant_light,
-    draw_photographs, draw_pwt, draw_pwt_on_cpu, nearest_photograph, image_scene,
+    draw_photographs, draw_pwt, draw_pwt_on_cpu, image_scene, nearest_photograph,
 };
 use brdfc::{FormatError, Input};
 use std::path::Path;

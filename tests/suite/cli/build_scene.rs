@@ -180,7 +180,10 @@ fn an_environment_asks_for_maps() {
     assert_eq!(report["environment"]["source"], "data/sky.hdr");
     let without_run_details: serde_json::Value = serde_json::from_str(&folder.text("packs/report.json")).unwrap();
     conforms("build", &without_run_details);
-    assert!(without_run_details["environment"].get("stages").is_none() && without_run_details["environment"]["bandwidth"].is_string());
+    assert!(
+        without_run_details["environment"].get("stages").is_none()
+            && without_run_details["environment"]["bandwidth"].is_string()
+    );
 
     // Each file is identical to the output of its own command and to its entries in the lists.
     let same = |arguments: &[&str], pack: &str| {

@@ -235,10 +235,7 @@ fn limits_hold_for_the_files_of_the_folder_alone() {
     let whole = folder.read("made/a.brdf.ktx2");
     folder.write("made/a.brdf.ktx2", folder.read("made/b.brdf.ktx2"));
     let swapped = folder.run(&checked);
-    assert!(
-        swapped.code == 1 && swapped.stderr.contains("a.brdf.ktx2: found a damaged pack"),
-        "{swapped:?}"
-    );
+    assert!(swapped.code == 1 && swapped.stderr.contains("a.brdf.ktx2: found a damaged pack"), "{swapped:?}");
     std::fs::remove_file(folder.path().join("made/a.brdf.ktx2")).unwrap();
     let missing = folder.run(&checked);
     assert!(missing.code == 1 && missing.stderr.contains("a.brdf.ktx2: found no such file"), "{missing:?}");

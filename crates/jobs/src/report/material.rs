@@ -51,7 +51,6 @@ pub struct MaterialReport {
     /// Rows of a scan whose azimuth of incidence differs from the others, if any.
     pub stray_rows: Option<StrayRows>,
     /// First and last wavelength, nm, of spectra that lack a part of the visible range which colours depend on.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
     pub partial_spectrum: Option<[f64; 2]>,
     /// Counts of repairs while the pack was made.
     #[serde(rename = "repaired")]

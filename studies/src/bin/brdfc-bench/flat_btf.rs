@@ -7,7 +7,7 @@ use brdfc_formats::container::MAX_EXTENT_2D;
 use brdfc_source::Input;
 use brdfc_studies::StudyResult;
 use brdfc_studies::flat_btf::{ModelRow, StudyError, StudySettings, study_model};
-use brdfc_terminal::directions::{INDIRECTION, default_set, direction_set, by_flags, map_header};
+use brdfc_terminal::directions::{INDIRECTION, by_flags, default_set, direction_set, map_header};
 use brdfc_terminal::output::remark;
 use brdfc_terminal::table::plain;
 use brdfc_terminal::{Common, Error};
