@@ -158,12 +158,18 @@ fn refuse_pages_over(output: &Path, figures: [&PathBuf; 2], inputs: &[&Path]) ->
 /// Rejects figures that would replace anything but those of an earlier page: `scan.csv` next to `scan.html` may be a
 /// measurement.
 fn refuse_other_figures(output: &Path, csv_path: &Path, json_path: &Path) -> Result<(), Error> {
-    let starts = |path: &Path, with: &[&str]| match std::fs::read(path) {
-        Ok(bytes) => with.iter().any(|with| bytes.starts_with(with.as_bytes())),
+    // The first columns, which stay when others are added.
+    let is_csv =
+        |bytes: &[u8]| [CSV_HEADER, FLAT_CSV_HEADER].iter().any(|header| bytes.starts_with(&header.as_bytes()[..8]));
+    let is_json =
+        |bytes: &[u8]| serde_json::from_slice(bytes).is_ok_and(|json: serde_json::Value| json.get("version").is_some());
+    let is_own = |path: &Path| match std::fs::read(path) {
+        Ok(bytes) if path == csv_path => is_csv(&bytes),
+        Ok(bytes) => is_json(&bytes),
         Err(_) => true,
     };
-    for (path, with) in [(csv_path, &[CSV_HEADER, FLAT_CSV_HEADER][..]), (json_path, &["{"])] {
-        if !starts(path, with) {
+    for path in [csv_path, json_path] {
+        if !is_own(path) {
             let (page, path) = (output.display(), path.display());
             let text = format!(
                 "--output: found {page}, whose figures would be written over {path}, a file of another kind, expected another name"

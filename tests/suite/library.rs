@@ -71,7 +71,10 @@ fn a_scene_is_built_and_fails_on_what_is_required() {
     let error = build("0.0001").run().unwrap_err();
     assert_eq!(error.kind(), ErrorKind::Check);
     let text = error.message();
-    assert!(text.starts_with("1 of 1 material is not") && text.contains("\nplastic: require.max_delta_e"), "{text}");
+    assert!(
+        text.starts_with("1 of 1 material does not meet") && text.contains("\nplastic: require.max_delta_e"),
+        "{text}"
+    );
     let error = Build::from_materials(["synth:nothing"]).unwrap().run().unwrap_err();
     assert_eq!(error.kind(), ErrorKind::Input, "{error}");
     assert_eq!(Build::from_manifest(folder.path().join("no.toml")).unwrap_err().kind(), ErrorKind::Io);

@@ -14,10 +14,13 @@ pub fn composed(name: &str) -> String {
     name.nfc().collect()
 }
 
-/// Folds case and accents. Names with the same result are one file on some systems. The result is in upper case, in
-/// which ß, ſ, ς and ligatures become ordinary letters.
+/// Folds case and accents. Names with the same result are one file on some systems. Lower, then upper case, in which ß, ẞ, ſ,
+/// ς and ligatures become ordinary letters; the dotless ı stays one of its own.
 pub fn folded(name: &str) -> String {
-    name.nfc().collect::<String>().to_uppercase().nfc().collect()
+    let fold = |letter: char| -> String {
+        if letter == 'ı' { letter.to_string() } else { letter.to_lowercase().collect::<String>().to_uppercase() }
+    };
+    name.nfc().map(fold).collect::<String>().nfc().collect()
 }
 
 /// Returns true if a name stands for a device on Windows, with any extensions.
@@ -43,13 +46,14 @@ mod tests {
             ("É", "e\u{301}"),
             ("\u{2126}", "\u{3c9}"),
             ("straße", "STRASSE"),
+            ("straße", "STRAẞE"),
             ("ﬁn", "fin"),
             ("λόγος", "ΛΌΓΟΣ"),
             ("ς", "σ"),
         ] {
             assert_eq!(folded(a), folded(b), "{a} {b}");
         }
-        for (a, b) in [("e", "é"), ("漢字", "木綿"), ("s", "ß")] {
+        for (a, b) in [("e", "é"), ("漢字", "木綿"), ("s", "ß"), ("kırmızı", "kirmizi")] {
             assert_ne!(folded(a), folded(b), "{a} {b}");
         }
         assert_eq!(composed("e\u{301}"), "é");

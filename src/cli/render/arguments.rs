@@ -84,7 +84,7 @@ pub struct Arguments {
     #[arg(long, value_name = "INPUT")]
     pub(super) source: Option<Input>,
     /// Draw the packs that 'brdfc build' put into this folder (default: packs, if a build filled it). Packs whose source or
-    /// options differ from the manifest are encoded again for the rendering; with a limit they fail it.
+    /// options differ from the manifest are encoded again for the rendering; if this option and a limit are given, they fail it.
     #[arg(long, value_name = "DIR")]
     pub(super) packs: Option<PathBuf>,
     /// Also compare whole tables, all slices at 16 bits, which shows the error of the grid alone.

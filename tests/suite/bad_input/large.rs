@@ -70,7 +70,7 @@ fn a_plain_image_takes_the_memory_of_its_pixels() {
     let said = String::from_utf8(output.stderr).unwrap();
     assert_eq!(output.status.code(), Some(3), "{said}");
     assert!(
-        said.contains("a.png: pixels: found 16777216, which take 192.00 MiB, expected as much as there is"),
+        said.contains("a.png: pixels: found 16777216, which take 192.00 MiB, expected as much as fits in memory"),
         "{said}"
     );
     let wide = Folder::new();

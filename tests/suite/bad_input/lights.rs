@@ -44,7 +44,12 @@ fn stacks_that_are_broken() {
     }
     let folder = stack([4, 4], list);
     folder.write("s/other.LP", list);
-    refused(&folder, &["info", "s"], 3, &["s: lists of lights: found l.lp, other.LP, expected one file .lp"]);
+    refused(
+        &folder,
+        &["info", "s"],
+        3,
+        &["s: lists of lights: found l.lp, other.LP, expected one .lp file in the folder"],
+    );
 }
 
 #[test]

@@ -59,13 +59,14 @@ fn options_out_of_range() {
         ("--oversampling", "0", "1 to 16"),
         ("--views", "ubo", "ubo2003"),
         ("--views", "grid:4@10", "grid:5x12@75"),
-        ("--geometry", "synth:button", "folder of images"),
         ("--name", "../x", "letters"),
         ("--height-scale", "nan", "-10 to 10"),
     ] {
         let wrong = ["flatten", "synth:button?resolution=16", "-o", "out", option, value];
         refused(&folder, &wrong, 2, &[option.trim_start_matches('-'), "found ", allowed]);
     }
+    let wrong = ["flatten", "synth:button?resolution=16", "-o", "out", "--geometry", "synth:button"];
+    refused(&folder, &wrong, 2, &["--geometry does not apply to surfaces", "folder of images"]);
 }
 
 fn png(width: u32, height: u32) -> Vec<u8> {

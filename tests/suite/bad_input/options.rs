@@ -190,7 +190,7 @@ fn colours_that_are_no_srgb_codes() {
     refused(&folder, &flatten, 3, &["x.exr: image: found OpenExr, expected a whole PNG or JPEG"]);
     // Truncated: the error is not in the channels.
     folder.write("cut.exr", &exr.get_ref()[..exr.get_ref().len() / 2]);
-    refused(&folder, &["info", "cut.exr"], 3, &["cut.exr: EXR: found ", "expected a whole EXR"]);
+    refused(&folder, &["info", "cut.exr"], 3, &["cut.exr: EXR: found ", "expected a complete EXR"]);
 }
 
 /// The header of a PNG says 2e9 x 2e9.

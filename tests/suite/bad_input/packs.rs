@@ -83,7 +83,7 @@ fn fields_of_the_header() {
         (7, f32::NAN.to_bits(), "mean: found NaN, expected a positive number"),
         (7, f32::INFINITY.to_bits(), "mean: found inf, expected a positive number"),
         (8, (-1f32).to_bits(), "bias: found -1, expected a positive number"),
-        (9, 2, "lifted: found 2, expected 0, or 1"),
+        (9, 2, "energy-preserving: found 2, expected 0, or 1"),
     ] {
         bad_file("p.ktx2", &with_word(bytes.clone(), header + 4 * field, value), &[expected]);
     }

@@ -57,7 +57,7 @@ fn files_are_listed_with_their_metadata() {
     folder.run(&fine).succeeded();
     let words = folder.run(&["info", "fine.ktx2"]).succeeded().stdout;
     assert!(
-        words.contains("texture-formats-tier1 of WebGPU") && words.contains("more than WebGL 2 promises"),
+        words.contains("texture-formats-tier1 of WebGPU") && words.contains("more than WebGL 2 guarantees"),
         "{words}"
     );
     for other in ["synth:lambert", "fine.ktx"] {

@@ -275,7 +275,7 @@ fn builds_read_and_write_where_names_are_not_utf_8() {
         let output = folder.command(&["plan"]).args(arguments.map(odd)).output().unwrap();
         let message = String::from_utf8(output.stderr).unwrap();
         assert_eq!(output.status.code(), Some(2), "{message}");
-        let words = format!("brdfc: {place}: found {}, expected UTF-8: the name", "sc\u{fffd}ns");
+        let words = format!("brdfc: {place}: found {}, expected UTF-8, because the name", "sc\u{fffd}ns");
         assert!(message.starts_with(&words), "{message}");
     }
     let output =
@@ -382,7 +382,7 @@ fn outputs_that_would_be_taken_for_another_kind_are_refused_before_the_work() {
             let allowed = format!("expected a name that ends in .{extension}, or - for stdout\n");
             assert_eq!(
                 (ran.code, ran.stderr),
-                (2, format!("brdfc: --output: found {name}; {allowed}")),
+                (2, format!("brdfc: --output: found {name}, {allowed}")),
                 "{arguments:?}"
             );
         }

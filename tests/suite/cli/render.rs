@@ -436,7 +436,7 @@ fn wrong_manifests_name_the_line() {
         ("exposure = 0.5", "exposure = -1", "line 17, render.exposure"),
         ("field_of_view = 35.0", "field_of_view = 0.0", "line 21, render.camera.field_of_view: found 0"),
         ("eye = [0.0, 1.5, 4.2]", "eye = [0.0, nan, 4.2]", "line 20, render.camera.eye"),
-        ("eye = [0.0, 1.5, 4.2]", "up = [0.0, 0.0, 0.0]", "three that span a view"),
+        ("eye = [0.0, 1.5, 4.2]", "up = [0.0, 0.0, 0.0]", "vectors that span a view"),
         ("intensity = 60.0", "intensity = -60.0", "intensities of 0 or more"),
         ("ball = 'blue'", "bal = 'blue'", "line 32, part in [render.materials]: found \"bal\""),
         ("ball = 'blue'", "ball = 'bleu'", "line 32, render.materials.ball: found \"bleu\""),

@@ -234,8 +234,8 @@ fn a_flat_btf_has_a_page_of_its_own() {
         assert!(ran.code == code && ran.stderr.contains(words), "{} {}", ran.code, ran.stderr);
     };
     let build_only = "does not apply to button, a flat BTF, only to builds";
-    refused(2, &format!("--against: {build_only}"), &["button", "-o", "p.html", "--against", "x"]);
-    refused(2, &format!("--sheet: {build_only}"), &["button", "-o", "p.html", "--sheet", "x.png"]);
+    refused(2, &format!("--against {build_only}"), &["button", "-o", "p.html", "--against", "x"]);
+    refused(2, &format!("--sheet {build_only}"), &["button", "-o", "p.html", "--sheet", "x.png"]);
     let mut file = folder.read("button/button.ktx2");
     let middle = file.len() / 2;
     file[middle] ^= 1;
@@ -270,6 +270,9 @@ fn figures_are_not_written_over_measurements() {
     assert_eq!(refused.code, 2, "{refused:?}");
     assert!(refused.stderr.contains("scan.csv"), "{refused:?}");
     assert!(folder.text("scan.csv").starts_with("theta_i"));
+    folder.write("other.json", "{\"mine\": 1}");
+    assert_eq!(folder.run(&["report", "packs", "-o", "other.html"]).code, 2);
+    assert_eq!(folder.text("other.json"), "{\"mine\": 1}");
     for _ in 0..2 {
         folder.run(&["report", "packs", "-o", "page.html"]);
         assert!(folder.text("page.csv").starts_with("material,"));

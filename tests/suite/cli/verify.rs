@@ -80,7 +80,7 @@ fn each_fault_is_named() {
             "packs/report.json",
             &|folder: &Folder| drop(folder.write("packs/report.json", b"{")),
             "packs/report.json: ",
-            "ends too early",
+            "truncated JSON",
         ),
         (
             "packs/a.json",

@@ -237,7 +237,7 @@ fn a_scene_that_is_wrong_at_first_is_waited_for_and_wrong_usage_is_not() {
         (
             &["-"],
             2,
-            "inputs: found -, expected a manifest, or files, folders, patterns and synth: addresses: standard input",
+            "inputs: found -, expected a manifest, or files, folders, patterns and synth: addresses (only commands that take one file read standard input",
         ),
         (&["scene.toml", "scene.toml"], 2, "expected one manifest"),
     ] {

@@ -24,7 +24,7 @@ pub struct StackErrors {
     pub contrast: f64,
 }
 
-/// Minimum linear value, of any channel, of a texel that is not black: a fiftieth of white in sRGB.
+/// Minimum linear value, of any channel, of a texel that is not black: a sixteenth of white in sRGB.
 const BLACK: f32 = 0.005;
 /// Minimum share of texels that are neither black nor white.
 const MIN_SHOWN: f64 = 1e-3;

@@ -14,11 +14,13 @@ use crate::scene::scene_section::ENVIRONMENT;
 use crate::store::Digest;
 use brdfc_bandwidth::facts::BandwidthFacts;
 use brdfc_source::json::json_problem;
-use brdfc_source::read::{MAX_TEXT_BYTES, read_file};
+use brdfc_source::read::read_file;
 use serde::{Deserialize, Serialize};
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::Path;
 
+/// Maximum size of a `report.json`, bytes: that of some 80,000 materials.
+pub const MAX_REPORT_BYTES: u64 = 1 << 30;
 /// Layout of the report of a build.
 pub const BUILD_VERSION: u32 = 3;
 
@@ -163,7 +165,7 @@ impl BuildReport {
     /// # Errors
     /// As [`Self::open`].
     pub fn open_with_digest(path: &Path) -> Result<(Self, Digest), Error> {
-        let bytes = read_file(path, MAX_TEXT_BYTES)?;
+        let bytes = read_file(path, MAX_REPORT_BYTES)?;
         let allowed = "the report.json of a build by this version of brdfc; 'brdfc build' rewrites it";
         let wrong = |found: String| Error::wrong_input(path.display(), found, allowed);
         let report: Self = serde_json::from_slice(&bytes).map_err(|error| wrong(json_problem(&error)))?;
