@@ -344,7 +344,7 @@ mod tests {
         assert!(text(&[]).starts_with("stack: found no images"));
         assert!(text(&["a.txt".to_owned()]).contains(".png, .jpg, .jpeg, .exr"));
         let near = ["tl000 pl000 tv000 pv000.png", "tl000.00001 pl000 tv000 pv000.png"].map(str::to_owned);
-        assert!(text(&near).starts_with("lights, direction 1: found direction 0 again"), "{}", text(&near));
+        assert!(text(&near).starts_with("lights, direction 1: found the same as direction 0"), "{}", text(&near));
         let many: Vec<String> = (0..2049).map(|k| format!("tl010.{k:04} pl000 tv000 pv000.png")).collect();
         assert!(text(&many).starts_with("lights: found 2049, expected at most 2048"));
         assert!(StackIndex::new(&full).is_ok());

@@ -49,7 +49,7 @@ mod tests {
         let expected = "line 2, text: found a NUL byte, byte 3 of the file, expected text without NUL bytes";
         assert_eq!(message(b"a\nb\0\xff"), expected);
         assert_eq!(
-            message(b"a\n\xff\0").split_once(';').unwrap().0,
+            message(b"a\n\xff\0").split_once(", expected").unwrap().0,
             "line 2, text: found a NUL byte, byte 3 of the file"
         );
         assert_eq!(message(b"a\n\n\xff"), "line 3, text: found byte 0xff, expected UTF-8");

@@ -128,7 +128,7 @@ fn images_of_two_sizes() {
     let error = open_error(folder.path());
     assert!(error.contains(&paths[7].file_name().unwrap().to_string_lossy().into_owned()), "{error}");
     let first = paths[0].file_name().unwrap().to_string_lossy();
-    assert!(error.contains("found 3 x 5, expected 5 x 3, as ") && error.contains(&*first), "{error}");
+    assert!(error.contains("found 3 x 5, expected 5 x 3, the size of ") && error.contains(&*first), "{error}");
 }
 
 #[test]

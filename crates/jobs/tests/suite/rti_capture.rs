@@ -206,7 +206,7 @@ fn lists_that_are_none_or_several() {
     std::fs::write(&list, "1\na.png 0 0 1").unwrap();
     assert!(RtiCapture::open(folder.path()).is_ok());
     std::fs::write(folder.path().join("a.LP"), "").unwrap();
-    assert!(error(folder.path()).contains("lists of lights: found a.LP, b.lp, expected one file .lp"));
+    assert!(error(folder.path()).contains("lists of lights: found a.LP, b.lp, expected one .lp file in the folder"));
     assert!(RtiCapture::open(&list).is_ok());
     let io = RtiCapture::open(&folder.path().join("none.lp"));
     assert!(matches!(io, Err(InputError::Io { .. })));

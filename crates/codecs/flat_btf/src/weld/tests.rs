@@ -385,7 +385,7 @@ fn sheets_that_cover_the_tile_more_than_once_are_refused() {
     // A tube along x covers nothing: the areas that face up and down are equal.
     let tube = grid(6, 8, |u, v| [u, 0.3 * (TAU * v).cos(), 0.3 * (TAU * v).sin()]);
     let error = message(&tube, 1.0);
-    assert!(error.contains("0.000 times"), "{error}");
+    assert!(error.contains("found a coverage of 0.000 tiles"), "{error}");
 }
 
 #[test]
