@@ -117,9 +117,8 @@ fn pages_messages_and_comments_use_plain_words() {
     let mut paths = vec![root.join("README.md"), root.join("CHANGELOG.md")];
     FOLDERS.iter().for_each(|folder| files(&root.join(folder), &mut paths));
     // What is compiled from TypeScript is not written by hand.
-    paths.retain(|path| {
-        !path.ends_with(file!()) && !(path.extension().unwrap() == "js" && path.with_extension("ts").exists())
-    });
+    let is_compiled = |path: &Path| path.extension().unwrap() == "js" && path.with_extension("ts").exists();
+    paths.retain(|path| !path.ends_with(file!()) && !is_compiled(path));
     paths.sort();
     assert!(paths.len() > 500, "{} files", paths.len());
     let mut lines = Vec::new();
