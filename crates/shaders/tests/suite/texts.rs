@@ -63,7 +63,7 @@ fn interfaces_are_those_of_the_blocks() {
     let BindingKind::Uniform { block, bytes, fields } = &table.bindings[1].kind else { panic!("no block") };
     assert_eq!((block.as_str(), *bytes), ("TableBrdfParameters", 144));
     let slope = fields.iter().find(|field| field.name == "slope").unwrap();
-    assert_eq!((slope.ty.as_str(), slope.offset, slope.about.as_str()), ("f32", 44, "of the rows"));
+    assert_eq!((slope.ty.as_str(), slope.offset, slope.about.as_str()), ("f32", 44, "change of row density"));
     assert_eq!(
         table.bindings[2].kind,
         BindingKind::Texture { dimension: "3d".to_owned(), samples: "float".to_owned(), filtered: true }
