@@ -158,9 +158,9 @@ fn refuse_pages_over(output: &Path, figures: [&PathBuf; 2], inputs: &[&Path]) ->
 /// Rejects figures that would replace anything but those of an earlier page: `scan.csv` next to `scan.html` may be a
 /// measurement.
 fn refuse_other_figures(output: &Path, csv_path: &Path, json_path: &Path) -> Result<(), Error> {
-    // The first columns, which stay when others are added.
-    let is_csv =
-        |bytes: &[u8]| [CSV_HEADER, FLAT_CSV_HEADER].iter().any(|header| bytes.starts_with(&header.as_bytes()[..8]));
+    // The first column stays when others are added.
+    let first = |header: &'static str| header.split_inclusive(',').next().unwrap_or_default();
+    let is_csv = |bytes: &[u8]| [CSV_HEADER, FLAT_CSV_HEADER].iter().any(|h| bytes.starts_with(first(h).as_bytes()));
     let is_json =
         |bytes: &[u8]| serde_json::from_slice(bytes).is_ok_and(|json: serde_json::Value| json.get("version").is_some());
     let is_own = |path: &Path| match std::fs::read(path) {

@@ -248,12 +248,11 @@ fn relighting(criterion: &mut Criterion) {
         };
         (0..SIDE * SIDE).map(pixel).collect()
     };
-    let renderings: Vec<Vec<[f32; 3]>> = lights.iter().map(rendering).collect();
-    let values: Vec<Vec<f32>> = renderings.iter().map(|rendering| rendering.iter().map(|c| c[0]).collect()).collect();
+    let images: Vec<Vec<[f32; 3]>> = lights.iter().map(rendering).collect();
+    let values: Vec<Vec<f32>> = images.iter().map(|image| image.iter().map(|c| c[0]).collect()).collect();
     let basis = LightBasis { coordinates: LightCoordinates::Hemisphere, degree: 5 };
     let design = Design::new(basis, &lights, 1e-4);
-    let samples =
-        LightSamples { size: [SIDE, SIDE], lights: lights.clone(), renderings, repeats: false, defined: None };
+    let samples = LightSamples { size: [SIDE, SIDE], lights: lights.clone(), images, repeats: false, defined: None };
     let mut group = criterion.benchmark_group("relighting");
     group.throughput(Throughput::Elements((SIDE * SIDE * LIGHTS) as u64));
     group.bench_function("factorisation", |b| b.iter(|| Design::new(basis, black_box(&lights), 1e-4)));

@@ -10,4 +10,5 @@ pub mod lab;
 pub mod norms;
 pub mod rendering;
 pub mod sampling;
+pub mod shown;
 pub mod values;

@@ -103,11 +103,11 @@ impl Asset {
 
     /// Samples of such renderings at the fitted lights. Texels that the view does not see are undefined. If the view
     /// sees none, all are defined.
-    pub(super) fn samples(&self, view: usize, renderings: &[Vec<[f32; 3]>], lights: &Lights) -> LightSamples {
+    pub(super) fn samples(&self, view: usize, images: &[Vec<[f32; 3]>], lights: &Lights) -> LightSamples {
         LightSamples {
             size: [self.size; 2],
             lights: lights.fitted_directions(),
-            renderings: lights.fitted.iter().map(|light| renderings[*light].clone()).collect(),
+            images: lights.fitted.iter().map(|light| images[*light].clone()).collect(),
             repeats: true,
             defined: self.mask(view).filter(|mask| mask.contains(&true)).map(<[bool]>::to_vec),
         }

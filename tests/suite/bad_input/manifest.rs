@@ -125,6 +125,8 @@ fn names_no_type(message: &str) {
     for word in ["struct", "enum", "i128", "f64", "u32", "sequence", " map", "invalid", "length", "`"] {
         assert!(!message.contains(word), "{word}: {message}");
     }
+    // Ours alone, not that of the parser as well.
+    assert_eq!(message.matches("expected").count(), 1, "{message}");
 }
 
 #[test]

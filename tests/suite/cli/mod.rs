@@ -23,6 +23,8 @@ mod render;
 mod render_adaptive;
 #[cfg(feature = "render")]
 mod render_assets;
+#[cfg(feature = "render")]
+mod render_packs;
 mod report;
 mod samples;
 mod schemas;

@@ -5,7 +5,8 @@ use crate::common::cli::{Folder, Ran};
 use crate::common::has_adapter;
 use serde_json::Value;
 
-const MANIFEST: &str = "\
+/// A scene of two materials.
+pub(super) const MANIFEST: &str = "\
 [materials.red]
 source = 'synth:ward?kd=0.4,0.05,0.05&ax=0.3&ay=0.3'
 grid = 8
@@ -215,60 +216,6 @@ fn a_contact_sheet_shows_every_material_and_gates_hold_for_each() {
     };
     let (whole, cropped) = (sheet("").0, sheet("view_elevation = [40, 90]\n"));
     assert!(whole == 0.0 && cropped.0 > 0.1, "{whole} {}", cropped.0);
-}
-
-/// A check is made on the files that ship.
-#[test]
-fn limits_hold_for_the_files_of_the_folder_alone() {
-    if !has_adapter() {
-        return;
-    }
-    let folder = Folder::new();
-    let material = |name: &str, kd: &str| {
-        format!("[materials.{name}]\nsource = 'synth:lambert?kd={kd}'\n[[uses]]\nmaterial = '{name}'\n")
-    };
-    let scene = "[render]\nscene = 'sphere'\nwidth = 48\nheight = 48\n";
-    folder.write("scene.toml", material("a", "0.3") + &material("b", "0.6") + scene);
-    folder.run(&["build", "scene.toml", "--out", "made"]).succeeded();
-    let checked = ["render", "scene.toml", "--packs", "made", "-o", "x.png", "--max-delta-e", "3"];
-    folder.run(&checked).succeeded();
-    let whole = folder.read("made/a.brdf.ktx2");
-    folder.write("made/a.brdf.ktx2", folder.read("made/b.brdf.ktx2"));
-    let swapped = folder.run(&checked);
-    assert!(swapped.code == 1 && swapped.stderr.contains("a.brdf.ktx2: found a damaged pack"), "{swapped:?}");
-    std::fs::remove_file(folder.path().join("made/a.brdf.ktx2")).unwrap();
-    let missing = folder.run(&checked);
-    assert!(missing.code == 1 && missing.stderr.contains("a.brdf.ktx2: found no such file"), "{missing:?}");
-    let drawn = folder.run(&checked[..6]).succeeded();
-    assert!(drawn.stderr.contains("a.brdf.ktx2 is not in the folder"), "{drawn:?}");
-    folder.write("made/a.brdf.ktx2", whole);
-    folder.run(&checked).succeeded();
-}
-
-#[test]
-fn packs_of_a_build_are_drawn_as_they_are() {
-    if !has_adapter() {
-        return;
-    }
-    let folder = Folder::new();
-    folder.write("scene.toml", MANIFEST.replace("\n[render.materials]\nball = 'blue'\n", ""));
-    folder.run(&["build", "scene.toml", "--out", "packs"]).succeeded();
-    let fresh = folder.run(&["render", "scene.toml", "-o", "a.png"]).succeeded();
-    let retained = folder.run(&["render", "scene.toml", "--packs", "packs", "-o", "b.png"]).succeeded();
-    assert_eq!(fresh.stdout, retained.stdout);
-    assert_eq!(folder.read("a.png"), folder.read("b.png"));
-    let missing = folder.run(&["render", "scene.toml", "--packs", "nowhere"]);
-    assert_eq!(missing.code, 4, "{}", missing.stderr);
-    assert!(missing.stderr.contains("nowhere: cannot read: found no folder"), "{}", missing.stderr);
-    // Outdated packs are not drawn, and remain in the folder.
-    let old = folder.products("packs");
-    folder.write("scene.toml", folder.text("scene.toml").replace("grid = 8", "grid = 4"));
-    let changed = folder.run(&["render", "scene.toml", "-o", "c.png"]).succeeded();
-    assert!(changed.stderr.contains("red.brdf.ktx2 is out of date"), "{}", changed.stderr);
-    assert!(folder.read("c.png") != folder.read("a.png") && folder.products("packs") == old);
-    folder.run(&["build", "scene.toml", "--out", "packs"]).succeeded();
-    let current = folder.run(&["render", "scene.toml", "-o", "d.png"]).succeeded();
-    assert!(!current.stderr.contains("made of something else") && folder.read("c.png") == folder.read("d.png"));
 }
 
 #[test]

@@ -96,10 +96,10 @@ struct Texels {
 impl Texels {
     fn new(samples: &LightSamples) -> Self {
         let at = samples.spread_texels(TEXELS);
-        let of_light = |rendering: &Vec<[f32; 3]>| -> Vec<f32> {
-            at.iter().flat_map(|texel| rendering[*texel]).map(|value| value.max(0.0)).collect()
+        let of_light = |image: &Vec<[f32; 3]>| -> Vec<f32> {
+            at.iter().flat_map(|texel| image[*texel]).map(|value| value.max(0.0)).collect()
         };
-        let values: Vec<Vec<f32>> = samples.renderings.par_iter().map(of_light).collect();
+        let values: Vec<Vec<f32>> = samples.images.par_iter().map(of_light).collect();
         let codes = values.iter().map(|values| to_srgb(Domain::Linear, values.clone())).collect();
         let numbers = values.iter().map(Vec::len).sum::<usize>().max(1);
         let mean = values.iter().flatten().map(|v| f64::from(*v)).sum::<f64>() / numbers as f64;

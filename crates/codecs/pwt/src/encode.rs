@@ -168,8 +168,7 @@ fn depth(samples: &LightSamples, recipe: &PwtRecipe) -> Result<u32, FormatError>
 /// Some texels of all photographs, in a domain.
 fn some_values(samples: &LightSamples, domain: Domain) -> impl Iterator<Item = [f32; 3]> {
     let texels = samples.spread_texels(VALUES.div_ceil(samples.lights.len()));
-    let values =
-        samples.renderings.iter().flat_map(move |rendering| texels.clone().into_iter().map(|at| rendering[at]));
+    let values = samples.images.iter().flat_map(move |rendering| texels.clone().into_iter().map(|at| rendering[at]));
     values.map(move |value| value.map(|c| domain.encode(c)))
 }
 
@@ -217,7 +216,7 @@ fn channels(samples: &LightSamples, domain: Domain, colour: &[[f32; 3]; 3], exte
         }
         planes
     };
-    let all: Vec<[Vec<f32>; 3]> = samples.renderings.par_iter().map(of_rendering).collect();
+    let all: Vec<[Vec<f32>; 3]> = samples.images.par_iter().map(of_rendering).collect();
     let mut channels = [Vec::new(), Vec::new(), Vec::new()];
     for planes in all {
         channels.iter_mut().zip(planes).for_each(|(channel, plane)| channel.push(plane));
@@ -231,8 +230,8 @@ fn texel_weights(samples: &LightSamples, domain: Domain, extent: [usize; 2]) -> 
     const STEP: f32 = 1e-3;
     const IMAGES: usize = 8;
     let [width, height] = samples.size;
-    let stride = samples.renderings.len().div_ceil(IMAGES);
-    let some: Vec<&Vec<[f32; 3]>> = samples.renderings.iter().step_by(stride).collect();
+    let stride = samples.images.len().div_ceil(IMAGES);
+    let some: Vec<&Vec<[f32; 3]>> = samples.images.iter().step_by(stride).collect();
     let mut weights = Plane::zeros(extent);
     weights.values.par_chunks_exact_mut(extent[0]).take(height).enumerate().for_each(|(y, weights)| {
         for rendering in &some {

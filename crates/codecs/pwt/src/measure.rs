@@ -4,6 +4,7 @@ use crate::choose::{decibels, squares, to_srgb};
 use crate::stack::LightSamples;
 use brdfc_formats::pwt::{Domain, PwtDecoder};
 use brdfc_metrics::lab::{distance_squared, lab};
+use brdfc_metrics::shown::{MIN_CONTRAST, MIN_SHOWN, Shown};
 use rayon::prelude::*;
 use std::borrow::Cow;
 
@@ -24,13 +25,6 @@ pub struct StackErrors {
     pub contrast: f64,
 }
 
-/// Minimum linear value, of any channel, of a texel that is not black: a sixteenth of white in sRGB.
-const BLACK: f32 = 0.005;
-/// Minimum share of texels that are neither black nor white.
-const MIN_SHOWN: f64 = 1e-3;
-/// Minimum contrast among them.
-const MIN_CONTRAST: f64 = 1.02;
-
 /// Errors of a pack at its finest level against photographs, which need not be those of the fit. Compares every
 /// `stride`-th row.
 pub fn stack_errors(decoder: &PwtDecoder, samples: &LightSamples, stride: usize) -> StackErrors {
@@ -44,30 +38,21 @@ pub fn stack_errors(decoder: &PwtDecoder, samples: &LightSamples, stride: usize)
 }
 
 /// Errors of images against photographs of the same size under the same lights.
-pub fn image_errors(renderings: &LightSamples, samples: &LightSamples) -> StackErrors {
+pub fn image_errors(images: &LightSamples, samples: &LightSamples) -> StackErrors {
     let width = samples.size[0];
-    let rows = |light: usize| move |row: usize| Cow::Borrowed(&renderings.renderings[light][row * width..][..width]);
+    let rows = |light: usize| move |row: usize| Cow::Borrowed(&images.images[light][row * width..][..width]);
     StackErrors::of_photographs(&sums(samples, 1, rows))
 }
 
 /// Sums over one photograph, from which [`StackErrors::of_photographs`] are computed.
-#[derive(Debug, Clone, Copy)]
+#[derive(Debug, Clone, Copy, Default)]
 pub struct PhotographSums {
-    texels: usize,
-    /// Number of the photograph's texels that are neither black nor white.
-    shown: usize,
-    /// Smallest and largest sum of channels among them.
-    range: [f32; 2],
+    /// The photograph's texels.
+    shown: Shown,
     /// Squared differences of sRGB-encoded values.
     squares: f64,
     /// Sum of ΔE.
     distances: f64,
-}
-
-impl Default for PhotographSums {
-    fn default() -> Self {
-        Self { texels: 0, shown: 0, range: [f32::INFINITY, 0.0], squares: 0.0, distances: 0.0 }
-    }
 }
 
 /// Sums for texels in linear RGB against those of a photograph.
@@ -75,12 +60,10 @@ pub fn photograph_sums(found: &[[f32; 3]], expected: &[[f32; 3]]) -> PhotographS
     let codes = |colours: &[[f32; 3]]| to_srgb(Domain::Linear, colours.as_flattened().to_vec());
     let seen = |colour: &[f32; 3]| lab(colour.map(|value| value.max(0.0)));
     let distance = |(found, expected): (&[f32; 3], &[f32; 3])| distance_squared(seen(found), seen(expected)).sqrt();
-    let is_shown = |colour: &&[f32; 3]| colour.iter().any(|c| *c > BLACK) && colour.iter().any(|c| *c < 1.0);
-    let shown = || expected.iter().filter(is_shown).map(|colour| colour.iter().map(|c| c.max(0.0)).sum::<f32>());
+    let mut shown = Shown::default();
+    expected.iter().for_each(|colour| shown.add(colour.map(f64::from)));
     PhotographSums {
-        texels: expected.len(),
-        shown: shown().count(),
-        range: [shown().fold(f32::INFINITY, f32::min), shown().fold(0.0, f32::max)],
+        shown,
         squares: squares(&codes(found), &codes(expected)),
         distances: found.iter().zip(expected).map(distance).map(f64::from).sum(),
     }
@@ -88,9 +71,7 @@ pub fn photograph_sums(found: &[[f32; 3]], expected: &[[f32; 3]]) -> PhotographS
 
 impl std::ops::AddAssign for PhotographSums {
     fn add_assign(&mut self, other: Self) {
-        self.texels += other.texels;
         self.shown += other.shown;
-        self.range = [self.range[0].min(other.range[0]), self.range[1].max(other.range[1])];
         self.squares += other.squares;
         self.distances += other.distances;
     }
@@ -100,9 +81,9 @@ impl std::ops::AddAssign for PhotographSums {
 pub fn images_of_pack(decoder: &PwtDecoder, lights: Vec<[f32; 3]>) -> LightSamples {
     let unpacked = decoder.unpacked(0);
     let header = decoder.pack().header();
-    let rendering = |light: &[f32; 3]| unpacked.rows(0..unpacked.size()[1], &header.weights(*light));
-    let renderings = lights.par_iter().map(rendering).collect();
-    LightSamples { size: unpacked.size(), renderings, lights, repeats: header.repeats, defined: None }
+    let image = |light: &[f32; 3]| unpacked.rows(0..unpacked.size()[1], &header.weights(*light));
+    let images = lights.par_iter().map(image).collect();
+    LightSamples { size: unpacked.size(), images, lights, repeats: header.repeats, defined: None }
 }
 
 impl StackErrors {
@@ -110,14 +91,14 @@ impl StackErrors {
     pub fn of_photographs(sums: &[PhotographSums]) -> Self {
         let mut all = PhotographSums::default();
         sums.iter().for_each(|sums| all += *sums);
-        let count = all.texels.max(1) as f64;
+        let count = all.shown.of.max(1) as f64;
         Self {
             lights: sums.len(),
-            texels: sums.first().map_or(0, |sums| sums.texels),
+            texels: sums.first().map_or(0, |sums| sums.shown.of),
             psnr: decibels(all.squares / (3.0 * count)),
             delta_e: all.distances / count,
-            shown: all.shown as f64 / count,
-            contrast: if all.shown > 0 { f64::from(all.range[1] / all.range[0]) } else { 1.0 },
+            shown: all.shown.share(),
+            contrast: all.shown.contrast(),
         }
     }
 
@@ -125,7 +106,9 @@ impl StackErrors {
     pub fn nothing_shown(&self) -> Option<String> {
         if self.shown < MIN_SHOWN {
             let (found, needed) = (100.0 * self.shown, 100.0 * MIN_SHOWN);
-            return Some(format!("{found:.2} % of the texels that are neither black nor white; {needed} % are needed"));
+            return Some(format!(
+                "{found:.3} % of the texels that are neither black nor white (at least {needed} % needed)"
+            ));
         }
         (self.contrast < MIN_CONTRAST).then(|| "no contrast: all texels look alike".to_owned())
     }
@@ -148,7 +131,7 @@ where
                 let defined = |(x, colour): (usize, &[f32; 3])| samples.is_defined(row * width + x).then_some(*colour);
                 colours.iter().enumerate().filter_map(defined).collect()
             };
-            sums += photograph_sums(&masked(&found(row)), &masked(&samples.renderings[light][row * width..][..width]));
+            sums += photograph_sums(&masked(&found(row)), &masked(&samples.images[light][row * width..][..width]));
         }
         sums
     };

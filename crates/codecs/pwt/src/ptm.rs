@@ -27,8 +27,8 @@ pub fn spread_lights(count: usize) -> Vec<[f32; 3]> {
 /// Images that a map shows under some lights.
 pub fn images_of(map: &Ptm, lights: Vec<[f32; 3]>) -> LightSamples {
     let size = map.size().map(|side| side as usize);
-    let renderings = lights.par_iter().map(|light| image_rows(map, *light, 0..size[1])).collect();
-    LightSamples { size, lights, renderings, repeats: false, defined: None }
+    let images = lights.par_iter().map(|light| image_rows(map, *light, 0..size[1])).collect();
+    LightSamples { size, lights, images, repeats: false, defined: None }
 }
 
 /// Unclamped values of a map's polynomials under some lights, including above white and below black. The polynomials
@@ -36,11 +36,11 @@ pub fn images_of(map: &Ptm, lights: Vec<[f32; 3]>) -> LightSamples {
 pub fn samples_of(map: &Ptm, lights: Vec<[f32; 3]>) -> LightSamples {
     let size = map.size().map(|side| side as usize);
     let linear = |code: f64| decode_srgb(code / 255.0) as f32;
-    let rendering = |[x, y, _]: &[f32; 3]| -> Vec<[f32; 3]> {
+    let image = |[x, y, _]: &[f32; 3]| -> Vec<[f32; 3]> {
         (0..size[0] * size[1]).map(|pixel| map.polynomials(pixel, [*x, *y]).map(linear)).collect()
     };
-    let renderings = lights.par_iter().map(rendering).collect();
-    LightSamples { size, lights, renderings, repeats: false, defined: None }
+    let images = lights.par_iter().map(image).collect();
+    LightSamples { size, lights, images, repeats: false, defined: None }
 }
 
 /// Linear RGB of some rows of a map under a light.
@@ -77,7 +77,7 @@ pub fn fit_map(samples: &LightSamples, model: MapModel) -> Result<Ptm, FormatErr
     });
     let singular = SINGULAR * matrix.singular_values().max();
     let inverse = matrix.pseudo_inverse(singular).expect("the bound is positive");
-    let codes: Vec<Vec<[f32; 3]>> = samples.renderings.par_iter().map(|rendering| codes(rendering)).collect();
+    let codes: Vec<Vec<[f32; 3]>> = samples.images.par_iter().map(|image| codes(image)).collect();
     let fitted = |values: &dyn Fn(usize) -> f64| -> [f32; TERMS] {
         let mut coefficients = [0.0f64; TERMS];
         for light in 0..codes.len() {
@@ -95,8 +95,8 @@ pub fn fit_map(samples: &LightSamples, model: MapModel) -> Result<Ptm, FormatErr
         MapModel::Lrgb => {
             let pixel = |at: usize| {
                 let mut sum = [0.0f64; 3];
-                for rendering in &codes {
-                    sum.iter_mut().zip(rendering[at]).for_each(|(sum, code)| *sum += f64::from(code));
+                for image in &codes {
+                    sum.iter_mut().zip(image[at]).for_each(|(sum, code)| *sum += f64::from(code));
                 }
                 let most = sum.into_iter().fold(0.0, f64::max);
                 let colour = sum.map(|s| if most > 0.0 { (255.0 * s / most).round() } else { 255.0 });
@@ -116,8 +116,8 @@ pub fn fit_map(samples: &LightSamples, model: MapModel) -> Result<Ptm, FormatErr
 }
 
 /// sRGB-encoded values, 0 to 1.
-fn codes(rendering: &[[f32; 3]]) -> Vec<[f32; 3]> {
-    let mut codes = rendering.to_vec();
+fn codes(image: &[[f32; 3]]) -> Vec<[f32; 3]> {
+    let mut codes = image.to_vec();
     codes.as_flattened_mut().iter_mut().for_each(|value| *value = value.clamp(0.0, 1.0));
     Domain::Display.encode_each(codes.as_flattened_mut());
     codes

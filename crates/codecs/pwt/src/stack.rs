@@ -16,7 +16,7 @@ pub struct LightSamples {
     /// Unit vectors to the lights, above the horizon.
     pub lights: Vec<[f32; 3]>,
     /// Linear RGB of each image, row by row from the top; 1 is white. Only polynomials have values below 0.
-    pub renderings: Vec<Vec<[f32; 3]>>,
+    pub images: Vec<Vec<[f32; 3]>>,
     /// True if the images are tiles that repeat.
     pub repeats: bool,
     /// Mask of defined texels, row by row; `None` if all are defined. Other texels hold filled values: they are fitted,
@@ -42,13 +42,13 @@ impl LightSamples {
         if !(1..=most).contains(&width) || !(1..=most).contains(&height) {
             return refused("size".to_owned(), format!("{width} x {height}"), format!("1 to {most} along each side"));
         }
-        if self.renderings.len() != self.lights.len() {
+        if self.images.len() != self.lights.len() {
             let allowed = format!("{}, one per light", self.lights.len());
-            return refused("images".to_owned(), self.renderings.len().to_string(), allowed);
+            return refused("images".to_owned(), self.images.len().to_string(), allowed);
         }
-        for (k, (rendering, light)) in self.renderings.iter().zip(&self.lights).enumerate() {
-            if rendering.len() != width * height {
-                let found = format!("{} pixels", rendering.len());
+        for (k, (image, light)) in self.images.iter().zip(&self.lights).enumerate() {
+            if image.len() != width * height {
+                let found = format!("{} pixels", image.len());
                 return refused(format!("image {k}"), found, format!("{width} x {height}"));
             }
             let length: f32 = light.iter().map(|c| c * c).sum();
@@ -56,8 +56,8 @@ impl LightSamples {
                 let allowed = "a unit vector above the horizon".to_owned();
                 return refused(format!("light {k}"), format!("{light:?}"), allowed);
             }
-            if let Some(at) = rendering.iter().position(|pixel| !pixel.iter().all(|c| c.is_finite())) {
-                let found = format!("{:?} at ({}, {})", rendering[at], at % width, at / width);
+            if let Some(at) = image.iter().position(|pixel| !pixel.iter().all(|c| c.is_finite())) {
+                let found = format!("{:?} at ({}, {})", image[at], at % width, at / width);
                 return refused(format!("image {k}"), found, "finite values".to_owned());
             }
         }
@@ -101,10 +101,10 @@ impl LightSamples {
         let size = self.size.map(|side| if side < multiple { side } else { side - side % multiple });
         let first = [(width - size[0]) / 2, (height - size[1]) / 2];
         let at = |y: usize| (first[1] + y) * width + first[0]..(first[1] + y) * width + first[0] + size[0];
-        let rows = |rendering: &Vec<[f32; 3]>| (0..size[1]).flat_map(|y| &rendering[at(y)]).copied().collect();
-        let renderings = self.renderings.iter().map(rows).collect();
+        let rows = |image: &Vec<[f32; 3]>| (0..size[1]).flat_map(|y| &image[at(y)]).copied().collect();
+        let images = self.images.iter().map(rows).collect();
         let defined = self.defined.as_ref().map(|mask| (0..size[1]).flat_map(|y| &mask[at(y)]).copied().collect());
-        Self { size, lights: self.lights.clone(), renderings, repeats: self.repeats, defined }
+        Self { size, lights: self.lights.clone(), images, repeats: self.repeats, defined }
     }
 
     /// Averages images under the same light, so that cross-validation does not predict an image from its copy.
@@ -124,19 +124,15 @@ impl LightSamples {
             return self;
         }
         let mean = |group: &Vec<usize>| {
-            let mut rendering = std::mem::take(&mut self.renderings[group[0]]);
+            let mut image = std::mem::take(&mut self.images[group[0]]);
             for other in &group[1..] {
-                rendering
-                    .as_flattened_mut()
-                    .iter_mut()
-                    .zip(self.renderings[*other].as_flattened())
-                    .for_each(|(a, b)| *a += b);
+                image.as_flattened_mut().iter_mut().zip(self.images[*other].as_flattened()).for_each(|(a, b)| *a += b);
             }
             let count = group.len() as f32;
-            rendering.as_flattened_mut().iter_mut().for_each(|value| *value /= count);
-            rendering
+            image.as_flattened_mut().iter_mut().for_each(|value| *value /= count);
+            image
         };
-        self.renderings = groups.iter().map(mean).collect();
+        self.images = groups.iter().map(mean).collect();
         self.lights = groups.iter().map(|group| self.lights[group[0]]).collect();
         self
     }
@@ -144,7 +140,7 @@ impl LightSamples {
     /// The images without some of the lights.
     pub fn without(&self, left_out: &[usize]) -> Self {
         let rest = (0..self.lights.len()).filter(|k| !left_out.contains(k));
-        let (lights, renderings) = rest.map(|k| (self.lights[k], self.renderings[k].clone())).unzip();
-        Self { size: self.size, lights, renderings, repeats: self.repeats, defined: self.defined.clone() }
+        let (lights, images) = rest.map(|k| (self.lights[k], self.images[k].clone())).unzip();
+        Self { size: self.size, lights, images, repeats: self.repeats, defined: self.defined.clone() }
     }
 }

@@ -100,7 +100,7 @@ impl LightInput {
 /// Returns true if a photograph has values above 1 (white), which errors in dB count as 1.
 pub fn any_above_white(samples: &LightSamples) -> bool {
     let is_bright = |photograph: &Vec<[f32; 3]>| photograph.as_flattened().iter().any(|value| *value > 1.0);
-    samples.renderings.par_iter().any(is_bright)
+    samples.images.par_iter().any(is_bright)
 }
 
 pub(super) fn refused(input: &impl std::fmt::Display, field: &'static str, found: &str, allowed: &str) -> Error {
@@ -147,8 +147,8 @@ fn decoded(
 fn photographs(path: &Path) -> Result<LightSamples, Error> {
     let stack = RtiCapture::open(path)?;
     check_amount(&path.display(), stack.size(), stack.len())?;
-    let renderings = decoded(stack.len(), |light| stack.image(light))?;
-    Ok(LightSamples { size: stack.size(), lights: stack.lights().to_vec(), renderings, repeats: false, defined: None })
+    let images = decoded(stack.len(), |light| stack.image(light))?;
+    Ok(LightSamples { size: stack.size(), lights: stack.lights().to_vec(), images, repeats: false, defined: None })
 }
 
 fn one_view(path: &Path, view: usize) -> Result<LightSamples, Error> {
@@ -156,8 +156,8 @@ fn one_view(path: &Path, view: usize) -> Result<LightSamples, Error> {
     check_view(view, btf.views().len())?;
     let lights: Vec<[f32; 3]> = btf.lights().directions().into_iter().map(single).collect();
     check_amount(&path.display(), btf.size(), lights.len())?;
-    let renderings = decoded(lights.len(), |light| btf.image(view, light))?;
-    Ok(LightSamples { size: btf.size(), lights, renderings, repeats: true, defined: None })
+    let images = decoded(lights.len(), |light| btf.image(view, light))?;
+    Ok(LightSamples { size: btf.size(), lights, images, repeats: true, defined: None })
 }
 
 /// A view of a flat BTF. If the asset has a visibility mask, only texels that the view sees are defined. Rows of flat BTFs go up,
@@ -176,9 +176,9 @@ fn flat_view(path: &Path, view: usize) -> Result<LightSamples, Error> {
         let rows = view.light(light as u32).chunks_exact(side).rev();
         rows.flatten().map(|texel| brdfc_formats::container::rgb9e5::decode(*texel)).collect()
     };
-    let renderings = (0..header.lights.len()).into_par_iter().map(decoded).collect();
+    let images = (0..header.lights.len()).into_par_iter().map(decoded).collect();
     let defined = file.mask.as_ref().and_then(|mask| seen_texels(mask, header));
-    Ok(LightSamples { size: [side, side], lights, renderings, repeats: true, defined })
+    Ok(LightSamples { size: [side, side], lights, images, repeats: true, defined })
 }
 
 /// Texels that a view of a flat BTF sees; `None` if it sees none.

@@ -6,6 +6,7 @@ use brdfc_gpu::AdapterDescription;
 use brdfc_gpu::verify::Views;
 use brdfc_metrics::image::{ImageDifference, LinearImage, auto_exposure, compare_images};
 use brdfc_metrics::image::{PIXELS_PER_DEGREE, flip};
+use brdfc_metrics::shown::{MIN_CONTRAST, Shown};
 use brdfc_render::scene::Frame;
 use schemars::JsonSchema;
 use serde::Serialize;
@@ -68,13 +69,6 @@ pub struct PartMaterial {
     /// Bytes of its pack on a GPU.
     pub bytes_on_gpu: u64,
 }
-
-/// Radiance times exposure below which a pixel counts as black. As an 8-bit level this is a fiftieth of the brightest.
-const BLACK: f64 = 0.005;
-/// Minimum share of the pixels on surfaces that are neither black nor white. It is small because a mirror under a point light has few.
-const MIN_SHOWN: f64 = 1e-3;
-/// Minimum ratio of the brightest to the darkest of them.
-const MIN_CONTRAST: f64 = 1.02;
 
 impl Verification {
     /// Compares views. Without an `exposure` the brightest 1 % of the reference are clipped.
@@ -175,11 +169,9 @@ pub fn nothing_shown(image: &LinearImage, exposure: f64) -> Option<String> {
         all.filter(|(_, covered)| **covered > 0.0).map(|(pixel, _)| pixel.map(|value| exposure * f64::from(value)))
     };
     let is_lit = |pixel: [f64; 3]| pixel.iter().any(|value| *value > 0.0);
-    let is_shown =
-        |pixel: &[f64; 3]| pixel.iter().any(|value| *value > BLACK) && pixel.iter().any(|value| *value < 1.0);
-    let shown = || on_surfaces().filter(is_shown).map(|pixel| pixel.iter().sum::<f64>());
-    let of = on_surfaces().count();
-    let (count, needed) = (shown().count(), (MIN_SHOWN * of as f64).ceil() as usize);
+    let mut shown = Shown::default();
+    on_surfaces().for_each(|pixel| shown.add(pixel));
+    let (count, of, needed) = (shown.count, shown.of, shown.needed());
     if !on_surfaces().any(is_lit) {
         Some("no light: all surfaces are black".to_owned())
     } else if count < needed {
@@ -187,7 +179,7 @@ pub fn nothing_shown(image: &LinearImage, exposure: f64) -> Option<String> {
         Some(format!(
             "{count} of {of} pixels that are neither black nor white, at exposure {exposure} (at least {needed} needed)"
         ))
-    } else if shown().fold(0.0, f64::max) < MIN_CONTRAST * shown().fold(f64::INFINITY, f64::min) {
+    } else if shown.contrast() < MIN_CONTRAST {
         Some("no contrast: all surfaces look alike".to_owned())
     } else {
         None

@@ -7,6 +7,7 @@ pub mod fit;
 mod folds;
 mod incidence;
 mod merge;
+mod rise;
 mod summary;
 
 pub use facts::{AltaHeader, ScanFacts};
@@ -29,6 +30,7 @@ use incidence::Incidence;
 use kiddo::{ImmutableKdTree, SquaredEuclidean};
 use merge::{Group, merge};
 use std::num::NonZero;
+use std::sync::OnceLock;
 
 /// Minimum number of distinct direction pairs of a scan.
 pub const MIN_ROWS: usize = 8;
@@ -88,6 +90,8 @@ pub struct ScanSource {
     bias: f64,
     grey: bool,
     repeats: Option<Repeats>,
+    /// Index of the incidence of each pair, and the number of incidences; computed by the first cross-validation.
+    incidences: OnceLock<(Vec<usize>, usize)>,
     summary: ScanSummary,
 }
 
@@ -185,7 +189,7 @@ impl ScanSource {
         });
         let values = groups.iter().map(|group| group.mean().map(|v| (v + bias).ln())).collect();
         let pairs = groups.iter().map(|group| pairs[group.representative]).collect();
-        Ok(Self { points, pairs, values, bias, grey, repeats, summary })
+        Ok(Self { points, pairs, values, bias, grey, repeats, incidences: OnceLock::new(), summary })
     }
 
     /// Counts and repairs of the scan.

@@ -33,9 +33,9 @@ fn stack(
     value: impl Fn([usize; 2], [f32; 3]) -> [f32; 3],
 ) -> LightSamples {
     let at = |k: usize| [k % size[0], k / size[0]];
-    let rendering = |light: &[f32; 3]| (0..size[0] * size[1]).map(|k| value(at(k), *light)).collect();
-    let renderings = lights.iter().map(rendering).collect();
-    LightSamples { size, lights, renderings, repeats, defined: None }
+    let image = |light: &[f32; 3]| (0..size[0] * size[1]).map(|k| value(at(k), *light)).collect();
+    let images = lights.iter().map(image).collect();
+    LightSamples { size, lights, images, repeats, defined: None }
 }
 
 /// A relief whose values are polynomials of degree 1 in `x` and `y` of the light.

@@ -1,0 +1,101 @@
+//! The rise of rows towards the mirror direction: whether they determine the highlight.
+
+use brdfc_core::source::{MAX_PEAK, MAX_RISE, Rise};
+use brdfc_formats::direction::{DirectionPair, Vector};
+use std::collections::BTreeMap;
+
+/// Width of the groups of incidences in which rows near the mirror direction are compared, degrees.
+const STEP: f64 = 5.0;
+/// Maximum polar angle of incidence of these groups, degrees; viewers may be 15 degrees lower.
+const MAX_INCIDENCE: f64 = 62.5;
+/// Minimum number of rows of such a group.
+const MIN_ROWS: usize = 8;
+
+/// Polar angle of a direction, radians.
+pub(super) fn polar([x, y, z]: Vector) -> f64 {
+    x.hypot(y).atan2(z)
+}
+
+/// Compares the rows nearest to the mirror direction with the next ones at each polar angle of incidence, in steps of
+/// [`STEP`] degrees. Returns the angle at which the rows determine the peak least.
+pub(super) fn rise_to_mirror(rows: impl Iterator<Item = (DirectionPair, f64)>) -> Option<Rise> {
+    // Half angle in degrees and reflected light of the rows of each group.
+    let mut groups: BTreeMap<i32, Vec<(f64, f64)>> = BTreeMap::new();
+    for (pair, value) in rows {
+        let half = [0, 1, 2].map(|k| pair.incoming[k] + pair.outgoing[k]);
+        let [incidence, view, half] = [pair.incoming, pair.outgoing, half].map(|v| polar(v).to_degrees());
+        if incidence <= MAX_INCIDENCE && view <= MAX_INCIDENCE + 15.0 {
+            let reflected = value * pair.incoming[2] * pair.outgoing[2];
+            groups.entry((incidence / STEP).round() as i32).or_default().push((half, reflected));
+        }
+    }
+    let rises = groups.into_iter().filter_map(|(group, rows)| rise(f64::from(group) * STEP, rows));
+    // The larger of both excesses.
+    let unknown = |rise: &Rise| (rise.peak / MAX_PEAK).max(rise.ratio / MAX_RISE);
+    rises.max_by(|a, b| unknown(a).total_cmp(&unknown(b)))
+}
+
+/// Compares the rows of one incidence (half angle in degrees, reflected light) nearest to the mirror direction with the next
+/// ones. Returns `None` if there are few rows or no highlight.
+fn rise(incidence: f64, mut rows: Vec<(f64, f64)>) -> Option<Rise> {
+    if rows.len() < MIN_ROWS {
+        return None;
+    }
+    let mut reflected: Vec<f64> = rows.iter().map(|row| row.1).collect();
+    reflected.sort_by(f64::total_cmp);
+    let diffuse = reflected[reflected.len() / 5];
+    rows.sort_by(|a, b| a.0.total_cmp(&b.0));
+    let mean = |first: f64, last: f64| {
+        let within = rows.iter().filter(|(half, _)| (first..=last).contains(half));
+        let (sum, count) = within.fold((0.0, 0usize), |(sum, count), (_, value)| (sum + value, count + 1));
+        sum / count.max(1) as f64 - diffuse
+    };
+    let nearest = rows[0].0;
+    let apart = (1.75 * nearest).max(nearest + 0.5);
+    let next = rows.iter().find(|(half, _)| *half >= apart)?.0;
+    let at_nearest = mean(nearest, 1.25 * nearest);
+    if at_nearest < 0.5 * diffuse || at_nearest <= 0.0 {
+        return None;
+    }
+    let ratio = (at_nearest / mean(next, 1.4 * next).max(1e-3 * at_nearest).max(0.02 * diffuse)).max(1.0);
+    // D(θ) ∝ 1 / (1 + x)² with x ∝ θ²: x at the nearest, from the ratio and that of the squared angles.
+    let (steps, root) = ((next / nearest.max(1e-6)).powi(2), ratio.sqrt());
+    let x = if root < steps { ((root - 1.0) / (steps - root)).min(9.0) } else { 9.0 };
+    Some(Rise { incidence, nearest, next, ratio, peak: (1.0 + x).powi(2) })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Rows of a lobe `1 / (1 + (θ / width)²)²` over a diffuse part, from a half angle on, in even steps.
+    fn rows(width: f64, first: f64, step: f64) -> Vec<(f64, f64)> {
+        let row = |k: u32| {
+            let half = first + step * f64::from(k);
+            (half, 0.1 + 10.0 / (1.0 + (half / width).powi(2)).powi(2))
+        };
+        (0..40).map(row).collect()
+    }
+
+    #[test]
+    fn the_peak_of_a_lobe_is_estimated_from_its_nearest_rows() {
+        let found = rise(30.0, rows(3.0, 3.0, 1.0)).unwrap();
+        assert_eq!((found.incidence, found.nearest), (30.0, 3.0));
+        assert!((found.peak - 4.0).abs() < 0.8, "{found:?}");
+    }
+
+    #[test]
+    fn wide_lobes_are_determined_and_narrow_ones_are_not() {
+        for (width, first, determined) in [(10.0, 2.0, true), (5.0, 0.0, true), (2.0, 4.0, false), (0.5, 0.0, false)] {
+            let found = rise(30.0, rows(width, first, 3.0)).unwrap();
+            assert_eq!(found.peak <= MAX_PEAK && found.ratio <= MAX_RISE, determined, "{width} {first}: {found:?}");
+        }
+    }
+
+    #[test]
+    fn few_rows_and_matte_ones_say_nothing() {
+        assert_eq!(rise(0.0, rows(3.0, 3.0, 1.0)[..7].to_vec()), None);
+        assert_eq!(rise(0.0, (0..40).map(|k| (f64::from(k), 0.3)).collect()), None);
+        assert_eq!(rise(0.0, vec![(0.0, 0.0); 9]), None);
+    }
+}
