@@ -28,13 +28,13 @@ pub enum Kind {
     Texture(Placement),
 }
 
-/// An opened input.
+/// An opened input, of which [`Subject::map`] makes a map.
 pub enum Subject {
-    /// A material.
+    /// A material, and the resolution of its lobes.
     Material(Material, Resolution),
-    /// A latitude-longitude image.
+    /// A latitude-longitude image of radiance.
     Environment(FileImage<3>),
-    /// An image on a surface.
+    /// An image on a surface, and its placement there.
     Texture(FileImage<3>, Placement),
 }
 

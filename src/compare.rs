@@ -1,4 +1,7 @@
 //! Error of one input compared with another: `brdfc compare`.
+//!
+//! [`reflectances`] compares materials and packs, [`photographs`] measures packs against photographs, [`flat_btfs`]
+//! compares flat BTFs; [`Kind::of`] selects one of them by the reference.
 
 pub use brdfc_flat_btf::probes::ColourErrors;
 pub use brdfc_formats::crop::DirectionRange;
@@ -16,14 +19,14 @@ use brdfc_source::rti_capture::is_rti_capture;
 
 const SEED: u64 = 2007;
 
-/// Kind of comparison.
+/// Kind of comparison, which selects the function.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Kind {
-    /// By [`photographs`].
+    /// Photographs of an RTI capture, compared by [`photographs`].
     RtiCapture,
-    /// By [`flat_btfs`].
+    /// A flat BTF, compared by [`flat_btfs`].
     FlatBtf,
-    /// By [`reflectances`].
+    /// A material or a pack, compared by [`reflectances`].
     Reflectance,
 }
 
@@ -47,20 +50,20 @@ pub enum Pairs {
     /// The 65536 pairs of three kinds at which packs are measured.
     #[default]
     OfEncoder,
-    /// This number of random pairs, uniform over both hemispheres, with a fixed seed.
+    /// A number of random pairs, uniform over both hemispheres, with a fixed seed.
     Random(usize),
-    /// These pairs.
+    /// These pairs, at least one.
     Given(Vec<DirectionPair>),
 }
 
 /// Result of a comparison.
 #[derive(Debug, Clone)]
 pub struct Compared {
-    /// Direction pairs.
+    /// Number of direction pairs that were compared.
     pub pairs: usize,
     /// Compared directions: those that both materials contain, or all if pairs are given.
     pub directions: DirectionRange,
-    /// Measured errors.
+    /// Errors of `b` compared with `a`, at these pairs.
     pub comparison: Comparison,
 }
 
@@ -70,17 +73,16 @@ pub struct Compared {
 /// Returns an error if packs have no direction in common or there are no pairs.
 pub fn reflectances(a: &Material, b: &Material, pairs: Pairs) -> Result<Compared, Error> {
     let [of_a, of_b] = [a, b].map(|material| material.facts().directions());
-    let both = of_a.common(of_b).ok_or_else(|| {
-        let allowed = "packs with directions in common";
-        Error::check(format!("directions: found a pack for {of_a}, and one for {of_b}, expected {allowed}"))
-    })?;
+    let both = of_a
+        .common(of_b)
+        .ok_or_else(|| Error::check(format!("no directions in common: A covers {of_a}, B covers {of_b}")))?;
     let set = match pairs {
         Pairs::OfEncoder => PairSet::within(both),
         Pairs::Random(count) => PairSet::new(random_pairs(count, SEED)),
         Pairs::Given(pairs) => PairSet::new(pairs),
     };
     if set.pairs.is_empty() {
-        return Err(Error::check("pairs: found none, expected one or more"));
+        return Err(Error::check("no direction pairs: expected at least one"));
     }
     let (comparison, _) = brdfc_metrics::compare::compare(a.source(), b.source(), &set);
     Ok(Compared { pairs: set.pairs.len(), directions: set.directions, comparison })

@@ -1,5 +1,8 @@
-//! Encoding in detail: recipes, candidates, duration of stages. [`Material::encode`](crate::Material::encode) does the work of
-//! `brdfc encode`.
+//! Encoding in detail: `brdfc encode`.
+//!
+//! Start with [`Material::encode`](crate::Material::encode), which does the work of the command. This module adds
+//! [`encode()`] for any source, the packs that a search tried ([`Trial`]), times of stages ([`StageClock`]), and notes
+//! on the source ([`remarks`], [`repairs_summary`]).
 
 pub use brdfc_jobs::encode::{
     BrdfRecipe, BrdfReport, CodecReport, EncodeError, EncodedPack, OptionError, Trial, encode, encoders,

@@ -5,7 +5,7 @@
 
 pub use brdfc_jobs::pwt::Relightable;
 pub use brdfc_metrics::values::values_at;
-pub use brdfc_readers::scan_csv::{TexelQuery, texels_from_bytes};
+pub use brdfc_readers::scan_csv::{TexelQuery, delimiter, texels_from_bytes};
 
 use crate::{DirectionPair, Error, Input, Material};
 use brdfc_core::words::format_number;
@@ -38,7 +38,7 @@ pub fn open_level(input: impl Into<Input>, level: Option<f32>) -> Result<Materia
         (Some(level), Some(levels)) if level > levels as f32 => {
             Err(wrong_level(level, &format!("0 to {levels}, the pack's levels")))
         }
-        (Some(level), None) => Err(wrong_level(level, "none: only packs have levels of detail")),
+        (Some(_), None) => Err(Error::usage("lod does not apply to this input, only to packs with levels of detail")),
         _ => Ok(material),
     }
 }

@@ -1,4 +1,7 @@
 //! Descriptions of inputs: `brdfc info`.
+//!
+//! Start with [`Material::facts`](crate::Material::facts) for materials and packs, [`describe_surface`] for geometry
+//! and ordinary BTFs, and [`files`] for the textures of a pack.
 
 pub use brdfc_core::Symmetry;
 pub use brdfc_core::address::{SYNTH_PREFIX, split_query};

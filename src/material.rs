@@ -64,7 +64,7 @@ impl Material {
     /// Encodes a pack within a [`Budget`], with [`EncodeOptions`], or with a complete [`PackRecipe`].
     ///
     /// # Errors
-    /// Returns an error if no pack meets the budget, or if the fit to a scan dominates the error
+    /// Returns an error if no pack meets the limits, or if the fit to a scan dominates the error
     /// ([`ErrorKind::Check`](crate::ErrorKind::Check)), and if options are out of range or cannot be combined
     /// ([`ErrorKind::Usage`](crate::ErrorKind::Usage)).
     pub fn encode(&self, request: impl PackRequest) -> Result<Pack, Error> {
@@ -75,7 +75,7 @@ impl Material {
         }
     }
 
-    /// Encodes like [`Self::encode`] and reports to `progress`. If no pack meets a budget, it returns the best candidate;
+    /// Encodes like [`Self::encode`] and reports to `progress`. If no pack meets the limits, it returns the best candidate;
     /// [`Pack::missed`] describes what it misses.
     ///
     /// # Errors

@@ -22,11 +22,12 @@ pub struct Pack {
 /// Errors of a pack compared with its source.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Errors {
-    /// Mean ΔE*ab of renderings of a ball under lights from all sides.
+    /// Mean ΔE (CIE76) between renderings of the pack and of its source: a ball under three distant lights, as in
+    /// `docs/accuracy.md`.
     pub delta_e: f64,
-    /// 95th percentile of the same ΔE.
+    /// 95th percentile of ΔE over the pixels of these renderings.
     pub delta_e_p95: f64,
-    /// Mean relative error `ε_r`, a fraction.
+    /// Mean relative error `ε_r` at independent test directions, a fraction.
     pub relative: f64,
 }
 
@@ -68,12 +69,12 @@ impl Pack {
         &self.report
     }
 
-    /// The bytes of the KTX2 file.
+    /// Contents of the KTX2 file.
     pub fn bytes(&self) -> &[u8] {
         &self.encoded.bytes
     }
 
-    /// Bytes on a GPU.
+    /// Bytes of the pack's textures on a GPU.
     pub fn gpu_bytes(&self) -> u64 {
         self.encoded.pack.gpu_bytes()
     }

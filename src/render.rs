@@ -94,8 +94,8 @@ pub fn draw_surface(scene: &Scene, frame: Frame, asset: &AssetFile, repeat: u32)
     Ok(Some(reference_plane(scene, frame, &model, &appearance, repeat)))
 }
 
-/// Finds the photograph whose light is nearest to that of the scene, seen from the middle of the rendering. Returns its number and
-/// the angle between the two lights in degrees.
+/// Finds the photograph whose light is nearest to the light of the scene, seen from the middle of the rendering. Returns the
+/// number of the photograph, and the angle between the two lights in degrees.
 pub fn nearest_photograph(stack: &RtiCapture, light: &PointLight) -> (usize, f64) {
     let [x, y, z] = light.position;
     let length = dot(light.position, light.position).sqrt();

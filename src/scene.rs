@@ -1,4 +1,8 @@
-//! Builds in detail: plans, parts for several machines, watching files. [`Build`](crate::Build) does the work of `brdfc build`.
+//! Builds in detail: `brdfc build`, `brdfc plan` and `brdfc watch`.
+//!
+//! Start with [`Build`](crate::Build), which does the work of `brdfc build`. This module adds plans of a manifest
+//! ([`plan()`]) and their job graphs ([`Graph`]), parts of a build for several machines ([`Shard`]), and watched
+//! files ([`Watched`], [`FileEvents`]).
 
 pub use brdfc_jobs::depfile::depfile;
 pub use brdfc_jobs::encode::Predicted;

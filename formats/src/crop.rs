@@ -1,7 +1,7 @@
 //! Range of directions that a pack covers, and the part of its texture that it stores.
 //!
 //! A pack for a scene with a limited range of directions need not store the others. Its cell or node counts remain
-//! those of the full grid, and so do positions in the grid; a *window* gives the part that the texture holds. Look-ups
+//! as in the full grid, and so do positions in the grid; a *window* gives the part that the texture holds. Look-ups
 //! outside the window return the nearest value inside. Stored under `brdfc.crop` in table and wavelet packs:
 //! `formats/src/container/spec.md`.
 
@@ -17,9 +17,9 @@ const CROP: &str = "brdfc.crop";
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize, schemars::JsonSchema))]
 pub struct Elevations {
-    /// Lowest elevation.
+    /// Lowest elevation above the surface, degrees.
     pub from: f32,
-    /// Highest elevation.
+    /// Highest elevation above the surface, degrees.
     pub to: f32,
 }
 
@@ -73,9 +73,9 @@ impl std::fmt::Display for Elevations {
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize, schemars::JsonSchema))]
 pub struct DirectionRange {
-    /// Elevations of lights.
+    /// Elevations of the directions to the light.
     pub light: Elevations,
-    /// Elevations of viewers.
+    /// Elevations of the directions to the viewer.
     pub view: Elevations,
 }
 

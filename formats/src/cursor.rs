@@ -43,7 +43,8 @@ impl<'a> Cursor<'a> {
                 field,
                 format!("end of data after {} of {length} bytes", rest.len()),
                 format!("{length} bytes"),
-            ));
+            )
+            .problem());
         }
         self.position += length;
         Ok(&rest[..length])
@@ -55,27 +56,27 @@ impl<'a> Cursor<'a> {
         Ok(array)
     }
 
-    /// One byte.
+    /// Reads one byte.
     pub fn u8(&mut self, field: &'static str) -> Result<u8, FormatError> {
         Ok(u8::from_le_bytes(self.array(field)?))
     }
 
-    /// Unsigned, 2 bytes.
+    /// Reads an unsigned integer of 2 bytes, little-endian.
     pub fn u16(&mut self, field: &'static str) -> Result<u16, FormatError> {
         Ok(u16::from_le_bytes(self.array(field)?))
     }
 
-    /// Unsigned, 4 bytes.
+    /// Reads an unsigned integer of 4 bytes, little-endian.
     pub fn u32(&mut self, field: &'static str) -> Result<u32, FormatError> {
         Ok(u32::from_le_bytes(self.array(field)?))
     }
 
-    /// Signed, 4 bytes.
+    /// Reads a signed integer of 4 bytes, little-endian.
     pub fn i32(&mut self, field: &'static str) -> Result<i32, FormatError> {
         Ok(i32::from_le_bytes(self.array(field)?))
     }
 
-    /// Unsigned, 8 bytes.
+    /// Reads an unsigned integer of 8 bytes, little-endian.
     pub fn u64(&mut self, field: &'static str) -> Result<u64, FormatError> {
         Ok(u64::from_le_bytes(self.array(field)?))
     }

@@ -59,7 +59,7 @@ pub struct Answer {
 /// Struct that a shader returns as the result of a query.
 #[derive(Debug, Clone, Copy)]
 pub struct StructAnswer {
-    /// WGSL type.
+    /// Name of the struct's type in WGSL.
     pub name: &'static str,
     /// Its numbers: a WGSL expression of `$answer`.
     pub numbers: &'static str,

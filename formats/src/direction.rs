@@ -129,7 +129,7 @@ impl Parameterisation {
         }
     }
 
-    /// Inverse of [`Self::code`].
+    /// Parameterisation with this [`Self::code`]; `None` for unknown codes.
     pub fn from_code(code: u32) -> Option<Self> {
         Self::NAMES.into_iter().map(|(_, p)| p).find(|p| p.code() == code)
     }
@@ -166,7 +166,7 @@ pub fn rotate_to_normal(axis: Vector, v: Vector) -> Vector {
     [v[0] - x * (s + v[2]), v[1] - y * (s + v[2]), dot(axis, v)]
 }
 
-/// Inverse of [`rotate_to_normal`].
+/// Inverse of [`rotate_to_normal`]: the rotation that turns the normal to `axis`, applied to `v`.
 pub fn rotate_from_normal(axis: Vector, v: Vector) -> Vector {
     let [x, y, z] = axis;
     let s = (x * v[0] + y * v[1]) / (1.0 + z);

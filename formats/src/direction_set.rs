@@ -30,7 +30,7 @@ const UBO2014_RINGS: [(f64, usize, f64); 10] = [
 /// Directions of the upper hemisphere, in a fixed order.
 #[derive(Debug, Clone, PartialEq)]
 pub struct DirectionSet {
-    /// Name for reports.
+    /// Name in reports.
     pub name: String,
     /// Polar angle to the normal and azimuth from the tangent, degrees.
     pub angles: Vec<[f64; 2]>,
@@ -54,9 +54,10 @@ impl DirectionSet {
         match first_pair_of_equals(&set.directions()) {
             Some((first, second)) => Err(FormatError::whole(
                 format!("direction {second}"),
-                format!("the same as direction {first}"),
+                format!("equal to direction {first}"),
                 "directions that differ from each other",
-            )),
+            )
+            .problem()),
             None => Ok(set),
         }
     }

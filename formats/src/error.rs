@@ -1,4 +1,4 @@
-//! The error type of every reader: the place, the value found and the values expected.
+//! The error type of every reader: the place, what is wrong and what is valid.
 
 use std::borrow::Cow;
 use std::fmt;
@@ -25,20 +25,39 @@ impl fmt::Display for Place {
     }
 }
 
+/// Meaning of the text [`FormatError::found`].
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Finding {
+    /// A value that was read: `found 0, expected 1 to 4096`.
+    Value,
+    /// A problem: `end of data; expected 8 bytes`.
+    Problem,
+}
+
 /// An input that does not follow its layout.
 ///
-/// Reads as `byte 4, theta_d count: found 0, expected 1 to 4096`. It does not name the file; the caller does.
+/// Reads as `byte 4, theta_d count: found 0, expected 1 to 4096`, or after [`FormatError::problem`] as
+/// `rows: no measurements; expected at least one row`. It does not name the file; the caller does.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
-#[error("{place}{field}: found {found}, expected {allowed}")]
+#[error("{place}{field}: {}", reason(*.finding, .found, .allowed))]
 pub struct FormatError {
     /// Place of the error.
     pub place: Place,
     /// Field of the layout, named as on its specification page.
     pub field: Cow<'static, str>,
-    /// Value in the input.
+    /// Value in the input, or a problem.
     pub found: String,
+    /// Kind of text in `found`: a value or a problem.
+    pub finding: Finding,
     /// Values that the layout allows.
-    pub allowed: String,
+    pub allowed: Box<str>,
+}
+
+fn reason(finding: Finding, found: &str, allowed: &str) -> String {
+    match finding {
+        Finding::Value => format!("found {found}, expected {allowed}"),
+        Finding::Problem => format!("{found}; expected {allowed}"),
+    }
 }
 
 /// Truncates text from a file to a length that fits a message.
@@ -76,6 +95,12 @@ impl FormatError {
         Self::at(Place::Whole, field, found, allowed)
     }
 
+    /// Declares that the found text states a problem and is not a value: `PLACE: PROBLEM; expected VALID`.
+    #[must_use]
+    pub fn problem(self) -> Self {
+        Self { finding: Finding::Problem, ..self }
+    }
+
     /// Checks that a number is in a range.
     ///
     /// # Errors
@@ -101,7 +126,8 @@ impl FormatError {
             place,
             field: shortened(field.into().into_owned()).into(),
             found: shortened(found.into()),
-            allowed: allowed.into(),
+            finding: Finding::Value,
+            allowed: allowed.into().into_boxed_str(),
         }
     }
 }
@@ -115,5 +141,12 @@ mod tests {
         let error = FormatError::whole("name", "é".repeat(70_000), "UTF-8").to_string();
         assert!(error.ends_with("é... (70000 characters), expected UTF-8") && error.len() < 500, "{error}");
         assert_eq!(FormatError::whole("name", "short", "x").found, "short");
+    }
+
+    #[test]
+    fn problems_are_not_found() {
+        let error = FormatError::at_line(3, "rows", "no measurements", "at least one row");
+        assert_eq!(error.to_string(), "line 3, rows: found no measurements, expected at least one row");
+        assert_eq!(error.problem().to_string(), "line 3, rows: no measurements; expected at least one row");
     }
 }

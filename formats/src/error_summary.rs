@@ -17,7 +17,7 @@ pub struct ErrorSummary {
     pub relative_p95: f32,
     /// 99th percentile of the same ratio.
     pub relative_p99: f32,
-    /// Its maximum.
+    /// Maximum of the same ratio.
     pub relative_max: f32,
     /// RMS of `ln f' - ln f` over the same samples.
     pub log_rms: f32,
@@ -78,16 +78,16 @@ impl ErrorSummary {
     }
 }
 
-/// Colour differences between renderings of a pack and of its source, measured when the pack was made: ΔE*ab (CIE 1976)
+/// Colour differences between renderings of a pack and of its source, measured when the pack was made: ΔE (CIE76)
 /// over the pixels of spheres under fixed lights.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, schemars::JsonSchema))]
 pub struct RenderingSummary {
-    /// Mean.
+    /// Mean ΔE over the pixels.
     pub mean: f32,
-    /// 95th percentile.
+    /// 95th percentile of ΔE over the pixels.
     pub p95: f32,
-    /// Maximum.
+    /// Maximum ΔE over the pixels.
     pub max: f32,
 }
 

@@ -65,7 +65,7 @@ macro_rules! codecs {
         }
 
         impl PackKind {
-            /// All kinds.
+            /// All kinds of packs.
             pub const ALL: [Self; [$(Self::$kind),*].len()] = [$(Self::$kind),*];
 
             /// Static description of the codec.
@@ -142,7 +142,7 @@ impl Pack {
     /// Same as [`Self::from_bytes`] for a file whose container has been read.
     ///
     /// # Errors
-    /// Same as [`Self::from_bytes`].
+    /// Returns an error if the file is not a pack of a known kind, or violates the rules of that kind.
     pub fn from_packed(packed: PackedTexture<'_>) -> Result<Self, FormatError> {
         let file = PackFile::from_packed(packed)?;
         let Some(kind) = PackKind::from_name(&file.bindings.decoder) else {

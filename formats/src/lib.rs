@@ -31,10 +31,11 @@ pub mod table;
 pub mod tap;
 pub mod vector_math;
 pub mod wavelet;
+pub mod words;
 
 pub use brdf_pack::{Brdf, BrdfDecoder};
 pub use descriptor::{Answer, BrdfShader, Descriptor, StructAnswer};
-pub use error::{FormatError, Place};
+pub use error::{Finding, FormatError, Place};
 pub use error_summary::{ErrorSummary, RenderingSummary};
 pub use symmetry::Symmetry;
 

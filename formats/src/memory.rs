@@ -15,7 +15,7 @@ pub fn reserved<T>(field: &'static str, count: usize) -> Result<Vec<T>, FormatEr
 /// A vector of `count` elements, all `value`.
 ///
 /// # Errors
-/// Same as [`reserved`].
+/// Returns an error if the allocation fails; `field` names the data that needs it.
 pub fn filled<T: Clone>(field: &'static str, count: usize, value: T) -> Result<Vec<T>, FormatError> {
     let mut vector = reserved(field, count)?;
     vector.resize(count, value);
@@ -37,7 +37,7 @@ pub fn push_within<T>(vector: &mut Vec<T>, element: T, most: usize, field: &'sta
 
 fn missing<T>(field: &'static str, count: usize) -> FormatError {
     let size = summary((count as u64).saturating_mul(size_of::<T>() as u64));
-    FormatError::whole(field, format!("{count}, which take {size}"), "as much as fits in memory")
+    FormatError::whole(field, format!("{count} take {size}"), "a size that fits in memory").problem()
 }
 
 /// Formats a number of bytes with a binary unit.
@@ -59,7 +59,7 @@ mod tests {
     fn failed_allocations_are_errors() {
         assert_eq!(filled("cells", 3, 1u8).unwrap(), [1; 3]);
         let error = filled("cells", 1 << 50, [0f32; 4]).unwrap_err().to_string();
-        let expected = "cells: found 1125899906842624, which take 16.00 PiB, expected as much as fits in memory";
+        let expected = "cells: 1125899906842624 take 16.00 PiB; expected a size that fits in memory";
         assert_eq!(error, expected);
         assert!(reserved::<u64>("cells", usize::MAX).is_err());
         let mut vector = vec![0u8; 2];

@@ -14,7 +14,7 @@ pub struct Symmetry {
 }
 
 impl Symmetry {
-    /// No known symmetry.
+    /// No known symmetry: the value at each direction pair may differ.
     pub const NONE: Self = Self { isotropic: false, mirror: false, reciprocal: false };
     /// All symmetries: an isotropic, mirror-symmetric and reciprocal material.
     pub const FULL: Self = Self { isotropic: true, mirror: true, reciprocal: true };

@@ -18,8 +18,8 @@ use std::time::Instant;
 
 /// Precompute a map of how fast a material, an environment or a texture varies.
 ///
-/// Renderers use such maps to decide where, and how finely, to shade; formats/src/bandwidth/spec.md describes the layout.
-/// Prints the largest and the mean bandwidth.
+/// Renderers use such maps to decide where, and how finely, to shade; formats/src/bandwidth/spec.md describes the
+/// layout. Prints the largest and the mean bandwidth.
 #[derive(Debug, Args)]
 #[command(after_help = "\
 Examples:
@@ -27,7 +27,8 @@ Examples:
   brdfc bandwidth museum.exr -o museum.bandwidth.ktx2 --rendering museum.png
   brdfc bandwidth cloth.png -o cloth.bandwidth.ktx2 --size 0.3x0.2 --json")]
 pub struct Arguments {
-    /// A material (path, or synth:MODEL?param=value&...), an environment (.exr, .hdr) or a texture (.png, .jpg); - for stdin.
+    /// A material (path, or synth:MODEL?param=value&...), an environment (.exr, .hdr) or a texture (.png, .jpg); - for
+    /// stdin.
     input: Input,
     /// The map to write, or - for stdout.
     #[arg(long, short, value_name = "MAP.ktx2", value_parser = output_parser())]
@@ -35,17 +36,19 @@ pub struct Arguments {
     /// Kind of the input, if its extension does not tell.
     #[arg(long, value_enum)]
     kind: Option<Kind>,
-    /// Pixels per side at which each lobe of a material is transformed: a power of two from 32 to 1024 (default: 64). With auto,
-    /// the program doubles it, up to 256, while highlights are narrower than the resolution shows. A note reports values that it limits.
+    /// Pixels per side at which each lobe of a material is transformed: a power of two from 32 to 1024 (default: 64).
+    /// With auto, the program doubles it, up to 256, while highlights are narrower than the resolution shows. A note
+    /// reports values that it limits.
     #[arg(long, value_name = "N|auto", allow_hyphen_values = true)]
     resolution: Option<String>,
-    /// Threshold: ignore coefficients whose sum is below this fraction of the largest one, 0.0001 to 0.1.
-    #[arg(long, value_name = "E", default_value_t = DEFAULT_EPSILON)]
+    /// Threshold: ignore coefficients whose sum is below this fraction of the largest one, 0.0001 to 0.1 (default:
+    /// 0.01).
+    #[arg(long, value_name = "E", default_value_t = DEFAULT_EPSILON, hide_default_value = true)]
     epsilon: f64,
     /// Width and height of a texture in metres, such as 0.3x0.2, each 1e-6 to 1e6. Required for textures.
     #[arg(long, value_name = "WxH", allow_hyphen_values = true)]
     size: Option<String>,
-    /// Treat the texture as one that does not repeat, and ignore everything beyond its border.
+    /// Ignore everything beyond the border of a texture, which then does not repeat.
     #[arg(long)]
     no_tile: bool,
     /// Also write the map as an image, from dark (at most 1/256 of the largest value) to pale yellow.
@@ -142,9 +145,9 @@ fn recipe(arguments: &Arguments) -> Result<bandwidth::Kind, Error> {
         Some(false) => Kind::Texture,
     });
     if (kind == Kind::Brdf) != radiance.is_none() {
-        let found = if radiance.is_none() { "no image" } else { "an image" };
+        let found = if radiance.is_none() { "a material" } else { "an image" };
         let allowed = "brdf for materials, environment or texture for .exr, .hdr, .png and .jpg";
-        return usage(format!("--kind: found {} of {found}, expected {allowed}", format!("{kind:?}").to_lowercase()));
+        return usage(format!("--kind: found {} for {found}, expected {allowed}", format!("{kind:?}").to_lowercase()));
     }
     if kind != Kind::Brdf && arguments.resolution.is_some() {
         return usage("--resolution does not apply to images, only to materials".to_owned());
@@ -171,10 +174,12 @@ fn recipe(arguments: &Arguments) -> Result<bandwidth::Kind, Error> {
 /// Parses `--size`: width and height of a texture in metres.
 fn metres(arguments: &Arguments) -> Result<[f64; 2], Error> {
     let side = |part: &str| part.parse::<f64>().ok().filter(|side| (1e-6..=1e6).contains(side));
-    let found = arguments.size.as_deref().unwrap_or("none");
-    found.split_once(['x', 'X']).and_then(|(width, height)| Some([side(width)?, side(height)?])).ok_or_else(|| {
-        Error::usage(format!("--size: found {found}, expected WIDTHxHEIGHT of the texture in metres, 1e-6 to 1e6"))
-    })
+    let allowed = "WIDTHxHEIGHT of the texture in metres, 1e-6 to 1e6";
+    let Some(found) = arguments.size.as_deref() else {
+        return Err(Error::usage(format!("--size: required for textures; expected {allowed}")));
+    };
+    let sides = found.split_once(['x', 'X']).and_then(|(width, height)| Some([side(width)?, side(height)?]));
+    sides.ok_or_else(|| Error::wrong_usage("--size", found, allowed))
 }
 
 pub(super) fn run(arguments: &Arguments, common: Common) -> Result<(), Error> {

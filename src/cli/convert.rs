@@ -14,9 +14,9 @@ use std::path::{Path, PathBuf};
 /// Convert a material or a pack to a file format of other programs, and measure the error.
 ///
 /// The extension selects the format. .binary is a MERL table for isotropic materials; most readers expect 90 x 90 x 180
-/// values. .bsdf is a material of the RGL database in RGB, which Mitsuba's 'measured' reads. .csv is a list of direction pairs
-/// with values. The program reads the written file back and compares it with the input at the pairs at which packs are
-/// measured.
+/// values. .bsdf is a material of the RGL database in RGB, which Mitsuba's 'measured' reads. .csv is a list of
+/// direction pairs with values. The program reads the written file back and compares it with the input at the pairs at
+/// which packs are measured.
 #[derive(Debug, Args)]
 #[command(after_help = "\
 Examples:
@@ -27,14 +27,14 @@ Examples:
 pub struct Arguments {
     /// A material or a pack: a path, - for stdin, or synth:MODEL?param=value&...
     input: Input,
-    /// The file to write: .binary, .bsdf or .csv.
+    /// The file to write: .binary, .bsdf or .csv, or - for a MERL table on stdout.
     #[arg(long, short, value_name = "FILE", value_parser = output_parser())]
     output: PathBuf,
-    /// Samples of a MERL table along theta_h, theta_d and phi_d (default: 90x90x180).
+    /// Samples of a MERL table along theta_h, theta_d and phi_d, each 1 to 4096 (default: 90x90x180).
     #[arg(long, value_name = "HxDxP", allow_hyphen_values = true)]
     dimensions: Option<String>,
-    /// Incoming polar angles, outgoing polar angles and outgoing azimuths of a list, each 2 to 1000 (default: 12x24x48). Polar
-    /// angles range from 0 to 85 degrees. Isotropic materials have 1 incoming azimuth, others 8.
+    /// Incoming polar angles, outgoing polar angles and outgoing azimuths of a list, each 2 to 1000 (default:
+    /// 12x24x48). Polar angles range from 0 to 85 degrees. Isotropic materials have 1 incoming azimuth, others 8.
     #[arg(long, value_name = "IxOxA", allow_hyphen_values = true)]
     grid: Option<String>,
 }

@@ -1,6 +1,6 @@
 //! `brdfc encode`: encodes one material as a pack.
 
-use super::options::PackOptions;
+use super::options::{PackOptions, by_flags};
 use super::output::{json_or, note, output_parser, print_report, refuse_unfit_output};
 use super::progress::Materials;
 use super::{Common, Error};
@@ -59,8 +59,9 @@ pub(super) fn run(arguments: &Arguments, common: Common) -> Result<(), Error> {
     let part = progress.part(&name);
     let clock = StageClock::new(part.as_ref());
     clock.stage(Stage::Read, 1)?;
-    let material = brdfc::open(&arguments.input)?;
-    let pack = material.encode_closest(request, &clock)?;
+    let named = |error: Error| by_flags(error).prefixed(&arguments.input);
+    let material = brdfc::open(&arguments.input).map_err(|error| of_folder(&arguments.input, error))?;
+    let pack = material.encode_closest(request, &clock).map_err(named)?;
     clock.stage(Stage::Write, 1)?;
     pack.write(&arguments.output)?;
     let stages = clock.finish();
@@ -69,7 +70,7 @@ pub(super) fn run(arguments: &Arguments, common: Common) -> Result<(), Error> {
     let report = pack.report().clone();
     let of_trials: Vec<f64> =
         stages.iter().filter(|stage| stage.stage == Stage::Try.name()).map(|stage| stage.seconds).collect();
-    let missed = pack.missed().map(Error::check);
+    let missed = pack.missed().map(Error::check).map(named);
     for line in remarks(&report) {
         note(common, &arguments.input, &line);
     }
@@ -84,4 +85,12 @@ pub(super) fn run(arguments: &Arguments, common: Common) -> Result<(), Error> {
     let report = Report { version: 2, input: material.facts().clone(), report, gates: pack.gates().to_vec(), stages };
     print_report(common, &arguments.output, &json_or(common, &report, text))?;
     missed.map_or(Ok(()), Err)
+}
+
+/// Names the command for folders in the error of a folder.
+fn of_folder(input: &Input, error: Error) -> Error {
+    // RTI captures and BTFs, which are folders too, have errors of their own.
+    let is_folder = input.path().is_some_and(|path| path.is_dir()) && error.message().ends_with("a file or a pipe");
+    let text = format!("{error}; use 'brdfc build' for a folder");
+    if is_folder { error.with_message(text) } else { error }
 }

@@ -4,20 +4,20 @@ use super::inputs::refuse_stdin_twice;
 use super::output::{as_flag, note_directions, note_repairs, output_parser, print, refuse_unfit_output, write_file};
 use super::{Common, Error};
 use brdfc::Input;
-use brdfc::evaluate::{Relightable, check_level, open_level, pairs_from_csv, texels_from_bytes, values_at};
+use brdfc::evaluate::{Relightable, check_level, delimiter, open_level, pairs_from_csv, texels_from_bytes, values_at};
 use brdfc_terminal::words::format_number;
 use clap::Args;
 use std::path::{Path, PathBuf};
 
 /// Evaluate a source or pack at direction pairs.
 ///
-/// The CSV has a header with wi_x,wi_y,wi_z,wo_x,wo_y,wo_z: unit vectors in the frame x = tangent, y = bitangent, z = normal.
-/// The output has the same columns, followed by f_r,f_g,f_b (1/sr, linear RGB), which replace existing columns of these names.
-/// Scans are smoothed at the requested directions, and packs are filtered bilinearly.
+/// The CSV has a header with wi_x,wi_y,wi_z,wo_x,wo_y,wo_z: unit vectors in the frame x = tangent, y = bitangent, z =
+/// normal. The output has the same columns, followed by f_r,f_g,f_b (1/sr, linear RGB), which replace existing columns
+/// of these names. Scans are smoothed at the requested directions, and packs are filtered bilinearly.
 ///
-/// For a polynomial wavelet tree ('brdfc pwt') or a flat BTF, the CSV also has positions: u,v (0 to 1, across and down),
-/// wi_x,wi_y,wi_z and, for a flat BTF, wo_x,wo_y,wo_z. The v of a flat BTF is 1 minus the v of its shader. The output
-/// columns are r,g,b (linear, 1 is white).
+/// For a polynomial wavelet tree ('brdfc pwt') or a flat BTF, the CSV also has positions: u,v (0 to 1, across and
+/// down), wi_x,wi_y,wi_z and, for a flat BTF, wo_x,wo_y,wo_z. The v of a flat BTF is 1 minus the v of its shader. The
+/// output columns are r,g,b (linear, 1 is white).
 #[derive(Debug, Args)]
 #[command(after_help = "\
 Examples:
@@ -34,7 +34,7 @@ pub struct Arguments {
     /// Output file, or - for stdout (default: stdout).
     #[arg(long, short, value_name = "OUT.csv", value_parser = output_parser())]
     output: Option<PathBuf>,
-    /// Level of detail of a pack, from 0 (coarsest) to its number of levels (finest, the default).
+    /// Level of detail of a pack, from 0 (coarsest) to the number of levels of the pack (default: the finest).
     #[arg(long, value_name = "L")]
     lod: Option<f32>,
 }
@@ -98,8 +98,10 @@ fn appended<'a, T: ToString + 'a>(
     columns: [&str; 3],
     values: impl Iterator<Item = &'a [T; 3]>,
 ) -> Result<String, csv::Error> {
-    let mut reader = csv::ReaderBuilder::new().trim(csv::Trim::All).comment(Some(b'#')).from_reader(bytes);
-    let mut writer = csv::Writer::from_writer(Vec::new());
+    let delimiter = delimiter(bytes);
+    let mut reader = csv::ReaderBuilder::new();
+    let mut reader = reader.delimiter(delimiter).trim(csv::Trim::All).comment(Some(b'#')).from_reader(bytes);
+    let mut writer = csv::WriterBuilder::new().delimiter(delimiter).from_writer(Vec::new());
     let found = reader.headers()?.clone();
     // Existing value columns come from another source. Readers take the first of two columns with one name, so drop them.
     let retained: Vec<bool> = found.iter().map(|name| !columns.contains(&name)).collect();

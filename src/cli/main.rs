@@ -32,8 +32,8 @@ use brdfc_terminal::{Common, Error, Flags, directions, inputs, output, run_progr
 use clap::{CommandFactory as _, Parser, Subcommand};
 use std::process::ExitCode;
 
-/// Compiles measured appearance (MERL, RGL, ALTA, gonioreflectometer scans) into packed GPU textures, each with its
-/// measured error.
+/// Compiles measured appearance (BRDFs from MERL, RGL, ALTA and goniometer scans, BTFs, RTI captures) into packed GPU
+/// textures, each with its measured error.
 #[derive(Debug, Parser)]
 #[command(name = "brdfc", version, max_term_width = 110, after_help = after_help())]
 struct Cli {
@@ -95,28 +95,36 @@ const EXAMPLES: &str = "\
 Examples:
   brdfc build scene.toml                              build the packs of a scene
   brdfc build scans --max-delta-e 1                   the smallest packs of a folder of scans
-  brdfc watch scene.toml                              rebuild them when an input changes
+  brdfc watch scene.toml                              rebuild the packs when an input changes
   brdfc encode red-plastic.binary -o red.ktx2         the smallest pack without visible error
   brdfc encode paint.brdf -o paint.ktx2 --max-error 0.02
   brdfc compare paint.brdf paint.ktx2                 measure the error of the pack
   brdfc info paint.ktx2
-  brdfc convert paint.brdf -o paint.binary            convert it for other programs
-  brdfc render paint.ktx2 -o paint.png                draw it with the shaders that engines use
-  brdfc view paint.ktx2 paint.brdf -o paint.html      a page that draws it next to its source
+  brdfc convert paint.brdf -o paint.binary            convert the scan for other programs
+  brdfc render paint.ktx2 -o paint.png                draw the pack with the shaders of engines
+  brdfc view paint.ktx2 paint.brdf -o paint.html      a page that draws the pack next to its source
   brdfc report packs -o report.html                   a page of renderings, errors and checks
   brdfc verify packs                                  check that every file is intact
   brdfc flatten synth:button -o button                the flat BTF of a surface with relief
   brdfc pwt icon -o icon.ktx2                         an RTI capture as a pack that can be relit
-  brdfc bandwidth museum.exr -o museum.ktx2           a map of how fast it varies
+  brdfc bandwidth museum.exr -o museum.ktx2           a map of how fast the environment varies
   brdfc samples red-plastic.binary -o red.samples.ktx2
   brdfc shader table --language essl300               the decoder for an engine
 
-INPUT is a path, - for standard input, or an analytic model such as synth:ward?kd=0.2&ks=0.1&ax=0.15&ay=0.5 ('brdfc synth --help' lists them).
+INPUT is a path, - for stdin, or an analytic model such as 'synth:ward?ax=0.15&ay=0.5'.
+'brdfc synth --help' lists the models.
 ";
 
 const EXIT_CODES: &str = "\
-Exit codes: 0 done; 1 a check failed (error budget missed, comparison differs); 2 wrong usage; 3 invalid input;
-4 cannot read or write; 5 no usable graphics adapter; 6 internal error; 130 interrupted.";
+Exit codes:
+  0    done
+  1    a check failed (limit missed, comparison differs)
+  2    wrong usage
+  3    invalid input
+  4    cannot read or write
+  5    no usable graphics adapter
+  6    internal error
+  130  interrupted";
 
 /// Help below the list of commands.
 fn after_help() -> String {
@@ -130,9 +138,16 @@ fn command() -> clap::Command {
         .mut_subcommands(|command| command.mut_args(usage::with_negatives));
     // `--max-delta-e` of `render` checks the rendering, so the encoding option gets another name there.
     #[cfg(feature = "render")]
-    let command = command
-        .mut_subcommand("render", |command| command.mut_arg("pack_delta_e", |argument| argument.long("pack-delta-e")));
+    let command = command.mut_subcommand("render", |command| command.mut_arg("pack_delta_e", pack_delta_e));
     command
+}
+
+/// The encoding option `--max-delta-e`, as `render` has it.
+#[cfg(feature = "render")]
+fn pack_delta_e(argument: clap::Arg) -> clap::Arg {
+    let help = argument.get_help().map(ToString::to_string).unwrap_or_default();
+    let missed = "If no pack meets the limit, the program draws the closest pack and prints a note, with exit code 0";
+    argument.long("pack-delta-e").help(format!("{help}. {missed}"))
 }
 
 fn main() -> ExitCode {

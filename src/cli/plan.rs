@@ -11,27 +11,27 @@ use std::path::{Path, PathBuf};
 
 /// Print a build as a graph of jobs, for engines that run such graphs on many machines.
 ///
-/// The graph has a job for each material and part, which writes its result to the store of the output folder (.brdfc-cache),
-/// and a final job that moves all results into place. The result is identical to that of one 'brdfc build', byte for byte. Paths
-/// are relative to the current folder and must be UTF-8.
+/// The graph has a job for each material and part, which writes its result to the store of the output folder
+/// (.brdfc-cache), and a final job that moves all results into place. A single 'brdfc build' gives the same result,
+/// byte for byte. Paths are relative to the current folder and must be UTF-8.
 #[derive(Debug, Args)]
 #[command(after_help = "\
 Examples:
   brdfc plan scene.toml --format ninja > build.ninja && ninja
   brdfc plan scene.toml --format json")]
 pub struct Arguments {
-    /// Inputs of 'brdfc build', without its options: a manifest, or files, folders and patterns of measured materials, and synth:
-    /// addresses.
+    /// Inputs of 'brdfc build', without its options: a manifest, or files, folders and patterns of measured materials,
+    /// and synth: addresses.
     #[arg(value_name = "SCENE.toml|DIR|FILE", required = true)]
     inputs: Vec<OsString>,
-    /// Folder for packs and reports.
-    #[arg(long, short, value_name = "DIR", default_value = Build::DEFAULT_FOLDER)]
+    /// Folder for packs and reports (default: packs).
+    #[arg(long, short, value_name = "DIR", default_value = Build::DEFAULT_FOLDER, hide_default_value = true)]
     out: PathBuf,
     /// Format of the output; --json requires json.
     #[arg(long, value_enum)]
     format: Format,
-    /// Path with which jobs call this program, if it is not in the PATH.
-    #[arg(long, value_name = "PATH", default_value = "brdfc")]
+    /// Path with which jobs call this program, if it is not in the PATH (default: brdfc).
+    #[arg(long, value_name = "PATH", default_value = "brdfc", hide_default_value = true)]
     program: OsString,
 }
 
@@ -58,7 +58,7 @@ pub(super) fn run(arguments: &Arguments, common: Common) -> Result<(), Error> {
     in_commands("--out", arguments.out.as_os_str())?;
     let build = Build::from_inputs(&arguments.inputs)?;
     tell_left_out(&build, common);
-    let plan = build.plan()?;
+    let plan = super::build_scene::plan(&build)?;
     let places = Places { program, inputs, manifest: build.manifest().map(Path::to_owned), out: arguments.out.clone() };
     let graph = Graph::new(&plan, &places);
     match arguments.format {

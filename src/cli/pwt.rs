@@ -8,6 +8,7 @@ use brdfc::relight::{
     StackErrors, Target, Wavelet, any_above_white, make, make_map, recipe_of_map,
 };
 use brdfc::{ErrorKind, Input};
+use brdfc_terminal::usage::share;
 use brdfc_terminal::values::{any_whole_number, bytes_from_text, one_of};
 use clap::Args;
 use clap::builder::{PossibleValuesParser, TypedValueParser};
@@ -15,12 +16,13 @@ use serde::Serialize;
 use std::path::PathBuf;
 use std::time::Instant;
 
-/// Make a polynomial wavelet tree: photographs of one view under known lights, as a pack that can be relit from any direction.
+/// Make a polynomial wavelet tree: photographs of one view under known lights, as a pack that can be relit from any
+/// direction.
 ///
-/// INPUT is a folder of photographs with a list of lights (.lp), the list itself, one view of a BTF (a folder of images or a .btf
-/// file) or of a flat BTF, or a polynomial texture map (.ptm). By default, cross-validation at lights outside the fit selects
-/// coordinates, degree, smoothness and scale, and each term gets the resolution that it needs. If the output is a .ptm, the
-/// program fits a polynomial texture map instead, for viewers that do not read packs.
+/// INPUT is a folder of photographs with a list of lights (.lp), the list itself, one view of a BTF (a folder of images
+/// or a .btf file) or of a flat BTF, or a polynomial texture map (.ptm). By default, cross-validation at held-out
+/// lights selects coordinates, degree, smoothness and scale, and each term gets the resolution that it needs. If the
+/// output is a .ptm, the program fits a polynomial texture map instead, for viewers that do not read packs.
 #[derive(Debug, Args)]
 #[command(after_help = "\
 Examples:
@@ -36,35 +38,35 @@ pub struct Arguments {
     /// The pack (.ktx2) or polynomial texture map (.ptm) to write, or - for a pack on stdout.
     #[arg(long, short, value_name = "PACK.ktx2|MAP.ptm", value_parser = output_parser())]
     output: PathBuf,
-    /// Minimum signal-to-noise ratio, in dB, of 8-bit sRGB levels.
+    /// Minimum PSNR of 8-bit sRGB levels, 0 to 200 dB.
     #[arg(long, value_name = "DB", group = "target")]
     quality: Option<f64>,
-    /// Maximum mean ΔE (CIE76).
+    /// Maximum mean ΔE (CIE76), 0 to 1000.
     #[arg(long, value_name = "E", group = "target")]
     max_delta_e: Option<f64>,
     /// Maximum bytes on a GPU, including mipmaps: a number, optionally with KiB or MiB.
     #[arg(long, value_name = "BYTES", group = "target", value_parser = bytes_from_text)]
     max_bytes: Option<u64>,
     /// Minimum fraction of the squared error that terms and details remove, 0 to 1.
-    #[arg(long, value_name = "SHARE", group = "target")]
+    #[arg(long, value_name = "SHARE", group = "target", value_parser = share)]
     energy: Option<f64>,
-    /// Maximum loss in dB at unseen lights from dropping terms and details (default: 0.3).
+    /// Maximum loss of PSNR at held-out lights from dropping terms and details, 0 to 100 dB (default: 0.3).
     #[arg(long, value_name = "DB", group = "target")]
     loss: Option<f64>,
-    /// View of a BTF, from 0 (default: 0).
+    /// View of a BTF, 0 to the number of views - 1 (default: 0).
     #[arg(long, value_name = "V", value_parser = any_whole_number::<usize>("0 to the number of views - 1"))]
     view: Option<usize>,
-    /// Treat the images as tiles that repeat, as those of BTFs are.
+    /// Treat the images as tiles that repeat, like the images of BTFs.
     #[arg(long)]
     tile: bool,
-    /// Coordinates of the light in which the terms are polynomials: the paraboloid, its x and y, or harmonics of the hemisphere
-    /// (default: the best).
+    /// Coordinates of the light in which the terms are polynomials: the paraboloid, its x and y, or harmonics of the
+    /// hemisphere (default: the best).
     #[arg(long, value_name = "NAME", value_parser = names(&LightCoordinates::ALL, LightCoordinates::name))]
     coordinates: Option<LightCoordinates>,
     /// Highest degree, 0 to 5 (default: the best).
     #[arg(long, value_name = "D", value_parser = any_whole_number::<u32>("0 to 5"))]
     degree: Option<u32>,
-    /// Smoothness of the fit between the lights: a ridge penalty, 0 or more (default: the best).
+    /// Smoothness of the fit between the lights: a ridge penalty, 0 to 1000000 (default: the best).
     #[arg(long, value_name = "L")]
     ridge: Option<f64>,
     /// Scale of the fitted values (default: the best).
@@ -79,13 +81,20 @@ pub struct Arguments {
     /// Maximum number of further splits of details, each made only if it costs fewer bits, 0 to 4 (default: 1).
     #[arg(long, value_name = "N", value_parser = any_whole_number::<u32>("0 to 4"))]
     packets: Option<u32>,
-    /// Number of lights to exclude from the fit and to measure at.
-    #[arg(long, value_name = "N", default_value_t = 0, value_parser = any_whole_number::<usize>("0 to the number of lights - 1"))]
+    /// Number of lights to hold out of the fit, 0 to the number of lights - 1 (default: 0). The report includes the
+    /// errors at held-out lights.
+    #[arg(
+        long,
+        value_name = "N",
+        default_value_t = 0,
+        hide_default_value = true,
+        value_parser = any_whole_number::<usize>("0 to the number of lights - 1")
+    )]
     hold_out: usize,
-    /// Seed of the permutation that selects the excluded lights.
-    #[arg(long, value_name = "SEED", default_value_t = 0, requires = "hold_out")]
+    /// Seed of the permutation that selects the held-out lights, 0 or more (default: 0).
+    #[arg(long, value_name = "N", default_value_t = 0, hide_default_value = true, requires = "hold_out")]
     seed: u64,
-    /// Layout of a .ptm.
+    /// Layout of a .ptm (default: rgb).
     #[arg(long, value_parser = one_of(&MODELS))]
     model: Option<MapModel>,
     /// Store texels uncompressed, without Zstandard.
@@ -94,7 +103,7 @@ pub struct Arguments {
 }
 
 const MODELS: [(&str, MapModel, &str); 2] = [
-    ("rgb", MapModel::Rgb, "One polynomial per channel (default)"),
+    ("rgb", MapModel::Rgb, "One polynomial per channel"),
     ("lrgb", MapModel::Lrgb, "One polynomial, multiplied by a colour"),
 ];
 
@@ -127,7 +136,7 @@ enum Made {
     Pwt(PwtReport),
     /// A polynomial texture map.
     Ptm {
-        /// Its layout.
+        /// Layout of the map.
         model: MapModel,
         /// Columns and rows.
         size: [u32; 2],
@@ -212,18 +221,19 @@ pub(super) fn run(arguments: &Arguments, common: Common) -> Result<(), Error> {
     let input = LightInput::open(&arguments.input, arguments.view)?;
     let of_map = matches!(input, LightInput::Map(_));
     if matches!(input, LightInput::Pack(_)) && !is_map {
-        let text = format!("{}: found a pack, expected an --output that ends in .ptm", arguments.input);
+        let text = format!("{}: already a pack; choose an --output that ends in .ptm", arguments.input);
         return Err(Error::usage(text));
     }
     let photographs = matches!(input, LightInput::Photographs(_));
     let count = if let LightInput::Photographs(samples) = &input { samples.lights.len() } else { 0 };
     let mut samples = input.into_samples();
     if samples.lights.len() < count {
-        let text = format!("{count} photographs of {} lights: those of one light are averaged", samples.lights.len());
+        let lights = samples.lights.len();
+        let text = format!("{count} photographs of {lights} lights: photographs of one light are averaged");
         note(common, &arguments.input, &text);
     }
     if photographs && any_above_white(&samples) {
-        note(common, &arguments.input, "the fit includes values above 1 (white); the dB treat them as 1");
+        note(common, &arguments.input, "the fit includes values above 1 (white); the PSNR treats them as 1");
     }
     samples.repeats |= arguments.tile;
     let read = start.elapsed().as_secs_f64();
@@ -248,7 +258,7 @@ pub(super) fn run(arguments: &Arguments, common: Common) -> Result<(), Error> {
     let report = PwtReport::new(&made, recipe.target, bytes.len());
     let missed = made.missed(recipe.target).map(|why| missed(&recipe, &report, &why));
     if !report.met {
-        note(common, &arguments.input, "no pack meets the target; wrote the best one");
+        note(common, &arguments.input, "no pack meets the target; wrote the best pack");
     }
     let text = summary(&report, seconds);
     let report = Report { version: 1, made: Made::Pwt(report), seconds };
@@ -264,20 +274,22 @@ fn of_input(input: &Input, error: Error) -> Error {
 fn missed(recipe: &PwtRecipe, report: &PwtReport, why: &Missed) -> String {
     let held_out = report.held_out.as_ref().filter(|_| *why == Missed::HeldOut);
     let (psnr, delta_e) = held_out.map_or((report.psnr, report.delta_e), |held| (held.psnr, held.delta_e));
-    let at = if held_out.is_some() { " at lights that were held out" } else { "" };
+    let at = if held_out.is_some() { " at held-out lights" } else { "" };
     if let Missed::Nothing(nothing) = why {
-        return format!("photographs: found {nothing}");
+        return format!("photographs: {nothing}");
     }
     match recipe.target {
         Target::Quality(least) => {
-            format!("quality{at}: found {} dB, expected at least {least} dB", table::apart(psnr, least))
+            format!("--quality: found {} dB{at}, expected at least {least} dB", table::apart(psnr, least))
         }
         Target::DeltaE(limit) => {
-            format!("mean ΔE{at}: found {}, expected at most {limit}", table::apart(delta_e, limit))
+            format!("--max-delta-e: found a mean ΔE of {}{at}, expected at most {limit}", table::apart(delta_e, limit))
         }
-        Target::Bytes(bytes) => format!("bytes on a GPU: found {}, expected at most {bytes}", report.bytes_on_gpu),
-        Target::Energy(share) => format!("energy: found less with all terms and details, expected at least {share}"),
-        Target::Loss(loss) => format!("loss: found more than {loss} dB, expected at most {loss} dB"),
+        Target::Bytes(bytes) => format!("--max-bytes: found {} bytes, expected at most {bytes}", report.bytes_on_gpu),
+        Target::Energy(share) => {
+            format!("--energy: all terms and details remove less than {share} of the squared error; use a lower value")
+        }
+        Target::Loss(loss) => format!("--loss: the best pack loses more than {loss} dB; use a higher value"),
     }
 }
 
@@ -315,7 +327,7 @@ fn summary(report: &PwtReport, seconds: Seconds) -> String {
             decimals(c.held_out_psnr),
         ]
     });
-    let mut text = table::plain(&["scale", "coordinates", "degree", "ridge", "dB", "dB unseen"], tried);
+    let mut text = table::plain(&["scale", "coordinates", "degree", "ridge", "dB", "dB held out"], tried);
     text.push('\n');
     let level = |level: &LevelReport| {
         let textures = report.textures.iter().find(|texture| texture.level == level.level);

@@ -18,11 +18,12 @@ use std::path::{Path, PathBuf};
 
 /// Write a page about the packs in a folder, or about a flat BTF: renderings, errors, checks.
 ///
-/// The page is a single HTML file that works without a network and without scripts. Its figures are written next to it, under
-/// its name with .csv and .json. The CPU's decoder draws the renderings. Packs are compared with their sources if these are
-/// still where the build found them.
+/// The page is a single HTML file that works without a network and without scripts. The program writes the figures next
+/// to the page, as .csv and .json files of the same name. The CPU's decoder draws the renderings. The page compares
+/// packs with their sources if the sources are still where the build found them.
 ///
-/// With --against, the page begins with the figures that got worse since an earlier build, and the exit code is 1 if any did.
+/// With --against, the page begins with the figures that got worse since an earlier build, if any; the exit code is
+/// then 1.
 ///
 /// Schemas of --json: 'report'; 'flat-btf' for a flat BTF.
 #[derive(Debug, Args)]
@@ -36,21 +37,22 @@ pub struct Arguments {
     /// The folder that 'brdfc build' filled, or the report.json in it; a flat BTF, or its folder.
     #[arg(value_name = "DIR")]
     folder: PathBuf,
-    /// The page to write: .html.
+    /// The page to write: .html or .htm.
     #[arg(long, short, value_name = "REPORT.html")]
     output: PathBuf,
     /// Builds only: also write an image of all materials, with labels and the colour scale of differences: source, pack
     /// and ΔE.
     #[arg(long, value_name = "IMAGE.png")]
     sheet: Option<PathBuf>,
-    /// Also write a page that draws all packs in a browser, as 'brdfc view' does, and link to it; in the folder of the main page.
+    /// Also write a page that draws all packs in a browser, as 'brdfc view' does, and link to it; in the folder of the
+    /// main page.
     #[arg(long, value_name = "VIEW.html")]
     view: Option<PathBuf>,
     /// Builds only: compare with an earlier build, given by its report.json or folder.
     #[arg(long, value_name = "OLD")]
     against: Option<PathBuf>,
-    /// Tolerance of --against: the fraction or percentage by which a figure may be worse, 0.05 or 5%.
-    #[arg(long, value_name = "SHARE", default_value = "2%", requires = "against")]
+    /// Tolerance of --against: the fraction or percentage by which a figure may be worse, 0.05 or 5% (default: 2%).
+    #[arg(long, value_name = "SHARE", default_value = "2%", hide_default_value = true, requires = "against")]
     tolerance: Fraction,
 }
 
@@ -134,7 +136,7 @@ fn refuse_unfit_view(path: &Path, output: &Path, others: &[&Path]) -> Result<(),
     let is_same = path.file_name() == output.file_name();
     if !is_html(path) || is_same || folder != of_output {
         let found = path.display();
-        let allowed = "another name in the folder of the page, ending in .html";
+        let allowed = "another .html file in the folder of --output";
         return Err(Error::wrong_usage("--view", found, allowed));
     }
     refuse_overwriting("--view", path, others)
@@ -145,18 +147,16 @@ fn refuse_pages_over(output: &Path, figures: [&PathBuf; 2], inputs: &[&Path]) ->
     refuse_overwriting("--output", output, inputs)?;
     for path in figures {
         refuse_overwriting("--output", path, inputs).map_err(|_| {
-            Error::usage(format!(
-                "--output: found {}, whose figures would overwrite the input {}, expected another name or folder",
-                output.display(),
-                path.display()
-            ))
+            let (page, path) = (output.display(), path.display());
+            let text = format!("the figures of {page} would overwrite the input {path}; choose another name");
+            Error::usage(format!("--output: {text}"))
         })?;
     }
     refuse_missing_folder(output)
 }
 
-/// Rejects figures that would replace anything but those of an earlier page: `scan.csv` next to `scan.html` may be a
-/// measurement.
+/// Rejects figures that would replace any file except figures of an earlier page: `scan.csv` next to `scan.html` may be
+/// a measurement.
 fn refuse_other_figures(output: &Path, csv_path: &Path, json_path: &Path) -> Result<(), Error> {
     // The first column stays when others are added.
     let first = |header: &'static str| header.split_inclusive(',').next().unwrap_or_default();
@@ -171,10 +171,8 @@ fn refuse_other_figures(output: &Path, csv_path: &Path, json_path: &Path) -> Res
     for path in [csv_path, json_path] {
         if !is_own(path) {
             let (page, path) = (output.display(), path.display());
-            let text = format!(
-                "--output: found {page}, whose figures would be written over {path}, a file of another kind, expected another name"
-            );
-            return Err(Error::usage(text));
+            let text = format!("the figures of {page} would overwrite {path}, which no report made");
+            return Err(Error::usage(format!("--output: {text}; choose another name")));
         }
     }
     Ok(())

@@ -8,6 +8,7 @@ use super::{Common, Error};
 use crate::table;
 use brdfc::samples::{HalfGrid, ImportanceFacts, ImportanceRecipe, draw};
 use brdfc::{FormatError, Input, Tally};
+use brdfc_terminal::usage::share;
 use brdfc_terminal::values::any_whole_number;
 use clap::Args;
 use serde::Serialize;
@@ -16,9 +17,9 @@ use std::time::Instant;
 
 /// Precompute importance samples of a material's lobes, for rendering with few samples.
 ///
-/// For each outgoing direction, the pack contains half vectors drawn in proportion to reflectance times cosine, each with its
-/// density. A renderer may take any number of them, from any position in the list; formats/src/importance/spec.md
-/// describes the layout.
+/// For each outgoing direction, the pack contains half vectors drawn in proportion to reflectance times cosine, each
+/// with its density. A renderer may take any number of them, from any position in the list;
+/// formats/src/importance/spec.md describes the layout.
 #[derive(Debug, Args)]
 #[command(after_help = "\
 Examples:
@@ -31,24 +32,50 @@ pub struct Arguments {
     /// The pack to write, or - for stdout.
     #[arg(long, short, value_name = "SAMPLES.ktx2", value_parser = output_parser())]
     output: PathBuf,
-    /// Samples per outgoing direction, 1 to 8192.
-    #[arg(long, value_name = "M", default_value_t = ImportanceRecipe::default().samples, value_parser = any_whole_number::<u32>("1 to 8192"))]
+    /// Samples per outgoing direction, 1 to 8192 (default: 1024).
+    #[arg(
+        long,
+        value_name = "M",
+        default_value_t = ImportanceRecipe::default().samples,
+        hide_default_value = true,
+        value_parser = any_whole_number::<u32>("1 to 8192")
+    )]
     count: u32,
     /// Polar angles of the outgoing direction, 1 to 1024 (default: 64 for isotropic materials, 32 for others).
     #[arg(long, value_name = "P", value_parser = any_whole_number::<u32>("1 to 1024"))]
     polar: Option<u32>,
-    /// Azimuths of the outgoing direction, a multiple of 4 up to 256 (default: 16). Isotropic materials have one.
+    /// Azimuths of the outgoing direction, a multiple of 4 up to 256 (default: 16). Isotropic materials have one
+    /// azimuth.
     #[arg(long, value_name = "A", value_parser = any_whole_number::<u32>("a multiple of 4 up to 256"))]
     azimuths: Option<u32>,
-    /// Rings of the table of half vectors that is inverted, 1 to 4096, with finer spacing near the normal.
-    #[arg(long, value_name = "N", default_value_t = HalfGrid::DEFAULT.polar, value_parser = any_whole_number::<usize>("1 to 4096"))]
+    /// Rings of the table of half vectors that is inverted, 1 to 4096, with finer spacing near the normal (default:
+    /// 128).
+    #[arg(
+        long,
+        value_name = "N",
+        default_value_t = HalfGrid::DEFAULT.polar,
+        hide_default_value = true,
+        value_parser = any_whole_number::<usize>("1 to 4096")
+    )]
     rings: usize,
-    /// Cells per ring of this table, an even number from 2 to 4096.
-    #[arg(long, value_name = "N", default_value_t = HalfGrid::DEFAULT.azimuths, value_parser = any_whole_number::<usize>("an even number, 2 to 4096"))]
+    /// Cells per ring of this table, an even number from 2 to 4096 (default: 64).
+    #[arg(
+        long,
+        value_name = "N",
+        default_value_t = HalfGrid::DEFAULT.azimuths,
+        hide_default_value = true,
+        value_parser = any_whole_number::<usize>("an even number, 2 to 4096")
+    )]
     cells: usize,
-    /// Fraction of the samples that do not follow the lobe, above 0, up to 1. They bound the error where the table misses a
-    /// feature.
-    #[arg(long, value_name = "S", default_value_t = ImportanceRecipe::default().defensive)]
+    /// Fraction of the samples that do not follow the lobe, above 0, up to 1 (default: 0.1). They bound the error where
+    /// the table misses a feature.
+    #[arg(
+        long,
+        value_name = "SHARE",
+        default_value_t = ImportanceRecipe::default().defensive,
+        value_parser = share,
+        hide_default_value = true
+    )]
     defensive: f64,
 }
 

@@ -5,8 +5,9 @@ use super::output::{
 };
 use super::{Common, Error};
 use crate::table;
-use brdfc::Input;
 use brdfc::shader::{BrdfShader, EntryPoint, Interface, Language, PackKind, open_flat_btf, open_pack, shader};
+use brdfc::{ErrorKind, Input};
+use brdfc_terminal::words::{one_of, quoted};
 use clap::Args;
 use clap::builder::{PossibleValuesParser, TypedValueParser as _};
 use serde::Serialize;
@@ -16,10 +17,10 @@ use std::path::{Path, PathBuf};
 
 /// Write the shader that decodes a kind of pack, in the language of an engine.
 ///
-/// The output is code to paste into your own shader: declarations and functions. Comments at its top list the functions to call,
-/// the resources to bind, and the fields of the uniform block. SPIR-V cannot be pasted, so it is a compute shader that decodes
-/// a list of queries. With --json and without a file, the program prints only the functions and bindings. docs/engines has
-/// a page for each language.
+/// The output is code to paste into your own shader: declarations and functions. Comments at its top list the functions
+/// to call, the resources to bind, and the fields of the uniform block. SPIR-V cannot be pasted, so it is a compute
+/// shader that decodes a list of queries. With --json and without a file, the program prints only the functions and
+/// bindings. docs/engines has a page for each language.
 #[derive(Debug, Args)]
 #[command(after_help = "\
 Examples:
@@ -34,15 +35,14 @@ pub struct Arguments {
     /// Language of the shader.
     #[arg(long, short, value_parser = PossibleValuesParser::new(Language::ALL.map(Language::name)).map(|name| language(&name)))]
     language: Language,
-    /// The file to write (default: standard output).
+    /// The file to write, or - for stdout (default: stdout).
     #[arg(long, short, value_name = "FILE", value_parser = output_parser())]
     output: Option<PathBuf>,
 }
 
 /// Help for KIND.
 fn kinds() -> String {
-    let [others @ .., last] = PackKind::ALL.map(PackKind::name);
-    format!("{} or {last}; or a pack", others.join(", "))
+    format!("{}, or a pack", one_of(&PackKind::ALL.map(PackKind::name)))
 }
 
 /// Converts a name that clap has checked.
@@ -94,14 +94,14 @@ pub(super) fn run(arguments: &Arguments, common: Common) -> Result<(), Error> {
         if output.extension().is_some_and(|extension| extension == "ktx2") {
             let found = output.display();
             return Err(Error::usage(format!(
-                "--output: found {found}, which has the extension of packs, expected another extension"
+                "--output: {found} has the extension of packs; choose another extension"
             )));
         }
         refuse_missing_folder(output)?;
     }
     let decoder = decoder(&arguments.kind)?;
     if output.is_none() && !common.json && arguments.language == Language::Spirv && std::io::stdout().is_terminal() {
-        let text = "--output: found a terminal, expected a file or a pipe for SPIR-V, which is binary";
+        let text = "--output: SPIR-V is binary and is not printed on a terminal; choose a file or a pipe";
         return Err(Error::usage(text.to_owned()));
     }
     let shader = shader(decoder, arguments.language);
@@ -137,7 +137,7 @@ impl From<BrdfShader> for Brdf {
     }
 }
 
-/// Returns the named decoder, or that of a pack.
+/// Returns the named decoder, or the decoder of a pack.
 fn decoder(kind: &OsString) -> Result<PackKind, Error> {
     if let Some(decoder) = kind.to_str().and_then(PackKind::from_name) {
         return Ok(decoder);
@@ -146,15 +146,18 @@ fn decoder(kind: &OsString) -> Result<PackKind, Error> {
     // The argument may be the path of a missing file.
     let is_word = path.extension().is_none() && path.components().count() == 1;
     if is_word && !path.exists() {
-        let names = PackKind::ALL.map(PackKind::name).join(", ");
-        let found = path.display();
-        return Err(Error::usage(format!("KIND: found {found}, expected {names}, or a pack")));
+        return Err(Error::wrong_usage("KIND", quoted(&path.to_string_lossy()), kinds()));
     }
     if path.is_dir() {
         open_flat_btf(path)?;
         return Ok(PackKind::FlatBtf);
     }
-    Ok(open_pack(Input::File(path.to_owned()))?.kind())
+    open_pack(Input::File(path.to_owned())).map(|pack| pack.kind()).map_err(|error| {
+        let error = Error::from(error);
+        let is_pack = path.extension().is_some_and(|extension| extension == "ktx2");
+        let text = format!("{}: not a pack; expected {}", path.display(), kinds());
+        if is_pack || error.kind() != ErrorKind::Input { error } else { error.with_message(text) }
+    })
 }
 
 impl Report {

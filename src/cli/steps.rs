@@ -53,7 +53,7 @@ impl Progress for Steps<'_> {
         self.bar.reset();
         self.bar.set_length(steps as u64);
         if self.lines && steps > 1 {
-            tell(&format!("{name}: {steps} steps"));
+            tell(&format!("{name}: 0 of {steps}"));
         }
         self.check()
     }

@@ -7,15 +7,16 @@ use brdfc::synth::{
     Dimensions, MODELS, STRUCTURES, SYNTH_PREFIX, ScanPlan, Target, describe_models, describe_structures, file,
     split_query,
 };
+use brdfc_terminal::usage::share;
 use brdfc_terminal::values::whole_number;
 use clap::{Args, ValueEnum};
 use std::path::{Path, PathBuf};
 
 /// Write an analytic model as a measured file, or a structure as a mesh.
 ///
-/// The extension selects the format. .binary is a MERL table. .brdf and .csv are scattered scans with seeded noise, gaps and
-/// duplicates; .brdf has a spectrum of 31 bands with the model's colour. .obj and .ply contain one tile of a structure, with its
-/// tints as vertex colours.
+/// The extension selects the format. .binary is a MERL table. .brdf and .csv are scattered scans with seeded noise,
+/// gaps and duplicates; .brdf has a spectrum of 31 bands with the model's colour. .obj and .ply contain one tile of a
+/// structure, with its tints as vertex colours.
 #[derive(Debug, Args)]
 #[command(after_help = models())]
 pub struct Arguments {
@@ -27,35 +28,35 @@ pub struct Arguments {
     /// Format of stdout, which has no extension.
     #[arg(long, value_enum)]
     kind: Option<Extension>,
-    /// Samples of a MERL table along theta_h, theta_d and phi_d (default: 90x90x180).
+    /// Samples of a MERL table along theta_h, theta_d and phi_d, each 1 to 4096 (default: 90x90x180).
     #[arg(long, value_name = "HxDxP", allow_hyphen_values = true)]
     dimensions: Option<String>,
-    /// Rows of a scan (default: 1440).
-    #[arg(long, value_parser = whole_number::<usize>(1..=10_000_000))]
+    /// Rows of a scan, 1 to 10000000 (default: 1440).
+    #[arg(long, value_name = "N", value_parser = whole_number::<usize>(1..=10_000_000))]
     rows: Option<usize>,
-    /// Incoming polar angles of a scan, between 10 and 80 degrees (default: 8).
-    #[arg(long, value_parser = whole_number::<usize>(1..=1000))]
+    /// Number of incoming polar angles of a scan, between 10 and 80 degrees: 1 to 1000 (default: 8).
+    #[arg(long, value_name = "N", value_parser = whole_number::<usize>(1..=1000))]
     incidences: Option<usize>,
-    /// Incoming azimuths of a scan (default: 1 for isotropic models, 8 for others).
-    #[arg(long, value_parser = whole_number::<usize>(1..=1000))]
+    /// Number of incoming azimuths of a scan, 1 to 1000 (default: 1 for isotropic models, 8 for others).
+    #[arg(long, value_name = "N", value_parser = whole_number::<usize>(1..=1000))]
     azimuths: Option<usize>,
-    /// Standard deviation of a scan's noise, as a fraction of the value (default: 0).
-    #[arg(long)]
+    /// Standard deviation of a scan's noise, as a fraction of the value, 0 to 2 (default: 0).
+    #[arg(long, value_name = "SHARE", value_parser = share)]
     noise: Option<f64>,
-    /// Fraction of the outgoing hemisphere that a scan does not cover (default: 0).
-    #[arg(long)]
+    /// Fraction of the outgoing hemisphere that a scan does not cover, 0 to 0.9 (default: 0).
+    #[arg(long, value_name = "SHARE", value_parser = share)]
     gaps: Option<f64>,
-    /// Fraction of a scan's rows that repeat a direction pair (default: 0).
-    #[arg(long)]
+    /// Fraction of a scan's rows that repeat a direction pair, 0 to 0.9 (default: 0).
+    #[arg(long, value_name = "SHARE", value_parser = share)]
     duplicates: Option<f64>,
-    /// Seed of a scan's noise, gaps and duplicates (default: 1).
-    #[arg(long, value_parser = whole_number::<u64>(0..=u64::MAX))]
+    /// Seed of a scan's noise, gaps and duplicates, 0 or more (default: 1).
+    #[arg(long, value_name = "N", value_parser = whole_number::<u64>(0..=u64::MAX))]
     seed: Option<u64>,
 }
 
 fn models() -> String {
     format!(
-        "Models:\n{}\nStructures (.obj, .ply):\n{}\nExamples:\n  brdfc synth lambert?kd=0.5 -o white.binary --dimensions 16x16x32\n  \
+        "Models:\n{}\nStructures (.obj, .ply):\n{}\nExamples:\n  brdfc synth 'lambert?kd=0.5' -o white.binary --dimensions 16x16x32\n  \
          brdfc synth 'ggx?kd=0.1,0.1,0.4&alpha=0.3' -o paint.brdf --noise 0.05 --gaps 0.1 --seed 7\n  \
          brdfc synth 'folds?resolution=64' -o folds.ply\n  brdfc synth velvet -o - --kind brdf > velvet.brdf",
         describe_models(),
@@ -108,7 +109,8 @@ fn kind(arguments: &Arguments, text: &str) -> Result<Extension, Error> {
     let wrong = |allowed: &str| {
         Err(Error::usage(if stream {
             let found = arguments.kind.and_then(|kind| Some(kind.to_possible_value()?.get_name().to_owned()));
-            format!("--kind: found {}, expected {}", found.as_deref().unwrap_or("none"), allowed.replace('.', ""))
+            let wrong = found.map_or("required without an extension;".to_owned(), |found| format!("found {found},"));
+            format!("--kind: {wrong} expected {}", allowed.replace('.', ""))
         } else {
             format!("--output: found {}, expected a name that ends in {allowed}", output.display())
         }))

@@ -4,7 +4,7 @@ use super::output::{print, print_json, printable, refuse_dash, remark};
 use super::steps::Steps;
 use super::{Common, Error};
 use brdfc::verify::{CheckedFile, Checks};
-use brdfc_terminal::words::counted;
+use brdfc_terminal::words::{counted, counted_of};
 use clap::Args;
 use serde::Serialize;
 use std::path::PathBuf;
@@ -12,10 +12,10 @@ use std::sync::atomic::AtomicBool;
 
 /// Check that packs, folders of builds and reports are intact.
 ///
-/// The program reads packs to their last texel and compares them with their checksums, as it does a report.json. It compares the
-/// files that a report.json lists with their hashes, and its figures with those of each MATERIAL.json. It prints every file that is
-/// missing, damaged or modified. The exit code is 1 if there are any, if the folder of a build has no report.json, or if a folder
-/// contains nothing to check.
+/// The program reads packs to their last texel, and compares packs and report.json with their checksums. It compares the files
+/// that a report.json lists with their hashes, and the figures in report.json with each MATERIAL.json. It prints every file that
+/// is missing, damaged or modified. The exit code is 1 if there are any, if the folder of a build has no report.json, or if a
+/// folder contains nothing to verify.
 ///
 /// To check whether errors are small enough, use the requirements of a build or report --against.
 ///
@@ -79,6 +79,6 @@ pub(super) fn run(arguments: &Arguments, common: Common) -> Result<(), Error> {
             remark(common, &format!("{}: intact", counted(count, "file")));
             Ok(())
         }
-        _ => Err(Error::check(format!("{faults} of {} not intact", counted(count, "file")))),
+        _ => Err(Error::check(format!("{} not intact", counted_of(faults, count, "file")))),
     }
 }

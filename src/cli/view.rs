@@ -14,28 +14,29 @@ use std::sync::atomic::AtomicBool;
 
 /// Write a page that draws packs, for viewing them in a browser with any rotation, light and comparison.
 ///
-/// The page is a single HTML file that needs no network and no server. It draws with WebGPU or WebGL 2, using the decoders of
-/// engines, on a ball, a cloth, a teapot or a plane; it draws packs of 'brdfc pwt' as an image under a moving light. With two
-/// materials it splits the screen and displays their difference (ΔE) under the pointer and over the view. It draws materials
-/// that are not packs, such as the source of a pack, from a table of 128 KiB, and displays the error of that table.
+/// The page is a single HTML file that needs no network and no server. It draws with WebGPU or WebGL 2, using the
+/// decoders of engines, on a ball, a cloth, a teapot or a plane; it draws packs of 'brdfc pwt' as an image under a
+/// moving light. With two materials it splits the screen and displays their difference (ΔE) under the pointer and over
+/// the view. It draws materials that are not packs, such as the source of a pack, from a table of 128 KiB, and displays
+/// the error of that table.
 ///
-/// The address of the page may set options after a #, separated by &: scene=cloth, left=NAME, right=NAME, mode=split, one or
-/// difference, coarser=1, api=webgl2 or webgpu, embed (only the rendering).
+/// The address of the page may set options after a #, separated by &: scene=cloth, left=NAME, right=NAME, mode=split,
+/// one or difference, coarser=1, api=webgl2 or webgpu, embed (only the rendering).
 #[derive(Debug, Args)]
 #[command(after_help = "\
 Examples:
   brdfc view red.ktx2 -o red.html
-  brdfc view red.ktx2 red-plastic.binary -o red.html        compared with its source
+  brdfc view red.ktx2 red-plastic.binary -o red.html   compared with its source
   brdfc view small.ktx2 large.ktx2 -o sizes.html
-  brdfc view packs -o all.html                              all packs of a build, each with its source
-  brdfc view button -o button.html                          a flat BTF
-  brdfc view icon.ktx2 -o icon.html                         photographs under any light")]
+  brdfc view packs -o all.html                         the packs of a build, with sources
+  brdfc view button -o button.html                     a flat BTF
+  brdfc view icon.ktx2 -o icon.html                    photographs under any light")]
 pub struct Arguments {
     /// Packs, flat BTFs (their file or folder), folders of builds, or materials: paths, - for stdin, or
     /// synth:MODEL?param=value&... The first one is on the left, the second one on the right.
     #[arg(required = true, value_name = "PACK")]
     inputs: Vec<Input>,
-    /// The page to write: .html.
+    /// The page to write (.html or .htm), or - for stdout.
     #[arg(long, short, value_name = "VIEW.html", value_parser = super::output::output_parser())]
     output: PathBuf,
     /// For builds, draw only the packs, without their sources.

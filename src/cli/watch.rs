@@ -1,6 +1,6 @@
 //! `brdfc watch`: builds again when an input changes.
 
-use super::build_scene::{BuildArguments, print_diagnostics, tell_left_out};
+use super::build_scene::{BuildArguments, plan, print_diagnostics, tell_left_out};
 use super::interrupt;
 use super::output::{print_if_read, remark, tell};
 use super::progress::Materials;
@@ -20,13 +20,14 @@ const MAX_NAMED: usize = 3;
 
 /// Build, and build again whenever the manifest or one of its files changes.
 ///
-/// The arguments are those of 'brdfc build'. Until Ctrl-C, the program watches the manifest, the sources of materials that the
-/// scene uses, the environment, and the set of files that match a pattern or are in a given folder. Results that a change
-/// does not affect come from the store of the output folder (.brdfc-cache). A change during a build cancels it and starts another.
-/// A build that fails is reported, and leaves the output folder as the last successful one made it.
+/// Takes the arguments of 'brdfc build'. Until Ctrl-C, the program watches the manifest, the sources of materials that
+/// the scene uses, the environment, and the set of files that match a pattern or are in a given folder. Results that a
+/// change does not affect come from the store of the output folder (.brdfc-cache). A change during a build cancels it
+/// and starts another. A build that fails is reported, and leaves the output folder unchanged, unless it only misses
+/// limits or requirements.
 ///
-/// For each build, one line on stderr states what changed, what was built and how long it took; notes concern newly built
-/// materials. With --json, a report of each build goes to stdout, on one line (schema: 'brdfc schema watch').
+/// For each build, one line on stderr states what changed, what was built and how long it took; notes concern newly
+/// built materials. With --json, a report of each build goes to stdout, on one line (schema: 'brdfc schema watch').
 #[derive(Debug, Args)]
 #[command(after_help = "\
 Examples:
@@ -36,8 +37,8 @@ Examples:
 pub struct Arguments {
     #[command(flatten)]
     build: BuildArguments,
-    /// Check the files every S seconds, 0.1 to 3600, instead of waiting for notifications of the system. Use it for network
-    /// drives, where the system does not notify about changes by other machines.
+    /// Check the files every S seconds, 0.1 to 3600, instead of waiting for notifications of the system. Use it for
+    /// network drives, where the system does not notify about changes by other machines.
     #[arg(long, value_name = "S")]
     poll: Option<f64>,
     #[command(flatten, next_help_heading = "Encoding")]
@@ -98,7 +99,7 @@ pub(super) fn run(arguments: &Arguments, common: Common) -> Result<(), Error> {
                 return Ok(());
             }
             if is_first {
-                remark(common, &format!("watching {}; Ctrl-C ends it", files(look.count())));
+                remark(common, &format!("watching {}; press Ctrl-C to stop", files(look.count())));
             }
             (before, is_first) = (look.clone(), false);
         }
@@ -136,11 +137,11 @@ fn one_build(arguments: &Arguments, common: Common, is_first: bool, cancelled: &
     let once = Common { quiet: common.quiet || !is_first, ..common };
     let build = arguments.build.build(&arguments.options)?.whole(true);
     tell_left_out(&build, once);
-    let plan = &build.plan()?;
+    let plan = &plan(&build)?;
     let progress = Materials::of(plan, once).without_lines_until(cancelled);
     let built = build.run_with(plan, &progress)?;
     drop(progress);
-    print_diagnostics(&built, common, is_first);
+    print_diagnostics(&build, &built, common, is_first);
     Ok(Ended { report: built.report, changes: built.changes, verdict: built.outcomes.verdict() })
 }
 

@@ -1,6 +1,6 @@
 //! Conversion of NumPy arrays to vectors and back.
 
-use super::errors::wrong;
+use super::errors::{problem, wrong};
 use brdfc_formats::direction::{Vector, dot};
 use numpy::{PyArray1, PyArrayDyn, PyArrayMethods, PyReadonlyArray2};
 use pyo3::prelude::*;
@@ -25,7 +25,7 @@ impl<'py> Argument<'py> {
         if numbers.is_instance(&masked.getattr("MaskedArray")?)?
             && masked.call_method1("is_masked", (numbers,))?.is_truthy()?
         {
-            return Err(wrong(name, "masked numbers", "none: leave out or fill what is masked"));
+            return Err(problem(name, "masked numbers; fill or remove them"));
         }
         let array = numpy.call_method1("asarray", (numbers,))?;
         let dtype = array.getattr("dtype")?;

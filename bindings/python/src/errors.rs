@@ -20,6 +20,11 @@ pub fn of_input(error: InputError) -> PyErr {
     }
 }
 
+/// Makes the error of an argument from a problem and its remedy.
+pub fn problem(argument: &str, text: &str) -> PyErr {
+    PyValueError::new_err(format!("{argument}: {text}"))
+}
+
 /// Makes the error of an invalid argument.
 pub fn wrong(argument: impl Into<String>, found: impl Into<String>, allowed: impl Into<String>) -> PyErr {
     PyValueError::new_err(FormatError::whole(argument.into(), found, allowed).to_string())

@@ -24,7 +24,7 @@ pub fn of_pack<'py>(py: Python<'py>, pack: &BrdfPack) -> PyResult<Bound<'py, PyD
     Ok(dict)
 }
 
-/// Bits of a table's symmetry are those of its header.
+/// Bits of a table's symmetry are coded as in its header.
 fn add_table(dict: &Bound<'_, PyDict>, pack: &TablePack) -> PyResult<()> {
     let (py, header) = (dict.py(), pack.header());
     let (axes, [columns, rows, depth]) = (header.axes, pack.extent().map(|n| n as usize));
@@ -73,7 +73,7 @@ fn add_wavelet(dict: &Bound<'_, PyDict>, pack: &WaveletPack) -> PyResult<()> {
             dict.set_item("texels", PyArray1::from_vec(py, words.collect()).reshape(shape)?)?;
         }
     }
-    if header.lifted {
+    if header.energy_preserving {
         let lift = Lift::new(header.levels);
         let shares: Vec<f32> = (0..header.cells()).map(|coefficient| lift.of_coefficient(coefficient)).collect();
         dict.set_item("lift", PyArray1::from_vec(py, shares))?;

@@ -1,7 +1,7 @@
 //! Materials with values at direction pairs.
 
 use super::arrays::{Argument, colours};
-use super::errors::wrong;
+use super::errors::{problem, wrong};
 use super::fields;
 use super::threads::threads;
 use brdfc_formats::{BrdfDecoder, BrdfPack};
@@ -52,7 +52,7 @@ impl Material {
         let finest = self.levels() as f32;
         match (lod, &self.decoded) {
             (None, _) => Ok(finest),
-            (Some(_), None) => Err(wrong("lod", "a number", "none: only packs have levels of detail")),
+            (Some(_), None) => Err(problem("lod", "only packs have levels of detail; omit lod")),
             (Some(level), _) if (0.0..=finest).contains(&level) => Ok(level),
             (Some(level), _) => Err(wrong("lod", format_number(level), format!("0 to {finest}, the pack's levels"))),
         }
@@ -143,7 +143,7 @@ impl Material {
     fn pack<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
         match &self.decoded {
             Some((pack, _)) => fields::of_pack(py, pack),
-            None => Err(wrong("pack", format!("{}, a {}", self.name, self.kind()), "a pack of a BRDF")),
+            None => Err(wrong("pack", format!("{} ({})", self.name, self.kind()), "a pack of a BRDF")),
         }
     }
 

@@ -1,7 +1,7 @@
 //! Inputs with values at positions: polynomial wavelet trees and flat BTFs.
 
 use super::arrays::{Argument, colours};
-use super::errors::wrong;
+use super::errors::{problem, wrong};
 use super::threads::threads;
 use brdfc_readers::scan_csv::TexelQuery;
 use brdfc_core::words::format_number;
@@ -44,8 +44,8 @@ impl Relightable {
         let wo = match (wo, self.has_views()) {
             (Some(wo), true) => Some(Argument::new("wo", wo, 3)?),
             (None, false) => None,
-            (None, true) => return Err(wrong("wo", "nothing", "directions to the viewer for a flat BTF")),
-            (Some(_), false) => return Err(wrong("wo", "directions", "none, because it has only one view")),
+            (None, true) => return Err(problem("wo", "missing; a flat BTF needs directions to the viewer")),
+            (Some(_), false) => return Err(problem("wo", "a polynomial wavelet tree has only one view; omit wo")),
         };
         let all: Vec<&Argument<'_>> = [&uv, &wi].into_iter().chain(&wo).collect();
         let shape = Argument::common_shape(&all)?;

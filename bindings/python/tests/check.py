@@ -197,17 +197,17 @@ def check_errors(folder):
         "wi: found an array of shape (), expected (..., 3)": lambda: material.eval(1.0, up),
         "wo: found an array of shape (1, 2), expected (..., 3)": lambda: material.eval(up, [[0.0, 1.0]]),
         "wo: found an array of shape (3, 3), expected a shape compatible with (2, 3) of wi": lambda: material.eval(up * 2, up * 3),
-        "wi: found masked numbers, expected none: leave out or fill what is masked": lambda: material.eval(
+        "wi: masked numbers; fill or remove them": lambda: material.eval(
             np.ma.masked_less(up, 0.5), up
         ),
         "wi, row 1: found a vector of length 1.7321, expected unit vectors": lambda: material.eval(up + [[1, 1, 1]], up * 2),
         "wi, row 0: found [NaN, 0.0, 1.0], expected finite numbers": lambda: material.eval([[np.nan, 0, 1]], up),
         "wi: found an array of complex128, expected real numbers": lambda: material.eval([[0, 0, 1j]], up),
         "wi: found an array of object, expected real numbers": lambda: material.eval([[None, 0, 1]], up),
-        "lod: found a number, expected none: only packs have levels of detail": lambda: material.eval(up, up, 1),
+        "lod: only packs have levels of detail; omit lod": lambda: material.eval(up, up, 1),
         "lod: found 9, expected 0 to 5, the pack's levels": lambda: pack.eval(up, up, lod=9),
         "lod: found NaN, expected 0 to 5, the pack's levels": lambda: pack.eval(up, up, lod=np.nan),
-        "pack: found synth:lambert, a synth, expected a pack of a BRDF": material.pack,
+        "pack: found synth:lambert (synth), expected a pack of a BRDF": material.pack,
     }
     for expected, call in calls.items():
         found, text = raised(call)

@@ -1,9 +1,9 @@
 // The list of bindings of a pack, one per line: the metadata `brdfc.bindings`. Layout: formats/src/bindings/spec.md.
 
 import { levelBytes, type Shape, TEXEL_FORMATS } from './container.js';
-import { refuse } from './refuse.js';
+import { refuse, refuseProblem } from './refuse.js';
 
-/** The entry that makes a texture a pack. */
+/** The key whose value makes a texture a pack. */
 export const ENTRY = 'brdfc.bindings';
 
 const [MAX_BINDINGS, MAX_SLOTS, MAX_UNIFORM_BYTES, MAX_TEXEL_BYTES] = [32, 1000, 16384, 2 ** 30];
@@ -21,11 +21,11 @@ export type Line = { place: string; slot: number; name: string } & (
     | { kind: 'sampler'; repeats: boolean }
 );
 
-/** Parses the list; errors state the line, the found and the expected value. */
+/** Parses the list. Errors state the line, its contents and the expected contents. */
 export function parseBindings(value: Uint8Array): { decoder: string; version: number; lines: Line[] } {
     const text = new TextDecoder('utf-8', { ignoreBOM: true }).decode(value);
     if (!text.endsWith('\n\0')) {
-        refuse(ENTRY, `${value.length} bytes that are no such text`, 'lines of UTF-8 and a zero byte');
+        refuseProblem(ENTRY, `${value.length} bytes that are not valid text`, 'lines of UTF-8 text that end with a zero byte');
     }
     const [first, ...rest] = text.slice(0, -2).split('\n');
     const [word, decoder, version, ...more] = first.split(' ');
@@ -43,7 +43,7 @@ export function parseBindings(value: Uint8Array): { decoder: string; version: nu
 function parseLine(place: string, line: string): Line {
     const [slotWord, name, kind, ...words] = line.split(' ');
     if (kind === undefined) {
-        refuse(place, line, 'a slot, a name, and what is bound');
+        refuse(place, line, 'a slot, a name and a resource');
     }
     const slot = whole(place, slotWord, 0, MAX_SLOTS - 1);
     if (!NAME.test(name)) {
@@ -52,7 +52,7 @@ function parseLine(place: string, line: string): Line {
     const begun = { place, slot, name };
     switch (`${kind} ${words.length}`) {
         case 'frame 0':
-            return slot === 0 ? { ...begun, kind: 'frame' } : refuse(place, slot, 'slot 0 of a frame');
+            return slot === 0 ? { ...begun, kind: 'frame' } : refuse(place, slot, 'slot 0 for a frame');
         case 'uniform 1': {
             const length = whole(place, words[0], 16, MAX_UNIFORM_BYTES);
             return length % 16 === 0 ? { ...begun, kind: 'uniform', length } : refuse(place, length, 'a multiple of 16');
@@ -66,13 +66,13 @@ function parseLine(place: string, line: string): Line {
             const longest = Math.max(...(dimension === '3d' ? size : size.slice(0, 2)));
             const levelCount = whole(place, words[6], 1, 1 + Math.floor(Math.log2(longest)));
             if (stored === 'empty' && Math.max(...size) > 1) {
-                refuse(place, size.join(' x '), 'one texel where nothing is stored');
+                refuse(place, size.join(' x '), 'one texel for an empty texture');
             }
             const sampler = words[7] === '-' ? undefined : words[7];
             return { ...begun, kind: 'texture', stored, shape: { format, dimension, size, levelCount }, sampler };
         }
         default:
-            return refuse(place, line, 'frame, uniform, texture or sampler, and what belongs to it');
+            return refuse(place, line, 'frame, uniform, texture or sampler with its fields');
     }
 }
 
@@ -80,7 +80,7 @@ function checkTogether(lines: Line[]): void {
     let bytes = 0;
     lines.forEach((line, k) => {
         if (k > 0 && line.slot <= lines[k - 1].slot) {
-            refuse(line.place, `slot ${line.slot}`, 'slots that rise, each once');
+            refuse(line.place, `slot ${line.slot}`, 'slots in ascending order, each once');
         }
         if (lines.findIndex(({ name }) => name === line.name) < k) {
             refuse(line.place, line.name, 'a unique name');
@@ -89,14 +89,14 @@ function checkTogether(lines: Line[]): void {
             return;
         }
         if (line.sampler !== undefined && !lines.some(({ kind, name }) => kind === 'sampler' && name === line.sampler)) {
-            refuse(line.place, line.sampler, 'a sampler of the list, or -');
+            refuse(line.place, line.sampler, 'the name of a sampler in the list, or -');
         }
         if (line.sampler !== undefined && line.shape.format.endsWith('uint')) {
-            refuse(line.place, line.sampler, '-, as integers are not filtered');
+            refuse(line.place, line.sampler, '-, because integers are not filtered');
         }
         bytes += levelBytes(line.shape).reduce((sum, length) => sum + length);
         if (bytes > MAX_TEXEL_BYTES) {
-            refuse(line.place, `${bytes} bytes of texels so far`, `at most ${MAX_TEXEL_BYTES} of all images`);
+            refuse(line.place, `${bytes} bytes of texels so far`, `at most ${MAX_TEXEL_BYTES} for all images`);
         }
     });
     for (const [what, most] of Object.entries(MAX_OF)) {

@@ -1,4 +1,4 @@
-import { refuse } from './refuse.js';
+import { refuse, refuseProblem } from './refuse.js';
 
 const KEY = 'brdfc.checksum';
 
@@ -13,8 +13,11 @@ const TABLE = Uint32Array.from({ length: 256 }, (_, byte) => {
 /** Verifies the checksum of a file: the CRC-32 of zip over the whole file, with the four bytes of the checksum set to zero. */
 export function checkSum(bytes: Uint8Array, entries: Map<string, Uint8Array>): void {
     const value = entries.get(KEY);
-    if (value?.length !== 4) {
-        return refuse(KEY, value === undefined ? 'none' : `${value.length} bytes`, 'one of 4 bytes');
+    if (value === undefined) {
+        return refuseProblem(KEY, 'missing', 'a value of 4 bytes');
+    }
+    if (value.length !== 4) {
+        return refuse(KEY, `${value.length} bytes`, '4 bytes');
     }
     const at = value.byteOffset - bytes.byteOffset;
     let code = 0xffffffff;
@@ -24,6 +27,6 @@ export function checkSum(bytes: Uint8Array, entries: Map<string, Uint8Array>): v
     }
     const [found, stored] = [~code >>> 0, new DataView(value.buffer, value.byteOffset, 4).getUint32(0, true)];
     if (found !== stored) {
-        refuse('checksum of the file', found.toString(16), `${stored.toString(16)}, as ${KEY} says: the file is damaged`);
+        refuse('checksum of the file', found.toString(16), `${stored.toString(16)}, as ${KEY} says; the file is damaged`);
     }
 }

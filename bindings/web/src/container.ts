@@ -77,7 +77,7 @@ function opened(bytes: Uint8Array): ReturnType<typeof read> {
         return read(bytes);
     } catch (error) {
         const what = error instanceof Error ? error.message : error;
-        throw new Error(`file: found ${bytes.length} bytes (${what}), expected a whole KTX2 file`, { cause: error });
+        throw new Error(`file: ${what}, in ${bytes.length} bytes; expected a complete KTX2 file`, { cause: error });
     }
 }
 
@@ -94,7 +94,7 @@ export function readContainer(bytes: Uint8Array): Container {
         refuse('faceCount', file.faceCount, 1);
     }
     if (file.supercompressionScheme !== 0 && file.supercompressionScheme !== 2) {
-        refuse('supercompressionScheme', file.supercompressionScheme, '0 or 2, Zstandard');
+        refuse('supercompressionScheme', file.supercompressionScheme, '0 (none) or 2 (Zstandard)');
     }
     const shape: Shape = {
         format,
@@ -112,7 +112,7 @@ export function readContainer(bytes: Uint8Array): Container {
             const length = isPacked ? uncompressedByteLength : levelData.length;
             const data = length === expected && isPacked ? (await decoder()).decode(levelData, expected) : levelData;
             if (length !== expected || data.length !== expected) {
-                refuse(`level ${level}`, `${length === expected ? data.length : length} bytes`, expected);
+                refuse(`level ${level}`, `${length === expected ? data.length : length} bytes`, `${expected} bytes`);
             }
             // Copy the view into the file, because typed arrays need aligned bytes.
             levels.push(isPacked ? (data as Uint8Array<ArrayBuffer>) : new Uint8Array(data));

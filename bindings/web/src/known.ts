@@ -1,6 +1,6 @@
 import { ENTRY } from './bindings.js';
 import type { Resource } from './pack.js';
-import { refuse } from './refuse.js';
+import { refuse, refuseProblem } from './refuse.js';
 import { type DecoderShader, SHADERS } from './shaders.js';
 
 type Binding = Omit<DecoderShader['bindings'][number], 'offsets'>;
@@ -13,9 +13,13 @@ export function known(decoder: string, version: number, resources: Resource[]): 
     }
     for (const binding of shader?.bindings ?? []) {
         const resource = resources.find(({ slot }) => slot === binding.slot);
-        const [found, allowed] = [resource ? summary(bindingOf(resource)) : 'nothing', summary(binding)];
+        const [place, allowed] = [`slot ${binding.slot}`, summary(binding)];
+        if (resource === undefined) {
+            refuseProblem(place, 'no binding', `${allowed}, as the decoder ${decoder} declares`);
+        }
+        const found = summary(bindingOf(resource));
         if (found !== allowed) {
-            refuse(`slot ${binding.slot}`, found, `${allowed}, as the decoder ${decoder} has`);
+            refuse(place, found, `${allowed}, as the decoder ${decoder} declares`);
         }
     }
     return shader;

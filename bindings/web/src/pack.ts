@@ -3,7 +3,7 @@ import { checkSum } from './checksum.js';
 import { type Container, levelBytes, readContainer, type Shape, type TextureData, textureOf } from './container.js';
 import { type FrameOptions, frameBlock } from './frame.js';
 import { known } from './known.js';
-import { refuse } from './refuse.js';
+import { refuse, refuseProblem } from './refuse.js';
 
 /** A bound resource: a uniform block, a texture, or a sampler. */
 export type Contents =
@@ -77,13 +77,14 @@ async function read(bytes: Uint8Array, options: Options): Promise<Pack> {
     const frame = frameBlock(options);
     const file = readContainer(bytes);
     const left = new Map(file.entries);
-    const list = left.get(ENTRY) ?? refuse(ENTRY, left.size ? `only ${[...left.keys()].join(', ')}` : 'no brdfc entries', 'the entries of a pack');
+    const missing = left.size ? `not among the keys ${[...left.keys()].join(', ')}` : 'no brdfc keys';
+    const list = left.get(ENTRY) ?? refuseProblem(ENTRY, missing, 'the keys of a pack');
     if (options.verify) {
         checkSum(bytes, file.entries);
     }
     const { decoder, version, lines } = parseBindings(list);
     const take: Take = (key, { place }) => {
-        const value = left.get(key) ?? refuse(key, 'no such entry', `one, as ${place} says`);
+        const value = left.get(key) ?? refuseProblem(key, 'missing', `a key of this name, as ${place} says`);
         left.delete(key);
         return value.slice();
     };
@@ -111,7 +112,7 @@ async function read(bytes: Uint8Array, options: Options): Promise<Pack> {
     }
     const unnamed = [...left.keys()].find((key) => /^brdfc\.(image|uniform)\./.test(key));
     if (unnamed !== undefined) {
-        refuse(unnamed, 'an entry that no binding names', `those of ${ENTRY}`);
+        refuseProblem(unnamed, 'no binding names this key', `keys that ${ENTRY} names`);
     }
     return { decoder, version, shader: options.shader ?? known(decoder, version, resources), resources };
 }
@@ -131,7 +132,7 @@ async function texels(line: Line & { kind: 'texture' }, file: Container, take: T
     }
     const [entry] = stored === 'file' ? [] : image.entries.keys();
     if (entry !== undefined) {
-        refuse(`${key}, entries`, entry, 'none of brdfc');
+        refuse(`${key}, keys`, entry, 'no brdfc keys');
     }
     return within(`${key}, `, () => image.unpack());
 }

@@ -1,6 +1,6 @@
 import * as THREE from 'three';
 import type { Pack, Resource } from './pack.js';
-import { refuse } from './refuse.js';
+import { refuseProblem } from './refuse.js';
 import { fragmentShader, MAX_LIGHTS, needsTangents, VERTEX } from './three_shader.js';
 import { uploadTexture } from './upload_webgl.js';
 import { isWide, widened } from './widened.js';
@@ -41,7 +41,7 @@ export function packBindings(pack: Pack, renderer: THREE.WebGLRenderer): PackBin
 }
 
 function glsl({ decoder, shader }: Pack): string {
-    return shader?.essl300 ?? refuse('pack', `no shader of the decoder ${decoder}`, 'one of the package, or of the options of loadPack');
+    return shader?.essl300 ?? refuseProblem('pack', `no shader for the decoder ${decoder}`, 'a decoder of this package, or a shader in the options of loadPack');
 }
 
 /** A texture of the renderer's context, which three.js uses unchanged. */
@@ -115,7 +115,7 @@ function checkLights(lights: PointLight[]): void {
     }
     lights.forEach(({ position, intensity }, k) => {
         if (!position?.isVector3 || !intensity?.isColor) {
-            const wrong = position?.isVector3 ? `intensity: found a ${typeof intensity}, expected a Color` : 'position: found none, expected a Vector3';
+            const wrong = position?.isVector3 ? 'intensity: not a Color' : 'position: not a Vector3';
             throw new Error(`lights[${k}].${wrong}`);
         }
     });

@@ -137,7 +137,7 @@ export function fragmentShader({ decoder: name, shader }: Pack, decoder: string,
     const { brdf } = (shader ?? {}) as Partial<DecoderShader>;
     const surface = Object.hasOwn(SURFACES, name) ? SURFACES[name] : undefined;
     const reflected = (brdf === undefined ? surface : ofBrdf(brdf, isWide))
-        ?? refuse('material', `a pack of the decoder ${name}`, 'a BRDF, a flat BTF or a polynomial wavelet tree, or a ShaderMaterial with packBindings');
+        ?? refuse('material', `a pack of the decoder ${name}`, 'a BRDF, a flat BTF or a polynomial wavelet tree; use packBindings and a ShaderMaterial for other packs');
     return VARYINGS + decoder + reflected + FRAGMENT;
 }
 

@@ -20,7 +20,7 @@ export interface WebGpuPack {
 export function uploadWebGpu(device: GPUDevice, pack: Pack): WebGpuPack {
     const widens = !device.features.has('texture-formats-tier1');
     if (isWide(pack, widens) && !device.features.has('float32-filterable')) {
-        throw new Error('device: found none of the feature float32-filterable, expected one that was asked for it, or a pack of 8 bits');
+        throw new Error('device: the pack needs the feature float32-filterable; request it with requiredFeatures, or encode the pack with --bits 8');
     }
     const uploaded = pack.resources.map((resource) => {
         const isWidened = widens && resource.kind === 'texture';

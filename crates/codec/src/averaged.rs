@@ -8,9 +8,9 @@ use serde::{Deserialize, Serialize};
 /// Distance of a symmetrised source from the source itself, before anything is packed.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, schemars::JsonSchema)]
 pub struct AveragingCost {
-    /// Mean ΔE*ab of renderings.
+    /// Mean ΔE (CIE76) of renderings.
     pub delta_e: f64,
-    /// `ε_r`, a fraction.
+    /// Mean relative error `ε_r`, a fraction.
     pub relative_error: f64,
 }
 

@@ -4,16 +4,20 @@ use brdfc_core::words::{bytes, format_number, percent};
 use brdfc_metrics::fraction::Fraction;
 use serde::{Deserialize, Serialize};
 
-/// Error of an option out of range.
+/// Error of an option that is out of range or conflicts with others.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
-#[error("{field}: found {found}, expected {allowed}")]
+#[error("{field}: {}", reason(.found, .allowed))]
 pub struct OptionError {
     /// The key of the option in a manifest.
     pub field: &'static str,
-    /// Its value.
+    /// Value of the option; empty for a conflict.
     pub found: String,
-    /// Valid values.
+    /// Valid values; for a conflict, the problem and its remedy.
     pub allowed: String,
+}
+
+fn reason(found: &str, allowed: &str) -> String {
+    if found.is_empty() { allowed.to_owned() } else { format!("found {found}, expected {allowed}") }
 }
 
 impl OptionError {
@@ -21,26 +25,36 @@ impl OptionError {
     pub fn new(field: &'static str, found: impl Into<String>, allowed: impl Into<String>) -> Self {
         Self { field, found: found.into(), allowed: allowed.into() }
     }
+
+    /// Creates an error of a conflict from the problem and its remedy.
+    pub fn conflict(field: &'static str, problem: impl Into<String>) -> Self {
+        Self::new(field, "", problem)
+    }
+
+    /// The message without the key, for callers that name the option otherwise.
+    pub fn reason(&self) -> String {
+        reason(&self.found, &self.allowed)
+    }
 }
 
 /// Limits of a pack. Absent limits do not apply.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, schemars::JsonSchema)]
 pub struct Budget {
-    /// Largest mean ΔE*ab of renderings, and four times that for its 95th percentile.
+    /// Maximum mean ΔE of renderings; the maximum of its 95th percentile is four times as large.
     pub delta_e: Option<f64>,
-    /// Smallest retained share of the highlight's light over all incoming directions, 0 to 1.
+    /// Minimum retained share of the highlight's light over all incoming directions, 0 to 1.
     pub highlight: Option<f64>,
-    /// Largest `ε_r` at independent test directions, a fraction.
+    /// Maximum `ε_r` at independent test directions, a fraction.
     pub error: Option<f64>,
-    /// Maximum of bytes on a GPU.
+    /// Maximum number of bytes on a GPU.
     pub bytes: Option<u64>,
-    /// Maximum of texture fetches per look-up.
+    /// Maximum number of texture fetches per look-up.
     pub fetches: Option<u32>,
 }
 
 /// Ratio of the limits of the 95th percentile and of the mean of ΔE.
 pub const TAIL: f64 = 4.0;
-/// Default of the smallest retained share of the highlight's light where ΔE is limited.
+/// Default of the minimum retained share of the highlight's light if ΔE is limited.
 pub const HIGHLIGHT: f64 = 0.9;
 
 impl Default for Budget {
@@ -55,31 +69,31 @@ impl Budget {
     /// No limits; a base for the builder methods. Without limits of error or size, the default limit of ΔE applies.
     pub const NONE: Self = Self { delta_e: None, highlight: None, error: None, bytes: None, fetches: None };
 
-    /// Sets the largest mean ΔE*ab of renderings, 1e-6 to 100, and four times that for the 95th percentile.
+    /// Sets the maximum mean ΔE of renderings, 1e-6 to 100, and the maximum 95th percentile, four times as large.
     #[must_use]
     pub fn delta_e(self, largest: f64) -> Self {
         Self { delta_e: Some(largest), ..self }
     }
 
-    /// Sets the smallest retained share of the highlight's light, 0 (any) to 0.999.
+    /// Sets the minimum retained share of the highlight's light, 0 (no limit) to 0.999.
     #[must_use]
     pub fn highlight(self, least: f64) -> Self {
         Self { highlight: Some(least), ..self }
     }
 
-    /// Sets the largest `ε_r`, a fraction.
+    /// Sets the maximum `ε_r`, a fraction.
     #[must_use]
     pub fn error(self, largest: f64) -> Self {
         Self { error: Some(largest), ..self }
     }
 
-    /// Sets the maximum of bytes on a GPU.
+    /// Sets the maximum number of bytes on a GPU.
     #[must_use]
     pub fn bytes(self, most: u64) -> Self {
         Self { bytes: Some(most), ..self }
     }
 
-    /// Sets the maximum of texture fetches.
+    /// Sets the maximum number of texture fetches.
     #[must_use]
     pub fn fetches(self, most: u32) -> Self {
         Self { fetches: Some(most), ..self }
@@ -118,7 +132,7 @@ impl Budget {
     /// Creates a budget from these limits.
     ///
     /// # Errors
-    /// Returns an error for the first that is out of range, under the name of its key.
+    /// Returns an error for the first limit that is out of range, with the name of its key.
     pub fn checked(
         delta_e: Option<f64>,
         highlight: Option<Fraction>,
@@ -134,7 +148,7 @@ impl Budget {
         let share = |error: Fraction| {
             let wrong = |allowed: &str| OptionError::new("max_error", error.to_string(), allowed);
             let share = error.checked().map_err(|allowed| wrong(&allowed))?;
-            let positive = "a positive fraction, such as 0.02 for 2 %, of 1e-9 or more";
+            let positive = "a positive fraction of 1e-9 or more, such as 0.02 for 2 %";
             if share < 1e-9 { Err(wrong(positive)) } else { Ok(share) }
         };
         let error = error.map(share).transpose()?;

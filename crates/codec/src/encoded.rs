@@ -23,11 +23,11 @@ pub trait BrdfReport {
 /// A pack with the measurements of its encoding; `R` is the report of its codec.
 #[derive(Debug, Clone)]
 pub struct Encoded<R> {
-    /// The pack.
+    /// The pack in memory, for decoding on the CPU.
     pub pack: BrdfPack,
     /// Bytes on a GPU that cropping saves, compared with a pack for all directions.
     pub cropped_bytes: u64,
-    /// The file.
+    /// Contents of the pack's KTX2 file.
     pub bytes: Vec<u8>,
     /// Report of the codec.
     pub codec: R,
@@ -35,7 +35,7 @@ pub struct Encoded<R> {
     pub off_grid: Comparison,
     /// Number of evaluations of the source.
     pub evaluated: u64,
-    /// Repairs of those values.
+    /// Repairs of these values.
     pub tally: Tally,
     /// Error that symmetrising adds, where reciprocal values were requested.
     pub averaging: Option<AveragingCost>,
@@ -66,7 +66,7 @@ impl<R> Encoded<R> {
         }
     }
 
-    /// Converts the report.
+    /// Converts the report of the codec to another type; everything else stays unchanged.
     pub fn map<S>(self, report: impl FnOnce(R) -> S) -> Encoded<S> {
         Encoded {
             pack: self.pack,

@@ -4,43 +4,36 @@ use brdfc_core::progress::Cancelled;
 use brdfc_formats::FormatError;
 use brdfc_formats::crop::DirectionRange;
 
-/// Reason why a source did not become a pack.
+/// Reason why a source did not become a pack. Messages name an option by its key in a manifest.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum EncodeError {
-    /// Error budget that the codec cannot meet.
-    #[error("error budget: found {:.4} % relative error with {best}, expected {} %", 100.0 * found, 100.0 * allowed)]
+    /// Limit of the relative error that the codec cannot meet.
+    #[error("max_error: found ε_r {:.4} % with {best}, expected at most {} %", 100.0 * found, 100.0 * allowed)]
     BudgetMissed {
         /// The smallest `ε_r`, a fraction.
         found: f64,
-        /// The budget.
+        /// The limit, a fraction.
         allowed: f64,
-        /// Settings that reached it.
+        /// Settings of the pack with this error.
         best: String,
     },
-    /// Error limit for a black material, where no error can be measured.
-    #[error(
-        "error budget: found a material that is black everywhere, expected one with reflectance, or no \
-         limit of error"
-    )]
+    /// Error limit for a black material, whose errors cannot be measured.
+    #[error("the material is black everywhere, so that no error can be measured; remove the limit of the error")]
     NothingMeasured,
-    /// Byte budget below the smallest pack of the codec.
-    #[error("{field}: found {allowed} bytes, expected at least {smallest}, the size of {what}")]
+    /// Limit of bytes below the smallest pack of the codec.
+    #[error("max_bytes: found {allowed} bytes, expected at least {smallest}, the smallest pack")]
     TooFewBytes {
-        /// Name of the budget.
-        field: &'static str,
-        /// The budget.
+        /// Maximum bytes on a GPU that the caller allowed.
         allowed: u64,
-        /// Bytes of the smallest pack.
+        /// Bytes on a GPU of the smallest pack.
         smallest: u64,
-        /// Contents of the smallest pack.
-        what: &'static str,
     },
-    /// Fetch budget below that of any pack.
-    #[error("fetch budget: found {allowed}, expected at least {fewest}: {why}")]
+    /// Limit of fetches that no pack meets.
+    #[error("max_fetches: found {allowed}, expected at least {fewest}; {why}")]
     TooFewFetches {
-        /// The budget.
+        /// Maximum texture fetches per look-up that the caller allowed.
         allowed: u32,
-        /// Minimum over all packs of the request.
+        /// Minimum number of fetches over all packs of the request.
         fewest: u32,
         /// Reason for the minimum.
         why: &'static str,
@@ -50,17 +43,17 @@ pub enum EncodeError {
     Size {
         /// Name of the option.
         field: &'static str,
-        /// The size.
+        /// Value of the option, as the message shows it.
         found: String,
-        /// Valid sizes.
+        /// Range or list of valid values.
         allowed: String,
     },
     /// Source pack for other directions.
-    #[error("directions: found a source pack for {has}, expected one that overlaps the requested {needed}")]
+    #[error("directions: found a source pack for {has}, expected an overlap with the requested {needed}")]
     OtherDirections {
         /// Directions of the source.
         has: DirectionRange,
-        /// Requested directions.
+        /// Directions that the requested pack would cover.
         needed: DirectionRange,
     },
     /// Pack that breaks the rules of its own layout.

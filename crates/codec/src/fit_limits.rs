@@ -5,7 +5,7 @@ use super::{Budget, EncodeOptions, OptionError};
 /// Limits of a fit. They decide whether a measured error counts; the pack stays the same.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
 pub struct FitLimits {
-    /// Largest `ε_r` of samples, or of whole incidences, left out of the fit.
+    /// Maximum `ε_r` of held-out samples, and of held-out incidences.
     pub error: Option<f64>,
     /// True if limits of a pack's error count as met even where the fit has the larger error.
     pub trusted: bool,
@@ -14,14 +14,14 @@ pub struct FitLimits {
 /// Limits of a pack's error.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
 pub struct ErrorLimits {
-    /// Largest mean ΔE of renderings.
+    /// Maximum mean ΔE of renderings; `None` for no limit.
     pub delta_e: Option<f64>,
-    /// Largest `ε_r`.
+    /// Maximum relative error `ε_r`, a fraction; `None` for no limit.
     pub relative: Option<f64>,
 }
 
 impl ErrorLimits {
-    /// Combines both limits.
+    /// Takes the lower of the two limits of each error.
     #[must_use]
     pub fn and(self, other: Self) -> Self {
         let least = |a: Option<f64>, b: Option<f64>| [a, b].into_iter().flatten().reduce(f64::min);

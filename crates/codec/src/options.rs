@@ -15,34 +15,35 @@ use brdfc_metrics::fraction::Fraction;
 #[cfg_attr(feature = "clap", derive(clap::Args))]
 #[serde(deny_unknown_fields)]
 pub struct EncodeOptions {
-    /// Codec: auto (default: the smallest table that meets the budget, plain or factored),
-    /// table (16 KiB unless there is a budget), factored (a table and a curve for narrow highlights, one more fetch),
-    /// or wavelet (as in the paper, with perceptually weighted slices).
+    /// Codec (default: auto): auto (the smallest table that meets the limits, plain or factored), table (16 KiB unless
+    /// there is a limit), factored (a table and a curve for narrow highlights, one more fetch), or wavelet (as in the
+    /// paper, with perceptually weighted slices).
     #[cfg_attr(feature = "clap", arg(long, value_name = "CODEC"))]
     pub codec: Option<String>,
-    /// Largest mean ΔE of renderings of the pack and its source, 1e-6 to 100, with 95 % below four times that (default 0.5).
-    /// Sizes are tried in doublings: the pack may be almost twice as large as the smallest one that meets the limit.
+    /// Maximum mean ΔE of renderings of the pack and its source, 1e-6 to 100, with 95 % below four times this limit
+    /// (default: 0.5). Sizes are tried in doublings: the pack may be almost twice as large as the smallest pack that
+    /// meets the limit.
     #[cfg_attr(
         feature = "clap",
         arg(id = "pack_delta_e", long = "max-delta-e", value_name = "E", conflicts_with = "ratio")
     )]
     pub max_delta_e: Option<f64>,
-    /// Smallest retained share of the highlight's light over all incoming directions: 0 to 0.999, 0.9 or 90%
-    /// (default 0.9 with --max-delta-e or without limits; 0 sets no limit). Renderings of a ball hide the narrowest
+    /// Minimum retained share of the highlight's light over all incoming directions: 0 to 0.999, 0.9 or 90%
+    /// (default: 0.9 with a limit of ΔE or without limits; 0 sets no limit). Renderings of a ball hide the narrowest
     /// highlights.
-    #[cfg_attr(feature = "clap", arg(long, value_name = "S", conflicts_with = "ratio"))]
+    #[cfg_attr(feature = "clap", arg(long, value_name = "SHARE", conflicts_with = "ratio"))]
     pub min_highlight: Option<Fraction>,
-    /// Largest mean relative error ε_r: a fraction or a percentage, 0.02 or 2%. For wavelet packs, the error on their
-    /// grid. Sizes are tried as for --max-delta-e.
+    /// Maximum mean relative error ε_r: a fraction or a percentage, 0.02 or 2%. For wavelet packs, the error on their
+    /// grid. Sizes are tried in doublings.
     #[cfg_attr(feature = "clap", arg(long, value_name = "E", conflicts_with = "ratio"))]
     pub max_error: Option<Fraction>,
-    /// Maximum of bytes on a GPU, before any compression of the file: a number, or one with KiB, MiB or GiB, such as
-    /// 16KiB. Alone it selects the pack with the smallest mean ΔE that fits; tables have up to 512 KiB.
+    /// Maximum number of bytes on a GPU, before any compression of the file: a number, also with KiB, MiB or GiB, such
+    /// as 16KiB. Alone it selects the pack with the smallest mean ΔE that fits; tables have up to 512 KiB.
     #[cfg_attr(feature = "clap", arg(long, value_name = "B", value_parser = bytes_from_text, conflicts_with = "ratio"))]
     #[serde(default, deserialize_with = "bytes_from_manifest")]
     pub max_bytes: Option<u64>,
-    /// Maximum of texture fetches per look-up: 1 for a table of an isotropic material, 2 for any table, one more for a
-    /// factored pack, 84 for a wavelet pack of 32 x 32 cells.
+    /// Maximum number of texture fetches per look-up, 1 or more. A table of an isotropic material needs 1, any other
+    /// table 2, a factored pack 1 more, and a wavelet pack of 32 x 32 cells 84.
     #[cfg_attr(
         feature = "clap",
         arg(long, value_name = "N", value_parser = whole_number::<u32>(1..=u64::MAX), conflicts_with = "ratio")
@@ -51,39 +52,39 @@ pub struct EncodeOptions {
     /// Table packs: symmetrised values, the mean over both orders of light and viewer, as path tracers need them.
     #[cfg_attr(feature = "clap", arg(long, num_args = 0, default_missing_value = "true"))]
     pub reciprocal: Option<bool>,
-    /// Table packs: levels of detail below the finest, 0 (default) to 6, for distant surfaces with bumps. They are
-    /// energy-preserving and make a pack a factored one.
+    /// Table packs: levels of detail below the finest, 0 to 6 (default: 0), for distant surfaces with bumps. They are
+    /// energy-preserving, and the pack becomes a factored pack.
     #[cfg_attr(feature = "clap", arg(long, value_name = "N", value_parser = whole_number::<u32>(0..=6)))]
     pub levels: Option<u32>,
-    /// Wavelet: keep one slice in R, 1 to 4096 (default 4).
+    /// Wavelet: keep one slice in R, 1 to 4096 (default: 4).
     #[cfg_attr(feature = "clap", arg(long, value_name = "R"))]
     pub ratio: Option<f64>,
-    /// Wavelet: cells per axis and hemisphere, 2, 4, 8, 16, 32 or 64 (default 32).
+    /// Wavelet: cells per axis and hemisphere, 2, 4, 8, 16, 32 or 64 (default: 32).
     #[cfg_attr(feature = "clap", arg(long, value_name = "N", value_parser = any_whole_number::<usize>(GRIDS)))]
     pub grid: Option<usize>,
     /// Wavelet: parameterisation of the two hemispheres: tangent-pole, incoming and outgoing.
     #[cfg_attr(feature = "clap", arg(long, value_name = "P"))]
     pub parameterisation: Option<String>,
-    /// Wavelet: bits per component, 8 (default), or 10 to 16 in a texture of 16 bits.
+    /// Wavelet: bits per component, 8, or 10 to 16 in a texture of 16 bits (default: 8).
     #[cfg_attr(feature = "clap", arg(long, value_name = "N", value_parser = any_whole_number::<u32>(BITS)))]
     pub bits: Option<u32>,
     /// Bias ε of the logarithm ln(f/μ + ε), 1e-6 to 1: values far below ε times the mean are lost (default: 0.0001 for
     /// tables, 0.0003 for --codec wavelet, 0.01 for wavelet packs that are chosen by another option).
     #[cfg_attr(feature = "clap", arg(long, value_name = "E"))]
     pub bias: Option<f64>,
-    /// Wavelet: ranking of slices, energy (smallest error of the table; default unless the codec is named) or visible
-    /// (smallest visible error: grazing angles and dark values count less; use with --bias 0.0003).
+    /// Wavelet: ranking of slices (default: visible with --codec wavelet, else energy): energy (smallest error of the
+    /// table) or visible (smallest visible error: grazing angles and dark values count less; use with --bias 0.0003).
     #[cfg_attr(feature = "clap", arg(long, value_name = "BY"))]
     pub ranking: Option<String>,
-    /// Wavelet: energy-preserving. Coarser levels of detail and omitted slices do not darken renderings; means are
-    /// those of reflectances, not of logarithms.
+    /// Wavelet: energy-preserving. Coarser levels of detail and omitted slices do not darken renderings, because means
+    /// are taken over reflectances, not over logarithms.
     #[cfg_attr(feature = "clap", arg(long, num_args = 0, default_missing_value = "true"))]
-    pub lift: Option<bool>,
+    pub energy_preserving: Option<bool>,
     /// Wavelet: smooth the table by moving least squares first, for noisy dense data. Scans are always smoothed.
     #[cfg_attr(feature = "clap", arg(long, num_args = 0, default_missing_value = "true"))]
     pub smooth: Option<bool>,
-    /// Scans: largest ε_r of rows, or of whole incidences, left out of the fit to the others: a fraction or a
-    /// percentage, 0.1 or 10%. Sources without a fit pass.
+    /// Scans: maximum ε_r of held-out rows, and of held-out incidences, against the fit to the other rows: a fraction
+    /// or a percentage, 0.1 or 10%. Sources without a fit pass.
     #[cfg_attr(feature = "clap", arg(long, value_name = "E"))]
     pub max_fit_error: Option<Fraction>,
     /// Scans: report the error of the pack against the fit as the error against the material. Without this option a
@@ -96,7 +97,7 @@ pub struct EncodeOptions {
 /// Variant of a codec: a name that `--codec` takes, and its options.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Variant {
-    /// The name.
+    /// Value of `--codec` and of the manifest's key `codec`.
     pub name: &'static str,
     /// Keys of its options, except `codec`.
     pub options: &'static [&'static str],
@@ -136,9 +137,9 @@ impl EncodeOptions {
         OptionError::new(field, found, range_of(field))
     }
 
-    /// Set options of a pack except the codec: keys and values, those of a single codec first.
+    /// Set options of a pack except the codec: keys and values, with the options of a single codec first.
     pub fn given(&self) -> impl Iterator<Item = (&'static str, String)> + use<> {
-        // Destructures, so that no field is left out.
+        // Destructures, so that no field is missing.
         let Self {
             codec: _,
             max_delta_e,
@@ -154,7 +155,7 @@ impl EncodeOptions {
             bits,
             bias,
             ranking,
-            lift,
+            energy_preserving,
             smooth,
             max_fit_error: _,
             trust_fit: _,
@@ -167,7 +168,7 @@ impl EncodeOptions {
             ("bits", bits.map(|bits| bits.to_string())),
             ("parameterisation", quoted(parameterisation)),
             ("ranking", quoted(ranking)),
-            ("lift", on(lift)),
+            ("energy_preserving", on(energy_preserving)),
             ("smooth", on(smooth)),
             ("max_delta_e", max_delta_e.map(format_number)),
             ("min_highlight", min_highlight.map(|share| share.to_string())),
@@ -195,10 +196,10 @@ impl EncodeOptions {
                 }
             };
         }
-        only!(max_delta_e min_highlight max_error max_bytes max_fetches reciprocal levels ratio grid parameterisation bits bias ranking lift smooth)
+        only!(max_delta_e min_highlight max_error max_bytes max_fetches reciprocal levels ratio grid parameterisation bits bias ranking energy_preserving smooth)
     }
 
-    /// Fills open options from `defaults`. All limits come from the same one of the two.
+    /// Fills open options from `defaults`. All limits come from `self`, or all from `defaults`.
     #[must_use]
     pub fn over(&self, defaults: &Self) -> Self {
         let limited = if self.has_limits() { self } else { defaults };
@@ -211,7 +212,7 @@ impl EncodeOptions {
             };
         }
         over!(
-            codec min_highlight reciprocal levels grid parameterisation bits bias ranking lift smooth max_fit_error trust_fit;
+            codec min_highlight reciprocal levels grid parameterisation bits bias ranking energy_preserving smooth max_fit_error trust_fit;
             ratio max_delta_e max_error max_bytes max_fetches
         )
     }
@@ -230,7 +231,7 @@ impl EncodeOptions {
     /// Limits of error, bytes and fetches.
     ///
     /// # Errors
-    /// Returns an error for the first that is out of range.
+    /// Returns an error for the first limit that is out of range.
     pub fn budget(&self) -> Result<Budget, OptionError> {
         Budget::checked(self.max_delta_e, self.min_highlight, self.max_error, self.max_bytes, self.max_fetches)
     }

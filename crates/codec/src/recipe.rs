@@ -8,7 +8,7 @@ use serde::{Deserialize, Serialize};
 
 /// Recipe of a BRDF pack, as scenes and plans see it.
 pub trait BrdfRecipe {
-    /// Variant of the codec, as `--codec` takes it. A search that chooses the variant has a name of its own.
+    /// Variant of the codec, as `--codec` takes it. A search that chooses the variant has its own name.
     fn variant(&self) -> &'static str;
 
     /// Short summary of the limits of size or error for a plan: `ΔE at most 0.5`.
@@ -31,7 +31,7 @@ pub trait BrdfRecipe {
     /// Returns true if an error limit decides the size of the pack.
     fn limits_error(&self) -> bool;
 
-    /// Error limits that the user set, without those of the default budget.
+    /// Error limits that the user set, without the limits of the default budget.
     fn asked_errors(&self) -> ErrorLimits;
 
     /// Skips measuring the error against the source, unless the error decides something.
@@ -40,22 +40,22 @@ pub trait BrdfRecipe {
     /// Sets whether texels are compressed in the file.
     fn set_supercompress(&mut self, supercompress: bool);
 
-    /// Stored and total number of levels of detail, where finer ones can be left out.
+    /// Stored and total number of levels of detail, where finer levels can be omitted.
     fn stored_levels(&self) -> Option<[u32; 2]> {
         None
     }
 
-    /// Leaves out levels of detail finer than `finest`, a function of the number of levels.
+    /// Omits levels of detail finer than `finest`, a function of the number of levels.
     fn limit_levels(&mut self, finest: &dyn Fn(u32) -> u32) {
         let _ = finest;
     }
 
-    /// Number of levels of detail coarser than the finest, where coarser ones can be left out.
+    /// Number of levels of detail coarser than the finest, where coarser levels can be omitted.
     fn coarser_levels(&self) -> u32 {
         0
     }
 
-    /// Leaves out all but this many coarser levels of detail.
+    /// Omits all but this many coarser levels of detail.
     fn limit_coarser_levels(&mut self, most: u32) {
         let _ = most;
     }
@@ -93,19 +93,20 @@ pub trait Encode: BrdfRecipe + Sized {
         progress: &dyn Progress,
     ) -> Result<Encoded<Self::Report>, EncodeError>;
 
-    /// Bytes on a GPU of the levels of detail that [`BrdfRecipe::limit_levels`] left out, where the report has them.
+    /// Bytes on a GPU of the levels of detail that [`BrdfRecipe::limit_levels`] omitted, where the report has them.
     fn bytes_of_left_out_levels(&self, report: &Self::Report, channels: u32) -> Option<u64> {
         let _ = (report, channels);
         None
     }
 }
 
-/// Predicted bytes on a GPU. A range, because grey and coloured packs differ and a search ends where its budget is met.
+/// Predicted range of bytes on a GPU: grey and coloured packs differ, and a search ends at the first pack within its
+/// limits.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, schemars::JsonSchema)]
 pub struct Predicted {
-    /// Lower bound.
+    /// Minimum bytes on a GPU.
     pub least: u64,
-    /// Upper bound.
+    /// Maximum bytes on a GPU.
     pub most: u64,
 }
 

@@ -5,23 +5,23 @@ use serde::{Deserialize, Serialize};
 /// A pack that a search tried.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, schemars::JsonSchema)]
 pub struct Trial {
-    /// The variant of its codec, as `--codec` takes it.
+    /// Variant of the pack's codec, as `--codec` takes it.
     pub codec: String,
-    /// Its size in units of its codec: nodes per axis (with those of a curve), or slices.
+    /// Size of the pack in units of its codec: nodes per axis (and nodes of a curve), or slices.
     pub size: String,
     /// Bytes on a GPU.
     pub bytes_on_gpu: u64,
     /// Texture fetches of a look-up.
     pub fetches: u32,
-    /// Mean ΔE*ab of renderings.
+    /// Mean ΔE (CIE76) of renderings.
     pub delta_e: f64,
-    /// Its 95th percentile.
+    /// 95th percentile of ΔE (CIE76).
     pub delta_e_p95: f64,
     /// `ε_r` at independent test directions, a fraction.
     pub relative_error: f64,
-    /// Smallest retained share of the highlight's light over all incoming directions; absent without a highlight.
+    /// Minimum retained share of the highlight's light over all incoming directions; absent without a highlight.
     #[serde(default)]
     pub highlight: Option<f64>,
-    /// True if it meets the budget.
+    /// True if the pack meets the limits.
     pub meets: bool,
 }

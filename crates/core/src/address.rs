@@ -7,13 +7,14 @@
 //! number    = a decimal number, such as 0.3, 20 or 1.5e-2
 //! ```
 //!
-//! Names are those of [`MODELS`], in lower case, without spaces or escapes. A colour is one number for all channels, or
-//! three: linear red, green and blue. Parameters may come in any order, each at most once; omitted ones have their
+//! Names are listed in [`MODELS`], in lower case, without spaces or escapes. A colour is one number for all channels,
+//! or three: linear red, green and blue. Parameters may come in any order, each at most once; omitted ones have their
 //! defaults. A shorthand (`alpha` of `ggx`) sets several parameters and counts as each of them. On most command lines
 //! an address needs quotes: `"synth:lewis?kd=0.6&n=20"`.
 
 use super::Source;
 use super::analytic::{Analytic, MODELS, Parameter, ParameterKind, Shorthand};
+use super::words::{one_of, quoted};
 use std::fmt::Write;
 
 /// Prefix of the addresses of analytic models.
@@ -21,32 +22,44 @@ pub const SYNTH_PREFIX: &str = "synth:";
 
 /// Error of an invalid address of an analytic model.
 ///
-/// Reads as ``n of lewis: found `-1`, expected 0 to 10000``.
+/// Reads as `n of lewis: found -1, expected 0 to 10000`, or as `n of lewis: repeated; expected one value`.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
-#[error("{part}: found {found}, expected {allowed}{}", did_you_mean(.suggestion))]
+#[error("{part}: {}{}", reason(.found.as_deref(), .allowed), did_you_mean(.suggestion))]
 pub struct AddressError {
     /// Part of the address.
     pub part: String,
-    /// Text found.
-    pub found: String,
-    /// Valid text.
+    /// Text of the part; `None` if the address has several values of it.
+    pub found: Option<String>,
+    /// Text or values that are valid for the part.
     pub allowed: String,
-    /// Valid name closest to the text found, if any is close.
+    /// Valid name closest to the text of the part, if any is close.
     pub suggestion: Option<String>,
 }
 
+fn reason(found: Option<&str>, allowed: &str) -> String {
+    match found {
+        Some(found) => format!("found {found}, expected {allowed}"),
+        None => format!("repeated; expected {allowed}"),
+    }
+}
+
 fn did_you_mean(suggestion: &Option<String>) -> String {
-    suggestion.as_ref().map(|name| format!("; did you mean `{name}`?")).unwrap_or_default()
+    suggestion.as_ref().map(|name| format!("; did you mean {name}?")).unwrap_or_default()
 }
 
 impl AddressError {
     fn new(part: impl Into<String>, found: impl Into<String>, allowed: impl Into<String>) -> Self {
-        Self { part: part.into(), found: found.into(), allowed: allowed.into(), suggestion: None }
+        Self { part: part.into(), found: Some(found.into()), allowed: allowed.into(), suggestion: None }
+    }
+
+    fn repeated(part: impl Into<String>) -> Self {
+        Self { part: part.into(), found: None, allowed: "one value".to_owned(), suggestion: None }
     }
 
     fn unknown_name(part: impl Into<String>, found: &str, allowed: &[&str]) -> Self {
-        let suggestion = nearest(found, allowed).map(str::to_owned);
-        Self { suggestion, ..Self::new(part, quoted(found), allowed.join(", ")) }
+        // A single valid name needs no suggestion.
+        let suggestion = nearest(found, allowed).filter(|_| allowed.len() > 1).map(str::to_owned);
+        Self { suggestion, ..Self::new(part, quoted(found), one_of(allowed)) }
     }
 }
 
@@ -72,7 +85,8 @@ pub fn parse_synth(address: &str) -> Result<Box<dyn Source>, AddressError> {
 ///
 /// # Errors
 ///
-/// Same as [`parse_synth`].
+/// Returns an error if the model or a parameter is unknown, or a value is missing, repeated, not a number, or out of
+/// range.
 pub fn parse_model(text: &str) -> Result<Box<dyn Analytic>, AddressError> {
     let (name, query) = split_query(text);
     let info = find_named("model", name, &MODELS, |m| m.name)?;
@@ -122,13 +136,13 @@ pub fn parse_parameters(
 
 /// Address of a model with every parameter, in the model's order, each number in its shortest exact form.
 ///
-/// Models with the same values have the same canonical address, and it parses to the same values.
+/// Models with the same values have the same canonical address, which parses to the same values.
 pub fn canonical(model: &dyn Analytic) -> String {
     let info = model.info();
     canonical_address(info.name, info.parameters, &model.values())
 }
 
-/// Canonical address of any name with parameters, as [`canonical`].
+/// Canonical address of any name with parameters, in the form of [`canonical`].
 pub fn canonical_address(name: &str, parameters: &[Parameter], values: &[[f64; 3]]) -> String {
     let mut text = format!("{SYNTH_PREFIX}{name}");
     for (k, (parameter, value)) in parameters.iter().zip(values).enumerate() {
@@ -187,7 +201,7 @@ fn set(
         }
         known = true;
         if values[k].is_some() {
-            return Err(AddressError::new(of_owner(parameter.name), format!("{} again", quoted(item)), "one value"));
+            return Err(AddressError::repeated(of_owner(parameter.name)));
         }
         values[k] = Some(parse_value(parameter, value, &of_owner(name))?);
     }
@@ -203,11 +217,11 @@ fn parse_value(parameter: &Parameter, text: &str, part: &str) -> Result<[f64; 3]
     let numbers: Vec<&str> = text.split(',').collect();
     let allowed_counts: &[usize] = if parameter.kind == ParameterKind::Colour { &[1, 3] } else { &[1] };
     if !allowed_counts.contains(&numbers.len()) {
-        let allowed = if allowed_counts.len() > 1 { "one number or three" } else { "one number" };
+        let allowed = if allowed_counts.len() > 1 { "one number, or three with commas" } else { "one number" };
         return Err(AddressError::new(part, quoted(text), allowed));
     }
     let whole = parameter.kind == ParameterKind::Integer;
-    let range = if whole { "whole numbers from " } else { "" };
+    let range = if whole { "a whole number, " } else { "" };
     let mut value = [0.0; 3];
     for (c, slot) in value.iter_mut().enumerate() {
         let number = numbers[c.min(numbers.len() - 1)];
@@ -229,11 +243,6 @@ fn nearest<'a>(found: &str, allowed: &[&'a str]) -> Option<&'a str> {
         (distance < longest && distance <= longest.div_ceil(3)).then_some(distance)
     };
     allowed.iter().filter_map(|name| near(name).map(|d| (d, *name))).min_by_key(|&(d, _)| d).map(|(_, name)| name)
-}
-
-/// Wraps a text in back quotes and escapes control characters.
-fn quoted(text: &str) -> String {
-    format!("`{}`", text.escape_debug())
 }
 
 #[cfg(test)]
@@ -264,37 +273,37 @@ mod tests {
         assert!(parse_synth("synth:lambert").unwrap().is_grey());
         assert!(!parse_synth("synth:lambert?kd=0.1,0.2,0.3").unwrap().is_grey());
         let missing = parse_synth("lambert").err().unwrap().to_string();
-        assert_eq!(missing, "address: found `lambert`, expected synth:MODEL?param=value&...");
+        assert_eq!(missing, "address: found \"lambert\", expected synth:MODEL?param=value&...");
     }
 
     #[test]
     fn errors_name_the_part_and_valid_values() {
         for (text, expected) in [
-            ("", "model: found ``, expected lambert, lewis, ward, poulin, ggx, velvet"),
+            ("", "model: found \"\", expected lambert, lewis, ward, poulin, ggx or velvet"),
             (
                 "Lambrt",
-                "model: found `Lambrt`, expected lambert, lewis, ward, poulin, ggx, velvet; did you mean `lambert`?",
+                "model: found \"Lambrt\", expected lambert, lewis, ward, poulin, ggx or velvet; did you mean lambert?",
             ),
-            ("phong", "model: found `phong`, expected lambert, lewis, ward, poulin, ggx, velvet"),
-            ("lambert?", "parameter of lambert: found ``, expected name=value"),
-            ("lambert?kd=0.1&", "parameter of lambert: found ``, expected name=value"),
-            ("lambert?kd", "parameter of lambert: found `kd`, expected name=value"),
-            ("lambert?q=1", "parameter of lambert: found `q`, expected kd"),
+            ("phong", "model: found \"phong\", expected lambert, lewis, ward, poulin, ggx or velvet"),
+            ("lambert?", "parameter of lambert: found \"\", expected name=value"),
+            ("lambert?kd=0.1&", "parameter of lambert: found \"\", expected name=value"),
+            ("lambert?kd", "parameter of lambert: found \"kd\", expected name=value"),
+            ("lambert?q=1", "parameter of lambert: found \"q\", expected kd"),
             (
                 "ggx?alfa=1",
-                "parameter of ggx: found `alfa`, expected kd, f0, alpha_x, alpha_y, alpha; did you mean `alpha`?",
+                "parameter of ggx: found \"alfa\", expected kd, f0, alpha_x, alpha_y or alpha; did you mean alpha?",
             ),
-            ("lambert?kd=", "kd of lambert: found ``, expected 0 to 1"),
-            ("lambert?kd=NaN", "kd of lambert: found `NaN`, expected 0 to 1"),
-            ("lambert?kd=0.1, 0.2,0.3", "kd of lambert: found ` 0.2`, expected 0 to 1"),
-            ("lambert?kd=0.1,0.2", "kd of lambert: found `0.1,0.2`, expected one number or three"),
-            ("lambert?kd=0.1&kd=0.1", "kd of lambert: found `kd=0.1` again, expected one value"),
-            ("lewis?n=inf", "n of lewis: found `inf`, expected 0 to 10000"),
-            ("lewis?n=1,2,3", "n of lewis: found `1,2,3`, expected one number"),
-            ("poulin?d=1.9", "d of poulin: found `1.9`, expected 2 to 100"),
-            ("ggx?alpha_x=0.1&alpha=0.2", "alpha_x of ggx: found `alpha=0.2` again, expected one value"),
-            ("ggx?alpha=2", "alpha of ggx: found `2`, expected 0.001 to 1"),
-            ("lambert?kd=\u{1b}[2J", "kd of lambert: found `\\u{1b}[2J`, expected 0 to 1"),
+            ("lambert?kd=", "kd of lambert: found \"\", expected 0 to 1"),
+            ("lambert?kd=NaN", "kd of lambert: found NaN, expected 0 to 1"),
+            ("lambert?kd=0.1, 0.2,0.3", "kd of lambert: found  0.2, expected 0 to 1"),
+            ("lambert?kd=0.1,0.2", "kd of lambert: found 0.1,0.2, expected one number, or three with commas"),
+            ("lambert?kd=0.1&kd=0.1", "kd of lambert: repeated; expected one value"),
+            ("lewis?n=inf", "n of lewis: found inf, expected 0 to 10000"),
+            ("lewis?n=1,2,3", "n of lewis: found 1,2,3, expected one number"),
+            ("poulin?d=1.9", "d of poulin: found 1.9, expected 2 to 100"),
+            ("ggx?alpha_x=0.1&alpha=0.2", "alpha_x of ggx: repeated; expected one value"),
+            ("ggx?alpha=2", "alpha of ggx: found 2, expected 0.001 to 1"),
+            ("lambert?kd=\u{1b}[2J", "kd of lambert: found \"\\u{1b}[2J\", expected 0 to 1"),
         ] {
             assert_eq!(error(text), expected);
         }

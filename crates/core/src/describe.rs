@@ -5,7 +5,7 @@ use brdfc_formats::crop::DirectionRange;
 
 /// Facts about an input, from its reader.
 pub trait Describe {
-    /// Lines for people: names and values. [`Self::summary`] adds the directions.
+    /// Lines for people: names and values, without the directions that [`Self::summary`] adds.
     fn lines(&self) -> Vec<(&'static str, String)>;
 
     /// Number of measured samples; 0 for models.
@@ -26,12 +26,12 @@ pub trait Describe {
         0
     }
 
-    /// Rows of a scan whose azimuth of incidence differs from that of the others.
+    /// Rows of a scan whose azimuth of incidence differs from the azimuth of the other rows.
     fn stray_rows(&self) -> Option<StrayRows> {
         None
     }
 
-    /// First and last wavelength, nm, of spectra that leave out a part of the visible range which colours depend on.
+    /// First and last wavelength, nm, of spectra without a part of the visible range that colours depend on.
     fn partial_spectrum(&self) -> Option<[f64; 2]> {
         None
     }

@@ -64,7 +64,7 @@ impl PairList {
     /// all blocks to the order of the list.
     ///
     /// # Panics
-    /// If there is no such block.
+    /// Panics if the list has no such block.
     pub fn block(&self, number: usize) -> PairBlock<'_> {
         let first = number * BLOCK;
         let end = self.pairs.len().min(first + BLOCK);
@@ -132,7 +132,7 @@ impl PartialEq for PairList {
     }
 }
 
-/// Some pairs of a list, in the order in which they are evaluated.
+/// Consecutive pairs of a list, in the order of evaluation.
 #[derive(Debug, Clone, Copy)]
 pub struct PairBlock<'a> {
     pairs: &'a [DirectionPair],
@@ -140,7 +140,7 @@ pub struct PairBlock<'a> {
 }
 
 impl<'a> PairBlock<'a> {
-    /// The pairs.
+    /// Direction pairs of the block, in the order of evaluation.
     pub fn pairs(self) -> &'a [DirectionPair] {
         self.pairs
     }

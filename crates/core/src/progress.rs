@@ -34,7 +34,7 @@ pub enum Stage {
 }
 
 impl Stage {
-    /// Name in reports.
+    /// Name of the stage in progress lines and in the times of reports.
     pub fn name(self) -> &'static str {
         match self {
             Self::Read => "read",
@@ -78,12 +78,12 @@ pub trait Progress: Sync {
     /// Checks for cancellation.
     ///
     /// # Errors
-    /// Returns an error if the work is cancelled. All methods do.
+    /// Returns an error if the work is cancelled, as all methods of this trait do.
     fn check(&self) -> Result<(), Cancelled> {
         Ok(())
     }
 
-    /// Starts a stage of `steps` steps; the previous one is done.
+    /// Starts a stage of `steps` steps; the previous stage is done.
     fn stage(&self, _stage: Stage, _steps: usize) -> Result<(), Cancelled> {
         self.check()
     }
@@ -100,7 +100,8 @@ pub trait Progress: Sync {
     /// Ends the work; `succeeded` is its outcome.
     fn finished(&self, _succeeded: bool) {}
 
-    /// The work has waited for a while for this, such as another process. Called once, before any part begins or after all ended.
+    /// Reports a cause for which the work has waited for a while, such as another process. Called once, before any part
+    /// begins or after all parts ended.
     fn waits(&self, _for_what: &str) {}
 }
 

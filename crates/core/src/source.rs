@@ -1,5 +1,5 @@
 //! Sources: reflectance as a function of direction pairs and, where it is completed from samples, the cross-validation
-//! of those samples.
+//! of these samples.
 
 use super::Tally;
 use super::pair_list::PairBlock;
@@ -16,7 +16,7 @@ pub trait Source: Send + Sync {
     fn eval(&self, pair: DirectionPair, tally: &mut Tally) -> [f64; 3];
 
     /// Values at the pairs of a block, as many as it has, with the same bits as [`Self::eval`]. Sources that need
-    /// angles use those of the block, which are computed once for all sources.
+    /// angles use the angles of the block, which are computed once for all sources.
     fn eval_block(&self, block: PairBlock<'_>, tally: &mut Tally, values: &mut [[f64; 3]]) {
         for (value, pair) in values.iter_mut().zip(block.pairs()) {
             *value = self.eval(*pair, tally);
@@ -26,7 +26,7 @@ pub trait Source: Send + Sync {
     /// The symmetries that `eval` obeys exactly, up to rounding.
     fn symmetry(&self) -> Symmetry;
 
-    /// Returns true if all three channels are equal everywhere, so that one is enough.
+    /// Returns true if all three channels are equal everywhere, so that one channel is enough.
     fn is_grey(&self) -> bool {
         false
     }
@@ -48,7 +48,8 @@ pub trait Source: Send + Sync {
 pub enum Parts {
     /// Every tenth sample: measures interpolation between neighbouring samples.
     Samples,
-    /// Every tenth incidence, or one of fewer, with all its samples: measures interpolation between incidences.
+    /// Every tenth incidence (or a single one of fewer than ten), with all its samples: measures interpolation between
+    /// incidences.
     Incidences,
 }
 
@@ -68,25 +69,25 @@ pub struct Fold {
 pub struct Repeats {
     /// Number of direction pairs that were measured more than once.
     pub pairs: usize,
-    /// Their share of all direction pairs.
+    /// Share of these pairs among all direction pairs.
     pub share: f64,
-    /// Sum over them of the largest minus the smallest value, as a share of the sum of the largest: 0 if all agree.
+    /// Sum over these pairs of the largest minus the smallest value, over the sum of the largest: 0 if all agree.
     pub spread: f64,
     /// The largest `1 - smallest / largest` of a channel.
     pub largest: f64,
 }
 
-/// Rise of the samples towards the mirror direction, at the polar angle of incidence where they determine a highlight least. Values
-/// are those above the diffuse part, times both cosines.
+/// Rise of the samples towards the mirror direction, at the polar angle of incidence where samples determine a
+/// highlight least. The diffuse part is subtracted from the values, which are multiplied by both cosines.
 #[derive(Debug, Clone, Copy, PartialEq, serde::Serialize, serde::Deserialize, schemars::JsonSchema)]
 pub struct Rise {
-    /// Polar angle of incidence, degrees, to 5.
+    /// Polar angle of incidence, degrees, a multiple of 5.
     pub incidence: f64,
     /// Half angle of the samples that are nearest to the mirror direction, degrees.
     pub nearest: f64,
-    /// Half angle of the next ones, degrees.
+    /// Half angle of the next samples, degrees.
     pub next: f64,
-    /// Mean value of the nearest over that of the next.
+    /// Mean value of the nearest samples over the mean value of the next samples.
     pub ratio: f64,
     /// Peak over the nearest samples of a GGX lobe through both; at most 100.
     pub peak: f64,
@@ -94,8 +95,8 @@ pub struct Rise {
 
 /// Maximum peak over the nearest samples of a highlight that samples determine.
 pub const MAX_PEAK: f64 = 2.5;
-/// Maximum ratio of the nearest samples and the next ones: above it the width of the highlight is unknown, even if a sample is
-/// on its peak.
+/// Maximum ratio of the nearest and the next samples: above it the width of the highlight is unknown, even if a sample
+/// is on its peak.
 pub const MAX_RISE: f64 = 30.0;
 
 /// The samples that a source is completed from.
@@ -103,7 +104,7 @@ pub trait Completion: Sync {
     /// Number of folds, at most [`MAX_PARTS`]; 0 if all samples have the same incidence.
     fn fold_count(&self, parts: Parts) -> usize;
 
-    /// One of the folds; `None` if too few samples remain to complete a source.
+    /// A fold by its number; `None` if too few samples remain to complete a source.
     fn fold(&self, parts: Parts, number: usize) -> Option<Fold>;
 
     /// Distance of a direction pair from the nearest sample: the larger of the angles between their lights and between

@@ -1,6 +1,7 @@
 //! Formatted numbers.
 
 pub use brdfc_formats::memory::summary as bytes;
+pub use brdfc_formats::words::one_of;
 
 use std::fmt::{Display, LowerExp};
 
@@ -31,7 +32,25 @@ pub fn counted(count: usize, name: &str) -> String {
     format!("{count} {name}{}", if count == 1 { "" } else { "s" })
 }
 
-/// Joins the first names of a list, at most `most`, and counts the rest.
+/// Formats a share of counted things: `1 of 2 files`, or `2 files` for all of them.
+pub fn counted_of(part: usize, all: usize, name: &str) -> String {
+    if part == all { counted(all, name) } else { format!("{part} of {}", counted(all, name)) }
+}
+
+/// Formats text that the user wrote, with escaped control characters: in quotes unless it is or begins like a number.
+pub fn quoted(text: &str) -> String {
+    let digits = text.trim_start_matches(['-', '+', '.']);
+    let is_number = text.parse::<f64>().is_ok() || digits.starts_with(|first: char| first.is_ascii_digit());
+    let escaped = text.escape_debug();
+    if is_number { escaped.to_string() } else { format!("\"{escaped}\"") }
+}
+
+/// Formats an error of the system without its number.
+pub fn system_error(error: &std::io::Error) -> String {
+    error.to_string().split(" (os error ").next().unwrap_or_default().to_owned()
+}
+
+/// Joins up to `most` names of a list with commas, and counts the rest.
 pub fn join_truncated(names: &[impl AsRef<str>], most: usize) -> String {
     let named: Vec<&str> = names.iter().take(most).map(AsRef::as_ref).collect();
     let more = names.len() - named.len();

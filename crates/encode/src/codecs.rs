@@ -71,7 +71,7 @@ macro_rules! codecs {
                 }
             }
 
-            /// Bytes on a GPU of the levels of detail that [`BrdfRecipe::limit_levels`] left out of a pack, where its
+            /// Bytes on a GPU of the levels of detail that [`BrdfRecipe::limit_levels`] omitted from a pack, where its
             /// report has them.
             pub fn bytes_of_left_out_levels(&self, report: &CodecReport, channels: u32) -> Option<u64> {
                 match (self, report) {

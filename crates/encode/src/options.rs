@@ -3,6 +3,7 @@
 use super::PackRecipe;
 use super::codecs::CodecEntry;
 use brdfc_codec::{Budget, EncodeOptions, OptionError, Variant};
+use brdfc_core::words::one_of;
 use brdfc_metrics::fraction::Fraction;
 use brdfc_table::search::recipe::SearchRecipe;
 use std::sync::LazyLock;
@@ -38,8 +39,8 @@ impl Choice {
     }
 
     /// The variant that options without a codec select: `preferred` if it has all of them, then the last variant of its
-    /// codec that has all, then the first of any codec. If none has all of them, the first variant that has the first
-    /// option.
+    /// codec that has all, then the first of any codec. If no variant has all options, the first variant that has the
+    /// first option.
     fn by_options(options: &EncodeOptions, preferred: Option<Self>) -> Self {
         let all: Vec<Self> = Self::all().collect();
         let of_codec = |asked: &&Self| preferred.is_some_and(|preferred| preferred.codec == asked.codec);
@@ -50,24 +51,23 @@ impl Choice {
     }
 
     /// Error of an option that the variant does not have.
-    fn refuses(&self, option: &'static str, found: &str, options: &EncodeOptions) -> OptionError {
+    fn refuses(&self, option: &'static str, options: &EncodeOptions) -> OptionError {
         let asks = options.given().map(|(other, _)| other).find(|other| self.has(other));
-        let with = match asks {
-            Some(other) if options.codec.is_none() => other.to_owned(),
-            _ => format!("the codec {}", self.variant.name),
+        let (codec, having) = (self.variant.name, join(Self::all().filter(|asked| asked.has(option))));
+        let problem = match asks {
+            Some(other) if options.codec.is_none() => {
+                let remedy = format!("use the codec {having} without {other}");
+                format!("conflicts with {other}, an option of the codec {codec}; {remedy}")
+            }
+            _ => format!("does not apply to the codec {codec}; use the codec {having}"),
         };
-        let having = join(Self::all().filter(|asked| asked.has(option)));
-        OptionError::new(option, format!("{found} with {with}"), format!("the codec {having}"))
+        OptionError::conflict(option, problem)
     }
 }
 
 /// Joins names: `auto, table or factored`.
 fn join(asked: impl Iterator<Item = Choice>) -> String {
-    let names: Vec<&str> = asked.map(|asked| asked.variant.name).collect();
-    match names.split_last() {
-        Some((last, others @ [_, ..])) => format!("{} or {last}", others.join(", ")),
-        _ => names.concat(),
-    }
+    one_of(&asked.map(|asked| asked.variant.name).collect::<Vec<_>>())
 }
 
 /// The names that `--codec` takes, as a list for people.
@@ -79,14 +79,15 @@ pub fn codec_names() -> &'static str {
 impl PackRecipe {
     /// Creates the recipe of options. `defaults` fill open ones, then [`PackRecipe::default`].
     ///
-    /// All limits come from the same one of the two. Defaults that conflict with the codec of the options are dropped.
+    /// All limits come from `options`, or all from `defaults`. Defaults that conflict with the codec of the options are
+    /// dropped.
     ///
     /// # Errors
     /// Returns an error for values out of range and for conflicting options.
     pub fn from_options(options: &EncodeOptions, defaults: &EncodeOptions) -> Result<Self, OptionError> {
         let (asked, all) = merged(options, defaults)?;
-        if let Some((option, found)) = all.given().find(|(option, _)| !asked.has(option)) {
-            return Err(asked.refuses(option, &found, &all));
+        if let Some((option, _)) = all.given().find(|(option, _)| !asked.has(option)) {
+            return Err(asked.refuses(option, &all));
         }
         // Reports limits out of range before options of a single codec.
         all.budget()?;
@@ -95,7 +96,7 @@ impl PackRecipe {
     }
 }
 
-/// Merges options over defaults, such as those of the command line over those of a manifest. Defaults that conflict
+/// Merges options over defaults, such as flags of the command line over keys of a manifest. Defaults that conflict
 /// with the codec of the options are dropped. Invalid options pass; [`PackRecipe::from_options`] reports them.
 pub fn options_over(options: &EncodeOptions, defaults: &EncodeOptions) -> EncodeOptions {
     merged(options, defaults).map_or_else(|_| options.over(defaults), |(_, all)| all)

@@ -1,4 +1,4 @@
-//! Encoding of one source as a recipe says.
+//! Encoding of one source by a recipe.
 
 use super::{EncodedPack, PackRecipe};
 use brdfc_codec::{EncodeError, GridCache};
@@ -93,7 +93,7 @@ mod tests {
         assert!(
             afresh > 0 && made.bytes == fresh.bytes && made.tally == fresh.tally && made.evaluated == fresh.evaluated
         );
-        // Another grid needs other samples; an entry with too few values is ignored.
+        // Another grid needs other samples; cached grids with too few values are ignored.
         assert!(asked(&recipe(2, 8.0), &cache).0 > 0);
         cache.0.borrow_mut().iter_mut().for_each(|(_, values, _)| values.truncate(values.len() - 4));
         let (evaluations, made) = asked(&recipe(3, 8.0), &cache);

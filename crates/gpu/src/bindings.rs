@@ -217,8 +217,8 @@ pub(super) fn texture(
     if !fits || bytes.len() as u64 != expected {
         let found = bytes.len();
         return Err(GpuError::TooLarge(format!(
-            "{found} bytes for {levels} levels of {extent}; this adapter takes {most} texels on a side and {most_layers} \
-             layers"
+            "found {found} bytes for {levels} levels of {extent}, expected {expected} bytes, and at most {most} texels \
+             per side and {most_layers} layers on this adapter"
         )));
     }
     Ok(gpu.texture(texture_format(format), extent, levels, bytes))

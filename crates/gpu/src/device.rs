@@ -1,5 +1,6 @@
 //! Selection of an adapter, opening of a device, and conversion of wgpu's failures to errors.
 
+use brdfc_core::words::{one_of, quoted};
 use schemars::JsonSchema;
 use serde::Serialize;
 use std::sync::{Arc, Mutex};
@@ -11,9 +12,17 @@ use wgpu::{
 /// Errors of the graphics adapter or its driver.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
 pub enum GpuError {
-    /// There is no adapter, or none with the requested name.
+    /// There is no adapter.
     #[error("no usable graphics adapter: {0}")]
     NoAdapter(String),
+    /// No adapter has the requested name.
+    #[error("graphics adapter: found {}, expected a part of the name or driver of {available}", quoted(.found))]
+    NoSuchAdapter {
+        /// Requested text.
+        found: String,
+        /// Names of the adapters.
+        available: String,
+    },
     /// The driver failed.
     #[error("graphics: {0}")]
     Failed(String),
@@ -21,6 +30,8 @@ pub enum GpuError {
     #[error("{0}")]
     TooLarge(String),
 }
+
+const NO_DRIVER: &str = "no Vulkan driver was found";
 
 /// Choice of an adapter.
 #[derive(Debug, Clone, Default, PartialEq, Eq)]
@@ -48,7 +59,7 @@ pub struct Gpu {
     /// The device.
     #[doc(hidden)]
     pub device: wgpu::Device,
-    /// Its queue.
+    /// Queue of the device.
     #[doc(hidden)]
     pub queue: wgpu::Queue,
     description: AdapterDescription,
@@ -70,9 +81,7 @@ impl Gpu {
                 let options =
                     RequestAdapterOptions { power_preference: PowerPreference::HighPerformance, ..Default::default() };
                 pollster::block_on(instance.request_adapter(&options)).map_err(|error| match error {
-                    wgpu::RequestAdapterError::NotFound { .. } => {
-                        GpuError::NoAdapter("no Vulkan driver was found".to_owned())
-                    }
+                    wgpu::RequestAdapterError::NotFound { .. } => GpuError::NoAdapter(NO_DRIVER.to_owned()),
                     other => GpuError::NoAdapter(other.to_string()),
                 })?
             }
@@ -83,9 +92,9 @@ impl Gpu {
                 let fits = |info: wgpu::AdapterInfo| {
                     info.name.to_lowercase().contains(&requested) || info.driver.to_lowercase().contains(&requested)
                 };
-                all.into_iter().find(|adapter| fits(adapter.get_info())).ok_or_else(|| {
-                    let available = if names.is_empty() { "none".to_owned() } else { names.join(", ") };
-                    GpuError::NoAdapter(format!("found {available}, expected a name or driver with {text}"))
+                all.into_iter().find(|adapter| fits(adapter.get_info())).ok_or_else(|| match &names[..] {
+                    [] => GpuError::NoAdapter(NO_DRIVER.to_owned()),
+                    _ => GpuError::NoSuchAdapter { found: text.clone(), available: one_of(&names) },
                 })?
             }
         };

@@ -40,7 +40,7 @@ pub fn draw_flat_btf(
 /// Returns the errors of [`draw_flat_btf`]; an error if the source does not validate.
 ///
 /// # Panics
-/// As [`draw_flat_btf`].
+/// Panics for the full form of a material without the values of its views: see [`FlatMaterial::has_views`].
 pub fn draw_flat_btf_by(
     gpu: &Gpu,
     source: String,

@@ -12,7 +12,7 @@ use wgpu::{
     TextureDescriptor, TextureDimension, TextureUsages, TextureView, TextureViewDescriptor, TextureViewDimension,
 };
 
-/// Names of the textures in messages. The texture with the most layers is that of shadows, with one layer per light.
+/// Names of the textures in messages. The texture of shadows has the most layers, one per light.
 const PARTS: [(&str, &str); 5] = [
     ("flat_btf_reference", "reference plane"),
     ("flat_btf_packed_indirection", "indirection"),
@@ -60,13 +60,13 @@ fn fits(bindings: &Bindings<'_>, limits: &Limits) -> Result<(), GpuError> {
         if let Some((_, part)) = part
             && side > most
         {
-            let text = format!("the {part} has {side} texels on a side; this adapter takes {most}");
+            let text = format!("{part}: found {side} texels per side, expected at most {most} on this adapter");
             return Err(GpuError::TooLarge(text));
         }
         let most = limits.max_texture_array_layers;
         if name == SHADOW && layers > most {
-            let text = format!("{layers} lights; this adapter takes {most} layers: draw the light form, or make fewer");
-            return Err(GpuError::TooLarge(text));
+            let text = format!("found {layers} lights, expected at most {most} on this adapter");
+            return Err(GpuError::TooLarge(text + "; draw the light form, or make the flat BTF with fewer lights"));
         }
     }
     Ok(())
@@ -89,7 +89,7 @@ fn atlas(gpu: &Gpu, decoder: &FlatBtfDecoder, views: &[FlatView]) -> Result<Text
     });
     gpu.check().map_err(|error| {
         let megabytes = (u64::from(width) * u64::from(height) * u64::from(count) * 4) >> 20;
-        GpuError::TooLarge(format!("the views take {megabytes} MiB of graphics memory ({error}): {ADVICE}"))
+        GpuError::TooLarge(format!("the views take {megabytes} MiB of graphics memory ({error}); {ADVICE}"))
     })?;
     // One layer at a time, to avoid a second copy of everything in memory.
     for (layer, view) in (0..count).zip(views) {
@@ -111,14 +111,13 @@ fn atlas_extent(atlas: Atlas, views: u32, limits: &Limits) -> Result<[u32; 2], G
     if width > most || height > most {
         let (size, lights) = (atlas.size, atlas.lights);
         return Err(GpuError::TooLarge(format!(
-            "{lights} lights of {size} x {size} texels take a texture of {width} x {height}; this adapter takes {most} \
-             on a side: {ADVICE}"
+            "found a texture of {width} x {height} for {lights} lights of {size} x {size} texels, expected at most \
+             {most} per side on this adapter; {ADVICE}"
         )));
     }
     if views > most_layers {
-        let text =
-            format!("{views} views; this adapter takes {most_layers} layers: draw the light form, or make fewer");
-        return Err(GpuError::TooLarge(text));
+        let text = format!("found {views} views, expected at most {most_layers} on this adapter");
+        return Err(GpuError::TooLarge(text + "; draw the light form, or make the flat BTF with fewer views"));
     }
     Ok([width, height])
 }
@@ -135,8 +134,8 @@ mod tests {
         let Err(GpuError::TooLarge(text)) = extent(256, 82, 81) else { panic!("too wide") };
         assert_eq!(
             text,
-            "82 lights of 256 x 256 texels take a texture of 2560 x 2304; this adapter takes 2304 on a side: draw the \
-             light form, or make the flat BTF with fewer texels"
+            "found a texture of 2560 x 2304 for 82 lights of 256 x 256 texels, expected at most 2304 per side on this \
+             adapter; draw the light form, or make the flat BTF with fewer texels"
         );
         assert!(extent(257, 81, 81).is_err() && extent(256, 81, 82).is_err());
         // Without views, the array is one empty texel.

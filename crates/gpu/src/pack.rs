@@ -14,7 +14,7 @@ fn codecs() -> impl Iterator<Item = (PackKind, BrdfShader)> {
     PackKind::ALL.into_iter().filter_map(|kind| Some((kind, kind.descriptor().brdf?)))
 }
 
-/// The decoders of all codecs, and functions that call the one whose pack is bound:
+/// The decoders of all codecs, and functions that call the decoder of the bound pack:
 ///
 /// - `brdf(wi, wo, level, hardware)`: `f_r` at a level of detail; `hardware`: the sampler filters;
 /// - `brdf_level_of_detail(distance)`: the level of detail at a distance from the viewer.
@@ -24,7 +24,7 @@ pub(super) fn brdf_source() -> String {
         let mut text = String::new();
         let mut all = codecs().peekable();
         while let Some((_, shader)) = all.next() {
-            // The last codec needs no condition, since one of them is bound.
+            // The last codec needs no condition, since one pack is bound.
             text += &match all.peek() {
                 Some(_) => format!("if {} {{\n{}}}\n", shader.is_bound, of(shader)),
                 None => of(shader),

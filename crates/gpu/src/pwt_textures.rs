@@ -21,7 +21,9 @@ pub fn upload(gpu: &Gpu, slots: &Slots, pack: &PwtPack, frame: FrameBlock) -> Re
     let (extent, most) = (pack.header().extent, gpu.device.limits().max_texture_dimension_2d);
     let side = extent[0].max(extent[1]);
     if side > most {
-        return Err(GpuError::TooLarge(format!("an image of {side} texels on a side; this adapter takes {most}")));
+        return Err(GpuError::TooLarge(format!(
+            "found {side} texels per side, expected at most {most} on this adapter"
+        )));
     }
     slots.bind(gpu, &pack.bindings().all, frame, &[])
 }

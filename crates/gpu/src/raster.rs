@@ -76,7 +76,7 @@ pub(super) fn draw_with_one_material(
 }
 
 impl<'g> Rasteriser<'g> {
-    /// Compiles a shader with the entry points `project` and `shade`. `layouts` are those of the groups from 1 on.
+    /// Compiles a shader with the entry points `project` and `shade`. `layouts` are the layouts of the groups from 1 on.
     ///
     /// # Errors
     /// Returns an error that the driver reports.
@@ -158,7 +158,7 @@ impl<'g> Rasteriser<'g> {
     pub(super) fn target(&self, width: usize, height: usize) -> Result<Target, GpuError> {
         let most = self.gpu.device.limits().max_texture_dimension_2d as usize;
         if width > most || height > most {
-            let text = format!("an image of {width} x {height} pixels; this adapter draws at most {most} per side");
+            let text = format!("found {width} x {height} pixels, expected at most {most} per side on this adapter");
             return Err(GpuError::TooLarge(text));
         }
         let texture = |format, usage| {

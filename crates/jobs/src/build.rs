@@ -40,7 +40,7 @@ pub struct Build {
 }
 
 impl Build {
-    /// Default output folder.
+    /// Output folder of builds that set none, relative to the working directory.
     pub const DEFAULT_FOLDER: &str = "packs";
 
     /// Builds the packs that a scene needs. `docs/manifest.md` describes the manifest. Unused materials are not opened.
@@ -177,9 +177,9 @@ impl Build {
         }
         if plan.is_empty() {
             return Err(Error::check(format!(
-                "nothing to build: found {} and no use of any in {}, expected one use or more ([[uses]], material = \"...\")",
-                counted(plan.skipped.len(), "material"),
+                "{}: nothing to build: {} and no uses; add [[uses]] with material = \"...\"",
                 self.inputs,
+                counted(plan.skipped.len(), "material"),
             )));
         }
         Ok(plan)
@@ -204,7 +204,7 @@ impl Build {
     /// Runs the build.
     ///
     /// # Errors
-    /// Returns an error if a material fails, misses its budget or fails its gates, with the materials' names, and if the folder
+    /// Returns an error if a material fails, misses its limits or fails its gates, with the materials' names, and if the folder
     /// cannot be written to or holds files that no build wrote.
     pub fn run(&self) -> Result<BuildReport, Error> {
         let built = self.run_with(&self.plan()?, &())?;

@@ -31,7 +31,7 @@ const MAX_ANISOTROPY: f64 = 0.08;
 /// Number of azimuths over which tables average, if a material does not declare itself isotropic.
 const TURNS: usize = 4;
 
-/// Output format.
+/// File format to convert to, with its size.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Target {
     /// A MERL table, for isotropic materials.
@@ -45,18 +45,18 @@ pub enum Target {
 /// Directions of a list: polar angles evenly from 0 to 85 degrees.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct PairGrid {
-    /// Incoming polar angles.
+    /// Number of incoming polar angles.
     pub incoming: usize,
-    /// Outgoing polar angles.
+    /// Number of outgoing polar angles.
     pub outgoing: usize,
-    /// Outgoing azimuths over the full turn; at the normal there is one.
+    /// Number of outgoing azimuths over the full turn; at the normal there is one.
     pub azimuths: usize,
 }
 
-/// A converted file.
+/// Result of a conversion: the file, and its error compared with the source.
 #[derive(Debug, Clone)]
 pub struct Converted {
-    /// The file.
+    /// Contents of the file, in the target's format.
     pub bytes: Vec<u8>,
     /// Number of values in it.
     pub values: usize,
@@ -64,14 +64,11 @@ pub struct Converted {
     pub comparison: Comparison,
 }
 
-/// Errors of conversions.
+/// Reason why a source cannot be converted to the target.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
 pub enum ConvertError {
     /// A MERL table of an anisotropic material.
-    #[error(
-        "material: found an anisotropic material, expected an isotropic one: MERL tables have no azimuth; write a .csv or .bsdf \
-         file instead"
-    )]
+    #[error("material: anisotropic, but MERL tables have no azimuth; write a .csv or .bsdf file instead")]
     Anisotropic,
     /// The file is invalid: a table or a list is too small.
     #[error(transparent)]

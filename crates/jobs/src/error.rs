@@ -3,6 +3,7 @@
 use crate::encode::{EncodeError, OptionError};
 use brdfc_core::address::SYNTH_PREFIX;
 use brdfc_core::progress::Cancelled;
+use brdfc_core::words::system_error;
 use brdfc_flat_btf::structures::Structure;
 use brdfc_formats::FormatError;
 use brdfc_source::InputError;
@@ -14,11 +15,11 @@ use std::path::Path;
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
 #[non_exhaustive]
 pub enum ErrorKind {
-    /// A check failed: a budget is missed, a gate failed, or there is nothing to measure.
+    /// A check failed: a limit is missed, a gate failed, or there is nothing to measure.
     Check,
     /// Wrong options or arguments.
     Usage,
-    /// Invalid input.
+    /// A file or an address does not follow its layout, or is of an unknown kind.
     Input,
     /// A file cannot be read or written.
     Io,
@@ -54,7 +55,7 @@ pub struct Error {
 }
 
 impl Error {
-    /// Creates an error.
+    /// Creates an error of this kind; the message should name the file, field or line.
     pub fn new(kind: ErrorKind, message: impl ToString) -> Self {
         Self { kind, message: message.to_string() }
     }
@@ -99,12 +100,12 @@ impl Error {
         self.kind
     }
 
-    /// The message.
+    /// Text of the error, which names the file, field or line.
     pub fn message(&self) -> &str {
         &self.message
     }
 
-    /// Replaces the message.
+    /// Replaces the message and keeps the kind.
     #[must_use]
     pub fn with_message(self, message: impl ToString) -> Self {
         Self { message: message.to_string(), ..self }
@@ -134,12 +135,12 @@ impl Error {
 
     /// Creates an error about a file or a stream that cannot be written.
     pub fn write(path: impl AsRef<Path>, error: &std::io::Error) -> Self {
-        Self::io(format!("{}: cannot write: {error}", path.as_ref().display()))
+        Self::io(format!("{}: cannot write: {}", path.as_ref().display(), system_error(error)))
     }
 
     /// Creates an error about a file that cannot be read.
     pub fn read(path: &Path, error: &std::io::Error) -> Self {
-        Self::io(format!("{}: cannot read: {error}", path.display()))
+        Self::io(format!("{}: cannot read: {}", path.display(), system_error(error)))
     }
 }
 
@@ -204,7 +205,7 @@ impl From<brdfc_gpu::GpuError> for Error {
                  Arch             sudo pacman -S vulkan-swrast vulkan-icd-loader"
             )),
             GpuError::TooLarge(text) => Self::usage(text),
-            GpuError::Failed(_) => Self::no_adapter(error),
+            GpuError::NoSuchAdapter { .. } | GpuError::Failed(_) => Self::no_adapter(error),
         }
     }
 }

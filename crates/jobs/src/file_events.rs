@@ -25,7 +25,7 @@ pub struct FileEvents {
     problem: Option<String>,
 }
 
-/// Ends a wait.
+/// Handle with which another thread ends a wait for file events.
 #[derive(Debug, Clone)]
 pub struct Waker(SyncSender<()>);
 

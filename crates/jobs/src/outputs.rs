@@ -21,11 +21,12 @@ pub fn refuse_overwriting(option: &str, output: &Path, inputs: &[&Path]) -> Resu
     if is_standard_input(&target) {
         let found = output.display();
         return Err(Error::usage(format!(
-            "{option}: found {found}, which standard input is redirected from, expected another file"
+            "{option}: would overwrite {found}, which is read from stdin; choose another file"
         )));
     }
     if target.is_file() && inputs.iter().any(|input| files_behind(input).iter().any(is_it)) {
-        return Err(Error::usage(format!("{option}: found {}, an input, expected another file", output.display())));
+        let found = output.display();
+        return Err(Error::usage(format!("{option}: would overwrite the input {found}; choose another file")));
     }
     Ok(())
 }
@@ -66,7 +67,7 @@ pub fn refuse_overwriting_any(
 pub fn check_folder(path: &Path) -> Result<(), Error> {
     refuse_dash(path)?;
     if path.exists() && !path.is_dir() {
-        return Err(Error::io(format!("{}: cannot write: found a file, expected a folder", path.display())));
+        return Err(Error::io(format!("{}: cannot write: not a folder; choose another name", path.display())));
     }
     Ok(())
 }
@@ -76,7 +77,7 @@ pub fn refuse_dash(path: &Path) -> Result<(), Error> {
     if path != Path::new("-") {
         return Ok(());
     }
-    let text = "-: found a stream, expected the name of a folder";
+    let text = "-: not a folder; for a folder of this name, write ./-";
     Err(Error::usage(text))
 }
 

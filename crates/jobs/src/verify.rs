@@ -23,12 +23,12 @@ use std::sync::Arc;
 /// A file that was checked.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, schemars::JsonSchema)]
 pub struct CheckedFile {
-    /// Its path, as given or in the given folder.
+    /// Path of the file, as given or in the given folder.
     pub file: String,
-    /// Its kind: the name of a pack's decoder, 'report' or 'list'; absent if it cannot be read.
+    /// Kind of the file: the name of a pack's decoder, 'report' or 'list'; absent if the file cannot be read.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub kind: Option<&'static str>,
-    /// Description of its fault; absent if it is valid.
+    /// Fault of the file; absent if the file is valid.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub fault: Option<String>,
 }
@@ -44,7 +44,7 @@ enum Check {
     Known(CheckedFile),
 }
 
-/// Files to check.
+/// Files to check, collected from paths and then read by [`Self::run`].
 #[derive(Debug, Clone, Default)]
 pub struct Checks {
     checks: Vec<(PathBuf, Check)>,
@@ -54,7 +54,7 @@ pub struct Checks {
 
 impl Checks {
     /// Adds the checks of a path: a pack (`.ktx2`), the folder of a build with a `report.json`, a folder of packs, or a `report.json` or
-    /// `MATERIAL.json` with the files that it lists. Packs in the folder of a build that its report does not list are checked alone.
+    /// `MATERIAL.json` with the files that it lists. Packs that the report of the folder does not list are checked without a hash.
     ///
     /// Builds that put files into such a folder wait until the checks are done.
     ///
@@ -71,7 +71,7 @@ impl Checks {
             Some(extension) if extension == "json" => self.add_json(path)?,
             _ => {
                 let allowed = "a pack (.ktx2), a folder of packs, a report.json or a MATERIAL.json";
-                return Err(Error::wrong_usage(path.display(), "another file", allowed));
+                return Err(Error::usage(format!("{}: cannot be verified; expected {allowed}", path.display())));
             }
         }
         Ok(())
@@ -100,7 +100,7 @@ impl Checks {
         self.checks.extend(packs);
         if self.checks.len() == before {
             return Err(Error::check(format!(
-                "{}: found nothing to check; expected packs or a report.json",
+                "{}: nothing to verify; expected packs or a report.json",
                 folder.display()
             )));
         }
@@ -124,8 +124,8 @@ impl Checks {
             let fault = "a build was stopped while it replaced files; 'brdfc build' finishes it";
             self.known(folder, None, Some(fault.to_owned()));
         }
-        let report = match BuildReport::open(path) {
-            Ok(report) => report,
+        let (report, fault) = match BuildReport::open_unchecked(path) {
+            Ok((report, _, fault)) => (report, fault),
             Err(error) => {
                 let text = error.message();
                 let fault = text.strip_prefix(&format!("{}: ", path.display())).unwrap_or(text).to_owned();
@@ -133,7 +133,7 @@ impl Checks {
                 return BTreeSet::new();
             }
         };
-        let fault = report_fault(&report);
+        let fault = fault.or_else(|| report_fault(&report));
         self.known(path, Some("report"), fault);
         let lists: BTreeSet<&FileEntry> = report.materials.iter().filter_map(|entry| entry.list.as_ref()).collect();
         let checks = report.files().map(|entry| {
@@ -222,11 +222,11 @@ fn bytes_of(path: &Path, limit: u64, listed: Option<Digest>) -> Result<(Vec<u8>,
     })?;
     let digest = Digest::of(&bytes);
     let changed = listed.filter(|listed| *listed != digest);
-    let fault = changed.map(|listed| format!("changed since the build: invalid BLAKE3 {digest}: expected {listed}"));
+    let fault = changed.map(|listed| format!("changed since the build: found BLAKE3 {digest}, expected {listed}"));
     Ok((bytes, fault))
 }
 
-/// Fault of a report by itself. A material's figures must match its list, whose hash is in the report.
+/// Fault within a report. A material's figures must match its list, whose hash is in the report.
 fn report_fault(report: &BuildReport) -> Option<String> {
     for entry in &report.materials {
         let Some(list) = entry.file() else { continue };
@@ -234,21 +234,21 @@ fn report_fault(report: &BuildReport) -> Option<String> {
         let name = &entry.material;
         let hashed: BTreeSet<&String> = entry.files.iter().map(|file| &file.file).collect();
         if hashed != list.parts.values().collect() {
-            return Some(format!("invalid files of {name}: expected the hash of each of its parts"));
+            return Some(format!("{name}: the hashed files are not the parts of the material"));
         }
         match &entry.list {
-            None => return Some(format!("invalid entry of {name}: expected a list with its hash")),
+            None => return Some(format!("{name}: no hash of its list of parts")),
             Some(listed) if listed.blake3 != digest => {
-                return Some(format!("invalid figures of {name}: expected those of {}, by its hash", listed.file));
+                return Some(format!("{name}: the figures do not match the hash of {}", listed.file));
             }
             Some(_) => {}
         }
     }
     let environment = report.environment.as_ref().filter(|entry| entry.report.is_some());
     if environment.is_some_and(|entry| entry.file.as_ref().map(|file| &file.file) != entry.bandwidth.as_ref()) {
-        return Some("invalid file of the environment: expected its map with its hash".to_owned());
+        return Some("environment: the hashed file is not its bandwidth map".to_owned());
     }
-    (report.files().next().is_none()).then(|| "no files: no material of this build was made".to_owned())
+    (report.files().next().is_none()).then(|| "no files: the build made no material".to_owned())
 }
 
 fn list_in(path: &Path) -> Result<MaterialFile, String> {
@@ -257,7 +257,7 @@ fn list_in(path: &Path) -> Result<MaterialFile, String> {
     let list: MaterialFile = serde_json::from_slice(&bytes)
         .map_err(|error| format!("found {}, expected {allowed}", json_problem(&error)))?;
     if let Some(name) = list.parts.values().find(|name| !crate::file_name::is_plain(name)) {
-        return Err(format!("found the file {name:?}, which is outside its folder, expected {allowed}"));
+        return Err(format!("the part {name:?} is outside the folder; expected {allowed}"));
     }
     match list.version {
         MATERIAL_VERSION => Ok(list),
@@ -267,9 +267,9 @@ fn list_in(path: &Path) -> Result<MaterialFile, String> {
 
 /// Fault of a list. It must have the key/value data of its pack, including the checksum.
 fn list_fault(list: &MaterialFile, folder: &Path) -> Option<String> {
-    let Some(name) = list.parts.get(PACK) else { return Some("invalid parts: expected a pack".to_owned()) };
+    let Some(name) = list.parts.get(PACK) else { return Some("no pack among the parts".to_owned()) };
     let bytes = read_file(&folder.join(name), MAX_FILE_BYTES).ok()?;
-    (entries(&bytes) != list.report.entries).then(|| format!("invalid key/value data: expected that of {name}"))
+    (entries(&bytes) != list.report.entries).then(|| format!("the key/value data differ from the data in {name}"))
 }
 
 #[cfg(test)]

@@ -9,7 +9,7 @@ use serde::{Deserialize, Serialize};
 /// Width of a bin, degrees.
 const BIN: f64 = 10.0;
 const BINS: usize = 9;
-/// Values below this share of the mean are left out of ratios, as in `ε_r`.
+/// Values below this share of the mean are excluded from ratios, as in `ε_r`.
 const FLOOR: f64 = 1e-3;
 
 /// Error of the pairs whose incoming direction has a polar angle within a bin of ten degrees.

@@ -79,7 +79,7 @@ pub fn is_black(mean: f64) -> bool {
 }
 
 impl Reference {
-    /// Evaluates a source.
+    /// Evaluates a source at the pairs of `set`, of the renderings and of the albedos.
     pub fn new(source: &dyn Source, set: PairSet) -> Self {
         let (values, mut tally) = values_of_list(source, &set.pairs);
         let (rendering, counts) = ReferenceRendering::new(source, set.directions);

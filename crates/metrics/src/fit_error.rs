@@ -1,5 +1,5 @@
 //! Error of a source that was completed from samples, against the sampled material. It is estimated by
-//! cross-validation, because no other data of that material exist.
+//! cross-validation, because no other data of the material exist.
 
 use super::norms::NormSums;
 use super::rendering::{ReferenceRendering, coarse_rendering_pairs};
@@ -13,7 +13,8 @@ use rayon::prelude::*;
 /// pixels.
 const FOLDS_AT_ONCE: usize = 2;
 
-/// A pixel counts as uncovered if its light or viewer is at least this angle from that of the nearest sample, degrees.
+/// A pixel counts as uncovered if its light or viewer is at least this angle from the light or viewer of the nearest
+/// sample, degrees.
 pub const COVERED: f64 = 10.0;
 /// The fit counts as mostly a guess above this share of uncovered pixels.
 pub const MAX_UNCOVERED: f64 = 0.1;
@@ -21,12 +22,12 @@ pub const MAX_UNCOVERED: f64 = 0.1;
 pub const MAX_SPREAD: f64 = 0.5;
 /// Repeats are representative above this share of the direction pairs.
 const MANY_REPEATS: f64 = 0.1;
-/// Each incidence that is left out doubles a gap. If the error grows with the square of the gap, it becomes four times
+/// Each held-out incidence doubles a gap. If the error grows with the square of the gap, the error becomes four times
 /// as large, and each gap is doubled from both its ends.
 const GAPS: f64 = 1.0 / 6.0;
-/// An incidence contradicts the others if leaving it out makes a difference above this multiple of the median.
+/// An incidence contradicts the others if a fit without it differs by more than this multiple of the median.
 const CONTRADICTION: f64 = 6.0;
-/// Minimum number of incidences to tell one from the others.
+/// Minimum number of incidences for a decision that one contradicts the others.
 const MIN_INCIDENCES: usize = 5;
 /// The fit is the larger error above this share of a pack's own ΔE: the sum of both, as of independent errors, is a
 /// fifth larger.
@@ -35,16 +36,18 @@ const WEAKER: f64 = 0.7;
 /// Estimated distance of a completed source from the sampled material.
 #[derive(Debug, Clone, Copy, PartialEq, serde::Serialize, serde::Deserialize, schemars::JsonSchema)]
 pub struct FitError {
-    /// `ε_r` of samples that were left out in ten parts, each predicted from the others; absent if too few remain.
+    /// `ε_r` of samples held out in ten folds, each predicted from the other samples; absent if too few remain.
     pub samples: Option<f64>,
-    /// `ε_r` of incidences that were left out whole; absent if there is a single one, or if too few samples remain.
+    /// `ε_r` of incidences held out with all their samples; absent for a single incidence, or if too few samples
+    /// remain.
     pub incidences: Option<f64>,
     /// Estimate of the mean ΔE between renderings of the source and of the sampled material; absent without
     /// cross-validation.
     pub delta_e: Option<f64>,
-    /// Largest angle between the light or the viewer of a pixel of the ball and that of the nearest sample, degrees.
+    /// Largest angle between the light or viewer of a pixel of the ball and the light or viewer of the nearest sample,
+    /// degrees.
     pub farthest: f64,
-    /// Share of the ball's pixels at which that angle is larger than 10 degrees.
+    /// Share of the ball's pixels at which this angle is larger than 10 degrees.
     pub uncovered: f64,
     /// Repeated direction pairs; absent without any.
     pub repeats: Option<Repeats>,
@@ -93,7 +96,8 @@ impl FitError {
         };
         let samples = validated(Parts::Samples);
         let incidences = validated(Parts::Incidences);
-        // Jackknife by groups (Efron and Stein 1981): the variance of a fit is (g - 1)/g times the sum of squared differences.
+        // Jackknife by groups (Efron and Stein 1981): the variance of a fit is (g - 1)/g times the sum of squared
+        // differences.
         let deviation = |differences: &[f64]| {
             let groups = differences.len() as f64;
             ((groups - 1.0) / groups * differences.iter().map(|d| d * d).sum::<f64>()).sqrt()
@@ -118,7 +122,7 @@ impl FitError {
         })
     }
 
-    /// The larger `ε_r` of the two; absent without cross-validation.
+    /// The larger of both `ε_r`; absent without cross-validation.
     pub fn error(&self) -> Option<f64> {
         [self.samples, self.incidences].into_iter().flatten().reduce(f64::max)
     }
@@ -135,7 +139,7 @@ impl FitError {
             self.repeats.filter(|repeats| repeats.share > MANY_REPEATS && repeats.spread > MAX_SPREAD)
         {
             let (pairs, spread) = (repeats.pairs, 100.0 * repeats.spread);
-            return Some(format!("samples of {pairs} direction pairs repeat, and differ by {spread:.0} %"));
+            return Some(format!("repeated samples of {pairs} direction pairs differ by {spread:.0} %"));
         }
         if let Some(rise) = self.rise.filter(|rise| rise.peak > MAX_PEAK || rise.ratio > MAX_RISE) {
             let Rise { incidence, nearest, next, ratio, .. } = rise;
@@ -144,7 +148,7 @@ impl FitError {
                  to {nearest:.1}° off the mirror direction (half angles), where samples end"
             ));
         }
-        self.delta_e.is_none().then(|| "too few samples to leave any out".to_owned())
+        self.delta_e.is_none().then(|| "too few samples to hold any out".to_owned())
     }
 
     /// Reason why the error of a pack is not meaningful: its error against the sampled material is larger. `pack` is
@@ -157,8 +161,9 @@ impl FitError {
     }
 }
 
-/// Estimates the mean ΔE that gaps between incidences cost, from the difference that leaving out each makes. An incidence
-/// that differs from all others contradicts them; either side may be right, so its difference counts fully.
+/// Estimates the mean ΔE that gaps between incidences cost, from the difference that holding out each incidence makes.
+/// An incidence that differs from all others contradicts them; either side may be right, so its difference counts
+/// fully.
 fn difference_of_gaps(differences: &[f64]) -> f64 {
     let mut sorted = differences.to_vec();
     sorted.sort_by(f64::total_cmp);
@@ -167,7 +172,7 @@ fn difference_of_gaps(differences: &[f64]) -> f64 {
     if sorted.len() >= MIN_INCIDENCES && largest > CONTRADICTION * median { gaps.max(largest) } else { gaps }
 }
 
-/// Norms of the predictions of a fold for the samples that it leaves out.
+/// Norms of the predictions of a fold for the samples that it holds out.
 fn predicted(fold: &Fold, grey: bool) -> NormSums {
     let channels = if grey { 1 } else { 3 };
     let samples = &fold.left_out;

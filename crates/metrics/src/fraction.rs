@@ -22,6 +22,11 @@ impl Fraction {
         Self { value, is_percentage: false }
     }
 
+    /// The share as a number, for callers that check its range.
+    pub fn value(self) -> f64 {
+        self.value
+    }
+
     /// The share as a number, 0 or more.
     ///
     /// # Errors
@@ -35,7 +40,7 @@ impl Fraction {
         }
         if value > 1.0 && !is_percentage {
             return Err(format!(
-                "a fraction or a percentage: write {} or {}%",
+                "a fraction or a percentage; write {} or {}%",
                 format_number(value / 100.0),
                 format_number(value)
             ));
@@ -101,7 +106,7 @@ mod tests {
 
     #[test]
     fn ambiguous_numbers_are_rejected() {
-        assert_eq!(checked("3").unwrap_err(), "a fraction or a percentage: write 0.03 or 3%");
+        assert_eq!(checked("3").unwrap_err(), "a fraction or a percentage; write 0.03 or 3%");
         for text in ["-1", "-1%", "NaN", "inf", "x", "%", ""] {
             assert!(checked(text).unwrap_err().contains("such as 0.03"), "{text}");
         }

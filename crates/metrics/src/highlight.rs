@@ -1,16 +1,16 @@
 //! Light in the highlight. Renderings of a ball hide errors of highlights that are narrower than a pixel, and clipping
-//! at white hides those of brighter ones.
+//! at white hides errors of brighter highlights.
 
 use super::sampling::AlbedoPairs;
 use brdfc_core::words::percent;
 
 /// The highlight is where `f_r` is more than this share of its peak.
 const OF_PEAK: f64 = 0.1;
-/// Largest share of the hemisphere's projected solid angle that a highlight covers: renderings show wider ones.
+/// Maximum share of the hemisphere's projected solid angle that a highlight covers: renderings show wider highlights.
 const WIDEST: f64 = 0.25;
-/// Smallest share of the reflected light in a highlight that counts.
+/// Minimum share of the reflected light in a highlight that counts.
 const LEAST_LIGHT: f64 = 0.01;
-/// Largest incoming polar angle of measured highlights, degrees: beyond it half of a lobe is below the horizon.
+/// Maximum incoming polar angle of measured highlights, degrees: beyond it half of a lobe is below the horizon.
 const STEEPEST: f64 = 75.0;
 
 /// Retained light of a highlight, at the incoming direction where the approximation retains least.
@@ -58,7 +58,7 @@ pub(super) struct Highlight {
 }
 
 impl Highlight {
-    /// Finds the highlight in values at the pairs of an albedo; `None` if there is no highlight, or none that counts.
+    /// Finds the highlight in values at the pairs of an albedo; `None` if no highlight counts.
     pub(super) fn of(at: &AlbedoPairs, values: &[[f64; 3]]) -> Option<Self> {
         let grey: Vec<f64> = values.iter().map(mean).collect();
         let peak = grey.iter().copied().fold(0.0, f64::max);

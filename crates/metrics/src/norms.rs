@@ -3,7 +3,7 @@
 use brdfc_formats::ErrorSummary;
 use brdfc_formats::vector_math::ln_1p;
 
-/// Samples with `f` below this fraction of the mean are left out of relative norms and counted separately.
+/// Samples with `f` below this fraction of the mean are excluded from relative norms and counted separately.
 pub const RELATIVE_FLOOR: f64 = 1e-3;
 
 /// Number of low bits of an f32 that a histogram bin drops: 256 bins per factor of two, 0.4 % wide.
@@ -17,9 +17,9 @@ const BINS: usize = 80 << (23 - BIN_SHIFT);
 /// Norms of `f' - f` over a set of samples; each channel of a direction pair is one sample.
 #[derive(Debug, Clone, Copy, Default, PartialEq, serde::Serialize, serde::Deserialize, schemars::JsonSchema)]
 pub struct Norms {
-    /// Samples compared.
+    /// Number of compared samples.
     pub samples: u64,
-    /// Samples with `f < 1e-3 μ`, left out of the relative and log norms.
+    /// Samples with `f < 1e-3 μ`, excluded from the relative and log norms.
     pub below_floor: u64,
     /// `ε` of section 6.2 of Claustres et al. 2007: RMS of `f' - f`, 1/sr.
     pub rms: f64,

@@ -1,4 +1,4 @@
-//! Visible difference between two materials on a ball, without rendering one.
+//! Visible difference between two materials on a ball, computed per direction pair without a renderer.
 
 use super::image::{Spread, colour_difference, shown_colour, spread};
 use super::sampling::{from_polar_cosine, points};
@@ -18,7 +18,7 @@ use std::sync::{Arc, OnceLock};
 const DIAMETER: usize = 160;
 /// Directions to the distant lights of the three renderings: from the side, from the viewer, and grazing.
 const LIGHTS: [Vector; 3] = [[-0.5, 0.6, 0.62], [0.2, 0.2, 0.96], [-0.9, 0.3, -0.1]];
-/// Pixels are left out if their cosine to the light or to the viewer is not above this.
+/// Pixels are ignored if their cosine to the light or to the viewer is not above this.
 const LEAST_COSINE: f64 = 0.02;
 /// One pixel in this many is drawn for estimates of a mean difference.
 const COARSE: usize = 8;
@@ -33,9 +33,9 @@ pub struct RenderingError {
     pub pixels: usize,
     /// Factor from radiance to display values; 1 if all pixels are black.
     pub exposure: f64,
-    /// ΔE*ab (CIE 1976).
+    /// ΔE (CIE76) over the pixels of the three renderings.
     pub delta_e: Spread,
-    /// CIEDE2000.
+    /// Colour difference CIEDE2000 over the same pixels.
     pub delta_e_2000: Spread,
 }
 
@@ -110,7 +110,7 @@ pub struct ReferenceRendering {
 }
 
 impl ReferenceRendering {
-    /// Renders a source. The tally counts its repairs. For a range of directions the pixels are not those of a ball,
+    /// Renders a source. The tally counts its repairs. For a range of directions the pixels do not form a ball,
     /// which might show little of the range, but as many pixels spread over the range: viewers by projected area,
     /// lights by solid angle.
     pub fn new(source: &dyn Source, directions: DirectionRange) -> (Self, Tally) {
@@ -130,7 +130,8 @@ impl ReferenceRendering {
         self.exposure
     }
 
-    /// Compares renderings of an approximation with the reference. Pixels that are not finite in either are left out.
+    /// Compares renderings of an approximation with the reference. Pixels that are not finite in either rendering are
+    /// ignored.
     pub fn compare(&self, approximation: &dyn Source) -> RenderingError {
         let (found, _) = pixels(approximation, &self.pairs);
         let difference = |(k, found): (usize, &[f32; 3])| {

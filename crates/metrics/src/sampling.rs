@@ -14,13 +14,14 @@ pub const UNIFORM_PAIRS: usize = 1 << 15;
 /// Number of pairs near the mirror direction: half vectors up to 45 degrees from the normal, denser by the square root
 /// towards it.
 pub const MIRROR_PAIRS: usize = 1 << 14;
-/// Number of pairs with one direction 75 to 88 degrees from the normal, alternately the incoming and the outgoing one.
+/// Number of pairs with one direction 75 to 88 degrees from the normal, alternately the incoming and the outgoing
+/// direction.
 pub const GRAZING_PAIRS: usize = 1 << 14;
 
 /// Direction pairs of a comparison.
 #[derive(Debug, Clone, PartialEq)]
 pub struct PairSet {
-    /// The pairs.
+    /// Direction pairs at which both sides are evaluated.
     pub pairs: Arc<PairList>,
     /// Number of pairs, from the first on, that the mean is computed from.
     pub of_mean: usize,
@@ -35,16 +36,16 @@ impl PairSet {
     }
 
     /// The independent test directions of comparisons: 65,536 pairs, the same in every run, spread evenly in three
-    /// strata. They depend on no codec, so errors of any two packs are comparable. The mean is over the uniform ones: a
-    /// few pairs with mirrored light at grazing angles would dominate it otherwise.
+    /// strata. They depend on no codec, so errors of any two packs are comparable. The mean is over the uniform pairs:
+    /// a few pairs with mirrored light at grazing angles would dominate it otherwise.
     pub fn comparison() -> Self {
         static PAIRS: OnceLock<Arc<PairList>> = OnceLock::new();
         let pairs = PairList::cached(&PAIRS, comparison_pairs);
         Self { pairs, of_mean: UNIFORM_PAIRS, directions: DirectionRange::ALL }
     }
 
-    /// Test pairs of a pack for a range of directions: as many uniform ones, all within the range, and those pairs of
-    /// the other strata that are within it.
+    /// Test pairs of a pack for a range of directions: as many uniform pairs, all within the range, and the pairs of
+    /// the other strata that are within the range.
     pub fn within(directions: DirectionRange) -> Self {
         let all = Self::comparison();
         if directions.is_all() {
@@ -137,7 +138,7 @@ const NARROWEST: f64 = 1e-4;
 ///
 /// Half of them have cosine density. The other half reflect the light at half vectors whose angle to the normal is
 /// spread over its logarithm, so that they hit lobes of any width. Both are weighted by the balance heuristic (Veach
-/// and Guibas 1995). Directions below the horizon are left out. A matte white has 1 exactly, narrow lobes are within a
+/// and Guibas 1995). Directions below the horizon are omitted. A matte white has 1 exactly, narrow lobes are within a
 /// few percent.
 pub fn albedo_samples(incoming: Vector) -> Vec<(Vector, f64)> {
     let cosine = cosine_directions(ALBEDO_SIDE);
@@ -175,7 +176,7 @@ const ALBEDO_STEPS: usize = 18;
 pub struct AlbedoPairs {
     /// Polar angle and azimuth of the incoming direction, degrees.
     pub angles: [f64; 2],
-    /// The incoming direction.
+    /// Incoming direction, a unit vector.
     pub incoming: Vector,
     /// Pairs with each outgoing direction of [`albedo_samples`].
     pub pairs: PairList,

@@ -1,10 +1,10 @@
-//! Whether an image has anything to measure: colours between black and white, and contrast among them.
+//! Measure of what an image shows: its share of colours between black and white, and their contrast.
 
 /// Minimum linear value, of any channel, of a colour that is not black: a sixteenth of white in sRGB.
 const BLACK: f64 = 0.005;
 /// Minimum share of colours that are neither black nor white. It is small because a mirror under a point light has few.
 pub const MIN_SHOWN: f64 = 1e-3;
-/// Minimum ratio of the brightest to the darkest of them.
+/// Minimum ratio of the brightest to the darkest of these colours.
 pub const MIN_CONTRAST: f64 = 1.02;
 
 /// Colours of an image that are neither black nor white. White is 1.
@@ -12,9 +12,9 @@ pub const MIN_CONTRAST: f64 = 1.02;
 pub struct Shown {
     /// Number of all colours.
     pub of: usize,
-    /// Number of those that are neither black nor white.
+    /// Number of colours that are neither black nor white.
     pub count: usize,
-    /// Smallest and largest sum of channels among them.
+    /// Smallest and largest sum of channels among these colours.
     range: [f64; 2],
 }
 
@@ -40,7 +40,7 @@ impl Shown {
         self.count as f64 / self.of.max(1) as f64
     }
 
-    /// Ratio of the brightest to the darkest of them; 1 without any.
+    /// Ratio of the brightest to the darkest of these colours; 1 without any.
     pub fn contrast(&self) -> f64 {
         if self.count > 0 { self.range[1] / self.range[0] } else { 1.0 }
     }

@@ -98,7 +98,7 @@ impl<'g> Evaluator<'g> {
         Ok(Self { pipeline, slots, change: 0 })
     }
 
-    /// Uploads a pack of the compiled shader's codec. `filter` is that of wavelet packs.
+    /// Uploads a pack of the compiled shader's codec. `filter` applies to wavelet packs.
     ///
     /// # Errors
     /// Returns an error that the driver reports.

@@ -1,14 +1,15 @@
 //! Text tables of the ALTA library, `.dat`: scattered measurements whose header gives the parameterisation of
 //! directions and values. Layout: `crates/readers/src/alta.md`.
 
-use super::scan::{Scan, check_value, checked_row, number, quoted};
+use super::scan::{AZIMUTHS, Scan, check_value, checked_row, number, quoted};
 use crate::file_kind::{Begins, FileKind, begins_with};
 use crate::text;
 use brdfc_formats::FormatError;
 use brdfc_formats::direction::Vector;
+use brdfc_formats::words::one_of;
 use std::f64::consts::TAU;
 
-/// Tables of ALTA.
+/// Tables of ALTA: text with a line `#PARAM_IN` or `#DIM`.
 pub static KIND: FileKind = FileKind {
     description: "a table of ALTA (.dat)",
     extensions: &["dat"],
@@ -24,7 +25,7 @@ pub const SMALLEST_COSINE: f64 = 0.01;
 pub struct AltaTable {
     /// Rows above the horizon. Incoming is ALTA's light, outgoing its view.
     pub scan: Scan,
-    /// Number of rows left out: a direction is below the horizon, or nearly at it if values include the cosine.
+    /// Number of skipped rows: a direction is below the horizon, or nearly at the horizon if values include the cosine.
     pub left_out: usize,
     /// Parameterisation of directions, `PARAM_IN`.
     pub directions: &'static str,
@@ -105,8 +106,7 @@ impl AltaTable {
             let (directions, values) = numbers.split_at(header.directions.numbers);
             let beyond = |angle: &&f64| angle.abs() > TAU + ROUNDING;
             if let Some(angle) = directions.iter().find(beyond).filter(|_| header.directions.has_angles()) {
-                let found = format!("{angle} (this looks like degrees; angles are in radians)");
-                return Err(FormatError::at_line(line, "angle", found, "-6.2832 to 6.2832 radians"));
+                return Err(FormatError::at_line(line, "angle", angle.to_string(), AZIMUTHS));
             }
             let [incoming, outgoing] = (header.directions.vectors)(directions).map(unit);
             let (Some(incoming), Some(outgoing)) = (incoming, outgoing) else {
@@ -126,8 +126,11 @@ impl AltaTable {
             scan.push(checked_row([theta_i, phi_i, theta_o, phi_o], value, line)?, line)?;
         }
         if scan.rows.is_empty() {
-            let found = if left_out == 0 { "none".to_owned() } else { format!("{left_out}, none above the horizon") };
-            return Err(FormatError::whole("rows", found, "at least one measurement"));
+            let found = match left_out {
+                0 => "no measurements".to_owned(),
+                _ => "no measurements above the horizon".to_owned(),
+            };
+            return Err(FormatError::whole("rows", found, "at least one measurement").problem());
         }
         let (directions, values) = (header.directions.name, header.values.name);
         Ok(Self { scan, left_out, directions, values, channels: header.channels })
@@ -154,7 +157,8 @@ impl Header {
             })
         };
         let needed = |key: &'static str| {
-            entry(key).ok_or_else(|| FormatError::whole(format!("#{key}"), "none", format!("a line '#{key} ...'")))
+            let missing = || FormatError::whole(format!("#{key}"), "missing", format!("a line '#{key} ...'")).problem();
+            entry(key).ok_or_else(missing)
         };
         let named = |key: &'static str| {
             let (line, words) = needed(key)?;
@@ -162,11 +166,11 @@ impl Header {
         };
         let (line, name) = named("PARAM_IN")?;
         let directions = DIRECTIONS.iter().find(|known| known.name == name).ok_or_else(|| {
-            FormatError::at_line(line, "#PARAM_IN", quoted(&name), DIRECTIONS.map(|known| known.name).join(", "))
+            FormatError::at_line(line, "#PARAM_IN", quoted(&name), one_of(&DIRECTIONS.map(|known| known.name)))
         })?;
         let (line, name) = named("PARAM_OUT")?;
         let values = VALUES.iter().find(|known| known.name == name).ok_or_else(|| {
-            FormatError::at_line(line, "#PARAM_OUT", quoted(&name), VALUES.map(|known| known.name).join(", "))
+            FormatError::at_line(line, "#PARAM_OUT", quoted(&name), one_of(&VALUES.map(|known| known.name)))
         })?;
         let (line, words) = needed("DIM")?;
         let counts: Vec<Option<usize>> = words.iter().map(|word| word.parse().ok()).collect();
@@ -176,13 +180,13 @@ impl Header {
             }
             _ => {
                 let dimensions = values.channels.iter().map(|count| format!("{} {count}", directions.numbers));
-                let dimensions = dimensions.collect::<Vec<_>>().join(" or ");
+                let dimensions = one_of(&dimensions.collect::<Vec<_>>());
                 let allowed = format!("{dimensions} for {} and {}", directions.name, values.name);
                 return Err(FormatError::at_line(line, "#DIM", quoted(&words.join(" ")), allowed));
             }
         };
         if let Some((line, words)) = entry("VS").filter(|(_, words)| words.iter().any(|word| *word != "0")) {
-            let allowed = "0: no columns of confidence intervals";
+            let allowed = "0, for no columns of confidence intervals";
             return Err(FormatError::at_line(line, "#VS", quoted(&words.join(" ")), allowed));
         }
         if let Some((line, words)) = entry("FORMAT").filter(|(_, words)| words[..] != ["TEXT"]) {
@@ -335,7 +339,7 @@ mod tests {
             ),
             (
                 message(good, "ENERGY", "3 1", "0 0 0 1"),
-                "line 3, #PARAM_OUT: found \"ENERGY\", expected INV_STERADIAN, INV_STERADIAN_COSINE_FACTOR, RGB_COLOR",
+                "line 3, #PARAM_OUT: found \"ENERGY\", expected INV_STERADIAN, INV_STERADIAN_COSINE_FACTOR or RGB_",
             ),
             (
                 message(good, "INV_STERADIAN", "2 1", "0 0 1"),
@@ -343,7 +347,7 @@ mod tests {
             ),
             (
                 message(good, "INV_STERADIAN", "3 1", "30 0.1 0.2 1"),
-                "line 4, angle: found 30 (this looks like degrees; angles are in radians), expected -6.2832 to 6.2832",
+                "line 4, angle: found 30, expected -6.2832 to 6.2832 radians; this looks like degrees",
             ),
             (message(good, "INV_STERADIAN", "3 1", "0,0,0,1"), "line 4, value: found \"0,0,0,1\", expected a finite"),
             (
@@ -356,8 +360,11 @@ mod tests {
                 message(good, "INV_STERADIAN", "3 1", "0 0 0 1e13"),
                 "line 4, value: found 10000000000000, expected -1e12",
             ),
-            (message(good, "INV_STERADIAN", "3 1", ""), "rows: found none, expected at least one measurement"),
-            (message(good, "INV_STERADIAN", "3 1", "0 2 0 1"), "rows: found 1, none above the horizon, expected"),
+            (message(good, "INV_STERADIAN", "3 1", ""), "rows: no measurements; expected at least one measurement"),
+            (
+                message(good, "INV_STERADIAN", "3 1", "0 2 0 1"),
+                "rows: no measurements above the horizon; expected at least one measurement",
+            ),
             (
                 message("CARTESIAN", "INV_STERADIAN", "6 1", "0 0 0 0 0 1 1"),
                 "line 4, direction: found a vector of length 0",
@@ -371,7 +378,7 @@ mod tests {
             assert!(found.starts_with(expected), "{found}\n{expected}");
         }
         let bare = AltaTable::from_bytes(b"0 0 0 1\n").unwrap_err().to_string();
-        assert_eq!(bare, "#PARAM_IN: found none, expected a line '#PARAM_IN ...'");
+        assert_eq!(bare, "#PARAM_IN: missing; expected a line '#PARAM_IN ...'");
         assert!(AltaTable::from_bytes(b"\xff").is_err());
     }
 

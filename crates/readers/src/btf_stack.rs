@@ -75,7 +75,7 @@ pub fn parse_name(path: &str) -> Result<ImageAngles, FormatError> {
             return Err(wrong("image name", quoted(token), "a number, then tl, pl, tv and pv with angles in degrees"));
         };
         if slot.is_some() {
-            return Err(wrong(part, "two of them".to_owned(), "one"));
+            return Err(wrong(part, "appears twice".to_owned(), "each angle once").problem());
         }
         let number = number(&token[part.len()..]);
         *slot = Some(number.ok_or_else(|| {
@@ -83,8 +83,8 @@ pub fn parse_name(path: &str) -> Result<ImageAngles, FormatError> {
         })?);
     }
     let angle = |(part, slot): (&'static str, Option<f64>)| {
-        let missing =
-            || wrong(part, format!("none in {}", quoted(name)), "a name such as 00000 tl000 pl000 tv000 pv000.png");
+        let allowed = "a name such as 00000 tl000 pl000 tv000 pv000.png";
+        let missing = || wrong(part, format!("missing in {}", quoted(name)), allowed).problem();
         slot.ok_or_else(missing)
     };
     let [tl, pl, tv, pv] = parts;
@@ -144,7 +144,7 @@ impl StackIndex {
     /// Path of one image.
     ///
     /// # Panics
-    /// If there is no such view or light.
+    /// Panics if the view or light does not exist.
     pub fn file(&self, view: usize, light: usize) -> &str {
         assert!(view < self.views.len() && light < self.lights.len(), "view {view}, light {light}");
         &self.files[view * self.lights.len() + light]
@@ -168,7 +168,7 @@ impl StackContents {
     /// Sorts the images among `paths` as [`StackIndex::new`] does.
     ///
     /// # Errors
-    /// Same as [`StackIndex::new`], except for missing images.
+    /// Returns the errors of [`StackIndex::new`], but accepts pairs of view and light without an image.
     pub fn new(paths: &[String]) -> Result<Self, FormatError> {
         let Found { views, lights, images } = Found::new(paths)?;
         let missing = views.len() * lights.len() - images.len();
@@ -192,12 +192,13 @@ impl<'a> Found<'a> {
             let angles = parse_name(path)
                 .map_err(|error| FormatError { field: format!("{path}: {}", error.field).into(), ..error })?;
             if let Some(first) = images.insert((key(angles.view), key(angles.light)), path) {
-                let allowed = "one image for each view and light";
-                return Err(FormatError::whole(path.clone(), format!("the directions of {first}"), allowed));
+                let found = format!("repeats the directions of {first}");
+                return Err(FormatError::whole(path.clone(), found, "one image for each view and light").problem());
             }
         }
         if images.is_empty() {
-            return Err(FormatError::whole("stack", "no images", format!("files .{}", EXTENSIONS.join(", ."))));
+            let allowed = format!("files .{}", EXTENSIONS.join(", ."));
+            return Err(FormatError::whole("stack", "no images", allowed).problem());
         }
         let views = directions("views", images.keys().map(|(view, _)| *view))?;
         let lights = directions("lights", images.keys().map(|(_, light)| *light))?;
@@ -230,13 +231,14 @@ fn check_complete(
     let first = all.into_iter().find(|(view, light)| !images.contains_key(&(key(*view), key(*light))));
     let name = first.map_or(String::new(), |(view, light)| {
         let [[tl, pl], [tv, pv]] = [light.map(angle_text), view.map(angle_text)];
-        format!(", the first of them tl{tl} pl{pl} tv{tv} pv{pv}")
+        format!(", the first at tl{tl} pl{pl} tv{tv} pv{pv}")
     });
     Err(FormatError::whole(
         "stack",
         format!("{missing} of {expected} images missing{name}"),
-        format!("all {} x {} of views and lights", views.len(), lights.len()),
-    ))
+        format!("images of all {} views under all {} lights", views.len(), lights.len()),
+    )
+    .problem())
 }
 
 #[cfg(test)]
@@ -276,10 +278,10 @@ mod tests {
     fn errors_name_the_part() {
         let text = |name: &str| parse_name(name).unwrap_err().to_string();
         for (name, expected) in [
-            ("1 pl000 tv000 pv000.png", "tl: found none in \"1 pl000 tv000 pv000.png\""),
-            ("1 tl000 tv000 pv000.png", "pl: found none"),
-            ("1 tl000 pl000 pv000.png", "tv: found none"),
-            ("1 tl000 pl000 tv000.png", "pv: found none"),
+            ("1 pl000 tv000 pv000.png", "tl: missing in \"1 pl000 tv000 pv000.png\""),
+            ("1 tl000 tv000 pv000.png", "pl: missing in"),
+            ("1 tl000 pl000 pv000.png", "tv: missing in"),
+            ("1 tl000 pl000 tv000.png", "pv: missing in"),
             ("1 tl00 pl000 tv000 pv000.png", "tl: found \"tl00\", expected at least three digits"),
             ("1 tl000 plx00 tv000 pv000.png", "pl: found \"plx00\""),
             ("1 tl000 pl000 tv-10 pv000.png", "tv: found \"tv-10\""),
@@ -287,11 +289,11 @@ mod tests {
             ("1 tl000 pl000 tv1e1 pv000.png", "tv: found \"tv1e1\""),
             ("1 tl090 pl000 tv000 pv000.png", "tl: found 90 degrees, expected 0 to less than 90"),
             ("1 tl000 pl000 tv000 pv361.png", "pv: found 361 degrees, expected 0 to 360"),
-            ("1 tl000 tl000 tv000 pv000.png", "tl: found two of them"),
+            ("1 tl000 tl000 tv000 pv000.png", "tl: appears twice"),
             ("x1 tl000 pl000 tv000 pv000.png", "image name: found \"x1\""),
             ("1 2 tl000 pl000 tv000 pv000.png", "image name: found \"2\""),
             ("1 tl000 pl000 tv000 pv000 é.png", "image name: found \"é\""),
-            ("", "tl: found none"),
+            ("", "tl: missing in"),
         ] {
             assert!(text(name).starts_with(expected), "{name}: {}", text(name));
         }
@@ -330,21 +332,21 @@ mod tests {
         paths.retain(|path| !path.contains("tl030 pl120 tv030") && !path.contains("tl030 pl000 tv030 pv240"));
         assert_eq!(
             text(&paths),
-            "stack: found 4 of 16 images missing, the first of them tl030 pl120 tv030 pv000, \
-             expected all 4 x 4 of views and lights"
+            "stack: 4 of 16 images missing, the first at tl030 pl120 tv030 pv000; \
+             expected images of all 4 views under all 4 lights"
         );
         let mut paths = full.clone();
         paths.push("copy/tl000 pl005 tv030 pv000.png".to_owned());
         assert!(
-            text(&paths).starts_with("tv030_pv000/00001 tl000 pl000 tv030 pv000.png: found the directions of copy/")
+            text(&paths).starts_with("tv030_pv000/00001 tl000 pl000 tv030 pv000.png: repeats the directions of copy/")
         );
         paths = full.clone();
         paths.push("tv000_pv000/preview.jpg".to_owned());
         assert!(text(&paths).starts_with("tv000_pv000/preview.jpg: image name: found \"preview\""));
-        assert!(text(&[]).starts_with("stack: found no images"));
+        assert!(text(&[]).starts_with("stack: no images"));
         assert!(text(&["a.txt".to_owned()]).contains(".png, .jpg, .jpeg, .exr"));
         let near = ["tl000 pl000 tv000 pv000.png", "tl000.00001 pl000 tv000 pv000.png"].map(str::to_owned);
-        assert!(text(&near).starts_with("lights, direction 1: found the same as direction 0"), "{}", text(&near));
+        assert!(text(&near).starts_with("lights, direction 1: equal to direction 0"), "{}", text(&near));
         let many: Vec<String> = (0..2049).map(|k| format!("tl010.{k:04} pl000 tv000 pv000.png")).collect();
         assert!(text(&many).starts_with("lights: found 2049, expected at most 2048"));
         assert!(StackIndex::new(&full).is_ok());

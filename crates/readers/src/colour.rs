@@ -65,7 +65,7 @@ pub fn rgb_weights(wavelengths_nm: &[f64]) -> Result<Vec<[f64; 3]>, FormatError>
 fn check(wavelengths_nm: &[f64]) -> Result<(), FormatError> {
     let [lowest, highest] = WAVELENGTH_RANGE_NM;
     let (Some(&first), Some(&last)) = (wavelengths_nm.first(), wavelengths_nm.last()) else {
-        return Err(FormatError::whole("wavelengths", "none", "at least one"));
+        return Err(FormatError::whole("wavelengths", "no wavelengths", "at least one").problem());
     };
     for (k, &at) in wavelengths_nm.iter().enumerate() {
         if !(lowest..=highest).contains(&at) {
@@ -73,13 +73,13 @@ fn check(wavelengths_nm: &[f64]) -> Result<(), FormatError> {
             return Err(FormatError::whole(format!("wavelength {}", k + 1), format!("{at} nm"), allowed));
         }
         if k > 0 && at <= wavelengths_nm[k - 1] {
-            let allowed = format!("more than {} nm, the one before", wavelengths_nm[k - 1]);
+            let allowed = format!("more than the {} nm before", wavelengths_nm[k - 1]);
             return Err(FormatError::whole(format!("wavelength {}", k + 1), format!("{at} nm"), allowed));
         }
     }
     let [start, end] = VISIBLE_RANGE_NM;
     if last < start || first > end {
-        let allowed = format!("some of {start} to {end} nm");
+        let allowed = format!("an overlap with {start} to {end} nm");
         return Err(FormatError::whole("wavelengths", format!("{first} to {last} nm"), allowed));
     }
     Ok(())
@@ -374,12 +374,12 @@ mod tests {
     #[test]
     fn errors_name_the_wavelength() {
         for (wavelengths, text) in [
-            (vec![], "wavelengths: found none, expected at least one"),
-            (vec![500.0, 500.0], "wavelength 2: found 500 nm, expected more than 500 nm, the one before"),
+            (vec![], "wavelengths: no wavelengths; expected at least one"),
+            (vec![500.0, 500.0], "wavelength 2: found 500 nm, expected more than the 500 nm before"),
             (vec![f64::NAN], "wavelength 1: found NaN nm, expected 100 to 3000 nm"),
             (vec![500.0, f64::INFINITY], "wavelength 2: found inf nm, expected 100 to 3000 nm"),
             (vec![0.5, 0.6], "wavelength 1: found 0.5 nm, expected 100 to 3000 nm"),
-            (vec![800.0, 900.0], "wavelengths: found 800 to 900 nm, expected some of 380 to 780 nm"),
+            (vec![800.0, 900.0], "wavelengths: found 800 to 900 nm, expected an overlap with 380 to 780 nm"),
         ] {
             assert_eq!(rgb_weights(&wavelengths).unwrap_err().to_string(), text);
         }

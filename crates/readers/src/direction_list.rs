@@ -23,7 +23,7 @@ pub fn from_csv(bytes: &[u8]) -> Result<DirectionSet, FormatError> {
         }
         if angles.len() == MAX_DIRECTIONS {
             let allowed = format!("at most {MAX_DIRECTIONS} directions");
-            return Err(FormatError::at_line(line, "record", "one more direction", allowed));
+            return Err(FormatError::at_line(line, "record", "too many directions", allowed).problem());
         }
         let found = [numbers[1], numbers[2]];
         if let Some((field, number, allowed)) = wrong_angle(found) {
@@ -33,12 +33,12 @@ pub fn from_csv(bytes: &[u8]) -> Result<DirectionSet, FormatError> {
         lines.push(line);
     }
     if angles.is_empty() {
-        return Err(FormatError::whole("directions", "none", "at least one record after the header"));
+        return Err(FormatError::whole("directions", "no directions", "at least one record after the header").problem());
     }
     let set = DirectionSet { name: "list".to_owned(), angles };
     if let Some((first, second)) = first_pair_of_equals(&set.directions()) {
-        let found = format!("the direction of line {}", lines[first]);
-        return Err(FormatError::at_line(lines[second], "direction", found, "directions that differ"));
+        let found = format!("equal to the direction of line {}", lines[first]);
+        return Err(FormatError::at_line(lines[second], "direction", found, "directions that differ").problem());
     }
     Ok(set)
 }
@@ -71,11 +71,11 @@ mod tests {
         assert!(text("0,0,361\n").contains("phi_deg: found 361"));
         assert!(text("0,0,x\n").contains("line 2, phi_deg: found \"x\""));
         assert!(text("0,0,0\n2,10,0\n").contains("line 3, index: found 2, expected 1"));
-        assert!(text("0,0,0\n1,10,0\n2,0,90\n").contains("line 4, direction: found the direction of line 2"));
+        assert!(text("0,0,0\n1,10,0\n2,0,90\n").contains("line 4, direction: equal to the direction of line 2"));
         assert!(text("0,10,0\n1,10,360\n").contains("line 3, direction"));
         assert!(text("").contains("at least one record"));
         let many: String = (0..2049).map(|k| format!("{k},{},{}\n", k as f64 * 0.04, k % 360)).collect();
-        assert!(text(&many).starts_with("line 2050, record: found one more direction, expected at most 2048"));
+        assert!(text(&many).starts_with("line 2050, record: too many directions; expected at most 2048"));
         let error = from_csv(b"index,theta,phi\n").unwrap_err().to_string();
         assert!(error.contains("column theta_deg"), "{error}");
         // Just far enough apart to be valid.

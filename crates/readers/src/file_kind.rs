@@ -5,7 +5,7 @@
 pub struct FileKind {
     /// Description with an article, and advice.
     pub description: &'static str,
-    /// Extensions of files that are read, in lower case; the usual one first.
+    /// Extensions of files that are read, in lower case; the usual extension first.
     pub extensions: &'static [&'static str],
     /// Start of the files.
     pub begins: Begins,
@@ -14,11 +14,11 @@ pub struct FileKind {
 /// Start of files of one kind.
 #[derive(Debug)]
 pub enum Begins {
-    /// With one of these.
+    /// One of these byte sequences.
     With(&'static [&'static [u8]]),
-    /// With bytes that fit a file of this length.
+    /// Bytes that fit a file of the given length.
     Fitting(fn(&[u8], u64) -> bool),
-    /// With text of this kind.
+    /// Text that this function accepts.
     Text(fn(&str) -> bool),
 }
 

@@ -1,7 +1,7 @@
 //! Readers of measured data and meshes, from bytes to typed and checked structs; one file per layout.
 //!
 //! Each layout has a normative page next to its reader. Readers check every length against the data before they
-//! allocate memory. Errors say where the file violates its layout, what was found and what was expected.
+//! allocate memory. Errors state where the file violates its layout, what is wrong and what is valid.
 
 pub mod alta;
 pub mod btf_stack;

@@ -121,7 +121,7 @@ impl Dimensions {
 /// A MERL table in memory.
 #[derive(Debug, Clone)]
 pub struct Merl {
-    /// Samples per axis.
+    /// Number of samples along `θ_h`, `θ_d` and `φ_d`.
     pub dimensions: Dimensions,
     /// `f_r` in 1/sr, `[theta_h][theta_d][phi_d]`, phi_d fastest. NaN in all channels if the cell is invalid (a
     /// negative number in any channel of the file: below the horizon, or not measured).
@@ -178,9 +178,10 @@ impl Merl {
         if valid_cells == 0 {
             return Err(FormatError::whole(
                 "table",
-                "a negative number in every cell (no valid measurement)",
-                "at least one cell with R, G and B not negative",
+                "no valid measurement, because every cell has a negative number",
+                "at least one cell without negative numbers",
             )
+            .problem()
             .into());
         }
         Ok(Self { dimensions, values, valid_cells })
@@ -265,7 +266,7 @@ fn read_exact(input: &mut impl Read, buffer: &mut [u8], offset: u64) -> Result<(
     let needed = buffer.len();
     input.read_exact(buffer).map_err(|error| {
         if error.kind() == std::io::ErrorKind::UnexpectedEof {
-            FormatError::at_byte(offset, "table", "end of data", format!("{needed} more bytes")).into()
+            FormatError::at_byte(offset, "table", "end of data", format!("{needed} more bytes")).problem().into()
         } else {
             MerlError::Io(error)
         }
@@ -284,7 +285,7 @@ fn bad_number(bytes: &[u8], offset: u64) -> FormatError {
             );
         }
     }
-    FormatError::at_byte(offset, "table", "an unreadable number", "finite numbers")
+    FormatError::at_byte(offset, "table", "unreadable number", "finite numbers").problem()
 }
 
 #[cfg(test)]

@@ -5,7 +5,7 @@ use super::scan::{number, quoted};
 use crate::file_kind::{Begins, FileKind};
 use brdfc_formats::{FormatError, memory};
 
-/// Polynomial texture maps.
+/// Polynomial texture maps: the file begins with their version.
 pub static KIND: FileKind = FileKind {
     description: "a polynomial texture map (.ptm)",
     extensions: &["ptm"],
@@ -40,9 +40,9 @@ pub enum PtmModel {
     Rgb(Vec<[[u8; TERMS]; 3]>),
     /// A polynomial that multiplies a colour.
     Lrgb {
-        /// Coefficients.
+        /// Coefficients of the polynomial of each pixel, as in the file.
         luminance: Vec<[u8; TERMS]>,
-        /// Colours.
+        /// Colour of each pixel, RGB, as in the file.
         colour: Vec<[u8; 3]>,
     },
 }
@@ -103,7 +103,8 @@ impl Ptm {
     /// Quantises coefficients of the polynomial that multiplies `colour`, as [`Self::from_coefficients_rgb`] does.
     ///
     /// # Errors
-    /// Same as [`Self::from_coefficients_rgb`].
+    /// Returns an error for sides of 0 or more than [`MAX_SIZE`], another number of pixels, and coefficients that are
+    /// not finite.
     pub fn from_coefficients_lrgb(
         size: [u32; 2],
         luminance: &[[f32; TERMS]],
@@ -129,7 +130,7 @@ impl Ptm {
         self.bias
     }
 
-    /// The bytes.
+    /// Quantised polynomials of all pixels, as the file stores them.
     pub fn model(&self) -> &PtmModel {
         &self.model
     }
@@ -145,15 +146,15 @@ impl Ptm {
     /// Only the result is clamped: a luminance above 255 may multiply a dark colour.
     ///
     /// # Panics
-    /// If there is no such pixel.
+    /// Panics if the pixel does not exist.
     pub fn value(&self, pixel: usize, light: [f32; 2]) -> [f32; 3] {
         self.polynomials(pixel, light).map(|code| code.clamp(0.0, 255.0) as f32)
     }
 
-    /// Same as [`Self::value`], without the clamp.
+    /// Value of a pixel under a light, RGB in 8-bit levels, not clamped; see [`Self::value`] for the arguments.
     ///
     /// # Panics
-    /// If there is no such pixel.
+    /// Panics if the pixel does not exist.
     pub fn polynomials(&self, pixel: usize, light: [f32; 2]) -> [f64; 3] {
         let terms = terms(light);
         let sum = |bytes: [u8; TERMS]| -> f64 {
@@ -182,7 +183,7 @@ impl Ptm {
         let format = header.word("format")?;
         if format != RGB && format != LRGB {
             let found = if format.starts_with("PTM_FORMAT_") {
-                format!("{}, which is not supported", quoted(format))
+                format!("the unsupported {}", quoted(format))
             } else {
                 quoted(format)
             };
@@ -283,12 +284,12 @@ impl<'a> Header<'a> {
         let rest = &self.bytes[self.at..];
         let word = rest.split(u8::is_ascii_whitespace).next().unwrap_or_default();
         if word.is_empty() {
-            return Err(self.wrong(field, "end of data", "a header of 16 words"));
+            return Err(self.wrong(field, "end of data", "a header of 16 words").problem());
         }
         self.at += word.len();
         let text = std::str::from_utf8(&word[..word.len().min(Self::LONGEST)]).ok();
         let text = text.filter(|text| text.len() == word.len() && text.bytes().all(|byte| byte.is_ascii_graphic()));
-        text.ok_or_else(|| self.wrong(field, "no text", "a word of ASCII characters"))
+        text.ok_or_else(|| self.wrong(field, "no text", "a word of ASCII characters").problem())
     }
 
     fn side(&mut self, field: &'static str) -> Result<u32, FormatError> {
@@ -319,7 +320,7 @@ impl<'a> Header<'a> {
         match self.bytes[self.at..].split_first() {
             Some((b'\n', pixels)) => Ok(pixels),
             Some((byte, _)) => Err(self.wrong("header", format!("byte {byte:#04x}"), "a line end after the biases")),
-            None => Err(self.wrong("header", "end of data", "a line end after the biases")),
+            None => Err(self.wrong("header", "end of data", "a line end after the biases").problem()),
         }
     }
 

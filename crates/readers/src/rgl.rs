@@ -16,7 +16,7 @@ pub static KIND: FileKind =
 /// Tolerance of angles at their limits, radians: files round them to single precision.
 const ANGLE_SLACK: f64 = 1e-5;
 
-/// Largest distance between the middle of azimuths that cover a quadrant and the middle of that quadrant, radians.
+/// Maximum distance between the middle of azimuths that cover a quadrant and the middle of the quadrant, radians.
 const QUADRANT_SLACK: f64 = 0.1;
 
 /// Shortest and longest valid wavelength, nanometres.
@@ -52,9 +52,9 @@ pub enum Colour {
 /// Range of the azimuths of incidence, which determines how direction pairs outside are mapped into it.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Azimuths {
-    /// At most two entries: an isotropic material, tabulated over the azimuth relative to the incident direction.
+    /// At most two azimuths: an isotropic material, tabulated over the azimuth relative to the incident direction.
     Isotropic,
-    /// The whole circle.
+    /// The whole circle: no symmetry about the normal is used.
     Full,
     /// Half a circle: the material is unchanged by half a turn about the normal.
     HalfTurn,
@@ -71,7 +71,7 @@ pub struct Rgl {
     pub phi_i: Vec<f64>,
     /// Polar angles of the incident direction, radians, strictly increasing, in [0, π/2].
     pub theta_i: Vec<f64>,
-    /// Range of `phi_i`.
+    /// Range of the azimuths of the incident direction.
     pub azimuths: Azimuths,
     /// Distribution of microfacet normals, 1/sr, not negative; u is the polar angle, v the azimuth.
     pub ndf: Map,
@@ -82,7 +82,7 @@ pub struct Rgl {
     /// Nodes of the visible normal distribution along u (polar angle), at least 2.
     pub vndf_columns: usize,
     /// Density of visible normals in the unit square, up to a factor for each incident direction; not negative and not
-    /// all zero for any of them. Shape (phi_i, theta_i, vndf_rows, vndf_columns).
+    /// all zero for any incident direction. Shape (phi_i, theta_i, vndf_rows, vndf_columns).
     pub vndf: Vec<f32>,
     /// Nodes of the colour tables along v, at least 2.
     pub colour_rows: usize,
@@ -106,7 +106,7 @@ impl Rgl {
     /// Bytes of a file of RGB values, with the table of luminances for samplers.
     ///
     /// # Panics
-    /// If the values are spectra.
+    /// Panics if the values are spectra.
     pub fn to_bytes(&self) -> Vec<u8> {
         let Colour::Rgb(colours) = &self.colour else { panic!("a file of RGB values") };
         let nodes = self.colour_rows * self.colour_columns;
@@ -155,7 +155,8 @@ impl Rgl {
         for (slice, values) in vndf.chunks_exact(vndf_rows * vndf_columns).enumerate() {
             if values.iter().all(|v| *v == 0.0) {
                 let index = slice * vndf_rows * vndf_columns;
-                return Err(tensor.element_error(index, "only zeros for an incident direction", "a positive value"));
+                let found = "only zeros for an incident direction";
+                return Err(tensor.element_error(index, found, "a positive value").problem());
             }
         }
 
@@ -163,10 +164,10 @@ impl Rgl {
             (Some(rgb), None) => (rgb, None),
             (None, Some(spectra)) => (spectra, Some(read_wavelengths(file.require("wavelengths")?)?)),
             (Some(_), Some(spectra)) => {
-                return Err(spectra.header_error("field", "both rgb and spectra", "one of rgb and spectra"));
+                return Err(spectra.header_error("field", "conflicts with rgb", "one of rgb and spectra").problem());
             }
             (None, None) => {
-                return Err(FormatError::whole("rgb or spectra", "no such field", "one of rgb and spectra"));
+                return Err(FormatError::whole("rgb or spectra", "missing", "one of rgb and spectra").problem());
             }
         };
         let channels = wavelengths.as_ref().map_or(3, Vec::len);
@@ -259,7 +260,7 @@ fn map(tensor: &Tensor) -> Result<Map, FormatError> {
     Ok(Map { rows, columns, values: tensor.floats(0.0, f32::MAX)? })
 }
 
-/// A strictly increasing axis with at least one entry, in `[minimum, maximum]` within [`ANGLE_SLACK`].
+/// A strictly increasing axis with at least one element, in `[minimum, maximum]` within [`ANGLE_SLACK`].
 fn axis(tensor: &Tensor, minimum: f64, maximum: f64) -> Result<Vec<f64>, FormatError> {
     let values = increasing(tensor, f32::MIN, f32::MAX)?;
     let out_of_range = |v: &f64| *v < minimum - ANGLE_SLACK || *v > maximum + ANGLE_SLACK;
@@ -275,14 +276,14 @@ fn read_wavelengths(tensor: &Tensor) -> Result<Vec<f64>, FormatError> {
 
 fn increasing(tensor: &Tensor, minimum: f32, maximum: f32) -> Result<Vec<f64>, FormatError> {
     if tensor.shape.len() != 1 || tensor.shape[0] == 0 {
-        return Err(tensor.header_error("shape", format!("{:?}", tensor.shape), "one axis of at least 1 entry"));
+        return Err(tensor.header_error("shape", format!("{:?}", tensor.shape), "one axis with at least one element"));
     }
     let values: Vec<f64> = tensor.floats(minimum, maximum)?.into_iter().map(f64::from).collect();
     if let Some(index) = values.windows(2).position(|pair| pair[1] <= pair[0]) {
         return Err(tensor.element_error(
             index + 1,
             values[index + 1].to_string(),
-            format!("more than {}, its predecessor", values[index]),
+            format!("more than {}, the element before", values[index]),
         ));
     }
     Ok(values)

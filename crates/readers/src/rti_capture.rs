@@ -42,7 +42,8 @@ impl LightPositions {
     pub fn parse(text: &str) -> Result<Self, FormatError> {
         let mut lines = (1u64..).zip(text.lines()).filter(|(_, content)| !content.trim().is_empty());
         let (first, stated) = lines.next().ok_or_else(|| {
-            FormatError::whole("number of lights", "an empty file", "the number of lights, then a line for each")
+            let allowed = "the number of lights, then a line for each light";
+            FormatError::whole("number of lights", "empty file", allowed).problem()
         })?;
         let count = light_count(stated.trim(), first)?;
         let (mut names, mut directions, mut numbers) = (Vec::new(), Vec::new(), Vec::new());
@@ -51,8 +52,8 @@ impl LightPositions {
             let (name, direction) = light(content, line)?;
             // Names may contain either separator.
             if let Some(before) = seen.insert(name.replace('\\', "/"), line) {
-                let found = format!("{}, as on line {before}", quoted(name));
-                return Err(FormatError::at_line(line, "image", found, "each image once"));
+                let found = format!("{} is already on line {before}", quoted(name));
+                return Err(FormatError::at_line(line, "image", found, "each image once").problem());
             }
             names.push(name.to_owned());
             directions.push(direction);
@@ -112,10 +113,10 @@ fn light(content: &str, line: u64) -> Result<(&str, [f32; 3]), FormatError> {
 }
 
 fn unit(vector: [f64; 3], line: u64) -> Result<[f32; 3], FormatError> {
-    let wrong = |field, found: String, allowed| Err(FormatError::at_line(line, field, found, allowed));
+    let wrong = |found: &str, allowed| Err(FormatError::at_line(line, "direction", found, allowed).problem());
     let largest = vector.iter().fold(0.0f64, |largest, c| largest.max(c.abs()));
     if largest == 0.0 {
-        return wrong("direction", "a vector of length 0".to_owned(), "any other length");
+        return wrong("vector of length 0", "any other length");
     }
     // Squares of unscaled vectors may overflow or underflow.
     let scaled = vector.map(|c| c / largest);
@@ -124,8 +125,7 @@ fn unit(vector: [f64; 3], line: u64) -> Result<[f32; 3], FormatError> {
     if direction[2] > 0.0 {
         return Ok(direction);
     }
-    let found = format!("{} {} {}, at or below the horizon", vector[0], vector[1], vector[2]);
-    wrong("direction", found, "z greater than 0")
+    wrong(&format!("{} {} {} is at or below the horizon", vector[0], vector[1], vector[2]), "z greater than 0")
 }
 
 /// Returns true if text begins like a list of lights: a number alone, then a name and three numbers.
@@ -169,8 +169,8 @@ mod tests {
     #[test]
     fn errors_name_the_line() {
         for (text, expected) in [
-            ("", "number of lights: found an empty file"),
-            (" \n\r\n", "number of lights: found an empty file"),
+            ("", "number of lights: empty file"),
+            (" \n\r\n", "number of lights: empty file"),
             ("0\n", "line 1, number of lights: found 0, expected 1 to 4096"),
             ("4097\n", "line 1, number of lights: found 4097, expected 1 to 4096"),
             ("99999999999999999999999999\n", "line 1, number of lights: found \"99999999999999999999999999\""),
@@ -187,18 +187,18 @@ mod tests {
             ("1\na 0 zero 1\n", "line 2, y: found \"zero\", expected a finite number"),
             ("1\na 0 0 inf\n", "line 2, z: found \"inf\""),
             ("1\na NaN 0 1\n", "line 2, x: found \"NaN\""),
-            ("1\n\na 0 -0 0\n", "line 3, direction: found a vector of length 0"),
-            ("1\na 0 1 0\n", "line 2, direction: found 0 1 0, at or below the horizon, expected z greater than 0"),
-            ("1\na 0 1 -0.1\n", "line 2, direction: found 0 1 -0.1, at or below"),
-            ("1\na 0 1 1e-50\n", "line 2, direction: found 0 1 0.0000"),
-            ("2\na 0 0 1\n a 0 1 1\n", "line 3, image: found \"a\", as on line 2, expected each image once"),
-            ("2\na\\b.c 0 0 1\na/b.c 0 1 1\n", "line 3, image: found \"a/b.c\", as on line 2"),
+            ("1\n\na 0 -0 0\n", "line 3, direction: vector of length 0"),
+            ("1\na 0 1 0\n", "line 2, direction: 0 1 0 is at or below the horizon; expected z greater than 0"),
+            ("1\na 0 1 -0.1\n", "line 2, direction: 0 1 -0.1 is at or below"),
+            ("1\na 0 1 1e-50\n", "line 2, direction: 0 1 0.0000"),
+            ("2\na 0 0 1\n a 0 1 1\n", "line 3, image: \"a\" is already on line 2; expected each image once"),
+            ("2\na\\b.c 0 0 1\na/b.c 0 1 1\n", "line 3, image: \"a/b.c\" is already on line 2"),
         ] {
             assert!(message(text).starts_with(expected), "{text:?}: {}", message(text));
         }
         let message_of = |bytes: &[u8]| LightPositions::from_bytes(bytes).unwrap_err().to_string();
         assert!(message_of(b"1\n\xff\xd8 0 0 1").starts_with("line 2, text: found byte 0xff"));
-        assert!(message_of(b"1\n\0").starts_with("line 2, text: found a NUL byte"));
+        assert!(message_of(b"1\n\0").starts_with("line 2, text: NUL byte"));
         let most = (0..MAX_LIGHTS).fold(format!("{MAX_LIGHTS}\n"), |text, k| text + &format!("{k} 0 {k} 1\n"));
         assert_eq!(LightPositions::parse(&most).unwrap().names.len(), MAX_LIGHTS);
     }

@@ -2,7 +2,7 @@
 
 use crate::file_kind::{Begins, FileKind, first_line};
 use crate::{colour, text};
-use brdfc_formats::{FormatError, memory};
+use brdfc_formats::{FormatError, Place, memory};
 use std::f64::consts::{FRAC_PI_2, TAU};
 use std::io::Write;
 
@@ -22,7 +22,7 @@ pub const MAX_VALUE: f64 = 1e12;
 /// Largest excess of a polar angle over π/2 that counts as rounding, radians; the angle is then set to π/2.
 pub const HORIZON_TOLERANCE: f64 = 1e-4;
 
-/// One measurement.
+/// One measurement: a pair of directions and the value there.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Row {
     /// Polar angle of the incoming direction, `[0, π/2]`.
@@ -65,7 +65,7 @@ impl Scan {
         let mut lines = (1u64..).zip(text.lines().map(|line| line.split('#').next().unwrap_or("")));
         let (wavelengths, header_end) = read_wavelengths(&mut lines, text.len())?;
         let weights = colour::rgb_weights(&wavelengths)
-            .map_err(|error| FormatError::at_line(header_end, error.field, error.found, error.allowed))?;
+            .map_err(|error| FormatError { place: Place::Line(header_end), ..error })?;
 
         let width = 4 + wavelengths.len();
         let mut scan = Self { wavelengths, ..Self::default() };
@@ -104,7 +104,8 @@ impl Scan {
             ));
         }
         if scan.rows.is_empty() {
-            return Err(FormatError::at_line(last, "rows", "no measurements", "at least one row after the header"));
+            let allowed = "at least one row after the header";
+            return Err(FormatError::at_line(last, "rows", "no measurements", allowed).problem());
         }
         Ok(scan)
     }
@@ -198,7 +199,8 @@ fn read_wavelengths<'a>(
         if count.is_none() { "wavelength count" } else { "wavelengths" },
         if count.is_none() { "end of data".to_owned() } else { format!("end of data after {}", wavelengths.len()) },
         count.map_or("a number".to_owned(), |n| format!("{n} wavelengths")),
-    ))
+    )
+    .problem())
 }
 
 pub(crate) fn quoted(token: &str) -> String {
@@ -221,27 +223,26 @@ pub(super) fn check_value(value: f64, line: u64) -> Result<(), FormatError> {
     Err(FormatError::at_line(line, "value", value.to_string(), format!("-{MAX_VALUE:e} to {MAX_VALUE:e}")))
 }
 
+/// Description of valid azimuths, for errors of larger ones.
+pub(super) const AZIMUTHS: &str = "-6.2832 to 6.2832 radians; this looks like degrees";
+
 pub(super) fn checked_row(angles: [f64; 4], value: [f64; 3], line: u64) -> Result<Row, FormatError> {
     let [mut theta_i, phi_i, mut theta_o, phi_o] = angles;
     for (theta, field) in [(&mut theta_i, "theta_i"), (&mut theta_o, "theta_o")] {
         if !(0.0..=FRAC_PI_2 + HORIZON_TOLERANCE).contains(theta) {
             let hint = match *theta {
                 t if t < 0.0 => "",
-                t if t > 3.2 => " (this looks like degrees; angles are in radians)",
-                _ => " (below the horizon)",
+                t if t > 3.2 => "; this looks like degrees",
+                _ => "; the direction is below the horizon",
             };
-            return Err(FormatError::at_line(line, field, format!("{theta}{hint}"), "0 to 1.5708 radians"));
+            let allowed = format!("0 to 1.5708 radians{hint}");
+            return Err(FormatError::at_line(line, field, theta.to_string(), allowed));
         }
         *theta = theta.min(FRAC_PI_2);
     }
     for (phi, field) in [(phi_i, "phi_i"), (phi_o, "phi_o")] {
         if phi.abs() > TAU + HORIZON_TOLERANCE {
-            return Err(FormatError::at_line(
-                line,
-                field,
-                format!("{phi} (this looks like degrees; angles are in radians)"),
-                "-6.2832 to 6.2832 radians",
-            ));
+            return Err(FormatError::at_line(line, field, phi.to_string(), AZIMUTHS));
         }
     }
     Ok(Row { theta_i, phi_i, theta_o, phi_o, value })
@@ -292,11 +293,11 @@ mod tests {
 
     #[test]
     fn errors_name_the_line() {
-        assert!(message("").contains("wavelength count: found end of data"));
+        assert!(message("").contains("wavelength count: end of data"));
         assert!(message("x").starts_with("line 1, wavelength count: found \"x\""));
         assert!(message("0").contains("expected 1 to"));
         assert!(message("99999999999").contains("expected 1 to"));
-        assert!(message("2\n450").starts_with("line 2, wavelengths: found end of data after 1"));
+        assert!(message("2\n450").starts_with("line 2, wavelengths: end of data after 1"));
         assert!(message("2\n450 550 650").contains("found 3 numbers, expected 2"));
         assert!(message("2\n450 440\n").contains("line 2"));
         assert!(message("1\n550\n").contains("no measurements"));
@@ -307,7 +308,7 @@ mod tests {
         assert!(message("1\n550\n0 0 0 0 1e13\n").contains("-1e12 to 1e12"));
         assert!(message("1\n550\n2 0 0 0 1\n").contains("below the horizon"));
         assert!(message("1\n550\n45 0 0 0 1\n").contains("degrees"));
-        assert!(message("1\n550\n0.1 0 0.1 180 1\n").contains("phi_o: found 180 (this looks like degrees"));
+        assert!(message("1\n550\n0.1 0 0.1 180 1\n").contains("radians; this looks like degrees"));
         assert!(message("1\n550\n-0.1 0 0 0 1\n").contains("theta_i: found -0.1, expected 0 to 1.5708"));
         let error = Scan::from_bytes(b"1\n550\n\xff").unwrap_err().to_string();
         assert_eq!(error, "line 3, text: found byte 0xff, expected UTF-8");

@@ -53,7 +53,7 @@ pub fn from_bytes(bytes: &[u8]) -> Result<Scan, FormatError> {
         scan.push(scan::checked_row(angles, value, line)?, line)?;
     }
     if scan.rows.is_empty() {
-        return Err(FormatError::whole("rows", "no measurements", "at least one record after the header"));
+        return Err(FormatError::whole("rows", "no measurements", "at least one record after the header").problem());
     }
     Ok(scan)
 }
@@ -155,7 +155,7 @@ impl<'a> Table<'a> {
         let header = reader.headers().map_err(|error| csv_error(&error, 1))?;
         let header: Vec<String> = header.iter().map(str::to_owned).collect();
         if header.is_empty() {
-            return Err(FormatError::whole("header", "an empty file", "a line of column names"));
+            return Err(FormatError::whole("header", "empty file", "a line of column names").problem());
         }
         Ok(Self { reader, header, has_commas: delimiter != b',' })
     }
@@ -169,9 +169,10 @@ impl<'a> Table<'a> {
                     FormatError::at_line(
                         1,
                         format!("column {name}"),
-                        format!("only {}", scan::quoted(&self.header.join(","))),
+                        format!("missing in {}", scan::quoted(&self.header.join(","))),
                         format!("a header with {}", requested.join(",")),
                     )
+                    .problem()
                 })
             })
             .collect()
@@ -205,7 +206,7 @@ pub fn delimiter(bytes: &[u8]) -> u8 {
     let is_header = |line: &&[u8]| !line.starts_with(b"#") && !line.trim_ascii().is_empty();
     let header = bytes.split(|byte| *byte == b'\n').find(is_header).unwrap_or_default();
     let count = |delimiter: &u8| header.iter().filter(|byte| *byte == delimiter).count();
-    // The first of those with the same count.
+    // `max_by_key` returns the last maximum: a comma before a semicolon before a tab.
     [b'\t', b';', b','].into_iter().max_by_key(count).unwrap_or(b',')
 }
 
@@ -219,8 +220,10 @@ fn csv_error(error: &csv::Error, line: u64) -> FormatError {
             format!("{len} fields"),
             format!("{expected_len}, the number of columns"),
         ),
-        csv::ErrorKind::Io(error) => FormatError::at_line(line, "record", error.to_string(), text::allowed_length()),
-        _ => FormatError::at_line(line, "record", error.to_string(), "comma-separated numbers"),
+        csv::ErrorKind::Io(error) => {
+            FormatError::at_line(line, "record", error.to_string(), text::allowed_length()).problem()
+        }
+        _ => FormatError::at_line(line, "record", error.to_string(), "comma-separated numbers").problem(),
     }
 }
 
@@ -280,7 +283,7 @@ mod tests {
         let query = texels_from_bytes(text.as_bytes(), false).unwrap()[0];
         assert_eq!(query, TexelQuery { uv: [-0.5, 0.25], incoming: [0.0, 0.0, 1.0], outgoing: [0.0, 0.0, 1.0] });
         let error = texels_from_bytes(text.as_bytes(), true).unwrap_err().to_string();
-        assert!(error.starts_with("line 1, column wo_x: found only"), "{error}");
+        assert!(error.starts_with("line 1, column wo_x: missing in \"name,wi_z,"), "{error}");
         let error = texels_from_bytes(b"u,v,wi_x,wi_y,wi_z\n0,0,1,1,1\n", false).unwrap_err().to_string();
         assert!(error.starts_with("line 2, wi: found a vector of length 1.7321"), "{error}");
     }

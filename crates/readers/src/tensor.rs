@@ -172,7 +172,7 @@ impl<'a> TensorFile<'a> {
         for _ in 0..count {
             let tensor = read_header(&mut cursor, bytes)?;
             if !names.insert(tensor.name) {
-                return Err(tensor.header_error("name", "a second field of this name", "unique names"));
+                return Err(tensor.header_error("name", "duplicate field name", "unique names").problem());
             }
             tensors.push(tensor);
         }
@@ -199,7 +199,7 @@ impl<'a> TensorFile<'a> {
 
     /// Finds a tensor by name. Returns an error if there is none.
     pub fn require(&self, name: &'static str) -> Result<&Tensor<'a>, FormatError> {
-        self.get(name).ok_or_else(|| FormatError::whole(name, "no such field", "a field of this name"))
+        self.get(name).ok_or_else(|| FormatError::whole(name, "missing", "a field of this name").problem())
     }
 }
 

@@ -12,8 +12,8 @@ pub(crate) const MAX_LINE_BYTES: usize = 16 << 20;
 pub(crate) fn checked(bytes: &[u8]) -> Result<&str, FormatError> {
     let line_of = |at: usize| 1 + bytes[..at].iter().filter(|byte| **byte == b'\n').count() as u64;
     if let Some(at) = bytes.iter().position(|byte| *byte == 0) {
-        let found = format!("a NUL byte, byte {at} of the file");
-        return Err(FormatError::at_line(line_of(at), "text", found, "text without NUL bytes"));
+        let found = format!("NUL byte at byte {at} of the file");
+        return Err(FormatError::at_line(line_of(at), "text", found, "text without NUL bytes").problem());
     }
     let text = std::str::from_utf8(bytes).map_err(|error| {
         let at = error.valid_up_to();
@@ -22,16 +22,21 @@ pub(crate) fn checked(bytes: &[u8]) -> Result<&str, FormatError> {
     let mut start = 0;
     for line in bytes.split(|byte| matches!(byte, b'\n' | b'\r')) {
         if line.len() > MAX_LINE_BYTES {
-            return Err(FormatError::at_line(line_of(start), "text", too_long("line"), allowed_length()));
+            return Err(too_long_at(line_of(start)));
         }
         start += line.len() + 1;
     }
     Ok(text.strip_prefix('\u{feff}').unwrap_or(text))
 }
 
+/// Error of a line that is too long.
+pub(crate) fn too_long_at(line: u64) -> FormatError {
+    FormatError::at_line(line, "text", too_long("line"), allowed_length()).problem()
+}
+
 /// Describes a line or a record that is too long, for errors.
 pub(crate) fn too_long(what: &str) -> String {
-    format!("a {what} of more than {}", brdfc_formats::memory::summary(MAX_LINE_BYTES as u64))
+    format!("{what} of more than {}", brdfc_formats::memory::summary(MAX_LINE_BYTES as u64))
 }
 
 /// Describes the valid length, for errors.
@@ -46,11 +51,11 @@ mod tests {
     #[test]
     fn binary_files_are_no_text() {
         let message = |bytes: &[u8]| checked(bytes).unwrap_err().to_string();
-        let expected = "line 2, text: found a NUL byte, byte 3 of the file, expected text without NUL bytes";
+        let expected = "line 2, text: NUL byte at byte 3 of the file; expected text without NUL bytes";
         assert_eq!(message(b"a\nb\0\xff"), expected);
         assert_eq!(
-            message(b"a\n\xff\0").split_once(", expected").unwrap().0,
-            "line 2, text: found a NUL byte, byte 3 of the file"
+            message(b"a\n\xff\0").split_once("; expected").unwrap().0,
+            "line 2, text: NUL byte at byte 3 of the file"
         );
         assert_eq!(message(b"a\n\n\xff"), "line 3, text: found byte 0xff, expected UTF-8");
         assert_eq!(checked(b"\xef\xbb\xbfa\r\nb"), Ok("a\r\nb"));
@@ -60,7 +65,7 @@ mod tests {
     fn lines_have_an_end() {
         let mut bytes = vec![b' '; MAX_LINE_BYTES + 2];
         bytes[0] = b'\n';
-        let expected = "line 2, text: found a line of more than 16.00 MiB, expected at most 16777216 bytes";
+        let expected = "line 2, text: line of more than 16.00 MiB; expected at most 16777216 bytes";
         assert_eq!(checked(&bytes).unwrap_err().to_string(), expected);
         bytes.truncate(MAX_LINE_BYTES + 1);
         assert!(checked(&bytes).is_ok());

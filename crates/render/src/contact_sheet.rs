@@ -44,7 +44,7 @@ const LETTER: usize = 7;
 const ELLIPSIS: &str = "...";
 /// Width and height of the bar of the colour scale, pixels.
 const BAR: [usize; 2] = [200, 12];
-/// Ticks of the scale, except the one at 0.
+/// Ticks of the scale, except at 0.
 const TICKS: usize = 5;
 /// Space on each side of the bar, for the first and the last number, pixels.
 const BAR_MARGIN: usize = 3 * LETTER;

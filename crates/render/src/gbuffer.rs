@@ -17,7 +17,7 @@ pub struct GBuffer {
     pub width: usize,
     /// Rows.
     pub height: usize,
-    /// World space.
+    /// Positions in world space.
     pub position: Vec<[f32; 3]>,
     /// Unit shading normals, on the viewer's side.
     pub normal: Vec<[f32; 3]>,
@@ -28,7 +28,7 @@ pub struct GBuffer {
     pub across: Vec<[f32; 2]>,
     /// Unit vectors to the viewer.
     pub to_viewer: Vec<[f32; 3]>,
-    /// Texture coordinates, as those of [`ShadingPoint`].
+    /// Texture coordinates, as in [`ShadingPoint`].
     pub uv: Vec<[f32; 2]>,
     /// Distance of the viewer.
     pub distance: Vec<f32>,
@@ -39,11 +39,11 @@ pub struct GBuffer {
 /// Tangent, bitangent and normal: orthonormal, up to rounding.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct LocalFrame {
-    /// x.
+    /// Unit vector along x of the frame.
     pub tangent: [f32; 3],
-    /// y.
+    /// Unit vector along y of the frame.
     pub bitangent: [f32; 3],
-    /// z.
+    /// Unit vector along z of the frame.
     pub normal: [f32; 3],
 }
 

@@ -80,7 +80,7 @@ pub fn to_exr(image: &LinearImage) -> Vec<u8> {
 /// Reads the RGB of an EXR: see [`radiance_image::from_exr`].
 ///
 /// # Errors
-/// As [`radiance_image::from_exr`].
+/// Returns the errors of [`radiance_image::from_exr`], for example for files that are not EXR.
 pub fn from_exr(bytes: &[u8]) -> Result<LinearImage, FormatError> {
     let image = radiance_image::from_exr(bytes)?;
     let coverage = vec![1.0; image.pixels.len()];

@@ -20,7 +20,7 @@ pub struct Vertex {
 /// Triangles with shared corners. Counter-clockwise from the front.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct Mesh {
-    /// Corners.
+    /// Corners, which triangles share.
     pub vertices: Vec<Vertex>,
     /// Indices of three corners each.
     pub triangles: Vec<[u32; 3]>,
@@ -50,13 +50,13 @@ pub struct HeightMap {
 pub struct Part {
     /// The name by which manifests assign materials.
     pub name: &'static str,
-    /// Its triangles.
+    /// Triangles of the part.
     pub mesh: Mesh,
-    /// Bump and mirror.
+    /// Properties besides the BRDF: bumps and mirroring.
     pub surface: Surface,
 }
 
-/// A pinhole camera.
+/// A pinhole camera in world space.
 #[derive(Debug, Clone, Copy, PartialEq, serde::Serialize)]
 #[serde(rename_all = "camelCase")]
 pub struct Camera {
@@ -70,7 +70,7 @@ pub struct Camera {
     pub field_of_view: f64,
 }
 
-/// A point light.
+/// A point light, which shines equally in all directions.
 #[derive(Debug, Clone, Copy, PartialEq, serde::Serialize)]
 pub struct PointLight {
     /// Position in world space.
@@ -91,12 +91,12 @@ pub struct Environment {
     pub pixels: Vec<[f32; 3]>,
 }
 
-/// A complete scene.
+/// Everything that a rendering shows, except the materials.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Scene {
     /// Parts, in the order in which materials are given.
     pub parts: Vec<Part>,
-    /// Camera.
+    /// Camera of the rendering.
     pub camera: Camera,
     /// Point lights.
     pub lights: Vec<PointLight>,

@@ -11,7 +11,7 @@ use brdfc_metrics::image::LinearImage;
 
 /// Source of `f_r` for shading.
 pub trait Reflectance: Sync {
-    /// `f_r`, linear RGB, 1/sr, not negative. `distance` is that of the viewer.
+    /// `f_r`, linear RGB, 1/sr, not negative. `distance` is the distance of the viewer.
     fn eval(&self, pair: DirectionPair, distance: f64) -> [f64; 3];
 }
 

@@ -15,9 +15,9 @@ const LOWEST_VIEW: f64 = 0.02;
 /// A point on a surface, seen from somewhere.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct ShadingPoint {
-    /// World space.
+    /// Position in world space.
     pub position: Vector,
-    /// Unit vector.
+    /// Unit tangent, at right angles to the normal.
     pub tangent: Vector,
     /// Unit vector, normal x tangent.
     pub bitangent: Vector,

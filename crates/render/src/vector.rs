@@ -1,4 +1,4 @@
-//! Small vector helpers in addition to those of the formats crate.
+//! Small vector helpers that the formats crate does not have.
 
 use brdfc_formats::direction::Vector;
 pub(crate) use brdfc_formats::direction::{add_scaled, cross, subtract};

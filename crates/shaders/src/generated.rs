@@ -27,7 +27,7 @@ impl Generated {
     /// Returns a translated decoder.
     ///
     /// # Panics
-    /// If the file lacks the decoder.
+    /// Panics if the file lacks the decoder.
     pub fn of(decoder: PackKind) -> &'static Self {
         static ALL: OnceLock<BTreeMap<String, Generated>> = OnceLock::new();
         let all = ALL.get_or_init(|| serde_json::from_str(include_str!("generated.json")).expect("written by a test"));

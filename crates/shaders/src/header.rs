@@ -7,7 +7,7 @@ use brdfc_formats::PackKind;
 
 const WIDTH: usize = 120;
 
-/// The comment, in ASCII. `signatures` are those of the functions in the language, in the order of the interface.
+/// The comment, in ASCII. `signatures` declare the functions in the language, in the order of the interface.
 pub(crate) fn header(decoder: PackKind, language: Language, interface: &Interface, signatures: &[String]) -> String {
     let mut text = String::new();
     let mut say = |indent: usize, words: &str| {

@@ -13,8 +13,8 @@ pub struct Interface {
 }
 
 impl Interface {
-    /// Name of the block of a binding in GLSL: that of its struct, with the slot appended if several blocks share one
-    /// struct.
+    /// Name of the block of a binding in GLSL: the name of its struct, with the slot appended if several blocks share
+    /// one struct.
     pub fn block_name(&self, binding: &Binding) -> Option<String> {
         let of = |binding: &Binding| match &binding.kind {
             BindingKind::Uniform { block, .. } => Some(block.clone()),

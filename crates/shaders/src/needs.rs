@@ -6,7 +6,7 @@ use serde::Serialize;
 
 /// Maximum sides and layers that every device with WebGPU supports by default.
 const WEBGPU: Limits = Limits { side: 8192, depth: 2048, layers: 256 };
-/// Maximum sides and layers of WebGL 2. Except for old phones, its devices support as much as those of WebGPU.
+/// Maximum sides and layers of WebGL 2. Except for old phones, its devices support as much as devices with WebGPU.
 const WEBGL_2: Limits = Limits { side: 2048, depth: 256, layers: 256 };
 
 #[derive(Clone, Copy)]

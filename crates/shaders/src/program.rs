@@ -9,7 +9,7 @@ pub struct TranslatedProgram {
     pub vertex: Vec<String>,
     /// Lines of the fragment shader.
     pub fragment: Vec<String>,
-    /// Uniform blocks: those of both shaders.
+    /// Uniform blocks of both shaders.
     pub blocks: Vec<Named>,
     /// Textures. GLSL has no separate samplers.
     pub textures: Vec<Named>,
@@ -24,7 +24,7 @@ pub struct Program {
     pub vertex: String,
     /// The fragment shader in GLSL ES 3.00.
     pub fragment: String,
-    /// Uniform blocks of the GLSL: those of both shaders.
+    /// Uniform blocks of both shaders in GLSL.
     pub blocks: Vec<Named>,
     /// Textures of the GLSL, which has no separate samplers.
     pub textures: Vec<Named>,

@@ -30,7 +30,7 @@ pub struct Shader {
 }
 
 /// A compute shader that answers a list of queries. Its group 0 has the queries, three groups of four f32 each, in the
-/// storage buffer of binding 0, and the answers, four f32 each, in that of binding 1.
+/// storage buffer of binding 0, and the answers, four f32 each, in the storage buffer of binding 1.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, JsonSchema)]
 pub struct EntryPoint {
     /// Its name.

@@ -5,7 +5,7 @@ use crate::interface::Interface;
 /// The signatures of an interface's functions in a translated text.
 ///
 /// # Panics
-/// If the text lacks a function.
+/// Panics if the text lacks a function.
 pub(crate) fn signatures(text: &str, interface: &Interface) -> Vec<String> {
     interface.functions.iter().map(|function| signature(text, &function.name, function.parameters())).collect()
 }

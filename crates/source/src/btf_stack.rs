@@ -14,7 +14,7 @@ const MAX_ENTRIES: usize = 1 << 20;
 
 /// A complete BTF stack with images of one size. The tile is rectified to the plane z = 0.
 ///
-/// Values are radiance divided by that of a white diffuser that faces the light: white is 1.
+/// Values are radiance divided by the radiance of a white diffuser that faces the light: white is 1.
 pub struct BtfStack {
     folder: PathBuf,
     index: StackIndex,
@@ -76,7 +76,7 @@ impl BtfStack {
 /// Lists the images of a folder, complete or not, with their size.
 ///
 /// # Errors
-/// Same as [`BtfStack::open`], except for missing images.
+/// Returns the errors of [`BtfStack::open`], but accepts folders in which images are missing.
 pub fn survey(folder: &Path) -> Result<(StackContents, [u32; 2]), InputError> {
     let mut paths = Vec::new();
     list(folder, "", LEVELS, &mut 0, &mut paths)?;
@@ -119,7 +119,7 @@ fn list(
             let found = format!("more than {MAX_ENTRIES}");
             return Err(InputError::format(
                 folder,
-                FormatError::whole("files and folders", found, "a stack of images"),
+                FormatError::whole("files and folders", found, "the folder of one stack of images"),
             ));
         }
         let name = format!("{prefix}{}", entry.file_name().to_string_lossy());

@@ -1,6 +1,7 @@
 //! Errors of inputs.
 
 use brdfc_core::address::AddressError;
+use brdfc_core::words::system_error;
 use brdfc_formats::FormatError;
 use std::path::Path;
 
@@ -26,7 +27,7 @@ pub enum InputError {
         looks_like: &'static str,
     },
     /// The file cannot be read.
-    #[error("{name}: cannot read: {error}")]
+    #[error("{name}: cannot read: {}", system_error(.error))]
     Io {
         /// Name of the input, as the user gave it.
         name: String,

@@ -17,7 +17,7 @@ const MAX_BLOCK_BYTES: u64 = 128 << 20;
 /// Returns an error for files that are not EXR and for blocks of more than 128 MiB.
 pub(crate) fn exr_headers(bytes: impl BufRead + Seek, allowed: &'static str) -> Result<Vec<Header>, FormatError> {
     let meta = MetaData::read_from_buffered(bytes, false)
-        .map_err(|error| FormatError::whole("EXR", error.to_string(), allowed))?;
+        .map_err(|error| FormatError::whole("EXR", error.to_string(), allowed).problem())?;
     for header in &meta.headers {
         let [width, height] = match header.blocks {
             BlockDescription::ScanLines => [header.layer_size.x(), header.compression.scan_lines_per_block()],
@@ -27,7 +27,7 @@ pub(crate) fn exr_headers(bytes: impl BufRead + Seek, allowed: &'static str) -> 
         let size = sides.into_iter().fold(1, u64::saturating_mul);
         if size > MAX_BLOCK_BYTES {
             let channels = header.channels.list.len();
-            let found = format!("{} in a block of {width} x {height} pixels, {channels} channels", summary(size));
+            let found = format!("{} in a block of {width} x {height} pixels of {channels} channels", summary(size));
             return Err(FormatError::whole("EXR", found, format!("at most {}", summary(MAX_BLOCK_BYTES))));
         }
     }
@@ -84,7 +84,7 @@ mod tests {
         assert_eq!(exr_headers(Cursor::new(&few), "an EXR").unwrap()[0].channels.list.len(), 4);
         let many = exr_of_channels(1024, 16, 200_000);
         let expected =
-            "EXR: found 12.21 GiB in a block of 1024 x 16 pixels, 200000 channels, expected at most 128.00 MiB";
+            "EXR: found 12.21 GiB in a block of 1024 x 16 pixels of 200000 channels, expected at most 128.00 MiB";
         assert_eq!(heights_from_exr(&many).unwrap_err().to_string(), expected);
         assert_eq!(from_exr(&many).unwrap_err().to_string(), expected);
         // The contents of the block do not matter: with fewer channels the pixels are the error.

@@ -41,7 +41,8 @@ pub fn flat_btf_file(path: &Path) -> Result<Option<PathBuf>, InputError> {
     let names: Vec<String> =
         found.iter().map(|file| file.file_name().unwrap_or_default().to_string_lossy().into_owned()).collect();
     let names = join_truncated(&names, MAX_LISTED);
-    Err(InputError::format(path, FormatError::whole("flat BTFs", names, "one in a folder, or the path of its file")))
+    let allowed = "a folder with one flat BTF, or the path of a file";
+    Err(InputError::format(path, FormatError::whole("flat BTFs", names, allowed)))
 }
 
 /// Returns true if a file starts like a flat BTF.
@@ -65,8 +66,8 @@ pub fn open_flat_btf(path: &Path) -> Result<FlatBtfFile, InputError> {
             // Reports a missing file.
             open_path(path)?;
         }
-        let found = if path.is_dir() { "none" } else { "another file" };
-        let error = FormatError::whole("flat BTF", found, "the NAME.ktx2 of 'brdfc flatten', or its folder");
+        let found = if path.is_dir() { "no flat BTF in this folder" } else { "not a flat BTF" };
+        let error = FormatError::whole("input", found, "the NAME.ktx2 of 'brdfc flatten', or its folder").problem();
         return Err(InputError::format(path, error));
     };
     let bytes = read_file(&file, MAX_FILE_BYTES)?;
@@ -79,7 +80,7 @@ pub fn open_flat_btf(path: &Path) -> Result<FlatBtfFile, InputError> {
 /// Returns an error for the light form, which has no views.
 pub fn flat_view(file: &FlatBtfFile, view: u32) -> Result<(Option<FlatView>, u32), FormatError> {
     let Some(factored) = file.decoder.parts().values.factored() else {
-        return Err(FormatError::whole("flat BTF", "the light form, which has no views", "the full form"));
+        return Err(FormatError::whole("flat BTF", "the light form has no views", "the full form").problem());
     };
     let count = factored.header().views.len() as u32;
     Ok(((view < count).then(|| factored.view(view)), count))

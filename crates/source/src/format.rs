@@ -7,15 +7,15 @@ use brdfc_readers::file_kind::FileKind;
 
 /// An opened input, ready for evaluation. `F` is the type of its facts.
 pub struct Opened<F> {
-    /// Source of reflectance.
+    /// Evaluates `f_r` of the input.
     pub source: Box<dyn Source>,
     /// Facts about the input.
     pub facts: F,
 }
 
-/// A kind of file with reflectance: a constructor of its reader, and an entry of `FORMATS`.
+/// A kind of file with reflectance: a constructor of its reader, and an element of `FORMATS`.
 pub struct Format<F> {
-    /// Name for people.
+    /// Name of the kind in messages and lists of formats.
     pub name: &'static str,
     /// Extension and magic bytes of its files.
     pub kind: &'static FileKind,

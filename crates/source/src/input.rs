@@ -22,11 +22,11 @@ pub const STANDARD_INPUT: &str = "stdin";
 /// An input, as the user named it. Paths need not be UTF-8.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Input {
-    /// `synth:NAME?param=value&...`
+    /// Address of an analytic model or a structure: `synth:NAME?param=value&...`.
     Address(String),
     /// A file or a folder.
     File(PathBuf),
-    /// Standard input.
+    /// Standard input, given as `-`.
     Stdin(StandardInput),
 }
 
@@ -49,7 +49,7 @@ impl StandardInput {
 }
 
 impl Input {
-    /// The address, if the input is one.
+    /// The address, if the input is an address.
     pub fn address(&self) -> Option<&str> {
         match self {
             Self::Address(address) => Some(address),
@@ -57,7 +57,7 @@ impl Input {
         }
     }
 
-    /// The path, if the input is one.
+    /// The path, if the input is a file or a folder.
     pub fn path(&self) -> Option<&Path> {
         match self {
             Self::File(path) => Some(path),
@@ -136,7 +136,7 @@ impl fmt::Display for Input {
 }
 
 fn no_file(address: &str) -> InputError {
-    let error = FormatError::whole("input", "the address of a model", "a file");
+    let error = FormatError::whole("input", "a model is no file", "a file").problem();
     InputError::Format { name: address.to_owned(), error }
 }
 

@@ -86,7 +86,7 @@ impl MerlSource {
         Self { table, symmetry, nearest: OnceLock::new() }
     }
 
-    /// The table.
+    /// Table that was read; NaN in cells without a valid measurement.
     pub fn table(&self) -> &Merl {
         &self.table
     }

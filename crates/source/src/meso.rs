@@ -1,7 +1,7 @@
 //! Meso-geometry from files: meshes and height maps.
 
 use super::input::{Input, InputFile};
-use super::read::found_extension;
+use super::read::{found_extension, unknown_kind};
 use crate::InputError;
 use crate::exr_header::exr_headers;
 use brdfc_formats::FormatError;
@@ -54,12 +54,12 @@ pub fn open_meso(input: impl Into<Input>) -> Result<MesoInput, InputError> {
             // A missing file is reported before its extension.
             let length = InputFile::of(&input, &mut ())?.length;
             let (field, found) = match input.is_stdin() {
-                true if length == 0 => ("contents", "nothing".to_owned()),
-                true if extension.is_empty() => ("contents", "no known layout".to_owned()),
-                true => ("contents", format!("a .{extension} file")),
+                true if length == 0 => ("contents", Err("empty")),
+                true if extension.is_empty() => ("contents", Err("unknown layout")),
+                true => ("contents", Ok(format!("a .{extension} file"))),
                 false => ("file name", found_extension(&extension)),
             };
-            let error = FormatError::whole(field, found, ".obj or .ply (mesh), .png or .exr (height map)");
+            let error = unknown_kind(field, found, ".obj or .ply (mesh), .png or .exr (height map)");
             return Err(InputError::format(input.named_path(), error));
         }
     };
@@ -85,7 +85,7 @@ fn check_size(field: &'static str, width: usize, height: usize) -> Result<(), Fo
 /// palettes, transparency, and fewer than 8 bits.
 pub fn heights_from_png(bytes: &[u8]) -> Result<HeightMap, FormatError> {
     let allowed = "a grey PNG of 8 or 16 bits";
-    let broken = |error: png::DecodingError| FormatError::whole("PNG", error.to_string(), allowed);
+    let broken = |error: png::DecodingError| FormatError::whole("PNG", error.to_string(), allowed).problem();
     let mut decoder = png::Decoder::new(Cursor::new(bytes));
     decoder.set_transformations(png::Transformations::IDENTITY);
     // Reads the header only, without memory for the pixels.
@@ -128,10 +128,10 @@ pub fn heights_from_png(bytes: &[u8]) -> Result<HeightMap, FormatError> {
 /// channels, and values that are not finite.
 pub fn heights_from_exr(bytes: &[u8]) -> Result<HeightMap, FormatError> {
     let allowed = "an EXR with a channel Y or R, or with one channel";
-    let broken =
-        |error: exr::error::Error| FormatError::whole("EXR", error.to_string(), "a complete EXR without deep data");
+    let complete = "a complete EXR without deep data";
+    let broken = |error: exr::error::Error| FormatError::whole("EXR", error.to_string(), complete).problem();
     // Sizes are checked first; pixels are allocated only if they are few enough.
-    let headers = exr_headers(Cursor::new(bytes), "a complete EXR without deep data")?;
+    let headers = exr_headers(Cursor::new(bytes), complete)?;
     for header in &headers {
         check_size("EXR", header.layer_size.x(), header.layer_size.y())?;
     }
@@ -142,8 +142,8 @@ pub fn heights_from_exr(bytes: &[u8]) -> Result<HeightMap, FormatError> {
         return Err(FormatError::whole("EXR", format!("channels {}", names.join(", ")), allowed));
     };
     if (channel.sampling.x(), channel.sampling.y()) != (1, 1) {
-        let found = format!("channel {} with fewer samples than pixels", channel.name);
-        return Err(FormatError::whole("EXR", found, "one sample per pixel"));
+        let found = format!("channel {} has fewer samples than pixels", channel.name);
+        return Err(FormatError::whole("EXR", found, "one sample per pixel").problem());
     }
     let name: Text = channel.name.clone();
     let map = read()
@@ -227,7 +227,7 @@ mod tests {
         let error = |width, height, colour, depth, length| {
             heights_from_png(&png_of(width, height, colour, depth, &vec![0; length])).unwrap_err().to_string()
         };
-        let allowed = ", expected a grey PNG of 8 or 16 bits";
+        let allowed = "expected a grey PNG of 8 or 16 bits";
         for (colour, depth, length, found) in [
             (ColorType::Rgb, BitDepth::Eight, 48, "RGB, 8 bits"),
             (ColorType::Rgba, BitDepth::Sixteen, 128, "RGB with transparency, 16 bits"),
@@ -235,7 +235,7 @@ mod tests {
             (ColorType::Indexed, BitDepth::Eight, 16, "a palette, 8 bits"),
             (ColorType::Grayscale, BitDepth::Four, 8, "grey, 4 bits"),
         ] {
-            assert_eq!(error(4, 4, colour, depth, length), format!("PNG: found {found}{allowed}"));
+            assert_eq!(error(4, 4, colour, depth, length), format!("PNG: found {found}, {allowed}"));
         }
         let sizes = error(3, 4, ColorType::Grayscale, BitDepth::Eight, 12);
         let limits = "expected 4 to 8192 per side, and at most 1048576 in all, such as 1024 x 1024";
@@ -334,7 +334,7 @@ mod tests {
         let error = |name: &str, bytes: &[u8]| open(name, bytes).unwrap_err().to_string();
         assert!(error("b.obj", b"f 1 2 3").contains("b.obj: line 1, face: found vertex 3"));
         assert!(error("b.stl", obj).contains("b.stl: file name: found extension .stl, expected .obj or .ply"));
-        assert!(error("b", obj).contains("found no extension"));
+        assert!(error("b", obj).contains("file name: no extension; expected .obj"));
         assert!(error("b.ply", obj).contains("b.ply: line 1, first line"));
         let missing = open_meso(folder.path().join("none.obj")).unwrap_err();
         assert!(matches!(missing, InputError::Io { .. }));

@@ -6,13 +6,14 @@ pub use brdfc_core::Describe;
 use super::error::InputError;
 use super::input::{Input, InputFile};
 use super::merl::{self, MerlFacts};
-use super::read::{ReadListener, extension_of, found_extension};
+use super::read::{ReadListener, extension_of, found_extension, unknown_kind};
 use super::rgl::{self, RglFacts};
 use super::rti_capture::{self, is_rti_capture};
 use super::scan::{self, ScanFacts};
 use super::ubo_btf::is_ubo_btf;
 use super::{format, pack, ptm};
 use brdfc_core::address;
+use brdfc_core::words::one_of;
 use brdfc_encode::PackFacts;
 use brdfc_formats::{BrdfPack, FormatError};
 use std::ops::Deref;
@@ -89,10 +90,10 @@ pub fn known_files() -> String {
     files_but_for("")
 }
 
-/// Supported files except those with `extension`.
+/// Supported files except files with `extension`.
 pub fn files_but_for(extension: &str) -> String {
     let others = FORMATS.iter().filter(|format| format.extension() != extension);
-    others.map(|format| format!(".{} ({})", format.extension(), format.name)).collect::<Vec<_>>().join(", ")
+    one_of(&others.map(|format| format!(".{} ({})", format.extension(), format.name)).collect::<Vec<_>>())
 }
 
 /// Opens `input`. `level` is the level of detail of packs; other inputs have none.
@@ -115,8 +116,8 @@ pub fn open(input: impl Into<Input>, level: Option<f32>) -> Result<Opened, Input
             match format_of(&input.extension()?) {
                 Some(format) => (format.open)(input_file),
                 None => {
-                    let found = if input_file.length == 0 { "nothing" } else { "no known layout" };
-                    let error = FormatError::whole("contents", found, known_files());
+                    let found = if input_file.length == 0 { "empty" } else { "unknown layout" };
+                    let error = FormatError::whole("contents", found, known_files()).problem();
                     Err(input_file.wrong(error))
                 }
             }
@@ -136,7 +137,7 @@ fn format_of(extension: &str) -> Option<&'static Format<Facts>> {
 /// Opens a file.
 ///
 /// # Errors
-/// Same as [`open`].
+/// Returns an error for files that cannot be read or violate their layout, and for unknown kinds.
 pub fn open_file(path: &Path, level: Option<f32>) -> Result<Opened, InputError> {
     open_file_observed(path, level, &mut ())
 }
@@ -144,7 +145,7 @@ pub fn open_file(path: &Path, level: Option<f32>) -> Result<Opened, InputError> 
 /// Same as [`open_file`], with an observer of the bytes.
 ///
 /// # Errors
-/// Same as [`open`].
+/// Returns an error for files that cannot be read or violate their layout, and for unknown kinds.
 pub fn open_file_observed(
     path: &Path,
     level: Option<f32>,
@@ -166,14 +167,14 @@ pub fn open_file_observed(
         if is_ubo_btf(path) {
             allowed += "; use 'brdfc flatten' for BTFs";
         }
-        let error = FormatError::whole("file name", found_extension(&extension), allowed);
-        return Err(input_file.wrong(error));
+        return Err(input_file.wrong(unknown_kind("file name", found_extension(&extension), allowed)));
     };
     (format.open)(input_file)
 }
 
 /// Error for a surface that was measured from a single view.
 fn without_brdf(what: &str) -> FormatError {
-    let found = format!("{what}: images of one view under many lights, which hold no BRDF");
-    FormatError::whole("input", found, format!("{}, or synth:MODEL; 'brdfc info' describes it", known_files()))
+    let found = format!("{what} has no BRDF, only images of one view under many lights");
+    let allowed = format!("{}, or synth:MODEL; 'brdfc info' describes {what}", known_files());
+    FormatError::whole("input", found, allowed).problem()
 }

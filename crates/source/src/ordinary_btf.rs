@@ -7,7 +7,7 @@ use crate::ubo_btf::{UboBtfFile, is_ubo_btf};
 use brdfc_formats::direction_set::DirectionSet;
 use std::path::Path;
 
-/// An ordinary BTF.
+/// An ordinary BTF: an image for each pair of a view and a light.
 pub enum OrdinaryBtf {
     /// A folder of images.
     Stack(BtfStack),
@@ -16,7 +16,7 @@ pub enum OrdinaryBtf {
 }
 
 impl OrdinaryBtf {
-    /// Returns true if a path is that of an ordinary BTF: a folder, or a file with the extension `btf`.
+    /// Returns true if a path leads to an ordinary BTF: a folder, or a file with the extension `btf`.
     pub fn is_one(path: &Path) -> bool {
         path.is_dir() || is_ubo_btf(path)
     }
@@ -24,7 +24,8 @@ impl OrdinaryBtf {
     /// Opens a folder or a file.
     ///
     /// # Errors
-    /// Same as [`BtfStack::open`] and [`UboBtfFile::open`].
+    /// Returns an error if a file cannot be read or is invalid, if images are missing or differ in size, or if there
+    /// are too many or too large images; see [`BtfStack::open`] and [`UboBtfFile::open`].
     pub fn open(path: &Path) -> Result<Self, InputError> {
         Ok(if path.is_dir() {
             Self::Stack(BtfStack::open(path)?)
@@ -57,11 +58,12 @@ impl OrdinaryBtf {
         }
     }
 
-    /// Reads or computes one image, by its indices in [`Self::views`] and [`Self::lights`]: radiance divided by that of
-    /// a white diffuser that faces the light.
+    /// Reads or computes one image, by its indices in [`Self::views`] and [`Self::lights`]: radiance over the radiance
+    /// of a white diffuser that faces the light.
     ///
     /// # Errors
-    /// Same as [`BtfStack::view`] and [`UboBtfFile::image`].
+    /// Returns an error for an index out of range, and for an image file that cannot be read, has changed its size or
+    /// has values that are not finite.
     pub fn image(&self, view: usize, light: usize) -> Result<Image, InputError> {
         match self {
             Self::Stack(stack) => stack.view(view, light),

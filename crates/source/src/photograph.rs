@@ -117,14 +117,17 @@ fn reader(path: &Path) -> Result<ImageReader<std::io::BufReader<std::fs::File>>,
     let reader = reader.map_err(|error| InputError::io(path, error))?;
     match reader.format() {
         Some(ImageFormat::Png | ImageFormat::Jpeg | ImageFormat::OpenExr) => Ok(reader),
-        _ => Err(InputError::format(path, FormatError::whole("image", "an unknown format", "PNG, JPEG or EXR"))),
+        _ => {
+            let error = FormatError::whole("image", "unknown format", "PNG, JPEG or EXR").problem();
+            Err(InputError::format(path, error))
+        }
     }
 }
 
 /// Checks block sizes, because the decoder does not limit the memory of a block.
 fn check_exr(path: &Path) -> Result<(), InputError> {
     let file = std::fs::File::open(path).map_err(|error| InputError::io(path, error))?;
-    let headers = exr_headers(std::io::BufReader::new(file), "a whole PNG, JPEG or EXR image");
+    let headers = exr_headers(std::io::BufReader::new(file), "a complete PNG, JPEG or EXR image");
     headers.map(drop).map_err(|error| InputError::format(path, error))
 }
 
@@ -147,10 +150,12 @@ fn image_error(path: &Path, error: ImageError) -> InputError {
         }
         ImageError::Limits(_) => {
             let allowed = format!("1 to {MAX_SIZE} along each side");
-            InputError::format(path, FormatError::whole("image size", "too many pixels for the decoder", allowed))
+            let error = FormatError::whole("image size", "too many pixels for the decoder", allowed);
+            InputError::format(path, error.problem())
         }
         error => {
-            InputError::format(path, FormatError::whole("image", error.to_string(), "a whole PNG, JPEG or EXR image"))
+            let error = FormatError::whole("image", error.to_string(), "a complete PNG, JPEG or EXR image");
+            InputError::format(path, error.problem())
         }
     }
 }

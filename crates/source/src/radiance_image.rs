@@ -29,7 +29,7 @@ pub fn open_radiance_image(input: impl Into<Input>) -> Result<RadianceImage, Inp
 /// Same as [`open_radiance_image`] for a file, with an observer of the bytes.
 ///
 /// # Errors
-/// Same as [`open_radiance_image`].
+/// Returns an error for files that cannot be read, or that [`from_exr`] and [`from_hdr`] reject.
 pub fn open_radiance_image_observed(path: &Path, listener: &mut dyn ReadListener) -> Result<RadianceImage, InputError> {
     parse(InputFile::at(path, listener)?, &extension_of(path))
 }
@@ -44,7 +44,8 @@ fn parse(file: InputFile<'_>, extension: &str) -> Result<RadianceImage, InputErr
 /// Returns an error for files that are not EXR with channels R, G and B, for more than 8192 x 4096 pixels, and for
 /// values that are negative or not finite.
 pub fn from_exr(bytes: &[u8]) -> Result<RadianceImage, FormatError> {
-    let broken = |error: exr::error::Error| FormatError::whole("EXR", error.to_string(), "channels R, G and B");
+    let broken =
+        |error: exr::error::Error| FormatError::whole("EXR", error.to_string(), "channels R, G and B").problem();
     // Sizes are checked first; pixels are allocated only if the image is small enough.
     for header in exr_headers(Cursor::new(bytes), "channels R, G and B")? {
         check_size("EXR", header.layer_size.x(), header.layer_size.y())?;
@@ -75,8 +76,8 @@ pub fn from_exr(bytes: &[u8]) -> Result<RadianceImage, FormatError> {
 /// Returns an error for other files, and for more than 8192 x 4096 pixels.
 pub fn from_hdr(bytes: &[u8]) -> Result<RadianceImage, FormatError> {
     let broken = |error: image::ImageError| {
-        let allowed = format!("a whole Radiance HDR of at most {} x {} pixels", MAX_SIDES[0], MAX_SIDES[1]);
-        FormatError::whole("HDR", error.to_string(), allowed)
+        let allowed = format!("a complete Radiance HDR of at most {} x {} pixels", MAX_SIDES[0], MAX_SIDES[1]);
+        FormatError::whole("HDR", error.to_string(), allowed).problem()
     };
     let mut reader = ImageReader::with_format(Cursor::new(bytes), ImageFormat::Hdr);
     let mut limits = Limits::default();

@@ -83,7 +83,7 @@ pub(crate) fn open_observed<'a>(
 pub(crate) fn open_path(path: &Path) -> Result<(File, u64), InputError> {
     let io = |error: std::io::Error| {
         if error.kind() == ErrorKind::NotFound && path.is_symlink() {
-            let text = "it is a link whose target does not exist";
+            let text = "the target of this link does not exist";
             return InputError::io(path, std::io::Error::new(error.kind(), text));
         }
         InputError::io(path, error)
@@ -113,10 +113,10 @@ pub fn read_file(path: &Path, limit: u64) -> Result<Vec<u8>, InputError> {
     read_file_observed(path, limit, &mut ())
 }
 
-/// Same as [`read_file`], with an observer.
+/// Reads a file or a pipe to its end, at most `limit` bytes, and passes the bytes to an observer.
 ///
 /// # Errors
-/// Same as [`read_file`].
+/// Returns an error for unreadable files, folders, devices, and files with more bytes.
 pub fn read_file_observed(path: &Path, limit: u64, listener: &mut dyn ReadListener) -> Result<Vec<u8>, InputError> {
     let (file, length) = open_path(path)?;
     listener.opened(&file, length).map_err(|error| InputError::format(path, error))?;
@@ -185,7 +185,19 @@ pub(crate) fn extension_of(path: &Path) -> String {
     path.extension().and_then(|e| e.to_str()).unwrap_or("").to_ascii_lowercase()
 }
 
-/// Formats an extension for errors.
-pub(crate) fn found_extension(extension: &str) -> String {
-    if extension.is_empty() { "no extension".to_owned() } else { format!("extension .{extension}") }
+/// Formats an extension for [`unknown_kind`].
+pub(crate) fn found_extension(extension: &str) -> Result<String, &'static str> {
+    if extension.is_empty() { Err("no extension") } else { Ok(format!("extension .{extension}")) }
+}
+
+/// Error of a file of an unknown kind, from the value that states its kind or from a problem.
+pub(crate) fn unknown_kind(
+    field: &'static str,
+    found: Result<String, &'static str>,
+    allowed: impl Into<String>,
+) -> FormatError {
+    match found {
+        Ok(value) => FormatError::whole(field, value, allowed),
+        Err(problem) => FormatError::whole(field, problem, allowed).problem(),
+    }
 }

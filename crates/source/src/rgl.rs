@@ -16,6 +16,7 @@ use super::error::InputError;
 use super::format::{Format, Opened};
 use super::input::InputFile;
 use brdfc_core::Describe;
+use brdfc_core::words::counted;
 use brdfc_core::{Source, Symmetry, Tally};
 use warp::{Cell, Incidence, VisibleNormals};
 
@@ -48,7 +49,7 @@ impl Describe for RglFacts {
             ("description", description.clone()),
             ("incoming directions", format!("{azimuths} azimuths x {polar_angles} polar angles")),
             ("outgoing directions of each", format!("{rows} x {columns}")),
-            ("channels", if *channels == 3 { "RGB".to_owned() } else { format!("{channels} wavelengths") }),
+            ("channels", if *channels == 3 { "RGB".to_owned() } else { counted(*channels, "wavelength") }),
         ]
     }
 
@@ -120,7 +121,7 @@ impl RglSource {
         let (Colour::Rgb(values) | Colour::Spectra { values, .. }) = &rgl.colour;
         let colours = combine(values, &weights, rgl.colour_rows * rgl.colour_columns)?;
         if let Some(colour) = colours.iter().flatten().find(|v| !v.is_finite()) {
-            return Err(FormatError::whole("linear RGB", colour.to_string(), "the range of single precision"));
+            return Err(FormatError::whole("linear RGB", colour.to_string(), "a single-precision number"));
         }
         let visible = VisibleNormals::new(&rgl.vndf, rgl.vndf_rows, rgl.vndf_columns)?;
         let symmetry = symmetry(&rgl, &colours);
@@ -212,8 +213,8 @@ fn jacobian(ndf: &Map, sigma: &Map, pair: DirectionPair, [theta_i, phi_i]: [f64;
     if sigma <= 0.0 { 0.0 } else { warp::bilinear(ndf, u_m, v_m) / (4.0 * sigma) }
 }
 
-/// Position of the half vector of a pair in the unit square. The azimuth of isotropic materials is relative to that of
-/// incidence.
+/// Position of the half vector of a pair in the unit square. The azimuth of isotropic materials is relative to the
+/// azimuth of incidence.
 fn normal_to_unit(pair: DirectionPair, isotropic: bool) -> [f64; 2] {
     let (theta_m, phi_m) = polar(half_vector(pair));
     let v = azimuth_to_unit(match (isotropic, phi_m, polar(pair.incoming).1) {

@@ -23,7 +23,7 @@ pub struct RtiCapture {
 }
 
 impl RtiCapture {
-    /// Opens an `.lp` file, or a folder that has exactly one.
+    /// Opens an `.lp` file, or a folder that has exactly one `.lp` file.
     ///
     /// Reads the header of every image, and no pixels.
     ///
@@ -57,7 +57,7 @@ impl RtiCapture {
     /// File of the image under a light.
     ///
     /// # Panics
-    /// If there is no such light.
+    /// Panics if the light does not exist.
     pub fn file(&self, light: usize) -> &Path {
         &self.files[light]
     }
@@ -123,7 +123,7 @@ impl RtiCaptureFacts {
     }
 }
 
-/// Returns true if a path is a list of lights by its name, or a folder that has one.
+/// Returns true if a path is a list of lights by its name, or a folder with such a list.
 pub fn is_rti_capture(path: &Path) -> bool {
     if path.is_dir() { lists(path).is_ok_and(|lists| !lists.is_empty()) } else { extension_of(path) == EXTENSION }
 }
@@ -171,9 +171,12 @@ fn the_list(folder: &Path) -> Result<PathBuf, InputError> {
     let all = lists(folder)?;
     let names: Vec<String> =
         all.iter().filter_map(|path| path.file_name()).map(|name| name.to_string_lossy().into_owned()).collect();
-    let found = if names.is_empty() { "none".to_owned() } else { names.join(", ") };
     let allowed = "one .lp file in the folder, or the path of one";
-    Err(InputError::format(folder, FormatError::whole("lists of lights", found, allowed)))
+    let error = match names.is_empty() {
+        true => FormatError::whole("lists of lights", "no .lp file", allowed).problem(),
+        false => FormatError::whole("lists of lights", names.join(", "), allowed),
+    };
+    Err(InputError::format(folder, error))
 }
 
 /// The image of each light.
@@ -183,14 +186,17 @@ fn files(list: &Path, lights: &LightPositions) -> Result<Vec<PathBuf>, InputErro
     let mut seen = BTreeMap::new();
     for (name, line) in lights.names.iter().zip(&lights.lines) {
         let wrong = |found: String, allowed: &str| {
-            InputError::format(list, FormatError::at_line(*line, "image", found, allowed))
+            InputError::format(list, FormatError::at_line(*line, "image", found, allowed).problem())
         };
         let Some(file) = find(folder, name) else {
-            return Err(wrong(format!("{name:?}, which does not exist"), "a file relative to this one, or next to it"));
+            return Err(wrong(
+                format!("{name:?} does not exist"),
+                "a path relative to this file, or a file next to it",
+            ));
         };
         let whole = file.canonicalize().map_err(|error| InputError::io(&file, error))?;
         if let Some(before) = seen.insert(whole, line) {
-            return Err(wrong(format!("{name:?}, as on line {before}"), "each image once"));
+            return Err(wrong(format!("{name:?} is already on line {before}"), "each image once"));
         }
         files.push(file);
     }

@@ -20,9 +20,9 @@ const MAX_DECODER_BYTES: u64 = 8 * (MAX_SIZE as u64).pow(2);
 pub struct FileImage<const N: usize> {
     /// Pixels per row.
     pub width: usize,
-    /// Rows.
+    /// Number of rows of pixels.
     pub height: usize,
-    /// Row by row.
+    /// Pixels, row by row from the top, left to right.
     pub pixels: Vec<[f32; N]>,
 }
 
@@ -38,7 +38,7 @@ pub fn open_colours(input: impl Into<Input>) -> Result<FileImage<3>, InputError>
 /// Reads a PNG or JPEG of 8 or 16 bits: its stored channels, 0 to 1; the fourth is 0 if the file has none.
 ///
 /// # Errors
-/// Same as [`open_colours`].
+/// Returns an error for files that cannot be read, are of another format, or are larger than 8192 pixels along a side.
 pub fn open_shares(input: impl Into<Input>) -> Result<FileImage<4>, InputError> {
     open(&input.into(), |[r, g, b, a], has_alpha| [r, g, b, if has_alpha { a } else { 0.0 }])
 }
@@ -74,16 +74,21 @@ fn convert<P: Pixel<Subpixel: Into<f32>>, const N: usize>(
 }
 
 fn decode(bytes: &[u8]) -> Result<DynamicImage, FormatError> {
-    let wrong =
-        |found: String| FormatError::whole("image", found, "a whole PNG or JPEG of at most 8192 pixels along a side");
-    let reader =
-        || ImageReader::new(Cursor::new(bytes)).with_guessed_format().map_err(|error| wrong(error.to_string()));
+    let allowed = "a complete PNG or JPEG of at most 8192 pixels along a side";
+    let wrong = |found: String| FormatError::whole("image", found, allowed);
+    let reader = || {
+        let reader = ImageReader::new(Cursor::new(bytes)).with_guessed_format();
+        reader.map_err(|error| wrong(error.to_string()).problem())
+    };
     let format = reader()?.format();
     if !matches!(format, Some(ImageFormat::Png | ImageFormat::Jpeg)) {
-        return Err(wrong(format.map_or("an unknown format".to_owned(), |format| format!("{format:?}"))));
+        return Err(match format {
+            Some(format) => wrong(format!("{format:?}")),
+            None => wrong("unknown format".to_owned()).problem(),
+        });
     }
     // Checks the size before the decoder does, whose errors name no sizes.
-    let (width, height) = reader()?.into_dimensions().map_err(|error| wrong(limit_message(error)))?;
+    let (width, height) = reader()?.into_dimensions().map_err(|error| wrong(limit_message(error)).problem())?;
     if width > MAX_SIZE || height > MAX_SIZE {
         return Err(wrong(format!("{width} x {height} pixels")));
     }
@@ -92,7 +97,7 @@ fn decode(bytes: &[u8]) -> Result<DynamicImage, FormatError> {
     (limits.max_image_width, limits.max_image_height) = (Some(MAX_SIZE), Some(MAX_SIZE));
     limits.max_alloc = Some(MAX_DECODER_BYTES);
     reader.limits(limits);
-    reader.decode().map_err(|error| wrong(limit_message(error)))
+    reader.decode().map_err(|error| wrong(limit_message(error)).problem())
 }
 
 fn limit_message(error: ImageError) -> String {
@@ -129,8 +134,8 @@ mod tests {
         }
         let exr = encoded(image::DynamicImage::from(grey(255).into_rgb32f()), ImageFormat::OpenExr);
         let error = opened("a.png", &exr).unwrap_err();
-        assert!(error.contains("found OpenExr, expected a whole PNG or JPEG"), "{error}");
-        assert!(opened("a.png", b"text").unwrap_err().contains("an unknown format"));
+        assert!(error.contains("found OpenExr, expected a complete PNG or JPEG"), "{error}");
+        assert!(opened("a.png", b"text").unwrap_err().contains("image: unknown format; expected"));
         let wide = encoded(image::GrayImage::new(8193, 1).into(), ImageFormat::Png);
         assert!(opened("a.png", &wide).unwrap_err().contains("found 8193 x 1 pixels"));
     }

@@ -38,7 +38,7 @@ impl UboBtfFile {
                 let mut start = Vec::new();
                 let again = file.seek(SeekFrom::Start(0));
                 let read = again.and_then(|_| file.take(START_BYTES as u64).read_to_end(&mut start));
-                // The error of the layout is more helpful than that of reading the start again.
+                // The error of the layout is more helpful than an error of reading the start again.
                 read.map_or_else(
                     |_| InputError::format(path, error.clone()),
                     |_| wrong_contents(path, &start, length, error.clone()),
@@ -76,7 +76,7 @@ impl UboBtfFile {
         &self.btf
     }
 
-    /// Computes one image: radiance divided by that of a white diffuser that faces the light, row 0 at the top.
+    /// Computes one image: radiance over the radiance of a white diffuser that faces the light, row 0 at the top.
     ///
     /// # Errors
     /// Returns an error for indices out of range of [`Self::views`] and [`Self::lights`].

@@ -5,13 +5,22 @@ use clap::Args;
 
 /// Flags for threads and output.
 #[derive(Debug, Args)]
+#[command(next_help_heading = "Common options")]
 pub struct Flags {
-    /// Print no progress and no remarks on stderr, only errors.
+    /// Print no progress and no notes on stderr, only errors.
     #[arg(long, short, global = true)]
     quiet: bool,
-    /// Number of threads, up to 1024; 0 is one per core. The program starts at most four threads per core. The result does not
-    /// depend on it.
-    #[arg(long, short, global = true, value_name = "N", default_value_t = 0, value_parser = whole_number::<usize>(0..=1024))]
+    /// Number of threads, 0 to 1024 (default: 0, one per core). The program starts at most four threads per core. The
+    /// number does not change the result.
+    #[arg(
+        long,
+        short,
+        global = true,
+        value_name = "N",
+        default_value_t = 0,
+        hide_default_value = true,
+        value_parser = whole_number::<usize>(0..=1024)
+    )]
     pub(crate) jobs: usize,
     /// Print the report as JSON, if the command has one; 'brdfc schema' prints the schemas of reports.
     #[arg(long, global = true)]
@@ -28,7 +37,7 @@ impl Flags {
 /// Flags that every command gets in addition to its own arguments.
 #[derive(Debug, Clone, Copy)]
 pub struct Common {
-    /// No progress and no remarks.
+    /// No progress and no notes.
     pub quiet: bool,
     /// The report as JSON.
     pub json: bool,

@@ -11,7 +11,7 @@ use brdfc_source::read::MAX_TEXT_BYTES;
 use std::fmt::Display;
 use std::path::Path;
 
-/// Default views of the indirection map. Their azimuths are as close as those of `ubo2003` at its largest polar angle, where
+/// Default views of the indirection map. Azimuths are as close as in `ubo2003` at its largest polar angle, where
 /// blending views loses most.
 pub const INDIRECTION: &str = "16x24";
 
@@ -82,7 +82,7 @@ pub fn by_flags(error: &FormatError) -> String {
     match field.as_ref() {
         "bytes of factors" => format!("--max-bytes: found {found}, expected {allowed}"),
         "size of the part displacement" | "size of the part indirection" => format!(
-            "--texels x --indirection: found a map of {found} texels, expected {allowed}: lower --texels or --indirection"
+            "--texels x --indirection: found a map of {found} texels, expected {allowed}; lower --texels or --indirection"
         ),
         _ => error.to_string(),
     }

@@ -8,9 +8,7 @@ pub fn refuse_stdin_twice(inputs: &[(&str, Option<&Input>)]) -> Result<(), Error
     let names: Vec<&str> =
         inputs.iter().filter(|(_, input)| input.is_some_and(Input::is_stdin)).map(|(name, _)| *name).collect();
     match names[..] {
-        [first, second, ..] => {
-            Err(Error::usage(format!("{first} and {second}: found - for both, expected for one of them")))
-        }
+        [first, second, ..] => Err(Error::usage(format!("{first} and {second}: both are -; only one can be stdin"))),
         _ => Ok(()),
     }
 }

@@ -1,4 +1,4 @@
-//! Shared parts of command-line programs: common flags, results on stdout, remarks on stderr, tables, errors with exit codes.
+//! Shared parts of command-line programs: common flags, results on stdout, notes on stderr, tables, errors with exit codes.
 
 mod common;
 pub mod directions;

@@ -1,6 +1,7 @@
-//! Results on stdout, remarks on stderr.
+//! Results on stdout, notes on stderr.
 
 use super::{Common, Error};
+use brdfc_core::words::one_of;
 use brdfc_core::{Source, Tally};
 use brdfc_jobs::ErrorKind;
 use brdfc_jobs::output_folder::is_own;
@@ -79,8 +80,8 @@ pub fn refuse_other_extension(option: &str, path: &Path, allowed: &[&str]) -> Re
     if path.extension().is_some_and(is_one) {
         return Ok(());
     }
-    let (found, allowed) = (path.display(), allowed.join(" or ."));
-    Err(Error::usage(format!("{option}: found {found}, expected a name that ends in .{allowed}")))
+    let (found, allowed) = (path.display(), one_of(&allowed.iter().map(|name| format!(".{name}")).collect::<Vec<_>>()));
+    Err(Error::usage(format!("{option}: found {found}, expected a name that ends in {allowed}")))
 }
 
 /// Rejects the first given flag that does not apply to `found`. Each flag has: whether it is given, its name, and what it
@@ -107,7 +108,7 @@ pub fn refuse_same_outputs(outputs: &[(&str, Option<&Path>)]) -> Result<(), Erro
     for (at, (option, path)) in given.iter().enumerate() {
         if let Some((first, _)) = given[..at].iter().find(|(_, earlier)| place(earlier) == place(path)) {
             return Err(Error::usage(format!(
-                "{first} and {option}: found {} for both, expected different places",
+                "{first} and {option}: both are {}; choose different paths",
                 path.display()
             )));
         }
@@ -120,7 +121,7 @@ pub fn refuse_own(option: &str, file: &Path, out: &Path) -> Result<(), Error> {
     if is_own(&place(file), &place(out)) {
         let found = file.display();
         return Err(Error::usage(format!(
-            "{option}: found {found}, which is reserved for the build, expected another name or folder"
+            "{option}: {found} is reserved for the build; choose another name or folder"
         )));
     }
     Ok(())
@@ -144,14 +145,14 @@ pub fn printable(text: &str) -> String {
     text.chars().map(escape).collect()
 }
 
-/// Prints a remark on stderr, unless quiet.
+/// Prints a line on stderr, unless quiet.
 pub fn remark(common: Common, text: &str) {
     if !common.quiet {
         tell(text);
     }
 }
 
-/// Prints a remark about an input: a repair, or a limitation of its figures.
+/// Prints a note about an input: a repair, or a limitation of its figures.
 pub fn note(common: Common, about: &impl std::fmt::Display, line: &str) {
     remark(common, &format!("note: {about}: {line}"));
 }
@@ -169,7 +170,7 @@ pub fn note_repairs(common: Common, input: &impl std::fmt::Display, repairs: &Ta
     repairs_summary(repairs).iter().for_each(|line| note(common, input, line));
 }
 
-/// Prints a report: to stdout, or as a remark if the output file goes to stdout.
+/// Prints a report: to stdout, or to stderr if the output file goes to stdout.
 pub fn print_report(common: Common, output: &Path, text: &str) -> Result<(), Error> {
     if is_standard_output(output) {
         remark(common, text.trim_end());

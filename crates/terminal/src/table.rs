@@ -92,7 +92,7 @@ pub fn trials(tried: &[Trial], seconds: &[f64]) -> String {
         ]
     };
     let header =
-        ["tried", "size", "fetches", "on GPU", "ε_r", "ΔE", "ΔE 95 %", "highlight", "time", "meets the budget"];
+        ["tried", "size", "fetches", "on GPU", "ε_r", "ΔE", "ΔE 95 %", "highlight", "time", "meets the limits"];
     plain(&header, tried.iter().enumerate().map(row))
 }
 

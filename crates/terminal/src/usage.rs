@@ -1,5 +1,6 @@
 //! Values of flags: negative numbers, and errors in the form of all other errors.
 
+use brdfc_core::words::quoted;
 use brdfc_metrics::fraction::Fraction;
 use clap::error::{ContextKind, ContextValue, ErrorKind};
 use std::any::TypeId;
@@ -20,6 +21,11 @@ pub fn with_negatives(argument: clap::Arg) -> clap::Arg {
     let value_type = argument.get_value_parser().type_id();
     let number = argument.get_action().takes_values() && numbers.iter().any(|number| value_type == *number);
     if number { argument.allow_hyphen_values(true) } else { argument }
+}
+
+/// Parses a fraction or a percentage, for flags whose range is checked later.
+pub fn share(text: &str) -> Result<f64, String> {
+    text.parse::<Fraction>().map(Fraction::value)
 }
 
 /// Describes a value that could not be parsed, if the parser states what it expects.
@@ -47,6 +53,6 @@ pub fn wrong_value(error: &clap::Error) -> Option<String> {
     } else {
         cause.to_string()
     };
-    let found = if found.is_empty() { "nothing" } else { found };
-    allowed.starts_with("expected ").then(|| format!("{flag}: found {found}, {allowed}"))
+    let wrong = if found.is_empty() { "empty value;".to_owned() } else { format!("found {},", quoted(found)) };
+    allowed.starts_with("expected ").then(|| format!("{flag}: {wrong} {allowed}"))
 }

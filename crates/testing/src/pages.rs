@@ -38,13 +38,13 @@ const SET_UP: [&str; 19] = [
 ];
 /// Replaces times and adapters.
 const ANYTHING: &str = "[..]";
-/// Maximum relative difference between a number and the one on the page: the last digit of mathematical functions
+/// Maximum relative difference between a printed number and the number on the page: the last digit of mathematical functions
 /// depends on the machine.
 const TOLERANCE: f64 = 0.01;
 /// The program whose commands are run.
 #[derive(Debug)]
 pub struct Program {
-    /// Its name on the pages.
+    /// Name of the program on the pages.
     pub name: &'static str,
     /// Path of the program.
     pub path: &'static str,

@@ -7,7 +7,7 @@ use naga::{AddressSpace, GlobalVariable, Handle, ImageDimension, Module, ScalarK
 /// Returns the interface of a WGSL source and its naga module.
 ///
 /// # Panics
-/// If the source lacks a function.
+/// Panics if the source lacks a function.
 pub(crate) fn interface(source: &str, Parsed { module, info }: &Parsed, functions: &[&str]) -> Interface {
     let sampled: Vec<Handle<GlobalVariable>> = module
         .functions

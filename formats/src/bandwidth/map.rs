@@ -242,7 +242,7 @@ impl BandwidthMap {
     /// Same as [`Self::from_bytes`] for a file whose bindings have been read.
     ///
     /// # Errors
-    /// Same as [`Self::from_bytes`].
+    /// Returns an error if the file violates `formats/src/bandwidth/spec.md`.
     pub fn from_file(mut file: PackFile) -> Result<Self, FormatError> {
         let map = Self::from_texture(&file.take_own())?;
         file.check_same(&map.bindings())?;
@@ -252,7 +252,7 @@ impl BandwidthMap {
     /// Reads and validates a texture with the header among its key/value data.
     ///
     /// # Errors
-    /// Same as [`Self::from_bytes`].
+    /// Returns an error if the texture or its header violates `formats/src/bandwidth/spec.md`.
     pub fn from_texture(texture: &Texture) -> Result<Self, FormatError> {
         texture.check_one_level()?;
         let (header, scale) = read_header(entry(texture, BANDWIDTH_ENTRY, "a bandwidth map")?)?;

@@ -59,8 +59,8 @@ impl Bandwidth {
         Self { spatial: limited(self.spatial + curvature * self.angular), ..self }
     }
 
-    /// `B_t,ρ`: a material limits angular bandwidth to that of its lobe, and its texture adds spatial bandwidth: `v_a =
-    /// min(v_a, ρ)`, `v_s += t`.
+    /// `B_t,ρ`: a material limits angular bandwidth to the bandwidth of its lobe, and its texture adds spatial
+    /// bandwidth: `v_a = min(v_a, ρ)`, `v_s += t`.
     pub fn reflection(self, lobe: f32, texture: f32) -> Self {
         Self { spatial: limited(self.spatial + texture), angular: limited(self.angular.min(lobe)) }
     }
@@ -120,7 +120,7 @@ pub struct BandwidthAverage {
 }
 
 impl BandwidthAverage {
-    /// Adds the bandwidth of one direction. The weight is the luminance of `L ρ cos θi`, divided by the sampling
+    /// Adds the bandwidth of one direction. The weight is the luminance of `L f_r cos θi`, divided by the sampling
     /// density of the direction.
     pub fn add(self, bandwidth: Bandwidth, weight: f32) -> Self {
         let weight = weight.min(BRIGHTEST);
@@ -190,7 +190,7 @@ pub struct DirectedLight {
     pub radiance: f32,
     /// Mean of `ν_i L_i` over `L̄`, cycles per radian: light-weighted bandwidth.
     pub bandwidth: f32,
-    /// Mean of `L_i²`.
+    /// Mean of `L_i²`, for the spread of radiance between directions.
     pub squares: f32,
     /// Mean of `ν_i L_i²`.
     pub varying: f32,
@@ -217,9 +217,9 @@ impl DirectedLight {
 
 /// Equation 7: variance of the estimate of a pixel's radiance between samples, from a few incident directions.
 ///
-/// The paper bounds the variance about a direction by `(ν_i + ν_ρ) X_i²`, with `X_i = L ρ cos θi`, and then prints the
-/// sum of `(ν_i + ν_ρ) X_i`. This implementation sums the derived bound, with the square, and divides by the squared
-/// mean:
+/// The paper bounds the variance about a direction by `(ν_i + ν_ρ) X_i²`, with `X_i = L f_r cos θi`, and then prints
+/// the sum of `(ν_i + ν_ρ) X_i`. This implementation sums the derived bound, with the square, and divides by the
+/// squared mean:
 ///
 /// `V = 1/n Σ (ν_i + ν_ρ) X_i² / max(1/n Σ X_i, darkest)²`
 ///
@@ -237,7 +237,7 @@ pub struct VarianceEstimate {
 
 impl VarianceEstimate {
     /// Adds one direction: angular bandwidths `ν_i` of the incoming light and `ν_ρ` of the lobe, cycles per radian, and
-    /// the luminance of `L ρ cos θi` divided by the sampling density of the direction.
+    /// the luminance of `L f_r cos θi` divided by the sampling density of the direction.
     pub fn add(self, light: f32, lobe: f32, contribution: f32) -> Self {
         let contribution = contribution.min(BRIGHTEST);
         let bandwidth = limited(light + lobe);
@@ -267,7 +267,7 @@ impl VarianceEstimate {
         }
     }
 
-    /// Mean contribution.
+    /// Mean contribution of the directions; 0 without directions.
     pub fn mean(self) -> f32 {
         self.sum / self.directions.max(1.0)
     }

@@ -4,7 +4,7 @@
 use super::text::{self, ENTRY, Kind, wrong};
 use super::{Binding, Bindings, Resource, Stored, Texels};
 use crate::FormatError;
-use crate::container::{MAX_TEXEL_BYTES, PackedTexture, Texture, checksum};
+use crate::container::{MAX_TEXEL_BYTES, PackedTexture, Texture, checksum, entries as container_entries};
 use std::borrow::Cow;
 use std::collections::BTreeMap;
 
@@ -74,13 +74,12 @@ impl PackFile {
     /// Same as [`Self::from_bytes`] for a file whose container has been read.
     ///
     /// # Errors
-    /// Same as [`Self::from_bytes`].
+    /// Returns an error if the file is not a pack, is damaged, or has images that differ from its bindings.
     pub fn from_packed(mut packed: PackedTexture<'_>) -> Result<Self, FormatError> {
         let mut entries = std::mem::take(&mut packed.entries);
         let Some(list) = entries.remove(ENTRY) else {
             let keys: Vec<&str> = entries.keys().map(String::as_str).collect();
-            let found = if keys.is_empty() { "no brdfc keys".to_owned() } else { format!("only {}", keys.join(", ")) };
-            return Err(FormatError::whole(ENTRY, found, "the keys of a pack"));
+            return Err(container_entries::missing(ENTRY, &keys, "a pack"));
         };
         packed.check_sum(entries.remove(checksum::ENTRY).as_deref())?;
         let (decoder, version, lines) = text::parse(&list)?;
@@ -91,7 +90,7 @@ impl PackFile {
                 let bytes = extent.texels_of_levels(levels) * format.texel_bytes() as u64;
                 left = left.checked_sub(bytes).ok_or_else(|| {
                     let allowed = format!("at most {MAX_TEXEL_BYTES} for all images");
-                    wrong(line.number, &format!("{bytes} bytes of texels more"), &allowed)
+                    wrong(line.number, &format!("{bytes} more bytes of texels"), &allowed)
                 })?;
             }
         }
@@ -144,7 +143,7 @@ impl PackFile {
         }
         if let Some(key) = entries.keys().find(|key| key.starts_with(IMAGE) || key.starts_with(UNIFORM)) {
             let allowed = format!("keys that {ENTRY} names");
-            return Err(FormatError::whole(key.clone(), "a key that no binding names", allowed));
+            return Err(FormatError::whole(key.clone(), "no binding names this key", allowed).problem());
         }
         let bindings = Bindings { decoder: decoder.to_owned().into(), version, all };
         Ok(Self { bindings, entries })
@@ -167,8 +166,8 @@ impl PackFile {
         std::str::from_utf8(line).ok()?.strip_prefix("decoder ")?.split(' ').next()
     }
 
-    /// Checks that the bindings equal those that the codec derives from the pack. Texels are not compared, as the pack
-    /// was read from them.
+    /// Checks that the bindings equal the bindings that the codec derives from the pack. Texels are not compared, as
+    /// the pack was read from them.
     ///
     /// # Errors
     /// Returns an error that names the first line or block that differs.
@@ -180,8 +179,11 @@ impl PackFile {
                 (None, None) => break,
                 (found, expected) if found == expected => {}
                 (found, expected) => {
-                    let [found, expected] = [found, expected].map(|line| line.unwrap_or("no line"));
-                    return Err(wrong(number, found, &format!("{expected}, as the codec's metadata says")));
+                    let allowed = format!("{}, as the codec's metadata says", expected.unwrap_or("no line"));
+                    return Err(match found {
+                        Some(found) => wrong(number, found, &allowed),
+                        None => wrong(number, "missing", &allowed).problem(),
+                    });
                 }
             }
         }
@@ -236,5 +238,5 @@ fn filled(
 }
 
 fn missing(line: usize, key: &str) -> FormatError {
-    FormatError::whole(key.to_owned(), "no such key", format!("the key that {ENTRY} line {line} names"))
+    FormatError::whole(key.to_owned(), "missing", format!("a key of this name, as {ENTRY} line {line} says")).problem()
 }

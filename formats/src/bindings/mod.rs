@@ -33,25 +33,25 @@ pub struct Bindings<'a> {
     pub all: Vec<Binding<'a>>,
 }
 
-/// One binding.
+/// A binding of a pack's shader: slot, variable, and the resource to bind.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Binding<'a> {
     /// Binding number in group 1 of the WGSL decoder. No two decoders share a slot except [`FRAME_SLOT`].
     pub slot: u32,
     /// Name of the shader variable, in every shading language.
     pub name: Cow<'a, str>,
-    /// Bound resource.
+    /// Resource to bind to the slot, with its data.
     pub resource: Resource<'a>,
 }
 
-/// A bound resource.
+/// A resource of a binding: a uniform block, a texture or a sampler.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Resource<'a> {
     /// The block of [`FrameBlock`], which the engine fills.
     Frame,
     /// Contents of a uniform block: a multiple of 16 bytes, at most [`MAX_UNIFORM_BYTES`].
     Uniform(Cow<'a, [u8]>),
-    /// A texture.
+    /// A texture, with its texels in GPU layout.
     Texture(Texels<'a>),
     /// A sampler with linear filtering within and between mipmap levels.
     Sampler {
@@ -76,7 +76,7 @@ pub enum Stored {
 pub struct Texels<'a> {
     /// Location in the pack.
     pub stored: Stored,
-    /// Texel format.
+    /// Format of each texel.
     pub format: TexelFormat,
     /// Dimension and number of texels along each axis.
     pub extent: Extent,
@@ -158,7 +158,7 @@ impl<'a> Binding<'a> {
 }
 
 impl Binding<'_> {
-    /// Copies borrowed bytes.
+    /// Converts to an owned binding; copies bytes that are borrowed.
     pub fn into_owned(self) -> Binding<'static> {
         let own = |name: Cow<'_, str>| Cow::Owned(name.into_owned());
         let bytes = |bytes: Cow<'_, [u8]>| Cow::Owned(bytes.into_owned());
@@ -182,7 +182,7 @@ impl Binding<'_> {
 }
 
 impl<'a> Bindings<'a> {
-    /// Copies borrowed bytes.
+    /// Converts to owned bindings; copies bytes that are borrowed.
     pub fn into_owned(self) -> Vec<Binding<'static>> {
         self.all.into_iter().map(Binding::into_owned).collect()
     }

@@ -5,6 +5,7 @@ use super::{
 };
 use crate::FormatError;
 use crate::container::{Extent, TexelFormat};
+use crate::words::one_of;
 use std::collections::BTreeSet;
 
 /// Key that identifies a texture as a pack.
@@ -72,9 +73,10 @@ pub(super) fn parse(value: &[u8]) -> Result<(&str, u32, Vec<Line<'_>>), FormatEr
     let text = text.ok_or_else(|| {
         FormatError::whole(
             ENTRY,
-            format!("{} bytes of another form", value.len()),
+            format!("{} bytes that are not valid text", value.len()),
             "lines of UTF-8 text that end with a zero byte",
         )
+        .problem()
     })?;
     // `lines` would also accept carriage returns before line ends.
     let mut lines = text.split('\n');
@@ -84,9 +86,12 @@ pub(super) fn parse(value: &[u8]) -> Result<(&str, u32, Vec<Line<'_>>), FormatEr
         _ => return Err(wrong(1, first, "'decoder', its name and its version")),
     };
     let lines: Vec<&str> = lines.take(MAX_BINDINGS + 1).collect();
-    if lines.is_empty() || lines.len() > MAX_BINDINGS {
-        let found = if lines.is_empty() { "none".to_owned() } else { format!("more than {MAX_BINDINGS}") };
-        return Err(FormatError::whole(format!("{ENTRY} bindings"), found, format!("1 to {MAX_BINDINGS}")));
+    let allowed = || format!("1 to {MAX_BINDINGS}");
+    if lines.is_empty() {
+        return Err(FormatError::whole(ENTRY, "no bindings", allowed()).problem());
+    }
+    if lines.len() > MAX_BINDINGS {
+        return Err(FormatError::whole(format!("{ENTRY} bindings"), format!("more than {MAX_BINDINGS}"), allowed()));
     }
     let lines = (2..).zip(lines).map(|(at, line)| parse_line(at, line)).collect::<Result<Vec<_>, _>>()?;
     check_together(&lines)?;
@@ -112,9 +117,9 @@ fn parse_line(at: usize, line: &str) -> Result<Line<'_>, FormatError> {
             }
             Kind::Uniform { bytes }
         }
-        ("sampler", [mode]) => Kind::Sampler { repeats: one_of(at, mode, &ADDRESSING)? },
+        ("sampler", [mode]) => Kind::Sampler { repeats: named(at, mode, &ADDRESSING)? },
         ("texture", [stored, dimension, format, width, height, depth, levels, sampler]) => {
-            let stored = one_of(at, stored, &STORED)?;
+            let stored = named(at, stored, &STORED)?;
             let format =
                 TexelFormat::from_name(format).ok_or_else(|| wrong(at, format, "a texel format that packs support"))?;
             let [width, height, depth] =
@@ -184,12 +189,9 @@ fn number(at: usize, word: &str, range: std::ops::RangeInclusive<u32>) -> Result
     found.ok_or_else(|| wrong(at, word, &format!("{} to {}", range.start(), range.end())))
 }
 
-fn one_of<T: Copy>(at: usize, word: &str, names: &[(&str, T)]) -> Result<T, FormatError> {
-    names
-        .iter()
-        .find(|(name, _)| *name == word)
-        .map(|(_, value)| *value)
-        .ok_or_else(|| wrong(at, word, &names.iter().map(|(name, _)| *name).collect::<Vec<_>>().join(" or ")))
+fn named<T: Copy>(at: usize, word: &str, items: &[(&str, T)]) -> Result<T, FormatError> {
+    let found = items.iter().find(|(name, _)| *name == word).map(|(_, value)| *value);
+    found.ok_or_else(|| wrong(at, word, &one_of(&items.iter().map(|(name, _)| *name).collect::<Vec<_>>())))
 }
 
 pub(super) fn wrong(line: usize, found: &str, allowed: &str) -> FormatError {

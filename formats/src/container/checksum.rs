@@ -23,13 +23,13 @@ pub fn seal(bytes: &mut [u8]) {
 /// Returns an error if the checksum is missing or does not match.
 pub(super) fn check(bytes: &[u8], stored: Option<&[u8]>) -> Result<(), FormatError> {
     let (Some(stored), Some(at)) = (stored.and_then(|stored| stored.first_chunk::<BYTES>()), place(bytes)) else {
-        return Err(FormatError::whole(ENTRY, "none", "a value of 4 bytes"));
+        return Err(FormatError::whole(ENTRY, "missing or too short", "a value of 4 bytes").problem());
     };
     let (found, stored) = (sum(bytes, at), u32::from_le_bytes(*stored));
     if found == stored {
         return Ok(());
     }
-    let allowed = format!("{stored:08x}, as {ENTRY} says: the file is damaged");
+    let allowed = format!("{stored:08x}, as {ENTRY} says; the file is damaged");
     Err(FormatError::whole("checksum of the file", format!("{found:08x}"), allowed))
 }
 

@@ -17,9 +17,17 @@ pub(crate) fn value_of<'a>(
 ) -> Result<&'a [u8], FormatError> {
     entries.get(key).map(Vec::as_slice).ok_or_else(|| {
         let keys: Vec<_> = entries.keys().map(String::as_str).collect();
-        let found = if keys.is_empty() { "no brdfc keys".to_owned() } else { format!("only {}", keys.join(", ")) };
-        FormatError::whole(key, found, format!("the keys of {kind}"))
+        missing(key, &keys, kind)
     })
+}
+
+/// Error of a missing key. `keys` are the keys of the file, and `kind` names the expected contents.
+pub(crate) fn missing(key: &'static str, keys: &[&str], kind: &str) -> FormatError {
+    let found = match keys {
+        [] => "no brdfc keys".to_owned(),
+        keys => format!("not among the keys {}", keys.join(", ")),
+    };
+    FormatError::whole(key, found, format!("the keys of {kind}")).problem()
 }
 
 /// Checks that the texels of `what` have the format and extent that the value of `key` declares.

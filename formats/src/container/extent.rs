@@ -54,7 +54,7 @@ impl Extent {
         (Self::from_fields(extent.fields()) == Ok(extent)).then_some(extent)
     }
 
-    /// Number of texels.
+    /// Number of texels over all axes and layers.
     pub fn texels(self) -> u64 {
         match self {
             Self::D2(sides) => sides.into_iter().map(u64::from).product(),

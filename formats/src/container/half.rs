@@ -1,6 +1,6 @@
 //! IEEE 754 half precision, as used in textures of 16-bit floats.
 
-/// Largest finite half.
+/// Largest finite number of half precision.
 pub const MAX: f32 = 65504.0;
 
 /// Bits of the half nearest to `value`, ties to even. Values beyond the largest half become infinity; NaN becomes a

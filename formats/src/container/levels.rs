@@ -44,7 +44,7 @@ pub(super) fn unpack(reader: &ktx2::Reader<&[u8]>, scheme: u32, sizes: &[u64]) -
         texels.set_position(before as u64);
         zstd::bulk::Decompressor::new()
             .and_then(|mut decompressor| decompressor.decompress_to_buffer(level.data, &mut texels))
-            .map_err(|error| wrong_frame(number, error.to_string(), *size))?;
+            .map_err(|error| wrong_frame(number, error.to_string(), *size).problem())?;
         // A frame that is too long would fit into the space of coarser levels.
         let found = (texels.get_ref().len() - before) as u64;
         if found != *size {
@@ -80,12 +80,15 @@ fn check(level: &ktx2::Level<'_>, number: usize, scheme: u32, size: u64) -> Resu
             // Frames declare their content size.
             let declared = zstd::zstd_safe::get_frame_content_size(level.data).ok().flatten();
             if declared != Some(size) {
-                let found = declared.map_or("no content size".to_owned(), |n| format!("a frame of {n} bytes"));
-                return Err(wrong_frame(number, found, size));
+                return Err(match declared {
+                    Some(declared) => wrong_frame(number, format!("a frame of {declared} bytes"), size),
+                    None => wrong_frame(number, "no content size".to_owned(), size).problem(),
+                });
             }
             // A block of up to 128 KiB takes at least 4 bytes.
             if size > (level.data.len() as u64 / 4 + 1) << 17 {
-                return Err(wrong_frame(number, format!("{} bytes, too few for that", level.data.len()), size));
+                let found = format!("too short: {} bytes", level.data.len());
+                return Err(wrong_frame(number, found, size).problem());
             }
             Ok(())
         }

@@ -35,7 +35,7 @@ pub enum TexelFormat {
 }
 
 impl TexelFormat {
-    /// All formats.
+    /// All texel formats that this crate reads and writes.
     pub const ALL: [Self; 13] = [
         Self::R8Unorm,
         Self::Rg8Unorm,
@@ -52,7 +52,7 @@ impl TexelFormat {
         Self::Rgb10A2Unorm,
     ];
 
-    /// WebGPU name.
+    /// Name of the format in WebGPU, such as `r8unorm`.
     pub fn name(self) -> &'static str {
         match self {
             Self::R8Unorm => "r8unorm",

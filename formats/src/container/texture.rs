@@ -23,7 +23,7 @@ const LEVEL_COUNT: u64 = 40;
 /// A texture and its key/value data.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Texture {
-    /// Texel format.
+    /// Format of each texel.
     pub format: TexelFormat,
     /// Dimension and number of texels along each axis.
     pub extent: Extent,
@@ -166,7 +166,7 @@ impl Texture {
 
 /// A [`Texture`] whose texels are still compressed; format, extent and key/value data are available.
 pub struct PackedTexture<'a> {
-    /// Texel format.
+    /// Format of each texel after decompression.
     pub format: TexelFormat,
     /// Dimension and number of texels along each axis.
     pub extent: Extent,
@@ -189,11 +189,13 @@ impl<'a> PackedTexture<'a> {
         let refused = |error| {
             let allowed = "a complete KTX2 file";
             match error {
-                ktx2::ParseError::BadMagic => FormatError::at_byte(0, "identifier", "other bytes", allowed),
-                ktx2::ParseError::UnexpectedEnd => {
-                    FormatError::whole("container", format!("{} bytes, which are too few", bytes.len()), allowed)
+                ktx2::ParseError::BadMagic => {
+                    FormatError::at_byte(0, "identifier", "not the identifier of KTX2", allowed).problem()
                 }
-                other => FormatError::whole("container", other.to_string(), allowed),
+                ktx2::ParseError::UnexpectedEnd => {
+                    FormatError::whole("container", format!("ends after {} bytes", bytes.len()), allowed).problem()
+                }
+                other => FormatError::whole("container", other.to_string(), allowed).problem(),
             }
         };
         let first = bytes.first_chunk().ok_or_else(|| refused(ktx2::ParseError::UnexpectedEnd))?;
@@ -202,7 +204,7 @@ impl<'a> PackedTexture<'a> {
             FormatError::at_byte(
                 12,
                 "vkFormat",
-                header.format.map_or("undefined or unknown".to_owned(), |f| f.value().to_string()),
+                header.format.map_or("0 (undefined)".to_owned(), |f| f.value().to_string()),
                 "9, 16, 37, 64, 70, 76, 91, 97, 98, 103, 107, 109 or 123",
             )
         })?;
@@ -227,7 +229,7 @@ impl<'a> PackedTexture<'a> {
         let mut entries = BTreeMap::new();
         for (key, value) in reader.key_value_data().filter(|(key, _)| key.starts_with("brdfc.")) {
             if entries.insert(key.to_owned(), value.to_owned()).is_some() {
-                return Err(FormatError::whole(key.to_owned(), "a duplicate key", "unique keys"));
+                return Err(FormatError::whole(key.to_owned(), "duplicate key", "unique keys").problem());
             }
         }
         let scheme = u32::from_le_bytes([bytes[44], bytes[45], bytes[46], bytes[47]]);
@@ -289,7 +291,7 @@ fn check_descriptor(bytes: &[u8], index: &ktx2::Index, format: TexelFormat) -> R
     if found == Some(&format.descriptor()[..]) {
         return Ok(());
     }
-    let found = if found.is_some() { "another description" } else { "end of data" };
+    let found = if found.is_some() { "does not match vkFormat" } else { "end of data" };
     let place = u64::from(index.dfd_byte_offset);
-    Err(FormatError::at_byte(place, "data format descriptor", found, "the linear descriptor of vkFormat"))
+    Err(FormatError::at_byte(place, "data format descriptor", found, "the linear descriptor of vkFormat").problem())
 }

@@ -5,7 +5,7 @@ use std::collections::BTreeSet;
 
 /// Words before the cells.
 pub(super) const HEADER_WORDS: usize = 4;
-/// Minimum distance of two directions, about twice that of their paraboloid coordinates at the normal.
+/// Minimum distance of two directions, about twice the distance of their paraboloid coordinates at the normal.
 const MIN_DISTANCE: f64 = 1e-4;
 /// Ratio of height to length below which a triangle counts as a line: a few times the rounding of f32 coordinates.
 const FLAT: f64 = 1e-6;
@@ -81,7 +81,7 @@ fn check_distances(points: &[Point]) -> Result<(), FormatError> {
         if let Some(first) = points[..second].iter().position(|a| 2.0 * length(subtract(*a, *b)) < MIN_DISTANCE) {
             let found = format!("less than {MIN_DISTANCE} from direction {first}");
             let allowed = "directions that are farther apart, for interpolation";
-            return Err(FormatError::whole(format!("direction {second}"), found, allowed));
+            return Err(FormatError::whole(format!("direction {second}"), found, allowed).problem());
         }
     }
     Ok(())
@@ -98,7 +98,8 @@ fn check_all_used(triangles: &[[u32; 3]], points: usize) -> Result<(), FormatErr
             format!("direction {index}"),
             "only triangles that are nearly lines",
             "directions all on one line, or none nearly on a line between others at the rim",
-        )),
+        )
+        .problem()),
         None => Ok(()),
     }
 }

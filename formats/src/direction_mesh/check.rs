@@ -51,7 +51,8 @@ pub(super) fn check(words: &[u32]) -> Result<(), FormatError> {
     let (corners, coordinates) = rest.split_at(3 * words[2] as usize);
     let rising = cells.windows(2).all(|pair| pair[0] <= pair[1]);
     if cells[0] != 0 || cells[cells.len() - 1] != words[3] || !rising {
-        return Err(wrong("cells", "first candidates out of order", "rising from 0 to the number of candidates"));
+        let allowed = "numbers that rise from 0 to the number of candidates";
+        return Err(wrong("cells", "first candidates out of order", allowed).problem());
     }
     for (what, numbers, end) in [("candidate", candidates, words[2]), ("corner", corners, words[1])] {
         if let Some(k) = numbers.iter().position(|number| *number >= end) {

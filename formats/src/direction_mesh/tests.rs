@@ -129,7 +129,7 @@ fn directions_too_close_for_f32_are_refused() {
     let close =
         |apart: f64| DirectionSet { name: String::new(), angles: vec![[0.0, 0.0], [50.0, 10.0], [50.0 + apart, 10.0]] };
     let error = DirectionMesh::new(&close(0.01)).unwrap_err().to_string();
-    assert!(error.starts_with("direction 2: found the same as direction 1"), "{error}");
+    assert!(error.starts_with("direction 2: equal to direction 1"), "{error}");
     // Sets within the limits can be interpolated, also at the horizon, where coordinates are densest.
     assert!(DirectionMesh::new(&close(0.02)).is_ok());
     let low = DirectionSet { name: String::new(), angles: vec![[0.0, 0.0], [89.9, 10.0], [89.9, 10.015]] };
@@ -299,8 +299,8 @@ fn words_round_trip_and_stay_in_range() {
         (1, 2048, "directions, words: found"),
         (2, u32::MAX, "directions, triangles and segments: found 4294967295, expected 1 to 324"),
         (3, u32::MAX, "directions, candidates: found 4294967295"),
-        (4, 1, "directions, cells: found first candidates out of order"),
-        (9, u32::MAX, "directions, cells: found first candidates out of order"),
+        (4, 1, "directions, cells: first candidates out of order"),
+        (9, u32::MAX, "directions, cells: first candidates out of order"),
         (first_candidate, triangles as u32, "directions, candidate 0: found"),
         (first_corner + 2, 81, "directions, corner 2: found 81, expected below 81"),
         (first_coordinate + 5, f32::NAN.to_bits(), "directions, coordinate 5: found NaN, expected -1 to 1"),

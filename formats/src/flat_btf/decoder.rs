@@ -159,7 +159,7 @@ impl FlatBtfDecoder {
             }
             if (&header.views, &header.lights) != (&first.views, &first.lights) {
                 let field = format!("directions of view {k}");
-                return Err(FormatError::whole(field, "other directions", "those of view 0"));
+                return Err(FormatError::whole(field, "differ from view 0", "equal directions in all views").problem());
             }
         }
         Ok(Self { parts })
@@ -170,7 +170,7 @@ impl FlatBtfDecoder {
         &self.parts
     }
 
-    /// Returns the parts.
+    /// Converts the decoder back to the parts of the asset.
     pub fn into_parts(self) -> FlatBtfParts {
         self.parts
     }

@@ -45,7 +45,7 @@ impl SampledDirections {
     /// Meshes of an asset; `None` if it has no values.
     ///
     /// # Errors
-    /// Same as [`Self::new`].
+    /// Returns an error if directions cannot be interpolated, as [`DirectionMesh::new`].
     pub fn of(values: &FlatValues) -> Result<Option<Self>, FormatError> {
         values.directions().map(|[views, lights]| Self::new(views, lights)).transpose()
     }
@@ -59,7 +59,7 @@ impl SampledDirections {
 
     /// Words of the texture, row by row. The first row has the first row of the lights' mesh and the bits of the
     /// cosine; the views' mesh starts in the second row. The lights' mesh starts in a row of its own, unless it equals
-    /// that of the views.
+    /// the views' mesh.
     pub fn texels(&self) -> Vec<u32> {
         let mut words = vec![FIRST_ROW as u32, self.lowest_light.to_bits()];
         let mut add = |mesh: &DirectionMesh| {
@@ -102,8 +102,9 @@ impl SampledDirections {
             return Err(FormatError::whole(
                 PART,
                 "meshes at other positions",
-                "the mesh of the views, then that of the lights unless they are equal",
-            ));
+                "the mesh of the views, then the mesh of the lights unless both are equal",
+            )
+            .problem());
         }
         Ok(read)
     }

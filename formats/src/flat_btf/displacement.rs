@@ -120,13 +120,14 @@ impl DisplacementMap {
         for (block, lines) in texels.chunks_exact(width * rows).enumerate() {
             if lines[..width] != lines[width * (rows - 1)..] {
                 let field = format!("{PART} row {}", (block + 1) * rows - 1);
-                return Err(FormatError::whole(field, "other texels", "those of the first row of the blocks"));
+                let found = "differs from the first row of the blocks";
+                return Err(FormatError::whole(field, found, "equal rows").problem());
             }
         }
         Ok(Self { header, ranges, texels })
     }
 
-    /// Sizes and angles.
+    /// Sizes of the blocks, and angles of their view samples.
     pub fn header(&self) -> &DisplacementHeader {
         &self.header
     }

@@ -38,7 +38,7 @@ impl FlatBtfFile {
         let values = &decoder.parts().values;
         if let FlatValues::Views(views) = values {
             let found = format!("{} uncompressed views", views.len());
-            return Err(FormatError::whole("values of a flat BTF", found, "factored ones, or the light form"));
+            return Err(FormatError::whole("values of a flat BTF", found, "factored values, or the light form"));
         }
         let directions = SampledDirections::of(values)?;
         let file = Self { decoder, directions, mask, report: String::new() };
@@ -98,16 +98,16 @@ impl FlatBtfFile {
     /// Same as [`Self::from_bytes`] for a file whose bindings have been read.
     ///
     /// # Errors
-    /// Same as [`Self::from_bytes`].
+    /// Returns an error if the file violates `formats/src/flat_btf/spec.md`.
     pub fn from_file(mut file: PackFile) -> Result<Self, FormatError> {
         let report = file.entries.remove(REPORT).unwrap_or_default();
         let report = String::from_utf8(report)
-            .map_err(|error| FormatError::whole(REPORT, format!("invalid UTF-8: {error}"), "JSON"))?;
+            .map_err(|error| FormatError::whole(REPORT, format!("invalid UTF-8: {error}"), "JSON").problem())?;
         let mask = file.entries.remove(MASK).map(|bytes| read_mask(&bytes)).transpose()?;
         let diffuse = DiffuseMap::from_texture(&file.take_own())?;
         let mut image = |name: &'static str| {
             let texture = file.take_texture(name);
-            move || texture.ok_or_else(|| FormatError::whole(name, "no texels", "texels of a flat BTF"))
+            move || texture.ok_or_else(|| FormatError::whole(name, "no texels", "texels of a flat BTF").problem())
         };
         let (reference, packed, normal) = (image(REFERENCE)()?, image(PACKED)()?, image(NORMAL)()?);
         let (ranges, directions) = (image(RANGES), image(DIRECTIONS));
@@ -135,7 +135,7 @@ impl FlatBtfFile {
         if found != allowed {
             let summary = |counts: Option<[usize; 2]>| match counts {
                 Some([views, lights]) => format!("meshes of {views} views and {lights} lights"),
-                None => "none".to_owned(),
+                None => "no meshes".to_owned(),
             };
             return Err(FormatError::whole(DIRECTIONS, summary(found), summary(allowed)));
         }

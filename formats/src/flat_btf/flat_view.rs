@@ -85,7 +85,7 @@ pub(super) fn read_directions(
     Ok([read(VIEWS, views)?, read(LIGHTS, lights)?])
 }
 
-/// Values of the flat BTF for one view: radiance divided by that of a white diffuser that faces the light.
+/// Values of the flat BTF for one view: radiance over the radiance of a white diffuser that faces the light.
 #[derive(Debug, Clone, PartialEq)]
 pub struct FlatView {
     header: FlatHeader,

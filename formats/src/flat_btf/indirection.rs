@@ -164,7 +164,7 @@ impl IndirectionMap {
         Self::new(header, texels)
     }
 
-    /// Sizes and angles.
+    /// Size of the map, and angles of its view samples.
     pub fn header(&self) -> &IndirectionHeader {
         &self.header
     }
@@ -239,7 +239,7 @@ fn check_blocks(header: &IndirectionHeader, texels: &[[u16; 4]]) -> Result<(), F
                 return rejected("a distance of 0 and the direction of the next sample, at the pole");
             }
             if row % rows == rows - 1 && *texel != texels[(row + 1 - rows) * width + column] {
-                return rejected("the same value as in the first row of the block, in its last row");
+                return rejected("in the last row of a block, the value of its first row");
             }
         }
     }

@@ -85,10 +85,10 @@ impl DiffuseMap {
         Ok(Self { size, texels })
     }
 
-    /// Same as [`Self::new`] from linear RGB.
+    /// Creates a map from `T x T` colours, linear RGB, row by row, which are rounded to [`rgb9e5`].
     ///
     /// # Errors
-    /// Same as [`Self::new`].
+    /// Returns an error if the size is 0 or above 8192, or the number of colours is wrong.
     pub fn from_colours(size: u32, colours: &[[f32; 3]]) -> Result<Self, FormatError> {
         Self::new(size, colours.iter().map(|colour| rgb9e5::encode(*colour)).collect())
     }

@@ -44,7 +44,7 @@ pub struct FlatBtfParameters {
     pub zenith_samples: u32,
     /// `A`, number of azimuth samples.
     pub azimuth_samples: u32,
-    /// `φ_max`, radians.
+    /// `φ_max`, the largest polar angle of the view samples, radians.
     pub largest_angle: f32,
     /// Lights in a row of the atlas; 0 without views.
     pub atlas_columns: u32,

@@ -14,6 +14,6 @@ pub struct ViewWeights {
 pub struct BlendedDirection {
     /// Unit vector away from the surface.
     pub direction: [f32; 3],
-    /// Sampled directions.
+    /// Sampled directions that are blended, with their weights.
     pub samples: ViewWeights,
 }

@@ -245,7 +245,7 @@ impl ImportancePack {
     /// Same as [`Self::from_bytes`] for a file whose bindings have been read.
     ///
     /// # Errors
-    /// Same as [`Self::from_bytes`].
+    /// Returns an error if the file violates `formats/src/importance/spec.md`.
     pub fn from_file(mut file: PackFile) -> Result<Self, FormatError> {
         let pack = Self::from_texture(&file.take_own())?;
         file.check_same(&pack.bindings())?;
@@ -255,7 +255,7 @@ impl ImportancePack {
     /// Reads and validates a texture with the header among its key/value data.
     ///
     /// # Errors
-    /// Same as [`Self::from_bytes`].
+    /// Returns an error if the texture or its header violates `formats/src/importance/spec.md`.
     pub fn from_texture(texture: &Texture) -> Result<Self, FormatError> {
         texture.check_one_level()?;
         let header = ImportanceHeader::from_bytes(entry(texture, IMPORTANCE_ENTRY, "an importance-sample pack")?)?;

@@ -29,7 +29,7 @@ impl LightCoordinates {
     }
 }
 
-/// Maximum degree.
+/// Maximum degree of the polynomials.
 pub const MAX_DEGREE: u32 = 5;
 /// Maximum number of terms: hemispherical harmonics up to [`MAX_DEGREE`].
 pub const MAX_TERMS: usize = 36;
@@ -70,7 +70,7 @@ impl LightBasis {
         terms
     }
 
-    /// The terms of each degree are those of the previous degree times u, then the last of those times v.
+    /// The terms of each degree are the terms of the previous degree times u, then the last of these terms times v.
     fn powers(self, u: f32, v: f32, terms: &mut [f32; MAX_TERMS]) {
         terms[0] = 1.0;
         let mut before = 0;

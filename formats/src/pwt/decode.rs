@@ -17,12 +17,12 @@ impl PwtDecoder {
         Self { pack }
     }
 
-    /// Decoded pack.
+    /// The pack that the decoder evaluates.
     pub fn pack(&self) -> &PwtPack {
         &self.pack
     }
 
-    /// Returns the pack.
+    /// Converts the decoder back to the pack.
     pub fn into_pack(self) -> PwtPack {
         self.pack
     }

@@ -5,15 +5,15 @@ use crate::vector_math::{exp, ln};
 /// Scale of linear, non-negative values. A least-squares fit distributes its errors evenly over the scale.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Domain {
-    /// The values themselves.
+    /// The linear values themselves.
     Linear,
     /// sRGB-encoded values, 0 to 1 for linear 0 to 1.
     Display,
     /// Cube roots, as in CIE lightness.
     CubeRoot,
-    /// `ln(value + ε)`.
+    /// Logarithms, `ln(value + ε)`.
     Logarithm {
-        /// `ε`, positive.
+        /// `ε`, added to values before the logarithm, positive.
         epsilon: f32,
     },
 }

@@ -31,7 +31,7 @@ pub struct Component {
     pub term: u32,
     /// Factor of texel values from 0 to 1.
     pub scale: f32,
-    /// Offset.
+    /// Value of a texel of 0.
     pub low: f32,
 }
 
@@ -52,7 +52,7 @@ pub struct TextureHeader {
 }
 
 impl TextureHeader {
-    /// Number of layers.
+    /// Number of layers of the texture: `components` over `channels`.
     pub fn layers(&self) -> u32 {
         self.components.len() as u32 / self.channels.max(1)
     }
@@ -62,11 +62,11 @@ impl TextureHeader {
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize, schemars::JsonSchema))]
 pub struct PwtErrors {
-    /// Number of photographs.
+    /// Number of photographs that the errors are over.
     pub lights: u32,
-    /// Peak signal-to-noise ratio of sRGB-encoded values against the fitted photographs, dB.
+    /// PSNR of sRGB-encoded values against the fitted photographs, dB.
     pub psnr: f32,
-    /// Peak signal-to-noise ratio of cross-validation, dB: each photograph is left out in turn, at 512 texels, before
+    /// PSNR of cross-validation, dB: each photograph is held out in turn, at 512 texels, before
     /// pruning and rounding. 0 if there are too few lights.
     pub held_out_psnr: f32,
     /// Mean ΔE (CIE76) against the fitted photographs.
@@ -94,7 +94,7 @@ pub struct PwtHeader {
     pub triangle: Vec<f32>,
     /// Textures, the finest first. At least one.
     pub textures: Vec<TextureHeader>,
-    /// Measured errors.
+    /// Errors measured by the encoder.
     pub errors: PwtErrors,
 }
 
@@ -182,7 +182,7 @@ impl PwtHeader {
         let mut finest = 0;
         for texture in &self.textures {
             if !(finest..=self.levels).contains(&texture.level) {
-                let allowed = format!("{finest} to {}, each coarser than the one before", self.levels);
+                let allowed = format!("{finest} to {}, each coarser than the level before", self.levels);
                 return Err(rejected("texture level", texture.level, allowed));
             }
             finest = texture.level + 1;
@@ -245,7 +245,7 @@ impl PwtHeader {
         // Offsets within a value are not offsets in the file.
         let named = |error: FormatError| match error.place {
             Place::Whole => error,
-            _ => rejected(&error.field, error.found, error.allowed),
+            _ => FormatError { place: Place::Whole, field: format!("{PWT_ENTRY} {}", error.field).into(), ..error },
         };
         let header = Self::read(bytes).map_err(named)?;
         header.check()?;

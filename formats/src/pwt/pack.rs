@@ -19,7 +19,7 @@ pub struct PwtPack {
 pub(super) const TEXTURES: [&str; MAX_TEXTURES] = ["pwt_texture_0", "pwt_texture_1", "pwt_texture_2", "pwt_texture_3"];
 
 impl TextureHeader {
-    /// Texel format.
+    /// Format of each texel, by the number of channels.
     pub fn texel_format(&self) -> TexelFormat {
         match self.channels {
             1 => TexelFormat::R8Unorm,
@@ -52,7 +52,7 @@ impl PwtPack {
         Ok(pack)
     }
 
-    /// Replaces the errors.
+    /// Replaces the measured errors in the header.
     #[must_use]
     pub fn with_errors(mut self, errors: PwtErrors) -> Self {
         self.header.errors = errors;
@@ -114,7 +114,7 @@ impl PwtPack {
     /// Same as [`Self::from_bytes`] for a file whose bindings have been read.
     ///
     /// # Errors
-    /// Same as [`Self::from_bytes`].
+    /// Returns an error if the file violates `formats/src/pwt/spec.md`.
     pub fn from_file(mut file: PackFile) -> Result<Self, FormatError> {
         let own = file.take_own();
         let header = PwtHeader::from_bytes(entry(&own, PWT_ENTRY, "a polynomial wavelet tree")?)?;

@@ -25,7 +25,7 @@ impl TableSymmetry {
         flags.into_iter().rev().fold(0, |bits, flag| bits << 1 | u32::from(flag))
     }
 
-    /// Inverse of [`Self::bits`].
+    /// Symmetry with these [`Self::bits`]; `None` for bits that have no meaning.
     pub fn from_bits(bits: u32) -> Option<Self> {
         let flag = |k: u32| bits >> k & 1 == 1;
         (bits < 16).then(|| Self { reciprocal: flag(0), mirror: flag(1), half_turn: flag(2), reflected: flag(3) })
@@ -140,7 +140,7 @@ impl Angles {
 pub struct Folded {
     /// Square root of `θ_h` as a fraction of `π/2`, `0..=1`.
     pub root: f32,
-    /// Same as [`Angles::ratio`].
+    /// `θ_d / θ_d,max`, `0..=1`, as [`Angles::ratio`].
     pub ratio: f32,
     /// `φ_h` as a fraction of its period, `0..=1`.
     pub half_share: f32,
@@ -160,9 +160,9 @@ impl Folded {
 /// Position of a value in the texture, in nodes from the first.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Position {
-    /// Along `θ_h`.
+    /// Position along `θ_h`, in nodes from the first.
     pub column: f32,
-    /// Along `θ_d`.
+    /// Position along `θ_d`, in nodes from the first.
     pub row: f32,
     /// Along `φ_d`, within a layer.
     pub slice: f32,

@@ -18,7 +18,7 @@ pub const KNOTS: usize = 17;
 /// Size of the uniform block, bytes, including the sizes of the curve.
 pub(super) const UNIFORM_BYTES: usize = 144;
 
-/// Node counts.
+/// Number of nodes along each axis of a table.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize, schemars::JsonSchema))]
 pub struct Axes {
@@ -48,7 +48,7 @@ pub struct TableHeader {
     pub channels: u32,
     /// Symmetry by which pairs share nodes.
     pub symmetry: TableSymmetry,
-    /// Node counts.
+    /// Number of nodes along each axis.
     pub axes: Axes,
     /// `μ` of the logarithms, 1/sr, positive.
     pub mean: f32,

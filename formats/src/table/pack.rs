@@ -100,7 +100,7 @@ impl TablePack {
         [columns, rows, self.header.extent()[2]]
     }
 
-    /// Sizes and constants.
+    /// Sizes, symmetry and constants of the pack.
     pub fn header(&self) -> &TableHeader {
         &self.header
     }
@@ -168,7 +168,7 @@ impl TablePack {
     /// Same as [`Self::from_bytes`] for a file whose bindings have been read.
     ///
     /// # Errors
-    /// Same as [`Self::from_bytes`].
+    /// Returns an error if the file violates `formats/src/table/spec.md`.
     pub fn from_file(mut file: PackFile) -> Result<Self, FormatError> {
         const WHAT: &str = "a table pack";
         let (texture, curve) = (file.take_own(), file.take_texture(CURVE));
@@ -203,12 +203,9 @@ impl TablePack {
         let slice = (columns * rows) as usize * self.header.texel_format().texel_bytes();
         for layer in self.texels.chunks(slice * self.header.slices() as usize) {
             if layer[..slice] != layer[layer.len() - slice..] {
-                let found = "a last slice that differs from the first";
-                return Err(FormatError::whole(
-                    "table layer",
-                    found,
-                    "a copy of the first slice, because φ_d is periodic",
-                ));
+                let found = "the last slice differs from the first";
+                let allowed = "a copy of the first slice, because φ_d is periodic";
+                return Err(FormatError::whole("table layer", found, allowed).problem());
             }
         }
         Ok(())

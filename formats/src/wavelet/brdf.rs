@@ -35,7 +35,7 @@ impl Brdf for WaveletPack {
     /// One reconstruction per inner cell; energy-preserving packs need one per outer cell as well.
     fn fetches_at(&self, level: u32, filter: Filter) -> u32 {
         let inner = if filter == Filter::Bilinear { 4 } else { 1 };
-        let outer = if self.header.lifted && filter != Filter::Nearest { 4 } else { 1 };
+        let outer = if self.header.energy_preserving && filter != Filter::Nearest { 4 } else { 1 };
         inner * outer * (4 * level + 1)
     }
 

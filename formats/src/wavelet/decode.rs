@@ -70,7 +70,7 @@ impl WaveletDecoder {
                 }
             }
         }
-        let lift = header.lifted.then(|| Lift::new(header.levels));
+        let lift = header.energy_preserving.then(|| Lift::new(header.levels));
         Self { header, window, lift, index: pack.index.clone(), coefficients }
     }
 
@@ -245,7 +245,7 @@ impl WaveletDecoder {
 pub const DEFAULT_DISTANCE_SCALE: f64 = 0.15;
 
 /// Level of detail at a distance `d` from the viewer: `l = N - clamp(log2(α d), 0, N)` (section 5.4.1, with the sign
-/// that its remark on cost and its renderings imply: far is coarse). `levels` is `N`, `scale` is `α`.
+/// that its discussion of cost and its renderings imply: far is coarse). `levels` is `N`, `scale` is `α`.
 pub fn level_of_detail(levels: u32, distance: f64, scale: f64) -> f64 {
     f64::from(levels) - (scale * distance).log2().clamp(0.0, f64::from(levels))
 }

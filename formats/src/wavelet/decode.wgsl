@@ -36,7 +36,7 @@ struct WaveletBrdfParameters {
     scaling_offset: f32,     // of slice 1
     slices: f32,             // depth of the 3D texture
     reserved_1: f32,
-    lifted: u32,             // 1 energy-preserving: coarser cells are logarithms of means; 0 means of logarithms
+    energy_preserving: u32,             // 1 energy-preserving: coarser cells are logarithms of means; 0 means of logarithms
     window: u32,             // stored outer cells: first column, first row, columns, rows, 8 bits each
 }
 
@@ -130,7 +130,7 @@ fn wavelet_brdf_filtered(
     hardware: bool,
 ) -> vec3<f32> {
     let cells = select(4u, 1u, brdfc_frame.blend == 0u);
-    if wavelet_brdf_parameters.lifted == 0u {
+    if wavelet_brdf_parameters.energy_preserving == 0u {
         return wavelet_brdf_reconstruct(outer, cells, column, row, level, hardware);
     }
     var value = vec3<f32>(0.0);
@@ -183,7 +183,7 @@ fn wavelet_brdf_reconstruct(
         // The coarser value is an intermediate result of the finer one, so blending levels needs no second
         // reconstruction.
         let part = select(1.0, fraction, j == whole);
-        if wavelet_brdf_parameters.lifted == 1u {
+        if wavelet_brdf_parameters.energy_preserving == 1u {
             let of_rows = part * latitude_weight * a;
             let of_columns = part * longitude_weight * b;
             value += of_rows - wavelet_brdf_rise(sign(latitude_weight) * of_rows, latitude.w);

@@ -58,7 +58,7 @@ impl WaveletPack {
     /// Same as [`Self::from_bytes`] for a file whose bindings have been read.
     ///
     /// # Errors
-    /// Same as [`Self::from_bytes`].
+    /// Returns an error if the file violates `formats/src/wavelet/spec.md`.
     pub fn from_file(mut file: PackFile) -> Result<Self, FormatError> {
         let (texture, index) = (file.take_own(), file.take_texture(INDEX));
         let pack = from_texture(texture, index)?;
@@ -80,7 +80,7 @@ fn entries_of(pack: &WaveletPack) -> BTreeMap<String, Vec<u8>> {
         pack.slices() as u32,
         h.mean.to_bits(),
         h.bias.to_bits(),
-        u32::from(h.lifted),
+        u32::from(h.energy_preserving),
     ] {
         header.extend_from_slice(&word.to_le_bytes());
     }
@@ -98,7 +98,7 @@ fn from_texture(texture: Texture, index: Option<Texture>) -> Result<WaveletPack,
     let [columns, rows] = crop.map_or([grid, grid], |crop| crop.window.size);
     let extent = Extent::D3([columns, rows, slices as u32]);
     check_texels(&texture, "texture", extent, header.texel_format(), HEADER)?;
-    let index = index.ok_or_else(|| FormatError::whole(INDEX, "no texels", "texels of an index map"))?;
+    let index = index.ok_or_else(|| FormatError::whole(INDEX, "no texels", "texels of an index map").problem())?;
     let (index, scales) = read_index(&index, &header, slices)?;
     let errors = sized(entry(&texture, ERRORS)?, ERRORS, 2 * ErrorSummary::BYTES)?;
     let (on_grid, off_grid) = errors.split_at(ErrorSummary::BYTES);
@@ -140,22 +140,23 @@ fn read_header(bytes: &[u8]) -> Result<(Header, usize), FormatError> {
         }
     }
     let parameterisation = Parameterisation::from_code(code).expect("checked above");
-    let lifted = cursor.u32("energy-preserving")?;
-    if lifted > u32::from(parameterisation == Parameterisation::TangentPole) {
+    let energy_preserving = cursor.u32("energy-preserving")?;
+    if energy_preserving > u32::from(parameterisation == Parameterisation::TangentPole) {
         let allowed = "0, or 1 with the tangent-pole parameterisation";
-        return Err(FormatError::whole(format!("{HEADER} energy-preserving"), lifted.to_string(), allowed));
+        return Err(FormatError::whole(format!("{HEADER} energy-preserving"), energy_preserving.to_string(), allowed));
     }
-    let lifted = lifted == 1;
-    Ok((Header { parameterisation, levels, stored_levels, channels, bits, mean, bias, lifted }, slices))
+    let energy_preserving = energy_preserving == 1;
+    Ok((Header { parameterisation, levels, stored_levels, channels, bits, mean, bias, energy_preserving }, slices))
 }
 
-/// Maximum deviation of the share of a lower half from the one that [`Lift`] computes: sines differ between platforms.
+/// Maximum deviation of the share of a lower half from the share that [`Lift`] computes: sines differ between
+/// platforms.
 const SHARE_TOLERANCE: f32 = 1e-6;
 
 /// Slices of all coefficients, and scales of all slices.
 fn read_index(texture: &Texture, header: &Header, slices: usize) -> Result<(Vec<u16>, Vec<SliceScale>), FormatError> {
     check_texels(texture, INDEX, Extent::D2([header.grid() as u32; 2]), TexelFormat::Rgba32Float, HEADER)?;
-    let lift = header.lifted.then(|| Lift::new(header.levels));
+    let lift = header.energy_preserving.then(|| Lift::new(header.levels));
     // Stored coefficients use slices 1, 2, ... in order. Levels finer than the stored ones have no slices.
     let finest = 1usize << (2 * header.stored_levels);
     let (mut index, mut scales) = (Vec::with_capacity(header.cells()), vec![SliceScale::default()]);

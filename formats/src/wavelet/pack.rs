@@ -33,7 +33,7 @@ pub struct Header {
     pub bias: f32,
     /// True for energy-preserving packs, whose coarser cells are logarithms of means, see [`super::lift`]; false for
     /// means of logarithms, as in the paper.
-    pub lifted: bool,
+    pub energy_preserving: bool,
 }
 
 impl Header {
@@ -70,7 +70,7 @@ pub struct SliceScale {
 /// A wavelet pack in memory.
 #[derive(Debug, Clone, PartialEq)]
 pub struct WaveletPack {
-    /// Sizes and constants.
+    /// Sizes, parameterisation and constants of the pack.
     pub header: Header,
     /// Compression map of the paper: slice of each coefficient, 0 if it was dropped. Has `cells` elements. Element 0,
     /// the scaling coefficient, has slice 1.

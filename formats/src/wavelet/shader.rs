@@ -30,9 +30,9 @@ pub struct WaveletBrdfParameters {
     pub parameterisation: u32,
     /// 1 grey, 3 RGB.
     pub channels: u32,
-    /// `μ`, 1/sr.
+    /// `μ` of the logarithm `ln(f / μ + ε)`, 1/sr.
     pub mean: f32,
-    /// `ε`.
+    /// Bias `ε` of the logarithm `ln(f / μ + ε)`.
     pub bias: f32,
     /// Scale of slice 1, the scaling coefficient.
     pub scaling_scale: f32,
@@ -41,8 +41,8 @@ pub struct WaveletBrdfParameters {
     /// Depth of the texture, including the zero slice.
     pub slices: f32,
     /// 1 for energy-preserving packs, otherwise 0.
-    pub lifted: u32,
-    /// Stored outer cells.
+    pub energy_preserving: u32,
+    /// Rectangle of outer cells that the pack stores.
     pub window: Window,
 }
 
@@ -62,7 +62,7 @@ impl WaveletBrdfParameters {
             scaling_scale: pack.scales[1].scale,
             scaling_offset: pack.scales[1].offset,
             slices: pack.slices() as f32,
-            lifted: u32::from(header.lifted),
+            energy_preserving: u32::from(header.energy_preserving),
             window: pack.window(),
         }
     }
@@ -82,7 +82,7 @@ impl WaveletBrdfParameters {
             self.scaling_offset.to_bits(),
             self.slices.to_bits(),
             0,
-            self.lifted,
+            self.energy_preserving,
             window,
         ];
         block_bytes(words)
@@ -92,7 +92,7 @@ impl WaveletBrdfParameters {
 /// Index map as texels of four 32-bit floats, `2^N x 2^N` of them. Coefficient `k` at `(k mod 2^N, k / 2^N)` has its
 /// slice, scale and offset, and in energy-preserving packs the share of its lower half, otherwise 0.
 pub(super) fn index_texels(pack: &WaveletPack) -> Vec<[f32; 4]> {
-    let lift = pack.header.lifted.then(|| Lift::new(pack.header.levels));
+    let lift = pack.header.energy_preserving.then(|| Lift::new(pack.header.levels));
     let entry = |(coefficient, slice): (usize, &u16)| {
         let scale = pack.scales[usize::from(*slice)];
         let lower = lift.as_ref().map_or(0.0, |lift| lift.of_coefficient(coefficient));

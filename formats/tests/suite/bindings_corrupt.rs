@@ -183,7 +183,7 @@ fn the_list_ends_with_a_zero_byte() {
     }
     let latin = [&good[..20], &[0xe4], &good[20..]].concat();
     assert!(with_list(&latin).ends_with("expected lines of UTF-8 text that end with a zero byte"));
-    assert!(with_list(b"decoder marble 1\n\0").starts_with("brdfc.bindings bindings: found none, expected 1 to 32"));
+    assert!(with_list(b"decoder marble 1\n\0").starts_with("brdfc.bindings: no bindings; expected 1 to 32"));
 }
 
 /// A pack with a texture of its own and these bindings.
@@ -225,7 +225,7 @@ fn keys_are_those_that_bindings_name() {
     for (key, line) in [("brdfc.uniform.marble_sizes", 3), (WORDS, 5)] {
         let mut missing = texture();
         missing.entries.remove(key);
-        let expected = format!("{key}: found no such key, expected the key that brdfc.bindings line {line} names");
+        let expected = format!("{key}: missing; expected a key of this name, as brdfc.bindings line {line} says");
         assert_eq!(refusal(&missing).to_string(), expected);
     }
     for (change, found) in [(-16isize, 16), (-1, 31), (1, 33), (16, 48)] {
@@ -241,19 +241,19 @@ fn keys_are_those_that_bindings_name() {
         let mut spare = texture();
         spare.entries.insert(key.to_owned(), spare.entries[WORDS].clone());
         let error = refusal(&spare);
-        assert_eq!((&*error.field, &*error.found), (key, "a key that no binding names"));
+        assert_eq!((&*error.field, &*error.found), (key, "no binding names this key"));
     }
     let mut without = texture();
     without.entries.remove(BINDINGS_ENTRY);
     let error = refusal(&without).to_string();
-    assert!(error.starts_with("brdfc.bindings: found only brdfc.checksum, brdfc.image.marble_curve"), "{error}");
+    assert!(error.starts_with("brdfc.bindings: not among the keys brdfc.checksum, brdfc.image."), "{error}");
     let mut two = texture();
     two.entries.insert("brdfc.bindingz".to_owned(), two.entries[BINDINGS_ENTRY].clone());
     let mut bytes = two.to_bytes(false);
     let at = bytes.windows(15).position(|bytes| bytes == b"brdfc.bindingz\0").unwrap();
     bytes[at + 13] = b's';
     let error = PackFile::from_bytes(&sealed(bytes)).unwrap_err().to_string();
-    assert_eq!(error, "brdfc.bindings: found a duplicate key, expected unique keys");
+    assert_eq!(error, "brdfc.bindings: duplicate key; expected unique keys");
 }
 
 /// Images match their lines, whether stored as key/value data or as the file itself.
@@ -317,7 +317,7 @@ fn huge_images_are_rejected_before_decompression() {
     rebind(&mut texture, "r32uint 2 1 2 1 -", "r32uint 8192 8192 4 1 -");
     let error = refusal(&texture).to_string();
     let expected =
-        "brdfc.bindings line 5: found 1073741824 bytes of texels more, expected at most 1073741824 for all images";
+        "brdfc.bindings line 5: found 1073741824 more bytes of texels, expected at most 1073741824 for all images";
     assert_eq!(error, expected);
     // A frame that declares what its line says, in a few bytes.
     rebind(&mut texture, "r32uint 8192 8192 4 1 -", "r32uint 8192 8192 3 1 -");
@@ -335,7 +335,7 @@ fn huge_images_are_rejected_before_decompression() {
     }
     texture.entries.insert(WORDS.to_owned(), image);
     let error = refusal(&texture);
-    assert_eq!((&*error.field, &*error.found), (&*format!("{WORDS}, level 0"), "41 bytes, too few for that"));
+    assert_eq!((&*error.field, &*error.found), (&*format!("{WORDS}, level 0"), "too short: 41 bytes"));
 }
 
 /// The checksum covers all bytes, with its own four taken as zero.
@@ -346,7 +346,7 @@ fn files_without_their_checksum_are_rejected() {
     for value in [Vec::new(), vec![0; 3], vec![0; 5], vec![0; 8]] {
         let mut texture = texture();
         texture.entries.insert("brdfc.checksum".to_owned(), value);
-        assert_eq!(refusal(&texture).to_string(), "brdfc.checksum: found none, expected a value of 4 bytes");
+        assert_eq!(refusal(&texture).to_string(), "brdfc.checksum: missing or too short; expected a value of 4 bytes");
     }
     let mut longer = bytes.clone();
     longer.push(0);

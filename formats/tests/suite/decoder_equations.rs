@@ -5,7 +5,7 @@ use std::f64::consts::{PI, SQRT_2};
 
 use brdfc_formats::direction::{DirectionPair, Parameterisation};
 use brdfc_formats::wavelet::{Filter, WaveletDecoder, WaveletPack};
-use brdfc_testing::codecs::wavelet::{header, lifted, pack};
+use brdfc_testing::codecs::wavelet::{energy_preserving, header, pack};
 use brdfc_testing::packs::pairs;
 
 /// One wrong constant.
@@ -103,7 +103,7 @@ impl Equations<'_> {
             let of_rows = part * latitude_weight * self.sign(Mistake::LatitudeSign) * coefficient(latitude);
             let of_columns = part * longitude_weight * self.sign(Mistake::LongitudeSign) * coefficient(longitude);
             sum += plus_or_minus(bit(row, n - j - 1)) * of_rows + plus_or_minus(bit(column, n - j - 1)) * of_columns;
-            if self.pack.header.lifted {
+            if self.pack.header.energy_preserving {
                 let width = PI / f64::from(2 << j);
                 let middle = |parent: usize| f64::from(2 * parent as u32 + 1) * width;
                 sum -= self.rise(of_rows, middle(above(row, n - j)), width, 2);
@@ -205,7 +205,7 @@ fn cases() -> Vec<WaveletPack> {
         }
     }
     for (levels, channels, bits) in [(1, 3, 8), (3, 1, 12), (3, 3, 8)] {
-        cases.push(pack(lifted(levels, channels, bits), 1 << (2 * levels - 1), 31));
+        cases.push(pack(energy_preserving(levels, channels, bits), 1 << (2 * levels - 1), 31));
     }
     cases
 }
@@ -249,7 +249,7 @@ fn the_decoder_is_within_the_bound_of_the_page() {
 #[test]
 fn mistakes_in_energy_preserving_packs_are_detected() {
     for mistake in [Mistake::NoRise, Mistake::EvenHalves, Mistake::SwappedHalves, Mistake::LatitudeSign] {
-        let difference = difference(&pack(lifted(3, 3, 8), 64, 31), mistake);
+        let difference = difference(&pack(energy_preserving(3, 3, 8), 64, 31), mistake);
         assert!(difference > 1e-3, "{mistake:?}: {difference:e}");
     }
 }

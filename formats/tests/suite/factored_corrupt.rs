@@ -41,19 +41,19 @@ fn values_of_other_lengths_are_rejected() {
             "brdfc.flat-btf.factored",
             "157 bytes, expected 156 bytes, as groups requires",
             "60 bytes or more",
-            "direction_mesh_words: found meshes of 3 views and 3 lights, expected none",
+            "direction_mesh_words: found meshes of 3 views and 3 lights, expected no meshes",
         ),
         (
             "brdfc.flat-btf.weights",
             "137 bytes, expected 136 bytes",
             "3 bytes, expected 8 bytes or more",
-            "brdfc.flat-btf.weights: found only ",
+            "brdfc.flat-btf.weights: not among the keys ",
         ),
         (
             "brdfc.flat-btf.shadow",
             "5 bytes, expected 4 bytes",
             "3 bytes, expected 4 bytes",
-            "brdfc.flat-btf.shadow: found only ",
+            "brdfc.flat-btf.shadow: not among the keys ",
         ),
     ] {
         let resized = |length: Option<usize>| {

@@ -62,7 +62,7 @@ fn the_rules_of_a_block() {
         let [x, y, ..] = texel;
         texels[at - at % 2] = [x, y, 0.0, 0.0].map(half::encode);
         texels[at] = texel.map(half::encode);
-        IndirectionMap::new(*map.header(), texels).unwrap_err().allowed
+        IndirectionMap::new(*map.header(), texels).unwrap_err().allowed.into_string()
     };
     for bad in [[1.0, 0.0, -0.1, 0.0], [1.0, 0.0, f32::NAN, 0.0], [1.0, 0.0, 2000.0, 0.0], [1.0, 0.0, 0.1, f32::NAN]] {
         assert_eq!(refusal(3, bad), "a distance of 0 to 1024 and a height of -1024 to 1024");
@@ -73,7 +73,7 @@ fn the_rules_of_a_block() {
     for bad in [[1.0, 0.0, 0.1, 0.0], [0.0, 1.0, 0.0, 0.0]] {
         assert_eq!(refusal(0, bad), "a distance of 0 and the direction of the next sample, at the pole");
     }
-    assert_eq!(refusal(7, [1.0, 0.0, 0.3, 0.5]), "the same value as in the first row of the block, in its last row");
+    assert_eq!(refusal(7, [1.0, 0.0, 0.3, 0.5]), "in the last row of a block, the value of its first row");
 }
 
 #[test]
@@ -108,7 +108,7 @@ fn displacements_out_of_range_are_named() {
         assert_eq!(refusal(&made, |file| reshape(file, ranges, format, extent, levels)).field, field);
     }
     let error = refusal(&made, |file| *image(file, packed).bytes.to_mut().last_mut().unwrap() ^= 1);
-    assert!(error.to_string().contains("found other texels, expected those of the first row"), "{error}");
+    assert!(error.to_string().contains("differs from the first row of the blocks; expected equal rows"), "{error}");
     // Blocks consist of whole texels of the reference plane.
     let odd = FlatBtfParts { indirection: flat_btf::displacements(SMALL, 3, 1).into(), ..flat_btf::parts(SMALL, 1) };
     let text = FlatBtfDecoder::new(odd).unwrap_err().to_string();

@@ -301,7 +301,7 @@ fn check_entries<'a>(pack: &WaveletPack, entry: impl Fn(&str) -> &'a [u8]) {
         pack.scales.len() as u32,
         h.mean.to_bits(),
         h.bias.to_bits(),
-        u32::from(h.lifted),
+        u32::from(h.energy_preserving),
     ];
     assert_eq!(header.0.len(), 40);
     for (k, word) in words.into_iter().enumerate() {

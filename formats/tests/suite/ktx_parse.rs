@@ -32,7 +32,7 @@ fn expectation(pack: &WaveletPack, file: &[u8], supercompress: bool) -> String {
     {
         header.extend(word.to_le_bytes());
     }
-    header.extend([h.mean.to_le_bytes(), h.bias.to_le_bytes(), u32::from(h.lifted).to_le_bytes()].concat());
+    header.extend([h.mean.to_le_bytes(), h.bias.to_le_bytes(), u32::from(h.energy_preserving).to_le_bytes()].concat());
     let mut errors: Vec<u8> = Vec::new();
     for e in [pack.on_grid, pack.off_grid] {
         errors.extend(e.samples.to_le_bytes());

@@ -132,7 +132,7 @@ fn errors_name_the_field() {
     assert_eq!(with_word(176, 0), "brdfc.uniform.pwt byte 2844: [00, 00, 80, be]");
     let cut = |length: usize| changed(&example(), |entries| entries.get_mut(PWT_ENTRY).unwrap().truncate(length));
     assert_eq!(cut(99).to_string(), "brdfc.pwt length: found 99 bytes, expected 100 bytes or more");
-    assert_eq!(cut(179).to_string(), "brdfc.pwt component low: found end of data after 3 of 4 bytes, expected 4 bytes");
+    assert_eq!(cut(179).to_string(), "brdfc.pwt component low: end of data after 3 of 4 bytes; expected 4 bytes");
     let longer = changed(&example(), |entries| entries.get_mut(PWT_ENTRY).unwrap().push(0));
     assert_eq!(longer.to_string(), "brdfc.pwt length: found 181 bytes, expected 180 bytes, as its fields say");
 }
@@ -143,11 +143,11 @@ fn textures_follow_from_the_header() {
     let missing = changed(&example(), |entries| drop(entries.remove(SECOND)));
     assert_eq!(
         missing.to_string(),
-        format!("{SECOND}: found no such key, expected the key that brdfc.bindings line 5 names")
+        format!("{SECOND}: missing; expected a key of this name, as brdfc.bindings line 5 says")
     );
     let fourth = "brdfc.image.pwt_texture_3";
     let spare = changed(&example(), |entries| drop(entries.insert(fourth.to_owned(), second.clone())));
-    assert_eq!((&*spare.field, &*spare.found), (fourth, "a key that no binding names"));
+    assert_eq!((&*spare.field, &*spare.found), (fourth, "no binding names this key"));
     // Additions of later versions are ignored.
     let mut later = file(&example());
     later.entries.insert("brdfc.later".to_owned(), second.clone());
@@ -187,7 +187,7 @@ fn textures_follow_from_the_header() {
     let error = changed(&example(), |entries| drop(entries.insert(PWT_ENTRY.to_owned(), Vec::new())));
     assert_eq!(&*error.field, "brdfc.pwt length");
     let error = changed(&example(), |entries| drop(entries.remove(PWT_ENTRY))).to_string();
-    assert_eq!(error, "brdfc.pwt: found no brdfc keys, expected the keys of a polynomial wavelet tree");
+    assert_eq!(error, "brdfc.pwt: no brdfc keys; expected the keys of a polynomial wavelet tree");
 }
 
 /// Sizes that a header can declare but memory cannot hold are rejected before allocation.

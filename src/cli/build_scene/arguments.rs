@@ -19,17 +19,19 @@ fn memory_from_text(text: &str) -> Result<u64, String> {
 
 /// Build the packs that a scene needs, or a pack of each measured material in a folder.
 ///
-/// A manifest lists materials and the uses that a scene makes of them; docs/manifest.md describes its keys. The build does not
-/// open materials that no use refers to. Without a manifest, it builds each material of the given files, folders and
-/// patterns, and names the pack after the file. It does not descend into subfolders, and skips packs.
+/// A manifest lists materials and the uses that a scene makes of them; docs/manifest.md describes its keys. The build
+/// does not open materials that no use refers to. Without a manifest, it builds each material of the given files,
+/// folders and patterns, and names the pack after the file. It does not descend into subfolders, and skips packs in
+/// folders.
 ///
-/// The build reuses packs that it made before from the same source with the same options. If one material fails, the others
-/// are still built. The output folder changes once, at the end: report.json lists the files that the build wrote, and other
-/// files stay. Encoding options override the defaults of a manifest, but not the settings of a single material. The exit
-/// code is 1 if a material misses a limit or a requirement of the manifest.
+/// The build reuses packs that it made before from the same source with the same options. If one material fails, the
+/// others are still built. The output folder changes once, at the end: report.json lists the files that the build
+/// wrote, and other files stay. Encoding options override the defaults of a manifest, but not the settings of a single
+/// material. The exit code is 1 if a material misses a limit or a requirement of the manifest.
 ///
-/// If the manifest names an environment that lights the scene (environment in the table scene), the build also makes maps for
-/// adaptive shading: bandwidth maps of each material's lobes and of the environment, and importance samples of the lobes.
+/// If the manifest names an environment that lights the scene (environment in the table scene), the build also makes
+/// maps for adaptive shading: bandwidth maps of each material's lobes and of the environment, and importance samples of
+/// the lobes.
 #[derive(Debug, Args)]
 #[command(after_help = "\
 Examples:
@@ -46,7 +48,8 @@ pub struct Arguments {
     /// Print the plan and the predicted range of pack sizes, and build nothing.
     #[arg(long)]
     pub(super) dry_run: bool,
-    /// Print which features each material needs, which uses require them, and what leaving out the rest saves.
+    /// Print which features each material needs, which uses require them, and how many bytes a pack saves
+    /// without the rest.
     #[arg(long)]
     pub(super) explain: bool,
     /// Build every pack again, even if an earlier build made it.
@@ -55,12 +58,12 @@ pub struct Arguments {
     /// Stop at the first material that fails or misses a limit, and leave the output folder unchanged.
     #[arg(long)]
     pub(super) fail_fast: bool,
-    /// Build only share I of N, I from 1 to N, into the store of the output folder (.brdfc-cache). A later build without this
-    /// option moves the results into place. There is no report, so --json is not available.
+    /// Build only shard I of N, I from 1 to N, into the store of the output folder (.brdfc-cache). A later build
+    /// without this option moves the results into place. There is no report, so --json is not available.
     #[arg(long, value_name = "I/N", conflicts_with_all = ["only", "dry_run", "explain"])]
     pub(super) shard: Option<Shard>,
-    /// Build only this part into the store, as --shard does: MATERIAL.brdf, MATERIAL.maps or environment.maps ('brdfc plan' lists
-    /// them). May be repeated.
+    /// Build only this part into the store, as --shard does: MATERIAL.brdf, MATERIAL.maps or environment.maps ('brdfc
+    /// plan' lists them). May be repeated.
     #[arg(long, value_name = "PART", conflicts_with_all = ["dry_run", "explain"])]
     pub(super) only: Vec<String>,
     /// Reuse results from the output folder of another build, for example of another machine. May be repeated.
@@ -82,8 +85,8 @@ pub(crate) struct BuildArguments {
     /// A scene manifest; or files, folders and patterns of measured materials, and synth: addresses.
     #[arg(value_name = "SCENE.toml|DIR|FILE", required = true)]
     pub(crate) inputs: Vec<OsString>,
-    /// Folder for packs and reports.
-    #[arg(long, short, value_name = "DIR", default_value = Build::DEFAULT_FOLDER)]
+    /// Folder for packs and reports (default: packs).
+    #[arg(long, short, value_name = "DIR", default_value = Build::DEFAULT_FOLDER, hide_default_value = true)]
     pub(crate) out: PathBuf,
     /// Keep packs of earlier builds, and their entries in the report, for materials that this build does not include.
     #[arg(long)]

@@ -8,6 +8,7 @@ mod text;
 pub use arguments::Arguments;
 pub(super) use arguments::BuildArguments;
 
+use super::options::{by_flags, with_flags};
 use super::output::{
     check_folder, json_or, note, print, refuse_dash, refuse_missing_folder, refuse_overwriting, refuse_own,
     refuse_same_outputs, remark, tell, write_file,
@@ -16,11 +17,11 @@ use super::progress::Materials;
 use super::{Common, Error, interrupt};
 use brdfc::encode::remarks;
 use brdfc::scene::{PackFolder, REPORT, depfile};
-use brdfc::{Build, BuildReport, Built, Changes};
+use brdfc::{Build, BuildReport, Built, Changes, Plan};
 use brdfc_terminal::words::{counted, join_truncated};
 use std::path::Path;
 
-/// Maximum number of file names in a remark.
+/// Maximum number of file names in a line.
 const MAX_NAMED_FILES: usize = 5;
 
 pub(super) fn run(arguments: &Arguments, common: Common) -> Result<(), Error> {
@@ -35,7 +36,7 @@ pub(super) fn run(arguments: &Arguments, common: Common) -> Result<(), Error> {
     }
     let build = arguments.build()?;
     tell_left_out(&build, common);
-    let plan = &build.plan()?;
+    let plan = &plan(&build)?;
     if arguments.dry_run {
         let report = build.predict(plan, arguments.explain);
         return print(&json_or(common, &report, plan_text::text(plan, &report, out)));
@@ -51,7 +52,7 @@ pub(super) fn run(arguments: &Arguments, common: Common) -> Result<(), Error> {
     let progress = Materials::of(plan, common);
     let mut built = build.run_with(plan, &progress)?;
     drop(progress);
-    print_diagnostics(&built, common, true);
+    print_diagnostics(&build, &built, common, true);
     if let Some(file) = &arguments.depfile {
         write_file(file, &depfile(&out.join(REPORT), &inputs))?;
     }
@@ -74,6 +75,11 @@ pub(super) fn run(arguments: &Arguments, common: Common) -> Result<(), Error> {
     arguments.write_stamp()
 }
 
+/// Plans a build. Errors name options by their flags if there is no manifest.
+pub(super) fn plan(build: &Build) -> Result<Plan, Error> {
+    build.plan().map_err(|error| if build.manifest().is_some() { error } else { by_flags(error) })
+}
+
 /// Checks that `--depfile` and `--stamp` overwrite no input and no other output.
 fn check_side_outputs(arguments: &Arguments, inputs: &[&Path]) -> Result<(), Error> {
     let out = arguments.build.out.as_path();
@@ -89,7 +95,7 @@ fn check_side_outputs(arguments: &Arguments, inputs: &[&Path]) -> Result<(), Err
     arguments.depfile.as_deref().map_or(Ok(()), refuse_missing_folder)
 }
 
-/// Prints the files of the given folders that the build leaves out.
+/// Prints the files of the given folders that the build skips.
 pub(super) fn tell_left_out(build: &Build, common: Common) {
     let names: Vec<String> = build.left_out().iter().map(|path| path.display().to_string()).collect();
     if !names.is_empty() {
@@ -100,7 +106,7 @@ pub(super) fn tell_left_out(build: &Build, common: Common) {
 
 /// Prints failures, missed limits, and notes on materials of this build. With `count_cached` it also prints how many
 /// cached materials have notes.
-pub(super) fn print_diagnostics(built: &Built, common: Common, count_cached: bool) {
+pub(super) fn print_diagnostics(build: &Build, built: &Built, common: Common, count_cached: bool) {
     let mut cached = 0;
     for (name, made) in built.outcomes.made() {
         let of_map = made.maps.as_ref().and_then(|maps| maps.bandwidth.as_ref()?.facts.remark());
@@ -114,13 +120,16 @@ pub(super) fn print_diagnostics(built: &Built, common: Common, count_cached: boo
     if count_cached && cached > 0 {
         let verb = if cached == 1 { "has" } else { "have" };
         let which = format!("{} from an earlier build {verb}", counted(cached, "material"));
-        remark(common, &format!("note: {which} notes, which 'brdfc report' lists"));
+        remark(common, &format!("note: {which} notes; 'brdfc report' lists them"));
     }
-    built.outcomes.problems().iter().for_each(|line| tell(&format!("brdfc: {line}")));
+    for line in built.outcomes.problems() {
+        let line = if build.manifest().is_some() { line } else { with_flags(&line) };
+        tell(&format!("brdfc: {line}"));
+    }
 }
 
 fn tell_changes(changes: &Changes, report: &BuildReport, common: Common) {
-    let retained = report.materials.iter().filter(|entry| entry.kept).map(|entry| entry.material.clone()).collect();
+    let retained = report.materials.iter().filter(|entry| entry.retained).map(|entry| entry.material.clone()).collect();
     for (what, names) in [
         ("retained from earlier builds", &retained),
         ("removed, not part of this build", &changes.removed),

@@ -6,7 +6,7 @@ use crate::progress::Materials;
 use crate::{Common, Error};
 use brdfc::scene::Work;
 use brdfc::{Build, Plan};
-use brdfc_terminal::words::counted;
+use brdfc_terminal::words::{counted_of, one_of, quoted};
 
 pub(super) fn run(arguments: &Arguments, build: &Build, plan: &Plan, common: Common) -> Result<(), Error> {
     if common.json {
@@ -29,7 +29,7 @@ pub(super) fn run(arguments: &Arguments, build: &Build, plan: &Plan, common: Com
         }
     }
     print(&text)?;
-    let failed = format!("{} of {} failed", failures.len(), counted(count, "part"));
+    let failed = format!("{} failed", counted_of(failures.len(), count, "part"));
     match failures.into_iter().max_by_key(Error::kind) {
         None => arguments.write_stamp(),
         Some(worst) => Err(worst.with_message(failed)),
@@ -46,7 +46,7 @@ fn selected<'a>(arguments: &Arguments, plan: &'a Plan) -> Result<Vec<Work<'a>>, 
         let found = works.iter().find(|work| work.name() == *name).copied();
         found.ok_or_else(|| {
             let names: Vec<String> = works.iter().map(Work::name).collect();
-            Error::wrong_usage("--only", name, names.join(", "))
+            Error::wrong_usage("--only", quoted(name), one_of(&names))
         })
     };
     arguments.only.iter().map(named).collect()

@@ -68,7 +68,7 @@ pub(super) fn needs(explained: &[Explained]) -> String {
     format!("\n{}", table::words(&["material", "needed", "because of", "saves"], &rows))
 }
 
-/// Combines all materials that need no pack into one row; each saves the same.
+/// Combines all materials that need no pack into one row, because each saves the same bytes.
 fn all_unused(first: &Explained, unused: &[&Explained]) -> Explained {
     let names: Vec<&str> = unused.iter().map(|explained| explained.material.as_str()).collect();
     let count = unused.len();
@@ -81,7 +81,7 @@ fn all_unused(first: &Explained, unused: &[&Explained]) -> Explained {
     }
 }
 
-/// Predicted bytes on a GPU: those of the cached pack, or a range.
+/// Predicted bytes on a GPU: the size of the cached pack, or a range.
 fn predicted(recipe: &PackRecipe, planned: &MaterialEntry) -> String {
     let Some(Predicted { least, most }) = planned.predicted else { return "-".to_owned() };
     match least {

@@ -14,7 +14,7 @@ pub(super) fn text(outcomes: &Outcomes) -> String {
         row.extend(table::material_row(&made.report, seconds));
         row
     });
-    let packs = table::plain(&table::MATERIAL_HEADER, packs);
+    let packs = made().next().map(|_| table::plain(&table::MATERIAL_HEADER, packs));
 
     let mut rows = Vec::new();
     if let Some(Ok(made)) = &outcomes.environment {
@@ -29,11 +29,9 @@ pub(super) fn text(outcomes: &Outcomes) -> String {
             row(samples, size, "-".to_owned(), packed.bytes_on_disk, facts.gpu_bytes)
         }));
     }
-    if rows.is_empty() {
-        return packs;
-    }
     let header = ["map", "texels", "largest bandwidth", "on disk", "on GPU"];
-    format!("{packs}\n{}", table::plain(&header, &rows))
+    let maps = (!rows.is_empty()).then(|| table::plain(&header, &rows));
+    packs.into_iter().chain(maps).collect::<Vec<_>>().join("\n")
 }
 
 fn bandwidth_row(file: String, map: &Packed<BandwidthFacts>) -> Vec<String> {

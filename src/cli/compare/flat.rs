@@ -37,13 +37,12 @@ impl FlatReport {
     /// Compares both means with a limit.
     pub(super) fn check(&self, a: &Input, limit: f64) -> Result<(), Error> {
         if self.comparison.lit == 0 {
-            let allowed = "at least one above 0";
-            return Err(Error::check(format!("{a}: found only black values, expected {allowed}")));
+            return Err(Error::check(format!("{a}: all values are black, so there is no error to check")));
         }
         match self.kinds().into_iter().find(|(_, errors)| errors.mean > limit) {
             Some((kind, errors)) => {
                 let found = table::apart(errors.mean, limit);
-                Err(Error::check(format!("mean ΔE {kind}: found {found}, expected at most {limit}")))
+                Err(Error::check(format!("--max-delta-e: found {found} {kind}, expected at most {limit}")))
             }
             None => Ok(()),
         }

@@ -20,11 +20,12 @@ use std::path::Path;
 ///
 /// Both may be any source or pack. The exit code is 1 if --max-error or --max-delta-e is exceeded.
 ///
-/// If A is an RTI capture (a folder with an .lp, or the list itself), B is the pack or .ptm that 'brdfc pwt' made from it, or
-/// another capture with the same lights. The program compares them photograph by photograph, in 8-bit sRGB levels and as ΔE.
+/// If A is an RTI capture (a folder with an .lp, or the list itself), B is the pack or .ptm that 'brdfc pwt' made from
+/// it, or another capture with the same lights. The program compares them photograph by photograph, in 8-bit sRGB
+/// levels and as ΔE.
 ///
-/// If A is a flat BTF (the file that 'brdfc flatten' wrote, or its folder), B is another flat BTF of the same surface, such as a
-/// smaller one. The program compares them by ΔE at random positions, at sampled directions and between them.
+/// If A is a flat BTF (the file that 'brdfc flatten' wrote, or its folder), B is another flat BTF of the same surface,
+/// such as a smaller one. The program compares them by ΔE at random positions, at sampled directions and between them.
 #[derive(Debug, Args)]
 #[command(after_help = "\
 Examples:
@@ -38,8 +39,9 @@ pub struct Arguments {
     a: Input,
     /// The approximation, in the same form.
     b: Input,
-    /// Direction pairs: a number N of random pairs (1 to 100000000, uniform over both hemispheres, fixed seed), or a CSV file,
-    /// or - for a CSV from stdin. Default: the 65536 pairs of three kinds at which 'encode' and 'build' measure.
+    /// Direction pairs: a number N of random pairs (1 to 100000000, uniform over both hemispheres, fixed seed), or a
+    /// CSV file, or - for a CSV from stdin (default: the 65536 pairs of three kinds at which 'encode' and 'build'
+    /// measure).
     #[arg(long, value_name = "N|FILE.csv", allow_hyphen_values = true)]
     directions: Option<Input>,
     /// Maximum mean relative difference ε_r: a fraction or a percentage, 0.05 or 5%.
@@ -136,12 +138,11 @@ pub(super) fn run(arguments: &Arguments, common: Common) -> Result<(), Error> {
     let report = ReflectanceReport { a, b, pairs, directions, comparison };
     print_compared(common, Compared::Reflectances(report), text)?;
     match limit {
-        Some(_) if !comparison_counts => Err(Error::check(
-            "mean relative difference: found no sample above 0.1 % of the reference's mean, expected at least one"
-                .to_owned(),
-        )),
+        Some(_) if !comparison_counts => {
+            Err(Error::check("--max-error: no sample above 0.1 % of the reference's mean; nothing to check"))
+        }
         Some(allowed) if found > allowed => Err(Error::check(format!(
-            "mean relative difference: found {}, expected at most {}",
+            "--max-error: found {}, expected at most {}",
             table::percent(found),
             table::percent(allowed)
         ))),
@@ -184,11 +185,11 @@ fn photographs(arguments: &Arguments, reference: &Path, common: Common) -> Resul
     print_compared(common, Compared::Photographs(PhotographReport { kind: "rti-capture", comparison }), text)?;
     match arguments.max_delta_e {
         Some(limit) if nothing.is_some() => {
-            let found = nothing.unwrap_or_default();
-            Err(Error::check(format!("mean ΔE: found {found}, expected at most {limit}")))
+            let nothing = nothing.unwrap_or_default();
+            Err(Error::check(format!("--max-delta-e: {nothing}; expected at most {limit}")))
         }
         Some(limit) if found > limit => {
-            Err(Error::check(format!("mean ΔE: found {}, expected at most {limit}", table::apart(found, limit))))
+            Err(Error::check(format!("--max-delta-e: found {}, expected at most {limit}", table::apart(found, limit))))
         }
         _ => Ok(()),
     }
@@ -210,7 +211,7 @@ fn pairs(directions: &Input) -> Result<Pairs, Error> {
     }
     let pairs = pairs_from_csv(directions, &directions.read_text()?)?;
     if pairs.is_empty() {
-        return Err(Error::input(format!("{directions}: records: found none, expected at least one")));
+        return Err(Error::input(format!("{directions}: no direction pairs; expected at least one row")));
     }
     Ok(Pairs::Given(pairs))
 }

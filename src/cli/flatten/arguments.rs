@@ -10,14 +10,15 @@ use std::path::PathBuf;
 
 /// Make a flat BTF: one file with the appearance on the surface itself, and maps of where each view sees it.
 ///
-/// MESO is one tile of a repeating surface: synth:STRUCTURE, a mesh (.obj, .ply), or a height map (.png with 8 or 16 bits
-/// grey, .exr). It may also be an ordinary BTF (a folder of images or a .btf file), whose relief --geometry gives. The
-/// program closes every mesh over the borders of the tile and reports repairs. A surface has at most 1048576 vertices, so a
-/// height map has at most 1,048,576 pixels.
+/// MESO is one tile of a repeating surface: synth:STRUCTURE, a mesh (.obj, .ply), or a height map (.png with 8 or 16
+/// bits grey, .exr). It may also be an ordinary BTF (a folder of images or a .btf file), whose relief --geometry gives.
+/// The program closes every mesh over the borders of the tile and reports repairs. A surface has at most 1048576
+/// vertices, and a height map at most 1048576 pixels.
 #[derive(Debug, Args)]
 #[command(after_help = after_help())]
 pub struct Arguments {
-    /// synth:STRUCTURE, a mesh, a height map, a folder of BTF images, a .btf file, or - for a mesh or a height map from stdin.
+    /// synth:STRUCTURE, a mesh, a height map, a folder of BTF images, a .btf file, or - for a mesh or a height map from
+    /// stdin.
     pub(super) meso: Input,
     /// Output folder of NAME.ktx2, created if missing.
     #[arg(long, short, value_name = "DIR")]
@@ -28,7 +29,7 @@ pub struct Arguments {
     /// Relief of a folder of BTF images or a .btf file: mesh, height map or structure (default: a plane).
     #[arg(long, value_name = "MESO")]
     pub(super) geometry: Option<Input>,
-    /// Period of a mesh along x and y, in units of the mesh (default: 1).
+    /// Period of a mesh along x and y, in units of the mesh, above 0 (default: 1).
     #[arg(long, value_name = "SIZE")]
     pub(super) tile: Option<f64>,
     /// Tiles per unit of a height map, -10 to 10 (default: 0.1). White in a PNG is 1 unit.
@@ -37,57 +38,93 @@ pub struct Arguments {
     /// Height of a height map's 0 above the reference plane, in tiles, -10 to 10 (default: 0).
     #[arg(long, value_name = "TILES")]
     pub(super) height_offset: Option<f64>,
-    /// Material: any INPUT of 'brdfc encode', or NAME=INPUT for the faces of that name in a mesh. May be given up to four times
-    /// (default: a structure blends its own).
+    /// Material: any INPUT of 'brdfc encode', or NAME=INPUT for the faces of that name in a mesh. May be given up to
+    /// four times (default: a structure blends its own).
     #[arg(long, value_name = "[NAME=]INPUT")]
     pub(super) material: Vec<OsString>,
     /// Image over the tile that multiplies the reflectance (PNG or JPEG, sRGB).
     #[arg(long, value_name = "IMAGE")]
     pub(super) colour: Option<Input>,
-    /// Image over the tile with the blend weights of the materials, in order, in its red, green, blue and alpha channels.
+    /// Image over the tile with the blend weights of the materials, in order, in its red, green, blue and alpha
+    /// channels.
     #[arg(long, value_name = "IMAGE")]
     pub(super) weights: Option<Input>,
-    /// Texels per side of the reference plane and its indirection map, 4 to 2048.
-    #[arg(long, value_name = "N", default_value_t = 256, value_parser = whole_number::<u32>(4..=2048))]
+    /// Texels per side of the reference plane and its indirection map, 4 to 2048 (default: 256).
+    #[arg(
+        long,
+        value_name = "N",
+        default_value_t = 256,
+        hide_default_value = true,
+        value_parser = whole_number::<u32>(4..=2048)
+    )]
     pub(super) texels: u32,
-    /// Texels per side of the flat BTF, a power of two (default: the smallest one that is at least --texels).
+    /// Texels per side of the flat BTF, a power of two from 4 to 2048 (default: --texels, rounded up to a power of
+    /// two).
     #[arg(long, value_name = "N", value_parser = any_whole_number::<usize>(FLAT_TEXELS))]
     pub(super) flat_texels: Option<usize>,
-    /// Views: ubo2003 (81), ubo2014 (151), grid:ZxA@DEGREES, or a .csv file with index,theta_deg,phi_deg (default: ubo2003).
-    /// A grid has Z polar angles from 0 to DEGREES: one direction at the zenith, and A azimuths at each other angle.
-    /// For example, grid:2x6@50 has 1 + 6 = 7 directions.
+    /// Views: ubo2003 (81), ubo2014 (151), grid:ZxA@DEGREES, or a .csv file with index,theta_deg,phi_deg (default:
+    /// ubo2003). A grid has Z polar angles from 0 to DEGREES: one direction at the zenith, and A azimuths at each other
+    /// angle. For example, grid:2x6@50 has 1 + 6 = 7 directions.
     #[arg(long, value_name = "SET")]
     pub(super) views: Option<Input>,
     /// Lights, in the same form (default: the set of --views).
     #[arg(long, value_name = "SET")]
     pub(super) lights: Option<Input>,
-    /// Polar angles x azimuths of the indirection map.
-    #[arg(long, value_name = "ZxA", default_value = INDIRECTION, allow_hyphen_values = true)]
+    /// Polar angles x azimuths of the indirection map, 2 to 256 and 3 to 256 (default: 16x24).
+    #[arg(
+        long,
+        value_name = "ZxA",
+        default_value = INDIRECTION,
+        hide_default_value = true,
+        allow_hyphen_values = true
+    )]
     pub(super) indirection: String,
-    /// Largest polar angle of the indirection map, above 0, up to 89 degrees; steeper views use the map at this angle.
-    #[arg(long, value_name = "DEGREES", default_value_t = 80.0)]
+    /// Largest polar angle of the indirection map, above 0, up to 89 degrees (default: 80); steeper views use the map
+    /// at this angle.
+    #[arg(long, value_name = "DEGREES", default_value_t = 80.0, hide_default_value = true)]
     pub(super) largest_angle: f64,
-    /// Rays per texel and axis for the indirection map, 1 to 16.
-    #[arg(long, value_name = "N", default_value_t = 2, value_parser = whole_number::<usize>(1..=16))]
+    /// Rays per texel and axis for the indirection map, 1 to 16 (default: 2).
+    #[arg(
+        long,
+        value_name = "N",
+        default_value_t = 2,
+        hide_default_value = true,
+        value_parser = whole_number::<usize>(1..=16)
+    )]
     pub(super) oversampling: usize,
     /// Method that fills texels of the full form that a view does not see (default: poisson).
     #[arg(long, value_parser = one_of(&FILLS))]
     pub(super) fill: Option<FillMethod>,
-    /// Rays per texel for light of one bounce, 0 to 1024; 0 computes direct light and cast shadows only.
-    #[arg(long, value_name = "N", default_value_t = 0, value_parser = whole_number::<usize>(0..=1024))]
+    /// Rays per texel for light of one bounce, 0 to 1024 (default: 0, direct light and cast shadows only).
+    #[arg(
+        long,
+        value_name = "N",
+        default_value_t = 0,
+        hide_default_value = true,
+        value_parser = whole_number::<usize>(0..=1024)
+    )]
     pub(super) bounces: usize,
-    /// Rounds of reweighting that give stretched areas more texels, 0 to 100; they end early once the stretch no longer falls.
-    #[arg(long, value_name = "N", default_value_t = 0, value_parser = whole_number::<usize>(0..=100))]
+    /// Rounds of reweighting that give stretched areas more texels, 0 to 100 (default: 0); they end early once the
+    /// stretch no longer falls.
+    #[arg(
+        long,
+        value_name = "N",
+        default_value_t = 0,
+        hide_default_value = true,
+        value_parser = whole_number::<usize>(0..=100)
+    )]
     pub(super) stretch_rounds: usize,
-    /// full stores every view and light as factors; light stores a normal map and diffuse colours.
-    #[arg(long, value_parser = one_of(&FORMS), default_value = "full")]
+    /// Form of the flat BTF (default: full): full stores every view and light as factors; light stores a normal map and
+    /// diffuse colours.
+    #[arg(long, value_parser = one_of(&FORMS), default_value = "full", hide_default_value = true)]
     pub(super) form: Form,
-    /// Maximum mean ΔE (CIE76) between the factors and the views, over visible texels, above 0, up to 100 (default: 0.7). If no
-    /// factorisation meets it, the program writes the best one, and exits with code 1 if the option was given.
+    /// Maximum mean ΔE (CIE76) between the factors and the views, over visible texels, above 0, up to 100 (default:
+    /// 0.7). If no factorisation meets it, the program writes the best one, and exits with code 1 if the option was
+    /// given.
     #[arg(long, value_name = "E")]
     pub(super) max_delta_e: Option<f64>,
-    /// Maximum bytes of factors on a GPU, including mipmaps: a number, optionally with KiB or MiB. The program selects the factors
-    /// with the smallest error within this limit.
+    /// Maximum bytes of factors on a GPU, including mipmaps: a number, optionally with KiB or MiB. The program selects
+    /// the factors with the smallest error within this limit.
     #[arg(long, value_name = "BYTES", conflicts_with = "max_delta_e", value_parser = bytes_from_text)]
     pub(super) max_bytes: Option<u64>,
     /// Also write the ordinary BTF, computed from direct light, as images into a new or empty folder.
@@ -118,7 +155,7 @@ fn after_help() -> String {
         "Structures:\n{}\nExamples:\n  brdfc flatten synth:button -o button\n  \
          brdfc flatten synth:button -o small --max-bytes 10MiB\n  \
          brdfc flatten 'synth:knit?count=6' -o wool --form light --texels 128\n  \
-         brdfc flatten bricks.obj --tile 2 --material clay=clay.binary --material synth:lambert?kd=0.4 -o bricks\n  \
+         brdfc flatten bricks.obj --material clay=clay.binary --material 'synth:lambert?kd=0.4' -o bricks\n  \
          brdfc flatten relief.png --height-scale 0.2 --colour relief-colour.png -o relief\n  \
          brdfc flatten corduroy/ --geometry corduroy-height.exr -o corduroy-flat",
         describe_structures()

@@ -22,10 +22,7 @@ pub(super) fn asset_name(arguments: &Arguments) -> Result<String, Error> {
     let wrong = |text: &str| {
         Error::usage(match arguments.name {
             Some(_) => format!("--name: found {name:?}, {text}"),
-            None => format!(
-                "--out: found {}, whose last part {name:?} names the asset, {text}, or a --name",
-                arguments.out.display()
-            ),
+            None => format!("--out: found {name:?}, which names the asset, {text}; or choose a --name"),
         })
     };
     let allowed = |c: char| c.is_alphanumeric() || matches!(c, '-' | '_' | '.' | ' ');
@@ -33,7 +30,7 @@ pub(super) fn asset_name(arguments: &Arguments) -> Result<String, Error> {
         return Err(wrong("expected letters, digits, -_., and spaces between them"));
     }
     if is_device(&name) {
-        return Err(wrong("expected another name: Windows reserves it for a device"));
+        return Err(wrong("expected a name that Windows does not reserve for a device"));
     }
     Ok(name)
 }
@@ -59,10 +56,9 @@ pub(super) fn check_outputs(arguments: &Arguments, name: &str) -> Result<(), Err
         let text = "--write-images does not apply to --bounces: the images would lack the light of bounces";
         return Err(Error::usage(text));
     }
-    let files = std::fs::read_dir(images).map_or(0, Iterator::count);
-    if files > 0 {
-        let text = format!("--write-images: found {files} files or folders in {}", images.display());
-        return Err(Error::usage(text + ", expected a new or empty folder"));
+    if std::fs::read_dir(images).is_ok_and(|mut entries| entries.next().is_some()) {
+        let text = format!("--write-images: {} is not empty; choose a new or empty folder", images.display());
+        return Err(Error::usage(text));
     }
     Ok(())
 }

@@ -155,7 +155,7 @@ fn relightable(input: &Input) -> Result<Option<Other>, InputError> {
     match input.extension()?.as_str() {
         ptm::EXTENSION => Ok(Some(Other::Ptm(PtmFacts::new(&open_ptm(input)?)))),
         rti_capture::EXTENSION if input.is_stdin() => {
-            let path = "its path, because the images are in the same folder";
+            let path = "the path of the list, because the images are in its folder";
             let error = FormatError::whole("input", "the lights of an RTI capture", path);
             Err(InputError::Format { name: input.to_string(), error })
         }

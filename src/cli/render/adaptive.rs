@@ -211,19 +211,19 @@ fn write(
 fn check(arguments: &Arguments, verification: &AdaptiveVerification, truth: &LinearImage) -> Result<(), Error> {
     let Some(limit) = arguments.adaptive.min_psnr else { return Ok(()) };
     if verification.surface_points == 0 {
-        return Err(Error::check(format!("PSNR: found no pixel that shows a surface, expected at least {limit} dB")));
+        return Err(Error::check(format!("PSNR: no pixel shows a surface; expected at least {limit} dB")));
     }
     let invalid = verification.adaptive.invalid_pixels;
     if invalid > 0 {
-        return Err(Error::check(format!(
-            "PSNR: found {invalid} pixels without a number, expected at least {limit} dB"
-        )));
+        return Err(Error::check(format!("PSNR: {invalid} pixels are NaN or infinite; expected at least {limit} dB")));
     }
     if let Some(nothing) = nothing_shown(truth, verification.exposure) {
-        return Err(Error::check(format!("PSNR: found {nothing}, expected at least {limit} dB")));
+        return Err(Error::check(format!("PSNR: {nothing}; expected at least {limit} dB")));
     }
     match verification.adaptive.psnr {
-        Some(psnr) if psnr < limit => Err(Error::check(format!("PSNR: found {psnr:.2} dB, expected at least {limit}"))),
+        Some(psnr) if psnr < limit => {
+            Err(Error::check(format!("PSNR: found {psnr:.2} dB, expected at least {limit} dB")))
+        }
         _ => Ok(()),
     }
 }

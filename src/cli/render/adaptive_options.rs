@@ -13,15 +13,17 @@ pub(super) const ANTIALIAS: &str = "1, 4 or 16";
 #[derive(Debug, Args)]
 #[command(next_help_heading = "Adaptive shading")]
 pub(super) struct AdaptiveOptions {
-    /// Light the scene by the environment alone, and shade only where, and as finely as, predicted bandwidth requires. The program
-    /// compares the result with forward shading and a ground truth. It draws no point lights, mirrors or shadows.
+    /// Light the scene by the environment alone, and shade only where, and as finely as, predicted bandwidth requires.
+    /// The program compares the result with forward shading and a ground truth. It draws no point lights, mirrors or
+    /// shadows.
     #[arg(long)]
     pub(super) adaptive: bool,
-    /// Latitude-longitude image, .exr or .hdr, that lights the scene (default: the environment of the manifest, or the scene's sky).
+    /// Latitude-longitude image, .exr or .hdr, that lights the scene (default: the environment of the manifest, or the
+    /// scene's sky).
     #[arg(long, value_name = "FILE")]
     pub(super) environment: Option<PathBuf>,
-    /// Mean samples per pixel if all pixels were shaded, 0.01 to 1024 (default: 64). A shaded pixel gets 1 to 1024, more where
-    /// bandwidth is higher.
+    /// Mean samples per pixel if all pixels were shaded, 0.01 to 1024 (default: 64). A shaded pixel gets 1 to 1024,
+    /// more where bandwidth is higher.
     #[arg(long, value_name = "X", requires = "adaptive")]
     pub(super) budget: Option<f32>,
     /// Factor on predicted bandwidths before levels are selected, 0.001 to 1000: smaller is faster, larger is sharper
@@ -37,14 +39,15 @@ pub(super) struct AdaptiveOptions {
     /// Samples per point of forward shading, 1 to 1024 (default: 32).
     #[arg(long, value_name = "N", requires = "adaptive", value_parser = whole_number::<u32>(1..=MAX_SAMPLES.into()))]
     pub(super) forward: Option<u32>,
-    /// Samples per point of the ground truth on the CPU, 16 to 65536 (default: 256 per pixel, but at least twice those of --forward).
+    /// Samples per point of the ground truth on the CPU, 16 to 65536 (default: 256 per pixel, but at least twice the
+    /// samples of --forward).
     #[arg(long, value_name = "N", requires = "adaptive", value_parser = whole_number::<usize>(16..=65_536))]
     pub(super) truth: Option<usize>,
-    /// Write bandwidth, levels and variance side by side, from dark to pale yellow: .png. Bandwidth covers 8 octaves and variance 16, up
-    /// to the maximum of the rendering; levels run from the coarsest to the finest.
+    /// Write bandwidth, levels and variance side by side, from dark to pale yellow: .png. Bandwidth covers 8 octaves
+    /// and variance 16, up to the maximum of the rendering; levels run from the coarsest to the finest.
     #[arg(long, value_name = "IMAGE.png", requires = "adaptive")]
     pub(super) maps: Option<PathBuf>,
-    /// Fail with exit code 1 if the PSNR is below X dB.
+    /// Fail with exit code 1 if the PSNR is below X dB, any finite number.
     #[arg(long, value_name = "X", requires = "adaptive")]
     pub(super) min_psnr: Option<f64>,
 }

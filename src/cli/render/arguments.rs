@@ -11,24 +11,24 @@ use std::path::PathBuf;
 
 /// Draw packs with the shaders that engines use, and measure the error of the rendering.
 ///
-/// The graphics driver draws the scene without a display; a software driver is used if there is no other. The CPU draws it
-/// again, from the packs and, if available, from their sources. The report lists colour differences ΔE (CIE L*a*b*) over pixels
-/// that show a surface; a ΔE of about 1 is just visible. Lights are points and throw no shadows.
+/// The graphics driver draws the scene without a display; a software driver is used if there is no other. The CPU draws
+/// it again, from the packs and, if available, from their sources. The report lists colour differences ΔE (CIE L*a*b*)
+/// over pixels that show a surface; a ΔE of about 1 is just visible. Lights are points and throw no shadows.
 ///
 /// Schemas of --json: 'render'; 'render-adaptive' with --adaptive; 'render-contact' with --contact.
 #[derive(Debug, Args)]
 #[command(after_help = "\
 Examples:
   brdfc render scene.toml -o scene.png
-  brdfc render scene.toml --contact all.png --max-delta-e 2            every material, labelled
+  brdfc render scene.toml --contact all.png --max-delta-e 2       every material, labelled
   brdfc render red.ktx2 -o red.png --scene cloth
   brdfc render red.ktx2 --source red-plastic.binary -o red.exr
-  brdfc render red-plastic.binary --ratio 16 --sheet red.png          encodes it first
-  brdfc render paint.brdf --scene cloth --max-delta-e 1.3 --json      exit code 1 when missed
-  brdfc render button --scene vase -o vase.png                        a flat BTF of 'brdfc flatten'
-  brdfc render button --scene plane --sheet plane.png                 compared with the surface itself
-  brdfc render coin.ktx2 --source coin --sheet coin.png               an RTI capture's pack and its photographs
-  brdfc render red.ktx2 --adaptive --environment museum.exr --scene bumpy-ball --sheet red.png --maps maps.png
+  brdfc render red-plastic.binary --ratio 16 --sheet red.png      encodes the material first
+  brdfc render paint.brdf --scene cloth --max-delta-e 1.3 --json  exit code 1 if missed
+  brdfc render button --scene vase -o vase.png                    a flat BTF
+  brdfc render button --scene plane --sheet plane.png             compared with the surface
+  brdfc render coin.ktx2 --source coin --sheet coin.png           compared with photographs
+  brdfc render red.ktx2 --adaptive --environment museum.exr --sheet red.png --maps maps.png
 
 The [render] table of a manifest selects what to draw, see docs/manifest.md. Without a Vulkan driver the exit code is 5.")]
 pub struct Arguments {
@@ -48,16 +48,16 @@ pub struct Arguments {
     /// The shader's rendering, the reference and their difference side by side: .png.
     #[arg(long, value_name = "IMAGE.png")]
     pub(super) sheet: Option<PathBuf>,
-    /// A contact sheet of all materials that the manifest's uses refer to (all materials if there are no uses): .png. Each is drawn
-    /// alone on a sphere or on --scene, with name, bytes, ΔE and the colour scale. The manifest's table render is ignored. Limits
-    /// apply to each material.
+    /// A contact sheet of all materials that the manifest's uses refer to (all materials if there are no uses): .png.
+    /// Each is drawn alone on a sphere or on --scene, with name, bytes, ΔE and the colour scale. The manifest's table
+    /// render is ignored. Limits apply to each material.
     #[arg(
         long,
         value_name = "IMAGE.png",
         conflicts_with_all = ["output", "reference", "difference", "sheet", "adaptive", "maps"]
     )]
     pub(super) contact: Option<PathBuf>,
-    /// Scene (default: that of the manifest, or sphere; for the pack of an RTI capture a plane, seen from above).
+    /// Scene (default: the scene of the manifest, or sphere; for the pack of an RTI capture a plane, seen from above).
     #[arg(long, value_name = "SCENE", value_parser = one_of(&SCENES))]
     pub(super) scene: Option<Builtin>,
     /// Width and height in pixels, such as 800x600, each 1 to 8192 (default: 512x512, with --contact 160x160).
@@ -72,30 +72,34 @@ pub struct Arguments {
     /// Interpolation of values between cells (default: bilinear).
     #[arg(long, value_parser = one_of(&FILTERS))]
     pub(super) filter: Option<Filter>,
-    /// Interpolate slices, or the texels of an RTI capture's pack, in the shader with exact weights instead of in the sampler.
+    /// Interpolate slices, or the texels of an RTI capture's pack, in the shader with exact weights instead of in the
+    /// sampler.
     #[arg(long)]
     pub(super) exact: bool,
-    /// Level of detail for all pixels, 0 to 6, from coarse to fine (default: depends on the distance).
+    /// Level of detail for all pixels, 0 (coarsest) to 6; packs with fewer levels are drawn at their finest level
+    /// (default: depends on the distance).
     #[arg(long, value_name = "L")]
     pub(super) lod: Option<f32>,
-    /// Source of a pack, to compare with. With --adaptive, bandwidth and samples are those of its lobes. For the pack of an RTI
-    /// capture, the program shows the photograph that is nearest to each light; without lights in a manifest, it uses the
-    /// photograph's own light.
+    /// Source of a pack, to compare with. With --adaptive, bandwidth and samples come from its lobes. For the pack of
+    /// an RTI capture, the program shows the photograph that is nearest to each light; without lights in a manifest, it
+    /// uses the photograph's own light.
     #[arg(long, value_name = "INPUT")]
     pub(super) source: Option<Input>,
-    /// Draw the packs that 'brdfc build' put into this folder (default: packs, if a build filled it). Packs whose source or
-    /// options differ from the manifest are encoded again for the rendering; if this option and a limit are given, they fail it.
+    /// Draw the packs that 'brdfc build' put into this folder (default: packs, if a build filled it). Packs whose
+    /// source or options differ from the manifest are encoded again for the rendering. With this option, such packs
+    /// fail any limit.
     #[arg(long, value_name = "DIR")]
     pub(super) packs: Option<PathBuf>,
     /// Also compare whole tables, all slices at 16 bits, which shows the error of the grid alone.
     #[arg(long)]
     pub(super) table: bool,
-    /// Fail with exit code 1 if the mean ΔE of the rendering is above X: against the sources, or without them against the CPU's
-    /// decoder. With any limit, a rendering without a surface or without light fails. --pack-delta-e limits the encoding of
-    /// materials instead, as --max-delta-e of 'brdfc encode' does.
+    /// Fail with exit code 1 if the mean ΔE of the rendering is above X, a number of 0 or more. The reference is drawn
+    /// from the sources, or without sources by the CPU's decoder. With any limit, a rendering without a surface or
+    /// without light fails. --pack-delta-e limits the encoding of materials instead, as --max-delta-e of 'brdfc encode'
+    /// does.
     #[arg(long, value_name = "X")]
     pub(super) max_delta_e: Option<f64>,
-    /// Fail with exit code 1 if the 95th percentile of ΔE is above X.
+    /// Fail with exit code 1 if the 95th percentile of ΔE is above X, a number of 0 or more.
     #[arg(long, value_name = "X")]
     pub(super) max_delta_e_p95: Option<f64>,
     /// Fail with exit code 1 if the mean FLIP over surfaces is above X, 0 to 1.
@@ -104,11 +108,12 @@ pub struct Arguments {
     /// Use the adapter whose name contains this text (default: the fastest).
     #[arg(long, value_name = "NAME")]
     pub(super) adapter: Option<String>,
-    /// Form of a flat BTF: every view and light, or normal map and diffuse colours (default: full if the file has views).
+    /// Form of a flat BTF: every view and light, or normal map and diffuse colours (default: full if the file has
+    /// views).
     #[arg(long, value_parser = one_of(&FORMS))]
     pub(super) form: Option<FlatForm>,
-    /// Tiles of a flat BTF per unit of the scene's uv, 1 to 1024 (default: 4 on plane, bottle, vase and teapot, else 8). Also applies
-    /// to the pack of an RTI capture that is a tile (default: 1).
+    /// Tiles of a flat BTF per unit of the scene's uv, 1 to 1024 (default: 4 on plane, bottle, vase and teapot, else
+    /// 8). Also applies to the pack of an RTI capture that is a tile (default: 1).
     #[arg(long, value_name = "N", value_parser = whole_number::<u32>(1..=1024))]
     pub(super) repeat: Option<u32>,
     #[command(flatten)]
@@ -127,10 +132,12 @@ const SCENES: [(&str, Builtin, &str); 10] = [
     ("vase", Builtin::Vase, "A vase: a surface of revolution"),
     ("teapot", Builtin::Teapot, "A teapot with lid, spout and handle"),
     ("bumpy-ball", Builtin::BumpyBall, "A ball with a smooth and a bumpy half, without point lights: for environments"),
-    ("ribbed-torus", Builtin::RibbedTorus, "A torus with a smooth and a ribbed half, likewise"),
+    ("ribbed-torus", Builtin::RibbedTorus, "A torus with a smooth and a ribbed half, lit like bumpy-ball"),
 ];
-const FORMS: [(&str, FlatForm, &str); 2] =
-    [("full", FlatForm::Full, "Equation 1 of Hadim et al. 2009"), ("light", FlatForm::Light, "Their light form")];
+const FORMS: [(&str, FlatForm, &str); 2] = [
+    ("full", FlatForm::Full, "Equation 1 of Hadim et al. 2009"),
+    ("light", FlatForm::Light, "Normal map and diffuse colours"),
+];
 const FILTERS: [(&str, Filter, &str); 3] = [
     ("nearest", Filter::Nearest, "The nearest cell"),
     ("slices", Filter::Slices, "Bilinear in slices, one reconstruction"),

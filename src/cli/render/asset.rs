@@ -41,12 +41,14 @@ pub(super) fn asset(arguments: &Arguments) -> Result<Option<Asset>, Error> {
         _ if flat::is_flat(&input) => AssetKind::Flat,
         "ktx2" => match open_pack(&input) {
             Ok(Pack::Pwt(pack)) => AssetKind::Pwt(Box::new(pack)),
-            Ok(other) if named_by_manifest => return Err(no_asset(&input, other.kind().summary())),
+            Ok(other) if named_by_manifest => {
+                return Err(no_asset(&input, &format!("found {}, ", other.kind().summary())));
+            }
             Err(error) if named_by_manifest => return Err(error.into()),
             // Packs of BRDFs are opened later, after their flags are checked, and report the error.
             _ => return Ok(None),
         },
-        _ if named_by_manifest => return Err(no_asset(&input, "another file")),
+        _ if named_by_manifest => return Err(no_asset(&input, "")),
         _ => return Ok(None),
     };
     Ok(Some(Asset { input, subject, kind }))
@@ -65,7 +67,7 @@ fn of_manifest(arguments: &Arguments) -> Result<Option<(Input, Subject)>, Error>
 
 fn no_asset(input: &Input, found: &str) -> Error {
     let allowed = "a flat BTF, or the pack of an RTI capture";
-    Error::input(format!("{input}: render.asset: found {found}, expected {allowed}"))
+    Error::input(format!("{input}: render.asset: {found}expected {allowed}"))
 }
 
 /// Returns true if the folder contains an RTI capture and no flat BTF.
@@ -74,8 +76,8 @@ fn is_unpacked_capture(input: &Input) -> bool {
 }
 
 fn not_packed(input: &Input) -> Error {
-    let allowed = "a pack of it ('brdfc pwt' makes one, and --source compares it with the photographs)";
-    Error::wrong_input(input, "an RTI capture", allowed)
+    let text = "RTI captures are not drawn; draw a pack that 'brdfc pwt' makes, with the RTI capture as --source";
+    Error::input(format!("{input}: {text}"))
 }
 
 /// Rejects flags that do not apply to this kind of asset.

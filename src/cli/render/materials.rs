@@ -2,6 +2,7 @@
 
 use super::arguments::Arguments;
 use crate::inputs::refuse_stdin_twice;
+use crate::options::by_flags;
 use crate::output::{note, refuse_flags, remark};
 use crate::{Common, Error};
 use brdfc::encode::encode;
@@ -85,8 +86,8 @@ pub(super) fn subject(arguments: &Arguments) -> Result<Subject, Error> {
     match kind.as_str() {
         "toml" => {
             let Some(path) = input.path().map(Path::to_owned) else {
-                let allowed = "a file, because its paths are relative to its folder";
-                return Err(Error::wrong_usage("SCENE.toml", input, allowed));
+                let text = format!("{input}: manifests are not read from stdin; name the file");
+                return Err(Error::usage(text));
             };
             let (text, manifest) = read_manifest(&path)?;
             let folder = path.parent().unwrap_or(Path::new(""));
@@ -97,7 +98,7 @@ pub(super) fn subject(arguments: &Arguments) -> Result<Subject, Error> {
         }
         "ktx2" => Ok(Subject::Pack),
         _ => {
-            let (recipe, fit) = arguments.options.request()?;
+            let (recipe, fit) = arguments.options.request().map_err(pack_flags)?;
             if fit != FitLimits::default() {
                 let flags = "--trust-fit, --max-fit-error";
                 return Err(Error::usage(format!("{flags} do not apply to render, only to encode and build")));
@@ -107,12 +108,19 @@ pub(super) fn subject(arguments: &Arguments) -> Result<Subject, Error> {
     }
 }
 
+/// Names the limit of ΔE of packs by its flag of `render`.
+fn pack_flags(error: Error) -> Error {
+    let text = error.message().replace("--max-delta-e", "--pack-delta-e");
+    error.with_message(text)
+}
+
 /// Opens the given folder of packs, or the default folder of a build.
 fn pack_folder(arguments: &Arguments) -> Result<Option<PackFolder>, Error> {
     let default = Path::new(brdfc::Build::DEFAULT_FOLDER);
     let folder = match &arguments.packs {
         Some(folder) if !folder.is_dir() => {
-            return Err(Error::io(format!("{}: cannot read: found no folder", folder.display())));
+            let text = "cannot read: not a folder; expected a folder that 'brdfc build' filled";
+            return Err(Error::io(format!("{}: {text}", folder.display())));
         }
         Some(folder) => folder,
         None if PackFolder::is_one(default) => default,
@@ -167,12 +175,11 @@ fn refuse_unchecked(arguments: &Arguments, stale: &[String], missing: &[String])
     if arguments.packs.is_none() || limits.iter().all(Option::is_none) {
         return Ok(());
     }
-    let expected = "the pack that 'brdfc build' makes of this manifest";
     match (stale.first(), missing.first()) {
         (Some(file), _) => Err(Error::check(format!(
-            "{file}: found a damaged pack or one of another source or options, expected {expected}"
+            "{file}: damaged, or made from another source or with other options; run 'brdfc build'"
         ))),
-        (None, Some(file)) => Err(Error::check(format!("{file}: found no such file, expected {expected}"))),
+        (None, Some(file)) => Err(Error::check(format!("{file}: missing; run 'brdfc build'"))),
         (None, None) => Ok(()),
     }
 }
@@ -209,7 +216,8 @@ fn prepare_one(arguments: &Arguments, subject: &Subject, name: &str) -> Result<(
         }
         (Subject::Pack, _) => (open_brdf_pack(&arguments.input)?, Vec::new(), Vec::new()),
         (_, Some(source)) => {
-            let made = encode(source.as_ref(), &recipe.clone().without_measuring(), &())?;
+            let made = encode(source.as_ref(), &recipe.clone().without_measuring(), &())
+                .map_err(|error| pack_flags(by_flags(error)))?;
             (made.pack, Vec::new(), made.missed.into_iter().collect())
         }
         (_, None) => return Err(Error::internal("nothing to draw")),

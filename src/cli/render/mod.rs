@@ -27,7 +27,7 @@ use serde::Serialize;
 use std::path::Path;
 use std::time::Instant;
 
-/// Maximum number of materials in a remark.
+/// Maximum number of materials in a line.
 const MAX_LISTED: usize = 6;
 
 /// Report of `--json`.
@@ -56,10 +56,9 @@ pub(super) fn run(arguments: &Arguments, common: Common) -> Result<(), Error> {
     if let Some(asset) = &asset {
         asset::refuse_flags(arguments, asset)?;
     }
-    if let (Some(path), false) = (&arguments.adaptive.environment, arguments.adaptive.adaptive) {
-        let found = format!("{} without --adaptive", path.display());
-        let allowed = "--adaptive as well, because other renderings use the lights of their scene";
-        return Err(Error::wrong_usage("--environment", found, allowed));
+    if arguments.adaptive.environment.is_some() && !arguments.adaptive.adaptive {
+        let text = "--environment needs --adaptive: other renderings use the lights of their scene";
+        return Err(Error::usage(text));
     }
     if arguments.adaptive.adaptive {
         return adaptive::run(arguments, common);
@@ -82,7 +81,7 @@ pub(super) fn run(arguments: &Arguments, common: Common) -> Result<(), Error> {
     }
     if verification.left_out > 0.0 {
         let share = table::percent(verification.left_out);
-        let why = "directions outside those of their packs (view_elevation, light_elevation)";
+        let why = "their packs do not cover the directions (view_elevation, light_elevation)";
         remark(common, &format!("excluded {share} of the surfaces: {why}"));
     }
     drop(views);

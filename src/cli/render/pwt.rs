@@ -86,7 +86,8 @@ fn open_capture(source: &Input, size: [usize; 2]) -> Result<RtiCapture, Error> {
     let stack = RtiCapture::open(path)?;
     if stack.size() != size {
         let [found, expected] = [stack.size(), size].map(|[width, height]| format!("{width} x {height} pixels"));
-        return Err(Error::input(format!("--source: {source}: found {found}, expected {expected}, as the pack has")));
+        let text = format!("--source: {source}: found {found}, expected {expected}, the size of the pack");
+        return Err(Error::input(text));
     }
     Ok(stack)
 }
@@ -104,7 +105,7 @@ fn of_photographs(
         let (number, angle) = nearest_photograph(stack, light);
         let image = stack.image(number)?;
         let file = stack.file(number).file_name().map_or_else(String::new, |name| name.to_string_lossy().into_owned());
-        remark(common, &format!("compared with {file}; its light is {angle:.1}° from that of the rendering"));
+        remark(common, &format!("compared with {file}; its light is {angle:.1}° from the light of the rendering"));
         photographs.push(Photograph::new([image.width, image.height], image.pixels, repeats));
     }
     Ok(draw_photographs(&setup.scene, setup.frame, &photographs, repeat))

@@ -8,7 +8,7 @@ use brdfc::render::{
     Builtin, Environment, Frame, Gpu, PartMaterial, PointLight, Scene, Verification, Views, open_radiance_image,
 };
 use brdfc::scene::{LightSection, MAX_SIDE, ManifestError, RenderSection, line_of, near_miss};
-use brdfc_terminal::words;
+use brdfc_terminal::words::{self, one_of};
 use std::path::{Path, PathBuf};
 use toml::Spanned;
 
@@ -111,7 +111,7 @@ pub(super) fn setup_from(arguments: &Arguments, subject: &Subject, start: &Start
     let count = width as u64 * height as u64 * (samples * samples) as u64;
     if count > MAX_ALL_SAMPLES {
         return Err(Error::usage(format!(
-            "size and samples: found {width} x {height} pixels of {} samples, expected at most {MAX_ALL_SAMPLES}",
+            "--size and --samples: found {width} x {height} pixels of {} samples, expected at most {MAX_ALL_SAMPLES}",
             samples * samples
         )));
     }
@@ -159,7 +159,7 @@ fn names(arguments: &Arguments, subject: &Subject, builtin: Builtin) -> Result<V
     let materials: Vec<&str> = manifest.materials.keys().map(String::as_str).collect();
     let given = &manifest.render.materials;
     for (part, material) in given {
-        // The manifest may name parts of another scene than that of --scene.
+        // The manifest may name parts of another scene than --scene.
         let known: Vec<&str> = Builtin::NAMES.iter().flat_map(|(_, scene)| scene.parts()).copied().collect();
         if !known.contains(&part.get_ref().as_str()) {
             return Err(at(subject, part, "part in [render.materials]", builtin.parts()));
@@ -186,7 +186,7 @@ pub(super) fn materials_in_turn(arguments: &Arguments, subject: &Subject) -> Res
     let used: Vec<String> = manifest.materials.keys().filter(is_used).cloned().collect();
     let all = if used.is_empty() { manifest.materials.keys().cloned().collect() } else { used };
     if all.is_empty() {
-        let text = format!("{}: materials: found none, expected one or more", arguments.input);
+        let text = format!("{}: no materials to draw; add [materials.NAME] with source = \"...\"", arguments.input);
         return Err(Error::input(text));
     }
     Ok(all)
@@ -200,7 +200,7 @@ fn at(subject: &Subject, name: &Spanned<String>, field: &str, known: &[&str]) ->
         line: line_of(text, Some(name.span())),
         field: field.to_owned(),
         found: format!("\"{}\"", name.get_ref()),
-        allowed: known.join(", "),
+        allowed: one_of(known),
         suggestion: near_miss(name.get_ref(), known),
     };
     Error::input(format!("{}: {error}", path.display()))

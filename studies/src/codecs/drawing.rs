@@ -7,7 +7,7 @@ use plotters::prelude::*;
 const PANEL: (u32, u32) = (460, 340);
 const COLUMNS: usize = 3;
 /// Codecs in the order of the legend. The line of `bc6h` and `bc7` is their lower envelope, like those of zfp and SZ3.
-const CODECS: [(&str, RGBColor); 8] = [
+const CODECS: [(&str, RGBColor); 9] = [
     ("table", RGBColor(0, 90, 181)),
     ("factored", RGBColor(220, 50, 32)),
     ("wavelet", RGBColor(120, 120, 120)),
@@ -16,6 +16,7 @@ const CODECS: [(&str, RGBColor); 8] = [
     ("bc6h", RGBColor(200, 150, 0)),
     ("bc7", RGBColor(230, 120, 180)),
     ("ggx", RGBColor(0, 0, 0)),
+    ("neural", RGBColor(0, 170, 200)),
 ];
 
 /// The figure as SVG. The horizontal axis has the bytes of a codec: for zfp and SZ3 on disk, for others on the GPU.

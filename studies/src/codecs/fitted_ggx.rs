@@ -19,7 +19,7 @@ const EVERY: usize = 11;
 const STARTS: [(f64, f64); 6] = [(0.03, 0.04), (0.03, 0.5), (0.1, 0.04), (0.1, 0.5), (0.3, 0.04), (0.3, 0.5)];
 const STEPS: usize = 60;
 
-/// The model whose renderings are closest to those of `source` by the squares of ΔE*ab, by the Levenberg-Marquardt
+/// The model whose renderings are closest to those of `source` by the squares of ΔE (CIE76), by the Levenberg-Marquardt
 /// method from several starts. `exposure` is that of the renderings.
 pub(super) fn fitted_ggx(source: &dyn Source, exposure: f64) -> Ggx {
     let pairs: Vec<DirectionPair> = rendering_pairs().iter().copied().step_by(EVERY).collect();

@@ -2,7 +2,8 @@
 
 use super::blocks::{Blocks, whole_blocks};
 use super::fitted_ggx::fitted_ggx;
-use super::peers::{Compress, DenseTable};
+use super::neural::NeuralBrdf;
+use super::peers::{Compress, DenseTable, Peers};
 use super::volume::{Meaning, Volume};
 use super::{CodecMaterial, CodecRow};
 use crate::rates::Rates;
@@ -48,7 +49,7 @@ pub enum CodecStudyError {
     Peer(String),
 }
 
-/// Measures every codec on one material; zfp and SZ3 only with `compress`.
+/// Measures every codec and the given alternatives on one material.
 ///
 /// # Errors
 /// Returns errors of drivers and compressors, or of encoding the source.
@@ -56,7 +57,7 @@ pub fn codec_study(
     gpu: &Gpu,
     name: &str,
     source: &dyn Source,
-    compress: Option<&Compress<'_>>,
+    peers: &Peers<'_>,
 ) -> Result<CodecMaterial, CodecStudyError> {
     let mut study = Study {
         gpu,
@@ -65,12 +66,16 @@ pub fn codec_study(
         reference: Reference::new(source, PairSet::comparison()),
         rows: Vec::new(),
     };
-    let first = study.packs()?;
+    let shares_of_network = peers.network.iter().flat_map(|_| [NeuralBrdf::bytes() / 2, NeuralBrdf::bytes()]);
+    let first = study.packs(&SIZES.iter().map(|kib| kib << 10).chain(shares_of_network).collect::<Vec<_>>())?;
     study.blocks()?;
-    if let Some(compress) = compress {
-        study.peers(compress)?;
+    if let Some(compress) = peers.compress {
+        study.compressors(compress)?;
     }
     study.ggx(&first)?;
+    if let Some(network) = &peers.network {
+        study.network(network, &first)?;
+    }
     Ok(CodecMaterial { material: name.to_owned(), rows: study.rows })
 }
 
@@ -83,12 +88,14 @@ struct Study<'a> {
 }
 
 impl Study<'_> {
-    /// Measures tables, factored tables and wavelets in their file formats. Returns the first of the packs.
-    fn packs(&mut self) -> Result<BrdfPack, CodecStudyError> {
-        let table = |factored, kib: u64| {
-            PackRecipe::Table(TableRecipe { size: Size::Bytes(kib << 10), factored, ..TableRecipe::default() }.into())
+    /// Measures tables and factored tables of these bytes on a GPU, and wavelets, in their file formats. Returns the first of
+    /// the packs.
+    fn packs(&mut self, sizes: &[u64]) -> Result<BrdfPack, CodecStudyError> {
+        let table = |factored, bytes: u64| {
+            PackRecipe::Table(TableRecipe { size: Size::Bytes(bytes), factored, ..TableRecipe::default() }.into())
         };
-        let tables = [false, true].into_iter().flat_map(|factored| SIZES.map(|kib| table(factored, kib)));
+        let tables =
+            [false, true].into_iter().flat_map(|factored| sizes.iter().map(move |bytes| table(factored, *bytes)));
         let wavelets =
             RATIOS.map(|ratio| PackRecipe::Wavelet(Recipe { target: Target::Ratio(ratio), ..Recipe::visible() }));
         let mut first = None;
@@ -150,7 +157,7 @@ impl Study<'_> {
         Ok(())
     }
 
-    fn peers(&mut self, compress: &Compress<'_>) -> Result<(), CodecStudyError> {
+    fn compressors(&mut self, compress: &Compress<'_>) -> Result<(), CodecStudyError> {
         let fitted = FOR_PEERS
             .map(|kib| self.nodes(Size::Bytes(kib << 10)))
             .into_iter()
@@ -186,26 +193,57 @@ impl Study<'_> {
     /// Measures the fitted model. `any` is a pack for the bindings that its shader does not use.
     fn ggx(&mut self, any: &BrdfPack) -> Result<(), CodecStudyError> {
         let start = Instant::now();
-        let exposure = self.reference.exposure();
-        let ggx = fitted_ggx(self.source, exposure);
-        let encode_seconds = start.elapsed().as_secs_f64();
-        let error = self.reference.compare(&ggx);
-        let cpu = self.rates.cpu(false, |pair| ggx.eval(pair, &mut Tally::default())[0] as f32);
-        let evaluator = Evaluator::with_shaders(self.gpu, &ggx_source(&ggx), EVALUATE_ENTRY_WGSL)?;
+        let ggx = fitted_ggx(self.source, self.reference.exposure());
+        let fitted = Closed {
+            codec: "ggx",
+            setting: parameters(&ggx),
+            bytes: GGX_BYTES,
+            encode_seconds: start.elapsed().as_secs_f64(),
+            shader: ggx_source(&ggx),
+        };
+        self.closed(&ggx, fitted, any)
+    }
+
+    /// Measures a network, whose training is not timed.
+    fn network(&mut self, network: &NeuralBrdf, any: &BrdfPack) -> Result<(), CodecStudyError> {
+        let trained = Closed {
+            codec: "neural",
+            setting: NeuralBrdf::setting(),
+            bytes: NeuralBrdf::bytes(),
+            encode_seconds: 0.0,
+            shader: network.shader(),
+        };
+        self.closed(network, trained, any)
+    }
+
+    /// Measures a model without textures.
+    fn closed(&mut self, model: &dyn Source, closed: Closed, any: &BrdfPack) -> Result<(), CodecStudyError> {
+        let error = self.reference.compare(model);
+        let cpu = self.rates.cpu(false, |pair| model.eval(pair, &mut Tally::default())[0] as f32);
+        let evaluator = Evaluator::with_shaders(self.gpu, &closed.shader, EVALUATE_ENTRY_WGSL)?;
         let loaded = evaluator.load(any, Filter::Bilinear)?;
         let shader = self.rates.shader_of(&evaluator, &loaded, 0.0, SliceFilter::Hardware)?;
         self.rows.push(CodecRow {
             sampled: true,
-            bytes_on_gpu: GGX_BYTES,
-            bytes_on_disk: GGX_BYTES,
+            bytes_on_gpu: closed.bytes,
+            bytes_on_disk: closed.bytes,
             fetches: Some(0),
-            encode_seconds,
+            encode_seconds: closed.encode_seconds,
             cpu: Some(cpu),
             shader: Some(shader),
-            ..row("ggx", parameters(&ggx), &error)
+            ..row(closed.codec, closed.setting, &error)
         });
         Ok(())
     }
+}
+
+/// A model in closed form.
+struct Closed {
+    codec: &'static str,
+    setting: String,
+    bytes: u64,
+    encode_seconds: f64,
+    shader: String,
 }
 
 /// The common values of a row; others are absent.

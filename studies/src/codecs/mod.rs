@@ -1,15 +1,17 @@
-//! Packs compared with alternatives: general compressors of dense tables, block compression, a fitted model.
+//! Packs compared with alternatives: general compressors of dense tables, block compression, a fitted model, a network.
 
 mod blocks;
 mod drawing;
 mod fitted_ggx;
 mod measure;
+mod neural;
 mod peers;
 mod volume;
 
 pub use drawing::drawing;
 pub use measure::{CodecStudyError, codec_study};
-pub use peers::{Compress, Compressed, DenseTable};
+pub use neural::{NETWORK_WEIGHTS, NeuralBrdf};
+pub use peers::{Compress, Compressed, DenseTable, Peers};
 
 use brdfc_gpu::AdapterDescription;
 use schemars::JsonSchema;
@@ -20,8 +22,8 @@ use serde::Serialize;
 pub struct CodecStudy {
     /// Adapter that ran the shaders.
     pub adapter: AdapterDescription,
-    /// Reason to leave out zfp and SZ3, if any.
-    pub peers_left_out: Option<String>,
+    /// Alternatives that were not measured, each with the reason.
+    pub left_out: Vec<String>,
     /// One entry for each material.
     pub materials: Vec<CodecMaterial>,
 }
@@ -38,9 +40,9 @@ pub struct CodecMaterial {
 /// One codec at one size.
 #[derive(Debug, Clone, Serialize, JsonSchema)]
 pub struct CodecRow {
-    /// `table`, `factored`, `wavelet`, `zfp`, `sz3`, `bc6h`, `bc7` or `ggx`.
+    /// `table`, `factored`, `wavelet`, `zfp`, `sz3`, `bc6h`, `bc7`, `ggx` or `neural`.
     pub codec: String,
-    /// Nodes, ratio, tolerance or parameters.
+    /// Nodes, ratio, tolerance, parameters or layers.
     pub setting: String,
     /// For zfp and SZ3: true if they compress a dense table, false for the nodes that were fitted for a pack.
     pub dense: bool,
@@ -60,7 +62,7 @@ pub struct CodecRow {
     pub shader: Option<f64>,
     /// `ε_r` at independent test directions, a fraction.
     pub relative_error: f64,
-    /// Mean ΔE*ab of renderings.
+    /// Mean ΔE (CIE76) of renderings.
     pub delta_e: f64,
     /// Its 95th percentile.
     pub delta_e_p95: f64,

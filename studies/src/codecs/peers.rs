@@ -1,4 +1,7 @@
-//! General compressors of dense tables, whose output must be decompressed for a GPU.
+//! Alternatives that are made outside this crate: general compressors of dense tables, whose output must be decompressed
+//! for a GPU, and networks that others have trained.
+
+use super::neural::NeuralBrdf;
 
 /// A dense table, one channel after the other.
 #[derive(Debug, Clone, PartialEq)]
@@ -26,6 +29,15 @@ pub struct Compressed {
 
 /// Compresses a table at several tolerances with every available compressor.
 pub type Compress<'a> = dyn Fn(&DenseTable) -> Result<Vec<Compressed>, String> + 'a;
+
+/// Alternatives to measure on a material.
+#[derive(Default)]
+pub struct Peers<'a> {
+    /// Runs zfp and SZ3.
+    pub compress: Option<&'a Compress<'a>>,
+    /// A network that was trained on the material.
+    pub network: Option<NeuralBrdf>,
+}
 
 impl DenseTable {
     /// Makes a table from nodes in its order.

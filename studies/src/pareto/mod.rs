@@ -50,9 +50,9 @@ pub struct ParetoRow {
     pub runs: usize,
     /// Evaluations per second of the CPU decoder on one thread, at the finest level of detail; the fastest of three runs.
     pub decode_rate: f64,
-    /// Mean ΔE*ab of renderings.
+    /// Mean ΔE (CIE76) of renderings.
     pub delta_e: f64,
-    /// 95th percentile of ΔE*ab.
+    /// 95th percentile of ΔE (CIE76).
     pub delta_e_p95: f64,
     /// `ε_r` at independent test directions, a fraction.
     pub relative_error: f64,

@@ -28,7 +28,7 @@ pub struct WaveletSetting {
     /// True if ranking of slices is perceptually weighted, with the corresponding bias; false if it is by energy.
     pub visible: bool,
     /// True if levels of detail and discarded slices are energy-preserving.
-    pub lifted: bool,
+    pub energy_preserving: bool,
     /// True if the table is smoothed first.
     pub smoothed: bool,
 }
@@ -42,7 +42,7 @@ impl WaveletSetting {
             ratio,
             bits: recipe.bits,
             visible: recipe.ranking == Ranking::Visible,
-            lifted: recipe.lift,
+            energy_preserving: recipe.energy_preserving,
             smoothed: recipe.smooth,
         })
     }
@@ -53,7 +53,7 @@ impl std::fmt::Display for WaveletSetting {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         let Self { grid, ratio, bits, .. } = self;
         write!(f, "{grid}², {ratio}:1, {bits} bits, {}", if self.visible { "visible" } else { "energy" })?;
-        for (asked, name) in [(self.lifted, ", energy-preserving"), (self.smoothed, ", smoothed")] {
+        for (asked, name) in [(self.energy_preserving, ", energy-preserving"), (self.smoothed, ", smoothed")] {
             f.write_str(if asked { name } else { "" })?;
         }
         Ok(())
@@ -94,7 +94,7 @@ fn wavelets(
         Ranking::Visible => Recipe::visible(),
         Ranking::Energy => Recipe::default(),
     };
-    let recipe = Recipe { levels, stored_levels: levels, lift, smooth, ..of_ranking };
+    let recipe = Recipe { levels, stored_levels: levels, energy_preserving: lift, smooth, ..of_ranking };
     let each = ratios.iter().flat_map(|ratio| BITS.map(|bits| (Target::Ratio(*ratio), bits)));
     each.map(move |(target, bits)| PackRecipe::Wavelet(Recipe { target, bits, ..recipe.clone() }))
 }

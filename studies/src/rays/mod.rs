@@ -215,7 +215,7 @@ mod tests {
         let plane = ray_study("button?resolution=16&height=0", 4).unwrap();
         assert_eq!((plane.rows[0].hits, plane.rows[1].hits, plane.rows[1].rays), (1.0, 0.0, 4 * 4 * 81));
         assert_eq!(plane.rows[0].repeated_one, None);
-        assert!(ray_study("buton", 4).unwrap_err().to_string().contains("did you mean `button`?"));
+        assert!(ray_study("buton", 4).unwrap_err().to_string().contains("did you mean button?"));
     }
 
     #[test]

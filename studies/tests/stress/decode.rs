@@ -59,7 +59,7 @@ struct ExactDecoder<'a> {
 impl<'a> ExactDecoder<'a> {
     fn new(pack: &'a WaveletPack) -> Self {
         let header = &pack.header;
-        let lift = header.lifted.then(|| Lift::new(header.levels));
+        let lift = header.energy_preserving.then(|| Lift::new(header.levels));
         let most = |k: usize| {
             let scale = pack.scales[usize::from(pack.index[k])];
             f64::from((scale.offset + scale.scale).abs().max(scale.offset.abs()))

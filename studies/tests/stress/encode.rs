@@ -27,7 +27,14 @@ pub fn rows(stages: &Stages, small: bool) -> Vec<StressRow> {
 }
 
 fn recipe(levels: u32, lift: bool) -> Recipe {
-    Recipe { levels, stored_levels: levels, lift, measure_off_grid: false, supercompress: false, ..Recipe::visible() }
+    Recipe {
+        levels,
+        stored_levels: levels,
+        energy_preserving: lift,
+        measure_off_grid: false,
+        supercompress: false,
+        ..Recipe::visible()
+    }
 }
 
 fn constants(stages: &Stages, small: bool) -> Vec<StressRow> {

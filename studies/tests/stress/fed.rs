@@ -142,6 +142,6 @@ pub fn header(recipe: &Recipe, mean: f32, bias: f32) -> Header {
         bits: recipe.bits,
         mean,
         bias,
-        lifted: recipe.lift,
+        energy_preserving: recipe.energy_preserving,
     }
 }

@@ -10,7 +10,7 @@ use brdfc_wavelet::recipe::{Recipe, Target};
 
 /// A pack whose last coefficients are stored, so that the largest entries are at the end of the index map.
 pub fn pack(levels: u32, retained: usize, bits: u32, lift: bool, seed: u64) -> WaveletPack {
-    let recipe = Recipe { levels, stored_levels: levels, bits, lift, ..Recipe::default() };
+    let recipe = Recipe { levels, stored_levels: levels, bits, energy_preserving: lift, ..Recipe::default() };
     let header = header(&recipe, 0.3, 0.01);
     let mut numbers = Numbers::new(seed);
     let cells = header.cells();
@@ -54,8 +54,8 @@ pub fn rows(stages: &Stages, small: bool) -> Vec<StressRow> {
     let ratio = |ratio| Recipe { levels: 6, stored_levels: 6, target: Target::Ratio(ratio), ..Recipe::default() };
     for asked in [1.0, 1.5, 2.0] {
         let refusal = (stages.encode)(&constant(0.3), &ratio(asked));
-        let slices = |found: &str| found.split(',').next().and_then(|count| count.parse::<usize>().ok());
-        refused.check(matches!(&refusal, Err(EncodeError::Size { field: "slices", found, .. }) if slices(found) > Some(MAX_SLICES)));
+        let slices = |found: &str| found.split(' ').next().and_then(|count| count.parse::<usize>().ok());
+        refused.check(matches!(&refusal, Err(EncodeError::Size { field: "ratio", found, .. }) if slices(found) > Some(MAX_SLICES)));
     }
     vec![
         back.row(

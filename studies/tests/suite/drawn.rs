@@ -33,7 +33,8 @@ fn the_studies_that_draw() {
     assert_eq!(folder.files("frames").len(), 18);
 }
 
-/// Comparison of codecs, with a script instead of Python whose compressor copies its input.
+/// Comparison of codecs, with a script instead of Python whose compressor copies its input and whose networks are files of
+/// weights.
 #[cfg(unix)]
 #[test]
 fn the_study_of_codecs() {
@@ -43,21 +44,32 @@ fn the_study_of_codecs() {
     }
     let folder = folder();
     let script = folder.path().join("python");
-    let text = "#!/bin/sh\n[ \"$1\" = -c ] && exit\ncp \"$2\" \"$3/copy.f32\"\necho zfp 0.1 4321 0.25 copy.f32\n";
+    let text = "#!/bin/sh\nif [ \"$1\" = -c ]; then [ -z \"$3\" ] || cat \"$3\"; exit; fi\ncp \"$2\" \"$3/copy.f32\"\necho zfp 0.1 4321 0.25 copy.f32\n";
     std::fs::write(&script, text).unwrap();
     std::fs::set_permissions(&script, std::fs::Permissions::from_mode(0o755)).unwrap();
     let python = script.to_str().unwrap();
     let material = "synth:ggx?kd=0.3,0.1,0.05&alpha=0.2";
     let bench = ["--study", "codecs", material];
-    let ran = folder.run(&[&bench[..], &["--json", "--out", "figures", "--peers", python]].concat()).succeeded();
+    // Its last biases make a network of ln(f + 1) that is constant: 0.1, 0.03 and 0.02 like the diffuse part.
+    let mut weights = vec![0.0f32; 672];
+    weights.extend([0.1f32, 0.03, 0.02].map(f32::ln_1p));
+    std::fs::create_dir(folder.path().join("nets")).unwrap();
+    folder.write(&format!("nets/{material}.h5"), weights.iter().flat_map(|w| w.to_le_bytes()).collect::<Vec<u8>>());
+    let with = ["--json", "--out", "figures", "--peers", python, "--networks", "nets"];
+    let ran = folder.run(&[&bench[..], &with].concat()).succeeded();
     let study = ran.json();
     conforms(&study);
     let rows = study["materials"][0]["rows"].as_array().unwrap();
     let of = |codec: &str| -> Vec<&serde_json::Value> { rows.iter().filter(|row| row["codec"] == codec).collect() };
     let least =
         |codec: &str| of(codec).iter().map(|row| row["delta_e"].as_f64().unwrap()).fold(f64::INFINITY, f64::min);
-    assert_eq!([of("table").len(), of("factored").len(), of("wavelet").len()], [8, 8, 3]);
+    assert_eq!([of("table").len(), of("factored").len(), of("wavelet").len()], [10, 10, 3]);
     assert_eq!([of("bc6h").len(), of("bc7").len(), of("zfp").len(), of("ggx").len()], [8, 4, 5, 1]);
+    let [network] = of("neural")[..] else { panic!("one network") };
+    assert_eq!([&network["bytes_on_gpu"], &network["fetches"]], [2700, 0]);
+    let error = network["delta_e"].as_f64().unwrap();
+    assert!(error > 1.0 && error < 30.0 && network["shader"].as_f64().unwrap() > 1e4, "{network}");
+    assert!(of("table").iter().any(|row| row["bytes_on_gpu"].as_u64().unwrap() <= 1350));
     // A model of the kind that is fitted is found; nodes that lost nothing are as close as tables.
     assert!(least("ggx") < 0.01 && least("zfp") < 1.1 * least("table"), "{} {}", least("ggx"), least("zfp"));
     assert!(least("bc6h") < 1.0 && least("bc7") < 1.0);
@@ -65,6 +77,13 @@ fn the_study_of_codecs() {
     assert!(of("zfp").iter().all(|row| row["bytes_on_disk"] == 4321 && row["sampled"] == false));
     let figure = std::fs::read_to_string(folder.path().join("figures/codecs.svg")).unwrap();
     assert!(figure.starts_with("<svg") && figure.contains("factored") && figure.contains("alpha=0.2"));
+    for (name, expected) in [("nets", "found 674 weights, expected 675"), ("none", "no network of any material")] {
+        folder.write(&format!("nets/{material}.h5"), vec![0u8; 2696]);
+        let wrong = folder.run(&[&bench[..], &["--peers", python, "--networks", name]].concat());
+        assert!(wrong.code == 3 && wrong.stderr.contains(expected), "{} {}", wrong.code, wrong.stderr);
+    }
+    let alone = folder.run(&[&bench[..], &["--networks", "nets"]].concat());
+    assert!(alone.code == 2 && alone.stderr.contains("--networks needs --peers"), "{}", alone.stderr);
     let wrong = folder.run(&[&bench[..], &["--peers", "no-such-python"]].concat());
     assert!(wrong.code == 2 && wrong.stderr.contains("--peers no-such-python: "), "{} {}", wrong.code, wrong.stderr);
 }

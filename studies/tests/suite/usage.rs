@@ -25,7 +25,7 @@ fn the_help_has_examples_and_short_lines() {
 fn flags_that_do_not_apply_to_the_study() {
     let folder = folder();
     folder.write("m.obj", "no folder");
-    refused(&folder, &["--study", "rays", "--out", "m.obj"], 4, &["found a file, expected a folder"]);
+    refused(&folder, &["--study", "rays", "--out", "m.obj"], 4, &["cannot write: not a folder"]);
     refused(&folder, &["--study", "rays", "--directions", "ubo2003"], 2, &["expected with --study flat-btf"]);
     refused(&folder, &["--study", "rays", "--indirection", "8x8"], 2, &["expected with --study flat-btf"]);
     let flat = |option: [&str; 2], expected: &[&str]| {

@@ -77,7 +77,7 @@ impl Stopped<'_> {
             // A cache that cannot store its entry is not a failure.
             let is_right = match run.status.code() {
                 Some(0) => found == after,
-                Some(4) => found == before && message.contains("os error 28"),
+                Some(4) => found == before && message.contains("No space left on device"),
                 _ => false,
             };
             assert!(is_right, "call {call}: {:?}: {message}", found.keys());

@@ -26,17 +26,13 @@ fn stacks_that_are_broken() {
     stack([4, 4], list).run(&["info", "s"]).succeeded();
     for (widths, list, expected) in [
         ([4, 5], list, "b.png: image size: found 5 x 4, expected 4 x 4, the size of a.png"),
-        (
-            [4, 4],
-            "2\na.png 0 0 1\nc.png 0 1 1",
-            "l.lp: line 3, image: found \"c.png\", which does not exist, expected ",
-        ),
+        ([4, 4], "2\na.png 0 0 1\nc.png 0 1 1", "l.lp: line 3, image: \"c.png\" does not exist; expected "),
         ([4, 4], "3\na.png 0 0 1\nb.png 0 1 1", "l.lp: line 1, number of lights: found 3, expected 2, "),
-        ([4, 4], "1\na.png 0 0 0", "l.lp: line 2, direction: found a vector of length 0, expected "),
-        ([4, 4], "1\na.png 0 1 0", "l.lp: line 2, direction: found 0 1 0, at or below the horizon, expected "),
+        ([4, 4], "1\na.png 0 0 0", "l.lp: line 2, direction: vector of length 0; expected "),
+        ([4, 4], "1\na.png 0 1 0", "l.lp: line 2, direction: 0 1 0 is at or below the horizon; expected "),
         ([4, 4], "1\na.png 0 nan 1", "l.lp: line 2, y: found \"nan\", expected a finite number"),
-        ([4, 4], "", "l.lp: number of lights: found an empty file, expected "),
-        ([4, 4], "1\0", "l.lp: line 1, text: found a NUL byte"),
+        ([4, 4], "", "l.lp: number of lights: empty file; expected "),
+        ([4, 4], "1\0", "l.lp: line 1, text: NUL byte"),
     ] {
         for input in ["s", "s/l.lp"] {
             refused(&stack(widths, list), &["info", input], 3, &["brdfc: s/", expected]);
@@ -62,7 +58,7 @@ fn maps_that_are_broken() {
         folder.write("a.ptm", bytes);
         refused(&folder, &["info", "a.ptm"], 3, &["brdfc: a.ptm: ", expected]);
     };
-    check_message(b"", "line 1, version: found end of data, expected a header of 16 words");
+    check_message(b"", "line 1, version: end of data; expected a header of 16 words");
     check_message(&png(4), "it looks like a PNG image (.png)");
     check_message(
         &whole[..whole.len() - 1],
@@ -71,7 +67,7 @@ fn maps_that_are_broken() {
     let jpeg = HEADER.replace("PTM_FORMAT_RGB", "PTM_FORMAT_JPEG_RGB");
     check_message(
         jpeg.as_bytes(),
-        "format: found \"PTM_FORMAT_JPEG_RGB\", which is not supported, expected PTM_FORMAT_RGB or PTM_FORMAT_LRGB",
+        "format: found the unsupported \"PTM_FORMAT_JPEG_RGB\", expected PTM_FORMAT_RGB or PTM_FORMAT_LRGB",
     );
     folder.write("a.binary", &whole);
     refused(&folder, &["info", "a.binary"], 3, &["it looks like a polynomial texture map (.ptm)"]);
@@ -84,9 +80,8 @@ fn neither_is_a_brdf() {
     for (input, what) in
         [("s", "an RTI capture"), ("s/l.lp", "an RTI capture"), ("s/icon.ptm", "a polynomial texture map")]
     {
-        let found = format!(
-            "brdfc: {input}: input: found {what}: images of one view under many lights, which hold no BRDF, expected"
-        );
+        let found =
+            format!("brdfc: {input}: input: {what} has no BRDF, only images of one view under many lights; expected");
         refused(&folder, &["encode", input, "-o", "p.ktx2"], 3, &[found.as_str(), ".binary (MERL)", "'brdfc info'"]);
     }
     refused(&folder, &["encode", "gone.lp", "-o", "p.ktx2"], 4, &["gone.lp: cannot read"]);
@@ -98,7 +93,8 @@ fn neither_is_a_brdf() {
     };
     let (code, message) = command("1\na.png 0 0 1\n");
     assert!(
-        code == Some(3) && message.contains("stdin: input: found the lights of an RTI capture, expected its path"),
+        code == Some(3)
+            && message.contains("stdin: input: found the lights of an RTI capture, expected the path of the list"),
         "{message}"
     );
 }

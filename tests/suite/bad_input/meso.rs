@@ -9,7 +9,7 @@ const TILE: &str = "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nf 1 2 3\nf 1 3 4\n";
 fn bad_mesh(text: &str, expected: &[&str]) {
     let folder = Folder::new();
     folder.write("m.obj", text);
-    let all = [&["brdfc: m.obj: ", "found ", "expected "], expected].concat();
+    let all = [&["brdfc: m.obj: ", "expected "], expected].concat();
     refused(&folder, &["flatten", "m.obj", "-o", "out", "--texels", "8"], 3, &all);
 }
 
@@ -37,12 +37,13 @@ fn zero_area_tiles_and_unknown_names() {
     let folder = Folder::new();
     folder.write("m.obj", TILE);
     for tile in ["0", "nan", "inf"] {
-        refused(&folder, &["flatten", "m.obj", "-o", "out", "--tile", tile], 3, &["tile: found ", "zero-area"]);
+        let expected = ["tile: found ", ", expected a finite length above 0"];
+        refused(&folder, &["flatten", "m.obj", "-o", "out", "--tile", tile], 3, &expected);
     }
     refused(&folder, &["flatten", "m.xyz", "-o", "out"], 4, &["m.xyz"]);
     folder.write("m.xyz", "");
     refused(&folder, &["flatten", "m.xyz", "-o", "out"], 3, &["extension .xyz", ".obj"]);
-    refused(&folder, &["flatten", "synth:buton", "-o", "out"], 3, &["did you mean `button`?"]);
+    refused(&folder, &["flatten", "synth:buton", "-o", "out"], 3, &["did you mean button?"]);
     refused(&folder, &["flatten", "synth:button?count=900", "-o", "out"], 3, &["count of button"]);
     refused(&folder, &["flatten", "m.obj", "-o", "out", "--material", "clay=synth:lambert"], 2, &["clay"]);
 }
@@ -92,7 +93,7 @@ fn stacks_with_gaps_or_odd_images() {
         for (name, size) in files {
             folder.write(&format!("s/{name}"), png(*size, *size));
         }
-        let all = [&["found ", "expected "], expected].concat();
+        let all = [&["expected "], expected].concat();
         refused(&folder, &["flatten", "s", "-o", "out"], 3, &all);
     };
     let name = "tv000_pv000/00000 tl000 pl000 tv000 pv000.png";

@@ -1,5 +1,5 @@
-//! Invalid inputs of the real program: each error states the file, the place, the found and the expected value, and nothing is
-//! written.
+//! Invalid inputs of the real program: each error states the file, the place, what is wrong and what is valid, and
+//! nothing is written.
 
 mod disk;
 mod files;
@@ -40,7 +40,7 @@ fn bad_file(name: &str, bytes: &[u8], expected: &[&str]) {
     let folder = Folder::new();
     folder.write(name, bytes);
     let start = format!("brdfc: {name}: ");
-    let all = [&[start.as_str(), ": found ", ", expected "], expected].concat();
+    let all = [&[start.as_str(), " expected "], expected].concat();
     let message = refused(&folder, &["info", name], 3, &all);
     assert_eq!(message.lines().count(), 1, "{message}");
     assert_eq!(refused(&folder, &["encode", name, "-o", "pack.ktx2", "--grid", "2"], 3, &all), message);

@@ -52,7 +52,7 @@ fn fields_of_the_container() {
     for (at, value, expected) in [
         (12, 0, "byte 12, vkFormat: found "),
         (12, 43, "byte 12, vkFormat: found 43, expected 9, 16, 37, "),
-        (20, 0, "container: found zero pixel width"),
+        (20, 0, "container: zero pixel width"),
         (20, u32::MAX, "byte 20, pixelWidth: found 4294967295, expected 1 to 2048"),
         (20, 8, ""),
         (28, 2048, ""),

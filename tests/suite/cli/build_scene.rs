@@ -56,7 +56,7 @@ fn packs_lists_and_the_report_are_written() {
         let pack = format!("packs/{}", list["parts"]["brdf"].as_str().unwrap());
         assert_eq!(retained["report"]["bytes_on_disk"], folder.read(&pack).len());
         let info = folder.run(&["info", &pack, "--json"]).succeeded().json();
-        assert_eq!(info["slices_kept"], retained["report"]["codec"]["wavelet"]["slices_kept"]);
+        assert_eq!(info["slices_retained"], retained["report"]["codec"]["wavelet"]["slices_retained"]);
     }
     // At distance 30 a grid of 2 levels loses log2(4.5) levels: all that fit.
     assert_eq!(report["materials"][0]["report"]["codec"]["wavelet"]["stored_levels"], 0);
@@ -98,8 +98,8 @@ fn a_failed_material_does_not_stop_the_others() {
     for (change, code, words) in [
         (["data/table.binary", "data/gone.binary"], 4, "table: data/gone.binary: cannot read: "),
         (["data/table.binary", "scene.toml"], 3, "table: scene.toml: file name: found extension .toml"),
-        (["data/table.binary", "synth:lewisss"], 3, "did you mean `lewis`?"),
-        (["data/table.binary'", "data/table.binary'\nmax_error = 1e-9"], 1, "table: error budget: found "),
+        (["data/table.binary", "synth:lewisss"], 3, "did you mean lewis?"),
+        (["data/table.binary'", "data/table.binary'\nmax_error = 1e-9"], 1, "table: max_error: found ε_r "),
     ] {
         let out = folder.path().join("packs");
         let _ = std::fs::remove_dir_all(out);
@@ -124,7 +124,7 @@ fn a_material_that_is_only_spare_needs_no_file() {
         folder.write("scene.toml", scene);
         for arguments in [["build", "scene.toml"].as_slice(), &["build", "scene.toml", "--dry-run"]] {
             let ran = folder.run(arguments);
-            let words = ran.stderr.contains("brdfc: nothing to build: found ");
+            let words = ran.stderr.contains(": nothing to build: ");
             assert!(ran.code == 1 && words && ran.stdout.is_empty(), "{}", ran.stderr);
         }
     }
@@ -276,7 +276,7 @@ fn environments_that_cannot_be_used() {
     folder.write("broken.exr", "not an image");
     for (file, code, words) in [
         ("gone.exr", 4, "environment: gone.exr: cannot read: "),
-        ("broken.exr", 3, "environment: broken.exr: EXR: found "),
+        ("broken.exr", 3, "environment: broken.exr: EXR: "),
         ("data", 3, "line 3, scene.environment: found \"data\", expected an .exr or .hdr file"),
         ("sky.png", 3, "line 3, scene.environment: found \"sky.png\", expected an .exr or .hdr file"),
     ] {
@@ -294,7 +294,7 @@ fn environments_that_cannot_be_used() {
     }
     folder.write("scene.toml", lit("gone.exr").replace("environment =", "enviroment ="));
     let ran = folder.run(&["build", "scene.toml"]);
-    assert!(ran.code == 3 && ran.stderr.contains("(did you mean environment?)"), "{}", ran.stderr);
+    assert!(ran.code == 3 && ran.stderr.contains("; did you mean environment?"), "{}", ran.stderr);
     // Its files would collide with those of the scene.
     let named = |text: &str| text.replace("materials.spare", "materials.Environment");
     folder.write("scene.toml", named(&lit("gone.exr")));

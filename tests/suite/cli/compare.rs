@@ -42,7 +42,7 @@ fn a_missed_limit_exits_with_1_after_the_table() {
     let ran = folder.run(&[&arguments[..], &["0.19"]].concat());
     assert_eq!(ran.code, 1);
     assert!(ran.stdout.contains("ε_r, mean relative difference"), "{}", ran.stdout);
-    assert_eq!(ran.stderr, "brdfc: mean relative difference: found 20.000 %, expected at most 19.000 %\n");
+    assert_eq!(ran.stderr, "brdfc: --max-error: found 20.000 %, expected at most 19.000 %\n");
     folder.run(&[&arguments[..], &["0.21"]].concat()).succeeded();
 }
 
@@ -55,7 +55,7 @@ fn pairs_may_come_from_a_file() {
     folder.write("empty.csv", "wi_x,wi_y,wi_z,wo_x,wo_y,wo_z\n");
     let ran = folder.run(&["compare", "synth:lewis", "synth:ward", "--directions", "empty.csv"]);
     assert_eq!(ran.code, 3);
-    assert_eq!(ran.stderr, "brdfc: empty.csv: records: found none, expected at least one\n");
+    assert_eq!(ran.stderr, "brdfc: empty.csv: no direction pairs; expected at least one row\n");
     let ran = folder.run(&["compare", "synth:lewis", "synth:ward", "--directions", "missing.csv"]);
     assert!(ran.code == 4 && ran.stderr.contains("missing.csv: cannot read: "), "{}", ran.stderr);
 }
@@ -109,7 +109,7 @@ fn limits_may_be_percentages() {
     };
     assert_eq!(["21%", "0.21", "19%", "0.19", "21"].map(|limit| check(limit).code), [0, 0, 1, 1, 2]);
     assert!(
-        check("21").stderr.contains("--max-error: found 21, expected a fraction or a percentage: write 0.21 or 21%")
+        check("21").stderr.contains("--max-error: found 21, expected a fraction or a percentage; write 0.21 or 21%")
     );
 }
 
@@ -139,11 +139,11 @@ fn flat_btfs_are_compared() {
     let table = folder.run(&["compare", "whole", "small", "--max-delta-e", "100"]).succeeded().stdout;
     assert!(table.contains("at sampled directions") && table.contains("between them"), "{table}");
     for (code, arguments, expected) in [
-        (1, &["whole", "knit", "--max-delta-e", "0.1"][..], "mean ΔE at sampled directions: found "),
+        (1, &["whole", "knit", "--max-delta-e", "0.1"][..], " at sampled directions, expected at most 0.1"),
         (2, &["whole", "small", "--max-delta-e", "-1"], "--max-delta-e: found -1, expected 0 to 1000"),
         (2, &["whole", "small", "--max-error", "5%"], "--max-error does not apply to flat BTFs"),
         (2, &["whole", "synth:lewis"], "B: found synth:lewis, expected a flat BTF, because A is one"),
-        (3, &["whole", "light"], "light: flat BTF: found the light form, which has no views, expected the full form"),
+        (3, &["whole", "light"], "light: flat BTF: the light form has no views; expected the full form"),
     ] {
         let ran = folder.run(&[&["compare"][..], arguments].concat());
         assert!(ran.code == code && ran.stderr.contains(expected), "{arguments:?}: {ran:?}");

@@ -78,9 +78,9 @@ fn unsuitable_inputs_and_options_are_reported() {
         (
             &["synth:ward?ax=0.1&ay=0.4", "-o", "w.binary"][..],
             3,
-            "found an anisotropic material, expected an isotropic one: MERL tables have no azimuth",
+            "material: anisotropic, but MERL tables have no azimuth",
         ),
-        (&["synth:lewis", "-o", "x.exr"], 2, "expected a name that ends in .binary or .bsdf or .csv"),
+        (&["synth:lewis", "-o", "x.exr"], 2, "expected a name that ends in .binary, .bsdf or .csv"),
         (
             &["synth:lewis", "-o", "x.csv", "--dimensions", "8x8x8"],
             2,
@@ -94,7 +94,7 @@ fn unsuitable_inputs_and_options_are_reported() {
         ),
         (&["synth:lewis", "-o", "x.csv", "--grid", "2x2x2"], 2, "--grid: found 2x2x2, which gives "),
         (&["synth:lewis", "-o", "x.binary", "--dimensions", "0x8x8"], 2, "--dimensions: found 0x8x8"),
-        (&["some.csv", "-o", "some.csv"], 2, "--output: found some.csv, an input"),
+        (&["some.csv", "-o", "some.csv"], 2, "--output: would overwrite the input some.csv"),
         (&["gone.brdf", "-o", "x.binary"], 4, "gone.brdf: cannot read"),
     ] {
         let ran = folder.run(&[&["convert"], arguments].concat());
@@ -116,6 +116,6 @@ fn standard_input_is_not_written_over() {
     let ran = command.stdin(input).output().unwrap();
     let said = String::from_utf8_lossy(&ran.stderr);
     assert_eq!(ran.status.code(), Some(2), "{said}");
-    assert!(said.contains("in.binary, which standard input is redirected from"), "{said}");
+    assert!(said.contains("would overwrite in.binary, which is read from stdin"), "{said}");
     assert_eq!(folder.read("in.binary"), before);
 }

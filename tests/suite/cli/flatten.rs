@@ -347,7 +347,7 @@ fn inputs_are_not_written_over() {
     let pack = std::fs::read(folder.path().join("knit/knit.ktx2")).unwrap();
     let ran = folder.run(&["flatten", "synth:knit", "--material", "knit/knit.ktx2", "-o", "knit"]);
     assert_eq!(ran.code, 2, "{}", ran.stderr);
-    assert!(ran.stderr.contains("--out: found knit/knit.ktx2, an input, expected another file"), "{}", ran.stderr);
+    assert!(ran.stderr.contains("--out: would overwrite the input knit/knit.ktx2; choose"), "{}", ran.stderr);
     assert!(std::fs::read(folder.path().join("knit/knit.ktx2")).unwrap() == pack);
 }
 
@@ -362,7 +362,7 @@ fn directions_are_checked_before_the_work() {
     folder.write("near.csv", "index,theta_deg,phi_deg\n0,0,0\n1,40,10\n2,40,10.001\n");
     for (set, words) in [
         ("steep.csv", "polar angle: found 89.99"),
-        ("near.csv", "found the direction of line 3"),
+        ("near.csv", "direction: equal to the direction of line 3"),
         ("grid:64x64@80", "2048"),
     ] {
         let ran = folder.run(&[&knit[..], &["-o", "never", "--views", set]].concat());

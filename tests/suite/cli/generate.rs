@@ -121,5 +121,5 @@ fn the_command_stays_out_of_the_list() {
     assert!(!commands(&folder).contains(&"generate".to_owned()));
     folder.run(&["generate", "--help"]).succeeded();
     let ran = folder.run(&["generate", "man", "--out", "-"]);
-    assert!(ran.code == 2 && ran.stderr.contains("-: found a stream, expected the name of a folder"), "{}", ran.stderr);
+    assert!(ran.code == 2 && ran.stderr.contains("-: not a folder; for a folder of this name"), "{}", ran.stderr);
 }

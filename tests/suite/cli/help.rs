@@ -18,14 +18,27 @@ fn commands(folder: &Folder) -> Vec<String> {
 fn every_command_has_help_with_an_example() {
     let folder = Folder::new();
     let top = folder.run(&["--help"]).succeeded().stdout;
-    assert!(top.contains("Examples:\n  brdfc build ") && top.contains("Exit codes: 0 done; 1 "), "{top}");
-    for command in &commands(&folder) {
+    assert!(top.contains("Examples:\n  brdfc build ") && top.contains("Exit codes:\n  0    done\n  1    "), "{top}");
+    let mut commands = commands(&folder);
+    if cfg!(feature = "render") {
+        commands.push("render".to_owned());
+    }
+    for command in &commands {
         let ran = folder.run(&[command, "--help"]).succeeded();
         assert_eq!(ran.stderr, "");
         assert!(ran.stdout.contains(&format!("\n  brdfc {command} ")), "{command}: {}", ran.stdout);
         for line in ran.stdout.lines() {
             assert!(line.chars().count() <= 120, "{command}: {line}");
         }
+        // Defaults are part of the descriptions.
+        assert!(!ran.stdout.contains("[default:"), "{command}: {}", ran.stdout);
+        let (own, common) = ran.stdout.split_once("\nCommon options:\n").unwrap();
+        for flag in ["  -q, --quiet\n", "  -j, --jobs <N>\n", "      --json\n"] {
+            assert!(!own.contains(flag) && common.contains(flag), "{command}: {flag}");
+        }
+        // Examples are not wrapped.
+        let examples = common.split("\nExamples:\n").nth(1).unwrap().split("\n\n").next().unwrap();
+        assert!(examples.lines().all(|line| line.starts_with("  brdfc ")), "{command}: {examples}");
     }
     let sets = folder.run(&["flatten", "--help"]).stdout;
     let sets = sets.split_whitespace().collect::<Vec<_>>().join(" ");
@@ -80,15 +93,15 @@ fn wrong_usage_exits_with_2_and_says_what_is_allowed() {
         (&["encode", "synth:lewis", "-o", "p.ktx2", "--max-error", "0"], "--max-error: found 0, expected a positive"),
         (
             &["encode", "synth:lewis", "-o", "p.ktx2", "--max-error", "3"],
-            "--max-error: found 3, expected a fraction or a percentage: write 0.03 or 3%",
+            "--max-error: found 3, expected a fraction or a percentage; write 0.03 or 3%",
         ),
         (&["encode", "synth:lewis", "-o", "p.ktx2", "--max-error", "inf"], "--max-error: found inf, expected"),
         (&["encode", "synth:lewis", "-o", "p.ktx2", "--ratio", "4", "--max-error", "0.1"], "cannot be used with"),
         (
             &["encode", "synth:lewis", "-o", "p.ktx2", "--parameterisation", "half-difference"],
-            "--parameterisation: found \"half-difference\", expected tangent-pole; for half-difference angles use",
+            "--parameterisation: found \"half-difference\", expected tangent-pole; use the codec table for",
         ),
-        (&["encode", "synth:lambert", "-o", "p.ktx2", "--grid", "64", "--ratio", "1"], "slices: found"),
+        (&["encode", "synth:lambert", "-o", "p.ktx2", "--grid", "64", "--ratio", "1"], "--ratio: found 4097 slices"),
         (&["compare", "synth:lewis", "synth:lewis", "--directions", "0"], "--directions: found 0, expected 1 to"),
         (&["compare", "synth:lewis", "synth:lewis", "--max-error=-1"], "--max-error: found -1, expected"),
         (&["info", "synth:lewis", "--jobs", "2000"], "--jobs: found 2000, expected 0 to 1024"),
@@ -97,6 +110,8 @@ fn wrong_usage_exits_with_2_and_says_what_is_allowed() {
         (&["synth", "lewis", "-o", "a.brdf", "--rows", "0"], "--rows: found 0, expected 1 to"),
         (&["synth", "lewis", "-o", "a.brdf", "--gaps", "2"], "--gaps: found 2, expected 0 to 0.9"),
         (&["synth", "lewis", "-o", "a.brdf", "--noise", "NaN"], "--noise: found NaN, expected 0 to 2"),
+        (&["synth", "lewis", "-o", "a.brdf", "--noise", "300%"], "--noise: found 3, expected 0 to 2"),
+        (&["synth", "lewis", "-o", "a.brdf", "--rows", "many"], "--rows: found \"many\", expected "),
         (&["schema", "nothing"], "possible values: build, material"),
     ] {
         let ran = folder.run(arguments);
@@ -108,7 +123,7 @@ fn wrong_usage_exits_with_2_and_says_what_is_allowed() {
 
 /// Numeric flags of a command from its help: long names with their value names.
 fn numbers(folder: &Folder, command: &str) -> Vec<String> {
-    const VALUES: [&str; 18] = [
+    const VALUES: [&str; 19] = [
         "<N>",
         "<E>",
         "<B>",
@@ -118,6 +133,7 @@ fn numbers(folder: &Folder, command: &str) -> Vec<String> {
         "<P>",
         "<A>",
         "<S>",
+        "<SHARE>",
         "<X>",
         "<TILES>",
         "<SIZE>",
@@ -134,8 +150,7 @@ fn numbers(folder: &Folder, command: &str) -> Vec<String> {
         let words: Vec<&str> = line.split_whitespace().collect();
         let Some(at) = words.iter().position(|word| word.starts_with("--")) else { continue };
         let value = words.get(at + 1).copied().unwrap_or_default();
-        let unnamed = value == format!("<{}>", words[at][2..].to_uppercase().replace('-', "_"));
-        if VALUES.contains(&value) || (unnamed && command == "synth" && value != "<KIND>") {
+        if VALUES.contains(&value) {
             found.push(words[at].to_owned());
         }
     }

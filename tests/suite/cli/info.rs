@@ -248,7 +248,11 @@ fn flat_btfs_and_damaged_ones() {
     folder.write("two/a.ktx2", folder.read(file));
     folder.write("two/b.ktx2", folder.read(file));
     let ran = folder.run(&["info", "two"]);
-    assert!(ran.code == 3 && ran.stderr.contains("flat BTFs: found a.ktx2, b.ktx2, expected one"), "{}", ran.stderr);
+    assert!(
+        ran.code == 3 && ran.stderr.contains("flat BTFs: found a.ktx2, b.ktx2, expected a folder with one flat BTF"),
+        "{}",
+        ran.stderr
+    );
     let bytes = folder.read(file);
     for at in [0, 100, bytes.len() / 2, bytes.len() - 1] {
         let mut damaged = bytes.clone();
@@ -312,7 +316,7 @@ fn damaged_packs_and_folders_of_packs() {
     let folder = Folder::new();
     folder.run(&["build", "synth:lambert", "synth:ward", "--max-bytes", "1KiB", "--out", "packs"]).succeeded();
     let ran = folder.run(&["info", "packs"]);
-    let words = "brdfc: packs: found a folder of packs, expected one of its packs, such as packs/lambert.brdf.ktx2, or 'brdfc report'";
+    let words = "brdfc: packs: a folder of packs; name a pack, such as packs/lambert.brdf.ktx2, or use 'brdfc report'";
     assert!(ran.code == 3 && ran.stderr.starts_with(words), "{ran:?}");
     let mut bytes = folder.read("packs/ward.brdf.ktx2");
     let last = bytes.len() - 1;

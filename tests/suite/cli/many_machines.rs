@@ -45,7 +45,10 @@ fn shards_make_the_whole() {
     for (arguments, words) in [
         (&["--shard", "4/3"][..], "--shard"),
         (&["--shard", "1/3", "--only", "table.brdf"], "--shard"),
-        (&["--only", "table"], "--only: found table, expected environment.maps, round.brdf, round.maps, table.brdf"),
+        (
+            &["--only", "table"],
+            "--only: found \"table\", expected environment.maps, round.brdf, round.maps or table.brdf",
+        ),
         (&["--shard", "1/3", "--json"], "--json does not apply to --shard and --only"),
     ] {
         let ran = folder.run(&[&["build", "my scene.toml"], arguments].concat());

@@ -80,10 +80,10 @@ fn a_dash_reads_lists_of_directions_images_and_meshes_too() {
 fn what_a_dash_cannot_be_is_refused() {
     let folder = Folder::new();
     for (arguments, stdin, code, expected) in [
-        (&["compare", "-", "-"][..], &b""[..], 2, "brdfc: A and B: found - for both, expected for one of them\n"),
-        (&["eval", "-", "--directions", "-"], b"", 2, "INPUT and --directions: found - for both, expected"),
-        (&["info", "-"], b"", 3, "brdfc: stdin: contents: found nothing, expected .binary (MERL), "),
-        (&["info", "-"], b"\0\0\0\0\0", 3, "stdin: contents: found no known layout, expected .binary (MERL), "),
+        (&["compare", "-", "-"][..], &b""[..], 2, "brdfc: A and B: both are -; only one can be stdin\n"),
+        (&["eval", "-", "--directions", "-"], b"", 2, "INPUT and --directions: both are -; only one"),
+        (&["info", "-"], b"", 3, "brdfc: stdin: contents: empty; expected .binary (MERL), "),
+        (&["info", "-"], b"\0\0\0\0\0", 3, "stdin: contents: unknown layout; expected .binary (MERL), "),
         (
             &["encode", "-", "-o", "p.ktx2"],
             b"\x1f\x8b\x08\0",
@@ -95,30 +95,25 @@ fn what_a_dash_cannot_be_is_refused() {
             &["eval", "synth:lewis", "--directions", "-"],
             b"wi_x,wi_y,wi_z,wo_x,wo_y,wo_z\n0,0,1,\0\xff",
             3,
-            "brdfc: stdin: line 2, text: found a NUL byte, ",
+            "brdfc: stdin: line 2, text: NUL byte at ",
         ),
-        (&["flatten", "synth:knit?resolution=16", "-o", "-"], b"", 2, "-: found a stream, expected the name"),
-        (&["build", "synth:lewis", "--out", "-", "--dry-run"], b"", 2, "-: found a stream, expected"),
-        (&["build", "synth:lewis", "--out", "-"], b"", 2, "-: found a stream, expected the name"),
-        (&["build", "synth:lewis", "--from", "-"], b"", 2, "-: found a stream, expected the name"),
+        (&["flatten", "synth:knit?resolution=16", "-o", "-"], b"", 2, "-: not a folder; for a folder of this name"),
+        (&["build", "synth:lewis", "--out", "-", "--dry-run"], b"", 2, "-: not a folder; for"),
+        (&["build", "synth:lewis", "--out", "-"], b"", 2, "-: not a folder; for a folder of this name"),
+        (&["build", "synth:lewis", "--from", "-"], b"", 2, "-: not a folder; for a folder of this name"),
         (
             &["plan", "synth:lewis", "--format", "json", "--out", "-"],
             b"",
             2,
-            "-: found a stream, expected the name of a folder",
+            "-: not a folder; for a folder of this name, write ./-",
         ),
-        (&["report", "-", "-o", "page.html"], b"", 2, "-: found a stream, expected the name"),
-        (
-            &["flatten", "m.obj", "-o", "x", "--views", "-", "--colour", "-"],
-            b"",
-            2,
-            "--views and --colour: found - for both",
-        ),
+        (&["report", "-", "-o", "page.html"], b"", 2, "-: not a folder; for a folder of this name"),
+        (&["flatten", "m.obj", "-o", "x", "--views", "-", "--colour", "-"], b"", 2, "--views and --colour: both are -"),
         (
             &["synth", "lewis", "-o", "-"],
             b"",
             2,
-            "--kind: found none, expected binary, brdf or csv (models), obj or ply",
+            "--kind: required without an extension; expected binary, brdf or csv (models), obj or ply",
         ),
         (
             &["synth", "lewis", "-o", "-", "--kind", "ply"],
@@ -262,7 +257,7 @@ fn builds_read_and_write_where_names_are_not_utf_8() {
         assert!(file(out, "m_tal.brdf.ktx2") == file(b"packs", "m_tal.brdf.ktx2"));
     }
     let (code, message) = run(&[b"scans/m\xe9*.binary"]);
-    assert!(code == 2 && message.contains("scans/m\u{fffd}*.binary: found a pattern that is not UTF-8"), "{message}");
+    assert!(code == 2 && message.contains("scans/m\u{fffd}*.binary: the pattern is not UTF-8"), "{message}");
     let plan =
         folder.command(&["plan", "synth:ward", "--format", "json", "--out"]).arg(odd(b"p\xe4")).output().unwrap();
     let message = String::from_utf8(plan.stderr).unwrap();
@@ -307,8 +302,8 @@ fn an_empty_stream_is_reported() {
         &["render", "-", "-o", "x.png"],
     ] {
         let ran = with_stdin(&folder, arguments, b"");
-        let is_reported = ran.stderr.starts_with("brdfc: stdin: contents: found nothing, expected .")
-            || ran.stderr.starts_with("brdfc: stdin: header: found an empty file, expected a line of column names");
+        let is_reported = ran.stderr.starts_with("brdfc: stdin: contents: empty; expected .")
+            || ran.stderr.starts_with("brdfc: stdin: header: empty file; expected a line of column names");
         assert!(ran.code == 3 && is_reported, "{arguments:?}: {} {}", ran.code, ran.stderr);
     }
     assert_eq!(folder.files(".").len(), 1);
@@ -318,9 +313,8 @@ fn an_empty_stream_is_reported() {
 #[test]
 fn a_dash_is_no_list_of_materials() {
     let folder = Folder::new();
-    let words = "brdfc: inputs: found -, expected a manifest, or files, folders, patterns and synth: addresses (only \
-                 commands that take one file read standard input, such as 'brdfc encode -'; for a file of this name, \
-                 write ./-)\n";
+    let words = "brdfc: inputs: builds do not read stdin, only commands with one input do, such as \
+                 'brdfc encode -'; for a file of this name, write ./-\n";
     for arguments in
         [&["build", "-"][..], &["build", "synth:ward", "-"], &["watch", "-"], &["plan", "-", "--format", "json"]]
     {
@@ -357,7 +351,7 @@ fn a_wrong_extension_is_reported() {
         let ran = folder.run(&["info", name]);
         let message = &ran.stderr;
         assert_eq!(ran.code, 3, "{name}: {message}");
-        assert!(message.starts_with(&format!("brdfc: {name}: ")) && message.contains(": found "), "{message}");
+        assert!(message.starts_with(&format!("brdfc: {name}: ")) && message.contains("expected "), "{message}");
         assert!(message.ends_with(&format!("; it looks like {expected}\n")), "{message}");
     }
     // No hint if the name is right and something else is wrong.

@@ -38,7 +38,7 @@ const TABLE: &[Checked] = &[
             ("black scan", &["black.csv"], 1, "black"),
             ("negative scan", &["negative.csv"], 1, "black"),
             ("tiny scan", &["tiny.csv"], 1, "black"),
-            ("as many rows as a fit takes", &["few.csv"], 1, "too few samples to leave any out"),
+            ("as many rows as a fit takes", &["few.csv"], 1, "no held-out samples"),
         ],
     },
     Checked {
@@ -50,7 +50,7 @@ const TABLE: &[Checked] = &[
         command: &["build", "--out", "packs"],
         checks: &[&["--max-delta-e", "100"], &["--max-error", "1000%"], &[]],
         nothings: &[
-            ("empty folder", &["empty"], 1, "found one file of another kind"),
+            ("empty folder", &["empty"], 1, "no measured material, only one other file"),
             ("no use", &["unused.toml"], 1, "nothing to build"),
         ],
     },
@@ -60,7 +60,7 @@ const TABLE: &[Checked] = &[
         nothings: &[
             ("black", &["synth:lambert?kd=0", "synth:lambert?kd=0"], 1, "no sample above"),
             ("black for another", &["synth:lambert?kd=0", "synth:lambert"], 1, "no sample above"),
-            ("empty list", &["synth:lambert", "synth:lambert", "--directions", "none.csv"], 3, "records: found none"),
+            ("empty list", &["synth:lambert", "synth:lambert", "--directions", "none.csv"], 3, "no direction pairs"),
             (
                 "below the horizon",
                 &["synth:lambert", "synth:lambert", "--directions", "below.csv"],
@@ -100,9 +100,9 @@ const TABLE: &[Checked] = &[
         command: &["verify"],
         checks: &[&[]],
         nothings: &[
-            ("empty folder", &["empty"], 1, "found nothing to check"),
+            ("empty folder", &["empty"], 1, "nothing to verify"),
             ("empty report", &["empty.json"], 1, "missing field `version`"),
-            ("report of nothing", &["nothing.json"], 1, "no material of this build was made"),
+            ("report of nothing", &["nothing.json"], 1, "no files: the build made no material"),
         ],
     },
 ];

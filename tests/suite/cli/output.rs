@@ -102,7 +102,10 @@ fn packs_may_go_to_stdout() {
         let (_, stderr, code) = shell(&folder, line);
         assert_eq!(code, 0, "{line}: {stderr}");
         assert!(folder.read("got") == [before.as_bytes(), &pack].concat(), "{line}: the pack and nothing else");
-        assert!(stderr.contains("/dev/stdout") || stderr.contains("slices_kept"), "the report is printed: {stderr}");
+        assert!(
+            stderr.contains("/dev/stdout") || stderr.contains("slices_retained"),
+            "the report is printed: {stderr}"
+        );
     }
     let (_, stderr, _) = shell(&folder, "brdfc encode synth:lewis --grid 4 -o /dev/stdout --quiet > got");
     assert_eq!(stderr, "");

@@ -23,7 +23,7 @@ fn an_input_is_not_removed() {
     for input in ["lastweek/ggx.brdf.ktx2", "scene.toml", "link.ktx2"].into_iter().take(if cfg!(unix) { 3 } else { 2 })
     {
         let ran = build(&folder, &[input], &["--out", "lastweek"]);
-        let expected = "lastweek/ggx.brdf.ktx2: found an input that this build would remove";
+        let expected = "lastweek/ggx.brdf.ktx2: the build would remove this input";
         assert!(ran.code == 2 && ran.stderr.contains(expected), "{input}: {ran:?}");
         assert_eq!(packs(&folder, "lastweek"), ["ggx.brdf.ktx2", "ward.brdf.ktx2"]);
         assert!(
@@ -64,7 +64,7 @@ fn a_folder_is_known_by_its_report() {
     std::fs::remove_dir_all(&cache).unwrap();
     folder.write("packs/ggx.json", "mine");
     let refused = build(&folder, &both, &["--out", "packs"]);
-    assert!(refused.code == 4 && refused.stderr.contains("ggx.json: found a file that no build wrote"), "{refused:?}");
+    assert!(refused.code == 4 && refused.stderr.contains("ggx.json: would overwrite a file"), "{refused:?}");
     assert_eq!(folder.text("packs/ggx.json"), "mine");
 }
 
@@ -86,7 +86,7 @@ fn names_of_files_are_those_of_materials() {
     // The same name in another form of accents.
     folder.write("scans/e\u{301}.binary", &red);
     let refused = build(&folder, &["scans"], &["--out", "packs"]);
-    assert!(refused.code == 3 && refused.stderr.contains("found the name é for both"), "{refused:?}");
+    assert!(refused.code == 3 && refused.stderr.contains("both would be named é"), "{refused:?}");
     // In manifests, a name that is too long is an error before any work.
     folder.write("scene.toml", format!("[materials.{long}]\nsource = 'synth:ggx'\n[[uses]]\nmaterial = '{long}'\n"));
     let refused = build(&folder, &["scene.toml"], &["--out", "packs"]);
@@ -101,7 +101,7 @@ fn retained_materials_stay_in_the_report() {
     let reported = |folder: &Folder| -> Vec<(String, bool)> {
         let report: serde_json::Value = serde_json::from_slice(&folder.read("packs/report.json")).unwrap();
         let entry = |entry: &serde_json::Value| {
-            (entry["material"].as_str().unwrap().to_owned(), entry["kept"].as_bool().unwrap_or(false))
+            (entry["material"].as_str().unwrap().to_owned(), entry["retained"].as_bool().unwrap_or(false))
         };
         report["materials"].as_array().unwrap().iter().map(entry).collect()
     };
@@ -175,7 +175,7 @@ fn marks_and_rules_are_not_written_over_the_builds_own_files() {
     let folder = Folder::new();
     let refused = |inputs: &[&str], options: &[&str]| {
         let ran = build(&folder, inputs, options);
-        assert!(ran.code == 2 && ran.stderr.contains(", expected "), "{options:?}: {ran:?}");
+        assert!(ran.code == 2 && ran.stderr.contains("; choose another name or folder"), "{options:?}: {ran:?}");
     };
     for stamp in ["k/../k/ggx.brdf.ktx2", "k/../k/report.json", "k/.brdfc-cache/placed", "-"] {
         refused(&["synth:ggx"], &["--out", "k", "--stamp", stamp]);
@@ -201,7 +201,7 @@ fn what_cannot_be_kept_is_refused() {
         assert!(ran.code == 4 && ran.stderr.contains(words) && ran.stderr.contains("without --keep"), "{ran:?}");
         assert!(folder.products("packs") == before);
     };
-    let unlisted = "packs: found ggx.brdf.ktx2 of an earlier build, which --keep finds in no report, expected the";
+    let unlisted = "packs: --keep needs the report.json of the build that made ggx.brdf.ktx2; restore it";
     let folder = both();
     let report = folder.text("packs/report.json");
     std::fs::remove_file(folder.path().join("packs/report.json")).unwrap();
@@ -215,7 +215,7 @@ fn what_cannot_be_kept_is_refused() {
     // Without a store and without a report its list says that a build made it.
     std::fs::remove_dir_all(folder.path().join("packs/.brdfc-cache")).unwrap();
     std::fs::remove_file(folder.path().join("packs/report.json")).unwrap();
-    refused(&folder, "packs: found ggx.json of an earlier build");
+    refused(&folder, "packs: --keep needs the report.json of the build that made ggx.json");
     folder.write("packs/report.json", &report);
     // A damaged pack that the store does not have either.
     for damage in [true, false] {
@@ -224,7 +224,8 @@ fn what_cannot_be_kept_is_refused() {
         } else {
             std::fs::remove_file(folder.path().join("packs/ggx.brdf.ktx2")).unwrap();
         }
-        refused(&folder, "packs/ggx.brdf.ktx2: found ");
+        let lost = if damage { "changed since the build" } else { "missing" };
+        refused(&folder, &format!("packs/ggx.brdf.ktx2: {lost}, and the store has no copy"));
     }
     // Nothing is to be kept of a folder that has nothing else.
     let folder = Folder::new();
@@ -269,7 +270,7 @@ fn links_that_lead_nowhere_are_errors() {
     for input in ["scans", "scans/*.{b*,csv}", "**/*.{binary,brdf,csv}", "scene.toml"] {
         let ran = build(&folder, &[input], &["--out", "packs"]);
         assert_eq!((ran.code, packs(&folder, "packs")), (4, vec!["red.brdf.ktx2".to_owned()]), "{input}: {ran:?}");
-        let lost = "scans/blue.binary: cannot read: it is a link whose target does not exist";
+        let lost = "scans/blue.binary: cannot read: the target of this link does not exist";
         assert!(ran.stderr.contains(lost) && ran.stderr.contains("scans/ring.brdf: cannot read: "), "{ran:?}");
         assert!(ran.stderr.contains("scans/table.csv: cannot read: ") || input == "scene.toml", "{ran:?}");
     }
@@ -290,8 +291,8 @@ fn names_that_are_one_file_elsewhere_are_refused() {
     }
     for name in ["con", "COM¹", "lpt².map", "nul .x"] {
         let ran = folder.run(&["flatten", "synth:button", "-o", "out", "--name", name]);
-        assert!(ran.code == 2 && ran.stderr.contains("Windows reserves it for a device"), "{ran:?}");
+        assert!(ran.code == 2 && ran.stderr.contains("that Windows does not reserve"), "{ran:?}");
     }
     let ran = folder.run(&["flatten", "synth:button", "-o", "con"]);
-    assert!(ran.code == 2 && ran.stderr.contains("--out: found con, ") && !folder.path().join("con").exists());
+    assert!(ran.code == 2 && ran.stderr.contains("--out: found \"con\", ") && !folder.path().join("con").exists());
 }

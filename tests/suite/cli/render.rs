@@ -198,8 +198,9 @@ fn a_contact_sheet_shows_every_material_and_gates_hold_for_each() {
     // A limit between both: one fails by its name, and the sheet is still written.
     let limit = (0.5 * (of_coarse + of_fine)).to_string();
     let missed = contact(&["--json", "--max-delta-e", &limit]);
-    assert!(missed.code == 1 && missed.stderr.contains("coarse: mean ΔE: found"), "{} {}", missed.code, missed.stderr);
-    assert!(!missed.stderr.contains("fine: mean"), "{}", missed.stderr);
+    let text = "coarse: --max-delta-e: found";
+    assert!(missed.code == 1 && missed.stderr.contains(text), "{} {}", missed.code, missed.stderr);
+    assert!(!missed.stderr.contains("fine: --max-delta-e"), "{}", missed.stderr);
     let passed = |k: usize| missed.json()["materials"][k]["gates"][0]["passed"].clone();
     assert_eq!([passed(0), passed(1), passed(2)], [false, true, true]);
     assert!(folder.read("all.png") != first, "the failed material is marked");
@@ -232,7 +233,7 @@ fn a_limit_is_a_check() {
     let missed = run("0.001", &["-o", "image.png", "--json"]);
     assert_eq!(missed.code, 1);
     assert!(
-        missed.stderr.contains("mean ΔE: found") && missed.stderr.contains("expected at most 0.001"),
+        missed.stderr.contains("--max-delta-e: found") && missed.stderr.contains("expected at most 0.001"),
         "{}",
         missed.stderr
     );
@@ -242,11 +243,7 @@ fn a_limit_is_a_check() {
     // A check with nothing to measure fails: an all-black or all-white rendering passes no limit.
     for exposure in ["1e-9", "1e-4", "1e6"] {
         let unseen = run("50", &["--exposure", exposure]);
-        assert!(
-            unseen.code == 1 && unseen.stderr.contains("neither black nor white, at exposure"),
-            "{}",
-            unseen.stderr
-        );
+        assert!(unseen.code == 1 && unseen.stderr.contains("neither black nor white at exposure"), "{}", unseen.stderr);
     }
     folder.write(
         "away.toml",
@@ -254,18 +251,16 @@ fn a_limit_is_a_check() {
     );
     let nothing = folder.run(&["render", "away.toml", "--max-delta-e", "5"]);
     assert_eq!(nothing.code, 1);
-    assert!(nothing.stderr.contains("no pixel"), "{}", nothing.stderr);
+    assert!(nothing.stderr.contains("no visible surface"), "{}", nothing.stderr);
     let dark = folder.run(&["render", "synth:lambert?kd=0", "--grid", "4", "--size", "16x16"]).succeeded();
     for (gate, limit) in [("--max-delta-e", "100"), ("--max-delta-e-p95", "100"), ("--max-flip", "1")] {
         let closed = folder.run(&["render", "synth:lambert?kd=0", "--size", "16x16", "--quiet", gate, limit]);
-        let words = format!("found no light: all surfaces are black, expected at most {limit}");
+        let words = format!("no light: all surfaces are black; expected at most {limit}");
         assert!(closed.code == 1 && closed.stderr.contains(&words), "{gate}: {}", closed.stderr);
     }
     let all = run("50", &["--max-delta-e-p95", "0.001", "--max-flip", "0.0001", "--json"]);
     assert!(
-        all.code == 1
-            && all.stderr.contains("95th percentile of ΔE: found")
-            && all.stderr.contains("; mean FLIP: found")
+        all.code == 1 && all.stderr.contains("--max-delta-e-p95: found") && all.stderr.contains("; --max-flip: found")
     );
     assert_eq!(report(&all)["gates"].as_array().unwrap().len(), 3);
     assert!(
@@ -321,7 +316,8 @@ fn an_adapter_that_is_not_there() {
     let folder = Folder::new();
     let ran = folder.run(&["render", "synth:lewis", "--adapter", "no such card"]);
     assert_eq!(ran.code, 5, "{}", ran.stderr);
-    assert!(ran.stderr.contains(", expected a name or driver with no such card"), "{}", ran.stderr);
+    let unknown = "brdfc: graphics adapter: found \"no such card\", expected a part of the name or driver of ";
+    assert!(ran.stderr.contains(unknown) && !ran.stderr.contains("apt-get"), "{}", ran.stderr);
 }
 
 /// Detected before any work, with or without a driver.
@@ -365,6 +361,12 @@ fn wrong_arguments() {
         (&["render", ".", "--contact", "c.png"], 3, ".: file: found a folder, expected a file or a pipe"),
         (&["render", "synth:lewis", "--source", "p.ktx2"], 2, "--source does not apply to synth:lewis"),
         (&["render", "synth:lewis", "--ranking", "loud"], 2, "expected energy or visible"),
+        (&["render", "synth:lewis", "--pack-delta-e", "0"], 2, "--pack-delta-e: found 0, expected 1e-6 to 100"),
+        (
+            &["render", "synth:lewis", "--codec", "wavelet", "--pack-delta-e", "0.5"],
+            2,
+            "--pack-delta-e: does not apply to the codec wavelet",
+        ),
     ] {
         let ran = folder.run(arguments);
         assert_eq!(ran.code, code, "{arguments:?}: {}", ran.stderr);
@@ -398,7 +400,7 @@ fn wrong_manifests_name_the_line() {
     folder.write("scene.toml", "[render]\n");
     let ran = folder.run(&["render", "scene.toml"]);
     assert_eq!(ran.code, 3, "{}", ran.stderr);
-    assert!(ran.stderr.contains("materials: found none"), "{}", ran.stderr);
+    assert!(ran.stderr.contains("no materials to draw"), "{}", ran.stderr);
     folder.write("sky.exr", "not an image");
     let mirrored = MANIFEST.replace("exposure = 0.5", "environment = 'sky.exr'");
     folder.write("scene.toml", &mirrored);

@@ -84,8 +84,8 @@ fn wrong_flags_of_renderings_are_refused() {
     let folder = folder();
     folder.run(&["synth", "lambert", "-o", "l.binary", "--dimensions", "4x4x8"]).succeeded();
     for (arguments, expected) in [
-        (&["render", "stack"][..], "stack: found an RTI capture, expected a pack of it"),
-        (&["render", "stack/dirs.lp"], "found an RTI capture, expected a pack of it"),
+        (&["render", "stack"][..], "stack: RTI captures are not drawn; draw a pack"),
+        (&["render", "stack/dirs.lp"], "stack/dirs.lp: RTI captures are not drawn; draw a pack"),
         (&["render", "relief.ktx2", "--lod", "2"], "--lod does not apply to relief.ktx2, a pack of an RTI capture"),
         (&["render", "relief.ktx2", "--form", "full"], "only to flat BTFs"),
         (&["render", "relief.ktx2", "--contact", "c.png"], "--contact does not apply to relief.ktx2"),
@@ -143,10 +143,10 @@ fn wrong_assets_are_reported() {
         ("'relief.ktx2'", "''", "line 2, render.asset: found \"\", expected "),
         ("'relief.ktx2'", "3", "line 2, render.asset"),
         ("'relief.ktx2'", "'nothing.ktx2'", "nothing.ktx2"),
-        ("'relief.ktx2'", "'l.binary'", "l.binary: render.asset: found another file, expected"),
-        ("'relief.ktx2'", "'stack'", "stack: found an RTI capture"),
+        ("'relief.ktx2'", "'l.binary'", "l.binary: render.asset: expected a flat BTF"),
+        ("'relief.ktx2'", "'stack'", "stack: RTI captures are not drawn"),
         ("asset", "aset", "did you mean asset?"),
-        ("width = 60", "materials = { sphere = 'red' }", "render.materials: found a material of sphere"),
+        ("width = 60", "materials = { sphere = 'red' }", "render.materials: sphere does not apply with render.asset"),
     ] {
         folder.write("scene.toml", MANIFEST.replace(change, to));
         let ran = folder.run(&["render", "scene.toml"]);

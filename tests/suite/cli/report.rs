@@ -82,9 +82,9 @@ fn a_page_that_draws_is_linked_to() {
     // However both are written.
     folder.run(&["report", "packs/report.json", "-o", "./page.html", "--view", "view.html"]).succeeded();
     for (view, expected) in [
-        ("page.html", "--view: found page.html, expected another name in the folder of the page, ending in .html"),
-        ("view.png", "--view: found view.png, expected another name"),
-        ("packs/view.html", "--view: found packs/view.html, expected another name"),
+        ("page.html", "--view: found page.html, expected another .html file in the folder of --output"),
+        ("view.png", "--view: found view.png, expected another .html file"),
+        ("packs/view.html", "--view: found packs/view.html, expected another .html file"),
     ] {
         let ran = folder.run(&["report", "packs", "-o", "page.html", "--view", view]);
         assert!(ran.code == 2 && ran.stderr.contains(expected), "{view}: {}", ran.stderr);
@@ -134,7 +134,7 @@ fn what_got_worse_is_exit_code_1() {
     let report = |arguments: &[&str]| folder.run(&[&["report", "now", "-o", "page.html"], arguments].concat());
     let ran = report(&["--against", "before"]);
     assert_eq!(ran.code, 1, "{}", ran.stderr);
-    assert!(ran.stdout.contains("ward: mean ΔE: found ") && ran.stderr.contains("figures are worse than before"));
+    assert!(ran.stdout.contains("ward: mean ΔE: now ") && ran.stderr.contains("figures are worse than before"));
     assert!(folder.text("page.html").contains("Regressions and missed requirements"));
     report(&["--against", "now/report.json"]).succeeded();
     assert!(folder.text("page.html").contains("No figure is worse"));
@@ -181,7 +181,7 @@ fn maps_of_a_lit_scene_have_renderings_and_bytes() {
     let samples = folder.path().join("packs/paint.samples.ktx2");
     std::fs::copy(folder.path().join("packs/paint.bandwidth.ktx2"), samples).unwrap();
     let ran = folder.run(&["report", "packs", "-o", "other.html"]);
-    let words = "packs/paint.samples.ktx2: found a different pack, expected the pack that report.json lists";
+    let words = "packs/paint.samples.ktx2: changed since the build; run 'brdfc build'";
     assert!(ran.code == 3 && ran.stderr.contains(words), "{} {}", ran.code, ran.stderr);
 }
 
@@ -254,7 +254,7 @@ fn figures_are_not_written_over_sources_or_lists() {
         let before = folder.read(over);
         let ran = folder.run(&["report", "packs", "-o", page]);
         assert_eq!(ran.code, 2, "{page}: {}", ran.stderr);
-        assert!(ran.stderr.contains(&format!("whose figures would overwrite the input {over}")), "{}", ran.stderr);
+        assert!(ran.stderr.contains(&format!(" would overwrite the input {over}; choose")), "{}", ran.stderr);
         assert!(folder.read(over) == before, "{over}");
     }
 }
@@ -289,7 +289,7 @@ fn a_material_that_turned_black_is_worse() {
     }
     let ran = folder.run(&["report", "now", "-o", "page.html", "--against", "before"]);
     assert_eq!(ran.code, 1, "{ran:?}");
-    assert!(ran.stdout.contains("paint: material: found black"), "{ran:?}");
+    assert!(ran.stdout.contains("paint: material: now black"), "{ran:?}");
 }
 
 #[test]
@@ -305,7 +305,7 @@ fn folders_that_are_not_what_their_report_says() {
     refused(2, "--output: found page.pdf, expected a name that ends in .html", &["packs", "-o", "page.pdf"]);
     refused(
         2,
-        "--output: found packs/report.html, whose figures would overwrite the input packs/report.json, expected another",
+        "--output: the figures of packs/report.html would overwrite the input packs/report.json; choose another",
         &["packs", "-o", "packs/report.html"],
     );
     // For a damaged report or one of another version, no type names of the program.
@@ -316,33 +316,27 @@ fn folders_that_are_not_what_their_report_says() {
     assert!(other != whole && typed != whole && outside != whole);
     std::fs::create_dir(folder.path().join("old")).unwrap();
     for (text, found) in [
-        ("", "an empty file"),
-        (&whole[..300], "truncated JSON, at line "),
-        ("[]", "JSON of another layout, at line 1, column 2"),
-        (&typed, "JSON of another layout, at line 3, column 12: invalid type: integer `3`"),
-        (&other, "layout version 1, which is now 3"),
-        (&outside, "the file \"../velvet.brdf.ktx2\", which is outside its folder"),
-        ("\0\0\0", "text that is not JSON, at line 1, column 1"),
+        ("", "found an empty file, expected the report.json of a build by this version of brdfc"),
+        (&whole[..300], "found truncated JSON, at line "),
+        ("[]", "found JSON of another layout, at line 1, column 2"),
+        (&typed, "found JSON of another layout, at line 3, column 12: invalid type: integer `3`"),
+        (&other, "found layout version 1, expected 3"),
+        (&outside, "the file \"../velvet.brdf.ktx2\" is outside the folder of the report"),
+        ("\0\0\0", "found text that is not JSON, at line 1, column 1"),
     ] {
         folder.write("old/report.json", text);
         for arguments in [&["old", "-o", "page.html"][..], &["packs", "-o", "page.html", "--against", "old"]] {
-            let words = format!("brdfc: old/report.json: found {found}");
+            let words = format!("brdfc: old/report.json: {found}");
             refused(3, &words, arguments);
             let ran = folder.run(&[&["report"], arguments].concat());
-            assert!(
-                !ran.stderr.contains("struct") && ran.stderr.contains(", expected the report.json of a build by this")
-            );
+            assert!(!ran.stderr.contains("struct") && ran.stderr.contains("; 'brdfc build' rewrites it"), "{ran:?}");
         }
     }
     let list = folder.write("packs/.brdfc-cache/commit/list", "begun");
-    refused(3, "packs: found a build that was killed while it replaced files", &["packs", "-o", "page.html"]);
+    refused(3, "packs: a build was stopped while it replaced files", &["packs", "-o", "page.html"]);
     std::fs::remove_file(list).unwrap();
     std::fs::copy(folder.path().join("packs/lambert.brdf.ktx2"), folder.path().join("packs/velvet.brdf.ktx2")).unwrap();
-    refused(
-        3,
-        "packs/velvet.brdf.ktx2: found a different pack, expected the pack that report.json lists",
-        &["packs", "-o", "page.html"],
-    );
+    refused(3, "packs/velvet.brdf.ktx2: changed since the build; run 'brdfc build'", &["packs", "-o", "page.html"]);
     std::fs::remove_file(folder.path().join("packs/velvet.brdf.ktx2")).unwrap();
     refused(4, "packs/velvet.brdf.ktx2: cannot read", &["packs", "-o", "page.html"]);
 }
@@ -361,5 +355,5 @@ fn a_source_that_changed_since_the_build_is_not_compared() {
     std::fs::write(folder.path().join("table.binary"), bytes).unwrap();
     folder.run(&["report", "p", "-o", "after.html"]).succeeded();
     let page = folder.text("after.html");
-    assert!(page.contains("it has changed since the build"), "{}", &page[page.len() - 3000..]);
+    assert!(page.contains(": changed since the build"), "{}", &page[page.len() - 3000..]);
 }

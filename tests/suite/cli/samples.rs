@@ -108,6 +108,6 @@ fn what_cannot_be_is_refused() {
         assert!(ran.stderr.contains(expected) && ran.stdout.is_empty(), "{input} {more:?}: {}", ran.stderr);
     }
     let ran = folder.run(&["samples", table, "-o", table]);
-    assert!(ran.code == 2 && ran.stderr.contains("an input, expected another file"), "{}", ran.stderr);
+    assert!(ran.code == 2 && ran.stderr.contains("would overwrite the input "), "{}", ran.stderr);
     assert!(folder.files(".") == before);
 }

@@ -3,6 +3,7 @@
 use super::schemas::conforms;
 use crate::common::cli::Folder;
 use brdfc_formats::PackKind;
+use brdfc_formats::words::one_of;
 
 #[test]
 fn every_kind_in_every_language() {
@@ -40,7 +41,7 @@ fn every_kind_in_every_language() {
     folder.write("pack.ktx2", "a pack");
     let refused = folder.run(&["shader", "table", "--language", "glsl", "-o", "pack.ktx2"]);
     assert!(
-        refused.code == 2 && refused.stderr.contains("--output: found pack.ktx2, which has the extension of packs"),
+        refused.code == 2 && refused.stderr.contains("--output: pack.ktx2 has the extension of packs"),
         "{}",
         refused.stderr
     );
@@ -67,8 +68,8 @@ fn packs_and_folders_say_their_kind() {
 #[test]
 fn an_unknown_kind_is_reported() {
     let folder = Folder::new();
-    let kinds = PackKind::ALL.map(PackKind::name).join(", ");
-    let unknown = format!("KIND: found tabel, expected {kinds}, or a pack");
+    let kinds = PackKind::ALL.map(PackKind::name);
+    let unknown = format!("KIND: found \"tabel\", expected {}, or a pack", one_of(&kinds));
     folder.write("some.ktx2", b"no pack");
     folder.write("report.json", b"{}");
     std::fs::create_dir(folder.path().join("empty")).unwrap();
@@ -77,9 +78,9 @@ fn an_unknown_kind_is_reported() {
         (&["shader", "table"], 2, "--language"),
         (&["shader", "table", "--language", "cg"], 2, "invalid value 'cg'"),
         (&["shader", "some.ktx2", "--language", "glsl"], 3, "some.ktx2: "),
-        (&["shader", "report.json", "--language", "glsl"], 3, "report.json: "),
-        (&["shader", "empty", "--language", "glsl"], 3, "empty: flat BTF: found none"),
-        (&["shader", "some.ktx2", "--language", "glsl", "-o", "some.ktx2"], 2, "--output: found some.ktx2, an input"),
+        (&["shader", "report.json", "--language", "glsl"], 3, "report.json: not a pack; expected table, "),
+        (&["shader", "empty", "--language", "glsl"], 3, "empty: input: no flat BTF in this folder"),
+        (&["shader", "some.ktx2", "--language", "glsl", "-o", "some.ktx2"], 2, "would overwrite the input some.ktx2"),
         (&["shader", "table", "--language", "glsl", "-o", "gone/x.glsl"], 4, "there is no folder gone"),
     ] {
         let ran = folder.run(arguments);

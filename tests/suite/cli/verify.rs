@@ -62,8 +62,8 @@ fn each_fault_is_named() {
                 replace(folder, "packs/report.json", "\"relative_mean\": 0.", "\"relative_mean\": 0.0");
                 folder.write("packs/report.json", with_checksum(&folder.text("packs/report.json")));
             },
-            "packs/report.json: invalid figures of a: ",
-            "expected those of a.json",
+            "packs/report.json: a: the figures ",
+            "do not match the hash of a.json",
         ),
         (
             "packs",
@@ -73,8 +73,8 @@ fn each_fault_is_named() {
                 report.as_object_mut().unwrap().remove("checksum");
                 folder.write("packs/report.json", with_checksum(&serde_json::to_string_pretty(&report).unwrap()));
             },
-            "packs/report.json: invalid files of a: ",
-            "expected the hash of each of its parts",
+            "packs/report.json: a: ",
+            "the hashed files are not the parts of the material",
         ),
         (
             "packs/report.json",
@@ -87,8 +87,8 @@ fn each_fault_is_named() {
             &|folder| {
                 folder.run(&["encode", "synth:lambert", "-o", "packs/a.brdf.ktx2"]).succeeded();
             },
-            "packs/a.json: invalid key/value data: ",
-            "expected that of a.brdf.ktx2",
+            "packs/a.json: the key/value data ",
+            "differ from the data in a.brdf.ktx2",
         ),
     ];
     for (path, change, begins, says) in cases {
@@ -107,9 +107,9 @@ fn nothing_to_check_is_a_failed_check_and_others_are_checked_all_the_same() {
     folder.write("empty/notes.txt", b"");
     folder.write("packs/more.ktx2", b"no pack");
     for (paths, code, problem) in [
-        (&["empty"][..], 1, "empty: found nothing to check"),
+        (&["empty"][..], 1, "empty: nothing to verify"),
         (&["gone.ktx2"], 4, "gone.ktx2: cannot read"),
-        (&["empty/notes.txt"], 2, "found another file, expected a pack"),
+        (&["empty/notes.txt"], 2, "empty/notes.txt: cannot be verified; expected a pack"),
         (&["gone.ktx2", "packs"], 4, "gone.ktx2: cannot read"),
     ] {
         let ran = folder.run(&[&["verify"], paths].concat());
@@ -151,18 +151,27 @@ fn edits_of_a_report_are_found() {
         assert!(whole.contains(from), "{from}: {whole}");
         folder.write(report, whole.replacen(from, to, 1));
         let ran = folder.run(&["verify", "packs"]);
-        let line = ran.stdout.lines().find(|line| line.starts_with("packs/report.json: found ")).unwrap_or_default();
+        let line = ran.stdout.lines().find(|line| line.starts_with("packs/report.json: ")).unwrap_or_default();
         assert!(ran.code == 1 && line.contains("checksum"), "{to}: {ran:?}");
         let page = folder.run(&["report", "packs", "-o", "page.html"]);
-        assert!(
-            page.code == 3 && page.stderr.contains("packs/report.json: found ") && page.stderr.contains("checksum")
-        );
+        assert!(page.code == 3 && page.stderr.contains("packs/report.json: ") && page.stderr.contains("checksum"));
     }
     folder.write("old.json", folder.read(report));
     folder.write(report, &whole);
     let page = folder.run(&["report", "packs", "-o", "page.html", "--against", "old.json"]);
-    assert!(page.code == 3 && page.stderr.contains("old.json: found changes since the build"), "{page:?}");
+    assert!(page.code == 3 && page.stderr.contains("old.json: the checksum does not match"), "{page:?}");
     folder.run(&["verify", "packs"]).succeeded();
+}
+
+#[test]
+fn the_files_of_an_edited_report_are_checked() {
+    let folder = built();
+    let edited = folder.text("packs/report.json").replacen("{\n", "{ \n", 1);
+    folder.write("packs/report.json", edited);
+    std::fs::remove_file(folder.path().join("packs/a.brdf.ktx2")).unwrap();
+    let ran = folder.run(&["verify", "packs"]);
+    let faults: Vec<_> = ran.stdout.lines().filter_map(|line| line.split(": ").next()).collect();
+    assert!(faults.starts_with(&["packs/report.json", "packs/a.brdf.ktx2"]), "{ran:?}");
 }
 
 #[test]
@@ -195,7 +204,7 @@ fn a_living_build_is_no_damage() {
     let report_on = ["report", "packs", "-o", "page.html", "--quiet"];
     for arguments in [&["verify", "packs"][..], &["verify", "packs/a.json"], &report_on] {
         let ran = folder.run(arguments);
-        assert!(ran.code == 4 && ran.stderr.contains("packs: found a build at work"), "{ran:?}");
+        assert!(ran.code == 4 && ran.stderr.contains("packs: a build is replacing files in this folder"), "{ran:?}");
     }
     // Who comes while files are moved waits a little.
     std::thread::scope(|scope| {

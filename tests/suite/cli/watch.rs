@@ -158,7 +158,7 @@ fn all_inputs_of_a_build_are_watched() {
         let line = watch.built("first build: ");
         assert!(line.contains("4 built, 0 cached"), "{line}");
         let first = folder.products("packs");
-        assert_eq!(watch.until("watching "), ["watching 4 files; Ctrl-C ends it"]);
+        assert_eq!(watch.until("watching "), ["watching 4 files; press Ctrl-C to stop"]);
 
         replace(&folder, "scene.toml", SCENE.replace("ratio = 2", "ratio = 4"));
         let line = watch.built("scene.toml changed: ");
@@ -194,7 +194,7 @@ fn failures_are_reported_and_the_packs_stay() {
     let good = folder.products("packs");
     for (file, broken, words) in [
         ("scene.toml", &b"[materials"[..], "brdfc: scene.toml: line 1"),
-        ("scene.toml", b"[materials.model]\nsource = 'synth:ward'\n", "brdfc: nothing to build"),
+        ("scene.toml", b"[materials.model]\nsource = 'synth:ward'\n", "brdfc: scene.toml: nothing to build"),
         ("data/scan.binary", b"no scan", "brdfc: 1 of 3 materials failed"),
     ] {
         let whole = folder.read(file);
@@ -229,16 +229,12 @@ fn a_scene_that_is_wrong_at_first_is_waited_for_and_wrong_usage_is_not() {
     drop(watch);
     for (arguments, code, words) in [
         (&["gone.toml"][..], 4, "gone.toml: cannot read"),
-        (&["scene.toml", "--out", "-"], 2, "-: found a stream, expected the name of a folder"),
-        (&["scene.toml", "--out", "scene.toml"], 4, "scene.toml: cannot write: found a file, expected a folder"),
+        (&["scene.toml", "--out", "-"], 2, "-: not a folder; for a folder of this name, write ./-"),
+        (&["scene.toml", "--out", "scene.toml"], 4, "scene.toml: cannot write: not a folder"),
         (&["scene.toml", "--poll", "0"], 2, "--poll: found 0, expected 0.1 to 3600 seconds"),
         (&["scene.toml", "--poll", "1e99"], 2, "--poll: found 1e99, expected 0.1 to 3600 seconds"),
         (&["scene.toml", "--memory", "1MiB"], 2, "--memory: found 1MiB, expected 64MiB or more, such as 512MiB"),
-        (
-            &["-"],
-            2,
-            "inputs: found -, expected a manifest, or files, folders, patterns and synth: addresses (only commands that take one file read standard input",
-        ),
+        (&["-"], 2, "inputs: builds do not read stdin, only commands with one input do"),
         (&["scene.toml", "scene.toml"], 2, "expected one manifest"),
     ] {
         let ran = folder.run(&[&["watch"], arguments].concat());
@@ -261,7 +257,7 @@ fn notes_of_cached_materials_are_counted() {
     let second = Watch::new(&folder, &["dark.binary", "black.binary", "--codec", "table"]);
     let lines = second.until("watching ");
     assert!(!lines.iter().any(|line| line.contains(black)), "{lines:?}");
-    let count = "note: 2 materials from an earlier build have notes, which 'brdfc report' lists";
+    let count = "note: 2 materials from an earlier build have notes; 'brdfc report' lists them";
     assert!(lines.iter().any(|line| line == count), "{lines:?}");
     // A different black.
     folder.run(&["synth", "lambert?kd=0", "-o", "new.binary", "--dimensions", "6x6x14"]).succeeded();

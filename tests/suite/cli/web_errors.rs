@@ -43,11 +43,11 @@ fn files_that_are_damaged_are_refused_by_the_package() {
         ("table", table.clone(), "loaded"),
         ("wavelet", wavelet.clone(), "loaded"),
         ("flipped", flipped, "the file is damaged"),
-        ("short", table[..60].to_vec(), "file: found 60 bytes ("),
-        ("empty", Vec::new(), "file: found 0 bytes ("),
-        ("text", b"no pack, but a text".to_vec(), "file: found 19 bytes ("),
-        ("no list", without_list, "brdfc.bindings: found only brdfc.checksum, brdfc.gradient, brdfc.image"),
-        ("more images", with_more, "brdfc.image.more: found an entry that no binding names, expected those of"),
+        ("short", table[..60].to_vec(), ", in 60 bytes; expected a complete KTX2 file"),
+        ("empty", Vec::new(), ", in 0 bytes; expected a complete KTX2 file"),
+        ("text", b"no pack, but a text".to_vec(), ", in 19 bytes; expected a complete KTX2 file"),
+        ("no list", without_list, "brdfc.bindings: not among the keys brdfc.checksum, brdfc.gradient, brdfc.image"),
+        ("more images", with_more, "brdfc.image.more: no binding names this key; expected keys that "),
         ("more samplers", with_more_samplers, "brdfc.bindings samplers: found 28, expected at most 16"),
     ];
     for (pack, from, to, expected) in [
@@ -82,7 +82,7 @@ fn files_that_are_damaged_are_refused_by_the_package() {
             " wavelet_brdf_sampler\n",
             "slot 7: found texture wavelet_brdf_index, 2d of float, filtered, expected texture wavelet_brdf_index, 2d of float, not filtered",
         ),
-        (&gradient, "\n\0", "\n", "bytes that are no such text, expected lines of UTF-8 and a zero byte"),
+        (&gradient, "\n\0", "\n", "bytes that are not valid text; expected lines of UTF-8 text that end with "),
         (&gradient, "gradient 1", "gradient 01", "line 1: found 01, expected 1 to 4294967295"),
         (&gradient, "decoder", "coder", "line 1: found coder gradient 1, expected 'decoder', its name and its version"),
         (
@@ -91,7 +91,7 @@ fn files_that_are_damaged_are_refused_by_the_package() {
             "e clock",
             "line 2: found 0 brdfc_frame clock, expected frame, uniform, texture or sampler",
         ),
-        (&gradient, "0 brdfc_frame", "1 brdfc_frame", "line 2: found 1, expected slot 0 of a frame"),
+        (&gradient, "0 brdfc_frame", "1 brdfc_frame", "line 2: found 1, expected slot 0 for a frame"),
         (&gradient, "brdfc_frame", "Frame", "line 2: found Frame, expected a name of a to z"),
         (&gradient, "uniform 32", "uniform 24", "line 3: found 24, expected a multiple of 16"),
         (&gradient, "uniform 32", "uniform 16400", "line 3: found 16400, expected 16 to 16384"),
@@ -101,7 +101,7 @@ fn files_that_are_damaged_are_refused_by_the_package() {
             "uniform 48",
             "gradient_parameters: found 32 bytes, expected 48, as brdfc.bindings line 3",
         ),
-        (&gradient, "41 ", "40 ", "line 4: found slot 40, expected slots that rise, each once"),
+        (&gradient, "41 ", "40 ", "line 4: found slot 40, expected slots in ascending order, each once"),
         (&gradient, "gradient_ramp", "gradient_shade", "line 5: found gradient_shade, expected a unique name"),
         (&gradient, "texture file", "texture entry", "found 0 bindings of the file's own texture, expected one"),
         (&gradient, "texture file", "texture empty", "line 4: found 8 x 1 x 1, expected one texel"),
@@ -112,12 +112,12 @@ fn files_that_are_damaged_are_refused_by_the_package() {
             "r8unorm 7",
             "texture: found 1 levels of 2d, 8 x 1 x 1 texels of r8unorm, expected 1 levels of 2d, 7",
         ),
-        (&gradient, "2d r8unorm 8 1 1", "2d-array r8unorm 8192 8192 64", "expected at most 1073741824 of all images"),
+        (&gradient, "2d r8unorm 8 1 1", "2d-array r8unorm 8192 8192 64", "expected at most 1073741824 for all images"),
         (
             &gradient,
             "gradient_shade",
             "other",
-            "brdfc.image.other: found no such entry, expected one, as brdfc.bindings line 5",
+            "brdfc.image.other: missing; expected a key of this name, as brdfc.bindings line 5",
         ),
         (&gradient, "16 8 1 4", "16 8 1 6", "line 5: found 6, expected 1 to 5"),
         (
@@ -127,12 +127,12 @@ fn files_that_are_damaged_are_refused_by_the_package() {
             "brdfc.image.gradient_shade: found 4 levels of 2d, 16 x 8 x 1 texels of r16float",
         ),
         (&gradient, "r16float", "r16half", "line 5: found r16half, expected r8unorm or "),
-        (&gradient, "r16float", "r32uint", "line 5: found gradient_sampler, expected -, as integers are not filtered"),
+        (&gradient, "r16float", "r32uint", "line 5: found gradient_sampler, expected -, because integers are "),
         (
             &gradient,
             "43 gradient_sampler",
             "43 other",
-            "line 5: found gradient_sampler, expected a sampler of the list, or -",
+            "line 5: found gradient_sampler, expected the name of a sampler in the list, or -",
         ),
         (&gradient, "43 ", "1000 ", "line 6: found 1000, expected 0 to 999"),
         (&gradient, "sampler repeat", "sampler mirror", "line 6: found mirror, expected clamp or repeat"),
@@ -175,7 +175,7 @@ fetch('/result', {{ method: 'POST', body: JSON.stringify(results) }});
         assert!(*expected == "loaded" || found.starts_with(&format!("{k}.ktx2: ")), "{name}: {found}");
     }
     for (name, expected) in [
-        ("wide", "device: found none of the feature float32-filterable, expected "),
+        ("wide", "device: the pack needs the feature float32-filterable; "),
         ("scale", "distanceScale: found -1, expected a number above 0"),
         ("filter", "filter: found none, expected shader or sampler"),
     ] {

@@ -1,16 +1,16 @@
 //! Bandwidth of environments over the sphere of directions, in cycles per radian.
 //!
 //! A latitude-longitude image is continued over its poles, so that both axes are periodic and span 2π. A wave with the
-//! frequencies `(k_u, k_v)` in cycles per radian of the two angles has `|J^T k| = hypot(k_u / sin θ, k_v)` cycles per radian
-//! on the sphere, θ being the angle to the pole.
+//! frequencies `(k_u, k_v)` in cycles per radian of the two angles has `|J^T k| = hypot(k_u / sin θ, k_v)` cycles per
+//! radian on the sphere, θ being the angle to the pole.
 //!
 //! Near a pole `1 / sin θ` grows without bound, while frequencies along the azimuth come from wavelets that extend to
 //! larger θ: `m` cycles around the pole are a wave of `b` cycles per radian only for `θ ≥ m / 2πb`. Therefore `sin θ`
 //! is evaluated one wavelength away from the pole, at the middle of the wavelets that measured the frequency. Within a
 //! wavelength of the pole, every direction is the elevation of some azimuth, and `k_v` counts for both axes.
 //!
-//! As a result, the peak bandwidth of a round spot varies by at most a factor 1.65 over the sphere, that of a wave by
-//! at most 2 (bounds of the tests). With `1 / sin θ` alone the error is a factor of a hundred.
+//! As a result, the peak bandwidth of a round spot varies by at most a factor 1.65 over the sphere, and the bandwidth
+//! of a wave by at most 2 (bounds of the tests). With `1 / sin θ` alone the error is a factor of a hundred.
 
 use super::daubechies::Image;
 use super::image::{Axis, channels, resample};
@@ -157,7 +157,7 @@ mod tests {
             // Frequency in cycles per radian at which the spectrum of the spot has fallen to 1 %.
             let expected = ((2.0 * sharpness * 100f64.ln()).sqrt() / TAU) as f32;
             assert!(peaks.iter().all(|peak| (0.6..1.3).contains(&(peak / expected))), "{expected}: {peaks:?}");
-            // The negative controls: the Jacobian of the texel itself, and that of a cylinder.
+            // The negative controls: the Jacobian of the texel itself, and the Jacobian of a cylinder.
             for wrong in [|theta: f32, [u, v]: [f32; 2]| (u / theta.sin()).hypot(v), |_, [u, v]: [f32; 2]| u.hypot(v)] {
                 let peaks: Vec<f32> = spots(sharpness, wrong).iter().map(|(peak, _)| *peak).collect();
                 assert!(spread(&peaks) > 1.65, "{sharpness}: {peaks:?}");

@@ -33,14 +33,14 @@ pub struct BandwidthFacts {
 }
 
 impl BandwidthFacts {
-    /// A remark for users if the resolution limits some of the values.
+    /// A note for users if the resolution limits some of the values.
     pub fn remark(&self) -> Option<String> {
         let share = self.limited.filter(|share| *share > 0.0)?;
         let [width, height] = self.transformed;
         let all = self.size.map(f64::from).into_iter().product::<f64>();
         let count = (share * all).round();
         Some(format!(
-            "bandwidth map: {count} of {all} values may be too low: lobes of {width} x {height} pixels resolve no more"
+            "bandwidth map: {count} of {all} values may be too low, because lobes have only {width} x {height} pixels"
         ))
     }
 

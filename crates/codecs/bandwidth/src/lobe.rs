@@ -112,7 +112,7 @@ fn jacobian_norm(theta: f64) -> f64 {
 /// Layout of the image of a lobe, relative to the plane of incidence.
 struct LobeImage {
     side: usize,
-    /// Directions of the pixels; beyond the horizon, those of their reflection.
+    /// Directions of the pixels; beyond the horizon, directions of their reflections.
     directions: Vec<Vector>,
     /// For pixels beyond the horizon, the index of the horizon sample at their azimuth.
     beyond: Vec<Option<usize>>,
@@ -120,8 +120,8 @@ struct LobeImage {
     horizon: Vec<[Vector; 2]>,
     /// Polar angle of each pixel.
     theta: Vec<f64>,
-    /// Pixels of each cell `[l][k]`, k counted from the plane of incidence: those inside it and the one nearest to its
-    /// centre.
+    /// Pixels of each cell `[l][k]`, k counted from the plane of incidence: the pixels inside it and the pixel nearest
+    /// to its centre.
     members: Vec<Vec<usize>>,
 }
 

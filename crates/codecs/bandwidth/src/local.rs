@@ -139,7 +139,7 @@ pub(super) trait Join: Fn(f32, f32) -> f32 + Copy + Sync {}
 impl<T: Fn(f32, f32) -> f32 + Copy + Sync> Join for T {}
 
 /// Variant of [`frequencies`] for blocks of `2^(1 + doublings)` pixels per axis. `Λ` of such a block is merged from
-/// those of its blocks of 2 x 2 pixels, by the maximum if no detail may be missed, so that the rule is evaluated once
+/// the `Λ` of its blocks of 2 x 2 pixels, by the maximum if no detail may be missed, so that the rule is evaluated once
 /// per block.
 pub(super) fn block_frequencies(
     image: Image<'_, f32>,

@@ -23,8 +23,8 @@ pub fn coarser(size: u32) -> u32 {
 /// therefore returns a new reference map, too.
 ///
 /// # Errors
-/// Returns an error if the sides of the map are no multiple of `coarser` or differ from those of the reference, or if a
-/// displacement does not fit into a half.
+/// Returns an error if the sides of the map are no multiple of `coarser` or differ from the sides of the reference, or
+/// if a displacement does not fit into a half.
 pub fn displacements(
     map: IndirectionHeader,
     reference: &ReferenceMap,
@@ -85,8 +85,8 @@ pub fn displacements(
     Ok((displacements, ReferenceMap::new(size, parameters.collect())?))
 }
 
-/// Parameters of the texels of a block. Texels on another side of a silhouette than the one in their middle, or on it,
-/// continue from that one as the reference plane does.
+/// Parameters of the texels of a block. Texels on another side of a silhouette than the middle texel, or on it,
+/// continue from the middle texel as the reference plane does.
 fn on_one_side(own: &[[f64; 2]], texels: &[[u32; 2]], size: u32) -> Vec<[f64; 2]> {
     let middle = nearest_to_all_by(own.len(), |a, b| {
         let [x, y] = apart(own[a], own[b]);

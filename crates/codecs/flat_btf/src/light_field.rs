@@ -25,7 +25,8 @@ pub trait LightField: Sync {
     /// Returns an error if values cannot be read.
     fn view(&self, view: usize, texels: Vec<u32>) -> Result<Self::View, Self::Error>;
 
-    /// Values at the texels of a view under one light: radiance divided by that of a white diffuser that faces the light.
+    /// Values at the texels of a view under one light: radiance divided by the radiance of a white diffuser that faces
+    /// the light.
     ///
     /// # Errors
     /// Returns an error if values cannot be read.

@@ -10,7 +10,7 @@ pub trait ViewImages: Sync {
     /// Error of reading an image.
     type Error: Send;
 
-    /// Image of a view under a light, of the tile rectified to the plane `z = 0`: radiance divided by that of a white
+    /// Image of a view under a light, of the tile rectified to the plane `z = 0`: radiance over the radiance of a white
     /// diffuser that faces the light.
     ///
     /// # Errors
@@ -21,7 +21,7 @@ pub trait ViewImages: Sync {
 /// Values of texels looked up in images: a texel at `p` appears in the view along `v` where the line through `p` along `v`
 /// crosses the plane.
 pub struct MeasuredField<'a, I: ?Sized> {
-    /// The images.
+    /// Images by view and light.
     pub images: &'a I,
     /// Surface points of the texels.
     pub texels: &'a TexelMap,

@@ -10,7 +10,7 @@ use brdfc_formats::direction::Vector;
 
 /// A periodic surface with its parameterisation and ray caster.
 pub struct MesoModel {
-    /// The surface.
+    /// One tile of the surface, welded and periodic.
     pub mesh: PeriodicMesh,
     /// The parameterisation of `mesh`.
     pub parameterisation: SurfaceParameterisation,

@@ -19,13 +19,13 @@ use std::f64::consts::TAU;
 /// Differences in L*a*b* (ΔE of 1976); 1 is just visible side by side.
 #[derive(Debug, Clone, Copy, PartialEq, serde::Serialize, serde::Deserialize, schemars::JsonSchema)]
 pub struct ColourErrors {
-    /// Number of probes.
+    /// Number of probes that were compared.
     pub samples: usize,
-    /// Mean difference.
+    /// Mean ΔE over the probes.
     pub mean: f64,
     /// 95th percentile of the differences.
     pub p95: f64,
-    /// Largest difference.
+    /// Largest ΔE over the probes.
     pub max: f64,
 }
 
@@ -62,7 +62,7 @@ const SEED: u64 = 0xb7f0;
 
 /// Sampled directions and a mesh for blending between them.
 pub struct Directions<'a> {
-    /// Unit vectors.
+    /// All sampled directions, unit vectors.
     pub all: &'a [Vector],
     /// Triangulation of the directions.
     pub mesh: &'a DirectionMesh,

@@ -43,8 +43,8 @@ impl ViewImage {
     }
 
     /// Image rebuilt from the flat image of the same view and light: the mean of bilinear, periodic look-ups at the
-    /// points that the rays of a texel see. It does not use an indirection map, so that its error is that of the flat
-    /// image alone.
+    /// points that the rays of a texel see. It does not use an indirection map, so that its error comes from the
+    /// flat image alone.
     pub fn rebuilt(&self, flat: &[[f32; 3]]) -> Vec<[f32; 3]> {
         let values = sample_bilinear(flat, &self.parameters);
         values.chunks_exact(self.per_texel).map(|values| mean(values.iter().copied(), self.per_texel)).collect()

@@ -31,7 +31,7 @@ pub struct SurfacePoint {
     pub normal: Vector,
     /// Unit normal of its triangle.
     pub geometric_normal: Vector,
-    /// Material.
+    /// Material at the point, blended between the vertices.
     pub material: VertexMaterial,
 }
 
@@ -86,8 +86,8 @@ pub fn geometric_normal(corners: [Vector; 3]) -> Vector {
 
 /// The materials of a surface.
 ///
-/// Their tangent frame is that of the reference plane, rotated by the shortest rotation from its normal to the shading
-/// normal.
+/// Their tangent frame is the frame of the reference plane, rotated by the shortest rotation from its normal to the
+/// shading normal.
 #[derive(Default)]
 pub struct Appearance {
     /// Sources, one for each weight of [`VertexMaterial`] in use; 1 to 4.
@@ -123,7 +123,7 @@ impl Appearance {
         [0, 1, 2].map(|k| sum[k] * f64::from(point.material.tint[k] * colour[k]))
     }
 
-    /// Radiance towards `view` under a light from far away, divided by that of a white diffuser that faces the light:
+    /// Radiance towards `view` under a light from far away, over the radiance of a white diffuser that faces the light:
     /// `π f_r cos θi`. Ignores shadows.
     pub fn relative_radiance(&self, point: &SurfacePoint, view: Vector, light: Vector) -> [f32; 3] {
         let scale = PI * dot(point.normal, light);

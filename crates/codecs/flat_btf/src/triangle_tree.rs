@@ -12,11 +12,11 @@ use obvhs::triangle::Triangle;
 /// A segment of a ray.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Segment {
-    /// Start point.
+    /// Start point of the segment.
     pub origin: Vec3A,
-    /// Unit vector.
+    /// Direction, a unit vector.
     pub direction: Vec3A,
-    /// Length.
+    /// Length of the segment, from the start point.
     pub length: f32,
 }
 

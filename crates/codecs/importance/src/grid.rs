@@ -15,7 +15,7 @@ pub struct HalfGrid {
 }
 
 impl HalfGrid {
-    /// Sufficient for chrome.
+    /// Default grid, fine enough for the lobe of chrome.
     pub const DEFAULT: Self = Self { polar: 128, azimuths: 64 };
 
     /// Checks ranges.

@@ -11,7 +11,8 @@ use std::f64::consts::FRAC_1_PI;
 const LUMINANCE: [f64; 3] = [0.2126, 0.7152, 0.0722];
 /// Upper bound of values, which keeps sums finite.
 const MAX_VALUE: f64 = 1e30;
-/// Part of the defensive share that is uniform over all half vectors, including those that no direction of the row has.
+/// Part of the defensive share that is uniform over all half vectors, including half vectors that no direction of the
+/// row has.
 const UNIFORM: f64 = 0.1;
 
 /// Probability of each cell of the grid, ring by ring, for the outgoing direction in the middle of `row`; all are

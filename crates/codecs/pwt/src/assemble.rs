@@ -30,7 +30,7 @@ pub fn arrange(images: &[TermImages], steps: &[StepUp], count: usize) -> Arrange
         let fits = |channels: &usize| spare(*channels) as f64 * size(level) <= SPENT_ON_FETCHES * total;
         let channels = [4, 2].into_iter().find(fits).unwrap_or(1);
         let mut free = spare(channels);
-        // Move coarser terms up, first the one that reduces the error most.
+        // Move coarser terms up, first the term that reduces the error most.
         while free > 0 {
             let gain = |k: &usize| {
                 let errors = &images[*k].errors;

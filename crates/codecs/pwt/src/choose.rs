@@ -21,11 +21,11 @@ pub struct Candidate {
     pub epsilon: f32,
     /// Coordinates of the polynomials.
     pub coordinates: LightCoordinates,
-    /// Highest degree.
+    /// Highest degree of the polynomials.
     pub degree: u32,
-    /// Ridge, `λ`.
+    /// Ridge `λ`, the weight of the penalty on roughness.
     pub ridge: f64,
-    /// Peak signal-to-noise ratio of sRGB-encoded values at the fitted lights, dB.
+    /// PSNR of sRGB-encoded values at the fitted lights, dB.
     pub psnr: f64,
     /// The same in leave-one-out cross-validation over the lights; `None` if there are too few lights. Both values are
     /// for 512 texels, before pruning and rounding.
@@ -156,7 +156,7 @@ impl Texels {
         found.into_iter().flatten().collect()
     }
 
-    /// Signal-to-noise ratios of every degree from the lowest: at fitted lights and, if available, in cross-validation.
+    /// PSNR of every degree from the lowest: at fitted lights and, if available, in cross-validation.
     fn by_degree(
         &self,
         design: &Design,
@@ -223,7 +223,7 @@ pub(crate) fn squares(a: &[f32], b: &[f32]) -> f64 {
     a.iter().zip(b).map(|(a, b)| f64::from((a - b) * (a - b))).sum()
 }
 
-/// Peak signal-to-noise ratio for a mean squared error of values from 0 to 1, dB. Errors below rounding to 16 bits
+/// PSNR for a mean squared error of values from 0 to 1, dB. Errors below rounding to 16 bits
 /// count as that; NaN counts as the largest error.
 pub fn decibels(mean_square: f64) -> f64 {
     if mean_square.is_nan() {

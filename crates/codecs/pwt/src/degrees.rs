@@ -1,5 +1,5 @@
 //! Polynomial degree per subband (section 2, "the polynomial degree is chosen per subband"): the degree with the best
-//! leave-one-out prediction, so that more terms never increase the error at unseen lights.
+//! leave-one-out prediction, so that more terms never increase the error at held-out lights.
 
 use crate::design::Design;
 use crate::image::Plane;
@@ -102,7 +102,7 @@ fn of_subband(design: &Design, subband: Subband, lights: &[&[f32]], counted: f64
         first = last;
         let leverages = match design.leverages(degree) {
             Some(leverages) => leverages,
-            // A single light cannot be left out: its image is fitted exactly.
+            // A single light cannot be held out: its image is fitted exactly.
             None if degree == 0 => vec![0.0; lights.len()],
             None => continue,
         };

@@ -163,8 +163,8 @@ mod tests {
         }
     }
 
-    /// The first coefficients are those of a fit of lower degree, and the residual divided by `1 - h_ii` is the
-    /// leave-one-out error.
+    /// The first coefficients equal the coefficients of a fit of lower degree, and the residual divided by `1 - h_ii`
+    /// is the leave-one-out error.
     #[test]
     fn lower_degrees_and_lights_left_out() {
         let lights = lights(30);

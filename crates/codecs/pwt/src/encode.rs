@@ -31,7 +31,7 @@ const TRIALS: usize = 8;
 /// A pack, and the results of its encoding.
 #[derive(Debug, Clone)]
 pub struct PwtEncoded {
-    /// The pack.
+    /// The pack in memory.
     pub pack: PwtPack,
     /// The best of each pair of domain and coordinates; the first was used.
     pub candidates: Vec<Candidate>,
@@ -303,7 +303,7 @@ impl Search<'_> {
                 Ok((pack, errors, count.is_some()))
             }
             Target::Loss(loss) => {
-                // Truncation adds to the error at unseen lights.
+                // Truncation adds to the error at held-out lights.
                 let unseen = self.candidate.held_out_psnr.unwrap_or(self.candidate.psnr);
                 let unseen = 10f64.powf(-unseen / 10.0);
                 let numbers = (3 * self.samples.defined_texels() * self.samples.lights.len()) as f64;

@@ -36,7 +36,7 @@ pub struct PwtTextureFacts {
     pub level: u32,
     /// Columns and rows of its finest level.
     pub size: [u32; 2],
-    /// Layers.
+    /// Number of layers.
     pub layers: u32,
     /// Channels of 8 bits per texel.
     pub channels: u32,

@@ -12,14 +12,14 @@ pub const BASES: u32 = brdfc_formats::pwt::MAX_TEXTURES as u32;
 /// A term of a channel, with its images and errors for each first level.
 #[derive(Debug, Clone, PartialEq)]
 pub struct TermImages {
-    /// Channel.
+    /// Index of the channel.
     pub channel: usize,
-    /// Term.
+    /// Index of the term.
     pub term: usize,
     /// Texels of all mipmap levels, finest first.
     pub levels: Vec<Plane>,
     /// Weighted squared error of the image, summed over texels, if the term begins at level 0, 1, …; the last is the
-    /// error if it is left out.
+    /// error if it is omitted.
     pub errors: Vec<f64>,
 }
 

@@ -1,7 +1,7 @@
 //! One-dimensional wavelets as lifting steps (Sweldens 1996; factorisations after Daubechies and Sweldens 1998). Each
 //! step is invertible for any extension beyond the borders, so that reconstruction is perfect for all wavelets.
 
-/// A wavelet.
+/// Wavelet that transforms the images of terms.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, serde::Serialize, serde::Deserialize, schemars::JsonSchema)]
 #[serde(rename_all = "kebab-case")]
 pub enum Wavelet {

@@ -15,18 +15,18 @@ pub struct StackErrors {
     pub lights: usize,
     /// Texels compared per photograph: defined ones.
     pub texels: usize,
-    /// Peak signal-to-noise ratio of sRGB-encoded values, dB.
+    /// PSNR of sRGB-encoded values, dB.
     pub psnr: f64,
     /// Mean ΔE (CIE76).
     pub delta_e: f64,
     /// Share of the photographs' texels that are neither black nor white.
     pub shown: f64,
-    /// Brightest of those texels over the darkest, linear values; 1 where there are none.
+    /// Brightest of these texels over the darkest, linear values; 1 without such texels.
     pub contrast: f64,
 }
 
-/// Errors of a pack at its finest level against photographs, which need not be those of the fit. Compares every
-/// `stride`-th row.
+/// Errors of a pack at its finest level against photographs, which may differ from the photographs of the fit. Compares
+/// every `stride`-th row.
 pub fn stack_errors(decoder: &PwtDecoder, samples: &LightSamples, stride: usize) -> StackErrors {
     let unpacked = decoder.unpacked(0);
     let sums = sums(samples, stride, |light| {
@@ -55,7 +55,7 @@ pub struct PhotographSums {
     distances: f64,
 }
 
-/// Sums for texels in linear RGB against those of a photograph.
+/// Sums for texels in linear RGB against texels of a photograph.
 pub fn photograph_sums(found: &[[f32; 3]], expected: &[[f32; 3]]) -> PhotographSums {
     let codes = |colours: &[[f32; 3]]| to_srgb(Domain::Linear, colours.as_flattened().to_vec());
     let seen = |colour: &[f32; 3]| lab(colour.map(|value| value.max(0.0)));
@@ -107,10 +107,10 @@ impl StackErrors {
         if self.shown < MIN_SHOWN {
             let (found, needed) = (100.0 * self.shown, 100.0 * MIN_SHOWN);
             return Some(format!(
-                "{found:.3} % of the texels that are neither black nor white (at least {needed} % needed)"
+                "only {found:.3} % of the texels are neither black nor white; expected at least {needed} %"
             ));
         }
-        (self.contrast < MIN_CONTRAST).then(|| "no contrast: all texels look alike".to_owned())
+        (self.contrast < MIN_CONTRAST).then(|| "no contrast, because all texels look alike".to_owned())
     }
 }
 

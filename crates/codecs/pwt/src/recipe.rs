@@ -37,9 +37,9 @@ impl DomainName {
 #[derive(Debug, Clone, Copy, PartialEq, serde::Serialize, serde::Deserialize, schemars::JsonSchema)]
 #[serde(rename_all = "kebab-case")]
 pub enum Target {
-    /// Maximum loss against the quality at unseen lights before truncation, dB.
+    /// Maximum loss against the PSNR at held-out lights before truncation, dB.
     Loss(f64),
-    /// Peak signal-to-noise ratio of sRGB-encoded values, dB.
+    /// PSNR of sRGB-encoded values, dB.
     Quality(f64),
     /// Mean ΔE (CIE76).
     DeltaE(f64),
@@ -54,19 +54,19 @@ pub enum Target {
 pub struct PwtRecipe {
     /// Coordinates of the polynomials.
     pub coordinates: Option<LightCoordinates>,
-    /// Highest degree.
+    /// Highest degree of the polynomials.
     pub degree: Option<u32>,
     /// `λ` of the penalty on roughness.
     pub ridge: Option<f64>,
     /// Domain of the fitted values.
     pub domain: Option<DomainName>,
-    /// The wavelet.
+    /// Wavelet of the tree.
     pub wavelet: Wavelet,
     /// Levels of the tree; `None` for 5, or as many as the sides allow.
     pub depth: Option<u32>,
     /// Number of further splits of details.
     pub packets: u32,
-    /// Target.
+    /// Target of the pack, such as a PSNR or a number of bytes.
     pub target: Target,
 }
 

@@ -67,7 +67,7 @@ impl LightSamples {
                 return refused("mask of defined texels".to_owned(), found, format!("{width} x {height}"));
             }
             if !mask.contains(&true) {
-                return refused("defined texels".to_owned(), "none".to_owned(), "one or more".to_owned());
+                return Err(FormatError::whole("mask of defined texels", "no defined texels", "one or more").problem());
             }
         }
         Ok(())

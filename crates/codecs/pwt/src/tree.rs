@@ -164,7 +164,7 @@ impl PacketTree {
         }
     }
 
-    /// Reconstructs the image at a level, with that level's size: finer details are left out, and each texel is the
+    /// Reconstructs the image at a level, with that level's size: finer details are omitted, and each texel is the
     /// mean of the area that it covers. Level 0 is the whole image.
     pub fn truncated(&self, coefficients: &Plane, level: u32) -> Plane {
         let mut plane = coefficients.clone();

@@ -80,7 +80,7 @@ impl Warp {
     }
 }
 
-/// Texels of the largest tables that are tried: larger ones have the same warps, and axes in the same proportion.
+/// Texels of the largest tables that are tried: larger tables have the same warps, and axes in the same proportion.
 const MAX_TRIED: usize = 4096;
 const MAX_TRIED_ANISOTROPIC: usize = 8192;
 
@@ -167,7 +167,7 @@ fn shaped(shape: [f64; 3], texels: usize, layers: u32, symmetry: TableSymmetry) 
 
 /// Input of trial fits.
 pub struct Trial<'a> {
-    /// Samples.
+    /// Samples to fit.
     pub samples: &'a Samples,
     /// Folded angles of the samples.
     pub folded: &'a [Folded],

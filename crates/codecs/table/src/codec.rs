@@ -61,7 +61,7 @@ impl Recipe {
         }
     }
 
-    /// The same, mutable.
+    /// The same recipe, mutable.
     fn table_mut(&mut self) -> &mut TableRecipe {
         match self {
             Self::Table(table) | Self::Search(SearchRecipe { table, .. }) => table,

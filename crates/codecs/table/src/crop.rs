@@ -4,7 +4,7 @@ use brdfc_formats::crop::{DirectionRange, Window};
 use brdfc_formats::table::{Angles, TableHeader};
 use std::f64::consts::FRAC_PI_2;
 
-/// Width of the ring of texels around those that filtering reads.
+/// Width of the ring around the texels that filtering reads.
 const GUARD: u32 = 1;
 
 /// Columns and rows that look-ups within a range of directions read, with a ring around them.

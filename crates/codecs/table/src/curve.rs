@@ -11,7 +11,7 @@ use brdfc_formats::table::Curve;
 const TEXELS_PER_NODE: usize = 32;
 const MAX_NODES: usize = 128;
 pub(super) const MIN_NODES: usize = 16;
-/// Strength of the ties between neighbouring nodes, relative to the mean strength of those that samples create.
+/// Strength of the ties between neighbouring nodes, relative to the mean strength of the ties that samples create.
 const SMOOTHNESS: f64 = 1e-4;
 
 /// Number of nodes of the curve for a pack of `texels` texels.
@@ -29,7 +29,7 @@ pub fn fit(samples: &Samples, targets: &Targets, logarithms: &[[f32; 3]], nodes:
 /// is; the table takes the offset.
 ///
 /// # Errors
-/// Same as [`Curve::new`].
+/// Returns the errors of [`Curve::new`], for example for rows of different lengths.
 pub fn stored(rows: &[Vec<[f64; 3]>], channels: u32) -> Result<Curve, FormatError> {
     let middle: [f64; 3] = std::array::from_fn(|channel| {
         let mut values: Vec<f64> = rows[0].iter().map(|value| value[channel]).collect();

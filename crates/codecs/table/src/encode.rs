@@ -25,17 +25,17 @@ use brdfc_metrics::sampling::PairSet;
 const SAMPLES: u64 = 16;
 /// Maximum number of samples.
 const MAX_SAMPLES: u64 = 1 << 18;
-/// Texels of the largest table for a budget of bytes: larger ones would have fewer than two samples per node.
+/// Texels of the largest table for a limit of bytes: larger tables would have fewer than two samples per node.
 pub const MAX_TEXELS: u64 = 1 << 17;
-/// Larger logarithms are overshoots of a fit next to a spike; no material has them.
+/// Maximum logarithm of a material; larger values are overshoots of a fit next to a spike.
 const MAX_LOGARITHM: f64 = 80.0;
 
 /// A pack with the measurements of its encoding.
 #[derive(Debug, Clone)]
 pub struct Encoded {
-    /// The pack.
+    /// The pack in memory.
     pub pack: TablePack,
-    /// The file.
+    /// Contents of the pack's KTX2 file.
     pub bytes: Vec<u8>,
     /// Deviation of the source from each symmetry.
     pub asymmetry: Asymmetry,
@@ -185,7 +185,7 @@ impl Prepared {
     /// `[layer][slice][row][column]` without the repeated slice.
     ///
     /// # Errors
-    /// Same as [`Self::pack`].
+    /// Returns an error if the budget cannot be met, if the size is out of range, or if the work is cancelled.
     pub fn nodes(&self, size: Size, progress: &dyn Progress) -> Result<(TableHeader, Vec<[f32; 3]>), EncodeError> {
         let recipe = TableRecipe { size, ..TableRecipe::default() };
         let fitted = self.fit(size, DirectionRange::ALL, self.texels(&recipe)?, progress)?;
@@ -239,12 +239,7 @@ impl Prepared {
         let fewest = table + curve as u64;
         let most = allowed.saturating_sub(block) / texel_bytes(self.grey);
         if most < fewest {
-            return Err(EncodeError::TooFewBytes {
-                field: "byte budget",
-                allowed,
-                smallest: block + texel_bytes(self.grey) * fewest,
-                what: "the smallest table and its curve",
-            });
+            return Err(EncodeError::TooFewBytes { allowed, smallest: block + texel_bytes(self.grey) * fewest });
         }
         Ok(most.min(MAX_TEXELS) as usize)
     }

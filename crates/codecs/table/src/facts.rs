@@ -10,7 +10,7 @@ use brdfc_formats::{ErrorSummary, RenderingSummary};
 /// Facts about a table pack.
 #[derive(Debug, Clone, PartialEq, serde::Serialize, schemars::JsonSchema)]
 pub struct TablePackFacts {
-    /// Nodes per axis.
+    /// Number of nodes along each axis.
     pub axes: Axes,
     /// Symmetries that fold its nodes.
     pub folded: TableSymmetry,
@@ -18,11 +18,11 @@ pub struct TablePackFacts {
     pub curve_nodes: usize,
     /// Number of levels of detail below the finest.
     pub levels: u32,
-    /// 1 or 3.
+    /// Colour channels, 1 or 3.
     pub channels: u32,
-    /// `μ`, 1/sr.
+    /// `μ` of the logarithm `ln(f / μ + ε)`, 1/sr.
     pub mean: f32,
-    /// `ε`.
+    /// Bias `ε` of the logarithm.
     pub bias: f32,
     /// Filtered fetches per look-up.
     pub fetches: u32,
@@ -32,7 +32,7 @@ pub struct TablePackFacts {
     pub gpu_bytes: u64,
     /// Errors of the filtered pack against its source at independent test directions.
     pub off_grid: ErrorSummary,
-    /// ΔE*ab between renderings of the pack and of its source.
+    /// ΔE (CIE76) between renderings of the pack and of its source.
     pub rendering: RenderingSummary,
 }
 

@@ -8,7 +8,7 @@ use rayon::prelude::*;
 /// Steps of conjugate gradients in an encoding and in a trial.
 const STEPS: usize = 30;
 const TRIAL_STEPS: usize = 16;
-/// Strength of the ties between neighbouring nodes, relative to the mean strength of those that samples create.
+/// Strength of the ties between neighbouring nodes, relative to the mean strength of the ties that samples create.
 const SMOOTHNESS: f32 = 1e-4;
 /// Difference of lightness, relative to white's, above which samples count less than by their square: errors are means
 /// of differences, not of squares.

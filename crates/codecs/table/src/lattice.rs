@@ -8,7 +8,7 @@ const MAX_TAPS: usize = 16;
 /// Offsets of the taps from the first one: a step along axis `k` is `3^k`.
 const STEPS_OF_TAPS: [usize; MAX_TAPS] = [0, 1, 3, 4, 9, 10, 12, 13, 27, 28, 30, 31, 36, 37, 39, 40];
 
-/// Nodes of an interpolated value with their weights: those on either side along each axis.
+/// Nodes of an interpolated value with their weights: the nodes on either side along each axis.
 #[derive(Debug, Clone, Copy)]
 pub struct Taps {
     nodes: [[u32; 2]; 4],

@@ -1,5 +1,5 @@
-//! Levels of detail of a factored pack: rows of its curve, each for a surface with bumps twice as steep as those of the
-//! row before. The bumps are too small for single pixels.
+//! Levels of detail of a factored pack: rows of its curve, each for a surface with bumps twice as steep as in the row
+//! before. The bumps are too small for single pixels.
 //!
 //! A bumpy surface spreads half vectors. Its average over a pixel is the same material with a blurred distribution over
 //! `θ_h` (the idea of Toksvig 2005 and of LEAN mapping, Olano and Baker 2010). Blurred logarithms would darken. This module

@@ -14,7 +14,7 @@ pub const STEPS: f32 = 1023.0;
 /// any sample uses are clamped to the range of the samples.
 ///
 /// # Errors
-/// Same as [`TablePack::new`].
+/// Returns the errors of [`TablePack::new`].
 pub fn quantise(mut header: TableHeader, solution: &Solution, targets: &Targets) -> Result<TablePack, FormatError> {
     let nodes = &solution.nodes;
     let mut values = vec![[0.0f32; 3]; nodes.len()];

@@ -40,8 +40,8 @@ pub struct TableRecipe {
     pub reciprocal: bool,
     /// `ε` of the logarithm `ln(f / μ + ε)`.
     pub bias: f64,
-    /// Directions that the pack covers. Texels that no look-up within them reads are cropped, and errors are measured
-    /// within.
+    /// Directions that the pack covers. Texels that no look-up within this range reads are cropped, and errors are
+    /// measured within the range.
     pub directions: DirectionRange,
     /// True if the error is measured. Otherwise the pack stores an error of 0.
     pub measure: bool,

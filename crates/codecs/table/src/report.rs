@@ -15,7 +15,7 @@ pub(super) const FACTORED: &str = "factored";
 /// The report of a table pack.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, schemars::JsonSchema)]
 pub struct TableReport {
-    /// Nodes per axis.
+    /// Number of nodes along each axis.
     pub axes: Axes,
     /// Number of nodes of the curve over `θ_h` in a factored pack, otherwise 0.
     pub curve_nodes: usize,

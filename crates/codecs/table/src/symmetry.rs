@@ -15,8 +15,8 @@ const PAIRS: usize = 1024;
 /// measured plastic that was off by 1.8 % trebled the difference of its rendering.
 const TOLERANCE: f64 = 0.003;
 
-/// Mean difference between values and those of their images, weighted by `cos θi`, over the mean value: 0 where the
-/// symmetry holds, 0 for black materials.
+/// Mean difference between values and the values of their images, weighted by `cos θi`, over the mean value: 0 where
+/// the symmetry holds, 0 for black materials.
 #[derive(Debug, Clone, Copy, PartialEq, Default, serde::Serialize, serde::Deserialize, schemars::JsonSchema)]
 pub struct Asymmetry {
     /// Exchange of light and viewer.

@@ -16,7 +16,7 @@ const LIGHTNESS_OF_RATIO: f32 = 116.0 / 3.0;
 /// Number of samples whose colours are computed at once.
 const LANES: usize = 32;
 
-/// Upper limit of weights; those of materials are about 1.
+/// Upper limit of weights; weights of materials are about 1.
 const MAX_WEIGHT: f32 = 1e6;
 
 /// Logarithms and weights of samples.
@@ -28,7 +28,7 @@ pub struct Targets {
     pub grey: bool,
     /// `μ`, mean over channels of the samples on a ball; 1 for black materials.
     pub mean: f32,
-    /// `ε`.
+    /// Bias `ε` of the logarithm.
     pub bias: f32,
     /// Exposure of `f cos θi` for display: few samples on the ball exceed white.
     pub exposure: f32,

@@ -38,14 +38,14 @@ pub struct WaveletReport {
     /// Bits per component.
     pub bits: u32,
     /// True if coarser levels and omitted slices are energy-preserving.
-    pub lifted: bool,
+    pub energy_preserving: bool,
     /// True if the table was smoothed.
     pub smoothed: bool,
     /// Number of retained slices, without the zero slice.
-    pub slices_kept: usize,
+    pub slices_retained: usize,
     /// Number of wavelet coefficients, and of slices at 1:1.
     pub slices_in_all: usize,
-    /// `slices_in_all / slices_kept`.
+    /// Compression ratio: `slices_in_all / slices_retained`.
     pub ratio: f64,
     /// Codec error: decoded table against table.
     pub on_grid: GridError,
@@ -57,7 +57,7 @@ impl BrdfReport for WaveletReport {
     }
 
     fn size(&self) -> String {
-        format!("{}/{} slices", self.slices_kept, self.slices_in_all)
+        format!("{}/{} slices", self.slices_retained, self.slices_in_all)
     }
 
     fn on_grid(&self) -> Option<&Norms> {
@@ -133,7 +133,7 @@ impl BrdfRecipe for Recipe {
             bits: self.bits,
             mean: 1.0,
             bias: 1.0,
-            lifted: self.lift,
+            energy_preserving: self.energy_preserving,
         };
         let (grey, colour) = (header(1), header(3));
         let window = window(&grey, self.directions.light);
@@ -167,7 +167,7 @@ impl Encode for Recipe {
             "parameterisation",
             "bias",
             "ranking",
-            "lift",
+            "energy_preserving",
             "smooth",
         ],
     }];
@@ -189,7 +189,7 @@ impl Encode for Recipe {
             recipe.bits = bits;
         }
         if let Some(name) = options.parameterisation.as_deref().filter(|name| *name != recipe.parameterisation.name()) {
-            let allowed = "tangent-pole; for half-difference angles use the codec table";
+            let allowed = "tangent-pole; use the codec table for half-difference angles";
             return Err(OptionError::new("parameterisation", format!("\"{name}\""), allowed));
         }
         if let Some(name) = &options.ranking {
@@ -199,7 +199,7 @@ impl Encode for Recipe {
             };
             recipe.ranking = *ranking;
         }
-        recipe.lift = options.lift.unwrap_or(recipe.lift);
+        recipe.energy_preserving = options.energy_preserving.unwrap_or(recipe.energy_preserving);
         recipe.smooth = options.smooth.unwrap_or(recipe.smooth);
         recipe.bias = options.bias()?.unwrap_or(recipe.bias);
         recipe.target = target(options)?.unwrap_or(recipe.target);
@@ -218,17 +218,17 @@ impl Encode for Recipe {
         let encode::Encoded { pack, cropped_bytes, bytes, on_grid, off_grid, tally, evaluated } =
             encode_tabulated(&tabulated, source, self, progress)?;
         let header = &pack.header;
-        let slices_kept = pack.slices() - 1;
+        let slices_retained = pack.slices() - 1;
         let report = WaveletReport {
             parameterisation: header.parameterisation,
             grid: header.grid(),
             stored_levels: header.stored_levels,
             bits: header.bits,
-            lifted: header.lifted,
+            energy_preserving: header.energy_preserving,
             smoothed: self.smooth,
-            slices_kept,
+            slices_retained,
             slices_in_all: header.cells(),
-            ratio: header.cells() as f64 / slices_kept as f64,
+            ratio: header.cells() as f64 / slices_retained as f64,
             on_grid,
         };
         Ok(Encoded {
@@ -254,7 +254,7 @@ fn target(options: &EncodeOptions) -> Result<Option<Target>, OptionError> {
     let given = [options.ratio.is_some(), options.max_error.is_some(), options.max_bytes.is_some()];
     if given.iter().filter(|given| **given).count() > 1 {
         let field = if options.ratio.is_some() { "ratio" } else { "max_error" };
-        return Err(OptionError::new(field, "several targets", "one of ratio, max_error and max_bytes"));
+        return Err(OptionError::conflict(field, "several targets; set only one of ratio, max_error and max_bytes"));
     }
     if let Some(ratio) = options.ratio {
         if !(1.0..=4096.0).contains(&ratio) {
@@ -266,7 +266,8 @@ fn target(options: &EncodeOptions) -> Result<Option<Target>, OptionError> {
     Ok(error.or(options.max_bytes.map(Target::MaxBytes)))
 }
 
-/// The source on a grid, from the cache if it is there. Otherwise the source is sampled and the samples are cached.
+/// The source on a grid, from the cache if it has the samples. Otherwise the source is sampled and the samples are
+/// cached.
 fn tabulated(source: &dyn Source, grid: Grid, cache: &dyn GridCache) -> Tabulated {
     let name = format!("wavelet {} {}", grid.parameterisation.name(), grid.levels);
     let cached = cache.take(&name).and_then(|(values, tally)| Tabulated::from_bytes(source, grid, &values, tally));

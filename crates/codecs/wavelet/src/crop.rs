@@ -6,7 +6,7 @@ use brdfc_formats::direction::Parameterisation;
 use brdfc_formats::wavelet::{Header, WaveletPack, haar::detail_indices};
 use std::f64::consts::PI;
 
-/// Width of the ring of cells around those that filtering reads.
+/// Width of the ring around the cells that filtering reads.
 const GUARD: f64 = 1.0;
 
 /// Crops a pack to the data that look-ups within a range of directions read. Packs over half-difference angles stay

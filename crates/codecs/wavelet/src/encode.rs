@@ -23,13 +23,13 @@ use std::borrow::Cow;
 /// A pack with the measurements of its encoding.
 #[derive(Debug, Clone)]
 pub struct Encoded {
-    /// The pack.
+    /// The pack in memory.
     pub pack: WaveletPack,
     /// Bytes on a GPU that cropping saves, compared with a pack for all directions.
     pub cropped_bytes: u64,
-    /// The file.
+    /// Contents of the pack's KTX2 file.
     pub bytes: Vec<u8>,
-    /// Codec error.
+    /// Codec error: decoded table against table.
     pub on_grid: GridError,
     /// Error against the source, at pairs and in renderings that depend on no codec.
     pub off_grid: Comparison,
@@ -55,8 +55,8 @@ pub(super) fn check(recipe: &Recipe) -> Result<(), EncodeError> {
         let found = ratio_count(recipe.grid().cells(), ratio, most) + 1;
         if found > MAX_SLICES {
             return Err(EncodeError::Size {
-                field: "slices",
-                found: format!("{found}, with the zero slice"),
+                field: "ratio",
+                found: format!("{found} slices with the zero slice"),
                 allowed: format!("at most {MAX_SLICES}; use a higher ratio or a smaller grid"),
             });
         }
@@ -67,7 +67,7 @@ pub(super) fn check(recipe: &Recipe) -> Result<(), EncodeError> {
 /// Runs all stages after sampling: `tabulated` is the source on the grid of the recipe.
 ///
 /// # Errors
-/// Same as [`encode`].
+/// Returns an error if the budget cannot be met or the work is cancelled.
 pub fn encode_tabulated(
     tabulated: &Tabulated,
     source: &dyn Source,
@@ -90,7 +90,7 @@ pub fn encode_tabulated(
     }
 
     start(Stage::Haar)?;
-    let coefficients = haar::transform(&logarithms, recipe.lift);
+    let coefficients = haar::transform(&logarithms, recipe.energy_preserving);
     drop(logarithms);
 
     start(Stage::Threshold)?;
@@ -107,7 +107,7 @@ pub fn encode_tabulated(
         bits: recipe.bits,
         mean: encoding.mean as f32,
         bias: encoding.bias as f32,
-        lifted: recipe.lift,
+        energy_preserving: recipe.energy_preserving,
     };
     let needs = Needs::new(&header, recipe);
     let slices = choose(&coefficients, &reference, &ranking, header, &needs, recipe.target)?;
@@ -170,12 +170,7 @@ fn choose(
         Target::MaxBytes(bytes) => {
             let bytes_of = |slices: usize| gpu_bytes(&header, needs.window, slices + 1);
             if bytes_of(1) > bytes {
-                return Err(EncodeError::TooFewBytes {
-                    field: "byte budget of a wavelet pack",
-                    allowed: bytes,
-                    smallest: bytes_of(1),
-                    what: "the scaling slice alone",
-                });
+                return Err(EncodeError::TooFewBytes { allowed: bytes, smallest: bytes_of(1) });
             }
             let needed: Vec<u32> = ranking.iter().copied().filter(|k| needs.coefficients[*k as usize]).collect();
             let most = needed.len().min(MAX_SLICES - 1);

@@ -15,21 +15,21 @@ pub struct WaveletPackFacts {
     pub parameterisation: Parameterisation,
     /// Cells per axis and hemisphere.
     pub grid: usize,
-    /// Levels of detail.
+    /// Number of levels of detail.
     pub levels: u32,
     /// Finest level that holds slices.
     pub stored_levels: u32,
     /// True if coarser levels and omitted slices are energy-preserving.
-    pub lifted: bool,
-    /// 1 or 3.
+    pub energy_preserving: bool,
+    /// Colour channels, 1 or 3.
     pub channels: u32,
     /// Bits per component.
     pub bits: u32,
     /// Number of retained slices, without the zero slice.
-    pub slices_kept: usize,
-    /// `μ`, 1/sr.
+    pub slices_retained: usize,
+    /// `μ` of the logarithm `ln(f / μ + ε)`, 1/sr.
     pub mean: f32,
-    /// `ε`.
+    /// Bias `ε` of the logarithm.
     pub bias: f32,
     /// Directions of the pack and of its errors.
     pub directions: DirectionRange,
@@ -49,10 +49,10 @@ impl From<&WaveletPack> for WaveletPackFacts {
             grid: header.grid(),
             levels: header.levels,
             stored_levels: header.stored_levels,
-            lifted: header.lifted,
+            energy_preserving: header.energy_preserving,
             channels: header.channels,
             bits: header.bits,
-            slices_kept: pack.slices() - 1,
+            slices_retained: pack.slices() - 1,
             mean: header.mean,
             bias: header.bias,
             directions: pack.directions(),
@@ -70,10 +70,10 @@ impl Describe for WaveletPackFacts {
             grid,
             levels,
             stored_levels,
-            lifted,
+            energy_preserving,
             channels,
             bits,
-            slices_kept,
+            slices_retained,
             mean,
             bias,
             directions: _,
@@ -86,10 +86,13 @@ impl Describe for WaveletPackFacts {
             ("grid", format!("{grid} x {grid} per hemisphere, {}", parameterisation.name())),
             (
                 "levels of detail",
-                format!("{levels}, stored up to {stored_levels}{}", if *lifted { ", energy-preserving" } else { "" }),
+                format!(
+                    "{levels}, stored up to {stored_levels}{}",
+                    if *energy_preserving { ", energy-preserving" } else { "" }
+                ),
             ),
             ("texels", format!("{channels} channel{}, {bits} bits", if *channels == 1 { "" } else { "s" })),
-            ("slices", format!("{slices_kept} of {}", grid * grid)),
+            ("slices", format!("{slices_retained} of {}", grid * grid)),
             ("mean μ, bias ε", format!("{mean} 1/sr, {bias}")),
             ("bytes on a GPU", bytes(*gpu_bytes)),
             ("error on the grid (codec)", format_errors(on_grid)),
@@ -98,7 +101,7 @@ impl Describe for WaveletPackFacts {
     }
 
     fn samples(&self) -> u64 {
-        (self.grid * self.grid * self.slices_kept) as u64
+        (self.grid * self.grid * self.slices_retained) as u64
     }
 
     fn directions(&self) -> DirectionRange {

@@ -197,7 +197,7 @@ mod tests {
             let inner = flip.cell(inner, 8);
             if let Some((row2, inner2)) = fold.exchanged(row, inner) {
                 prop_assert_eq!(fold.exchanged(row2, inner2), Some((row, inner)));
-                // Exchanged directions are those of the partner, up to an allowed flip.
+                // Exchanged directions equal the directions of the partner, up to an allowed flip.
                 let centre = |cell: usize| cell_centre(cell % 8, cell / 8, 8);
                 let pair = |row: usize, inner: usize| p.from_axes(centre(fold.rows()[row] as usize), centre(inner));
                 let (a, b) = (pair(row, inner).exchanged(), pair(row2, inner2));

@@ -1,6 +1,6 @@
 //! The Haar transform (section 4.2 and equation 2 of Claustres et al. 2007), over the inner hemisphere.
 //!
-//! One level splits along longitude, then splits the smooth half along latitude. Coefficient numbers are those of
+//! One level splits along longitude, then splits the smooth half along latitude. Coefficients are numbered as in
 //! [`brdfc_formats::wavelet::haar`]: 0 is the scaling coefficient, level `j` starts at `4^j` with `2^j x 2^j` latitude
 //! details, followed by `2^(j+1)` rows of `2^j` longitude details.
 
@@ -155,7 +155,7 @@ mod tests {
         }
     }
 
-    /// The reflected light of all cells together is that of the scaling coefficient, for any changes of the details.
+    /// The reflected light of all cells together equals the light of the scaling coefficient, for any details.
     #[test]
     fn energy_preserving_coefficients_are_restored_and_preserve_energy() {
         let n = 16usize;

@@ -14,9 +14,9 @@ const VISIBLE_BIAS: f64 = 3e-4;
 pub enum Target {
     /// `cells / ratio`, including the scaling slice; at least 1.
     Ratio(f64),
-    /// The smallest number whose `ε_r` on the grid, after quantisation, is at most this fraction.
+    /// The smallest number of slices whose `ε_r` on the grid, after quantisation, is at most this fraction.
     MaxError(f64),
-    /// As many as fit into this many bytes on a GPU, after cropping.
+    /// As many slices as fit into this many bytes on a GPU, after cropping.
     MaxBytes(u64),
 }
 
@@ -52,13 +52,13 @@ pub struct Recipe {
     /// True if the table is smoothed.
     pub smooth: bool,
     /// True if coarser levels of detail and dropped slices are energy-preserving; tangent-pole only.
-    pub lift: bool,
+    pub energy_preserving: bool,
     /// Target that decides the number of slices.
     pub target: Target,
     /// Ranking of slices.
     pub ranking: Ranking,
-    /// Directions that the pack covers. Data that no look-up within them reads are cropped, and errors against the
-    /// source are measured within.
+    /// Directions that the pack covers. Data that no look-up within this range reads are cropped, and errors against
+    /// the source are measured within the range.
     pub directions: DirectionRange,
     /// True if the error at independent test directions is measured, too. Otherwise the pack stores an error of 0.
     pub measure_off_grid: bool,
@@ -76,7 +76,7 @@ impl Default for Recipe {
             bits: 8,
             bias: DEFAULT_BIAS,
             smooth: false,
-            lift: false,
+            energy_preserving: false,
             target: Target::Ratio(4.0),
             ranking: Ranking::Energy,
             directions: DirectionRange::ALL,

@@ -28,7 +28,7 @@ impl Grid {
 /// Values over `[outer][inner][channel]`, folded by mirror symmetry along the outer axis.
 #[derive(Debug, Clone)]
 pub struct Table {
-    /// The grid.
+    /// Grid of directions that the values are at.
     pub grid: Grid,
     /// Stored outer cells, and the map from the others to them.
     pub fold: Fold,

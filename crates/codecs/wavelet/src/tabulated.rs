@@ -9,9 +9,9 @@ use ndarray::Array3;
 /// A table with the repairs made in it.
 #[derive(Debug, Clone)]
 pub struct Tabulated {
-    /// The table.
+    /// Table of values at the grid's directions.
     pub table: Table,
-    /// Counts of repairs.
+    /// Counts of repairs in the source's values.
     pub tally: Tally,
 }
 

@@ -19,7 +19,7 @@ const EXPONENTS: [f64; 2] = [1.35, 2.25];
 /// Weighted squared norm of each coefficient over all outer cells and channels: `E_k = Σ c_k² w_k`, with `w_k` the mean
 /// of `weight` over the inner cells that the coefficient changes.
 ///
-/// `coefficients` are those of the log-encoded `samples`.
+/// `coefficients` belong to the log-encoded `samples`.
 pub fn visible_energies(coefficients: &Table, samples: &Table, encoding: LogEncoding) -> Vec<f64> {
     let (channels, rows, cells) = coefficients.values.dim();
     let grid = coefficients.grid;
@@ -156,7 +156,7 @@ mod tests {
         let coefficients = haar::transform(&log_encode(&samples, encoding), false);
         let visible = visible_energies(&coefficients, &samples, encoding);
         let plain = slice_energies(&coefficients);
-        // Dropped coefficients are lost; those of one image overlap, so the sum is an estimate.
+        // Dropped coefficients are lost; losses within one image overlap, so the sum is an estimate.
         let lost = |by: &[f64], of: &[f64]| {
             let slices = keep(&ranking(by, 4), 32);
             let dropped = (0..of.len()).filter(|k| !slices.contains(&(*k as u32)));

@@ -21,6 +21,6 @@ pub use poulin::Poulin;
 pub use velvet::Velvet;
 pub use ward::Ward;
 
-/// All models.
+/// All analytic models, for addresses and for lists of models.
 pub const MODELS: [&ModelInfo; 6] =
     [&lambert::INFO, &lewis::INFO, &ward::INFO, &poulin::INFO, &ggx::INFO, &velvet::INFO];

@@ -39,9 +39,9 @@ impl<A: Analytic> Source for A {
 /// Type of a parameter.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum ParameterKind {
-    /// One number.
+    /// One finite number from the parameter's minimum to its maximum.
     Number,
-    /// One whole number.
+    /// One whole number from the parameter's minimum to its maximum.
     Integer,
     /// Linear RGB (Rec. 709 primaries): one number for all channels, or three.
     Colour,
@@ -52,7 +52,7 @@ pub enum ParameterKind {
 pub struct Parameter {
     /// The name in addresses.
     pub name: &'static str,
-    /// Its type.
+    /// Type of the value: a number, a whole number or a colour.
     pub kind: ParameterKind,
     /// Lowest valid value, inclusive.
     pub minimum: f64,
@@ -60,7 +60,7 @@ pub struct Parameter {
     pub maximum: f64,
     /// Default value of all channels.
     pub default: f64,
-    /// Short description.
+    /// Meaning of the parameter, with its unit, in a few words for help texts.
     pub meaning: &'static str,
 }
 
@@ -100,11 +100,11 @@ pub struct Shorthand {
 pub struct ModelInfo {
     /// The name in addresses.
     pub name: &'static str,
-    /// Short description.
+    /// Description of the model in a few words, for help texts.
     pub meaning: &'static str,
     /// Its parameters, in the order of the canonical form.
     pub parameters: &'static [Parameter],
-    /// Its shorthands.
+    /// Names that set several of its parameters at once; empty if it has none.
     pub shorthands: &'static [Shorthand],
     /// Builds it from one value per parameter, in order, unchecked; a number is taken from the first channel.
     pub build: fn(&[[f64; 3]]) -> Box<dyn Analytic>,

@@ -7,8 +7,8 @@ use std::f64::consts::PI;
 /// `f_r = kd / π + ks D(h) / (4 (cos θi + cos θo - cos θi cos θo))` with the inverted Gaussian
 /// `D = (1 + 4 exp(-cot² θh (cos² φh / sx² + sin² φh / sy²))) / (π (1 + 4 sx sy))`, `h` the half vector.
 ///
-/// The distribution is that of the velvet of Ashikhmin, Premože and Shirley 2000, "A microfacet-based BRDF generator",
-/// with a width for each axis. The denominator is that of Neubelt and Pettineo 2013, "Crafting a next-gen material
+/// The distribution follows the velvet of Ashikhmin, Premože and Shirley 2000, "A microfacet-based BRDF generator",
+/// with a width for each axis. The denominator follows Neubelt and Pettineo 2013, "Crafting a next-gen material
 /// pipeline for The Order: 1886", which stays finite at the horizon.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Velvet {

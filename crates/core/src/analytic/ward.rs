@@ -48,7 +48,7 @@ impl Analytic for Ward {
         let h = half_vector(pair);
         let (x, y) = (h[0] / self.slope_x, h[1] / self.slope_y);
         let gaussian = (-(x * x + y * y) / (h[2] * h[2])).exp();
-        // Two roots, because their product does not underflow where that of the cosines does.
+        // Two roots, because their product does not underflow where the product of the cosines does.
         let root = pair.incoming[2].sqrt() * pair.outgoing[2].sqrt();
         over_lambert(self.kd, self.ks, gaussian / (4.0 * PI * self.slope_x * self.slope_y * root))
     }

@@ -135,7 +135,7 @@ fn options_win_over_defaults_of_other_codecs() {
         ("codec = 'table'", "codec = 'wavelet'\nratio = 8", "codec = 'table'"),
         ("codec = 'auto'", "grid = 16", "codec = 'auto'"),
         ("grid = 16", "reciprocal = true", "grid = 16"),
-        ("max_delta_e = 1.0", "lift = true", "max_delta_e = 1.0"),
+        ("max_delta_e = 1.0", "energy_preserving = true", "max_delta_e = 1.0"),
         ("", "codec = 'wavelet'\ngrid = 16", "codec = 'wavelet'\ngrid = 16"),
         ("codec = 'jpeg'", "grid = 16", "codec = 'jpeg'\ngrid = 16"),
     ] {
@@ -148,7 +148,7 @@ fn options_win_over_defaults_of_other_codecs() {
 fn codecs_have_the_options_that_there_are() {
     let all = keys(
         "max_delta_e = 1\nmin_highlight = 0.5\nmax_error = 0.1\nmax_bytes = 1\nmax_fetches = 1\nreciprocal = true\nlevels = 1\nratio = 4\ngrid = 8\n\
-         parameterisation = 'tangent-pole'\nbits = 8\nbias = 0.1\nranking = 'energy'\nlift = true\nsmooth = true",
+         parameterisation = 'tangent-pole'\nbits = 8\nbias = 0.1\nranking = 'energy'\nenergy_preserving = true\nsmooth = true",
     );
     let mut given: Vec<&str> = all.given().map(|(option, _)| option).collect();
     let mut of_codecs: Vec<&str> = Choice::all().flat_map(|asked| asked.variant.options).copied().collect();

@@ -8,7 +8,7 @@ use wgpu::{BindGroupLayout, BufferBindingType, ShaderStages};
 /// Number of G-buffer buffers that the steps write.
 pub(super) const STORAGE_BUFFERS: u32 = 8;
 
-/// Bindings for importance samples and bandwidth maps, after those of the pack decoders.
+/// Bindings for importance samples and bandwidth maps, after the bindings of the pack decoders.
 const LOOKUPS: [(u32, wgpu::BindingType); 6] =
     [(29, UNIFORM), (30, UNFILTERED), (31, UNIFORM), (32, UNFILTERED), (35, UNIFORM), (36, UNFILTERED)];
 

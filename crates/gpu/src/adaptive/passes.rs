@@ -30,8 +30,8 @@ impl AdaptiveRenderer<'_> {
     /// # Panics
     /// If the buffer has other antialiasing levels than the settings.
     ///
+    /// # Errors
     /// Returns [`GpuError::TooLarge`] for settings out of range; any error that the driver reports.
-    /// [`GpuError::TooLarge`] for settings out of range; any error that the driver reports.
     pub fn draw(
         &self,
         loaded: &LoadedAdaptive,
@@ -50,7 +50,7 @@ impl AdaptiveRenderer<'_> {
     /// If the prediction belongs to another buffer.
     ///
     /// # Errors
-    /// As [`Self::draw`].
+    /// Returns [`GpuError::TooLarge`] for settings out of range; any error that the driver reports.
     pub fn shade(
         &self,
         loaded: &LoadedAdaptive,
@@ -69,7 +69,7 @@ impl AdaptiveRenderer<'_> {
     /// Shades every point with the same number of samples, as [`brdfc_render::adaptive::forward`].
     ///
     /// # Errors
-    /// As [`Self::draw`].
+    /// Returns [`GpuError::TooLarge`] for settings out of range; any error that the driver reports.
     pub fn forward(
         &self,
         loaded: &LoadedAdaptive,

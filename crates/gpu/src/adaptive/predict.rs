@@ -31,7 +31,7 @@ impl AdaptiveRenderer<'_> {
     /// If the buffer has other antialiasing levels than the settings.
     ///
     /// # Errors
-    /// As [`Self::predict`].
+    /// Returns [`GpuError::TooLarge`] for settings out of range; any error that the driver reports.
     pub fn run_prediction(
         &self,
         loaded: &LoadedAdaptive,

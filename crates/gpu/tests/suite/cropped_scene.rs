@@ -36,7 +36,13 @@ fn source() -> Box<dyn Source> {
 fn packs() -> [(BrdfPack, BrdfPack); 3] {
     let source = source();
     let wavelet = |lift: bool| {
-        let recipe = Recipe { levels: 4, stored_levels: 4, lift, measure_off_grid: false, ..Recipe::default() };
+        let recipe = Recipe {
+            levels: 4,
+            stored_levels: 4,
+            energy_preserving: lift,
+            measure_off_grid: false,
+            ..Recipe::default()
+        };
         let whole = brdfc_wavelet::encode::encode(source.as_ref(), &recipe, &()).expect("a pack").pack;
         let cropped = brdfc_wavelet::crop::crop(whole.clone(), DIRECTIONS);
         (BrdfPack::Wavelet(whole), BrdfPack::Wavelet(cropped))

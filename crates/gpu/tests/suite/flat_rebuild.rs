@@ -1,4 +1,4 @@
-//! The rebuilt values of the study of flat BTFs are those of the packs: the stored map and the packed values.
+//! The rebuilt values of the study of flat BTFs equal the values of the packs: the stored map and the packed values.
 
 use crate::common::flat;
 use brdfc_flat_btf::rebuild::{ViewImage, sample_bilinear, stored_parameters};

@@ -9,7 +9,7 @@ use brdfc_formats::wavelet::{
 };
 use brdfc_gpu::SliceFilter;
 use brdfc_probe::{EVALUATE_WGSL, Evaluated, Evaluator};
-use brdfc_testing::codecs::wavelet::{header, lifted, pack, packs};
+use brdfc_testing::codecs::wavelet::{energy_preserving, header, pack, packs};
 use brdfc_testing::packs::pairs;
 use std::ops::Range;
 
@@ -214,7 +214,7 @@ fn a_reconstruction_costs_four_fetches_per_level_and_one() {
         instrumented += "\n";
     }
     assert_eq!(counters, 3, "index, hardware and exact");
-    // The entry point evaluates twice. The count is that of the first evaluation, for the log value.
+    // The entry point evaluates twice. The count is from the first evaluation, for the log value.
     let counted = "        log_value = log_value_of(wi, wo, level, hardware);";
     let entry = EVALUATE_WGSL
         .replace("return 0.0;", "return f32(log_fetches);")
@@ -224,8 +224,8 @@ fn a_reconstruction_costs_four_fetches_per_level_and_one() {
     let evaluator = Evaluator::with_shaders(gpu, &instrumented, &entry).unwrap();
     let pairs = pairs(50, 6);
     let plain = [1, 3, 5].map(|levels| header(Parameterisation::HalfDifference, levels, 3, 8));
-    for header in plain.into_iter().chain([lifted(3, 3, 8)]) {
-        let (levels, is_preserving) = (header.levels, header.lifted);
+    for header in plain.into_iter().chain([energy_preserving(3, 3, 8)]) {
+        let (levels, is_preserving) = (header.levels, header.energy_preserving);
         let pack = wavelet(&pack(header, 1 << levels, 3));
         for (filter, slices, reconstructions, texels) in [
             (Filter::Nearest, SliceFilter::Exact, 1, 1),
@@ -365,7 +365,7 @@ fn is_detected(evaluator: &Evaluator<'_>) -> bool {
     let crop = Crop { directions: DirectionRange::ALL, window: Window { first: [1, 2], size: [5, 3] } };
     let mut absurd = pack(header(Parameterisation::TangentPole, 2, 3, 8), 4, 1);
     absurd.scales[1] = SliceScale { scale: 2000.0, offset: -800.0 };
-    let mut steep = pack(lifted(3, 3, 8), 40, 2);
+    let mut steep = pack(energy_preserving(3, 3, 8), 40, 2);
     steep.scales[2..].iter_mut().for_each(|s| (s.scale, s.offset) = (8.0 * s.scale, 8.0 * s.offset));
     for pack in [
         pack(header(Parameterisation::HalfDifference, 3, 3, 16), 40, 2),

@@ -13,9 +13,9 @@ use std::collections::BTreeMap;
 pub struct AssetFile {
     /// Layout of this file.
     pub version: u32,
-    /// The asset's name.
+    /// Name of the flat BTF, from which its file is named.
     pub name: String,
-    /// Its source: an address with all parameters, or file names without folders.
+    /// Source of the asset: an address with all parameters, or file names without folders.
     pub source: String,
     /// Materials of a computed BTF.
     pub materials: Vec<String>,
@@ -23,7 +23,7 @@ pub struct AssetFile {
     pub images_over_the_tile: bool,
     /// Settings of the encoder.
     pub settings: Settings,
-    /// Measurements.
+    /// Measurements that the encoder made: sizes, errors and repairs.
     pub report: AssetReport,
 }
 

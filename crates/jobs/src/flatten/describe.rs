@@ -16,7 +16,7 @@ use std::path::{Path, PathBuf};
 #[derive(Debug, Clone, PartialEq, Serialize, schemars::JsonSchema)]
 #[serde(tag = "kind", rename_all = "kebab-case")]
 pub enum SurfaceFacts {
-    /// A procedural structure.
+    /// A procedural structure, given as an address.
     Structure {
         /// The address with all parameters.
         address: String,
@@ -29,9 +29,9 @@ pub enum SurfaceFacts {
         /// Addresses of the materials that it blends.
         materials: Vec<String>,
     },
-    /// A mesh.
+    /// A mesh in a file, OBJ or PLY.
     Mesh(MeshFacts),
-    /// A height map.
+    /// A height map in an image file, PNG or EXR.
     HeightMap {
         /// Pixels per row, and rows.
         size: [usize; 2],
@@ -63,7 +63,7 @@ pub enum SurfaceFacts {
         views: usize,
         /// Distinct directions to the light.
         lights: usize,
-        /// Number of images.
+        /// Number of images that exist.
         images: usize,
         /// Number of pairs of view and light without an image. Flattening requires 0.
         missing: usize,
@@ -110,9 +110,9 @@ pub fn describe_surface(input: &Input) -> Result<Option<SurfaceFacts>, Error> {
     if let Some(folder) = input.path().filter(|path| path.is_dir()) {
         return match (describe_images(folder), pack_in(folder)) {
             (Err(_), Some(pack)) => {
-                let allowed =
-                    format!("one of its packs, such as {}, or 'brdfc report' of a build's folder", pack.display());
-                Err(Error::wrong_input(folder.display(), "a folder of packs", allowed))
+                let (folder, pack) = (folder.display(), pack.display());
+                let remedy = format!("name a pack, such as {pack}, or use 'brdfc report' for the folder of a build");
+                Err(Error::input(format!("{folder}: a folder of packs; {remedy}")))
             }
             (described, _) => Ok(Some(described?)),
         };

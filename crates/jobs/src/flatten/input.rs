@@ -3,6 +3,7 @@
 use crate::error::Error;
 use brdfc_core::address::SYNTH_PREFIX;
 use brdfc_core::progress::Progress;
+use brdfc_core::words::one_of;
 use brdfc_core::{PackSource, Source};
 use brdfc_flat_btf::mesh::{MAX_MATERIALS, PeriodicMesh};
 use brdfc_flat_btf::structures::Structure;
@@ -22,7 +23,7 @@ pub const PLANE: &str = "the plane";
 /// A structure without relief.
 const FLAT: &str = "sponge?height=0&resolution=16";
 
-/// Inputs of flattening.
+/// Geometry and materials to flatten, with their scale.
 #[derive(Debug, Clone, PartialEq)]
 pub struct MesoOptions {
     /// A structure, a mesh or a height map; `None` for the reference plane, as for images without a relief.
@@ -43,9 +44,9 @@ pub struct MesoOptions {
 
 /// Geometry of a surface.
 pub struct Geometry {
-    /// The surface.
+    /// One tile of the surface, welded and periodic.
     pub mesh: PeriodicMesh,
-    /// Repairs, for meshes.
+    /// Repairs of a mesh from a file; `None` for other geometry.
     pub weld: Option<WeldReport>,
     /// Names of the mesh's materials, in the order of its weights; empty for meshes without names.
     pub material_names: Vec<String>,
@@ -126,27 +127,31 @@ fn listed(options: &MesoOptions, geometry: &Geometry) -> Result<Vec<Input>, Erro
     let names = &geometry.material_names;
     let unnamed: Vec<&Input> = options.materials.iter().filter(|(n, _)| n.is_none()).map(|(_, s)| s).collect();
     let named: Vec<&String> = options.materials.iter().filter_map(|(name, _)| name.as_ref()).collect();
-    let wrong = |found: String, allowed: String| Err(Error::wrong_usage("--material", found, allowed));
+    let wrong = |text: String| Err(Error::usage(format!("--material: {text}")));
     for (at, name) in named.iter().enumerate() {
         if named[..at].contains(name) {
-            return wrong(format!("the name {name} twice"), "one material for each name".to_owned());
+            return wrong(format!("the name {name} is given twice; give each name once"));
         }
         if !names.contains(name) {
-            let allowed = if names.is_empty() {
-                "materials without names: the surface has none".to_owned()
+            return wrong(if names.is_empty() {
+                format!("the surface has no names of materials; give the material without {name}=")
             } else {
-                names.join(", ")
-            };
-            return wrong(format!("the name {name}"), allowed);
+                format!("found the name {name}, expected {}", one_of(names))
+            });
         }
     }
     let count = unnamed.len();
     if count > MAX_MATERIALS {
-        return wrong(format!("{count} materials"), format!("at most {MAX_MATERIALS}"));
+        return wrong(format!("found {count} materials, expected at most {MAX_MATERIALS}"));
     }
     if !names.is_empty() {
         if count > 1 || (count > 0 && named.len() == names.len()) {
-            return wrong(format!("{count} without a name"), format!("one, for the rest of {}", names.join(", ")));
+            let rest = names.iter().filter(|name| !named.contains(name)).map(String::as_str).collect::<Vec<_>>();
+            return wrong(if rest.is_empty() {
+                "a material without a name, but each part of the surface has one; leave it out".to_owned()
+            } else {
+                format!("found {count} materials without a name, expected one, for {}", rest.join(", "))
+            });
         }
         // Materials of a mesh with names have their own source, or the unnamed one.
         let rest = unnamed.last().map_or_else(|| DEFAULT_MATERIAL.into(), |input| (*input).clone());
@@ -156,8 +161,8 @@ fn listed(options: &MesoOptions, geometry: &Geometry) -> Result<Vec<Input>, Erro
     let defaults = &geometry.default_materials;
     let needed = if options.weights.is_some() { count.max(1) } else { defaults.len().max(1) };
     if count > needed {
-        let allowed = format!("at most {needed}, as many as the surface blends, or --weights");
-        return wrong(format!("{count} materials"), allowed);
+        let allowed = format!("at most {needed}, as many as the surface blends; use --weights to blend more");
+        return wrong(format!("found {count} materials, expected {allowed}"));
     }
     let source = |k: usize| {
         // A single material covers the whole surface.

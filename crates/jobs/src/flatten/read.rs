@@ -29,7 +29,7 @@ pub fn open_asset(path: &Path) -> Result<(FlatBtfFile, FlatAsset), InputError> {
 pub fn read_report(file: &FlatBtfFile) -> Result<AssetFile, FormatError> {
     let allowed = "the report that 'brdfc flatten' writes into it";
     if file.report.is_empty() {
-        return Err(FormatError::whole("report of a flat BTF", "none", allowed));
+        return Err(FormatError::whole("report of a flat BTF", "missing", allowed).problem());
     }
     serde_json::from_str(&file.report)
         .map_err(|error| FormatError::whole("report of a flat BTF", json_problem(&error), allowed))

@@ -26,7 +26,7 @@ pub enum Values {
 
 /// A surface and the values of its texels.
 pub struct Surface {
-    /// Its shape.
+    /// Shape of the surface.
     pub geometry: Geometry,
     /// Sources of its materials; empty for an ordinary BTF.
     pub materials: Vec<String>,
@@ -59,7 +59,7 @@ impl Surface {
 
 /// A flat BTF to make.
 pub struct FlattenJob<'a> {
-    /// The asset's name.
+    /// Name of the flat BTF, from which its file is named.
     pub name: &'a str,
     /// The folder for its file.
     pub folder: &'a Path,

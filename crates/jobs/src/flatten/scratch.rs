@@ -63,7 +63,7 @@ mod tests {
         std::os::unix::fs::symlink("/dev/full", folder.path().join("view.3")).unwrap();
         let scratch = FolderScratch::new(folder.path().to_owned(), Path::new("button"));
         let error = scratch.write_scratch(3, &[0; 100]).unwrap_err();
-        let text = "button, scratch file of view 3: cannot write: No space left on device (os error 28)";
+        let text = "button, scratch file of view 3: cannot write: No space left on device";
         assert_eq!(error.to_string(), text);
     }
 }

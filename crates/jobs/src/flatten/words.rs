@@ -1,4 +1,4 @@
-//! Summaries and remarks about flat BTFs.
+//! Summaries and notes about flat BTFs.
 
 use super::asset::{AssetFile, FlatAsset, Settings};
 use brdfc_core::words::{bytes, percent};
@@ -10,17 +10,17 @@ use brdfc_flat_btf::weld::WeldReport;
 const FEW_TEXELS: usize = 128;
 const FEW_VIEWS: usize = 40;
 
-/// Remarks about an asset: repairs, texels that no view sees, and low resolutions.
+/// Notes about an asset: repairs, texels that no view sees, and low resolutions.
 pub fn remarks(asset: &AssetFile) -> Vec<String> {
     let mut lines = asset.report.repairs.as_ref().map(repairs_summary).unwrap_or_default();
     if asset.report.never_seen > 0 {
-        lines.push(format!("{} of the texels are not seen by any view", percent(asset.unseen())));
+        lines.push(format!("no view sees {} of the texels", percent(asset.unseen())));
     }
     let Settings { flat_texels, texels, views, .. } = &asset.settings;
     if *flat_texels < FEW_TEXELS || (*texels as usize) < FEW_TEXELS || views.1 < FEW_VIEWS {
         lines.push(format!(
-            "{texels} and {flat_texels} texels per side and {} views are for previews: outlines and highlights show steps; the \
-             defaults, 256 texels and 81 views, look right from nearby",
+            "{texels} and {flat_texels} texels per side and {} views are enough for previews only: outlines and \
+             highlights show steps; the defaults, 256 texels and 81 views, look smooth from nearby",
             views.1
         ));
     }
@@ -35,7 +35,7 @@ pub fn missed(asset: &AssetFile) -> Option<String> {
     let found = f64::from(factored.errors.seen_mean);
     (found > most).then(|| {
         format!(
-            "mean ΔE of factors where texels are seen: found {found:.3} with {} components, the best of {} that were tried, \
+            "--max-delta-e: found a mean ΔE of {found:.3} with {} components, the best of {} that were tried, \
              expected at most {most}",
             factored.components,
             factored.tried.len()

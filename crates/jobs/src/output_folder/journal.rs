@@ -175,7 +175,7 @@ fn take_back(folder: &Path, aside: &Path, moves: &Moves) -> Result<(), Error> {
     Ok(())
 }
 
-/// Moves old files back whose places are empty.
+/// Moves old files back to their places where these are empty.
 fn restore(folder: &Path, old: &Path) -> Result<(), Error> {
     for entry in std::fs::read_dir(old).into_iter().flatten().flatten() {
         let place = folder.join(entry.file_name());

@@ -32,7 +32,7 @@ const PATIENCE: Duration = Duration::from_secs(3);
 pub enum Contents {
     /// A file in the store.
     Cached(Digest),
-    /// Bytes in memory.
+    /// Bytes in memory, for example of a report.
     Bytes(Vec<u8>),
 }
 
@@ -47,7 +47,7 @@ pub struct Changes {
     pub left: Vec<String>,
 }
 
-/// An output folder.
+/// An output folder, with the record of the files that builds put there.
 #[derive(Debug)]
 pub struct OutputFolder {
     path: PathBuf,
@@ -88,8 +88,8 @@ impl OutputFolder {
         let started = Instant::now();
         while let Err(TryLockError::WouldBlock) = file.try_lock_shared() {
             if started.elapsed() >= PATIENCE {
-                let found = "a build at work that puts files in place";
-                return Err(Error::io(format!("{}: found {found}, expected none; try again later", path.display())));
+                let text = "a build is replacing files in this folder; try again later";
+                return Err(Error::io(format!("{}: {text}", path.display())));
             }
             std::thread::sleep(RETRY);
         }
@@ -127,14 +127,13 @@ impl OutputFolder {
         for name in names {
             let path = self.path.join(name);
             let Ok(metadata) = path.symlink_metadata() else { continue };
-            let found = match () {
-                () if metadata.is_dir() => "a folder",
+            let text = match () {
+                () if metadata.is_dir() => "a folder is in the way; rename it, or choose another output folder",
                 () if force || self.placements.files.contains_key(name) => continue,
-                () if metadata.is_symlink() => "a link that no build made",
-                () => "a file that no build wrote",
+                () if metadata.is_symlink() => "would overwrite a link that no build made; remove it, or use --force",
+                () => "would overwrite a file that no build wrote; remove it, or use --force",
             };
-            let allowed = "nothing, or a file of an earlier build (--force replaces other files)";
-            return Err(Error::io(format!("{}: found {found}, expected {allowed}", path.display())));
+            return Err(Error::io(format!("{}: {text}", path.display())));
         }
         Ok(())
     }
@@ -161,17 +160,16 @@ impl OutputFolder {
         let read: BTreeSet<PathBuf> = inputs.filter_map(|input| input.canonicalize().ok()).collect();
         match removed.find(|name| self.path.join(name).canonicalize().is_ok_and(|path| read.contains(&path))) {
             Some(name) => {
-                let found = "an input that this build would remove";
-                let allowed = "another output folder, or --keep";
-                Err(Error::wrong_usage(self.path.join(name).display(), found, allowed))
+                let text = "the build would remove this input; choose another output folder, or use --keep";
+                Err(Error::usage(format!("{}: {text}", self.path.join(name).display())))
             }
             None => Ok(()),
         }
     }
 
-    /// Puts all files in place, and removes those of earlier builds that are not among them. The folder does not
-    /// change until all files are written aside. `files` receives the unchanged files of earlier builds, while no
-    /// other build can change them, and returns the files to place, including those that stay.
+    /// Puts all files in place, and removes other files of earlier builds. The folder does not change until all files
+    /// are written to the store. `files` receives the unchanged files of earlier builds, while no
+    /// other build can change them, and returns the files to place, including unchanged ones.
     ///
     /// # Errors
     /// Returns an error if a file cannot be written, if `files` fails, or if the caller cancels while another build

@@ -26,7 +26,7 @@ pub(super) struct Placements {
 }
 
 impl Placements {
-    /// Adds files whose contents have the listed hashes, and updates the hashes of recorded files likewise.
+    /// Adds files, and updates the hashes of recorded files, if the contents have the listed hashes.
     pub(super) fn also(&mut self, folder: &Path, listed: impl IntoIterator<Item = (String, Digest)>) {
         for (name, digest) in listed {
             let placed = Placed { digest, stamp: None };

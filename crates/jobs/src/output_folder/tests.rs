@@ -66,7 +66,7 @@ fn edited_files_stay_and_damaged_files_are_repaired() {
     assert_eq!((changes.written, changes.left), (vec!["b".to_owned()], vec!["a".to_owned()]));
     assert_eq!(there.text("a").as_deref(), Some("edited by a person"));
     let error = there.open().refuse_foreign(["b", "a"], false).unwrap_err().to_string();
-    assert!(error.contains("a: found a file that no build wrote"), "a belongs to the user: {error}");
+    assert!(error.contains("a: would overwrite a file that no build wrote"), "a belongs to the user: {error}");
     there.open().refuse_foreign(["a"], true).unwrap();
     std::fs::create_dir(there.folder.path().join("c")).unwrap();
     assert!(there.open().refuse_foreign(["c"], true).is_err(), "folders are not replaced");

@@ -37,7 +37,7 @@ pub struct PhotographComparison {
 pub struct PhotographErrors {
     /// Unit vector to its light.
     pub light: [f32; 3],
-    /// Peak signal-to-noise ratio of sRGB levels, dB.
+    /// PSNR of sRGB levels, dB.
     pub psnr: f64,
     /// Mean ΔE (CIE76).
     pub delta_e: f64,
@@ -91,7 +91,7 @@ impl Compared {
             ptm::EXTENSION => Self::Map(ptm::open_ptm(input)?),
             _ => match input.path().filter(|path| is_rti_capture(path)) {
                 Some(path) => Self::Stack(RtiCapture::open(path)?),
-                None => return Err(refused(input, "input", "another kind of input", ALLOWED)),
+                None => return Err(Error::input(format!("{input}: unknown kind of input; expected {ALLOWED}"))),
             },
         };
         let found = match &shown {

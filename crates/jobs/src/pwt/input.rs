@@ -29,11 +29,11 @@ const ALLOWED: &str = "a folder with a list of lights (.lp), the list, a BTF, a 
 
 /// An input that was read.
 pub enum LightInput {
-    /// Photographs.
+    /// Photographs with their lights.
     Photographs(LightSamples),
     /// A polynomial texture map.
     Map(Ptm),
-    /// A pack.
+    /// A pack of a polynomial wavelet tree.
     Pack(PwtPack),
 }
 
@@ -64,7 +64,7 @@ impl LightInput {
             };
         }
         let Some(path) = input.path() else {
-            return Err(refused(input, "input", "no file", "an RTI capture, a BTF, a .ptm or a pack"));
+            return Err(Error::input(format!("{input}: not a file; expected an RTI capture, a BTF, a .ptm or a pack")));
         };
         if is_rti_capture(path) {
             if view.is_some() {
@@ -73,8 +73,10 @@ impl LightInput {
             return Ok(Self::Photographs(photographs(path)?));
         }
         if path.is_file() && extension != "json" && !OrdinaryBtf::is_one(path) {
-            let found = if extension.is_empty() { "no extension".to_owned() } else { format!(".{extension}") };
-            return Err(refused(input, "file name", &found, ALLOWED));
+            if extension.is_empty() {
+                return Err(Error::input(format!("{input}: no extension; expected {ALLOWED}")));
+            }
+            return Err(refused(input, "extension", &format!(".{extension}"), ALLOWED));
         }
         // The folder of a flat BTF may also hold renderings.
         if flat_btf_file(path)?.is_some() {
@@ -84,7 +86,7 @@ impl LightInput {
             return Ok(Self::Photographs(one_view(path, view.unwrap_or(0))?));
         }
         std::fs::metadata(path).map_err(|error| InputError::Io { name: input.to_string(), error })?;
-        Err(refused(input, "input", "another kind of input", ALLOWED))
+        Err(Error::input(format!("{input}: unknown kind of input; expected {ALLOWED}")))
     }
 
     /// Photographs, averaged per light, or renderings of a map or a pack under many lights.
@@ -161,7 +163,7 @@ fn one_view(path: &Path, view: usize) -> Result<LightSamples, Error> {
 }
 
 /// A view of a flat BTF. If the asset has a visibility mask, only texels that the view sees are defined. Rows of flat BTFs go up,
-/// those of images down.
+/// rows of images go down.
 fn flat_view(path: &Path, view: usize) -> Result<LightSamples, Error> {
     let file = open_flat_btf(path)?;
     let number = u32::try_from(view).unwrap_or(u32::MAX);

@@ -16,7 +16,7 @@ use serde::Serialize;
 pub struct HeldOut {
     /// Indices of the lights in the list.
     pub lights: Vec<usize>,
-    /// Peak signal-to-noise ratio of sRGB levels, dB.
+    /// PSNR of sRGB levels, dB.
     pub psnr: f64,
     /// Mean ΔE (CIE76).
     pub delta_e: f64,
@@ -62,7 +62,7 @@ impl PwtMade {
     }
 }
 
-/// Encodes photographs. Holds out `hold_out` of them, chosen by a seeded permutation, to measure errors at unseen lights.
+/// Encodes photographs. Holds out `hold_out` of them, chosen by a seeded permutation, to measure errors at those lights.
 ///
 /// # Errors
 /// Returns an error if photographs or options are out of range, or if no light is left to fit.

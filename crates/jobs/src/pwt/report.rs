@@ -28,7 +28,7 @@ pub struct PwtReport {
     pub lights: usize,
     /// Coordinates of the light in which the terms are polynomials.
     pub coordinates: LightCoordinates,
-    /// Highest degree.
+    /// Highest degree of the polynomials.
     pub degree: u32,
     /// Ridge parameter, which keeps the fit smooth between lights.
     pub ridge: f64,
@@ -48,7 +48,7 @@ pub struct PwtReport {
     pub bytes_on_gpu: u64,
     /// Bytes of the file.
     pub bytes_on_disk: usize,
-    /// Peak signal-to-noise ratio of sRGB levels at the fitted lights, dB, from rows spread over the photographs, about two
+    /// PSNR of sRGB levels at the fitted lights, dB, from rows spread over the photographs, about two
     /// million texels in all.
     pub psnr: f64,
     /// Mean ΔE (CIE76) of the same texels.

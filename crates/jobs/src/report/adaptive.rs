@@ -14,7 +14,7 @@ pub struct AdaptiveVerification {
     pub scene: String,
     /// Pixels per row.
     pub width: usize,
-    /// Rows.
+    /// Number of rows of pixels.
     pub height: usize,
     /// Points per pixel: 1, 4 or 16.
     pub points: usize,
@@ -22,7 +22,7 @@ pub struct AdaptiveVerification {
     pub surface_points: u64,
     /// Factor from radiance to the display's range [0, 1], for renderings and comparisons.
     pub exposure: f64,
-    /// The graphics adapter.
+    /// Graphics adapter that ran the shaders.
     pub adapter: AdapterDescription,
     /// Parts of the scene with their materials.
     pub parts: Vec<PartMaterial>,

@@ -19,7 +19,7 @@ use serde::{Deserialize, Serialize};
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::Path;
 
-/// Maximum size of a `report.json`, bytes: that of some 80,000 materials.
+/// Maximum size of a `report.json`, bytes, enough for some 80,000 materials.
 pub const MAX_REPORT_BYTES: u64 = 1 << 30;
 /// Layout of the report of a build.
 pub const BUILD_VERSION: u32 = 3;
@@ -29,7 +29,7 @@ pub const BUILD_VERSION: u32 = 3;
 pub struct BuildReport {
     /// Layout of this report.
     pub version: u32,
-    /// The scene's name.
+    /// Name of the scene.
     pub scene: String,
     /// Materials that the scene uses, by name.
     pub materials: Vec<MaterialEntry>,
@@ -50,33 +50,33 @@ pub struct BuildReport {
 /// A file of a build.
 #[derive(Debug, Clone, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize, schemars::JsonSchema)]
 pub struct FileEntry {
-    /// Its name in the output folder.
+    /// Name of the file in the output folder.
     pub file: String,
-    /// BLAKE3 of its bytes.
+    /// BLAKE3 of the file.
     pub blake3: Digest,
 }
 
 /// One material of a build.
 #[derive(Debug, Clone, Default, Serialize, Deserialize, schemars::JsonSchema)]
 pub struct MaterialEntry {
-    /// Its name.
+    /// Name of the material.
     pub material: String,
-    /// Its source, as the manifest has it.
+    /// Source of the material, as in the manifest.
     #[serde(default)]
     pub source: String,
     /// The pack, relative to the output folder; absent if there is none.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub pack: Option<String>,
-    /// The bandwidth map, likewise; only of scenes that an environment lights.
+    /// The bandwidth map, relative to the output folder; only of scenes that an environment lights.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub bandwidth: Option<String>,
-    /// The importance samples, likewise.
+    /// The importance samples, relative to the output folder; only of scenes that an environment lights.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub samples: Option<String>,
-    /// Its files with their hashes; none if it failed, or was only planned.
+    /// Files of the material with their hashes; none if the material failed, or was only planned.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub files: Vec<FileEntry>,
-    /// `<material>.json`, which lists its parts; absent if it failed, or was only planned.
+    /// `<material>.json`, which lists the parts of the material; absent if the material failed, or was only planned.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub list: Option<FileEntry>,
     /// Measurements; absent if it failed, or was only planned.
@@ -96,7 +96,7 @@ pub struct MaterialEntry {
     pub error: Option<String>,
     /// True if an earlier build made it and this one retained it without requesting it.
     #[serde(default, skip_serializing_if = "std::ops::Not::not")]
-    pub kept: bool,
+    pub retained: bool,
     /// True if all of it came from the store. Only in printed reports.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub cached: Option<bool>,
@@ -125,9 +125,9 @@ impl MaterialEntry {
 /// The environment of a build.
 #[derive(Debug, Clone, Default, Serialize, Deserialize, schemars::JsonSchema)]
 pub struct EnvironmentEntry {
-    /// The image, as the manifest has it.
+    /// The image, as in the manifest.
     pub source: String,
-    /// Its bandwidth map, relative to the output folder; absent if there is none.
+    /// Bandwidth map of the environment, relative to the output folder; absent if there is none.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub bandwidth: Option<String>,
     /// The map with its hash; absent if it failed, or was only planned.
@@ -141,7 +141,7 @@ pub struct EnvironmentEntry {
     pub error: Option<String>,
     /// True if an earlier build made it and this one retained it without requesting it.
     #[serde(default, skip_serializing_if = "std::ops::Not::not")]
-    pub kept: bool,
+    pub retained: bool,
     /// True if all of it came from the store. Only in printed reports.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub cached: Option<bool>,
@@ -163,24 +163,37 @@ impl BuildReport {
     /// [`Self::open`], with the hash of the file.
     ///
     /// # Errors
-    /// As [`Self::open`].
+    /// Returns an error if the file cannot be read, is not a report, has another version, names files outside its
+    /// folder or does not match its checksum.
     pub fn open_with_digest(path: &Path) -> Result<(Self, Digest), Error> {
+        let (report, digest, fault) = Self::open_unchecked(path)?;
+        fault.map_or(Ok((report, digest)), |fault| Err(Error::input(fault).prefixed(path.display())))
+    }
+
+    /// [`Self::open_with_digest`], with the fault of the checksum, if any.
+    ///
+    /// # Errors
+    /// Returns an error if the file cannot be read or is no report.
+    pub fn open_unchecked(path: &Path) -> Result<(Self, Digest, Option<String>), Error> {
         let bytes = read_file(path, MAX_REPORT_BYTES)?;
-        let allowed = "the report.json of a build by this version of brdfc; 'brdfc build' rewrites it";
-        let wrong = |found: String| Error::wrong_input(path.display(), found, allowed);
-        let report: Self = serde_json::from_slice(&bytes).map_err(|error| wrong(json_problem(&error)))?;
+        let rewritten = |what: &str| format!("{what}; 'brdfc build' rewrites it");
+        let wrong = |what: String| Error::input(rewritten(&what)).prefixed(path.display());
+        let allowed = "the report.json of a build by this version of brdfc";
+        let no_report = |found: String| wrong(format!("found {found}, expected {allowed}"));
+        let report: Self = serde_json::from_slice(&bytes).map_err(|error| no_report(json_problem(&error)))?;
         if let Some(name) = report.names().find(|name| !is_plain(name)) {
-            return Err(wrong(format!("the file {name:?}, which is outside its folder")));
+            return Err(wrong(format!("the file {name:?} is outside the folder of the report")));
         }
         if report.version != BUILD_VERSION {
             let version = report.version;
-            return Err(wrong(format!("layout version {version}, which is now {BUILD_VERSION}")));
+            return Err(wrong(format!("found layout version {version}, expected {BUILD_VERSION}")));
         }
-        match report.checksum {
-            None => Err(wrong("no checksum at its end".to_owned())),
-            Some(checksum) if is_sealed(&bytes, checksum) => Ok((report, Digest::of(&bytes))),
-            Some(_) => Err(wrong("changes since the build, by its checksum".to_owned())),
-        }
+        let fault = match report.checksum {
+            None => Some("no checksum at the end"),
+            Some(checksum) if is_sealed(&bytes, checksum) => None,
+            Some(_) => Some("the checksum does not match, as the file changed after the build"),
+        };
+        Ok((report, Digest::of(&bytes), fault.map(rewritten)))
     }
 
     /// The bytes of `report.json`, its checksum last.
@@ -252,9 +265,9 @@ impl BuildReport {
     #[must_use]
     pub fn retained_with(mut self, asked: &BTreeSet<String>, environment: bool) -> Self {
         self.materials.retain(|entry| !asked.contains(&folded(&entry.material)) && !entry.files.is_empty());
-        self.materials.iter_mut().for_each(|entry| entry.kept = true);
+        self.materials.iter_mut().for_each(|entry| entry.retained = true);
         self.environment = self.environment.filter(|entry| !environment && entry.file.is_some());
-        self.environment.iter_mut().for_each(|entry| entry.kept = true);
+        self.environment.iter_mut().for_each(|entry| entry.retained = true);
         self
     }
 
@@ -347,7 +360,7 @@ fn environment_entry(source: &str, result: &Result<MadeEnvironment, JobError>) -
             file: Some(FileEntry { file: environment_map(), blake3: *file }),
             report: Some(report.clone()),
             error: None,
-            kept: false,
+            retained: false,
             cached: Some(times.is_none()),
             stages: times.clone(),
         },

@@ -12,7 +12,7 @@ use serde::Serialize;
 /// One material of a sheet.
 #[derive(Debug, Clone, Serialize, JsonSchema)]
 pub struct MaterialVerification {
-    /// Its name, or the input.
+    /// Name of the material, or the input.
     pub material: String,
     /// Bytes of its pack on a GPU.
     pub bytes_on_gpu: u64,

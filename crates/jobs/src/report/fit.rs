@@ -11,7 +11,7 @@ use brdfc_metrics::compare::is_black;
 pub fn check(limits: FitLimits, errors: ErrorLimits, report: &MaterialReport) -> Vec<GateResult> {
     let mut results = Vec::new();
     let Some(fit) = &report.fit else { return results };
-    let unknown = || "too few samples to leave any out".to_owned();
+    let unknown = || "no held-out samples: there are too few".to_owned();
     if let Some(limit) = limits.error {
         let (found, passed) = match fit.error() {
             _ if is_black(report.off_grid.mean) => ("no light: the material is black".to_owned(), false),
@@ -24,10 +24,10 @@ pub fn check(limits: FitLimits, errors: ErrorLimits, report: &MaterialReport) ->
         return results;
     }
     let mut fail = |found: String, allowed: &str| {
-        results.push(GateResult::new("fit", found, format!("{allowed}, or trust_fit"), false));
+        results.push(GateResult::new("fit", found, format!("{allowed}; trust_fit accepts the fit"), false));
     };
     if let Some(gaps) = fit.gaps() {
-        fail(gaps, "samples that determine the material");
+        fail(format!("no reliable fit: {gaps}"), "samples that determine the material");
     }
     // Both errors are independent.
     if let (Some(limit), Some(of_fit)) = (errors.delta_e, fit.delta_e) {

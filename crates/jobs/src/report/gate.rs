@@ -2,14 +2,17 @@
 
 use serde::{Deserialize, Serialize};
 
+/// Beginning of the reason why there is no value, such as "no light: all surfaces are black".
+const NOTHING: &str = "no ";
+
 /// A limit and the value that was found. A gate with nothing to measure fails.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, schemars::JsonSchema)]
 pub struct GateResult {
     /// Key of the gate.
     pub gate: String,
-    /// The value that was found, or why there is none.
+    /// The value that was found; if there is none, the reason, which begins with "no".
     pub found: String,
-    /// The expected value.
+    /// Limit that the value has to meet, such as `at most 0.5`.
     pub allowed: String,
     /// True if the gate passed.
     pub passed: bool,
@@ -25,6 +28,9 @@ impl GateResult {
 impl std::fmt::Display for GateResult {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         let Self { gate, found, allowed, .. } = self;
+        if found.starts_with(NOTHING) {
+            return write!(f, "{gate}: {found}; expected {allowed}");
+        }
         write!(f, "{gate}: found {found}, expected {allowed}")
     }
 }

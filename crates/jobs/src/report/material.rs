@@ -39,7 +39,7 @@ pub struct MaterialReport {
     /// Bytes on a GPU of a pack that meets the same limits over all directions, if a search within a range found one.
     #[serde(default)]
     pub of_all_directions: Option<u64>,
-    /// `μ`, 1/sr.
+    /// `μ` of the pack, 1/sr: the mean of the samples that the encoder used.
     pub mean: f64,
     /// Filtered pack against source, at independent test directions.
     pub off_grid: Comparison,
@@ -104,9 +104,9 @@ impl MaterialReport {
 /// Wall-clock time of one stage.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, schemars::JsonSchema)]
 pub struct StageTime {
-    /// The stage's name.
+    /// Name of the stage, such as `fit`.
     pub stage: String,
-    /// Seconds.
+    /// Wall-clock time in seconds.
     pub seconds: f64,
 }
 
@@ -116,7 +116,7 @@ const ALBEDO: f64 = 0.05;
 /// Albedo of a source above which it is reported as not energy-conserving. Measurements at grazing angles exceed 1 slightly.
 const ENERGY: f64 = 1.1;
 
-/// Remarks on a material, one per line; empty for a clean source.
+/// Notes on a material, one per line; empty for a clean source.
 pub fn remarks(report: &MaterialReport) -> Vec<String> {
     let mut lines = Vec::new();
     if report.rows_raised > 0 {
@@ -126,7 +126,9 @@ pub fn remarks(report: &MaterialReport) -> Vec<String> {
     }
     lines.extend(report.stray_rows.map(|strays| strays.summary()));
     lines.extend(report.partial_spectrum.map(|[first, last]| {
-        format!("spectra cover {first} to {last} nm: colours are those of this part of the visible range alone")
+        format!(
+            "spectra cover {first} to {last} nm: their values at the ends are used for the rest of the visible range"
+        )
     }));
     lines.extend(repairs_summary(&report.repairs));
     if report.off_grid.norms.samples > 0 && is_black(report.off_grid.mean) {
@@ -152,13 +154,14 @@ pub fn remarks(report: &MaterialReport) -> Vec<String> {
     if report.off_grid.albedo_max_difference > ALBEDO * whole {
         let most = report.off_grid.albedo_max_difference;
         lines.push(format!(
-            "the albedo error is up to {}: renderings of a ball miss narrow and grazing light",
+            "the albedo error is up to {}; the ΔE of a ball does not show errors of narrow or grazing light",
             if most < 1000.0 { format!("{most:.3}") } else { format!("{most:.1e}") }
         ));
     }
     if let Some(all) = report.of_all_directions.filter(|all| *all < report.bytes_on_gpu) {
         lines.push(format!(
-            "the limit over the directions that occur is harder to meet than over all directions: it takes {} instead of {}",
+            "the limits over the directions of the uses are harder to meet than over all directions: the pack has {} \
+             instead of {}",
             bytes(report.bytes_on_gpu),
             bytes(all)
         ));
@@ -176,7 +179,7 @@ pub fn remarks(report: &MaterialReport) -> Vec<String> {
 /// Spread of repeated samples above which it is reported.
 const SPREAD: f64 = 0.05;
 
-/// Remarks on fits that are less accurate than the pack, and on samples that contradict each other.
+/// Notes on fits that are less accurate than the pack, and on samples that contradict each other.
 fn fit_remarks(fit: &FitError, off_grid: &Comparison) -> Vec<String> {
     let mut lines = Vec::new();
     if let Some(weakness) = fit.weakness(off_grid.rendering.delta_e.mean) {

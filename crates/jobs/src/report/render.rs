@@ -18,13 +18,13 @@ pub struct Verification {
     pub scene: String,
     /// Pixels per row.
     pub width: usize,
-    /// Rows.
+    /// Number of rows of pixels.
     pub height: usize,
-    /// Samples per pixel.
+    /// Number of samples per pixel, over both axes.
     pub samples: usize,
     /// Factor from radiance to the display's range [0, 1], for renderings and comparisons.
     pub exposure: f64,
-    /// The graphics adapter.
+    /// Graphics adapter that ran the shaders.
     pub adapter: AdapterDescription,
     /// Parts of the scene with their materials.
     pub parts: Vec<PartMaterial>,
@@ -51,18 +51,18 @@ pub struct Verification {
 /// Limits of the error of a rendering against its reference. `None` means no limit.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
 pub struct RenderingGates {
-    /// Largest mean ΔE*ab over surfaces.
+    /// Maximum mean ΔE (CIE76) over surfaces.
     pub delta_e: Option<f64>,
-    /// Largest 95th percentile of ΔE*ab.
+    /// Maximum 95th percentile of ΔE (CIE76) over surfaces.
     pub delta_e_p95: Option<f64>,
-    /// Largest mean FLIP over surfaces.
+    /// Maximum mean FLIP over surfaces.
     pub flip: Option<f64>,
 }
 
 /// A part of the scene and its material.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, JsonSchema)]
 pub struct PartMaterial {
-    /// The part's name.
+    /// Name of the part in the scene.
     pub part: String,
     /// The material's name, or the input.
     pub material: String,
@@ -111,9 +111,9 @@ impl Verification {
         }
         let delta_e = self.checked().delta_e;
         let measured = [
-            ("mean ΔE", gates.delta_e, Some(delta_e.mean)),
-            ("95th percentile of ΔE", gates.delta_e_p95, Some(delta_e.p95)),
-            ("mean FLIP", gates.flip, self.flip),
+            ("--max-delta-e", gates.delta_e, Some(delta_e.mean)),
+            ("--max-delta-e-p95", gates.delta_e_p95, Some(delta_e.p95)),
+            ("--max-flip", gates.flip, self.flip),
         ];
         for (name, limit, found) in measured {
             let (Some(limit), Some(found)) = (limit, found) else { continue };
@@ -130,9 +130,9 @@ impl Verification {
         let difference = self.checked();
         if difference.pixels == 0 {
             let why = if views.left_out > 0.0 { " within the directions that packs cover" } else { "" };
-            Some(format!("no pixel that shows a surface{why}"))
+            Some(format!("no visible surface{why}"))
         } else if difference.invalid_pixels > 0 {
-            Some(format!("{} pixels with NaN or infinite values", difference.invalid_pixels))
+            Some(format!("no finite values in {} pixels", difference.invalid_pixels))
         } else {
             nothing_shown(views.reference(), self.exposure)
         }
@@ -177,7 +177,8 @@ pub fn nothing_shown(image: &LinearImage, exposure: f64) -> Option<String> {
     } else if count < needed {
         let exposure = format_number(exposure);
         Some(format!(
-            "{count} of {of} pixels that are neither black nor white, at exposure {exposure} (at least {needed} needed)"
+            "no measurable surface: {count} of {of} pixels are neither black nor white at exposure {exposure}, \
+             at least {needed} are needed"
         ))
     } else if shown.contrast() < MIN_CONTRAST {
         Some("no contrast: all surfaces look alike".to_owned())

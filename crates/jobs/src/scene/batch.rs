@@ -107,12 +107,12 @@ fn of_folder(folder: &Path) -> Result<(Vec<OsString>, Vec<PathBuf>), Error> {
     let (measured, others): (Vec<_>, Vec<_>) = files.into_iter().partition(|path| is_measured(path));
     if measured.is_empty() {
         let found = match others.len() {
-            0 => "no file".to_owned(),
-            1 => "one file of another kind".to_owned(),
-            count => format!("{count} files of other kinds"),
+            0 => "no files".to_owned(),
+            1 => "no measured material, only one other file".to_owned(),
+            count => format!("no measured material, only {count} other files"),
         };
-        let allowed = format!("a folder with files {}; name packs individually", files_but_for(PACKS));
-        return Err(Error::check(format!("{}: found {found}, expected {allowed}", folder.display())));
+        let allowed = format!("expected {}; name packs individually", files_but_for(PACKS));
+        return Err(Error::check(format!("{}: {found}; {allowed}", folder.display())));
     }
     Ok((measured.into_iter().map(OsString::from).collect(), others))
 }
@@ -121,13 +121,12 @@ fn of_folder(folder: &Path) -> Result<(Vec<OsString>, Vec<PathBuf>), Error> {
 fn matching(pattern: &Named, label: impl Display) -> Result<Vec<OsString>, Error> {
     let (built, files): (Vec<PathBuf>, Vec<PathBuf>) = pattern.files()?.into_iter().partition(|path| is_built(path));
     if files.is_empty() {
-        let allowed = "a file, or a pattern that matches files, such as scans/*.binary";
-        let found = if built.is_empty() {
-            "no file that matches"
+        let wrong = if built.is_empty() {
+            "no file matches; expected a file, or a pattern such as scans/*.binary"
         } else {
-            "only packs of a build, which must be named individually"
+            "only packs of a build match; name packs individually"
         };
-        return Err(Error::check(format!("{label}: found {found}, expected {allowed}")));
+        return Err(Error::check(format!("{label}: {wrong}")));
     }
     Ok(files.into_iter().map(OsString::from).collect())
 }
@@ -240,8 +239,8 @@ impl Names {
             .map_err(|allowed| Error::wrong_input(&label, format!("the name {name}"), allowed))?;
         match self.0.insert(folded(&name), label.clone()) {
             Some(first) => {
-                let (both, found) = (format!("{first} and {label}"), format!("the name {name} for both"));
-                Err(Error::wrong_input(both, found, "one material per name (upper and lower case are equal)"))
+                let text = format!("{first} and {label}: both would be named {name}; rename one of the files");
+                Err(Error::input(text + " (names must differ in more than case)"))
             }
             None => Ok(name),
         }
@@ -270,7 +269,7 @@ mod tests {
         assert_eq!((names, found.others.len()), (["a", "b", "c", "d", "e"].map(str::to_owned).to_vec(), 3));
         let empty = folder(&["notes.txt"]);
         let error = find(&given(&[empty.path().into()])).unwrap_err().to_string();
-        assert!(error.contains("found one file of another kind, expected a folder with files .binary"), "{error}");
+        assert!(error.contains("no measured material, only one other file; expected .binary"), "{error}");
     }
 
     #[test]
@@ -287,14 +286,14 @@ mod tests {
         assert_eq!(manifest.materials["b"].options.max_delta_e, Some(1.0));
         let nothing = text.replace("*.brdf", "*.bsdf");
         let error = Manifest::parse(&nothing).unwrap().expanded(there.path()).unwrap_err().to_string();
-        assert!(error.contains("found no file that matches"), "{error}");
+        assert!(error.contains("no file matches"), "{error}");
     }
 
     #[test]
     fn collisions_are_rejected() {
         let sources = ["x/red.brdf", "y/Red.binary"].map(OsString::from);
         let error = manifest_of(&sources).unwrap_err().to_string();
-        assert!(error.starts_with("x/red.brdf and y/Red.binary: found the name Red for both"), "{error}");
+        assert!(error.starts_with("x/red.brdf and y/Red.binary: both would be named Red"), "{error}");
         let names: Vec<_> = manifest_of(&["nul.brdf".into()]).unwrap().materials.into_keys().collect();
         assert_eq!(names, ["nul_"], "Windows cannot have such a file");
     }

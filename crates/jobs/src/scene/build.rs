@@ -59,7 +59,7 @@ impl BuildSettings {
     }
 }
 
-/// A completed build.
+/// A completed build: its results, its report, and the changes in the folder.
 #[derive(Debug)]
 pub struct Built {
     /// Result of each material.
@@ -115,7 +115,7 @@ pub fn build(plan: &Plan, settings: &BuildSettings, progress: &dyn Progress) -> 
             Ok(stays)
         })?
     };
-    let retained = report.materials.iter().filter(|entry| entry.kept).map(|entry| entry.material.as_str());
+    let retained = report.materials.iter().filter(|entry| entry.retained).map(|entry| entry.material.as_str());
     write_notes(&store, plan, &outcomes, &retained.collect::<Vec<_>>());
     store.prune();
     Ok(Built { outcomes, report, changes: Some(changes) })
@@ -141,15 +141,14 @@ fn retained(
         return Ok(None);
     }
     let out = settings.out.as_path();
-    let without = "or a build without --keep";
+    let without = "or build without --keep";
     let earlier = match BuildReport::open(&out.join(REPORT)) {
         Ok(report) => report,
         Err(error) => match unlisted(plan, out, there) {
             None => return Ok(None),
             Some(file) => {
-                let found = format!("{file} of an earlier build, which --keep finds in no report");
-                let allowed = format!("the {REPORT} of that build, {without}");
-                return Err(Error::io(format!("{error}\n{}: found {found}, expected {allowed}", out.display())));
+                let lost = format!("--keep needs the {REPORT} of the build that made {file}");
+                return Err(Error::io(format!("{error}\n{}: {lost}; restore it, {without}", out.display())));
             }
         },
     };
@@ -167,10 +166,9 @@ fn retained(
             Some(list) => Contents::Bytes(list.clone()),
             None => {
                 let path = out.join(file);
-                let found = if path.exists() { "a changed file" } else { "no file" };
-                let found = format!("{found}, and no copy of the original in the store");
-                let allowed = format!("the file that {REPORT} lists and --keep retains, {without}");
-                return Err(Error::io(format!("{}: found {found}, expected {allowed}", path.display())));
+                let lost = if path.exists() { "changed since the build" } else { "missing" };
+                let lost = format!("{lost}, and the store has no copy for --keep");
+                return Err(Error::io(format!("{}: {lost}; restore it, {without}", path.display())));
             }
         };
         Ok((file.clone(), contents))
@@ -266,7 +264,7 @@ fn files(outcomes: &Outcomes, report: BuildReport) -> Vec<(String, Contents)> {
             files.push((part_name(name, part), Contents::Cached(*digest)));
         }
     }
-    for entry in report.materials.iter().filter(|entry| !entry.kept) {
+    for entry in report.materials.iter().filter(|entry| !entry.retained) {
         if let Some(list) = entry.file() {
             files.push((list_name(&entry.material), Contents::Bytes(list.to_bytes())));
         }
@@ -279,7 +277,7 @@ fn files(outcomes: &Outcomes, report: BuildReport) -> Vec<(String, Contents)> {
 }
 
 impl Outcome {
-    /// Returns true if the material was made, meets its budget and passes all gates.
+    /// Returns true if the material was made, meets its limits and passes all gates.
     pub fn passed(&self) -> bool {
         self.result.as_ref().is_ok_and(Made::passed)
     }

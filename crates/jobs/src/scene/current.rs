@@ -27,7 +27,7 @@ pub struct PackFolder {
 pub struct Current {
     /// The pack, then the maps that the scene needs, in the order of [`PARTS`](super::maps::PARTS).
     pub parts: Vec<Pack>,
-    /// The limits of the budget that no trial met.
+    /// The limits that no trial met.
     pub missed: Option<String>,
     /// Results of its gates.
     pub gates: Vec<GateResult>,
@@ -107,7 +107,7 @@ impl PackFolder {
     /// Returns the map of the environment, and makes it if it is not current.
     ///
     /// # Errors
-    /// As [`Self::material`].
+    /// Returns an error if the image cannot be read, the store cannot be written to, or the caller cancels.
     pub fn environment(&self, job: &EnvironmentJob, progress: &dyn Progress) -> Result<Pack, JobError> {
         let context = self.context();
         let made = context.environment(job, &Shared::new(context.memory), progress)?;

@@ -12,7 +12,7 @@ pub enum JobError {
     /// The source cannot be read.
     #[error(transparent)]
     Input(#[from] InputError),
-    /// The encoder failed.
+    /// The encoder cannot make a pack from the source.
     #[error(transparent)]
     Encode(EncodeError),
     /// The caller asked to stop.

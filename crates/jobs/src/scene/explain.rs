@@ -17,7 +17,7 @@ use std::collections::BTreeMap;
 pub struct Explained {
     /// Name of the material.
     pub material: String,
-    /// The need.
+    /// Need as a phrase, such as `all levels of detail and directions`; `nothing` if no use refers to the material.
     pub need: String,
     /// The uses that cause it.
     pub why: String,
@@ -122,7 +122,7 @@ fn with_all_levels(job: &Job) -> PackRecipe {
 
 /// Finer levels of detail that are not stored.
 fn levels(job: &Job, made: Option<&Made>, lookup: &CachedLookup<'_>) -> Option<Explained> {
-    // `None` if the codec cannot leave out finer levels.
+    // `None` if the codec cannot omit finer levels.
     let [stored, all] = job.recipe.stored_levels()?;
     if stored == all {
         return None;
@@ -168,7 +168,7 @@ fn directions(job: &Job, made: Option<&Made>, lookup: &CachedLookup<'_>) -> Opti
     let found = |made: &Made| made.report.of_all_directions?.checked_sub(made.report.bytes_on_gpu);
     let saved_bytes = made.and_then(|made| match &job.recipe {
         recipe if recipe.has_fixed_size() => Some(made.report.cropped_bytes),
-        // With a byte budget, the cropped bytes are spent on more nodes and slices.
+        // With a limit of bytes, the cropped bytes are spent on more nodes and slices.
         recipe if !recipe.limits_error() => None,
         _ => found(made).or(of_cached).filter(|bytes| *bytes > 0),
     });

@@ -139,7 +139,7 @@ mod tests {
         let gates = Budget::NONE.delta_e(100.0).error(1000.0);
         let results = check_pack(&gates, &black);
         assert!(results.iter().all(|gate| !gate.passed), "{results:?}");
-        assert!(results[0].to_string().starts_with("require.max_delta_e: found no light: the material is black"));
-        assert!(results[1].to_string().starts_with("require.max_error: found no sample above the floor"));
+        assert!(results[0].to_string().starts_with("require.max_delta_e: no light: the material is black"));
+        assert!(results[1].to_string().starts_with("require.max_error: no sample above the floor"));
     }
 }

@@ -7,12 +7,12 @@ use schemars::JsonSchema;
 use serde::Serialize;
 use std::path::{Path, PathBuf};
 
-/// A job graph.
+/// Graph of the jobs of a build, for build systems such as Ninja.
 #[derive(Debug, Clone, PartialEq, Serialize, JsonSchema)]
 pub struct Graph {
     /// Layout version of this report.
     pub version: u32,
-    /// Independent jobs.
+    /// Jobs that make parts of materials, in any order or at once.
     pub jobs: Vec<GraphJob>,
     /// The final job, which depends on all others.
     pub merge: MergeJob,
@@ -28,18 +28,18 @@ pub struct GraphJob {
     pub material: Option<String>,
     /// Part that the job makes: `brdf` is the pack, `maps` are the bandwidth map and the samples.
     pub part: String,
-    /// Input files.
+    /// Paths of the files that the job reads: the manifest and the source.
     pub inputs: Vec<String>,
-    /// Program and arguments.
+    /// Command line: the program, then its arguments.
     pub command: Vec<String>,
     /// Stamp file, which the job writes on success.
     pub stamp: String,
 }
 
-/// The final job.
+/// The job that runs last and fills the output folder.
 #[derive(Debug, Clone, PartialEq, Serialize, JsonSchema)]
 pub struct MergeJob {
-    /// Program and arguments.
+    /// Command line: the program, then its arguments.
     pub command: Vec<String>,
     /// Stamp file, which the job writes on success.
     pub stamp: String,
@@ -50,13 +50,13 @@ pub struct MergeJob {
 /// Program, inputs and output folder, as they appear in the commands.
 #[derive(Debug, Clone)]
 pub struct Places {
-    /// The program.
+    /// Name or path of the program `brdfc`.
     pub program: String,
     /// The manifest, or files and folders.
     pub inputs: Vec<String>,
     /// The manifest, which all jobs read; `None` without one.
     pub manifest: Option<PathBuf>,
-    /// The output folder.
+    /// Path of the output folder.
     pub out: PathBuf,
 }
 

@@ -17,9 +17,9 @@ use std::path::{Path, PathBuf};
 pub fn manifest_among(inputs: &[OsString]) -> Result<Option<PathBuf>, Error> {
     let alone = inputs.len() == 1;
     if inputs.iter().any(|input| input == "-") {
-        let allowed = "a manifest, or files, folders, patterns and synth: addresses (only commands that take one file \
-                       read standard input, such as 'brdfc encode -'; for a file of this name, write ./-)";
-        return Err(Error::wrong_usage("inputs", "-", allowed));
+        let text = "inputs: builds do not read stdin, only commands with one input do, such as \
+                    'brdfc encode -'; for a file of this name, write ./-";
+        return Err(Error::usage(text));
     }
     let is_manifest = |input: &OsString| {
         let path = Path::new(input);

@@ -13,6 +13,7 @@ use super::uses::USE_KEYS;
 use crate::encode::OptionError;
 use crate::encode::{EncodeOptions, PackRecipe, codec_names, range_of};
 use crate::keys::keys_of;
+use brdfc_core::words::one_of;
 use serde::Deserialize;
 use serde::de::DeserializeOwned;
 use std::collections::BTreeMap;
@@ -27,7 +28,7 @@ pub struct Manifest {
     pub scene: SceneSection,
     /// Defaults of the materials.
     pub defaults: Defaults,
-    /// Materials by name.
+    /// Materials by the names that uses refer to.
     pub materials: BTreeMap<String, Material>,
     /// Uses of the materials.
     pub uses: Vec<Use>,
@@ -35,23 +36,23 @@ pub struct Manifest {
     pub render: RenderSection,
 }
 
-/// The table `defaults`.
+/// The table `defaults`: options and requirements of all materials without values of their own.
 #[derive(Debug, Clone, Default)]
 pub struct Defaults {
-    /// Encoding options.
+    /// Encoding options that a material's own options override.
     pub options: EncodeOptions,
     /// Limits that finished packs have to meet.
     pub require: Require,
 }
 
-/// A material.
+/// A material of the manifest: its source, options and requirements.
 #[derive(Debug, Clone, Default)]
 pub struct Material {
     /// A path or a pattern, relative to the manifest, or a `synth:` address.
     pub source: OsString,
     /// Line of the source in the manifest, from 1; 0 without a manifest.
     pub line: usize,
-    /// Encoding options.
+    /// Encoding options of this material, which override the defaults.
     pub options: EncodeOptions,
     /// Limits that its finished pack has to meet.
     pub require: Require,
@@ -78,13 +79,14 @@ impl Manifest {
     /// range, or a use names an unknown material.
     pub fn parse(text: &str) -> Result<Self, ManifestError> {
         let tree = DeTable::parse(text).map_err(|error| {
-            let found = format!("{} in \"{}\"", error.message(), snippet(text, error.span()));
-            ManifestError::new(line_of(text, error.span()), "manifest", found, "TOML as described in docs/manifest.md")
+            let wrong = format!("{} in \"{}\"", error.message(), snippet(text, error.span()));
+            let wrong = wrong + "; expected TOML as described in docs/manifest.md";
+            ManifestError::without_value(line_of(text, error.span()), "manifest", wrong)
         })?;
         shapes::check(text, tree.get_ref(), &all_keys())?;
         let manifest = Self::read(text, tree.clone()).map_err(|error| {
-            let found = error.message().to_owned();
-            ManifestError::new(line_of(text, error.span()), "manifest", found, "keys and values as in docs/manifest.md")
+            let wrong = format!("{}; expected keys and values as in docs/manifest.md", error.message());
+            ManifestError::without_value(line_of(text, error.span()), "manifest", wrong)
         })?;
         manifest.check(text, tree.get_ref())?;
         Ok(manifest)
@@ -131,9 +133,11 @@ impl Manifest {
             .resolve(&Require::default())
             .map_err(|p| error(line(&["defaults", "require", p.field]), "defaults.require", p))?;
         if let Some((first, second)) = same_file(self.materials.keys().map(String::as_str)) {
-            let found = format!("the names \"{first}\" and \"{second}\"");
-            let allowed = "names that differ in more than case and accent encoding (both are one file on some systems)";
-            return Err(place.error(&["materials", second], found, allowed));
+            let wrong = format!(
+                "\"{first}\" and \"{second}\" are one file on some systems; choose names that differ in more than case \
+                 and accent encoding"
+            );
+            return Err(place.error(&["materials", second], String::new(), &wrong));
         }
         for (name, material) in &self.materials {
             let prefix = format!("materials.{name}");
@@ -141,13 +145,11 @@ impl Manifest {
                 return Err(place.error(&["materials", name], format!("the name \"{name}\""), &allowed));
             }
             if material.source.is_empty() {
-                let allowed = format!("source = \"...\", {SOURCES}");
-                return Err(place.error(&["materials", name], "no source".to_owned(), &allowed));
+                let wrong = format!("no source; expected source = \"...\", {SOURCES}");
+                return Err(place.error(&["materials", name], String::new(), &wrong));
             }
             if material.source == "-" {
-                let allowed = format!(
-                    "{SOURCES} (only commands that take one file read standard input, such as 'brdfc encode -')"
-                );
+                let allowed = format!("{SOURCES}; manifests do not read stdin");
                 return Err(place.error(&["materials", name, "source"], "\"-\"".to_owned(), &allowed));
             }
             PackRecipe::from_options(&material.options, options)
@@ -163,7 +165,7 @@ impl Manifest {
             if !self.materials.contains_key(name) {
                 let known: Vec<&str> = self.materials.keys().map(String::as_str).collect();
                 let allowed =
-                    if known.is_empty() { "a material (the manifest has none)".to_owned() } else { known.join(", ") };
+                    if known.is_empty() { "a material; the manifest has none".to_owned() } else { one_of(&known) };
                 let line = line_of(text, Some(used.material.span()));
                 let error =
                     ManifestError::new(line, format!("uses[{number}].material"), format!("\"{name}\""), allowed);
@@ -212,7 +214,7 @@ fn all_keys() -> Vec<Key> {
 fn option_key(name: &'static str) -> Key {
     let shape = match name {
         "codec" | "parameterisation" | "ranking" => Shape::Text,
-        "reciprocal" | "lift" | "smooth" | "trust_fit" => Shape::Truth,
+        "reciprocal" | "energy_preserving" | "smooth" | "trust_fit" => Shape::Truth,
         "min_highlight" | "max_error" | "max_fit_error" => Shape::Share,
         "max_bytes" => Shape::Bytes,
         "max_fetches" | "levels" | "grid" | "bits" => Shape::WholeNumber,

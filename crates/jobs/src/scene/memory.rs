@@ -29,7 +29,7 @@ pub fn of_source(extension: &str, length: u64) -> u64 {
 /// Length of the longest file of this kind that fits into `memory`, bytes.
 pub fn longest_source(extension: &str, memory: u64) -> u64 {
     match extension {
-        // What reading takes. A large scan then has the whole budget, and may exceed it while it is cross-validated.
+        // What reading takes. A large scan then has the whole limit, and may exceed it while it is cross-validated.
         "csv" => memory / 8,
         _ => memory / sixths(extension) * 6,
     }
@@ -38,26 +38,26 @@ pub fn longest_source(extension: &str, memory: u64) -> u64 {
 /// Time that a thread waits before it looks for other work in the pool again.
 const MOMENT: Duration = Duration::from_millis(1);
 
-/// A memory budget that several jobs share.
+/// A memory limit that several jobs share.
 pub struct Shared {
     all: u64,
     free: Mutex<u64>,
     freed: Condvar,
 }
 
-/// A share of the budget, returned on drop.
+/// A share of the memory, returned on drop.
 pub struct Share<'a> {
     of: &'a Shared,
     bytes: u64,
 }
 
 impl Shared {
-    /// Creates a budget of `all` bytes.
+    /// Creates a limit of `all` bytes.
     pub fn new(all: u64) -> Self {
         Self { all, free: Mutex::new(all), freed: Condvar::new() }
     }
 
-    /// Waits until so many bytes are free. A job that needs more than the whole budget runs alone. A thread of a pool
+    /// Waits until `bytes` bytes are free. A job that needs more than the whole limit runs alone. A thread of a pool
     /// runs other tasks of the pool while it waits.
     pub fn take(&self, bytes: u64) -> Share<'_> {
         let bytes = bytes.min(self.all);
@@ -106,7 +106,7 @@ mod tests {
         assert!((9..=10).contains(&most.into_inner()));
     }
 
-    /// Also on the threads of a pool, where a waiting thread runs parts of the loop of the working one.
+    /// A waiting thread of a pool runs parts of the loop of the working thread.
     #[test]
     fn a_waiting_thread_of_a_pool_continues_when_memory_is_free() {
         use rayon::prelude::*;

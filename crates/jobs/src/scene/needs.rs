@@ -174,7 +174,7 @@ mod tests {
         };
         for (rest, expected) in [
             ("nearest=-1", "line 5, uses[0].nearest: found -1, expected a distance, 0 or more"),
-            ("nearest=4\nfarthest=3", "line 6, uses[0].farthest: found 3, expected at least 4 (the nearest distance)"),
+            ("nearest=4\nfarthest=3", "line 6, uses[0].farthest: found 3, expected at least 4, the value of nearest"),
             ("view_elevation=[30, 20]", "uses[0].view_elevation: found [30, 20], expected [from, to], 0 to 90"),
             ("light_elevation=[0, 91]", "uses[0].light_elevation: found [0, 91]"),
             ("light_elevation=[10, 12]", "5 apart or more"),
@@ -182,13 +182,13 @@ mod tests {
             ("lighting=['sun']", "uses[0].lighting: found \"sun\", expected points, environment"),
             ("lighting=[]", "uses[0].lighting: found [], expected one or both"),
             ("lighting=['environment']", "the scene has no environment"),
-            ("maps=['samples']", "uses[0].maps: found [\"samples\"] without an environment"),
+            ("maps=['samples']", "uses[0].maps: needs an environment"),
         ] {
             let found = error(rest);
             assert!(found.contains(expected), "{found}");
         }
         let text = "[scene]\nenvironment='sky.exr'\n[materials.a]\nsource='x'\n[[uses]]\nmaterial='a'\nlight_elevation=[0,30]\n";
         let found = Manifest::parse(text).expect_err("an environment").to_string();
-        assert!(found.contains("an environment lights from all directions"), "{found}");
+        assert!(found.contains("an environment, which lights from all directions"), "{found}");
     }
 }

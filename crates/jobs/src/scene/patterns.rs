@@ -101,13 +101,13 @@ struct Pattern {
 impl Pattern {
     fn new(parts: &[&OsStr], path: &Path) -> Result<Self, Error> {
         let texts: Option<Vec<&str>> = parts.iter().map(|part| part.to_str()).collect();
-        let wrong = |found: &str, allowed: &str| Error::wrong_usage(path.display(), found, allowed);
-        let no_text = || wrong("a pattern that is not UTF-8", "a UTF-8 pattern, a folder or file names");
+        let wrong = |what: &str| Error::usage(format!("{}: {what}", path.display()));
+        let no_text = || wrong("the pattern is not UTF-8; name files or a folder");
         let texts = texts.ok_or_else(no_text)?;
         let of_parts = texts.iter().find_map(|text| problem(text));
         let back = texts.contains(&"..").then_some(".. after the first wildcard");
         if let Some(problem) = back.or(of_parts) {
-            return Err(wrong(&format!("an invalid pattern ({problem})"), "a pattern such as scans/*.binary"));
+            return Err(wrong(&format!("invalid pattern: {problem}; expected a pattern such as scans/*.binary")));
         }
         let plain = texts.iter().take_while(|text| **text != "**");
         let levels: Vec<_> = plain.map(|text| ((*text).to_owned(), text.starts_with('.'))).collect();
@@ -201,7 +201,7 @@ mod tests {
             ("*\\", "nothing after \\"),
         ] {
             let error = Named::new(there.path(), pattern).files().unwrap_err().to_string();
-            assert!(error.contains(&format!("found an invalid pattern ({problem}), expected ")), "{error}");
+            assert!(error.contains(&format!(": invalid pattern: {problem}; expected ")), "{error}");
         }
         assert_eq!(matched("[]a].br{d,e}f"), ["a.brdf"]);
     }

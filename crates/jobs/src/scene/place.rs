@@ -4,15 +4,15 @@ use std::ops::Range;
 
 /// An error in a manifest.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
-#[error("line {line}, {field}: found {found}, expected {allowed}{}", suggestion.as_ref().map_or(String::new(), |s| format!(" (did you mean {s}?)")))]
+#[error("line {line}, {field}: {}{}", problem(found, allowed), hint(suggestion.as_deref()))]
 pub struct ManifestError {
-    /// Line, from 1.
+    /// Line of the manifest, counted from 1.
     pub line: usize,
     /// Key, with its tables.
     pub field: String,
-    /// The value in the manifest.
+    /// The value in the manifest; empty if a value is missing or the text cannot be read.
     pub found: String,
-    /// The expected values.
+    /// The expected values; without a value that was found, the problem and its remedy.
     pub allowed: String,
     /// A known name with a similar spelling.
     pub suggestion: Option<String>,
@@ -23,6 +23,19 @@ impl ManifestError {
     pub(super) fn new(line: usize, field: impl Into<String>, found: String, allowed: impl Into<String>) -> Self {
         Self { line, field: field.into(), found, allowed: allowed.into(), suggestion: None }
     }
+
+    /// Creates an error without a value that was found.
+    pub(super) fn without_value(line: usize, field: impl Into<String>, problem: impl Into<String>) -> Self {
+        Self::new(line, field, String::new(), problem)
+    }
+}
+
+fn problem(found: &str, allowed: &str) -> String {
+    if found.is_empty() { allowed.to_owned() } else { format!("found {found}, expected {allowed}") }
+}
+
+fn hint(suggestion: Option<&str>) -> String {
+    suggestion.map_or(String::new(), |name| format!("; did you mean {name}?"))
 }
 
 /// Text and tree of a manifest, to locate keys.
@@ -38,9 +51,10 @@ impl Place<'_> {
     }
 }
 
-/// Finds the known name with the most similar spelling; `None` if none is similar.
+/// Finds the known name with the most similar spelling; `None` if none is similar, or if only one name is known.
 pub fn near_miss(name: &str, known: &[&str]) -> Option<String> {
-    known
+    let choices = if known.len() > 1 { known } else { &[] };
+    choices
         .iter()
         .map(|k| (strsim::damerau_levenshtein(name, k), *k))
         .filter(|(distance, k)| *distance <= 1 + k.len() / 4)

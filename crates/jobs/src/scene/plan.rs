@@ -17,7 +17,7 @@ use std::path::{Path, PathBuf};
 /// The job that makes one material.
 #[derive(Debug, Clone)]
 pub struct Job {
-    /// The material's name.
+    /// Name of the material.
     pub name: String,
     /// Path or address as written in the manifest.
     pub declared: String,
@@ -53,10 +53,10 @@ pub struct EnvironmentJob {
     pub path: PathBuf,
 }
 
-/// A build plan.
+/// Jobs that a build of a scene runs.
 #[derive(Debug, Clone)]
 pub struct Plan {
-    /// The scene's name.
+    /// Name of the scene.
     pub scene: String,
     /// Jobs of the materials, sorted by name.
     pub jobs: Vec<Job>,

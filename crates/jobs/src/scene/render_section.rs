@@ -19,9 +19,9 @@ pub const MAX_SAMPLES: usize = 16;
 pub struct RenderSection {
     /// Name of the built-in scene.
     pub scene: Option<Spanned<String>>,
-    /// Width, pixels.
+    /// Width of the rendering, pixels.
     pub width: Option<usize>,
-    /// Height, pixels.
+    /// Height of the rendering, pixels.
     pub height: Option<usize>,
     /// Samples per pixel and axis.
     pub samples: Option<usize>,
@@ -32,7 +32,7 @@ pub struct RenderSection {
     pub asset: Option<String>,
     /// Path, relative to the manifest, of a latitude-longitude EXR or HDR image that mirrors reflect.
     pub environment: Option<String>,
-    /// Camera.
+    /// Camera; absent values come from the built-in scene.
     #[serde(default)]
     pub camera: CameraSection,
     /// Point lights, which replace those of the built-in scene.
@@ -42,25 +42,25 @@ pub struct RenderSection {
     pub materials: BTreeMap<Spanned<String>, Spanned<String>>,
 }
 
-/// A pinhole camera.
+/// A pinhole camera, in the world space of the scene.
 #[derive(Debug, Clone, Default, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct CameraSection {
-    /// Position.
+    /// Position of the pinhole.
     pub eye: Option<[f64; 3]>,
     /// Point in the centre of the rendering.
     pub target: Option<[f64; 3]>,
-    /// Up direction.
+    /// Up direction in the rendering.
     pub up: Option<[f64; 3]>,
     /// Vertical angle of view, degrees.
     pub field_of_view: Option<f64>,
 }
 
-/// A point light.
+/// A point light, which shines equally in all directions.
 #[derive(Debug, Clone, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct LightSection {
-    /// Position.
+    /// Position in world space.
     pub position: [f64; 3],
     /// Radiant intensity, W/sr, linear RGB or grey.
     pub intensity: Intensity,
@@ -72,7 +72,7 @@ pub struct LightSection {
 pub enum Intensity {
     /// The same in all channels.
     Grey(f64),
-    /// Linear RGB.
+    /// One number for each channel, linear RGB.
     Colour([f64; 3]),
 }
 
@@ -139,8 +139,8 @@ impl RenderSection {
             return wrong(&["render", "asset"], "\"\"".to_owned(), ASSETS);
         }
         if let Some((part, _)) = self.materials.first_key_value().filter(|_| self.asset.is_some()) {
-            let found = format!("a material of {} as well as render.asset", part.get_ref());
-            return wrong(&["render", "materials"], found, "one of the two (an asset covers all parts)");
+            let text = format!("{} does not apply with render.asset, which covers all parts", part.get_ref());
+            return wrong(&["render", "materials"], String::new(), &text);
         }
         let camera = &self.camera;
         for (key, vector) in [("eye", camera.eye), ("target", camera.target), ("up", camera.up)] {

@@ -36,7 +36,7 @@ pub struct Outcomes {
 /// Result of one material.
 #[derive(Debug)]
 pub struct Outcome {
-    /// The material's name.
+    /// Name of the material.
     pub name: String,
     /// Report and times, or the error.
     pub result: Result<Made, JobError>,
@@ -53,7 +53,7 @@ pub struct Made {
     pub source: Digest,
     /// Results of its gates.
     pub gates: Vec<GateResult>,
-    /// Its files, by part.
+    /// Files of the material, by part.
     pub files: Vec<(&'static str, Digest)>,
     /// Seconds per stage; `None` if all parts came from the store.
     pub times: Option<Vec<StageTime>>,
@@ -65,7 +65,7 @@ pub struct Made {
 type PackNote = (MaterialReport, Vec<StageTime>);
 
 impl Made {
-    /// Returns true if the pack meets its budget and passes all gates.
+    /// Returns true if the pack meets its limits and passes all gates.
     pub fn passed(&self) -> bool {
         self.report.missed.is_none() && self.gates.iter().all(|gate| gate.passed)
     }
@@ -156,7 +156,7 @@ pub fn run(plan: &Plan, context: &BuildContext<'_>, progress: &dyn Progress) -> 
 /// The items run on a separate thread pool: each of its threads runs whole items one after the other, and a thread
 /// that waits runs iterations of the other items' loops. As tasks of the global pool, items could be stolen by a
 /// thread that waits for part of a loop. More items would then hold memory, and the item below on that thread's stack
-/// would be blocked until the stolen one ends, or would deadlock if that one waits for memory.
+/// would be blocked until the stolen item ends, or would deadlock if the stolen item waits for memory.
 pub(super) fn in_turn<T: Send>(count: usize, work: impl Fn(usize) -> T + Sync) -> Vec<T> {
     let next = AtomicUsize::new(0);
     let results: Mutex<Vec<Option<T>>> = Mutex::new((0..count).map(|_| None).collect());
@@ -265,7 +265,7 @@ impl BuildContext<'_> {
         let bytes = memory::of_source(&extension, length).saturating_add(job.recipe.memory());
         let _share = shared.take(bytes);
         progress.check()?;
-        // On the pool's threads, so that the number of busy threads stays the same.
+        // On the pool's threads, so that the number of busy threads does not change.
         let (cached, all_cached) = rayon::scope(|_| self.fill(job, requested, &extension, &clock))?;
         Ok((cached, if all_cached { None } else { Some(clock.finish()) }))
     }
@@ -346,7 +346,7 @@ impl BuildContext<'_> {
     /// Returns the map of the environment from the store, or makes it.
     ///
     /// # Errors
-    /// As [`Self::material`].
+    /// Returns an error if the image cannot be read, a file cannot be written, or the caller cancels.
     pub fn environment(
         &self,
         job: &EnvironmentJob,

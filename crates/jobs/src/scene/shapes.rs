@@ -2,6 +2,7 @@
 
 use super::place::{ManifestError, line_of, near_miss};
 use brdfc_core::byte_count;
+use brdfc_core::words::one_of;
 use brdfc_metrics::fraction::{self, Fraction};
 use std::borrow::Cow;
 use std::ops::Range;
@@ -79,7 +80,7 @@ impl Checked<'_> {
                 line: line_of(self.text, Some(unknown.span())),
                 field: if heading.is_empty() { "key".to_owned() } else { format!("key in {heading}") },
                 found: format!("\"{}\"", unknown.get_ref()),
-                allowed: names.join(", "),
+                allowed: one_of(&names),
                 suggestion: near_miss(unknown.get_ref(), &names),
             });
         }
@@ -112,9 +113,9 @@ impl Checked<'_> {
                     self.table(table, keys, &field, &format!("[[{heading}]]"))?;
                     if let Some(key) = keys.iter().find(|key| key.is_required && !table.contains_key(key.name)) {
                         let line = line_of(self.text, Some(entry.span()));
-                        let allowed = format!("{} = {}", key.name, expected_value(&key.shape, key.range, key.name));
-                        let found = format!("no {}", key.name);
-                        return Err(ManifestError::new(line, field, found, allowed));
+                        let (name, value) = (key.name, expected_value(&key.shape, key.range, key.name));
+                        let wrong = format!("no {name}; expected {name} = {value}");
+                        return Err(ManifestError::without_value(line, field, wrong));
                     }
                 }
                 Ok(())

@@ -2,7 +2,7 @@
 
 use super::place::{ManifestError, line_of};
 use super::shapes::{Key, Shape, key, required};
-use brdfc_core::words::format_number;
+use brdfc_core::words::{format_number, one_of};
 use brdfc_formats::crop::Elevations;
 use serde::Deserialize;
 use std::ops::Range;
@@ -104,7 +104,7 @@ impl Use {
         if let (Some(nearest), Some(farthest)) = (&self.nearest, &self.farthest)
             && farthest.get_ref() < nearest.get_ref()
         {
-            let allowed = format!("at least {} (the nearest distance)", format_number(*nearest.get_ref()));
+            let allowed = format!("at least {}, the value of nearest", format_number(*nearest.get_ref()));
             return wrong("farthest", farthest.span(), format_number(*farthest.get_ref()), &allowed);
         }
         for (key, range) in [("light_elevation", &self.light_elevation), ("view_elevation", &self.view_elevation)] {
@@ -118,7 +118,7 @@ impl Use {
         for (key, list, known) in [("lighting", &self.lighting, LIGHTING), ("maps", &self.maps, MAPS)] {
             let Some(list) = list else { continue };
             if let Some(name) = list.get_ref().iter().find(|name| !known.contains(&name.as_str())) {
-                return wrong(key, list.span(), format!("\"{name}\""), &known.join(", "));
+                return wrong(key, list.span(), format!("\"{name}\""), &one_of(&known));
             }
         }
         if let Some(lighting) = &self.lighting {
@@ -132,13 +132,13 @@ impl Use {
         }
         let lit_by_environment = has_environment && self.is_lit_by_environment();
         if let (Some(range), true) = (&self.light_elevation, lit_by_environment) {
-            let found = format!("{:?} under an environment", range.get_ref());
-            let allowed = "lighting = [\"points\"], as an environment lights from all directions";
-            return wrong("light_elevation", range.span(), found, allowed);
+            let text = "does not apply under an environment, which lights from all directions; \
+                        add lighting = [\"points\"]";
+            return wrong("light_elevation", range.span(), String::new(), text);
         }
         if let (Some(maps), false) = (&self.maps, lit_by_environment) {
-            let found = format!("{:?} without an environment", maps.get_ref());
-            return wrong("maps", maps.span(), found, "an environment that lights the object");
+            let text = "needs an environment that lights the object; see scene.environment and lighting";
+            return wrong("maps", maps.span(), String::new(), text);
         }
         Ok(())
     }

@@ -1,13 +1,13 @@
-//! The verdict on a build: failures, missed budgets and failed gates.
+//! The verdict on a build: failures, missed limits and failed gates.
 
 use super::error::JobError;
 use super::run::{Made, Outcomes};
 use super::scene_section::ENVIRONMENT;
 use crate::error::Error;
-use brdfc_core::words::counted;
+use brdfc_core::words::counted_of;
 
 impl Outcomes {
-    /// Returns true if a job failed, missed its budget or failed a gate. Cancelled jobs do not count.
+    /// Returns true if a job failed, missed its limits or failed a gate. Cancelled jobs do not count.
     pub(super) fn any_failed(&self) -> bool {
         let of_material = |result: &Result<Made, JobError>| match result {
             Ok(made) => !made.passed(),
@@ -18,7 +18,7 @@ impl Outcomes {
             || environment.is_some_and(|error| !error.is_cancelled())
     }
 
-    /// Lists all failures, missed budgets and failed gates, one line each, with the name of the material.
+    /// Lists all failures, missed limits and failed gates, one line each, with the name of the material.
     pub fn problems(&self) -> Vec<String> {
         let mut lines = Vec::new();
         for outcome in &self.materials {
@@ -41,7 +41,7 @@ impl Outcomes {
     /// Summarises the build.
     ///
     /// # Errors
-    /// Returns an error if a job failed, missed its budget or failed a gate. The failure with the highest exit code
+    /// Returns an error if a job failed, missed its limits or failed a gate. The failure with the highest exit code
     /// decides the kind.
     pub fn verdict(self) -> Result<(), Error> {
         let count = self.materials.len();
@@ -52,15 +52,15 @@ impl Outcomes {
         let mut failures: Vec<Error> = failures.map(Error::from).collect();
         let mut failed = Vec::new();
         if !failures.is_empty() {
-            failed.push(format!("{} of {} failed", failures.len(), counted(count, "material")));
+            failed.push(format!("{} failed", counted_of(failures.len(), count, "material")));
         }
         for (number, one, more) in [
-            (missed, "missed its budget", "missed their budget"),
+            (missed, "misses its limits", "miss their limits"),
             (failed_gates, "does not meet its requirements", "do not meet their requirements"),
         ] {
             if number > 0 {
                 let what = if number == 1 { one } else { more };
-                failed.push(format!("{number} of {} {what}", counted(count, "material")));
+                failed.push(format!("{} {what}", counted_of(number, count, "material")));
                 failures.push(Error::check(""));
             }
         }

@@ -12,10 +12,10 @@ use std::str::FromStr;
 /// Name of the maps among the parts of a material.
 const MAPS: &str = "maps";
 
-/// A work item.
+/// A work item of a build: the smallest part of its work that a machine can take.
 #[derive(Debug, Clone, Copy)]
 pub enum Work<'a> {
-    /// A pack.
+    /// The pack of a material.
     Pack(&'a Job),
     /// The maps of a material.
     Maps(&'a Job),
@@ -79,7 +79,7 @@ impl Plan {
 pub struct Shard {
     /// Number of the shard, from 1.
     pub number: usize,
-    /// Number of shards.
+    /// Number of shards, at least 1.
     pub count: usize,
 }
 

@@ -36,7 +36,7 @@ const NOTED: Duration = Duration::from_secs(24 * 3600);
 /// A cached result: a report, and the files that belong to it.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Cached<T> {
-    /// Measurements.
+    /// Measurements that were made with the result.
     pub report: T,
     /// Hashes of the files, in the order in which [`Store::keep`] received them.
     pub files: Vec<Digest>,
@@ -144,7 +144,7 @@ impl Store {
         (Digest::of(&bytes) == *digest).then_some(bytes)
     }
 
-    /// Copies the entries and files that only the store of another output folder has, such as one from another machine.
+    /// Copies the entries and files that only the store of another output folder has, for example of another machine.
     /// Damaged entries do no harm: each look-up checks what it returns.
     ///
     /// # Errors

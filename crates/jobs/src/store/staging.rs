@@ -1,5 +1,5 @@
-//! Staging folders for unfinished files. A process removes its own when it ends; later processes remove those of
-//! processes that were killed.
+//! Staging folders for unfinished files. A process removes its own folders when it ends; later processes remove the
+//! folders of killed processes.
 
 use std::fs::File;
 use std::path::{Path, PathBuf};

@@ -16,9 +16,9 @@ const FLAT_BTF_SCENES: [Builtin; 4] = [Builtin::Plane, Builtin::Teapot, Builtin:
 /// A material of a page.
 #[derive(Debug, Clone)]
 pub struct ViewItem {
-    /// Its name on the page.
+    /// Name of the material on the page.
     pub name: String,
-    /// A short description.
+    /// Description in one line: sizes and, if known, errors against the source.
     pub facts: String,
     /// The pack that is drawn.
     pub drawn: Drawn,

@@ -25,7 +25,7 @@ pub(super) struct PackedMesh {
     largest: [u16; STREAMS],
     /// One stream per number: the lower bytes of all corners, then the higher bytes; packed.
     corners: String,
-    /// Indices minus those of the triangle before, as 32-bit integers; packed.
+    /// Indices minus the indices of the previous triangle, as 32-bit integers; packed.
     indices: String,
 }
 

@@ -23,10 +23,10 @@ use data::{PageData, PageItem, Programs};
 use open::check_bytes;
 use std::collections::BTreeMap;
 
-/// A viewer page.
+/// A page that draws packs in a browser.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct ViewPage {
-    /// The HTML file.
+    /// Contents of the HTML file, which needs no other files.
     pub html: String,
     /// Bytes of the file without the data of packs.
     pub bytes_alone: usize,

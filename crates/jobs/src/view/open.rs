@@ -45,7 +45,7 @@ fn refused(name: &str, found: impl Into<String>, allowed: &'static str) -> Error
     InputError::Format { name: name.to_owned(), error: FormatError::whole("input", found, allowed) }.into()
 }
 
-/// Options of pages.
+/// Options for reading the inputs of a page.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct ViewOptions {
     /// True to draw the sources of builds' packs, too, if they still exist.

@@ -1,6 +1,6 @@
 //! The script of a page: modules in a single scope.
 
-/// Modules, each after the ones that it imports. Those in the folder `shared` are also part of the web package.
+/// Modules, each after its imports. The modules in the folder `shared` are also part of the web package.
 const MODULES: [&str; 12] = [
     include_str!("shared/levels.js"),
     include_str!("page/state.js"),

@@ -11,7 +11,7 @@ const SHOW: &str = "show";
 /// A shader of pages, before it is translated.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct PageShader {
-    /// Its name in the page.
+    /// Name of the shader on the page.
     pub name: String,
     /// Source of the vertex and the fragment shader.
     pub wgsl: String,

@@ -114,10 +114,10 @@ fn missing_and_duplicate_images() {
     let paths = write_stack(folder.path(), StackFormat::Png);
     std::fs::remove_file(&paths[5]).unwrap();
     let error = open_error(folder.path());
-    let expected = "found 1 of 36 images missing, the first of them tl000 pl000 tv075 pv000, expected all 9 x 4";
+    let expected = "stack: 1 of 36 images missing, the first at tl000 pl000 tv075 pv000; expected images of all 9";
     assert!(error.contains(expected), "{error}");
     std::fs::copy(&paths[4], folder.path().join("tl000 pl000 tv037.50 pv270.png")).unwrap();
-    assert!(open_error(folder.path()).contains("found the directions of"), "{}", open_error(folder.path()));
+    assert!(open_error(folder.path()).contains("repeats the directions of"), "{}", open_error(folder.path()));
 }
 
 #[test]

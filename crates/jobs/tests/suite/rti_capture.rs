@@ -138,10 +138,11 @@ fn names_may_have_folders_that_exist_or_not() {
     }
     std::fs::write(&list, "2\n\nb.png 0 0 1\ngone/b.png 1 1 1\n").unwrap();
     assert!(
-        error(&list).ends_with("x.lp: line 4, image: found \"gone/b.png\", as on line 3, expected each image once")
+        error(&list).ends_with("x.lp: line 4, image: \"gone/b.png\" is already on line 3; expected each image once")
     );
     std::fs::write(&list, "2\nb.png 0 0 1\nin/b.jpg 1 1 1\n").unwrap();
-    let expected = "x.lp: line 3, image: found \"in/b.jpg\", which does not exist, expected a file relative to this one, or next to it";
+    let expected =
+        "x.lp: line 3, image: \"in/b.jpg\" does not exist; expected a path relative to this file, or a file next to it";
     assert!(error(&list).ends_with(expected), "{}", error(&list));
 }
 
@@ -157,11 +158,11 @@ fn images_of_two_sizes_too_large_or_broken() {
     std::fs::write(folder.path().join("b.jpg"), "no image").unwrap();
     let text = error(folder.path());
     assert!(
-        text.contains("b.jpg: image: found ") && text.ends_with("expected a whole PNG, JPEG or EXR image"),
+        text.contains("b.jpg: image: ") && text.ends_with("; expected a complete PNG, JPEG or EXR image"),
         "{text}"
     );
     std::fs::write(folder.path().join("b.jpg"), b"GIF89a\x01\x00\x01\x00").unwrap();
-    assert!(error(folder.path()).ends_with("b.jpg: image: found an unknown format, expected PNG, JPEG or EXR"));
+    assert!(error(folder.path()).ends_with("b.jpg: image: unknown format; expected PNG, JPEG or EXR"));
     // Every cut of a JPEG is an error or an image, when it is opened or when it is read.
     let noise = image::RgbImage::from_fn(4, 2, |x, y| image::Rgb([(x * 60) as u8, (y * 99) as u8, 7]));
     noise.save(folder.path().join("b.jpg")).unwrap();
@@ -184,7 +185,7 @@ fn lists_that_are_none_or_several() {
     let folder = tempfile::tempdir().unwrap();
     assert!(
         error(folder.path())
-            .ends_with("lists of lights: found none, expected one .lp file in the folder, or the path of one")
+            .ends_with("lists of lights: no .lp file; expected one .lp file in the folder, or the path of one")
     );
     grey(&folder.path().join("a.png"));
     let list = folder.path().join("b.lp");
@@ -193,16 +194,15 @@ fn lists_that_are_none_or_several() {
         error(folder.path())
     };
     assert!(
-        error_of(b"1\na.png 0 0 0")
-            .ends_with("b.lp: line 2, direction: found a vector of length 0, expected any other length")
+        error_of(b"1\na.png 0 0 0").ends_with("b.lp: line 2, direction: vector of length 0; expected any other length")
     );
     assert!(error_of(b"2\na.png 0 0 1").contains("b.lp: line 1, number of lights: found 2, expected 1"));
     assert!(
         error_of(b"\x89PNG\r\n\x1a\n\0").ends_with("UTF-8; it looks like a PNG image (.png)")
             || error_of(b"\0").contains("NUL")
     );
-    assert!(error_of(&[7, 0, 255]).contains("b.lp: line 1, text: found a NUL byte"));
-    assert!(error_of(b"").contains("number of lights: found an empty file"));
+    assert!(error_of(&[7, 0, 255]).contains("b.lp: line 1, text: NUL byte"));
+    assert!(error_of(b"").contains("number of lights: empty file"));
     std::fs::write(&list, "1\na.png 0 0 1").unwrap();
     assert!(RtiCapture::open(folder.path()).is_ok());
     std::fs::write(folder.path().join("a.LP"), "").unwrap();

@@ -12,13 +12,13 @@ use serde::Serialize;
 /// Mean, standard deviation and upper end of a measure over pixels.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Serialize, serde::Deserialize, JsonSchema)]
 pub struct Spread {
-    /// Mean.
+    /// Mean over pixels.
     pub mean: f64,
-    /// Standard deviation.
+    /// Standard deviation over pixels.
     pub standard_deviation: f64,
-    /// 95th percentile.
+    /// 95th percentile over pixels.
     pub p95: f64,
-    /// Maximum.
+    /// Maximum over pixels.
     pub max: f64,
 }
 
@@ -27,15 +27,15 @@ pub struct Spread {
 pub struct ImageDifference {
     /// Pixels that show a surface in either image; the measures below are over these.
     pub pixels: usize,
-    /// Number of these pixels that are not finite in either image, and are left out.
+    /// Number of these pixels that are not finite in either image, and are ignored.
     pub invalid_pixels: usize,
-    /// ΔE*ab, the distance in CIE L*a*b* (1976), D65: the measure of Claustres et al. 2007, section 6.3.
+    /// ΔE (CIE76), the distance in CIE L*a*b* with white D65: the measure of Claustres et al. 2007, section 6.3.
     pub delta_e: Spread,
-    /// The same over all pixels, background included.
+    /// ΔE (CIE76) over all pixels, background included.
     pub delta_e_whole_image: Spread,
-    /// CIEDE2000.
+    /// Colour difference CIEDE2000 over the same pixels as `delta_e`.
     pub delta_e_2000: Spread,
-    /// Peak signal-to-noise ratio of sRGB-encoded values, dB; absent if there is no difference.
+    /// PSNR of sRGB-encoded values, dB; absent if there is no difference.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub psnr: Option<f64>,
 }
@@ -55,7 +55,7 @@ pub fn auto_exposure(image: &LinearImage) -> f64 {
     if bright > 0.0 { 1.0 / bright } else { 1.0 }
 }
 
-/// ΔE*ab per pixel; 0 where either image is not finite.
+/// ΔE (CIE76) per pixel; 0 where either image is not finite.
 pub fn delta_e_map(image: &LinearImage, reference: &LinearImage, exposure: f64) -> Vec<f32> {
     let map = |(a, b): (&[f32; 3], &[f32; 3])| {
         pixel_difference(*a, *b, exposure).map_or(0.0, |difference| difference.delta_e as f32)
@@ -66,7 +66,7 @@ pub fn delta_e_map(image: &LinearImage, reference: &LinearImage, exposure: f64) 
 /// Compares an image with a reference of the same size.
 ///
 /// # Panics
-/// If sizes differ.
+/// Panics if sizes differ.
 pub fn compare_images(image: &LinearImage, reference: &LinearImage, exposure: f64) -> ImageDifference {
     assert_eq!((image.width, image.height), (reference.width, reference.height), "images of one size");
     let all: Vec<Option<PixelDifference>> =
@@ -109,7 +109,7 @@ pub(crate) fn shown_colour(pixel: [f32; 3], exposure: f64) -> Lab<D65, f64> {
     LinSrgb::<f64>::new(r, g, b).into_color()
 }
 
-/// ΔE*ab and CIEDE2000 of two colours.
+/// ΔE (CIE76) and CIEDE2000 of two colours.
 pub(crate) fn colour_difference(a: Lab<D65, f64>, b: Lab<D65, f64>) -> (f64, f64) {
     (a.distance(b), Ciede2000::difference(a, b))
 }

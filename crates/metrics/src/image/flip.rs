@@ -53,7 +53,7 @@ pub struct Flip {
 /// `pixels_per_degree`: of visual angle, above 0; see [`PIXELS_PER_DEGREE`].
 ///
 /// # Panics
-/// If sizes differ, or `pixels_per_degree` is not a positive number.
+/// Panics if sizes differ, or `pixels_per_degree` is not a positive number.
 pub fn flip(image: &LinearImage, reference: &LinearImage, exposure: f64, pixels_per_degree: f64) -> Flip {
     assert_eq!((image.width, image.height), (reference.width, reference.height), "images of one size");
     assert!(pixels_per_degree > 0.0 && pixels_per_degree.is_finite(), "pixels per degree");
@@ -103,7 +103,7 @@ impl Seen {
         };
         let colours = (0..opponent.len()).into_par_iter().map(colour).collect();
 
-        // Features are those of the unfiltered image; luminance from 0 to 1.
+        // Features come from the unfiltered image; luminance from 0 to 1.
         let luminance: Vec<f32> = opponent.iter().map(|pixel| (pixel[0] + 16.0) / 116.0).collect();
         let [smooth, edge, point] = feature_kernels(pixels_per_degree);
         let strength = |kernel: &[f32]| -> Vec<f32> {

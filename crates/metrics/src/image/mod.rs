@@ -14,7 +14,7 @@ pub use psnr::{SignalToNoise, signal_to_noise};
 pub struct LinearImage {
     /// Pixels per row.
     pub width: usize,
-    /// Rows.
+    /// Number of rows of pixels.
     pub height: usize,
     /// Linear RGB (the primaries of sRGB), not negative, 0 where no surface is; row by row from the top, left to right.
     pub pixels: Vec<[f32; 3]>,

@@ -1,4 +1,4 @@
-//! Peak signal-to-noise ratio.
+//! PSNR, the peak signal-to-noise ratio.
 
 use super::LinearImage;
 use brdfc_readers::colour::encode_srgb;
@@ -12,7 +12,7 @@ use serde::Serialize;
 pub struct SignalToNoise {
     /// Pixels that show a surface in either image; the measures are over these.
     pub pixels: usize,
-    /// Number of these pixels that are not finite in either image, and are left out.
+    /// Number of these pixels that are not finite in either image, and are ignored.
     pub invalid_pixels: usize,
     /// Mean over pixels and channels of the squared difference, 0 to 1.
     pub mean_squared_error: f64,
@@ -24,7 +24,7 @@ pub struct SignalToNoise {
 /// Compares an image with a reference of the same size, as displayed at this exposure.
 ///
 /// # Panics
-/// If sizes differ.
+/// Panics if sizes differ.
 pub fn signal_to_noise(image: &LinearImage, reference: &LinearImage, exposure: f64) -> SignalToNoise {
     assert_eq!((image.width, image.height), (reference.width, reference.height), "images of one size");
     let covered = |pixel: &usize| image.coverage[*pixel] > 0.0 || reference.coverage[*pixel] > 0.0;

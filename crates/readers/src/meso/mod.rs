@@ -35,7 +35,7 @@ impl TriangleMesh {
     pub fn check(&self) -> Result<(), FormatError> {
         let vertices = self.positions.len();
         if self.triangles.is_empty() {
-            return Err(FormatError::whole("triangles", "none", "at least one"));
+            return Err(FormatError::whole("triangles", "no triangles", "at least one").problem());
         }
         for (index, position) in self.positions.iter().enumerate() {
             if let Some(wrong) = position.iter().find(|c| !is_coordinate(**c)) {
@@ -153,7 +153,7 @@ mod tests {
             change(&mut mesh);
             mesh.check().unwrap_err().to_string()
         };
-        assert_eq!(message(|m| m.triangles.clear()), "triangles: found none, expected at least one");
+        assert_eq!(message(|m| m.triangles.clear()), "triangles: no triangles; expected at least one");
         assert_eq!(message(|m| m.positions[1][2] = f64::NAN), "vertex 1: found NaN, expected -1e12 to 1e12");
         assert_eq!(message(|m| m.triangles[0][1] = 3), "triangle 0: found vertex 3, expected vertices 0 to 2");
         assert_eq!(message(|m| m.colours.truncate(2)), "colours of vertices: found 2, expected 0 or 3");

@@ -11,7 +11,7 @@ use std::borrow::Cow;
 use std::collections::BTreeMap;
 use std::io::Write;
 
-/// Meshes as OBJ.
+/// Meshes as OBJ: text whose first line is a statement of OBJ.
 pub static KIND: FileKind = FileKind {
     description: "a mesh (.obj)",
     extensions: &["obj"],
@@ -62,7 +62,7 @@ pub fn from_bytes(bytes: &[u8]) -> Result<TriangleMesh, FormatError> {
             joined.push(' ');
             joined.push_str(lines.next().map_or("", |(_, next)| next));
             if joined.len() > text::MAX_LINE_BYTES {
-                return Err(FormatError::at_line(line, "text", text::too_long("line"), text::allowed_length()));
+                return Err(text::too_long_at(line));
             }
         }
         reader.line(line, content.trim())?;
@@ -115,7 +115,7 @@ impl Reader {
             count += 1;
         }
         if ![3, 4, 6].contains(&count) {
-            let allowed = "3: x y z, 4: x y z w, or 6: x y z r g b";
+            let allowed = "3 (x y z), 4 (x y z w) or 6 (x y z r g b)";
             return Err(FormatError::at_line(line, "vertex", format!("{count} numbers"), allowed));
         }
         let [x, y, z, r, g, b] = numbers;
@@ -125,8 +125,9 @@ impl Reader {
         }
         let coloured = count == 6;
         if !self.mesh.positions.is_empty() && coloured == self.mesh.colours.is_empty() {
-            let found = if coloured { "a colour after vertices without" } else { "no colour after vertices with" };
-            return Err(FormatError::at_line(line, "vertex", found, "colours at all vertices or none"));
+            let found =
+                if coloured { "colour after vertices without colours" } else { "no colour after coloured vertices" };
+            return Err(FormatError::at_line(line, "vertex", found, "colours at all vertices or at none").problem());
         }
         if coloured {
             if let Some(wrong) = [r, g, b].iter().find(|c| !(0.0..=1.0).contains(*c)) {
@@ -194,7 +195,8 @@ impl Reader {
             return Err(FormatError::at_line(line, "face", format!("vertex {highest}"), allowed));
         }
         if self.mesh.triangles.is_empty() {
-            return Err(FormatError::whole("faces", format!("none, and {vertices} vertices"), "at least one"));
+            let found = format!("no faces, and {vertices} vertices");
+            return Err(FormatError::whole("faces", found, "at least one face").problem());
         }
         if !self.named {
             self.mesh.materials.clear();
@@ -307,18 +309,18 @@ mod tests {
 
     #[test]
     fn errors_name_the_line() {
-        assert_eq!(message(""), "faces: found none, and 0 vertices, expected at least one");
-        assert!(message(SQUARE).contains("none, and 4 vertices"));
+        assert_eq!(message(""), "faces: no faces, and 0 vertices; expected at least one face");
+        assert!(message(SQUARE).contains("no faces, and 4 vertices"));
         assert_eq!(
             message("v 0 0\n"),
-            "line 1, vertex: found 2 numbers, expected 3: x y z, 4: x y z w, or 6: x y z r g b"
+            "line 1, vertex: found 2 numbers, expected 3 (x y z), 4 (x y z w) or 6 (x y z r g b)"
         );
         assert!(message("\nv 0 nan 0\n").starts_with("line 2, coordinate: found \"nan\", expected a finite number"));
         assert!(message("v 0 inf 0\n").contains("line 1, coordinate: found \"inf\""));
         assert!(message("v 0 1e13 0\n").contains("-1e12 to 1e12"));
         assert!(message("v 0 0 0 0 0 256\n").contains("line 1, colour: found 256, expected 0 to 1"));
-        assert!(message("v 0 0 0\nv 0 0 0 0 0 0\n").contains("line 2, vertex: found a colour after"));
-        assert!(message("v 0 0 0 0 0 0\nv 0 0 0\n").contains("line 2, vertex: found no colour after"));
+        assert!(message("v 0 0 0\nv 0 0 0 0 0 0\n").contains("line 2, vertex: colour after"));
+        assert!(message("v 0 0 0 0 0 0\nv 0 0 0\n").contains("line 2, vertex: no colour after"));
         assert_eq!(
             message(&format!("{SQUARE}f 1 2 3\nf 1 7 3\nf 1 5 3")),
             "line 6, face: found vertex 7, expected 1 to 4, the number of vertices"
@@ -373,6 +375,6 @@ mod tests {
     fn joined_lines_have_an_end() {
         let text = format!("v 0 0 \\\n{}0\n", " \\\n".repeat(9 << 20));
         let error = from_bytes(text.as_bytes()).unwrap_err().to_string();
-        assert_eq!(error, "line 1, text: found a line of more than 16.00 MiB, expected at most 16777216 bytes");
+        assert_eq!(error, "line 1, text: line of more than 16.00 MiB; expected at most 16777216 bytes");
     }
 }

@@ -12,7 +12,7 @@ use brdfc_formats::memory::{push_within, reserved};
 use header::{Element, Encoding, Header, Kind, Scalar};
 use std::io::Write;
 
-/// Meshes as PLY.
+/// Meshes as PLY: the first line is `ply`.
 pub static KIND: FileKind =
     FileKind { description: "a mesh (.ply)", extensions: &["ply"], begins: Begins::With(&[b"ply\n", b"ply\r"]) };
 
@@ -38,8 +38,8 @@ pub fn from_bytes(bytes: &[u8]) -> Result<TriangleMesh, FormatError> {
     }
     values.finish()?;
     if mesh.triangles.is_empty() {
-        let found = format!("none, and {} vertices", mesh.positions.len());
-        return Err(FormatError::whole("faces", found, "at least one"));
+        let found = format!("no faces, and {} vertices", mesh.positions.len());
+        return Err(FormatError::whole("faces", found, "at least one face").problem());
     }
     Ok(mesh)
 }
@@ -58,8 +58,12 @@ impl VertexLayout {
         let [x, y, z] = ["x", "y", "z"].map(scalar);
         let (Some(x), Some(y), Some(z)) = (x, y, z) else {
             let found = element.properties.iter().map(|p| p.name.as_str()).collect::<Vec<_>>().join(" ");
-            let found = if found.is_empty() { "no properties".to_owned() } else { quoted(&found) };
-            return Err(FormatError::at_line(element.line, "vertex", found, "scalar properties x, y and z"));
+            let wrong =
+                |found: String| FormatError::at_line(element.line, "vertex", found, "scalar properties x, y and z");
+            return Err(match found.is_empty() {
+                true => wrong("no properties".to_owned()).problem(),
+                false => wrong(quoted(&found)),
+            });
         };
         let mut layout = Self { position: [x, y, z], colour: None, encoded: false };
         let colour = ["red", "green", "blue"].map(scalar);
@@ -70,11 +74,13 @@ impl VertexLayout {
             let float = |kind| matches!(kind, Kind::Scalar(Scalar::F32 | Scalar::F64));
             if !layout.encoded && !kinds.into_iter().all(float) {
                 let line = element.properties[r].line;
-                let found = "red, green, blue of other types";
-                return Err(FormatError::at_line(line, "colour", found, "all three uchar, or all float or double"));
+                let found = "red, green and blue have other types";
+                let allowed = "all three uchar, or all float or double";
+                return Err(FormatError::at_line(line, "colour", found, allowed).problem());
             }
         } else if colour != [None; 3] {
-            return Err(FormatError::at_line(element.line, "vertex", "some of red, green, blue", "all three or none"));
+            let found = "only some of red, green and blue";
+            return Err(FormatError::at_line(element.line, "vertex", found, "all three or none").problem());
         }
         Ok(layout)
     }
@@ -89,9 +95,10 @@ fn find_list(element: &Element) -> Result<usize, FormatError> {
         kind => Err(FormatError::at_line(
             property.map_or(element.line, |p| p.line),
             "face",
-            if kind.is_some() { "vertex indices of another type" } else { "no list of vertices" },
+            if kind.is_some() { "vertex indices have another type" } else { "no list of vertices" },
             "property list TYPE TYPE vertex_indices, of integer types",
-        )),
+        )
+        .problem()),
     }
 }
 
@@ -253,7 +260,7 @@ impl<'a> Values<'a> {
                         break token;
                     }
                     let Some(next) = lines.next() else {
-                        return Err(FormatError::at_line(*line, field, "end of data", "a number"));
+                        return Err(FormatError::at_line(*line, field, "end of data", "a number").problem());
                     };
                     *line += 1;
                     *tokens = next.split_ascii_whitespace();

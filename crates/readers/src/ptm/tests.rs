@@ -88,7 +88,7 @@ fn headers_that_are_wrong() {
         (
             "PTM_FORMAT_LRGB",
             "PTM_FORMAT_JPEG_RGB",
-            "line 2, format: found \"PTM_FORMAT_JPEG_RGB\", which is not supported, expected PTM_FORMAT_RGB or PTM_FORMAT_LRGB",
+            "line 2, format: found the unsupported \"PTM_FORMAT_JPEG_RGB\", expected PTM_FORMAT_RGB or PTM_FORMAT_LRGB",
         ),
         ("PTM_FORMAT_LRGB", "RGB", "line 2, format: found \"RGB\", expected PTM_FORMAT_RGB"),
         ("\n2\n2\n", "\n0\n2\n", "line 3, width: found \"0\", expected 1 to 65536"),
@@ -107,9 +107,9 @@ fn headers_that_are_wrong() {
     ] {
         assert!(with(old, new).starts_with(expected), "{new}: {}", with(old, new));
     }
-    assert!(message(b"").starts_with("line 1, version: found end of data"));
-    assert!(message(b"PTM_1.2\n\xff\xfe").starts_with("line 2, format: found no text"));
-    assert!(message(&[b'P'; 1 << 16]).starts_with("line 1, version: found no text"));
+    assert!(message(b"").starts_with("line 1, version: end of data"));
+    assert!(message(b"PTM_1.2\n\xff\xfe").starts_with("line 2, format: no text"));
+    assert!(message(&[b'P'; 1 << 16]).starts_with("line 1, version: no text"));
 }
 
 #[test]

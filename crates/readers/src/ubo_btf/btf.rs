@@ -57,7 +57,7 @@ pub struct UboBtf {
 
 impl UboBtf {
     /// Creates a checked BTF. Row `view * lights + light` of a channel's first matrix belongs to a pair of directions,
-    /// row `row * width + column` of its second one to a texel.
+    /// row `row * width + column` of its second matrix to a texel.
     ///
     /// # Errors
     /// Returns an error for a size outside 1 to [`MAX_SIZE`], matrices with other numbers of rows, a version outside
@@ -75,12 +75,13 @@ impl UboBtf {
         if description.has_cosine && description.version == 1 {
             return Err(FormatError::whole(
                 "cosine flag",
-                "set in version 1, which has none",
-                "unset, or version 2 to 4",
-            ));
+                "set, but version 1 has no such flag",
+                "an unset flag, or version 2 to 4",
+            )
+            .problem());
         }
         if !description.colour_model.is_finite() {
-            return Err(FormatError::whole("colour model", "values that are not finite", "finite numbers"));
+            return Err(FormatError::whole("colour model", "values that are not finite", "finite numbers").problem());
         }
         let pairs = description.views.len() * description.lights.len();
         let [width, height] = description.size;

@@ -10,7 +10,7 @@ const EPSILON: f32 = 1e-5;
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[repr(i32)]
 pub enum ColourModel {
-    /// Red, green, blue.
+    /// Linear red, green and blue, without a conversion.
     Rgb = 0,
     /// Luma and two colour differences.
     Yuv = 1,
@@ -34,7 +34,7 @@ pub enum ColourModel {
 }
 
 impl ColourModel {
-    /// Creates the model of a code; `mean` and `transform` are those of the file.
+    /// Creates the model of a code; `mean` and `transform` come from the file.
     ///
     /// # Errors
     /// Returns an error at that byte for any other code.
@@ -60,8 +60,8 @@ impl ColourModel {
             10 => return Ok(Self::LogLogYuv),
             11 => return Ok(Self::LogYRatioUv),
             12 => return Ok(Self::LogRgb),
-            2 => "2, L*a*b*".to_owned(),
-            5 | 6 => format!("{code}, a spectral one"),
+            2 => "2 (L*a*b*)".to_owned(),
+            5 | 6 => format!("{code} (spectral)"),
             other => other.to_string(),
         };
         Err(FormatError::at_byte(offset, "colour model", found, "0, 1, 3, 4, 9, 10, 11 or 12"))

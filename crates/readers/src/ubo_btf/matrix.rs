@@ -54,8 +54,8 @@ impl Matrix {
         Ok(Self { numbers, columns })
     }
 
-    /// Appends the numbers in `bytes`, a whole number of them. Returns the index and value of the first one that is not
-    /// finite as an error.
+    /// Appends the numbers in `bytes`, a whole number of them. Returns the index and value of the first number that is
+    /// not finite as an error.
     pub(super) fn append(&mut self, scalar: Scalar, bytes: &[u8]) -> Result<(), (usize, f64)> {
         let check = |index: usize, value: f64| if value.is_finite() { Ok(()) } else { Err((index, value)) };
         match (&mut self.numbers, scalar) {
@@ -163,7 +163,7 @@ impl Channel {
             if (0..matrix.rows()).all(|row| matrix.row(row).iter().all(|value| value.is_finite())) {
                 return Ok(matrix);
             }
-            Err(FormatError::whole("matrix", "a number that is not finite", "finite numbers"))
+            Err(FormatError::whole("matrix", "a number is not finite", "finite numbers").problem())
         };
         Ok(Self { pairs: matrix(pairs)?, texels: matrix(texels)? })
     }

@@ -1,11 +1,11 @@
-//! Reader of the layout. Besides its result it holds one block of the file at a time.
+//! Reader of the layout. Besides its result, the reader holds one block of the file at a time.
 
 use super::btf::{CHANNELS, Description, MAX_SIZE, NAME_BYTES, SIGNATURE, UboBtf, VERSIONS, versions};
 use super::colour::ColourModel;
 use super::matrix::{Channel, Matrix, Scalar};
 use brdfc_formats::direction::{Vector, dot, from_polar, subtract};
 use brdfc_formats::direction_set::{DirectionSet, MAX_DIRECTIONS, SAME_DIRECTION, wrong_angle};
-use brdfc_formats::{FormatError, memory};
+use brdfc_formats::{FormatError, Place, memory};
 use std::io::{Cursor, Read, Seek, SeekFrom};
 
 /// Number of bytes of a matrix that are read at once; a multiple of every number's size.
@@ -14,10 +14,10 @@ const BLOCK_BYTES: usize = 1 << 16;
 const STEPS_PER_DEGREE: f64 = 1e4;
 /// Other layouts of the database with a similar signature.
 const OTHER_SIGNATURES: [(&[u8], &str); 4] = [
-    (b"!FMF", "FMF, the codec without decorrelated colours"),
-    (b"!PVF", "PVF, the codec with a factorisation for each view"),
-    (b"!BDIF", "BDI, values that are not compressed"),
-    (b"!DFMF", "DFMF in another version"),
+    (b"!FMF", "FMF (the codec without decorrelated colours)"),
+    (b"!PVF", "PVF (the codec with a factorisation for each view)"),
+    (b"!BDIF", "BDI (uncompressed values)"),
+    (b"!DFMF", "another version of DFMF"),
 ];
 
 /// Error of reading a file.
@@ -40,7 +40,7 @@ impl UboBtf {
     pub fn from_bytes(bytes: &[u8]) -> Result<Self, FormatError> {
         Self::from_reader(Cursor::new(bytes)).map_err(|error| match error {
             ReadError::Format(error) => error,
-            ReadError::Io(error) => FormatError::whole("bytes", error.to_string(), "readable bytes"),
+            ReadError::Io(error) => FormatError::whole("bytes", error.to_string(), "readable bytes").problem(),
         })
     }
 
@@ -70,7 +70,7 @@ impl<R: Read + Seek> Reader<R> {
         let at = self.position;
         let rotations = self.word("rotations")?;
         if rotations != 0 {
-            let allowed = "0: rotated frames of texels are not supported";
+            let allowed = "0, because rotated frames of texels are not supported";
             return Err(FormatError::at_byte(at, "rotations", rotations.to_string(), allowed).into());
         }
         // Number of components of the channel with the most; each channel repeats its own.
@@ -88,7 +88,7 @@ impl<R: Read + Seek> Reader<R> {
             channels.push(self.channel(pairs, texels)?);
         }
         if self.left() > 0 {
-            let found = format!("{} bytes more", self.left());
+            let found = format!("{} more bytes", self.left());
             return Err(FormatError::at_byte(self.position, "end", found, "the end of the file").into());
         }
         let description = Description { views, lights, size, colour_model, ..header };
@@ -202,8 +202,7 @@ impl<R: Read + Seek> Reader<R> {
             }
         }
         let set = |angles, at| {
-            DirectionSet::new("of the file", angles)
-                .map_err(|error| FormatError::at_byte(at, error.field, error.found, error.allowed))
+            DirectionSet::new("of the file", angles).map_err(|error| FormatError { place: Place::Byte(at), ..error })
         };
         Ok((set(views, start)?, set(lights, lights_start)?))
     }
@@ -220,7 +219,7 @@ impl<R: Read + Seek> Reader<R> {
         let first = u64::from(self.word("rows of the first matrix")?);
         let second_at = self.position;
         let second = u64::from(self.word("rows of the second matrix")?);
-        // The columns may be images instead of apparent BRDFs; square matrices have the latter.
+        // The columns may be images instead of apparent BRDFs; columns of square matrices are apparent BRDFs.
         let is_transposed = first == texels && first != pairs;
         let expected = if is_transposed { [texels, pairs] } else { [pairs, texels] };
         for (at, field, found, expected) in [
@@ -249,7 +248,8 @@ impl<R: Read + Seek> Reader<R> {
 
     fn matrix(&mut self, scalar: Scalar, rows: u64, columns: u32, field: &'static str) -> Result<Matrix, ReadError> {
         let count = usize::try_from(rows * u64::from(columns));
-        let count = count.map_err(|_| FormatError::whole(field, "more numbers than addresses", "a smaller matrix"))?;
+        let count = count
+            .map_err(|_| FormatError::whole(field, "more numbers than addresses", "a smaller matrix").problem())?;
         let mut matrix = Matrix::reserved(scalar, count, columns as usize)?;
         let mut left = count as u64 * scalar.size();
         let mut block = vec![0; BLOCK_BYTES.min(left as usize)];
@@ -275,7 +275,7 @@ impl<R: Read + Seek> Reader<R> {
             return Ok(());
         }
         let found = format!("end of data after {} of {bytes} bytes", self.left());
-        Err(FormatError::at_byte(self.position, field, found, format!("{bytes} bytes")))
+        Err(FormatError::at_byte(self.position, field, found, format!("{bytes} bytes")).problem())
     }
 
     fn bytes(&mut self, bytes: &mut [u8], field: &'static str) -> Result<(), ReadError> {

@@ -56,15 +56,15 @@ impl DistantLight {
         &self.bandwidth
     }
 
-    /// The finest level, of the map's size, and all others, each half as large along both axes, rounded down, but at
-    /// least 1.
+    /// All levels, from the finest, which has the size of the map. Each next level is half as large along both axes,
+    /// rounded down, but at least 1.
     pub fn levels(&self) -> &[LightLevel] {
         &self.levels
     }
 
     /// Mean around the direction of a [`BandwidthMap::environment_texel`], over approximately this solid angle, sr.
-    /// Uses the level whose texels at the equator are at most as large, and more than a quarter of it as long as both
-    /// sides can be halved. Texels near the poles are smaller.
+    /// Uses the level whose texels at the equator are at most as large as the solid angle, and larger than a quarter of
+    /// it while both sides can be halved. Texels near the poles are smaller.
     pub fn at(&self, texel: [u32; 2], solid_angle: f32) -> DirectedLight {
         let texels = self.bandwidth.size().into_iter().product::<u32>() as f32;
         let covered = solid_angle * texels / (2.0 * PI * PI);

@@ -27,7 +27,7 @@ pub struct Lookups {
     pub samples: ImportancePack,
     /// The densities behind the samples, for ground truths.
     pub distributions: LobeDistributions,
-    /// See [`AdaptiveMaterial::albedo`].
+    /// Approximate luminance of its albedo, see [`AdaptiveMaterial::albedo`].
     pub albedo: f32,
 }
 
@@ -45,7 +45,7 @@ impl Lookups {
     /// Makes the rest for existing packs.
     ///
     /// # Errors
-    /// As [`Lookups::new`].
+    /// Returns an error for recipes that the layouts reject, which the default recipes do not cause.
     pub fn of_packs(
         source: &dyn Source,
         bandwidth: BandwidthMap,

@@ -46,7 +46,7 @@ enum Made {
 ///
 /// A pixel of a level `l` above 0 gets `2^l / 2` times the samples of the most demanding pixel in its square, up to
 /// `most`. Its error shows in `4^l` pixels, of which the means over the surrounding pixels leave about a quarter, and
-/// the sum of squared errors is least if samples are proportional to the root of that.
+/// the sum of squared errors is least if samples are proportional to the root of that number.
 pub fn shade(scene: &AdaptiveScene<'_>, buffer: &GBuffer, prediction: &Prediction, most: u32) -> ShadedLevels {
     let coarsest = coarsest(buffer) as usize;
     let (width, height) = (buffer.width, buffer.height);
@@ -102,8 +102,8 @@ fn raised(samples: u32, level: i32, most: u32) -> u32 {
 /// Marks pixels without a surface.
 const NONE: u32 = u32::MAX;
 
-/// For each pixel of each level, the point of the buffer that it stands for: the point in the middle of its square, or
-/// else that of the first of the finer level's pixels that has one.
+/// The representative point of the buffer for each pixel of each level: the point in the middle of its square, or else
+/// the point of the first pixel of the finer level that has one.
 fn stands_for(buffer: &GBuffer, coarsest: usize) -> Pyramid<u32> {
     let own = |pixel: usize| if buffer.part_at(pixel).is_some() { pixel as u32 } else { NONE };
     let finest = (0..buffer.part.len()).map(own).collect();

@@ -46,7 +46,7 @@ pub struct Settings {
     /// Radiance that the display shows as white.
     pub white: f32,
     /// Factor on bandwidths before levels are chosen: 1 is their Nyquist rate, 2 twice as many pixels along each axis.
-    /// Predicted bandwidths are mostly too high, because of the maps (1.2 to 1.45 times those of waves, largest of
+    /// Predicted bandwidths are mostly too high, because of the maps (1.2 to 1.45 times the bandwidths of waves, largest of
     /// three channels) and of the propagation (no signs, every direction in the plane of incidence), so less than 1 is
     /// sufficient. They are too low for weak detail on strong slow light.
     pub caution: f32,

@@ -40,7 +40,7 @@ pub enum Start {
 /// A converged rendering, and its standard error.
 #[derive(Debug, Clone, PartialEq)]
 pub struct GroundTruth {
-    /// The rendering.
+    /// Rendering of the ground truth.
     pub image: LinearImage,
     /// Standard error of each channel, from the spread of 16 runs of each point's samples. It overestimates the error
     /// of [`Start::Scattered`], whose runs fill each other's gaps, and the error of pixels with several points.

@@ -5,7 +5,7 @@
 pub struct UpsamplingGuide {
     /// Position of the point in the finest buffer, in pixels.
     pub at: [f32; 2],
-    /// World space.
+    /// Position in world space.
     pub position: [f32; 3],
     /// Unit shading normal.
     pub normal: [f32; 3],
@@ -22,7 +22,7 @@ const DEPTH: f32 = 0.25;
 /// Minimum sum of weights for interpolation.
 pub const MIN_WEIGHT: f32 = 1e-3;
 
-/// `w = α g_z(z - z_i) g_a(p - p_i)`; 0 for another part. `spacing` is that of the parents, in pixels of the finest
+/// `w = α g_z(z - z_i) g_a(p - p_i)`; 0 for another part. `spacing` is the distance of parents, in pixels of the finest
 /// buffer.
 ///
 /// `α` is the bilinear weight of the parent's point: 1 if the pixel stands for the same point, 0 at a distance of

@@ -23,8 +23,8 @@ pub struct FlatMaterial {
 }
 
 impl FlatMaterial {
-    /// A material that repeats `repeat` times per unit of a mesh's uv, a whole number of at least 1, so that it closes
-    /// where u has gone once around.
+    /// A material that repeats `repeat` times per unit of a mesh's uv, a whole number of at least 1, so that the material
+    /// closes where u completes a turn.
     ///
     /// # Errors
     /// Returns an error if the directions cannot be blended (see [`SampledDirections::new`]), or if `repeat` is 0.
@@ -60,9 +60,9 @@ impl FlatMaterial {
     }
 
     /// Relative radiance at the coordinates `uv` of a mesh. `view` and `light` are unit vectors in the local frame;
-    /// `level_of_detail` is that of the texels, 0 the finest. It has an effect only if they have mipmaps.
+    /// `level_of_detail` is the mipmap level of the texels, 0 the finest, and has no effect without mipmaps.
     ///
-    /// Lights lower than all sampled ones have the value of the nearest sampled direction, times the ratio of cosines,
+    /// Lights lower than all sampled directions have the value of the nearest sampled direction, times the ratio of cosines,
     /// so that a surface goes dark towards the horizon of its light without a step. The light form does not need this.
     ///
     /// # Panics

@@ -35,7 +35,7 @@ pub struct FlatRenderings {
     pub tile: Vec<FlatRendering>,
     /// Contents of texels over the parameters, in the same orientation.
     pub texels: Vec<FlatRendering>,
-    /// On surfaces.
+    /// Renderings of curved and flat surfaces that the material covers.
     pub scenes: Vec<FlatRendering>,
 }
 

@@ -26,7 +26,7 @@ pub(super) fn revolution(columns: usize, rows: usize, turns: u32, profile: impl 
 }
 
 /// A tube around a curve in the plane z = 0, t from 0 to 1; `curve` returns a point and the radius there. Tiles are
-/// those of [`revolution`], tangents run around.
+/// as in [`revolution`]; tangents run around.
 pub(super) fn tube(columns: usize, rows: usize, turns: u32, curve: impl Fn(f64) -> (Vector, f64)) -> Mesh {
     const STEP: f64 = 1e-4;
     let mut mesh = surface(columns, rows, |u, t| {
@@ -41,7 +41,7 @@ pub(super) fn tube(columns: usize, rows: usize, turns: u32, curve: impl Fn(f64) 
     mesh
 }
 
-/// A round cap around the y axis, `profile` from the pole (radius 0) outwards. uv are those of a disc: straight from
+/// A round cap around the y axis, `profile` from the pole (radius 0) outwards. uv are as on a disc: straight from
 /// the pole at the length of the profile, so that tiles do not shrink there. `unit` is the length of a tile.
 pub(super) fn cap(columns: usize, rows: usize, unit: f64, profile: impl Fn(f64) -> [f64; 2]) -> Mesh {
     const STEP: f64 = 1e-4;
@@ -68,7 +68,7 @@ pub(super) fn cap(columns: usize, rows: usize, unit: f64, profile: impl Fn(f64) 
     mesh
 }
 
-/// Removes triangles without area, such as those at a pole.
+/// Removes triangles without area, such as triangles at a pole.
 fn without_slivers(mesh: &mut Mesh) {
     let at = |corner: u32| mesh.vertices[corner as usize].position.map(f64::from);
     mesh.triangles.retain(|[a, b, c]| {

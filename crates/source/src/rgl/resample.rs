@@ -12,7 +12,7 @@ use std::f64::consts::{FRAC_PI_2, PI, TAU};
 const STEEPEST_DEGREES: f64 = 89.0;
 /// Height of the lowest directions of retro-reflection.
 const LOWEST: f64 = 1e-3;
-/// Smallest density of normals, relative to that of a rough surface, so that all directions have values.
+/// Smallest density of normals, relative to the density of a rough surface, so that all directions have values.
 const LEAST_DENSITY: f64 = 0.02;
 
 /// Sizes of the tables.
@@ -97,7 +97,7 @@ impl RglGrid {
         };
         let mut vndf = Vec::new();
         for phi in &phi_i {
-            // Azimuths of isotropic materials are relative to that of incidence.
+            // Azimuths of isotropic materials are relative to the azimuth of incidence.
             let turn = if self.azimuths == 1 { *phi } else { 0.0 };
             for theta in &theta_i {
                 let wi = from_polar(*theta, *phi);

@@ -77,7 +77,7 @@ fn neighbours(axis: &[f64], value: f64) -> [(usize, f64); 2] {
 
 /// Densities of visible normals and their cumulative integrals, each incident direction scaled to integral 1.
 ///
-/// The map is that of the inversion method, first over rows, then along a row, for the density that is bilinear between
+/// The map follows the inversion method, first over rows, then along a row, for the density that is bilinear between
 /// the nodes. Lengths are counted in nodes, so that no spacing enters.
 #[derive(Debug, Clone)]
 pub struct VisibleNormals {

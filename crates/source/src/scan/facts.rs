@@ -17,7 +17,7 @@ pub struct ScanFacts {
     /// Header of an ALTA table; absent for other scans.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub alta: Option<AltaHeader>,
-    /// Counts of rows.
+    /// Counts and repairs of the scan's rows.
     #[serde(flatten)]
     pub summary: ScanSummary,
 }
@@ -45,6 +45,7 @@ impl Describe for ScanFacts {
             "anisotropic: several azimuths of incidence"
         };
         let spectrum = match (wavelengths.first(), wavelengths.last(), alta) {
+            (Some(only), _, _) if wavelengths.len() == 1 => format!("1 wavelength, {only} nm"),
             (Some(first), Some(last), _) => format!("{} wavelengths, {first} to {last} nm", wavelengths.len()),
             (.., Some(alta)) if alta.channels == 1 => format!("one column, {}", alta.values),
             (.., Some(alta)) => format!("RGB columns, {}", alta.values),
@@ -66,7 +67,7 @@ impl Describe for ScanFacts {
             lines.push(("rows of another azimuth", strays.summary()));
         }
         if let Some(left_out) = s.left_out {
-            lines.push(("rows left out, at or below the horizon", left_out.to_string()));
+            lines.push(("skipped rows, at or below the horizon", left_out.to_string()));
         }
         lines
     }

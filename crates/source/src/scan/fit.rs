@@ -1,7 +1,7 @@
 //! Moving least squares: a local polynomial through the neighbours of the queried point (section 3 of Claustres et al.
 //! 2007).
 //!
-//! With offsets `p` from the queried point, in units of the distance to the first neighbour left out, a weight `(1 -
+//! With offsets `p` from the queried point, in units of the distance to the first unused neighbour, a weight `(1 -
 //! |p|³)³` and the basis `1, p, p pᵀ`, the value of the fit at `p = 0` is its constant term. A second pass reduces the
 //! weights of neighbours that the first fit misses (biweight). Linear and quadratic fit share one elimination: the
 //! linear normal matrix is the leading block of the quadratic one.

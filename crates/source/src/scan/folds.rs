@@ -20,8 +20,8 @@ const COPY: f64 = 1e-6;
 const NEAREST: NonZero<usize> = NonZero::new(8).expect("positive");
 
 impl ScanSource {
-    /// Index of the incidence of each row, and the number of incidences. A row that equals another with light and viewer
-    /// exchanged, value included, is a copy: both belong to whichever incidence has more rows.
+    /// Index of the incidence of each row, and the number of incidences. A row that equals another with light and
+    /// viewer exchanged, value included, is a copy: both belong to whichever incidence has more rows.
     fn incidences(&self) -> &(Vec<usize>, usize) {
         self.incidences.get_or_init(|| self.count_incidences())
     }
@@ -138,8 +138,9 @@ fn distance(pair: DirectionPair, sample: DirectionPair) -> f64 {
     angle(pair.incoming, sample.incoming).max(angle(pair.outgoing, sample.outgoing))
 }
 
-/// Angle between a direction pair and a sample of an isotropic, mirror-symmetric material: the larger of those between
-/// lights and between viewers, with the sample rotated so that one of them is in the same plane with the normal.
+/// Angle between a direction pair and a sample of an isotropic, mirror-symmetric material: the larger of the angles
+/// between lights and between viewers, with the sample rotated so that one of them is in the same plane with the
+/// normal.
 fn isotropic_distance(pair: DirectionPair, sample: DirectionPair) -> f64 {
     let turn = |pair: DirectionPair| {
         let [a, b] = [pair.incoming, pair.outgoing].map(|v| v[1].atan2(v[0]));
@@ -158,8 +159,8 @@ fn isotropic_distance(pair: DirectionPair, sample: DirectionPair) -> f64 {
 mod tests {
     use super::*;
 
-    /// Three incidences of an isotropic material. Every row is also there with light and viewer exchanged, and with its value
-    /// multiplied by `times`; 0 for no such rows.
+    /// Three incidences of an isotropic material. Every row is also there with light and viewer exchanged, and with its
+    /// value multiplied by `times`; 0 for no such rows.
     fn scan(times: f64) -> ScanSource {
         let (mut pairs, mut values) = (Vec::new(), Vec::new());
         for incidence in [0.0, 30.0, 60.0f64] {

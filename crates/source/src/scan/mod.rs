@@ -209,7 +209,7 @@ impl ScanSource {
         query[..D].copy_from_slice(&point);
         let count = NonZero::new(neighbours + 1).expect("at least one");
         let found = tree.tree.query(&query).nearest_n::<SquaredEuclidean<f64>>(count).execute();
-        // The support reaches just past the first neighbour left out, so that weights of neighbours vanish at its
+        // The support reaches just past the first unused neighbour, so that weights of neighbours vanish at its
         // border.
         let radius = (1.001 * found.last().map_or(0.0, |f| f.distance.sqrt())).max(1e-6);
         let mut neighbourhood = Neighbourhood::<D>::default();

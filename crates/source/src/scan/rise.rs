@@ -45,19 +45,23 @@ fn rise(incidence: f64, mut rows: Vec<(f64, f64)>) -> Option<Rise> {
     reflected.sort_by(f64::total_cmp);
     let diffuse = reflected[reflected.len() / 5];
     rows.sort_by(|a, b| a.0.total_cmp(&b.0));
+    // Root mean square half angle and mean reflected light, less the diffuse part, of the rows within a range.
     let mean = |first: f64, last: f64| {
         let within = rows.iter().filter(|(half, _)| (first..=last).contains(half));
-        let (sum, count) = within.fold((0.0, 0usize), |(sum, count), (_, value)| (sum + value, count + 1));
-        sum / count.max(1) as f64 - diffuse
+        let (squares, sum, count) = within.fold((0.0, 0.0, 0usize), |(squares, sum, count), (half, value)| {
+            (squares + half * half, sum + value, count + 1)
+        });
+        ((squares / count.max(1) as f64).sqrt(), sum / count.max(1) as f64 - diffuse)
     };
     let nearest = rows[0].0;
     let apart = (1.75 * nearest).max(nearest + 0.5);
     let next = rows.iter().find(|(half, _)| *half >= apart)?.0;
-    let at_nearest = mean(nearest, 1.25 * nearest);
+    let (nearest, at_nearest) = mean(nearest, 1.25 * nearest);
+    let (next, at_next) = mean(next, 1.4 * next);
     if at_nearest < 0.5 * diffuse || at_nearest <= 0.0 {
         return None;
     }
-    let ratio = (at_nearest / mean(next, 1.4 * next).max(1e-3 * at_nearest).max(0.02 * diffuse)).max(1.0);
+    let ratio = (at_nearest / at_next.max(1e-3 * at_nearest).max(0.02 * diffuse)).max(1.0);
     // D(θ) ∝ 1 / (1 + x)² with x ∝ θ²: x at the nearest, from the ratio and that of the squared angles.
     let (steps, root) = ((next / nearest.max(1e-6)).powi(2), ratio.sqrt());
     let x = if root < steps { ((root - 1.0) / (steps - root)).min(9.0) } else { 9.0 };

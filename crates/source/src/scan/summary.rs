@@ -18,7 +18,7 @@ pub struct ScanSummary {
     /// True if all rows have the same azimuth of incidence, except for strays, or none, so that the material is taken
     /// as isotropic.
     pub isotropic: bool,
-    /// Rows whose azimuth of incidence differs from that of the others. Absent without such rows.
+    /// Rows whose azimuth of incidence differs from the azimuth of the other rows. Absent without such rows.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub strays: Option<StrayRows>,
     /// Number of ignored rows of the file: directions at or below the horizon. Absent without such rows.

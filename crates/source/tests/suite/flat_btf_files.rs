@@ -46,25 +46,25 @@ fn files_round_trip() {
 fn views_as_they_are_have_no_file() {
     let decoder = FlatBtfDecoder::new(parts(SMALL, 3)).unwrap();
     let error = FlatBtfFile::new(decoder, None).unwrap_err().to_string();
-    assert!(error.starts_with("values of a flat BTF: found 3 uncompressed views, expected factored ones"), "{error}");
+    assert!(error.starts_with("values of a flat BTF: found 3 uncompressed views, expected factored values"), "{error}");
     let light = FlatBtfParts { values: FlatValues::None, ..parts(SMALL, 3) };
     let light = FlatBtfFile::new(FlatBtfDecoder::new(light).unwrap(), None).unwrap();
-    assert!(flat_view(&light, 0).unwrap_err().to_string().contains("the light form, which has no views"));
+    assert!(flat_view(&light, 0).unwrap_err().to_string().contains("flat BTF: the light form has no views"));
 }
 
 #[test]
 fn no_flat_btf_or_several() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path();
-    assert!(error(path).contains("flat BTF: found none, expected "), "{}", error(path));
+    assert!(error(path).contains("input: no flat BTF in this folder; expected "), "{}", error(path));
     for name in ["b.ktx2", "a.ktx2"] {
         std::fs::write(path.join(name), example(4).to_bytes(true)).unwrap();
     }
-    assert!(error(path).contains("found a.ktx2, b.ktx2, expected one in a folder"), "{}", error(path));
+    assert!(error(path).contains("found a.ktx2, b.ktx2, expected a folder with one flat BTF"), "{}", error(path));
     assert!(open_flat_btf(&path.join("b.ktx2")).is_ok());
     assert!(matches!(open_flat_btf(&path.join("c.ktx2")), Err(InputError::Io { .. })));
     std::fs::write(path.join("text.ktx2"), b"not a texture").unwrap();
-    assert!(error(&path.join("text.ktx2")).contains("flat BTF: found another file"));
+    assert!(error(&path.join("text.ktx2")).contains("input: not a flat BTF; expected "));
 }
 
 #[test]

@@ -47,12 +47,10 @@ fn every_kind_has_a_largest_length() {
 #[test]
 fn text_ends_at_its_first_nul_byte() {
     for name in ["a.csv", "a.brdf", "a.dat"] {
-        for (start, expected) in
-            [(&b""[..], "line 1, text: found a NUL byte, byte 0 "), (b"# a\n#\n#", "line 3, text: ")]
-        {
+        for (start, expected) in [(&b""[..], "line 1, text: NUL byte at byte 0 "), (b"# a\n#\n#", "line 3, text: ")] {
             let (error, read) = refused(name, start, MAX_FILE_BYTES);
             assert!(
-                error.starts_with(expected) && error.ends_with("of the file, expected text without NUL bytes"),
+                error.starts_with(expected) && error.ends_with("of the file; expected text without NUL bytes"),
                 "{error}"
             );
             assert!(read < 1 << 20, "{name}: {read} bytes were read");
@@ -65,7 +63,7 @@ fn text_ends_at_its_first_nul_byte() {
 fn records_have_a_largest_length() {
     let quoted = [&b"theta_i,phi_i,theta_o,phi_o,r,g,b\n\""[..], &b"a\n".repeat(9 << 20)].concat();
     let (error, _) = refused("a.csv", &quoted, quoted.len() as u64);
-    assert_eq!(error, "line 2, record: found a record of more than 16.00 MiB, expected at most 16777216 bytes");
+    assert_eq!(error, "line 2, record: record of more than 16.00 MiB; expected at most 16777216 bytes");
 }
 
 #[test]

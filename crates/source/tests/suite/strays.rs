@@ -89,7 +89,7 @@ fn the_first_line_is_reported() {
     scan_csv::write(&mut bytes, &rows).unwrap();
     let strays = ScanSource::new(&scan_csv::from_bytes(&bytes).unwrap()).unwrap().summary().strays.unwrap();
     let words = strays.summary();
-    let expected = "2 of 77 rows have another azimuth of incidence (the first on line 31, 12.5°), taken as isotropic; they \
-                    differ from the others by ";
+    let expected = "2 of 77 rows have another azimuth of incidence (the first on line 31, 12.5°); the material is \
+                    taken as isotropic, although these rows differ from the others by ";
     assert!(words.starts_with(expected) && words.ends_with(" %"), "{words}");
 }

@@ -49,7 +49,7 @@ fn flat_queries() -> Vec<Query> {
     (0..SIDE * SIDE).map(query).collect()
 }
 
-/// The same as `FlatMaterial::value` of the renderer.
+/// Equals `FlatMaterial::value` of the renderer.
 fn flat_value(
     decoder: &FlatBtfDecoder,
     directions: Option<&SampledDirections>,

@@ -18,12 +18,21 @@ use brdfc_formats::{ErrorSummary, Pack, PackKind};
 use std::f64::consts::PI;
 
 pub fn header(parameterisation: Parameterisation, levels: u32, channels: u32, bits: u32) -> Header {
-    Header { parameterisation, levels, stored_levels: levels, channels, bits, mean: 0.25, bias: 0.01, lifted: false }
+    Header {
+        parameterisation,
+        levels,
+        stored_levels: levels,
+        channels,
+        bits,
+        mean: 0.25,
+        bias: 0.01,
+        energy_preserving: false,
+    }
 }
 
 /// Header of an energy-preserving pack.
-pub fn lifted(levels: u32, channels: u32, bits: u32) -> Header {
-    Header { lifted: true, ..header(Parameterisation::TangentPole, levels, channels, bits) }
+pub fn energy_preserving(levels: u32, channels: u32, bits: u32) -> Header {
+    Header { energy_preserving: true, ..header(Parameterisation::TangentPole, levels, channels, bits) }
 }
 
 /// A pack with made-up slices: `retained` coefficients, spread over the tree, with random texels and scales that keep
@@ -95,7 +104,7 @@ pub fn packs() -> Vec<(String, WaveletPack)> {
         }
     }
     for (levels, channels, bits) in [(1, 1, 16), (2, 3, 12), (4, 3, 8), (5, 1, 8), (6, 3, 16)] {
-        let made = pack(lifted(levels, channels, bits), 1 << levels, packs.len() as u64);
+        let made = pack(energy_preserving(levels, channels, bits), 1 << levels, packs.len() as u64);
         packs.push((format!("energy-preserving, levels {levels}, channels {channels}, bits {bits}"), made));
     }
     let cropped = packs.iter().enumerate().filter(|(k, _)| k % 9 == 5).map(|(k, (name, pack))| {
@@ -119,7 +128,7 @@ pub fn example() -> WaveletPack {
         bits: 8,
         mean: 0.5,
         bias: 0.01,
-        lifted: false,
+        energy_preserving: false,
     };
     let summary = ErrorSummary { samples: 16, rms: 0.25, reciprocity: 0.125, ..ErrorSummary::default() };
     WaveletPack {
@@ -188,7 +197,7 @@ pub fn sampler_case(name: &str, pack: &WaveletPack, filter: Filter) -> SamplerCa
     queries.iter_mut().for_each(|[_, b, _]| b[3] = 1.0);
     let floor = pack.header.mean * pack.header.bias;
     // A sampler filters slices even if the nearest inner cell is used.
-    let nearest = filter == Filter::Nearest && !pack.header.lifted;
+    let nearest = filter == Filter::Nearest && !pack.header.energy_preserving;
     let on_cpu = if nearest { Filter::Slices } else { filter };
     let answer = |(pair, [a, ..]): (&DirectionPair, &Query)| {
         let value = decoder.eval(*pair, a[3], on_cpu);
@@ -197,7 +206,7 @@ pub fn sampler_case(name: &str, pack: &WaveletPack, filter: Filter) -> SamplerCa
     let (allowed, expected) = pairs.iter().zip(&queries).map(answer).unzip();
     let (bindings, files) = (pack.bindings().into_owned(), Vec::new());
     let frame = FrameBlock { blend: filter, ..SAMPLED };
-    let (name, is_filtered) = (format!("{name}, {filter:?}"), !pack.header.lifted && pack.extent()[0] > 1);
+    let (name, is_filtered) = (format!("{name}, {filter:?}"), !pack.header.energy_preserving && pack.extent()[0] > 1);
     let case = Case { name, decoder: PackKind::Wavelet, bindings, frame, files, queries, expected };
     SamplerCase { case, allowed, is_filtered }
 }

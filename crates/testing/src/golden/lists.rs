@@ -39,7 +39,7 @@ pub fn corpus(codec: &'static str) -> List {
     const OF_REFLECTANCES: &[Column] = &[
         Column::everywhere("errors"),
         Column::everywhere("file"),
-        // The exponential is that of the C library.
+        // The exponential comes from the C library.
         Column::on_one_platform("reflectances"),
         Column::everywhere("values"),
     ];

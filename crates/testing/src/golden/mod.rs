@@ -94,7 +94,7 @@ impl Change {
 /// A file of hashes.
 pub struct List {
     pub codec: &'static str,
-    /// Its name in the codec's folder.
+    /// Name of the file in the codec's folder.
     pub file: &'static str,
     /// The comment at its head, a line each.
     pub about: &'static [&'static str],

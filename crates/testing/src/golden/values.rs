@@ -1,7 +1,7 @@
 //! Hashes of decoded values: every stored value, and look-ups at fixed places.
 //!
 //! The places are computed without mathematical functions. All hashes except the `reflectances` of wavelet packs depend
-//! only on sums, products, quotients and square roots, and those of factored flat BTFs also on sines that are rounded
+//! only on sums, products, quotients and square roots, and the hashes of factored flat BTFs also on sines that are rounded
 //! to single precision. They are the same on every machine.
 
 use super::Hashes;

@@ -30,7 +30,7 @@ pub struct BaseTexel {
     pub diffuse: [f32; 3],
     /// Factor of the table.
     pub gloss: f32,
-    /// Unit normal.
+    /// Unit normal, in the frame of the reference plane.
     pub normal: [f32; 3],
 }
 
@@ -102,7 +102,7 @@ impl BaseTable {
         }
     }
 
-    /// Table without reflection.
+    /// Table of a base without glossy reflection: all entries are 0.
     pub fn black() -> Self {
         Self { entries: vec![[0.0; 3]; HALF_ANGLES * DIFFERENCE_ANGLES] }
     }
@@ -112,7 +112,7 @@ impl BaseTable {
         &self.entries
     }
 
-    /// Interpolates the table.
+    /// Interpolates the table: the sum of four entries with their weights, linear RGB.
     #[inline]
     pub fn at(&self, taps: &[(usize, f32); 4]) -> [f32; 3] {
         taps.iter().fold([0.0f32; 3], |sum, (at, weight)| {

@@ -74,7 +74,7 @@ impl BasisMap {
         &self.header
     }
 
-    /// Replaces the errors.
+    /// Replaces the measured errors in the header.
     #[must_use]
     pub fn with_errors(mut self, errors: FactoredErrors) -> Self {
         self.header.errors = errors;

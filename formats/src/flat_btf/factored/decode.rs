@@ -117,10 +117,11 @@ impl FactoredFlatBtf {
                 same("shadow", [map.size(), map.levels(), map.lights()], header.lights.len() as u32)?;
             }
             (None, ShadowFormat::R8) => {
-                return Err(FormatError::whole("part shadow", "none", "one, as the basis requires"));
+                return Err(FormatError::whole("part shadow", "missing", "a part, as the basis requires").problem());
             }
             (Some(_), ShadowFormat::None) => {
-                return Err(FormatError::whole("part shadow", "one", "none, as the basis requires"));
+                let allowed = "no part, as the basis requires";
+                return Err(FormatError::whole("part shadow", "superfluous", allowed).problem());
             }
         }
         let (views, lights) = (unit_vectors(&header.views), unit_vectors(&header.lights));
@@ -148,7 +149,7 @@ impl FactoredFlatBtf {
         self.shadow.as_ref()
     }
 
-    /// Replaces the errors.
+    /// Replaces the measured errors in the header.
     #[must_use]
     pub fn with_errors(self, errors: FactoredErrors) -> Self {
         Self { basis: self.basis.with_errors(errors), ..self }

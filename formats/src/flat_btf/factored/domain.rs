@@ -40,7 +40,7 @@ pub struct ChromaRange(pub [i8; 4]);
 const CHROMA_STEP: f32 = 1.0 / 48.0;
 
 impl ChromaRange {
-    /// All colours.
+    /// The largest range that a file stores. It contains the ratios of all linear RGB colours.
     pub const ALL: Self = Self([-128, 127, -128, 127]);
 
     /// Smallest range that contains two ranges of ratios.
@@ -55,7 +55,7 @@ impl ChromaRange {
         u32::from_le_bytes(self.0.map(|step| step as u8))
     }
 
-    /// Inverse of [`Self::word`].
+    /// Range that a word holds; inverse of [`Self::word`].
     pub fn from_word(word: u32) -> Self {
         Self(word.to_le_bytes().map(|byte| byte as i8))
     }

@@ -19,7 +19,7 @@ pub const GROUP: usize = 4;
 pub const HALF_ANGLES: usize = 48;
 /// Difference angles of the base's table: entry `j` is at a cosine of `1 - j / 7`.
 pub const DIFFERENCE_ANGLES: usize = 8;
-/// Layers of the part `weights` for the base, before those of the components.
+/// Layers of the part `weights` for the base, before the layers of the components.
 pub const BASE_LAYERS: u32 = 2;
 
 pub(super) const BASIS_PART: &str = "basis";
@@ -28,7 +28,7 @@ const KIND: &str = "the basis of a factored flat BTF";
 /// Bytes before the steps.
 const FIXED_BYTES: usize = 4 * (9 + 6);
 
-/// Storage of shadows.
+/// Storage of the factors by which texels are shadowed from lights.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 #[repr(u32)]
 pub enum ShadowFormat {
@@ -50,12 +50,12 @@ impl ShadowFormat {
     }
 }
 
-/// Colour differences (ΔE of 1976) from the values before factorisation, over texels that the fit left out and all
-/// views and lights.
+/// Colour differences (ΔE of 1976) from the values before factorisation, over texels that were held out of the fit and
+/// all views and lights.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize, schemars::JsonSchema))]
 pub struct FactoredErrors {
-    /// Number of texels.
+    /// Number of held-out texels that the errors are over.
     pub texels: u32,
     /// Mean over texels visible in the view.
     pub seen_mean: f32,
@@ -80,7 +80,7 @@ pub struct FactoredHeader {
     pub groups: u32,
     /// Number of groups for which the basis has 16 bits; the others have 8.
     pub wide_groups: u32,
-    /// Storage of shadows.
+    /// Storage of the shadows, if there are any.
     pub shadow: ShadowFormat,
     /// Polar angle, 0 to π/2, and azimuth, [0, 2π), of all views, radians.
     pub views: Vec<[f32; 2]>,
@@ -90,7 +90,7 @@ pub struct FactoredHeader {
     pub chroma: ChromaRange,
     /// Step sizes of the basis: for each opponent colour, for all components.
     pub steps: [Vec<f32>; 3],
-    /// Measured errors.
+    /// Errors from factorisation, at held-out texels.
     pub errors: FactoredErrors,
 }
 

@@ -84,7 +84,7 @@ impl Layers {
 pub struct WeightRange {
     /// Factor of texel values.
     pub scale: f32,
-    /// Offset.
+    /// Value of a texel of 0.
     pub low: f32,
 }
 
@@ -106,7 +106,7 @@ impl WeightMap {
     const PART: &'static str = "weights";
 
     /// Creates weights from texels of four bytes: all mipmap levels from the finest, layer by layer, row by row. There
-    /// is one range per component, which determines the number of layers: those of the base and at least one of
+    /// is one range per component, which determines the number of layers: layers of the base and at least one of
     /// components.
     ///
     /// # Errors
@@ -141,7 +141,7 @@ impl WeightMap {
         self.layers.levels
     }
 
-    /// Number of layers, including those of the base.
+    /// Number of layers, including layers of the base.
     pub fn layers(&self) -> u32 {
         self.layers.layers
     }
@@ -222,7 +222,7 @@ impl ShadowMap {
         self.layers.levels
     }
 
-    /// Number of lights.
+    /// Number of lights, one for each layer.
     pub fn lights(&self) -> u32 {
         self.layers.layers
     }

@@ -27,6 +27,7 @@ Examples:
   brdfc-bench --study throughput
   brdfc-bench --study pareto paint.brdf metal.binary --out figures
   brdfc-bench --study codecs paint.brdf metal.binary --peers python3 --out figures
+  brdfc-bench --study codecs paper_white_rgb.bsdf --peers python3 --networks rgl
   brdfc-bench --study level-of-detail --out frames
   brdfc-bench --study images paint.brdf metal.bsdf synth:velvet
   brdfc-bench --study adaptive red-plastic.binary paint.bsdf --environment museum.exr
@@ -38,36 +39,36 @@ pub struct Arguments {
     /// of rays (default: synth:button), or the photographs of relighting.
     #[arg(value_name = "INPUT")]
     pub(super) inputs: Vec<Input>,
-    /// Study to run.
-    #[arg(long, value_enum, default_value = "wavelet-brdf")]
+    /// Study to run (default: wavelet-brdf).
+    #[arg(long, value_enum, default_value = "wavelet-brdf", hide_default_value = true)]
     pub(super) study: Study,
     /// Write the frames of level-of-detail, the figure of codecs, pareto, relighting or btf, or the mesh and the rays
     /// of rays into this folder.
     #[arg(long, value_name = "DIR")]
     pub(super) out: Option<PathBuf>,
-    /// Texels of the reference plane per side, for flat-btf (default 128) and rays (default 64); for btf those of both
-    /// BTFs, a power of two from 8 to 256 (default 32).
+    /// Texels of the reference plane per side, 8 or more, for flat-btf (default: 128) and rays (default: 64); for btf
+    /// the texels of both BTFs, a power of two from 8 to 256 (default: 32).
     #[arg(long, value_name = "N", value_parser = any_whole_number::<usize>("a whole number, 8 or more"))]
     pub(super) texels: Option<usize>,
-    /// Texels of flat BTFs per side for flat-btf, a power of two (default: twice those of the plane).
+    /// Texels of flat BTFs per side for flat-btf, a power of two from 8 to 1024 (default: twice --texels, rounded up).
     #[arg(long, value_name = "N", value_parser = any_whole_number::<usize>("a power of two from 8 to 1024"))]
     pub(super) flat_texels: Option<usize>,
     /// Views and lights of flat-btf and btf, as for 'brdfc flatten --views' (default: ubo2003).
     #[arg(long, value_name = "SET")]
     pub(super) directions: Option<Input>,
-    /// Polar angles x azimuths of the indirection map of flat-btf (default: 16x24).
+    /// Polar angles x azimuths of the indirection map of flat-btf, 2 to 256 and 3 to 256 (default: 16x24).
     #[arg(long, value_name = "ZxA", allow_hyphen_values = true)]
     pub(super) indirection: Option<String>,
-    /// Largest polar angle of the indirection map of flat-btf, degrees (default 80).
+    /// Largest polar angle of the indirection map of flat-btf, above 0, up to 89 degrees (default: 80).
     #[arg(long, value_name = "DEGREES")]
     pub(super) largest_angle: Option<f64>,
     /// Latitude-longitude image, .exr or .hdr, that lights the studies of adaptive shading (default: a sky).
     #[arg(long, value_name = "FILE")]
     pub(super) environment: Option<Input>,
-    /// Pixels per side of the studies of adaptive shading, 32 to 2048, for pixel-bandwidth at least 64 (default 512).
+    /// Pixels per side of the studies of adaptive shading, 32 to 2048, for pixel-bandwidth at least 64 (default: 512).
     #[arg(long, value_name = "N", value_parser = any_whole_number::<usize>("32 to 2048"))]
     pub(super) pixels: Option<usize>,
-    /// Samples per pixel of their ground truth, 16 to 65536 (default 256).
+    /// Samples per pixel of their ground truth, 16 to 65536 (default: 256).
     #[arg(long, value_name = "N", value_parser = whole_number::<usize>(16..=65_536))]
     pub(super) truth: Option<usize>,
     /// Use the adapter whose name contains this (default: the fastest).
@@ -76,6 +77,10 @@ pub struct Arguments {
     /// Python with the packages of tests/peers/requirements.txt, with which codecs also measures zfp and SZ3.
     #[arg(long, value_name = "PYTHON")]
     pub(super) peers: Option<PathBuf>,
+    /// Folder of Neural BRDFs (Sztrajman et al. 2021) that codecs also measures: the network of the material NAME is
+    /// NAME.h5. Needs --peers.
+    #[arg(long, value_name = "DIR")]
+    pub(super) networks: Option<PathBuf>,
     /// Use few settings for pareto or few pixels for level-of-detail, which takes seconds.
     #[arg(long)]
     pub(super) small: bool,
@@ -126,6 +131,7 @@ impl Arguments {
                 &[Study::Throughput, Study::Codecs, Study::LevelOfDetail, Study::Images],
             ),
             (self.peers.is_some(), "peers", &[Study::Codecs]),
+            (self.networks.is_some(), "networks", &[Study::Codecs]),
             (self.small, "small", &[Study::Pareto, Study::LevelOfDetail]),
         ] {
             if given && !studies.contains(&self.study) {

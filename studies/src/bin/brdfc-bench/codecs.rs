@@ -1,24 +1,29 @@
-//! The study of codecs: zfp and SZ3 run in Python, everything else here.
+//! The study of codecs: zfp and SZ3 run in Python, which also reads networks; everything else runs here.
 
 use super::arguments::Arguments;
 use super::on_adapter::{VELVET, adapter, opened_adapter};
+use brdfc_source::Input;
 use brdfc_source::open::open;
 use brdfc_studies::StudyResult;
 use brdfc_studies::codecs::{
-    CodecMaterial, CodecRow, CodecStudy, CodecStudyError, Compress, Compressed, DenseTable, codec_study, drawing,
+    CodecMaterial, CodecRow, CodecStudy, CodecStudyError, Compress, Compressed, DenseTable, NETWORK_WEIGHTS,
+    NeuralBrdf, Peers, codec_study, drawing,
 };
 use brdfc_terminal::output::{make_folder, remark, write_file};
 use brdfc_terminal::table::{bytes, percent, plain};
 use brdfc_terminal::{Common, Error};
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use std::process::Command;
 use std::time::Instant;
 
 /// Runs zfp and SZ3.
 const SCRIPT: &str = include_str!("../../../../tests/peers/compress.py");
+/// Reads the weights of a network.
+const NETWORK_SCRIPT: &str = include_str!("../../../../tests/peers/weights.py");
 /// Maximum differences of logarithms allowed to zfp and SZ3.
 const TOLERANCES: [f64; 9] = [0.8, 0.4, 0.2, 0.1, 0.05, 0.025, 0.0125, 0.006, 0.003];
-const LEFT_OUT: &str = "--peers PYTHON with the packages of tests/peers/requirements.txt is missing";
+const WITHOUT_PEERS: &str = "zfp and SZ3 need --peers PYTHON with the packages of tests/peers/requirements.txt";
+const WITHOUT_NETWORKS: &str = "Neural BRDFs need --networks DIR and --peers PYTHON";
 
 pub(super) fn run(arguments: &Arguments, common: Common) -> Result<StudyResult, Error> {
     let gpu = opened_adapter(arguments)?;
@@ -32,18 +37,27 @@ pub(super) fn run(arguments: &Arguments, common: Common) -> Result<StudyResult, 
     }
     let with_python = arguments.peers.as_ref().map(|python| move |table: &DenseTable| compress(python, table));
     let compress = with_python.as_ref().map(|compress| compress as &Compress<'_>);
+    // Read all networks before the work, so that a missing one is reported immediately.
+    let networks = networks(arguments, inputs)?;
     let started = Instant::now();
     let mut materials = Vec::new();
-    for (number, input) in inputs.iter().enumerate() {
+    for (number, (input, network)) in inputs.iter().zip(networks).enumerate() {
         let opened = open(input, None)?;
         let name = input.short_name();
-        materials.push(codec_study(&gpu, &name, opened.source.as_ref(), compress).map_err(error)?);
+        let peers = Peers { compress, network };
+        materials.push(codec_study(&gpu, &name, opened.source.as_ref(), &peers).map_err(error)?);
         let seconds = started.elapsed().as_secs_f64();
         let left = seconds / (number + 1) as f64 * (inputs.len() - number - 1) as f64;
         remark(common, &format!("{} of {}: {name}, {seconds:.1} s, about {left:.0} s left", number + 1, inputs.len()));
     }
-    let peers_left_out = compress.is_none().then(|| LEFT_OUT.to_owned());
-    let study = CodecStudy { adapter: gpu.description().clone(), peers_left_out, materials };
+    let missing = [(arguments.peers.is_none(), WITHOUT_PEERS), (arguments.networks.is_none(), WITHOUT_NETWORKS)];
+    let mut left_out: Vec<_> =
+        missing.into_iter().filter(|(is_missing, _)| *is_missing).map(|(_, why)| why.to_owned()).collect();
+    if let Some(folder) = &arguments.networks {
+        let without = inputs.iter().map(network_name).filter(|name| !folder.join(name).is_file());
+        left_out.extend(without.map(|name| format!("no network {name} in {}", folder.display())));
+    }
+    let study = CodecStudy { adapter: gpu.description().clone(), left_out, materials };
     if let Some(folder) = &arguments.out {
         let drawn = drawing(&study).map_err(Error::internal)?;
         write_file(&folder.join("codecs.svg"), drawn.as_bytes())?;
@@ -59,10 +73,48 @@ fn error(error: CodecStudyError) -> Error {
     }
 }
 
-/// Returns an error if Python lacks the packages of the script, before anything is measured.
+/// The network of each input that has one in the folder of networks.
+fn networks(arguments: &Arguments, inputs: &[Input]) -> Result<Vec<Option<NeuralBrdf>>, Error> {
+    let Some(folder) = &arguments.networks else {
+        return Ok(inputs.iter().map(|_| None).collect());
+    };
+    let python = arguments.peers.as_ref().ok_or_else(|| Error::usage("--networks needs --peers, which reads them"))?;
+    let files = inputs.iter().map(|input| Some(folder.join(network_name(input))).filter(|file| file.is_file()));
+    let read = |file: Option<PathBuf>| file.map(|file| network(python, &file)).transpose().map_err(Error::input);
+    let networks = files.map(read).collect::<Result<Vec<_>, _>>()?;
+    if networks.iter().all(Option::is_none) {
+        let name = inputs.first().map(network_name).unwrap_or_default();
+        return Err(Error::input(format!(
+            "--networks {}: no network of any material, such as {name}",
+            folder.display()
+        )));
+    }
+    Ok(networks)
+}
+
+/// Name of the file with the network of a material.
+fn network_name(input: &Input) -> String {
+    let stem = input.path().and_then(Path::file_stem).map(|stem| stem.to_string_lossy().into_owned());
+    format!("{}.h5", stem.unwrap_or_else(|| input.to_string()))
+}
+
+/// Reads a network.
+fn network(python: &Path, file: &Path) -> Result<NeuralBrdf, String> {
+    let wrong = |text: String| format!("{}: {text}", file.display());
+    let ran = Command::new(python).args(["-c", NETWORK_SCRIPT]).arg(file).output();
+    let ran = ran.map_err(|error| format!("--peers {}: {error}", python.display()))?;
+    if !ran.status.success() {
+        return Err(wrong(last_line(&ran.stderr)));
+    }
+    let weights: Vec<f32> = ran.stdout.as_chunks::<4>().0.iter().map(|bytes| f32::from_le_bytes(*bytes)).collect();
+    let count = weights.len();
+    NeuralBrdf::new(&weights).ok_or_else(|| wrong(format!("found {count} weights, expected {NETWORK_WEIGHTS}")))
+}
+
+/// Returns an error if Python lacks the packages of the scripts, before anything is measured.
 fn check(python: &Path) -> Result<(), String> {
     let name = python.display();
-    let ran = Command::new(python).args(["-c", "import numpy, pysz, zfpy"]).output();
+    let ran = Command::new(python).args(["-c", "import h5py, numpy, pysz, zfpy"]).output();
     let ran = ran.map_err(|error| format!("--peers {name}: {error}"))?;
     if ran.status.success() {
         return Ok(());
@@ -129,8 +181,17 @@ pub(super) fn text(study: &CodecStudy) -> String {
          A GPU cannot sample zfp and SZ3; on GPU: decompressed to halves.\n",
         adapter(&study.adapter)
     );
-    if let Some(why) = &study.peers_left_out {
-        text += &format!("zfp and SZ3 are left out: {why}.\n");
+    let header = ["material", "network", "its ΔE", "95 %", "codec", "on GPU", "on disk", "ΔE", "95 %", "ratio"];
+    let rows: Vec<Vec<String>> = study.materials.iter().filter_map(network_comparison).collect();
+    if !rows.is_empty() {
+        text += &format!(
+            "\n{}\nThe network of each material, and the closer of the packs with at most half of its bytes on a GPU; ratio: \
+             their mean ΔE.\n",
+            plain(&header, &rows)
+        );
+    }
+    for why in &study.left_out {
+        text += &format!("Not measured: {why}.\n");
     }
     text
 }
@@ -202,5 +263,26 @@ fn comparison(material: &CodecMaterial) -> Option<Vec<String>> {
         at("sz3", true),
         at("sz3", false),
         format!("{:.2}", ggx.delta_e),
+    ])
+}
+
+/// Comparison of a network with the closest pack of half its bytes.
+fn network_comparison(material: &CodecMaterial) -> Option<Vec<String>> {
+    let network = material.rows.iter().find(|row| row.codec == "neural")?;
+    let is_half = |row: &&CodecRow| {
+        matches!(row.codec.as_str(), "table" | "factored") && 2 * row.bytes_on_gpu <= network.bytes_on_gpu
+    };
+    let pack = material.rows.iter().filter(is_half).min_by(|a, b| a.delta_e.total_cmp(&b.delta_e))?;
+    Some(vec![
+        material.material.clone(),
+        bytes(network.bytes_on_gpu),
+        format!("{:.2}", network.delta_e),
+        format!("{:.2}", network.delta_e_p95),
+        pack.codec.clone(),
+        bytes(pack.bytes_on_gpu),
+        bytes(pack.bytes_on_disk),
+        format!("{:.2}", pack.delta_e),
+        format!("{:.2}", pack.delta_e_p95),
+        format!("{:.2}", pack.delta_e / network.delta_e),
     ])
 }

@@ -79,7 +79,7 @@ fn what_cannot_be_drawn_is_refused() {
             &["view", "synth:lambert?kd=0.5", "-o", "it.png"][..],
             "--output: found it.png, expected a name that ends in .html",
         ),
-        (&["view", "-", "-", "-o", "it.html"], "found - for both"),
+        (&["view", "-", "-", "-o", "it.html"], "both are -"),
         (&["view", "-o", "it.html"], "PACK"),
     ] {
         let ran = folder.run(arguments);

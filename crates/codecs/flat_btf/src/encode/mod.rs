@@ -40,7 +40,7 @@ use scratch::ScratchViews;
 
 /// Input of the encoder. `E` is the error type of the images.
 pub struct FlatInput<'a, E> {
-    /// The surface.
+    /// One tile of the surface, welded and periodic.
     pub mesh: PeriodicMesh,
     /// Repairs of the mesh, copied to the report.
     pub repairs: Option<WeldReport>,
@@ -62,9 +62,9 @@ pub struct FlatBtfEncoded {
     pub parts: FlatBtfParts,
     /// Texels that each view sees.
     pub mask: VisibilityMask,
-    /// Measurements.
+    /// Measurements of the encoder: sizes, errors and repairs.
     pub report: AssetReport,
-    /// The parameterised surface.
+    /// The surface with its parameterisation and ray caster.
     pub model: MesoModel,
 }
 

@@ -27,8 +27,8 @@ pub(super) struct Pass<'a> {
 }
 
 impl Pass<'_> {
-    /// Computes the views a few at a time, writes those of the full form to scratch storage, and accumulates the fit of
-    /// the diffuse colours. `outside` converts the field's error into the caller's.
+    /// Computes the views a few at a time, writes the views of the full form to scratch storage, and accumulates the
+    /// fit of the diffuse colours. `outside` converts the field's error into the caller's.
     pub(super) fn run<F: LightField, E: Send>(
         &self,
         (field, outside): (&F, fn(F::Error) -> E),

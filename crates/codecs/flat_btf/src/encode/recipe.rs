@@ -25,9 +25,9 @@ pub struct FlattenRecipe {
     pub indirection: IndirectionHeader,
     /// Rays per texel and axis for the indirection map.
     pub oversampling: usize,
-    /// Views.
+    /// Sampled directions to the viewer.
     pub views: DirectionSet,
-    /// Lights.
+    /// Sampled directions to the light.
     pub lights: DirectionSet,
     /// Method for filling holes.
     pub fill: FillMethod,
@@ -40,7 +40,7 @@ pub struct FlattenRecipe {
 }
 
 impl FlattenRecipe {
-    /// Parts to encode.
+    /// Parts to encode: the full form if there is a target of factors, otherwise the light form.
     pub fn form(&self) -> Form {
         if self.factored.is_some() { Form::Full } else { Form::Light }
     }

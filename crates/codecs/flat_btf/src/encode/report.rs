@@ -13,7 +13,7 @@ pub struct AssetReport {
     #[serde(skip_serializing_if = "Option::is_none")]
     #[serde(rename = "repaired")]
     pub repairs: Option<WeldReport>,
-    /// The parameterisation.
+    /// Quality of the parameterisation.
     pub parameterisation: SurfaceParameterisationReport,
     /// Lowest and highest point of the surface, in tiles.
     pub heights: [f64; 2],

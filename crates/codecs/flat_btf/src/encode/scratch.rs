@@ -78,7 +78,7 @@ impl ScratchViews {
         let length = 4 * (self.header.size as usize).pow(2) * self.header.lights.len();
         if values.len() != length {
             let (field, found) = (format!("scratch storage of view {view}"), format!("{} bytes", values.len()));
-            return Err(FormatError::whole(field, found, format!("{length} as written")).into());
+            return Err(FormatError::whole(field, found, format!("the {length} bytes that were written")).into());
         }
         let texels = values.as_chunks::<4>().0.iter().map(|word| u32::from_le_bytes(*word)).collect();
         Ok(self.view(view, texels)?)

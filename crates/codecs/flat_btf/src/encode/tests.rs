@@ -111,7 +111,7 @@ fn storage_that_fails_stops_the_work() {
         values.truncate(if view == 1 { 4093 } else { values.len() });
         Ok(values)
     };
-    assert_eq!(error(cut), "scratch storage of view 1: found 4093 bytes, expected 4096 as written");
+    assert_eq!(error(cut), "scratch storage of view 1: found 4093 bytes, expected the 4096 bytes that were written");
 }
 
 #[test]

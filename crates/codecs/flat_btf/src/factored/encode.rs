@@ -170,13 +170,14 @@ impl<E: Send, F: Fn(u32) -> Result<FlatView, E> + Sync> Reader<'_, F> {
                 return Err(FormatError::whole(
                     "part flat",
                     label(found),
-                    format!("{}, like the mask", label(expected)),
+                    format!("{}, as the mask has", label(expected)),
                 )
                 .into());
             }
             if directions.is_some_and(|first| (&first.views, &first.lights) != (&header.views, &header.lights)) {
                 let field = format!("directions of view {number}");
-                return Err(FormatError::whole(field, "other directions", "the directions of view 0").into());
+                let error = FormatError::whole(field, "differ from view 0", "equal directions in all views");
+                return Err(error.problem().into());
             }
             Ok(view)
         };

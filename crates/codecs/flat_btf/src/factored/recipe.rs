@@ -18,7 +18,7 @@ pub enum FactoredTarget {
     Bytes(u64),
     /// Fixed number of components, rounded up to a multiple of four.
     Components {
-        /// 1 to 64.
+        /// Number of components, 1 to 64.
         components: u32,
         /// True if each texel and light has a factor of its own.
         shadowed: bool,
@@ -76,7 +76,7 @@ pub(super) fn gpu_bytes(shape: Shape, directions: &FlatHeader) -> u64 {
 /// Settings that determine the asset, in addition to the views.
 #[derive(Debug, Clone, Copy, PartialEq, serde::Serialize, serde::Deserialize)]
 pub struct FactoredRecipe {
-    /// Target.
+    /// Target that decides the number of components.
     pub target: FactoredTarget,
     /// Number of texels that the basis is fitted to, as far as `training_bytes` allows.
     pub training_texels: usize,

@@ -7,7 +7,7 @@ use brdfc_formats::flat_btf::factored::{FactoredErrors, FactoredFlatBtf};
 /// A trial of a number of components, fitted to fewer texels than the asset.
 #[derive(Debug, Clone, Copy, PartialEq, serde::Serialize, serde::Deserialize, schemars::JsonSchema)]
 pub struct FactoredTrial {
-    /// Components.
+    /// Number of components.
     pub components: u32,
     /// True if each texel and light has a factor of its own.
     pub shadowed: bool,
@@ -20,7 +20,7 @@ pub struct FactoredTrial {
 /// Facts about a factored flat BTF.
 #[derive(Debug, Clone, PartialEq, serde::Serialize, serde::Deserialize, schemars::JsonSchema)]
 pub struct FactoredFacts {
-    /// Components.
+    /// Number of components.
     pub components: u32,
     /// True if each texel and light has a factor of its own.
     pub shadowed: bool,
@@ -28,16 +28,16 @@ pub struct FactoredFacts {
     pub gpu_bytes: u64,
     /// Errors of the asset at held-out texels.
     pub errors: FactoredErrors,
-    /// All trials.
+    /// All trials by which the number of components was chosen.
     pub tried: Vec<FactoredTrial>,
 }
 
 /// A factored flat BTF with its facts.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Factored {
-    /// The parts.
+    /// Parts of the asset.
     pub asset: FactoredFlatBtf,
-    /// Its facts.
+    /// Facts about the asset: components, errors and trials.
     pub facts: FactoredFacts,
 }
 

@@ -79,7 +79,8 @@ impl Sample {
     }
 }
 
-/// Opponent colours of texels in all views under all lights, and those of their bases. Bytes: `24 V L` per texel.
+/// Opponent colours of texels in all views under all lights, and opponent colours of their bases. Bytes: `24 V L` per
+/// texel.
 #[derive(Debug, Clone)]
 pub(super) struct Values {
     pub(super) views: usize,

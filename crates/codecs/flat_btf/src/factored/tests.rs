@@ -239,7 +239,7 @@ fn views_of_other_assets_are_refused() {
         }
         FlatView::new(header, views[view as usize].texels().to_vec())
     });
-    assert_eq!(turned, "directions of view 4: found other directions, expected the directions of view 0");
+    assert_eq!(turned, "directions of view 4: differ from view 0; expected equal directions in all views");
     let missing = refusal(&|view| Err(FormatError::whole("file", format!("no view {view}"), "one")));
     assert_eq!(missing, "file: found no view 0, expected one");
 }

@@ -14,10 +14,10 @@ pub enum ParameteriseError {
     /// The linear system has no usable solution.
     #[error("parameterisation: found a residual of {found:e} tiles, expected at most {RESIDUAL_LIMIT:e}")]
     Residual {
-        /// Residual.
+        /// Largest residual, in tiles.
         found: f64,
     },
-    /// The solver failed.
+    /// The linear system cannot be solved.
     #[error("parameterisation: the linear system cannot be solved: {reason}")]
     Singular {
         /// Message of the solver.
@@ -26,7 +26,7 @@ pub enum ParameteriseError {
     /// No tilt cancels the drift.
     #[error(
         "parameterisation: found a drift of {found:e} tiles per step under the best tilt, expected at most \
-         {DRIFT_LIMIT:e} (angles may be too thin)"
+         {DRIFT_LIMIT:e}; angles of triangles may be too thin"
     )]
     Drift {
         /// Remaining drift, in tiles per step.
@@ -35,7 +35,7 @@ pub enum ParameteriseError {
     /// More vertices than can be parameterised in reasonable time.
     #[error("vertices: found {found}, expected at most {MAX_VERTICES}")]
     TooLarge {
-        /// Number of vertices.
+        /// Number of vertices of the mesh.
         found: usize,
     },
     /// The caller cancelled.
@@ -43,8 +43,8 @@ pub enum ParameteriseError {
     Cancelled(#[from] Cancelled),
     /// Triangles are flipped: angles so thin that arithmetic fails.
     #[error(
-        "parameterisation: found {count} flipped triangles, the first at ({:.4}, {:.4}, {:.4}), expected none (its \
-         angles may be too thin)",
+        "parameterisation: {count} flipped triangles, the first at ({:.4}, {:.4}, {:.4}); angles of triangles may be \
+         too thin",
         .at[0], .at[1], .at[2]
     )]
     Flipped {

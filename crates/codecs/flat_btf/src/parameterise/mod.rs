@@ -6,7 +6,7 @@
 //!
 //! On a torus such a system has a solution only if the weights do not drift: walking from vertex to vertex with the
 //! weights as probabilities must lead nowhere on average. Mean value weights are not symmetric and may drift. They are
-//! therefore tilted, `w_ij exp(θ · t_ij + h_j - h_i)` with `t_ij` the tiles that an edge advances, by the one `θ` that
+//! therefore tilted, `w_ij exp(θ · t_ij + h_j - h_i)` with `t_ij` the tiles that an edge advances, by the only `θ` that
 //! stops the drift and the `h` that makes the sum of the weights the same at all vertices; on a plane both are 0. All
 //! weights stay positive, which suffices for a map without flipped triangles (Gortler, Gotsman and Thurston 2006,
 //! "Discrete one-forms on meshes and applications to 3D mesh parameterization").

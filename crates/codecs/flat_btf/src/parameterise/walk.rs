@@ -52,7 +52,7 @@ impl Walk<'_> {
     }
 }
 
-/// Solves systems of walks close to the one it was built for.
+/// Solves systems of walks close to the walk that it was built for.
 pub(super) struct Solver {
     /// Factor of the symmetric part without the first row and column; `None` for a single vertex.
     factor: Option<Cholesky>,

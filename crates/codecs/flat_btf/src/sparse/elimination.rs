@@ -62,7 +62,7 @@ impl Graph {
 
     /// Fill-reducing elimination order: approximate minimum degree.
     fn approximate_minimum_degree(&self) -> Vec<u32> {
-        // The lower half with its diagonal, since the crate subtracts the number of rows from that of entries.
+        // The lower half with its diagonal, since the crate subtracts the number of rows from the number of entries.
         let n = self.len();
         let (mut starts, mut rows) = (Vec::with_capacity(n + 1), Vec::with_capacity(n + self.neighbours.len() / 2));
         starts.push(0);

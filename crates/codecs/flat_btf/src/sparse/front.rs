@@ -1,8 +1,8 @@
 //! Dense factorisation of fronts.
 //!
 //! The columns of a node are stored in tiles of [`TILE`] rows: first the tiles of the pivots, padded with zeros, then
-//! those of the rows below. The columns of a tile are contiguous, as lanes of one value per row. All operations on a
-//! front are then products of two tiles, which vectorise.
+//! the tiles of the rows below. The columns of a tile are contiguous, as lanes of one value per row. All operations on
+//! a front are then products of two tiles, which vectorise.
 
 use super::{Lane, TILE};
 use rayon::prelude::*;
@@ -15,7 +15,7 @@ const DEPTH: usize = 256;
 
 /// Update matrix that a node passes to its parent: symmetric, with a row for each row below the pivots.
 pub(super) struct Remainder {
-    /// Range of the rows among those of all nodes.
+    /// Range of the rows among the rows of all nodes.
     pub rows: Range<usize>,
     /// Rows padded to whole tiles.
     pub height: usize,
@@ -109,7 +109,7 @@ fn factorise_tile(tile: &mut [Lane]) -> Result<(), usize> {
     Ok(())
 }
 
-/// Subtracts the products of the node's columns from the remainder; `lanes` are those of the rows below the pivots.
+/// Subtracts the products of the node's columns from the remainder; `lanes` belong to the rows below the pivots.
 pub(super) fn subtract_products(remainder: &mut Remainder, lanes: &[Lane], pivots: usize) {
     let height = remainder.height;
     if height == 0 {

@@ -32,7 +32,7 @@ impl Node {
         (self.below as usize).next_multiple_of(TILE)
     }
 
-    /// Lanes of its columns: tile by tile, those of a tile column by column.
+    /// Lanes of its columns: tile by tile, and within a tile column by column.
     pub fn lane_count(&self) -> usize {
         (self.padded_pivots() + self.padded_below()) / TILE * self.pivots as usize
     }
@@ -75,7 +75,7 @@ impl Draft {
     }
 }
 
-/// Splits the columns into nodes: first those with identical rows, then merges nodes with their parent where that is
+/// Splits the columns into nodes: joins columns with identical rows, then merges nodes with their parent where that is
 /// cheaper.
 fn drafts(elimination: &Elimination) -> Vec<Draft> {
     let Elimination { parents, counts, .. } = elimination;
@@ -175,7 +175,7 @@ impl Nodes {
         all
     }
 
-    /// Range of the rows of a node among those of all nodes.
+    /// Range of the rows of a node among the rows of all nodes.
     pub fn range(&self, node: u32) -> Range<usize> {
         let node = &self.nodes[node as usize];
         node.rows..node.rows + node.below as usize

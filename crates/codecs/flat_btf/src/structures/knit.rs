@@ -13,7 +13,7 @@ pub(super) const INFO: StructureInfo = StructureInfo {
         RESOLUTION,
         HEIGHT,
         SEED,
-        Parameter::integer("count", [2.0, 16.0], 5.0, "columns of stitches; there are three rows to two columns"),
+        Parameter::integer("count", [2.0, 16.0], 5.0, "columns of stitches; three rows per two columns"),
         Parameter::number("irregularity", [0.0, 1.0], 0.5, "how much stitches differ"),
     ],
     materials: &["synth:velvet?kd=0.45&ks=0.3&sx=0.6&sy=0.6", "synth:lewis?kd=0.5&ks=0.15&n=15"],

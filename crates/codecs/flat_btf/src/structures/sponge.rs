@@ -12,7 +12,7 @@ pub(super) const INFO: StructureInfo = StructureInfo {
         RESOLUTION,
         HEIGHT,
         SEED,
-        Parameter::integer("count", [2.0, 16.0], 5.0, "places for the largest pores along either side of the tile"),
+        Parameter::integer("count", [2.0, 16.0], 5.0, "places for the largest pores along either side"),
         Parameter::number("porosity", [0.0, 1.0], 0.7, "share of places that have a pore"),
     ],
     materials: &["synth:lambert?kd=0.75"],

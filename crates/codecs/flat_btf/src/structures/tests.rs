@@ -249,20 +249,20 @@ fn addresses_are_parsed_and_errors_name_the_expected_values() {
         assert_eq!(Structure::parse(address.strip_prefix("synth:").unwrap()), Ok(structure));
     }
     for (text, expected) in [
-        ("", "structure: found ``, expected button, folds, knit, sponge"),
-        ("buton", "structure: found `buton`, expected button, folds, knit, sponge; did you mean `button`?"),
-        ("knit?", "parameter of knit: found ``, expected name=value"),
+        ("", "structure: found \"\", expected button, folds, knit or sponge"),
+        ("buton", "structure: found \"buton\", expected button, folds, knit or sponge; did you mean button?"),
+        ("knit?", "parameter of knit: found \"\", expected name=value"),
         (
             "folds?lane=1",
-            "parameter of folds: found `lane`, expected resolution, height, seed, count, lean; did you mean `lean`?",
+            "parameter of folds: found \"lane\", expected resolution, height, seed, count or lean; did you mean lean?",
         ),
-        ("folds?lean=2", "lean of folds: found `2`, expected 0 to 1.5"),
-        ("folds?lean=1&lean=1", "lean of folds: found `lean=1` again, expected one value"),
-        ("sponge?resolution=15", "resolution of sponge: found `15`, expected whole numbers from 16 to 1024"),
-        ("sponge?resolution=16.5", "resolution of sponge: found `16.5`, expected whole numbers from 16 to 1024"),
-        ("sponge?seed=-1", "seed of sponge: found `-1`, expected whole numbers from 0 to 999999"),
-        ("button?height=NaN", "height of button: found `NaN`, expected 0 to 2"),
-        ("button?height=1,1,1", "height of button: found `1,1,1`, expected one number"),
+        ("folds?lean=2", "lean of folds: found 2, expected 0 to 1.5"),
+        ("folds?lean=1&lean=1", "lean of folds: repeated; expected one value"),
+        ("sponge?resolution=15", "resolution of sponge: found 15, expected a whole number, 16 to 1024"),
+        ("sponge?resolution=16.5", "resolution of sponge: found 16.5, expected a whole number, 16 to 1024"),
+        ("sponge?seed=-1", "seed of sponge: found -1, expected a whole number, 0 to 999999"),
+        ("button?height=NaN", "height of button: found NaN, expected 0 to 2"),
+        ("button?height=1,1,1", "height of button: found 1,1,1, expected one number"),
     ] {
         assert_eq!(Structure::parse(text).unwrap_err().to_string(), expected);
     }

@@ -17,21 +17,21 @@ pub enum MesoError {
     #[error(transparent)]
     Mesh(#[from] FormatError),
     /// The period is not a finite length above 0.
-    #[error("tile: found {0}, a zero-area tile, expected a finite length above 0")]
+    #[error("tile: found {0}, expected a finite length above 0")]
     Tile(f64),
     /// A vertex too far away to count tiles.
     #[error("vertex {vertex} at {}: found {found:e} tiles from the origin, expected at most 1e6", Point(*.position))]
     Far {
         /// Index of the vertex.
         vertex: usize,
-        /// Its position.
+        /// Position of the vertex.
         position: Vector,
         /// Its largest coordinate, in tiles.
         found: f64,
     },
     /// No triangle is left.
     #[error(
-        "triangles: found {triangles}, none of them with three distinct corners{}, expected at least one with an area",
+        "triangles: none of {triangles} has three distinct corners; expected at least one triangle with an area{}",
         .hint
     )]
     Empty {
@@ -42,9 +42,9 @@ pub enum MesoError {
     },
     /// Edges with one triangle: a hole, or a border that the opposite one does not continue.
     #[error(
-        "edges: found {count} with one triangle, the first at triangle {triangle} from {} to {}, expected two \
-         triangles at every edge: the mesh has a hole, or opposite borders that do not match{}",
-        Point(.edge[0]), Point(.edge[1]), .hint
+        "edges: {} one triangle, the first at triangle {triangle} from {} to {}: the mesh has a hole, or its opposite \
+         borders do not match; expected two triangles at every edge{}",
+        edges_have(*.count), Point(.edge[0]), Point(.edge[1]), .hint
     )]
     Open {
         /// Edges with one triangle.
@@ -58,9 +58,9 @@ pub enum MesoError {
     },
     /// Edges with three triangles or more.
     #[error(
-        "edges: found {count} with more than two triangles, the first at triangle {triangle} from {} to {} with \
-         {triangles}, expected two triangles at every edge{}",
-        Point(.edge[0]), Point(.edge[1]), .hint
+        "edges: {} more than two triangles, the first at triangle {triangle} from {} to {} with {triangles} triangles; \
+         expected two triangles at every edge{}",
+        edges_have(*.count), Point(.edge[0]), Point(.edge[1]), .hint
     )]
     NonManifold {
         /// Edges with more than two triangles.
@@ -74,54 +74,57 @@ pub enum MesoError {
         /// Size of the mesh.
         hint: Hint,
     },
-    /// More than one piece.
+    /// More than one component.
     #[error(
-        "surface: found {count} disconnected pieces, the second with triangle {triangle} at {}, expected one piece \
-         that continues from tile to tile; merge loose parts with the surface below them",
+        "surface: found {count} disconnected components, the second with triangle {triangle} at {}, expected one \
+         component that continues from tile to tile; merge loose components with the surface below them",
         Point(*.position)
     )]
     Pieces {
-        /// Pieces.
+        /// Number of connected components.
         count: usize,
-        /// First triangle of the second piece.
+        /// First triangle of the second component.
         triangle: usize,
-        /// Its first corner.
+        /// Position of the first corner of this triangle.
         position: Vector,
     },
     /// A surface with one side, such as a Moebius strip.
     #[error(
-        "surface: found no consistent orientation (neither side of triangle {triangle} at {} can face out), expected a \
-         surface with two sides",
+        "surface: no consistent orientation, because neither side of triangle {triangle} at {} can face out; expected \
+         a surface with two sides",
         Point(*.position)
     )]
     NotOrientable {
         /// Triangle at which the orientations conflict.
         triangle: usize,
-        /// Its first corner.
+        /// Position of the first corner of this triangle.
         position: Vector,
     },
-    /// A vertex at which parts of the surface touch.
+    /// A vertex at which the surface touches itself.
     #[error(
-        "vertex {vertex} at {}: found a point where parts of the surface touch, expected triangles that form one fan",
+        "vertex {vertex} at {}: the surface touches itself; expected triangles around a vertex that form one fan",
         Point(*.position)
     )]
     Touching {
         /// Index of the vertex.
         vertex: usize,
-        /// Its position.
+        /// Position of the vertex.
         position: Vector,
     },
     /// Handles, or a closed body.
-    #[error("surface: found {vertices} vertices - {edges} edges + {triangles} triangles = {}, {}, expected 0: a \
-             sheet without handles or through holes", .characteristic, describe_surface(*.characteristic))]
+    #[error(
+        "surface: found {vertices} vertices - {edges} edges + {triangles} triangles = {characteristic} ({}), expected \
+         0 (a sheet without handles or through holes)",
+        describe_surface(*.characteristic)
+    )]
     Topology {
-        /// Vertices.
+        /// Number of vertices of one tile.
         vertices: usize,
-        /// Edges.
+        /// Number of edges of one tile.
         edges: usize,
-        /// Triangles.
+        /// Number of triangles of one tile.
         triangles: usize,
-        /// Euler characteristic.
+        /// Euler characteristic: vertices - edges + triangles.
         characteristic: i64,
     },
     /// The surface does not cover the tile once.
@@ -134,17 +137,17 @@ pub enum MesoError {
     },
     /// A triangle with collinear corners that no edge flip repairs.
     #[error(
-        "triangle {triangle}: found no area between {}, {} and {}, expected corners that are not collinear",
+        "triangle {triangle}: no area between {}, {} and {}; expected corners that are not collinear",
         Point(.corners[0]), Point(.corners[1]), Point(.corners[2])
     )]
     Flat {
         /// Index of the triangle.
         triangle: usize,
-        /// Its corners.
+        /// Positions of the triangle's corners.
         corners: [Vector; 3],
     },
     /// More materials than a surface blends.
-    #[error("materials: found {}: {}, expected at most 4", .0.len(), join_truncated(.0))]
+    #[error("materials: found {} ({}), expected at most 4", .0.len(), join_truncated(.0))]
     Materials(Vec<String>),
     /// A surface that is too high or too low.
     #[error("heights: found {} to {} tiles, expected at most {MAX_HEIGHT} tiles above and below the reference plane", .0[0], .0[1])]
@@ -162,17 +165,21 @@ pub enum MesoError {
     Spread {
         /// Sum over all triangles.
         found: u64,
-        /// Maximum sum.
+        /// Maximum sum that is accepted.
         allowed: u64,
     },
     /// A height map with an invalid size, or with heights that are not finite.
     #[error("heights: found {found}, expected {allowed}")]
     Heights {
-        /// The value found.
+        /// Size or height that was read.
         found: String,
-        /// The expected value.
+        /// Values that are valid.
         allowed: &'static str,
     },
+}
+
+fn edges_have(count: usize) -> String {
+    if count == 1 { "1 edge has".to_owned() } else { format!("{count} edges have") }
 }
 
 fn describe_surface(characteristic: i64) -> String {
@@ -199,19 +206,19 @@ impl fmt::Display for Point {
 pub struct Hint {
     /// Sizes of the bounding box along x and y.
     pub extent: [f64; 2],
-    /// The given period.
+    /// Period that the caller gave: side of the tile, in the file's unit.
     pub tile: f64,
 }
 
 impl fmt::Display for Hint {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let Self { extent: [width, depth], tile } = *self;
-        write!(f, " (the mesh spans {width} x {depth} and the tile is {tile}")?;
+        write!(f, "; the mesh spans {width} x {depth} and the tile is {tile}")?;
         // A square mesh of another size than the tile is probably one tile.
         if (width - depth).abs() <= 1e-3 * width && (width - tile).abs() > 1e-3 * tile && width > 0.0 {
-            write!(f, ": try `--tile {width}`")?;
+            write!(f, "; try --tile {width}")?;
         }
-        write!(f, ")")
+        Ok(())
     }
 }
 

@@ -1,4 +1,4 @@
-//! Mesh connectivity: edges, sides, fans, pieces.
+//! Mesh connectivity: edges, sides, fans, components.
 
 use crate::mesh::Corner;
 use rayon::prelude::*;
@@ -82,18 +82,19 @@ pub fn turned(partners: &Partners, turn: &[bool]) -> Partners {
     (0..partners.len()).map(|half| moved(partners[moved(half)] as usize) as u32).collect()
 }
 
-/// Pieces connected by edges, and the triangles to turn so that the two sides of every edge run in opposite directions.
+/// Components connected by edges, and the triangles to turn so that the two sides of every edge run in opposite
+/// directions.
 #[derive(Debug, PartialEq, Eq)]
 pub struct Orientation {
-    /// Triangles to turn; the first of each piece stays.
+    /// Triangles to turn; the first of each component stays.
     pub turn: Vec<bool>,
-    /// First triangle of each piece.
+    /// First triangle of each component.
     pub pieces: Vec<usize>,
     /// A triangle that would need both orientations.
     pub conflict: Option<usize>,
 }
 
-/// Orients by flood fill from the first triangle of each piece.
+/// Orients by flood fill from the first triangle of each component.
 pub fn orient(triangles: &[Triangle], partners: &Partners) -> Orientation {
     let mut seen = vec![false; triangles.len()];
     let mut found = Orientation { turn: vec![false; triangles.len()], pieces: Vec::new(), conflict: None };

@@ -64,7 +64,7 @@ pub fn search(
     if let Some(allowed) = budget.fetches
         && allowed < fewest
     {
-        let why = "1 for an isotropic table, 2 for others, 1 more with a curve or levels";
+        let why = "an isotropic table takes 1, other tables take 2, and a curve or levels take 1 more";
         return Err(EncodeError::TooFewFetches { allowed, fewest, why });
     }
     progress.stage(Stage::MeasureOffGrid, 1)?;
@@ -166,7 +166,7 @@ impl Search<'_> {
         if self.source.is_grey() { LARGEST / 2 } else { LARGEST }
     }
 
-    /// Returns true if the fetch budget allows a curve.
+    /// Returns true if the limit of fetches allows a curve.
     fn may_be_factored(&self) -> bool {
         self.recipe.budget.fetches.is_none_or(|most| most > fewest_fetches(self.source))
     }
@@ -344,7 +344,7 @@ pub fn sizes(smallest: u64, most: Option<u64>, largest: u64) -> Vec<u64> {
     sizes
 }
 
-/// Message about a budget that no pack meets.
+/// Message about limits that no pack meets.
 fn missed(budget: &Budget, best: &Comparison) -> String {
     let rendering = &best.rendering.delta_e;
     let mut parts = Vec::new();
@@ -352,7 +352,7 @@ fn missed(budget: &Budget, best: &Comparison) -> String {
         && (rendering.mean > limit || rendering.p95 > TAIL * limit)
     {
         parts.push(format!(
-            "ΔE: found a mean of {:.2} and 95 % below {:.2}, expected at most {limit} and {}",
+            "a mean ΔE of {:.2} and 95 % below {:.2}, limits {limit} and {}",
             rendering.mean,
             rendering.p95,
             TAIL * limit
@@ -361,16 +361,12 @@ fn missed(budget: &Budget, best: &Comparison) -> String {
     if let (Some(least), Some(found)) = (budget.highlight, best.highlight)
         && found.retained() < least
     {
-        parts.push(format!("highlight: found {}, expected at least {}", found.summary(), percent(least)));
+        parts.push(format!("a highlight with {}, limit {}", found.summary(), percent(least)));
     }
     if let Some(limit) = budget.error
         && best.norms.relative_mean > limit
     {
-        parts.push(format!(
-            "ε_r: found {:.2} %, expected at most {} %",
-            100.0 * best.norms.relative_mean,
-            100.0 * limit
-        ));
+        parts.push(format!("ε_r {:.2} %, limit {} %", 100.0 * best.norms.relative_mean, 100.0 * limit));
     }
-    format!("no tried pack meets the budget, using the closest; {}", parts.join("; "))
+    format!("no tried pack meets the limits; the closest one has {}", parts.join("; "))
 }

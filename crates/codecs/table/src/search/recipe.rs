@@ -28,7 +28,7 @@ pub enum Tables {
     Plain,
     /// Tables with a curve only.
     Factored,
-    /// Plain tables, and those with a curve where they may be smaller or closer.
+    /// Plain tables, and tables with a curve if they may be smaller or closer.
     Both,
 }
 

@@ -41,7 +41,7 @@ pub fn search_within(
 }
 
 /// Selects the pack for the range or, if it meets the limits there and is smaller, the cropped pack for all directions.
-/// `reference` is that of the range.
+/// `reference` covers the range.
 #[doc(hidden)]
 pub fn smaller(
     reference: &Reference,

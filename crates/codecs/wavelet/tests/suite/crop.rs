@@ -4,7 +4,7 @@ use brdfc_core::address::parse_synth;
 use brdfc_formats::crop::{DirectionRange, Elevations};
 use brdfc_formats::direction::{DirectionPair, Parameterisation};
 use brdfc_formats::wavelet::{Filter, Header, WaveletDecoder, WaveletPack};
-use brdfc_testing::codecs::wavelet::{header, lifted, pack};
+use brdfc_testing::codecs::wavelet::{energy_preserving, header, pack};
 use brdfc_testing::packs::pairs;
 use brdfc_wavelet::crop::crop;
 use brdfc_wavelet::encode::encode;
@@ -46,7 +46,7 @@ fn look_ups_within_the_range_have_the_same_bits() {
     let headers: [Header; 4] = [
         tangent_pole(5, 3, 8),
         tangent_pole(4, 1, 12),
-        lifted(5, 1, 8),
+        energy_preserving(5, 1, 8),
         Header { stored_levels: 3, ..tangent_pole(5, 1, 8) },
     ];
     for (k, header) in headers.into_iter().enumerate() {

@@ -41,8 +41,8 @@ fn wavelet_packs() {
     packs.insert("smooth-max-bytes-12-rgb.ktx2".to_owned(), wavelet(fabric, &smooth));
     let coarse = Recipe { stored_levels: 2, supercompress: false, ..recipe(Parameterisation::TangentPole, 8) };
     packs.insert("coarse-8-grey-uncompressed.ktx2".to_owned(), wavelet(&grey, &coarse));
-    let energy_preserving = |bits| Recipe { lift: true, ..recipe(Parameterisation::TangentPole, bits) };
-    packs.insert("lifted-8-grey.ktx2".to_owned(), wavelet(&grey, &energy_preserving(8)));
-    packs.insert("lifted-12-rgb.ktx2".to_owned(), wavelet(&rgb, &energy_preserving(12)));
+    let energy_preserving = |bits| Recipe { energy_preserving: true, ..recipe(Parameterisation::TangentPole, bits) };
+    packs.insert("energy_preserving-8-grey.ktx2".to_owned(), wavelet(&grey, &energy_preserving(8)));
+    packs.insert("energy_preserving-12-rgb.ktx2".to_owned(), wavelet(&rgb, &energy_preserving(12)));
     check_encodes("wavelet", &packs, |_| true);
 }

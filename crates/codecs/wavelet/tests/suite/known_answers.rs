@@ -143,7 +143,7 @@ fn error_of_slices(known: &Known, choose: impl Fn(&[u32]) -> Vec<u32>) -> f64 {
         bits: 16,
         mean: encoding.mean as f32,
         bias: encoding.bias as f32,
-        lifted: false,
+        energy_preserving: false,
     };
     let quantised = quantise(&coefficients, &slices, &header);
     let mut index = vec![0u16; header.cells()];

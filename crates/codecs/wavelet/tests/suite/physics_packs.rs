@@ -301,7 +301,7 @@ fn cell_albedo(decoder: &WaveletDecoder, incoming: Vector, level: f32) -> f64 {
 fn energy_preserving_levels_have_the_same_albedo() {
     for address in ["synth:lambert?kd=1", "synth:ggx?kd=0.05&f0=0.9&alpha=0.15", "synth:ward?ax=0.15&ay=0.5"] {
         let packed = |lift: bool, ratio: f64| {
-            let set = |r: &mut Recipe| (r.lift, r.bits, r.target) = (lift, 16, Target::Ratio(ratio));
+            let set = |r: &mut Recipe| (r.energy_preserving, r.bits, r.target) = (lift, 16, Target::Ratio(ratio));
             WaveletDecoder::new(&encoded(source(address).as_ref(), tangent_pole(4), set).pack)
         };
         let (whole, preserving, plain) = (packed(true, 1.0), packed(true, 16.0), packed(false, 16.0));

@@ -12,11 +12,11 @@ use std::collections::BTreeMap;
 pub struct Regression {
     /// The material's name.
     pub material: String,
-    /// The figure's name.
+    /// Name of the figure, such as `mean ΔE`.
     pub figure: String,
-    /// Its value in the earlier build.
+    /// Value in the earlier build.
     pub before: String,
-    /// Its value now.
+    /// Value in the compared build.
     pub now: String,
     /// Relative growth; absent if the figure is not a number.
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -26,7 +26,7 @@ pub struct Regression {
 impl std::fmt::Display for Regression {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         let Self { material, figure, before, now, growth } = self;
-        write!(f, "{material}: {figure}: found {now}; before {before}")?;
+        write!(f, "{material}: {figure}: now {now}; before {before}")?;
         growth.map_or(Ok(()), |growth| write!(f, " (+{:.1} %)", 100.0 * growth))
     }
 }
@@ -219,26 +219,23 @@ mod tests {
         both.materials[1].report.as_mut().unwrap().missed = Some("nothing meets it".into());
         both.materials[0].gates = vec![GateResult::new("require.max_bytes", "2".to_owned(), "1".to_owned(), false)];
         let found: Vec<String> = regressions(&both, &both, 0.02).iter().map(ToString::to_string).collect();
-        assert_eq!(
-            found,
-            ["a: require.max_bytes: found 2; before 2", "b: limits: found nothing meets it; before missed"]
-        );
+        assert_eq!(found, ["a: require.max_bytes: now 2; before 2", "b: limits: now nothing meets it; before missed"]);
     }
 
     #[test]
     fn regressions_are_reported() {
         let found = changed(|entry| entry.report.as_mut().unwrap().off_grid.rendering.delta_e.mean += 0.5);
-        assert!(found.len() == 1 && found[0].starts_with("b: mean ΔE: found 0.") && found[0].contains("; before 0."));
+        assert!(found.len() == 1 && found[0].starts_with("b: mean ΔE: now 0.") && found[0].contains("; before 0."));
         let found = changed(|entry| entry.report.as_mut().unwrap().off_grid.norms.relative_mean = f64::NAN);
-        assert!(found.len() == 1 && found[0].contains("ε_r: found NaN"), "{found:?}");
+        assert!(found.len() == 1 && found[0].contains("ε_r: now NaN; before "), "{found:?}");
         let found = changed(|entry| (entry.report, entry.error) = (None, Some("it broke".into())));
-        assert_eq!(found, ["b: material: found it broke; before made"]);
+        assert_eq!(found, ["b: material: now it broke; before made"]);
         let found = changed(|entry| entry.gates.push(GateResult::new("require.max_bytes", "9", "8", false)));
-        assert_eq!(found, ["b: require.max_bytes: found 9; before passed"]);
+        assert_eq!(found, ["b: require.max_bytes: now 9; before passed"]);
         let found = changed(|entry| entry.report.as_mut().unwrap().missed = Some("nothing meets it".into()));
-        assert_eq!(found, ["b: limits: found nothing meets it; before met"]);
+        assert_eq!(found, ["b: limits: now nothing meets it; before met"]);
         let found = changed(|entry| entry.material = "c".into());
-        assert_eq!(found, ["b: material: found missing; before made"]);
+        assert_eq!(found, ["b: material: now missing; before made"]);
     }
 
     /// New materials that fail are reported, too, and so is an earlier build without packs.

@@ -5,7 +5,7 @@ use crate::flatten::FlatAsset;
 
 /// First line of the figures of a build.
 pub const CSV_HEADER: &str = "material,source,codec,size,fetches,bytes_on_disk,bytes_on_gpu,delta_e_mean,delta_e_p95,relative_error,\
-                      albedo_max_difference,reciprocity,passed,kept,error\n";
+                      albedo_max_difference,reciprocity,passed,retained,error\n";
 
 /// First line of the figures of a flat BTF.
 pub const FLAT_CSV_HEADER: &str = "texture,gpu_bytes\n";
@@ -34,7 +34,7 @@ pub fn csv(page: &Page) -> String {
         }
         fields.extend([
             entry.passed().to_string(),
-            entry.kept.to_string(),
+            entry.retained.to_string(),
             quoted(entry.error.as_deref().unwrap_or("")),
         ]);
         text += &(fields.join(",") + "\n");

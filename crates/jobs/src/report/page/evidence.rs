@@ -28,9 +28,9 @@ pub struct Thumbnails {
     pub scene: &'static str,
     /// True if the tangent is turned by 90 degrees.
     pub turned: bool,
-    /// The source, if available.
+    /// Rendering of the source; `None` if the source is not available.
     pub source: Option<Panel>,
-    /// The pack.
+    /// Rendering of the pack.
     pub pack: Panel,
     /// Rendering of ΔE, from 0 (dark) to 10 (light), and the mean ΔE over surfaces.
     pub difference: Option<(Panel, f64)>,

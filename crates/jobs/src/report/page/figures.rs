@@ -33,7 +33,7 @@ pub(super) fn errors_by_angle(angles: &[AngleError]) -> String {
     })
 }
 
-/// Mean ΔE over bytes: all packs that were tried, and the one that was selected.
+/// Mean ΔE over bytes: all packs that were tried, and the selected pack.
 pub(super) fn error_over_bytes(report: &MaterialReport) -> String {
     let selected = (report.bytes_on_gpu as f64, report.off_grid.rendering.delta_e.mean.max(1e-3));
     let tried: Vec<(f64, f64, bool)> = report

@@ -2,7 +2,7 @@
 
 use super::against::{Regression, regressions};
 use super::evidence::{Evidence, evidence};
-use super::parts::{PagePart, listed_file, map_part, wrong_file};
+use super::parts::{PagePart, listed_file, map_part, wrong_file, wrong_kind};
 use super::view_link::ViewLink;
 use crate::error::Error;
 use crate::output_folder::OutputFolder;
@@ -22,9 +22,9 @@ use std::path::{Path, PathBuf};
 /// Contents of a page about a build.
 #[derive(Debug)]
 pub struct Page {
-    /// The scene's name.
+    /// Name of the scene.
     pub scene: String,
-    /// Materials, by name.
+    /// Materials of the scene, sorted by name.
     pub materials: Vec<PageMaterial>,
     /// The environment that lights the scene, with its bandwidth map if there is one.
     pub environment: Option<(EnvironmentEntry, Option<PagePart>)>,
@@ -72,8 +72,8 @@ impl Reports {
     pub fn open(folder: &Path, against: Option<&Path>) -> Result<Self, Error> {
         let held = OutputFolder::hold_still(folder)?;
         if OutputFolder::is_unfinished(folder) {
-            let found = "a build that was killed while it replaced files";
-            return Err(Error::wrong_input(folder.display(), found, "a complete folder; 'brdfc build' finishes it"));
+            let text = "a build was stopped while it replaced files; 'brdfc build' finishes it";
+            return Err(Error::input(format!("{}: {text}", folder.display())));
         }
         let new = BuildReport::open(&folder.join(REPORT))?;
         let old = |path: &Path| {
@@ -93,14 +93,14 @@ impl Reports {
     /// Packs of the materials that have one, with the materials' names.
     ///
     /// # Errors
-    /// Returns an error if a pack cannot be read or is not the one in the report.
+    /// Returns an error if a pack cannot be read or differs from the report.
     pub fn brdf_packs(&self) -> Result<Vec<(String, BrdfPack)>, Error> {
         let made = self.new.materials.iter().filter(|entry| entry.report.is_some());
         let named = made.filter_map(|entry| Some((entry, entry.pack.as_ref()?)));
         named.map(|(entry, name)| Ok((entry.material.clone(), brdf_pack(&self.folder, entry, name)?))).collect()
     }
 
-    /// Number of materials.
+    /// Number of materials in the newer build.
     pub fn count(&self) -> usize {
         self.new.materials.len()
     }
@@ -109,7 +109,7 @@ impl Reports {
 /// Draws the packs of a folder and their sources. `tolerance` is the relative growth of figures that is no regression.
 ///
 /// # Errors
-/// Returns an error if a pack cannot be read or is not the one in the report.
+/// Returns an error if a pack cannot be read or differs from the report.
 pub fn gather(reports: Reports, tolerance: f64, progress: &dyn Progress) -> Result<Page, Error> {
     let Reports { folder, new: report, old, _held } = reports;
     let folder = folder.as_path();
@@ -154,8 +154,8 @@ fn material(folder: &Path, entry: MaterialEntry, note: BuiltNote) -> Result<Page
 fn brdf_pack(folder: &Path, entry: &MaterialEntry, name: &str) -> Result<BrdfPack, Error> {
     let path = folder.join(name);
     let bytes = listed_file(folder, &entry.files, name)?;
-    let pack = Pack::from_bytes(&bytes).map_err(|error| wrong_file(&path, error.to_string()))?;
-    BrdfPack::try_from(pack).map_err(|kind| wrong_file(&path, kind.summary().to_owned()))
+    let pack = Pack::from_bytes(&bytes).map_err(|error| wrong_file(&path, error))?;
+    BrdfPack::try_from(pack).map_err(|kind| wrong_kind(&path, kind))
 }
 
 /// Opens the source of a material, if it still exists.
@@ -170,7 +170,7 @@ pub fn source_of(note: &BuiltNote) -> Result<Box<dyn Source>, String> {
     let (opened, digest, _) =
         opened_with_digest(&input, &kind_of(&input), u64::MAX).map_err(|error| error.to_string())?;
     match note.digest {
-        Some(built) if built != digest => Err(format!("{}: it has changed since the build", note.source)),
+        Some(built) if built != digest => Err(format!("{}: changed since the build", note.source)),
         _ => Ok(opened.source),
     }
 }

@@ -82,7 +82,7 @@ fn table(page: &Page) -> Markup {
                 tr {
                     td {
                         a href={ "#" (entry.material) } { (breakable(&entry.material)) }
-                        @if entry.kept { " " span.soft { "retained" } }
+                        @if entry.retained { " " span.soft { "retained" } }
                     }
                     @if let Some(report) = &entry.report {
                         @let rendering = &report.off_grid.rendering.delta_e;
@@ -142,7 +142,7 @@ fn section(material: &PageMaterial, view: Option<&ViewLink>) -> Markup {
     html! {
         section.material id=(entry.material) {
             h2 { (entry.material) " " span.soft { (entry.source) } }
-            @if entry.kept { p.soft { "Made by an earlier build and retained: the last build did not request it." } }
+            @if entry.retained { p.soft { "Made by an earlier build and retained: the last build did not request it." } }
             @if let Some(error) = &entry.error { p.bad { (error) } }
             @if let Some(link) = view.and_then(|view| view.of_material(&entry.material)) {
                 p { a href=(link) { "Open in the viewer" } }
@@ -157,8 +157,8 @@ fn section(material: &PageMaterial, view: Option<&ViewLink>) -> Markup {
                 @if let Some(fit) = &report.fit { (fit_summary(fit)) }
                 @if !report.directions.is_all() {
                     p.soft {
-                        "Covers only " (report.directions) ". Errors are over these directions, ΔE in the table is over pixels \
-                         spread over them instead of a ball, and renderings leave other directions out."
+                        "Covers only " (report.directions) ". Errors are over these directions. ΔE in the table is over pixels \
+                         that sample these directions instead of a ball; renderings omit other directions."
                     }
                 }
                 @for gate in &entry.gates {

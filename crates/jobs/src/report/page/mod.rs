@@ -33,15 +33,15 @@ use serde::Serialize;
 pub struct PageReport<'a> {
     /// Layout of this report.
     pub version: u32,
-    /// The scene's name.
+    /// Name of the scene.
     pub scene: &'a str,
     /// Regressions against the earlier build, the worst first.
     pub regressions: &'a [Regression],
-    /// Materials, by name.
+    /// Materials of the scene, sorted by name.
     pub materials: Vec<PageEntry<'a>>,
 }
 
-/// One material.
+/// Figures of one material.
 #[derive(Debug, Serialize, JsonSchema)]
 pub struct PageEntry<'a> {
     /// The material's entry in the build report.
@@ -53,7 +53,7 @@ pub struct PageEntry<'a> {
 }
 
 impl Page {
-    /// The figures.
+    /// Figures of the page, for its JSON report.
     pub fn report(&self) -> PageReport<'_> {
         let materials = self.materials.iter().map(|material| PageEntry {
             entry: &material.entry,

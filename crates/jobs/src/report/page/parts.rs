@@ -4,16 +4,17 @@ use crate::error::Error;
 use crate::report::build::FileEntry;
 use crate::store::Digest;
 use brdfc_bandwidth::facts::BandwidthFacts;
-use brdfc_formats::Pack;
+use brdfc_formats::{Pack, PackKind};
 use brdfc_importance::ImportanceFacts;
 use brdfc_render::rendering::{Panel, bandwidth_panel};
 use brdfc_source::read::{MAX_FILE_BYTES, read_file};
+use std::fmt::Display;
 use std::path::Path;
 
 /// A map of a page.
 #[derive(Debug, Clone, PartialEq)]
 pub struct PagePart {
-    /// Its file name.
+    /// File name of the map, in the folder of packs.
     pub file: String,
     /// Bytes of the file.
     pub bytes_on_disk: u64,
@@ -34,32 +35,36 @@ pub(super) fn listed_file(folder: &Path, listed: &[FileEntry], name: &str) -> Re
     let bytes = read_file(&path, MAX_FILE_BYTES)?;
     let entry = listed.iter().find(|file| file.file == name);
     if entry.is_some_and(|file| file.blake3 != Digest::of(&bytes)) {
-        return Err(wrong_file(&path, "a different pack".to_owned()));
+        return Err(wrong_file(&path, "changed since the build"));
     }
     Ok(bytes)
 }
 
 /// Error about a file that differs from the report.
-pub(super) fn wrong_file(path: &Path, found: String) -> Error {
-    Error::wrong_input(path.display(), found, "the pack that report.json lists; run 'brdfc build'")
+pub(super) fn wrong_file(path: &Path, what: impl Display) -> Error {
+    Error::input(format!("{}: {what}; run 'brdfc build'", path.display()))
+}
+
+/// Error about a pack of another kind than the report lists.
+pub(super) fn wrong_kind(path: &Path, kind: PackKind) -> Error {
+    wrong_file(path, format!("found {}, expected the pack that report.json lists", kind.summary()))
 }
 
 /// Reads a bandwidth map or importance samples.
 pub(super) fn map_part(folder: &Path, listed: &[FileEntry], name: &str) -> Result<PagePart, Error> {
     let bytes = listed_file(folder, listed, name)?;
     let path = folder.join(name);
-    let (bytes_on_gpu, summary, image) =
-        match Pack::from_bytes(&bytes).map_err(|error| wrong_file(&path, error.to_string()))? {
-            Pack::Bandwidth(map) => {
-                let facts = BandwidthFacts::new(&map);
-                (facts.gpu_bytes, bandwidth_summary(&facts), Some(bandwidth_panel(&map)))
-            }
-            Pack::Importance(pack) => {
-                let facts = ImportanceFacts::new(&pack);
-                (facts.gpu_bytes, samples_summary(&facts), None)
-            }
-            other => return Err(wrong_file(&path, other.kind().summary().to_owned())),
-        };
+    let (bytes_on_gpu, summary, image) = match Pack::from_bytes(&bytes).map_err(|error| wrong_file(&path, error))? {
+        Pack::Bandwidth(map) => {
+            let facts = BandwidthFacts::new(&map);
+            (facts.gpu_bytes, bandwidth_summary(&facts), Some(bandwidth_panel(&map)))
+        }
+        Pack::Importance(pack) => {
+            let facts = ImportanceFacts::new(&pack);
+            (facts.gpu_bytes, samples_summary(&facts), None)
+        }
+        other => return Err(wrong_kind(&path, other.kind())),
+    };
     Ok(PagePart { file: name.to_owned(), bytes_on_disk: bytes.len() as u64, bytes_on_gpu, summary, image })
 }
 

@@ -147,7 +147,7 @@ impl Header {
             length += content.len();
             if length > MAX_BYTES {
                 let found = format!("no end_header in {MAX_BYTES} bytes");
-                return Err(FormatError::at_line(line, "header", found, "end_header before that"));
+                return Err(FormatError::at_line(line, "header", found, "a shorter header").problem());
             }
             let wrong = |field: &'static str, found: &str, allowed: &str| {
                 Err(FormatError::at_line(line, field, quoted(found), allowed))
@@ -212,13 +212,13 @@ impl Header {
                 _ => return wrong("header", text.trim_end(), KEYWORDS),
             }
         }
-        Err(FormatError::whole("header", format!("end of data after {length} bytes"), "end_header"))
+        Err(FormatError::whole("header", format!("end of data after {length} bytes"), "end_header").problem())
     }
 
     pub fn element(&self, name: &'static str) -> Result<&Element, FormatError> {
         self.elements.iter().find(|element| element.name == name).ok_or_else(|| {
             let found: Vec<&str> = self.elements.iter().map(|element| element.name.as_str()).collect();
-            FormatError::at_line(self.lines, "elements", quoted(&found.join(" ")), format!("one named {name}"))
+            FormatError::at_line(self.lines, "elements", quoted(&found.join(" ")), format!("an element {name}"))
         })
     }
 }

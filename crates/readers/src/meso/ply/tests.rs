@@ -92,7 +92,7 @@ fn both_byte_orders_hold_the_same() {
 
 #[test]
 fn errors_say_where() {
-    assert_eq!(message(""), "header: found end of data after 0 bytes, expected end_header");
+    assert_eq!(message(""), "header: end of data after 0 bytes; expected end_header");
     assert_eq!(message("plx\n"), "line 1, first line: found \"plx\", expected ply");
     assert!(message("ply\nformat ascii 2.0\n").starts_with("line 2, format: found \"ascii 2.0\", expected ascii,"));
     assert!(message("ply\nend_header\n").contains("line 2, header: found \"end_header\", expected a line format"));
@@ -109,19 +109,19 @@ fn errors_say_where() {
     let changed = |from: &str, to: &str| message(&square().replace(from, to));
     assert!(
         changed("element vertex", "element point")
-            .contains("elements: found \"point face\", expected one named vertex")
+            .contains("elements: found \"point face\", expected an element vertex")
     );
     assert!(changed("float z", "float w").contains("line 4, vertex: found \"x y w\", expected scalar properties x, y"));
     assert!(
         changed("list uchar int vertex_indices", "int vertex_indices")
-            .contains("line 9, face: found vertex indices of")
+            .contains("line 9, face: vertex indices have another type")
     );
-    assert!(changed("uchar int vertex_indices", "uchar float vertex_indices").contains("of another type"));
-    assert!(changed("vertex_indices", "v").contains("line 8, face: found no list"));
-    assert!(changed("float z\n", "float z\nproperty uchar red\n").contains("some of red, green, blue"));
+    assert!(changed("uchar int vertex_indices", "uchar float vertex_indices").contains("have another type"));
+    assert!(changed("vertex_indices", "v").contains("line 8, face: no list"));
+    assert!(changed("float z\n", "float z\nproperty uchar red\n").contains("only some of red, green and blue"));
     assert!(
         changed("float z\n", "float z\nproperty int red\nproperty int green\nproperty int blue\n")
-            .contains("line 8, colour: found red, green, blue of other types")
+            .contains("line 8, colour: red, green and blue have other types")
     );
     assert!(changed("1 1 0\n", "1 nan 0\n").contains("line 13, coordinate: found NaN, expected -1e12 to 1e12"));
     assert!(changed("1 1 0\n", "1 1e13 0\n").contains("coordinate: found 10000000000000"));
@@ -131,11 +131,11 @@ fn errors_say_where() {
     assert!(changed("4 0 1 2 3", "4 0 1 2 1.5").contains("found \"1.5\", expected an integer"));
     assert!(changed("4 0 1 2 3", "2 0 1").contains("line 15, face: found 2 corners, expected 3 or more"));
     assert!(changed("4 0 1 2 3", "256 0 1").contains("found \"256\", expected an integer, 0 to 255"));
-    assert!(changed("4 0 1 2 3", "4 0 1 2").contains("line 15, vertex index: found end of data"));
+    assert!(changed("4 0 1 2 3", "4 0 1 2").contains("line 15, vertex index: end of data"));
     assert!(changed("4 0 1 2 3", "3 0 1 2 3").contains("end of data: found \"3\", expected nothing after"));
     assert!(changed("vertex 4", "vertex 999999999999").contains("element count: found 999999999999 rows of vertex"));
     let empty = square().replace("face 1", "face 0").replace("4 0 1 2 3\n", "");
-    assert_eq!(message(&empty), "faces: found none, and 4 vertices, expected at least one");
+    assert_eq!(message(&empty), "faces: no faces, and 4 vertices; expected at least one face");
     let not_text = [HEADER.as_bytes(), b"0 0 0\n\xff"].concat();
     assert!(from_bytes(&not_text).unwrap_err().to_string().starts_with("line 12, text: found byte 0xff"));
 }
@@ -190,7 +190,7 @@ fn headers_have_an_end() {
     let properties: String = (0..1025).map(|k| format!("property float p{k}\n")).collect();
     let expected = "line 1028, property: found \"p1024\", expected at most 1024 properties of an element";
     assert_eq!(message(format!("{start}{properties}").as_bytes()), expected);
-    let expected = "line 1, header: found no end_header in 1048576 bytes, expected end_header before that";
+    let expected = "line 1, header: no end_header in 1048576 bytes; expected a shorter header";
     assert_eq!(message(&vec![0; 2 << 20]), expected);
     let many = format!(
         "{}element face 0\nproperty list uchar int vertex_indices\nend_header\n",

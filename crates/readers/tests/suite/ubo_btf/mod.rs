@@ -225,7 +225,7 @@ fn truncated_files_report_the_place() {
     let longer = [&bytes[..], b"x"].concat();
     assert_eq!(
         error_of(&longer).to_string(),
-        format!("byte {}, end: found 1 bytes more, expected the end of the file", bytes.len())
+        format!("byte {}, end: found 1 more bytes, expected the end of the file", bytes.len())
     );
 }
 
@@ -249,8 +249,8 @@ fn wrong_words_are_reported_with_their_place() {
         (at::SIZE, 0, "width: found 0, expected 1 to 4096"),
         (at::SIZE + 4, u32::MAX, "height: found 4294967295"),
         (at::ROTATIONS, 32, "rotations: found 32, expected 0"),
-        (at::MODEL, 2, "colour model: found 2, L*a*b*"),
-        (at::MODEL, 6, "colour model: found 6, a spectral one"),
+        (at::MODEL, 2, "colour model: found 2 (L*a*b*)"),
+        (at::MODEL, 6, "colour model: found 6 (spectral)"),
         (at::MODEL, u32::MAX, "colour model: found -1"),
         (at::CHANNEL + 1, 0, "components of a channel: found 0"),
         (at::CHANNEL + 1, u32::MAX, "components of a channel: found 4294967295"),
@@ -262,9 +262,9 @@ fn wrong_words_are_reported_with_their_place() {
         assert!(text.starts_with(&format!("byte {place}, {expected}")), "{text}");
     }
     // A truncated part is reported at its beginning.
-    assert!(message(at::XML, u32::MAX).starts_with(&format!("byte {}, XML: found end of data", at::XML + 4)));
+    assert!(message(at::XML, u32::MAX).starts_with(&format!("byte {}, XML: end of data", at::XML + 4)));
     let text = message(at::CHANNELS + 4, u32::MAX);
-    assert!(text.starts_with(&format!("byte {}, name of a channel: found end of data", at::CHANNELS + 8)), "{text}");
+    assert!(text.starts_with(&format!("byte {}, name of a channel: end of data", at::CHANNELS + 8)), "{text}");
     let many = message(at::VIEWS, 2048);
     assert!(many.contains("lights of a view") || many.contains("views"), "{many}");
 
@@ -291,11 +291,11 @@ fn wrong_words_are_reported_with_their_place() {
 #[test]
 fn other_layouts_are_named() {
     for (start, expected) in [
-        (&b"!FMF06FCR"[..], "FMF, the codec without"),
-        (b"!FMF12FCER", "FMF, the codec without"),
+        (&b"!FMF06FCR"[..], "FMF (the codec without"),
+        (b"!FMF12FCER", "FMF (the codec without"),
         (b"!PVF06FC..", "PVF"),
         (b"!BDIF06R2!", "BDI"),
-        (b"!DFMF09FCR", "DFMF in another version"),
+        (b"!DFMF09FCR", "another version of DFMF"),
         (b"\x89PNG\r\n\x1a\n\0\0", "\"\\x89PNG"),
         (b"", "\"\""),
     ] {

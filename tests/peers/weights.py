@@ -1,0 +1,17 @@
+"""Prints the weights of a Neural BRDF (Sztrajman et al. 2021) as little-endian 32-bit floats, for 'brdfc-bench --study codecs'.
+
+usage: weights.py FILE.h5
+
+The file has a Keras network of three dense layers. For each layer in order: its matrix, a row for each input, then its biases.
+"""
+
+import sys
+
+import h5py
+import numpy
+
+with h5py.File(sys.argv[1], "r") as network:
+    for layer in sorted(name for name in network if name.startswith("dense")):
+        for part in ("kernel", "bias"):
+            weights = network[f"{layer}/{layer}/{part}:0"][:]
+            sys.stdout.buffer.write(numpy.ascontiguousarray(weights, dtype="<f4").tobytes())
