@@ -35,6 +35,7 @@ pub fn open_level(input: impl Into<Input>, level: Option<f32>) -> Result<Materia
     check_level(level)?;
     let material = Material::new(open(input, level)?);
     match (level, material.facts().levels()) {
+        (Some(level), Some(0)) if level > 0.0 => Err(Error::usage("lod: the pack has one level; omit the option")),
         (Some(level), Some(levels)) if level > levels as f32 => {
             Err(wrong_level(level, &format!("0 to {levels}, the pack's levels")))
         }

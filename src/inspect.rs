@@ -35,7 +35,7 @@ pub fn files(input: &Input) -> Result<BTreeMap<String, PackFile>, Error> {
         if let Some(path) = input.path() {
             File::open(path).map_err(|error| Error::from(InputError::Io { name: input.to_string(), error }))?;
         }
-        return Err(wrong(FormatError::whole("input", "no pack", "a pack")).into());
+        return Err(wrong(FormatError::whole("input", "not a pack", "a pack").problem()).into());
     }
     let bytes = input.read(MAX_FILE_BYTES)?;
     AnyPack::from_bytes(&bytes).map_err(wrong)?;

@@ -15,7 +15,7 @@
 //! which observes its stages and can stop it. Work uses the threads of the current rayon pool. The library prints nothing.
 //! The same input, options and version give the same bytes on any number of threads.
 //!
-//! Each verb of the command line, which is a client of this library, has a module.
+//! The command line is a client of this library. Each verb except `generate` and `schema` has a module.
 //!
 //! Engines load packs with the crate `brdfc-formats`, which does not depend on this one. `docs/library.md` has examples,
 //! including a `build.rs`.

@@ -69,8 +69,8 @@ impl Material {
     /// ([`ErrorKind::Usage`](crate::ErrorKind::Usage)).
     pub fn encode(&self, request: impl PackRequest) -> Result<Pack, Error> {
         let pack = self.encode_closest(request, &())?;
-        match pack.missed() {
-            Some(missed) => Err(Error::check(missed)),
+        match pack.missed_error() {
+            Some(missed) => Err(missed),
             None => Ok(pack),
         }
     }

@@ -1,9 +1,8 @@
 //! Packs of materials, with the measurements made during encoding.
 
-use crate::{Error, FitLimits, MaterialReport, Progress};
+use crate::{Error, ErrorKind, FitLimits, MaterialReport, Progress};
 use brdfc_formats::BrdfPack;
-use brdfc_jobs::encode::EncodedPack;
-use brdfc_jobs::encode::ErrorLimits;
+use brdfc_jobs::encode::{EncodedPack, ErrorLimits, Message};
 use brdfc_jobs::outputs::write_file;
 use brdfc_jobs::report::fit::check;
 use brdfc_jobs::report::gate::GateResult;
@@ -16,7 +15,7 @@ pub struct Pack {
     encoded: EncodedPack,
     report: MaterialReport,
     gates: Vec<GateResult>,
-    missed: Option<String>,
+    missed: Option<Message>,
 }
 
 /// Errors of a pack compared with its source.
@@ -42,8 +41,9 @@ impl Pack {
         let report = MaterialReport::new(&encoded, opened, progress)?;
         let gates = check(fit, errors, &report);
         let closed = gates.iter().filter(|gate| !gate.passed);
-        let missed: Vec<String> = report.missed.clone().into_iter().chain(closed.map(ToString::to_string)).collect();
-        let missed = (!missed.is_empty()).then(|| missed.join("; "));
+        let limits = report.missed.as_deref().map(Message::from);
+        let missed = limits.into_iter().chain(closed.map(GateResult::message));
+        let missed = missed.reduce(|all, next| all.with_text("; ").with_message(&next));
         Ok(Self { encoded, report, gates, missed })
     }
 
@@ -61,7 +61,13 @@ impl Pack {
 
     /// Describes the limits that no candidate meets, and problems of the fit to a scan; `None` if the pack meets the request.
     pub fn missed(&self) -> Option<&str> {
-        self.missed.as_deref()
+        self.missed.as_ref().map(Message::as_str)
+    }
+
+    /// The missed limits as an error, whose options [`Error::name_options`] can name.
+    #[doc(hidden)]
+    pub fn missed_error(&self) -> Option<Error> {
+        self.missed.clone().map(|missed| Error::with_keys(ErrorKind::Check, missed))
     }
 
     /// Report of measurements and candidates, as `brdfc encode --json` prints it.
@@ -74,7 +80,7 @@ impl Pack {
         &self.encoded.bytes
     }
 
-    /// Bytes of the pack's textures on a GPU.
+    /// Bytes of the pack's textures and uniform blocks on a GPU.
     pub fn gpu_bytes(&self) -> u64 {
         self.encoded.pack.gpu_bytes()
     }

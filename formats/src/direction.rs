@@ -1,4 +1,4 @@
-//! Mapping between grid cells and pairs of directions, shared by encoder and decoder.
+//! Pairs of directions, and their mapping to the grid cells of wavelet packs, shared by encoders and decoders.
 //!
 //! A wavelet pack holds a table over two hemispheres, `outer` and `inner`, each on the same N x N grid. The outer axis
 //! is the image in a slice, filtered by the sampler; the inner axis is wavelet-transformed over slices. A

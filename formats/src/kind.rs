@@ -3,6 +3,7 @@
 
 use crate::bindings::PackFile;
 use crate::container::PackedTexture;
+use crate::words::one_of;
 use crate::{FormatError, Pack, PackKind};
 
 /// Generates [`PackKind`], [`Pack`] and [`BrdfPack`] from one line per codec. Lines of BRDFs have the variant, the pack
@@ -146,7 +147,7 @@ impl Pack {
     pub fn from_packed(packed: PackedTexture<'_>) -> Result<Self, FormatError> {
         let file = PackFile::from_packed(packed)?;
         let Some(kind) = PackKind::from_name(&file.bindings.decoder) else {
-            let known = PackKind::ALL.map(PackKind::name).join(", ");
+            let known = one_of(&PackKind::ALL.map(PackKind::name));
             return Err(FormatError::whole("decoder of the pack", file.bindings.decoder, known));
         };
         let (found, allowed) = (file.bindings.version, kind.descriptor().version);

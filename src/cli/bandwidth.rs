@@ -10,7 +10,7 @@ use brdfc::bandwidth::{
     holds_radiance,
 };
 use brdfc::{Input, Tally};
-use brdfc_terminal::words::format_number;
+use brdfc_terminal::words::{format_number, quoted};
 use clap::{Args, ValueEnum};
 use serde::Serialize;
 use std::path::PathBuf;
@@ -179,7 +179,7 @@ fn metres(arguments: &Arguments) -> Result<[f64; 2], Error> {
         return Err(Error::usage(format!("--size: required for textures; expected {allowed}")));
     };
     let sides = found.split_once(['x', 'X']).and_then(|(width, height)| Some([side(width)?, side(height)?]));
-    sides.ok_or_else(|| Error::wrong_usage("--size", found, allowed))
+    sides.ok_or_else(|| Error::wrong_usage("--size", quoted(found), allowed))
 }
 
 pub(super) fn run(arguments: &Arguments, common: Common) -> Result<(), Error> {

@@ -7,6 +7,7 @@ use crate::table;
 use brdfc::compare::Comparison;
 use brdfc::convert::{ConvertError, PairGrid, Target, convert};
 use brdfc::{Facts, Input};
+use brdfc_terminal::words::quoted;
 use clap::Args;
 use serde::Serialize;
 use std::path::{Path, PathBuf};
@@ -110,7 +111,8 @@ fn pair_grid(text: &str) -> Result<PairGrid, Error> {
             Ok(PairGrid { incoming, outgoing, azimuths })
         }
         _ => Err(Error::usage(format!(
-            "--grid: found {text}, expected three numbers from 2 to {MAX}, such as 12x24x48, of at most {} pairs",
+            "--grid: found {}, expected three numbers from 2 to {MAX}, such as 12x24x48, of at most {} pairs",
+            quoted(text),
             MAX_ROWS / 8
         ))),
     }

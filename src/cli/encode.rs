@@ -51,7 +51,7 @@ pub struct Report {
 }
 
 pub(super) fn run(arguments: &Arguments, common: Common) -> Result<(), Error> {
-    let request = arguments.options.request()?;
+    let request = arguments.options.request().map_err(by_flags)?;
     refuse_unfit_output(&arguments.output, &["ktx2"], arguments.input.path().as_slice())?;
     // An interrupt ends the process at once: the single output file is either complete or absent.
     let progress = Materials::new(1, false, common);
@@ -70,7 +70,7 @@ pub(super) fn run(arguments: &Arguments, common: Common) -> Result<(), Error> {
     let report = pack.report().clone();
     let of_trials: Vec<f64> =
         stages.iter().filter(|stage| stage.stage == Stage::Try.name()).map(|stage| stage.seconds).collect();
-    let missed = pack.missed().map(Error::check).map(named);
+    let missed = pack.missed_error().map(named);
     for line in remarks(&report) {
         note(common, &arguments.input, &line);
     }

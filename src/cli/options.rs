@@ -1,6 +1,7 @@
 //! Flags that determine how a pack is encoded and stored.
 
 use super::Error;
+use brdfc::encode::OptionError;
 use brdfc::{EncodeOptions, FitLimits, PackRecipe};
 use clap::{Args, Command};
 
@@ -22,33 +23,29 @@ impl PackOptions {
     }
 
     /// Resolves the recipe, and the limits of the fit to a scan.
-    pub fn request(&self) -> Result<(PackRecipe, FitLimits), Error> {
-        let mut recipe = PackRecipe::from_options(&self.encode, &EncodeOptions::default()).map_err(by_flags)?;
+    pub fn request(&self) -> Result<(PackRecipe, FitLimits), OptionError> {
+        let mut recipe = PackRecipe::from_options(&self.encode, &EncodeOptions::default())?;
         recipe.set_supercompress(!self.no_supercompression);
-        Ok((recipe, self.encode.fit_limits().map_err(by_flags)?))
+        Ok((recipe, self.encode.fit_limits()?))
     }
 }
 
-/// Names options by their flags, in an error that names them by the keys of a manifest.
+/// Names options by their flags.
 pub fn by_flags(error: impl Into<Error>) -> Error {
-    let error = error.into();
-    let text = with_flags(error.message());
-    error.with_message(text)
+    error.into().name_options(flag_of)
 }
 
-/// Names options by their flags, in a message that names them by the keys of a manifest.
-pub fn with_flags(message: &str) -> String {
-    let mut text = message.to_owned();
+/// The flag of an option's key; keys without a flag, such as `require.max_bytes`, stay as they are.
+pub fn flag_of(key: &str) -> String {
+    if has_flag(key) { format!("--{}", key.replace('_', "-")) } else { key.to_owned() }
+}
+
+/// The key of an option and its flag, for builds with a manifest and with flags.
+pub fn key_and_flag_of(key: &str) -> String {
+    if has_flag(key) { format!("{key} ({})", flag_of(key)) } else { key.to_owned() }
+}
+
+fn has_flag(key: &str) -> bool {
     let command = PackOptions::augment_args(Command::new(""));
-    for flag in command.get_arguments().filter_map(|argument| argument.get_long()) {
-        let key = flag.replace('-', "_");
-        let named = format!("--{flag}");
-        let parts = text.split(": ").map(|part| if part == key { &named } else { part });
-        text = parts.collect::<Vec<_>>().join(": ");
-        // Keys of one word are words of messages, too.
-        if key.contains('_') {
-            text = text.replace(&key, &named);
-        }
-    }
-    text
+    command.get_arguments().filter_map(|argument| argument.get_long()).any(|flag| flag.replace('-', "_") == key)
 }

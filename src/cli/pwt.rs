@@ -16,8 +16,8 @@ use serde::Serialize;
 use std::path::PathBuf;
 use std::time::Instant;
 
-/// Make a polynomial wavelet tree: photographs of one view under known lights, as a pack that can be relit from any
-/// direction.
+/// Encode photographs of one view under known lights as a pack that can be relit from any direction, a polynomial
+/// wavelet tree.
 ///
 /// INPUT is a folder of photographs with a list of lights (.lp), the list itself, one view of a BTF (a folder of images
 /// or a .btf file) or of a flat BTF, or a polynomial texture map (.ptm). By default, cross-validation at held-out

@@ -60,7 +60,7 @@ pub(super) fn run(arguments: &Arguments, common: Common) -> Result<(), Error> {
     let output = arguments.output.as_path();
     if !is_html(output) {
         let found = output.display();
-        return Err(Error::wrong_usage("--output", found, "a name that ends in .html"));
+        return Err(Error::wrong_usage("--output", found, "a name that ends in .html or .htm"));
     }
     refuse_dash(&arguments.folder)?;
     let folder = build_folder(&arguments.folder);

@@ -7,8 +7,7 @@ use super::output::{
 use super::{Common, Error};
 use crate::table;
 use brdfc::samples::{HalfGrid, ImportanceFacts, ImportanceRecipe, draw};
-use brdfc::{FormatError, Input, Tally};
-use brdfc_terminal::usage::share;
+use brdfc::{FormatError, Fraction, Input, Tally};
 use brdfc_terminal::values::any_whole_number;
 use clap::Args;
 use serde::Serialize;
@@ -72,11 +71,10 @@ pub struct Arguments {
     #[arg(
         long,
         value_name = "SHARE",
-        default_value_t = ImportanceRecipe::default().defensive,
-        value_parser = share,
+        default_value_t = Fraction::bare(ImportanceRecipe::default().defensive),
         hide_default_value = true
     )]
-    defensive: f64,
+    defensive: Fraction,
 }
 
 /// Report of `--json`.
@@ -133,13 +131,15 @@ fn recipe(arguments: &Arguments) -> ImportanceRecipe {
         anisotropic_azimuths: arguments.azimuths.unwrap_or(default.anisotropic_azimuths),
         samples: arguments.count,
         grid: HalfGrid { polar: arguments.rings, azimuths: arguments.cells },
-        defensive: arguments.defensive,
+        defensive: arguments.defensive.value(),
     }
 }
 
 /// Converts an out-of-range error of the recipe to an error of its flag.
-fn wrong_flag(error: FormatError) -> Error {
+fn wrong_flag(arguments: &Arguments, error: FormatError) -> Error {
     match FLAGS.iter().find(|(field, _)| error.field.ends_with(field)) {
+        // Report the share as it was given.
+        Some((_, flag @ "--defensive")) => Error::wrong_usage(flag, arguments.defensive, error.allowed),
         Some((_, flag)) => Error::wrong_usage(flag, error.found, error.allowed),
         None => Error::own_layout(error),
     }
@@ -148,7 +148,7 @@ fn wrong_flag(error: FormatError) -> Error {
 pub(super) fn run(arguments: &Arguments, common: Common) -> Result<(), Error> {
     let recipe = recipe(arguments);
     // Reject settings that do not depend on the material before reading it.
-    recipe.check(true).map_err(wrong_flag)?;
+    recipe.check(true).map_err(|error| wrong_flag(arguments, error))?;
     refuse_unfit_output(&arguments.output, &["ktx2"], arguments.input.path().as_slice())?;
     let start = Instant::now();
     let material = brdfc::open(&arguments.input)?;
@@ -159,7 +159,7 @@ pub(super) fn run(arguments: &Arguments, common: Common) -> Result<(), Error> {
     if arguments.azimuths.is_some() && isotropic {
         return Err(Error::usage("--azimuths does not apply to isotropic materials, only to anisotropic ones"));
     }
-    recipe.check(isotropic).map_err(wrong_flag)?;
+    recipe.check(isotropic).map_err(|error| wrong_flag(arguments, error))?;
     let start = Instant::now();
     let (pack, repairs) = draw(&material, &recipe)?;
     let seconds = Seconds { read, samples: start.elapsed().as_secs_f64() };

@@ -2,13 +2,13 @@
 
 use super::Error;
 use super::output::{as_flag, is_stream, output_parser, refuse_flags, refuse_missing_folder, write_file};
-use brdfc::FormatError;
 use brdfc::synth::{
     Dimensions, MODELS, STRUCTURES, SYNTH_PREFIX, ScanPlan, Target, describe_models, describe_structures, file,
     split_query,
 };
-use brdfc_terminal::usage::share;
+use brdfc::{FormatError, Fraction};
 use brdfc_terminal::values::whole_number;
+use brdfc_terminal::words::quoted;
 use clap::{Args, ValueEnum};
 use std::path::{Path, PathBuf};
 
@@ -41,14 +41,14 @@ pub struct Arguments {
     #[arg(long, value_name = "N", value_parser = whole_number::<usize>(1..=1000))]
     azimuths: Option<usize>,
     /// Standard deviation of a scan's noise, as a fraction of the value, 0 to 2 (default: 0).
-    #[arg(long, value_name = "SHARE", value_parser = share)]
-    noise: Option<f64>,
+    #[arg(long, value_name = "SHARE")]
+    noise: Option<Fraction>,
     /// Fraction of the outgoing hemisphere that a scan does not cover, 0 to 0.9 (default: 0).
-    #[arg(long, value_name = "SHARE", value_parser = share)]
-    gaps: Option<f64>,
+    #[arg(long, value_name = "SHARE")]
+    gaps: Option<Fraction>,
     /// Fraction of a scan's rows that repeat a direction pair, 0 to 0.9 (default: 0).
-    #[arg(long, value_name = "SHARE", value_parser = share)]
-    duplicates: Option<f64>,
+    #[arg(long, value_name = "SHARE")]
+    duplicates: Option<Fraction>,
     /// Seed of a scan's noise, gaps and duplicates, 0 or more (default: 1).
     #[arg(long, value_name = "N", value_parser = whole_number::<u64>(0..=u64::MAX))]
     seed: Option<u64>,
@@ -86,8 +86,8 @@ pub(super) fn run(arguments: &Arguments) -> Result<(), Error> {
     check_options(arguments, kind)?;
     let target = match kind {
         Extension::Binary => Target::Merl(dimensions(arguments.dimensions.as_deref().unwrap_or("90x90x180"))?),
-        Extension::Brdf => Target::Scan(plan(arguments)),
-        Extension::Csv => Target::Csv(plan(arguments)),
+        Extension::Brdf => Target::Scan(plan(arguments)?),
+        Extension::Csv => Target::Csv(plan(arguments)?),
         Extension::Obj => Target::Obj,
         Extension::Ply => Target::Ply,
     };
@@ -151,19 +151,29 @@ pub(super) fn dimensions(text: &str) -> Result<Dimensions, Error> {
         _ => Dimensions { theta_half: 0, theta_difference: 0, phi_difference: 0 },
     };
     // Report the size as it was given.
-    let wrong = |error: FormatError| Error::wrong_usage("--dimensions", text, error.allowed);
+    let wrong = |error: FormatError| Error::wrong_usage("--dimensions", quoted(text), error.allowed);
     dimensions.check_for_writing().map_err(wrong)?;
     Ok(dimensions)
 }
 
-fn plan(arguments: &Arguments) -> ScanPlan {
-    ScanPlan {
+fn plan(arguments: &Arguments) -> Result<ScanPlan, Error> {
+    // Report shares as they were given.
+    for (flag, given, most) in [
+        ("--noise", arguments.noise, 2.0),
+        ("--gaps", arguments.gaps, 0.9),
+        ("--duplicates", arguments.duplicates, 0.9),
+    ] {
+        if let Some(share) = given.filter(|share| !(0.0..=most).contains(&share.value())) {
+            return Err(Error::wrong_usage(flag, share, format!("0 to {most}")));
+        }
+    }
+    Ok(ScanPlan {
         rows: arguments.rows.unwrap_or(1440),
         incidences: arguments.incidences.unwrap_or(8),
         azimuths: arguments.azimuths,
-        noise: arguments.noise.unwrap_or(0.0),
-        gaps: arguments.gaps.unwrap_or(0.0),
-        duplicates: arguments.duplicates.unwrap_or(0.0),
+        noise: arguments.noise.map_or(0.0, Fraction::value),
+        gaps: arguments.gaps.map_or(0.0, Fraction::value),
+        duplicates: arguments.duplicates.map_or(0.0, Fraction::value),
         seed: arguments.seed.unwrap_or(1),
-    }
+    })
 }

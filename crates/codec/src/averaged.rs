@@ -15,7 +15,7 @@ pub struct AveragingCost {
 }
 
 impl AveragingCost {
-    /// Measures the cost for a source. `reference` holds its values.
+    /// Measures the error that symmetrising adds to a source. `reference` holds the values of the source.
     pub fn of(source: &dyn Source, reference: &Reference) -> Self {
         let found = reference.compare(&Averaged(source));
         Self { delta_e: found.rendering.delta_e.mean, relative_error: found.norms.relative_mean }

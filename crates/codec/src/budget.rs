@@ -1,39 +1,42 @@
 //! Limits of a pack, and checks of them.
 
+use super::Message;
 use brdfc_core::words::{bytes, format_number, percent};
 use brdfc_metrics::fraction::Fraction;
 use serde::{Deserialize, Serialize};
 
 /// Error of an option that is out of range or conflicts with others.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
-#[error("{field}: {}", reason(.found, .allowed))]
+#[error("{}", message(.field, .found, .allowed))]
 pub struct OptionError {
     /// The key of the option in a manifest.
     pub field: &'static str,
     /// Value of the option; empty for a conflict.
     pub found: String,
     /// Valid values; for a conflict, the problem and its remedy.
-    pub allowed: String,
+    pub allowed: Message,
 }
 
-fn reason(found: &str, allowed: &str) -> String {
-    if found.is_empty() { allowed.to_owned() } else { format!("found {found}, expected {allowed}") }
+fn message(field: &str, found: &str, allowed: &Message) -> Message {
+    let start = Message::default().with_key(field).with_text(": ");
+    let start = if found.is_empty() { start } else { start.with_text(format!("found {found}, expected ")) };
+    start.with_message(allowed)
 }
 
 impl OptionError {
     /// Creates an error from the value found and the valid values.
-    pub fn new(field: &'static str, found: impl Into<String>, allowed: impl Into<String>) -> Self {
+    pub fn new(field: &'static str, found: impl Into<String>, allowed: impl Into<Message>) -> Self {
         Self { field, found: found.into(), allowed: allowed.into() }
     }
 
     /// Creates an error of a conflict from the problem and its remedy.
-    pub fn conflict(field: &'static str, problem: impl Into<String>) -> Self {
+    pub fn conflict(field: &'static str, problem: impl Into<Message>) -> Self {
         Self::new(field, "", problem)
     }
 
-    /// The message without the key, for callers that name the option otherwise.
-    pub fn reason(&self) -> String {
-        reason(&self.found, &self.allowed)
+    /// The message with the positions of its keys.
+    pub fn message(&self) -> Message {
+        message(self.field, &self.found, &self.allowed)
     }
 }
 
@@ -66,7 +69,8 @@ impl Default for Budget {
 }
 
 impl Budget {
-    /// No limits; a base for the builder methods. Without limits of error or size, the default limit of ΔE applies.
+    /// No limits; a base for the builder methods. A search without a limit of ΔE, `ε_r` or bytes applies the
+    /// default limit of ΔE.
     pub const NONE: Self = Self { delta_e: None, highlight: None, error: None, bytes: None, fetches: None };
 
     /// Sets the maximum mean ΔE of renderings, 1e-6 to 100, and the maximum 95th percentile, four times as large.

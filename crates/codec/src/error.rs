@@ -1,5 +1,6 @@
 //! Encoding errors.
 
+use super::Message;
 use brdfc_core::progress::Cancelled;
 use brdfc_formats::FormatError;
 use brdfc_formats::crop::DirectionRange;
@@ -62,4 +63,22 @@ pub enum EncodeError {
     /// Cancellation by the caller.
     #[error(transparent)]
     Cancelled(#[from] Cancelled),
+}
+
+impl EncodeError {
+    /// The message with the position of its key, if it concerns an option.
+    pub fn message(&self) -> Message {
+        let key = match self {
+            Self::BudgetMissed { .. } => "max_error",
+            Self::TooFewBytes { .. } => "max_bytes",
+            Self::TooFewFetches { .. } => "max_fetches",
+            Self::Size { field, .. } => field,
+            _ => "",
+        };
+        let text = self.to_string();
+        match text.strip_prefix(key) {
+            Some(rest) if !key.is_empty() => Message::default().with_key(key).with_text(rest),
+            _ => text.into(),
+        }
+    }
 }

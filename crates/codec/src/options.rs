@@ -16,8 +16,8 @@ use brdfc_metrics::fraction::Fraction;
 #[serde(deny_unknown_fields)]
 pub struct EncodeOptions {
     /// Codec (default: auto): auto (the smallest table that meets the limits, plain or factored), table (16 KiB unless
-    /// there is a limit), factored (a table and a curve for narrow highlights, one more fetch), or wavelet (as in the
-    /// paper, with perceptually weighted slices).
+    /// there is a limit), factored (a table and a curve for narrow highlights, one more fetch), or wavelet (after
+    /// Claustres et al. 2007, ranked by visible error).
     #[cfg_attr(feature = "clap", arg(long, value_name = "CODEC"))]
     pub codec: Option<String>,
     /// Maximum mean ΔE of renderings of the pack and its source, 1e-6 to 100, with 95 % below four times this limit
@@ -62,7 +62,7 @@ pub struct EncodeOptions {
     /// Wavelet: cells per axis and hemisphere, 2, 4, 8, 16, 32 or 64 (default: 32).
     #[cfg_attr(feature = "clap", arg(long, value_name = "N", value_parser = any_whole_number::<usize>(GRIDS)))]
     pub grid: Option<usize>,
-    /// Wavelet: parameterisation of the two hemispheres: tangent-pole, incoming and outgoing.
+    /// Wavelet: parameterisation: tangent-pole, the only value (hemispheres: incoming, outgoing).
     #[cfg_attr(feature = "clap", arg(long, value_name = "P"))]
     pub parameterisation: Option<String>,
     /// Wavelet: bits per component, 8, or 10 to 16 in a texture of 16 bits (default: 8).

@@ -295,7 +295,7 @@ mod tests {
             ),
             ("lambert?kd=", "kd of lambert: found \"\", expected 0 to 1"),
             ("lambert?kd=NaN", "kd of lambert: found NaN, expected 0 to 1"),
-            ("lambert?kd=0.1, 0.2,0.3", "kd of lambert: found  0.2, expected 0 to 1"),
+            ("lambert?kd=0.1, 0.2,0.3", "kd of lambert: found \" 0.2\", expected 0 to 1"),
             ("lambert?kd=0.1,0.2", "kd of lambert: found 0.1,0.2, expected one number, or three with commas"),
             ("lambert?kd=0.1&kd=0.1", "kd of lambert: repeated; expected one value"),
             ("lewis?n=inf", "n of lewis: found inf, expected 0 to 10000"),

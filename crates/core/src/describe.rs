@@ -16,7 +16,7 @@ pub trait Describe {
         DirectionRange::ALL
     }
 
-    /// Levels of detail less one, for packs only: level 0 is the coarsest.
+    /// Index of the finest level of detail, for packs only: level 0 is the coarsest.
     fn levels(&self) -> Option<u32> {
         None
     }
@@ -31,7 +31,7 @@ pub trait Describe {
         None
     }
 
-    /// First and last wavelength, nm, of spectra without a part of the visible range that colours depend on.
+    /// First and last wavelength of the spectra, nm, if the spectra miss a part of the range that colours depend on.
     fn partial_spectrum(&self) -> Option<[f64; 2]> {
         None
     }

@@ -83,13 +83,13 @@ pub struct Repeats {
 pub struct Rise {
     /// Polar angle of incidence, degrees, a multiple of 5.
     pub incidence: f64,
-    /// Half angle of the samples that are nearest to the mirror direction, degrees.
+    /// Root mean square half angle of the group of samples nearest to the mirror direction, degrees.
     pub nearest: f64,
-    /// Half angle of the next samples, degrees.
+    /// Root mean square half angle of the next group of samples, degrees.
     pub next: f64,
-    /// Mean value of the nearest samples over the mean value of the next samples.
+    /// Mean value of the nearest group over the mean value of the next group.
     pub ratio: f64,
-    /// Peak over the nearest samples of a GGX lobe through both; at most 100.
+    /// Peak of a GGX lobe through both means, over the mean value of the nearest group; at most 100.
     pub peak: f64,
 }
 

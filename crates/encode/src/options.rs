@@ -2,8 +2,8 @@
 
 use super::PackRecipe;
 use super::codecs::CodecEntry;
-use brdfc_codec::{Budget, EncodeOptions, OptionError, Variant};
-use brdfc_core::words::one_of;
+use brdfc_codec::{Budget, EncodeOptions, Message, OptionError, Variant};
+use brdfc_core::words::{one_of, quoted};
 use brdfc_metrics::fraction::Fraction;
 use brdfc_table::search::recipe::SearchRecipe;
 use std::sync::LazyLock;
@@ -26,7 +26,7 @@ impl Choice {
 
     /// Finds the variant of a name.
     fn named(name: &str) -> Result<Self, OptionError> {
-        let unknown = || OptionError::new("codec", format!("\"{name}\""), codec_names());
+        let unknown = || OptionError::new("codec", quoted(name), codec_names());
         Self::all().find(|asked| asked.variant.name == name).ok_or_else(unknown)
     }
 
@@ -56,10 +56,11 @@ impl Choice {
         let (codec, having) = (self.variant.name, join(Self::all().filter(|asked| asked.has(option))));
         let problem = match asks {
             Some(other) if options.codec.is_none() => {
-                let remedy = format!("use the codec {having} without {other}");
-                format!("conflicts with {other}, an option of the codec {codec}; {remedy}")
+                let problem = Message::from("conflicts with ").with_key(other);
+                let remedy = format!(", an option of the codec {codec}; use the codec {having} without ");
+                problem.with_text(remedy).with_key(other)
             }
-            _ => format!("does not apply to the codec {codec}; use the codec {having}"),
+            _ => format!("does not apply to the codec {codec}; use the codec {having}").into(),
         };
         OptionError::conflict(option, problem)
     }

@@ -208,7 +208,7 @@ impl Build {
     /// cannot be written to or holds files that no build wrote.
     pub fn run(&self) -> Result<BuildReport, Error> {
         let built = self.run_with(&self.plan()?, &())?;
-        let problems = built.outcomes.problems();
+        let problems: Vec<String> = built.outcomes.problems().iter().map(ToString::to_string).collect();
         match built.outcomes.verdict() {
             Ok(()) => Ok(built.report),
             Err(error) => {

@@ -1,4 +1,4 @@
 //! Options and encoders of BRDF packs.
 
-pub use brdfc_codec::{Budget, EncodeOptions, ErrorLimits, FitLimits, OptionError, range_of};
+pub use brdfc_codec::{Budget, EncodeOptions, ErrorLimits, FitLimits, Message, OptionError, range_of};
 pub use brdfc_encode::*;

@@ -1,6 +1,6 @@
 //! The library's error type, and conversions from the errors of its stages.
 
-use crate::encode::{EncodeError, OptionError};
+use crate::encode::{EncodeError, Message, OptionError};
 use brdfc_core::address::SYNTH_PREFIX;
 use brdfc_core::progress::Cancelled;
 use brdfc_core::words::system_error;
@@ -51,13 +51,25 @@ impl ErrorKind {
 #[error("{message}")]
 pub struct Error {
     kind: ErrorKind,
-    message: String,
+    message: Message,
 }
 
 impl Error {
     /// Creates an error of this kind; the message should name the file, field or line.
     pub fn new(kind: ErrorKind, message: impl ToString) -> Self {
-        Self { kind, message: message.to_string() }
+        Self::with_keys(kind, message.to_string().into())
+    }
+
+    /// Creates an error of this kind whose message names options by the keys of a manifest; see
+    /// [`Self::name_options`].
+    pub fn with_keys(kind: ErrorKind, message: Message) -> Self {
+        Self { kind, message }
+    }
+
+    /// Replaces the keys of options in the message by their names.
+    #[must_use]
+    pub fn name_options(self, name: impl Fn(&str) -> String) -> Self {
+        Self { message: self.message.named(name), ..self }
     }
 
     /// Creates an error about a failed check.
@@ -102,19 +114,19 @@ impl Error {
 
     /// Text of the error, which names the file, field or line.
     pub fn message(&self) -> &str {
-        &self.message
+        self.message.as_str()
     }
 
     /// Replaces the message and keeps the kind.
     #[must_use]
     pub fn with_message(self, message: impl ToString) -> Self {
-        Self { message: message.to_string(), ..self }
+        Self { message: message.to_string().into(), ..self }
     }
 
     /// Prefixes the message with `name`.
     #[must_use]
     pub fn prefixed(self, name: impl Display) -> Self {
-        let message = format!("{name}: {}", self.message);
+        let message = Message::default().with_text(format!("{name}: ")).with_message(&self.message);
         Self { message, ..self }
     }
 
@@ -178,8 +190,8 @@ impl From<EncodeError> for Error {
             | EncodeError::NothingMeasured
             | EncodeError::TooFewBytes { .. }
             | EncodeError::TooFewFetches { .. }
-            | EncodeError::OtherDirections { .. } => Self::check(error),
-            EncodeError::Size { .. } => Self::usage(error),
+            | EncodeError::OtherDirections { .. } => Self::with_keys(ErrorKind::Check, error.message()),
+            EncodeError::Size { .. } => Self::with_keys(ErrorKind::Usage, error.message()),
             EncodeError::Format(error) => Self::own_layout(error),
             EncodeError::Cancelled(_) => Self::cancelled(),
         }
@@ -188,7 +200,7 @@ impl From<EncodeError> for Error {
 
 impl From<OptionError> for Error {
     fn from(error: OptionError) -> Self {
-        Self::usage(error)
+        Self::with_keys(ErrorKind::Usage, error.message())
     }
 }
 

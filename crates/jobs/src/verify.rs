@@ -133,7 +133,8 @@ impl Checks {
                 return BTreeSet::new();
             }
         };
-        let fault = fault.or_else(|| report_fault(&report));
+        let faults: Vec<String> = fault.into_iter().chain(report_fault(&report)).collect();
+        let fault = (!faults.is_empty()).then(|| faults.join("; "));
         self.known(path, Some("report"), fault);
         let lists: BTreeSet<&FileEntry> = report.materials.iter().filter_map(|entry| entry.list.as_ref()).collect();
         let checks = report.files().map(|entry| {

@@ -145,7 +145,7 @@ impl FitError {
             let Rise { incidence, nearest, next, ratio, .. } = rise;
             return Some(format!(
                 "the highlight is narrower than the samples resolve: at {incidence:.0}° incidence values rise {ratio:.1} times from {next:.1}° \
-                 to {nearest:.1}° off the mirror direction (half angles), where samples end"
+                 to {nearest:.1}° off the mirror direction (half angles), and no sample is nearer"
             ));
         }
         self.delta_e.is_none().then(|| "too few samples to hold any out".to_owned())

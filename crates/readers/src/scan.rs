@@ -203,9 +203,11 @@ fn read_wavelengths<'a>(
     .problem())
 }
 
+/// Formats a token of a file in quotes, with escaped control characters and at most 40 characters.
 pub(crate) fn quoted(token: &str) -> String {
     let short: String = token.chars().take(40).collect();
-    if short.len() < token.len() { format!("\"{short}...\"") } else { format!("\"{short}\"") }
+    let more = if short.len() < token.len() { "..." } else { "" };
+    format!("\"{}{more}\"", short.escape_debug())
 }
 
 pub(crate) fn number(token: &str, line: u64, field: &'static str) -> Result<f64, FormatError> {

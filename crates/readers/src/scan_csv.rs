@@ -34,7 +34,7 @@ pub fn from_bytes(bytes: &[u8]) -> Result<Scan, FormatError> {
     let columns = if table.header.iter().any(|name| name == "theta_i") {
         table.find(&ANGLE_COLUMNS)?
     } else {
-        table.find(&VECTOR_COLUMNS)?
+        table.find_or(&VECTOR_COLUMNS, &ANGLE_COLUMNS)?
     };
     let mut scan = Scan::default();
     while let Some((line, n)) = table.next_numbers(&columns)? {
@@ -162,6 +162,13 @@ impl<'a> Table<'a> {
 
     /// Index in the file of each requested column.
     pub(crate) fn find(&self, requested: &[&'static str]) -> Result<Vec<(usize, &'static str)>, FormatError> {
+        self.find_or(requested, &[])
+    }
+
+    /// Index in the file of each requested column. Errors also list the columns of the other valid header, if any.
+    fn find_or(&self, requested: &[&'static str], others: &[&str]) -> Result<Vec<(usize, &'static str)>, FormatError> {
+        let headers = [requested.join(","), others.join(",")];
+        let headers = if others.is_empty() { &headers[..1] } else { &headers };
         requested
             .iter()
             .map(|name| {
@@ -170,7 +177,7 @@ impl<'a> Table<'a> {
                         1,
                         format!("column {name}"),
                         format!("missing in {}", scan::quoted(&self.header.join(","))),
-                        format!("a header with {}", requested.join(",")),
+                        format!("a header with {}", headers.join(" or ")),
                     )
                     .problem()
                 })

@@ -54,12 +54,14 @@ pub fn open_meso(input: impl Into<Input>) -> Result<MesoInput, InputError> {
             // A missing file is reported before its extension.
             let length = InputFile::of(&input, &mut ())?.length;
             let (field, found) = match input.is_stdin() {
-                true if length == 0 => ("contents", Err("empty")),
+                true if length == 0 => ("contents", Err("empty file")),
                 true if extension.is_empty() => ("contents", Err("unknown layout")),
                 true => ("contents", Ok(format!("a .{extension} file"))),
                 false => ("file name", found_extension(&extension)),
             };
-            let error = unknown_kind(field, found, ".obj or .ply (mesh), .png or .exr (height map)");
+            let allowed = ".obj or .ply (mesh), .png or .exr (height map), .btf or a folder (BTF), or synth:NAME \
+                           (structure)";
+            let error = unknown_kind(field, found, allowed);
             return Err(InputError::format(input.named_path(), error));
         }
     };

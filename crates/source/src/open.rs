@@ -116,7 +116,7 @@ pub fn open(input: impl Into<Input>, level: Option<f32>) -> Result<Opened, Input
             match format_of(&input.extension()?) {
                 Some(format) => (format.open)(input_file),
                 None => {
-                    let found = if input_file.length == 0 { "empty" } else { "unknown layout" };
+                    let found = if input_file.length == 0 { "empty file" } else { "unknown layout" };
                     let error = FormatError::whole("contents", found, known_files()).problem();
                     Err(input_file.wrong(error))
                 }

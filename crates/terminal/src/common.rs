@@ -22,7 +22,7 @@ pub struct Flags {
         value_parser = whole_number::<usize>(0..=1024)
     )]
     pub(crate) jobs: usize,
-    /// Print the report as JSON, if the command has one; 'brdfc schema' prints the schemas of reports.
+    /// Print the report as JSON (commands without a report reject it); 'brdfc schema' prints the schemas of reports.
     #[arg(long, global = true)]
     json: bool,
 }

@@ -1,7 +1,7 @@
 //! Direction sets and indirection maps, as flags specify them.
 
 use crate::Error;
-use brdfc_core::words::format_number;
+use brdfc_core::words::{format_number, quoted};
 use brdfc_formats::FormatError;
 use brdfc_formats::direction_set::DirectionSet;
 use brdfc_formats::flat_btf::{IndirectionHeader, MAX_AZIMUTH_SAMPLES, MAX_ZENITH_SAMPLES};
@@ -35,7 +35,9 @@ pub fn direction_set(option: &str, input: &Input) -> Result<DirectionSet, Error>
         "ubo2014" => return Ok(DirectionSet::ubo2014()),
         _ => {}
     }
-    let wrong = |found: &dyn Display, allowed: &str| Error::wrong_usage(format!("--{option}"), found, allowed);
+    let wrong = |found: &dyn Display, allowed: &str| {
+        Error::wrong_usage(format!("--{option}"), quoted(&found.to_string()), allowed)
+    };
     if let Some(grid) = text.strip_prefix("grid:") {
         let parsed = grid.split_once('@').and_then(|(size, angle)| Some((pair(size)?, angle.parse::<f64>().ok()?)));
         let Some(([zeniths, azimuths], angle)) = parsed else {
@@ -60,13 +62,16 @@ pub fn direction_set(option: &str, input: &Input) -> Result<DirectionSet, Error>
         .map_err(|error| Error::input(format!("{input}: {error}")))
 }
 
+fn wrong_indirection(text: &str) -> Error {
+    Error::wrong_usage("--indirection", quoted(text), "polar angles x azimuths, such as 16x24")
+}
+
 /// Makes the header of the indirection map for `--texels`, `--indirection` and `--largest-angle` (in degrees).
 pub fn map_header(texels: u32, indirection: &str, largest_angle: f64) -> Result<IndirectionHeader, Error> {
     if !(largest_angle > 0.0 && largest_angle <= 89.0) {
         return Err(Error::wrong_usage("--largest-angle", format_number(largest_angle), "above 0, up to 89 degrees"));
     }
-    let [zenith_samples, azimuth_samples] = pair(indirection)
-        .ok_or_else(|| Error::wrong_usage("--indirection", indirection, "polar angles x azimuths, such as 16x24"))?;
+    let [zenith_samples, azimuth_samples] = pair(indirection).ok_or_else(|| wrong_indirection(indirection))?;
     let largest_angle = largest_angle.to_radians() as f32;
     let header = IndirectionHeader { size: texels, zenith_samples, azimuth_samples, largest_angle };
     if !(2..=MAX_ZENITH_SAMPLES).contains(&zenith_samples) || !(3..=MAX_AZIMUTH_SAMPLES).contains(&azimuth_samples) {

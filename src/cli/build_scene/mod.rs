@@ -8,7 +8,7 @@ mod text;
 pub use arguments::Arguments;
 pub(super) use arguments::BuildArguments;
 
-use super::options::{by_flags, with_flags};
+use super::options::{flag_of, key_and_flag_of};
 use super::output::{
     check_folder, json_or, note, print, refuse_dash, refuse_missing_folder, refuse_overwriting, refuse_own,
     refuse_same_outputs, remark, tell, write_file,
@@ -75,9 +75,14 @@ pub(super) fn run(arguments: &Arguments, common: Common) -> Result<(), Error> {
     arguments.write_stamp()
 }
 
-/// Plans a build. Errors name options by their flags if there is no manifest.
+/// Plans a build. Errors name options by their flags; with a manifest, which has the same options, by keys and flags.
 pub(super) fn plan(build: &Build) -> Result<Plan, Error> {
-    build.plan().map_err(|error| if build.manifest().is_some() { error } else { by_flags(error) })
+    build.plan().map_err(|error| error.name_options(option_names(build)))
+}
+
+/// Names of options in messages of a build.
+fn option_names(build: &Build) -> fn(&str) -> String {
+    if build.manifest().is_some() { key_and_flag_of } else { flag_of }
 }
 
 /// Checks that `--depfile` and `--stamp` overwrite no input and no other output.
@@ -87,7 +92,7 @@ fn check_side_outputs(arguments: &Arguments, inputs: &[&Path]) -> Result<(), Err
     refuse_same_outputs(&files)?;
     for (option, file) in files.into_iter().filter_map(|(option, file)| Some((option, file?))) {
         if file == Path::new("-") {
-            return Err(Error::wrong_usage(option, "-", "a file (one of this name is ./-)"));
+            return Err(Error::wrong_usage(option, "-", "a file; write ./- for a file of this name"));
         }
         refuse_overwriting(option, file, inputs)?;
         refuse_own(option, file, out)?;
@@ -123,8 +128,7 @@ pub(super) fn print_diagnostics(build: &Build, built: &Built, common: Common, co
         remark(common, &format!("note: {which} notes; 'brdfc report' lists them"));
     }
     for line in built.outcomes.problems() {
-        let line = if build.manifest().is_some() { line } else { with_flags(&line) };
-        tell(&format!("brdfc: {line}"));
+        tell(&format!("brdfc: {}", line.named(option_names(build))));
     }
 }
 

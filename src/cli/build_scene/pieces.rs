@@ -1,6 +1,7 @@
 //! Parts of a build, for builds on several machines.
 
 use super::arguments::Arguments;
+use super::option_names;
 use crate::output::{print, tell};
 use crate::progress::Materials;
 use crate::{Common, Error};
@@ -23,6 +24,7 @@ pub(super) fn run(arguments: &Arguments, build: &Build, plan: &Plan, common: Com
         match result {
             Ok(made) => text += &format!("{}: {}\n", work.name(), if made { "built" } else { "cached" }),
             Err(error) => {
+                let error = error.name_options(option_names(build));
                 tell(&format!("brdfc: {}: {error}", work.name()));
                 failures.push(error);
             }

@@ -144,10 +144,10 @@ pub(super) const FLAT_TEXELS: &str =
 
 const FILLS: [(&str, FillMethod, &str); 2] = [
     ("poisson", FillMethod::Poisson, "Blend gradients of the view that is closest to the normal"),
-    ("push-pull", FillMethod::PushPull, "Average visible neighbours: faster, as in the paper"),
+    ("push-pull", FillMethod::PushPull, "Average visible neighbours: faster, as in Hadim et al. 2009"),
 ];
 const FORMS: [(&str, Form, &str); 2] =
-    [("full", Form::Full, "Equation 1 of the paper"), ("light", Form::Light, "Normal map and diffuse colours")];
+    [("full", Form::Full, "Equation 1 of Hadim et al. 2009"), ("light", Form::Light, "Normal map and diffuse colours")];
 const IMAGE_FORMATS: [(&str, StackFormat, &str); 2] = [("png", StackFormat::Png, ""), ("exr", StackFormat::Exr, "")];
 
 fn after_help() -> String {

@@ -176,7 +176,7 @@ fn surface(input: &Input) -> Result<Option<SurfaceFacts>, Error> {
 /// Adds structures to the error for an unknown model, and surfaces to the error for an unknown extension.
 fn with_structures(error: InputError) -> Error {
     let more = match &error {
-        InputError::Address { .. } => {
+        InputError::Address { error, .. } if error.part == "model" => {
             let names: Vec<&str> = STRUCTURES.iter().map(|info| info.name).collect();
             format!("; structures: {}", names.join(", "))
         }

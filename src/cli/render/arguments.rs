@@ -140,6 +140,6 @@ const FORMS: [(&str, FlatForm, &str); 2] = [
 ];
 const FILTERS: [(&str, Filter, &str); 3] = [
     ("nearest", Filter::Nearest, "The nearest cell"),
-    ("slices", Filter::Slices, "Bilinear in slices, one reconstruction"),
+    ("slices", Filter::Slices, "Bilinear over the light, nearest over the viewer"),
     ("bilinear", Filter::Bilinear, "Bilinear, four reconstructions"),
 ];

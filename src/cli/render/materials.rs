@@ -2,7 +2,7 @@
 
 use super::arguments::Arguments;
 use crate::inputs::refuse_stdin_twice;
-use crate::options::by_flags;
+use crate::options::flag_of;
 use crate::output::{note, refuse_flags, remark};
 use crate::{Common, Error};
 use brdfc::encode::encode;
@@ -108,10 +108,12 @@ pub(super) fn subject(arguments: &Arguments) -> Result<Subject, Error> {
     }
 }
 
-/// Names the limit of ΔE of packs by its flag of `render`.
-fn pack_flags(error: Error) -> Error {
-    let text = error.message().replace("--max-delta-e", "--pack-delta-e");
-    error.with_message(text)
+/// Names options by their flags of `render`.
+fn pack_flags(error: impl Into<Error>) -> Error {
+    error.into().name_options(|key| match key {
+        "max_delta_e" => "--pack-delta-e".to_owned(),
+        key => flag_of(key),
+    })
 }
 
 /// Opens the given folder of packs, or the default folder of a build.
@@ -216,8 +218,11 @@ fn prepare_one(arguments: &Arguments, subject: &Subject, name: &str) -> Result<(
         }
         (Subject::Pack, _) => (open_brdf_pack(&arguments.input)?, Vec::new(), Vec::new()),
         (_, Some(source)) => {
-            let made = encode(source.as_ref(), &recipe.clone().without_measuring(), &())
-                .map_err(|error| pack_flags(by_flags(error)))?;
+            let named = |error| match subject {
+                Subject::Source(_) => pack_flags(error).prefixed(&arguments.input),
+                _ => Error::from(error).prefixed(name),
+            };
+            let made = encode(source.as_ref(), &recipe.clone().without_measuring(), &()).map_err(named)?;
             (made.pack, Vec::new(), made.missed.into_iter().collect())
         }
         (_, None) => return Err(Error::internal("nothing to draw")),

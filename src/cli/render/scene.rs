@@ -129,7 +129,7 @@ fn size(text: &str) -> Result<(usize, usize), Error> {
     let side = |part: &str| part.parse::<usize>().ok().filter(|side| (1..=MAX_SIDE).contains(side));
     text.split_once(['x', 'X'])
         .and_then(|(width, height)| Some((side(width)?, side(height)?)))
-        .ok_or_else(|| Error::usage(format!("--size: found {text}, expected WIDTHxHEIGHT, each 1 to {MAX_SIDE}")))
+        .ok_or_else(|| Error::wrong_usage("--size", words::quoted(text), format!("WIDTHxHEIGHT, each 1 to {MAX_SIDE}")))
 }
 
 fn builtin(
@@ -199,7 +199,7 @@ fn at(subject: &Subject, name: &Spanned<String>, field: &str, known: &[&str]) ->
     let error = ManifestError {
         line: line_of(text, Some(name.span())),
         field: field.to_owned(),
-        found: format!("\"{}\"", name.get_ref()),
+        found: words::quoted(name.get_ref()),
         allowed: one_of(known),
         suggestion: near_miss(name.get_ref(), known),
     };

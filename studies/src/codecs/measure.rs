@@ -11,14 +11,15 @@ use brdfc_core::PackSource;
 use brdfc_core::analytic::Ggx;
 use brdfc_core::{Source, Tally};
 use brdfc_formats::BrdfPack;
+use brdfc_formats::direction::DirectionPair;
 use brdfc_formats::wavelet::Filter;
 use brdfc_gpu::{Gpu, GpuError, SliceFilter};
 use brdfc_jobs::encode::EncodeError;
 use brdfc_jobs::encode::PackRecipe;
 use brdfc_jobs::encode::encode;
 use brdfc_metrics::compare::{Comparison, Reference};
-use brdfc_metrics::sampling::PairSet;
-use brdfc_probe::{EVALUATE_ENTRY_WGSL, Evaluator};
+use brdfc_metrics::sampling::{PairSet, random_pairs};
+use brdfc_probe::{EVALUATE_ENTRY_WGSL, Evaluated, Evaluator};
 use brdfc_table::encode::{Prepared, samples_for};
 use brdfc_table::recipe::{Size, TableRecipe};
 use brdfc_wavelet::recipe::{Recipe, Target};
@@ -32,6 +33,9 @@ const FOR_PEERS: [u64; 4] = [16, 64, 256, 1024];
 const FOR_BLOCKS: [u64; 4] = [4, 16, 64, 256];
 const RATIOS: [f64; 3] = [64.0, 16.0, 4.0];
 const GGX_WGSL: &str = include_str!("ggx.wgsl");
+/// Pairs at which the shader of a model in closed form is compared with the model.
+const CHECKED_PAIRS: usize = 1024;
+const SEED: u64 = 8;
 /// Two colours and two numbers.
 const GGX_BYTES: u64 = 32;
 
@@ -222,6 +226,15 @@ impl Study<'_> {
         let cpu = self.rates.cpu(false, |pair| model.eval(pair, &mut Tally::default())[0] as f32);
         let evaluator = Evaluator::with_shaders(self.gpu, &closed.shader, EVALUATE_ENTRY_WGSL)?;
         let loaded = evaluator.load(any, Filter::Bilinear)?;
+        let pairs = random_pairs(CHECKED_PAIRS, SEED);
+        let found = evaluator.eval(&loaded, &pairs, 0.0, SliceFilter::Hardware)?;
+        let is_equal = |(pair, found): (&DirectionPair, Evaluated)| {
+            let exact = model.eval(*pair, &mut Tally::default());
+            found.f_r.iter().zip(exact).all(|(found, exact)| (f64::from(*found) - exact).abs() < 0.01 * exact + 1e-3)
+        };
+        if !pairs.iter().zip(found).all(is_equal) {
+            return Err(CodecStudyError::Peer(format!("{}: the shader differs from the model", closed.codec)));
+        }
         let shader = self.rates.shader_of(&evaluator, &loaded, 0.0, SliceFilter::Hardware)?;
         self.rows.push(CodecRow {
             sampled: true,

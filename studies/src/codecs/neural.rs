@@ -46,9 +46,10 @@ impl Layer {
 
 impl NeuralBrdf {
     /// Makes a network from its weights: for each layer its matrix, a row for each input, then its biases. `None` if their
-    /// number is not [`NETWORK_WEIGHTS`].
+    /// number is not [`NETWORK_WEIGHTS`], or if one is not finite.
     pub fn new(mut weights: &[f32]) -> Option<Self> {
-        (weights.len() == NETWORK_WEIGHTS).then(|| Self {
+        let is_network = weights.len() == NETWORK_WEIGHTS && weights.iter().all(|weight| weight.is_finite());
+        is_network.then(|| Self {
             layers: [[INPUTS, HIDDEN], [HIDDEN, HIDDEN], [HIDDEN, CHANNELS]]
                 .map(|[inputs, outputs]| Layer::take(&mut weights, inputs, outputs)),
         })

@@ -50,9 +50,8 @@ fn the_study_of_codecs() {
     let python = script.to_str().unwrap();
     let material = "synth:ggx?kd=0.3,0.1,0.05&alpha=0.2";
     let bench = ["--study", "codecs", material];
-    // Its last biases make a network of ln(f + 1) that is constant: 0.1, 0.03 and 0.02 like the diffuse part.
-    let mut weights = vec![0.0f32; 672];
-    weights.extend([0.1f32, 0.03, 0.02].map(f32::ln_1p));
+    // Any weights, so that the study compares its shader with the network.
+    let weights: Vec<f32> = (0..675).map(|k| 0.3 * (1.7 * k as f32).sin()).collect();
     std::fs::create_dir(folder.path().join("nets")).unwrap();
     folder.write(&format!("nets/{material}.h5"), weights.iter().flat_map(|w| w.to_le_bytes()).collect::<Vec<u8>>());
     let with = ["--json", "--out", "figures", "--peers", python, "--networks", "nets"];
@@ -68,7 +67,7 @@ fn the_study_of_codecs() {
     let [network] = of("neural")[..] else { panic!("one network") };
     assert_eq!([&network["bytes_on_gpu"], &network["fetches"]], [2700, 0]);
     let error = network["delta_e"].as_f64().unwrap();
-    assert!(error > 1.0 && error < 30.0 && network["shader"].as_f64().unwrap() > 1e4, "{network}");
+    assert!(error > 1.0 && network["shader"].as_f64().unwrap() > 1e4, "{network}");
     assert!(of("table").iter().any(|row| row["bytes_on_gpu"].as_u64().unwrap() <= 1350));
     // A model of the kind that is fitted is found; nodes that lost nothing are as close as tables.
     assert!(least("ggx") < 0.01 && least("zfp") < 1.1 * least("table"), "{} {}", least("ggx"), least("zfp"));

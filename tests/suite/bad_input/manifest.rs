@@ -52,7 +52,7 @@ fn unknown_keys_at_every_level() {
             "material = 1",
             "line 1, key: found \"material\", expected scene, defaults, materials, uses or render; did you mean mat",
         ),
-        (2, "titel = 1", "line 3, key in [scene]: found \"titel\", expected name, distance_scale, environment"),
+        (2, "titel = 1", "line 3, key in [scene]: found \"titel\", expected name, distance_scale or environment"),
         (2, "distance-scale = 1", "did you mean distance_scale?"),
         (4, "grit = 8", "line 5, key in [defaults]: found \"grit\", expected codec, max_delta_e,"),
         (4, "grit = 8", "did you mean grid?"),
@@ -266,12 +266,12 @@ fn values_out_of_range() {
 
 #[test]
 fn two_targets() {
-    bad(with_line(6, "ratio = 4\nmax_error = 0.1"), "line 7, materials.paint.ratio: several targets; set only one of");
+    bad(with_line(6, "ratio = 4\nmax_error = 0.1"), "line 7, materials.paint.ratio: several limits; set only one of");
     bad(
         with_line(6, "max_bytes = 4\nmax_error = 0.1"),
-        "max_error: several targets; set only one of ratio, max_error and max_bytes",
+        "max_error: several limits; set only one of ratio, max_error and max_bytes",
     );
-    bad(with_line(3, "max_bytes = 4\nratio = 4"), "defaults.ratio: several targets");
+    bad(with_line(3, "max_bytes = 4\nratio = 4"), "defaults.ratio: several limits");
     let folder = Folder::new();
     folder.write("scene.toml", with_line(6, "ratio = 4").replace("grid = 4", "grid = 4\nmax_error = 0.1"));
     folder.run(&["build", "scene.toml", "--dry-run"]).succeeded();

@@ -74,7 +74,7 @@ fn options_that_go_with_another_input() {
             "--material: found 2 materials without a name, expected one, for clay, tin",
         ),
         (structure, &["--bounces", "4", "--write-images", "images"], "--write-images does not apply to --bounces"),
-        (structure, &["--views", "grid:1x6@50"], "--views: found grid:1x6@50, expected 2 polar angles or more"),
+        (structure, &["--views", "grid:1x6@50"], "--views: found \"grid:1x6@50\", expected 2 polar angles or more"),
         (structure, &["--indirection", "0x0"], "--indirection: found 0x0, expected 2 to 256 polar angles x 3 to 256"),
         (
             structure,

@@ -122,12 +122,12 @@ fn too_few_different_rows() {
     bad_file(
         "a.brdf",
         format!("{HEADER}{one}").as_bytes(),
-        &["rows: found 1 distinct direction pairs in 1 rows, expected at least 8"],
+        &["rows: found 1 distinct direction pair in 1 row, expected at least 8"],
     );
     bad_file(
         "a.brdf",
         format!("{HEADER}{}", one.repeat(40)).as_bytes(),
-        &["rows: found 1 distinct direction pairs in 40 rows"],
+        &["rows: found 1 distinct direction pair in 40 rows"],
     );
     bad_file("a.csv", COLUMNS.as_bytes(), &["rows: no measurements"]);
 }

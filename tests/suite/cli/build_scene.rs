@@ -99,7 +99,11 @@ fn a_failed_material_does_not_stop_the_others() {
         (["data/table.binary", "data/gone.binary"], 4, "table: data/gone.binary: cannot read: "),
         (["data/table.binary", "scene.toml"], 3, "table: scene.toml: file name: found extension .toml"),
         (["data/table.binary", "synth:lewisss"], 3, "did you mean lewis?"),
-        (["data/table.binary'", "data/table.binary'\nmax_error = 1e-9"], 1, "table: max_error: found ε_r "),
+        (
+            ["data/table.binary'", "data/table.binary'\nmax_error = 1e-9"],
+            1,
+            "table: max_error (--max-error): found ε_r ",
+        ),
     ] {
         let out = folder.path().join("packs");
         let _ = std::fs::remove_dir_all(out);
@@ -113,6 +117,21 @@ fn a_failed_material_does_not_stop_the_others() {
         let names: Vec<_> = folder.products("packs").into_keys().collect();
         assert_eq!(names, ["model.brdf.ktx2", "model.json", "report.json"]);
         folder.run(&["info", "packs/model.brdf.ktx2"]).succeeded();
+    }
+}
+
+#[test]
+fn limits_are_named_by_key_and_flag() {
+    let folder = folder();
+    folder.write("levels.binary", folder.read("table.binary"));
+    folder.write("my_max_error.binary", folder.read("table.binary"));
+    for (input, words) in [
+        ("scene.toml", "brdfc: table: max_bytes (--max-bytes): found 3 bytes, expected at least "),
+        ("my_max_error.binary", "brdfc: my_max_error: --max-bytes: found 3 bytes, expected at least "),
+        ("levels.binary", "brdfc: levels: --max-bytes: found 3 bytes, expected at least "),
+    ] {
+        let ran = folder.run(&["build", input, "--out", "limited", "--max-bytes", "3"]);
+        assert!(ran.code == 1 && ran.stderr.contains(words), "{input}: {ran:?}");
     }
 }
 

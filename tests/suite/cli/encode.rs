@@ -207,7 +207,8 @@ fn a_budget_that_nothing_meets_keeps_the_best() {
     let input = "synth:ggx?kd=0.3,0.1,0.05&alpha=0.05";
     let ran = folder.run(&["encode", input, "-o", "p.ktx2", "--max-delta-e", "0.05", "--max-bytes", "3000", "--json"]);
     assert_eq!(ran.code, 1, "{}", ran.stderr);
-    assert!(ran.stderr.contains("no tried pack meets the limits; the closest one has a mean ΔE of "), "{}", ran.stderr);
+    let expected = "no tried pack of at most 3000 bytes meets the limits; the closest one has a mean ΔE of ";
+    assert!(ran.stderr.contains(expected), "{}", ran.stderr);
     let report = ran.json();
     conforms("encode", &report);
     assert!(report["missed"].is_string() && report["bytes_on_disk"] == folder.read("p.ktx2").len(), "{report}");
@@ -268,18 +269,25 @@ fn budgets_that_say_nothing_are_refused() {
             2,
             "--energy-preserving: does not apply to the codec table; use the codec wavelet",
         ),
+        ("synth:lewis", &["--codec", "max_error"], 2, "--codec: found \"max_error\", expected auto, table, factored"),
+        (
+            "synth:lewis",
+            &["--codec", "wavelet", "--max-error", "1%", "--max-bytes", "2000"],
+            2,
+            "--max-error: several limits; set only one of --ratio, --max-error and --max-bytes\n",
+        ),
         ("synth:lewis", &["--max-bytes", "16XB"], 2, "expected a whole number of bytes, such as 16384, 16KiB or 1MiB"),
         (
             "synth:lewis",
             &["--grid", "8", "--max-delta-e", "1"],
             2,
-            "--max-delta-e: conflicts with grid, an option of the codec wavelet; use the codec auto, table or ",
+            "--max-delta-e: conflicts with --grid, an option of the codec wavelet; use the codec auto, table or ",
         ),
         (
             "synth:lewis",
             &["--ratio", "4", "--reciprocal"],
             2,
-            "--reciprocal: conflicts with ratio, an option of the codec wavelet; use the codec auto, table or ",
+            "--reciprocal: conflicts with --ratio, an option of the codec wavelet; use the codec auto, table or ",
         ),
     ] {
         let ran = folder.run(&[&["encode", input, "-o", "p.ktx2"], more].concat());
@@ -287,6 +295,15 @@ fn budgets_that_say_nothing_are_refused() {
         assert!(ran.stderr.contains(expected), "{more:?}: {}", ran.stderr);
     }
     assert!(folder.files(".").is_empty());
+    // Names that contain keys of options stay as they are.
+    for (name, more, expected) in [
+        ("levels.csv", ["--max-bytes", "3"], "levels.csv: --max-bytes: found 3 bytes, expected at least "),
+        ("my_max_error.csv", ["--max-bytes", "3"], "my_max_error.csv: --max-bytes: found 3 bytes, expected at least "),
+    ] {
+        folder.run(&["synth", "lewis", "-o", name]).succeeded();
+        let ran = folder.run(&[&["encode", name, "-o", "p.ktx2"], &more[..]].concat());
+        assert!(ran.code != 0 && ran.stderr.contains(expected), "{name}: {ran:?}");
+    }
     // Black without any statement about errors is black.
     let report = encode(&folder, "synth:lambert?kd=0", &[]);
     assert_eq!(report["off_grid"]["norms"]["rms"], 0.0);

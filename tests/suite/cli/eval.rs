@@ -105,6 +105,9 @@ fn levels_of_detail_belong_to_packs() {
     assert_eq!(values("3"), folder.run(&["eval", "t.ktx2", "--directions", "pairs.csv"]).succeeded().stdout);
     assert!(values("0") != values("3") && values("2.5") != values("3"));
     assert!(at("3.5").stderr.contains("--lod: found 3.5, expected 0 to 3, the pack's levels"));
+    folder.run(&["encode", "synth:lewis", "-o", "one.ktx2", "--codec", "table"]).succeeded();
+    let ran = folder.run(&["eval", "one.ktx2", "--directions", "pairs.csv", "--lod", "1"]);
+    assert!(ran.code == 2 && ran.stderr.contains("--lod: the pack has one level; omit the option"), "{ran:?}");
 }
 
 #[test]

@@ -9,7 +9,9 @@ use brdfc_testing::packs::sealed;
 fn files_of_what_is_not_there_cannot_be_read() {
     let folder = Folder::new();
     folder.write("some.txt", b"no pack");
-    for (name, code, problem) in [("gone", 4, "gone: cannot read"), ("some.txt", 3, "some.txt: input: found no pack")] {
+    for (name, code, problem) in
+        [("gone", 4, "gone: cannot read"), ("some.txt", 3, "some.txt: input: not a pack; expected a pack")]
+    {
         let ran = folder.run(&["info", name, "--files"]);
         assert!(ran.code == code && ran.stderr.contains(problem), "{name}: {}", ran.stderr);
     }

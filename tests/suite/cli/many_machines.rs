@@ -47,7 +47,8 @@ fn shards_make_the_whole() {
         (&["--shard", "1/3", "--only", "table.brdf"], "--shard"),
         (
             &["--only", "table"],
-            "--only: found \"table\", expected environment.maps, round.brdf, round.maps or table.brdf",
+            "--only: found \"table\", expected environment.maps, round.brdf, round.maps, table.brdf, table.maps, \
+             ward.brdf or ward.maps",
         ),
         (&["--shard", "1/3", "--json"], "--json does not apply to --shard and --only"),
     ] {

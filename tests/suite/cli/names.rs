@@ -82,7 +82,7 @@ fn what_a_dash_cannot_be_is_refused() {
     for (arguments, stdin, code, expected) in [
         (&["compare", "-", "-"][..], &b""[..], 2, "brdfc: A and B: both are -; only one can be stdin\n"),
         (&["eval", "-", "--directions", "-"], b"", 2, "INPUT and --directions: both are -; only one"),
-        (&["info", "-"], b"", 3, "brdfc: stdin: contents: empty; expected .binary (MERL), "),
+        (&["info", "-"], b"", 3, "brdfc: stdin: contents: empty file; expected .binary (MERL), "),
         (&["info", "-"], b"\0\0\0\0\0", 3, "stdin: contents: unknown layout; expected .binary (MERL), "),
         (
             &["encode", "-", "-o", "p.ktx2"],
@@ -302,7 +302,7 @@ fn an_empty_stream_is_reported() {
         &["render", "-", "-o", "x.png"],
     ] {
         let ran = with_stdin(&folder, arguments, b"");
-        let is_reported = ran.stderr.starts_with("brdfc: stdin: contents: empty; expected .")
+        let is_reported = ran.stderr.starts_with("brdfc: stdin: contents: empty file; expected .")
             || ran.stderr.starts_with("brdfc: stdin: header: empty file; expected a line of column names");
         assert!(ran.code == 3 && is_reported, "{arguments:?}: {} {}", ran.code, ran.stderr);
     }
@@ -351,7 +351,9 @@ fn a_wrong_extension_is_reported() {
         let ran = folder.run(&["info", name]);
         let message = &ran.stderr;
         assert_eq!(ran.code, 3, "{name}: {message}");
-        assert!(message.starts_with(&format!("brdfc: {name}: ")) && message.contains("expected "), "{message}");
+        let states_both = message.contains(": found ") && message.contains(", expected ");
+        assert!(states_both || message.contains("; expected "), "{message}");
+        assert!(message.starts_with(&format!("brdfc: {name}: ")), "{message}");
         assert!(message.ends_with(&format!("; it looks like {expected}\n")), "{message}");
     }
     // No hint if the name is right and something else is wrong.

@@ -177,7 +177,7 @@ fn marks_and_rules_are_not_written_over_the_builds_own_files() {
         let ran = build(&folder, inputs, options);
         assert!(ran.code == 2 && ran.stderr.contains("; choose another name or folder"), "{options:?}: {ran:?}");
     };
-    for stamp in ["k/../k/ggx.brdf.ktx2", "k/../k/report.json", "k/.brdfc-cache/placed", "-"] {
+    for stamp in ["k/../k/ggx.brdf.ktx2", "k/../k/report.json", "k/.brdfc-cache/placed"] {
         refused(&["synth:ggx"], &["--out", "k", "--stamp", stamp]);
         refused(&["synth:ggx"], &["--out", "k", "--depfile", stamp]);
     }

@@ -367,6 +367,7 @@ fn wrong_arguments() {
             2,
             "--pack-delta-e: does not apply to the codec wavelet",
         ),
+        (&["render", "synth:lewis", "--max-bytes", "3"], 1, "synth:lewis: --max-bytes: found 3 bytes, expected at"),
     ] {
         let ran = folder.run(arguments);
         assert_eq!(ran.code, code, "{arguments:?}: {}", ran.stderr);

@@ -302,7 +302,7 @@ fn folders_that_are_not_what_their_report_says() {
         assert!(!folder.path().join("page.html").exists());
     };
     refused(4, "nowhere/report.json: cannot read", &["nowhere", "-o", "page.html"]);
-    refused(2, "--output: found page.pdf, expected a name that ends in .html", &["packs", "-o", "page.pdf"]);
+    refused(2, "--output: found page.pdf, expected a name that ends in .html or .htm", &["packs", "-o", "page.pdf"]);
     refused(
         2,
         "--output: the figures of packs/report.html would overwrite the input packs/report.json; choose another",
@@ -310,7 +310,7 @@ fn folders_that_are_not_what_their_report_says() {
     );
     // For a damaged report or one of another version, no type names of the program.
     let whole = folder.text("packs/report.json");
-    let other = whole.replacen("\"version\": 3", "\"version\": 1", 1);
+    let other = whole.replacen("\"version\": 4", "\"version\": 1", 1);
     let typed = whole.replacen("\"scene\": \"materials\"", "\"scene\": 3", 1);
     let outside = whole.replacen("\"velvet.brdf.ktx2\"", "\"../velvet.brdf.ktx2\"", 1);
     assert!(other != whole && typed != whole && outside != whole);
@@ -320,7 +320,7 @@ fn folders_that_are_not_what_their_report_says() {
         (&whole[..300], "found truncated JSON, at line "),
         ("[]", "found JSON of another layout, at line 1, column 2"),
         (&typed, "found JSON of another layout, at line 3, column 12: invalid type: integer `3`"),
-        (&other, "found layout version 1, expected 3"),
+        (&other, "found layout version 1, expected 4"),
         (&outside, "the file \"../velvet.brdf.ktx2\" is outside the folder of the report"),
         ("\0\0\0", "found text that is not JSON, at line 1, column 1"),
     ] {

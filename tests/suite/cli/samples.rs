@@ -98,6 +98,7 @@ fn what_cannot_be_is_refused() {
         (2, "synth:ward", &["--rings", "0"], "--rings: found 0, expected 1 to 4096"),
         (2, "synth:ward", &["--cells", "7"], "--cells: found 7, expected an even number"),
         (2, "synth:ward", &["--defensive", "0"], "--defensive: found 0, expected above 0"),
+        (2, "synth:ward", &["--defensive", "200%"], "--defensive: found 200%, expected above 0"),
         (2, "synth:ward", &["--defensive", "NaN"], "--defensive: found NaN, expected above 0"),
         (2, "gone.binary", &["--count", "9000"], "--count: found 9000"),
         (3, "synth:nothing", &[], "synth:nothing: "),

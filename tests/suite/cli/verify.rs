@@ -39,7 +39,7 @@ fn each_fault_is_named() {
         bytes[middle] ^= 4;
         folder.write("packs/a.brdf.ktx2", &bytes);
     };
-    let cases: [Fault<'_>; 8] = [
+    let cases: [Fault<'_>; 9] = [
         ("packs", &flip, "packs/a.brdf.ktx2: ", "checksum of the file"),
         ("packs/a.brdf.ktx2", &flip, "packs/a.brdf.ktx2: ", "checksum of the file"),
         (
@@ -67,13 +67,19 @@ fn each_fault_is_named() {
         ),
         (
             "packs",
+            &|folder| replace(folder, "packs/report.json", "\"relative_mean\": 0.", "\"relative_mean\": 0.0"),
+            "packs/report.json: the checksum does not match",
+            "; a: the figures ",
+        ),
+        (
+            "packs",
             &|folder| {
                 let mut report: serde_json::Value = serde_json::from_slice(&folder.read("packs/report.json")).unwrap();
                 report["materials"][0]["files"] = serde_json::json!([]);
                 report.as_object_mut().unwrap().remove("checksum");
                 folder.write("packs/report.json", with_checksum(&serde_json::to_string_pretty(&report).unwrap()));
             },
-            "packs/report.json: a: ",
+            "packs/report.json: a: the hashed files ",
             "the hashed files are not the parts of the material",
         ),
         (

@@ -7,12 +7,12 @@ use super::recipe::{Ranking, Recipe, Target};
 use super::table::Grid;
 use super::tabulated::Tabulated;
 use brdfc_codec::{
-    BrdfRecipe, BrdfReport, Encode, EncodeError, EncodeOptions, Encoded, ErrorLimits, GridCache, OptionError,
+    BrdfRecipe, BrdfReport, Encode, EncodeError, EncodeOptions, Encoded, ErrorLimits, GridCache, Message, OptionError,
     Predicted, Variant,
 };
 use brdfc_core::Source;
 use brdfc_core::progress::{Progress, Stage};
-use brdfc_core::words::{bytes, format_number, percent};
+use brdfc_core::words::{bytes, format_number, percent, quoted};
 use brdfc_formats::BrdfPack;
 use brdfc_formats::crop::DirectionRange;
 use brdfc_formats::direction::Parameterisation;
@@ -190,12 +190,12 @@ impl Encode for Recipe {
         }
         if let Some(name) = options.parameterisation.as_deref().filter(|name| *name != recipe.parameterisation.name()) {
             let allowed = "tangent-pole; use the codec table for half-difference angles";
-            return Err(OptionError::new("parameterisation", format!("\"{name}\""), allowed));
+            return Err(OptionError::new("parameterisation", quoted(name), allowed));
         }
         if let Some(name) = &options.ranking {
             let known = Ranking::NAMES.iter().find(|(known, _)| known == name);
             let Some((_, ranking)) = known else {
-                return Err(EncodeOptions::out_of_range("ranking", format!("\"{name}\"")));
+                return Err(EncodeOptions::out_of_range("ranking", quoted(name)));
             };
             recipe.ranking = *ranking;
         }
@@ -254,7 +254,9 @@ fn target(options: &EncodeOptions) -> Result<Option<Target>, OptionError> {
     let given = [options.ratio.is_some(), options.max_error.is_some(), options.max_bytes.is_some()];
     if given.iter().filter(|given| **given).count() > 1 {
         let field = if options.ratio.is_some() { "ratio" } else { "max_error" };
-        return Err(OptionError::conflict(field, "several targets; set only one of ratio, max_error and max_bytes"));
+        let problem = Message::from("several limits; set only one of ").with_key("ratio").with_text(", ");
+        let problem = problem.with_key("max_error").with_text(" and ").with_key("max_bytes");
+        return Err(OptionError::conflict(field, problem));
     }
     if let Some(ratio) = options.ratio {
         if !(1.0..=4096.0).contains(&ratio) {

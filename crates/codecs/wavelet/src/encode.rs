@@ -12,6 +12,7 @@ use super::visible::visible_energies;
 use super::{haar, threshold};
 use brdfc_codec::EncodeError;
 use brdfc_core::progress::{Progress, Stage};
+use brdfc_core::words::format_number;
 use brdfc_core::{PackSource, Source, Tally};
 use brdfc_formats::ErrorSummary;
 use brdfc_formats::crop::{DirectionRange, Window};
@@ -56,8 +57,8 @@ pub(super) fn check(recipe: &Recipe) -> Result<(), EncodeError> {
         if found > MAX_SLICES {
             return Err(EncodeError::Size {
                 field: "ratio",
-                found: format!("{found} slices with the zero slice"),
-                allowed: format!("at most {MAX_SLICES}; use a higher ratio or a smaller grid"),
+                found: format!("{}, which needs {found} slices", format_number(ratio)),
+                allowed: format!("at most {MAX_SLICES} slices; use a higher ratio or a smaller grid"),
             });
         }
     }

@@ -8,7 +8,7 @@ use crate::error::Error;
 use crate::file_name::{folded, is_plain};
 use crate::scene::explain::Explained;
 use crate::scene::maps::{MapsReport, PARTS, Packed, part_name};
-use crate::scene::plan::{Plan, list_name, pack_name};
+use crate::scene::plan::{Plan, REPORT, list_name, pack_name};
 use crate::scene::run::{JobError, Made, MadeEnvironment, Outcome, Outcomes, PACK};
 use crate::scene::scene_section::ENVIRONMENT;
 use crate::store::Digest;
@@ -22,7 +22,7 @@ use std::path::Path;
 /// Maximum size of a `report.json`, bytes, enough for some 80,000 materials.
 pub const MAX_REPORT_BYTES: u64 = 1 << 30;
 /// Layout of the report of a build.
-pub const BUILD_VERSION: u32 = 3;
+pub const BUILD_VERSION: u32 = 4;
 
 /// Report of a build: `--json` prints it, and `report.json` in the output folder holds it without times and paths.
 #[derive(Debug, Clone, Serialize, Deserialize, schemars::JsonSchema)]
@@ -174,9 +174,11 @@ impl BuildReport {
     ///
     /// # Errors
     /// Returns an error if the file cannot be read or is no report.
-    pub fn open_unchecked(path: &Path) -> Result<(Self, Digest, Option<String>), Error> {
+    pub(crate) fn open_unchecked(path: &Path) -> Result<(Self, Digest, Option<String>), Error> {
         let bytes = read_file(path, MAX_REPORT_BYTES)?;
-        let rewritten = |what: &str| format!("{what}; 'brdfc build' rewrites it");
+        let is_of_build = path.file_name().is_some_and(|name| name == REPORT);
+        let remedy = if is_of_build { "; 'brdfc build' rewrites it" } else { "" };
+        let rewritten = |what: &str| format!("{what}{remedy}");
         let wrong = |what: String| Error::input(rewritten(&what)).prefixed(path.display());
         let allowed = "the report.json of a build by this version of brdfc";
         let no_report = |found: String| wrong(format!("found {found}, expected {allowed}"));

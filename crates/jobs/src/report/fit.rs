@@ -24,7 +24,8 @@ pub fn check(limits: FitLimits, errors: ErrorLimits, report: &MaterialReport) ->
         return results;
     }
     let mut fail = |found: String, allowed: &str| {
-        results.push(GateResult::new("fit", found, format!("{allowed}; trust_fit accepts the fit"), false));
+        let allowed = format!("{allowed}; trust_fit (--trust-fit) accepts the fit");
+        results.push(GateResult::new("fit", found, allowed, false));
     };
     if let Some(gaps) = fit.gaps() {
         fail(format!("no reliable fit: {gaps}"), "samples that determine the material");

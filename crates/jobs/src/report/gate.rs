@@ -1,5 +1,6 @@
 //! Results of gates: limits that finished packs and renderings are checked against.
 
+use crate::encode::Message;
 use serde::{Deserialize, Serialize};
 
 /// Beginning of the reason why there is no value, such as "no light: all surfaces are black".
@@ -25,12 +26,21 @@ impl GateResult {
     }
 }
 
+impl GateResult {
+    /// The message with the position of the key.
+    pub fn message(&self) -> Message {
+        let Self { gate, found, allowed, .. } = self;
+        let text = if found.starts_with(NOTHING) {
+            format!(": {found}; expected {allowed}")
+        } else {
+            format!(": found {found}, expected {allowed}")
+        };
+        Message::default().with_key(gate).with_text(text)
+    }
+}
+
 impl std::fmt::Display for GateResult {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        let Self { gate, found, allowed, .. } = self;
-        if found.starts_with(NOTHING) {
-            return write!(f, "{gate}: {found}; expected {allowed}");
-        }
-        write!(f, "{gate}: found {found}, expected {allowed}")
+        self.message().fmt(f)
     }
 }

@@ -1,6 +1,6 @@
 //! Errors of jobs.
 
-use crate::encode::EncodeError;
+use crate::encode::{EncodeError, Message};
 use crate::error::Error;
 use brdfc_core::progress::Cancelled;
 use brdfc_formats::FormatError;
@@ -30,6 +30,14 @@ impl JobError {
     /// Returns true if the job was cancelled, because another failed or the caller asked to stop.
     pub fn is_cancelled(&self) -> bool {
         matches!(self, Self::Cancelled(_))
+    }
+
+    /// The message with the positions of the keys of options.
+    pub fn message(&self) -> Message {
+        match self {
+            Self::Encode(error) => error.message(),
+            other => other.to_string().into(),
+        }
     }
 }
 

@@ -13,7 +13,7 @@ use super::uses::USE_KEYS;
 use crate::encode::OptionError;
 use crate::encode::{EncodeOptions, PackRecipe, codec_names, range_of};
 use crate::keys::keys_of;
-use brdfc_core::words::one_of;
+use brdfc_core::words::{one_of, quoted};
 use serde::Deserialize;
 use serde::de::DeserializeOwned;
 use std::collections::BTreeMap;
@@ -124,7 +124,7 @@ impl Manifest {
         self.render.check(&place)?;
         let line = |path: &[&str]| line_of_key(text, tree, path);
         let error = |line, prefix: &str, OptionError { field, found, allowed }| {
-            ManifestError::new(line, format!("{prefix}.{field}"), found, allowed)
+            ManifestError::new(line, format!("{prefix}.{field}"), found, allowed.to_string())
         };
         let (options, require) = (&self.defaults.options, &self.defaults.require);
         PackRecipe::from_options(options, &EncodeOptions::default())
@@ -167,8 +167,7 @@ impl Manifest {
                 let allowed =
                     if known.is_empty() { "a material; the manifest has none".to_owned() } else { one_of(&known) };
                 let line = line_of(text, Some(used.material.span()));
-                let error =
-                    ManifestError::new(line, format!("uses[{number}].material"), format!("\"{name}\""), allowed);
+                let error = ManifestError::new(line, format!("uses[{number}].material"), quoted(name), allowed);
                 return Err(ManifestError { suggestion: near_miss(name, &known), ..error });
             }
             used.check(number, text, self.scene.environment.is_some())?;

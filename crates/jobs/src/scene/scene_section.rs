@@ -2,7 +2,7 @@
 
 use super::place::{ManifestError, Place};
 use super::shapes::{Key, Shape, key};
-use brdfc_core::words::format_number;
+use brdfc_core::words::{format_number, quoted};
 use serde::Deserialize;
 use std::path::Path;
 
@@ -40,7 +40,7 @@ impl SceneSection {
         if let Some(file) = &self.environment {
             let extension = Path::new(file).extension().and_then(|e| e.to_str()).unwrap_or("");
             if !["exr", "hdr"].iter().any(|known| extension.eq_ignore_ascii_case(known)) {
-                let found = format!("\"{file}\"");
+                let found = quoted(file);
                 return Err(place.error(&["scene", "environment"], found, "an .exr or .hdr file"));
             }
         }

@@ -2,7 +2,7 @@
 
 use super::place::{ManifestError, line_of, near_miss};
 use brdfc_core::byte_count;
-use brdfc_core::words::one_of;
+use brdfc_core::words::{one_of, quoted};
 use brdfc_metrics::fraction::{self, Fraction};
 use std::borrow::Cow;
 use std::ops::Range;
@@ -79,7 +79,7 @@ impl Checked<'_> {
             return Err(ManifestError {
                 line: line_of(self.text, Some(unknown.span())),
                 field: if heading.is_empty() { "key".to_owned() } else { format!("key in {heading}") },
-                found: format!("\"{}\"", unknown.get_ref()),
+                found: quoted(unknown.get_ref()),
                 allowed: one_of(&names),
                 suggestion: near_miss(unknown.get_ref(), &names),
             });

@@ -2,7 +2,7 @@
 
 use super::place::{ManifestError, line_of};
 use super::shapes::{Key, Shape, key, required};
-use brdfc_core::words::{format_number, one_of};
+use brdfc_core::words::{format_number, one_of, quoted};
 use brdfc_formats::crop::Elevations;
 use serde::Deserialize;
 use std::ops::Range;
@@ -118,7 +118,7 @@ impl Use {
         for (key, list, known) in [("lighting", &self.lighting, LIGHTING), ("maps", &self.maps, MAPS)] {
             let Some(list) = list else { continue };
             if let Some(name) = list.get_ref().iter().find(|name| !known.contains(&name.as_str())) {
-                return wrong(key, list.span(), format!("\"{name}\""), &one_of(&known));
+                return wrong(key, list.span(), quoted(name), &one_of(&known));
             }
         }
         if let Some(lighting) = &self.lighting {

@@ -3,6 +3,7 @@
 use super::error::JobError;
 use super::run::{Made, Outcomes};
 use super::scene_section::ENVIRONMENT;
+use crate::encode::Message;
 use crate::error::Error;
 use brdfc_core::words::counted_of;
 
@@ -19,21 +20,21 @@ impl Outcomes {
     }
 
     /// Lists all failures, missed limits and failed gates, one line each, with the name of the material.
-    pub fn problems(&self) -> Vec<String> {
+    pub fn problems(&self) -> Vec<Message> {
         let mut lines = Vec::new();
         for outcome in &self.materials {
-            let of = |text: &dyn std::fmt::Display| format!("{}: {text}", outcome.name);
+            let of = |text: &Message| Message::from(format!("{}: ", outcome.name)).with_message(text);
             match &outcome.result {
                 Ok(made) => {
-                    lines.extend(made.report.missed.iter().map(|missed| of(missed)));
-                    lines.extend(made.gates.iter().filter(|gate| !gate.passed).map(|gate| of(gate)));
+                    lines.extend(made.report.missed.iter().map(|missed| of(&missed.as_str().into())));
+                    lines.extend(made.gates.iter().filter(|gate| !gate.passed).map(|gate| of(&gate.message())));
                 }
                 Err(error) if error.is_cancelled() => {}
-                Err(error) => lines.push(of(error)),
+                Err(error) => lines.push(of(&error.message())),
             }
         }
         if let Some(Err(error)) = &self.environment {
-            lines.push(format!("{ENVIRONMENT}: {error}"));
+            lines.push(format!("{ENVIRONMENT}: {error}").into());
         }
         lines
     }

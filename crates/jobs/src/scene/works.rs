@@ -98,7 +98,7 @@ impl FromStr for Shard {
             let shard = Self { number: number.parse().ok()?, count: count.parse().ok()? };
             (1 <= shard.number && shard.number <= shard.count).then_some(shard)
         });
-        parsed.ok_or_else(|| "expected NUMBER/COUNT with NUMBER from 1 to COUNT, such as 2/8".to_owned())
+        parsed.ok_or_else(|| "expected I/N with I from 1 to N, such as 2/8".to_owned())
     }
 }
 

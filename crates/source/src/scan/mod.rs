@@ -18,6 +18,7 @@ use super::format::{Format, Opened};
 use super::input::InputFile;
 use brdfc_core::StrayRows;
 use brdfc_core::source::{Completion, Repeats};
+use brdfc_core::words::counted;
 use brdfc_core::{Source, Symmetry, Tally};
 use brdfc_formats::FormatError;
 use brdfc_formats::direction::DirectionPair;
@@ -167,7 +168,7 @@ impl ScanSource {
         if groups.len() < MIN_ROWS {
             return Err(FormatError::whole(
                 "rows",
-                format!("{} distinct direction pairs in {} rows", groups.len(), pairs.len()),
+                format!("{} in {}", counted(groups.len(), "distinct direction pair"), counted(pairs.len(), "row")),
                 format!("at least {MIN_ROWS} distinct direction pairs"),
             ));
         }

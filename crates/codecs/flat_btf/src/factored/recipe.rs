@@ -41,7 +41,8 @@ impl FactoredTarget {
                 let least = shapes(directions, false)?.iter().map(|shape| gpu_bytes(*shape, directions)).min();
                 match least {
                     Some(least) if *most < least => {
-                        Err(FormatError::whole("bytes of factors", most.to_string(), format!("{least} or more")))
+                        let allowed = format!("{least} or more, the bytes of the smallest asset");
+                        Err(FormatError::whole("bytes of factors", most.to_string(), allowed))
                     }
                     _ => Ok(()),
                 }

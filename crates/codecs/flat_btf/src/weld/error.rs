@@ -1,5 +1,6 @@
 //! Errors of meshes that are no periodic surface.
 
+use brdfc_core::words::join_truncated;
 use brdfc_formats::FormatError;
 use brdfc_formats::direction::Vector;
 use std::fmt;
@@ -147,7 +148,7 @@ pub enum MesoError {
         corners: [Vector; 3],
     },
     /// More materials than a surface blends.
-    #[error("materials: found {} ({}), expected at most 4", .0.len(), join_truncated(.0))]
+    #[error("materials: found {} ({}), expected at most 4", .0.len(), join_truncated(.0, 12))]
     Materials(Vec<String>),
     /// A surface that is too high or too low.
     #[error("heights: found {} to {} tiles, expected at most {MAX_HEIGHT} tiles above and below the reference plane", .0[0], .0[1])]
@@ -220,12 +221,4 @@ impl fmt::Display for Hint {
         }
         Ok(())
     }
-}
-
-/// Joins names with commas, truncated to 12.
-fn join_truncated(names: &[String]) -> String {
-    const MAX: usize = 12;
-    let more = names.len().saturating_sub(MAX);
-    let more = if more == 0 { String::new() } else { format!(" and {more} more") };
-    format!("{}{more}", names[..names.len().min(MAX)].join(", "))
 }

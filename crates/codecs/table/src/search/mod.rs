@@ -368,5 +368,6 @@ fn missed(budget: &Budget, best: &Comparison) -> String {
     {
         parts.push(format!("ε_r {:.2} %, limit {} %", 100.0 * best.norms.relative_mean, 100.0 * limit));
     }
-    format!("no tried pack meets the limits; the closest one has {}", parts.join("; "))
+    let within = budget.bytes.map_or_else(String::new, |most| format!(" of at most {most} bytes"));
+    format!("no tried pack{within} meets the limits; the closest one has {}", parts.join("; "))
 }

@@ -7,7 +7,7 @@ use brdfc_formats::FormatError;
 const MAX_BYTES: usize = 1 << 20;
 /// Maximum number of properties of an element, and of elements.
 const MAX_COUNT: usize = 1024;
-const KEYWORDS: &str = "comment, obj_info, element, property, end_header";
+const KEYWORDS: &str = "format ENCODING 1.0, comment, obj_info, element, property or end_header";
 const TYPES: &str = "char, uchar, short, ushort, int, uint, float, double, or int8 to float64";
 
 /// Type of a number.

@@ -104,7 +104,8 @@ fn errors_say_where() {
     assert!(message("ply\nelement a 1\nproperty half a\n").contains("expected char, uchar"));
     assert!(message("ply\nelement a 1\nproperty list int a\n").contains("line 3, header"));
     assert!(message("ply\nelement a 1\nproperty int a\nproperty int a\n").contains("line 4, property: found \"a\""));
-    assert!(message("ply\nrubbish\n").contains("line 2, header: found \"rubbish\", expected comment, obj_info"));
+    let expected = "line 2, header: found \"rubbish\", expected format ENCODING 1.0, comment, obj_info";
+    assert!(message("ply\nrubbish\n").contains(expected));
     assert!(message("ply\nformat ascii 1.0").contains("a line feed after it"));
     let changed = |from: &str, to: &str| message(&square().replace(from, to));
     assert!(
