@@ -1,6 +1,6 @@
 //! Analytic models as measured files, structures as meshes: `brdfc synth`.
 //!
-//! Start with [`file`], which writes a file of a model or a structure. [`MODELS`] and [`STRUCTURES`] list their
+//! Start with [`file()`], which writes a file of a model or a structure. [`MODELS`] and [`STRUCTURES`] list their
 //! names and parameters.
 
 pub use brdfc_core::address::{SYNTH_PREFIX, describe_models, split_query};

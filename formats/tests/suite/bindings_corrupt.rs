@@ -117,7 +117,7 @@ fn lines_out_of_rule_are_named() {
         ("uniform 32", "uniform 16400", "line 3: found 16400, expected 16 to 16384"),
         ("uniform 32", "uniform", "line 3: found 40 marble_sizes uniform, expected"),
         // Textures.
-        ("texture entry 2d-array", "texture there 2d-array", "line 5: found there, expected file or entry or empty"),
+        ("texture entry 2d-array", "texture there 2d-array", "line 5: found there, expected file, entry or empty"),
         ("entry 2d-array", "entry cube", "line 5: found cube of [2, 1, 2], expected 2d, 2d-array or 3d"),
         ("entry 2d-array", "entry 2d", "line 5: found 2d of [2, 1, 2], expected 2d, 2d-array or 3d"),
         ("r32uint", "r32float", "line 5: found r32float, expected a texel format that packs support"),

@@ -179,7 +179,7 @@ mod tests {
             ("light_elevation=[0, 91]", "uses[0].light_elevation: found [0, 91]"),
             ("light_elevation=[10, 12]", "5 apart or more"),
             ("light_elevation=[10]", "uses[0].light_elevation"),
-            ("lighting=['sun']", "uses[0].lighting: found \"sun\", expected points, environment"),
+            ("lighting=['sun']", "uses[0].lighting: found \"sun\", expected points or environment"),
             ("lighting=[]", "uses[0].lighting: found [], expected one or both"),
             ("lighting=['environment']", "the scene has no environment"),
             ("maps=['samples']", "uses[0].maps: needs an environment"),
