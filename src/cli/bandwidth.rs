@@ -43,7 +43,7 @@ pub struct Arguments {
     resolution: Option<String>,
     /// Threshold: ignore coefficients whose sum is below this fraction of the largest one, 0.0001 to 0.1 (default:
     /// 0.01).
-    #[arg(long, value_name = "E", default_value_t = DEFAULT_EPSILON, hide_default_value = true)]
+    #[arg(long, value_name = "E", default_value_t = DEFAULT_EPSILON)]
     epsilon: f64,
     /// Width and height of a texture in metres, such as 0.3x0.2, each 1e-6 to 1e6. Required for textures.
     #[arg(long, value_name = "WxH", allow_hyphen_values = true)]

@@ -134,8 +134,8 @@ fn after_help() -> String {
 /// The command line.
 fn command() -> clap::Command {
     let command = Cli::command()
-        .mut_args(usage::with_negatives)
-        .mut_subcommands(|command| command.mut_args(usage::with_negatives));
+        .mut_args(usage::with_common_settings)
+        .mut_subcommands(|command| command.mut_args(usage::with_common_settings));
     // `--max-delta-e` of `render` checks the rendering, so the encoding option gets another name there.
     #[cfg(feature = "render")]
     let command = command.mut_subcommand("render", |command| command.mut_arg("pack_delta_e", pack_delta_e));

@@ -25,13 +25,13 @@ pub struct Arguments {
     #[arg(value_name = "SCENE.toml|DIR|FILE", required = true)]
     inputs: Vec<OsString>,
     /// Folder for packs and reports (default: packs).
-    #[arg(long, short, value_name = "DIR", default_value = Build::DEFAULT_FOLDER, hide_default_value = true)]
+    #[arg(long, short, value_name = "DIR", default_value = Build::DEFAULT_FOLDER)]
     out: PathBuf,
     /// Format of the output; --json requires json.
     #[arg(long, value_enum)]
     format: Format,
     /// Path with which jobs call this program, if it is not in the PATH (default: brdfc).
-    #[arg(long, value_name = "PATH", default_value = "brdfc", hide_default_value = true)]
+    #[arg(long, value_name = "PATH", default_value = "brdfc")]
     program: OsString,
 }
 

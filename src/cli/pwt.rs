@@ -87,12 +87,11 @@ pub struct Arguments {
         long,
         value_name = "N",
         default_value_t = 0,
-        hide_default_value = true,
-        value_parser = any_whole_number::<usize>("0 to the number of lights - 1")
+        value_parser = any_whole_number::<usize>("0 to the number of lights - 1"),
     )]
     hold_out: usize,
     /// Seed of the permutation that selects the held-out lights, 0 or more (default: 0).
-    #[arg(long, value_name = "N", default_value_t = 0, hide_default_value = true, requires = "hold_out")]
+    #[arg(long, value_name = "N", default_value_t = 0, requires = "hold_out")]
     seed: u64,
     /// Layout of a .ptm (default: rgb).
     #[arg(long, value_parser = one_of(&MODELS))]

@@ -52,7 +52,7 @@ pub struct Arguments {
     #[arg(long, value_name = "OLD")]
     against: Option<PathBuf>,
     /// Tolerance of --against: the fraction or percentage by which a figure may be worse, 0.05 or 5% (default: 2%).
-    #[arg(long, value_name = "SHARE", default_value = "2%", hide_default_value = true, requires = "against")]
+    #[arg(long, value_name = "SHARE", default_value = "2%", requires = "against")]
     tolerance: Fraction,
 }
 

@@ -36,8 +36,7 @@ pub struct Arguments {
         long,
         value_name = "M",
         default_value_t = ImportanceRecipe::default().samples,
-        hide_default_value = true,
-        value_parser = any_whole_number::<u32>("1 to 8192")
+        value_parser = any_whole_number::<u32>("1 to 8192"),
     )]
     count: u32,
     /// Polar angles of the outgoing direction, 1 to 1024 (default: 64 for isotropic materials, 32 for others).
@@ -53,8 +52,7 @@ pub struct Arguments {
         long,
         value_name = "N",
         default_value_t = HalfGrid::DEFAULT.polar,
-        hide_default_value = true,
-        value_parser = any_whole_number::<usize>("1 to 4096")
+        value_parser = any_whole_number::<usize>("1 to 4096"),
     )]
     rings: usize,
     /// Cells per ring of this table, an even number from 2 to 4096 (default: 64).
@@ -62,18 +60,12 @@ pub struct Arguments {
         long,
         value_name = "N",
         default_value_t = HalfGrid::DEFAULT.azimuths,
-        hide_default_value = true,
-        value_parser = any_whole_number::<usize>("an even number, 2 to 4096")
+        value_parser = any_whole_number::<usize>("an even number, 2 to 4096"),
     )]
     cells: usize,
     /// Fraction of the samples that do not follow the lobe, above 0, up to 1 (default: 0.1). They bound the error where
     /// the table misses a feature.
-    #[arg(
-        long,
-        value_name = "SHARE",
-        default_value_t = Fraction::bare(ImportanceRecipe::default().defensive),
-        hide_default_value = true
-    )]
+    #[arg(long, value_name = "SHARE", default_value_t = Fraction::bare(ImportanceRecipe::default().defensive))]
     defensive: Fraction,
 }
 

@@ -137,8 +137,8 @@ impl EncodeOptions {
         OptionError::new(field, found, range_of(field))
     }
 
-    /// Set options of a pack except the codec: keys and values, with the options of a single codec first.
-    pub fn given(&self) -> impl Iterator<Item = (&'static str, String)> + use<> {
+    /// Keys of the set options of a pack except the codec, with the options of a single codec first.
+    pub fn given(&self) -> impl Iterator<Item = &'static str> + use<> {
         // Destructures, so that no field is missing.
         let Self {
             codec: _,
@@ -160,27 +160,25 @@ impl EncodeOptions {
             max_fit_error: _,
             trust_fit: _,
         } = self;
-        let on = |flag: &Option<bool>| flag.filter(|on| *on).map(|on| on.to_string());
-        let quoted = |text: &Option<String>| text.as_ref().map(|text| format!("\"{text}\""));
         [
-            ("ratio", ratio.map(format_number)),
-            ("grid", grid.map(|cells| cells.to_string())),
-            ("bits", bits.map(|bits| bits.to_string())),
-            ("parameterisation", quoted(parameterisation)),
-            ("ranking", quoted(ranking)),
-            ("energy_preserving", on(energy_preserving)),
-            ("smooth", on(smooth)),
-            ("max_delta_e", max_delta_e.map(format_number)),
-            ("min_highlight", min_highlight.map(|share| share.to_string())),
-            ("max_fetches", max_fetches.map(|fetches| fetches.to_string())),
-            ("reciprocal", on(reciprocal)),
-            ("levels", levels.filter(|levels| *levels > 0).map(|levels| levels.to_string())),
-            ("max_error", max_error.map(|error| error.to_string())),
-            ("max_bytes", max_bytes.map(|bytes| bytes.to_string())),
-            ("bias", bias.map(format_number)),
+            ("ratio", ratio.is_some()),
+            ("grid", grid.is_some()),
+            ("bits", bits.is_some()),
+            ("parameterisation", parameterisation.is_some()),
+            ("ranking", ranking.is_some()),
+            ("energy_preserving", *energy_preserving == Some(true)),
+            ("smooth", *smooth == Some(true)),
+            ("max_delta_e", max_delta_e.is_some()),
+            ("min_highlight", min_highlight.is_some()),
+            ("max_fetches", max_fetches.is_some()),
+            ("reciprocal", *reciprocal == Some(true)),
+            ("levels", levels.is_some_and(|levels| levels > 0)),
+            ("max_error", max_error.is_some()),
+            ("max_bytes", max_bytes.is_some()),
+            ("bias", bias.is_some()),
         ]
         .into_iter()
-        .filter_map(|(key, value)| Some((key, value?)))
+        .filter_map(|(key, is_set)| is_set.then_some(key))
     }
 
     /// Keeps the codec, the limits of the fit and the options whose keys `has` accepts.
@@ -219,7 +217,7 @@ impl EncodeOptions {
 
     /// Returns true if the pack's size or error is limited.
     pub fn has_limits(&self) -> bool {
-        self.given().any(|(key, _)| is_limit(key))
+        self.given().any(is_limit)
     }
 
     /// These options without limits.

@@ -35,7 +35,7 @@ impl Choice {
     }
 
     fn has_all_of(&self, options: &EncodeOptions) -> bool {
-        options.given().all(|(option, _)| self.has(option))
+        options.given().all(|option| self.has(option))
     }
 
     /// The variant that options without a codec select: `preferred` if it has all of them, then the last variant of its
@@ -45,14 +45,14 @@ impl Choice {
         let all: Vec<Self> = Self::all().collect();
         let of_codec = |asked: &&Self| preferred.is_some_and(|preferred| preferred.codec == asked.codec);
         let in_order = preferred.iter().chain(all.iter().rev().filter(of_codec)).chain(&all);
-        let first = options.given().next().map_or("", |(option, _)| option);
+        let first = options.given().next().unwrap_or_default();
         let fits = in_order.copied().find(|asked| asked.has_all_of(options));
         fits.or_else(|| all.iter().copied().find(|asked| asked.has(first))).unwrap_or(all[0])
     }
 
     /// Error of an option that the variant does not have.
     fn refuses(&self, option: &'static str, options: &EncodeOptions) -> OptionError {
-        let asks = options.given().map(|(other, _)| other).find(|other| self.has(other));
+        let asks = options.given().find(|other| self.has(other));
         let (codec, having) = (self.variant.name, join(Self::all().filter(|asked| asked.has(option))));
         let problem = match asks {
             Some(other) if options.codec.is_none() => {
@@ -87,7 +87,7 @@ impl PackRecipe {
     /// Returns an error for values out of range and for conflicting options.
     pub fn from_options(options: &EncodeOptions, defaults: &EncodeOptions) -> Result<Self, OptionError> {
         let (asked, all) = merged(options, defaults)?;
-        if let Some((option, _)) = all.given().find(|(option, _)| !asked.has(option)) {
+        if let Some(option) = all.given().find(|option| !asked.has(option)) {
             return Err(asked.refuses(option, &all));
         }
         // Reports limits out of range before options of a single codec.

@@ -18,8 +18,7 @@ pub struct Flags {
         global = true,
         value_name = "N",
         default_value_t = 0,
-        hide_default_value = true,
-        value_parser = whole_number::<usize>(0..=1024)
+        value_parser = whole_number::<usize>(0..=1024),
     )]
     pub(crate) jobs: usize,
     /// Print the report as JSON (commands without a report reject it); 'brdfc schema' prints the schemas of reports.

@@ -1,4 +1,4 @@
-//! Values of flags: negative numbers, and errors in the form of all other errors.
+//! Settings of all flags, and errors of their values in the form of all other errors.
 
 use brdfc_core::words::quoted;
 use brdfc_metrics::fraction::Fraction;
@@ -7,9 +7,10 @@ use std::any::TypeId;
 use std::error::Error;
 use std::num::{ParseFloatError, ParseIntError};
 
-/// Lets a numeric flag accept a value that begins with `-`, such as -1, -.5, -5% or the next flag, so that a check reports what
-/// is expected.
-pub fn with_negatives(argument: clap::Arg) -> clap::Arg {
+/// Sets what all flags share. Help texts state defaults, so that clap does not repeat them. A numeric flag accepts a value
+/// that begins with `-`, such as -1, -.5, -5% or the next flag, so that a check reports what is expected.
+pub fn with_common_settings(argument: clap::Arg) -> clap::Arg {
+    let argument = argument.hide_default_value(true);
     let numbers = [
         TypeId::of::<f64>(),
         TypeId::of::<f32>(),

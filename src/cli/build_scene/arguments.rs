@@ -86,7 +86,7 @@ pub(crate) struct BuildArguments {
     #[arg(value_name = "SCENE.toml|DIR|FILE", required = true)]
     pub(crate) inputs: Vec<OsString>,
     /// Folder for packs and reports (default: packs).
-    #[arg(long, short, value_name = "DIR", default_value = Build::DEFAULT_FOLDER, hide_default_value = true)]
+    #[arg(long, short, value_name = "DIR", default_value = Build::DEFAULT_FOLDER)]
     pub(crate) out: PathBuf,
     /// Keep packs of earlier builds, and their entries in the report, for materials that this build does not include.
     #[arg(long)]

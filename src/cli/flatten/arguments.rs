@@ -50,13 +50,7 @@ pub struct Arguments {
     #[arg(long, value_name = "IMAGE")]
     pub(super) weights: Option<Input>,
     /// Texels per side of the reference plane and its indirection map, 4 to 2048 (default: 256).
-    #[arg(
-        long,
-        value_name = "N",
-        default_value_t = 256,
-        hide_default_value = true,
-        value_parser = whole_number::<u32>(4..=2048)
-    )]
+    #[arg(long, value_name = "N", default_value_t = 256, value_parser = whole_number::<u32>(4..=2048))]
     pub(super) texels: u32,
     /// Texels per side of the flat BTF, a power of two from 4 to 2048 (default: --texels, rounded up to a power of
     /// two).
@@ -71,52 +65,28 @@ pub struct Arguments {
     #[arg(long, value_name = "SET")]
     pub(super) lights: Option<Input>,
     /// Polar angles x azimuths of the indirection map, 2 to 256 and 3 to 256 (default: 16x24).
-    #[arg(
-        long,
-        value_name = "ZxA",
-        default_value = INDIRECTION,
-        hide_default_value = true,
-        allow_hyphen_values = true
-    )]
+    #[arg(long, value_name = "ZxA", default_value = INDIRECTION, allow_hyphen_values = true)]
     pub(super) indirection: String,
     /// Largest polar angle of the indirection map, above 0, up to 89 degrees (default: 80); steeper views use the map
     /// at this angle.
-    #[arg(long, value_name = "DEGREES", default_value_t = 80.0, hide_default_value = true)]
+    #[arg(long, value_name = "DEGREES", default_value_t = 80.0)]
     pub(super) largest_angle: f64,
     /// Rays per texel and axis for the indirection map, 1 to 16 (default: 2).
-    #[arg(
-        long,
-        value_name = "N",
-        default_value_t = 2,
-        hide_default_value = true,
-        value_parser = whole_number::<usize>(1..=16)
-    )]
+    #[arg(long, value_name = "N", default_value_t = 2, value_parser = whole_number::<usize>(1..=16))]
     pub(super) oversampling: usize,
     /// Method that fills texels of the full form that a view does not see (default: poisson).
     #[arg(long, value_parser = one_of(&FILLS))]
     pub(super) fill: Option<FillMethod>,
     /// Rays per texel for light of one bounce, 0 to 1024 (default: 0, direct light and cast shadows only).
-    #[arg(
-        long,
-        value_name = "N",
-        default_value_t = 0,
-        hide_default_value = true,
-        value_parser = whole_number::<usize>(0..=1024)
-    )]
+    #[arg(long, value_name = "N", default_value_t = 0, value_parser = whole_number::<usize>(0..=1024))]
     pub(super) bounces: usize,
     /// Rounds of reweighting that give stretched areas more texels, 0 to 100 (default: 0); they end early once the
     /// stretch no longer falls.
-    #[arg(
-        long,
-        value_name = "N",
-        default_value_t = 0,
-        hide_default_value = true,
-        value_parser = whole_number::<usize>(0..=100)
-    )]
+    #[arg(long, value_name = "N", default_value_t = 0, value_parser = whole_number::<usize>(0..=100))]
     pub(super) stretch_rounds: usize,
     /// Form of the flat BTF (default: full): full stores every view and light as factors; light stores a normal map and
     /// diffuse colours.
-    #[arg(long, value_parser = one_of(&FORMS), default_value = "full", hide_default_value = true)]
+    #[arg(long, value_parser = one_of(&FORMS), default_value = "full")]
     pub(super) form: Form,
     /// Maximum mean ΔE (CIE76) between the factors and the views, over visible texels, above 0, up to 100 (default:
     /// 0.7). If no factorisation meets it, the program writes the best one, and exits with code 1 if the option was

@@ -1,6 +1,6 @@
 //! Names of files: `-`, names that are not UTF-8, wrong extensions.
 
-use crate::common::cli::{Folder, Ran, inputs};
+use crate::common::cli::{Folder, Ran, inputs, states_what_is_expected};
 
 /// A run with standard input.
 fn with_stdin(folder: &Folder, arguments: &[&str], stdin: &[u8]) -> Ran {
@@ -351,8 +351,7 @@ fn a_wrong_extension_is_reported() {
         let ran = folder.run(&["info", name]);
         let message = &ran.stderr;
         assert_eq!(ran.code, 3, "{name}: {message}");
-        let states_both = message.contains(": found ") && message.contains(", expected ");
-        assert!(states_both || message.contains("; expected "), "{message}");
+        assert!(states_what_is_expected(message), "{message}");
         assert!(message.starts_with(&format!("brdfc: {name}: ")), "{message}");
         assert!(message.ends_with(&format!("; it looks like {expected}\n")), "{message}");
     }

@@ -85,7 +85,7 @@ fn each_fault_is_named() {
         (
             "packs/report.json",
             &|folder: &Folder| drop(folder.write("packs/report.json", b"{")),
-            "packs/report.json: ",
+            "packs/report.json: found ",
             "truncated JSON",
         ),
         (

@@ -49,3 +49,8 @@ pub fn with_checksum(text: &str) -> String {
     let body = &text[..end];
     format!("{body}{KEY}\"{}\"\n}}\n", blake3::hash(format!("{body}\n}}\n").as_bytes()))
 }
+
+/// Returns true for `PLACE: found X, expected Y` and `PLACE: problem; expected Y`.
+pub fn states_what_is_expected(message: &str) -> bool {
+    (message.contains("found ") && message.contains(", expected ")) || message.contains("; expected ")
+}

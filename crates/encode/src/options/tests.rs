@@ -150,7 +150,7 @@ fn codecs_have_the_options_that_there_are() {
         "max_delta_e = 1\nmin_highlight = 0.5\nmax_error = 0.1\nmax_bytes = 1\nmax_fetches = 1\nreciprocal = true\nlevels = 1\nratio = 4\ngrid = 8\n\
          parameterisation = 'tangent-pole'\nbits = 8\nbias = 0.1\nranking = 'energy'\nenergy_preserving = true\nsmooth = true",
     );
-    let mut given: Vec<&str> = all.given().map(|(option, _)| option).collect();
+    let mut given: Vec<&str> = all.given().collect();
     let mut of_codecs: Vec<&str> = Choice::all().flat_map(|asked| asked.variant.options).copied().collect();
     given.sort_unstable();
     of_codecs.sort_unstable();

@@ -40,7 +40,7 @@ pub struct Arguments {
     #[arg(value_name = "INPUT")]
     pub(super) inputs: Vec<Input>,
     /// Study to run (default: wavelet-brdf).
-    #[arg(long, value_enum, default_value = "wavelet-brdf", hide_default_value = true)]
+    #[arg(long, value_enum, default_value = "wavelet-brdf")]
     pub(super) study: Study,
     /// Write the frames of level-of-detail, the figure of codecs, pareto, relighting or btf, or the mesh and the rays
     /// of rays into this folder.

@@ -109,7 +109,7 @@ fn network(python: &Path, file: &Path) -> Result<NeuralBrdf, String> {
     let weights: Vec<f32> = ran.stdout.as_chunks::<4>().0.iter().map(|bytes| f32::from_le_bytes(*bytes)).collect();
     let count = weights.len();
     NeuralBrdf::new(&weights)
-        .ok_or_else(|| wrong(format!("found {count} weights, expected {NETWORK_WEIGHTS} finite ones")))
+        .ok_or_else(|| wrong(format!("found {count} weights, expected {NETWORK_WEIGHTS} finite numbers")))
 }
 
 /// Returns an error if Python lacks the packages of the scripts, before anything is measured.

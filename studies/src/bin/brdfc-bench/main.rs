@@ -33,7 +33,7 @@ struct Report {
 }
 
 fn main() -> ExitCode {
-    let command = Arguments::command().mut_args(usage::with_negatives);
+    let command = Arguments::command().mut_args(usage::with_common_settings);
     run_program("brdfc-bench", command, |arguments: &Arguments| &arguments.flags, run)
 }
 
