@@ -2,13 +2,12 @@
 //!
 //! [`Surface::open`] reads the input of [`run`]; [`open_asset`] reads its output.
 
-pub use brdfc_flat_btf::encode::{FlattenRecipe, Form};
+pub use brdfc_flat_btf::encode::{FlattenRecipe, Reflectance};
 pub use brdfc_flat_btf::factored::FactoredTarget;
 pub use brdfc_flat_btf::fill::FillMethod;
 pub use brdfc_flat_btf::probes::ColourErrors;
 pub use brdfc_flat_btf::structures::{STRUCTURES, describe_structures};
 pub use brdfc_formats::direction_set::DirectionSet;
-pub use brdfc_formats::flat_btf::IndirectionHeader;
 pub use brdfc_jobs::btf_stack::StackFormat;
 pub use brdfc_jobs::file_name::is_device;
 pub use brdfc_jobs::flatten::{

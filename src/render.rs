@@ -19,7 +19,7 @@ pub use brdfc_render::adaptive::{
     ground_truth,
 };
 pub use brdfc_render::contact_sheet::contact_sheet;
-pub use brdfc_render::flat::{FlatForm, FlatMaterial, draw_on_cpu as draw_flat_btf_on_cpu};
+pub use brdfc_render::flat::{FlatMaterial, draw_on_cpu as draw_flat_btf_on_cpu};
 pub use brdfc_render::pwt::{
     Photograph, PwtMaterial, distant_light, draw_on_cpu as draw_pwt_on_cpu, draw_photographs, image_scene,
 };

@@ -101,17 +101,14 @@ fn what_the_architecture_page_names_is_there() {
 }
 
 /// Functions of shaders without a twin of the same name.
-const NAMED_OTHERWISE: [&str; 9] = [
+const NAMED_OTHERWISE: [&str; 7] = [
     // Loops and closures on the CPU.
     "decide",
-    "flat_btf_loaded_block",
     "merged",
     "shade",
     // `Angles::of`.
     "table_brdf_angles",
     "wavelet_brdf_tap",
-    // Done by a sampler.
-    "flat_btf_sampled_block",
     // Ahead of time on the CPU: the mean of light around a direction.
     "joined",
     // The caller names it.

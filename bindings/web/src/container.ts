@@ -14,7 +14,7 @@ const FORMATS = {
     rgba16unorm: [91, 8],
     rgba16float: [97, 8],
     r32uint: [98, 4],
-    rg32float: [103, 8],
+    rg16float: [83, 4],
     rgba32uint: [107, 16],
     rgba32float: [109, 16],
     rgb9e5ufloat: [123, 4],

@@ -264,7 +264,7 @@ pub fn texture_format(format: TexelFormat) -> TextureFormat {
         TexelFormat::R16Float => TextureFormat::R16Float,
         TexelFormat::Rgba16Unorm => TextureFormat::Rgba16Unorm,
         TexelFormat::Rgba16Float => TextureFormat::Rgba16Float,
-        TexelFormat::Rg32Float => TextureFormat::Rg32Float,
+        TexelFormat::Rg16Float => TextureFormat::Rg16Float,
         TexelFormat::Rgba32Float => TextureFormat::Rgba32Float,
         TexelFormat::R32Uint => TextureFormat::R32Uint,
         TexelFormat::Rgba32Uint => TextureFormat::Rgba32Uint,

@@ -6,7 +6,7 @@ use super::raster::{draw_with_one_material, view_wgsl};
 use brdfc_formats::bindings::FrameBlock;
 use brdfc_formats::flat_btf::shader::flat_btf_value_wgsl;
 use brdfc_metrics::image::LinearImage;
-use brdfc_render::flat::{FlatForm, FlatMaterial};
+use brdfc_render::flat::FlatMaterial;
 use brdfc_render::scene::{Frame, Scene};
 use wgpu::ShaderStages;
 
@@ -20,40 +20,29 @@ pub fn flat_scene_source() -> String {
 /// # Errors
 /// Returns [`GpuError::TooLarge`] if the adapter cannot hold the material or the image; any error that the driver
 /// reports.
-///
-/// # Panics
-/// For the full form of a material without the values of its views: see [`FlatMaterial::has_views`].
 pub fn draw_flat_btf(
     gpu: &Gpu,
     scene: &Scene,
     frame: Frame,
     material: &FlatMaterial,
-    form: FlatForm,
 ) -> Result<LinearImage, GpuError> {
-    draw_flat_btf_by(gpu, flat_scene_source(), scene, frame, material, form)
+    draw_flat_btf_by(gpu, flat_scene_source(), scene, frame, material)
 }
 
 /// Draws like [`draw_flat_btf`] with another shader than [`flat_scene_source`], such as a deliberately broken one.
-/// Uploads values of views only for the full form.
 ///
 /// # Errors
 /// Returns the errors of [`draw_flat_btf`]; an error if the source does not validate.
-///
-/// # Panics
-/// Panics for the full form of a material without the values of its views: see [`FlatMaterial::has_views`].
 pub fn draw_flat_btf_by(
     gpu: &Gpu,
     source: String,
     scene: &Scene,
     frame: Frame,
     material: &FlatMaterial,
-    form: FlatForm,
 ) -> Result<LinearImage, GpuError> {
-    let full = form == FlatForm::Full;
-    let directions = full.then(|| material.sampled_directions());
     let slots = flat_textures::slots(gpu, ShaderStages::FRAGMENT);
-    let textures = flat_textures::upload(gpu, &slots, material.decoder(), FrameBlock::exact(), full, directions)?;
+    let textures = flat_textures::upload(gpu, &slots, material.decoder(), FrameBlock::exact(), material.directions())?;
     let finer = (frame.samples as f32).log2();
-    let words = [material.repeat(), u32::from(full), finer.to_bits(), 0];
+    let words = [material.repeat(), finer.to_bits(), 0, 0];
     draw_with_one_material(gpu, source, scene, frame, (&slots.layout, textures), words)
 }

@@ -3,9 +3,9 @@
 
 struct FlatMaterial {
     repeat: u32,        // tiles per unit of uv
-    full: u32,          // 0: normal map and diffuse colour, 1: every sampled view and light
     finer: f32,         // octaves by which a sample covers less than its pixel
-    reserved: u32,
+    reserved_0: u32,
+    reserved_1: u32,
 }
 
 @group(2) @binding(0) var<uniform> material: FlatMaterial;
@@ -22,6 +22,7 @@ fn shade(in: Varying, @builtin(front_facing) front: bool) -> @location(0) vec4<f
     // On back faces v is negated, so that it runs along the bitangent there, too.
     let uv = select(vec2<f32>(in.uv.x, -in.uv.y), in.uv, front) * f32(material.repeat);
     let wo = vec3<f32>(dot(v, frame[0]), dot(v, frame[1]), dot(v, frame[2]));
+    let look = flat_btf_look(uv, level, wo);
     var radiance = vec3<f32>(0.0);
     for (var k = 0u; k < view.light_count; k += 1u) {
         let to_light = lights[k].position.xyz - in.position;
@@ -29,16 +30,8 @@ fn shade(in: Varying, @builtin(front_facing) front: bool) -> @location(0) vec4<f
         let l = to_light / sqrt(distance_squared);
         let wi = vec3<f32>(dot(l, frame[0]), dot(l, frame[1]), dot(l, frame[2]));
         if wi.z > 0.0 {
-            radiance += flat_value(uv, level, wo, wi) * lights[k].intensity.rgb / (PI * distance_squared);
+            radiance += flat_btf_shade(look, wi) * lights[k].intensity.rgb / (PI * distance_squared);
         }
     }
     return vec4<f32>(radiance, 1.0);
-}
-
-// Radiance divided by that of a white diffuser that faces the light.
-fn flat_value(uv: vec2<f32>, level: f32, wo: vec3<f32>, wi: vec3<f32>) -> vec3<f32> {
-    if material.full == 0u {
-        return flat_btf_light_form(uv, wo, wi);
-    }
-    return flat_btf_value(uv, level, wo, wi);
 }

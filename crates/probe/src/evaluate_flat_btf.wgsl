@@ -1,33 +1,30 @@
-// Evaluates a flat BTF at a list of queries, one per item. Goes between `formats/src/flat_btf/decoder.wgsl` and
-// `items.wgsl`.
+// Evaluates a flat BTF at a list of queries, one per item. Goes between the decoder that ends with
+// `formats/src/flat_btf/value.wgsl` and `items.wgsl`.
 
 struct FlatBtfQuery {
-    uv: vec4<f32>,
+    place: vec4<f32>, // uv and level of detail
     view: vec4<f32>,
     light: vec4<f32>,
-    view_indices: vec4<u32>,
-    view_weights: vec4<f32>,
-    light_indices: vec4<u32>,
-    light_weights: vec4<f32>,
 }
 
 struct FlatBtfAnswer {
-    indirection: vec4<f32>,
-    full: vec4<f32>,
-    light: vec4<f32>,
+    seen: vec4<f32>, // position, height, sheet
+    parameters: vec4<f32>,
+    value: vec4<f32>,
 }
 
 @group(0) @binding(1) var<storage, read> queries: array<FlatBtfQuery>;
 @group(0) @binding(2) var<storage, read_write> answers: array<FlatBtfAnswer>;
 
 fn compute(at: u32) {
-    let uv = queries[at].uv.xy;
+    let uv = queries[at].place.xy;
+    let level = queries[at].place.z;
     let view = queries[at].view.xyz;
-    let views = FlatBtfWeights(queries[at].view_indices.xyz, queries[at].view_weights.xyz);
-    let lights = FlatBtfWeights(queries[at].light_indices.xyz, queries[at].light_weights.xyz);
-    let seen = flat_btf_indirection(uv, view);
-    let full = flat_btf_full(uv, view, views, lights);
-    let light = flat_btf_light_form(uv, view, queries[at].light.xyz);
-    answers[at] = FlatBtfAnswer(vec4<f32>(seen, 0.0), vec4<f32>(full, 0.0), vec4<f32>(light, 0.0));
+    let detail = level + flat_btf_parameters.finer;
+    let point = flat_btf_seen(uv, view, detail);
+    let parameters = flat_btf_parameters_at(point, detail);
+    let value = flat_btf_value(uv, level, view, queries[at].light.xyz);
+    answers[at] = FlatBtfAnswer(
+        vec4<f32>(point.at, point.height, f32(point.sheet)), vec4<f32>(parameters, 0.0, 0.0), vec4<f32>(value, 0.0));
 }
 

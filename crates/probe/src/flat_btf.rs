@@ -2,8 +2,8 @@
 
 use super::items::ItemPipeline;
 use brdfc_formats::bindings::FrameBlock;
-use brdfc_formats::flat_btf::shader::FLAT_BTF_WGSL;
-use brdfc_formats::flat_btf::{FlatBtfDecoder, ViewWeights};
+use brdfc_formats::flat_btf::shader::flat_btf_value_wgsl;
+use brdfc_formats::flat_btf::{FlatBtfDecoder, SampledDirections};
 use brdfc_gpu::bindings::Slots;
 use brdfc_gpu::{Gpu, GpuError, flat_textures};
 use wgpu::ShaderStages;
@@ -11,33 +11,35 @@ use wgpu::ShaderStages;
 /// The compute entry point over the decoder.
 pub const EVALUATE_FLAT_BTF_WGSL: &str = concat!(include_str!("evaluate_flat_btf.wgsl"), include_str!("items.wgsl"));
 
-/// Maximum number of queries at once: 112 bytes each, within the limits of every adapter.
-const MAX_QUERIES: usize = 1 << 20;
+/// Maximum number of queries at once: 48 bytes each, within the limits of every adapter.
+const MAX_QUERIES: usize = 1 << 21;
 
 /// Point, viewer and light at which a flat BTF is evaluated.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct FlatBtfQuery {
     /// Point of the reference plane, in tiles.
     pub uv: [f32; 2],
+    /// Level of detail of the flat BTF, 0 the finest.
+    pub level: f32,
     /// Unit vector to the viewer.
     pub view: [f32; 3],
-    /// Unit vector to the light, for the light form.
+    /// Unit vector to the light.
     pub light: [f32; 3],
-    /// Sampled views of the full form.
-    pub views: ViewWeights,
-    /// Sampled lights of the full form.
-    pub lights: ViewWeights,
 }
 
 /// Result of the shader for a query.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct FlatBtfAnswer {
-    /// Parameters and height of the visible point.
-    pub indirection: [f32; 3],
-    /// The full form; zero without views.
-    pub full: [f32; 3],
-    /// The light form.
-    pub light: [f32; 3],
+    /// Position of the visible point over the reference plane, in tiles.
+    pub at: [f32; 2],
+    /// Height of the visible point, 0 to 1.
+    pub height: f32,
+    /// Sheet of the visible point: 0 base, 1 top, 2 underside.
+    pub sheet: u32,
+    /// Parameters of the visible point.
+    pub parameters: [f32; 2],
+    /// Value of the visible point, linear RGB.
+    pub value: [f32; 3],
 }
 
 /// A flat BTF on the device.
@@ -57,7 +59,7 @@ impl<'g> FlatBtfEvaluator<'g> {
     /// # Errors
     /// Returns an error that the driver reports.
     pub fn new(gpu: &'g Gpu) -> Result<Self, GpuError> {
-        Self::with_shader(gpu, FLAT_BTF_WGSL)
+        Self::with_shader(gpu, &flat_btf_value_wgsl())
     }
 
     /// Compiles another decoder, such as a deliberately broken one.
@@ -71,13 +73,18 @@ impl<'g> FlatBtfEvaluator<'g> {
         Ok(Self { pipeline, slots })
     }
 
-    /// Uploads a flat BTF. Without views the texture of the full form is one empty texel.
+    /// Uploads a flat BTF. One with components needs the meshes of its directions.
     ///
     /// # Errors
     /// Returns an error for more than the adapter takes; any error that the driver reports.
-    pub fn load(&self, decoder: &FlatBtfDecoder, frame: FrameBlock) -> Result<LoadedFlatBtf, GpuError> {
+    pub fn load(
+        &self,
+        decoder: &FlatBtfDecoder,
+        frame: FrameBlock,
+        directions: Option<&SampledDirections>,
+    ) -> Result<LoadedFlatBtf, GpuError> {
         let gpu = self.pipeline.gpu();
-        Ok(LoadedFlatBtf { group: flat_textures::upload(gpu, &self.slots, decoder, frame, true, None)? })
+        Ok(LoadedFlatBtf { group: flat_textures::upload(gpu, &self.slots, decoder, frame, directions)? })
     }
 
     /// Evaluates and reads back, in the order of `queries`.
@@ -87,34 +94,22 @@ impl<'g> FlatBtfEvaluator<'g> {
     pub fn eval(&self, loaded: &LoadedFlatBtf, queries: &[FlatBtfQuery]) -> Result<Vec<FlatBtfAnswer>, GpuError> {
         let mut all = Vec::with_capacity(queries.len());
         for chunk in queries.chunks(MAX_QUERIES) {
-            let words: Vec<[u32; 28]> = chunk.iter().map(query_words).collect();
+            let words: Vec<[f32; 12]> = chunk.iter().map(query_words).collect();
             let items = self.pipeline.load(&words, chunk.len(), 48, [0; 2])?;
             let answers: Vec<[f32; 12]> = self.pipeline.answers(&items, &loaded.group)?;
             all.extend(answers.into_iter().map(|w| FlatBtfAnswer {
-                indirection: [w[0], w[1], w[2]],
-                full: [w[4], w[5], w[6]],
-                light: [w[8], w[9], w[10]],
+                at: [w[0], w[1]],
+                height: w[2],
+                sheet: w[3] as u32,
+                parameters: [w[4], w[5]],
+                value: [w[8], w[9], w[10]],
             }));
         }
         Ok(all)
     }
 }
 
-fn query_words(query: &FlatBtfQuery) -> [u32; 28] {
-    let mut words = [0; 28];
-    let floats = [
-        (0, &query.uv[..]),
-        (4, &query.view),
-        (8, &query.light),
-        (16, &query.views.weights),
-        (24, &query.lights.weights),
-    ];
-    for (start, values) in floats {
-        for (word, value) in words[start..].iter_mut().zip(values) {
-            *word = value.to_bits();
-        }
-    }
-    words[12..15].copy_from_slice(&query.views.indices);
-    words[20..23].copy_from_slice(&query.lights.indices);
-    words
+fn query_words(query: &FlatBtfQuery) -> [f32; 12] {
+    let ([u, v], [x, y, z], [a, b, c]) = (query.uv, query.view, query.light);
+    [u, v, query.level, 0.0, x, y, z, 0.0, a, b, c, 0.0]
 }

@@ -46,14 +46,14 @@ pub(crate) fn mipmap_level([right, below]: [[f64; 2]; 2], repeat: u32, size: [us
     (0.5 * squared(right).max(squared(below)).max(1e-20).log2()).max(0.0) as f32
 }
 
-/// Mipmap level of one of `samples²` samples of a pixel: the mean, in octaves, of both sides of its footprint. The
-/// longer side alone would blur detail across it, and mix neighbours with hidden texels on a flat BTF. The twin of
-/// `factored_mipmap_level`, less the octaves of `samples`.
+/// Mipmap level of one of `samples²` samples of a pixel: half the mean, in octaves, of both sides of its footprint. The
+/// longer side alone would blur detail across it, and mix neighbours with hidden texels on a flat BTF; half of it keeps
+/// the shadows of the relief. The twin of `factored_mipmap_level`, less the octaves of `samples`.
 pub(crate) fn sample_level([right, below]: [[f64; 2]; 2], repeat: u32, size: usize, samples: usize) -> f32 {
     let texels = f64::from(repeat) * size as f64;
     let squared = |step: [f64; 2]| (0..2).map(|axis| (step[axis] * texels).powi(2)).sum::<f64>();
     let of_pixel = 0.25 * (squared(right) * squared(below)).max(1e-20).log2();
-    (of_pixel - (samples as f64).log2()).max(0.0) as f32
+    (of_pixel - 1.0 - (samples as f64).log2()).max(0.0) as f32
 }
 
 /// Returns true if a triangle is seen from behind.
@@ -75,10 +75,11 @@ mod tests {
         assert_eq!(level([0.1 / 40.0, 0.0], [0.0, 0.1 / 20.0]), 0.0);
         assert_eq!(level([f64::INFINITY, 0.0], [0.0, 0.1]), f32::INFINITY);
         assert_eq!(mipmap_level([[1.0 / 40.0, 0.0], [0.0, 1.0 / 20.0]], 2, [40, 20]), 1.0);
-        // Eight texels across and two down: between them, four; of a sample of four, half as many per side.
+        // Eight texels across and two down: between them, four, and half of that; of a sample of four, half as many
+        // per side.
         let [right, below] = [[8.0 / 40.0, 0.0], [0.0, 2.0 / 40.0]];
-        assert_eq!([1, 2, 8].map(|samples| sample_level([right, below], 1, 40, samples)), [2.0, 1.0, 0.0]);
-        assert_eq!(sample_level([right, below], 2, 40, 1), 3.0);
+        assert_eq!([1, 2, 8].map(|samples| sample_level([right, below], 1, 40, samples)), [1.0, 0.0, 0.0]);
+        assert_eq!(sample_level([right, below], 2, 40, 1), 2.0);
         assert_eq!(sample_level([[f64::INFINITY, 0.0], below], 1, 40, 1), f32::INFINITY);
     }
 }

@@ -77,11 +77,13 @@ pub fn open_flat_btf(path: &Path) -> Result<FlatBtfFile, InputError> {
 /// Decodes a view of a flat BTF, and returns the number of views; `None` if `view` is beyond them.
 ///
 /// # Errors
-/// Returns an error for the light form, which has no views.
+/// Returns an error without components, which flat BTFs of known materials do not need.
 pub fn flat_view(file: &FlatBtfFile, view: u32) -> Result<(Option<FlatView>, u32), FormatError> {
-    let Some(factored) = file.decoder.parts().values.factored() else {
-        return Err(FormatError::whole("flat BTF", "the light form has no views", "the full form").problem());
-    };
+    let factored = &file.decoder.parts().reflectance;
     let count = factored.header().views.len() as u32;
+    if count == 0 {
+        let allowed = "a flat BTF made with --reflectance factors";
+        return Err(FormatError::whole("flat BTF", "no sampled views", allowed).problem());
+    }
     Ok(((view < count).then(|| factored.view(view)), count))
 }

@@ -1,19 +1,14 @@
-//! Direction sets and indirection maps, as flags specify them.
+//! Direction sets, as flags specify them.
 
 use crate::Error;
-use brdfc_core::words::{format_number, quoted};
+use brdfc_core::words::quoted;
 use brdfc_formats::FormatError;
 use brdfc_formats::direction_set::DirectionSet;
-use brdfc_formats::flat_btf::{IndirectionHeader, MAX_AZIMUTH_SAMPLES, MAX_ZENITH_SAMPLES};
 use brdfc_readers::direction_list;
 use brdfc_source::Input;
 use brdfc_source::read::MAX_TEXT_BYTES;
 use std::fmt::Display;
 use std::path::Path;
-
-/// Default views of the indirection map. Azimuths are as close as in `ubo2003` at its largest polar angle, where
-/// blending views loses most.
-pub const INDIRECTION: &str = "16x24";
 
 /// Default direction set.
 pub fn default_set() -> Input {
@@ -62,33 +57,11 @@ pub fn direction_set(option: &str, input: &Input) -> Result<DirectionSet, Error>
         .map_err(|error| Error::input(format!("{input}: {error}")))
 }
 
-fn wrong_indirection(text: &str) -> Error {
-    Error::wrong_usage("--indirection", quoted(text), "polar angles x azimuths, such as 16x24")
-}
-
-/// Makes the header of the indirection map for `--texels`, `--indirection` and `--largest-angle` (in degrees).
-pub fn map_header(texels: u32, indirection: &str, largest_angle: f64) -> Result<IndirectionHeader, Error> {
-    if !(largest_angle > 0.0 && largest_angle <= 89.0) {
-        return Err(Error::wrong_usage("--largest-angle", format_number(largest_angle), "above 0, up to 89 degrees"));
-    }
-    let [zenith_samples, azimuth_samples] = pair(indirection).ok_or_else(|| wrong_indirection(indirection))?;
-    let largest_angle = largest_angle.to_radians() as f32;
-    let header = IndirectionHeader { size: texels, zenith_samples, azimuth_samples, largest_angle };
-    if !(2..=MAX_ZENITH_SAMPLES).contains(&zenith_samples) || !(3..=MAX_AZIMUTH_SAMPLES).contains(&azimuth_samples) {
-        let allowed = format!("2 to {MAX_ZENITH_SAMPLES} polar angles x 3 to {MAX_AZIMUTH_SAMPLES} azimuths");
-        return Err(Error::wrong_usage("--indirection", indirection, allowed));
-    }
-    Ok(header)
-}
-
 /// Describes an error of a recipe by the flags that set it.
 pub fn by_flags(error: &FormatError) -> String {
     let FormatError { field, found, allowed, .. } = error;
     match field.as_ref() {
         "bytes of factors" => format!("--max-bytes: found {found}, expected {allowed}"),
-        "size of the part displacement" | "size of the part indirection" => format!(
-            "--texels x --indirection: found a map of {found} texels, expected {allowed}; lower --texels or --indirection"
-        ),
         _ => error.to_string(),
     }
 }

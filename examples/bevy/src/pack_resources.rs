@@ -108,13 +108,13 @@ mod tests {
 
     #[test]
     fn textures_need_features_for_what_samplers_filter() {
-        use TexelFormat::{R8Unorm, R16Unorm, R32Uint, Rg32Float, Rgba32Float};
+        use TexelFormat::{R8Unorm, R16Unorm, R32Uint, Rgba32Float};
         let none = WgpuFeatures::empty();
         for (stored, features, expected) in [
             (R16Unorm, none, Rgba32Float),
             (R16Unorm, FILTERABLE, Rgba32Float),
             (R16Unorm, SIXTEEN, R16Unorm),
-            (Rg32Float, none, Rg32Float),
+            (Rgba32Float, none, Rgba32Float),
             (R32Uint, none, R32Uint),
         ] {
             assert_eq!(supported("it", texels(stored), features).unwrap().format, expected, "{features:?}");
@@ -124,9 +124,9 @@ mod tests {
             (R16Unorm, none, None),
             (R16Unorm, SIXTEEN, Some(R16Unorm)),
             (R16Unorm, FILTERABLE, Some(Rgba32Float)),
-            (Rg32Float, none, None),
-            (Rg32Float, SIXTEEN, None),
-            (Rg32Float, FILTERABLE, Some(Rg32Float)),
+            (Rgba32Float, none, None),
+            (Rgba32Float, SIXTEEN, None),
+            (Rgba32Float, FILTERABLE, Some(Rgba32Float)),
         ] {
             let found = supported("it", texels(stored).sampled("s"), features);
             let refused = format!(

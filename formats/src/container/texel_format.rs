@@ -18,8 +18,8 @@ pub enum TexelFormat {
     Rgba16Unorm,
     /// Four 16-bit floats, `VK_FORMAT_R16G16B16A16_SFLOAT`.
     Rgba16Float,
-    /// Two 32-bit floats, `VK_FORMAT_R32G32_SFLOAT`.
-    Rg32Float,
+    /// Two 16-bit floats, `VK_FORMAT_R16G16_SFLOAT`.
+    Rg16Float,
     /// Four 32-bit floats, `VK_FORMAT_R32G32B32A32_SFLOAT`.
     Rgba32Float,
     /// One unsigned integer of 32 bits, `VK_FORMAT_R32_UINT`.
@@ -44,7 +44,7 @@ impl TexelFormat {
         Self::R16Float,
         Self::Rgba16Unorm,
         Self::Rgba16Float,
-        Self::Rg32Float,
+        Self::Rg16Float,
         Self::Rgba32Float,
         Self::R32Uint,
         Self::Rgba32Uint,
@@ -62,7 +62,7 @@ impl TexelFormat {
             Self::R16Float => "r16float",
             Self::Rgba16Unorm => "rgba16unorm",
             Self::Rgba16Float => "rgba16float",
-            Self::Rg32Float => "rg32float",
+            Self::Rg16Float => "rg16float",
             Self::Rgba32Float => "rgba32float",
             Self::R32Uint => "r32uint",
             Self::Rgba32Uint => "rgba32uint",
@@ -85,7 +85,7 @@ impl TexelFormat {
     pub fn components(self) -> usize {
         match self {
             Self::R8Unorm | Self::R16Unorm | Self::R16Float | Self::R32Uint | Self::Rgb9E5 | Self::Rgb10A2Unorm => 1,
-            Self::Rg8Unorm | Self::Rg32Float => 2,
+            Self::Rg8Unorm | Self::Rg16Float => 2,
             Self::Rgba8Unorm | Self::Rgba16Unorm | Self::Rgba16Float | Self::Rgba32Float | Self::Rgba32Uint => 4,
         }
     }
@@ -94,8 +94,8 @@ impl TexelFormat {
     pub fn component_bytes(self) -> usize {
         match self {
             Self::R8Unorm | Self::Rg8Unorm | Self::Rgba8Unorm => 1,
-            Self::R16Unorm | Self::R16Float | Self::Rgba16Unorm | Self::Rgba16Float => 2,
-            Self::Rg32Float | Self::Rgba32Float | Self::R32Uint | Self::Rgba32Uint => 4,
+            Self::R16Unorm | Self::R16Float | Self::Rg16Float | Self::Rgba16Unorm | Self::Rgba16Float => 2,
+            Self::Rgba32Float | Self::R32Uint | Self::Rgba32Uint => 4,
             Self::Rgb9E5 | Self::Rgb10A2Unorm => 4,
         }
     }
@@ -114,7 +114,7 @@ impl TexelFormat {
             Self::R16Float => ktx2::Format::R16_SFLOAT,
             Self::Rgba16Unorm => ktx2::Format::R16G16B16A16_UNORM,
             Self::Rgba16Float => ktx2::Format::R16G16B16A16_SFLOAT,
-            Self::Rg32Float => ktx2::Format::R32G32_SFLOAT,
+            Self::Rg16Float => ktx2::Format::R16G16_SFLOAT,
             Self::Rgba32Float => ktx2::Format::R32G32B32A32_SFLOAT,
             Self::R32Uint => ktx2::Format::R32_UINT,
             Self::Rgba32Uint => ktx2::Format::R32G32B32A32_UINT,

@@ -1,6 +1,6 @@
 //! The part `directions`: meshes that interpolate sampled views and lights, in the form that shaders read.
 
-use super::decoder::FlatValues;
+use super::factored::FactoredFlatBtf;
 use super::layout::{self, check_format, wrong_extent};
 use crate::FormatError;
 use crate::container::{Extent, TexelFormat, Texture};
@@ -42,12 +42,13 @@ impl SampledDirections {
         Ok(Self { views: mesh("views", views)?, lights: mesh("lights", lights)?, lowest_light })
     }
 
-    /// Meshes of an asset; `None` if it has no values.
+    /// Meshes of an asset; `None` if it has no components.
     ///
     /// # Errors
     /// Returns an error if directions cannot be interpolated, as [`DirectionMesh::new`].
-    pub fn of(values: &FlatValues) -> Result<Option<Self>, FormatError> {
-        values.directions().map(|[views, lights]| Self::new(views, lights)).transpose()
+    pub fn of(asset: &FactoredFlatBtf) -> Result<Option<Self>, FormatError> {
+        let header = asset.header();
+        (header.groups > 0).then(|| Self::new(&header.views, &header.lights)).transpose()
     }
 
     /// Columns and rows of the texture.

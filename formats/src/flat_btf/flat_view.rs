@@ -1,9 +1,9 @@
-//! Values of a flat BTF for one view and all lights before factorisation, and the visibility mask.
+//! Values of a flat BTF before factorisation: one view under all lights, and the texels that views see.
 
-use super::layout::{check_square, floats, square_layers};
+use super::layout::{check_square, floats};
 use crate::FormatError;
 use crate::container::entries::{entry, sized};
-use crate::container::{Extent, MAX_LAYERS, TexelFormat, Texture};
+use crate::container::{MAX_LAYERS, Texture};
 use crate::direction::from_polar;
 use std::collections::BTreeMap;
 
@@ -123,7 +123,7 @@ impl FlatView {
     }
 }
 
-/// The part `mask`: texels of the flat BTF visible in each view. Values of the other texels were filled in.
+/// Texels of a flat BTF that each view sees. Values of the other texels were filled in.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct VisibilityMask {
     size: u32,
@@ -165,24 +165,5 @@ impl VisibilityMask {
         assert!(column < self.size, "column {column} of {}", self.size);
         let [size, view, column, row] = [self.size, view, column, row].map(|n| n as usize);
         self.texels[(view * size + row) * size + column] == 255
-    }
-
-    /// Contents of its KTX2 file, which is a value in the flat BTF.
-    pub(super) fn to_bytes(&self) -> Vec<u8> {
-        Texture {
-            format: TexelFormat::R8Unorm,
-            extent: Extent::D2Array([self.size, self.size, self.views]),
-            entries: BTreeMap::new(),
-            levels: 1,
-            texels: self.texels.clone(),
-        }
-        .to_bytes(true)
-    }
-
-    /// Reads and validates its KTX2 file.
-    pub(super) fn from_bytes(bytes: &[u8]) -> Result<Self, FormatError> {
-        let texture = Texture::from_bytes(bytes)?;
-        let [size, views] = square_layers(&texture, Self::PART, TexelFormat::R8Unorm)?;
-        Self::new(size, views, texture.texels)
     }
 }

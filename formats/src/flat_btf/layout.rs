@@ -1,34 +1,8 @@
 //! Checks that all parts of a flat BTF share: sizes, formats and ranges.
 
-use super::MAX_COORDINATE;
 use crate::FormatError;
 use crate::container::{Extent, MAX_EXTENT_2D, TexelFormat, Texture};
 use crate::cursor::Cursor;
-
-/// Version of the headers.
-pub(super) const VERSION: u32 = 1;
-
-/// Reads a square 2D texture. Returns its side.
-pub(super) fn square(texture: &Texture, part: &'static str, format: TexelFormat) -> Result<u32, FormatError> {
-    check_format(texture, part, format)?;
-    match texture.extent {
-        Extent::D2([width, height]) if width == height => Ok(width),
-        other => Err(wrong_extent(part, other, "a square 2D texture")),
-    }
-}
-
-/// Reads a 2D array of square layers. Returns its side and number of layers.
-pub(super) fn square_layers(
-    texture: &Texture,
-    part: &'static str,
-    format: TexelFormat,
-) -> Result<[u32; 2], FormatError> {
-    check_format(texture, part, format)?;
-    match texture.extent {
-        Extent::D2Array([width, height, layers]) if width == height => Ok([width, layers]),
-        other => Err(wrong_extent(part, other, "a 2D array of square layers")),
-    }
-}
 
 pub(super) fn check_format(texture: &Texture, part: &'static str, format: TexelFormat) -> Result<(), FormatError> {
     texture.check_one_level()?;
@@ -64,25 +38,6 @@ pub(super) fn check_square(
     Ok(())
 }
 
-/// Checks all texels of a square.
-pub(super) fn check_texels<T>(
-    part: &'static str,
-    size: u32,
-    texels: &[T],
-    allowed: &str,
-    format: impl Fn(&T) -> String,
-    good: impl Fn(&T) -> bool,
-) -> Result<(), FormatError> {
-    let Some(at) = texels.iter().position(|texel| !good(texel)) else { return Ok(()) };
-    let (column, row) = (at % size as usize, at / size as usize);
-    Err(FormatError::whole(format!("{part} texel ({column}, {row})"), format(&texels[at]), allowed))
-}
-
-/// Returns true if a coordinate is a number in range.
-pub(super) fn is_coordinate(value: f32) -> bool {
-    value.abs() <= MAX_COORDINATE
-}
-
 /// Reads and validates a word of a header.
 pub(super) fn word(
     cursor: &mut Cursor<'_>,
@@ -109,12 +64,3 @@ pub(super) fn words(bytes: &[u8]) -> Vec<u32> {
     bytes.as_chunks::<4>().0.iter().map(|word| u32::from_le_bytes(*word)).collect()
 }
 
-/// Texels of four halves, as bits.
-pub(super) fn halves(bytes: &[u8]) -> Vec<[u16; 4]> {
-    bytes.as_chunks::<2>().0.as_chunks::<4>().0.iter().map(|texel| texel.map(u16::from_le_bytes)).collect()
-}
-
-/// Bytes of texels of four halves.
-pub(super) fn half_bytes(texels: &[[u16; 4]]) -> Vec<u8> {
-    texels.iter().flatten().flat_map(|half| half.to_le_bytes()).collect()
-}

@@ -3,19 +3,33 @@
 use brdfc_formats::FormatError;
 use brdfc_formats::flat_btf::factored::shader::{FACTORED_WGSL, FactoredParameters};
 use brdfc_formats::flat_btf::factored::{
-    BASE_LAYERS, BaseTable, BaseTexel, BasisMap, ChromaRange, FactoredErrors, FactoredFlatBtf, FactoredHeader,
-    ShadowFormat, ShadowMap, WeightMap, WeightRange, from_opponent, to_opponent,
+    BASE_LAYERS, BaseMaterial, BaseTable, BaseTexel, BasisMap, ChromaRange, FactoredErrors, FactoredFlatBtf,
+    FactoredHeader, ShadowFormat, ShadowMap, WeightMap, WeightRange, from_opponent, to_opponent,
 };
 use brdfc_formats::flat_btf::shader::FLAT_BTF_WGSL;
-use brdfc_formats::flat_btf::{BlendedDirection, FlatBtfFile, ViewWeights, unit_vectors};
+use brdfc_formats::flat_btf::{
+    BlendedDirection, FlatBtfFile, MarchSteps, SampledDirections, Sheet, ViewWeights, unit_vectors,
+};
 use brdfc_testing::codecs::flat_btf::{
-    Factors, SMALL, Sizes, base_table, directions, factored, factored_example, only, towards, weights,
+    BASE, Factors, MATERIALS, SMALL, Sizes, base_table, directions, example_layers, factored, factored_example,
+    nothing, only, towards, two_materials, weights,
 };
 use brdfc_testing::golden::corpus::packs;
 use brdfc_testing::packs::Numbers;
 use naga::valid::{Capabilities, ValidationFlags, Validator};
 
-const TWO: Factors = Factors { levels: 3, groups: 2, wide_groups: 1, shadow: ShadowFormat::R8 };
+const TWO: Factors = Factors { groups: 2, wide_groups: 1, shadow: ShadowFormat::R8, ..BASE };
+
+/// Filtered value at parameters of the flat BTF.
+fn value(
+    asset: &FactoredFlatBtf,
+    uv: [f32; 2],
+    detail: f32,
+    view: BlendedDirection,
+    light: BlendedDirection,
+) -> [f32; 3] {
+    asset.filtered(uv, detail).blended(view, light)
+}
 
 fn close(found: [f32; 3], expected: [f32; 3], tolerance: f32) {
     let good = (0..3).all(|k| (found[k] - expected[k]).abs() <= tolerance * (1.0 + expected[k].abs()));
@@ -38,6 +52,8 @@ fn grey(
         views: directions(2, 1),
         lights: directions(3, 2),
         chroma: ChromaRange::ALL,
+        materials: 0,
+        axes: 0,
         steps: [vec![0.01; 4], vec![0.0; 4], vec![0.0; 4]],
         errors: FactoredErrors::default(),
     };
@@ -74,7 +90,7 @@ fn texels_are_shadow_times_sum() {
         assert_eq!(asset.texel([x, 0]).value(0, 1), [0.0; 3]);
         // At the centre of a texel the filter returns that texel.
         let uv = [(x as f32 + 0.5) / 4.0, 0.625];
-        assert_eq!(asset.value(uv, 0.0, towards(only(1)), towards(only(2))), asset.texel([x, 2]).value(1, 2));
+        assert_eq!(value(&asset, uv, 0.0, towards(only(1)), towards(only(2))), asset.texel([x, 2]).value(1, 2));
     }
 }
 
@@ -84,13 +100,13 @@ fn sums_are_blended_before_conversion_to_a_colour() {
     let asset = grey(4, 1, |x, _| [0, 51, 102, 255][x as usize], |_, _, light| [255, 0, 51][light as usize]);
     // Between texels 1 and 2, and across the border between 3 and 0.
     for (u, weight) in [(0.5, 0.3), (0.4375, 0.25), (0.0, 0.5), (1.0, 0.5), (-3.0, 0.5), (0.9375, 0.75)] {
-        close(asset.value([u, 0.4], 0.0, towards(only(0)), towards(only(0))), lightness(100.0 * weight), 1e-5);
+        close(value(&asset, [u, 0.4], 0.0, towards(only(0)), towards(only(0))), lightness(100.0 * weight), 1e-5);
     }
     let half = ViewWeights { indices: [0, 1, 0], weights: [0.5, 0.5, 0.0] };
     let lights = ViewWeights { indices: [0, 1, 2], weights: [0.5, 0.25, 0.25] };
-    let blended = asset.value([0.875, 0.1], 0.0, towards(half), towards(only(0)));
+    let blended = value(&asset, [0.875, 0.1], 0.0, towards(half), towards(only(0)));
     close(blended, lightness(75.0), 1e-5);
-    close(asset.value([0.875, 0.1], 0.0, towards(half), towards(lights)), lightness(75.0).map(|c| 0.55 * c), 1e-5);
+    close(value(&asset, [0.875, 0.1], 0.0, towards(half), towards(lights)), lightness(75.0).map(|c| 0.55 * c), 1e-5);
     // The mean of the colours differs.
     let [full, dim] = [100.0, 50.0].map(|value| lightness(value)[0]);
     assert!((blended[0] - 0.5 * (full + dim)).abs() > 0.05);
@@ -109,7 +125,7 @@ fn levels_of_detail() {
     let ranges = asset.weights().ranges().to_vec();
     let weights = WeightMap::new(4, 3, ranges, texels.collect()).unwrap();
     let asset = FactoredFlatBtf::new(asset.basis().clone(), weights, asset.shadow().cloned()).unwrap();
-    let at = |u: f32, detail: f32| asset.value([u, 0.3], detail, towards(only(0)), towards(only(0)));
+    let at = |u: f32, detail: f32| value(&asset, [u, 0.3], detail, towards(only(0)), towards(only(0)));
     for (u, detail, weight) in [
         (0.375, 0.0, 0.2),
         (0.375, -1.0, 0.2),
@@ -132,7 +148,7 @@ fn sums_of_both_widths() {
     for (groups, wide_groups, shadow) in
         [(1, 0, ShadowFormat::None), (3, 1, ShadowFormat::R8), (16, 5, ShadowFormat::R8)]
     {
-        let asset = factored(sizes, Factors { levels: 3, groups, wide_groups, shadow }, 4);
+        let asset = factored(sizes, Factors { groups, wide_groups, shadow, ..BASE }, 4);
         let header = asset.header();
         for (k, [x, y]) in [[0u32, 0], [4, 1], [2, 3]].into_iter().enumerate() {
             let (view, light) = (k as u32, (2 * k + 1) as u32 % 5);
@@ -163,7 +179,7 @@ fn sums_of_both_widths() {
 fn the_committed_asset_has_known_values() {
     let packs = packs("flat_btf");
     let file = FlatBtfFile::from_bytes(&packs["example.ktx2"]).unwrap();
-    let asset = file.decoder.parts().values.factored().expect("it is factored");
+    let asset = &file.decoder.parts().reflectance;
     assert_eq!(asset.basis(), factored_example().basis(), "the rules that made it");
     for (texel, view, light, expected) in [
         // In shadow.
@@ -179,9 +195,39 @@ fn the_committed_asset_has_known_values() {
         ([0.9375, -0.4], 0.5, 2, 1, [2.950_426, 3.231_413_7, 3.071_712_2]),
         ([0.1, 0.3], 7.0, 0, 2, [1.172_043, 0.762_218_8, 0.989_769_8]),
     ] {
-        close(asset.value(uv, detail, towards(only(view)), towards(only(light))), expected, 1e-6);
-        let other = asset.value(uv, detail, towards(only((view + 1) % 3)), towards(only(light)));
+        close(value(asset, uv, detail, towards(only(view)), towards(only(light))), expected, 1e-6);
+        let other = value(asset, uv, detail, towards(only((view + 1) % 3)), towards(only(light)));
         assert!((other[0] - expected[0]).abs() > 1e-3, "another view differs");
+    }
+    // Ends of rays of sight by short steps and bisection, and the light that reaches them.
+    let decoder = file.decoder.clone().with_steps(MarchSteps { sight: 64, refine: 30, light: 64 });
+    let layers = &decoder.parts().layers;
+    assert_eq!(layers, &example_layers(), "the rules that made them");
+    let (up, right, back) = ([0.0, 0.0, 1.0], [0.6, 0.0, 0.8], [0.0, 0.8, 0.6]);
+    let (oblique, steep) = ([-0.48, 0.64, 0.6], [0.0, 0.6, 0.8]);
+    for (uv, view, level, at, height, sheet, parameters, lit) in [
+        ([0.3, 0.1], up, 0.0, [0.3, 0.1], 0.890_980_4, Sheet::Top, [0.282_812_5, 0.124_218_8], 1.0),
+        ([0.55, 0.6], right, 0.25, [0.422_715, 0.6], 0.160_573_5, Sheet::Base, [0.405_241_9, 0.633_593_7], 1.0),
+        (
+            [1.3, -0.45],
+            oblique,
+            1.5,
+            [1.440_545, -0.637_393_3],
+            0.148_637_5,
+            Sheet::Base,
+            [0.429_016_6, 0.385_656_9],
+            0.0,
+        ),
+        ([0.7, 0.45], [0.0, -0.8, 0.6], -1.0, [0.7, 0.174_646_8], 0.913_03, Sheet::Top, [0.732_812_5, 0.197_281], 1.0),
+        ([0.4, 0.5], steep, 0.0, [0.4, 0.374_852_9], 0.166_274_5, Sheet::Base, [0.379_687_5, 0.394_375], 0.0),
+    ] {
+        let point = decoder.seen(uv, view, level);
+        let found = decoder.parameters(&point, level);
+        let off = [point.at[0] - at[0], point.at[1] - at[1], point.height - height];
+        let off = off.into_iter().chain((0..2).map(|k: usize| found[k] - parameters[k]));
+        assert!(point.sheet == sheet && off.into_iter().all(|c| c.abs() < 1e-5), "{uv:?}: {point:?} {found:?}");
+        let reached = |light| layers.lit(&point, up, light, level + decoder.finer(), decoder.steps());
+        assert_eq!([reached(right), reached(back)], [lit, 1.0], "{uv:?}");
     }
 }
 
@@ -262,6 +308,7 @@ fn the_shader_validates_after_that_of_flat_btfs() {
             "chroma" => assert_eq!(word(at), asset.header().chroma.word()),
             "views" => assert_eq!(word(at), 3),
             "lowest_light" => assert_eq!(number(at), asset.lowest_light()),
+            "materials" | "axes" | "reserved_0" | "reserved_1" => assert_eq!(word(at), 0),
             "steps" => {
                 let found = [0, 1, 2].map(|colour| number(at + 256 * colour + 4 * 7));
                 assert_eq!(found, [0, 1, 2].map(|colour| asset.header().steps[colour][7]));
@@ -271,6 +318,101 @@ fn the_shader_validates_after_that_of_flat_btfs() {
             other => panic!("no such field: {other}"),
         }
     }
+    // Without components there are no groups, views, lights and shadows; the base keeps its ranges.
+    let base = factored(SMALL, BASE, 5);
+    let bytes = FactoredParameters::to_bytes(&base);
+    assert_eq!(bytes.len(), FactoredParameters::SIZE);
+    let word = |at: usize| u32::from_le_bytes(bytes[at..][..4].try_into().unwrap());
+    let first: Vec<u32> = (0..12).map(|k| word(4 * k)).collect();
+    assert_eq!(first, [4, 3, 0, 0, 0, base.header().chroma.word(), 0, 0, 0, 0, 0, 0]);
+    let [steps, scales, lows] = [48, 48 + 768, 48 + 768 + 288];
+    assert!((0..192).all(|k| word(steps + 4 * k) == 0), "no steps");
+    for (k, range) in base.weights().ranges().iter().enumerate() {
+        let found = [scales, lows].map(|array| f32::from_bits(word(array + 4 * k)));
+        assert_eq!(found, [range.scale, range.low], "{k}");
+    }
+    assert!((8..72).all(|k| word(scales + 4 * k) == 0 && word(lows + 4 * k) == 0), "no weights");
+    // Two materials, the second over mirror angles.
+    let bytes = FactoredParameters::to_bytes(&factored(SMALL, MATERIALS, 5));
+    assert_eq!(bytes[32..48], *[2u32, 2, 0, 0].map(u32::to_le_bytes).as_flattened());
+}
+
+/// Without components the base alone is the value; samples are not read.
+#[test]
+fn a_base_alone() {
+    let asset = factored(SMALL, BASE, 5);
+    assert_eq!((asset.header().basis_extent(), asset.lowest_light()), ([64, 6], 0.0));
+    assert_eq!(SampledDirections::of(&asset), Ok(None));
+    let mut numbers = Numbers::new(3);
+    for k in 0..100 {
+        let (view, light) = (towards(nothing(k)), towards(nothing(k / 5)));
+        let uv = [0; 2].map(|_| numbers.between(-2.0, 2.0) as f32);
+        let detail = numbers.between(-0.5, 3.0) as f32;
+        let texel = asset.filtered(uv, detail);
+        let expected = base_table().colour(texel.base(), view.direction, light.direction);
+        assert!(expected[0] > 0.0 || light.direction[2] < 0.9, "{light:?}");
+        assert_eq!(texel.blended(view, light), expected);
+        let sampled = |direction: BlendedDirection| BlendedDirection { samples: only(77), ..direction };
+        assert_eq!(texel.blended(sampled(view), sampled(light)), expected);
+    }
+    let header = asset.header().clone();
+    let refusal = |change: &dyn Fn(&mut FactoredHeader)| {
+        let mut header = header.clone();
+        change(&mut header);
+        header.check().unwrap_err().to_string()
+    };
+    let directions = "brdfc.flat-btf.factored directions: found";
+    let allowed = "expected no views, lights and shadows, because there are no groups";
+    for (views, lights) in [(1, 0), (0, 2), (3, 5)] {
+        let found = refusal(&|header| {
+            header.views = vec![[0.0; 2]; views];
+            header.lights = vec![[0.0; 2]; lights];
+        });
+        assert_eq!(found, format!("{directions} {views} views and {lights} lights, {allowed}"));
+    }
+    let shadowed = refusal(&|header| header.shadow = ShadowFormat::R8);
+    assert_eq!(shadowed, format!("{directions} 0 views and 0 lights, {allowed}"));
+    assert!(refusal(&|header| header.wide_groups = 1).starts_with("brdfc.flat-btf.factored wide groups: found 1"));
+    assert!(refusal(&|header| header.groups = 1).starts_with("brdfc.views: found 0 directions, expected 1 to 2048"));
+}
+
+/// A value is a tint times the materials, blended by their shares.
+#[test]
+fn materials_are_blended_and_tinted() {
+    let materials = two_materials();
+    let asset = factored(SMALL, MATERIALS, 5);
+    assert_eq!((asset.basis().materials(), asset.header().axes), (&materials[..], 0b10));
+    assert_eq!(asset.header().basis_extent(), [64, 13]);
+    let one = factored(SMALL, Factors { materials: 1, ..BASE }, 5);
+    assert_eq!((one.basis().materials(), one.header().axes), (&materials[..1], 0));
+    let mut lit = 0;
+    for k in 0..100 {
+        let (view, light) = (towards(nothing(k)), towards(nothing(k / 5)));
+        let (uv, detail) = ([0.13 * k as f32, -0.29 * k as f32], 0.05 * k as f32);
+        let texel = asset.filtered(uv, detail);
+        let BaseTexel { diffuse: tint, gloss: share, normal } = *texel.base();
+        let [first, second] = materials.each_ref().map(|it| it.value(normal, view.direction, light.direction));
+        let blended = [0, 1, 2].map(|c: usize| tint[c] * ((1.0 - share) * first[c] + share * second[c]));
+        close(texel.blended(view, light), blended, 1e-5);
+        close(one.filtered(uv, detail).blended(view, light), [0, 1, 2].map(|c: usize| tint[c] * first[c]), 1e-5);
+        lit += usize::from(blended[0] > 0.1 && (first[0] - second[0]).abs() > 0.1);
+    }
+    assert!(lit > 20, "{lit}");
+    let header = asset.header().clone();
+    let refusal = |header: &FactoredHeader| header.check().unwrap_err().to_string();
+    let grouped = FactoredHeader { groups: 1, ..header.clone() };
+    assert_eq!(
+        refusal(&grouped),
+        "brdfc.flat-btf.factored groups: found 1, expected no groups, because there are materials"
+    );
+    let axes = FactoredHeader { axes: 4, ..header.clone() };
+    assert_eq!(refusal(&axes), "brdfc.flat-btf.factored axes: found 4, expected 0 to 3");
+    assert!(BasisMap::of_materials(header.clone(), &[materials[0].clone(), materials[0].clone()]).is_ok());
+    let three = [0, 1, 0].map(|k: usize| materials[k].clone());
+    assert!(BasisMap::of_materials(header.clone(), &three).is_err());
+    let bright = BaseMaterial { diffuse: [0.0, f32::NAN, 0.0], ..materials[1].clone() };
+    let bright = BasisMap::of_materials(header, &[materials[0].clone(), bright]).unwrap_err().to_string();
+    assert!(bright.starts_with("diffuse albedo of material 1: found [0.0, NaN, 0.0], expected numbers"), "{bright}");
 }
 
 /// Directions with weight 0 are not decoded, so their indices can be anything.
@@ -287,19 +429,20 @@ fn directions_of_weight_0_are_ignored() {
             (0..3).filter(|k| samples.weights[*k] == 0.0).for_each(|k| samples.indices[k] = 77);
             direction
         };
-        let value = asset.value(uv, detail, views, lights);
-        assert_eq!(asset.value(uv, detail, nowhere(views), nowhere(lights)), value);
+        let found = value(&asset, uv, detail, views, lights);
+        assert_eq!(value(&asset, uv, detail, nowhere(views), nowhere(lights)), found);
     }
     let nowhere = |index: u32| ViewWeights { indices: [index, 77, 99], weights: [1.0, 0.0, 0.0] };
-    let value = |views: ViewWeights, lights: ViewWeights| {
-        asset.value(
+    let blended = |views: ViewWeights, lights: ViewWeights| {
+        value(
+            &asset,
             [0.2; 2],
             0.5,
             BlendedDirection { samples: views, ..towards(only(2)) },
             BlendedDirection { samples: lights, ..towards(only(2)) },
         )
     };
-    assert_eq!(value(nowhere(2), nowhere(2)), value(only(2), only(2)));
+    assert_eq!(blended(nowhere(2), nowhere(2)), blended(only(2), only(2)));
 }
 
 /// A base alone: the colour of the exact direction, not of the samples that approximate it.
@@ -320,7 +463,7 @@ fn the_base_uses_the_exact_direction() {
     {
         let ask = |light: [f32; 3], index: u32| {
             let [view, light] = [view, light].map(|direction| BlendedDirection { direction, samples: only(index) });
-            asset.value([0.3, 0.7], 0.0, view, light)
+            value(&asset, [0.3, 0.7], 0.0, view, light)
         };
         let expected = base_table().colour(&texel, view, light);
         assert!(expected[0] > 0.1);

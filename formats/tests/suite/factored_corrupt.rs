@@ -1,11 +1,11 @@
 //! Corrupt and malicious factored flat BTFs: each is rejected with a reason, or decodes to finite numbers.
 
+use brdfc_formats::bindings::{PackFile, Texels};
 use brdfc_formats::container::{Extent, TexelFormat};
-use brdfc_formats::flat_btf::FlatValues;
 use brdfc_formats::flat_btf::factored::{BasisMap, FactoredFlatBtf, ShadowFormat, WeightMap, WeightRange};
 use brdfc_testing::codecs::flat_btf::{
-    Factors, SMALL, displacements, factored, factored_example, factored_file, file, image, refusal, reshape, set_texel,
-    set_word,
+    BASE, Factors, SMALL, base_file, factored, factored_example, factored_file, file, image, layers, refusal, reshape,
+    set_texel, set_word,
 };
 
 /// The largest numbers that files can hold, all at once.
@@ -39,9 +39,9 @@ fn values_of_other_lengths_are_rejected() {
     for (entry, long, short, without) in [
         (
             "brdfc.flat-btf.factored",
-            "157 bytes, expected 156 bytes, as groups requires",
-            "60 bytes or more",
-            "direction_mesh_words: found meshes of 3 views and 3 lights, expected no meshes",
+            "165 bytes, expected 164 bytes, as groups requires",
+            "68 bytes or more",
+            "brdfc.flat-btf.factored: not among the keys ",
         ),
         (
             "brdfc.flat-btf.weights",
@@ -125,27 +125,28 @@ fn other_textures_are_rejected() {
 /// Each header field out of its range.
 #[test]
 fn wrong_headers_are_rejected() {
-    let two = Factors { levels: 3, groups: 2, wide_groups: 1, shadow: ShadowFormat::R8 };
-    let made = file(displacements(SMALL, 2, 3), FlatValues::Factored(Box::new(factored(SMALL, two, 3))));
+    let two = Factors { groups: 2, wide_groups: 1, shadow: ShadowFormat::R8, ..BASE };
+    let made = file(layers(SMALL, true, 3), factored(SMALL, two, 3));
     let with =
         |key: &str, word: usize, value: u32| refusal(&made, |file| set_word(file, key, 4 * word, value)).to_string();
     let [nan, inf] = [f32::NAN, f32::INFINITY].map(f32::to_bits);
     for (word, value, expected) in [
-        (0, 1, "brdfc.flat-btf.factored version: found 1, expected 2"),
+        (0, 2, "brdfc.flat-btf.factored version: found 2, expected 3"),
         (1, 0, "brdfc.flat-btf.factored size: found 0, expected 1 to 8192"),
         (2, 4, "brdfc.flat-btf.factored levels: found 4, expected 1 to 3"),
-        (3, 17, "brdfc.flat-btf.factored groups: found 17, expected 1 to 16"),
-        (3, 3, "brdfc.flat-btf.factored length: found 156 bytes, expected 204 bytes, as groups requires"),
+        (3, 17, "brdfc.flat-btf.factored groups: found 17, expected 0 to 16"),
+        (3, 3, "brdfc.flat-btf.factored length: found 164 bytes, expected 212 bytes, as groups requires"),
         (4, 3, "brdfc.flat-btf.factored wide groups: found 3, expected 0 to 2, the number of groups"),
         (5, 2, "brdfc.flat-btf.factored shadow format: found 2, expected 0 to 1"),
-        (6, 0, "brdfc.flat-btf.factored views: found 0, expected 1 to 2048"),
+        (6, 0, "brdfc.views: found 24 bytes, expected 0 bytes"),
         (6, 4, "brdfc.views: found 24 bytes, expected 32 bytes"),
         (7, 4, "brdfc.lights: found 40 bytes, expected 32 bytes"),
         (1, 8193, "brdfc.flat-btf.factored size: found 8193, expected 1 to 8192"),
         (2, 0, "brdfc.flat-btf.factored levels: found 0, expected 1 to 3"),
-        (3, 0, "brdfc.flat-btf.factored groups: found 0, expected 1 to 16"),
-        (6, 2049, "brdfc.flat-btf.factored views: found 2049, expected 1 to 2048"),
-        (7, 0, "brdfc.flat-btf.factored lights: found 0, expected 1 to 2048"),
+        (3, 0, "brdfc.flat-btf.factored length: found 164 bytes, expected 68 bytes, as groups requires"),
+        (6, 2049, "brdfc.flat-btf.factored views: found 2049, expected 0 to 2048"),
+        (7, 0, "brdfc.lights: found 40 bytes, expected 0 bytes"),
+        (7, 2049, "brdfc.flat-btf.factored lights: found 2049, expected 0 to 2048"),
         (9, nan, "brdfc.flat-btf.factored error: found NaN, expected a finite non-negative number"),
         (13, (-1.0f32).to_bits(), "brdfc.flat-btf.factored error: found -1, expected a finite non-negative number"),
         (
@@ -153,8 +154,11 @@ fn wrong_headers_are_rejected() {
             1,
             "brdfc.flat-btf.factored range of colours: found 1 to 0 and 0 to 0, expected two ranges with minimum <= maximum",
         ),
-        (15, nan, "brdfc.flat-btf.factored step: found NaN, expected a finite non-negative number"),
-        (38, inf, "brdfc.flat-btf.factored step: found inf, expected a finite non-negative number"),
+        (15, 3, "brdfc.flat-btf.factored materials: found 3, expected 0 to 2"),
+        (15, 1, "brdfc.flat-btf.factored groups: found 2, expected no groups, because there are materials"),
+        (16, 2, "brdfc.flat-btf.factored axes: found 2, expected 0 to 1"),
+        (17, nan, "brdfc.flat-btf.factored step: found NaN, expected a finite non-negative number"),
+        (40, inf, "brdfc.flat-btf.factored step: found inf, expected a finite non-negative number"),
     ] {
         assert_eq!(with("brdfc.flat-btf.factored", word, value), expected);
     }
@@ -165,10 +169,14 @@ fn wrong_headers_are_rejected() {
     assert_eq!(weights(0, 0), "brdfc.flat-btf.weights version: found 0, expected 1");
     assert_eq!(weights(1, 4), "brdfc.flat-btf.weights: found 136 bytes, expected 40 bytes");
     assert!(weights(5, nan).starts_with("brdfc.flat-btf.weights range 1"));
-    // The base alone is not an asset, and its table has a range.
+    // The base has two layers, and its table has a range.
     let range = WeightRange { scale: 1.0, low: 0.0 };
-    let refused = WeightMap::new(1, 1, vec![range; 8], vec![0; 8]).unwrap_err().to_string();
-    assert_eq!(refused, "numbers of the part weights: found 8, expected a multiple of 4, at least 12");
+    assert!(WeightMap::new(1, 1, vec![range; 8], vec![0; 8]).is_ok());
+    for count in [4, 9] {
+        let refused = WeightMap::new(1, 1, vec![range; count], vec![0; count]).unwrap_err().to_string();
+        let expected = format!("numbers of the part weights: found {count}, expected a multiple of 4, at least 8");
+        assert_eq!(refused, expected);
+    }
     for (number, label) in [(nan, "NaN"), (inf, "inf"), ((-0.5f32).to_bits(), "-0.5"), (65_537.0f32.to_bits(), "65537")]
     {
         // The table follows three views of nine texels.
@@ -178,4 +186,50 @@ fn wrong_headers_are_rejected() {
         assert!(error.starts_with("entry (2, 5) of the base: found [") && error.contains(label), "{error}");
     }
     assert_eq!(with("brdfc.flat-btf.shadow", 0, 2), "brdfc.flat-btf.shadow version: found 2, expected 1");
+}
+
+/// A base alone has no views, lights, shadows and meshes.
+#[test]
+fn a_base_with_parts_of_components_is_rejected() {
+    const KEY: &str = "brdfc.flat-btf.factored";
+    let directions = |file: &mut PackFile| {
+        for key in ["brdfc.views", "brdfc.lights"] {
+            file.entries.insert(key.to_owned(), vec![0; 8]);
+        }
+        set_word(file, KEY, 24, 1);
+        set_word(file, KEY, 28, 1);
+    };
+    assert_eq!(
+        refusal(&base_file(), directions).to_string(),
+        "brdfc.flat-btf.factored directions: found 1 views and 1 lights, expected no views, lights and shadows, because there are no groups"
+    );
+    let shadowed = refusal(&base_file(), |file| set_word(file, KEY, 20, 1)).to_string();
+    assert!(shadowed.starts_with("brdfc.flat-btf.factored directions: found 0 views and 0 lights"), "{shadowed}");
+    // Of a file with components, whose basis has no groups any more.
+    let without = refusal(&factored_file(), |file| {
+        let entry = file.entries.get_mut(KEY).unwrap();
+        entry.truncate(68);
+        entry[12..20].fill(0);
+    });
+    assert!(
+        without.to_string().starts_with("brdfc.flat-btf.factored directions: found 3 views and 3 lights"),
+        "{without}"
+    );
+    for (name, expected) in [
+        ("factored_shadow", "brdfc.flat-btf.shadow: not among the keys "),
+        ("direction_mesh_words", "direction_mesh_words: found meshes of 3 views and 3 lights, expected no meshes"),
+    ] {
+        let other = PackFile::from_bytes(&factored_file().to_bytes(false)).unwrap();
+        let error = refusal(&base_file(), |file| {
+            let taken = other.bindings.textures().find(|(of, _)| *of == name).unwrap().1.clone();
+            *image(file, name) = taken;
+        });
+        assert!(error.to_string().starts_with(expected), "{error}");
+    }
+    // A file with components has the meshes of its directions.
+    let error = refusal(&factored_file(), |file| {
+        let texels = image(file, "direction_mesh_words");
+        *texels = Texels::empty(texels.format, Extent::D2([1; 2]));
+    });
+    assert_eq!(error.to_string(), "direction_mesh_words: found no meshes, expected meshes of 3 views and 3 lights");
 }

@@ -1,306 +1,392 @@
-//! Flat BTFs: known answers of the decoder, blends that stay in their block, and file round trips.
+//! Flat BTFs: known answers of rays through layers, values behind them, and file round trips.
 
-use brdfc_formats::container::{half, rgb9e5};
 use brdfc_formats::flat_btf::factored::ShadowFormat;
 use brdfc_formats::flat_btf::{
-    DiffuseMap, FlatBtfDecoder, FlatBtfFile, FlatBtfParts, FlatHeader, FlatValues, FlatView, IndirectionHeader,
-    IndirectionMap, NormalMap, ReferenceMap, VisibilityMask,
+    FlatBtfDecoder, FlatBtfFile, FlatBtfParts, FlatHeader, FlatView, LayerHeader, LayerMap, MarchSteps, ReliefPoint,
+    Sheet, VisibilityMask,
 };
-use brdfc_testing::codecs::flat_btf::{self, Factors, SMALL, Sizes, only};
+use brdfc_testing::codecs::flat_btf::{
+    BASE, Factors, SMALL, Sizes, base_file, factored, factored_file, flat_relief, layers, materials_file, nothing,
+    only, parts, relief, towards,
+};
 use brdfc_testing::packs::{Numbers, unit_vector};
 use proptest::prelude::*;
-use std::f32::consts::{FRAC_PI_2, TAU};
+use std::array::from_fn;
 
-fn from_angles(polar: f32, azimuth: f32) -> [f32; 3] {
-    [polar.sin() * azimuth.cos(), polar.sin() * azimuth.sin(), polar.cos()]
+const UP: [f32; 3] = [0.0, 0.0, 1.0];
+const DOWN: [f32; 3] = [0.0, 0.0, -1.0];
+/// Half a right angle to both sides.
+const FROM_LEFT: [f32; 3] = [-0.707_106_77, 0.0, 0.707_106_77];
+const FROM_RIGHT: [f32; 3] = [0.707_106_77, 0.0, 0.707_106_77];
+/// Byte of the lower of two heights in these tests, a fifth of the range, and of the upper one, four fifths.
+const LOW: u8 = 51;
+const HIGH: u8 = 204;
+const FINE: MarchSteps = MarchSteps { sight: 64, refine: 6, light: 64 };
+
+/// One tile from the lowest to the highest point, half of it below the reference plane.
+fn header(size: u32, sheets: u32) -> LayerHeader {
+    LayerHeader { size, sheets, levels: 1, heights: [-0.5, 0.5], casts_shadows: true }
 }
 
-/// Each texel of the reference plane maps to the parameters above it.
-fn plane_reference(size: u32) -> ReferenceMap {
-    let centre = |k: u32| (k as f32 + 0.5) / size as f32;
-    let parameters = (0..size * size).map(|at| [centre(at % size), centre(at / size)]).collect();
-    ReferenceMap::new(size, parameters).unwrap()
+/// Layers without displacement whose heights depend on the column.
+fn along(size: u32, sheets: u32, heights: impl Fn(u32) -> [u8; 3]) -> LayerMap {
+    relief(header(size, sheets), |[column, _]| (heights(column), [[0.0; 2]; 3]))
 }
 
-/// An asset on the plane with this displacement and height for all texels of the reference.
-fn asset(sizes: Sizes, sample: impl Fn([u32; 2], u32, u32) -> ([f32; 2], f32)) -> FlatBtfParts {
-    let indirection = IndirectionMap::from_displacements(flat_btf::header(sizes), sample).unwrap();
-    FlatBtfParts {
-        reference: plane_reference(sizes.reference),
-        indirection: indirection.into(),
-        ..flat_btf::parts(sizes, 3)
-    }
+fn unit([x, y, z]: [f32; 3]) -> [f32; 3] {
+    let length = (x * x + y * y + z * z).sqrt();
+    [x / length, y / length, z / length]
 }
 
-const PLANE: Sizes =
-    Sizes { flat: 8, reference: 8, zenith: 5, azimuth: 6, largest_angle: FRAC_PI_2, views: 3, lights: 5 };
+fn apart(a: [f32; 2], b: [f32; 2]) -> f32 {
+    (a[0] - b[0]).hypot(a[1] - b[1])
+}
 
-/// A flat plane has no parallax: in all views the parameters are those of the texel's centre.
+/// A ray that passes a plane at the height h meets it at `uv + h slope`, by any number of steps.
 #[test]
-fn a_plane_has_no_parallax() {
-    let decoder = FlatBtfDecoder::new(asset(PLANE, |_, _, _| ([0.0; 2], 0.0))).unwrap();
+fn a_plane_is_met_where_rays_pass_its_height() {
     let mut numbers = Numbers::new(1);
-    for _ in 0..500 {
-        let uv = [numbers.between(-3.0, 3.0) as f32, numbers.between(-3.0, 3.0) as f32];
-        let view = unit_vector(&mut numbers);
-        let centre = uv.map(|c| ((c - c.floor()) * 8.0).floor() / 8.0 + 0.0625);
-        assert_eq!(decoder.indirection(uv, view), [centre[0], centre[1], 0.0], "{uv:?} {view:?}");
-    }
-}
-
-/// At texel centres a plane of equal resolution returns the texels of the flat BTF, for each view and light.
-#[test]
-fn a_plane_returns_the_flat_btf_unchanged() {
-    let parts = asset(PLANE, |_, _, _| ([0.0; 2], 0.0));
-    let decoder = FlatBtfDecoder::new(parts.clone()).unwrap();
-    for (view, light, [i, j]) in [(0, 0, [0, 0]), (1, 4, [7, 3]), (2, 2, [2, 7])] {
-        let uv = [i, j].map(|k: u32| (k as f32 + 0.5) / 8.0);
-        let texel = parts.values.views()[view as usize].light(light)[(8 * j + i) as usize];
-        assert_eq!(decoder.full(uv, [0.0, 0.6, 0.8], only(view), only(light)), rgb9e5::decode(texel));
-    }
-    // Halfway between centres the reference is not filtered, so a texel of the plane is a step.
-    let uv = [0.126, 0.0625];
-    assert_eq!(
-        decoder.full(uv, [0.0, 0.0, 1.0], only(0), only(0)),
-        rgb9e5::decode(parts.values.views()[0].texels()[1])
-    );
-}
-
-/// The filter wraps around the border of the tile: a reference at parameter 0 blends the last texels with the first.
-#[test]
-fn filtering_is_periodic() {
-    let mut parts = asset(Sizes { reference: 1, ..PLANE }, |_, _, _| ([0.0; 2], 0.0));
-    let colour = |k: u32| [k as f32, 1.0, 0.0];
-    let texels: Vec<u32> = (0..64).map(|at| rgb9e5::encode(colour(at % 8))).collect();
-    parts.values = FlatValues::None;
-    parts.diffuse = DiffuseMap::new(8, texels).unwrap();
-    parts.normal = NormalMap::new(8, vec![[0.0, 0.0, 1.0]; 64]).unwrap();
-    for (u, expected) in
-        [(0.0, 3.5), (1.0, 3.5), (-5.0, 3.5), (0.0625, 0.0), (0.9375, 7.0), (0.03125, 1.75), (0.5, 3.5)]
-    {
-        parts.reference = ReferenceMap::new(1, vec![[u, 0.3]]).unwrap();
-        let decoder = FlatBtfDecoder::new(parts.clone()).unwrap();
-        let [red, green, _] = decoder.light_form([0.5, 0.5], [0.0, 0.0, 1.0], [0.6, 0.0, 0.8]);
-        assert!((red - 0.8 * expected).abs() < 1e-5 && (green - 0.8).abs() < 1e-6, "{u}: {red} {green}");
-    }
-}
-
-/// A plane at depth h below the reference is displaced by `-h tan φ` along the view. With samples that are linear in
-/// the angle the blend is exact along it for any azimuth, because directions are blended, not displacements.
-#[test]
-fn linear_displacements_are_rebuilt() {
-    let slope = 0.25;
-    let sizes = Sizes { reference: 4, zenith: 9, azimuth: 64, largest_angle: 1.5, ..PLANE };
-    let header = flat_btf::header(sizes);
-    let parts = asset(sizes, |_, k, a| {
-        let [polar, azimuth] = header.view_angles(k, a).map(|angle| angle as f32);
-        ([slope * polar * azimuth.cos(), slope * polar * azimuth.sin()], -0.1 * polar)
-    });
-    let reference = parts.reference.clone();
-    let decoder = FlatBtfDecoder::new(parts).unwrap();
-    let mut numbers = Numbers::new(5);
-    for _ in 0..2000 {
-        let (polar, azimuth) = (numbers.between(0.0, 1.5) as f32, numbers.between(0.0, 6.2) as f32);
-        let [i, j] = [numbers.bits() % 4, numbers.bits() % 4];
-        let uv = [i, j].map(|k| (k as f32 + 0.3) / 4.0);
-        let [u, v, z] = decoder.indirection(uv, from_angles(polar, azimuth));
-        let [x, y] = reference.parameters()[(4 * j + i) as usize];
-        let periodic = |c: f32| c - c.round();
-        let [du, dv] = [periodic(u - x), periodic(v - y)];
-        // Halves have a relative precision of 2^-12; blending between 64 directions turns them by less than 1e-3.
-        let distance = slope * polar;
-        assert!((du - distance * azimuth.cos()).abs() < 4e-4, "{polar} {azimuth}: {du}");
-        assert!((dv - distance * azimuth.sin()).abs() < 4e-4, "{polar} {azimuth}: {dv}");
-        assert!((du.hypot(dv) - distance).abs() < 2e-4 && (z + 0.1 * polar).abs() < 1e-4);
-    }
-}
-
-/// Equation 3 with four samples of known values, and the view halfway between all of them.
-#[test]
-fn directions_and_distances_blend_separately() {
-    let sizes = Sizes { reference: 1, zenith: 3, azimuth: 4, largest_angle: 1.0, ..PLANE };
-    let parts = asset(sizes, |_, k, a| {
-        let direction = [[1.0, 0.0], [0.0, 1.0], [-1.0, 0.0], [0.0, -1.0]][a as usize];
-        let distance = 0.1 * k as f32 * (1 + a) as f32;
-        (direction.map(|c| c * distance), k as f32)
-    });
-    let decoder = FlatBtfDecoder::new(parts).unwrap();
-    let displaced = |polar, azimuth| {
-        let [u, v, z] = decoder.indirection([0.5, 0.5], from_angles(polar, azimuth));
-        [u - 0.5, v - 0.5, z]
-    };
-    // Distances 0.1, 0.2 of the first two azimuths at 0.5, and 0.2, 0.4 at 1.0; the direction is halfway, of length 1.
-    let mean = (0.1 + 0.2 + 0.2 + 0.4) / 4.0;
-    let [x, y, z] = displaced(0.75, FRAC_PI_2 / 2.0);
-    let expected = mean * 0.5f32.sqrt();
-    assert!((x - expected).abs() < 1e-4 && (y - expected).abs() < 1e-4 && (z - 1.5).abs() < 1e-5, "{x} {y} {z}");
-    // Across the seam of the azimuth, from the last to the first.
-    let [x, y, _] = displaced(0.5, 1.75 * std::f32::consts::PI);
-    let expected = (0.4 + 0.1) / 2.0 * 0.5f32.sqrt();
-    assert!((x - expected).abs() < 1e-4 && (y + expected).abs() < 1e-4, "{x} {y}");
-    // Beyond the largest angle, and below the horizon, nothing changes any more.
-    assert_eq!(displaced(1.0, 0.3), displaced(1.2, 0.3));
-    assert_eq!(displaced(1.0, 0.3), displaced(2.5, 0.3));
-}
-
-/// All blocks except one hold the largest numbers; only the block of the requested texel has an effect.
-#[test]
-fn blends_never_leave_a_block() {
-    let sizes = Sizes { reference: 3, zenith: 3, azimuth: 4, largest_angle: 1.2, ..PLANE };
-    let one = |k: u32, a: u32| ([0.01 * (k * (a + 1)) as f32, 0.0], 0.25);
-    let alone = FlatBtfDecoder::new(asset(sizes, |_, k, a| one(k, a))).unwrap();
-    let among = asset(sizes, |texel, k, a| if texel == [1, 1] { one(k, a) } else { ([1024.0, 0.0], 1024.0) });
-    let among = FlatBtfDecoder::new(among).unwrap();
-    let mut numbers = Numbers::new(9);
-    let mut views: Vec<[f32; 3]> = (0..2000).map(|_| unit_vector(&mut numbers)).collect();
-    for k in 0..=16 {
-        for a in 0..=64 {
-            views.push(from_angles(1.2 * k as f32 / 16.0, TAU * a as f32 / 64.0));
-        }
-    }
-    views.extend([[1.0, -0.0, 0.0], [1.0, -1e-30, 0.0], [-1.0, -1e-30, 0.0], [0.0, 0.0, -1.0], [0.0; 3]]);
-    for uv in [[0.3334, 0.3334], [0.5, 0.5], [0.6666, 0.6666]] {
-        for view in &views {
-            let found = among.indirection(uv, *view);
-            assert_eq!(found, alone.indirection(uv, *view), "{view:?}");
-            assert!(found[2] == 0.25 || (found[2] - 0.25).abs() < 1e-6);
-        }
-    }
-    // The neighbours differ, so the test would detect them.
-    assert!(among.indirection([0.1, 0.5], [0.0, 0.0, 1.0])[2] == 1024.0);
-}
-
-#[test]
-fn any_query_gives_numbers_in_range() {
-    let decoder = FlatBtfDecoder::new(flat_btf::parts(SMALL, 4)).unwrap();
-    let odd = [0.0, -0.0, 1.0, -1e-9, 1e9, -1e30, f32::MAX, f32::INFINITY, f32::NAN, f32::MIN_POSITIVE];
-    for u in odd {
-        for v in odd {
-            for z in odd {
-                let found = decoder.indirection([u, v], [v, u, z]);
-                assert!((0.0..1.0).contains(&found[0]) && (0.0..1.0).contains(&found[1]), "{u} {v} {z}: {found:?}");
-                let value = decoder.full([u, v], [u, z, v], only(2), only(4));
-                assert!(value.iter().all(|c| (0.0..2.0).contains(c)), "{value:?}");
+    for byte in [0, 1, 77, 128, 254, 255] {
+        let (share, height) = (f32::from(byte) / 255.0, f32::from(byte) / 255.0 - 0.5);
+        let plane = along(8, 1, |_| [byte, 0, 0]);
+        for k in 0..300 {
+            let uv = [0; 2].map(|_| numbers.between(-3.0, 3.0) as f32);
+            let [x, y, z] = unit_vector(&mut numbers);
+            let view = unit([x, y, z.abs().max(0.07)]);
+            let steps = MarchSteps { sight: k % 20, refine: k % 4, light: k % 5 };
+            let found = plane.seen(uv, view, 0.0, steps);
+            let expected: [f32; 2] = from_fn(|k| uv[k] + height * view[k] / view[2]);
+            assert!(apart(found.at, expected) < 1e-5, "{byte} {uv:?} {view:?}: {found:?} {expected:?}");
+            assert!((found.height - share).abs() < 1e-6 && found.sheet == Sheet::Base, "{byte}: {found:?}");
+            // The control: a plane at another height is met elsewhere.
+            if view[2] < 0.8 && byte > 1 {
+                let other = along(8, 1, |_| [0, 0, 0]).seen(uv, view, 0.0, steps);
+                assert!(apart(other.at, expected) > 0.1, "{view:?}: {other:?}");
             }
         }
     }
 }
 
-/// The full form is the weighted sum of its pairs; pairs with weight 0 are not read.
 #[test]
-fn views_and_lights_are_blended_by_their_weights() {
-    let decoder = FlatBtfDecoder::new(flat_btf::parts(SMALL, 7)).unwrap();
+fn parameters_are_positions_and_displacements() {
+    let moved = |[column, row]: [u32; 2]| {
+        from_fn(|sheet| [0.125 * sheet as f32 + 0.0625 * column as f32, -0.25 - 0.03125 * (row + sheet as u32) as f32])
+    };
+    let layers = relief(header(4, 3), |texel| ([LOW, 0, 255], moved(texel)));
+    for (texel, k) in [([0, 0], 0), ([3, 1], 1), ([2, 3], 2)] {
+        let sheet = [Sheet::Base, Sheet::Top, Sheet::Underside][k];
+        let at = texel.map(|k: u32| (k as f32 + 0.5) / 4.0);
+        for tiles in [0.0, 1.0, -2.0] {
+            let at = at.map(|c| c + tiles);
+            let expected: [f32; 2] = from_fn(|axis| at[axis] + moved(texel)[k][axis]);
+            assert!(apart(layers.parameters(at, sheet, 0.0), expected) < 1e-6, "{texel:?} {sheet:?}");
+        }
+    }
+    // Halfway between the last texel of a row and the first of the next tile.
+    let [u, v] = layers.parameters([1.0, 0.125], Sheet::Base, 0.0);
+    assert!((u - 1.0 - 0.5 * 3.0 * 0.0625).abs() < 1e-6 && (v - 0.125 + 0.25).abs() < 1e-6, "{u} {v}");
+    // The decoder wraps them.
+    let decoder = FlatBtfDecoder::new(FlatBtfParts { layers, ..parts(Sizes { plane: 4, ..SMALL }, 1) });
+    let point = decoder.seen([0.875, 0.125], UP, 0.0);
+    let [u, v] = decoder.parameters(&point, 0.0);
+    assert!((u - 0.0625).abs() < 1e-6 && (v - 0.875).abs() < 1e-6, "{u} {v}");
+}
+
+/// No light above the horizon is blocked.
+#[test]
+fn light_reaches_a_plane() {
     let mut numbers = Numbers::new(2);
-    for _ in 0..200 {
-        let (views, lights) = (flat_btf::weights(&mut numbers, 3), flat_btf::weights(&mut numbers, 5));
-        let uv = [numbers.unit() as f32, numbers.unit() as f32];
+    for byte in [0, 77, 255] {
+        let plane = along(8, 1, |_| [byte, 0, 0]);
+        for k in 0..300 {
+            let [x, y, z] = unit_vector(&mut numbers);
+            let light = if k % 3 == 0 { unit([x, y, 0.0]) } else { [x, y, z.abs()] };
+            let point = plane.seen([x, y], UP, 0.0, MarchSteps::default());
+            assert_eq!(plane.lit(&point, UP, light, 0.0, MarchSteps::default()), 1.0, "{byte} {light:?}");
+        }
+    }
+}
+
+#[test]
+fn a_slab_hides_and_shadows_the_base() {
+    let slab = along(8, 3, |_| [LOW, HIGH, 153]);
+    // The underside is above the top: nothing is there.
+    let closed = along(8, 3, |_| [LOW, 153, HIGH]);
+    let base = ReliefPoint { at: [0.3, 0.4], height: 0.2, sheet: Sheet::Base };
+    let underside = ReliefPoint { height: 0.6, sheet: Sheet::Underside, ..base };
+    let mut numbers = Numbers::new(3);
+    for _ in 0..300 {
+        let [x, y, z] = unit_vector(&mut numbers);
+        let direction = unit([x, y, z.abs()]);
+        let top = slab.seen([x, y], direction, 0.0, FINE);
+        assert!(top.sheet == Sheet::Top && (top.height - 0.8).abs() < 1e-5, "{direction:?}: {top:?}");
+        let through = closed.seen([x, y], direction, 0.0, FINE);
+        assert!(through.sheet == Sheet::Base && (through.height - 0.2).abs() < 1e-5, "{direction:?}: {through:?}");
+        let lit = |layers: &LayerMap, point, normal| layers.lit(point, normal, direction, 0.0, FINE);
+        assert_eq!([lit(&slab, &top, UP), lit(&slab, &base, UP), lit(&slab, &underside, DOWN)], [1.0, 0.0, 0.0]);
+        assert_eq!([lit(&closed, &through, UP), lit(&closed, &base, UP)], [1.0, 1.0]);
+    }
+}
+
+/// A ray passes below the rim of a high slab and meets the wall below its thick part.
+#[test]
+fn the_underside_is_met_beneath_a_rim() {
+    // Columns of a tile: open, a thin slab, a thick one, open.
+    let columns = [[0, 102, HIGH], [0, 242, HIGH], [0, 242, 25], [0, 102, HIGH]];
+    let layers = along(32, 3, |column| columns[column as usize / 8]);
+    // This ray is at the height 0.875 - x.
+    let found = layers.seen([0.375, 0.1], FROM_LEFT, 0.0, FINE);
+    assert_eq!(found.sheet, Sheet::Underside);
+    assert!(apart(found.at, [0.5, 0.1]) < 1.0 / 32.0 && (found.height - 0.375).abs() < 1.0 / 32.0, "{found:?}");
+    // From above and from the other side it is hidden.
+    for view in [UP, FROM_RIGHT] {
+        assert_eq!(layers.seen([0.45, 0.1], view, 0.0, FINE).sheet, Sheet::Top);
+    }
+    // The same ray without the thick part goes on to the base.
+    let thin = along(32, 3, |column| columns[[0, 1, 1, 3][column as usize / 8]]);
+    let found = thin.seen([0.375, 0.1], FROM_LEFT, 0.0, FINE);
+    assert!(found.sheet == Sheet::Base && found.height < 1e-5, "{found:?}");
+}
+
+/// A wall of four columns.
+fn wall() -> LayerMap {
+    along(32, 1, |column| [if (14..18).contains(&column) { HIGH } else { LOW }, 0, 0])
+}
+
+#[test]
+fn a_wall_is_met_from_the_side_of_the_eye() {
+    let (wall, texel) = (wall(), 1.0 / 32.0);
+    // The left side of the wall is at 14 texels, the right one at 18.
+    for (view, side) in [(FROM_LEFT, 14.0 * texel), (FROM_RIGHT, 18.0 * texel)] {
+        let found = wall.seen([side, 0.6], view, 0.0, FINE);
+        assert!(apart(found.at, [side, 0.6]) < texel && (found.height - 0.5).abs() < texel, "{view:?}: {found:?}");
+    }
+    // The control: from the other side the same points are hidden, and rays meet the top or the other side.
+    for (view, side) in [(FROM_RIGHT, 14.0 * texel), (FROM_LEFT, 18.0 * texel)] {
+        let found = wall.seen([side, 0.6], view, 0.0, FINE);
+        assert!(apart(found.at, [side, 0.6]) > 3.0 * texel, "{view:?}: {found:?}");
+    }
+}
+
+#[test]
+fn a_wall_shadows_the_side_away_from_the_light() {
+    let wall = wall();
+    let lit = |x: f32, light| {
+        let point = wall.seen([x, 0.6], UP, 0.0, FINE);
+        assert_eq!(point.at, [x, 0.6]);
+        wall.lit(&point, UP, light, 0.0, FINE)
+    };
+    // The foot on the left, the top, the foot on the right.
+    assert_eq!([0.3, 0.5, 0.7].map(|x| lit(x, FROM_RIGHT)), [0.0, 1.0, 1.0]);
+    assert_eq!([0.3, 0.5, 0.7].map(|x| lit(x, FROM_LEFT)), [1.0, 1.0, 0.0]);
+    // Steeper light and light along the wall reach both sides.
+    for light in [unit([0.2, 0.0, 1.0]), unit([0.0, 1.0, 1.0])] {
+        assert_eq!([0.3, 0.7].map(|x| lit(x, light)), [1.0; 2], "{light:?}");
+    }
+    // A side of the wall is lit from its own side only.
+    let side = wall.seen([14.0 / 32.0, 0.6], FROM_LEFT, 0.0, FINE);
+    assert_eq!(wall.lit(&side, [-1.0, 0.0, 0.0], FROM_LEFT, 0.0, FINE), 1.0);
+    assert_eq!(wall.lit(&side, [-1.0, 0.0, 0.0], FROM_RIGHT, 0.0, FINE), 0.0);
+}
+
+/// Refined ends are on the sheets that they name.
+#[test]
+fn ends_of_rays_are_on_the_surface() {
+    let layers = layers(Sizes { plane: 32, ..SMALL }, true, 5);
+    let mut numbers = Numbers::new(6);
+    let mut sheets = [0; 3];
+    let mut off = [0.0f32; 2];
+    for _ in 0..2000 {
+        let uv = [0; 2].map(|_| numbers.unit() as f32);
         let view = unit_vector(&mut numbers);
-        let mut expected = [0.0; 3];
-        for v in 0..3 {
-            for l in 0..3 {
-                let value = decoder.full(uv, view, only(views.indices[v]), only(lights.indices[l]));
-                for channel in 0..3 {
-                    expected[channel] += views.weights[v] * lights.weights[l] * value[channel];
+        for (largest, refine) in off.iter_mut().zip([0, 12]) {
+            let found = layers.seen(uv, view, 0.0, MarchSteps { sight: 200, refine, light: 1 });
+            let column = layers.column(found.at, 0.0);
+            *largest += (found.height - column[found.sheet as usize]).abs() / 2000.0;
+            sheets[found.sheet as usize] += refine.min(1);
+        }
+    }
+    println!("off by {off:?}, sheets {sheets:?}");
+    assert!(off[1] < 5e-4 && off[0] > 4.0 * off[1], "{off:?}");
+    assert!(sheets[0] > 200 && sheets[1] > 200, "{sheets:?}");
+}
+
+/// Rays at and below the horizon, without steps, far from the origin, at levels beyond the ends, and not finite.
+#[test]
+fn any_query_gives_numbers_in_range() {
+    let odd = [0.0, -0.0, 1.0, -1e-9, 1e9, -1e30, f32::MAX, f32::INFINITY, f32::NAN, f32::MIN_POSITIVE];
+    for file in [base_file(), materials_file(), factored_file()] {
+        for steps in [MarchSteps::default(), MarchSteps { sight: 0, refine: 0, light: 0 }] {
+            let decoder = file.decoder.clone().with_steps(steps);
+            let samples = |k| if file.directions.is_some() { only(k) } else { nothing(k) };
+            for u in odd {
+                for v in odd {
+                    for z in odd {
+                        let point = decoder.seen([u, v], [v, u, z], z);
+                        assert!(!(point.height < 0.0 || point.height > 1.0), "{u} {v} {z}: {point:?}");
+                        let found = decoder.parameters(&point, z);
+                        assert!(found.iter().all(|c| (0.0..1.0).contains(c)), "{u} {v} {z}: {found:?}");
+                        let [view, light] = [2, 1].map(|k| towards(samples(k)));
+                        let value = decoder.value([u, v], z, view, light);
+                        assert!(value.iter().all(|c| (0.0..100.0).contains(c)), "{value:?}");
+                    }
                 }
             }
         }
-        let found = decoder.full(uv, view, views, lights);
-        assert!((0..3).all(|k| (found[k] - expected[k]).abs() < 1e-5), "{found:?} {expected:?}");
     }
-    let mut nowhere = only(1);
-    nowhere.indices[1] = u32::MAX;
-    assert_eq!(
-        decoder.full([0.2, 0.3], [0.0, 0.0, 1.0], nowhere, only(0)),
-        decoder.full([0.2, 0.3], [0.0, 0.0, 1.0], only(1), only(0))
-    );
+    let layers = layers(SMALL, true, 4);
+    let mut numbers = Numbers::new(7);
+    for _ in 0..500 {
+        let uv = [0; 2].map(|_| (numbers.bits() % 64) as f32 / 64.0);
+        let azimuth = numbers.between(0.0, 6.3) as f32;
+        let horizon = [azimuth.cos(), azimuth.sin(), 0.0];
+        let found = layers.seen(uv, horizon, 0.0, FINE);
+        assert!(found.at.iter().all(|c| c.abs() < 8.0) && (0.0..=1.0).contains(&found.height), "{found:?}");
+        // Lower rays are raised to the same one.
+        assert_eq!(layers.seen(uv, [horizon[0], horizon[1], -0.5], 0.0, FINE), found);
+        let lit = |light| layers.lit(&found, UP, light, 0.0, FINE);
+        assert_eq!(lit(horizon), lit([horizon[0], horizon[1], 0.05]));
+        // A single step is the minimum.
+        let few = |count| MarchSteps { sight: count, refine: 0, light: count };
+        assert_eq!(layers.seen(uv, horizon, 0.0, few(0)), layers.seen(uv, horizon, 0.0, few(1)));
+        assert_eq!(
+            layers.lit(&found, UP, FROM_LEFT, 0.0, few(0)).to_bits(),
+            layers.lit(&found, UP, FROM_LEFT, 0.0, few(1)).to_bits()
+        );
+        // The tile repeats.
+        let there = layers.seen([uv[0] + 256.0, uv[1] - 64.0], UP, 0.0, FINE);
+        let here = layers.seen(uv, UP, 0.0, FINE);
+        assert_eq!((there.at, there.height), ([uv[0] + 256.0, uv[1] - 64.0], here.height));
+    }
 }
 
 #[test]
-fn the_light_form_is_a_lambertian_surface() {
-    let mut parts = asset(PLANE, |_, _, _| ([0.0; 2], 0.0));
-    parts.values = FlatValues::None;
-    let tilted = [0.6, 0.0, 0.8];
-    parts.normal = NormalMap::new(8, vec![tilted; 64]).unwrap();
-    parts.diffuse = DiffuseMap::from_colours(8, &[[0.5, 0.25, 0.125]; 64]).unwrap();
-    let decoder = FlatBtfDecoder::new(parts).unwrap();
-    for (light, cosine) in [(tilted, 1.0), ([0.0, 0.0, 1.0], 0.8), ([-0.8, 0.0, 0.6], 0.0), ([-1.0, 0.0, 0.0], 0.0)] {
-        let value = decoder.light_form([0.3, 0.4], [0.0, 0.0, 1.0], light);
-        for (found, expected) in value.into_iter().zip([0.5, 0.25, 0.125]) {
-            assert!((found - expected * cosine).abs() < 3e-4, "{light:?}: {value:?}");
+fn levels_of_detail_are_blended_and_clamped() {
+    let layers = layers(SMALL, true, 8);
+    for at in [[0.1, 0.7], [0.96, 0.02], [-3.3, 5.6]] {
+        let [fine, coarse, between] = [1.0, 2.0, 1.25].map(|detail| layers.column(at, detail));
+        for k in 0..3 {
+            assert!((between[k] - 0.75 * fine[k] - 0.25 * coarse[k]).abs() < 1e-6, "{at:?}: {between:?}");
         }
+        assert_ne!(fine, coarse);
+        for (detail, clamped) in [(-1.0, 0.0), (f32::NAN, 0.0), (3.5, 3.0), (1e9, 3.0)] {
+            assert_eq!(layers.column(at, detail), layers.column(at, clamped), "{detail}");
+            let seen = |detail| layers.seen(at, FROM_LEFT, detail, FINE);
+            assert_eq!(seen(detail), seen(clamped), "{detail}");
+            let parameters = |detail| layers.parameters(at, Sheet::Top, detail);
+            assert_eq!(parameters(detail), parameters(clamped), "{detail}");
+        }
+        // The last level is one texel.
+        assert_eq!(layers.column(at, 3.0), layers.column([0.5; 2], 3.0));
+    }
+    // The level of detail refers to the texels of the flat BTF, of which there are half as many.
+    let decoder = FlatBtfDecoder::new(FlatBtfParts { layers: layers.clone(), ..parts(SMALL, 8) });
+    assert_eq!(decoder.finer(), 1.0);
+    let found = decoder.seen([0.1, 0.7], FROM_LEFT, 0.5);
+    assert_eq!(found, layers.seen([0.1, 0.7], FROM_LEFT, 1.5, MarchSteps::default()));
+    assert_ne!(found, decoder.seen([0.1, 0.7], FROM_LEFT, 1.0));
+}
+
+/// The filter wraps around the border of the tile.
+#[test]
+fn filtering_is_periodic() {
+    let layers = along(8, 1, |column| [20 * column as u8, 0, 0]);
+    for (x, byte) in
+        [(0.0, 70.0), (1.0, 70.0), (-5.0, 70.0), (0.0625, 0.0), (0.9375, 140.0), (0.03125, 35.0), (0.5, 70.0)]
+    {
+        let [base, ..] = layers.column([x, 0.3], 0.0);
+        assert!((255.0 * base - byte).abs() < 1e-3, "{x}: {base}");
     }
 }
 
-fn views(parts: &mut FlatBtfParts) -> &mut Vec<FlatView> {
-    match &mut parts.values {
-        FlatValues::Views(views) => views,
-        other => panic!("{other:?}"),
+/// A value is that of the flat BTF at the parameters of the visible point; rays of light multiply it by 0 or 1 if the
+/// layers cast shadows.
+#[test]
+fn values_are_those_behind_a_ray_of_sight() {
+    let shadowed = |casts_shadows: bool| {
+        let layers = layers(Sizes { plane: 32, ..SMALL }, casts_shadows, 9);
+        let factors = Factors { groups: 2, wide_groups: 1, ..BASE };
+        FlatBtfDecoder::new(FlatBtfParts { layers, reflectance: factored(SMALL, factors, 3) })
+    };
+    let (without, with) = (shadowed(false), shadowed(true));
+    let mut numbers = Numbers::new(10);
+    let (mut blocked, mut reached) = (0, 0);
+    for k in 0..500 {
+        let uv = [0; 2].map(|_| numbers.between(-1.0, 1.0) as f32);
+        let level = numbers.between(-1.0, 3.0) as f32;
+        let (view, light) = (towards(only(k % 3)), towards(only(k % 5)));
+        let point = with.seen(uv, view.direction, level);
+        let texel = with.parts().reflectance.filtered(with.parameters(&point, level), level);
+        let value = without.value(uv, level, view, light);
+        assert_eq!(value, texel.blended(view, light));
+        let (layers, steps) = (&with.parts().layers, with.steps());
+        let lit = layers.lit(&point, texel.base().normal, light.direction, level + with.finer(), steps);
+        assert_eq!(with.value(uv, level, view, light), value.map(|channel| channel * lit));
+        *if lit > 0.0 { &mut reached } else { &mut blocked } += 1;
     }
+    assert!(blocked > 20 && reached > 100, "{blocked} {reached}");
+    // Layers of one height shadow nothing.
+    let flat = |casts_shadows| {
+        let layers = flat_relief(SMALL, casts_shadows);
+        let reflectance = factored(SMALL, BASE, 3);
+        let decoder = FlatBtfDecoder::new(FlatBtfParts { layers, reflectance });
+        decoder.value([0.3, 0.6], 0.5, towards(nothing(1)), towards(nothing(4)))
+    };
+    assert!(flat(true) == flat(false) && flat(true)[0] > 0.0, "{:?}", flat(true));
 }
 
 #[test]
-fn parts_that_do_not_match_are_rejected() {
-    let good = flat_btf::parts(SMALL, 1);
-    let refusal = |change: &dyn Fn(&mut FlatBtfParts)| {
-        let mut parts = good.clone();
-        change(&mut parts);
-        FlatBtfDecoder::new(parts).unwrap_err().field.into_owned()
+fn steps_may_be_replaced() {
+    let decoder = FlatBtfDecoder::new(parts(Sizes { plane: 32, ..SMALL }, 4));
+    assert_eq!(decoder.steps(), MarchSteps::default());
+    let fine = decoder.clone().with_steps(FINE);
+    assert_eq!((fine.steps(), fine.parts()), (FINE, decoder.parts()));
+    let differ = |k: u32| {
+        let uv = [0.01 * k as f32, 0.3];
+        decoder.seen(uv, FROM_LEFT, 0.0) != fine.seen(uv, FROM_LEFT, 0.0)
     };
-    let larger = flat_btf::parts(Sizes { flat: 5, reference: 3, ..SMALL }, 1);
-    assert_eq!(refusal(&|p| p.reference = larger.reference.clone()), "size of the part indirection");
-    assert_eq!(refusal(&|p| p.normal = larger.normal.clone()), "size of the part normal");
-    assert_eq!(refusal(&|p| p.values = larger.values.clone()), "size of the part flat");
-    assert_eq!(refusal(&|p| drop(views(p).pop())), "views of the part flat");
-    assert_eq!(refusal(&|p| views(p).swap(0, 1)), "views of the part flat");
-    let changed = |p: &mut FlatBtfParts| {
-        let view = &mut views(p)[2];
-        let mut header = view.header().clone();
-        header.lights[1][0] += 0.01;
-        *view = FlatView::new(header, view.texels().to_vec()).unwrap();
+    assert!((0..100).filter(|k| differ(*k)).count() > 30);
+}
+
+/// The reported memory is that of the stored images.
+#[test]
+fn graphics_memory_is_the_sum_of_the_texels() {
+    for file in [base_file(), materials_file(), factored_file()] {
+        let FlatBtfParts { layers, reflectance } = file.decoder.parts();
+        let of_layers = layers.height_bytes().len() + layers.displacement_bytes().len();
+        let directions = file.directions.as_ref().map_or(0, |directions| size_of_val(&directions.texels()[..]));
+        assert_eq!(file.gpu_bytes(), (of_layers + directions) as u64 + reflectance.gpu_bytes());
+    }
+    // 8 x 8, 4 x 4, 2 x 2 and 1 x 1 texels: a byte, or four, and two halves for each sheet.
+    let sizes = |file: FlatBtfFile| {
+        let layers = file.decoder.into_parts().layers;
+        [layers.height_bytes().len(), layers.displacement_bytes().len()]
     };
-    assert_eq!(refusal(&changed), "directions of view 2");
+    assert_eq!(sizes(base_file()), [85, 4 * 85]);
+    assert_eq!(sizes(factored_file()), [4 * 85, 3 * 4 * 85]);
 }
 
 fn sizes() -> impl Strategy<Value = Sizes> {
-    (1u32..6, 1u32..4, 2u32..5, 3u32..6, 0.1f32..1.57, 1u32..5, 1u32..7).prop_map(
-        |(flat, reference, zenith, azimuth, largest_angle, views, lights)| Sizes {
-            flat,
-            reference,
-            zenith,
-            azimuth,
-            largest_angle,
-            views,
-            lights,
-        },
-    )
+    (1u32..6, 0u32..4, any::<bool>(), 1u32..5, 1u32..7).prop_map(|(flat, octaves, overhangs, views, lights)| Sizes {
+        flat,
+        plane: 1 << octaves,
+        sheets: if overhangs { 3 } else { 1 },
+        views,
+        lights,
+    })
 }
 
 proptest! {
     #[test]
-    fn files_round_trip(sizes in sizes(), seed in 0u64..1000, supercompress in any::<bool>(), compact in any::<bool>(), report in ".*") {
-        let factors = Factors { levels: 1, groups: 2, wide_groups: 1, shadow: ShadowFormat::R8 };
-        let mut parts = flat_btf::parts(sizes, seed);
-        parts.values = FlatValues::None;
-        if compact {
-            parts.indirection = flat_btf::displacements(sizes, sizes.reference, seed).into();
-            parts.values = FlatValues::Factored(Box::new(flat_btf::factored(sizes, factors, seed)));
-        }
-        let file = FlatBtfFile::new(FlatBtfDecoder::new(parts).unwrap(), Some(flat_btf::mask(sizes, seed))).unwrap();
-        let file = FlatBtfFile { report, ..file };
+    fn files_round_trip(sizes in sizes(), seed in 0u64..1000, groups in 0u32..3, materials in 0u32..3, supercompress: bool, casts_shadows: bool, report in ".*") {
+        let shadow = if groups == 2 { ShadowFormat::R8 } else { ShadowFormat::None };
+        let materials = if groups == 0 { materials } else { 0 };
+        let factors = Factors { levels: 1, groups, wide_groups: groups / 2, shadow, materials };
+        let layers = layers(sizes, casts_shadows, seed);
+        let parts = FlatBtfParts { layers, reflectance: factored(sizes, factors, seed) };
+        let file = FlatBtfFile { report, ..FlatBtfFile::new(FlatBtfDecoder::new(parts)).unwrap() };
+        prop_assert_eq!(file.directions.is_some(), groups > 0);
         prop_assert_eq!(FlatBtfFile::from_bytes(&file.to_bytes(supercompress)).unwrap(), file);
-    }
-
-    /// Displacements round-trip to the precision of halves.
-    #[test]
-    fn displacements_survive_the_packing(x in -2.0f32..2.0, y in -2.0f32..2.0, z in -2.0f32..2.0) {
-        let header = IndirectionHeader { size: 2, zenith_samples: 3, azimuth_samples: 3, largest_angle: 1.0 };
-        let at = ([1, 0], 2, 1);
-        let sample = |texel, k, a| if (texel, k, a) == at { ([x, y], z) } else { ([0.0; 2], 0.0) };
-        let map = IndirectionMap::from_displacements(header, sample).unwrap();
-        let [dx, dy, distance, height] = map.sample(at.0, at.1, at.2);
-        prop_assert!((dx * distance - x).abs() < 2e-3 && (dy * distance - y).abs() < 2e-3);
-        prop_assert_eq!(height, half::decode(half::encode(z)));
-        prop_assert_eq!(map.sample([0, 0], 2, 1), [0.0; 4]);
     }
 }
 

@@ -1,20 +1,28 @@
 //! Corrupt and malicious flat BTFs: each is rejected with a reason, or decodes to finite numbers.
 
 use brdfc_formats::FormatError;
-use brdfc_formats::container::{Extent, TexelFormat, Texture, half};
+use brdfc_formats::container::{Extent, TexelFormat, half};
 use brdfc_formats::flat_btf::{
-    DiffuseMap, FlatBtfDecoder, FlatBtfParts, FlatHeader, FlatView, IndirectionHeader, IndirectionMap, VisibilityMask,
+    FlatHeader, FlatView, LayerHeader, LayerMap, MAX_DISPLACEMENT, MAX_HEIGHT, VisibilityMask,
 };
 use brdfc_testing::codecs::flat_btf::{
-    self, SMALL, factored_file, image, light_file, refusal, reshape, set_texel, set_word, survives,
+    base_file, factored_file, image, materials_file, refusal, reshape, set_texel, set_word, survives,
 };
-use std::collections::BTreeMap;
+
+const LAYERS: &str = "brdfc.flat-btf.layers";
+const HEIGHTS: &str = "flat_btf_heights";
+const DISPLACEMENTS: &str = "flat_btf_displacements";
 
 /// With a valid checksum, which other tests cover.
 #[test]
 fn no_single_changed_byte_is_harmful() {
-    for (supercompress, patterns) in [(false, &[1, 128, 0xff][..]), (true, &[0xff])] {
-        let bytes = factored_file().to_bytes(supercompress);
+    for (file, supercompress, patterns) in [
+        (factored_file(), false, &[1, 128, 0xff][..]),
+        (factored_file(), true, &[0xff]),
+        (base_file(), false, &[0xff]),
+        (materials_file(), false, &[0xff]),
+    ] {
+        let bytes = file.to_bytes(supercompress);
         let mut broken = bytes.clone();
         let (mut valid, mut refused) = (0, 0);
         for offset in 0..bytes.len() {
@@ -29,181 +37,158 @@ fn no_single_changed_byte_is_harmful() {
     }
 }
 
-fn floats<const N: usize>(values: [f32; N]) -> Vec<u8> {
-    values.into_iter().flat_map(f32::to_le_bytes).collect()
-}
-
-fn halves(values: [f32; 4]) -> Vec<u8> {
-    values.into_iter().flat_map(|value| half::encode(value).to_le_bytes()).collect()
-}
-
-#[test]
-fn values_out_of_range_are_named_with_their_texel() {
-    let nan = f32::NAN;
-    let field = |name: &str, at: usize, texel: &[u8]| {
-        refusal(&light_file(), |file| set_texel(file, name, at, texel)).field.into_owned()
-    };
-    for bad in [[0.0; 4], [0.7, 0.7, 0.7, 0.0], [nan, 0.0, 1.0, 0.0], [0.0, 0.0, 1.0, 1.0], [f32::INFINITY; 4]] {
-        assert_eq!(field("flat_btf_normal", 15, &halves(bad)), "normal texel (3, 3)", "{bad:?}");
-    }
-    for bad in [[nan, 0.0], [0.0, f32::NEG_INFINITY], [1024.5, 0.0]] {
-        assert_eq!(field("flat_btf_reference", 2, &floats(bad)), "reference texel (0, 1)", "{bad:?}");
-    }
-    assert_eq!(field("flat_btf_packed_indirection", 8, &halves([nan; 4])), "indirection texel (2, 1)");
-}
-
-/// One block of 2 columns and 4 rows.
-#[test]
-fn the_rules_of_a_block() {
-    let map = flat_btf::example_indirection();
-    let refusal = |at: usize, texel: [f32; 4]| {
-        let mut texels = map.texels().to_vec();
-        // The row of the pole has its own rule.
-        let [x, y, ..] = texel;
-        texels[at - at % 2] = [x, y, 0.0, 0.0].map(half::encode);
-        texels[at] = texel.map(half::encode);
-        IndirectionMap::new(*map.header(), texels).unwrap_err().allowed.into_string()
-    };
-    for bad in [[1.0, 0.0, -0.1, 0.0], [1.0, 0.0, f32::NAN, 0.0], [1.0, 0.0, 2000.0, 0.0], [1.0, 0.0, 0.1, f32::NAN]] {
-        assert_eq!(refusal(3, bad), "a distance of 0 to 1024 and a height of -1024 to 1024");
-    }
-    for bad in [[0.5, 0.0, 0.1, 0.0], [0.0, 0.0, 0.1, 0.0], [f32::NAN, 1.0, 0.1, 0.0], [1.0, 1.0, 0.0, 0.0]] {
-        assert_eq!(refusal(3, bad), "a unit direction, or 0 with a distance of 0");
-    }
-    for bad in [[1.0, 0.0, 0.1, 0.0], [0.0, 1.0, 0.0, 0.0]] {
-        assert_eq!(refusal(0, bad), "a distance of 0 and the direction of the next sample, at the pole");
-    }
-    assert_eq!(refusal(7, [1.0, 0.0, 0.3, 0.5]), "in the last row of a block, the value of its first row");
-}
-
 #[test]
 fn displacements_out_of_range_are_named() {
-    let (packed, ranges) = ("flat_btf_packed_indirection", "flat_btf_ranges");
-    let made = factored_file();
-    let with =
-        |offset: usize, word: u32| refusal(&made, |file| set_word(file, "brdfc.displacement", offset, word)).field;
-    for (offset, field, value) in [
-        (0, "version", 2),
-        (4, "size", 0),
-        (8, "zenith samples", 257),
-        (12, "azimuth samples", 2),
-        (16, "largest angle", f32::NAN.to_bits()),
-        (20, "largest tangent", 0),
-        (20, "largest tangent", 8.5f32.to_bits()),
-        (20, "largest tangent", f32::NAN.to_bits()),
-    ] {
-        assert_eq!(with(offset, value), format!("brdfc.displacement {field}"), "{value}");
+    for bad in [f32::NAN, f32::INFINITY, f32::NEG_INFINITY, 1025.0] {
+        let texel = [0.0, bad].map(half::encode).map(u16::to_le_bytes).concat();
+        let error = refusal(&factored_file(), |file| set_texel(file, DISPLACEMENTS, 9, &texel)).to_string();
+        let expected = format!("displacement 9 of layers: found [0.0, {bad:?}], expected two numbers of -1024 to 1024");
+        assert_eq!(error, expected);
     }
-    assert_eq!(with(4, 1), "size of the part displacement");
-    // A NaN half, and one that is too large.
-    for bits in [0x7e00u32, 0x6401] {
-        let error = refusal(&made, |file| set_texel(file, ranges, 2, &bits.to_le_bytes()));
-        assert_eq!(error.field, "range 1 of the part displacement");
-    }
-    for (format, extent, levels, field) in [
-        (TexelFormat::Rgba16Float, Extent::D2([2, 1]), 1, "ranges of the part displacement"),
-        (TexelFormat::Rgba16Float, Extent::D2([2, 2]), 2, "levelCount"),
-        (TexelFormat::Rgba8Unorm, Extent::D2([2, 2]), 1, "texels of the part ranges"),
-    ] {
-        assert_eq!(refusal(&made, |file| reshape(file, ranges, format, extent, levels)).field, field);
-    }
-    let error = refusal(&made, |file| *image(file, packed).bytes.to_mut().last_mut().unwrap() ^= 1);
-    assert!(error.to_string().contains("differs from the first row of the blocks; expected equal rows"), "{error}");
-    // Blocks consist of whole texels of the reference plane.
-    let odd = FlatBtfParts { indirection: flat_btf::displacements(SMALL, 3, 1).into(), ..flat_btf::parts(SMALL, 1) };
-    let text = FlatBtfDecoder::new(odd).unwrap_err().to_string();
-    assert_eq!(text, "size of the part displacement: found 3, expected a divisor of 2, the size of the part reference");
+    // Any bytes are heights.
+    let mut file = factored_file().to_bytes(false);
+    assert!(survives(&file));
+    let length = file.len();
+    file.truncate(length - 1);
+    assert!(!survives(&file));
 }
 
 #[test]
 fn header_fields_out_of_range_are_named() {
-    let (light, factored) = (light_file(), factored_file());
-    let with =
-        |offset: usize, word: u32| refusal(&light, |file| set_word(file, "brdfc.indirection", offset, word)).field;
-    for (offset, field, values) in [
-        (0, "version", vec![0, 2]),
-        (4, "size", vec![0, 4097, u32::MAX]),
-        (8, "zenith samples", vec![0, 1, 257]),
-        (12, "azimuth samples", vec![0, 2, 257, u32::MAX]),
-        (16, "largest angle", vec![0, 0x8000_0000, 1.58f32.to_bits(), f32::NAN.to_bits(), (-1.0f32).to_bits()]),
+    let (base, factored) = (base_file(), factored_file());
+    let with = |offset: usize, word: u32| refusal(&factored, |file| set_word(file, LAYERS, offset, word)).to_string();
+    let heights = "two ascending heights of -64 to 64 tiles";
+    for (offset, value, expected) in [
+        (0, 0, "version: found 0, expected 1".to_owned()),
+        (0, 2, "version: found 2, expected 1".to_owned()),
+        (4, 0, "size: found 0, expected 1 to 8192".to_owned()),
+        (4, 8193, "size: found 8193, expected 1 to 8192".to_owned()),
+        (8, 0, "sheets: found 0, expected 1 or 3".to_owned()),
+        (8, 2, "sheets: found 2, expected 1 or 3".to_owned()),
+        (8, 4, "sheets: found 4, expected 1 or 3".to_owned()),
+        (12, 0, "levels: found 0, expected 1 to 4".to_owned()),
+        (12, 5, "levels: found 5, expected 1 to 4".to_owned()),
+        (16, 0.25f32.to_bits(), format!("heights: found 0.25 and 0.25, expected {heights}")),
+        (16, 0.5f32.to_bits(), format!("heights: found 0.5 and 0.25, expected {heights}")),
+        (16, f32::NAN.to_bits(), format!("heights: found NaN and 0.25, expected {heights}")),
+        (16, (-64.5f32).to_bits(), format!("heights: found -64.5 and 0.25, expected {heights}")),
+        (20, f32::NAN.to_bits(), format!("heights: found -0.25 and NaN, expected {heights}")),
+        (20, f32::INFINITY.to_bits(), format!("heights: found -0.25 and inf, expected {heights}")),
+        (20, 64.5f32.to_bits(), format!("heights: found -0.25 and 64.5, expected {heights}")),
+        (24, 2, "shadows: found 2, expected 0 to 1".to_owned()),
     ] {
-        for value in values {
-            assert_eq!(with(offset, value), format!("brdfc.indirection {field}"), "{value}");
-        }
+        assert_eq!(with(offset, value), format!("{LAYERS} {expected}"));
     }
-    for (offset, value) in [(4, 1), (8, 4), (12, 5), (4, 4096)] {
-        assert_eq!(with(offset, value), "size of the part indirection", "{offset} {value}");
+    // Sizes of another asset.
+    for (offset, value, found, expected) in [
+        (4, 16, "4 levels of 8 x 8, Rgba8Unorm", "4 levels of 16 x 16, Rgba8Unorm"),
+        (8, 1, "4 levels of 8 x 8, Rgba8Unorm", "4 levels of 8 x 8, R8Unorm"),
+        (12, 3, "4 levels of 8 x 8, Rgba8Unorm", "3 levels of 8 x 8, Rgba8Unorm"),
+    ] {
+        assert_eq!(with(offset, value), format!("part heights: found {found}, expected {expected}, as {LAYERS} says"));
     }
+    // The shader's block has the number of the header.
+    assert!(with(24, 1).starts_with("brdfc.block.flat_btf_parameters byte 24") || with(24, 1).contains("parameters"));
     for key in ["brdfc.views", "brdfc.lights"] {
         for (offset, value) in [(8, -0.1), (8, 1.6), (12, -1.0), (12, 6.284), (8, f32::NAN), (12, f32::NAN)] {
             let error = refusal(&factored, |file| set_word(file, key, offset, f32::to_bits(value)));
             assert_eq!(error.field, format!("{key} direction 1"), "{offset} {value}");
         }
     }
-    for (file, key) in [
-        (&light, "brdfc.indirection"),
-        (&factored, "brdfc.displacement"),
-        (&factored, "brdfc.views"),
-        (&factored, "brdfc.lights"),
-    ] {
+    for (file, key) in [(&base, LAYERS), (&factored, LAYERS), (&factored, "brdfc.views"), (&factored, "brdfc.lights")] {
         let error = refusal(file, |file| file.entries.get_mut(key).unwrap().push(0));
         assert_eq!(error.field, key);
         let error = refusal(file, |file| drop(file.entries.remove(key)));
-        assert_eq!(error.field, key.replace("displacement", "indirection"));
+        assert_eq!(error.field, key);
     }
 }
 
-/// Images and masks with shapes or texels that a flat BTF cannot have.
+/// Images with shapes that a flat BTF cannot have.
 #[test]
 fn other_kinds_of_textures_are_rejected() {
-    let shaped = |format, extent| refusal(&light_file(), |file| reshape(file, "flat_btf_diffuse", format, extent, 1));
-    for extent in [Extent::D2([2, 1]), Extent::D2Array([1, 1, 2]), Extent::D3([1, 1, 2])] {
-        assert_eq!(shaped(TexelFormat::Rgb9E5, extent).field, "size of the part diffuse", "{extent}");
-    }
-    let error = shaped(TexelFormat::Rgba8Unorm, Extent::D2([4, 4]));
-    assert_eq!(error.to_string(), "texels of the part diffuse: found Rgba8Unorm, expected Rgb9E5");
-    let masked = |extent: Extent, texel| {
-        let (texels, format) = (vec![texel; extent.texels() as usize], TexelFormat::R8Unorm);
-        let mask = Texture { format, extent, entries: BTreeMap::new(), levels: 1, texels }.to_bytes(false);
-        refusal(&light_file(), |file| drop(file.entries.insert("brdfc.flat-btf.mask".to_owned(), mask))).to_string()
+    let shaped = |name: &str, format, extent, levels| {
+        refusal(&factored_file(), |file| reshape(file, name, format, extent, levels)).to_string()
     };
-    for (extent, texel, expected) in [
-        (Extent::D2([4, 4]), 0, ", size of the part mask: found 4 x 4, expected a 2D array of square layers"),
-        (Extent::D2Array([4, 2, 3]), 0, ", size of the part mask: found 3 layers of 4 x 2, expected a 2D array of"),
-        (Extent::D2Array([4, 4, 3]), 128, ", mask texel 0: found 128, expected 0 (filled in) or 255 (seen)"),
-        (Extent::D2Array([2, 2, 3]), 0, ": found 2 x 2 texels of 3 views, expected 4 x 4 texels of each view"),
+    let (rgba, halves) = (TexelFormat::Rgba8Unorm, TexelFormat::Rg16Float);
+    let flat = Extent::D2([8; 2]);
+    for (format, extent, levels, found) in [
+        (TexelFormat::R8Unorm, flat, 4, "4 levels of 8 x 8, R8Unorm"),
+        (TexelFormat::Rgba16Unorm, flat, 4, "4 levels of 8 x 8, Rgba16Unorm"),
+        (rgba, Extent::D2([4; 2]), 3, "3 levels of 4 x 4, Rgba8Unorm"),
+        (rgba, Extent::D2([8, 4]), 4, "4 levels of 8 x 4, Rgba8Unorm"),
+        (rgba, Extent::D2Array([8, 8, 1]), 4, "4 levels of 1 layers of 8 x 8, Rgba8Unorm"),
+        (rgba, flat, 1, "1 levels of 8 x 8, Rgba8Unorm"),
     ] {
-        let (error, expected) = (masked(extent, texel), format!("brdfc.flat-btf.mask{expected}"));
-        assert!(error.starts_with(&expected), "{error}");
+        let expected = format!("part heights: found {found}, expected 4 levels of 8 x 8, Rgba8Unorm, as {LAYERS} says");
+        assert_eq!(shaped(HEIGHTS, format, extent, levels), expected);
+    }
+    let layers = |count| Extent::D2Array([8, 8, count]);
+    for (format, extent, levels, found) in [
+        (TexelFormat::Rg8Unorm, layers(3), 4, "4 levels of 3 layers of 8 x 8, Rg8Unorm"),
+        (TexelFormat::Rgba16Float, layers(3), 4, "4 levels of 3 layers of 8 x 8, Rgba16Float"),
+        (halves, layers(1), 4, "4 levels of 1 layers of 8 x 8, Rg16Float"),
+        (halves, flat, 4, "4 levels of 8 x 8, Rg16Float"),
+        (halves, layers(3), 2, "2 levels of 3 layers of 8 x 8, Rg16Float"),
+    ] {
+        let allowed = "4 levels of 3 layers of 8 x 8, Rg16Float";
+        let expected = format!("part displacements: found {found}, expected {allowed}, as {LAYERS} says");
+        assert_eq!(shaped(DISPLACEMENTS, format, extent, levels), expected);
+    }
+    for name in [HEIGHTS, DISPLACEMENTS, "factored_basis"] {
+        let error = refusal(&factored_file(), |file| {
+            let texels = image(file, name);
+            *texels = brdfc_formats::bindings::Texels::empty(texels.format, texels.extent);
+        });
+        assert_eq!(error.to_string(), format!("{name}: no texels; expected texels of a flat BTF"));
     }
 }
 
 #[test]
 fn constructors_reject_invalid_parts() {
     let error = |result: Result<(), FormatError>| result.unwrap_err().to_string();
+    let header = LayerHeader { size: 2, sheets: 3, levels: 2, heights: [-0.5, 0.5], casts_shadows: true };
+    let made = |header, heights, displacements| LayerMap::new(header, vec![0; heights], vec![[0.0; 2]; displacements]);
+    assert!(made(header, 20, 15).is_ok());
+    assert_eq!(error(made(header, 19, 15).map(drop)), "bytes of heights: found 19, expected 20, as the header says");
     assert_eq!(
-        error(DiffuseMap::new(2, vec![0; 3]).map(drop)),
-        "texels of the part diffuse: found 3, expected 4, as its size says"
+        error(made(header, 20, 16).map(drop)),
+        "displacements of layers: found 16, expected 15, as the header says"
     );
-    assert_eq!(
-        error(DiffuseMap::new(0, vec![]).map(drop)),
-        "size of the part diffuse: found 0, expected 1 to 8192 texels"
-    );
-    assert!(DiffuseMap::new(u32::MAX, vec![]).is_err() && VisibilityMask::new(1, 2049, vec![0; 2049]).is_err());
+    let one = LayerHeader { sheets: 1, ..header };
+    assert!(made(one, 5, 5).is_ok() && made(one, 20, 15).is_err());
+    for (header, expected) in [
+        (LayerHeader { sheets: 2, ..header }, "sheets: found 2, expected 1 or 3"),
+        (LayerHeader { size: 0, ..header }, "size: found 0, expected 1 to 8192"),
+        (LayerHeader { levels: 3, ..header }, "levels: found 3, expected 1 to 2"),
+        (
+            LayerHeader { heights: [0.5, -0.5], ..header },
+            "heights: found 0.5 and -0.5, expected two ascending heights of -64 to 64 tiles",
+        ),
+    ] {
+        assert_eq!(error(header.check()), format!("{LAYERS} {expected}"));
+        assert!(made(header, 20, 15).is_err());
+    }
+    assert!(LayerHeader { heights: [-MAX_HEIGHT, MAX_HEIGHT], ..header }.check().is_ok());
+    for heights in [[f32::NAN, 0.5], [0.0, f32::NAN], [f32::NEG_INFINITY, 0.0], [0.0, f32::INFINITY], [0.0; 2]] {
+        assert!(LayerHeader { heights, ..header }.check().is_err(), "{heights:?}");
+    }
+    let moved = |displacement: [f32; 2]| {
+        let mut displacements = vec![[0.0; 2]; 15];
+        displacements[7] = displacement;
+        LayerMap::new(header, vec![0; 20], displacements)
+    };
+    assert!(moved([MAX_DISPLACEMENT, -MAX_DISPLACEMENT]).is_ok());
+    for bad in [[f32::NAN, 0.0], [0.0, f32::INFINITY], [-1024.5, 0.0], [f32::MAX; 2]] {
+        let error = error(moved(bad).map(drop));
+        assert!(error.starts_with("displacement 7 of layers: found ["), "{error}");
+        assert!(error.ends_with(", expected two numbers of -1024 to 1024"), "{error}");
+    }
+    // Displacements are rounded to halves.
+    let rounded = moved([0.1, 1.0 / 3.0]).unwrap().displacement_bytes();
+    assert_eq!(rounded[4 * 7..][..4], [0.1, 1.0 / 3.0].map(half::encode).map(u16::to_le_bytes).concat());
+    assert!(VisibilityMask::new(1, 2049, vec![0; 2049]).is_err() && VisibilityMask::new(1, 1, vec![128]).is_err());
     let header = FlatHeader { size: 1, view: 0, views: vec![[0.0; 2]], lights: vec![[0.0; 2]] };
     assert!(FlatView::new(header.clone(), vec![1]).is_ok() && FlatView::new(header.clone(), vec![1, 2]).is_err());
     assert!(FlatView::new(FlatHeader { lights: vec![], ..header.clone() }, vec![]).is_err());
     assert!(FlatView::new(FlatHeader { view: 1, ..header }, vec![1]).is_err());
-    // 256 texels of 33 rows exceed the limit of a texture.
-    let large = |size| IndirectionHeader { size, zenith_samples: 8, azimuth_samples: 32, largest_angle: 1.0 };
-    assert_eq!(
-        error(large(256).check()),
-        "size of the part indirection: found 2048 x 8448, expected at most 8192 on each side"
-    );
-    assert!(large(248).check().is_ok() && large(u32::MAX).check().is_err());
-    for displacement in [[f32::NAN, 0.0], [f32::INFINITY, 0.0], [2000.0, 0.0], [1e30, 1e30], [f32::MAX; 2]] {
-        let header = IndirectionHeader { size: 1, zenith_samples: 2, azimuth_samples: 3, largest_angle: 1.0 };
-        assert!(IndirectionMap::from_displacements(header, |_, _, _| (displacement, 0.0)).is_err());
-        assert!(IndirectionMap::from_displacements(header, |_, _, _| ([0.0; 2], displacement[0])).is_err());
-    }
 }

@@ -97,7 +97,7 @@ fn expected_texture(texture: &Texture) -> Expected {
         TexelFormat::R16Float => (76, 2, 2, float(1, 16)),
         TexelFormat::Rgba16Unorm => (91, 2, 8, unorm(4, 16)),
         TexelFormat::Rgba16Float => (97, 2, 8, float(4, 16)),
-        TexelFormat::Rg32Float => (103, 4, 8, float(2, 32)),
+        TexelFormat::Rg16Float => (83, 2, 4, float(2, 16)),
         TexelFormat::Rgba32Float => (109, 4, 16, float(4, 32)),
         TexelFormat::R32Uint => (98, 4, 4, integers(1)),
         TexelFormat::Rgba32Uint => (107, 4, 16, integers(4)),

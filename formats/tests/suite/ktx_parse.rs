@@ -69,7 +69,7 @@ fn texture_expectation(texture: &Texture, supercompress: bool) -> String {
         TexelFormat::R16Float => (76, 2),
         TexelFormat::Rgba16Unorm => (91, 2),
         TexelFormat::Rgba16Float => (97, 2),
-        TexelFormat::Rg32Float => (103, 4),
+        TexelFormat::Rg16Float => (83, 2),
         TexelFormat::Rgba32Float => (109, 4),
         TexelFormat::R32Uint => (98, 4),
         TexelFormat::Rgba32Uint => (107, 4),

@@ -12,7 +12,6 @@ mod factored;
 mod factored_corrupt;
 mod flat_btf;
 mod flat_btf_corrupt;
-mod flat_btf_memory;
 mod golden;
 mod importance;
 mod ktx2_rules;

@@ -6,13 +6,15 @@ use brdfc_formats::bindings::{FRAME_WGSL, FrameBlock, combined_wgsl};
 use brdfc_formats::crop::{Crop, DirectionRange, Window};
 use brdfc_formats::direction::Parameterisation;
 use brdfc_formats::flat_btf::shader::{FLAT_BTF_WGSL, FlatBtfParameters};
-use brdfc_formats::flat_btf::{FlatBtfDecoder, FlatBtfParts};
+use brdfc_formats::flat_btf::{FlatBtfDecoder, MarchSteps};
 use brdfc_formats::table::shader::TABLE_BRDF_WGSL;
 use brdfc_formats::wavelet::WaveletPack;
 use brdfc_formats::wavelet::lift::Lift;
 use brdfc_formats::wavelet::shader::{WAVELET_BRDF_WGSL, WaveletBrdfParameters};
+use brdfc_testing::codecs::flat_btf::{SMALL, base_file, factored_file, parts};
 use brdfc_testing::codecs::wavelet::{energy_preserving, header, pack};
 use naga::valid::{Capabilities, ValidationFlags, Validator};
+use std::collections::BTreeMap;
 
 fn parsed() -> naga::Module {
     naga::front::wgsl::parse_str(WAVELET_BRDF_WGSL)
@@ -121,7 +123,7 @@ fn flat_btf() -> naga::Module {
 fn the_flat_btf_shader_validates() {
     let result = Validator::new(ValidationFlags::all(), Capabilities::empty()).validate(&flat_btf());
     assert!(result.is_ok(), "{}", result.unwrap_err().emit_to_string(FLAT_BTF_WGSL));
-    let source = FLAT_BTF_WGSL.replace("var value = vec3<f32>(0.0);", "var value = 0u;");
+    let source = FLAT_BTF_WGSL.replace("var heights = vec3<f32>(0.0);", "var heights = 0u;");
     assert!(source != FLAT_BTF_WGSL);
     let valid = naga::front::wgsl::parse_str(&source)
         .is_ok_and(|module| Validator::new(ValidationFlags::all(), Capabilities::empty()).validate(&module).is_ok());
@@ -151,21 +153,21 @@ fn the_uniform_block_of_flat_btfs_is_the_one_that_rust_writes() {
     let (_, block) = module.types.iter().find(|(_, ty)| find(ty)).expect("the block has its name");
     let naga::TypeInner::Struct { members, span } = &block.inner else { panic!("not a struct") };
     assert_eq!(*span as usize, FlatBtfParameters::SIZE);
-    let decoder =
-        FlatBtfDecoder::new(brdfc_testing::codecs::flat_btf::parts(brdfc_testing::codecs::flat_btf::SMALL, 1)).unwrap();
-    let bytes = FlatBtfParameters::new(&decoder).to_bytes();
+    let steps = MarchSteps { sight: 21, refine: 3, light: 9 };
+    let decoder = FlatBtfDecoder::new(parts(SMALL, 1)).with_steps(steps);
+    let bytes = FlatBtfParameters::to_bytes(&decoder);
     let names: Vec<&str> = members.iter().map(|member| member.name.as_deref().unwrap()).collect();
     let words = [
-        ("size", 4),
-        ("reference_size", 2),
-        ("zenith_samples", 3),
-        ("azimuth_samples", 4),
-        ("largest_angle", 1.3f32.to_bits()),
-        ("atlas_columns", 3),
-        ("reserved_2", 0),
-        ("blocks", 0),
-        ("largest_tangent", 0),
-        ("values", 1),
+        ("size", 8),
+        ("sheets", 3),
+        ("levels", 4),
+        ("sight_steps", 21),
+        ("refine_steps", 3),
+        ("light_steps", 9),
+        ("casts_shadows", 1),
+        ("low", (-0.25f32).to_bits()),
+        ("range", 0.5f32.to_bits()),
+        ("finer", 1.0f32.to_bits()),
         ("reserved_0", 0),
         ("reserved_1", 0),
     ];
@@ -173,15 +175,34 @@ fn the_uniform_block_of_flat_btfs_is_the_one_that_rust_writes() {
     for (member, (name, expected)) in members.iter().zip(words) {
         let word = u32::from_le_bytes(bytes[member.offset as usize..][..4].try_into().unwrap());
         assert_eq!(word, expected, "{name}");
-        let is_float = ["largest_angle", "largest_tangent"].contains(&name);
+        let is_float = ["low", "range", "finer"].contains(&name);
         let kind = if is_float { naga::ScalarKind::Float } else { naga::ScalarKind::Uint };
         assert_eq!(module.types[member.ty].inner.scalar_kind(), Some(kind), "{name}");
     }
-    let indirection =
-        brdfc_testing::codecs::flat_btf::displacements(brdfc_testing::codecs::flat_btf::SMALL, 1, 1).into();
-    let compact = FlatBtfDecoder::new(FlatBtfParts { indirection, ..decoder.into_parts() }).unwrap();
-    let bytes = FlatBtfParameters::new(&compact).to_bytes();
-    assert_eq!(bytes[28..36], [1u32.to_le_bytes(), (f64::from(1.3f32).tan() as f32).to_le_bytes()].concat());
+    // One sheet; the default steps.
+    let base = FlatBtfParameters::to_bytes(&base_file().decoder);
+    let MarchSteps { sight, refine, light } = MarchSteps::default();
+    assert_eq!(base[..28], *[8, 1, 4, sight, refine, light, 1].map(u32::to_le_bytes).as_flattened());
+    let factored = FlatBtfParameters::to_bytes(&factored_file().decoder);
+    assert_eq!(factored[24..28], [0; 4], "no rays of light");
+}
+
+/// Constants of the shader are those of the CPU decoder.
+#[test]
+fn the_constants_of_flat_btfs_are_those_of_the_cpu() {
+    let of = |source: &str, prefix: &str| -> BTreeMap<String, f32> {
+        let constant = |line: &str| {
+            let (name, value) = line.strip_prefix("const ")?.strip_prefix(prefix)?.split_once(": f32 = ")?;
+            Some((name.to_owned(), value.strip_suffix(';')?.parse().ok()?))
+        };
+        source.lines().filter_map(constant).collect()
+    };
+    let shader = of(FLAT_BTF_WGSL, "FLAT_BTF_");
+    let names: Vec<&str> = shader.keys().map(String::as_str).collect();
+    assert_eq!(names, ["MIN_COSINE", "RISE", "TEXELS_PER_STEP"]);
+    assert_eq!(shader, of(include_str!("../../src/flat_btf/march.rs"), ""));
+    let changed = FLAT_BTF_WGSL.replace("FLAT_BTF_RISE: f32 = ", "FLAT_BTF_RISE: f32 = 9");
+    assert_ne!(shader, of(&changed, "FLAT_BTF_"));
 }
 
 #[test]

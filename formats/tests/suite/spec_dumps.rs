@@ -3,12 +3,13 @@
 use brdfc_formats::bindings::{Binding, Bindings, PackFile, Texels};
 use brdfc_formats::container::{Extent, TexelFormat, Texture};
 use brdfc_formats::direction::DirectionPair;
-use brdfc_formats::flat_btf::{
-    DiffuseMap, FlatBtfDecoder, FlatBtfFile, FlatBtfParts, FlatValues, NormalMap, ReferenceMap,
-};
+use brdfc_formats::flat_btf::factored::shader::FactoredParameters;
+use brdfc_formats::flat_btf::shader::FlatBtfParameters;
+use brdfc_formats::flat_btf::{FlatBtfFile, LayerHeader, LayerMap, Sheet};
 use brdfc_formats::pwt::shader::PwtParameters;
 use brdfc_formats::pwt::{PwtDecoder, PwtPack};
 use brdfc_formats::wavelet::{Filter, RowScratch, WaveletDecoder, WaveletPack};
+use brdfc_testing::codecs::flat_btf::{BASE, Factors, SMALL, Sizes, factored, file};
 use brdfc_testing::packs::check_dump;
 use std::collections::BTreeMap;
 
@@ -54,33 +55,40 @@ fn wavelet_packs() {
     assert_eq!(check_dump(page, &bytes), 44);
 }
 
-/// A light form with the indirection of the page.
+/// A file with the layers of the page.
 fn example_flat_btf() -> FlatBtfFile {
-    let parts = FlatBtfParts {
-        reference: ReferenceMap::new(1, vec![[0.9, 0.5]]).unwrap(),
-        indirection: brdfc_testing::codecs::flat_btf::example_indirection().into(),
-        normal: NormalMap::new(1, vec![[0.0, 0.0, 1.0]]).unwrap(),
-        diffuse: DiffuseMap::new(1, vec![0]).unwrap(),
-        values: FlatValues::None,
-    };
-    FlatBtfFile::new(FlatBtfDecoder::new(parts).unwrap(), None).unwrap()
+    let header = LayerHeader { size: 2, sheets: 1, levels: 2, heights: [-0.25, 0.75], casts_shadows: true };
+    let layers = LayerMap::new(header, vec![51; 5], vec![[0.0; 2]; 5]).unwrap();
+    file(layers, factored(Sizes { flat: 2, ..SMALL }, Factors { levels: 2, ..BASE }, 1))
 }
 
 #[test]
 fn flat_btfs() {
     let page = include_str!("../../src/flat_btf/spec.md");
     let file = PackFile::from_bytes(&example_flat_btf().to_bytes(false)).unwrap();
-    let (_, image) = file.bindings.textures().find(|(name, _)| *name == "flat_btf_packed_indirection").unwrap();
-    assert_eq!(check_dump(page, &image.bytes), 4);
-    let entry: Vec<String> = file.entries["brdfc.indirection"].iter().map(|byte| format!("{byte:02x}")).collect();
-    assert!(page.contains(&format!("`{}`", entry.join(" "))), "{entry:?}");
+    let entry = &file.entries["brdfc.flat-btf.layers"];
+    assert_eq!(check_dump(page, entry), 2);
+    for word in entry.as_chunks::<4>().0 {
+        let [a, b, c, d] = word;
+        assert!(page.contains(&format!("`{a:02x} {b:02x} {c:02x} {d:02x}`")), "{word:x?}");
+    }
+    for uniform in [FlatBtfParameters::SIZE, FactoredParameters::SIZE] {
+        let factored = include_str!("../../src/flat_btf/factored/spec.md");
+        let text = format!("a uniform block of {uniform} bytes");
+        assert!([page, factored].iter().any(|page| page.contains(&text)), "{text}");
+    }
 }
 
 /// The worked value after the dump.
 #[test]
 fn the_worked_value_of_the_flat_btf_page() {
-    let [u, v, z] = example_flat_btf().decoder.indirection([0.2, 0.7], [0.5f32.sin(), 0.0, 0.5f32.cos()]);
-    assert!((u - 0.025).abs() < 1e-6 && v == 0.5 && (z - 0.25).abs() < 1e-6, "{u} {v} {z}");
+    let decoder = example_flat_btf().decoder;
+    let point = decoder.seen([0.2, 0.7], [0.6, 0.0, 0.8], 0.0);
+    assert!((point.height - 0.2).abs() < 1e-6 && point.sheet == Sheet::Base, "{point:?}");
+    for found in [point.at, decoder.parameters(&point, 0.0)] {
+        assert!((found[0] - 0.1625).abs() < 1e-6 && (found[1] - 0.7).abs() < 1e-6, "{found:?}");
+    }
+    assert!(include_str!("../../src/flat_btf/spec.md").contains("`(0.1625, 0.7)`"));
 }
 
 /// The worked values at the end of the page.

@@ -25,7 +25,7 @@ use std::path::Path;
 /// levels and as ΔE.
 ///
 /// If A is a flat BTF (the file that 'brdfc flatten' wrote, or its folder), B is another flat BTF of the same surface,
-/// such as a smaller one. The program compares them by ΔE at random positions, at sampled directions and between them.
+/// such as a smaller one. The program compares them by ΔE at random positions, views and lights.
 #[derive(Debug, Args)]
 #[command(after_help = "\
 Examples:

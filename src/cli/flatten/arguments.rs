@@ -1,14 +1,13 @@
 //! Flags of `brdfc flatten`.
 
-use crate::directions::INDIRECTION;
 use brdfc::Input;
-use brdfc::flatten::{FillMethod, Form, StackFormat, describe_structures};
+use brdfc::flatten::{FillMethod, Reflectance, StackFormat, describe_structures};
 use brdfc_terminal::values::{any_whole_number, bytes_from_text, one_of, whole_number};
 use clap::Args;
 use std::ffi::OsString;
 use std::path::PathBuf;
 
-/// Make a flat BTF: one file with the appearance on the surface itself, and maps of where each view sees it.
+/// Make a flat BTF: one file with the relief of a tile in layers, and the reflectance of its surface.
 ///
 /// MESO is one tile of a repeating surface: synth:STRUCTURE, a mesh (.obj, .ply), or a height map (.png with 8 or 16
 /// bits grey, .exr). It may also be an ordinary BTF (a folder of images or a .btf file), whose relief --geometry gives.
@@ -49,14 +48,16 @@ pub struct Arguments {
     /// channels.
     #[arg(long, value_name = "IMAGE")]
     pub(super) weights: Option<Input>,
-    /// Texels per side of the reference plane and its indirection map, 4 to 2048 (default: 256).
-    #[arg(long, value_name = "N", default_value_t = 256, value_parser = whole_number::<u32>(4..=2048))]
+    /// Texels per side of the layers, which hold the relief of a tile, a power of two from 4 to 2048 (default: 256).
+    #[arg(long, value_name = "N", default_value_t = 256, value_parser = any_whole_number::<u32>(TEXELS))]
     pub(super) texels: u32,
-    /// Texels per side of the flat BTF, a power of two from 4 to 2048 (default: --texels, rounded up to a power of
-    /// two).
-    #[arg(long, value_name = "N", value_parser = any_whole_number::<usize>(FLAT_TEXELS))]
+    /// Texels per side of the flat BTF, which hold the reflectance, a power of two from 4 to 2048 (default: --texels).
+    #[arg(long, value_name = "N", value_parser = any_whole_number::<usize>(TEXELS))]
     pub(super) flat_texels: Option<usize>,
-    /// Views: ubo2003 (81), ubo2014 (151), grid:ZxA@DEGREES, or a .csv file with index,theta_deg,phi_deg (default:
+    /// Form of the reflectance (default: auto).
+    #[arg(long, value_parser = one_of(&REFLECTANCES), default_value = "auto")]
+    pub(super) reflectance: Reflectance,
+    /// Views of factors: ubo2003 (81), ubo2014 (151), grid:ZxA@DEGREES, or a .csv file with index,theta_deg,phi_deg (default:
     /// ubo2003). A grid has Z polar angles from 0 to DEGREES: one direction at the zenith, and A azimuths at each other
     /// angle. For example, grid:2x6@50 has 1 + 6 = 7 directions.
     #[arg(long, value_name = "SET")]
@@ -64,37 +65,19 @@ pub struct Arguments {
     /// Lights, in the same form (default: the set of --views).
     #[arg(long, value_name = "SET")]
     pub(super) lights: Option<Input>,
-    /// Polar angles x azimuths of the indirection map, 2 to 256 and 3 to 256 (default: 16x24).
-    #[arg(long, value_name = "ZxA", default_value = INDIRECTION, allow_hyphen_values = true)]
-    pub(super) indirection: String,
-    /// Largest polar angle of the indirection map, above 0, up to 89 degrees (default: 80); steeper views use the map
-    /// at this angle.
-    #[arg(long, value_name = "DEGREES", default_value_t = 80.0)]
-    pub(super) largest_angle: f64,
-    /// Rays per texel and axis for the indirection map, 1 to 16 (default: 2).
-    #[arg(long, value_name = "N", default_value_t = 2, value_parser = whole_number::<usize>(1..=16))]
-    pub(super) oversampling: usize,
-    /// Method that fills texels of the full form that a view does not see (default: poisson).
+    /// Method that fills texels that a view does not see, for factors (default: poisson).
     #[arg(long, value_parser = one_of(&FILLS))]
     pub(super) fill: Option<FillMethod>,
     /// Rays per texel for light of one bounce, 0 to 1024 (default: 0, direct light and cast shadows only).
     #[arg(long, value_name = "N", default_value_t = 0, value_parser = whole_number::<usize>(0..=1024))]
     pub(super) bounces: usize,
-    /// Rounds of reweighting that give stretched areas more texels, 0 to 100 (default: 0); they end early once the
-    /// stretch no longer falls.
-    #[arg(long, value_name = "N", default_value_t = 0, value_parser = whole_number::<usize>(0..=100))]
-    pub(super) stretch_rounds: usize,
-    /// Form of the flat BTF (default: full): full stores every view and light as factors; light stores a normal map and
-    /// diffuse colours.
-    #[arg(long, value_parser = one_of(&FORMS), default_value = "full")]
-    pub(super) form: Form,
-    /// Maximum mean ΔE (CIE76) between the factors and the views, over visible texels, above 0, up to 100 (default:
-    /// 0.7). If no factorisation meets it, the program writes the best one, and exits with code 1 if the option was
+    /// Maximum mean ΔE (CIE76) between the reflectance and the materials or images, over visible texels, above 0, up to
+    /// 100 (default: 0.7). If none meets it, the program writes the best one, and exits with code 1 if the option was
     /// given.
     #[arg(long, value_name = "E")]
     pub(super) max_delta_e: Option<f64>,
-    /// Maximum bytes of factors on a GPU, including mipmaps: a number, optionally with KiB or MiB. The program selects
-    /// the factors with the smallest error within this limit.
+    /// Maximum bytes of the reflectance on a GPU, including mipmaps: a number, optionally with KiB or MiB. The program
+    /// selects the form with the smallest error within this limit.
     #[arg(long, value_name = "BYTES", conflicts_with = "max_delta_e", value_parser = bytes_from_text)]
     pub(super) max_bytes: Option<u64>,
     /// Also write the ordinary BTF, computed from direct light, as images into a new or empty folder.
@@ -108,23 +91,25 @@ pub struct Arguments {
     pub(super) no_supercompression: bool,
 }
 
-/// Allowed numbers of texels per side of a flat BTF.
-pub(super) const FLAT_TEXELS: &str =
-    "a power of two from 4 to 2048, because the hole filling halves the size repeatedly";
+/// Allowed numbers of texels per side.
+pub(super) const TEXELS: &str = "a power of two from 4 to 2048, because each mipmap level halves the size";
 
 const FILLS: [(&str, FillMethod, &str); 2] = [
     ("poisson", FillMethod::Poisson, "Blend gradients of the view that is closest to the normal"),
     ("push-pull", FillMethod::PushPull, "Average visible neighbours: faster, as in Hadim et al. 2009"),
 ];
-const FORMS: [(&str, Form, &str); 2] =
-    [("full", Form::Full, "Equation 1 of Hadim et al. 2009"), ("light", Form::Light, "Normal map and diffuse colours")];
+const REFLECTANCES: [(&str, Reflectance, &str); 3] = [
+    ("auto", Reflectance::Auto, "The smaller form that meets --max-delta-e"),
+    ("brdf", Reflectance::Brdf, "Albedo, gloss and normal of each texel: for materials"),
+    ("factors", Reflectance::Factors, "Components of sampled views and lights in addition: for images and bounced light"),
+];
 const IMAGE_FORMATS: [(&str, StackFormat, &str); 2] = [("png", StackFormat::Png, ""), ("exr", StackFormat::Exr, "")];
 
 fn after_help() -> String {
     format!(
         "Structures:\n{}\nExamples:\n  brdfc flatten synth:button -o button\n  \
-         brdfc flatten synth:button -o small --max-bytes 10MiB\n  \
-         brdfc flatten 'synth:knit?count=6' -o wool --form light --texels 128\n  \
+         brdfc flatten synth:button -o small --texels 64\n  \
+         brdfc flatten 'synth:knit?count=6' -o wool --texels 128\n  \
          brdfc flatten bricks.obj --material clay=clay.binary --material 'synth:lambert?kd=0.4' -o bricks\n  \
          brdfc flatten relief.png --height-scale 0.2 --colour relief-colour.png -o relief\n  \
          brdfc flatten corduroy/ --geometry corduroy-height.exr -o corduroy-flat",

@@ -1,12 +1,12 @@
 //! Conversion of the flags of `brdfc flatten` to recipes, with checks of ranges and combinations.
 
-use super::arguments::{Arguments, FLAT_TEXELS};
+use super::arguments::{Arguments, TEXELS};
 use crate::Error;
-use crate::directions::{default_set, direction_set, map_header};
+use crate::directions::{default_set, direction_set};
 use crate::inputs::refuse_stdin_twice;
 use crate::output::{check_folder, refuse_flags, refuse_overwriting, refuse_same_outputs};
 use brdfc::Input;
-use brdfc::flatten::{FactoredTarget, FillMethod, FlattenRecipe, Form, MesoOptions, is_device};
+use brdfc::flatten::{FactoredTarget, FillMethod, FlattenRecipe, MesoOptions, Reflectance, is_device};
 use brdfc_terminal::words::format_number;
 use std::ffi::{OsStr, OsString};
 use std::path::Path;
@@ -158,8 +158,15 @@ fn check_placement(arguments: &Arguments, is_stack: bool) -> Result<(), Error> {
         let allowed = "ordinary BTFs (a folder of images or a .btf file)";
         refuse_flags("surfaces", &[(arguments.geometry.is_some(), "--geometry", allowed)])?;
     }
-    let of_light = arguments.fill.is_some() && arguments.form == Form::Light;
-    refuse_flags("--form light", &[(of_light, "--fill", "--form full")])
+    let brdf = arguments.reflectance == Reflectance::Brdf;
+    let of_factors = [
+        (arguments.fill.is_some(), "--fill"),
+        (arguments.bounces > 0, "--bounces"),
+        (arguments.max_bytes.is_some(), "--max-bytes"),
+    ];
+    let flags = of_factors.map(|(given, flag)| (brdf && given, flag, "--reflectance factors"));
+    refuse_flags("--reflectance brdf", &flags)?;
+    refuse_flags("an ordinary BTF", &[(is_stack && brdf, "--reflectance brdf", "surfaces with materials")])
 }
 
 /// Splits `NAME=INPUT`, or returns an input alone. An `=` inside an address does not separate a name.
@@ -189,43 +196,36 @@ fn split_name(text: &OsStr) -> Option<(String, OsString)> {
 
 /// Resolves the recipe.
 pub(super) fn recipe(arguments: &Arguments) -> Result<FlattenRecipe, Error> {
-    let flat_texels = arguments.flat_texels.unwrap_or((arguments.texels as usize).next_power_of_two());
-    if !(4..=2048).contains(&flat_texels) || !flat_texels.is_power_of_two() {
-        return Err(Error::wrong_usage("--flat-texels", flat_texels, FLAT_TEXELS));
+    let flat_texels = arguments.flat_texels.unwrap_or(arguments.texels as usize);
+    for (flag, texels) in [("--texels", arguments.texels as usize), ("--flat-texels", flat_texels)] {
+        if !(4..=2048).contains(&texels) || !texels.is_power_of_two() {
+            return Err(Error::wrong_usage(flag, texels, TEXELS));
+        }
     }
-    let indirection = map_header(arguments.texels, &arguments.indirection, arguments.largest_angle)?;
     let views = direction_set("views", arguments.views.as_ref().unwrap_or(&default_set()))?;
     let lights = arguments.lights.as_ref().map_or(Ok(views.clone()), |lights| direction_set("lights", lights))?;
     Ok(FlattenRecipe {
+        texels: arguments.texels,
         flat_texels,
-        indirection,
-        oversampling: arguments.oversampling,
         views,
         lights,
         fill: arguments.fill.unwrap_or(FillMethod::Poisson),
         bounces: arguments.bounces,
-        rounds: arguments.stretch_rounds,
-        factored: factor_target(arguments)?,
+        reflectance: arguments.reflectance,
+        target: target(arguments)?,
     })
 }
 
-/// Default mean ΔE of the factors over visible texels: well below a visible difference side by side.
+/// Default mean ΔE of the reflectance over visible texels: well below a visible difference side by side.
 const MAX_DELTA_E: f64 = 0.7;
 
-/// Resolves the target of the factors; `None` for the light form, which has no factors.
-fn factor_target(arguments: &Arguments) -> Result<Option<FactoredTarget>, Error> {
-    if arguments.form == Form::Light {
-        let given =
-            [(arguments.max_delta_e.is_some(), "--max-delta-e"), (arguments.max_bytes.is_some(), "--max-bytes")];
-        let flags = given.map(|(given, flag)| (given, flag, "--form full"));
-        return refuse_flags("--form light", &flags).map(|()| None);
-    }
+/// Resolves the target of the reflectance.
+fn target(arguments: &Arguments) -> Result<FactoredTarget, Error> {
     if let Some(found) = arguments.max_delta_e.filter(|e| !(*e > 0.0 && *e <= 100.0)) {
         return Err(Error::wrong_usage("--max-delta-e", format_number(found), "above 0, up to 100"));
     }
-    let target = match arguments.max_bytes {
+    Ok(match arguments.max_bytes {
         Some(bytes) => FactoredTarget::Bytes(bytes),
         None => FactoredTarget::Error(arguments.max_delta_e.unwrap_or(MAX_DELTA_E)),
-    };
-    Ok(Some(target))
+    })
 }

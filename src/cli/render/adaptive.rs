@@ -175,7 +175,6 @@ fn refuse(arguments: &Arguments) -> Result<(), Error> {
         (arguments.max_delta_e_p95.is_some(), "--max-delta-e-p95", "renderings without it (use --min-psnr)"),
         (arguments.max_flip.is_some(), "--max-flip", "renderings without it (use --min-psnr)"),
         (arguments.samples.is_some(), "--samples", "renderings without it (use --antialias)"),
-        (arguments.form.is_some(), "--form", "renderings without it"),
         (arguments.repeat.is_some(), "--repeat", "renderings without it"),
     ];
     refuse_flags("--adaptive", &flags)

@@ -3,7 +3,7 @@
 use super::adaptive_options::AdaptiveOptions;
 use crate::options::PackOptions;
 use brdfc::Input;
-use brdfc::render::{Builtin, Filter, FlatForm};
+use brdfc::render::{Builtin, Filter};
 use brdfc::scene::MAX_SAMPLES;
 use brdfc_terminal::values::{one_of, whole_number};
 use clap::Args;
@@ -108,10 +108,6 @@ pub struct Arguments {
     /// Use the adapter whose name contains this text (default: the fastest).
     #[arg(long, value_name = "NAME")]
     pub(super) adapter: Option<String>,
-    /// Form of a flat BTF: every view and light, or normal map and diffuse colours (default: full if the file has
-    /// views).
-    #[arg(long, value_parser = one_of(&FORMS))]
-    pub(super) form: Option<FlatForm>,
     /// Tiles of a flat BTF per unit of the scene's uv, 1 to 1024 (default: 4 on plane, bottle, vase and teapot, else
     /// 8). Also applies to the pack of an RTI capture that is a tile (default: 1).
     #[arg(long, value_name = "N", value_parser = whole_number::<u32>(1..=1024))]
@@ -133,10 +129,6 @@ const SCENES: [(&str, Builtin, &str); 10] = [
     ("teapot", Builtin::Teapot, "A teapot with lid, spout and handle"),
     ("bumpy-ball", Builtin::BumpyBall, "A ball with a smooth and a bumpy half, without point lights: for environments"),
     ("ribbed-torus", Builtin::RibbedTorus, "A torus with a smooth and a ribbed half, lit like bumpy-ball"),
-];
-const FORMS: [(&str, FlatForm, &str); 2] = [
-    ("full", FlatForm::Full, "Equation 1 of Hadim et al. 2009"),
-    ("light", FlatForm::Light, "Normal map and diffuse colours"),
 ];
 const FILTERS: [(&str, Filter, &str); 3] = [
     ("nearest", Filter::Nearest, "The nearest cell"),

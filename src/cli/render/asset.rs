@@ -94,7 +94,6 @@ pub(super) fn refuse_flags(arguments: &Arguments, asset: &Asset) -> Result<(), E
         (arguments.adaptive.adaptive, "--adaptive", of_brdfs),
         (is_flat && arguments.source.is_some(), "--source", of_both),
         (is_flat && arguments.exact, "--exact", of_both),
-        (!is_flat && arguments.form.is_some(), "--form", "flat BTFs"),
     ];
     let what = if is_flat { "a flat BTF" } else { "a pack of an RTI capture" };
     output::refuse_flags(format!("{}, {what}", asset.input), &flags)

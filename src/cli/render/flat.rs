@@ -8,7 +8,7 @@ use crate::{Common, Error};
 use brdfc::flatten::read_report;
 use brdfc::inspect::{flat_btf_file, open_flat_btf};
 use brdfc::render::{
-    Builtin, FlatForm, FlatMaterial, Verification, Views, draw_flat_btf, draw_flat_btf_on_cpu, draw_surface, flat_view,
+    Builtin, FlatMaterial, Verification, Views, draw_flat_btf, draw_flat_btf_on_cpu, draw_surface,
 };
 use brdfc::{FormatError, Input};
 
@@ -38,20 +38,12 @@ pub(super) fn verification(
     let asset = read_report(&file).ok();
     let gpu = gpu::open(arguments)?;
     let wrong = |error: FormatError| Error::input(format!("{input}: {error}"));
-    let parts = file.decoder.parts();
-    let has_views = parts.values.factored().is_some();
-    let form = arguments.form.unwrap_or(if has_views { FlatForm::Full } else { FlatForm::Light });
-    let (stored, bytes_on_gpu) = match form {
-        FlatForm::Light => ("light form", file.decoder.bindings(false, None).gpu_bytes()),
-        FlatForm::Full => {
-            flat_view(&file, 0).map_err(wrong)?;
-            ("full form, factored", parts.gpu_bytes())
-        }
-    };
+    let stored = if file.directions.is_some() { "factors" } else { "brdf" };
+    let bytes_on_gpu = file.gpu_bytes();
     let repeat = arguments.repeat.unwrap_or(setup.builtin.tiles());
     let material = FlatMaterial::new(file.decoder, repeat).map_err(wrong)?;
-    let shader = draw_flat_btf(&gpu, &setup.scene, setup.frame, &material, form)?;
-    let pack = draw_flat_btf_on_cpu(&setup.scene, setup.frame, &material, form);
+    let shader = draw_flat_btf(&gpu, &setup.scene, setup.frame, &material)?;
+    let pack = draw_flat_btf_on_cpu(&setup.scene, setup.frame, &material);
     drop(material);
     let source = match (setup.builtin, &asset) {
         (Builtin::Plane, Some(asset)) => draw_surface(&setup.scene, setup.frame, asset, repeat)?,
@@ -69,6 +61,5 @@ pub(super) fn verification(
 
 /// Rejects flags that apply only to flat BTFs.
 pub(super) fn refuse_flags(arguments: &Arguments) -> Result<(), Error> {
-    let given = [(arguments.form.is_some(), "--form"), (arguments.repeat.is_some(), "--repeat")];
-    output::refuse_flags(&arguments.input, &given.map(|(given, flag)| (given, flag, "flat BTFs")))
+    output::refuse_flags(&arguments.input, &[(arguments.repeat.is_some(), "--repeat", "flat BTFs")])
 }

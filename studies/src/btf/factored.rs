@@ -9,7 +9,7 @@ use brdfc_formats::FormatError;
 use brdfc_formats::direction::Vector;
 use brdfc_formats::direction_set::DirectionSet;
 use brdfc_formats::flat_btf::factored::{BASE_LAYERS, FactoredFlatBtf};
-use brdfc_formats::flat_btf::{BlendedDirection, FlatHeader, FlatView, NormalMap, ViewWeights, VisibilityMask};
+use brdfc_formats::flat_btf::{BlendedDirection, FlatHeader, FlatView, ViewWeights, VisibilityMask};
 use rayon::prelude::*;
 use std::time::Instant;
 
@@ -53,8 +53,7 @@ pub(super) fn factored(
         None => vec![byte(true); asset.views() * asset.size * asset.size],
     };
     let mask = VisibilityMask::new(asset.size as u32, asset.views() as u32, bytes)?;
-    let normals = NormalMap::new(asset.size as u32, asset.normals.clone())?;
-    let made = factor(&FactoredRecipe::new(target), &normals, &mask, view, &()).map_err(|error| match error {
+    let made = factor(&FactoredRecipe::new(target), &asset.normals, &mask, view, &()).map_err(|error| match error {
         FactorError::View(error) | FactorError::Format(error) => error,
         FactorError::Cancelled(_) => unreachable!("it is never cancelled"),
     })?;
@@ -102,7 +101,7 @@ fn images_of(made: &FactoredFlatBtf, (view, direction): (usize, [f32; 3]), light
         }
         let uv = [at % size, at / size].map(|place| (place as f32 + 0.5) / size as f32);
         for (light, between) in lights.held_out.iter().zip(&between) {
-            values[*light] = made.value(uv, 0.0, towards, *between);
+            values[*light] = made.filtered(uv, 0.0).blended(towards, *between);
         }
         values
     };

@@ -3,9 +3,10 @@
 use super::PAPER;
 use super::apparent::{Apparent, ApparentSizes, summary};
 use super::coherency::ViewVariance;
-use super::grids::{grid_errors, stored_maps};
+use super::grids::grid_errors;
 use super::reconstruction::{LookUps, row};
 use super::rows::{CoherencyRow, ModelRow, Spread, StudySettings};
+use super::vdim::{OVERSAMPLING, indirection};
 use brdfc_core::address::{AddressError, parse_synth};
 use brdfc_flat_btf::light_field::{ComputedField, FillGuide, FlattenedView, Holes, from_above, visible};
 use brdfc_flat_btf::model::MesoModel;
@@ -68,9 +69,9 @@ pub fn study_model(
     let (chosen, flat_picks, btf_picks) = picks(&model, settings);
     let (mut flat_apparent, mut btf_apparent) = (Apparent::new(flat_picks), Apparent::new(btf_picks));
     let mut images = Vec::new();
-    let [map, compact] = stored_maps(&model, settings.map_header());
+    let map = indirection(&model, settings.map_header(), OVERSAMPLING);
     for (view, direction) in directions.iter().enumerate() {
-        let look_ups = LookUps::new(&model, [&map, &compact], *direction, settings);
+        let look_ups = LookUps::new(&model, &map, *direction, settings);
         let Ok(push_pull) = FlattenedView::new(&field, view, &masks[view], Holes::PushPull);
         let Ok(poisson) = FlattenedView::new(&field, view, &masks[view], Holes::Poisson(&guide));
         let light = |(light, statistics): (usize, &mut PerLight)| {

@@ -1,12 +1,10 @@
 //! Table 1: images rebuilt by equation 1, compared with images of the surface.
 
-use super::grids::MAP_OVERSAMPLING;
 use super::rows::{AngleErrors, ImageErrors, ReconstructionRow, StudySettings};
-use brdfc_flat_btf::indirection::seen_through_texels;
+use super::vdim::{OVERSAMPLING, Vdim, seen_through_texels};
 use brdfc_flat_btf::model::MesoModel;
-use brdfc_flat_btf::rebuild::{ViewImage, sample_bilinear, stored_parameters};
+use brdfc_flat_btf::rebuild::{ViewImage, sample_bilinear};
 use brdfc_formats::direction::Vector;
-use brdfc_formats::flat_btf::FlatBtfDecoder;
 use brdfc_metrics::lab::{distance_squared, lab};
 use std::collections::BTreeMap;
 
@@ -14,24 +12,17 @@ use std::collections::BTreeMap;
 /// up for it.
 pub(super) struct LookUps {
     pub(super) seen: ViewImage,
-    stored: Vec<[f32; 2]>,
-    compact: Vec<[f32; 2]>,
+    blended: Vec<[f32; 2]>,
     unblended: Vec<[f32; 2]>,
 }
 
 impl LookUps {
-    /// Look-ups of one view; `map` is the stored one, `compact` the one of displacements.
-    pub(super) fn new(
-        model: &MesoModel,
-        [map, compact]: [&FlatBtfDecoder; 2],
-        view: Vector,
-        settings: &StudySettings,
-    ) -> Self {
+    /// Look-ups of one view.
+    pub(super) fn new(model: &MesoModel, map: &Vdim, view: Vector, settings: &StudySettings) -> Self {
         Self {
             seen: ViewImage::new(model, view, settings.texels, settings.oversampling),
-            stored: stored_parameters(map, view),
-            compact: stored_parameters(compact, view),
-            unblended: seen_through_texels(model, view, settings.texels, MAP_OVERSAMPLING),
+            blended: map.parameters(view),
+            unblended: seen_through_texels(model, view, settings.texels, OVERSAMPLING),
         }
     }
 
@@ -46,9 +37,8 @@ impl LookUps {
         let direct: Vec<[f32; 3]> = direct.iter().map(|value| lab(*value)).collect();
         let of = |rebuilt: Vec<[f32; 3]>| Difference::new(&direct, &rebuilt);
         ImageDifferences {
-            through_map: of(sample_bilinear(inpainted, &self.stored)),
-            through_displacements: of(sample_bilinear(inpainted, &self.compact)),
-            push_pull: of(sample_bilinear(filled, &self.stored)),
+            through_map: of(sample_bilinear(inpainted, &self.blended)),
+            push_pull: of(sample_bilinear(filled, &self.blended)),
             unblended: of(sample_bilinear(inpainted, &self.unblended)),
             exact_rays: of(self.seen.rebuilt(inpainted)),
         }
@@ -79,7 +69,6 @@ impl Difference {
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct ImageDifferences {
     pub(super) through_map: Difference,
-    through_displacements: Difference,
     push_pull: Difference,
     unblended: Difference,
     pub(super) exact_rays: Difference,
@@ -101,14 +90,12 @@ pub(super) fn row(images: &[ImageDifferences], views: &[Vector]) -> Reconstructi
             polar_angle: (mean(views_of_ring.iter().map(|view| polar(views[*view]))) * 1e3).round() / 1e3,
             views: views_of_ring.len(),
             through_map: of_views(|image| image.through_map.mean),
-            through_displacements: of_views(|image| image.through_displacements.mean),
             unblended: of_views(|image| image.unblended.mean),
             exact_rays: of_views(|image| image.exact_rays.mean),
         }
     };
     ReconstructionRow {
         through_map: errors(images.iter().map(|image| image.through_map)),
-        through_displacements: errors(images.iter().map(|image| image.through_displacements)),
         exact_rays: errors(images.iter().map(|image| image.exact_rays)),
         mean_push_pull: mean(images.iter().map(|image| image.push_pull.mean)),
         mean_unblended: mean(images.iter().map(|image| image.unblended.mean)),
@@ -140,14 +127,13 @@ fn mean(values: impl Iterator<Item = f64>) -> f64 {
 
 #[cfg(test)]
 mod tests {
-    use super::super::grids::stored_map;
+    use super::super::vdim::indirection;
     use super::*;
     use brdfc_core::address::parse_synth;
     use brdfc_flat_btf::light_field::{ComputedField, FlattenedView, Holes, visible};
     use brdfc_flat_btf::structures::Structure;
     use brdfc_flat_btf::surface::Appearance;
     use brdfc_formats::direction::from_polar;
-    use brdfc_formats::flat_btf::{IndirectionMap, ReferenceMap};
 
     fn settings(texels: usize, flat_texels: usize) -> StudySettings {
         StudySettings {
@@ -166,7 +152,7 @@ mod tests {
         model: MesoModel,
         appearance: Appearance,
         settings: StudySettings,
-        map: FlatBtfDecoder,
+        map: Vdim,
     }
 
     impl Case {
@@ -174,19 +160,19 @@ mod tests {
             let structure = Structure::parse(address).unwrap();
             let sources = structure.default_materials().iter().map(|m| parse_synth(m).unwrap()).collect();
             let model = MesoModel::new(structure.mesh(), 0, &()).unwrap();
-            let map = stored_map(&model, settings.map_header());
+            let map = indirection(&model, settings.map_header(), OVERSAMPLING);
             Self { model, appearance: Appearance { sources, ..Default::default() }, settings, map }
         }
 
         /// Differences of one view and light through `map`.
-        fn differences(&self, map: &FlatBtfDecoder, view: Vector) -> ImageDifferences {
+        fn differences(&self, map: &Vdim, view: Vector) -> ImageDifferences {
             let (views, lights) = ([view], [from_polar(0.5, 2.0)]);
             let texels = self.model.texels(self.settings.flat_texels);
             let lit = [visible(&texels, &self.model.caster, lights[0])];
             let field = ComputedField::new(&texels, &self.appearance, &views, &lights, &lit);
             let mask = visible(&texels, &self.model.caster, view);
             let Ok(flat) = FlattenedView::new(&field, 0, &mask, Holes::PushPull).unwrap().image(0);
-            let look_ups = LookUps::new(&self.model, [map, map], view, &self.settings);
+            let look_ups = LookUps::new(&self.model, map, view, &self.settings);
             let direct = look_ups.seen.direct(&self.model, &self.appearance, lights[0]);
             look_ups.differences(&direct, &flat, &flat)
         }
@@ -216,18 +202,11 @@ mod tests {
         let case = Case::new("folds?resolution=48", settings(32, 64));
         let view = from_polar(0.8, 0.6);
         let good = case.differences(&case.map, view);
-        let header = *case.map.parts().indirection.header();
-        let shifted = {
-            let mut parts = case.map.parts().clone();
-            let moved = parts.reference.parameters().iter().map(|[u, v]| [u + 0.2, *v]).collect();
-            parts.reference = ReferenceMap::new(header.size, moved).unwrap();
-            FlatBtfDecoder::new(parts).unwrap()
-        };
-        let without_distances = {
-            let mut parts = case.map.parts().clone();
-            parts.indirection = IndirectionMap::from_displacements(header, |_, _, _| ([0.0; 2], 0.0)).unwrap().into();
-            FlatBtfDecoder::new(parts).unwrap()
-        };
+        let mut shifted = case.map.clone();
+        shifted.reference.iter_mut().for_each(|[u, _]| *u += 0.2);
+        let Vdim { header, reference, .. } = case.map.clone();
+        let none = std::iter::repeat_n(([0.0; 2], 0.0), header.samples() as usize);
+        let without_distances = Vdim::new(header, reference, none);
         for wrong in [shifted, without_distances] {
             let bad = case.differences(&wrong, view);
             assert!(bad.through_map.mean > 2.0 * good.through_map.mean, "{bad:?} {good:?}");
@@ -241,11 +220,11 @@ mod tests {
         // The share of texels at which the two differ by less than a texel of the map; the rest are edges.
         let close = |case: &Case, view: Vector, through: Vector| {
             let size = case.settings.texels;
-            let stored = stored_parameters(&case.map, through);
+            let blended = case.map.parameters(through);
             let is_close = |texel: &usize| {
                 let at = [texel % size, texel / size].map(|c| (c as f64 + 0.5) / size as f64);
                 let real = case.model.seen(at, view).parameters;
-                let off = [0, 1].map(|k| real[k] - f64::from(stored[*texel][k]));
+                let off = [0, 1].map(|k| real[k] - f64::from(blended[*texel][k]));
                 let off = off.map(|c| (c - c.round()) * size as f64);
                 off[0].hypot(off[1]) < 1.0
             };
@@ -272,24 +251,15 @@ mod tests {
         let images: Vec<ImageDifferences> = (0..8)
             .map(|k| {
                 let through_map = of(f64::from(k));
-                let through_displacements = of(2.0 * f64::from(k));
-                ImageDifferences {
-                    through_map,
-                    through_displacements,
-                    push_pull: of(2.0),
-                    unblended: of(1.0),
-                    exact_rays: of(0.5),
-                }
+                ImageDifferences { through_map, push_pull: of(2.0), unblended: of(1.0), exact_rays: of(0.5) }
             })
             .collect();
         let row = row(&images, &views);
         let expected = [(0.0, 1, 0.5), (15.0, 2, 3.5), (75.0, 1, 6.5)].map(|(polar_angle, views, through_map)| {
-            let through_displacements = 2.0 * through_map;
-            AngleErrors { polar_angle, views, through_map, through_displacements, unblended: 1.0, exact_rays: 0.5 }
+            AngleErrors { polar_angle, views, through_map, unblended: 1.0, exact_rays: 0.5 }
         });
         assert_eq!(row.angles, expected);
         let expected = ImageErrors { mean: 3.5, largest_image: 7.0, image_variance: 5.25, largest_texel: 70.0 };
         assert_eq!((row.through_map, row.mean_push_pull, row.mean_unblended), (expected, 2.0, 1.0));
-        assert_eq!(row.through_displacements.mean, 7.0);
     }
 }

@@ -3,7 +3,7 @@
 use super::apparent::ApparentSizes;
 use super::grids::GridRow;
 use super::paper::PaperModel;
-use brdfc_formats::flat_btf::IndirectionHeader;
+use super::vdim::VdimHeader;
 use serde::Serialize;
 
 /// Settings of the study.
@@ -29,10 +29,10 @@ pub struct StudySettings {
 
 impl StudySettings {
     /// The header of the map.
-    pub(super) fn map_header(&self) -> IndirectionHeader {
+    pub(super) fn map_header(&self) -> VdimHeader {
         let [zenith_samples, azimuth_samples] = self.indirection;
         let largest_angle = self.largest_angle.to_radians() as f32;
-        IndirectionHeader { size: self.texels as u32, zenith_samples, azimuth_samples, largest_angle }
+        VdimHeader { size: self.texels as u32, zenith_samples, azimuth_samples, largest_angle }
     }
 }
 
@@ -63,15 +63,13 @@ pub struct ModelRow {
 /// contents of packs, at the sampled views and lights. Holes are filled by Poisson inpainting unless stated otherwise.
 #[derive(Debug, Clone, PartialEq, Serialize, schemars::JsonSchema)]
 pub struct ReconstructionRow {
-    /// Through an indirection map of directions and distances, in the form of shaders.
+    /// Through the indirection map, whose views are blended as by a shader.
     pub through_map: ImageErrors,
-    /// Through the stored displacements, as in renderings.
-    pub through_displacements: ImageErrors,
     /// With exact rays instead of the map: errors of the flat BTF alone.
     pub exact_rays: ImageErrors,
-    /// Mean through the stored map, holes filled by push-pull.
+    /// Mean through the map, holes filled by push-pull.
     pub mean_push_pull: f64,
-    /// Mean with a map that contains each view, which excludes errors of blending stored views.
+    /// Mean with a map that contains each view, which excludes errors of blending the map's views.
     pub mean_unblended: f64,
     /// By polar angle of the view, from above to the side.
     pub angles: Vec<AngleErrors>,
@@ -98,11 +96,9 @@ pub struct AngleErrors {
     pub polar_angle: f64,
     /// Number of views.
     pub views: usize,
-    /// Through the stored indirection map.
+    /// Through the indirection map.
     pub through_map: f64,
-    /// Through the stored displacements.
-    pub through_displacements: f64,
-    /// With a map that contains each view, so that no stored views are blended.
+    /// With a map that contains each view, so that no views are blended.
     pub unblended: f64,
     /// With exact rays instead of the map.
     pub exact_rays: f64,

@@ -41,7 +41,7 @@ fn valid(reader: u8) -> Vec<u8> {
         1 => PLY.to_vec(),
         2 => b"index,theta_deg,phi_deg\n0,0,0\n1,40,-90\n2,40,90\n".to_vec(),
         3 => HDR.to_vec(),
-        4 => flat_btf::light_file().to_bytes(false),
+        4 => flat_btf::materials_file().to_bytes(false),
         5 => flat_btf::factored_file().to_bytes(false),
         6 => environment().to_bytes(false),
         7 => samples().to_bytes(false),

@@ -77,7 +77,8 @@ fn a_full_disk() {
     // A small file system in its own name space, which disappears with the shell.
     let script = "mkdir small && mount -t tmpfs -o size=16k none small || exit 99
         \"$0\" encode synth:lewis --grid 32 -o small/p.ktx2; echo \"code $?\"
-        \"$0\" flatten synth:button?resolution=16 --texels 16 --views grid:2x6@50 -o small/flat; echo \"code $?\"
+        \"$0\" flatten synth:button?resolution=16 --texels 16 --views grid:2x6@50 --reflectance factors -o small/flat
+        echo \"code $?\"
         \"$0\" build scene.toml --quiet --out small/packs > /dev/null; echo \"code $?\"
         \"$0\" synth lewis -o small/a.binary --dimensions 16x16x32; echo \"code $?\"
         find small -type f -size +0";

@@ -18,7 +18,7 @@ fn bad_mesh(text: &str, expected: &[&str]) {
 fn the_tile_of_these_tests_is_a_surface() {
     let folder = Folder::new();
     folder.write("m.obj", TILE);
-    let small = ["--texels", "8", "--views", "grid:2x3@40", "--indirection", "4x6"];
+    let small = ["--texels", "8", "--views", "grid:2x3@40"];
     folder.run(&[&["flatten", "m.obj", "-o", "out"], &small[..]].concat()).succeeded();
 }
 
@@ -55,10 +55,9 @@ fn options_out_of_range() {
     for (option, value, allowed) in [
         ("--texels", "2", "4 to 2048"),
         ("--flat-texels", "100", "a power of two"),
-        ("--indirection", "16", "16x24"),
-        ("--indirection", "1x16", "2 to 256"),
-        ("--largest-angle", "90", "up to 89"),
-        ("--oversampling", "0", "1 to 16"),
+        ("--texels", "24", "a power of two"),
+        ("--flat-texels", "4096", "4 to 2048"),
+        ("--bounces", "1025", "0 to 1024"),
         ("--views", "ubo", "ubo2003"),
         ("--views", "grid:4@10", "grid:5x12@75"),
         ("--name", "../x", "letters"),

@@ -3,7 +3,7 @@
 use super::refused;
 use crate::common::cli::Folder;
 
-const SMALL: [&str; 6] = ["--texels", "8", "--views", "grid:2x3@40", "--indirection", "4x6"];
+const SMALL: [&str; 4] = ["--texels", "8", "--views", "grid:2x3@40"];
 const TILE: &str = "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nf 1 2 3\nf 1 3 4\n";
 const IMAGE: &str = "s/tl000 pl000 tv000 pv000.png";
 
@@ -52,12 +52,18 @@ fn options_that_go_with_another_input() {
         ("h.png", &["--tile", "1"], "--tile does not apply to a height map"),
         ("h.png", &["--height-scale", "NaN"], "--height-scale: found NaN, expected -10 to 10"),
         (structure, &["--image-format", "exr"], "--image-format requires --write-images"),
-        (structure, &["--form", "light", "--fill", "poisson"], "--fill does not apply to --form light"),
         (
             structure,
-            &["--form", "light", "--max-bytes", "9KiB"],
-            "--max-bytes does not apply to --form light, only to --form full",
+            &["--reflectance", "brdf", "--fill", "poisson"],
+            "--fill does not apply to --reflectance brdf, only to --reflectance factors",
         ),
+        (
+            structure,
+            &["--reflectance", "brdf", "--max-bytes", "9KiB"],
+            "--max-bytes does not apply to --reflectance brdf",
+        ),
+        (structure, &["--reflectance", "brdf", "--bounces", "4"], "--bounces does not apply to --reflectance brdf"),
+        ("s", &["--reflectance", "brdf"], "--reflectance brdf does not apply to an ordinary BTF, only to surfaces"),
         (structure, &["--max-delta-e", "0"], "--max-delta-e: found 0, expected above 0, up to 100"),
         (structure, &["--max-bytes", "12"], "--max-bytes: found 12, expected "),
         (structure, &["--max-bytes", "20KiB", "--max-delta-e", "1"], "--max-bytes"),
@@ -75,18 +81,14 @@ fn options_that_go_with_another_input() {
         ),
         (structure, &["--bounces", "4", "--write-images", "images"], "--write-images does not apply to --bounces"),
         (structure, &["--views", "grid:1x6@50"], "--views: found \"grid:1x6@50\", expected 2 polar angles or more"),
-        (structure, &["--indirection", "0x0"], "--indirection: found 0x0, expected 2 to 256 polar angles x 3 to 256"),
-        (
-            structure,
-            &["--texels", "2048"],
-            "--texels x --indirection: found a map of 16384 x 25600 texels, expected at most",
-        ),
+        (structure, &["--texels", "24"], "--texels: found 24, expected a power of two from 4 to 2048"),
+        (structure, &["--flat-texels", "2048"], "memory: found "),
         (structure, &["--max-bytes", "0"], "--max-bytes: found 0, expected "),
         (structure, &["--name", " "], "--name: found \" \", expected letters"),
         (structure, &["--name", "a "], "--name: found \"a \""),
     ] {
         let message = refused(&folder, &[&["flatten", input, "-o", "out"], options].concat(), 2, &[expected]);
-        assert!(!message.contains("brdfc.indirection"), "{message}");
+        assert!(!message.contains("brdfc.flat-btf"), "{message}");
     }
     for out in ["..", "/"] {
         let words = ["--out: found \"", ", which names the asset, expected letters"];

@@ -113,16 +113,16 @@ fn limits_may_be_percentages() {
     );
 }
 
-/// A flat BTF equals itself, one of fewer bytes is close to it, and another surface is not.
+/// A flat BTF equals itself, another form or one of fewer bytes is close to it, and another surface is not.
 #[test]
 fn flat_btfs_are_compared() {
     let folder = Folder::new();
     let small = ["--texels", "16", "--flat-texels", "32", "--views", "grid:2x3@40", "--lights", "grid:3x6@60"];
     for (name, surface, form) in [
-        ("whole", "synth:button?resolution=48", &["--max-delta-e", "0.5"][..]),
-        ("small", "synth:button?resolution=48", &["--max-bytes", "26KiB"]),
-        ("knit", "synth:knit?resolution=48", &[]),
-        ("light", "synth:button?resolution=48", &["--form", "light"]),
+        ("whole", "synth:button?resolution=48", &["--reflectance", "factors"][..]),
+        ("small", "synth:button?resolution=48", &["--reflectance", "factors", "--max-bytes", "26KiB"]),
+        ("knit", "synth:knit?resolution=48", &["--reflectance", "factors"]),
+        ("brdf", "synth:button?resolution=48", &["--reflectance", "brdf"]),
     ] {
         folder.run(&[&["flatten", surface, "-o", name], form, &small].concat()).succeeded();
     }
@@ -130,20 +130,23 @@ fn flat_btfs_are_compared() {
         let report = folder.run(&["compare", a, b, "--json"]).succeeded().json();
         assert_eq!((&report["kind"], &report["version"]), (&"flat-btf".into(), &1.into()));
         assert!(report["lit"].as_u64().unwrap() > 10_000, "{report}");
-        ["at_samples", "between_samples"].map(|kind| report[kind]["mean"].as_f64().unwrap())
+        assert_eq!(report["errors"]["samples"], 65_536, "{report}");
+        report["errors"]["mean"].as_f64().unwrap()
     };
-    assert_eq!(mean("whole", "whole/whole.ktx2"), [0.0; 2]);
-    let [near, far] = [mean("whole", "small"), mean("whole", "knit")];
-    assert!(near[0] > 0.0 && near[0] < 0.5 * far[0], "{near:?} {far:?}");
-    assert!(near[1] < far[1], "{near:?} {far:?}");
+    for name in ["whole", "brdf"] {
+        assert_eq!(mean(name, &format!("{name}/{name}.ktx2")), 0.0, "{name}");
+    }
+    let far = mean("whole", "knit");
+    for near in [mean("whole", "small"), mean("whole", "brdf"), mean("brdf", "whole")] {
+        assert!(near > 0.0 && near < 0.5 * far, "{near} {far}");
+    }
     let table = folder.run(&["compare", "whole", "small", "--max-delta-e", "100"]).succeeded().stdout;
-    assert!(table.contains("at sampled directions") && table.contains("between them"), "{table}");
+    assert!(table.contains("look-ups") && table.contains("mean ΔE") && table.contains("65536"), "{table}");
     for (code, arguments, expected) in [
-        (1, &["whole", "knit", "--max-delta-e", "0.1"][..], " at sampled directions, expected at most 0.1"),
+        (1, &["whole", "knit", "--max-delta-e", "0.1"][..], ", expected at most 0.1"),
         (2, &["whole", "small", "--max-delta-e", "-1"], "--max-delta-e: found -1, expected 0 to 1000"),
         (2, &["whole", "small", "--max-error", "5%"], "--max-error does not apply to flat BTFs"),
         (2, &["whole", "synth:lewis"], "B: found synth:lewis, expected a flat BTF, because A is one"),
-        (3, &["whole", "light"], "light: flat BTF: the light form has no views; expected the full form"),
     ] {
         let ran = folder.run(&[&["compare"][..], arguments].concat());
         assert!(ran.code == code && ran.stderr.contains(expected), "{arguments:?}: {ran:?}");

@@ -2,17 +2,19 @@
 
 use super::schemas::conforms;
 use crate::common::cli::{Folder, Ran};
-use brdfc_flat_btf::encode::{FlatInput, FlattenRecipe, MemoryScratch, ValueSource, encode};
+use brdfc_flat_btf::encode::{FlatInput, FlattenRecipe, MemoryScratch, Reflectance, ValueSource, encode};
 use brdfc_flat_btf::factored::FactoredTarget;
 use brdfc_flat_btf::fill::FillMethod;
-use brdfc_formats::container::rgb9e5;
 use brdfc_formats::direction_set::DirectionSet;
-use brdfc_formats::flat_btf::{FlatBtfFile, FlatValues, IndirectionHeader};
+use brdfc_formats::flat_btf::FlatBtfFile;
+use brdfc_formats::flat_btf::factored::FactoredHeader;
 use brdfc_jobs::flatten::{MesoOptions, material_list, open_appearance, open_asset, open_geometry};
 use serde_json::Value;
 
 /// Small enough for seconds: 7 views and lights.
-const SMALL: [&str; 8] = ["--texels", "16", "--views", "grid:2x6@50", "--indirection", "4x6", "--oversampling", "1"];
+const SMALL: [&str; 4] = ["--texels", "16", "--views", "grid:2x6@50"];
+/// Components of views and lights, also for known materials.
+const FACTORS: [&str; 2] = ["--reflectance", "factors"];
 
 fn flatten(folder: &Folder, arguments: &[&str]) -> Ran {
     // Images have their own views.
@@ -45,24 +47,167 @@ fn file(folder: &Folder, name: &str) -> FlatBtfFile {
 #[test]
 fn every_structure_is_one_file() {
     let folder = Folder::new();
-    for (name, limit) in [("button", 12.5), ("folds", 13.0), ("knit", 7.5), ("sponge", 15.0)] {
+    for (name, sheets, limit) in [("button", 3, 10.0), ("folds", 3, 13.0), ("knit", 1, 6.0), ("sponge", 1, 7.5)] {
         let surface = format!("synth:{name}?resolution=48");
         let report = report(flatten(&folder, &[&surface, "-o", name]));
         let length = std::fs::metadata(folder.path().join(name).join(format!("{name}.ktx2"))).unwrap().len();
         assert_eq!(report["bytes"], length);
-        assert!(report["report"]["factored"].is_object());
         assert_eq!(report["report"]["parameterisation"]["flipped"], 0);
+        let layers = &report["report"]["layers"];
+        assert_eq!((&layers["sheets"], &layers["open"]), (&sheets.into(), &0.into()), "{name}: {layers}");
         let errors = &report["report"]["errors"];
         // With 16 x 16 texels there are few.
-        assert!(number(&errors["at_samples"]["mean"]) < limit, "{name}: {errors}");
-        // Views that are not factored were limited to this when files contained them.
-        assert!(name != "button" || number(&errors["views_at_samples"]["mean"]) < 12.0, "{errors}");
+        assert!(number(&errors["from_surface"]["mean"]) < limit, "{name}: {errors}");
+        assert!(errors.get("from_images").is_none(), "{name}: {errors}");
         let within: Value = serde_json::from_str(&file(&folder, name).report).unwrap();
         assert_eq!(within["report"], report["report"]);
         let mut output = report.clone();
         output.as_object_mut().unwrap().remove("seconds");
         conforms("flat-btf", &output);
         assert_eq!(folder.run(&["info", name, "--json"]).succeeded().json(), output);
+    }
+}
+
+/// Known materials need no views: their file is smaller, and closer to the surface than factors of a few views.
+#[test]
+fn structures_get_a_brdf_that_is_smaller_than_factors() {
+    let folder = Folder::new();
+    for name in ["button", "folds", "knit", "sponge"] {
+        let surface = format!("synth:{name}?resolution=32");
+        let made = |form: &str| {
+            let out = format!("{name}-{form}");
+            report(flatten(&folder, &[&surface, "-o", &out, "--reflectance", form]))
+        };
+        let [chosen, brdf, factors] = ["auto", "brdf", "factors"].map(made);
+        let form = |report: &Value| [&report["settings"], &report["report"]].map(|of| of["reflectance"].clone());
+        assert_eq!(form(&chosen), ["auto", "brdf"], "{name}");
+        assert_eq!(form(&brdf), ["brdf", "brdf"], "{name}");
+        assert_eq!(form(&factors), ["factors", "factors"], "{name}");
+        assert_eq!(chosen["report"], brdf["report"], "{name}");
+        for figure in ["bytes", "gpu_bytes"] {
+            let [small, large] = [&chosen, &factors].map(|report| report[figure].as_u64().unwrap());
+            assert!(small < large, "{name}, {figure}: {small} {large}");
+        }
+        let errors = [&chosen, &factors].map(|report| number(&report["report"]["errors"]["from_surface"]["mean"]));
+        assert!(errors[0] < errors[1], "{name}: {errors:?}");
+        // Only factors have views.
+        let (without, with) = (&chosen["report"], &factors["report"]);
+        assert!(without.get("seen").is_none() && without.get("never_seen").is_none(), "{name}: {without}");
+        assert!(number(&with["seen"]) < 1.0 && with["never_seen"].is_u64(), "{name}: {with}");
+        assert_eq!(without["factored"]["components"], 0, "{name}");
+        assert!(number(&with["factored"]["components"]) > 0.0, "{name}");
+        assert!(number(&without["factored"]["errors"]["seen_mean"]) < 0.7, "{name}: {without}");
+        assert!(chosen["images"].get("direction_mesh_words").is_none(), "{name}");
+        assert!(factors["images"].get("direction_mesh_words").is_some(), "{name}");
+        // The form does not change the relief.
+        let [first, second] = ["auto", "factors"].map(|form| file(&folder, &format!("{name}-{form}")));
+        assert!(first.decoder.parts().layers == second.decoder.parts().layers, "{name}");
+    }
+}
+
+#[test]
+fn three_materials_get_factors() {
+    let folder = Folder::new();
+    folder.write(
+        "pyramid.obj",
+        "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nv 0.5 0.5 0.1\n\
+         usemtl clay\nf 1 2 5\nusemtl tin\nf 2 3 5\nusemtl ash\nf 3 4 5\nf 4 1 5\n",
+    );
+    let [clay, tin, ash] = ["clay=synth:lambert?kd=0.5", "tin=synth:lewis", "ash=synth:ggx?alpha=0.3"];
+    let three = ["pyramid.obj", "-o", "three", "--material", clay, "--material", tin, "--material", ash];
+    let made = report(flatten(&folder, &three));
+    assert_eq!(made["report"]["reflectance"], "factors");
+    assert_eq!(made["materials"].as_array().unwrap().len(), 3);
+    let refused = flatten(&folder, &[&three[..], &["--reflectance", "brdf"]].concat());
+    assert_eq!(refused.code, 3, "{refused:?}");
+    let expected = "brdfc: materials: found 3 materials, expected at most 2 for the reflectance brdf\n";
+    assert!(refused.stderr.ends_with(expected) && refused.stdout.is_empty(), "{refused:?}");
+    folder.write("plane.obj", "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nusemtl clay\nf 1 2 3\nusemtl tin\nf 1 3 4\n");
+    let two = ["plane.obj", "-o", "two", "--material", clay, "--material", tin];
+    assert_eq!(report(flatten(&folder, &two))["report"]["reflectance"], "brdf");
+}
+
+/// They are refused before anything is read or written.
+#[test]
+fn options_that_do_not_apply_to_a_brdf() {
+    let folder = Folder::new();
+    folder.write("images/tl000 pl000 tv000 pv000.png", b"no image");
+    let only_factors = "does not apply to --reflectance brdf, only to --reflectance factors";
+    for (input, options, expected) in [
+        ("gone.obj", &["--fill", "poisson"][..], format!("--fill {only_factors}")),
+        ("gone.obj", &["--fill", "push-pull"], format!("--fill {only_factors}")),
+        ("gone.obj", &["--bounces", "4"], format!("--bounces {only_factors}")),
+        ("gone.obj", &["--max-bytes", "9KiB"], format!("--max-bytes {only_factors}")),
+        (
+            "images",
+            &[],
+            "--reflectance brdf does not apply to an ordinary BTF, only to surfaces with materials".to_owned(),
+        ),
+    ] {
+        let ran = flatten(&folder, &[&[input, "-o", "never", "--reflectance", "brdf"], options].concat());
+        assert_eq!((ran.code, ran.stderr), (2, format!("brdfc: {expected}\n")), "{input} {options:?}");
+        assert!(!folder.path().join("never").exists(), "{options:?}");
+    }
+    // Bounces do not apply by default either: they choose factors.
+    let knit = ["synth:knit?resolution=24", "-o", "knit"];
+    let form = |more: &[&str]| report(flatten(&folder, &[&knit[..], more].concat()))["report"]["reflectance"].clone();
+    assert_eq!(form(&["--bounces", "2"]), "factors");
+    assert_eq!(form(&["--bounces", "0"]), "brdf");
+    // A limit of ΔE and views do apply.
+    assert_eq!(form(&["--reflectance", "brdf", "--max-delta-e", "1", "--lights", "grid:3x8@60"]), "brdf");
+}
+
+#[test]
+fn texels_are_a_power_of_two() {
+    let folder = Folder::new();
+    for (option, value) in
+        [("--texels", "24"), ("--texels", "2"), ("--texels", "4096"), ("--flat-texels", "24"), ("--flat-texels", "x")]
+    {
+        let ran = folder.run(&["flatten", "synth:knit?resolution=24", "-o", "never", option, value]);
+        let words = [format!("brdfc: {option}: found "), "expected a power of two from 4 to 2048".to_owned()];
+        assert!(ran.code == 2 && words.iter().all(|words| ran.stderr.contains(words)), "{option} {value}: {ran:?}");
+    }
+    assert!(folder.files(".").is_empty());
+    for texels in ["4", "8"] {
+        let ran = folder.run(&["flatten", "synth:knit?resolution=24", "-o", "knit", "--texels", texels, "--json"]);
+        let settings = &report(ran)["settings"];
+        assert_eq!([&settings["texels"], &settings["flat_texels"]].map(Value::to_string), [texels; 2]);
+    }
+}
+
+/// A ridge along y over the tile, whose profile has these x and z.
+fn ridge(profile: &[[f64; 2]]) -> String {
+    let vertices = |y: f64| profile.iter().map(move |[x, z]| format!("v {x} {y} {z}\n"));
+    let count = profile.len();
+    let faces = (0..2 * count).filter(|k| k % count < count - 1).map(|k| {
+        let (first, next) = (k + 1, k + 1 + count);
+        format!("f {first} {} {} {next}\n", first + 1, next + 1)
+    });
+    [0.0, 0.5, 1.0].into_iter().flat_map(vertices).chain(faces).collect()
+}
+
+#[test]
+fn walls_and_overhangs() {
+    let folder = Folder::new();
+    let slope = ridge(&[[0.0, 0.0], [0.25, 0.0], [0.4, 0.2], [0.6, 0.2], [0.75, 0.0], [1.0, 0.0]]);
+    let wall = ridge(&[[0.0, 0.0], [0.25, 0.0], [0.25, 0.2], [0.75, 0.2], [0.75, 0.0], [1.0, 0.0]]);
+    let ledge = ridge(&[[0.0, 0.0], [0.45, 0.0], [0.25, 0.15], [0.5, 0.25], [0.75, 0.15], [0.55, 0.0], [1.0, 0.0]]);
+    for (name, mesh, sheets, limit) in [("slope", slope, 1, 1.5), ("wall", wall, 1, 5.0), ("ledge", ledge, 3, 6.5)] {
+        folder.write(&format!("{name}.obj"), mesh);
+        for form in ["auto", "factors"] {
+            let input = format!("{name}.obj");
+            let matte = [input.as_str(), "-o", name, "--material", "synth:lambert?kd=0.4", "--reflectance", form];
+            let report = &report(flatten(&folder, &matte))["report"];
+            let (layers, errors) = (&report["layers"], &report["errors"]["from_surface"]);
+            assert_eq!(layers["sheets"], sheets, "{name}");
+            // Each line cuts the surface as often as sheets are stored.
+            assert_eq!((&layers["simplified"], &layers["open"]), (&0.into(), &0.into()), "{name}: {layers}");
+            for figure in ["mean", "p95", "max"] {
+                assert!(number(&errors[figure]).is_finite(), "{name}, {form}: {errors}");
+            }
+            assert!(number(&errors["mean"]) < limit, "{name}, {form}: {errors}");
+            assert_eq!(report["parameterisation"]["flipped"], 0, "{name}");
+        }
     }
 }
 
@@ -76,7 +221,7 @@ fn graphics_memory_is_that_of_the_bindings() {
         let total = report["gpu_bytes"].as_u64().unwrap();
         let images = report["images"].as_object().unwrap();
         assert_eq!(images.values().map(|bytes| bytes.as_u64().unwrap()).sum::<u64>(), total);
-        assert_eq!(file(&folder, "knit").decoder.parts().gpu_bytes(), total);
+        assert_eq!(file(&folder, "knit").gpu_bytes(), total);
         #[cfg(feature = "render")]
         if crate::common::has_adapter() {
             let drawn = folder.run(&["render", "knit", "--size", "16x16", "--json"]).succeeded().json();
@@ -86,25 +231,27 @@ fn graphics_memory_is_that_of_the_bindings() {
     };
     let of = |report: &Value, image: &str| report["images"][image].as_u64().unwrap();
     let smaller = checked(&[]);
-    assert_eq!(of(&smaller, "flat_btf_normal"), 8 * 16 * 16);
-    // Each texel has 4 x 7 samples of two bytes, and their ranges.
-    let displacements = of(&smaller, "flat_btf_packed_indirection") + of(&smaller, "flat_btf_ranges");
-    assert_eq!(displacements, 16 * 16 * (4 * 7 * 2 + 8));
-    let budget = checked(&["--max-bytes", "20KiB"]);
+    // Texels of all mipmap levels of 16 x 16: one byte, and four for two halves.
+    let texels = (0..5).map(|level| (16u64 >> level).pow(2)).sum::<u64>();
+    assert_eq!((of(&smaller, "flat_btf_heights"), of(&smaller, "flat_btf_displacements")), (texels, 4 * texels));
+    // A sheet of what hangs over and one of its underside.
+    let folds = report(flatten(&folder, &["synth:folds?resolution=24", "-o", "folds"]));
+    assert_eq!((of(&folds, "flat_btf_heights"), of(&folds, "flat_btf_displacements")), (4 * texels, 3 * 4 * texels));
+    let budget = checked(&[&FACTORS[..], &["--max-bytes", "20KiB"]].concat());
     let factors: u64 = ["factored_basis", "factored_weights", "factored_shadow"]
         .iter()
         .filter_map(|image| budget["images"][image].as_u64())
         .sum();
     assert!(factors <= 20 << 10 && budget["report"]["factored"]["gpu_bytes"] == factors, "{budget}");
     // If no factorisation meets the limit, the best one is selected and reported.
-    let missed = flatten(&folder, &[&knit[..], &["--max-delta-e", "0.00001"]].concat());
+    let missed = flatten(&folder, &[&knit[..], &FACTORS, &["--max-delta-e", "0.00001"]].concat());
     assert!(
-        missed.code == 1 && missed.stderr.contains("of 14 that were tried, expected at most 0.00001"),
+        missed.code == 1 && missed.stderr.contains("of 7 that were tried, expected at most 0.00001"),
         "{}",
         missed.stderr
     );
     assert!(missed.json()["report"]["factored"]["errors"]["seen_mean"].as_f64().unwrap() > 1e-5);
-    let refused = flatten(&folder, &[&knit[..], &["--max-bytes", "1KiB"]].concat());
+    let refused = flatten(&folder, &[&knit[..], &FACTORS, &["--max-bytes", "1KiB"]].concat());
     assert!(refused.code == 2 && refused.stderr.contains("--max-bytes: found 1024, expected "), "{}", refused.stderr);
 }
 
@@ -122,35 +269,30 @@ fn files_hold_what_the_codec_makes() {
         weights: None,
     };
     let set = DirectionSet::grid(2, 6, 50.0).unwrap();
-    let factored = FlattenRecipe {
+    let recipe = |reflectance| FlattenRecipe {
+        texels: 16,
         flat_texels: 16,
-        indirection: IndirectionHeader {
-            size: 16,
-            zenith_samples: 4,
-            azimuth_samples: 6,
-            largest_angle: 80f64.to_radians() as f32,
-        },
-        oversampling: 1,
         views: set.clone(),
-        lights: set,
+        lights: set.clone(),
         fill: FillMethod::Poisson,
         bounces: 0,
-        rounds: 0,
-        factored: Some(FactoredTarget::Error(0.7)),
+        reflectance,
+        target: FactoredTarget::Error(0.7),
     };
-    let light = FlattenRecipe { factored: None, ..factored.clone() };
-    for (name, more, recipe) in [("factored", &[][..], factored), ("light", &["--form", "light"], light)] {
+    for (name, reflectance) in
+        [("auto", Reflectance::Auto), ("brdf", Reflectance::Brdf), ("factors", Reflectance::Factors)]
+    {
         let geometry = open_geometry(&options).unwrap();
         let materials = material_list(&options, &geometry).unwrap();
         let appearance = open_appearance(&options, &materials, &()).unwrap();
         let values = ValueSource::Computed(&appearance);
         let scratch = MemoryScratch::default();
         let input = FlatInput { mesh: geometry.mesh, repairs: None, values };
-        let made = encode(input, &recipe, &scratch, &()).unwrap();
-        flatten(&folder, &[&["synth:button?resolution=24", "-o", name], more].concat()).succeeded();
+        let made = encode(input, &recipe(reflectance), &scratch, &()).unwrap();
+        flatten(&folder, &["synth:button?resolution=24", "-o", name, "--reflectance", name]).succeeded();
         let (file, asset) = open_asset(&folder.path().join(name)).unwrap();
-        assert!(*file.decoder.parts() == made.parts, "{name}");
-        assert_eq!(file.mask, Some(made.mask));
+        assert!(file.decoder == made.decoder, "{name}");
+        assert_eq!(file.directions.is_some(), reflectance == Reflectance::Factors, "{name}");
         assert_eq!(asset.about.report, made.report);
     }
 }
@@ -160,26 +302,31 @@ fn a_matte_plane_is_exact() {
     let folder = Folder::new();
     folder.write("plane.obj", "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nf 1 2 3 4\n");
     let plane = ["plane.obj", "--material", "synth:lambert?kd=0.5", "-o", "plane"];
-    let report = report(flatten(&folder, &plane));
-    assert!((number(&report["report"]["seen"]) - 1.0).abs() < 1e-12);
-    let errors = &report["report"]["errors"];
-    for kind in ["at_samples", "light_form"] {
-        assert!(number(&errors[kind]["max"]) < 0.25, "{errors}");
+    for form in ["brdf", "factors"] {
+        let report = report(flatten(&folder, &[&plane[..], &["--reflectance", form]].concat()));
+        let errors = &report["report"]["errors"]["from_surface"];
+        assert!(number(&errors["max"]) < 0.25, "{form}: {errors}");
+        assert_eq!(report["report"]["layers"]["sheets"], 1, "{form}");
+        if form == "factors" {
+            assert!((number(&report["report"]["seen"]) - 1.0).abs() < 1e-12);
+        }
     }
-    // The views themselves blend the cosines of lights that are 50 degrees apart; the base has the cosine of the light itself.
-    assert!((0.1..5.0).contains(&number(&errors["views_between_samples"]["mean"])), "{errors}");
-    assert!(number(&errors["between_samples"]["max"]) < 0.5, "{errors}");
 }
 
 #[test]
 fn the_same_bytes_on_any_number_of_threads() {
     let folder = Folder::new();
-    for (out, jobs) in [("one", "1"), ("three", "3")] {
-        let input = ["flatten", "synth:folds?resolution=32", "--name", "folds", "-o", out, "-j", jobs];
-        folder.run(&[&input[..], &SMALL].concat()).succeeded();
+    let mut forms = Vec::new();
+    for form in ["brdf", "factors"] {
+        for (out, jobs) in [("one", "1"), ("three", "3")] {
+            let input = ["flatten", "synth:folds?resolution=32", "--name", "folds", "-o", out, "-j", jobs];
+            folder.run(&[&input[..], &SMALL, &["--reflectance", form]].concat()).succeeded();
+        }
+        let (one, three) = (folder.files("one"), folder.files("three"));
+        assert!(one.len() == 1 && one.values().eq(three.values()), "{form}: {}", one.len());
+        forms.push(one);
     }
-    let (one, three) = (folder.files("one"), folder.files("three"));
-    assert!(one.len() == 1 && one.values().eq(three.values()), "{}", one.len());
+    assert!(forms[0] != forms[1]);
 }
 
 #[test]
@@ -235,7 +382,7 @@ fn an_ordinary_btf_goes_out_and_comes_in_again() {
     let folder = Folder::new();
     let sponge = "synth:sponge?resolution=48&height=0.6";
     let images = ["--write-images", "images", "--image-format", "exr", "--flat-texels", "32"];
-    let first = report(flatten(&folder, &[&[sponge, "-o", "first"], &images[..]].concat()));
+    let first = report(flatten(&folder, &[&[sponge, "-o", "first"], &images[..], &FACTORS].concat()));
     assert_eq!(folder.files("images").len(), 49);
     let measured = |more: &[&str]| report(flatten(&folder, &[&["images"], more, &["--flat-texels", "32"]].concat()));
     let second = measured(&["--geometry", sponge, "-o", "second"]);
@@ -243,72 +390,95 @@ fn an_ordinary_btf_goes_out_and_comes_in_again() {
     assert_eq!(second["settings"]["views"][1], 7);
     let seen = |report: &Value| number(&report["report"]["seen"]);
     assert!((seen(&first) - seen(&second)).abs() < 1e-9);
-    // Over a plane the same images keep their parallax in the texels, so they are less similar.
+    assert_eq!(second["report"]["reflectance"], "factors");
     let plane = measured(&["-o", "plane"]);
     assert_eq!(plane["source"], "images over the plane");
     assert_eq!(plane["report"]["heights"], serde_json::json!([0.0, 0.0]));
     assert!((seen(&plane) - 1.0).abs() < 1e-12);
-    let error = |report: &Value| number(&report["report"]["errors"]["light_form"]["mean"]);
-    assert!(error(&second) < error(&plane), "{} {}", error(&second), error(&plane));
-}
-
-#[test]
-fn the_light_form_has_no_values_and_the_same_colours() {
-    let folder = Folder::new();
-    for (out, form) in [("full", "full"), ("light", "light")] {
-        flatten(&folder, &["synth:button?resolution=32", "-o", out, "--name", "b", "--form", form]).succeeded();
+    for (name, made) in [("second", &second), ("plane", &plane)] {
+        let errors = &made["report"]["errors"];
+        assert!(number(&errors["from_images"]["mean"]) < 2.0, "{name}: {errors}");
+        assert!(errors.get("from_surface").is_none(), "{name}: {errors}");
     }
-    let (full, light) = (file(&folder, "full").decoder, file(&folder, "light").decoder);
-    let (full, light) = (full.into_parts(), light.into_parts());
-    assert!(full.values.factored().is_some() && light.values == FlatValues::None);
-    assert!((full.diffuse, full.normal, full.indirection) == (light.diffuse, light.normal, light.indirection));
+    // Over a plane the same images keep their parallax in the texels, so between the views they are less similar.
+    let error = |other: &str| {
+        let compared = folder.run(&["compare", "first", other, "--json"]).succeeded().json();
+        number(&compared["errors"]["mean"])
+    };
+    assert!(error("second") < 0.7 * error("plane"), "{} {}", error("second"), error("plane"));
 }
 
 #[test]
 fn settings_are_recorded_as_they_were_given() {
     let folder = Folder::new();
     folder.write("sets/few.csv", "index,theta_deg,phi_deg\n0,0,0\n1,30,0\n2,30,120\n3,30,240\n");
-    let more = ["--lights", "sets/few.csv", "--stretch-rounds", "3", "--no-supercompression"];
-    let report = report(flatten(&folder, &[&["synth:knit?resolution=16", "-o", "a"], &more[..]].concat()));
-    let settings = &report["settings"];
-    assert_eq!((&settings["views"][0], &settings["lights"][0]), (&"grid:2x6@50".into(), &"few.csv".into()));
-    assert_eq!((&settings["stretch_rounds"], &settings["supercompression"]), (&3.into(), &false.into()));
+    let knit = ["synth:knit?resolution=16", "-o", "a", "--lights", "sets/few.csv", "--no-supercompression"];
+    let settings = |more: &[&str]| report(flatten(&folder, &[&knit[..], more].concat()))["settings"].clone();
+    let given = settings(&["--max-delta-e", "2"]);
+    assert_eq!((&given["views"][0], &given["lights"][0]), (&"grid:2x6@50".into(), &"few.csv".into()));
+    assert_eq!((&given["views"][1], &given["lights"][1]), (&7.into(), &4.into()));
+    assert_eq!((&given["reflectance"], &given["supercompression"]), (&"auto".into(), &false.into()));
+    assert_eq!(given["target"], serde_json::json!({ "error": 2.0 }));
+    let other = settings(&["--max-bytes", "30KiB", "--reflectance", "factors", "--flat-texels", "8"]);
+    assert_eq!(other["target"], serde_json::json!({ "bytes": 30 << 10 }));
+    assert_eq!((&other["reflectance"], &other["flat_texels"]), (&"factors".into(), &8.into()));
+    assert_eq!(settings(&[])["target"], serde_json::json!({ "error": 0.7 }));
 }
 
 #[test]
 fn options_change_what_they_say() {
     let folder = Folder::new();
-    let mean = |report: &Value| number(&report["report"]["parameterisation"]["after"]["l2"]);
-    let button = "synth:button?resolution=40";
-    let plain = report(flatten(&folder, &[button, "-o", "a"]));
-    let even = report(flatten(&folder, &[button, "-o", "b", "--stretch-rounds", "8"]));
-    assert!(mean(&even) < 0.95 * mean(&plain), "{} {}", mean(&even), mean(&plain));
-    let other = report(flatten(&folder, &[button, "-o", "c", "--fill", "push-pull"]));
-    assert_eq!(other["settings"]["fill"], "push-pull");
-    let values = |name: &str| file(&folder, name).decoder.into_parts().values;
-    assert!(values("a") != values("c"));
+    let parts = |name: &str, more: &[&str]| {
+        let button = ["synth:button?resolution=40", "-o", name];
+        let report = report(flatten(&folder, &[&button[..], &FACTORS, more].concat()));
+        (report, file(&folder, name).decoder.into_parts())
+    };
+    let (_, plain) = parts("a", &[]);
+    let (filled, other) = parts("b", &["--fill", "push-pull"]);
+    assert_eq!(filled["settings"]["fill"], "push-pull");
+    assert!(plain.reflectance != other.reflectance && plain.layers == other.layers);
+    let (_, coarse) = parts("c", &["--flat-texels", "8"]);
+    assert_eq!((plain.reflectance.header().size, coarse.reflectance.header().size), (16, 8));
+    assert!(plain.layers == coarse.layers);
+    let (_, lit) = parts("d", &["--lights", "grid:2x4@50"]);
+    let directions = |header: &FactoredHeader| (header.views.len(), header.lights.len());
+    assert_eq!(directions(plain.reflectance.header()), (7, 7));
+    assert_eq!(directions(lit.reflectance.header()), (7, 5));
 }
 
 #[test]
 fn light_of_one_bounce_brightens_and_does_not_depend_on_threads() {
     let folder = Folder::new();
-    let sponge = ["flatten", "synth:sponge?resolution=32&height=1.5", "--name", "s", "--fill", "push-pull"];
-    for (out, more) in
-        [("direct", &[][..]), ("one", &["--bounces", "8", "-j", "1"]), ("three", &["--bounces", "8", "-j", "3"])]
-    {
-        folder.run(&[&sponge[..], &["-o", out], more, &SMALL].concat()).succeeded();
+    let sponge = "synth:sponge?resolution=32&height=1.5";
+    let flat = |input: &str, more: &[&str]| {
+        let arguments = ["flatten", input, "--name", "s", "--texels", "16"];
+        folder.run(&[&arguments[..], more].concat()).succeeded();
+    };
+    let bounces = ["--views", "grid:2x6@50", "--fill", "push-pull", "--bounces", "8"];
+    for (out, jobs) in [("one", "1"), ("three", "3")] {
+        flat(sponge, &[&bounces[..], &["-o", out, "-j", jobs]].concat());
     }
     let files = |out: &str| folder.files(out);
     assert!(files("one").values().eq(files("three").values()));
     let listed: Value = serde_json::from_str(&file(&folder, "one").report).unwrap();
+    assert_eq!(listed["report"]["reflectance"], "factors");
     assert!(listed["report"]["errors"].as_object().unwrap().is_empty(), "the comparison knows direct light only");
+    // Images contain shadows, like light of one bounce.
+    let written = ["--views", "grid:2x6@50", "-o", "known", "--write-images", "images", "--image-format", "exr"];
+    flat(sponge, &written);
+    flat("images", &["--geometry", sponge, "--fill", "push-pull", "-o", "direct"]);
+    let mut places = "u,v,wi_x,wi_y,wi_z,wo_x,wo_y,wo_z\n".to_owned();
+    for k in 0..256 {
+        let [u, v] = [k % 16, k / 16].map(|at| (f64::from(at) + 0.5) / 16.0);
+        for light in ["0,0,1", "0.6,0,0.8", "0,0.6,0.8", "-0.6,0,0.8", "0,-0.6,0.8"] {
+            places += &format!("{u},{v},{light},0,0,1\n{u},{v},{light},0.6,0,0.8\n");
+        }
+    }
+    folder.write("places.csv", places);
     let brightness = |out: &str| {
-        let parts = file(&folder, out).decoder.into_parts();
-        let asset = parts.values.factored().unwrap();
-        let views: Vec<_> = (0..asset.header().views.len() as u32).map(|view| asset.view(view)).collect();
-        let texels = || views.iter().flat_map(|view| view.texels());
-        let sum: f64 = texels().map(|texel| f64::from(rgb9e5::decode(*texel)[1])).sum();
-        sum / texels().count() as f64
+        let values = folder.run(&["eval", out, "--directions", "places.csv"]).succeeded().stdout;
+        let green = values.lines().skip(1).map(|line| line.split(',').nth_back(1).unwrap().parse::<f64>().unwrap());
+        green.sum::<f64>() / 2560.0
     };
     let (direct, bounced) = (brightness("direct"), brightness("one"));
     assert!(bounced > 1.02 * direct && bounced < 1.6 * direct, "{direct} {bounced}");
@@ -356,8 +526,8 @@ fn directions_are_checked_before_the_work() {
     let folder = Folder::new();
     // Azimuths of any sign, and a full turn, are directions.
     folder.write("turns.csv", "index,theta_deg,phi_deg\n0,0,0\n1,40,-90\n2,40,360\n3,30,200\n");
-    let knit = ["flatten", "synth:knit?resolution=16", "--texels", "8", "--indirection", "4x6"];
-    folder.run(&[&knit[..], &["-o", "turns", "--views", "turns.csv"]].concat()).succeeded();
+    let knit = ["flatten", "synth:knit?resolution=16", "--texels", "8"];
+    folder.run(&[&knit[..], &FACTORS, &["-o", "turns", "--views", "turns.csv"]].concat()).succeeded();
     folder.write("steep.csv", "index,theta_deg,phi_deg\n0,0,0\n1,89.99,0\n");
     folder.write("near.csv", "index,theta_deg,phi_deg\n0,0,0\n1,40,10\n2,40,10.001\n");
     for (set, words) in [
@@ -365,9 +535,12 @@ fn directions_are_checked_before_the_work() {
         ("near.csv", "direction: equal to the direction of line 3"),
         ("grid:64x64@80", "2048"),
     ] {
-        let ran = folder.run(&[&knit[..], &["-o", "never", "--views", set]].concat());
-        assert!((2..=3).contains(&ran.code) && ran.stderr.contains(words), "{set}: {ran:?}");
-        assert!(!folder.path().join("never").exists(), "{set}");
+        // Also for a brdf, which has none.
+        for form in ["brdf", "factors"] {
+            let ran = folder.run(&[&knit[..], &["-o", "never", "--reflectance", form, "--views", set]].concat());
+            assert!((2..=3).contains(&ran.code) && ran.stderr.contains(words), "{set}: {ran:?}");
+            assert!(!folder.path().join("never").exists(), "{set}");
+        }
     }
     let ran = folder.run(&[&knit[..], &["-o", "never", "--flat-texels", "1024", "--bounces", "1024"]].concat());
     assert!(ran.code == 2 && ran.stderr.contains("memory: found "), "{ran:?}");

@@ -126,7 +126,7 @@ fn wrong_usage_exits_with_2_and_says_what_is_allowed() {
 
 /// Numeric flags of a command from its help: long names with their value names.
 fn numbers(folder: &Folder, command: &str) -> Vec<String> {
-    const VALUES: [&str; 19] = [
+    const VALUES: [&str; 17] = [
         "<N>",
         "<E>",
         "<B>",
@@ -140,10 +140,8 @@ fn numbers(folder: &Folder, command: &str) -> Vec<String> {
         "<X>",
         "<TILES>",
         "<SIZE>",
-        "<DEGREES>",
         "<WxH>",
         "<HxDxP>",
-        "<ZxA>",
         "<N|auto>",
         "<N|FILE.csv>",
     ];

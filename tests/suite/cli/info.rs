@@ -71,9 +71,14 @@ fn files_are_listed_with_their_metadata() {
     folder.run(&[&["flatten", "synth:button?resolution=24", "-o", "button"][..], &small].concat()).succeeded();
     let printed = folder.run(&["info", "button", "--files", "--json"]).succeeded().json();
     conforms("files", &printed);
-    assert!(printed["files"]["button.ktx2"]["entries"]["brdfc.displacement"].is_string());
-    assert_eq!(printed["files"]["button.ktx2#brdfc.image.flat_btf_ranges"]["texel_format"], "rgba16float");
-    assert!(printed["files"].as_object().unwrap().len() > 6);
+    assert!(printed["files"]["button.ktx2"]["entries"]["brdfc.flat-btf.layers"].is_string());
+    for (image, format) in
+        [("flat_btf_heights", "rgba8unorm"), ("flat_btf_displacements", "rg16float"), ("factored_basis", "rgba32uint")]
+    {
+        assert_eq!(printed["files"][format!("button.ktx2#brdfc.image.{image}")]["texel_format"], format);
+    }
+    // Its own texels are the weights.
+    assert_eq!(printed["files"].as_object().unwrap().len(), 4);
     assert!(folder.run(&["info", "button"]).succeeded().stdout.contains("devices "));
 }
 
@@ -233,7 +238,7 @@ fn what_flatten_takes_is_described() {
 #[test]
 fn flat_btfs_and_damaged_ones() {
     let folder = Folder::new();
-    let small = ["--texels", "8", "--views", "grid:2x3@40", "--indirection", "4x6"];
+    let small = ["--texels", "8", "--views", "grid:2x3@40"];
     folder.run(&[&["flatten", "synth:knit?resolution=16", "-o", "knit"], &small[..]].concat()).succeeded();
     let file = "knit/knit.ktx2";
     let whole = folder.run(&["info", file, "--json"]).succeeded().json();
@@ -276,7 +281,7 @@ fn the_plane_has_a_name_and_no_negative_heights() {
     let mut png = std::io::Cursor::new(Vec::new());
     image::GrayImage::from_pixel(8, 8, image::Luma([128])).write_to(&mut png, image::ImageFormat::Png).unwrap();
     folder.write("s/tl000 pl000 tv000 pv000.png", png.get_ref());
-    let ran = folder.run(&["flatten", "s", "-o", "out", "--texels", "8", "--indirection", "4x6"]).succeeded();
+    let ran = folder.run(&["flatten", "s", "-o", "out", "--texels", "8"]).succeeded();
     assert!(ran.stdout.contains("s over the plane") && ran.stdout.contains("0.0000 to 0.0000 tiles"), "{}", ran.stdout);
     assert!(!ran.stdout.contains("-0.0"), "{}", ran.stdout);
 }

@@ -70,7 +70,7 @@ fn a_dash_reads_lists_of_directions_images_and_meshes_too() {
         let expected = folder.run(&["info", file]).succeeded().stdout;
         assert_eq!(with_stdin(&folder, &["info", "-"], &folder.read(file)).succeeded().stdout, expected);
     }
-    let flat = ["flatten", "-", "-o", "flat", "--texels", "8", "--views", "grid:2x3@40", "--indirection", "4x6"];
+    let flat = ["flatten", "-", "-o", "flat", "--texels", "8", "--views", "grid:2x3@40"];
     with_stdin(&folder, &flat, &folder.read("folds.ply")).succeeded();
     let asset = folder.run(&["info", "flat", "--json"]).succeeded().json();
     assert_eq!(asset["source"], "stdin");

@@ -2,7 +2,6 @@
 
 use super::schemas::conforms;
 use crate::common::cli::Folder;
-use brdfc_formats::flat_btf::FlatBtfFile;
 use brdfc_formats::pwt::PwtPack;
 use brdfc_jobs::btf_stack::StackFormat;
 use brdfc_jobs::rti_capture::write_rti_capture;
@@ -185,8 +184,8 @@ fn packs_are_compared_and_evaluated() {
 fn views_of_btfs_become_packs() {
     let folder = Folder::new();
     let small = ["--texels", "16", "--flat-texels", "16", "--views", "grid:2x3@40", "--lights", "grid:3x6@60"];
-    let flat = [&["flatten", "synth:folds", "-o", "folds", "--write-images", "images"][..], &small].concat();
-    folder.run(&flat).succeeded();
+    let flat = ["flatten", "synth:folds", "-o", "folds", "--reflectance", "factors", "--write-images", "images"];
+    folder.run(&[&flat[..], &small].concat()).succeeded();
     for input in ["folds", "images"] {
         let first = folder.run(&["pwt", input, "-o", "v.ktx2", "--json"]).succeeded().json();
         let other = folder.run(&["pwt", input, "-o", "w.ktx2", "--view", "3", "--json"]).succeeded().json();
@@ -200,23 +199,6 @@ fn views_of_btfs_become_packs() {
     folder.write("texels.csv", list);
     let values = folder.run(&["eval", "folds", "--directions", "texels.csv"]).succeeded().stdout;
     assert!(values.lines().nth(1).is_some_and(|line| !line.ends_with(",0,0,0")), "{values}");
-}
-
-/// Texels that a view does not see are filled and ignored: without the mask that distinguishes them, the pack is different.
-#[test]
-fn filled_in_texels_have_no_say() {
-    let folder = Folder::new();
-    let small = ["--texels", "32", "--flat-texels", "32", "--views", "grid:2x3@60", "--lights", "grid:3x6@60"];
-    folder.run(&[&["flatten", "synth:button", "-o", "button"][..], &small].concat()).succeeded();
-    let pack = |name: &str| {
-        folder.run(&["pwt", "button", "-o", name, "--view", "1", "--quality", "14"]).succeeded();
-        folder.read(name)
-    };
-    let masked = pack("masked.ktx2");
-    let mut file = FlatBtfFile::from_bytes(&folder.read("button/button.ktx2")).unwrap();
-    assert!(file.mask.take().is_some());
-    folder.write("button/button.ktx2", file.to_bytes(true));
-    assert_ne!(pack("all.ktx2"), masked);
 }
 
 #[test]
@@ -309,7 +291,8 @@ fn rows_of_flat_btfs_go_down() {
     let surface =
         ["flatten", "heights.png", "--colour", "colour.png", "--material", "synth:lambert?kd=1", "-o", "flat"];
     let small = ["--texels", "16", "--flat-texels", "16", "--views", "grid:2x3@40", "--lights", "grid:3x6@60"];
-    folder.run(&[&surface[..], &small, &["--write-images", "images"]].concat()).succeeded();
+    let factors = ["--reflectance", "factors", "--write-images", "images"];
+    folder.run(&[&surface[..], &small, &factors].concat()).succeeded();
     for input in ["flat", "images"] {
         folder.run(&["pwt", input, "-o", &format!("{input}.ktx2"), "--quality", "30"]).succeeded();
     }
@@ -373,21 +356,29 @@ fn photographs_are_not_written_over() {
     folder.run(&["pwt", "stack/dirs.lp", "-o", "stack/own.ktx2"]).succeeded();
 }
 
-/// A flat BTF's folder may contain renderings of it, its light form has no views, and a damaged list is reported as one.
+/// A flat BTF's folder may contain renderings of it, only factors have views, and a damaged file is reported as one.
 #[test]
 fn folders_of_flat_btfs() {
     let folder = Folder::new();
     let small = ["--texels", "16", "--flat-texels", "16", "--views", "grid:2x3@40", "--lights", "grid:2x3@60"];
-    folder.run(&[&["flatten", "synth:folds", "-o", "folds"][..], &small].concat()).succeeded();
-    folder.run(&[&["flatten", "synth:folds", "-o", "light", "--form", "light"][..], &small].concat()).succeeded();
+    for (name, form) in [("folds", "factors"), ("brdf", "brdf")] {
+        let flat = ["flatten", "synth:folds", "-o", name, "--reflectance", form];
+        folder.run(&[&flat[..], &small].concat()).succeeded();
+    }
     image::GrayImage::new(4, 4).save(folder.path().join("folds/drawn.png")).unwrap();
     folder.run(&["pwt", "folds", "-o", "v.ktx2"]).succeeded();
     folder.write("places.csv", "u,v,wi_x,wi_y,wi_z,wo_x,wo_y,wo_z\n0.5,0.25,0,0,1,0,0,1\n");
-    let lists = ["eval", "light", "--directions", "places.csv"];
-    for arguments in [&lists[..], &["pwt", "light", "-o", "w.ktx2"], &["compare", "folds", "light"]] {
+    for arguments in [&["pwt", "brdf", "-o", "w.ktx2"][..], &["pwt", "brdf", "-o", "w.ktx2", "--view", "1"]] {
         let ran = folder.run(arguments);
         assert_eq!(ran.code, 3, "{arguments:?}: {ran:?}");
-        assert!(ran.stderr.contains("flat BTF: the light form has no views; expected"), "{}", ran.stderr);
+        let expected = "brdf: flat BTF: no sampled views; expected a flat BTF made with --reflectance factors";
+        assert!(ran.stderr.contains(expected), "{}", ran.stderr);
+        assert!(!folder.path().join("w.ktx2").exists());
+    }
+    // Values at any directions do not need them.
+    for name in ["folds", "brdf"] {
+        let values = folder.run(&["eval", name, "--directions", "places.csv"]).succeeded().stdout;
+        assert!(values.lines().nth(1).is_some_and(|line| !line.ends_with(",0,0,0")), "{name}: {values}");
     }
     let file = folder.read("folds/folds.ktx2");
     folder.write("folds/folds.ktx2", &file[..file.len() / 2]);

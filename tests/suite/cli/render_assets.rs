@@ -87,7 +87,6 @@ fn wrong_flags_of_renderings_are_refused() {
         (&["render", "stack"][..], "stack: RTI captures are not drawn; draw a pack"),
         (&["render", "stack/dirs.lp"], "stack/dirs.lp: RTI captures are not drawn; draw a pack"),
         (&["render", "relief.ktx2", "--lod", "2"], "--lod does not apply to relief.ktx2, a pack of an RTI capture"),
-        (&["render", "relief.ktx2", "--form", "full"], "only to flat BTFs"),
         (&["render", "relief.ktx2", "--contact", "c.png"], "--contact does not apply to relief.ktx2"),
         (&["render", "relief.ktx2", "--adaptive"], "--adaptive does not apply to relief.ktx2"),
         (&["render", "relief.ktx2", "--source", "l.binary"], "l.binary"),
@@ -128,7 +127,7 @@ fn a_manifest_names_camera_and_lights_of_an_asset() {
     assert_ne!(first, drawn("c.png", &MANIFEST.replace("eye = [0.0, 3.0, 2.0]", "eye = [1.0, 3.0, 2.0]")));
     assert_ne!(first, drawn("d.png", &MANIFEST.replace("position = [-4.0,", "position = [4.0,")));
 
-    let flatten = ["flatten", "synth:button?resolution=32", "-o", "button", "--texels", "32", "--form", "light"];
+    let flatten = ["flatten", "synth:button?resolution=32", "-o", "button", "--texels", "32"];
     let ran = folder.run(&flatten);
     assert_eq!(ran.code, 0, "{ran:?}");
     let flat = MANIFEST.replace("'relief.ktx2'", "'button'\nscene = 'plane'");

@@ -57,7 +57,7 @@ fn packs_and_folders_say_their_kind() {
         let report = folder.run(&["shader", &file, "--language", "hlsl", "--json"]).succeeded().json();
         assert_eq!(report["decoder"], kind);
     }
-    let small = ["--texels", "8", "--views", "grid:2x3@40", "--lights", "grid:2x3@40", "--indirection", "4x6"];
+    let small = ["--texels", "8", "--views", "grid:2x3@40", "--lights", "grid:2x3@40"];
     folder.run(&[&["flatten", "synth:knit?resolution=24", "-o", "knit"][..], &small].concat()).succeeded();
     for flat in ["knit", "knit/knit.ktx2"] {
         let report = folder.run(&["shader", flat, "--language", "essl300", "--json"]).succeeded().json();

@@ -121,12 +121,13 @@ fn a_ball_by_three_js_is_that_of_render() {
     assert!(differences(&renderings[0], &renderings[1]).0 > 10.0);
 }
 
-/// Flattens buttons; the folder gets `button.ktx2`.
+/// Flattens buttons; the folder gets `brdf.ktx2` and `factors.ktx2`.
 fn flatten_buttons(folder: &Folder) {
-    let small = ["--texels", "32", "--views", "grid:3x8@60", "--lights", "grid:3x8@60", "--indirection", "8x12"];
-    folder
-        .run(&[&["flatten", "synth:button?resolution=48", "-o", ".", "--name", "button"][..], &small].concat())
-        .succeeded();
+    let small = ["--texels", "32", "--views", "grid:3x8@60", "--lights", "grid:3x8@60"];
+    for form in ["brdf", "factors"] {
+        let flat = ["flatten", "synth:button?resolution=48", "-o", ".", "--name", form, "--reflectance", form];
+        folder.run(&[&flat[..], &small].concat()).succeeded();
+    }
 }
 
 #[test]
@@ -137,18 +138,23 @@ fn a_flat_btf_by_three_js_is_that_of_render() {
     let folder = Folder::new();
     flatten_buttons(&folder);
     let Some(files) = files(&folder) else { return };
-    let manifest = "[render]\nscene = \"plane\"\nasset = \"button.ktx2\"\n[render.camera]\n\
-                    eye = [0.3, 2.5, 2.0]\ntarget = [0.0, 0.0, 0.0]\nfield_of_view = 30\n[[render.lights]]\n\
-                    position = [-3.0, 2.0, 1.0]\nintensity = 45.0\n";
-    let expected = rendered(&folder, manifest, &["--repeat", "2"]);
-    let example = "examples/flat-btf.html?pack=../packs/button.ktx2".to_owned();
-    let Some([found]) = drawn([example], SIDE, &files) else { return };
-    let (mean, p95) = differences(&found, &expected);
-    println!("three.js, flat BTF: mean difference {mean:.2} 8-bit levels, {p95} at 95 %");
-    assert!(mean < 3.0 && p95 <= 12.0, "{mean} {p95}");
-    // Light from the other side is detected.
-    let turned = rendered(&folder, &manifest.replace("[-3.0, 2.0, 1.0]", "[3.0, 2.0, 1.0]"), &["--repeat", "2"]);
-    assert!(differences(&found, &turned).0 > 5.0 * mean);
+    let forms = ["brdf", "factors"];
+    let examples = forms.map(|form| format!("examples/flat-btf.html?pack=../packs/{form}.ktx2"));
+    let Some(renderings) = drawn(examples, SIDE, &files) else { return };
+    for (form, found) in forms.iter().zip(&renderings) {
+        let manifest = format!(
+            "[render]\nscene = \"plane\"\nasset = \"{form}.ktx2\"\n[render.camera]\n\
+             eye = [0.3, 2.5, 2.0]\ntarget = [0.0, 0.0, 0.0]\nfield_of_view = 30\n[[render.lights]]\n\
+             position = [-3.0, 2.0, 1.0]\nintensity = 45.0\n"
+        );
+        let expected = rendered(&folder, &manifest, &["--repeat", "2"]);
+        let (mean, p95) = differences(found, &expected);
+        println!("three.js, flat BTF, {form}: mean difference {mean:.2} 8-bit levels, {p95} at 95 %");
+        assert!(mean < 3.0 && p95 <= 12.0, "{form}: {mean} {p95}");
+        // Light from the other side is detected.
+        let turned = rendered(&folder, &manifest.replace("[-3.0, 2.0, 1.0]", "[3.0, 2.0, 1.0]"), &["--repeat", "2"]);
+        assert!(differences(found, &turned).0 > 5.0 * mean, "{form}");
+    }
 }
 
 /// A page that draws `script` with three.js. The script can use `THREE`, `pack`, `renderer`, `asked` (parameters of the address) and
@@ -243,7 +249,7 @@ fn three_js_uploads_arrays_among_other_textures() {
     flatten_buttons(&folder);
     let Some(mut files) = files(&folder) else { return };
     let page = page_of_three(
-        "const pack = await loadPack('../packs/button.ktx2');
+        "const pack = await loadPack('../packs/brdf.ktx2');
 const camera = new THREE.PerspectiveCamera(30, 1, 0.1, 100);
 camera.position.set(0, 0.6, 4.4);
 camera.lookAt(0, 0, 0);
@@ -313,7 +319,7 @@ scene.add(new THREE.Mesh(new THREE.SphereGeometry(1, 256, 128), packMaterial(pac
 #[test]
 fn a_rendering_by_three_js_is_that_of_the_decoder() {
     let folder = Folder::new();
-    let small = ["--texels", "32", "--views", "grid:2x6@50", "--lights", "grid:5x12@75"];
+    let small = ["--texels", "32", "--views", "grid:2x6@50", "--lights", "grid:5x12@75", "--reflectance", "factors"];
     folder.run(&[&["flatten", "synth:button?resolution=48", "-o", "button"][..], &small].concat()).succeeded();
     folder.run(&["pwt", "button", "-o", "it.ktx2"]).succeeded();
     let Some(mut files) = files(&folder) else { return };

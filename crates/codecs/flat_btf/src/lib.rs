@@ -1,22 +1,21 @@
-//! Bidirectional texture functions: meso-geometry, its flattening, and view-dependent indirection maps (Hadim et al.
-//! 2009, "Flat Bidirectional Texture Functions").
+//! Bidirectional texture functions: meso-geometry, its flattening and its layers (Hadim et al. 2009, "Flat
+//! Bidirectional Texture Functions").
 //!
 //! Lengths are in tiles. The surface has period 1 along x and y, z points up, and the reference plane is `z = 0`.
 
 pub mod caster;
-pub mod diffuse;
-pub mod displacement;
 pub mod encode;
 pub mod factored;
 pub mod fill;
-pub mod indirection;
 pub mod interreflection;
+pub mod layers;
 pub mod light_field;
 pub mod measured;
 pub mod mesh;
 pub mod model;
 pub mod parameterise;
 pub mod probes;
+pub mod project;
 pub mod rebuild;
 pub mod sparse;
 pub mod stretch;

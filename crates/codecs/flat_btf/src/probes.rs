@@ -1,15 +1,10 @@
-//! Errors of the decoded asset against the surface, measured with random probes of the finished packs.
-//!
-//! Views of the flat BTF are added one by one, so that memory never holds all of them.
+//! Errors of a decoded asset at random points of the reference plane.
 
 use super::model::MesoModel;
-use super::rebuild::periodic_bilinear;
 use super::surface::Appearance;
-use brdfc_formats::container::rgb9e5;
 use brdfc_formats::direction::{Vector, dot, from_polar};
 use brdfc_formats::direction_mesh::DirectionMesh;
-use brdfc_formats::flat_btf::factored::FactoredFlatBtf;
-use brdfc_formats::flat_btf::{BlendedDirection, FlatBtfDecoder, FlatView, ViewWeights};
+use brdfc_formats::flat_btf::{BlendedDirection, FlatBtfDecoder, SampledDirections, ViewWeights};
 use brdfc_metrics::lab::{distance_squared, lab};
 use rand::{RngExt as _, SeedableRng as _};
 use rand_chacha::ChaCha8Rng;
@@ -40,38 +35,89 @@ impl ColourErrors {
     }
 }
 
-/// One probe.
-#[derive(Debug, Clone)]
-struct Probe {
-    at: [f32; 2],
-    view: [f32; 3],
-    light: [f32; 3],
-    views: ([u32; 3], [f32; 3]),
-    lights: ([u32; 3], [f32; 3]),
-    /// Parameters according to the indirection map.
-    parameters: [f32; 2],
-    truth: [f32; 3],
-    rebuilt: [f32; 3],
+/// A point of the reference plane in tiles, with unit vectors to the viewer and to the light.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Place {
+    /// Point of the plane, in tiles.
+    pub at: [f64; 2],
+    /// Direction to the viewer.
+    pub view: Vector,
+    /// Direction to the light.
+    pub light: Vector,
 }
 
-/// Probes at random points of the reference plane.
-pub struct Probes(Vec<Probe>);
+/// Random places at which an asset is compared.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Probes(Vec<Place>);
 
 /// Seed of the probes.
 const SEED: u64 = 0xb7f0;
 
-/// Sampled directions and a mesh for blending between them.
-pub struct Directions<'a> {
-    /// All sampled directions, unit vectors.
-    pub all: &'a [Vector],
-    /// Triangulation of the directions.
-    pub mesh: &'a DirectionMesh,
+impl Probes {
+    /// Places with random directions, uniform by solid angle, each at most as steep as the steepest sampled one.
+    pub fn between(count: usize, views: &[Vector], lights: &[Vector]) -> Self {
+        let mut random = ChaCha8Rng::seed_from_u64(SEED + 1);
+        let place = |_| Place {
+            at: [random.random(), random.random()],
+            view: random_between(views, &mut random),
+            light: random_between(lights, &mut random),
+        };
+        Self((0..count).map(place).collect())
+    }
+
+    /// Places with random sampled directions, and the indices of view and light of each.
+    pub fn at_samples(count: usize, views: &[Vector], lights: &[Vector]) -> (Self, Vec<[usize; 2]>) {
+        let mut random = ChaCha8Rng::seed_from_u64(SEED);
+        let place = |_| {
+            let at = [random.random(), random.random()];
+            let pair = [random.random_range(0..views.len()), random.random_range(0..lights.len())];
+            (Place { at, view: views[pair[0]], light: lights[pair[1]] }, pair)
+        };
+        let (places, pairs) = (0..count).map(place).unzip();
+        (Self(places), pairs)
+    }
+
+    /// Iterates over the places.
+    pub fn places(&self) -> impl Iterator<Item = &Place> {
+        self.0.iter()
+    }
+
+    /// Differences of the decoded values from `truth`, at the finest level.
+    pub fn errors(
+        &self,
+        decoder: &FlatBtfDecoder,
+        directions: Option<&SampledDirections>,
+        truth: impl Fn(&Place) -> [f32; 3] + Sync,
+    ) -> ColourErrors {
+        let error = |place: &Place| difference(truth(place), decoded(decoder, directions, place));
+        ColourErrors::new(self.0.par_iter().map(error).collect())
+    }
+
+    /// Differences from one value for each place.
+    ///
+    /// # Panics
+    /// Panics if there are fewer values than places.
+    pub fn errors_from(
+        &self,
+        decoder: &FlatBtfDecoder,
+        directions: Option<&SampledDirections>,
+        truths: &[[f32; 3]],
+    ) -> ColourErrors {
+        let error = |(at, place): (usize, &Place)| difference(truths[at], decoded(decoder, directions, place));
+        ColourErrors::new(self.0.par_iter().enumerate().map(error).collect())
+    }
 }
 
-impl Directions<'_> {
-    fn random(&self, random: &mut ChaCha8Rng) -> Vector {
-        random_between(self.all, random)
-    }
+/// Value of an asset at a place.
+fn decoded(decoder: &FlatBtfDecoder, directions: Option<&SampledDirections>, place: &Place) -> [f32; 3] {
+    let single = |v: Vector| v.map(|c| c as f32);
+    let blended = |mesh: Option<&DirectionMesh>, direction: [f32; 3]| {
+        let (indices, weights) = mesh.map_or(([0; 3], [0.0; 3]), |mesh| mesh.weights(direction));
+        BlendedDirection { direction, samples: ViewWeights { indices, weights } }
+    };
+    let view = blended(directions.map(|some| &some.views), single(place.view));
+    let light = blended(directions.map(|some| &some.lights), single(place.light));
+    decoder.value(place.at.map(|c| c as f32), 0.0, view, light)
 }
 
 /// Returns a random direction, uniform by solid angle and at most as steep as the steepest of `all`.
@@ -79,113 +125,6 @@ pub fn random_between(all: &[Vector], random: &mut ChaCha8Rng) -> Vector {
     let lowest = all.iter().map(|d| d[2]).fold(1.0, f64::min);
     let z = lowest + (1.0 - lowest) * random.random::<f64>();
     from_polar(z.acos(), TAU * random.random::<f64>())
-}
-
-impl Probes {
-    /// Creates `count` probes at sampled views and lights; `truth(view, light, at)` is the reference value.
-    ///
-    /// # Errors
-    /// Returns the errors of `truth`.
-    pub fn at_samples<E: Send>(
-        count: usize,
-        decoder: &FlatBtfDecoder,
-        views: &[Vector],
-        lights: &[Vector],
-        truth: impl Fn(usize, usize, [f64; 2]) -> Result<[f32; 3], E> + Sync,
-    ) -> Result<Self, E> {
-        let mut random = ChaCha8Rng::seed_from_u64(SEED);
-        let chosen: Vec<([f64; 2], usize, usize)> = (0..count)
-            .map(|k| {
-                let at = [random.random(), random.random()];
-                // Every view equally often.
-                (at, k * views.len() / count, random.random_range(0..lights.len()))
-            })
-            .collect();
-        let probe = |(at, view, light): &([f64; 2], usize, usize)| {
-            let only = |index: usize| ([index as u32; 3], [1.0, 0.0, 0.0]);
-            let truth = truth(*view, *light, *at)?;
-            Ok(Probe::new(decoder, *at, (views[*view], only(*view)), (lights[*light], only(*light)), truth))
-        };
-        Ok(Self(chosen.par_iter().map(probe).collect::<Result<_, _>>()?))
-    }
-
-    /// Creates `count` probes at random views and lights between the samples, with the surface itself as reference.
-    pub fn between_samples(
-        count: usize,
-        decoder: &FlatBtfDecoder,
-        views: &Directions<'_>,
-        lights: &Directions<'_>,
-        model: &MesoModel,
-        appearance: &Appearance,
-    ) -> Self {
-        let mut random = ChaCha8Rng::seed_from_u64(SEED + 1);
-        let chosen: Vec<([f64; 2], Vector, Vector)> = (0..count)
-            .map(|_| {
-                let at = [random.random(), random.random()];
-                (at, views.random(&mut random), lights.random(&mut random))
-            })
-            .collect();
-        let single = |v: Vector| v.map(|c| c as f32);
-        let probe = |(at, view, light): &([f64; 2], Vector, Vector)| {
-            let truth = direct_radiance(model, appearance, *at, *view, *light);
-            let (near_views, near_lights) = (views.mesh.weights(single(*view)), lights.mesh.weights(single(*light)));
-            Probe::new(decoder, *at, (*view, near_views), (*light, near_lights), truth)
-        };
-        Self(chosen.par_iter().map(probe).collect())
-    }
-
-    /// Adds the contribution of a view.
-    pub fn add_view(&mut self, view: &FlatView) {
-        let index = view.header().view;
-        let size = view.header().size as usize;
-        self.0.par_iter_mut().for_each(|probe| {
-            let share: f32 = (0..3).filter(|k| probe.views.0[*k] == index).map(|k| probe.views.1[k]).sum();
-            if share > 0.0 {
-                for (light, weight) in probe.lights.0.into_iter().zip(probe.lights.1).filter(|(_, w)| *w > 0.0) {
-                    let texels = view.light(light);
-                    let value = periodic_bilinear(size, probe.parameters, |texel| rgb9e5::decode(texels[texel]));
-                    (0..3).for_each(|k| probe.rebuilt[k] += share * weight * value[k]);
-                }
-            }
-        });
-    }
-
-    /// Errors of equation 1, after all views were added.
-    pub fn full(&self) -> ColourErrors {
-        ColourErrors::new(self.0.iter().map(|probe| difference(probe.truth, probe.rebuilt)).collect())
-    }
-
-    /// Errors of the factors that replace all views, at the finest level.
-    pub fn factored(&self, asset: &FactoredFlatBtf) -> ColourErrors {
-        let error = |probe: &Probe| {
-            let [view, light] = [(probe.view, probe.views), (probe.light, probe.lights)].map(|(direction, samples)| {
-                let (indices, weights) = samples;
-                BlendedDirection { direction, samples: ViewWeights { indices, weights } }
-            });
-            difference(probe.truth, asset.value(probe.parameters, 0.0, view, light))
-        };
-        ColourErrors::new(self.0.par_iter().map(error).collect())
-    }
-
-    /// Errors of the light form: normal map and diffuse colour.
-    pub fn light_form(&self, decoder: &FlatBtfDecoder) -> ColourErrors {
-        let error = |probe: &Probe| difference(probe.truth, decoder.light_form(probe.at, probe.view, probe.light));
-        ColourErrors::new(self.0.iter().map(error).collect())
-    }
-}
-
-impl Probe {
-    fn new(
-        decoder: &FlatBtfDecoder,
-        at: [f64; 2],
-        (view, views): (Vector, ([u32; 3], [f32; 3])),
-        (light, lights): (Vector, ([u32; 3], [f32; 3])),
-        truth: [f32; 3],
-    ) -> Self {
-        let (at, view, light) = (at.map(|c| c as f32), view.map(|c| c as f32), light.map(|c| c as f32));
-        let [u, v, _] = decoder.indirection(at, view);
-        Self { at, view, light, views, lights, parameters: [u, v], truth, rebuilt: [0.0; 3] }
-    }
 }
 
 /// Relative radiance of the surface behind a point of the reference plane: direct light with cast shadows.

@@ -4,7 +4,6 @@
 use super::model::MesoModel;
 use super::surface::{Appearance, SurfacePoint};
 use brdfc_formats::direction::Vector;
-use brdfc_formats::flat_btf::FlatBtfDecoder;
 use brdfc_formats::tap::{Tap, bilinear};
 use rayon::prelude::*;
 
@@ -51,18 +50,6 @@ impl ViewImage {
     }
 }
 
-/// Parameters that the decoder's indirection map gives for a view, at the centre of each texel of its reference plane.
-pub fn stored_parameters(decoder: &FlatBtfDecoder, view: Vector) -> Vec<[f32; 2]> {
-    let size = decoder.parts().reference.size() as usize;
-    let view = view.map(|c| c as f32);
-    let seen = |texel: usize| {
-        let at = [texel % size, texel / size].map(|c| (c as f32 + 0.5) / size as f32);
-        let [u, v, _] = decoder.indirection(at, view);
-        [u, v]
-    };
-    (0..size * size).into_par_iter().map(seen).collect()
-}
-
 /// Bilinear, periodic look-ups into a flat image.
 pub fn sample_bilinear(flat: &[[f32; 3]], parameters: &[[f32; 2]]) -> Vec<[f32; 3]> {
     let size = flat.len().isqrt();
@@ -86,12 +73,7 @@ mod tests {
     use crate::light_field::{ComputedField, FlattenedView, Holes, visible};
     use crate::testing::overhang;
     use brdfc_core::address::parse_synth;
-    use brdfc_formats::container::rgb9e5;
     use brdfc_formats::direction::from_polar;
-    use brdfc_formats::flat_btf::{
-        DiffuseMap, FlatBtfParts, FlatHeader, FlatValues, FlatView, IndirectionHeader, IndirectionMap, NormalMap,
-        ReferenceMap, ViewWeights,
-    };
 
     #[test]
     fn equation_1_converges_to_the_btf_with_more_texels() {
@@ -116,42 +98,5 @@ mod tests {
         assert!(coarse < 0.2 && fine < 0.02 && fine < 0.4 * coarse, "{coarse} {fine}");
         // The negative control: the map of another view.
         assert!(error(256, 0.5) > 10.0 * fine);
-    }
-
-    #[test]
-    fn look_ups_through_the_map_match_the_decoder() {
-        let random = |salt: usize, k: usize| ((k * 7919 + salt * 104_729 + 13) % 1009) as f32 / 1009.0;
-        let header = IndirectionHeader { size: 6, zenith_samples: 4, azimuth_samples: 5, largest_angle: 1.3 };
-        let mut k = 0;
-        let map = IndirectionMap::from_displacements(header, |_, _, _| {
-            k += 1;
-            ([random(0, k) - 0.5, random(1, k) - 0.5], random(2, k))
-        });
-        let texels: Vec<u32> = (0..64).map(|k| rgb9e5::encode([random(3, k), random(4, k), random(5, k)])).collect();
-        let flat: Vec<[f32; 3]> = texels.iter().map(|texel| rgb9e5::decode(*texel)).collect();
-        let angles = vec![[0.9, 0.7]];
-        let view = FlatHeader { size: 8, view: 0, views: angles.clone(), lights: angles };
-        let parts = FlatBtfParts {
-            reference: ReferenceMap::new(6, (0..36).map(|k| [random(6, k), random(7, k)]).collect()).unwrap(),
-            indirection: map.unwrap().into(),
-            normal: NormalMap::new(8, vec![[0.0, 0.0, 1.0]; 64]).unwrap(),
-            diffuse: DiffuseMap::new(8, vec![0; 64]).unwrap(),
-            values: FlatValues::Views(vec![FlatView::new(view, texels).unwrap()]),
-        };
-        let decoder = FlatBtfDecoder::new(parts).unwrap();
-        let one = ViewWeights { indices: [0; 3], weights: [1.0, 0.0, 0.0] };
-        for direction in [from_polar(0.0, 0.0), from_polar(0.9, 0.7), from_polar(1.25, 5.0)] {
-            let rebuilt = sample_bilinear(&flat, &stored_parameters(&decoder, direction));
-            let mut moved = 0;
-            for (texel, rebuilt) in rebuilt.iter().enumerate() {
-                let at = [texel % 6, texel / 6].map(|c| (c as f32 + 0.5) / 6.0);
-                let value = decoder.full(at, direction.map(|c| c as f32), one, one);
-                assert!((0..3).all(|k| (value[k] - rebuilt[k]).abs() < 1e-5), "{value:?} {rebuilt:?}");
-                // The negative control: another view gives other values.
-                let other = decoder.full(at, from_polar(0.5, 3.0).map(|c| c as f32), one, one);
-                moved += usize::from((other[0] - rebuilt[0]).abs() > 0.01);
-            }
-            assert!(moved > 18, "{moved}");
-        }
     }
 }

@@ -1,6 +1,6 @@
 //! Points of a surface and their materials.
 
-use super::mesh::{PeriodicMesh, VertexMaterial};
+use super::mesh::{MAX_MATERIALS, PeriodicMesh, VertexMaterial};
 use super::tile_image::TileImage;
 use brdfc_core::{Source, Tally};
 use brdfc_formats::direction::{DirectionPair, Vector, add_scaled, cross, dot, normalize, rotate_to_normal, subtract};
@@ -105,6 +105,18 @@ impl Appearance {
             return [0.0; 3];
         }
         let pair = DirectionPair::new(rotate_to_normal(point.normal, light), rotate_to_normal(point.normal, view));
+        let mut sum = [0.0f64; 3];
+        for (source, share) in self.sources.iter().zip(self.shares(point)) {
+            if share != [0.0; 3] {
+                let f_r = source.eval(pair, &mut Tally::default());
+                (0..3).for_each(|k| sum[k] += f64::from(share[k]) * f_r[k].max(0.0));
+            }
+        }
+        sum
+    }
+
+    /// Share of each source in the reflectance of a point, for each channel: weights times tint and colour.
+    pub fn shares(&self, point: &SurfacePoint) -> [[f32; 3]; MAX_MATERIALS] {
         let [x, y, _] = point.position;
         let weights = self.weights.as_ref().map_or(point.material.weights, |map| {
             let weights = map.at(x, y);
@@ -112,15 +124,9 @@ impl Appearance {
             // Black pixels select the first material.
             if sum > 0.0 { weights.map(|w| w / sum) } else { [1.0, 0.0, 0.0, 0.0] }
         });
-        let mut sum = [0.0f64; 3];
-        for (source, weight) in self.sources.iter().zip(weights) {
-            if weight > 0.0 {
-                let f_r = source.eval(pair, &mut Tally::default());
-                (0..3).for_each(|k| sum[k] += f64::from(weight) * f_r[k].max(0.0));
-            }
-        }
         let colour = self.colour.as_ref().map_or([1.0; 3], |map| map.at(x, y));
-        [0, 1, 2].map(|k| sum[k] * f64::from(point.material.tint[k] * colour[k]))
+        let tint = [0, 1, 2].map(|k: usize| point.material.tint[k] * colour[k]);
+        weights.map(|weight| tint.map(|tint| weight * tint))
     }
 
     /// Radiance towards `view` under a light from far away, over the radiance of a white diffuser that faces the light:

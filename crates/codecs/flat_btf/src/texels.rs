@@ -1,6 +1,7 @@
 //! Surface points of the texels of a flat BTF: position and normal map (section 3.3 of Hadim et al. 2009).
 
-use super::mesh::{PeriodicMesh, corner_coordinates, twice_area};
+use super::mesh::{MAX_MATERIALS, PeriodicMesh, corner_coordinates, twice_area};
+use super::project::project;
 use super::surface::SurfacePoint;
 
 /// Surface points of a square of texels, row by row; texel `(column, row)` has parameters
@@ -50,6 +51,50 @@ pub fn texel_map(mesh: &PeriodicMesh, coordinates: &[[f64; 2]], size: usize) -> 
     }
     let points = points.into_iter().map(|point| point.expect("parameters cover the square")).collect();
     TexelMap { size, points }
+}
+
+/// Reflectance of texels: the fields of the surface that bilinear interpolation of texels approximates best.
+#[derive(Debug, Clone, PartialEq)]
+pub struct TexelSurface {
+    /// Unit shading normals.
+    pub normals: Vec<[f32; 3]>,
+    /// Share of each source in the reflectance, for each channel, not negative.
+    pub shares: Vec<[[f32; 3]; MAX_MATERIALS]>,
+}
+
+/// Points of the surface per texel and axis.
+const FINER: usize = 2;
+const NUMBERS: usize = 3 + 3 * MAX_MATERIALS;
+
+/// Projects normals and materials of a surface onto `size x size` texels. `shares` are [`Appearance::shares`].
+///
+/// [`Appearance::shares`]: super::surface::Appearance::shares
+///
+/// # Panics
+/// Panics if the parameters do not cover the square.
+pub fn texel_surface(
+    mesh: &PeriodicMesh,
+    coordinates: &[[f64; 2]],
+    size: usize,
+    shares: impl Fn(&SurfacePoint) -> [[f32; 3]; MAX_MATERIALS] + Sync,
+) -> TexelSurface {
+    let fine = texel_map(mesh, coordinates, size * FINER);
+    let numbers = |at: usize| -> [f32; NUMBERS] {
+        let point = &fine.points[at];
+        let shares = shares(point);
+        std::array::from_fn(|k| if k < 3 { point.normal[k] as f32 } else { shares[(k - 3) / 3][k % 3] })
+    };
+    let texels = project(size, FINER, numbers);
+    let normal = |numbers: &[f32; NUMBERS]| {
+        let [x, y, z] = [0, 1, 2].map(|k: usize| f64::from(numbers[k]));
+        let length = (x * x + y * y + z * z).sqrt();
+        // Opposite normals cancel only in folds thinner than a texel.
+        if length > 1e-3 { [x, y, z].map(|c| (c / length) as f32) } else { [0.0, 0.0, 1.0] }
+    };
+    let shares = |numbers: &[f32; NUMBERS]| {
+        std::array::from_fn(|m| std::array::from_fn(|c| numbers[3 + 3 * m + c].max(0.0)))
+    };
+    TexelSurface { normals: texels.iter().map(normal).collect(), shares: texels.iter().map(shares).collect() }
 }
 
 #[cfg(test)]

@@ -10,13 +10,13 @@ use brdfc_formats::flat_btf::shader::{FLAT_BTF_WGSL, factored_bindings};
 use brdfc_formats::flat_btf::{BlendedDirection, ViewWeights};
 use brdfc_gpu::Gpu;
 use brdfc_probe::Compute;
-use brdfc_testing::codecs::flat_btf::{Factors, SMALL, Sizes, factored, weights};
+use brdfc_testing::codecs::flat_btf::{BASE, Factors, MATERIALS, SMALL, Sizes, factored, weights};
 use brdfc_testing::packs::Numbers;
 
 const ENTRY: &str = "
-fn three(first: u32) -> FlatBtfWeights {
+fn three(first: u32) -> FactoredWeights {
     let indices = vec3<u32>(u32(input[first]), u32(input[first + 1u]), u32(input[first + 2u]));
-    return FlatBtfWeights(indices, vec3<f32>(input[first + 3u], input[first + 4u], input[first + 5u]));
+    return FactoredWeights(indices, vec3<f32>(input[first + 3u], input[first + 4u], input[first + 5u]));
 }
 
 fn compute(at: u32) {
@@ -24,7 +24,12 @@ fn compute(at: u32) {
     let uv = vec2<f32>(input[first], input[first + 1u]);
     let view = vec3<f32>(input[first + 15u], input[first + 16u], input[first + 17u]);
     let light = vec3<f32>(input[first + 18u], input[first + 19u], input[first + 20u]);
-    let value = factored_value(uv, input[first + 2u], view, light, three(first + 3u), three(first + 9u));
+    let place = factored_place(uv, input[first + 2u]);
+    let base = factored_load(place);
+    var value = factored_base_colour(base, view, light);
+    if factored_parameters.groups > 0u {
+        value = factored_value(place, base, view, light, three(first + 3u), three(first + 9u));
+    }
     output[at * 3u] = value.x;
     output[at * 3u + 1u] = value.y;
     output[at * 3u + 2u] = value.z;
@@ -73,12 +78,12 @@ fn mirrored([x, y, z]: [f32; 3]) -> [f32; 3] {
 }
 
 fn shader(decoder: &str) -> String {
-    // The bindings of the indirection are not used.
+    // The bindings of the layers are not used.
     format!("{FLAT_BTF_WGSL}\n{decoder}\n{ENTRY}")
 }
 
 fn found(gpu: &Gpu, decoder: &str, asset: &FactoredFlatBtf, filter: FrameBlock, queries: &[Query]) -> Vec<[f32; 3]> {
-    let bindings: Vec<_> = [Binding::frame()].into_iter().chain(factored_bindings(Some(asset))).collect();
+    let bindings: Vec<_> = [Binding::frame()].into_iter().chain(factored_bindings(asset)).collect();
     let compute = Compute::new(gpu, &shader(decoder), &bindings, filter).unwrap();
     let three = |three: &BlendedDirection| -> Vec<f32> {
         let three: &ViewWeights = &three.samples;
@@ -94,12 +99,14 @@ fn found(gpu: &Gpu, decoder: &str, asset: &FactoredFlatBtf, filter: FrameBlock, 
 }
 
 fn assets() -> Vec<(Sizes, FactoredFlatBtf)> {
-    let factors = |levels, groups, wide_groups, shadow| Factors { levels, groups, wide_groups, shadow };
+    let factors = |levels, groups, wide_groups, shadow| Factors { levels, groups, wide_groups, shadow, materials: 0 };
     [
         (SMALL, factors(3, 2, 2, ShadowFormat::R8)),
         (Sizes { flat: 16, views: 7, lights: 12, ..SMALL }, factors(5, 7, 1, ShadowFormat::R8)),
         (Sizes { flat: 5, views: 4, ..SMALL }, factors(3, 16, 4, ShadowFormat::None)),
         (Sizes { flat: 9, views: 4, ..SMALL }, factors(1, 3, 0, ShadowFormat::R8)),
+        (SMALL, BASE),
+        (SMALL, MATERIALS),
     ]
     .into_iter()
     .map(|(sizes, factors)| (sizes, factored(sizes, factors, 8)))
@@ -110,7 +117,7 @@ fn differing(asset: &FactoredFlatBtf, queries: &[Query], found: &[[f32; 3]]) -> 
     assert_eq!(queries.len(), found.len());
     let pairs = queries.iter().zip(found);
     let same = |((uv, detail, view, light), found): &(&Query, &[f32; 3])| {
-        asset.value(*uv, *detail, *view, *light).map(f32::to_bits) == found.map(f32::to_bits)
+        asset.filtered(*uv, *detail).blended(*view, *light).map(f32::to_bits) == found.map(f32::to_bits)
     };
     pairs.filter(|pair| !same(pair)).count()
 }
@@ -128,7 +135,8 @@ fn manual_filtering_gives_the_bits_of_the_cpu_decoder() {
 
 /// One component of lightness, to separate the sampler's errors of weights and shadows.
 fn grey(size: u32, levels: u32, weight: impl Fn(u32) -> u8, shadow: impl Fn(u32) -> u8) -> FactoredFlatBtf {
-    let of = factored(SMALL, Factors { levels: 1, groups: 1, wide_groups: 1, shadow: ShadowFormat::R8 }, 1);
+    let of =
+        factored(SMALL, Factors { levels: 1, groups: 1, wide_groups: 1, shadow: ShadowFormat::R8, materials: 0 }, 1);
     let header =
         FactoredHeader { size, levels, steps: [vec![0.01; 4], vec![0.0; 4], vec![0.0; 4]], ..of.header().clone() };
     let black = BaseTable::black();
@@ -159,7 +167,7 @@ fn the_sampler_is_within_its_precision() {
         let found = found(gpu, FACTORED_WGSL, &asset, FrameBlock::default(), &queries);
         let mut largest = 0.0f32;
         for ((uv, detail, view, light), found) in queries.iter().zip(&found) {
-            let expected = asset.value(*uv, *detail, *view, *light);
+            let expected = asset.filtered(*uv, *detail).blended(*view, *light);
             largest = (0..3).map(|k| (expected[k] - found[k]).abs()).fold(largest, f32::max);
         }
         println!("largest difference {largest}, bound {bound}");
@@ -168,7 +176,7 @@ fn the_sampler_is_within_its_precision() {
 }
 
 /// Small changes of the shader, each of which the queries must detect.
-const CHANGES: [(&str, &str); 35] = [
+const CHANGES: [(&str, &str); 41] = [
     ("1.0 / 116.0", "1.0 / 116.1"),
     ("1.0 / 500.0", "1.0 / 500.5"),
     ("1.0 / 200.0", "1.0 / 200.5"),
@@ -197,7 +205,13 @@ const CHANGES: [(&str, &str); 35] = [
     ("FACTORED_LEAST_COSINES: f32 = 0.1", "FACTORED_LEAST_COSINES: f32 = 0.11"),
     ("f32(FACTORED_HALF_ANGLES - 1u)", "f32(FACTORED_HALF_ANGLES - 2u)"),
     ("f32(FACTORED_DIFFERENCE_ANGLES - 1u)", "f32(FACTORED_DIFFERENCE_ANGLES - 2u)"),
-    ("sqrt(sqrt(min(0.5", "sqrt(sqrt(min(0.501"),
+    ("var share = 0.5;", "var share = 0.501;"),
+    ("share = 0.25;", "share = 0.26;"),
+    ("2.0 * cosine * normal - light", "2.0 * cosine * normal + light"),
+    ("(factored_parameters.axes >> table) & 1u", "factored_parameters.axes & 1u"),
+    ("table * FACTORED_ENTRIES + u32(i)", "u32(i)"),
+    ("factored_parameters.materials * FACTORED_ENTRIES + material", "FACTORED_ENTRIES + material"),
+    ("let second = factored_diffuse(1u)", "let second = factored_diffuse(0u)"),
     ("min(0.5 * length, 1.0)", "min(0.501 * length, 1.0)"),
     ("slopes.xz + slopes.yw", "slopes.xz"),
     ("scale - 1.0)", "scale - 0.999)"),

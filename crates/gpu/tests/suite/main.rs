@@ -7,7 +7,6 @@ mod compute;
 mod cropped_scene;
 mod factored_twin;
 mod flat_btf_twin;
-mod flat_rebuild;
 mod flat_scenes;
 mod importance_twin;
 mod propagation_twin;

@@ -11,7 +11,7 @@ const FORMATS: [(&str, TextureFormat); 11] = [
     ("R16_SFLOAT", TextureFormat::R16Float),
     ("R16G16B16A16_UNORM", TextureFormat::Rgba16Unorm),
     ("R16G16B16A16_SFLOAT", TextureFormat::Rgba16Float),
-    ("R32G32_SFLOAT", TextureFormat::Rg32Float),
+    ("R16G16_SFLOAT", TextureFormat::Rg16Float),
     ("R32G32B32A32_SFLOAT", TextureFormat::Rgba32Float),
     ("E5B9G9R9_UFLOAT_PACK32", TextureFormat::Rgb9e5Ufloat),
 ];

@@ -4,7 +4,7 @@
 use brdfc_formats::PackKind;
 use brdfc_formats::bandwidth::propagation::PROPAGATION_WGSL;
 use brdfc_formats::direction_mesh::DIRECTION_MESH_WGSL;
-use brdfc_formats::flat_btf::shader::FLAT_BTF_WGSL;
+use brdfc_formats::flat_btf::shader::flat_btf_value_wgsl;
 use brdfc_formats::table::shader::TABLE_BRDF_WGSL;
 use brdfc_formats::wavelet::shader::WAVELET_BRDF_WGSL;
 use serde::{Deserialize, Serialize};
@@ -99,7 +99,7 @@ fn composed() -> Vec<Module> {
         Module::new("adaptive steps", adaptive.steps),
         Module::new("evaluate", format!("{WAVELET_BRDF_WGSL}\n{EVALUATE_WGSL}")),
         Module::new("evaluate-table", format!("{TABLE_BRDF_WGSL}\n{EVALUATE_TABLE_WGSL}")),
-        Module::new("evaluate flat BTFs", format!("{FLAT_BTF_WGSL}\n{EVALUATE_FLAT_BTF_WGSL}")),
+        Module::new("evaluate flat BTFs", format!("{}\n{EVALUATE_FLAT_BTF_WGSL}", flat_btf_value_wgsl())),
         Module::new("scene of polynomial wavelet trees", pwt_scene_source()),
         Module::new("evaluate polynomial wavelet trees", format!("{PWT_WGSL}\n{EVALUATE_PWT_WGSL}")),
         Module::new("compute", format!("{compute}{COMPUTE_WGSL}")),

@@ -1,10 +1,10 @@
 //! The report in a flat BTF's file: settings and measurements.
 
-use brdfc_flat_btf::encode::{AssetReport, FlattenRecipe, Form};
+use brdfc_flat_btf::encode::{AssetReport, FlattenRecipe, Reflectance};
 use brdfc_flat_btf::factored::FactoredTarget;
 use brdfc_flat_btf::fill::FillMethod;
 use brdfc_formats::bindings::Stored;
-use brdfc_formats::flat_btf::{FlatBtfFile, view_gpu_bytes};
+use brdfc_formats::flat_btf::FlatBtfFile;
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 
@@ -56,14 +56,8 @@ impl FlatAsset {
 pub struct Settings {
     /// Texels of the flat BTF per side.
     pub flat_texels: usize,
-    /// Texels of the reference plane per side.
+    /// Texels of the layers per side.
     pub texels: u32,
-    /// Polar angles and azimuths of the indirection map.
-    pub indirection: [u32; 2],
-    /// Largest polar angle of the indirection map, degrees.
-    pub largest_angle: f64,
-    /// Rays per texel and axis.
-    pub oversampling: usize,
     /// Name and number of the views; files are named without folders.
     pub views: (String, usize),
     /// Name and number of the lights.
@@ -72,16 +66,10 @@ pub struct Settings {
     pub fill: FillMethod,
     /// Rays per texel for light of one bounce.
     pub bounces: usize,
-    /// Maximum rounds of stretch-reducing reweighting.
-    pub stretch_rounds: usize,
-    /// Form of the flat BTF.
-    pub form: Form,
-    /// Target of the factors that replace all views; absent in the light form.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub factored: Option<FactoredTarget>,
-    /// True if two-byte displacements replace the indirection map.
-    #[serde(default)]
-    pub compact: bool,
+    /// Form of the reflectance.
+    pub reflectance: Reflectance,
+    /// Target of the reflectance.
+    pub target: FactoredTarget,
     /// True if files are compressed with Zstandard.
     pub supercompression: bool,
 }
@@ -89,35 +77,23 @@ pub struct Settings {
 impl Settings {
     /// The settings of a recipe. `supercompress` is true if files are compressed with Zstandard.
     pub(super) fn new(recipe: &FlattenRecipe, supercompress: bool) -> Self {
-        let header = &recipe.indirection;
         Self {
             flat_texels: recipe.flat_texels,
-            texels: header.size,
-            indirection: [header.zenith_samples, header.azimuth_samples],
-            largest_angle: (f64::from(header.largest_angle).to_degrees() * 1e3).round() / 1e3,
-            oversampling: recipe.oversampling,
+            texels: recipe.texels,
             views: (recipe.views.name.clone(), recipe.views.len()),
             lights: (recipe.lights.name.clone(), recipe.lights.len()),
             fill: recipe.fill,
             bounces: recipe.bounces,
-            stretch_rounds: recipe.rounds,
-            form: recipe.form(),
-            factored: recipe.factored,
-            compact: true,
+            reflectance: recipe.reflectance,
+            target: recipe.target,
             supercompression: supercompress,
         }
     }
 }
 
 impl AssetFile {
-    /// Bytes on a GPU of the values of all views without factoring; 0 for the light form.
-    pub fn gpu_bytes_of_views(&self) -> u64 {
-        let Settings { flat_texels, views, lights, form, .. } = &self.settings;
-        if *form == Form::Full { view_gpu_bytes(*flat_texels as u32, lights.1 as u32) * views.1 as u64 } else { 0 }
-    }
-
-    /// Share of the texels that no view sees.
-    pub fn unseen(&self) -> f64 {
-        self.report.never_seen as f64 / (self.settings.flat_texels as f64).powi(2)
+    /// Share of the texels that no view sees; `None` without views.
+    pub fn unseen(&self) -> Option<f64> {
+        Some(self.report.never_seen? as f64 / (self.settings.flat_texels as f64).powi(2))
     }
 }

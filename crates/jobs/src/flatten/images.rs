@@ -14,6 +14,9 @@ use brdfc_source::ordinary_btf::OrdinaryBtf;
 use rayon::prelude::*;
 use std::path::Path;
 
+/// Rays per texel and axis of computed images.
+const RAYS: usize = 2;
+
 /// Images from a folder, or decoded from a file's matrices.
 pub(super) struct StackImages<'a>(pub(super) &'a OrdinaryBtf);
 
@@ -36,9 +39,9 @@ pub(super) fn write_images(
 ) -> Result<(), Error> {
     let (views, lights) = (recipe.views.directions(), recipe.lights.directions());
     progress.stage(Stage::Images, views.len())?;
-    let size = recipe.indirection.size as usize;
+    let size = recipe.texels as usize;
     for (view, direction) in views.iter().enumerate() {
-        let seen = ViewImage::new(model, *direction, size, recipe.oversampling);
+        let seen = ViewImage::new(model, *direction, size, RAYS);
         let write = |light: usize| {
             let image = seen.direct(model, appearance, lights[light]);
             // Row 0 of an image is its top.

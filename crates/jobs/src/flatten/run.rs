@@ -11,7 +11,7 @@ use crate::write::write_atomic;
 use brdfc_core::progress::Progress;
 use brdfc_flat_btf::encode::{EncodeError, FlatInput, FlattenRecipe, ValueSource, encode};
 use brdfc_flat_btf::surface::Appearance;
-use brdfc_formats::flat_btf::{FlatBtfDecoder, FlatBtfFile};
+use brdfc_formats::flat_btf::FlatBtfFile;
 use brdfc_source::Input;
 use brdfc_source::ordinary_btf::OrdinaryBtf;
 use std::path::Path;
@@ -103,7 +103,7 @@ pub fn run(job: FlattenJob<'_>, progress: &dyn Progress) -> Result<FlatAsset, Er
         write_images(&encoded.model, appearance, job.recipe, images, progress)?;
     }
     let about = AssetFile {
-        version: 2,
+        version: 3,
         name: job.name.to_owned(),
         source,
         materials,
@@ -114,8 +114,7 @@ pub fn run(job: FlattenJob<'_>, progress: &dyn Progress) -> Result<FlatAsset, Er
         settings: Settings::new(job.recipe, job.supercompress),
         report: encoded.report,
     };
-    let decoder = FlatBtfDecoder::new(encoded.parts).map_err(Error::input)?;
-    let mut file = FlatBtfFile::new(decoder, Some(encoded.mask)).map_err(Error::input)?;
+    let mut file = FlatBtfFile::new(encoded.decoder).map_err(Error::input)?;
     file.report = serde_json::to_string(&about).expect("plain data");
     let bytes = file.to_bytes(job.supercompress);
     let _placing = placing();

@@ -2,25 +2,48 @@
 
 use super::asset::{AssetFile, FlatAsset, Settings};
 use brdfc_core::words::{bytes, percent};
+use brdfc_flat_btf::encode::Reflectance;
 use brdfc_flat_btf::factored::FactoredTarget;
 use brdfc_flat_btf::probes::ColourErrors;
 use brdfc_flat_btf::weld::WeldReport;
 
-/// Texels per side, and views, below which steps are visible on a plane that fills a rendering.
+/// Texels per side below which outlines are soft on a plane that fills a rendering.
 const FEW_TEXELS: usize = 128;
+/// Views below which highlights of factors show steps.
 const FEW_VIEWS: usize = 40;
+/// Share of the lines, in millionths, below which simplified layers are not worth a note.
+const FEW_LINES: u32 = 1000;
 
 /// Notes about an asset: repairs, texels that no view sees, and low resolutions.
 pub fn remarks(asset: &AssetFile) -> Vec<String> {
     let mut lines = asset.report.repairs.as_ref().map(repairs_summary).unwrap_or_default();
-    if asset.report.never_seen > 0 {
-        lines.push(format!("no view sees {} of the texels", percent(asset.unseen())));
+    if let Some(unseen) = asset.unseen().filter(|unseen| *unseen > 0.0) {
+        lines.push(format!("no view sees {} of the texels", percent(unseen)));
+    }
+    let layers = &asset.report.layers;
+    let share = |lines: u32| percent(f64::from(lines) * 1e-6);
+    if layers.simplified >= FEW_LINES {
+        lines.push(format!(
+            "{} of the vertical lines cross the surface more than three times: layers omit their thinnest parts",
+            share(layers.simplified)
+        ));
+    }
+    if layers.open >= FEW_LINES {
+        lines.push(format!(
+            "the surface passes through itself or is open at {} of the vertical lines: layers keep its highest side",
+            share(layers.open)
+        ));
     }
     let Settings { flat_texels, texels, views, .. } = &asset.settings;
-    if *flat_texels < FEW_TEXELS || (*texels as usize) < FEW_TEXELS || views.1 < FEW_VIEWS {
+    if *flat_texels < FEW_TEXELS || (*texels as usize) < FEW_TEXELS {
         lines.push(format!(
-            "{texels} and {flat_texels} texels per side and {} views are enough for previews only: outlines and \
-             highlights show steps; the defaults, 256 texels and 81 views, look smooth from nearby",
+            "{texels} and {flat_texels} texels per side are enough for previews only: outlines are soft; the default, \
+             256 texels, looks sharp from nearby"
+        ));
+    }
+    if asset.report.reflectance == Reflectance::Factors && views.1 < FEW_VIEWS {
+        lines.push(format!(
+            "{} views are enough for previews only: highlights show steps; the default is 81 views",
             views.1
         ));
     }
@@ -29,9 +52,8 @@ pub fn remarks(asset: &AssetFile) -> Vec<String> {
 
 /// Message if the factors miss their target; `None` if they meet it.
 pub fn missed(asset: &AssetFile) -> Option<String> {
-    let (Some(FactoredTarget::Error(most)), Some(factored)) = (asset.settings.factored, &asset.report.factored) else {
-        return None;
-    };
+    let FactoredTarget::Error(most) = asset.settings.target else { return None };
+    let factored = &asset.report.factored;
     let found = f64::from(factored.errors.seen_mean);
     (found > most).then(|| {
         format!(
@@ -67,22 +89,27 @@ pub fn height(value: f64) -> String {
 pub fn facts(FlatAsset { about: asset, bytes: file, gpu_bytes, .. }: &FlatAsset) -> Vec<(&'static str, String)> {
     let (report, settings) = (&asset.report, &asset.settings);
     let (views, lights) = (&settings.views, &settings.lights);
+    let factored = &report.factored;
+    let sheets = if report.layers.sheets == 1 { "1 sheet" } else { "3 sheets: base, top and underside" };
     let stretch = &report.parameterisation.after;
     let mut facts = vec![
         ("source", asset.source.clone()),
         ("texels", format!("{0} x {0} flat, {1} x {1} on the plane", settings.flat_texels, settings.texels)),
-        ("views x lights", format!("{} ({}) x {} ({})", views.1, views.0, lights.1, lights.0)),
+        ("layers", sheets.to_owned()),
         ("heights", format!("{} to {} tiles", height(report.heights[0]), height(report.heights[1]))),
         ("stretch", format!("{:.3} (1 is even), largest {:.2}", stretch.l2, stretch.largest)),
-        ("texels seen by one view", format!("{}, mean over the views", percent(report.seen))),
-        ("texels seen by any view", percent(1.0 - asset.unseen())),
     ];
-    if let Some(factored) = &report.factored {
+    if report.reflectance == Reflectance::Brdf {
+        facts.push(("reflectance", format!("brdf: {} on a GPU", bytes(factored.gpu_bytes))));
+    } else {
         let shadows = if factored.shadowed { ", a shadow per light" } else { "" };
-        let (stored, whole) = (factored.gpu_bytes, asset.gpu_bytes_of_views());
-        let share = whole as f64 / stored.max(1) as f64;
-        let text = format!("{} components{shadows}: {} on a GPU", factored.components, bytes(stored));
-        facts.push(("views", format!("{text}, {} unfactored ({share:.0}:1)", bytes(whole))));
+        let text = format!("factors: {} components{shadows}, ", factored.components);
+        facts.push(("reflectance", format!("{text}{} on a GPU", bytes(factored.gpu_bytes))));
+        facts.push(("views x lights", format!("{} ({}) x {} ({})", views.1, views.0, lights.1, lights.0)));
+    }
+    if let (Some(seen), Some(unseen)) = (report.seen, asset.unseen()) {
+        facts.push(("texels seen by one view", format!("{}, mean over the views", percent(seen))));
+        facts.push(("texels seen by any view", percent(1.0 - unseen)));
     }
     facts.push(("size", format!("{}, {} on a GPU", bytes(*file), bytes(*gpu_bytes))));
     facts
@@ -91,21 +118,13 @@ pub fn facts(FlatAsset { about: asset, bytes: file, gpu_bytes, .. }: &FlatAsset)
 /// Its measured errors with their names.
 pub fn errors(asset: &AssetFile) -> Vec<(&'static str, ColourErrors)> {
     let errors = &asset.report.errors;
-    let factored = asset.report.factored.as_ref().map(|facts| facts.errors);
-    let pairs = asset.settings.views.1 * asset.settings.lights.1;
-    let samples = factored.map_or(0, |errors| errors.texels as usize * pairs);
-    let colour = |figures: [f32; 3]| {
-        let [mean, p95, max] = figures.map(f64::from);
-        ColourErrors { samples, mean, p95, max }
-    };
+    let factored = asset.report.factored.errors;
+    let [mean, p95, max] = [factored.seen_mean, factored.seen_p95, factored.seen_max].map(f64::from);
+    let of_reflectance = ColourErrors { samples: factored.texels as usize, mean, p95, max };
     [
-        ("ΔE at sampled directions", errors.at_samples),
-        ("ΔE between sampled directions", errors.between_samples),
-        ("ΔE of the light form", errors.light_form),
-        (
-            "ΔE of factors, where seen",
-            factored.map(|errors| colour([errors.seen_mean, errors.seen_p95, errors.seen_max])),
-        ),
+        ("ΔE from the surface", errors.from_surface),
+        ("ΔE from the images", errors.from_images),
+        ("ΔE of the reflectance, at texels", Some(of_reflectance)),
     ]
     .into_iter()
     .filter_map(|(name, error)| Some((name, error?)))

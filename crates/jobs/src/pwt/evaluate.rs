@@ -3,8 +3,8 @@
 use brdfc_formats::Pack;
 use brdfc_formats::pwt::PwtDecoder;
 use brdfc_readers::scan_csv::TexelQuery;
-use brdfc_render::flat::{FlatForm, FlatMaterial};
-use brdfc_source::flat_btf::{flat_btf_file, flat_view, open_flat_btf};
+use brdfc_render::flat::FlatMaterial;
+use brdfc_source::flat_btf::{flat_btf_file, open_flat_btf};
 use brdfc_source::{Input, InputError};
 use rayon::prelude::*;
 
@@ -44,7 +44,7 @@ impl Relightable {
     pub fn levels(&self) -> u32 {
         match self {
             Self::Pack(decoder) => decoder.pack().header().levels,
-            Self::Flat(material) => material.decoder().parts().values.levels() - 1,
+            Self::Flat(material) => material.decoder().parts().reflectance.header().levels - 1,
         }
     }
 
@@ -65,16 +65,16 @@ impl Relightable {
                 }
                 // Down in the image is backwards along the bitangent.
                 let [u, v] = query.uv;
-                material.value(FlatForm::Full, [u, 1.0 - v], coarser, query.outgoing, query.incoming)
+                material.value([u, 1.0 - v], coarser, query.outgoing, query.incoming)
             }
         }
     }
 }
 
-/// Reads a flat BTF in its full form. Returns `None` if the input is not a flat BTF.
+/// Reads a flat BTF. Returns `None` if the input is not a flat BTF.
 ///
 /// # Errors
-/// Returns an error if the flat BTF cannot be read, is invalid, or has no full form.
+/// Returns an error if the flat BTF cannot be read or is invalid.
 pub fn open_flat_material(input: &Input) -> Result<Option<FlatMaterial>, InputError> {
     let of_file = |error| InputError::Format { name: input.to_string(), error };
     let Some(path) = input.path() else { return Ok(None) };
@@ -82,6 +82,5 @@ pub fn open_flat_material(input: &Input) -> Result<Option<FlatMaterial>, InputEr
         return Ok(None);
     }
     let file = open_flat_btf(path)?;
-    flat_view(&file, 0).map_err(of_file)?;
     Ok(Some(FlatMaterial::new(file.decoder, 1).map_err(of_file)?))
 }

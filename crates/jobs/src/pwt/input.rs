@@ -3,7 +3,7 @@
 
 use crate::error::Error;
 use brdfc_formats::direction::Vector;
-use brdfc_formats::flat_btf::{FlatHeader, VisibilityMask, unit_vectors};
+use brdfc_formats::flat_btf::unit_vectors;
 use brdfc_formats::pwt::{PwtDecoder, PwtPack};
 use brdfc_formats::{FormatError, Pack};
 use brdfc_pwt::LightSamples;
@@ -162,8 +162,7 @@ fn one_view(path: &Path, view: usize) -> Result<LightSamples, Error> {
     Ok(LightSamples { size: btf.size(), lights, images, repeats: true, defined: None })
 }
 
-/// A view of a flat BTF. If the asset has a visibility mask, only texels that the view sees are defined. Rows of flat BTFs go up,
-/// rows of images go down.
+/// A view of a flat BTF with components. Rows of flat BTFs go up, rows of images go down.
 fn flat_view(path: &Path, view: usize) -> Result<LightSamples, Error> {
     let file = open_flat_btf(path)?;
     let number = u32::try_from(view).unwrap_or(u32::MAX);
@@ -179,15 +178,7 @@ fn flat_view(path: &Path, view: usize) -> Result<LightSamples, Error> {
         rows.flatten().map(|texel| brdfc_formats::container::rgb9e5::decode(*texel)).collect()
     };
     let images = (0..header.lights.len()).into_par_iter().map(decoded).collect();
-    let defined = file.mask.as_ref().and_then(|mask| seen_texels(mask, header));
-    Ok(LightSamples { size: [side, side], lights, images, repeats: true, defined })
-}
-
-/// Texels that a view of a flat BTF sees; `None` if it sees none.
-fn seen_texels(mask: &VisibilityMask, header: &FlatHeader) -> Option<Vec<bool>> {
-    let size = header.size;
-    let seen = (0..size * size).map(|texel| mask.is_seen(header.view, [texel % size, size - 1 - texel / size]));
-    Some(seen.collect()).filter(|seen: &Vec<bool>| seen.contains(&true))
+    Ok(LightSamples { size: [side, side], lights, images, repeats: true, defined: None })
 }
 
 fn single(direction: Vector) -> [f32; 3] {

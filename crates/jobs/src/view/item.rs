@@ -4,7 +4,7 @@ use brdfc_formats::BrdfPack;
 use brdfc_formats::PackKind;
 use brdfc_formats::bindings::Bindings;
 use brdfc_formats::crop::{DirectionRange, Elevations};
-use brdfc_formats::flat_btf::{FlatBtfDecoder, FlatValues, SampledDirections};
+use brdfc_formats::flat_btf::{FlatBtfDecoder, SampledDirections};
 use brdfc_formats::pwt::PwtPack;
 use brdfc_render::scenes::Builtin;
 
@@ -50,7 +50,7 @@ impl ViewItem {
     pub fn bindings(&self) -> Bindings<'_> {
         match &self.drawn {
             Drawn::Brdf(pack) => pack.bindings(),
-            Drawn::FlatBtf(decoder, directions) => decoder.bindings(true, directions.as_ref()),
+            Drawn::FlatBtf(decoder, directions) => decoder.bindings(directions.as_ref()),
             Drawn::Pwt(pack) => pack.bindings(),
         }
     }
@@ -59,7 +59,7 @@ impl ViewItem {
     pub fn gpu_bytes(&self) -> u64 {
         match &self.drawn {
             Drawn::Brdf(pack) => pack.gpu_bytes(),
-            Drawn::FlatBtf(decoder, _) => decoder.parts().gpu_bytes(),
+            Drawn::FlatBtf(..) => self.bindings().gpu_bytes(),
             Drawn::Pwt(pack) => pack.gpu_bytes(),
         }
     }
@@ -69,10 +69,7 @@ impl ViewItem {
         let of_mipmaps = |levels: u32| (levels.saturating_sub(1), 0);
         match &self.drawn {
             Drawn::Brdf(pack) => (pack.levels(), pack.levels()),
-            Drawn::FlatBtf(decoder, _) => match &decoder.parts().values {
-                FlatValues::Factored(asset) => of_mipmaps(asset.weights().levels()),
-                FlatValues::Views(_) | FlatValues::None => (0, 0),
-            },
+            Drawn::FlatBtf(decoder, _) => of_mipmaps(decoder.parts().reflectance.header().levels),
             Drawn::Pwt(pack) => {
                 let textures = pack.header().textures.len();
                 of_mipmaps((0..textures).map(|index| pack.levels_of(index)).max().unwrap_or(1))

@@ -162,12 +162,12 @@ fn of_source(name: String, input: &str, source: &dyn Source, progress: &dyn Prog
 }
 
 fn of_flat_btf(name: String, path: &Path) -> Result<ViewItem, Error> {
-    let FlatBtfFile { decoder, directions, .. } = open_flat_btf(path)?;
-    let parts = decoder.parts();
-    let size = parts.gpu_bytes();
+    let file = open_flat_btf(path)?;
+    let size = file.gpu_bytes();
     // Checked before it is compressed.
     check_bytes(&path.display().to_string(), size)?;
-    let form = if parts.values.factored().is_some() { "factored" } else { "light form" };
+    let FlatBtfFile { decoder, directions, .. } = file;
+    let form = if directions.is_some() { "factors" } else { "brdf" };
     let facts = format!("flat BTF, {form}, {} on a GPU", bytes(size));
     Ok(ViewItem { name, facts, drawn: Drawn::FlatBtf(Box::new(decoder), directions) })
 }

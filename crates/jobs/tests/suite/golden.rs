@@ -1,10 +1,9 @@
 //! Flat BTFs of committed inputs have the bytes and decoded values in the codec's list; see docs/goldens.md.
 
-use brdfc_flat_btf::encode::FlattenRecipe;
+use brdfc_flat_btf::encode::{FlattenRecipe, Reflectance};
 use brdfc_flat_btf::factored::FactoredTarget;
 use brdfc_flat_btf::fill::FillMethod;
 use brdfc_formats::direction_set::DirectionSet;
-use brdfc_formats::flat_btf::IndirectionHeader;
 use brdfc_jobs::flatten::{FlattenJob, MesoOptions, Surface, run as flatten};
 use brdfc_source::Input;
 use brdfc_testing::golden::encodes::{Packs, check_encodes};
@@ -38,15 +37,14 @@ fn meso(geometry: String, materials: &[(Option<&str>, &str)]) -> MesoOptions {
 fn flat_btfs() {
     let set = |azimuths| DirectionSet::grid(2, azimuths, 70.0).expect("a grid of directions");
     let recipe = FlattenRecipe {
+        texels: 8,
         flat_texels: 8,
-        indirection: IndirectionHeader { size: 4, zenith_samples: 3, azimuth_samples: 4, largest_angle: 1.25 },
-        oversampling: 2,
         views: set(3),
         lights: set(2),
         fill: FillMethod::Poisson,
         bounces: 0,
-        rounds: 0,
-        factored: Some(FactoredTarget::Error(2.0)),
+        reflectance: Reflectance::Factors,
+        target: FactoredTarget::Error(2.0),
     };
     // Overhangs hide some of its texels from every view.
     let button = meso("synth:button?resolution=16".to_owned(), &[]);
@@ -54,13 +52,13 @@ fn flat_btfs() {
     // A height map with colours from an image, the other method of filling holes, one bounce and no Zstandard.
     let mut relief = meso(testdata("golden/relief.png"), &[(None, "synth:lewis?kd=0.5&ks=0.2&n=12")]);
     relief.colour = Some(Input::from(&testdata("golden/cloth.png")));
-    let pushed = FlattenRecipe { fill: FillMethod::PushPull, bounces: 4, rounds: 2, ..recipe.clone() };
+    let pushed = FlattenRecipe { fill: FillMethod::PushPull, bounces: 4, ..recipe.clone() };
     packs.extend(flat_btf("relief", &relief, &pushed, false));
-    // A mesh with two materials, as normals and diffuse colours only.
+    // A mesh with two materials, without views.
     let studs = meso(
         testdata("golden/studs.obj"),
         &[(Some("stud"), "synth:lambert?kd=0.6,0.2,0.1"), (None, "synth:velvet?kd=0.3")],
     );
-    packs.extend(flat_btf("studs", &studs, &FlattenRecipe { factored: None, ..recipe }, true));
+    packs.extend(flat_btf("studs", &studs, &FlattenRecipe { reflectance: Reflectance::Brdf, ..recipe }, true));
     check_encodes("flat_btf", &packs, |file| file == "button.ktx2");
 }

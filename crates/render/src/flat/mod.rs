@@ -11,7 +11,7 @@ mod material;
 mod reference;
 mod thumbnails;
 
-pub use material::{FlatForm, FlatMaterial};
+pub use material::FlatMaterial;
 pub use reference::reference_plane;
 pub use thumbnails::{FlatRendering, FlatRenderings, flat_renderings};
 
@@ -26,23 +26,20 @@ use brdfc_metrics::image::LinearImage;
 use std::f64::consts::PI;
 
 /// Draws a scene whose parts all use one flat BTF, in the same steps as `flat_scene.wgsl`.
-///
-/// # Panics
-/// For the full form of a material without values of views: see [`FlatMaterial::has_views`].
-pub fn draw_on_cpu(scene: &Scene, frame: Frame, material: &FlatMaterial, form: FlatForm) -> LinearImage {
+pub fn draw_on_cpu(scene: &Scene, frame: Frame, material: &FlatMaterial) -> LinearImage {
     let hits = trace(scene, frame).0;
-    let size = material.decoder().parts().diffuse.size() as usize;
+    let size = material.decoder().parts().reflectance.header().size as usize;
     sample_means(scene, frame, |pixel, sample| {
         let hit = hits[pixel * frame.samples_per_pixel() + sample].as_ref()?;
         let point = ShadingPoint::without_bump(&scene.parts[hit.part as usize], hit, scene.camera.eye);
         let steps = footprint(scene, frame, hit, frame.sample_position(pixel, sample));
         let level = sample_level(steps, material.repeat(), size, frame.samples);
-        Some(reflected(scene, &point, material, form, level))
+        Some(reflected(scene, &point, material, level))
     })
 }
 
 /// Radiance towards the viewer of texels of a mipmap level.
-fn reflected(scene: &Scene, point: &ShadingPoint, material: &FlatMaterial, form: FlatForm, level: f32) -> Vector {
+fn reflected(scene: &Scene, point: &ShadingPoint, material: &FlatMaterial, level: f32) -> Vector {
     let mut radiance = [0.0; 3];
     for light in &scene.lights {
         let to_light = subtract(light.position, point.position);
@@ -51,7 +48,7 @@ fn reflected(scene: &Scene, point: &ShadingPoint, material: &FlatMaterial, form:
         if incoming[2] <= 0.0 || incoming[2].is_nan() {
             continue;
         }
-        let value = material.value(form, point.uv, level, point.outgoing, incoming);
+        let value = material.value(point.uv, level, point.outgoing, incoming);
         (0..3).for_each(|k| radiance[k] += f64::from(value[k]) * light.intensity[k] / (PI * squared));
     }
     radiance

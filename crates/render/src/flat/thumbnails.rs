@@ -1,13 +1,11 @@
 //! Small renderings of the contents of a flat BTF.
 
-use super::{FlatForm, FlatMaterial, draw_on_cpu};
-use crate::rendering::{DELTA_E_FULL_SCALE, Panel, difference_panel, heat_map, to_panel};
+use super::{FlatMaterial, draw_on_cpu};
+use crate::rendering::{Panel, heat_map, to_panel};
 use crate::scene::Frame;
 use crate::scenes::Builtin;
-use brdfc_formats::container::rgb9e5;
 use brdfc_formats::direction::Vector;
-use brdfc_formats::flat_btf::VisibilityMask;
-use brdfc_metrics::image::{LinearImage, auto_exposure, compare_images};
+use brdfc_metrics::image::{LinearImage, auto_exposure};
 
 /// Pixels of a rendering, per side.
 pub const SIDE: usize = 160;
@@ -39,70 +37,50 @@ pub struct FlatRenderings {
     pub scenes: Vec<FlatRendering>,
 }
 
-/// Draws all renderings on the CPU, in the full form if there are views. `mask` says which texels each view sees.
-pub fn flat_renderings(material: &FlatMaterial, mask: Option<&VisibilityMask>) -> FlatRenderings {
-    FlatRenderings { tile: tile(material), texels: texels(material, mask), scenes: scenes(material) }
-}
-
-fn form(material: &FlatMaterial) -> FlatForm {
-    if material.has_views() { FlatForm::Full } else { FlatForm::Light }
+/// Draws all renderings on the CPU.
+pub fn flat_renderings(material: &FlatMaterial) -> FlatRenderings {
+    FlatRenderings { tile: tile(material), texels: texels(material), scenes: scenes(material) }
 }
 
 fn tile(material: &FlatMaterial) -> Vec<FlatRendering> {
     let decoder = material.decoder();
-    let header = decoder.parts().indirection.header();
     let along = [0.0, 0.0, 1.0];
-    let slanted = SLANTED.min(f64::from(header.largest_angle).to_degrees());
-    let side = direction(slanted, 0.0);
+    let side = direction(SLANTED, 0.0);
     let lit = |view: Vector, light: Vector| {
         // A tile is a fraction of the unit of uv.
         let of_tile = |uv: [f64; 2]| uv.map(|c| c / f64::from(material.repeat()));
-        let image = colours(|uv| material.value(form(material), of_tile(uv), 0.0, view, light).map(f64::from));
+        let image = colours(|uv| material.value(of_tile(uv), 0.0, view, light).map(f64::from));
         to_panel(&image, auto_exposure(&image))
     };
     let single = |v: Vector| v.map(|c| c as f32);
-    let at = |uv: [f64; 2], view: Vector| decoder.indirection(uv.map(|c| c as f32), single(view));
-    let moved = |uv: [f64; 2]| {
-        let ([u, v, _], [s, t, _]) = (at(uv, along), at(uv, side));
-        let [x, y] = [s - u, t - v].map(|d| d - d.round());
-        (x * x + y * y).sqrt()
-    };
-    let offsets = field(moved);
-    let largest = ends(&offsets)[1];
+    let seen = |uv: [f64; 2]| decoder.seen(uv.map(|c| c as f32), single(along), 0.0).height;
     let rendering = |caption: String, panel: Panel| FlatRendering { caption, panel };
     vec![
         rendering("seen and lit along the normal".to_owned(), lit(along, along)),
         rendering(format!("lit from {:.0}°", LIT_FROM[0]), lit(along, direction(LIT_FROM[0], LIT_FROM[1]))),
-        rendering(format!("seen from {slanted:.0}°"), lit(side, along)),
-        rendering(
-            format!("offsets at {slanted:.0}°: dark 0 to light {largest:.2} in u and v"),
-            scaled(&offsets, f64::from(largest)),
-        ),
+        rendering(format!("seen from {SLANTED:.0}°"), lit(side, along)),
+        rendering("heights: dark low to light high".to_owned(), scaled(&field(seen), 1.0)),
     ]
 }
 
-fn texels(material: &FlatMaterial, mask: Option<&VisibilityMask>) -> Vec<FlatRendering> {
-    let parts = material.decoder().parts();
-    let size = parts.diffuse.size();
-    let nearest = |uv: [f64; 2]| uv.map(|c| ((c * f64::from(size)) as u32).min(size - 1));
-    let index = |uv: [f64; 2]| {
-        let [column, row] = nearest(uv);
-        (row * size + column) as usize
+fn texels(material: &FlatMaterial) -> Vec<FlatRendering> {
+    let reflectance = &material.decoder().parts().reflectance;
+    let base = |uv: [f64; 2]| *reflectance.filtered(uv.map(|c| c as f32), 0.0).base();
+    let normals = bytes(|uv| base(uv).normal.map(|c| (255.0 * (0.5 + 0.5 * f64::from(c))).round() as u8));
+    let diffuse = colours(|uv| base(uv).diffuse.map(f64::from));
+    let gloss = field(|uv| base(uv).gloss);
+    let most = ends(&gloss)[1];
+    let (colour, number) = match reflectance.header().materials {
+        0 => ("diffuse albedo", "gloss"),
+        _ => ("tint", "share of the second material"),
     };
-    let normals =
-        bytes(|uv| parts.normal.normals()[index(uv)].map(|c| (255.0 * (0.5 + 0.5 * f64::from(c))).round() as u8));
-    let diffuse = colours(|uv| rgb9e5::decode(parts.diffuse.texels()[index(uv)]).map(f64::from));
     let mut renderings = vec![
         FlatRendering { caption: "normals: x red, y green, z blue".to_owned(), panel: normals },
-        FlatRendering { caption: "diffuse colours".to_owned(), panel: to_panel(&diffuse, 1.0) },
+        FlatRendering { caption: colour.to_owned(), panel: to_panel(&diffuse, 1.0) },
     ];
-    if let Some(mask) = mask.filter(|mask| mask.size() == size && mask.views() > 0) {
-        let seen = field(|uv| {
-            let count = (0..mask.views()).filter(|view| mask.is_seen(*view, nearest(uv))).count();
-            count as f32 / mask.views() as f32
-        });
-        let caption = "views that see a texel: dark none to light all".to_owned();
-        renderings.push(FlatRendering { caption, panel: scaled(&seen, 1.0) });
+    if most > 0.0 {
+        let caption = format!("{number}: dark 0 to light {most:.2}");
+        renderings.push(FlatRendering { caption, panel: scaled(&gloss, f64::from(most)) });
     }
     renderings
 }
@@ -112,16 +90,9 @@ fn scenes(material: &FlatMaterial) -> Vec<FlatRendering> {
     let mut renderings = Vec::new();
     for builtin in [Builtin::Plane, Builtin::Vase] {
         let scene = builtin.scene();
-        let drawn = draw_on_cpu(&scene, FRAME, material, form(material));
+        let drawn = draw_on_cpu(&scene, FRAME, material);
         let exposure = auto_exposure(&drawn);
         renderings.push(rendering(builtin.name().to_owned(), to_panel(&drawn, exposure)));
-        if builtin == Builtin::Vase && material.has_views() {
-            let light = draw_on_cpu(&scene, FRAME, material, FlatForm::Light);
-            let mean = compare_images(&light, &drawn, exposure).delta_e.mean;
-            renderings.push(rendering("vase in the light form".to_owned(), to_panel(&light, exposure)));
-            let caption = format!("their difference: ΔE {mean:.2}, dark 0 to light {DELTA_E_FULL_SCALE}");
-            renderings.push(rendering(caption, difference_panel(&light, &drawn, exposure)));
-        }
     }
     renderings
 }
@@ -176,20 +147,40 @@ fn ends(values: &[f32]) -> [f32; 2] {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use brdfc_formats::flat_btf::{DiffuseMap, FlatBtfDecoder, FlatBtfParts, FlatValues};
-    use brdfc_testing::codecs::flat_btf::{SMALL, parts};
+    use brdfc_formats::flat_btf::factored::{
+        BaseTable, BasisMap, ChromaRange, FactoredErrors, FactoredFlatBtf, FactoredHeader, ShadowFormat, WeightMap,
+        WeightRange, slope_ranges, slope_words,
+    };
+    use brdfc_formats::flat_btf::{FlatBtfDecoder, FlatBtfParts, LayerHeader, LayerMap};
 
-    const SEEN: [u8; 16] = [255, 255, 0, 0, 255, 255, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0];
-
-    /// A light form whose texels left of the middle are red, the others blue.
+    /// A step of the relief, whose texels left of the middle are low and red, the others high and blue.
     fn renderings() -> FlatRenderings {
-        let half = |k: usize| if k % 4 < 2 { [0.8, 0.0, 0.0] } else { [0.0, 0.0, 0.8] };
-        let colours: Vec<[f32; 3]> = (0..16).map(half).collect();
-        let diffuse = DiffuseMap::from_colours(4, &colours).unwrap();
-        let parts = FlatBtfParts { diffuse, values: FlatValues::None, ..parts(SMALL, 3) };
-        let material = FlatMaterial::new(FlatBtfDecoder::new(parts).unwrap(), 4).unwrap();
-        let mask = VisibilityMask::new(4, 2, [SEEN, [0; 16]].concat()).unwrap();
-        flat_renderings(&material, Some(&mask))
+        let header = FactoredHeader {
+            size: 4,
+            levels: 1,
+            groups: 0,
+            wide_groups: 0,
+            shadow: ShadowFormat::None,
+            views: Vec::new(),
+            lights: Vec::new(),
+            chroma: ChromaRange::ALL,
+            materials: 0,
+            axes: 0,
+            steps: [Vec::new(), Vec::new(), Vec::new()],
+            errors: FactoredErrors::default(),
+        };
+        let basis = BasisMap::from_steps(header, &BaseTable::black(), |_, _, _, _| 0).unwrap();
+        let colours = (0..16).flat_map(|k| if k % 4 < 2 { [204, 0, 0, 255] } else { [0, 0, 204, 0] });
+        let up = slope_words([0.0, 0.0, 1.0]).map(u16::to_be_bytes).concat();
+        let texels = colours.chain(up.iter().copied().cycle().take(64)).collect();
+        let albedo = WeightRange { scale: 1.0, low: 0.0 };
+        let weights = WeightMap::new(4, 1, [[albedo; 4], slope_ranges()].concat(), texels).unwrap();
+        let reflectance = FactoredFlatBtf::new(basis, weights, None).unwrap();
+        let layers = LayerHeader { size: 4, sheets: 1, levels: 1, heights: [0.0, 0.2], casts_shadows: true };
+        let heights = (0..16).map(|k| if k % 4 < 2 { 0 } else { 255 }).collect();
+        let layers = LayerMap::new(layers, heights, vec![[0.0; 2]; 16]).unwrap();
+        let decoder = FlatBtfDecoder::new(FlatBtfParts { layers, reflectance });
+        flat_renderings(&FlatMaterial::new(decoder, 4).unwrap())
     }
 
     fn pixel(panel: &Panel, [x, y]: [usize; 2]) -> [u8; 3] {
@@ -200,29 +191,27 @@ mod tests {
     #[test]
     fn texels_are_at_their_parameters() {
         let renderings = renderings();
-        let [_, diffuse, seen] = renderings.texels.as_slice() else { panic!("{}", renderings.texels.len()) };
-        let [red, blue] = [[SIDE / 4, SIDE / 2], [3 * SIDE / 4, SIDE / 2]].map(|at| pixel(&diffuse.panel, at));
+        let [_, diffuse, gloss] = renderings.texels.as_slice() else { panic!("{}", renderings.texels.len()) };
+        let halves = [[SIDE / 4, SIDE / 2], [3 * SIDE / 4, SIDE / 2]];
+        let [red, blue] = halves.map(|at| pixel(&diffuse.panel, at));
         assert!(red[0] > 200 && red[2] == 0 && blue[2] > 200 && blue[0] == 0, "{red:?} {blue:?}");
-        // One of two views sees the upper left quarter, none the rest.
-        let scale = heat_map(&[0.0, 0.5], 2, 1, 1.0).rgb;
-        assert_eq!(pixel(&seen.panel, [SIDE / 4, SIDE / 4]), scale[3..]);
-        for at in [[3 * SIDE / 4, SIDE / 4], [SIDE / 4, 3 * SIDE / 4]] {
-            assert_eq!(pixel(&seen.panel, at), scale[..3]);
-        }
+        let scale = heat_map(&[0.0, 1.0], 2, 1, 1.0).rgb;
+        let ends = halves.map(|at| pixel(&gloss.panel, at));
+        assert!(ends[0] == scale[3..] && ends[1] == scale[..3], "{ends:?}");
+        // Heights of the tile are seen from above.
+        let heights = halves.map(|at| pixel(&renderings.tile[3].panel, at));
+        assert!(heights[0] == scale[..3] && heights[1] == scale[3..], "{heights:?}");
     }
 
     #[test]
-    fn every_rendering_has_its_size_and_offsets_reach_both_ends_of_their_scale() {
+    fn every_rendering_has_its_size_and_shows_something() {
         let renderings = renderings();
         assert_eq!([renderings.tile.len(), renderings.texels.len(), renderings.scenes.len()], [4, 3, 2]);
-        for rendering in renderings.tile.iter().chain(&renderings.texels).chain(&renderings.scenes) {
+        let of_texels = renderings.texels.iter().skip(1);
+        for rendering in renderings.tile.iter().chain(of_texels).chain(&renderings.scenes) {
             let Panel { width, height, rgb } = &rendering.panel;
             assert_eq!([*width, *height, rgb.len()], [SIDE, SIDE, 3 * SIDE * SIDE], "{}", rendering.caption);
             assert!(rgb.iter().any(|byte| *byte != rgb[0]), "{} is of one colour", rendering.caption);
         }
-        let lightest = heat_map(&[1.0], 1, 1, 1.0).rgb;
-        let offsets = &renderings.tile[3];
-        assert!(offsets.caption.starts_with("offsets at 60°: dark 0 to light 0."), "{}", offsets.caption);
-        assert!(offsets.panel.rgb.chunks_exact(3).any(|rgb| rgb == lightest));
     }
 }

@@ -21,7 +21,7 @@ function glFormat(gl, name) {
         Rgba8Unorm: [gl.RGBA8, gl.RGBA, gl.UNSIGNED_BYTE, Uint8Array],
         R16Float: [gl.R16F, gl.RED, gl.HALF_FLOAT, Uint16Array],
         Rgba16Float: [gl.RGBA16F, gl.RGBA, gl.HALF_FLOAT, Uint16Array],
-        Rg32Float: [gl.RG32F, gl.RG, gl.FLOAT, Float32Array],
+        Rg16Float: [gl.RG16F, gl.RG, gl.HALF_FLOAT, Uint16Array],
         Rgba32Float: [gl.RGBA32F, gl.RGBA, gl.FLOAT, Float32Array],
         R32Uint: [gl.R32UI, gl.RED_INTEGER, gl.UNSIGNED_INT, Uint32Array],
         Rgba32Uint: [gl.RGBA32UI, gl.RGBA_INTEGER, gl.UNSIGNED_INT, Uint32Array],
@@ -151,7 +151,7 @@ function withWebGl(cases, blobs) {
 
 const gpuFormat = {
     R8Unorm: 'r8unorm', Rg8Unorm: 'rg8unorm', Rgba8Unorm: 'rgba8unorm', R16Float: 'r16float', Rgba16Float: 'rgba16float',
-    Rg32Float: 'rg32float', Rgba32Float: 'rgba32float', R32Uint: 'r32uint', Rgba32Uint: 'rgba32uint',
+    Rg16Float: 'rg16float', Rgba32Float: 'rgba32float', R32Uint: 'r32uint', Rgba32Uint: 'rgba32uint',
     Rgb9E5: 'rgb9e5ufloat', Rgb10A2Unorm: 'rgb10a2unorm',
 };
 

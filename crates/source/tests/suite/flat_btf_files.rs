@@ -1,18 +1,16 @@
 //! Flat BTFs as files: they round-trip, and other files are rejected.
 
+use brdfc_formats::flat_btf::FlatBtfFile;
 use brdfc_formats::flat_btf::factored::ShadowFormat;
-use brdfc_formats::flat_btf::{FlatBtfDecoder, FlatBtfFile, FlatBtfParts, FlatValues};
 use brdfc_formats::importance::{ImportanceHeader, ImportancePack};
 use brdfc_source::InputError;
 use brdfc_source::flat_btf::{flat_btf_file, flat_view, open_flat_btf};
-use brdfc_testing::codecs::flat_btf::{Factors, SMALL, factored, mask, parts};
+use brdfc_testing::codecs::flat_btf::{BASE, Factors, SMALL, base_file, factored, file, layers, materials_file};
 use std::path::Path;
 
 fn example(seed: u64) -> FlatBtfFile {
-    let factors = Factors { levels: 3, groups: 2, wide_groups: 1, shadow: ShadowFormat::R8 };
-    let values = FlatValues::Factored(Box::new(factored(SMALL, factors, seed)));
-    let decoder = FlatBtfDecoder::new(FlatBtfParts { values, ..parts(SMALL, seed) }).unwrap();
-    FlatBtfFile::new(decoder, Some(mask(SMALL, seed))).unwrap()
+    let factors = Factors { groups: 2, wide_groups: 1, shadow: ShadowFormat::R8, ..BASE };
+    file(layers(SMALL, false, seed), factored(SMALL, factors, seed))
 }
 
 fn error(path: &Path) -> String {
@@ -37,19 +35,23 @@ fn files_round_trip() {
     }
     assert_eq!(flat_btf_file(folder.path()).unwrap(), Some(file));
     assert_eq!(flat_btf_file(&folder.path().join("other.ktx2")).unwrap(), None);
-    let asset = whole.decoder.parts().values.factored().unwrap();
+    let asset = &whole.decoder.parts().reflectance;
     assert_eq!(flat_view(&whole, 1).unwrap(), (Some(asset.view(1)), SMALL.views));
     assert_eq!(flat_view(&whole, SMALL.views).unwrap(), (None, SMALL.views));
 }
 
 #[test]
-fn views_as_they_are_have_no_file() {
-    let decoder = FlatBtfDecoder::new(parts(SMALL, 3)).unwrap();
-    let error = FlatBtfFile::new(decoder, None).unwrap_err().to_string();
-    assert!(error.starts_with("values of a flat BTF: found 3 uncompressed views, expected factored values"), "{error}");
-    let light = FlatBtfParts { values: FlatValues::None, ..parts(SMALL, 3) };
-    let light = FlatBtfFile::new(FlatBtfDecoder::new(light).unwrap(), None).unwrap();
-    assert!(flat_view(&light, 0).unwrap_err().to_string().contains("flat BTF: the light form has no views"));
+fn a_base_alone_has_no_views() {
+    let folder = tempfile::tempdir().unwrap();
+    for (name, whole) in [("base.ktx2", base_file()), ("materials.ktx2", materials_file())] {
+        let path = folder.path().join(name);
+        std::fs::write(&path, whole.to_bytes(true)).unwrap();
+        let read = open_flat_btf(&path).unwrap();
+        assert_eq!(read, whole);
+        let error = flat_view(&read, 0).unwrap_err().to_string();
+        let expected = "flat BTF: no sampled views; expected a flat BTF made with --reflectance factors";
+        assert_eq!(error, expected);
+    }
 }
 
 #[test]

@@ -5,7 +5,6 @@
 use super::header::{DIFFERENCE_ANGLES, HALF_ANGLES};
 use super::maps::WeightRange;
 use crate::FormatError;
-use crate::flat_btf::MAX_COORDINATE;
 
 /// Maximum number in a table, and maximum colour of a base: above the largest value of a view.
 pub const MAX_BASE: f32 = 65_536.0;
@@ -13,22 +12,46 @@ pub const MAX_BASE: f32 = 65_536.0;
 const MAX_ALBEDO: f32 = 1024.0;
 /// Minimum sum of cosines in the divisor of a glossy reflection.
 const MIN_COSINES: f32 = 0.1;
+/// Maximum paraboloid coordinate after filtering.
+const MAX_FILTERED_SLOPE: f32 = 1024.0;
 /// Maximum paraboloid coordinate of a normal. It allows overhangs down to a height of -15/17.
 const MAX_SLOPE: f32 = 4.0;
 
-/// Table `T`: reflection for a gloss of 1, linear RGB by half angle and difference angle, without the cosine factor.
+/// Angle of the first axis of a table.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+#[repr(u32)]
+pub enum Axis {
+    /// Angle between normal and half vector.
+    #[default]
+    Half = 0,
+    /// Half of the angle between the view and the light's mirror direction, in steps as large: for Phong lobes.
+    Mirror = 1,
+}
+
+/// Table `T`: reflection for a gloss of 1, linear RGB by half or mirror angle and difference angle, without the cosine
+/// factor.
 #[derive(Debug, Clone, PartialEq)]
 pub struct BaseTable {
+    axis: Axis,
     /// `48 x 8` entries, difference angle fastest.
     entries: Vec<[f32; 3]>,
+}
+
+/// A material of a surface: `diffuse cos θi + T geometry`.
+#[derive(Debug, Clone, PartialEq)]
+pub struct BaseMaterial {
+    /// Diffuse albedo, linear RGB.
+    pub diffuse: [f32; 3],
+    /// Table of its gloss.
+    pub table: BaseTable,
 }
 
 /// Values of the base at a texel.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct BaseTexel {
-    /// Diffuse albedo, linear RGB.
+    /// Diffuse albedo, linear RGB; with materials, the tint.
     pub diffuse: [f32; 3],
-    /// Factor of the table.
+    /// Factor of the table; with two materials, the share of the second.
     pub gloss: f32,
     /// Unit normal, in the frame of the reference plane.
     pub normal: [f32; 3],
@@ -52,9 +75,9 @@ fn dot(a: [f32; 3], b: [f32; 3]) -> f32 {
 }
 
 impl BaseAngles {
-    /// Angles for unit vectors; `None` if the light is behind the surface.
+    /// Angles for unit vectors and tables with this axis; `None` if the light is behind the surface.
     #[inline]
-    pub fn new(normal: [f32; 3], view: [f32; 3], light: [f32; 3]) -> Option<Self> {
+    pub fn new(axis: Axis, normal: [f32; 3], view: [f32; 3], light: [f32; 3]) -> Option<Self> {
         let cosine = dot(normal, light).min(1.0);
         if cosine <= 0.0 {
             return None;
@@ -64,8 +87,19 @@ impl BaseAngles {
         let length = dot(sum, sum).sqrt();
         // Opposite vectors have no half vector.
         let scale = if length > 1e-6 { 1.0 / length } else { 0.0 };
-        let apart = [normal[0] - scale * sum[0], normal[1] - scale * sum[1], normal[2] - scale * sum[2]];
-        let half = (0.5 * dot(apart, apart)).min(1.0).sqrt().sqrt() * (HALF_ANGLES - 1) as f32;
+        let apart = match axis {
+            Axis::Half => {
+                let apart = [normal[0] - scale * sum[0], normal[1] - scale * sum[1], normal[2] - scale * sum[2]];
+                0.5 * dot(apart, apart)
+            }
+            Axis::Mirror => {
+                let twice = 2.0 * cosine;
+                let mirror = [twice * normal[0] - light[0], twice * normal[1] - light[1], twice * normal[2] - light[2]];
+                let apart = [view[0] - mirror[0], view[1] - mirror[1], view[2] - mirror[2]];
+                0.25 * dot(apart, apart)
+            }
+        };
+        let half = apart.min(1.0).sqrt().sqrt() * (HALF_ANGLES - 1) as f32;
         let difference = (1.0 - (0.5 * length).min(1.0)) * (DIFFERENCE_ANGLES - 1) as f32;
         let i = half.floor().min((HALF_ANGLES - 2) as f32);
         let j = difference.floor().min((DIFFERENCE_ANGLES - 2) as f32);
@@ -82,7 +116,7 @@ impl BaseAngles {
 }
 
 impl BaseTable {
-    /// Creates a table from `48 x 8` entries, difference angle fastest.
+    /// Creates a table over half angles from `48 x 8` entries, difference angle fastest.
     ///
     /// # Errors
     /// Returns an error if the number of entries is wrong or a number is not in 0 to [`MAX_BASE`].
@@ -98,13 +132,24 @@ impl BaseTable {
                 let allowed = format!("numbers of 0 to {MAX_BASE}");
                 Err(FormatError::whole(format!("entry ({i}, {j}) of the base"), format!("{:?}", entries[at]), allowed))
             }
-            None => Ok(Self { entries }),
+            None => Ok(Self { axis: Axis::Half, entries }),
         }
     }
 
     /// Table of a base without glossy reflection: all entries are 0.
     pub fn black() -> Self {
-        Self { entries: vec![[0.0; 3]; HALF_ANGLES * DIFFERENCE_ANGLES] }
+        Self { axis: Axis::Half, entries: vec![[0.0; 3]; HALF_ANGLES * DIFFERENCE_ANGLES] }
+    }
+
+    /// The same entries over another axis.
+    #[must_use]
+    pub fn over(self, axis: Axis) -> Self {
+        Self { axis, ..self }
+    }
+
+    /// Angle of the first axis.
+    pub fn axis(&self) -> Axis {
+        self.axis
     }
 
     /// All entries, difference angle fastest.
@@ -125,11 +170,37 @@ impl BaseTable {
     /// light: `diffuse cos θi + gloss T(half angle, difference angle) geometry`, 0 to [`MAX_BASE`].
     #[inline]
     pub fn colour(&self, texel: &BaseTexel, view: [f32; 3], light: [f32; 3]) -> [f32; 3] {
-        let Some(angles) = BaseAngles::new(texel.normal, view, light) else { return [0.0; 3] };
+        let Some(angles) = BaseAngles::new(self.axis, texel.normal, view, light) else { return [0.0; 3] };
         let table = self.at(&angles.taps);
         let gloss = texel.gloss * angles.geometry;
         [0, 1, 2].map(|c: usize| (texel.diffuse[c] * angles.cosine + gloss * table[c]).min(MAX_BASE))
     }
+}
+
+impl BaseMaterial {
+    /// Value under a normal in a view under an unshadowed light, linear RGB.
+    #[inline]
+    pub fn value(&self, normal: [f32; 3], view: [f32; 3], light: [f32; 3]) -> [f32; 3] {
+        let Some(angles) = BaseAngles::new(self.table.axis, normal, view, light) else { return [0.0; 3] };
+        let table = self.table.at(&angles.taps);
+        [0, 1, 2].map(|c: usize| self.diffuse[c] * angles.cosine + angles.geometry * table[c])
+    }
+}
+
+/// Colour of a texel of one or two materials, linear RGB, 0 to [`MAX_BASE`]: `tint ((1 - share) first + share second)`.
+#[inline]
+pub(super) fn blended_materials(
+    materials: &[BaseMaterial],
+    texel: &BaseTexel,
+    view: [f32; 3],
+    light: [f32; 3],
+) -> [f32; 3] {
+    let mut value = materials[0].value(texel.normal, view, light);
+    if let Some(second) = materials.get(1) {
+        let second = second.value(texel.normal, view, light);
+        value = [0, 1, 2].map(|c: usize| (1.0 - texel.gloss) * value[c] + texel.gloss * second[c]);
+    }
+    [0, 1, 2].map(|c: usize| (texel.diffuse[c] * value[c]).max(0.0).min(MAX_BASE))
 }
 
 /// Decodes the components of the two base layers: `diffuse` red, green, blue, `gloss`; and the normal.
@@ -137,7 +208,7 @@ pub(super) fn base_texel([red, green, blue, gloss, x, x_low, y, y_low]: [f32; 8]
     // NaN becomes the minimum.
     let between = |number: f32, least: f32, most: f32| if number > least { number.min(most) } else { least };
     let albedo = |number: f32| between(number, 0.0, MAX_ALBEDO);
-    let slope = |number: f32| between(number, -MAX_COORDINATE, MAX_COORDINATE);
+    let slope = |number: f32| between(number, -MAX_FILTERED_SLOPE, MAX_FILTERED_SLOPE);
     let (p, q) = (slope(x + x_low), slope(y + y_low));
     let scale = 2.0 / (1.0 + p * p + q * q);
     BaseTexel {
@@ -207,7 +278,7 @@ mod tests {
                 let [x, _, z] = polar(half).map(|c| c * difference.cos() as f32);
                 [x, sign * across, z]
             };
-            let angles = BaseAngles::new([0.0, 0.0, 1.0], pair(1.0), pair(-1.0)).unwrap();
+            let angles = BaseAngles::new(Axis::Half, [0.0, 0.0, 1.0], pair(1.0), pair(-1.0)).unwrap();
             let found = |of: fn(usize) -> usize| {
                 angles.taps.iter().map(|(at, weight)| of(*at) as f64 * f64::from(*weight)).sum::<f64>()
             };

@@ -1,6 +1,6 @@
 //! The part `basis`: components for each view and light, and the table of the base.
 
-use super::base::BaseTable;
+use super::base::{Axis, BaseMaterial, BaseTable, BaseTexel, MAX_BASE, blended_materials};
 use super::header::{BASIS_PART, DIFFERENCE_ANGLES, FactoredErrors, FactoredHeader, GROUP, HALF_ANGLES};
 use crate::FormatError;
 use crate::container::{Extent, TexelFormat, Texture};
@@ -12,8 +12,11 @@ use crate::flat_btf::layout::{check_format, words, wrong_extent};
 pub struct BasisMap {
     header: FactoredHeader,
     base: BaseTable,
+    materials: Vec<BaseMaterial>,
     words: Vec<u32>,
 }
+
+const ENTRIES: usize = HALF_ANGLES * DIFFERENCE_ANGLES;
 
 impl BasisMap {
     /// Creates a basis from the words of its texels, row by row.
@@ -28,10 +31,53 @@ impl BasisMap {
             return Err(FormatError::whole(field, words.len().to_string(), format!("{expected}, as the header says")));
         }
         let first = 4 * header.basis_extent()[0] as usize * header.views.len();
-        let entries = words[first..].chunks_exact(4).take(HALF_ANGLES * DIFFERENCE_ANGLES);
-        let entries = entries.map(|texel| [texel[0], texel[1], texel[2]].map(f32::from_bits));
-        let base = BaseTable::new(entries.collect())?;
-        Ok(Self { header, base, words })
+        let colours = words[first..].chunks_exact(4).map(|texel| [texel[0], texel[1], texel[2]].map(f32::from_bits));
+        let colours: Vec<[f32; 3]> = colours.collect();
+        let tables = header.tables() as usize;
+        let axis = |k: usize| if header.axes >> k & 1 == 1 { Axis::Mirror } else { Axis::Half };
+        let table = |k: usize| Ok(BaseTable::new(colours[k * ENTRIES..][..ENTRIES].to_vec())?.over(axis(k)));
+        let base = table(0)?;
+        let material = |k: usize| {
+            let diffuse = colours[tables * ENTRIES + k];
+            if !diffuse.iter().all(|c| (0.0..=MAX_BASE).contains(c)) {
+                let field = format!("diffuse albedo of material {k}");
+                return Err(FormatError::whole(field, format!("{diffuse:?}"), format!("numbers of 0 to {MAX_BASE}")));
+            }
+            Ok(BaseMaterial { diffuse, table: table(k)? })
+        };
+        let materials = (0..header.materials as usize).map(material).collect::<Result<_, FormatError>>()?;
+        Ok(Self { header, base, materials, words })
+    }
+
+    /// Creates the basis of one or two materials. The header's number of materials and axes are replaced.
+    ///
+    /// # Errors
+    /// Returns an error if the header is out of range or has groups, or for another number of materials.
+    pub fn of_materials(header: FactoredHeader, materials: &[BaseMaterial]) -> Result<Self, FormatError> {
+        let axis = |(k, material): (usize, &BaseMaterial)| (material.table.axis() as u32) << k;
+        let axes = materials.iter().enumerate().map(axis).sum();
+        let header = FactoredHeader { materials: materials.len() as u32, axes, ..header };
+        header.check()?;
+        let entries = materials.iter().flat_map(|material| material.table.entries());
+        let colours = entries.copied().chain(materials.iter().map(|material| material.diffuse));
+        let mut words: Vec<u32> = colours.flat_map(|[r, g, b]| [r.to_bits(), g.to_bits(), b.to_bits(), 0]).collect();
+        words.resize(4 * Extent::D2(header.basis_extent()).texels() as usize, 0);
+        Self::new(header, words)
+    }
+
+    /// Colour of a texel's base in a view under an unshadowed light, linear RGB relative to a white diffuser that faces
+    /// the light, 0 to [`MAX_BASE`].
+    #[inline]
+    pub fn colour(&self, texel: &BaseTexel, view: [f32; 3], light: [f32; 3]) -> [f32; 3] {
+        if self.materials.is_empty() {
+            return self.base.colour(texel, view, light);
+        }
+        blended_materials(&self.materials, texel, view, light)
+    }
+
+    /// Materials, if there are any.
+    pub fn materials(&self) -> &[BaseMaterial] {
+        &self.materials
     }
 
     /// Creates a basis from a table and integers. `steps(view, light, colour, component)` is called in order; its
@@ -44,6 +90,7 @@ impl BasisMap {
         base: &BaseTable,
         mut steps: impl FnMut(usize, usize, usize, usize) -> i32,
     ) -> Result<Self, FormatError> {
+        let header = FactoredHeader { axes: base.axis() as u32, ..header };
         header.check()?;
         let wide = header.wide_groups as usize * GROUP;
         let stride = 4 * header.texels_per_colour() as usize;
@@ -53,7 +100,7 @@ impl BasisMap {
         for (texel, entry) in words[components..].chunks_exact_mut(4).zip(base.entries()) {
             texel[..3].copy_from_slice(&entry.map(f32::to_bits));
         }
-        for (at, line) in words[..components].chunks_exact_mut(stride).enumerate() {
+        for (at, line) in words[..components].chunks_exact_mut(stride.max(1)).enumerate() {
             let (view, light, colour) = (at / 3 / lights, at / 3 % lights, at % 3);
             for component in 0..header.components() {
                 let step = steps(view, light, colour, component);

@@ -17,8 +17,7 @@ const BASE_NUMBERS: usize = BASE_LAYERS as usize * GROUP;
 const UNIT: f32 = 1.0 / 255.0;
 
 /// Factored flat BTF: a shadow for each texel and light, times a base plus a sum of components for each view and light
-/// with weights for each texel. It replaces all views; the parts that find a texel
-/// ([`super::super::FlatBtfDecoder::indirection`]) remain.
+/// with weights for each texel. It replaces all views. Without components, the base alone is the value.
 #[derive(Debug, Clone, PartialEq)]
 pub struct FactoredFlatBtf {
     basis: BasisMap,
@@ -62,6 +61,41 @@ impl FactoredTexel<'_> {
         let shadow = asset.lit(&self.place, light);
         let directions = [asset.views[view as usize], asset.lights[light as usize]];
         asset.colour(&self.base, directions, asset.sum(&self.components, view, light)).map(|channel| shadow * channel)
+    }
+
+    /// Value in a view under a light, relative to a white diffuser that faces the light: linear RGB, 0 or more. Sums of
+    /// components and shadows are blended over the sampled directions. The base is evaluated for the exact directions,
+    /// with the light raised to the lowest sampled light. Without components only the base is evaluated.
+    ///
+    /// # Panics
+    /// Panics if weights refer to views or lights that do not exist.
+    pub fn blended(&self, view: BlendedDirection, light: BlendedDirection) -> [f32; 3] {
+        let asset = self.asset;
+        if asset.header().groups == 0 {
+            return asset.basis.colour(&self.base, view.direction, light.direction);
+        }
+        let (views, lights) = (view.samples, light.samples);
+        let lit =
+            |index: usize| if lights.weights[index] == 0.0 { 0.0 } else { asset.lit(&self.place, lights.indices[index]) };
+        let shadow = lights.weights[0] * lit(0) + lights.weights[1] * lit(1) + lights.weights[2] * lit(2);
+        let mut sum = [0.0f32; 3];
+        for (view, view_weight) in views.indices.into_iter().zip(views.weights) {
+            if view_weight == 0.0 {
+                continue;
+            }
+            for (k, light) in lights.indices.into_iter().enumerate() {
+                if lights.weights[k] == 0.0 {
+                    continue;
+                }
+                let weight = view_weight * lights.weights[k];
+                let of_pair = asset.sum(&self.components, view, light);
+                for colour in 0..3 {
+                    sum[colour] += weight * of_pair[colour];
+                }
+            }
+        }
+        let light = raised(light.direction, asset.lowest_light);
+        asset.colour(&self.base, [view.direction, light], sum).map(|channel| shadow * channel)
     }
 }
 
@@ -125,7 +159,7 @@ impl FactoredFlatBtf {
             }
         }
         let (views, lights) = (unit_vectors(&header.views), unit_vectors(&header.lights));
-        let lowest_light = lights.iter().map(|light| light[2]).fold(1.0, f32::min);
+        let lowest_light = lights.iter().map(|light| light[2]).reduce(f32::min).unwrap_or(0.0);
         Ok(Self { basis, weights, shadow, views, lights, lowest_light })
     }
 
@@ -160,47 +194,15 @@ impl FactoredFlatBtf {
         self.header().gpu_bytes()
     }
 
-    /// Value at parameters of the flat BTF, relative to a white diffuser that faces the light: linear RGB, 0 or more.
-    /// `uv` is unbounded with period 1; `level_of_detail` refers to the texels, 0 the finest. Weights and shadows are
-    /// filtered. Sums of components and shadows are blended over the sampled directions. The base is evaluated for the
-    /// exact directions, with the light raised to the lowest sampled light.
-    ///
-    /// # Panics
-    /// Panics if weights refer to views or lights that do not exist.
-    pub fn value(
-        &self,
-        uv: [f32; 2],
-        level_of_detail: f32,
-        view: BlendedDirection,
-        light: BlendedDirection,
-    ) -> [f32; 3] {
+    /// Filtered texels at parameters of the flat BTF. `uv` is unbounded with period 1; `level_of_detail` refers to the
+    /// texels, 0 the finest.
+    pub fn filtered(&self, uv: [f32; 2], level_of_detail: f32) -> FactoredTexel<'_> {
         let place = Place::new(uv, level_of_detail, self.header().size, self.header().levels);
         let (base, components) = self.texel_at(&place);
-        let (views, lights) = (view.samples, light.samples);
-        let lit =
-            |index: usize| if lights.weights[index] == 0.0 { 0.0 } else { self.lit(&place, lights.indices[index]) };
-        let shadow = lights.weights[0] * lit(0) + lights.weights[1] * lit(1) + lights.weights[2] * lit(2);
-        let mut sum = [0.0f32; 3];
-        for (view, view_weight) in views.indices.into_iter().zip(views.weights) {
-            if view_weight == 0.0 {
-                continue;
-            }
-            for (k, light) in lights.indices.into_iter().enumerate() {
-                if lights.weights[k] == 0.0 {
-                    continue;
-                }
-                let weight = view_weight * lights.weights[k];
-                let of_pair = self.sum(&components, view, light);
-                for colour in 0..3 {
-                    sum[colour] += weight * of_pair[colour];
-                }
-            }
-        }
-        let light = raised(light.direction, self.lowest_light);
-        self.colour(&base, [view.direction, light], sum).map(|channel| shadow * channel)
+        FactoredTexel { asset: self, place, base, components }
     }
 
-    /// Height of the lowest sampled light above the surface, the cosine of its polar angle.
+    /// Height of the lowest sampled light above the surface, the cosine of its polar angle; 0 without lights.
     pub fn lowest_light(&self) -> f32 {
         self.lowest_light
     }
@@ -273,7 +275,7 @@ impl FactoredFlatBtf {
 
     /// Colour of a base and a sum in a view under an unshadowed light.
     fn colour(&self, base: &BaseTexel, [view, light]: [[f32; 3]; 2], sum: [f32; 3]) -> [f32; 3] {
-        let opponent = to_opponent(self.basis.base().colour(base, view, light));
+        let opponent = to_opponent(self.basis.colour(base, view, light));
         let all = [opponent[0] + sum[0], opponent[1] + sum[1], opponent[2] + sum[2]];
         from_opponent(self.header().chroma.bound(all))
     }

@@ -3,15 +3,15 @@
 // File layout: `formats/src/flat_btf/factored/spec.md`. The CPU decoder `FactoredFlatBtf` of the crate `brdfc-formats`
 // performs the same steps in the same order.
 //
-// Usage: append this file to `decoder.wgsl`, whose texture of values may then be any 2D array, move the bindings as
-// needed, and call
+// Usage: append this file to `decoder.wgsl`, move the bindings as needed, and call
 //
-//     let seen = flat_btf_indirection(uv, view);
-//     let value = factored_value(seen.xy, level_of_detail, view, light, views, lights);
+//     let place = factored_place(parameters, level_of_detail);
+//     let base = factored_load(place);
+//     let value = factored_value(place, base, view, light, views, lights);
 //
 // view and light are unit vectors; views and lights are the sampled directions that approximate them. level_of_detail
 // refers to the flat BTF's texels, 0 the finest; factored_mipmap_level computes it in a fragment shader, in uniform
-// control flow. Values are the same as those of flat_btf_full.
+// control flow. Without components, factored_base_colour is the value.
 //
 // With the sampler this takes a fetch per group of four components, two for the base and one per light, four loads of
 // the base's table, and 3 ceil((groups + wide groups) / 4) loads per pair of a view and a light. Manual filtering takes
@@ -23,22 +23,27 @@ const FACTORED_BASE_LAYERS: u32 = 2u;
 // Half angles and difference angles of the base's table.
 const FACTORED_HALF_ANGLES: u32 = 48u;
 const FACTORED_DIFFERENCE_ANGLES: u32 = 8u;
+const FACTORED_ENTRIES: u32 = 384u;
 const FACTORED_LARGEST_BASE: f32 = 65536.0;
 const FACTORED_LARGEST_ALBEDO: f32 = 1024.0;
 const FACTORED_LEAST_COSINES: f32 = 0.1;
 // Above the cube root of any value that a flat BTF stores.
 const FACTORED_LARGEST_ROOT: f32 = 41.0;
 
-// Same fields and order as `FactoredParameters` of `brdfc-formats`. 1376 bytes.
+// Same fields and order as `FactoredParameters` of `brdfc-formats`. 1392 bytes.
 struct FactoredParameters {
     size: u32,          // T: the flat BTF has T x T texels
     levels: u32,        // mipmap levels of weights and shadows
-    groups: u32,        // groups of four components
+    groups: u32,        // groups of four components; 0: the base alone is the value
     wide_groups: u32,   // number of groups with 16 bits in the basis, the others have 8
     shadowed: u32,      // 0: all lights reach all texels
     chroma: u32,        // four signed bytes: minimum and maximum ratios of both opponent colours to lightness, times 48
     views: u32,         // rows of the basis before the base's table
     lowest_light: f32,  // cosine of the largest polar angle of a sampled light
+    materials: u32,     // 0: texels have albedos, and share one table; 1 or 2: texels have a tint
+    axes: u32,          // bit k: table k is over mirror angles, otherwise over half angles
+    reserved_0: u32,
+    reserved_1: u32,
     steps: array<vec4<f32>, 48>,    // three opponent colours, 16 groups each
     scales: array<vec4<f32>, 18>,   // of weights, the base's first
     lows: array<vec4<f32>, 18>,
@@ -53,6 +58,12 @@ struct FactoredParameters {
 @group(1) @binding(26) var factored_basis: texture_2d<u32>;
 // Linear filter within and between mipmap levels; repeat.
 @group(1) @binding(27) var factored_sampler: sampler;
+
+// Three sampled directions and their weights; directions with weight 0 are not fetched.
+struct FactoredWeights {
+    indices: vec3<u32>,
+    weights: vec3<f32>,
+}
 
 // A point of the flat BTF and the mipmap levels around a level of detail.
 struct FactoredPlace {
@@ -72,25 +83,36 @@ struct FactoredBase {
 var<private> factored_components: array<vec4<f32>, FACTORED_MAX_GROUPS>;
 
 // Level of detail of a pixel from the differences of uv to the pixels on the right and below, dpdx(uv) and dpdy(uv):
-// the mean, in octaves, of both sides of its footprint. The longer side alone would blur across it, over texels that
-// are hidden neighbours in a flat BTF. With n x n samples per pixel subtract log2(n).
+// half the mean, in octaves, of both sides of its footprint. The longer side alone would blur across it, over texels
+// that are hidden neighbours in a flat BTF; half of it keeps the shadows of the relief. With n x n samples per pixel
+// subtract log2(n).
 fn factored_mipmap_level(right: vec2<f32>, below: vec2<f32>) -> f32 {
     let across = right * f32(factored_parameters.size);
     let down = below * f32(factored_parameters.size);
-    return max(0.25 * log2(max(dot(across, across) * dot(down, down), 1e-20)), 0.0);
+    return max(0.25 * log2(max(dot(across, across) * dot(down, down), 1e-20)) - 1.0, 0.0);
 }
 
-fn factored_value(
-    uv: vec2<f32>, level_of_detail: f32, view: vec3<f32>, light: vec3<f32>, views: FlatBtfWeights, lights: FlatBtfWeights
-) -> vec3<f32> {
+// The texels around a point of the flat BTF.
+fn factored_place(uv: vec2<f32>, level_of_detail: f32) -> FactoredPlace {
     let last = f32(factored_parameters.levels - 1u);
     let detail = min(max(level_of_detail, 0.0), last);
-    let place = FactoredPlace(
+    return FactoredPlace(
         vec2<f32>(flat_btf_wrap(uv.x), flat_btf_wrap(uv.y)), u32(floor(detail)), detail - floor(detail));
+}
+
+// Loads the weights of all components, and the base.
+fn factored_load(place: FactoredPlace) -> FactoredBase {
     for (var group = 0u; group < factored_parameters.groups; group += 1u) {
         factored_components[group] = factored_numbers(place, FACTORED_BASE_LAYERS + group);
     }
-    let base = factored_base(place);
+    return factored_base(place);
+}
+
+// Value in a view under a light, after factored_load of the same place.
+fn factored_value(
+    place: FactoredPlace, base: FactoredBase, view: vec3<f32>, light: vec3<f32>,
+    views: FactoredWeights, lights: FactoredWeights
+) -> vec3<f32> {
     var shadows = vec3<f32>(0.0);
     for (var l = 0u; l < 3u; l += 1u) {
         if lights.weights[l] != 0.0 {
@@ -146,29 +168,55 @@ fn factored_base_colour(base: FactoredBase, view: vec3<f32>, light: vec3<f32>) -
         return vec3<f32>(0.0);
     }
     let outgoing = min(max(factored_dot(base.normal, view), 0.0), 1.0);
+    let geometry = cosine / max(cosine + outgoing, FACTORED_LEAST_COSINES);
+    let first = factored_gloss(0u, base.normal, cosine, view, light);
+    if factored_parameters.materials == 0u {
+        let gloss = base.gloss * geometry;
+        return min(base.diffuse * cosine + gloss * first, vec3<f32>(FACTORED_LARGEST_BASE));
+    }
+    var value = factored_diffuse(0u) * cosine + geometry * first;
+    if factored_parameters.materials > 1u {
+        let gloss = factored_gloss(1u, base.normal, cosine, view, light);
+        let second = factored_diffuse(1u) * cosine + geometry * gloss;
+        value = (1.0 - base.gloss) * value + base.gloss * second;
+    }
+    return min(max(base.diffuse * value, vec3<f32>(0.0)), vec3<f32>(FACTORED_LARGEST_BASE));
+}
+
+// Interpolates a table.
+fn factored_gloss(table: u32, normal: vec3<f32>, cosine: f32, view: vec3<f32>, light: vec3<f32>) -> vec3<f32> {
     let sum = view + light;
     let length = sqrt(factored_dot(sum, sum));
     var scale = 0.0;
     if length > 1e-6 {
         scale = 1.0 / length;
     }
-    let apart = base.normal - scale * sum;
-    let half_angle = sqrt(sqrt(min(0.5 * factored_dot(apart, apart), 1.0))) * f32(FACTORED_HALF_ANGLES - 1u);
+    var apart = normal - scale * sum;
+    var share = 0.5;
+    if ((factored_parameters.axes >> table) & 1u) == 1u {
+        apart = view - (2.0 * cosine * normal - light);
+        share = 0.25;
+    }
+    let angle = sqrt(sqrt(min(share * factored_dot(apart, apart), 1.0))) * f32(FACTORED_HALF_ANGLES - 1u);
     let difference = (1.0 - min(0.5 * length, 1.0)) * f32(FACTORED_DIFFERENCE_ANGLES - 1u);
-    let i = min(floor(half_angle), f32(FACTORED_HALF_ANGLES - 2u));
+    let i = min(floor(angle), f32(FACTORED_HALF_ANGLES - 2u));
     let j = min(floor(difference), f32(FACTORED_DIFFERENCE_ANGLES - 2u));
-    let across = half_angle - i;
+    let across = angle - i;
     let along = difference - j;
-    let first = u32(i) * FACTORED_DIFFERENCE_ANGLES + u32(j);
+    let first = table * FACTORED_ENTRIES + u32(i) * FACTORED_DIFFERENCE_ANGLES + u32(j);
     var entry = (1.0 - across) * (1.0 - along) * factored_entry(first);
     entry += (1.0 - across) * along * factored_entry(first + 1u);
     entry += across * (1.0 - along) * factored_entry(first + FACTORED_DIFFERENCE_ANGLES);
     entry += across * along * factored_entry(first + FACTORED_DIFFERENCE_ANGLES + 1u);
-    let gloss = base.gloss * (cosine / max(cosine + outgoing, FACTORED_LEAST_COSINES));
-    return min(base.diffuse * cosine + gloss * entry, vec3<f32>(FACTORED_LARGEST_BASE));
+    return entry;
 }
 
-// Entry of the base's table.
+// Diffuse albedo of a material.
+fn factored_diffuse(material: u32) -> vec3<f32> {
+    return factored_entry(factored_parameters.materials * FACTORED_ENTRIES + material);
+}
+
+// Entry of the base's tables, or a diffuse albedo after them.
 fn factored_entry(at: u32) -> vec3<f32> {
     let width = textureDimensions(factored_basis).x;
     let texel = textureLoad(factored_basis, vec2<u32>(at % width, factored_parameters.views + at / width), 0);

@@ -23,10 +23,14 @@ pub const DIFFERENCE_ANGLES: usize = 8;
 pub const BASE_LAYERS: u32 = 2;
 
 pub(super) const BASIS_PART: &str = "basis";
-const VERSION: u32 = 2;
+/// Columns of the basis without groups, for which it holds only the base's table.
+const BASE_WIDTH: u32 = 64;
+const VERSION: u32 = 3;
 const KIND: &str = "the basis of a factored flat BTF";
 /// Bytes before the steps.
-const FIXED_BYTES: usize = 4 * (9 + 6);
+const FIXED_BYTES: usize = 4 * (9 + 6 + 2);
+/// Maximum number of materials.
+pub const MAX_MATERIALS: u32 = 2;
 
 /// Storage of the factors by which texels are shadowed from lights.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -76,7 +80,7 @@ pub struct FactoredHeader {
     pub size: u32,
     /// Number of mipmap levels of shadows and weights.
     pub levels: u32,
-    /// `G`, number of groups of four components, 1 to [`MAX_GROUPS`].
+    /// `G`, number of groups of four components, 0 to [`MAX_GROUPS`]. Without groups there are no views and lights.
     pub groups: u32,
     /// Number of groups for which the basis has 16 bits; the others have 8.
     pub wide_groups: u32,
@@ -88,6 +92,11 @@ pub struct FactoredHeader {
     pub lights: Vec<[f32; 2]>,
     /// Range of the colours of its texels.
     pub chroma: ChromaRange,
+    /// Number of materials, 0 to [`MAX_MATERIALS`]: without, texels have diffuse and glossy albedos and share one table;
+    /// with, they have a tint, and there are no groups.
+    pub materials: u32,
+    /// Axes of the tables, bit by bit: 1 is [`super::Axis::Mirror`].
+    pub axes: u32,
     /// Step sizes of the basis: for each opponent colour, for all components.
     pub steps: [Vec<f32>; 3],
     /// Errors from factorisation, at held-out texels.
@@ -99,6 +108,11 @@ fn rejected(field: &str, found: impl ToString, allowed: impl Into<String>) -> Fo
 }
 
 impl FactoredHeader {
+    /// Number of tables.
+    pub fn tables(&self) -> u32 {
+        self.materials.max(1)
+    }
+
     /// `K`, number of components.
     pub fn components(&self) -> usize {
         self.groups as usize * GROUP
@@ -117,7 +131,8 @@ impl FactoredHeader {
     /// Columns and rows of the basis: one row per view, and the rows of the base's table.
     pub fn basis_extent(&self) -> [u32; 2] {
         let width = self.lights.len() as u32 * 3 * self.texels_per_colour();
-        let table = (HALF_ANGLES * DIFFERENCE_ANGLES) as u32;
+        let width = if self.groups == 0 { BASE_WIDTH } else { width };
+        let table = (HALF_ANGLES * DIFFERENCE_ANGLES) as u32 * self.tables() + self.materials;
         [width, self.views.len() as u32 + table.div_ceil(width.max(1))]
     }
 
@@ -149,12 +164,23 @@ impl FactoredHeader {
         checked("size", self.size, 1..=MAX_EXTENT_2D)?;
         let most = Extent::D2([self.size; 2]).most_levels();
         checked("levels", self.levels, 1..=most)?;
-        checked("groups", self.groups, 1..=MAX_GROUPS)?;
+        checked("groups", self.groups, 0..=MAX_GROUPS)?;
         if self.wide_groups > self.groups {
             let allowed = format!("0 to {}, the number of groups", self.groups);
             return Err(rejected("wide groups", self.wide_groups, allowed));
         }
-        check_directions(&self.views, &self.lights)?;
+        checked("materials", self.materials, 0..=MAX_MATERIALS)?;
+        if self.materials > 0 && self.groups > 0 {
+            let allowed = "no groups, because there are materials";
+            return Err(rejected("groups", self.groups, allowed));
+        }
+        checked("axes", self.axes, 0..=(1 << self.tables()) - 1)?;
+        if self.groups > 0 {
+            check_directions(&self.views, &self.lights)?;
+        } else if !(self.views.is_empty() && self.lights.is_empty() && self.shadow == ShadowFormat::None) {
+            let found = format!("{} views and {} lights", self.views.len(), self.lights.len());
+            return Err(rejected("directions", found, "no views, lights and shadows, because there are no groups"));
+        }
         let [width, height] = self.basis_extent();
         if width > MAX_EXTENT_2D {
             let field = format!("size of the part {BASIS_PART}");
@@ -190,9 +216,10 @@ impl FactoredHeader {
         words.push(self.errors.texels);
         let FactoredErrors { texels: _, seen_mean, seen_p95, seen_max, all_mean, all_p95 } = self.errors;
         words.extend([seen_mean, seen_p95, seen_max, all_mean, all_p95].map(f32::to_bits));
-        words.push(self.chroma.word());
+        words.extend([self.chroma.word(), self.materials, self.axes]);
         words.extend(self.steps.iter().flatten().map(|step| step.to_bits()));
-        let mut entries = direction_entries(&self.views, &self.lights);
+        let mut entries =
+            if self.groups > 0 { direction_entries(&self.views, &self.lights) } else { BTreeMap::new() };
         entries.insert(FACTORED.to_owned(), words.into_iter().flat_map(u32::to_le_bytes).collect());
         entries
     }
@@ -205,12 +232,12 @@ impl FactoredHeader {
         let mut cursor = Cursor::new(bytes);
         word(&mut cursor, FACTORED, "version", VERSION..=VERSION)?;
         let (size, levels) = (cursor.u32("size")?, cursor.u32("levels")?);
-        let groups = word(&mut cursor, FACTORED, "groups", 1..=MAX_GROUPS)?;
+        let groups = word(&mut cursor, FACTORED, "groups", 0..=MAX_GROUPS)?;
         let wide_groups = cursor.u32("wide groups")?;
         let last = ShadowFormat::ALL.len() as u32 - 1;
         let shadow = ShadowFormat::ALL[word(&mut cursor, FACTORED, "shadow format", 0..=last)? as usize];
-        let views = word(&mut cursor, FACTORED, "views", 1..=MAX_DIRECTIONS)?;
-        let lights = word(&mut cursor, FACTORED, "lights", 1..=MAX_DIRECTIONS)?;
+        let views = word(&mut cursor, FACTORED, "views", 0..=MAX_DIRECTIONS)?;
+        let lights = word(&mut cursor, FACTORED, "lights", 0..=MAX_DIRECTIONS)?;
         let errors = FactoredErrors {
             texels: cursor.u32("texels")?,
             seen_mean: cursor.f32("seen mean")?,
@@ -220,6 +247,7 @@ impl FactoredHeader {
             all_p95: cursor.f32("all p95")?,
         };
         let chroma = ChromaRange::from_word(cursor.u32("range of colours")?);
+        let (materials, axes) = (cursor.u32("materials")?, cursor.u32("axes")?);
         let components = groups as usize * GROUP;
         let expected = FIXED_BYTES + 3 * 4 * components;
         if bytes.len() != expected {
@@ -230,8 +258,12 @@ impl FactoredHeader {
         for step in steps.iter_mut().flatten() {
             *step = cursor.f32("step")?;
         }
-        let [views, lights] = read_directions(texture, KIND, [views, lights])?;
-        let header = Self { size, levels, groups, wide_groups, shadow, views, lights, chroma, steps, errors };
+        let [views, lights] = match [views, lights] {
+            [0, 0] => [Vec::new(), Vec::new()],
+            counts => read_directions(texture, KIND, counts)?,
+        };
+        let header =
+            Self { size, levels, groups, wide_groups, shadow, views, lights, chroma, materials, axes, steps, errors };
         header.check()?;
         Ok(header)
     }

@@ -106,14 +106,14 @@ impl WeightMap {
     const PART: &'static str = "weights";
 
     /// Creates weights from texels of four bytes: all mipmap levels from the finest, layer by layer, row by row. There
-    /// is one range per component, which determines the number of layers: layers of the base and at least one of
+    /// is one range per component, which determines the number of layers: layers of the base, then layers of
     /// components.
     ///
     /// # Errors
     /// Returns an error if sizes are out of range, the number of bytes is wrong, or ranges are not finite or not four
     /// per layer.
     pub fn new(size: u32, levels: u32, ranges: Vec<WeightRange>, texels: Vec<u8>) -> Result<Self, FormatError> {
-        let least = (BASE_LAYERS as usize + 1) * GROUP;
+        let least = BASE_LAYERS as usize * GROUP;
         if !ranges.len().is_multiple_of(GROUP) || ranges.len() < least {
             let field = format!("numbers of the part {}", Self::PART);
             return Err(FormatError::whole(

@@ -13,12 +13,14 @@ mod header;
 mod maps;
 pub mod shader;
 
-pub use base::{BaseAngles, BaseTable, BaseTexel, MAX_BASE, slope_ranges, slope_texel, slope_words};
+pub use base::{
+    Axis, BaseAngles, BaseMaterial, BaseTable, BaseTexel, MAX_BASE, slope_ranges, slope_texel, slope_words,
+};
 pub use basis::BasisMap;
 pub use decode::{FactoredFlatBtf, FactoredTexel};
 pub use domain::{ChromaRange, cube_root, from_opponent, to_opponent};
-pub(crate) use header::FACTORED as FACTORED_ENTRY;
 pub use header::{
-    BASE_LAYERS, DIFFERENCE_ANGLES, FactoredErrors, FactoredHeader, GROUP, HALF_ANGLES, MAX_GROUPS, ShadowFormat,
+    BASE_LAYERS, DIFFERENCE_ANGLES, FactoredErrors, FactoredHeader, GROUP, HALF_ANGLES, MAX_GROUPS, MAX_MATERIALS,
+    ShadowFormat,
 };
 pub use maps::{ShadowMap, WeightMap, WeightRange};

@@ -17,7 +17,7 @@ pub struct FactoredParameters;
 
 impl FactoredParameters {
     /// Size of the block, bytes.
-    pub const SIZE: usize = 32 + 4 * GROUP * (3 * MAX_GROUPS + 2 * (BASE_LAYERS + MAX_GROUPS)) as usize;
+    pub const SIZE: usize = 48 + 4 * GROUP * (3 * MAX_GROUPS + 2 * (BASE_LAYERS + MAX_GROUPS)) as usize;
 
     /// The block of an asset as the shader reads it: little-endian fields in order, padded with zeros.
     pub fn to_bytes(asset: &FactoredFlatBtf) -> Vec<u8> {
@@ -25,7 +25,7 @@ impl FactoredParameters {
         let shadowed = u32::from(asset.shadow().is_some());
         let chroma = header.chroma.word();
         let mut words = vec![header.size, header.levels, header.groups, header.wide_groups, shadowed, chroma];
-        words.extend([header.views.len() as u32, asset.lowest_light().to_bits()]);
+        words.extend([header.views.len() as u32, asset.lowest_light().to_bits(), header.materials, header.axes, 0, 0]);
         let mut numbers = |numbers: Vec<f32>, layers: u32| {
             let first = words.len();
             words.extend(numbers.into_iter().map(f32::to_bits));

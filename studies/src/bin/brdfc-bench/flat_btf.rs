@@ -2,12 +2,12 @@
 
 use super::arguments::Arguments;
 use brdfc_core::address::SYNTH_PREFIX;
+use brdfc_core::words::{format_number, quoted};
 use brdfc_flat_btf::structures::STRUCTURES;
-use brdfc_formats::container::MAX_EXTENT_2D;
 use brdfc_source::Input;
 use brdfc_studies::StudyResult;
 use brdfc_studies::flat_btf::{ModelRow, StudyError, StudySettings, study_model};
-use brdfc_terminal::directions::{INDIRECTION, by_flags, default_set, direction_set, map_header};
+use brdfc_terminal::directions::{default_set, direction_set};
 use brdfc_terminal::output::remark;
 use brdfc_terminal::table::plain;
 use brdfc_terminal::{Common, Error};
@@ -16,16 +16,19 @@ use std::time::{Duration, Instant};
 
 /// Texels of the plane per side. The flat BTF has twice as many per side, 256 as in the paper.
 const TEXELS: usize = 128;
-const MAX_ANGLE: f64 = 80.0;
-/// Maximum number of texels of the plane per side, limited by the indirection map with these views.
-const MAX_TEXELS: usize = (MAX_EXTENT_2D / 25) as usize;
+/// Polar angles x azimuths of the indirection map. Azimuths are as close as in `ubo2003` at its largest polar angle,
+/// where blending views loses most.
+const INDIRECTION: &str = "16x24";
+const LARGEST_ANGLE: f64 = 80.0;
+/// Maximum number of samples of the indirection map, 512 MiB.
+const MAX_SAMPLES: usize = 1 << 26;
 /// Minimum time between progress messages.
 const BETWEEN_REMARKS: Duration = Duration::from_secs(5);
 
 pub(super) fn run(arguments: &Arguments, common: Common) -> Result<StudyResult, Error> {
     let texels = arguments.texels.unwrap_or(TEXELS);
     let flat_texels = arguments.flat_texels.unwrap_or(2 * texels.next_power_of_two());
-    for (option, value, most) in [("texels", texels, MAX_TEXELS), ("flat-texels", flat_texels, 1024)] {
+    for (option, value, most) in [("texels", texels, 512), ("flat-texels", flat_texels, 1024)] {
         if !(8..=most).contains(&value) {
             return Err(Error::usage(format!("--{option}: found {value}, expected 8 to {most}")));
         }
@@ -33,15 +36,22 @@ pub(super) fn run(arguments: &Arguments, common: Common) -> Result<StudyResult, 
     if !flat_texels.is_power_of_two() {
         return Err(Error::usage(format!("--flat-texels: found {flat_texels}, expected a power of two")));
     }
-    let largest_angle = arguments.largest_angle.unwrap_or(MAX_ANGLE);
-    let map = map_header(texels as u32, arguments.indirection.as_deref().unwrap_or(INDIRECTION), largest_angle)?;
-    map.check().map_err(|error| Error::usage(by_flags(&error)))?;
+    let largest_angle = arguments.largest_angle.unwrap_or(LARGEST_ANGLE);
+    if !(largest_angle > 0.0 && largest_angle <= 89.0) {
+        return Err(Error::wrong_usage("--largest-angle", format_number(largest_angle), "above 0, up to 89 degrees"));
+    }
+    let indirection = views_of_map(arguments.indirection.as_deref().unwrap_or(INDIRECTION))?;
+    let samples = texels * texels * indirection.map(|count| count as usize).into_iter().product::<usize>();
+    if samples > MAX_SAMPLES {
+        let allowed = format!("at most {MAX_SAMPLES}; lower --texels or --indirection");
+        return Err(Error::wrong_usage("--texels x --indirection", format!("a map of {samples} samples"), allowed));
+    }
     let directions = direction_set("directions", arguments.directions.as_ref().unwrap_or(&default_set()))?;
     let settings = StudySettings {
         texels,
         flat_texels,
         oversampling: 1,
-        indirection: [map.zenith_samples, map.azimuth_samples],
+        indirection,
         largest_angle,
         rounds: 0,
         directions: directions.name.clone(),
@@ -79,6 +89,14 @@ pub(super) fn run(arguments: &Arguments, common: Common) -> Result<StudyResult, 
     Ok(StudyResult::FlatBtf { settings, rows })
 }
 
+/// Parses numbers of polar angles and azimuths, separated by an `x`.
+fn views_of_map(text: &str) -> Result<[u32; 2], Error> {
+    let pair = text.split_once('x').and_then(|(a, b)| Some([a.parse().ok()?, b.parse().ok()?]));
+    pair.filter(|[zeniths, azimuths]| (2..=256).contains(zeniths) && (3..=256).contains(azimuths)).ok_or_else(|| {
+        Error::wrong_usage("--indirection", quoted(text), "2 to 256 polar angles x 3 to 256 azimuths, such as 16x24")
+    })
+}
+
 pub(super) fn text(settings: &StudySettings, rows: &[ModelRow]) -> String {
     let mut text = format!(
         "{0} views and lights ({1}), {2} x {2} texels of the plane, {3} x {3} of the flat BTF, {4} x {5} views \
@@ -92,15 +110,13 @@ pub(super) fn text(settings: &StudySettings, rows: &[ModelRow]) -> String {
         settings.largest_angle
     );
     text += "Table 1: colour difference (L*a*b*) of BTFs rebuilt by equation 1; maximum and variance of means of images. \
-         Through displacements: as stored, as in renderings; through the map: by an indirection map of \
-         directions and distances; exact rays: instead of both, errors of the flat BTF alone\n";
-    let header = ["model", "through displacements", "max", "variance", "through the map", "max", "variance"];
-    let header = [&header[..], &["exact rays", "max", "variance"]].concat();
+         Through the map: by the indirection map, whose views are blended; exact rays: instead of the map, errors of \
+         the flat BTF alone\n";
+    let header = ["model", "through the map", "max", "variance", "exact rays", "max", "variance"];
     let header = [&header[..], &["paper", "mean", "max", "variance"]].concat();
     text += &table(&header, rows, |row| {
         let (r, p) = (&row.reconstruction, &row.paper.reconstruction);
-        let ours = [r.through_displacements, r.through_map, r.exact_rays]
-            .map(|e| [e.mean, e.largest_image, e.image_variance].map(two));
+        let ours = [r.through_map, r.exact_rays].map(|e| [e.mean, e.largest_image, e.image_variance].map(two));
         let paper = p.map(two);
         [name(row)]
             .into_iter()
@@ -110,11 +126,10 @@ pub(super) fn text(settings: &StudySettings, rows: &[ModelRow]) -> String {
             .collect()
     });
     text += "\nTable 1, means by polar angle of the view. Unblended: through a map that contains each view\n";
-    let header =
-        ["model", "polar angle", "views", "through displacements", "through the map", "unblended", "exact rays"];
+    let header = ["model", "polar angle", "views", "through the map", "unblended", "exact rays"];
     let cells = rows.iter().flat_map(|row| {
         row.reconstruction.angles.iter().map(|a| {
-            let means = [a.through_displacements, a.through_map, a.unblended, a.exact_rays].map(two);
+            let means = [a.through_map, a.unblended, a.exact_rays].map(two);
             [name(row), format!("{:.0}°", a.polar_angle), a.views.to_string()]
                 .into_iter()
                 .chain(means)

@@ -356,18 +356,25 @@ fn flat_btfs_and_renderings_under_light_are_those_of_render() {
         return;
     }
     let folder = Folder::new();
-    let small = ["--texels", "64", "--views", "grid:3x8@60", "--lights", "grid:3x8@60", "--indirection", "8x12"];
-    folder.run(&[&["flatten", "synth:button?resolution=48", "-o", "button"][..], &small].concat()).succeeded();
+    let small = ["--texels", "64", "--views", "grid:3x8@60", "--lights", "grid:3x8@60"];
+    for (name, form) in [("button", "factors"), ("brdf", "brdf")] {
+        let flat = ["flatten", "synth:button?resolution=48", "-o", name, "--reflectance", form];
+        folder.run(&[&flat[..], &small].concat()).succeeded();
+    }
     folder.run(&["pwt", "button", "-o", "view.ktx2"]).succeeded();
     folder.run(&["encode", "synth:lambert?kd=0.5", "-o", "table.ktx2"]).succeeded();
     folder.run(&["encode", "synth:lambert?kd=0.5", "--codec", "wavelet", "-o", "wavelet.ktx2"]).succeeded();
-    let all = ["view", "button", "view.ktx2", "table.ktx2", "wavelet.ktx2", "-o", "view.html", "--json"];
+    let all = ["view", "button", "view.ktx2", "table.ktx2", "wavelet.ktx2", "brdf", "-o", "view.html", "--json"];
     let alone = folder.run(&all).succeeded().json()["bytes_alone"].as_u64().unwrap();
     println!("view: {} KiB are the page's own, with packs of all four kinds", alone >> 10);
     assert!(alone < 300 << 10);
-    let cases = [("button", "plane"), ("button", "teapot"), ("view.ktx2", "")];
-    let changes =
-        [json!({ "scene": "plane", "left": 0, "right": -1 }), json!({ "scene": "teapot" }), json!({ "left": 1 })];
+    let cases = [("button", "plane"), ("button", "teapot"), ("view.ktx2", ""), ("brdf", "plane")];
+    let changes = [
+        json!({ "scene": "plane", "left": 0, "right": -1 }),
+        json!({ "scene": "teapot" }),
+        json!({ "left": 1 }),
+        json!({ "scene": "plane", "left": 4 }),
+    ];
     let mut renders = Renders::of(&folder);
     for (api, name) in APIS {
         let Some(found) = seen(&folder.text("view.html"), SQUARE, api, &changes) else { return };

@@ -1,21 +1,26 @@
 //! Validates recipes and estimates their memory before any work.
 
-use super::recipe::FlattenRecipe;
+use super::recipe::{FlattenRecipe, Reflectance};
 use crate::caster::MAX_POLAR_DEGREES;
-use crate::displacement::coarser;
-use crate::factored::FactoredRecipe;
+use crate::factored::{FactoredRecipe, FactoredTarget};
 use crate::fill::FillMethod;
 use crate::interreflection::Bounces;
+use brdfc_formats::container::MAX_EXTENT_2D;
 use brdfc_formats::FormatError;
 use brdfc_formats::direction_mesh::DirectionMesh;
 use brdfc_formats::direction_set::DirectionSet;
-use brdfc_formats::flat_btf::{DisplacementHeader, FlatHeader, IndirectionHeader};
+use brdfc_formats::flat_btf::FlatHeader;
 use std::f32::consts::TAU;
 
 /// Maximum memory of a recipe, in bytes.
 pub const MAX_BYTES: u64 = 8 << 30;
-/// Bytes per texel: a point of the surface with its normals and material, and the data derived from it.
-const TEXEL_BYTES: u64 = 256;
+/// Bytes per texel: points of the surface with their normals and materials, and the data derived from them.
+const TEXEL_BYTES: u64 = 512;
+/// Bytes per texel of the layers: the lines that cross it, with three sheets each.
+const LAYER_BYTES: u64 = 1536;
+/// Maximum texels of the layers per side.
+const MAX_TEXELS: u32 = 2048;
+const _: () = assert!(MAX_TEXELS <= MAX_EXTENT_2D);
 /// Bytes per texel and light of a view in progress: the value as floats, packed, and as scratch bytes.
 const VALUE_BYTES: u64 = 12;
 /// Maximum number of views in memory at once.
@@ -28,8 +33,10 @@ impl FlattenRecipe {
     /// # Errors
     /// Returns the first value that is out of range.
     pub fn check(&self) -> Result<(), FormatError> {
-        let IndirectionHeader { size, .. } = self.indirection;
-        DisplacementHeader::new(IndirectionHeader { size: size / coarser(size), ..self.indirection }).check()?;
+        if !self.texels.is_power_of_two() || !(4..=MAX_TEXELS).contains(&self.texels) {
+            let allowed = format!("a power of two from 4 to {MAX_TEXELS}");
+            return Err(FormatError::whole("texels", self.texels.to_string(), allowed));
+        }
         for (what, set) in [("views", &self.views), ("lights", &self.lights)] {
             let of_set = |error: FormatError| FormatError { field: format!("{what}, {}", error.field).into(), ..error };
             if let Some(steep) = set.angles.iter().position(|[polar, _]| *polar > MAX_POLAR_DEGREES) {
@@ -42,8 +49,12 @@ impl FlattenRecipe {
         }
         let header = self.header(0);
         header.check()?;
-        if let Some(target) = self.factored {
-            target.check(&header)?;
+        // The reflectance of known materials is smaller than factors: two textures of four bytes.
+        let least = 8 * (self.flat_texels as u64).pow(2);
+        let may_be_brdf = self.reflectance == Reflectance::Auto && self.bounces == 0;
+        let fits = |target| !matches!(target, FactoredTarget::Bytes(most) if most < least);
+        if self.reflectance != Reflectance::Brdf && !(may_be_brdf && fits(self.target)) {
+            self.target.check(&header)?;
         }
         let bytes = self.bytes(1);
         if bytes > MAX_BYTES {
@@ -71,14 +82,17 @@ impl FlattenRecipe {
     pub fn bytes(&self, views_at_once: usize) -> u64 {
         let texels = (self.flat_texels * self.flat_texels) as u64;
         let (views, lights) = (self.views.len() as u64, self.lights.len() as u64);
-        let guide = u64::from(self.fill == FillMethod::Poisson && self.factored.is_some());
+        let guide = u64::from(self.fill == FillMethod::Poisson);
         let per_light = VALUE_BYTES * (views_at_once as u64 + guide) + 1;
-        let map: u64 = self.indirection.extent().into_iter().map(u64::from).product();
+        let layers = LAYER_BYTES * u64::from(self.texels).pow(2);
+        if self.reflectance == Reflectance::Brdf {
+            return texels * TEXEL_BYTES + layers;
+        }
         // Factors are computed after all views.
-        let factors = self.factored.map_or(0, |target| FactoredRecipe::new(target).memory(&self.header(0)));
+        let factors = FactoredRecipe::new(self.target).memory(&self.header(0));
         texels * (TEXEL_BYTES + views)
             + (texels * lights * per_light).max(factors)
-            + 20 * map
+            + layers
             + Bounces::bytes(texels as usize, self.bounces, self.lights.len())
     }
 }
@@ -95,19 +109,17 @@ fn angles(set: &DirectionSet) -> Vec<[f32; 2]> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::factored::FactoredTarget;
 
     fn recipe() -> FlattenRecipe {
         FlattenRecipe {
+            texels: 256,
             flat_texels: 256,
-            indirection: IndirectionHeader { size: 256, zenith_samples: 16, azimuth_samples: 16, largest_angle: 1.4 },
-            oversampling: 2,
             views: DirectionSet::ubo2003(),
             lights: DirectionSet::ubo2003(),
             fill: FillMethod::Poisson,
             bounces: 0,
-            rounds: 0,
-            factored: Some(FactoredTarget::Error(0.7)),
+            reflectance: Reflectance::Auto,
+            target: FactoredTarget::Error(0.7),
         }
     }
 
@@ -118,7 +130,7 @@ mod tests {
     #[test]
     fn the_setting_of_the_paper_fits_into_memory() {
         assert!(recipe().check().is_ok());
-        let light = FlattenRecipe { factored: None, ..recipe() };
+        let light = FlattenRecipe { reflectance: Reflectance::Brdf, ..recipe() };
         for (recipe, most) in [(light, 1u64 << 30), (recipe(), 2 << 30)] {
             let bytes = recipe.bytes(MAX_VIEWS_AT_ONCE);
             assert!(bytes < most, "{bytes}");
@@ -137,7 +149,7 @@ mod tests {
         for (flat_texels, lights, at_once) in [
             (256, DirectionSet::ubo2003(), [1, 2, 8, 8]),
             (1024, DirectionSet::ubo2003(), [1, 2, 6, 6]),
-            (1024, DirectionSet::ubo2014(), [1, 2, 3, 3]),
+            (1024, DirectionSet::ubo2014(), [1, 2, 2, 2]),
         ] {
             let recipe = FlattenRecipe { flat_texels, lights, ..recipe() };
             assert_eq!(on_each(&recipe), at_once.map(|views| (Ok(()), views)));

@@ -13,29 +13,28 @@ mod tests;
 
 pub use check::MAX_BYTES;
 pub use error::EncodeError;
-pub use recipe::{FlattenRecipe, Form};
+pub use recipe::{FlattenRecipe, Reflectance};
 pub use report::{AssetErrors, AssetReport};
 pub use scratch::{MemoryScratch, Scratch};
 
-use crate::displacement::{coarser, displacements};
-use crate::factored::{FactoredRecipe, factor};
-use crate::indirection::indirection;
+use brdfc_formats::flat_btf::factored::MAX_MATERIALS as MAX_BRDF_MATERIALS;
+use crate::factored::{Factored, FactoredRecipe, FactoredTarget, factor, known};
 use crate::interreflection::Bounces;
-use crate::light_field::{ComputedField, visible_from_each};
+use crate::layers::layers;
+use crate::light_field::{ComputedField, LightField, visible_from_each};
 use crate::measured::{MeasuredField, ViewImages};
-use crate::mesh::PeriodicMesh;
+use crate::mesh::{MAX_MATERIALS, PeriodicMesh};
 use crate::model::MesoModel;
 use crate::parameterise::steps;
-use crate::surface::Appearance;
+use crate::surface::{Appearance, SurfacePoint};
+use crate::texels::{TexelSurface, texel_surface};
 use crate::weld::WeldReport;
 use brdfc_core::progress::{Progress, Stage};
 use brdfc_formats::FormatError;
-use brdfc_formats::direction::Vector;
-use brdfc_formats::flat_btf::{
-    DiffuseMap, DisplacementMap, FlatBtfDecoder, FlatBtfParts, FlatValues, NormalMap, ReferenceMap, VisibilityMask,
-};
+use brdfc_formats::direction::{Vector, dot};
+use brdfc_formats::flat_btf::{FlatBtfDecoder, FlatBtfParts, VisibilityMask};
 use pass::Pass;
-use probing::{computed_probes, measured_probes};
+use probing::{from_images, from_surface};
 use scratch::ScratchViews;
 
 /// Input of the encoder. `E` is the error type of the images.
@@ -58,18 +57,18 @@ pub enum ValueSource<'a, E> {
 
 /// A flat BTF with its report and intermediate results.
 pub struct FlatBtfEncoded {
-    /// Parts that a decoder reads. The light form has no values.
-    pub parts: FlatBtfParts,
-    /// Texels that each view sees.
-    pub mask: VisibilityMask,
+    /// The flat BTF, decoded.
+    pub decoder: FlatBtfDecoder,
     /// Measurements of the encoder: sizes, errors and repairs.
     pub report: AssetReport,
     /// The surface with its parameterisation and ray caster.
     pub model: MesoModel,
 }
 
-/// Encodes a surface as a flat BTF. `E` is the error type of the images and of the scratch storage. The scratch storage
-/// takes 4 bytes for each texel, view and light; the light form needs none.
+/// Encodes a surface as a flat BTF. `E` is the error type of the images and of the scratch storage, which takes 4 bytes
+/// for each texel, view and light of a factored reflectance.
+///
+/// Shadows of known materials are left to rays of light. Images contain their shadows, and so does light of one bounce.
 ///
 /// The flat BTF does not depend on the number of threads, which only determines how many views are in memory at once:
 /// [`FlattenRecipe::bytes`].
@@ -84,92 +83,173 @@ pub fn encode<E: Send>(
     progress: &dyn Progress,
 ) -> Result<FlatBtfEncoded, EncodeError<E>> {
     recipe.check()?;
-    progress.stage(Stage::Parameterise, steps(recipe.rounds))?;
-    let model = MesoModel::new(input.mesh, recipe.rounds, progress)?;
-    let texels = model.texels(recipe.flat_texels);
-    let size = recipe.flat_texels as u32;
-    let single = |v: Vector| v.map(|c| c as f32);
-    let normal = NormalMap::new(size, texels.points.iter().map(|p| single(p.normal)).collect())?;
-    let (displacements, reference) = indirection_maps(&model, recipe, progress)?;
-    // The decoder is used for indirections before colours exist.
-    let black = DiffuseMap::new(size, vec![0; texels.points.len()])?;
-    let parts =
-        FlatBtfParts { reference, indirection: displacements.into(), normal, diffuse: black, values: FlatValues::None };
-    let decoder = FlatBtfDecoder::new(parts)?;
-
-    let (views, lights) = (recipe.views.directions(), recipe.lights.directions());
-    let seen_from = |directions: &[Vector], stage| {
-        progress.stage(stage, directions.len())?;
-        visible_from_each(&texels, &model.caster, directions, progress)
-    };
-    let masks = seen_from(&views, Stage::Visibility)?;
-    let lit = seen_from(&lights, Stage::Shadows)?;
-    let scratched = ScratchViews::new(recipe.header(0));
-    let storage = (&scratched, scratch);
-    let pass =
-        Pass { recipe, model: &model, texels: &texels, views: &views, lights: &lights, masks: &masks, lit: &lit };
-    let (diffuse, probes) = match input.values {
-        ValueSource::Computed(appearance) => {
-            let mut field = ComputedField::new(&texels, appearance, &views, &lights, &lit);
-            if recipe.bounces > 0 {
-                progress.stage(Stage::Bounces, Bounces::steps(texels.points.len()))?;
-                let (mesh, caster) = (&model.mesh, &model.caster);
-                let bounces = Bounces::new(mesh, &texels, caster, appearance, &lights, recipe.bounces, progress);
-                field = field.with_bounces(bounces?);
-            }
-            let mut probes = computed_probes(&pass, &decoder, appearance)?;
-            let diffuse = pass.run((&field, |never| match never {}), &mut probes.each(), storage, progress)?;
-            (diffuse, probes)
-        }
-        ValueSource::Measured(images) => {
-            let field = MeasuredField { images, texels: &texels, views: &views };
-            let mut probes = measured_probes(&pass, &decoder, images).map_err(EncodeError::Outside)?;
-            let diffuse = pass.run((&field, |error| error), &mut probes.each(), storage, progress)?;
-            (diffuse, probes)
-        }
-    };
-    drop(lit);
-    let mask = visibility_mask(size, &masks)?;
-    let seen = masks.iter().flatten().filter(|seen| **seen).count() as f64;
-    let seen = seen / (views.len() * texels.points.len()) as f64;
-    let never_seen = (0..texels.points.len()).filter(|texel| !masks.iter().any(|mask| mask[*texel])).count();
-    drop((masks, texels));
-
-    let mut parts = decoder.into_parts();
-    parts.diffuse = diffuse;
-    let mut facts = None;
-    if let Some(target) = recipe.factored {
-        let view = |view| scratched.read(view, scratch);
-        let made = factor(&FactoredRecipe::new(target), &parts.normal, &mask, view, progress)?;
-        parts.values = FlatValues::Factored(Box::new(made.asset));
-        facts = Some(made.facts);
+    let known_materials = matches!(input.values, ValueSource::Computed(_)) && recipe.bounces == 0;
+    if recipe.reflectance == Reflectance::Brdf && !known_materials {
+        let allowed = "materials without bounces; images and bounces require factors";
+        return Err(FormatError::whole("reflectance", "brdf", allowed).into());
     }
-    let decoder = FlatBtfDecoder::new(parts)?;
+    if let ValueSource::Computed(appearance) = &input.values
+        && recipe.reflectance == Reflectance::Brdf
+        && appearance.sources.len() > MAX_BRDF_MATERIALS as usize
+    {
+        let found = format!("{} materials", appearance.sources.len());
+        let allowed = format!("at most {MAX_BRDF_MATERIALS} for the reflectance brdf");
+        return Err(FormatError::whole("materials", found, allowed).into());
+    }
+    progress.stage(Stage::Parameterise, steps(FlattenRecipe::ROUNDS))?;
+    let model = MesoModel::new(input.mesh, FlattenRecipe::ROUNDS, progress)?;
+    progress.stage(Stage::Layers, 2)?;
+    let coordinates = &model.parameterisation.coordinates;
+    let (layers, of_layers) = layers(&model.mesh, coordinates, recipe.texels, known_materials)?;
+    progress.step()?;
+    let shares = |point: &SurfacePoint| match &input.values {
+        ValueSource::Computed(appearance) => appearance.shares(point),
+        ValueSource::Measured(_) => [[0.0; 3]; MAX_MATERIALS],
+    };
+    let surface = texel_surface(&model.mesh, coordinates, recipe.flat_texels, shares);
+    progress.step()?;
+
+    let mut brdf = None;
+    if let ValueSource::Computed(appearance) = &input.values
+        && known_materials
+        && recipe.reflectance != Reflectance::Factors
+    {
+        progress.stage(Stage::Fit, 1)?;
+        brdf = known(&appearance.sources, &surface, recipe.flat_texels as u32)?;
+        progress.step()?;
+    }
+    let fits = |made: &Factored| !matches!(recipe.target, FactoredTarget::Bytes(most) if made.facts.gpu_bytes > most);
+    if recipe.reflectance == Reflectance::Auto {
+        brdf = brdf.filter(fits);
+    }
+    let is_enough = |made: &Factored| {
+        recipe.reflectance == Reflectance::Brdf
+            || matches!(recipe.target, FactoredTarget::Error(most) if f64::from(made.facts.errors.seen_mean) <= most)
+            || recipe.target.check(&recipe.header(0)).is_err()
+    };
+    let (made, seen) = match brdf {
+        Some(made) if is_enough(&made) => (made, None),
+        brdf => {
+            let work = Work { recipe, model: &model, surface: &surface, casts_shadows: known_materials };
+            recipe.target.check(&recipe.header(0))?;
+            let (mut factors, seen) = work.factors(&input.values, scratch, progress)?;
+            match brdf {
+                // Factors must be better for the bytes that they take.
+                Some(mut brdf) if brdf.facts.errors.seen_mean <= factors.facts.errors.seen_mean => {
+                    brdf.facts.tried.append(&mut factors.facts.tried);
+                    (brdf, None)
+                }
+                brdf => {
+                    let first = brdf.map_or(Vec::new(), |brdf| brdf.facts.tried);
+                    factors.facts.tried.splice(0..0, first);
+                    (factors, Some(seen))
+                }
+            }
+        }
+    };
+    let reflectance = if seen.is_some() { Reflectance::Factors } else { Reflectance::Brdf };
+    let decoder = FlatBtfDecoder::new(FlatBtfParts { layers, reflectance: made.asset });
+    let errors = match &input.values {
+        ValueSource::Computed(appearance) => {
+            AssetErrors { from_surface: from_surface(recipe, &model, &decoder, appearance)?, from_images: None }
+        }
+        ValueSource::Measured(images) => AssetErrors {
+            from_surface: None,
+            from_images: Some(from_images(recipe, &decoder, *images).map_err(EncodeError::Outside)??),
+        },
+    };
     let report = AssetReport {
         repairs: input.repairs,
         parameterisation: model.parameterisation.report,
         heights: model.mesh.height_range(),
-        seen,
-        never_seen,
-        errors: probes.measure(&decoder),
-        factored: facts,
+        layers: of_layers,
+        reflectance,
+        seen: seen.map(|seen| seen.share),
+        never_seen: seen.map(|seen| seen.never),
+        errors,
+        factored: made.facts,
     };
-    Ok(FlatBtfEncoded { parts: decoder.into_parts(), mask, report, model })
+    Ok(FlatBtfEncoded { decoder, report, model })
 }
 
-/// Measures the surface points that each view sees through the reference plane, as displacements from the view along
-/// the normal.
-fn indirection_maps<E>(
-    model: &MesoModel,
-    recipe: &FlattenRecipe,
-    progress: &dyn Progress,
-) -> Result<(DisplacementMap, ReferenceMap), EncodeError<E>> {
-    let header = recipe.indirection;
-    progress.stage(Stage::Indirection, header.size as usize)?;
-    let found = indirection(model, header, recipe.oversampling, progress)?;
-    let reference = ReferenceMap::new(header.size, found.reference.clone())?;
-    let moved = |texel, k, a| found.displacement(texel, k, a);
-    Ok(displacements(header, &reference, moved, coarser(header.size))?)
+/// Texels that views see.
+#[derive(Debug, Clone, Copy)]
+struct SeenTexels {
+    /// Mean share of texels that a view sees.
+    share: f64,
+    /// Texels that no view sees.
+    never: usize,
+}
+
+/// Work on a factored reflectance.
+struct Work<'a> {
+    recipe: &'a FlattenRecipe,
+    model: &'a MesoModel,
+    surface: &'a TexelSurface,
+    /// True if rays of light determine shadows, so that values have none.
+    casts_shadows: bool,
+}
+
+impl Work<'_> {
+    /// Computes all views, and factors them.
+    fn factors<E: Send>(
+        &self,
+        values: &ValueSource<'_, E>,
+        scratch: &dyn Scratch<Error = E>,
+        progress: &dyn Progress,
+    ) -> Result<(Factored, SeenTexels), EncodeError<E>> {
+        let Self { recipe, model, .. } = self;
+        let texels = model.texels(recipe.flat_texels);
+        let (views, lights) = (recipe.views.directions(), recipe.lights.directions());
+        let seen_from = |directions: &[Vector], stage| {
+            progress.stage(stage, directions.len())?;
+            visible_from_each(&texels, &model.caster, directions, progress)
+        };
+        let masks = seen_from(&views, Stage::Visibility)?;
+        let scratched = ScratchViews::new(recipe.header(0));
+        let pass = Pass { recipe, texels: &texels, views: &views, lights: &lights, masks: &masks };
+        match values {
+            ValueSource::Computed(appearance) => {
+                let lit = if self.casts_shadows {
+                    let faces = |light: &Vector| texels.points.iter().map(|p| dot(p.normal, *light) > 0.0).collect();
+                    lights.iter().map(faces).collect()
+                } else {
+                    seen_from(&lights, Stage::Shadows)?
+                };
+                let mut field = ComputedField::new(&texels, appearance, &views, &lights, &lit);
+                if recipe.bounces > 0 {
+                    progress.stage(Stage::Bounces, Bounces::steps(texels.points.len()))?;
+                    let (mesh, caster) = (&model.mesh, &model.caster);
+                    let bounces = Bounces::new(mesh, &texels, caster, appearance, &lights, recipe.bounces, progress);
+                    field = field.with_bounces(bounces?);
+                }
+                self.run(&pass, (&field, |never| match never {}), (&scratched, scratch), progress)?;
+            }
+            ValueSource::Measured(images) => {
+                let field = MeasuredField { images: *images, texels: &texels, views: &views };
+                self.run(&pass, (&field, |error| error), (&scratched, scratch), progress)?;
+            }
+        }
+        let mask = visibility_mask(recipe.flat_texels as u32, &masks)?;
+        let count = masks.iter().flatten().filter(|seen| **seen).count() as f64;
+        let share = count / (views.len() * texels.points.len()) as f64;
+        let never = (0..texels.points.len()).filter(|texel| !masks.iter().any(|mask| mask[*texel])).count();
+        drop((masks, texels));
+        let view = |view| scratched.read(view, scratch);
+        let target = FactoredRecipe { shadowed: !self.casts_shadows, ..FactoredRecipe::new(recipe.target) };
+        let made = factor(&target, &self.surface.normals, &mask, view, progress)?;
+        Ok((made, SeenTexels { share, never }))
+    }
+
+    fn run<F: LightField, E: Send>(
+        &self,
+        pass: &Pass<'_>,
+        field: (&F, fn(F::Error) -> E),
+        storage: (&ScratchViews, &dyn Scratch<Error = E>),
+        progress: &dyn Progress,
+    ) -> Result<(), EncodeError<E>> {
+        pass.run(field, storage, progress)
+    }
 }
 
 fn visibility_mask(size: u32, masks: &[Vec<bool>]) -> Result<VisibilityMask, FormatError> {

@@ -1,71 +1,52 @@
-//! Probes the finished maps to measure errors.
+//! Errors of the finished asset.
 
-use super::pass::Pass;
-use super::report::AssetErrors;
+use super::recipe::FlattenRecipe;
 use crate::measured::ViewImages;
-use crate::probes::{Directions, Probes, direct_radiance};
+use crate::model::MesoModel;
+use crate::probes::{ColourErrors, Place, Probes, direct_radiance};
 use crate::surface::Appearance;
 use brdfc_formats::FormatError;
-use brdfc_formats::direction_mesh::DirectionMesh;
-use brdfc_formats::flat_btf::FlatBtfDecoder;
-use std::convert::Infallible;
+use brdfc_formats::direction::Vector;
+use brdfc_formats::flat_btf::{FlatBtfDecoder, SampledDirections};
 
-/// Probes of each kind. Measured BTFs use an eighth of them, because each reads an image.
-const PROBES: usize = 4096;
+/// Probes of a computed BTF.
+const PROBES: usize = 8192;
+/// Probes of a measured BTF, each of which reads an image.
+const IMAGE_PROBES: usize = 512;
 
-/// Probes of both kinds.
-pub(super) struct AllProbes {
-    at_samples: Option<Probes>,
-    between: Option<Probes>,
-}
-
-impl AllProbes {
-    pub(super) fn each(&mut self) -> Vec<&mut Probes> {
-        self.at_samples.iter_mut().chain(self.between.iter_mut()).collect()
-    }
-
-    /// Errors of the decoded asset, and of the views that its factors replace.
-    pub(super) fn measure(&self, decoder: &FlatBtfDecoder) -> AssetErrors {
-        let asset = decoder.parts().values.factored();
-        let stored = |probes: &Option<Probes>| Some(probes.as_ref()?.factored(asset?));
-        let views = |probes: &Option<Probes>| probes.as_ref().filter(|_| asset.is_some()).map(Probes::full);
-        let light = self.between.as_ref().or(self.at_samples.as_ref());
-        AssetErrors {
-            at_samples: stored(&self.at_samples),
-            between_samples: stored(&self.between),
-            light_form: light.map(|probes| probes.light_form(decoder)),
-            views_at_samples: views(&self.at_samples),
-            views_between_samples: views(&self.between),
-        }
-    }
-}
-
-pub(super) fn computed_probes(
-    pass: &Pass<'_>,
+/// Errors against the surface itself at random points, views and lights. `None` for light of one bounce, which the
+/// reference does not contain.
+pub(super) fn from_surface(
+    recipe: &FlattenRecipe,
+    model: &MesoModel,
     decoder: &FlatBtfDecoder,
     appearance: &Appearance,
-) -> Result<AllProbes, FormatError> {
-    if pass.recipe.bounces > 0 {
-        return Ok(AllProbes { at_samples: None, between: None });
+) -> Result<Option<ColourErrors>, FormatError> {
+    if recipe.bounces > 0 {
+        return Ok(None);
     }
-    let truth = |view: usize, light: usize, at: [f64; 2]| -> Result<[f32; 3], Infallible> {
-        Ok(direct_radiance(pass.model, appearance, at, pass.views[view], pass.lights[light]))
-    };
-    let Ok(at_samples) = Probes::at_samples(PROBES, decoder, pass.views, pass.lights, truth);
-    let (view_mesh, light_mesh) = (DirectionMesh::new(&pass.recipe.views)?, DirectionMesh::new(&pass.recipe.lights)?);
-    let views = Directions { all: pass.views, mesh: &view_mesh };
-    let lights = Directions { all: pass.lights, mesh: &light_mesh };
-    let between = Probes::between_samples(PROBES, decoder, &views, &lights, pass.model, appearance);
-    Ok(AllProbes { at_samples: Some(at_samples), between: Some(between) })
+    let (views, lights) = (recipe.views.directions(), recipe.lights.directions());
+    let probes = Probes::between(PROBES, &views, &lights);
+    let directions = SampledDirections::of(&decoder.parts().reflectance)?;
+    let truth = |place: &Place| direct_radiance(model, appearance, place.at, place.view, place.light);
+    Ok(Some(probes.errors(decoder, directions.as_ref(), truth)))
 }
 
-/// Probes that compare with the input images.
-pub(super) fn measured_probes<E: Send>(
-    pass: &Pass<'_>,
+/// Errors against the images of a measured BTF. The outer error is the images' own.
+pub(super) fn from_images<E: Send>(
+    recipe: &FlattenRecipe,
     decoder: &FlatBtfDecoder,
     images: &dyn ViewImages<Error = E>,
-) -> Result<AllProbes, E> {
-    let truth = |view: usize, light: usize, at: [f64; 2]| Ok(images.image(view, light)?.at(at[0], at[1]));
-    let at_samples = Probes::at_samples(PROBES / 8, decoder, pass.views, pass.lights, truth)?;
-    Ok(AllProbes { at_samples: Some(at_samples), between: None })
+) -> Result<Result<ColourErrors, FormatError>, E> {
+    let (views, lights): (Vec<Vector>, Vec<Vector>) = (recipe.views.directions(), recipe.lights.directions());
+    let directions = match SampledDirections::of(&decoder.parts().reflectance) {
+        Ok(directions) => directions,
+        Err(error) => return Ok(Err(error)),
+    };
+    let (probes, pairs) = Probes::at_samples(IMAGE_PROBES, &views, &lights);
+    let mut truths = Vec::with_capacity(pairs.len());
+    for (place, [view, light]) in probes.places().zip(pairs) {
+        truths.push(images.image(view, light)?.at(place.at[0], place.at[1]));
+    }
+    Ok(Ok(probes.errors_from(decoder, directions.as_ref(), &truths)))
 }

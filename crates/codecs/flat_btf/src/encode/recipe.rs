@@ -3,28 +3,27 @@
 use crate::factored::FactoredTarget;
 use crate::fill::FillMethod;
 use brdfc_formats::direction_set::DirectionSet;
-use brdfc_formats::flat_btf::IndirectionHeader;
 use serde::{Deserialize, Serialize};
 
-/// Parts to encode.
+/// Form of the reflectance.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, schemars::JsonSchema)]
 #[serde(rename_all = "kebab-case")]
-pub enum Form {
-    /// All parts: equation 1.
-    Full,
-    /// Without the flat BTF itself: normal map and diffuse colour.
-    Light,
+pub enum Reflectance {
+    /// The smaller form that meets the target.
+    Auto,
+    /// A diffuse and a glossy albedo and a normal for each texel, with one table of gloss: for known materials.
+    Brdf,
+    /// Components of sampled views and lights in addition.
+    Factors,
 }
 
 /// Settings for flattening a meso-structure.
 #[derive(Debug, Clone, PartialEq)]
 pub struct FlattenRecipe {
+    /// Texels of the layers per side: a power of two.
+    pub texels: u32,
     /// Texels of the flat BTF per side: a power of two.
     pub flat_texels: usize,
-    /// Size and views of the indirection map.
-    pub indirection: IndirectionHeader,
-    /// Rays per texel and axis for the indirection map.
-    pub oversampling: usize,
     /// Sampled directions to the viewer.
     pub views: DirectionSet,
     /// Sampled directions to the light.
@@ -33,15 +32,13 @@ pub struct FlattenRecipe {
     pub fill: FillMethod,
     /// Rays per texel that gather the light of one bounce; 0 disables it.
     pub bounces: usize,
-    /// Maximum rounds of stretch-reducing reweighting.
-    pub rounds: usize,
-    /// Target of the factors that replace all views in the full form; `None` selects the light form.
-    pub factored: Option<FactoredTarget>,
+    /// Form of the reflectance.
+    pub reflectance: Reflectance,
+    /// Target of the reflectance.
+    pub target: FactoredTarget,
 }
 
 impl FlattenRecipe {
-    /// Parts to encode: the full form if there is a target of factors, otherwise the light form.
-    pub fn form(&self) -> Form {
-        if self.factored.is_some() { Form::Full } else { Form::Light }
-    }
+    /// Maximum rounds of reweighting, which gives stretched areas more texels.
+    pub(super) const ROUNDS: usize = 5;
 }

@@ -1,6 +1,8 @@
 //! Measurements of a flat BTF.
 
+use super::recipe::Reflectance;
 use crate::factored::FactoredFacts;
+use crate::layers::LayerReport;
 use crate::parameterise::SurfaceParameterisationReport;
 use crate::probes::ColourErrors;
 use crate::weld::WeldReport;
@@ -17,34 +19,30 @@ pub struct AssetReport {
     pub parameterisation: SurfaceParameterisationReport,
     /// Lowest and highest point of the surface, in tiles.
     pub heights: [f64; 2],
-    /// Mean share of texels that a view sees, 0 to 1.
-    pub seen: f64,
-    /// Texels that no view sees.
-    pub never_seen: usize,
+    /// Sheets of the layers, and what they leave out.
+    pub layers: LayerReport,
+    /// Form of the reflectance that was chosen: `brdf` or `factors`.
+    pub reflectance: Reflectance,
+    /// Mean share of texels that a view sees, 0 to 1; absent for `brdf`.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub seen: Option<f64>,
+    /// Texels that no view sees; absent for `brdf`.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub never_seen: Option<usize>,
     /// Colour errors of the decoded asset.
     pub errors: AssetErrors,
-    /// Number of factors that replace all views, and their errors.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub factored: Option<FactoredFacts>,
+    /// Number of components, and their errors.
+    pub factored: FactoredFacts,
 }
 
 /// Errors against the surface or the input images. Computed BTFs with light of one bounce have none, because the
 /// reference contains direct light only.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Serialize, Deserialize, schemars::JsonSchema)]
 pub struct AssetErrors {
-    /// Equation 1 at sampled views and lights.
+    /// The surface itself at random views and lights. `None` for measured BTFs.
     #[serde(skip_serializing_if = "Option::is_none")]
-    pub at_samples: Option<ColourErrors>,
-    /// Equation 1 at random views and lights between the samples. `None` for measured BTFs.
+    pub from_surface: Option<ColourErrors>,
+    /// Images of a measured BTF, at its views and lights.
     #[serde(skip_serializing_if = "Option::is_none")]
-    pub between_samples: Option<ColourErrors>,
-    /// The light form, normal map and diffuse colour, at the same views and lights.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub light_form: Option<ColourErrors>,
-    /// Error at `at_samples` before factorisation, where factors replace the views.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub views_at_samples: Option<ColourErrors>,
-    /// Error at `between_samples` before factorisation.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub views_between_samples: Option<ColourErrors>,
+    pub from_images: Option<ColourErrors>,
 }

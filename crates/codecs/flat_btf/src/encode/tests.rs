@@ -6,19 +6,18 @@ use crate::fill::FillMethod;
 use crate::testing::{Patience, bumps};
 use brdfc_core::address::parse_synth;
 use brdfc_formats::direction_set::DirectionSet;
-use brdfc_formats::flat_btf::{FlatView, IndirectionHeader};
+use brdfc_formats::flat_btf::FlatView;
 
 fn recipe() -> FlattenRecipe {
     FlattenRecipe {
+        texels: 8,
         flat_texels: 16,
-        indirection: IndirectionHeader { size: 8, zenith_samples: 3, azimuth_samples: 4, largest_angle: 1.25 },
-        oversampling: 1,
         views: DirectionSet::grid(2, 4, 60.0).unwrap(),
         lights: DirectionSet::grid(2, 3, 50.0).unwrap(),
         fill: FillMethod::Poisson,
         bounces: 0,
-        rounds: 0,
-        factored: Some(FactoredTarget::Components { components: 4, shadowed: true }),
+        reflectance: Reflectance::Factors,
+        target: FactoredTarget::Components { components: 4, shadowed: false },
     }
 }
 
@@ -67,20 +66,45 @@ fn factors_are_fitted_to_the_stored_views() {
     let (found, scratch) = whole(&recipe);
     let views = ScratchViews::new(recipe.header(0));
     let view = |view| views.read(view, &scratch);
-    let target = FactoredRecipe::new(recipe.factored.unwrap());
-    let expected = factor(&target, &found.parts.normal, &found.mask, view, &()).unwrap();
-    assert!(found.parts.values.factored() == Some(&expected.asset));
-    assert_eq!(found.report.factored, Some(expected.facts));
+    let texels = found.model.texels(recipe.flat_texels);
+    let masks = visible_from_each(&texels, &found.model.caster, &recipe.views.directions(), &()).unwrap();
+    let mask = visibility_mask(recipe.flat_texels as u32, &masks).unwrap();
+    let coordinates = &found.model.parameterisation.coordinates;
+    let surface = texel_surface(&found.model.mesh, coordinates, recipe.flat_texels, |_| Default::default());
+    let target = FactoredRecipe { shadowed: false, ..FactoredRecipe::new(recipe.target) };
+    let expected = factor(&target, &surface.normals, &mask, view, &()).unwrap();
+    assert!(found.decoder.parts().reflectance == expected.asset);
+    assert_eq!(found.report.factored, expected.facts);
+}
+
+/// Known materials need no views: nothing is written to scratch storage, and shadows are left to rays.
+#[test]
+fn known_materials_write_no_scratch() {
+    let (known, scratch) = whole(&FlattenRecipe { reflectance: Reflectance::Brdf, ..recipe() });
+    let (factors, _) = whole(&recipe());
+    let header = known.decoder.parts().reflectance.header();
+    assert_eq!((header.groups, header.materials, header.views.len()), (0, 1, 0));
+    assert!(known.report.seen.is_none() && factors.report.seen.is_some());
+    assert_eq!(known.decoder.parts().layers, factors.decoder.parts().layers);
+    assert!(known.decoder.parts().layers.header().casts_shadows);
+    assert!((0..5).all(|view| scratch.read_scratch(view).is_ok_and(|values| values.is_empty())));
+}
+
+/// A Phong lobe is one table over mirror angles: the reflectance alone is exact to a fraction of a ΔE. The control is a
+/// table over half angles.
+#[test]
+fn phong_lobes_have_tables_over_mirror_angles() {
+    let (made, _) = whole(&FlattenRecipe { reflectance: Reflectance::Brdf, ..recipe() });
+    let reflectance = &made.decoder.parts().reflectance;
+    assert_eq!(reflectance.header().axes, 1);
+    assert!(made.report.factored.errors.seen_mean < 0.1, "{:?}", made.report.factored.errors);
 }
 
 #[test]
-fn the_light_form_writes_no_scratch() {
-    let (light, scratch) = whole(&FlattenRecipe { factored: None, ..recipe() });
-    let (full, _) = whole(&recipe());
-    assert_eq!(light.parts.values, FlatValues::None);
-    assert!(light.report.factored.is_none() && light.report.errors.at_samples.is_none());
-    assert_eq!(light.parts.reference, full.parts.reference);
-    assert!((0..5).all(|view| scratch.read_scratch(view).is_ok_and(|values| values.is_empty())));
+fn images_and_bounces_require_factors() {
+    let recipe = FlattenRecipe { bounces: 4, reflectance: Reflectance::Brdf, ..recipe() };
+    let error = made(&recipe, &MemoryScratch::default(), &()).err().expect("an error").to_string();
+    assert_eq!(error, "reflectance: found brdf, expected materials without bounces; images and bounces require factors");
 }
 
 #[test]

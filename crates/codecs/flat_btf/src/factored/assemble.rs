@@ -33,6 +33,8 @@ pub(super) fn header(shape: Shape, size: u32, directions: &FlatHeader, chroma: C
         views: directions.views.clone(),
         lights: directions.lights.clone(),
         chroma,
+        materials: 0,
+        axes: 0,
         steps: [(); 3].map(|()| vec![0.0; shape.groups as usize * GROUP]),
         errors: FactoredErrors::default(),
     }
@@ -69,9 +71,9 @@ pub(super) fn asset(
     let header = basis.header();
     let (size, levels, k) = (header.size as usize, header.levels, header.components());
     let (lights, count) = (header.lights.len(), size * size);
-    let ranges = weight_ranges(&texels.weights, k);
+    let ranges = if k == 0 { Vec::new() } else { weight_ranges(&texels.weights, k) };
     let mut bytes = vec![0; count * k];
-    for (texel, weights) in texels.weights.chunks_exact(k).enumerate() {
+    for (texel, weights) in texels.weights.chunks_exact(k.max(1)).enumerate() {
         for (component, weight) in weights.iter().enumerate() {
             let at = (component / GROUP * count + texel) * GROUP + component % GROUP;
             bytes[at] = weight_byte(*weight, ranges[component]);

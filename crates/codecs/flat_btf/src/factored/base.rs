@@ -9,7 +9,7 @@ use brdfc_formats::container::rgb9e5;
 use brdfc_formats::flat_btf::factored::{
     BaseAngles, BaseTable, BaseTexel, WeightRange, cube_root, slope_ranges, slope_texel, slope_words, to_opponent,
 };
-use brdfc_formats::flat_btf::{FlatHeader, NormalMap, unit_vectors};
+use brdfc_formats::flat_btf::{FlatHeader, unit_vectors};
 use rayon::prelude::*;
 
 /// Texels of a strip, the unit of parallel work.
@@ -35,8 +35,8 @@ impl Rays {
 }
 
 /// Normals after quantisation.
-pub(super) fn stored_normals(map: &NormalMap) -> Vec<[f32; 3]> {
-    map.normals().iter().map(|normal| slope_texel(slope_words(*normal))).collect()
+pub(super) fn stored_normals(normals: &[[f32; 3]]) -> Vec<[f32; 3]> {
+    normals.iter().map(|normal| slope_texel(slope_words(*normal))).collect()
 }
 
 /// Perceptual weight of a difference in such a value: equal steps of its cube root look alike.
@@ -87,7 +87,7 @@ impl AlbedoSums {
                         let normal = normals[first + texel];
                         let seen = if masks.is_seen(first + texel, view.view) { 1.0 } else { UNSEEN };
                         sums[9] += seen * cube_root(x[1]);
-                        let Some(angles) = BaseAngles::new(normal, outgoing, *incoming) else { continue };
+                        let Some(angles) = BaseAngles::new(table.axis(), normal, outgoing, *incoming) else { continue };
                         if angles.cosine < MIN_COSINE || angles.outgoing < MIN_COSINE {
                             continue;
                         }
@@ -126,20 +126,25 @@ impl AlbedoSums {
                 for numbers in numbers.iter().zip(lit).filter(|(_, lit)| **lit).map(|(numbers, _)| numbers) {
                     all.iter_mut().zip(numbers).for_each(|(sum, number)| *sum += f64::from(*number));
                 }
-                let [cosines, across @ .., gg, d0, d1, d2, gx] = all;
-                if cosines <= 1e-9 {
-                    return [0.0; 4];
-                }
-                let diffuse = [d0, d1, d2];
-                let shared = |other: [f64; 3]| (0..3).map(|k| across[k] * other[k] / cosines).sum::<f64>();
-                let (above, below) = (gx - shared(diffuse), gg - shared(across));
-                let gloss =
-                    if below > 1e-6 * gg.max(1e-9) { (above / below).clamp(0.0, f64::from(MAX_GLOSS)) } else { 0.0 };
-                let albedo = |k: usize| ((diffuse[k] - across[k] * gloss) / cosines).max(0.0) as f32;
-                [albedo(0), albedo(1), albedo(2), gloss as f32]
+                solve_albedo(all)
             })
             .collect()
     }
+}
+
+/// Least squares albedos from sums of `w c²`, `w c g` (three), `w g·g`, `w c x` (three) and `w g·x`.
+pub(super) fn solve_albedo(sums: [f64; 9]) -> Albedo {
+    let [cosines, across @ .., gg, d0, d1, d2, gx] = sums;
+    if cosines <= 1e-9 {
+        return [0.0; 4];
+    }
+    let diffuse = [d0, d1, d2];
+    let shared = |other: [f64; 3]| (0..3).map(|k| across[k] * other[k] / cosines).sum::<f64>();
+    let (above, below) = (gx - shared(diffuse), gg - shared(across));
+    let gloss =
+        if below > 1e-6 * gg.max(1e-9) { (above / below).clamp(0.0, f64::from(MAX_GLOSS)) } else { 0.0 };
+    let albedo = |k: usize| ((diffuse[k] - across[k] * gloss) / cosines).max(0.0) as f32;
+    [albedo(0), albedo(1), albedo(2), gloss as f32]
 }
 
 /// The base of all texels as decoders read it.
@@ -155,12 +160,12 @@ pub(super) struct StoredBase {
 
 impl StoredBase {
     /// Quantises a fitted base.
-    pub(super) fn new(table: BaseTable, albedos: &[Albedo], normals: &NormalMap) -> Self {
+    pub(super) fn new(table: BaseTable, albedos: &[Albedo], normals: &[[f32; 3]]) -> Self {
         let ranges: [WeightRange; 4] =
             weight_ranges(albedos.as_flattened(), 4).try_into().expect("one to each of four numbers");
         let bytes = |albedo: &Albedo| [0, 1, 2, 3].map(|k: usize| weight_byte(albedo[k], ranges[k]));
         let albedos: Vec<[u8; 4]> = albedos.iter().map(bytes).collect();
-        let slopes: Vec<[u16; 2]> = normals.normals().iter().map(|normal| slope_words(*normal)).collect();
+        let slopes: Vec<[u16; 2]> = normals.iter().map(|normal| slope_words(*normal)).collect();
         let texel = |(bytes, slopes): (&[u8; 4], &[u16; 2])| {
             let [r, g, b, gloss] = [0, 1, 2, 3].map(|k: usize| ranges[k].of_byte(bytes[k]).max(0.0));
             BaseTexel { diffuse: [r, g, b], gloss, normal: slope_texel(*slopes) }
@@ -178,6 +183,11 @@ impl StoredBase {
             slopes: texels.iter().map(|at| self.slopes[*at]).collect(),
             texels: texels.iter().map(|at| self.texels[*at]).collect(),
         }
+    }
+
+    /// Values of a texel as decoders read them.
+    pub(super) fn texel(&self, texel: usize) -> &BaseTexel {
+        &self.texels[texel]
     }
 
     /// Ranges of the numbers of both layers.

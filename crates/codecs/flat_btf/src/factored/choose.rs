@@ -19,6 +19,8 @@ pub(super) struct Trials<'a> {
     pub(super) base: &'a StoredBase,
     pub(super) directions: &'a FlatHeader,
     pub(super) chroma: ChromaRange,
+    /// True to try a factor of its own for each texel and light.
+    pub(super) shadowed: bool,
     pub(super) progress: &'a dyn Progress,
 }
 
@@ -90,7 +92,7 @@ impl Trials<'_> {
             }
             least.take(candidate, tried);
         }
-        for shape in shapes(true)? {
+        for shape in if self.shadowed { shapes(true)? } else { Vec::new() } {
             if best.as_ref().is_some_and(|(bytes, _)| gpu_bytes(shape, self.directions) >= *bytes) {
                 break;
             }
@@ -109,7 +111,7 @@ impl Trials<'_> {
             let shapes = shapes(self.directions, shadowed)?;
             Ok(shapes.into_iter().filter(|shape| gpu_bytes(*shape, self.directions) <= most).collect())
         };
-        let (plain, shadowed) = (fitting(false)?, fitting(true)?);
+        let (plain, shadowed) = (fitting(false)?, if self.shadowed { fitting(true)? } else { Vec::new() });
         // Without shadows one fit serves all numbers of components.
         let whole = plain.last().map(|shape| Candidate::new(self.values, *shape));
         let truncated = |shape: Shape| match &whole {

@@ -17,7 +17,8 @@ use super::sample::{Sample, choose};
 use super::words::ViewWords;
 use brdfc_core::progress::{Progress, Stage};
 use brdfc_formats::FormatError;
-use brdfc_formats::flat_btf::{FlatHeader, FlatView, NormalMap, VisibilityMask};
+use brdfc_formats::flat_btf::factored::Axis;
+use brdfc_formats::flat_btf::{FlatHeader, FlatView, VisibilityMask};
 use rayon::prelude::*;
 
 /// Number of texels that candidates are fitted to before one is chosen.
@@ -46,14 +47,15 @@ const VIEW_BYTES: usize = 256 << 20;
 /// if the work is cancelled.
 pub fn factor<E: Send>(
     recipe: &FactoredRecipe,
-    normals: &NormalMap,
+    normals: &[[f32; 3]],
     mask: &VisibilityMask,
     view: impl Fn(u32) -> Result<FlatView, E> + Sync,
     progress: &dyn Progress,
 ) -> Result<Factored, FactorError<E>> {
-    if normals.size() != mask.size() {
-        let allowed = format!("{}, the size of the mask", mask.size());
-        return Err(FormatError::whole("size of the part normal", normals.size().to_string(), allowed).into());
+    let texels = (mask.size() as usize).pow(2);
+    if normals.len() != texels {
+        let allowed = format!("{texels}, the texels of the mask");
+        return Err(FormatError::whole("normals", normals.len().to_string(), allowed).into());
     }
     let reader = Reader { mask, view };
     let size = mask.size() as usize;
@@ -82,8 +84,15 @@ pub fn factor<E: Send>(
     let (count, of_fitted, of_held_out) = (fitted.texels.len(), base.of(&fitted.texels), base.of(&held_out.texels));
     let trial = fitted.values(count.min(TRIAL_TEXELS), &of_fitted, &rays);
     let chroma = chroma.range();
-    let trials =
-        Trials { values: &trial, held_out: &held_out, base: &of_held_out, directions: &directions, chroma, progress };
+    let trials = Trials {
+            values: &trial,
+            held_out: &held_out,
+            base: &of_held_out,
+            directions: &directions,
+            chroma,
+            shadowed: recipe.shadowed,
+            progress,
+        };
     let (mut candidate, tried) = trials.choose(recipe.target)?;
     progress.stage(Stage::Fit, 1)?;
     drop(trial);
@@ -189,14 +198,14 @@ impl<E: Send, F: Fn(u32) -> Result<FlatView, E> + Sync> Reader<'_, F> {
         &self,
         recipe: &FactoredRecipe,
         fitted: &Sample,
-        normals: &NormalMap,
+        normals: &[[f32; 3]],
         directions: &FlatHeader,
         progress: &dyn Progress,
     ) -> Result<StoredBase, FactorError<E>> {
         let (rays, stored) = (Rays::new(directions), stored_normals(normals));
         let of_fitted: Vec<[f32; 3]> = fitted.texels.iter().map(|at| stored[*at]).collect();
         progress.stage(Stage::Fit, 1)?;
-        let table = fit_table(fitted, &of_fitted, &rays)?;
+        let (table, _) = fit_table(Axis::Half, fitted, &of_fitted, &rays)?;
         progress.step()?;
         let mut albedos = Vec::new();
         let slabs = Slabs::new(recipe, directions, AlbedoSums::BYTES * rays.lights.len());

@@ -5,7 +5,7 @@ use super::sample::Sample;
 use super::words::ViewWords;
 use brdfc_formats::FormatError;
 use brdfc_formats::container::rgb9e5;
-use brdfc_formats::flat_btf::factored::{BaseAngles, BaseTable, DIFFERENCE_ANGLES, HALF_ANGLES, MAX_BASE};
+use brdfc_formats::flat_btf::factored::{Axis, BaseAngles, BaseTable, DIFFERENCE_ANGLES, HALF_ANGLES, MAX_BASE};
 use nalgebra::{DMatrix, DVector};
 use rayon::prelude::*;
 
@@ -88,23 +88,29 @@ impl Equations {
     }
 }
 
-/// Fits a table to texels with these normals.
+/// Fits a table over an axis to texels with these normals. Returns it with the albedos of these texels.
 ///
 /// # Errors
 /// Returns an error only for invalid tables, which values of views never produce.
-pub(super) fn fit_table(sample: &Sample, normals: &[[f32; 3]], rays: &Rays) -> Result<BaseTable, FormatError> {
-    let fit = TableFit { sample, normals, rays, texels: sample.texels.len().min(TEXELS) };
-    let mut table = BaseTable::black();
+pub(super) fn fit_table(
+    axis: Axis,
+    sample: &Sample,
+    normals: &[[f32; 3]],
+    rays: &Rays,
+) -> Result<(BaseTable, Vec<Albedo>), FormatError> {
+    let fit = TableFit { axis, sample, normals, rays, texels: sample.texels.len().min(TEXELS) };
+    let mut table = BaseTable::black().over(axis);
     let lit = fit.sums(&table).lit();
     let mut albedos = fit.first_albedos(&lit);
     for _ in 0..ROUNDS {
-        table = BaseTable::new(fit.equations(&albedos, &lit).solve())?;
+        table = BaseTable::new(fit.equations(&albedos, &lit).solve())?.over(axis);
         albedos = fit.sums(&table).solve();
     }
-    Ok(table)
+    Ok((table, albedos))
 }
 
 struct TableFit<'a> {
+    axis: Axis,
     sample: &'a Sample,
     normals: &'a [[f32; 3]],
     rays: &'a Rays,
@@ -130,7 +136,7 @@ impl TableFit<'_> {
                 continue;
             }
             for (light, incoming) in self.rays.lights.iter().enumerate().filter(|(l, _)| lit[texel * lights + l]) {
-                if let Some(angles) = BaseAngles::new(self.normals[texel], *outgoing, *incoming)
+                if let Some(angles) = BaseAngles::new(self.axis, self.normals[texel], *outgoing, *incoming)
                     && angles.cosine >= MIN_COSINE
                     && angles.outgoing >= MIN_COSINE
                 {

@@ -27,6 +27,12 @@ impl Masks {
         Self { words, bits }
     }
 
+    /// Masks of texels that all views see.
+    pub(super) fn all(views: usize, texels: usize) -> Self {
+        let words = views.div_ceil(64);
+        Self { words, bits: vec![u64::MAX; words * texels] }
+    }
+
     /// Masks of the first texels alone.
     pub(super) fn first(&self, texels: usize) -> Self {
         Self { words: self.words, bits: self.bits[..texels * self.words].to_vec() }

@@ -25,18 +25,23 @@ pub(super) fn errors(
     };
     let mut all: Vec<f32> = (0..count).into_par_iter().map(of_texel).collect::<Vec<_>>().concat();
     let is_seen = |at: usize| sample.masks.is_seen(at / (views * lights), at / lights % views);
-    let mut seen: Vec<f32> = (0..all.len()).filter(|at| is_seen(*at)).map(|at| all[at]).collect();
+    let seen: Vec<f32> = (0..all.len()).filter(|at| is_seen(*at)).map(|at| all[at]).collect();
+    summary(count, seen, &mut all)
+}
+
+/// Summary of differences at a number of texels, where views see them and everywhere.
+pub(super) fn summary(texels: usize, mut seen: Vec<f32>, all: &mut [f32]) -> FactoredErrors {
     let mean = |values: &[f32]| {
         (values.iter().map(|value| f64::from(*value)).sum::<f64>() / values.len().max(1) as f64) as f32
     };
-    let (seen_mean, all_mean) = (mean(&seen), mean(&all));
+    let (seen_mean, all_mean) = (mean(&seen), mean(all));
     FactoredErrors {
-        texels: count as u32,
+        texels: texels as u32,
         seen_mean,
         seen_p95: quantile(&mut seen, 0.95),
         seen_max: seen.iter().copied().fold(0.0, f32::max),
         all_mean,
-        all_p95: quantile(&mut all, 0.95),
+        all_p95: quantile(all, 0.95),
     }
 }
 

@@ -7,7 +7,7 @@
 //! texel (`gloss`, `base`); sets of components of several sizes are fitted to some texels (`train`) and tested on
 //! others (`candidate`, `choose`); the chosen one is fitted to more texels. One more pass accumulates the sums of every
 //! texel (`accumulate`), from which each texel is solved independently (`local`). The result is rounded (`quantise`)
-//! and measured (`measure`).
+//! and measured (`measure`). Where materials are known, the base is fitted to them alone (`known`).
 
 mod accumulate;
 mod assemble;
@@ -18,6 +18,7 @@ mod choose;
 mod chroma;
 mod encode;
 mod gloss;
+mod known;
 mod lit;
 mod local;
 mod masks;
@@ -35,5 +36,6 @@ mod train;
 mod words;
 
 pub use encode::factor;
+pub use known::known;
 pub use recipe::{FactoredRecipe, FactoredTarget};
 pub use report::{FactorError, Factored, FactoredFacts, FactoredTrial};

@@ -83,6 +83,8 @@ pub struct FactoredRecipe {
     pub training_texels: usize,
     /// Maximum bytes of the values of the fit.
     pub training_bytes: usize,
+    /// True to try a factor of its own for each texel and light, for values that contain shadows.
+    pub shadowed: bool,
     /// Maximum bytes of sums in memory; if all texels exceed it, the encoder makes several passes over the views.
     pub slab_bytes: usize,
 }
@@ -90,7 +92,7 @@ pub struct FactoredRecipe {
 impl FactoredRecipe {
     /// Default settings: 2500 texels, 384 MiB, 768 MiB.
     pub fn new(target: FactoredTarget) -> Self {
-        Self { target, training_texels: 2500, training_bytes: 384 << 20, slab_bytes: 768 << 20 }
+        Self { target, shadowed: true, training_texels: 2500, training_bytes: 384 << 20, slab_bytes: 768 << 20 }
     }
 
     /// Estimated peak memory in bytes, on one thread: see [`super::factor`].

@@ -4,7 +4,7 @@ use super::{Factored, FactoredRecipe, FactoredTarget, FactoredTrial, factor};
 use brdfc_formats::FormatError;
 use brdfc_formats::container::rgb9e5;
 use brdfc_formats::flat_btf::factored::{BaseTable, BaseTexel, DIFFERENCE_ANGLES, HALF_ANGLES, from_opponent};
-use brdfc_formats::flat_btf::{FlatHeader, FlatView, NormalMap, VisibilityMask, unit_vectors};
+use brdfc_formats::flat_btf::{FlatHeader, FlatView, VisibilityMask, unit_vectors};
 
 const SIZE: u32 = 16;
 const VIEWS: u32 = 9;
@@ -39,8 +39,8 @@ fn mask(seen: impl Fn(u32, u32) -> bool) -> VisibilityMask {
 }
 
 /// Normals of a plane.
-fn flat(size: u32) -> NormalMap {
-    NormalMap::new(size, vec![[0.0, 0.0, 1.0]; (size * size) as usize]).unwrap()
+fn flat(size: u32) -> Vec<[f32; 3]> {
+    vec![[0.0, 0.0, 1.0]; (size * size) as usize]
 }
 
 fn made(target: FactoredTarget, mask: &VisibilityMask, views: &[FlatView]) -> Factored {
@@ -117,11 +117,11 @@ fn gloss_under_known_normals_is_the_base() {
     };
     let four = FactoredTarget::Components { components: 4, shadowed: false };
     let (seen, views) = (mask(|_, _| true), views(glossy));
-    let errors = |normals: &NormalMap| {
+    let errors = |normals: &[[f32; 3]]| {
         let view = |view: u32| Ok::<_, FormatError>(views[view as usize].clone());
         factor(&FactoredRecipe::new(four), normals, &seen, view, &()).unwrap().facts.errors
     };
-    let known = errors(&NormalMap::new(SIZE, (0..SIZE * SIZE).map(normal).collect()).unwrap());
+    let known = errors(&(0..SIZE * SIZE).map(normal).collect::<Vec<_>>());
     assert!(known.seen_mean < 0.3, "{known:?}");
     // The negative control: normals of a plane.
     let unknown = errors(&flat(SIZE));

@@ -1,6 +1,6 @@
 //! The page of a flat BTF: its report and renderings of its contents.
 
-use super::markup::{colour_scale, document, image};
+use super::markup::{document, image};
 use super::view_link::ViewLink;
 use crate::error::Error;
 use crate::flatten::words::{errors, facts, remarks};
@@ -40,7 +40,7 @@ impl FlatPage {
     pub fn open(path: &Path) -> Result<Self, Error> {
         let (file, asset) = open_asset(path)?;
         let material = FlatMaterial::new(file.decoder, REPEAT).map_err(|error| InputError::format(path, error))?;
-        let renderings = flat_renderings(&material, file.mask.as_ref());
+        let renderings = flat_renderings(&material);
         Ok(Self { asset, renderings, view: None })
     }
 }
@@ -74,7 +74,6 @@ pub fn flat_html(page: &FlatPage) -> String {
         section.material {
             h2 { "On surfaces, 4 tiles per unit" }
             (row(&renderings.scenes))
-            (colour_scale())
         }
         (images(whole))
     };

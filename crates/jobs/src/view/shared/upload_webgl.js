@@ -17,7 +17,7 @@ export const GL_FORMATS = {
     r16float: ['R16F', 'RED', 'HALF_FLOAT'],
     rgba16float: ['RGBA16F', 'RGBA', 'HALF_FLOAT'],
     r32uint: ['R32UI', 'RED_INTEGER', 'UNSIGNED_INT'],
-    rg32float: ['RG32F', 'RG', 'FLOAT'],
+    rg16float: ['RG16F', 'RG', 'HALF_FLOAT'],
     rgba32uint: ['RGBA32UI', 'RGBA_INTEGER', 'UNSIGNED_INT'],
     rgba32float: ['RGBA32F', 'RGBA', 'FLOAT'],
     rgb9e5ufloat: ['RGB9_E5', 'RGB', 'UNSIGNED_INT_5_9_9_9_REV'],

@@ -1,105 +1,116 @@
 //! Made-up flat BTFs, and modifications of their files.
 
-use crate::packs::{Numbers, sealed, unit_vector};
+use crate::packs::{Numbers, sealed};
 use brdfc_formats::FormatError;
 use brdfc_formats::bindings::{PackFile, Resource, Texels};
-use brdfc_formats::container::{Extent, TexelFormat, half, rgb9e5};
+use brdfc_formats::container::{Extent, TexelFormat};
 use brdfc_formats::flat_btf::factored::{
-    BASE_LAYERS, BaseTable, BasisMap, ChromaRange, DIFFERENCE_ANGLES, FactoredErrors, FactoredFlatBtf, FactoredHeader,
-    GROUP, HALF_ANGLES, ShadowFormat, ShadowMap, WeightMap, WeightRange,
+    Axis, BASE_LAYERS, BaseMaterial, BaseTable, BasisMap, ChromaRange, DIFFERENCE_ANGLES, FactoredErrors,
+    FactoredFlatBtf, FactoredHeader, GROUP, HALF_ANGLES, ShadowFormat, ShadowMap, WeightMap, WeightRange,
 };
 use brdfc_formats::flat_btf::{
-    BlendedDirection, DiffuseMap, DisplacementHeader, DisplacementMap, FlatBtfDecoder, FlatBtfFile, FlatBtfParts,
-    FlatHeader, FlatValues, FlatView, Indirection, IndirectionHeader, IndirectionMap, MAX_COORDINATE, NormalMap,
-    ReferenceMap, ViewWeights, VisibilityMask,
+    BlendedDirection, FlatBtfDecoder, FlatBtfFile, FlatBtfParts, LayerHeader, LayerMap, ViewWeights,
 };
-use std::f32::consts::{FRAC_PI_2, TAU};
+use std::f32::consts::FRAC_PI_2;
 
 /// Sizes of a made-up asset.
 #[derive(Debug, Clone, Copy)]
 pub struct Sizes {
+    /// Texels of the flat BTF per side.
     pub flat: u32,
-    pub reference: u32,
-    pub zenith: u32,
-    pub azimuth: u32,
-    pub largest_angle: f32,
+    /// Texels of the layers per side.
+    pub plane: u32,
+    /// Number of sheets: 1 or 3.
+    pub sheets: u32,
     pub views: u32,
     pub lights: u32,
 }
 
-pub const SMALL: Sizes =
-    Sizes { flat: 4, reference: 2, zenith: 3, azimuth: 4, largest_angle: 1.3, views: 3, lights: 5 };
-
-pub fn header(sizes: Sizes) -> IndirectionHeader {
-    IndirectionHeader {
-        size: sizes.reference,
-        zenith_samples: sizes.zenith,
-        azimuth_samples: sizes.azimuth,
-        largest_angle: sizes.largest_angle,
-    }
-}
+pub const SMALL: Sizes = Sizes { flat: 4, plane: 8, sheets: 3, views: 3, lights: 5 };
 
 pub fn directions(count: u32, seed: u64) -> Vec<[f32; 2]> {
     let mut numbers = Numbers::new(seed);
     (0..count).map(|_| [FRAC_PI_2 * numbers.unit() as f32, 6.2 * numbers.unit() as f32]).collect()
 }
 
-pub fn flat_view(sizes: Sizes, view: u32, seed: u64) -> FlatView {
-    let mut numbers = Numbers::new(seed + 977 * u64::from(view));
-    let header =
-        FlatHeader { size: sizes.flat, view, views: directions(sizes.views, 1), lights: directions(sizes.lights, 2) };
-    let count = sizes.flat * sizes.flat * sizes.lights;
-    let colour = |numbers: &mut Numbers| [0; 3].map(|_| numbers.between(0.0, 1.5) as f32);
-    FlatView::new(header, (0..count).map(|_| rgb9e5::encode(colour(&mut numbers))).collect()).unwrap()
+/// Header of layers with all mipmap levels, from a quarter of a tile below the reference plane to a quarter above it.
+pub fn layer_header(sizes: Sizes, casts_shadows: bool) -> LayerHeader {
+    let Sizes { plane: size, sheets, .. } = sizes;
+    LayerHeader { size, sheets, levels: size.ilog2() + 1, heights: [-0.25, 0.25], casts_shadows }
 }
 
-/// Random displacements: some of length 0, most roughly along the azimuth of the view.
-pub fn indirection(sizes: Sizes, seed: u64) -> IndirectionMap {
+/// Layers whose finest level has these texels: heights of base, top and underside as bytes, and displacements of the
+/// three sheets in tiles. Coarser levels are means. With one sheet only the base is stored.
+pub fn relief(header: LayerHeader, texel: impl Fn([u32; 2]) -> ([u8; 3], [[f32; 2]; 3])) -> LayerMap {
+    let (size, sheets) = (header.size, header.sheets as usize);
+    let numbers = |at: u32| -> [f32; 9] {
+        let (heights, moved) = texel([at % size, at / size]);
+        std::array::from_fn(|k| if k < 3 { f32::from(heights[k]) } else { moved[(k - 3) / 2][(k - 3) % 2] })
+    };
+    let mut texels: Vec<[f32; 9]> = (0..size * size).map(numbers).collect();
+    let (mut heights, mut displacements) = (Vec::new(), Vec::new());
+    for level in 0..header.levels {
+        if level > 0 {
+            let [finer, side] = [level - 1, level].map(|level| (size >> level).max(1) as usize);
+            let mean = |at: usize| -> [f32; 9] {
+                let first = 2 * (at / side) * finer + 2 * (at % side);
+                let four = [first, first + 1, first + finer, first + finer + 1];
+                std::array::from_fn(|k| {
+                    let mean = four.iter().map(|at| texels[*at][k]).sum::<f32>() / 4.0;
+                    if k < 3 { mean.round() } else { mean }
+                })
+            };
+            texels = (0..side * side).map(mean).collect();
+        }
+        for texel in &texels {
+            heights.push(texel[0] as u8);
+            if sheets > 1 {
+                heights.extend([texel[1] as u8, texel[2] as u8, 0]);
+            }
+        }
+        for sheet in 0..sheets {
+            displacements.extend(texels.iter().map(|texel| [texel[3 + 2 * sheet], texel[4 + 2 * sheet]]));
+        }
+    }
+    LayerMap::new(header, heights, displacements).unwrap()
+}
+
+/// Smooth random layers: a low base, an underside above it, and a top above the underside in part of the tile and below
+/// it elsewhere; small random displacements.
+pub fn layers(sizes: Sizes, casts_shadows: bool, seed: u64) -> LayerMap {
     let mut numbers = Numbers::new(seed);
-    IndirectionMap::from_displacements(header(sizes), |_, k, a| {
-        let turn = TAU * a as f32 / sizes.azimuth as f32 + numbers.between(-0.7, 0.7) as f32;
-        let length =
-            if numbers.bits().is_multiple_of(9) { 0.0 } else { 0.1 * k as f32 * numbers.between(0.5, 1.5) as f32 };
-        ([length * turn.cos(), length * turn.sin()], numbers.between(-0.3, 0.3) as f32)
+    let [base, gap, thickness] = [(); 3].map(|()| smooth(sizes.plane, &mut numbers));
+    let moved: Vec<[[f32; 2]; 3]> = (0..sizes.plane * sizes.plane)
+        .map(|_| [(); 3].map(|()| [(); 2].map(|()| numbers.between(-0.04, 0.04) as f32)))
+        .collect();
+    relief(layer_header(sizes, casts_shadows), |[column, row]| {
+        let at = (row * sizes.plane + column) as usize;
+        let underside = 120 + gap[at] / 4;
+        let top = underside + 2 * (thickness[at] - 128);
+        ([20 + 2 * base[at] / 5, top.clamp(0, 255), underside].map(|height| height as u8), moved[at])
     })
-    .unwrap()
 }
 
-/// Displacements of random bytes between random bounds, with this number of blocks per side.
-pub fn displacements(sizes: Sizes, blocks: u32, seed: u64) -> DisplacementMap {
-    let mut numbers = Numbers::new(seed);
-    let header = DisplacementHeader::new(IndirectionHeader { size: blocks, ..header(sizes) });
-    let [width, _] = header.blocks.extent();
-    let mut texels: Vec<[u8; 2]> = Vec::new();
-    for _ in 0..blocks {
-        let first = texels.len();
-        texels.extend((0..width * sizes.azimuth).map(|_| [0; 2].map(|_| numbers.bits() as u8)));
-        texels.extend_from_within(first..first + width as usize);
-    }
-    let bounds = |_| [-0.1, 0.2, -0.1, 0.2].map(|scale| half::encode((scale * numbers.between(0.2, 1.0)) as f32));
-    DisplacementMap::new(header, (0..blocks * blocks).map(bounds).collect(), texels).unwrap()
+/// Random bytes, each the mean of itself and its eight neighbours with period `size`.
+fn smooth(size: u32, numbers: &mut Numbers) -> Vec<i32> {
+    let size = size as usize;
+    let bytes: Vec<i32> = (0..size * size).map(|_| (numbers.bits() & 255) as i32).collect();
+    let mean = |at: usize| {
+        let of = |k: usize| [(at % size + k % 3) % size, (at / size + k / 3) % size];
+        (0..9).map(of).map(|[column, row]| bytes[row * size + column]).sum::<i32>() / 9
+    };
+    (0..size * size).map(mean).collect()
 }
 
+/// Layers of one height and one displacement. The other sheets are closed: the underside is above the top.
+pub fn flat_relief(sizes: Sizes, casts_shadows: bool) -> LayerMap {
+    relief(layer_header(sizes, casts_shadows), |_| ([100, 40, 200], [[0.0625, -0.03125]; 3]))
+}
+
+/// Random layers that cast shadows, over a base alone.
 pub fn parts(sizes: Sizes, seed: u64) -> FlatBtfParts {
-    let mut numbers = Numbers::new(seed);
-    let texels = sizes.flat * sizes.flat;
-    let reference: Vec<[f32; 2]> =
-        (0..sizes.reference * sizes.reference).map(|_| [0; 2].map(|_| numbers.between(-0.5, 1.5) as f32)).collect();
-    let normals = (0..texels).map(|_| unit_vector(&mut numbers)).collect();
-    let colours: Vec<[f32; 3]> = (0..texels).map(|_| [0; 3].map(|_| numbers.unit() as f32)).collect();
-    FlatBtfParts {
-        reference: ReferenceMap::new(sizes.reference, reference).unwrap(),
-        indirection: indirection(sizes, seed + 1).into(),
-        normal: NormalMap::new(sizes.flat, normals).unwrap(),
-        diffuse: DiffuseMap::from_colours(sizes.flat, &colours).unwrap(),
-        values: FlatValues::Views((0..sizes.views).map(|view| flat_view(sizes, view, seed + 2)).collect()),
-    }
-}
-
-pub fn mask(sizes: Sizes, seed: u64) -> VisibilityMask {
-    let mut numbers = Numbers::new(seed);
-    let texels = (0..sizes.flat * sizes.flat * sizes.views).map(|_| if numbers.bits() & 1 == 0 { 0 } else { 255 });
-    VisibilityMask::new(sizes.flat, sizes.views, texels.collect()).unwrap()
+    let factors = Factors { levels: sizes.flat.ilog2() + 1, ..BASE };
+    FlatBtfParts { layers: layers(sizes, true, seed), reflectance: factored(sizes, factors, seed + 1) }
 }
 
 /// Shape of a made-up factored asset, besides its sizes.
@@ -109,12 +120,19 @@ pub struct Factors {
     pub groups: u32,
     pub wide_groups: u32,
     pub shadow: ShadowFormat,
+    pub materials: u32,
 }
 
-/// A factored asset of random texels.
+/// A base alone, for small sizes.
+pub const BASE: Factors = Factors { levels: 3, groups: 0, wide_groups: 0, shadow: ShadowFormat::None, materials: 0 };
+/// Two materials, for small sizes.
+pub const MATERIALS: Factors = Factors { materials: 2, ..BASE };
+
+/// A factored asset of random texels. Without groups it has no views and lights.
 pub fn factored(sizes: Sizes, factors: Factors, seed: u64) -> FactoredFlatBtf {
     let mut numbers = Numbers::new(seed);
-    let Factors { levels, groups, wide_groups, shadow } = factors;
+    let Factors { levels, groups, wide_groups, shadow, materials } = factors;
+    let [views, lights] = [sizes.views, sizes.lights].map(|count| if groups == 0 { 0 } else { count });
     let components = groups as usize * GROUP;
     let steps = [2e-3, 1e-3, 1e-3].map(|scale| {
         (0..components)
@@ -130,9 +148,11 @@ pub fn factored(sizes: Sizes, factors: Factors, seed: u64) -> FactoredFlatBtf {
         groups,
         wide_groups,
         shadow,
-        views: directions(sizes.views, 1),
-        lights: directions(sizes.lights, 2),
+        views: directions(views, 1),
+        lights: directions(lights, 2),
         chroma: ChromaRange([-20, 60, -30, 24]),
+        materials: 0,
+        axes: 0,
         steps,
         errors: FactoredErrors {
             texels: 3,
@@ -148,19 +168,22 @@ pub fn factored(sizes: Sizes, factors: Factors, seed: u64) -> FactoredFlatBtf {
     };
     let mut bytes = |count: usize| (0..count).map(|_| numbers.bits() as u8).collect::<Vec<u8>>();
     let weights = bytes(GROUP * texels(BASE_LAYERS + groups));
-    let shadows = bytes(texels(sizes.lights));
+    let shadows = bytes(texels(lights));
     let range =
         |k: usize| WeightRange { scale: if k == 0 { 200.0 } else { 60.0 }, low: if k == 0 { 1.0 } else { -25.0 } };
     let ranges = base_ranges().into_iter().chain((0..components).map(range)).collect();
-    let basis = BasisMap::from_steps(header, &base_table(), |_, _, colour, component| {
-        let most = if component < wide_groups as usize * GROUP { 32767.0 } else { 127.0 };
-        // Lightness is mostly positive.
-        let low = if colour == 0 && component == 0 { 0.2 } else { -1.0 };
-        (most * numbers.between(low, 1.0)) as i32
-    });
+    let basis = if materials > 0 {
+        BasisMap::of_materials(header, &two_materials()[..materials as usize])
+    } else {
+        BasisMap::from_steps(header, &base_table(), |_, _, colour, component| {
+            let most = if component < wide_groups as usize * GROUP { 32767.0 } else { 127.0 };
+            // Lightness is mostly positive.
+            let low = if colour == 0 && component == 0 { 0.2 } else { -1.0 };
+            (most * numbers.between(low, 1.0)) as i32
+        })
+    };
     let weights = WeightMap::new(sizes.flat, levels, ranges, weights).unwrap();
-    let shadow =
-        (shadow != ShadowFormat::None).then(|| ShadowMap::new(sizes.flat, levels, sizes.lights, shadows).unwrap());
+    let shadow = (shadow != ShadowFormat::None).then(|| ShadowMap::new(sizes.flat, levels, lights, shadows).unwrap());
     FactoredFlatBtf::new(basis.unwrap(), weights, shadow).unwrap()
 }
 
@@ -175,7 +198,21 @@ pub fn factored_example() -> FactoredFlatBtf {
         (0..8u8).map(|k| colour * if k < 4 { 0.003_906_25 } else { 0.062_5 } * (1.0 + 0.125 * f32::from(k))).collect()
     });
     let (shadow, chroma) = (ShadowFormat::R8, ChromaRange([-20, 60, -30, 24]));
-    let header = FactoredHeader { size, levels, groups, wide_groups, shadow, views, lights, chroma, steps, errors };
+    let (materials, axes) = (0, 0);
+    let header = FactoredHeader {
+        size,
+        levels,
+        groups,
+        wide_groups,
+        shadow,
+        views,
+        lights,
+        chroma,
+        materials,
+        axes,
+        steps,
+        errors,
+    };
     let basis = BasisMap::from_steps(header, &base_table(), |view, light, colour, component| {
         let at = (((view * 3 + light) * 3 + colour) * 8 + component) as i32;
         match component {
@@ -194,20 +231,34 @@ pub fn factored_example() -> FactoredFlatBtf {
     FactoredFlatBtf::new(basis.unwrap(), weights.unwrap(), Some(shadow.unwrap())).unwrap()
 }
 
-/// A file of small maps with a mask and these displacements and values.
-pub fn file(indirection: impl Into<Indirection>, values: FlatValues) -> FlatBtfFile {
-    let parts = FlatBtfParts { indirection: indirection.into(), values, ..parts(SMALL, 8) };
-    FlatBtfFile::new(FlatBtfDecoder::new(parts).unwrap(), Some(mask(SMALL, 1))).unwrap()
+/// Layers whose heights follow rules without mathematical functions: an arch along the rows over a base that falls.
+pub fn example_layers() -> LayerMap {
+    let header = LayerHeader { size: 8, sheets: 3, levels: 4, heights: [-0.25, 0.25], casts_shadows: true };
+    relief(header, |[column, row]| {
+        let top = [240, 232, 216, 150, 64, 64, 96, 200][row as usize];
+        let moved = |sheet: u32| [0.015_625 * (column + sheet) as f32 - 0.0625, 0.007_812_5 * (row + 2 * sheet) as f32];
+        ([(64 - 8 * column) as u8, top, 160], [0, 1, 2].map(moved))
+    })
 }
 
-/// A file of [`factored_example`] with displacements of bytes.
+/// A file of these parts.
+pub fn file(layers: LayerMap, reflectance: FactoredFlatBtf) -> FlatBtfFile {
+    FlatBtfFile::new(FlatBtfDecoder::new(FlatBtfParts { layers, reflectance })).unwrap()
+}
+
+/// A file of [`factored_example`] over three sheets.
 pub fn factored_file() -> FlatBtfFile {
-    file(displacements(SMALL, 2, 3), FlatValues::Factored(Box::new(factored_example())))
+    file(layers(SMALL, false, 3), factored_example())
 }
 
-/// A file of the light form, with directions and distances of displacements.
-pub fn light_file() -> FlatBtfFile {
-    file(indirection(SMALL, 9), FlatValues::None)
+/// A file of two materials over three sheets that cast shadows.
+pub fn materials_file() -> FlatBtfFile {
+    file(layers(SMALL, true, 5), factored(SMALL, MATERIALS, 6))
+}
+
+/// A file of a base alone over one sheet that casts shadows.
+pub fn base_file() -> FlatBtfFile {
+    file(layers(Sizes { sheets: 1, ..SMALL }, true, 9), factored(SMALL, BASE, 8))
 }
 
 /// Error of a reader for a file whose images or metadata were changed.
@@ -248,15 +299,21 @@ pub fn set_word(file: &mut PackFile, key: &str, offset: usize, word: u32) {
 pub fn survives(bytes: &[u8]) -> bool {
     let Ok(file) = FlatBtfFile::from_bytes(&sealed(bytes.to_vec())) else { return false };
     let decoder = &file.decoder;
+    let asset = &decoder.parts().reflectance;
+    let (views, lights) = (asset.header().views.len() as u32, asset.header().lights.len() as u32);
     for (k, (uv, detail)) in (0..).zip([([0.1, 0.9], 0.0), ([1.3, -0.2], 0.6), ([0.5, 0.5], 7.0)]) {
-        let direction = TOWARDS[k as usize];
-        let seen = decoder.indirection(uv, direction);
-        assert!(seen.iter().all(|c| c.abs() <= MAX_COORDINATE), "{seen:?}");
-        let mut values = decoder.light_form(uv, direction, direction).to_vec();
-        if let Some(asset) = decoder.parts().values.factored() {
-            let (views, lights) = (asset.header().views.len() as u32, asset.header().lights.len() as u32);
-            values.extend(asset.texel([k % asset.header().size, 0]).value(k % views, k % lights));
-            values.extend(asset.value(uv, detail, towards(only(k % views)), towards(only(k % lights))));
+        let point = decoder.seen(uv, TOWARDS[k as usize], detail);
+        let is_near = point.at.iter().all(|c| c.abs() < 2048.0);
+        assert!(is_near && (0.0..=1.0).contains(&point.height), "{point:?}");
+        let parameters = decoder.parameters(&point, detail);
+        assert!(parameters.iter().all(|c| (0.0..1.0).contains(c)), "{parameters:?}");
+        let texel = asset.texel([k % asset.header().size, 0]);
+        let mut values = Vec::new();
+        if views > 0 {
+            values.extend(texel.value(k % views, k % lights));
+            values.extend(decoder.value(uv, detail, towards(only(k % views)), towards(only(k % lights))));
+        } else {
+            values.extend(decoder.value(uv, detail, towards(nothing(k)), towards(nothing(k + 1))));
         }
         assert!(values.iter().all(|c| (0.0..3e5).contains(c)), "{values:?}");
     }
@@ -283,6 +340,16 @@ pub fn base_table() -> BaseTable {
     BaseTable::new((0..HALF_ANGLES * DIFFERENCE_ANGLES).map(entry).collect()).unwrap()
 }
 
+/// Materials with tables over half angles and over mirror angles.
+pub fn two_materials() -> [BaseMaterial; 2] {
+    let table = base_table();
+    let halved = table.entries().iter().map(|entry| entry.map(|c| 0.5 * c)).collect();
+    [
+        BaseMaterial { diffuse: [0.75, 0.5, 0.25], table },
+        BaseMaterial { diffuse: [0.125, 0.25, 0.0], table: BaseTable::new(halved).unwrap().over(Axis::Mirror) },
+    ]
+}
+
 /// Albedos of 0 to 1, normals that lean by less than a right angle.
 pub fn base_ranges() -> [WeightRange; 8] {
     let albedo = WeightRange { scale: 1.0, low: 0.0 };
@@ -305,9 +372,7 @@ pub fn only(index: u32) -> ViewWeights {
     ViewWeights { indices: [index; 3], weights: [1.0, 0.0, 0.0] }
 }
 
-/// The indirection whose entry and texels are in `formats/src/flat_btf/spec.md`.
-pub fn example_indirection() -> IndirectionMap {
-    let header = IndirectionHeader { size: 1, zenith_samples: 2, azimuth_samples: 3, largest_angle: 1.0 };
-    let displacements = [[0.25, 0.0], [-0.125, 0.216_506], [-0.125, -0.216_506]];
-    IndirectionMap::from_displacements(header, |_, k, a| (displacements[a as usize], 0.5 * k as f32)).unwrap()
+/// Weights of 0, for a base alone. The index varies [`towards`].
+pub fn nothing(index: u32) -> ViewWeights {
+    ViewWeights { indices: [index; 3], weights: [0.0; 3] }
 }

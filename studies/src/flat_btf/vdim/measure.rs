@@ -1,49 +1,25 @@
-//! View-dependent indirection maps: the texel of the flat BTF that a view sees behind each texel of the reference plane
-//! (section 3.4 of Hadim et al. 2009), `VDIM_v = VDIM_n + d_v δ_v`.
+//! Maps of a surface, measured by casting rays.
 
-use super::caster::MAX_POLAR_DEGREES;
-use super::model::MesoModel;
-use brdfc_core::progress::{Cancelled, Progress};
+use super::map::{Displacement, Vdim, VdimHeader};
+use brdfc_flat_btf::caster::MAX_POLAR_DEGREES;
+use brdfc_flat_btf::model::MesoModel;
 use brdfc_formats::direction::{Vector, from_polar};
-use brdfc_formats::flat_btf::IndirectionHeader;
 use rayon::prelude::*;
 
-/// Parameters seen through the texels of the reference plane, along the normal and in all sampled views.
-#[derive(Debug, Clone, PartialEq)]
-pub struct Indirection {
-    /// Sizes and views.
-    pub header: IndirectionHeader,
-    /// Parameters in the view along the normal, `R(i, j)`, row by row; not wrapped.
-    pub reference: Vec<[f32; 2]>,
-    /// Displacement from the reference, and height of the surface point: for each row `j` of texels, for each azimuth,
-    /// for each column `i`, for each polar angle.
-    pub displacements: Vec<([f32; 2], f32)>,
-}
+/// Rays per texel and axis of the study's maps.
+pub const OVERSAMPLING: usize = 2;
 
-impl Indirection {
-    /// Displacement of texel `(i, j)` of the reference plane in the view of sample `(k, a)`.
-    pub fn displacement(&self, [i, j]: [u32; 2], k: u32, a: u32) -> [f32; 2] {
-        let IndirectionHeader { size, zenith_samples, azimuth_samples, .. } = self.header;
-        let at = ((j * azimuth_samples + a % azimuth_samples) * size + i) * zenith_samples + k;
-        self.displacements[at as usize].0
-    }
-}
-
-/// Computes `VDIM_n` and, for each view, `d_v δ_v` of equation 2 of Hadim et al. 2009, by `oversampling²` rays for each
-/// texel and view.
+/// Computes the map of a surface by `oversampling²` rays for each texel and view.
 ///
 /// The value of a texel is the mean over the largest group of its rays that meet the surface close together: a mean
-/// over both sides of a silhouette would be a point that none of them sees. `progress` receives one step per row of
-/// texels.
-///
-/// # Errors
-/// Returns an error if `progress` cancels.
-pub fn indirection(
-    model: &MesoModel,
-    header: IndirectionHeader,
-    oversampling: usize,
-    progress: &dyn Progress,
-) -> Result<Indirection, Cancelled> {
+/// over both sides of a silhouette would be a point that none of them sees.
+pub fn indirection(model: &MesoModel, header: VdimHeader, oversampling: usize) -> Vdim {
+    let (reference, displacements) = displacements(model, header, oversampling);
+    Vdim::new(header, reference, displacements)
+}
+
+/// Reference and displacements of a map before rounding, in the order of [`Vdim::new`].
+fn displacements(model: &MesoModel, header: VdimHeader, oversampling: usize) -> (Vec<[f32; 2]>, Vec<Displacement>) {
     let size = header.size as usize;
     let [zeniths, azimuths] = [header.zenith_samples as usize, header.azimuth_samples as usize];
     let views: Vec<Vector> = (0..azimuths)
@@ -71,19 +47,19 @@ pub fn indirection(
             }
         }
         let reference: Vec<[f32; 2]> = reference.iter().map(|(r, _)| r.map(|c| c as f32)).collect();
-        progress.step().map(|()| (reference, displacements))
+        (reference, displacements)
     };
-    let rows = (0..size).into_par_iter().map(row).collect::<Result<Vec<_>, _>>()?;
+    let rows: Vec<_> = (0..size).into_par_iter().map(row).collect();
     let (mut reference, mut displacements) = (Vec::new(), Vec::with_capacity(size * size * views.len()));
     for (r, d) in rows {
         reference.extend(r);
         displacements.extend(d);
     }
-    Ok(Indirection { header, reference, displacements })
+    (reference, displacements)
 }
 
 /// Parameters that one view sees through each of `size` x `size` texels of the reference plane, row by row, not
-/// wrapped: a map that contains this view holds these values, with as many rays as [`indirection`] takes.
+/// wrapped: a map that contains this view holds these values.
 pub fn seen_through_texels(model: &MesoModel, view: Vector, size: usize, oversampling: usize) -> Vec<[f32; 2]> {
     let seen = |texel: usize| {
         let (parameters, _) = through_texel(model, [texel % size, texel / size], size, oversampling, view);
@@ -135,20 +111,33 @@ fn through_texel(
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::testing::{bumps, height_field};
+    use brdfc_flat_btf::mesh::{PeriodicMesh, VertexMaterial};
 
-    const HEADER: IndirectionHeader =
-        IndirectionHeader { size: 8, zenith_samples: 5, azimuth_samples: 8, largest_angle: 1.2 };
+    const HEADER: VdimHeader = VdimHeader { size: 8, zenith_samples: 5, azimuth_samples: 8, largest_angle: 1.2 };
 
-    fn each(found: &Indirection, mut check: impl FnMut([usize; 2], [f64; 2], [f32; 2], f32)) {
-        let h = &found.header;
-        let mut values = found.displacements.iter();
+    /// Model of a height field of `n` x `n` vertices at `(column / n, row / n)`.
+    fn height_field(n: usize, height: impl Fn(f64, f64) -> f64) -> MesoModel {
+        let at = |i: usize| [(i % n) as f64 / n as f64, (i / n) as f64 / n as f64];
+        let points = (0..n * n).map(at).map(|[x, y]| [x, y, height(x, y)]);
+        let mesh = PeriodicMesh::from_grid(n, n, points.collect(), vec![VertexMaterial::default(); n * n]);
+        MesoModel::new(mesh, 0, &()).unwrap()
+    }
+
+    /// Checks all displacements before rounding, by texel and angles of the view.
+    fn each(
+        model: &MesoModel,
+        h: VdimHeader,
+        oversampling: usize,
+        mut check: impl FnMut([usize; 2], [f64; 2], [f32; 2], f32),
+    ) {
+        let (_, displacements) = displacements(model, h, oversampling);
+        let mut values = displacements.into_iter();
         for j in 0..h.size as usize {
             for a in 0..h.azimuth_samples {
                 for i in 0..h.size as usize {
                     for k in 0..h.zenith_samples {
                         let (displacement, height) = values.next().unwrap();
-                        check([i, j], h.view_angles(k, a), *displacement, *height);
+                        check([i, j], h.view_angles(k, a), displacement, height);
                     }
                 }
             }
@@ -158,20 +147,21 @@ mod tests {
 
     #[test]
     fn a_plane_in_the_reference_plane_has_the_identity_and_no_displacement() {
-        let model = MesoModel::new(height_field(6, |_, _| 0.0), 0, &()).unwrap();
-        let found = indirection(&model, HEADER, 2, &()).unwrap();
-        for (index, r) in found.reference.iter().enumerate() {
+        let model = height_field(6, |_, _| 0.0);
+        for (index, r) in indirection(&model, HEADER, 2).reference.iter().enumerate() {
             let expected = [index % 8, index / 8].map(|c| (c as f32 + 0.5) / 8.0);
             assert!((r[0] - expected[0]).abs() < 1e-6 && (r[1] - expected[1]).abs() < 1e-6);
         }
-        each(&found, |_, _, d, z| assert!(d[0].abs() < 2e-6 && d[1].abs() < 2e-6 && z.abs() < 1e-6, "{d:?} {z}"));
+        each(&model, HEADER, 2, |_, _, d, z| {
+            assert!(d[0].abs() < 2e-6 && d[1].abs() < 2e-6 && z.abs() < 1e-6, "{d:?} {z}");
+        });
     }
 
     #[test]
     fn a_raised_plane_shifts_by_its_height_times_the_tangent() {
         let height = 0.11;
-        let model = MesoModel::new(height_field(6, |_, _| height), 0, &()).unwrap();
-        each(&indirection(&model, HEADER, 1, &()).unwrap(), |_, [polar, azimuth], d, z| {
+        let model = height_field(6, |_, _| height);
+        each(&model, HEADER, 1, |_, [polar, azimuth], d, z| {
             let shift = height * polar.tan();
             let expected = [shift * azimuth.cos(), shift * azimuth.sin()];
             assert!((0..2).all(|k| (f64::from(d[k]) - expected[k]).abs() < 1e-5), "{d:?} {expected:?}");
@@ -183,9 +173,9 @@ mod tests {
     fn a_tilted_plane_has_the_analytic_shift() {
         // A roof of two tilted planes, z = s (¼ - |x - ½|). Away from its edges each is a plane.
         let slope = 0.4;
-        let model = MesoModel::new(height_field(32, |x, _| slope * (0.25 - (x - 0.5).abs())), 0, &()).unwrap();
+        let model = height_field(32, |x, _| slope * (0.25 - (x - 0.5).abs()));
         // Parameterised, the roof is the unit square again: u = x, v = y, by symmetry.
-        each(&indirection(&model, HEADER, 1, &()).unwrap(), |[i, j], [polar, azimuth], d, _| {
+        each(&model, HEADER, 1, |[i, j], [polar, azimuth], d, _| {
             let (x, y) = ((i as f64 + 0.5) / 8.0, (j as f64 + 0.5) / 8.0);
             if !(0.15..0.35).contains(&x) || polar > 0.7 {
                 return;
@@ -207,7 +197,7 @@ mod tests {
             (radius * radius - d).max(0.0).sqrt().max(sunk) - sunk
         };
         let n = 256;
-        let model = MesoModel::new(height_field(n, cap), 0, &()).unwrap();
+        let model = height_field(n, cap);
         let mut checked = 0;
         for (polar, azimuth) in [(0.0, 0.0), (0.4, 1.0), (0.8, 2.0), (1.0, 5.0)] {
             let w = from_polar(polar, azimuth);
@@ -236,11 +226,10 @@ mod tests {
     #[test]
     fn rays_on_both_sides_of_an_edge_are_not_mixed() {
         // A wall: seen from the side, rays of one texel land on its top or far behind.
-        let model = MesoModel::new(height_field(64, |x, _| if x > 0.5 { 0.3 } else { 0.0 }), 0, &()).unwrap();
-        let header = IndirectionHeader { size: 16, ..HEADER };
-        let found = indirection(&model, header, 4, &()).unwrap();
+        let model = height_field(64, |x, _| if x > 0.5 { 0.3 } else { 0.0 });
+        let header = VdimHeader { size: 16, ..HEADER };
         let (mut top, mut ground) = (0, 0);
-        each(&found, |[i, _], [polar, azimuth], _, z| {
+        each(&model, header, 4, |[i, _], [polar, azimuth], _, z| {
             // From the right, the edge of the wall's top hides the ground from 0.295 on: inside texel 4.
             if (3..=6).contains(&i) && azimuth == 0.0 && (polar - 0.6).abs() < 1e-6 {
                 assert!(!(0.01..=0.29).contains(&z), "{z}");
@@ -252,10 +241,11 @@ mod tests {
 
     #[test]
     fn threads_do_not_matter() {
-        let model = MesoModel::new(bumps(16, 0.3), 0, &()).unwrap();
+        let tau = std::f64::consts::TAU;
+        let model = height_field(16, |x, y| 0.075 * ((tau * x).sin() + (tau * (y + x)).cos()));
         let run = |threads| {
             let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
-            pool.install(|| indirection(&model, HEADER, 2, &()).unwrap())
+            pool.install(|| indirection(&model, HEADER, 2))
         };
         assert_eq!(run(1), run(4));
     }
