@@ -20,12 +20,7 @@ pub fn flat_scene_source() -> String {
 /// # Errors
 /// Returns [`GpuError::TooLarge`] if the adapter cannot hold the material or the image; any error that the driver
 /// reports.
-pub fn draw_flat_btf(
-    gpu: &Gpu,
-    scene: &Scene,
-    frame: Frame,
-    material: &FlatMaterial,
-) -> Result<LinearImage, GpuError> {
+pub fn draw_flat_btf(gpu: &Gpu, scene: &Scene, frame: Frame, material: &FlatMaterial) -> Result<LinearImage, GpuError> {
     draw_flat_btf_by(gpu, flat_scene_source(), scene, frame, material)
 }
 

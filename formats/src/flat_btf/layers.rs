@@ -112,11 +112,7 @@ impl LayerMap {
     /// # Errors
     /// Returns an error if the header is out of range, lengths do not match it, or a displacement is out of range or
     /// NaN.
-    pub fn new(
-        header: LayerHeader,
-        heights: Vec<u8>,
-        mut displacements: Vec<[f32; 2]>,
-    ) -> Result<Self, FormatError> {
+    pub fn new(header: LayerHeader, heights: Vec<u8>, mut displacements: Vec<[f32; 2]>) -> Result<Self, FormatError> {
         header.check()?;
         let expected = header.height_extent().texels_of_levels(header.levels);
         let of_heights = expected * header.height_format().texel_bytes() as u64;

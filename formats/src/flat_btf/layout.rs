@@ -63,4 +63,3 @@ pub(super) fn floats<const N: usize>(bytes: &[u8]) -> Vec<[f32; N]> {
 pub(super) fn words(bytes: &[u8]) -> Vec<u32> {
     bytes.as_chunks::<4>().0.iter().map(|word| u32::from_le_bytes(*word)).collect()
 }
-

@@ -104,14 +104,7 @@ impl LayerMap {
 
     /// Fraction, 0 or 1, of the light of a distant source in the direction `light` that reaches a point of the surface
     /// with a unit normal.
-    pub fn lit(
-        &self,
-        point: &ReliefPoint,
-        normal: [f32; 3],
-        light: [f32; 3],
-        detail: f32,
-        steps: MarchSteps,
-    ) -> f32 {
+    pub fn lit(&self, point: &ReliefPoint, normal: [f32; 3], light: [f32; 3], detail: f32, steps: MarchSteps) -> f32 {
         let (range, side) = (self.header().range(), self.header().side(self.levels_of(detail).0) as f32);
         let rise = RISE / side;
         let start = [point.at[0] + rise * normal[0], point.at[1] + rise * normal[1]];

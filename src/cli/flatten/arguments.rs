@@ -101,7 +101,11 @@ const FILLS: [(&str, FillMethod, &str); 2] = [
 const REFLECTANCES: [(&str, Reflectance, &str); 3] = [
     ("auto", Reflectance::Auto, "The smaller form that meets --max-delta-e"),
     ("brdf", Reflectance::Brdf, "Albedo, gloss and normal of each texel: for materials"),
-    ("factors", Reflectance::Factors, "Components of sampled views and lights in addition: for images and bounced light"),
+    (
+        "factors",
+        Reflectance::Factors,
+        "Components of sampled views and lights in addition: for images and bounced light",
+    ),
 ];
 const IMAGE_FORMATS: [(&str, StackFormat, &str); 2] = [("png", StackFormat::Png, ""), ("exr", StackFormat::Exr, "")];
 

@@ -7,9 +7,7 @@ use crate::output::{self, note};
 use crate::{Common, Error};
 use brdfc::flatten::read_report;
 use brdfc::inspect::{flat_btf_file, open_flat_btf};
-use brdfc::render::{
-    Builtin, FlatMaterial, Verification, Views, draw_flat_btf, draw_flat_btf_on_cpu, draw_surface,
-};
+use brdfc::render::{Builtin, FlatMaterial, Verification, Views, draw_flat_btf, draw_flat_btf_on_cpu, draw_surface};
 use brdfc::{FormatError, Input};
 
 /// Note for a plane without a rendering of the surface itself.

@@ -28,7 +28,7 @@ pub struct LayerReport {
     pub open: u32,
 }
 
-/// Where a vertical line meets the surface.
+/// Crossing of a vertical line with the surface.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 struct Cut {
     z: f32,
@@ -188,8 +188,7 @@ fn column(cuts: &[(usize, bool, Cut)]) -> (Column, bool, bool) {
 /// Offsets to the nearest column that `is_one` accepts, on the torus. `None` if there is none.
 fn nearest(side: usize, is_one: impl Fn(usize) -> bool) -> Option<Vec<[i32; 2]>> {
     const FAR: i32 = 1 << 14;
-    let mut offsets: Vec<[i32; 2]> =
-        (0..side * side).map(|at| if is_one(at) { [0; 2] } else { [FAR; 2] }).collect();
+    let mut offsets: Vec<[i32; 2]> = (0..side * side).map(|at| if is_one(at) { [0; 2] } else { [FAR; 2] }).collect();
     if offsets.iter().all(|offset| *offset != [0; 2]) {
         return None;
     }
@@ -321,7 +320,10 @@ mod tests {
             assert!((height - 0.25).abs() < 1e-4, "{at:?} {point:?}");
             let parameters = map.parameters(point.at, point.sheet, 0.0);
             let expected = [0, 1].map(|k| at[k] + 0.25 * view[k] / view[2]);
-            assert!((0..2).all(|k| (f64::from(parameters[k]) - expected[k]).abs() < 2e-3), "{parameters:?} {expected:?}");
+            assert!(
+                (0..2).all(|k| (f64::from(parameters[k]) - expected[k]).abs() < 2e-3),
+                "{parameters:?} {expected:?}"
+            );
             assert_eq!(map.lit(&point, [0.0, 0.0, 1.0], single(view), 0.0, MarchSteps::default()), 1.0);
         }
     }

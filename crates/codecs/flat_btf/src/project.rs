@@ -10,11 +10,7 @@ const REACH: i64 = 10;
 
 /// Projects `size * finer` x `size * finer` samples, row by row, onto `size x size` texels, row by row. The image has
 /// period 1; the samples of a texel surround its centre.
-pub fn project<const N: usize>(
-    size: usize,
-    finer: usize,
-    sample: impl Fn(usize) -> [f32; N] + Sync,
-) -> Vec<[f32; N]> {
+pub fn project<const N: usize>(size: usize, finer: usize, sample: impl Fn(usize) -> [f32; N] + Sync) -> Vec<[f32; N]> {
     let side = size * finer;
     let tent = tent(finer);
     let inverse = inverse();
@@ -31,8 +27,7 @@ pub fn project<const N: usize>(
     };
     let rows: Vec<Vec<[f32; N]>> =
         (0..side).into_par_iter().map(|row| line(&|column| sample(row * side + column))).collect();
-    let columns: Vec<Vec<[f32; N]>> =
-        (0..size).into_par_iter().map(|column| line(&|row| rows[row][column])).collect();
+    let columns: Vec<Vec<[f32; N]>> = (0..size).into_par_iter().map(|column| line(&|row| rows[row][column])).collect();
     (0..size * size).map(|at| columns[at % size][at / size]).collect()
 }
 
@@ -84,9 +79,8 @@ mod tests {
         let (size, finer) = (8, 4);
         let texels: Vec<[f32; 1]> = (0..64).map(|k| [((k * 37) % 64) as f32 / 64.0]).collect();
         let found = project(size, finer, |at| [interpolated(&texels, size, finer, at)]);
-        let largest = |found: &[[f32; 1]]| {
-            found.iter().zip(&texels).map(|(a, b)| (a[0] - b[0]).abs()).fold(0.0, f32::max)
-        };
+        let largest =
+            |found: &[[f32; 1]]| found.iter().zip(&texels).map(|(a, b)| (a[0] - b[0]).abs()).fold(0.0, f32::max);
         // Sums over samples are not integrals: the correlations of tents differ by a few percent.
         assert!(largest(&found) < 0.05, "{}", largest(&found));
         // The negative control: means over texels.

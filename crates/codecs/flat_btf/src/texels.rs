@@ -91,9 +91,8 @@ pub fn texel_surface(
         // Opposite normals cancel only in folds thinner than a texel.
         if length > 1e-3 { [x, y, z].map(|c| (c / length) as f32) } else { [0.0, 0.0, 1.0] }
     };
-    let shares = |numbers: &[f32; NUMBERS]| {
-        std::array::from_fn(|m| std::array::from_fn(|c| numbers[3 + 3 * m + c].max(0.0)))
-    };
+    let shares =
+        |numbers: &[f32; NUMBERS]| std::array::from_fn(|m| std::array::from_fn(|c| numbers[3 + 3 * m + c].max(0.0)));
     TexelSurface { normals: texels.iter().map(normal).collect(), shares: texels.iter().map(shares).collect() }
 }
 

@@ -75,8 +75,9 @@ impl FactoredTexel<'_> {
             return asset.basis.colour(&self.base, view.direction, light.direction);
         }
         let (views, lights) = (view.samples, light.samples);
-        let lit =
-            |index: usize| if lights.weights[index] == 0.0 { 0.0 } else { asset.lit(&self.place, lights.indices[index]) };
+        let lit = |index: usize| {
+            if lights.weights[index] == 0.0 { 0.0 } else { asset.lit(&self.place, lights.indices[index]) }
+        };
         let shadow = lights.weights[0] * lit(0) + lights.weights[1] * lit(1) + lights.weights[2] * lit(2);
         let mut sum = [0.0f32; 3];
         for (view, view_weight) in views.indices.into_iter().zip(views.weights) {

@@ -218,8 +218,7 @@ impl FactoredHeader {
         words.extend([seen_mean, seen_p95, seen_max, all_mean, all_p95].map(f32::to_bits));
         words.extend([self.chroma.word(), self.materials, self.axes]);
         words.extend(self.steps.iter().flatten().map(|step| step.to_bits()));
-        let mut entries =
-            if self.groups > 0 { direction_entries(&self.views, &self.lights) } else { BTreeMap::new() };
+        let mut entries = if self.groups > 0 { direction_entries(&self.views, &self.lights) } else { BTreeMap::new() };
         entries.insert(FACTORED.to_owned(), words.into_iter().flat_map(u32::to_le_bytes).collect());
         entries
     }

@@ -17,7 +17,6 @@ pub use recipe::{FlattenRecipe, Reflectance};
 pub use report::{AssetErrors, AssetReport};
 pub use scratch::{MemoryScratch, Scratch};
 
-use brdfc_formats::flat_btf::factored::MAX_MATERIALS as MAX_BRDF_MATERIALS;
 use crate::factored::{Factored, FactoredRecipe, FactoredTarget, factor, known};
 use crate::interreflection::Bounces;
 use crate::layers::layers;
@@ -32,6 +31,7 @@ use crate::weld::WeldReport;
 use brdfc_core::progress::{Progress, Stage};
 use brdfc_formats::FormatError;
 use brdfc_formats::direction::{Vector, dot};
+use brdfc_formats::flat_btf::factored::MAX_MATERIALS as MAX_BRDF_MATERIALS;
 use brdfc_formats::flat_btf::{FlatBtfDecoder, FlatBtfParts, VisibilityMask};
 use pass::Pass;
 use probing::{from_images, from_surface};

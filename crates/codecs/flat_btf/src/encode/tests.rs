@@ -104,7 +104,10 @@ fn phong_lobes_have_tables_over_mirror_angles() {
 fn images_and_bounces_require_factors() {
     let recipe = FlattenRecipe { bounces: 4, reflectance: Reflectance::Brdf, ..recipe() };
     let error = made(&recipe, &MemoryScratch::default(), &()).err().expect("an error").to_string();
-    assert_eq!(error, "reflectance: found brdf, expected materials without bounces; images and bounces require factors");
+    assert_eq!(
+        error,
+        "reflectance: found brdf, expected materials without bounces; images and bounces require factors"
+    );
 }
 
 #[test]

@@ -141,8 +141,7 @@ pub(super) fn solve_albedo(sums: [f64; 9]) -> Albedo {
     let diffuse = [d0, d1, d2];
     let shared = |other: [f64; 3]| (0..3).map(|k| across[k] * other[k] / cosines).sum::<f64>();
     let (above, below) = (gx - shared(diffuse), gg - shared(across));
-    let gloss =
-        if below > 1e-6 * gg.max(1e-9) { (above / below).clamp(0.0, f64::from(MAX_GLOSS)) } else { 0.0 };
+    let gloss = if below > 1e-6 * gg.max(1e-9) { (above / below).clamp(0.0, f64::from(MAX_GLOSS)) } else { 0.0 };
     let albedo = |k: usize| ((diffuse[k] - across[k] * gloss) / cosines).max(0.0) as f32;
     [albedo(0), albedo(1), albedo(2), gloss as f32]
 }

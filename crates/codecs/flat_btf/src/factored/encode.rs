@@ -85,14 +85,14 @@ pub fn factor<E: Send>(
     let trial = fitted.values(count.min(TRIAL_TEXELS), &of_fitted, &rays);
     let chroma = chroma.range();
     let trials = Trials {
-            values: &trial,
-            held_out: &held_out,
-            base: &of_held_out,
-            directions: &directions,
-            chroma,
-            shadowed: recipe.shadowed,
-            progress,
-        };
+        values: &trial,
+        held_out: &held_out,
+        base: &of_held_out,
+        directions: &directions,
+        chroma,
+        shadowed: recipe.shadowed,
+        progress,
+    };
     let (mut candidate, tried) = trials.choose(recipe.target)?;
     progress.stage(Stage::Fit, 1)?;
     drop(trial);

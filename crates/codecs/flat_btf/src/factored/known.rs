@@ -100,11 +100,7 @@ fn tint(shares: &[[f32; 3]]) -> Albedo {
 ///
 /// # Errors
 /// Returns an error only for layouts that cannot be: too many texels.
-pub fn known(
-    sources: &[Box<dyn Source>],
-    surface: &TexelSurface,
-    size: u32,
-) -> Result<Option<Factored>, FormatError> {
+pub fn known(sources: &[Box<dyn Source>], surface: &TexelSurface, size: u32) -> Result<Option<Factored>, FormatError> {
     if sources.len() > MAX_MATERIALS as usize {
         return Ok(None);
     }
