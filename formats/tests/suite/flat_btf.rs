@@ -338,7 +338,7 @@ fn values_are_those_behind_a_ray_of_sight() {
 #[test]
 fn steps_may_be_replaced() {
     let decoder = FlatBtfDecoder::new(parts(Sizes { plane: 32, ..SMALL }, 4));
-    assert_eq!(decoder.steps(), MarchSteps::default());
+    assert_eq!(decoder.steps(), MarchSteps::of(decoder.parts().layers.header()));
     let fine = decoder.clone().with_steps(FINE);
     assert_eq!((fine.steps(), fine.parts()), (FINE, decoder.parts()));
     let differ = |k: u32| {

@@ -179,9 +179,10 @@ fn the_uniform_block_of_flat_btfs_is_the_one_that_rust_writes() {
         let kind = if is_float { naga::ScalarKind::Float } else { naga::ScalarKind::Uint };
         assert_eq!(module.types[member.ty].inner.scalar_kind(), Some(kind), "{name}");
     }
-    // One sheet; the default steps.
-    let base = FlatBtfParameters::to_bytes(&base_file().decoder);
-    let MarchSteps { sight, refine, light } = MarchSteps::default();
+    // One sheet; the steps of the relief.
+    let base = base_file().decoder;
+    let MarchSteps { sight, refine, light } = MarchSteps::of(base.parts().layers.header());
+    let base = FlatBtfParameters::to_bytes(&base);
     assert_eq!(base[..28], *[8, 1, 4, sight, refine, light, 1].map(u32::to_le_bytes).as_flattened());
     let factored = FlatBtfParameters::to_bytes(&factored_file().decoder);
     assert_eq!(factored[24..28], [0; 4], "no rays of light");
