@@ -22,7 +22,7 @@ impl Default for MarchSteps {
 impl MarchSteps {
     /// Steps for a relief: enough for rays at 50 degrees from the normal to meet every texel that they cross, 6 to 24.
     pub fn of(header: &LayerHeader) -> Self {
-        let steps = (1.2 * header.range() * header.size as f32 / TEXELS_PER_STEP).ceil().max(6.0).min(24.0) as u32;
+        let steps = (1.2 * header.range() * header.size as f32 / TEXELS_PER_STEP).ceil().clamp(6.0, 24.0) as u32;
         Self { sight: steps, light: steps, ..Self::default() }
     }
 }

@@ -200,7 +200,7 @@ pub(super) fn blended_materials(
         let second = second.value(texel.normal, view, light);
         value = [0, 1, 2].map(|c: usize| (1.0 - texel.gloss) * value[c] + texel.gloss * second[c]);
     }
-    [0, 1, 2].map(|c: usize| (texel.diffuse[c] * value[c]).max(0.0).min(MAX_BASE))
+    [0, 1, 2].map(|c: usize| (texel.diffuse[c] * value[c]).clamp(0.0, MAX_BASE))
 }
 
 /// Decodes the components of the two base layers: `diffuse` red, green, blue, `gloss`; and the normal.
