@@ -135,19 +135,11 @@ impl Slots {
         Self::new(gpu, label, visibility, types)
     }
 
-    /// Uploads the bindings of a pack and makes a bind group of them and of these existing textures. Slots without a
-    /// resource have zeros.
+    /// Uploads the bindings of a pack and makes a bind group of them. Slots without a resource have zeros.
     ///
     /// # Errors
     /// Returns the errors of `texture`; any error that the driver reports.
-    pub fn bind(
-        &self,
-        gpu: &Gpu,
-        bindings: &[Binding<'_>],
-        frame: FrameBlock,
-        textures: &[(u32, &TextureView)],
-    ) -> Result<BindGroup, GpuError> {
-        let missing = self.types.iter().filter(|(slot, _)| textures.iter().all(|(at, _)| at != slot));
+    pub fn bind(&self, gpu: &Gpu, bindings: &[Binding<'_>], frame: FrameBlock) -> Result<BindGroup, GpuError> {
         let upload = |(slot, ty): &(u32, BindingType)| {
             let found = bindings.iter().find(|binding| binding.slot == *slot).map(|binding| &binding.resource);
             let uploaded = match found {
@@ -156,14 +148,13 @@ impl Slots {
             };
             Ok((*slot, uploaded))
         };
-        let uploaded = missing.map(upload).collect::<Result<Vec<_>, GpuError>>()?;
-        let own = uploaded.iter().map(|(slot, uploaded)| match uploaded {
+        let uploaded = self.types.iter().map(upload).collect::<Result<Vec<_>, GpuError>>()?;
+        let bound = uploaded.iter().map(|(slot, uploaded)| match uploaded {
             Uploaded::Uniform(buffer) => (*slot, buffer.as_entire_binding()),
             Uploaded::Texture(view) => (*slot, BindingResource::TextureView(view)),
             Uploaded::Sampler(sampler) => (*slot, BindingResource::Sampler(sampler)),
         });
-        let others = textures.iter().map(|(slot, view)| (*slot, BindingResource::TextureView(view)));
-        let group = group(gpu, &self.layout, own.chain(others));
+        let group = group(gpu, &self.layout, bound);
         gpu.check()?;
         Ok(group)
     }

@@ -90,7 +90,7 @@ impl<'g> Renderer<'g> {
         let environment = surface::environment(gpu, &scene.environment)?;
         let mut groups = Vec::with_capacity(scene.parts.len());
         for (index, (part, pack)) in (0..).zip(scene.parts.iter().zip(packs)) {
-            let pack = self.slots.bind(gpu, &pack.bindings().all, decoding.frame_block(), &[])?;
+            let pack = self.slots.bind(gpu, &pack.bindings().all, decoding.frame_block())?;
             groups.push(vec![pack, surface::upload(gpu, &self.surface_layout, index, part, &environment)]);
         }
         load(gpu, &self.rasteriser.view_layout, scene, groups, decoding.words())

@@ -37,7 +37,7 @@ pub fn upload(
 ) -> Result<BindGroup, GpuError> {
     let bindings = decoder.bindings(directions);
     fits(&bindings, &gpu.device.limits())?;
-    slots.bind(gpu, &bindings.all, frame, &[])
+    slots.bind(gpu, &bindings.all, frame)
 }
 
 /// Returns an error unless an adapter takes the textures.

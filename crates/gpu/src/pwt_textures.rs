@@ -25,5 +25,5 @@ pub fn upload(gpu: &Gpu, slots: &Slots, pack: &PwtPack, frame: FrameBlock) -> Re
             "found {side} texels per side, expected at most {most} on this adapter"
         )));
     }
-    slots.bind(gpu, &pack.bindings().all, frame, &[])
+    slots.bind(gpu, &pack.bindings().all, frame)
 }

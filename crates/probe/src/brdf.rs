@@ -104,7 +104,7 @@ impl<'g> Evaluator<'g> {
     /// Returns an error that the driver reports.
     pub fn load(&self, pack: &BrdfPack, filter: Filter) -> Result<LoadedPack, GpuError> {
         let frame = FrameBlock { blend: filter, ..FrameBlock::default() };
-        let group = self.slots.bind(self.pipeline.gpu(), &pack.bindings().all, frame, &[])?;
+        let group = self.slots.bind(self.pipeline.gpu(), &pack.bindings().all, frame)?;
         Ok(LoadedPack { group })
     }
 

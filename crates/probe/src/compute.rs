@@ -26,7 +26,7 @@ impl<'g> Compute<'g> {
     /// Returns an error if the source does not validate, with the compiler's message, or if textures do not fit.
     pub fn new(gpu: &'g Gpu, source: &str, bindings: &[Binding<'_>], frame: FrameBlock) -> Result<Self, GpuError> {
         let slots = Slots::of(gpu, "bindings", ShaderStages::COMPUTE, bindings);
-        let bound = slots.bind(gpu, bindings, frame, &[])?;
+        let bound = slots.bind(gpu, bindings, frame)?;
         let pipeline = ItemPipeline::new(gpu, "compute", format!("{source}\n{COMPUTE_WGSL}"), &slots.layout)?;
         Ok(Self { pipeline, bound })
     }

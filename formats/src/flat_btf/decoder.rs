@@ -1,5 +1,6 @@
 //! CPU decoder, the reference for shaders: f32 operations in a fixed order without fused operations.
 
+use super::directions::SampledDirections;
 use super::factored::FactoredFlatBtf;
 use super::layers::LayerMap;
 use super::march::{MarchSteps, ReliefPoint};
@@ -83,12 +84,33 @@ impl FlatBtfDecoder {
         let FlatBtfParts { layers, reflectance } = &self.parts;
         let detail = level_of_detail + self.finer();
         let point = layers.seen(uv, view.direction, detail, self.steps);
-        let texel = reflectance.filtered(self.parameters(&point, level_of_detail), level_of_detail);
+        let texel = reflectance.filtered(layers.parameters(point.at, point.sheet, detail).map(wrap), level_of_detail);
         let value = texel.blended(view, light);
         if !layers.header().casts_shadows || value == [0.0; 3] {
             return value;
         }
         let lit = layers.lit(&point, texel.base().normal, light.direction, detail, self.steps);
         value.map(|channel| channel * lit)
+    }
+
+    /// [`FlatBtfDecoder::value`] for any view and light, unit vectors: `flat_btf_value` of the shader. `directions` are
+    /// those of the reflectance: [`SampledDirections::of`].
+    ///
+    /// A light that is lower than all sampled ones has the value of the nearest sampled direction, times the ratio of
+    /// cosines, so that a surface goes dark towards the horizon of its light without a step.
+    pub fn shaded(
+        &self,
+        directions: Option<&SampledDirections>,
+        uv: [f32; 2],
+        level_of_detail: f32,
+        view: [f32; 3],
+        light: [f32; 3],
+    ) -> [f32; 3] {
+        if light[2] <= 0.0 {
+            return [0.0; 3];
+        }
+        let [views, lights] = SampledDirections::blended(directions, view, light);
+        let dimmed = directions.map_or(1.0, |some| (light[2] / some.lowest_light).min(1.0));
+        self.value(uv, level_of_detail, views, lights).map(|value| value * dimmed)
     }
 }

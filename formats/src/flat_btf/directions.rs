@@ -2,6 +2,7 @@
 
 use super::factored::FactoredFlatBtf;
 use super::layout::{self, check_format, wrong_extent};
+use super::view_weights::{BlendedDirection, ViewWeights};
 use crate::FormatError;
 use crate::container::{Extent, TexelFormat, Texture};
 use crate::direction_mesh::DirectionMesh;
@@ -49,6 +50,15 @@ impl SampledDirections {
     pub fn of(asset: &FactoredFlatBtf) -> Result<Option<Self>, FormatError> {
         let header = asset.header();
         (header.groups > 0).then(|| Self::new(&header.views, &header.lights)).transpose()
+    }
+
+    /// Sampled directions that approximate a view and a light; without meshes, none.
+    pub(super) fn blended(meshes: Option<&Self>, view: [f32; 3], light: [f32; 3]) -> [BlendedDirection; 2] {
+        let blended = |mesh: Option<&DirectionMesh>, direction| {
+            let (indices, weights) = mesh.map_or(([0; 3], [0.0; 3]), |mesh| mesh.weights(direction));
+            BlendedDirection { direction, samples: ViewWeights { indices, weights } }
+        };
+        [blended(meshes.map(|some| &some.views), view), blended(meshes.map(|some| &some.lights), light)]
     }
 
     /// Columns and rows of the texture.

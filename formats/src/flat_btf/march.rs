@@ -13,17 +13,12 @@ pub struct MarchSteps {
     pub light: u32,
 }
 
-impl Default for MarchSteps {
-    fn default() -> Self {
-        Self { sight: 14, refine: 3, light: 14 }
-    }
-}
-
 impl MarchSteps {
-    /// Steps for a relief: enough for rays at 50 degrees from the normal to meet every texel that they cross, 6 to 24.
+    /// Steps for a relief: enough for rays at 50 degrees from the normal to take steps of 1.5 texels, 6 to 24; three
+    /// refinements.
     pub fn of(header: &LayerHeader) -> Self {
         let steps = (1.2 * header.range() * header.size as f32 / TEXELS_PER_STEP).ceil().clamp(6.0, 24.0) as u32;
-        Self { sight: steps, light: steps, ..Self::default() }
+        Self { sight: steps, refine: 3, light: steps }
     }
 }
 

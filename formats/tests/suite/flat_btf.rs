@@ -101,8 +101,9 @@ fn light_reaches_a_plane() {
         for k in 0..300 {
             let [x, y, z] = unit_vector(&mut numbers);
             let light = if k % 3 == 0 { unit([x, y, 0.0]) } else { [x, y, z.abs()] };
-            let point = plane.seen([x, y], UP, 0.0, MarchSteps::default());
-            assert_eq!(plane.lit(&point, UP, light, 0.0, MarchSteps::default()), 1.0, "{byte} {light:?}");
+            let steps = MarchSteps::of(plane.header());
+            let point = plane.seen([x, y], UP, 0.0, steps);
+            assert_eq!(plane.lit(&point, UP, light, 0.0, steps), 1.0, "{byte} {light:?}");
         }
     }
 }
@@ -216,7 +217,7 @@ fn ends_of_rays_are_on_the_surface() {
 fn any_query_gives_numbers_in_range() {
     let odd = [0.0, -0.0, 1.0, -1e-9, 1e9, -1e30, f32::MAX, f32::INFINITY, f32::NAN, f32::MIN_POSITIVE];
     for file in [base_file(), materials_file(), factored_file()] {
-        for steps in [MarchSteps::default(), MarchSteps { sight: 0, refine: 0, light: 0 }] {
+        for steps in [file.decoder.steps(), MarchSteps { sight: 0, refine: 0, light: 0 }] {
             let decoder = file.decoder.clone().with_steps(steps);
             let samples = |k| if file.directions.is_some() { only(k) } else { nothing(k) };
             for u in odd {
@@ -283,7 +284,7 @@ fn levels_of_detail_are_blended_and_clamped() {
     let decoder = FlatBtfDecoder::new(FlatBtfParts { layers: layers.clone(), ..parts(SMALL, 8) });
     assert_eq!(decoder.finer(), 1.0);
     let found = decoder.seen([0.1, 0.7], FROM_LEFT, 0.5);
-    assert_eq!(found, layers.seen([0.1, 0.7], FROM_LEFT, 1.5, MarchSteps::default()));
+    assert_eq!(found, layers.seen([0.1, 0.7], FROM_LEFT, 1.5, decoder.steps()));
     assert_ne!(found, decoder.seen([0.1, 0.7], FROM_LEFT, 1.0));
 }
 

@@ -100,7 +100,7 @@ const FILLS: [(&str, FillMethod, &str); 2] = [
 ];
 const REFLECTANCES: [(&str, Reflectance, &str); 3] = [
     ("auto", Reflectance::Auto, "The smaller form that meets --max-delta-e"),
-    ("brdf", Reflectance::Brdf, "Albedo, gloss and normal of each texel: for materials"),
+    ("brdf", Reflectance::Brdf, "Normal, tint and share of two materials of each texel: for one or two materials"),
     (
         "factors",
         Reflectance::Factors,

@@ -39,7 +39,6 @@ struct Cut {
 /// Cuts of a line, from above.
 #[derive(Debug, Clone, Copy, PartialEq)]
 enum Column {
-    Hole,
     One(Cut),
     Three([Cut; 3]),
 }
@@ -57,7 +56,7 @@ pub fn layers(
 ) -> Result<(LayerMap, LayerReport), FormatError> {
     let side = size as usize * LINES;
     let (columns, mut report) = columns(mesh, coordinates, side);
-    let overhangs = columns.iter().any(|column| matches!(column, Column::Three(_)));
+    let overhangs = columns.iter().any(|column| matches!(column, Some(Column::Three(_))));
     report.sheets = if overhangs { 3 } else { 1 };
     let filled = fill(columns, side);
     let mut level = project(size as usize, LINES, |line| numbers(&filled[line]));
@@ -98,7 +97,7 @@ fn numbers(cuts: &[Cut; 3]) -> [f32; 9] {
 }
 
 /// Cuts the surface by `side x side` lines.
-fn columns(mesh: &PeriodicMesh, coordinates: &[[f64; 2]], side: usize) -> (Vec<Column>, LayerReport) {
+fn columns(mesh: &PeriodicMesh, coordinates: &[[f64; 2]], side: usize) -> (Vec<Option<Column>>, LayerReport) {
     let n = side as f64;
     // Lines are moved by a hair, so that none meets an edge that lies on the grid.
     let offset = [0.5 + 1.1e-5, 0.5 + 1.3e-5];
@@ -138,7 +137,7 @@ fn columns(mesh: &PeriodicMesh, coordinates: &[[f64; 2]], side: usize) -> (Vec<C
             }
         }
         cuts.sort_by(|a, b| a.0.cmp(&b.0).then(b.2.z.total_cmp(&a.2.z)));
-        let (mut columns, mut simplified, mut open) = (vec![Column::Hole; side], 0u64, 0u64);
+        let (mut columns, mut simplified, mut open) = (vec![None; side], 0u64, 0u64);
         for cuts in cuts.chunk_by(|a, b| a.0 == b.0) {
             let (column, is_simplified, is_open) = column(cuts);
             columns[cuts[0].0] = column;
@@ -150,15 +149,15 @@ fn columns(mesh: &PeriodicMesh, coordinates: &[[f64; 2]], side: usize) -> (Vec<C
     let rows: Vec<_> = rows.par_iter().map(of_row).collect();
     let [simplified, open] = [
         rows.iter().map(|row| row.1).sum::<u64>(),
-        rows.iter().map(|row| row.2 + row.0.iter().filter(|c| **c == Column::Hole).count() as u64).sum(),
+        rows.iter().map(|row| row.2 + row.0.iter().filter(|c| c.is_none()).count() as u64).sum(),
     ]
     .map(|lines| (1e6 * lines as f64 / (n * n)).ceil() as u32);
     let columns = rows.into_iter().flat_map(|row| row.0).collect();
     (columns, LayerReport { sheets: 1, simplified, open })
 }
 
-/// The sheets of a line. True if parts were left out, and if the surface is open there.
-fn column(cuts: &[(usize, bool, Cut)]) -> (Column, bool, bool) {
+/// The sheets of a line; `None` without any. True if parts were left out, and if the surface is open there.
+fn column(cuts: &[(usize, bool, Cut)]) -> (Option<Column>, bool, bool) {
     // Upper and lower sides alternate along a closed surface.
     let mut kept: Vec<Cut> = Vec::new();
     for (_, up, cut) in cuts {
@@ -178,9 +177,9 @@ fn column(cuts: &[(usize, bool, Cut)]) -> (Column, bool, bool) {
         kept.drain(thinnest..thinnest + 2);
     }
     let column = match kept[..] {
-        [top, underside, base] => Column::Three([base, top, underside]),
-        [base] => Column::One(base),
-        _ => Column::Hole,
+        [top, underside, base] => Some(Column::Three([base, top, underside])),
+        [base] => Some(Column::One(base)),
+        _ => None,
     };
     (column, simplified, open)
 }
@@ -194,56 +193,46 @@ fn nearest(side: usize, is_one: impl Fn(usize) -> bool) -> Option<Vec<[i32; 2]>>
     }
     let wrapped = |i: i64| i.rem_euclid(side as i64) as usize;
     let length = |offset: [i32; 2]| i64::from(offset[0]).pow(2) + i64::from(offset[1]).pow(2);
+    let mut relax = |at: usize, neighbours: &[[i32; 2]]| {
+        let (i, j) = ((at % side) as i64, (at / side) as i64);
+        for [x, y] in neighbours {
+            let there = offsets[wrapped(j + i64::from(*y)) * side + wrapped(i + i64::from(*x))];
+            let through = [there[0] + x, there[1] + y];
+            if length(through) < length(offsets[at]) {
+                offsets[at] = through;
+            }
+        }
+    };
     // Two rounds of sweeps: the second crosses the border.
     for _ in 0..2 {
-        for (forward, neighbours) in
-            [(true, [[-1, 0], [0, -1], [-1, -1], [1, -1]]), (false, [[1, 0], [0, 1], [1, 1], [-1, 1]])]
-        {
-            for step in 0..side * side {
-                let at = if forward { step } else { side * side - 1 - step };
-                let (i, j) = ((at % side) as i64, (at / side) as i64);
-                for [x, y] in neighbours {
-                    let there = offsets[wrapped(j + i64::from(y)) * side + wrapped(i + i64::from(x))];
-                    let through = [there[0] + x, there[1] + y];
-                    if length(through) < length(offsets[at]) {
-                        offsets[at] = through;
-                    }
-                }
-            }
-            // Against the direction of the rows.
-            for step in 0..side * side {
-                let (j, i) = (step / side, step % side);
-                let at = if forward { j * side + (side - 1 - i) } else { (side - 1 - j) * side + i };
-                let (i, j) = ((at % side) as i64, (at / side) as i64);
-                let x = if forward { 1 } else { -1 };
-                let there = offsets[j as usize * side + wrapped(i + i64::from(x))];
-                let through = [there[0] + x, there[1]];
-                if length(through) < length(offsets[at]) {
-                    offsets[at] = through;
-                }
-            }
+        for sign in [1, -1] {
+            let ordered = |step: usize| if sign > 0 { step } else { side * side - 1 - step };
+            let visited = [[-1, 0], [0, -1], [-1, -1], [1, -1]].map(|offset| offset.map(|c: i32| sign * c));
+            (0..side * side).for_each(|step| relax(ordered(step), &visited));
+            // Rows in the same order, each against its direction.
+            let turned = |at: usize| at - at % side + (side - 1 - at % side);
+            (0..side * side).for_each(|step| relax(turned(ordered(step)), &[[sign, 0]]));
         }
     }
     Some(offsets)
 }
 
 /// Continues absent sheets.
-fn fill(mut columns: Vec<Column>, side: usize) -> Vec<[Cut; 3]> {
+fn fill(columns: Vec<Option<Column>>, side: usize) -> Vec<[Cut; 3]> {
     let index = |at: usize, offset: [f64; 2]| {
         let wrapped = |c: usize, d: f64| (c as i64 + d.round() as i64).rem_euclid(side as i64) as usize;
         wrapped(at / side, offset[1]) * side + wrapped(at % side, offset[0])
     };
-    if columns.contains(&Column::Hole) {
-        let Some(solid) = nearest(side, |at| columns[at] != Column::Hole) else {
+    let columns: Vec<Column> = if columns.contains(&None) {
+        let Some(solid) = nearest(side, |at| columns[at].is_some()) else {
             return vec![[Cut::default(); 3]; side * side];
         };
-        columns = (0..side * side).map(|at| columns[index(at, solid[at].map(f64::from))]).collect();
-    }
+        (0..side * side).filter_map(|at| columns[index(at, solid[at].map(f64::from))]).collect()
+    } else {
+        columns.into_iter().flatten().collect()
+    };
     let Some(rims) = nearest(side, |at| matches!(columns[at], Column::Three(_))) else {
-        let one = |column: &Column| match column {
-            Column::One(base) => [*base, Cut::default(), Cut::default()],
-            _ => [Cut::default(); 3],
-        };
+        let one = |(Column::One(base) | Column::Three([base, ..])): &Column| [*base, Cut::default(), Cut::default()];
         return columns.iter().map(one).collect();
     };
     let most = MIRRORED * LINES as f64;
@@ -251,7 +240,6 @@ fn fill(mut columns: Vec<Column>, side: usize) -> Vec<[Cut; 3]> {
         let own = match columns[at] {
             Column::Three(cuts) => return cuts,
             Column::One(own) => own,
-            Column::Hole => Cut::default(),
         };
         let to_rim = rims[at].map(f64::from);
         let length = to_rim[0].hypot(to_rim[1]);
@@ -315,7 +303,7 @@ mod tests {
         assert_eq!(report, LayerReport { sheets: 1, simplified: 0, open: 0 });
         let [low, _] = map.header().heights;
         for (at, view) in rays() {
-            let point = map.seen(at.map(|c| c as f32), single(view), 0.0, MarchSteps::default());
+            let point = map.seen(at.map(|c| c as f32), single(view), 0.0, MarchSteps::of(map.header()));
             let height = low + point.height * map.header().range();
             assert!((height - 0.25).abs() < 1e-4, "{at:?} {point:?}");
             let parameters = map.parameters(point.at, point.sheet, 0.0);
@@ -324,7 +312,7 @@ mod tests {
                 (0..2).all(|k| (f64::from(parameters[k]) - expected[k]).abs() < 2e-3),
                 "{parameters:?} {expected:?}"
             );
-            assert_eq!(map.lit(&point, [0.0, 0.0, 1.0], single(view), 0.0, MarchSteps::default()), 1.0);
+            assert_eq!(map.lit(&point, [0.0, 0.0, 1.0], single(view), 0.0, MarchSteps::of(map.header())), 1.0);
         }
     }
 
@@ -379,7 +367,7 @@ mod tests {
         let model = MesoModel::new(overhang(64), 0, &()).unwrap();
         let (map, report) = made(&model, 64);
         assert!(report.open > 10_000 && report.sheets == 1, "{report:?}");
-        let above = map.seen([0.5, 0.3], [0.0, 0.0, 1.0], 0.0, MarchSteps::default());
+        let above = map.seen([0.5, 0.3], [0.0, 0.0, 1.0], 0.0, MarchSteps::of(map.header()));
         assert!((0.0..=1.0).contains(&above.height));
     }
 
@@ -391,13 +379,13 @@ mod tests {
             heights.iter().enumerate().map(|(k, z)| (0, k % 2 == 0, cut(*z))).collect()
         };
         let (found, simplified, open) = column(&line(&[1.0, 0.9, 0.5, 0.45, 0.1]));
-        assert_eq!((found, simplified, open), (Column::Three([cut(0.1), cut(1.0), cut(0.9)]), true, false));
+        assert_eq!((found, simplified, open), (Some(Column::Three([cut(0.1), cut(1.0), cut(0.9)])), true, false));
         let (found, simplified, open) = column(&line(&[1.0, 0.2, 0.1]));
-        assert_eq!((found, simplified, open), (Column::Three([cut(0.1), cut(1.0), cut(0.2)]), false, false));
+        assert_eq!((found, simplified, open), (Some(Column::Three([cut(0.1), cut(1.0), cut(0.2)])), false, false));
         // A surface that is open below, and a line without any.
         let (found, _, open) = column(&line(&[1.0, 0.2]));
-        assert_eq!((found, open), (Column::One(cut(1.0)), true));
-        assert_eq!(column(&[]).0, Column::Hole);
+        assert_eq!((found, open), (Some(Column::One(cut(1.0))), true));
+        assert_eq!(column(&[]).0, None);
     }
 
     #[test]

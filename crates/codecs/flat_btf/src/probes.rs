@@ -3,8 +3,7 @@
 use super::model::MesoModel;
 use super::surface::Appearance;
 use brdfc_formats::direction::{Vector, dot, from_polar};
-use brdfc_formats::direction_mesh::DirectionMesh;
-use brdfc_formats::flat_btf::{BlendedDirection, FlatBtfDecoder, SampledDirections, ViewWeights};
+use brdfc_formats::flat_btf::{FlatBtfDecoder, SampledDirections};
 use brdfc_metrics::lab::{distance_squared, lab};
 use rand::{RngExt as _, SeedableRng as _};
 use rand_chacha::ChaCha8Rng;
@@ -77,47 +76,29 @@ impl Probes {
         (Self(places), pairs)
     }
 
-    /// Iterates over the places.
-    pub fn places(&self) -> impl Iterator<Item = &Place> {
-        self.0.iter()
+    /// The places, in their order.
+    pub fn places(&self) -> &[Place] {
+        &self.0
     }
 
-    /// Differences of the decoded values from `truth`, at the finest level.
-    pub fn errors(
-        &self,
-        decoder: &FlatBtfDecoder,
-        directions: Option<&SampledDirections>,
-        truth: impl Fn(&Place) -> [f32; 3] + Sync,
-    ) -> ColourErrors {
-        let error = |place: &Place| difference(truth(place), decoded(decoder, directions, place));
-        ColourErrors::new(self.0.par_iter().map(error).collect())
-    }
-
-    /// Differences from one value for each place.
+    /// Differences of the decoded values, at the finest level, from one value for each place. `directions` are those of
+    /// the decoder's reflectance.
     ///
     /// # Panics
     /// Panics if there are fewer values than places.
-    pub fn errors_from(
+    pub fn errors(
         &self,
         decoder: &FlatBtfDecoder,
         directions: Option<&SampledDirections>,
         truths: &[[f32; 3]],
     ) -> ColourErrors {
-        let error = |(at, place): (usize, &Place)| difference(truths[at], decoded(decoder, directions, place));
+        let single = |v: Vector| v.map(|c| c as f32);
+        let error = |(at, place): (usize, &Place)| {
+            let uv = place.at.map(|c| c as f32);
+            difference(truths[at], decoder.shaded(directions, uv, 0.0, single(place.view), single(place.light)))
+        };
         ColourErrors::new(self.0.par_iter().enumerate().map(error).collect())
     }
-}
-
-/// Value of an asset at a place.
-fn decoded(decoder: &FlatBtfDecoder, directions: Option<&SampledDirections>, place: &Place) -> [f32; 3] {
-    let single = |v: Vector| v.map(|c| c as f32);
-    let blended = |mesh: Option<&DirectionMesh>, direction: [f32; 3]| {
-        let (indices, weights) = mesh.map_or(([0; 3], [0.0; 3]), |mesh| mesh.weights(direction));
-        BlendedDirection { direction, samples: ViewWeights { indices, weights } }
-    };
-    let view = blended(directions.map(|some| &some.views), single(place.view));
-    let light = blended(directions.map(|some| &some.lights), single(place.light));
-    decoder.value(place.at.map(|c| c as f32), 0.0, view, light)
 }
 
 /// Returns a random direction, uniform by solid angle and at most as steep as the steepest of `all`.

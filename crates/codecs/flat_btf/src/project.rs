@@ -1,7 +1,7 @@
 //! Least squares projection of finely sampled periodic images onto bilinear interpolation of texels.
 //!
 //! Means over texels blur: bilinear interpolation of them filters twice. The projection has the smallest mean squared
-//! difference from the samples. It overshoots at steps by up to a tenth.
+//! difference from the image, as far as sums over samples equal integrals. It overshoots at steps by up to a fifth.
 
 use rayon::prelude::*;
 
@@ -25,8 +25,12 @@ pub fn project<const N: usize>(size: usize, finer: usize, sample: impl Fn(usize)
         };
         (0..size as i64).map(texel).collect()
     };
-    let rows: Vec<Vec<[f32; N]>> =
-        (0..side).into_par_iter().map(|row| line(&|column| sample(row * side + column))).collect();
+    let row = |row: usize| {
+        // Tents overlap: each sample counts for more than one texel.
+        let samples: Vec<[f32; N]> = (0..side).map(|column| sample(row * side + column)).collect();
+        line(&|column| samples[column])
+    };
+    let rows: Vec<Vec<[f32; N]>> = (0..side).into_par_iter().map(row).collect();
     let columns: Vec<Vec<[f32; N]>> = (0..size).into_par_iter().map(|column| line(&|row| rows[row][column])).collect();
     (0..size * size).map(|at| columns[at % size][at / size]).collect()
 }

@@ -45,7 +45,7 @@ pub(super) fn upload(
     let maps = maps.into_iter().filter(|(map, kind)| map.header().kind == *kind);
     let maps = maps.flat_map(|(map, _)| map.bindings().all);
     let all: Vec<_> = pack.bindings().all.into_iter().chain(maps).chain(material.samples.bindings().all).collect();
-    let packs = layouts.packs.bind(gpu, &all, decoding.frame_block(), &[])?;
+    let packs = layouts.packs.bind(gpu, &all, decoding.frame_block())?;
     let shared = [surroundings.radiance, surroundings.light].map(BindingResource::TextureView);
     let surroundings = bindings::group(gpu, &layouts.surroundings, (0..).zip(shared));
     let [level, hardware] = decoding.words();

@@ -19,17 +19,19 @@ const WITHOUT: Factors = Factors { groups: 1, shadow: ShadowFormat::None, ..WITH
 fn assets(seed: u64) -> Vec<FlatMaterial> {
     let steps = MarchSteps { sight: 40, refine: 4, light: 5 };
     [
-        (Sizes { sheets: 1, ..SMALL }, BASE, true, MarchSteps::default()),
-        (SMALL, MATERIALS, true, MarchSteps::default()),
-        (SMALL, WITH_SHADOWS, false, MarchSteps::default()),
-        (Sizes { flat: 16, plane: 32, views: 7, lights: 12, ..SMALL }, WITHOUT, true, MarchSteps::default()),
+        (Sizes { sheets: 1, ..SMALL }, BASE, true, None),
+        (SMALL, MATERIALS, true, None),
+        (SMALL, WITH_SHADOWS, false, None),
+        (Sizes { flat: 16, plane: 32, views: 7, lights: 12, ..SMALL }, WITHOUT, true, None),
         // Sides that are not powers of two.
-        (Sizes { flat: 5, plane: 12, views: 4, ..SMALL }, WITHOUT, true, steps),
+        (Sizes { flat: 5, plane: 12, views: 4, ..SMALL }, WITHOUT, true, Some(steps)),
     ]
     .map(|(sizes, factors, casts_shadows, steps)| {
         let layers = layers(sizes, casts_shadows, seed);
         let parts = FlatBtfParts { layers, reflectance: factored(sizes, factors, seed + 1) };
-        FlatMaterial::new(FlatBtfDecoder::new(parts).with_steps(steps), 1).unwrap()
+        let decoder = FlatBtfDecoder::new(parts);
+        let steps = steps.unwrap_or(decoder.steps());
+        FlatMaterial::new(decoder.with_steps(steps), 1).unwrap()
     })
     .to_vec()
 }

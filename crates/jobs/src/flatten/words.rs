@@ -1,7 +1,7 @@
 //! Summaries and notes about flat BTFs.
 
 use super::asset::{AssetFile, FlatAsset, Settings};
-use brdfc_core::words::{bytes, percent};
+use brdfc_core::words::{bytes, counted, percent};
 use brdfc_flat_btf::encode::Reflectance;
 use brdfc_flat_btf::factored::FactoredTarget;
 use brdfc_flat_btf::probes::ColourErrors;
@@ -43,8 +43,8 @@ pub fn remarks(asset: &AssetFile) -> Vec<String> {
     }
     if asset.report.reflectance == Reflectance::Factors && views.1 < FEW_VIEWS {
         lines.push(format!(
-            "{} views are enough for previews only: highlights show steps; the default is 81 views",
-            views.1
+            "highlights show steps with {}, which is for previews only; the default is 81 views",
+            counted(views.1, "view")
         ));
     }
     lines

@@ -2,8 +2,7 @@
 
 use brdfc_formats::FormatError;
 use brdfc_formats::direction::Vector;
-use brdfc_formats::direction_mesh::DirectionMesh;
-use brdfc_formats::flat_btf::{BlendedDirection, FlatBtfDecoder, SampledDirections, ViewWeights};
+use brdfc_formats::flat_btf::{FlatBtfDecoder, SampledDirections};
 
 /// A flat BTF, and its mapping to a surface.
 #[derive(Debug, Clone)]
@@ -42,29 +41,11 @@ impl FlatMaterial {
         self.directions.as_ref()
     }
 
-    /// Relative radiance at the coordinates `uv` of a mesh: `flat_btf_value` of the shader. `view` and `light` are unit
+    /// Relative radiance at the coordinates `uv` of a mesh: [`FlatBtfDecoder::shaded`]. `view` and `light` are unit
     /// vectors in the local frame; `level_of_detail` is the mipmap level of the texels, 0 the finest.
-    ///
-    /// Lights lower than all sampled directions have the value of the nearest sampled direction, times the ratio of cosines,
-    /// so that a surface goes dark towards the horizon of its light without a step.
     pub fn value(&self, uv: [f64; 2], level_of_detail: f32, view: Vector, light: Vector) -> [f32; 3] {
-        let single = |v: Vector| v.map(|c| c as f32);
+        let [view, light] = [view, light].map(|direction| direction.map(|c| c as f32));
         let tile = uv.map(|c| c as f32 * self.repeat as f32);
-        let (view, light) = (single(view), single(light));
-        if light[2] <= 0.0 {
-            return [0.0; 3];
-        }
-        let Some(directions) = &self.directions else {
-            let none = ViewWeights { indices: [0; 3], weights: [0.0; 3] };
-            let [view, light] = [view, light].map(|direction| BlendedDirection { direction, samples: none });
-            return self.decoder.value(tile, level_of_detail, view, light);
-        };
-        let blended = |mesh: &DirectionMesh, direction| {
-            let (indices, weights) = mesh.weights(direction);
-            BlendedDirection { direction, samples: ViewWeights { indices, weights } }
-        };
-        let dimmed = (light[2] / directions.lowest_light).min(1.0);
-        let (view, light) = (blended(&directions.views, view), blended(&directions.lights, light));
-        self.decoder.value(tile, level_of_detail, view, light).map(|value| value * dimmed)
+        self.decoder.shaded(self.directions(), tile, level_of_detail, view, light)
     }
 }

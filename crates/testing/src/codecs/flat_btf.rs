@@ -21,11 +21,8 @@ use crate::golden::values::{Values, directions as hemisphere, of_columns, points
 use crate::packs::{Numbers, unit_vector};
 use crate::sampler::{ROUNDING, SAMPLED, STEP, SamplerCase};
 use brdfc_formats::bindings::FrameBlock;
-use brdfc_formats::direction_mesh::DirectionMesh;
 use brdfc_formats::flat_btf::factored::{FactoredFlatBtf, ShadowFormat};
-use brdfc_formats::flat_btf::{
-    BlendedDirection, FlatBtfDecoder, FlatBtfFile, FlatBtfParts, LayerMap, SampledDirections, ViewWeights,
-};
+use brdfc_formats::flat_btf::{FlatBtfDecoder, FlatBtfFile, FlatBtfParts, LayerMap, SampledDirections, ViewWeights};
 use brdfc_formats::{Pack, PackKind};
 
 /// Layers of these sizes, which cast shadows or not.
@@ -84,35 +81,8 @@ fn steady_queries(decoder: &FlatBtfDecoder) -> Vec<(Query, [f32; 3])> {
 }
 
 fn query_value(decoder: &FlatBtfDecoder, directions: Option<&SampledDirections>, [a, b, c]: &Query) -> [f32; 3] {
-    flat_value(decoder, directions, [a[0], a[1]], a[2], [b, c].map(|v| [v[0], v[1], v[2]]))
-}
-
-/// Equals `FlatMaterial::value` of the renderer.
-fn flat_value(
-    decoder: &FlatBtfDecoder,
-    directions: Option<&SampledDirections>,
-    uv: [f32; 2],
-    level: f32,
-    [view, light]: [[f32; 3]; 2],
-) -> [f32; 3] {
-    if light[2] <= 0.0 {
-        return [0.0; 3];
-    }
-    let ([views, lights], dimmed) = blends(directions, [view, light]);
-    decoder.value(uv, level, views, lights).map(|value| value * dimmed)
-}
-
-/// Weights of view and light among the sampled directions, and the remaining factor for a light below all of these.
-fn blends(directions: Option<&SampledDirections>, [view, light]: [[f32; 3]; 2]) -> ([BlendedDirection; 2], f32) {
-    let Some(SampledDirections { views, lights, lowest_light }) = directions else {
-        let alone = |direction| BlendedDirection { direction, samples: nothing(0) };
-        return ([alone(view), alone(light)], 1.0);
-    };
-    let blended = |mesh: &DirectionMesh, direction| {
-        let (indices, weights) = mesh.weights(direction);
-        BlendedDirection { direction, samples: ViewWeights { indices, weights } }
-    };
-    ([blended(views, view), blended(lights, light)], (light[2] / lowest_light).min(1.0))
+    let [view, light] = [b, c].map(|v| [v[0], v[1], v[2]]);
+    decoder.shaded(directions, [a[0], a[1]], a[2], view, light)
 }
 
 /// Error bound for a value of a flat BTF with layers of one height.

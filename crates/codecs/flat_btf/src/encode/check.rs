@@ -149,7 +149,7 @@ mod tests {
         for (flat_texels, lights, at_once) in [
             (256, DirectionSet::ubo2003(), [1, 2, 8, 8]),
             (1024, DirectionSet::ubo2003(), [1, 2, 6, 6]),
-            (1024, DirectionSet::ubo2014(), [1, 2, 2, 2]),
+            (1024, DirectionSet::ubo2014(), [1, 2, 3, 3]),
         ] {
             let recipe = FlattenRecipe { flat_texels, lights, ..recipe() };
             assert_eq!(on_each(&recipe), at_once.map(|views| (Ok(()), views)));

@@ -20,7 +20,7 @@ pub use scratch::{MemoryScratch, Scratch};
 use crate::factored::{Factored, FactoredRecipe, FactoredTarget, factor, known};
 use crate::interreflection::Bounces;
 use crate::layers::layers;
-use crate::light_field::{ComputedField, LightField, visible_from_each};
+use crate::light_field::{ComputedField, visible_from_each};
 use crate::measured::{MeasuredField, ViewImages};
 use crate::mesh::{MAX_MATERIALS, PeriodicMesh};
 use crate::model::MesoModel;
@@ -32,7 +32,7 @@ use brdfc_core::progress::{Progress, Stage};
 use brdfc_formats::FormatError;
 use brdfc_formats::direction::{Vector, dot};
 use brdfc_formats::flat_btf::factored::MAX_MATERIALS as MAX_BRDF_MATERIALS;
-use brdfc_formats::flat_btf::{FlatBtfDecoder, FlatBtfParts, VisibilityMask};
+use brdfc_formats::flat_btf::{FlatBtfDecoder, FlatBtfParts, SampledDirections, VisibilityMask};
 use pass::Pass;
 use probing::{from_images, from_surface};
 use scratch::ScratchViews;
@@ -84,18 +84,7 @@ pub fn encode<E: Send>(
 ) -> Result<FlatBtfEncoded, EncodeError<E>> {
     recipe.check()?;
     let known_materials = matches!(input.values, ValueSource::Computed(_)) && recipe.bounces == 0;
-    if recipe.reflectance == Reflectance::Brdf && !known_materials {
-        let allowed = "materials without bounces; images and bounces require factors";
-        return Err(FormatError::whole("reflectance", "brdf", allowed).into());
-    }
-    if let ValueSource::Computed(appearance) = &input.values
-        && recipe.reflectance == Reflectance::Brdf
-        && appearance.sources.len() > MAX_BRDF_MATERIALS as usize
-    {
-        let found = format!("{} materials", appearance.sources.len());
-        let allowed = format!("at most {MAX_BRDF_MATERIALS} for the reflectance brdf");
-        return Err(FormatError::whole("materials", found, allowed).into());
-    }
+    check_materials(recipe, &input.values, known_materials)?;
     progress.stage(Stage::Parameterise, steps(FlattenRecipe::ROUNDS))?;
     let model = MesoModel::new(input.mesh, FlattenRecipe::ROUNDS, progress)?;
     progress.stage(Stage::Layers, 2)?;
@@ -109,55 +98,19 @@ pub fn encode<E: Send>(
     let surface = texel_surface(&model.mesh, coordinates, recipe.flat_texels, shares);
     progress.step()?;
 
-    let mut brdf = None;
-    if let ValueSource::Computed(appearance) = &input.values
-        && known_materials
-        && recipe.reflectance != Reflectance::Factors
-    {
-        progress.stage(Stage::Fit, 1)?;
-        brdf = known(&appearance.sources, &surface, recipe.flat_texels as u32)?;
-        progress.step()?;
-    }
-    let fits = |made: &Factored| !matches!(recipe.target, FactoredTarget::Bytes(most) if made.facts.gpu_bytes > most);
-    if recipe.reflectance == Reflectance::Auto {
-        brdf = brdf.filter(fits);
-    }
-    let is_enough = |made: &Factored| {
-        recipe.reflectance == Reflectance::Brdf
-            || matches!(recipe.target, FactoredTarget::Error(most) if f64::from(made.facts.errors.seen_mean) <= most)
-            || recipe.target.check(&recipe.header(0)).is_err()
-    };
-    let (made, seen) = match brdf {
-        Some(made) if is_enough(&made) => (made, None),
-        brdf => {
-            let work = Work { recipe, model: &model, surface: &surface, casts_shadows: known_materials };
-            recipe.target.check(&recipe.header(0))?;
-            let (mut factors, seen) = work.factors(&input.values, scratch, progress)?;
-            match brdf {
-                // Factors must be better for the bytes that they take.
-                Some(mut brdf) if brdf.facts.errors.seen_mean <= factors.facts.errors.seen_mean => {
-                    brdf.facts.tried.append(&mut factors.facts.tried);
-                    (brdf, None)
-                }
-                brdf => {
-                    let first = brdf.map_or(Vec::new(), |brdf| brdf.facts.tried);
-                    factors.facts.tried.splice(0..0, first);
-                    (factors, Some(seen))
-                }
-            }
-        }
-    };
+    let work = Work { recipe, model: &model, surface: &surface, known_materials };
+    let (made, seen) = work.reflectance(&input.values, scratch, progress)?;
     let reflectance = if seen.is_some() { Reflectance::Factors } else { Reflectance::Brdf };
     let decoder = FlatBtfDecoder::new(FlatBtfParts { layers, reflectance: made.asset });
-    let errors = match &input.values {
-        ValueSource::Computed(appearance) => {
-            AssetErrors { from_surface: from_surface(recipe, &model, &decoder, appearance)?, from_images: None }
+    let directions = SampledDirections::of(&decoder.parts().reflectance)?;
+    let decoded = (&decoder, directions.as_ref());
+    let mut errors = AssetErrors::default();
+    match &input.values {
+        ValueSource::Computed(appearance) => errors.from_surface = from_surface(recipe, &model, decoded, appearance),
+        ValueSource::Measured(images) => {
+            errors.from_images = Some(from_images(recipe, decoded, *images).map_err(EncodeError::Outside)?);
         }
-        ValueSource::Measured(images) => AssetErrors {
-            from_surface: None,
-            from_images: Some(from_images(recipe, &decoder, *images).map_err(EncodeError::Outside)??),
-        },
-    };
+    }
     let report = AssetReport {
         repairs: input.repairs,
         parameterisation: model.parameterisation.report,
@@ -172,6 +125,31 @@ pub fn encode<E: Send>(
     Ok(FlatBtfEncoded { decoder, report, model })
 }
 
+/// Checks that the reflectance that a recipe requires can have these values.
+fn check_materials<E>(
+    recipe: &FlattenRecipe,
+    values: &ValueSource<'_, E>,
+    known_materials: bool,
+) -> Result<(), FormatError> {
+    if recipe.reflectance != Reflectance::Brdf {
+        return Ok(());
+    }
+    match values {
+        ValueSource::Computed(appearance) if known_materials => {
+            if appearance.sources.len() > MAX_BRDF_MATERIALS as usize {
+                let found = format!("{} materials", appearance.sources.len());
+                let allowed = format!("at most {MAX_BRDF_MATERIALS} for the reflectance brdf");
+                return Err(FormatError::whole("materials", found, allowed));
+            }
+            Ok(())
+        }
+        _ => {
+            let allowed = "materials without bounces; images and bounces require factors";
+            Err(FormatError::whole("reflectance", "brdf", allowed))
+        }
+    }
+}
+
 /// Texels that views see.
 #[derive(Debug, Clone, Copy)]
 struct SeenTexels {
@@ -181,16 +159,74 @@ struct SeenTexels {
     never: usize,
 }
 
-/// Work on a factored reflectance.
+/// Work on a reflectance.
 struct Work<'a> {
     recipe: &'a FlattenRecipe,
     model: &'a MesoModel,
     surface: &'a TexelSurface,
-    /// True if rays of light determine shadows, so that values have none.
-    casts_shadows: bool,
+    /// True if materials are known and light is direct. Rays of light then determine shadows, and values have none.
+    known_materials: bool,
 }
 
 impl Work<'_> {
+    /// Selects the form of the reflectance: factors only if materials are not enough. Factors come with the texels that
+    /// their views see.
+    fn reflectance<E: Send>(
+        &self,
+        values: &ValueSource<'_, E>,
+        scratch: &dyn Scratch<Error = E>,
+        progress: &dyn Progress,
+    ) -> Result<(Factored, Option<SeenTexels>), EncodeError<E>> {
+        let brdf = match self.brdf(values, progress)? {
+            Some(made) if self.is_enough(&made) => return Ok((made, None)),
+            other => other,
+        };
+        self.recipe.target.check(&self.recipe.header(0))?;
+        let (mut factors, seen) = self.factors(values, scratch, progress)?;
+        match brdf {
+            // Factors must be better for the bytes that they take.
+            Some(mut brdf) if brdf.facts.errors.seen_mean <= factors.facts.errors.seen_mean => {
+                brdf.facts.tried.append(&mut factors.facts.tried);
+                Ok((brdf, None))
+            }
+            brdf => {
+                let first = brdf.map_or(Vec::new(), |brdf| brdf.facts.tried);
+                factors.facts.tried.splice(0..0, first);
+                Ok((factors, Some(seen)))
+            }
+        }
+    }
+
+    /// Fits known materials. `None` if factors are required, or if the materials do not fit into the bytes.
+    fn brdf<E: Send>(
+        &self,
+        values: &ValueSource<'_, E>,
+        progress: &dyn Progress,
+    ) -> Result<Option<Factored>, EncodeError<E>> {
+        let Self { recipe, .. } = self;
+        let ValueSource::Computed(appearance) = values else { return Ok(None) };
+        if !self.known_materials || recipe.reflectance == Reflectance::Factors {
+            return Ok(None);
+        }
+        progress.stage(Stage::Fit, 1)?;
+        let brdf = known(&appearance.sources, self.surface, recipe.flat_texels as u32)?;
+        progress.step()?;
+        let too_large = |made: &Factored| match recipe.target {
+            FactoredTarget::Bytes(most) => recipe.reflectance == Reflectance::Auto && made.facts.gpu_bytes > most,
+            _ => false,
+        };
+        Ok(brdf.filter(|made| !too_large(made)))
+    }
+
+    /// True if known materials need no comparison with factors.
+    fn is_enough(&self, brdf: &Factored) -> bool {
+        let Self { recipe, .. } = self;
+        let meets_the_error =
+            matches!(recipe.target, FactoredTarget::Error(most) if f64::from(brdf.facts.errors.seen_mean) <= most);
+        let too_large_as_factors = recipe.target.check(&recipe.header(0)).is_err();
+        recipe.reflectance == Reflectance::Brdf || meets_the_error || too_large_as_factors
+    }
+
     /// Computes all views, and factors them.
     fn factors<E: Send>(
         &self,
@@ -210,7 +246,7 @@ impl Work<'_> {
         let pass = Pass { recipe, texels: &texels, views: &views, lights: &lights, masks: &masks };
         match values {
             ValueSource::Computed(appearance) => {
-                let lit = if self.casts_shadows {
+                let lit = if self.known_materials {
                     let faces = |light: &Vector| texels.points.iter().map(|p| dot(p.normal, *light) > 0.0).collect();
                     lights.iter().map(faces).collect()
                 } else {
@@ -223,11 +259,11 @@ impl Work<'_> {
                     let bounces = Bounces::new(mesh, &texels, caster, appearance, &lights, recipe.bounces, progress);
                     field = field.with_bounces(bounces?);
                 }
-                self.run(&pass, (&field, |never| match never {}), (&scratched, scratch), progress)?;
+                pass.run((&field, |never| match never {}), (&scratched, scratch), progress)?;
             }
             ValueSource::Measured(images) => {
                 let field = MeasuredField { images: *images, texels: &texels, views: &views };
-                self.run(&pass, (&field, |error| error), (&scratched, scratch), progress)?;
+                pass.run((&field, |error| error), (&scratched, scratch), progress)?;
             }
         }
         let mask = visibility_mask(recipe.flat_texels as u32, &masks)?;
@@ -236,19 +272,9 @@ impl Work<'_> {
         let never = (0..texels.points.len()).filter(|texel| !masks.iter().any(|mask| mask[*texel])).count();
         drop((masks, texels));
         let view = |view| scratched.read(view, scratch);
-        let target = FactoredRecipe { shadowed: !self.casts_shadows, ..FactoredRecipe::new(recipe.target) };
+        let target = FactoredRecipe { shadowed: !self.known_materials, ..FactoredRecipe::new(recipe.target) };
         let made = factor(&target, &self.surface.normals, &mask, view, progress)?;
         Ok((made, SeenTexels { share, never }))
-    }
-
-    fn run<F: LightField, E: Send>(
-        &self,
-        pass: &Pass<'_>,
-        field: (&F, fn(F::Error) -> E),
-        storage: (&ScratchViews, &dyn Scratch<Error = E>),
-        progress: &dyn Progress,
-    ) -> Result<(), EncodeError<E>> {
-        pass.run(field, storage, progress)
     }
 }
 

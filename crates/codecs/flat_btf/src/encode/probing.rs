@@ -5,9 +5,8 @@ use crate::measured::ViewImages;
 use crate::model::MesoModel;
 use crate::probes::{ColourErrors, Place, Probes, direct_radiance};
 use crate::surface::Appearance;
-use brdfc_formats::FormatError;
-use brdfc_formats::direction::Vector;
 use brdfc_formats::flat_btf::{FlatBtfDecoder, SampledDirections};
+use rayon::prelude::*;
 
 /// Probes of a computed BTF.
 const PROBES: usize = 8192;
@@ -19,34 +18,29 @@ const IMAGE_PROBES: usize = 512;
 pub(super) fn from_surface(
     recipe: &FlattenRecipe,
     model: &MesoModel,
-    decoder: &FlatBtfDecoder,
+    (decoder, directions): (&FlatBtfDecoder, Option<&SampledDirections>),
     appearance: &Appearance,
-) -> Result<Option<ColourErrors>, FormatError> {
+) -> Option<ColourErrors> {
     if recipe.bounces > 0 {
-        return Ok(None);
+        return None;
     }
-    let (views, lights) = (recipe.views.directions(), recipe.lights.directions());
-    let probes = Probes::between(PROBES, &views, &lights);
-    let directions = SampledDirections::of(&decoder.parts().reflectance)?;
+    let probes = Probes::between(PROBES, &recipe.views.directions(), &recipe.lights.directions());
     let truth = |place: &Place| direct_radiance(model, appearance, place.at, place.view, place.light);
-    Ok(Some(probes.errors(decoder, directions.as_ref(), truth)))
+    let truths: Vec<[f32; 3]> = probes.places().par_iter().map(truth).collect();
+    Some(probes.errors(decoder, directions, &truths))
 }
 
-/// Errors against the images of a measured BTF. The outer error is the images' own.
+/// Errors against the images of a measured BTF.
 pub(super) fn from_images<E: Send>(
     recipe: &FlattenRecipe,
-    decoder: &FlatBtfDecoder,
+    (decoder, directions): (&FlatBtfDecoder, Option<&SampledDirections>),
     images: &dyn ViewImages<Error = E>,
-) -> Result<Result<ColourErrors, FormatError>, E> {
-    let (views, lights): (Vec<Vector>, Vec<Vector>) = (recipe.views.directions(), recipe.lights.directions());
-    let directions = match SampledDirections::of(&decoder.parts().reflectance) {
-        Ok(directions) => directions,
-        Err(error) => return Ok(Err(error)),
-    };
+) -> Result<ColourErrors, E> {
+    let (views, lights) = (recipe.views.directions(), recipe.lights.directions());
     let (probes, pairs) = Probes::at_samples(IMAGE_PROBES, &views, &lights);
     let mut truths = Vec::with_capacity(pairs.len());
-    for (place, [view, light]) in probes.places().zip(pairs) {
+    for (place, [view, light]) in probes.places().iter().zip(pairs) {
         truths.push(images.image(view, light)?.at(place.at[0], place.at[1]));
     }
-    Ok(Ok(probes.errors_from(decoder, directions.as_ref(), &truths)))
+    Ok(probes.errors(decoder, directions, &truths))
 }

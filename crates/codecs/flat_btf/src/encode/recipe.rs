@@ -11,7 +11,8 @@ use serde::{Deserialize, Serialize};
 pub enum Reflectance {
     /// The smaller form that meets the target.
     Auto,
-    /// A diffuse and a glossy albedo and a normal for each texel, with one table of gloss: for known materials.
+    /// A normal, a tint and a share of the second material for each texel, with a table of gloss and a diffuse albedo for
+    /// each of at most two known materials.
     Brdf,
     /// Components of sampled views and lights in addition.
     Factors,

@@ -90,8 +90,7 @@ fn known_materials_write_no_scratch() {
     assert!((0..5).all(|view| scratch.read_scratch(view).is_ok_and(|values| values.is_empty())));
 }
 
-/// A Phong lobe is one table over mirror angles: the reflectance alone is exact to a fraction of a ΔE. The control is a
-/// table over half angles.
+/// A Phong lobe is one table over mirror angles: the reflectance alone is exact to a fraction of a ΔE.
 #[test]
 fn phong_lobes_have_tables_over_mirror_angles() {
     let (made, _) = whole(&FlattenRecipe { reflectance: Reflectance::Brdf, ..recipe() });

@@ -51,8 +51,8 @@ pub fn flat_html(page: &FlatPage) -> String {
     let asset = &whole.about;
     let content = html! {
         p {
-            "A flat BTF: a surface with relief, laid flat. ΔE is the colour difference between look-ups and the surface \
-             (CIE L*a*b*; about 1 is just visible)."
+            "A flat BTF: a surface with relief, laid flat. ΔE is the colour difference from the surface or from its \
+             images (CIE L*a*b*; about 1 is just visible)."
         }
         @if let Some(view) = &page.view { p { a href=(view.whole()) { "Open in the viewer" } } }
         div.scroll { table.wraps {
@@ -95,7 +95,7 @@ fn errors_table(asset: &AssetFile) -> Markup {
             p.soft { "Errors were not measured: this requires direct light and values that can be recomputed." }
         } @else {
             div.scroll { table.wraps {
-                thead { tr { th { "error" } th { "look-ups" } th { "mean" } th { "95 %" } th { "largest" } } }
+                thead { tr { th { "error" } th { "points" } th { "mean" } th { "95 %" } th { "largest" } } }
                 tbody { @for (name, error) in known { tr {
                     td { (name) } td { (error.samples) }
                     @for value in [error.mean, error.p95, error.max] { td { (format!("{value:.2}")) } }
