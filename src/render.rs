@@ -40,7 +40,7 @@ use brdfc_flat_btf::model::MesoModel;
 use brdfc_formats::direction::dot;
 use brdfc_jobs::flatten::{open_appearance, open_geometry};
 use brdfc_render::adaptive::ANY_LEVEL;
-use brdfc_render::flat::reference_plane;
+use brdfc_render::flat::reference;
 use brdfc_render::rendering::{heat_map, octave_map};
 
 /// Bandwidth and importance samples of a material for adaptive shading: from `maps` if it has both, otherwise from the source or
@@ -66,8 +66,8 @@ pub fn lookups(material: &Material<'_>, maps: &[AnyPack]) -> Result<Lookups, Err
     found.map_err(|error| Error::internal(error.to_string()))
 }
 
-/// Draws the surface from which a flat BTF was made on a plane, with `repeat` tiles per unit of uv. Returns `None` if its geometry
-/// or a material came from a file, or if it contains light of bounces.
+/// Draws the surface from which a flat BTF was made on the objects of a scene, with `repeat` tiles per unit of uv. Returns `None` if
+/// its geometry or a material came from a file, or if it contains light of bounces.
 ///
 /// # Errors
 /// Returns an error for addresses that this version does not know.
@@ -91,7 +91,7 @@ pub fn draw_surface(scene: &Scene, frame: Frame, asset: &AssetFile, repeat: u32)
     let materials: Vec<Input> = materials.iter().map(Input::from).collect();
     let appearance = open_appearance(&options, &materials, &())?;
     let model = MesoModel::new(geometry.mesh, 0, &()).map_err(|error| Error::input(format!("{source}: {error}")))?;
-    Ok(Some(reference_plane(scene, frame, &model, &appearance, repeat)))
+    Ok(Some(reference(scene, frame, &model, &appearance, repeat)))
 }
 
 /// Finds the photograph whose light is nearest to the light of the scene, seen from the middle of the rendering. Returns the

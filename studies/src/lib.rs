@@ -14,6 +14,7 @@ pub mod pareto;
 #[cfg(feature = "render")]
 mod rates;
 pub mod rays;
+pub mod relief;
 pub mod relighting;
 #[cfg(feature = "render")]
 pub mod throughput;
@@ -32,6 +33,10 @@ pub enum Study {
     /// Section 4 of Hadim et al. 2009: reconstruction, coherency, sizes and interpolation of flat BTFs. Takes minutes
     /// for each of synth:button, folds, knit and sponge (the default).
     FlatBtf,
+    /// Methods to show a relief, compared with the surface itself: layers, a height field, a normal map, sampled indirections and
+    /// shadows, and bounds; by polar angle, in motion, far away, on curved objects. Takes minutes for each of
+    /// synth:button, folds, knit and sponge (the default).
+    Relief,
     /// Figure 1 (b) of Baril et al. 2008: photographs under known lights as polynomial texture maps, hemispherical
     /// harmonics and polynomial wavelet trees, at fitted and at held-out lights. With --out: relighting.png.
     Relighting,
@@ -79,6 +84,13 @@ pub enum StudyResult {
         settings: flat_btf::StudySettings,
         /// One row for each model.
         rows: Vec<flat_btf::ModelRow>,
+    },
+    /// Methods to show a relief.
+    Relief {
+        /// Settings of the study.
+        settings: relief::ReliefSettings,
+        /// One row for each structure.
+        rows: Vec<relief::ReliefRow>,
     },
     /// Methods to store photographs under known lights.
     Relighting(relighting::RelightingStudy),

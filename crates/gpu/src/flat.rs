@@ -6,13 +6,13 @@ use super::raster::{draw_with_one_material, view_wgsl};
 use brdfc_formats::bindings::FrameBlock;
 use brdfc_formats::flat_btf::shader::flat_btf_value_wgsl;
 use brdfc_metrics::image::LinearImage;
-use brdfc_render::flat::FlatMaterial;
+use brdfc_render::flat::{COVER_WGSL, FlatMaterial};
 use brdfc_render::scene::{Frame, Scene};
 use wgpu::ShaderStages;
 
 /// The complete shader: decoders, scene.
 pub fn flat_scene_source() -> String {
-    [&flat_btf_value_wgsl(), &view_wgsl(), include_str!("flat_scene.wgsl")].join("\n")
+    [&flat_btf_value_wgsl(), &view_wgsl(), COVER_WGSL, include_str!("flat_scene.wgsl")].join("\n")
 }
 
 /// Draws a scene whose parts all use one flat BTF, by the shader with exact filters.
@@ -39,5 +39,5 @@ pub fn draw_flat_btf_by(
     let textures = flat_textures::upload(gpu, &slots, material.decoder(), FrameBlock::exact(), material.directions())?;
     let finer = (frame.samples as f32).log2();
     let words = [material.repeat(), finer.to_bits(), 0, 0];
-    draw_with_one_material(gpu, source, scene, frame, (&slots.layout, textures), words)
+    draw_with_one_material(gpu, source, &material.cover(scene), frame, (&slots.layout, textures), words)
 }

@@ -1,5 +1,5 @@
 // Draws a scene of one flat BTF under point lights. Appended to the decoder that ends with `formats/src/flat_btf/value.wgsl`,
-// and to `view.wgsl`; the CPU twin is `crates/render/src/flat` with `shading_point.rs`.
+// to `view.wgsl`, and to the renderer's `flat/cover.wgsl`; the CPU twin is `crates/render/src/flat` with `shading_point.rs`.
 
 struct FlatMaterial {
     repeat: u32,        // tiles per unit of uv
@@ -17,21 +17,24 @@ fn shade(in: Varying, @builtin(front_facing) front: bool) -> @location(0) vec4<f
     let of_pixel = factored_mipmap_level(dpdx(in.uv) * f32(material.repeat), dpdy(in.uv) * f32(material.repeat));
     let level = max(of_pixel - material.finer, 0.0);
     let v = normalize(view.eye.xyz - in.position);
-    let n = normalize(in.normal);
-    let frame = turned_frame(select(-n, n, front), in.tangent, v);
+    let n = select(-1.0, 1.0, front) * normalize(in.normal);
+    let frame = turned_frame(n, in.tangent, v);
     // On back faces v is negated, so that it runs along the bitangent there, too.
     let uv = select(vec2<f32>(in.uv.x, -in.uv.y), in.uv, front) * f32(material.repeat);
     let wo = vec3<f32>(dot(v, frame[0]), dot(v, frame[1]), dot(v, frame[2]));
-    let look = flat_btf_look(uv, level, wo);
+    let surface = covered_surface(in, front, frame, uv);
+    let look = flat_btf_look(uv, level, wo, surface.flat_btf);
+    if surface.is_hidden || flat_btf_passes(look) {
+        discard;
+    }
+    let at = in.position + frame * (surface.side * flat_btf_offset(look));
     var radiance = vec3<f32>(0.0);
     for (var k = 0u; k < view.light_count; k += 1u) {
-        let to_light = lights[k].position.xyz - in.position;
+        let to_light = lights[k].position.xyz - at;
         let distance_squared = dot(to_light, to_light);
         let l = to_light / sqrt(distance_squared);
         let wi = vec3<f32>(dot(l, frame[0]), dot(l, frame[1]), dot(l, frame[2]));
-        if wi.z > 0.0 {
-            radiance += flat_btf_shade(look, wi) * lights[k].intensity.rgb / (PI * distance_squared);
-        }
+        radiance += flat_btf_shade(look, wi) * lights[k].intensity.rgb / (PI * distance_squared);
     }
     return vec4<f32>(radiance, 1.0);
 }

@@ -122,7 +122,9 @@ impl<'g> Rasteriser<'g> {
                     buffers: &[Some(VertexBufferLayout {
                         array_stride: 4 * VERTEX_WORDS as u64,
                         step_mode: VertexStepMode::Vertex,
-                        attributes: &vertex_attr_array![0 => Float32x3, 1 => Float32x3, 2 => Float32x3, 3 => Float32x2],
+                        attributes: &vertex_attr_array![
+                            0 => Float32x3, 1 => Float32x3, 2 => Float32x3, 3 => Float32x2, 4 => Float32
+                        ],
                     })],
                 },
                 primitive: PrimitiveState::default(),

@@ -5,11 +5,12 @@ struct FlatBtfQuery {
     place: vec4<f32>, // uv and level of detail
     view: vec4<f32>,
     light: vec4<f32>,
+    surface: vec4<f32>, // curvature and height
 }
 
 struct FlatBtfAnswer {
     seen: vec4<f32>, // position, height, sheet
-    parameters: vec4<f32>,
+    parameters: vec4<f32>, // and the rise
     value: vec4<f32>,
 }
 
@@ -21,10 +22,12 @@ fn compute(at: u32) {
     let level = queries[at].place.z;
     let view = queries[at].view.xyz;
     let detail = level + flat_btf_parameters.finer;
-    let point = flat_btf_seen(uv, view, detail);
+    let surface = FlatBtfSurface(queries[at].surface.xyz, queries[at].surface.w);
+    let look = flat_btf_look(uv, level, view, surface);
+    let point = look.point;
     let parameters = flat_btf_parameters_at(point, detail);
-    let value = flat_btf_value(uv, level, view, queries[at].light.xyz);
+    let value = flat_btf_shade(look, queries[at].light.xyz);
     answers[at] = FlatBtfAnswer(
-        vec4<f32>(point.at, point.height, f32(point.sheet)), vec4<f32>(parameters, 0.0, 0.0), vec4<f32>(value, 0.0));
+        vec4<f32>(point.at, point.height, f32(point.sheet)), vec4<f32>(parameters, point.rise, 0.0), vec4<f32>(value, 0.0));
 }
 

@@ -3,7 +3,7 @@
 use super::items::ItemPipeline;
 use brdfc_formats::bindings::FrameBlock;
 use brdfc_formats::flat_btf::shader::flat_btf_value_wgsl;
-use brdfc_formats::flat_btf::{FlatBtfDecoder, SampledDirections};
+use brdfc_formats::flat_btf::{FlatBtfDecoder, MacroSurface, SampledDirections};
 use brdfc_gpu::bindings::Slots;
 use brdfc_gpu::{Gpu, GpuError, flat_textures};
 use wgpu::ShaderStages;
@@ -11,7 +11,7 @@ use wgpu::ShaderStages;
 /// The compute entry point over the decoder.
 pub const EVALUATE_FLAT_BTF_WGSL: &str = concat!(include_str!("evaluate_flat_btf.wgsl"), include_str!("items.wgsl"));
 
-/// Maximum number of queries at once: 48 bytes each, within the limits of every adapter.
+/// Maximum number of queries at once: 64 bytes each, within the limits of every adapter.
 const MAX_QUERIES: usize = 1 << 21;
 
 /// Point, viewer and light at which a flat BTF is evaluated.
@@ -25,6 +25,8 @@ pub struct FlatBtfQuery {
     pub view: [f32; 3],
     /// Unit vector to the light.
     pub light: [f32; 3],
+    /// The surface around the point.
+    pub surface: MacroSurface,
 }
 
 /// Result of the shader for a query.
@@ -38,6 +40,8 @@ pub struct FlatBtfAnswer {
     pub sheet: u32,
     /// Parameters of the visible point.
     pub parameters: [f32; 2],
+    /// Height of the visible point above the point that is drawn, in its frame and in tiles.
+    pub rise: f32,
     /// Value of the visible point, linear RGB.
     pub value: [f32; 3],
 }
@@ -94,7 +98,7 @@ impl<'g> FlatBtfEvaluator<'g> {
     pub fn eval(&self, loaded: &LoadedFlatBtf, queries: &[FlatBtfQuery]) -> Result<Vec<FlatBtfAnswer>, GpuError> {
         let mut all = Vec::with_capacity(queries.len());
         for chunk in queries.chunks(MAX_QUERIES) {
-            let words: Vec<[f32; 12]> = chunk.iter().map(query_words).collect();
+            let words: Vec<[f32; 16]> = chunk.iter().map(query_words).collect();
             let items = self.pipeline.load(&words, chunk.len(), 48, [0; 2])?;
             let answers: Vec<[f32; 12]> = self.pipeline.answers(&items, &loaded.group)?;
             all.extend(answers.into_iter().map(|w| FlatBtfAnswer {
@@ -102,6 +106,7 @@ impl<'g> FlatBtfEvaluator<'g> {
                 height: w[2],
                 sheet: w[3] as u32,
                 parameters: [w[4], w[5]],
+                rise: w[6],
                 value: [w[8], w[9], w[10]],
             }));
         }
@@ -109,7 +114,8 @@ impl<'g> FlatBtfEvaluator<'g> {
     }
 }
 
-fn query_words(query: &FlatBtfQuery) -> [f32; 12] {
+fn query_words(query: &FlatBtfQuery) -> [f32; 16] {
     let ([u, v], [x, y, z], [a, b, c]) = (query.uv, query.view, query.light);
-    [u, v, query.level, 0.0, x, y, z, 0.0, a, b, c, 0.0]
+    let ([uu, uv, vv], height) = (query.surface.curvature, query.surface.height);
+    [u, v, query.level, 0.0, x, y, z, 0.0, a, b, c, 0.0, uu, uv, vv, height]
 }

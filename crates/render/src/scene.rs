@@ -13,8 +13,11 @@ pub struct Vertex {
     pub normal: [f32; 3],
     /// Unit tangent, at right angles to the normal: the x axis of the BRDF's frame. Bitangent = normal x tangent.
     pub tangent: [f32; 3],
-    /// Coordinates for bump maps.
+    /// Coordinates for bump maps and tiles.
     pub uv: [f32; 2],
+    /// Distance along the normal by which it was raised above its surface, in the scene's unit: 0 except where a relief
+    /// covers it.
+    pub raised_by: f32,
 }
 
 /// Triangles with shared corners. Counter-clockwise from the front.

@@ -4,6 +4,7 @@ use super::scene::{Frame, Scene};
 use super::vector::{cross, double, subtract};
 use brdfc_formats::direction::{Vector, dot};
 use obvhs::BvhBuildParams;
+use obvhs::bvh2::Bvh2;
 use obvhs::bvh2::builder::build_bvh2_from_tris;
 use obvhs::ray::{Ray, RayHit};
 use obvhs::triangle::Triangle;
@@ -28,47 +29,79 @@ pub struct Hits(pub Vec<Option<Hit>>);
 /// Tolerance outside a triangle, in barycentric coordinates, which closes the seams between triangles.
 const EDGE: f64 = 1e-9;
 
-/// Casts one ray for each sample. Both sides of triangles are visible.
-pub fn trace(scene: &Scene, frame: Frame) -> Hits {
-    let mut triangles = Vec::new();
-    let mut names = Vec::new();
-    for (part, mesh) in scene.parts.iter().map(|part| &part.mesh).enumerate() {
-        for (triangle, corners) in mesh.triangles.iter().enumerate() {
-            triangles.push(corners.map(|corner| double(mesh.vertices[corner as usize].position)));
-            names.push((part as u32, triangle as u32));
-        }
-    }
-    if triangles.is_empty() {
-        return Hits(vec![None; frame.width * frame.height * frame.samples_per_pixel()]);
-    }
-    let single = |v: Vector| v.map(|c| c as f32);
-    // Converts to obvhs's vectors, whose version of glam may differ.
-    let corner = |v: Vector| single(v).into();
-    let boxed: Vec<Triangle> =
-        triangles.iter().map(|[a, b, c]| Triangle { v0: corner(*a), v1: corner(*b), v2: corner(*c) }).collect();
-    let tree = build_bvh2_from_tris(&boxed, BvhBuildParams::medium_build(), &mut Duration::default());
+/// The triangles of a scene, prepared for ray casting. Both sides are visible.
+pub(crate) struct Caster {
+    triangles: Vec<[Vector; 3]>,
+    /// Part and triangle of each.
+    names: Vec<(u32, u32)>,
+    tree: Option<Bvh2>,
+}
 
-    let eye = scene.camera.eye;
-    let origin = single(eye).into();
-    let samples = frame.samples_per_pixel();
-    let cast = |pixel: usize, sample: usize| {
-        let [x, y] = frame.sample_position(pixel, sample);
-        let direction = scene.camera.ray(frame, x, y);
+impl Caster {
+    pub(crate) fn new(scene: &Scene) -> Self {
+        let mut triangles = Vec::new();
+        let mut names = Vec::new();
+        for (part, mesh) in scene.parts.iter().map(|part| &part.mesh).enumerate() {
+            for (triangle, corners) in mesh.triangles.iter().enumerate() {
+                triangles.push(corners.map(|corner| double(mesh.vertices[corner as usize].position)));
+                names.push((part as u32, triangle as u32));
+            }
+        }
+        // Converts to obvhs's vectors, whose version of glam may differ.
+        let corner = |v: Vector| v.map(|c| c as f32).into();
+        let boxed: Vec<Triangle> =
+            triangles.iter().map(|[a, b, c]| Triangle { v0: corner(*a), v1: corner(*b), v2: corner(*c) }).collect();
+        let build = || build_bvh2_from_tris(&boxed, BvhBuildParams::medium_build(), &mut Duration::default());
+        let tree = (!triangles.is_empty()).then(build);
+        Self { triangles, names, tree }
+    }
+
+    /// The nearest hit of a ray.
+    fn nearest(&self, origin: Vector, direction: Vector) -> Option<Hit> {
         let mut nearest: Option<(f64, Hit)> = None;
-        let ray = Ray::new_inf(origin, single(direction).into());
-        // The tree works in single precision, triangles are intersected in double.
-        tree.ray_traverse(ray, &mut RayHit::none(), |_, id| {
-            let number = tree.primitive_indices[id] as usize;
-            let Some((distance, barycentric)) = intersect(&triangles[number], eye, direction) else {
-                return f32::INFINITY;
-            };
+        self.visit(origin, direction, |distance, hit| {
             if nearest.is_none_or(|(found, _)| distance < found) {
-                let (part, triangle) = names[number];
-                nearest = Some((distance, Hit { part, triangle, barycentric: barycentric.map(|c| c as f32) }));
+                nearest = Some((distance, hit));
             }
             distance as f32
         });
         nearest.map(|(_, hit)| hit)
+    }
+
+    /// All hits of a ray, from near to far.
+    pub(crate) fn all(&self, origin: Vector, direction: Vector) -> Vec<Hit> {
+        let mut hits = Vec::new();
+        self.visit(origin, direction, |distance, hit| {
+            hits.push((distance, hit));
+            f32::INFINITY
+        });
+        hits.sort_by(|a, b| a.0.total_cmp(&b.0).then((a.1.part, a.1.triangle).cmp(&(b.1.part, b.1.triangle))));
+        hits.into_iter().map(|(_, hit)| hit).collect()
+    }
+
+    /// Calls `visit` for hits. It returns the distance beyond which none matters.
+    fn visit(&self, origin: Vector, direction: Vector, mut visit: impl FnMut(f64, Hit) -> f32) {
+        let Some(tree) = &self.tree else { return };
+        let single = |v: Vector| v.map(|c| c as f32).into();
+        // The tree works in single precision, triangles are intersected in double.
+        tree.ray_traverse(Ray::new_inf(single(origin), single(direction)), &mut RayHit::none(), |_, id| {
+            let number = tree.primitive_indices[id] as usize;
+            let Some((distance, barycentric)) = intersect(&self.triangles[number], origin, direction) else {
+                return f32::INFINITY;
+            };
+            let (part, triangle) = self.names[number];
+            visit(distance, Hit { part, triangle, barycentric: barycentric.map(|c| c as f32) })
+        });
+    }
+}
+
+/// Casts one ray for each sample.
+pub fn trace(scene: &Scene, frame: Frame) -> Hits {
+    let caster = Caster::new(scene);
+    let samples = frame.samples_per_pixel();
+    let cast = |pixel: usize, sample: usize| {
+        let [x, y] = frame.sample_position(pixel, sample);
+        caster.nearest(scene.camera.eye, scene.camera.ray(frame, x, y))
     };
     let mut hits = vec![None; frame.width * frame.height * samples];
     hits.par_chunks_mut(frame.width * samples).enumerate().for_each(|(row, hits)| {
@@ -113,7 +146,7 @@ mod tests {
             let phi = std::f64::consts::TAU * (column % columns) as f64 / columns as f64;
             let radius = 1.0 + 0.2 * (5.0 * phi).sin() * theta.sin();
             let d = [theta.sin() * phi.cos(), theta.cos(), theta.sin() * phi.sin()].map(|c| (radius * c) as f32);
-            Vertex { position: d, normal: d, tangent: [1.0, 0.0, 0.0], uv: [0.0; 2] }
+            Vertex { position: d, normal: d, tangent: [1.0, 0.0, 0.0], uv: [0.0; 2], raised_by: 0.0 }
         };
         let mut mesh = Mesh::default();
         for row in 0..=rows {

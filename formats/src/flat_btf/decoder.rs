@@ -1,9 +1,9 @@
 //! CPU decoder, the reference for shaders: f32 operations in a fixed order without fused operations.
 
 use super::directions::SampledDirections;
-use super::factored::FactoredFlatBtf;
+use super::factored::{FactoredFlatBtf, FactoredTexel};
 use super::layers::LayerMap;
-use super::march::{MarchSteps, ReliefPoint};
+use super::march::{MacroSurface, MarchSteps, ReliefPoint, slope};
 use super::view_weights::BlendedDirection;
 use crate::tap::wrap;
 
@@ -61,7 +61,7 @@ impl FlatBtfDecoder {
     /// unbounded; `view` is a unit vector to the viewer. `level_of_detail` refers to the texels of the flat BTF, 0 the
     /// finest.
     pub fn seen(&self, uv: [f32; 2], view: [f32; 3], level_of_detail: f32) -> ReliefPoint {
-        self.parts.layers.seen(uv, view, level_of_detail + self.finer(), self.steps)
+        self.parts.layers.seen(uv, view, MacroSurface::PLANE, level_of_detail + self.finer(), self.steps)
     }
 
     /// Parameters, in [0, 1), of a point of the surface: equation 3 of Hadim et al. 2009 without sampled views.
@@ -69,8 +69,19 @@ impl FlatBtfDecoder {
         self.parts.layers.parameters(point.at, point.sheet, level_of_detail + self.finer()).map(wrap)
     }
 
-    /// Equation 1, `BTF = FBTF(VDIM)`: radiance divided by that of a white diffuser that faces the light, in linear
-    /// RGB, 0 or more. A ray of sight replaces the view-dependent indirection map.
+    /// The point of the relief that a view sees behind a point of a surface: `flat_btf_look` of the shader. `uv` is in tiles and unbounded,
+    /// `view` a unit vector in the local frame of the point.
+    pub fn look(&self, uv: [f32; 2], level_of_detail: f32, view: [f32; 3], surface: MacroSurface) -> FlatBtfLook<'_> {
+        let FlatBtfParts { layers, reflectance } = &self.parts;
+        let detail = level_of_detail + self.finer();
+        let point = layers.seen(uv, view, surface, detail, self.steps);
+        let tilt = surface.tilt([point.at[0] - uv[0], point.at[1] - uv[1]]);
+        let texel = reflectance.filtered(layers.parameters(point.at, point.sheet, detail).map(wrap), level_of_detail);
+        FlatBtfLook { decoder: self, surface, detail, point, slope: slope(view), tilt, view: tilted(view, tilt), texel }
+    }
+
+    /// Equation 1, `BTF = FBTF(VDIM)`, on the reference plane: radiance divided by that of a white diffuser that faces
+    /// the light, in linear RGB, 0 or more. A ray of sight replaces the view-dependent indirection map.
     ///
     /// # Panics
     /// Panics if samples refer to views or lights that do not exist.
@@ -81,23 +92,11 @@ impl FlatBtfDecoder {
         view: BlendedDirection,
         light: BlendedDirection,
     ) -> [f32; 3] {
-        let FlatBtfParts { layers, reflectance } = &self.parts;
-        let detail = level_of_detail + self.finer();
-        let point = layers.seen(uv, view.direction, detail, self.steps);
-        let texel = reflectance.filtered(layers.parameters(point.at, point.sheet, detail).map(wrap), level_of_detail);
-        let value = texel.blended(view, light);
-        if !layers.header().casts_shadows || value == [0.0; 3] {
-            return value;
-        }
-        let lit = layers.lit(&point, texel.base().normal, light.direction, detail, self.steps);
-        value.map(|channel| channel * lit)
+        self.look(uv, level_of_detail, view.direction, MacroSurface::PLANE).value(view, light)
     }
 
     /// [`FlatBtfDecoder::value`] for any view and light, unit vectors: `flat_btf_value` of the shader. `directions` are
     /// those of the reflectance: [`SampledDirections::of`].
-    ///
-    /// A light that is lower than all sampled ones has the value of the nearest sampled direction, times the ratio of
-    /// cosines, so that a surface goes dark towards the horizon of its light without a step.
     pub fn shaded(
         &self,
         directions: Option<&SampledDirections>,
@@ -106,11 +105,79 @@ impl FlatBtfDecoder {
         view: [f32; 3],
         light: [f32; 3],
     ) -> [f32; 3] {
+        self.look(uv, level_of_detail, view, MacroSurface::PLANE).shaded(directions, light)
+    }
+}
+
+/// A point of the relief as one view sees it.
+#[derive(Debug, Clone)]
+pub struct FlatBtfLook<'a> {
+    decoder: &'a FlatBtfDecoder,
+    surface: MacroSurface,
+    /// Level of the layers.
+    detail: f32,
+    point: ReliefPoint,
+    /// Tangent of the view's polar angle where it is drawn.
+    slope: [f32; 2],
+    /// See [`MacroSurface::tilt`].
+    tilt: [f32; 2],
+    /// The view in the frame below `point`.
+    view: [f32; 3],
+    texel: FactoredTexel<'a>,
+}
+
+impl FlatBtfLook<'_> {
+    /// Returns true if the ray of sight passes the relief of a convex surface: nothing is to be drawn.
+    pub fn passes(&self) -> bool {
+        self.point.height < 0.0
+    }
+
+    /// The visible point.
+    pub fn point(&self) -> ReliefPoint {
+        self.point
+    }
+
+    /// Position of the visible point less that of the point that is drawn, in the local frame and in tiles: along the
+    /// line of sight. Distances and directions to near lights begin there.
+    pub fn offset(&self) -> [f32; 3] {
+        let [x, y] = self.slope;
+        [self.point.rise * x, self.point.rise * y, self.point.rise]
+    }
+
+    /// Value under a light, a unit vector in the local frame of the point that is drawn: `flat_btf_shade` of the
+    /// shader. `directions` are those of the reflectance: [`SampledDirections::of`].
+    ///
+    /// A light that is lower than all sampled ones has the value of the nearest sampled direction, times the ratio of
+    /// cosines, so that a surface goes dark towards the horizon of its light without a step.
+    pub fn shaded(&self, directions: Option<&SampledDirections>, light: [f32; 3]) -> [f32; 3] {
+        let light = tilted(light, self.tilt);
         if light[2] <= 0.0 {
             return [0.0; 3];
         }
-        let [views, lights] = SampledDirections::blended(directions, view, light);
+        let [views, lights] = SampledDirections::blended(directions, self.view, light);
         let dimmed = directions.map_or(1.0, |some| (light[2] / some.lowest_light).min(1.0));
-        self.value(uv, level_of_detail, views, lights).map(|value| value * dimmed)
+        self.value(views, lights).map(|value| value * dimmed)
     }
+
+    /// Value of directions in the frame below the point.
+    fn value(&self, view: BlendedDirection, light: BlendedDirection) -> [f32; 3] {
+        let layers = &self.decoder.parts.layers;
+        let value = self.texel.blended(view, light);
+        if !layers.header().casts_shadows || value == [0.0; 3] {
+            return value;
+        }
+        let (normal, steps) = (self.texel.base().normal, self.decoder.steps);
+        let lit = layers.lit(&self.point, normal, light.direction, self.surface, self.detail, steps);
+        value.map(|channel| channel * lit)
+    }
+}
+
+/// A direction in the frame of a normal whose x and y are `tilt`, with z = 1.
+fn tilted([x, y, z]: [f32; 3], tilt: [f32; 2]) -> [f32; 3] {
+    if tilt == [0.0; 2] {
+        return [x, y, z];
+    }
+    let turned = [x - z * tilt[0], y - z * tilt[1], z + x * tilt[0] + y * tilt[1]];
+    let length = (turned[0] * turned[0] + turned[1] * turned[1] + turned[2] * turned[2]).sqrt();
+    turned.map(|c| c / length)
 }

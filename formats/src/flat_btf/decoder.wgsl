@@ -7,9 +7,10 @@
 // Usage: `value.wgsl` uses these functions. For the relief alone, prepend this file to your own shader, move the
 // bindings as needed, and call
 //
-//     let point = flat_btf_seen(uv, view, detail);                // the visible point of the surface
+//     let surface = FlatBtfSurface(vec3<f32>(0.0), 0.0);          // a plane; for others see flat_btf_curvature
+//     let point = flat_btf_seen(uv, view, surface, detail);       // the visible point of the relief
 //     let parameters = flat_btf_parameters_at(point, detail);     // its parameters in the flat BTF
-//     let reached = flat_btf_lit(point, normal, light, detail);   // 1 if the light reaches the point, otherwise 0
+//     let reached = flat_btf_lit(point, normal, light, surface, detail); // 1 if the light reaches it, otherwise 0
 //
 // uv is in tiles and unbounded. view (to the viewer) and light (to the light) are unit vectors in the frame x =
 // tangent, y = bitangent, z = normal. detail is the mipmap level of the layers, 0 the finest.
@@ -44,14 +45,38 @@ struct FlatBtfParameters {
 const FLAT_BTF_TEXELS_PER_STEP: f32 = 1.5;
 // Least cosine of the polar angle of a ray: flatter rays are raised.
 const FLAT_BTF_MIN_COSINE: f32 = 0.0625;
+// Least number of steps of a ray that leaves a convex surface again, if the maximum allows.
+const FLAT_BTF_MIN_PASSING_STEPS: f32 = 4.0;
+// Least ratio of areas at two heights: a relief as high as the radius of a surface is not drawn right.
+const FLAT_BTF_MIN_AREA_RATIO: f32 = 0.0625;
 // Distance from the surface at which rays of light start, in texels.
 const FLAT_BTF_RISE: f32 = 0.1;
 
-// A point of the surface at the end of a ray of sight.
+// The surface that a relief covers, around a point that is drawn.
+struct FlatBtfSurface {
+    curvature: vec3<f32>, // along tangent and bitangent, per tile: uu, uv, vv; positive where convex
+    height: f32,          // height of the point above the reference plane, in tiles
+}
+
+// A point of the relief at the end of a ray of sight.
 struct FlatBtfPoint {
     at: vec2<f32>,   // position over the reference plane in tiles, not wrapped
-    height: f32,     // 0 to 1
+    height: f32,     // 0 to 1; below 0 if the ray passes the relief of a convex surface and leaves it again
     sheet: u32,      // 0 base, 1 top, 2 underside
+    rise: f32,       // height above the point that is drawn, in its frame and in tiles
+}
+
+// A ray over a surface, from t = 0 to `last`. Over a plane it is straight.
+struct FlatBtfRay {
+    start: vec2<f32>,
+    across: vec2<f32>, // tiles that it crosses per unit of t at its start
+    turn: vec2<f32>,   // half the change of that with t: tiles are longer, the higher above a convex surface
+    height: f32,       // height at the start, 0 to 1
+    climb: f32,        // change of the height with t
+    bend: f32,         // half the change of that
+    last: f32,
+    passes: u32,       // 1: it leaves a convex surface again without having reached the lowest point
+    back: f32,         // height of the start above the point that is drawn, in its frame and in tiles
 }
 
 // Position on a segment at which a ray enters the solid, 0 to 1; above 1 if it does not.
@@ -67,21 +92,19 @@ struct FlatBtfTap {
     weight: f32,   // of the upper sample
 }
 
-// The point of the surface that a distant eye sees behind the point uv of the reference plane.
-fn flat_btf_seen(uv: vec2<f32>, view: vec3<f32>, detail: f32) -> FlatBtfPoint {
-    let slope = view.xy / max(view.z, FLAT_BTF_MIN_COSINE);
-    let start = uv + slope * (flat_btf_parameters.low + flat_btf_parameters.range);
-    let across = slope * flat_btf_parameters.range;
-    let count = flat_btf_steps(across, detail, flat_btf_parameters.sight_steps);
+// The point of the relief that a distant eye sees behind the point uv of a surface.
+fn flat_btf_seen(uv: vec2<f32>, view: vec3<f32>, surface: FlatBtfSurface, detail: f32) -> FlatBtfPoint {
+    let ray = flat_btf_ray_of_sight(uv, flat_btf_slope(view), surface);
+    let count = flat_btf_steps(ray, detail, flat_btf_parameters.sight_steps);
     var a = 0.0;
-    var above = flat_btf_column(start, detail);
-    var b = 1.0;
+    var above = flat_btf_column(ray.start, detail);
+    var b = ray.last;
     var below = above;
     var met = FlatBtfCrossing(2.0, 0u);
     for (var k = 1u; k <= count; k += 1u) {
-        b = f32(k) / f32(count);
-        below = flat_btf_column(start - b * across, detail);
-        met = flat_btf_crossing(1.0 - a, 1.0 - b, above, below);
+        b = ray.last * (f32(k) / f32(count));
+        below = flat_btf_column(flat_btf_at(ray, b), detail);
+        met = flat_btf_crossing(flat_btf_height(ray, a), flat_btf_height(ray, b), above, below);
         if met.share <= 1.0 {
             break;
         }
@@ -91,19 +114,23 @@ fn flat_btf_seen(uv: vec2<f32>, view: vec3<f32>, detail: f32) -> FlatBtfPoint {
         }
     }
     if met.share > 1.0 {
+        if ray.passes == 1u {
+            return FlatBtfPoint(flat_btf_at(ray, ray.last), -1.0, 0u, 0.0);
+        }
         // Rounding at the lowest height.
         met = FlatBtfCrossing(1.0, 0u);
     }
     for (var k = 0u; k < flat_btf_parameters.refine_steps; k += 1u) {
         let middle = a + (b - a) * met.share;
-        let column = flat_btf_column(start - middle * across, detail);
-        let first = flat_btf_crossing(1.0 - a, 1.0 - middle, above, column);
+        let column = flat_btf_column(flat_btf_at(ray, middle), detail);
+        let between = flat_btf_height(ray, middle);
+        let first = flat_btf_crossing(flat_btf_height(ray, a), between, above, column);
         if first.share <= 1.0 {
             b = middle;
             below = column;
             met = first;
         } else {
-            let second = flat_btf_crossing(1.0 - middle, 1.0 - b, column, below);
+            let second = flat_btf_crossing(between, flat_btf_height(ray, b), column, below);
             met.share = 0.0;
             if second.share <= 1.0 {
                 met = second;
@@ -113,28 +140,28 @@ fn flat_btf_seen(uv: vec2<f32>, view: vec3<f32>, detail: f32) -> FlatBtfPoint {
         }
     }
     let share = a + (b - a) * met.share;
-    return FlatBtfPoint(start - share * across, 1.0 - share, met.sheet);
+    let rise = ray.back - share * flat_btf_parameters.range;
+    return FlatBtfPoint(flat_btf_at(ray, share), flat_btf_height(ray, share), met.sheet, rise);
 }
 
-// Fraction, 0 or 1, of the light of a distant source that reaches a point of the surface with a unit normal.
-fn flat_btf_lit(point: FlatBtfPoint, normal: vec3<f32>, light: vec3<f32>, detail: f32) -> f32 {
-    let side = f32(flat_btf_side(u32(floor(flat_btf_level(detail)))));
-    let rise = FLAT_BTF_RISE / side;
+// Fraction, 0 or 1, of the light of a distant source that reaches a point of the relief with a unit normal.
+fn flat_btf_lit(
+    point: FlatBtfPoint, normal: vec3<f32>, light: vec3<f32>, surface: FlatBtfSurface, detail: f32
+) -> f32 {
+    let rise = FLAT_BTF_RISE / f32(flat_btf_side(u32(floor(flat_btf_level(detail)))));
     let start = point.at + rise * normal.xy;
     let height = point.height + rise * normal.z / flat_btf_parameters.range;
     if height >= 1.0 {
         return 1.0;
     }
-    let cosine = max(light.z, FLAT_BTF_MIN_COSINE);
-    let up = (1.0 - height) * flat_btf_parameters.range;
-    let across = light.xy / cosine * up;
-    let count = flat_btf_steps(across, detail, flat_btf_parameters.light_steps);
+    let ray = flat_btf_ray_of_light(start, height, flat_btf_slope(light), surface);
+    let count = flat_btf_steps(ray, detail, flat_btf_parameters.light_steps);
     var z = height;
     var column = flat_btf_column(start, detail);
     for (var k = 1u; k <= count; k += 1u) {
-        let share = f32(k) / f32(count);
-        let next = flat_btf_column(start + share * across, detail);
-        let above = height + share * (1.0 - height);
+        let share = ray.last * (f32(k) / f32(count));
+        let next = flat_btf_column(flat_btf_at(ray, share), detail);
+        let above = flat_btf_height(ray, share);
         if flat_btf_crossing(z, above, column, next).share <= 1.0 {
             return 0.0;
         }
@@ -144,17 +171,105 @@ fn flat_btf_lit(point: FlatBtfPoint, normal: vec3<f32>, light: vec3<f32>, detail
     return 1.0;
 }
 
+// The ray of sight from the highest point of the relief down, or over a concave surface from its own highest point.
+fn flat_btf_ray_of_sight(uv: vec2<f32>, slope: vec2<f32>, surface: FlatBtfSurface) -> FlatBtfRay {
+    let range = flat_btf_parameters.range;
+    let curvature = flat_btf_curvature_at(surface.curvature, surface.height);
+    let turned = flat_btf_product(curvature, slope);
+    let bend = slope.x * turned.x + slope.y * turned.y;
+    let along = slope - surface.height * turned;
+    let turn = flat_btf_product(curvature, along);
+    // Back up.
+    let highest = flat_btf_parameters.low + range - surface.height;
+    var high = highest;
+    if bend < 0.0 {
+        high = min(highest, -0.5 / bend);
+    }
+    let squared = max(1.0 + 2.0 * bend * high, 0.0);
+    let fall = sqrt(squared);
+    let back = 2.0 * high / (1.0 + fall);
+    let height = 1.0 - (highest - high) / range;
+    let half_bend = 0.5 * bend * range;
+    let discriminant = squared - 4.0 * half_bend * height;
+    // Where it reaches the lowest height, or else the height of its start again.
+    var last = 0.0;
+    var passes = 0u;
+    if discriminant < 0.0 {
+        last = fall / half_bend;
+        passes = 1u;
+    } else {
+        last = 2.0 * height / (fall + sqrt(discriminant));
+    }
+    let start = uv + along * back - back * back * turn;
+    let across = (2.0 * back * turn - along) * range;
+    return FlatBtfRay(start, across, -(range * range * turn), height, -fall, half_bend, last, passes, back);
+}
+
+// The ray of light from a point up to the highest point of the relief, or over a concave surface to its own.
+fn flat_btf_ray_of_light(start: vec2<f32>, height: f32, slope: vec2<f32>, surface: FlatBtfSurface) -> FlatBtfRay {
+    let range = flat_btf_parameters.range;
+    let above = flat_btf_parameters.low + height * range;
+    let curvature = flat_btf_curvature_at(surface.curvature, above);
+    let turned = flat_btf_product(curvature, slope);
+    let along = slope - above * turned;
+    let turn = flat_btf_product(curvature, along);
+    let up = (1.0 - height) * range;
+    let bend = 0.5 * (slope.x * turned.x + slope.y * turned.y) * up;
+    let discriminant = 1.0 + 4.0 * bend;
+    var last = 0.0;
+    if discriminant < 0.0 {
+        last = -0.5 / bend;
+    } else {
+        last = 2.0 / (1.0 + sqrt(discriminant));
+    }
+    return FlatBtfRay(
+        start, along * up, -(up * up * turn), height, 1.0 - height, bend * (1.0 - height), last, 0u, 0.0);
+}
+
+// Curvature of the parallel surface at a height, in tiles.
+fn flat_btf_curvature_at(c: vec3<f32>, height: f32) -> vec3<f32> {
+    let along = 1.0 + height * c.x;
+    let across = 1.0 + height * c.z;
+    let determinant = max(along * across - height * c.y * (height * c.y), FLAT_BTF_MIN_AREA_RATIO);
+    return vec3<f32>(
+        (c.x * across - height * c.y * c.y) / determinant, c.y / determinant,
+        (c.z * along - height * c.y * c.y) / determinant);
+}
+
+// Product of a symmetric matrix, uu, uv, vv, and a vector.
+fn flat_btf_product(c: vec3<f32>, v: vec2<f32>) -> vec2<f32> {
+    return vec2<f32>(c.x * v.x + c.y * v.y, c.y * v.x + c.z * v.y);
+}
+
+// Position of a ray.
+fn flat_btf_at(ray: FlatBtfRay, t: f32) -> vec2<f32> {
+    return ray.start + t * ray.across + t * t * ray.turn;
+}
+
+// Height of a ray.
+fn flat_btf_height(ray: FlatBtfRay, t: f32) -> f32 {
+    return ray.height + t * ray.climb + t * t * ray.bend;
+}
+
+// Tangent of the polar angle of a ray, along tangent and bitangent.
+fn flat_btf_slope(direction: vec3<f32>) -> vec2<f32> {
+    return direction.xy / max(direction.z, FLAT_BTF_MIN_COSINE);
+}
+
 // Parameters of a point of the surface, in [0, 1).
 fn flat_btf_parameters_at(point: FlatBtfPoint, detail: f32) -> vec2<f32> {
     let moved = flat_btf_displacement(point.at, point.sheet, detail);
     return vec2<f32>(flat_btf_wrap(point.at.x + moved.x), flat_btf_wrap(point.at.y + moved.y));
 }
 
-// Number of steps of a ray that crosses `across`, in tiles.
-fn flat_btf_steps(across: vec2<f32>, detail: f32, most: u32) -> u32 {
+// Number of steps of a ray.
+fn flat_btf_steps(ray: FlatBtfRay, detail: f32, most: u32) -> u32 {
+    let across = ray.last * ray.across;
     let side = f32(flat_btf_side(u32(floor(flat_btf_level(detail)))));
     let texels = sqrt(across.x * across.x + across.y * across.y) * side;
-    return u32(min(max(ceil(texels / FLAT_BTF_TEXELS_PER_STEP), 1.0), f32(max(most, 1u))));
+    // A ray that starts and ends at the same height needs some in between.
+    let least = select(1.0, FLAT_BTF_MIN_PASSING_STEPS, ray.passes == 1u);
+    return u32(min(max(ceil(texels / FLAT_BTF_TEXELS_PER_STEP), least), f32(max(most, 1u))));
 }
 
 // First share of a segment of a ray, from height z to height w, inside the solid. Heights of columns are linear in

@@ -10,7 +10,16 @@ pub(crate) const DESCRIPTOR: Descriptor = Descriptor {
     plural: "flat BTFs",
     specification: "formats/src/flat_btf/spec.md",
     wgsl: flat_btf_value_wgsl,
-    functions: &["flat_btf_value", "flat_btf_look", "flat_btf_shade", "factored_mipmap_level"],
+    functions: &[
+        "flat_btf_value",
+        "flat_btf_look",
+        "flat_btf_passes",
+        "flat_btf_offset",
+        "flat_btf_shade",
+        "flat_btf_tile_side",
+        "flat_btf_curvature",
+        "factored_mipmap_level",
+    ],
     answer: Answer {
         takes: "a: uv and the level of detail; b: view; c: light",
         gives: "radiance divided by that of a white diffuser",

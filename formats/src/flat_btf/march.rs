@@ -26,18 +26,97 @@ impl MarchSteps {
 const TEXELS_PER_STEP: f32 = 1.5;
 /// Least cosine of the polar angle of a ray: flatter rays are raised.
 const MIN_COSINE: f32 = 0.0625;
+/// Least number of steps of a ray that leaves a convex surface again, if the maximum allows.
+const MIN_PASSING_STEPS: f32 = 4.0;
 /// Distance from the surface at which rays of light start, in texels.
 const RISE: f32 = 0.1;
+
+/// The surface that a relief covers, around a point that is drawn: the plane, or a curved surface.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct MacroSurface {
+    /// Second derivatives of the surface's depth below its tangent plane, along tangent and bitangent, in 1 / tile: uu,
+    /// uv, vv. Positive where the surface is convex.
+    pub curvature: [f32; 3],
+    /// Height of the point above the reference plane, in tiles.
+    pub height: f32,
+}
+
+impl MacroSurface {
+    /// The reference plane itself.
+    pub const PLANE: Self = Self { curvature: [0.0; 3], height: 0.0 };
+
+    /// Change of the normal between the point that is drawn and one `along` the surface, in tiles: x and y of the other
+    /// normal in the frame of the first, with z = 1.
+    pub(super) fn tilt(&self, along: [f32; 2]) -> [f32; 2] {
+        product(self.curvature, along)
+    }
+
+    /// Curvature of the parallel surface at a height, in tiles.
+    fn at(&self, height: f32) -> [f32; 3] {
+        let [uu, uv, vv] = self.curvature;
+        let (along, across) = (1.0 + height * uu, 1.0 + height * vv);
+        let determinant = (along * across - height * uv * (height * uv)).max(MIN_AREA_RATIO);
+        [
+            (uu * across - height * uv * uv) / determinant,
+            uv / determinant,
+            (vv * along - height * uv * uv) / determinant,
+        ]
+    }
+}
+
+/// Least ratio of areas at two heights: a relief as high as the radius of a surface is not drawn right.
+const MIN_AREA_RATIO: f32 = 0.0625;
+
+/// Product of a symmetric matrix, uu, uv, vv, and a vector.
+fn product([uu, uv, vv]: [f32; 3], [x, y]: [f32; 2]) -> [f32; 2] {
+    [uu * x + uv * y, uv * x + vv * y]
+}
+
+/// Tangent of the polar angle of a direction, along tangent and bitangent.
+pub(super) fn slope(direction: [f32; 3]) -> [f32; 2] {
+    let cosine = direction[2].max(MIN_COSINE);
+    [direction[0] / cosine, direction[1] / cosine]
+}
 
 /// A point of the surface at the end of a ray of sight.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct ReliefPoint {
     /// Position over the reference plane in tiles, not wrapped.
     pub at: [f32; 2],
-    /// Height in units of the header's range, 0 to 1.
+    /// Height in units of the header's range, 0 to 1. Below 0 if the ray passes the relief of a convex surface and
+    /// leaves it again.
     pub height: f32,
     /// The sheet that the ray met.
     pub sheet: Sheet,
+    /// Height above the point that is drawn, in its frame and in tiles: the ray went on by this over its cosine.
+    pub rise: f32,
+}
+
+/// A ray over a surface, from `t = 0` to `last`. Over a plane it is straight.
+#[derive(Debug, Clone, Copy)]
+struct Ray {
+    start: [f32; 2],
+    /// Tiles that it crosses per unit of t at its start.
+    across: [f32; 2],
+    /// Half the change of that with t: tiles are longer, the higher above a convex surface.
+    turn: [f32; 2],
+    /// Height at the start, 0 to 1, its change with t, and half the change of that.
+    height: f32,
+    climb: f32,
+    bend: f32,
+    last: f32,
+    /// The ray leaves a convex surface again without having reached the lowest point.
+    passes: bool,
+}
+
+impl Ray {
+    fn at(&self, t: f32) -> [f32; 2] {
+        [0, 1].map(|k| self.start[k] + t * self.across[k] + t * t * self.turn[k])
+    }
+
+    fn height(&self, t: f32) -> f32 {
+        self.height + t * self.climb + t * t * self.bend
+    }
 }
 
 /// Position on a segment at which a ray enters the solid, 0 to 1; above 1 if it does not.
@@ -48,24 +127,26 @@ struct Crossing {
 }
 
 impl LayerMap {
-    /// The point of the surface that a distant eye in the direction `view` sees behind the point `uv` of the reference
-    /// plane. `uv` is in tiles and unbounded; `view` is a unit vector. `detail` is the mipmap level, 0 the finest.
-    pub fn seen(&self, uv: [f32; 2], view: [f32; 3], detail: f32, steps: MarchSteps) -> ReliefPoint {
-        let ([low, _], range) = (self.header().heights, self.header().range());
-        let cosine = view[2].max(MIN_COSINE);
-        let slope = [view[0] / cosine, view[1] / cosine];
-        let high = low + range;
-        let start = [uv[0] + slope[0] * high, uv[1] + slope[1] * high];
-        let across = [slope[0] * range, slope[1] * range];
-        let at = |share: f32| [start[0] - share * across[0], start[1] - share * across[1]];
-        let count = self.steps(across, detail, steps.sight);
-        let (mut a, mut above) = (0.0f32, self.column(start, detail));
-        let (mut b, mut below) = (1.0f32, above);
+    /// The point of the surface that a distant eye in the direction `view` sees behind the point `uv` of a surface
+    /// that the relief covers. `uv` is in tiles and unbounded; `view` is a unit vector. `detail` is the mipmap level, 0
+    /// the finest.
+    pub fn seen(
+        &self,
+        uv: [f32; 2],
+        view: [f32; 3],
+        surface: MacroSurface,
+        detail: f32,
+        steps: MarchSteps,
+    ) -> ReliefPoint {
+        let (ray, back) = self.ray_of_sight(uv, view, surface);
+        let count = self.steps(&ray, detail, steps.sight);
+        let (mut a, mut above) = (0.0f32, self.column(ray.start, detail));
+        let (mut b, mut below) = (ray.last, above);
         let mut met = Crossing { share: 2.0, sheet: Sheet::Base };
         for k in 1..=count {
-            b = k as f32 / count as f32;
-            below = self.column(at(b), detail);
-            met = self.crossing([1.0 - a, 1.0 - b], above, below);
+            b = ray.last * (k as f32 / count as f32);
+            below = self.column(ray.at(b), detail);
+            met = self.crossing([ray.height(a), ray.height(b)], above, below);
             if met.share <= 1.0 {
                 break;
             }
@@ -75,17 +156,20 @@ impl LayerMap {
             }
         }
         if met.share > 1.0 {
+            if ray.passes {
+                return ReliefPoint { at: ray.at(ray.last), height: -1.0, sheet: Sheet::Base, rise: 0.0 };
+            }
             // Rounding at the lowest height.
             met = Crossing { share: 1.0, sheet: Sheet::Base };
         }
         for _ in 0..steps.refine {
             let middle = a + (b - a) * met.share;
-            let column = self.column(at(middle), detail);
-            let first = self.crossing([1.0 - a, 1.0 - middle], above, column);
+            let column = self.column(ray.at(middle), detail);
+            let first = self.crossing([ray.height(a), ray.height(middle)], above, column);
             if first.share <= 1.0 {
                 (b, below, met) = (middle, column, first);
             } else {
-                let second = self.crossing([1.0 - middle, 1.0 - b], column, below);
+                let second = self.crossing([ray.height(middle), ray.height(b)], column, below);
                 met.share = 0.0;
                 if second.share <= 1.0 {
                     met = second;
@@ -94,28 +178,34 @@ impl LayerMap {
             }
         }
         let share = a + (b - a) * met.share;
-        ReliefPoint { at: at(share), height: 1.0 - share, sheet: met.sheet }
+        let rise = back - share * self.header().range();
+        ReliefPoint { at: ray.at(share), height: ray.height(share), sheet: met.sheet, rise }
     }
 
     /// Fraction, 0 or 1, of the light of a distant source in the direction `light` that reaches a point of the surface
     /// with a unit normal.
-    pub fn lit(&self, point: &ReliefPoint, normal: [f32; 3], light: [f32; 3], detail: f32, steps: MarchSteps) -> f32 {
-        let (range, side) = (self.header().range(), self.header().side(self.levels_of(detail).0) as f32);
-        let rise = RISE / side;
+    pub fn lit(
+        &self,
+        point: &ReliefPoint,
+        normal: [f32; 3],
+        light: [f32; 3],
+        surface: MacroSurface,
+        detail: f32,
+        steps: MarchSteps,
+    ) -> f32 {
+        let rise = RISE / self.header().side(self.levels_of(detail).0) as f32;
         let start = [point.at[0] + rise * normal[0], point.at[1] + rise * normal[1]];
-        let height = point.height + rise * normal[2] / range;
+        let height = point.height + rise * normal[2] / self.header().range();
         if height >= 1.0 {
             return 1.0;
         }
-        let cosine = light[2].max(MIN_COSINE);
-        let up = (1.0 - height) * range;
-        let across = [light[0] / cosine * up, light[1] / cosine * up];
-        let count = self.steps(across, detail, steps.light);
+        let ray = self.ray_of_light(start, height, light, surface);
+        let count = self.steps(&ray, detail, steps.light);
         let (mut z, mut column) = (height, self.column(start, detail));
         for k in 1..=count {
-            let share = k as f32 / count as f32;
-            let next = self.column([start[0] + share * across[0], start[1] + share * across[1]], detail);
-            let above = height + share * (1.0 - height);
+            let share = ray.last * (k as f32 / count as f32);
+            let next = self.column(ray.at(share), detail);
+            let above = ray.height(share);
             if self.crossing([z, above], column, next).share <= 1.0 {
                 return 0.0;
             }
@@ -124,11 +214,70 @@ impl LayerMap {
         1.0
     }
 
-    /// Number of steps of a ray that crosses `across`, in tiles.
-    fn steps(&self, across: [f32; 2], detail: f32, most: u32) -> u32 {
+    /// The ray of sight from the highest point of the relief down, or over a concave surface from its own highest point;
+    /// and the height of its start above the point that is drawn, in the frame of that point and in tiles.
+    fn ray_of_sight(&self, uv: [f32; 2], view: [f32; 3], surface: MacroSurface) -> (Ray, f32) {
+        let ([low, _], range) = (self.header().heights, self.header().range());
+        let (slope, curvature) = (slope(view), surface.at(surface.height));
+        let turned = product(curvature, slope);
+        let bend = slope[0] * turned[0] + slope[1] * turned[1];
+        let along = [0, 1].map(|k| slope[k] - surface.height * turned[k]);
+        let turn = product(curvature, along);
+        // Back up.
+        let highest = low + range - surface.height;
+        let high = if bend < 0.0 { highest.min(-0.5 / bend) } else { highest };
+        let squared = (1.0 + 2.0 * bend * high).max(0.0);
+        let fall = squared.sqrt();
+        let back = 2.0 * high / (1.0 + fall);
+        let height = 1.0 - (highest - high) / range;
+        let bend = 0.5 * bend * range;
+        let discriminant = squared - 4.0 * bend * height;
+        let passes = discriminant < 0.0;
+        let ray = Ray {
+            start: [0, 1].map(|k| uv[k] + along[k] * back - back * back * turn[k]),
+            across: [0, 1].map(|k| (2.0 * back * turn[k] - along[k]) * range),
+            turn: turn.map(|c| -(range * range * c)),
+            height,
+            climb: -fall,
+            bend,
+            // Where it reaches the lowest height, or else the height of its start again.
+            last: if passes { fall / bend } else { 2.0 * height / (fall + discriminant.sqrt()) },
+            passes,
+        };
+        (ray, back)
+    }
+
+    /// The ray of light from a point up to the highest point of the relief, or over a concave surface to its own.
+    fn ray_of_light(&self, start: [f32; 2], height: f32, light: [f32; 3], surface: MacroSurface) -> Ray {
+        let ([low, _], range) = (self.header().heights, self.header().range());
+        let above = low + height * range;
+        let (slope, curvature) = (slope(light), surface.at(above));
+        let turned = product(curvature, slope);
+        let along = [0, 1].map(|k| slope[k] - above * turned[k]);
+        let turn = product(curvature, along);
+        let up = (1.0 - height) * range;
+        let bend = 0.5 * (slope[0] * turned[0] + slope[1] * turned[1]) * up;
+        let discriminant = 1.0 + 4.0 * bend;
+        Ray {
+            start,
+            across: along.map(|c| c * up),
+            turn: turn.map(|c| -(up * up * c)),
+            height,
+            climb: 1.0 - height,
+            bend: bend * (1.0 - height),
+            last: if discriminant < 0.0 { -0.5 / bend } else { 2.0 / (1.0 + discriminant.sqrt()) },
+            passes: false,
+        }
+    }
+
+    /// Number of steps of a ray.
+    fn steps(&self, ray: &Ray, detail: f32, most: u32) -> u32 {
         let side = self.header().side(self.levels_of(detail).0) as f32;
+        let across = [ray.last * ray.across[0], ray.last * ray.across[1]];
+        // A ray that starts and ends at the same height needs some in between.
+        let least = if ray.passes { MIN_PASSING_STEPS } else { 1.0 };
         let texels = (across[0] * across[0] + across[1] * across[1]).sqrt() * side;
-        (texels / TEXELS_PER_STEP).ceil().max(1.0).min(most.max(1) as f32) as u32
+        (texels / TEXELS_PER_STEP).ceil().max(least).min(most.max(1) as f32) as u32
     }
 
     /// First share of a segment of a ray, from height `z[0]` to `z[1]`, inside the solid. Heights of columns are

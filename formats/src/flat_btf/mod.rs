@@ -17,10 +17,10 @@ mod march;
 pub mod shader;
 mod view_weights;
 
-pub use decoder::{FlatBtfDecoder, FlatBtfParts};
+pub use decoder::{FlatBtfDecoder, FlatBtfLook, FlatBtfParts};
 pub use directions::SampledDirections;
 pub use file::FlatBtfFile;
 pub use flat_view::{FlatHeader, FlatView, MAX_DIRECTIONS, VisibilityMask, unit_vectors};
 pub use layers::{Column, LayerHeader, LayerMap, MAX_DISPLACEMENT, MAX_HEIGHT, Sheet};
-pub use march::{MarchSteps, ReliefPoint};
+pub use march::{MacroSurface, MarchSteps, ReliefPoint};
 pub use view_weights::{BlendedDirection, ViewWeights};

@@ -1,37 +1,102 @@
 // Flat BTFs: the point of the surface that a pixel shows, and its value under each light.
 //
-// The CPU version is `FlatMaterial::value` of the crate `brdfc-render`.
+// The CPU version is `FlatBtfLook` of the crate `brdfc-formats`.
 //
 // Usage: append this file to `decoder.wgsl`, `factored/factored.wgsl` and `direction_mesh.wgsl`, and call
 //
 //     let level = factored_mipmap_level(dpdx(uv), dpdy(uv)); // in a fragment shader, in uniform control flow
-//     let look = flat_btf_look(uv, level, view);             // once for a pixel
+//     let surface = FlatBtfSurface(curvature, height);       // see flat_btf_curvature; zeros on a plane
+//     let look = flat_btf_look(uv, level, view, surface);    // once for a pixel
+//     if flat_btf_passes(look) { discard; }                  // outside the outline of the relief
+//     let at = position + frame * (side * flat_btf_offset(look)); // where distances to near lights begin
 //     let value = flat_btf_shade(look, light);               // for each light
 //
 // uv is in tiles and unbounded; view and light are unit vectors in the frame x = tangent, y = bitangent, z = normal. A
 // light of intensity I at the distance d adds value * I / (π d²) to the radiance: the value includes the cosine and
-// the shadow. flat_btf_value does both steps.
+// the shadow. flat_btf_value does both steps on a plane.
+//
+// A relief has its own outline if a mesh is drawn twice: moved along its normals to the highest and to the lowest point
+// of the relief, by (low + range) and by low of flat_btf_parameters times the side of a tile there; of the first only the
+// front. height is then that of the pixel, the distance by which it was moved over flat_btf_tile_side, negated on back
+// faces.
 
 // A point of the surface as one view sees it.
 struct FlatBtfLook {
-    view: vec3<f32>,
+    surface: FlatBtfSurface,
+    view: vec3<f32>, // in the frame of the surface below the point
     level: f32,
+    slope: vec2<f32>, // tangent of the view's polar angle where it is drawn
+    tilt: vec2<f32>, // x and y of that frame's normal in the frame that is drawn, with z = 1
     point: FlatBtfPoint,
     place: FactoredPlace,
     base: FactoredBase,
 }
 
-// The point of the surface that a view sees behind the point uv of the reference plane.
-fn flat_btf_look(uv: vec2<f32>, level_of_detail: f32, view: vec3<f32>) -> FlatBtfLook {
+// The point of the relief that a view sees behind the point uv of a surface.
+fn flat_btf_look(uv: vec2<f32>, level_of_detail: f32, view: vec3<f32>, surface: FlatBtfSurface) -> FlatBtfLook {
     let detail = level_of_detail + flat_btf_parameters.finer;
-    let point = flat_btf_seen(uv, view, detail);
+    let point = flat_btf_seen(uv, view, surface, detail);
+    let tilt = flat_btf_product(surface.curvature, point.at - uv);
     let place = factored_place(flat_btf_parameters_at(point, detail), level_of_detail);
-    return FlatBtfLook(view, level_of_detail, point, place, factored_load(place));
+    return FlatBtfLook(
+        surface, flat_btf_tilted(view, tilt), level_of_detail, flat_btf_slope(view), tilt, point, place, factored_load(place));
+}
+
+// True if the ray of sight passes the relief of a convex surface: nothing is to be drawn.
+fn flat_btf_passes(look: FlatBtfLook) -> bool {
+    return look.point.height < 0.0;
+}
+
+// Position of the visible point less that of the point that is drawn, in the frame that is drawn and in tiles: along the
+// line of sight.
+fn flat_btf_offset(look: FlatBtfLook) -> vec3<f32> {
+    return look.point.rise * vec3<f32>(look.slope, 1.0);
+}
+
+// A direction in the frame of a normal whose x and y are `tilt`, with z = 1.
+fn flat_btf_tilted(v: vec3<f32>, tilt: vec2<f32>) -> vec3<f32> {
+    if all(tilt == vec2<f32>(0.0)) {
+        return v;
+    }
+    let turned = vec3<f32>(v.x - v.z * tilt.x, v.y - v.z * tilt.y, v.z + v.x * tilt.x + v.y * tilt.y);
+    return turned / sqrt(turned.x * turned.x + turned.y * turned.y + turned.z * turned.z);
+}
+
+// Side of a tile, from the changes of position and of coordinates in tiles to the pixels on the right and below: dpdx and
+// dpdy in a fragment shader. tangent and bitangent are unit vectors.
+fn flat_btf_tile_side(
+    right: vec3<f32>, below: vec3<f32>, tiles_right: vec2<f32>, tiles_below: vec2<f32>, tangent: vec3<f32>,
+    bitangent: vec3<f32>
+) -> f32 {
+    let area = dot(right, tangent) * dot(below, bitangent) - dot(right, bitangent) * dot(below, tangent);
+    let covered = tiles_right.x * tiles_below.y - tiles_right.y * tiles_below.x;
+    return sqrt(abs(area) / max(abs(covered), 1e-20));
+}
+
+// Curvature of a surface for FlatBtfSurface, from the changes of position and unit normal likewise, and the side of a
+// tile.
+fn flat_btf_curvature(
+    right: vec3<f32>, below: vec3<f32>, normal_right: vec3<f32>, normal_below: vec3<f32>, tangent: vec3<f32>,
+    bitangent: vec3<f32>, side: f32
+) -> vec3<f32> {
+    let a = vec2<f32>(dot(right, tangent), dot(right, bitangent));
+    let b = vec2<f32>(dot(below, tangent), dot(below, bitangent));
+    let p = vec2<f32>(dot(normal_right, tangent), dot(normal_right, bitangent));
+    let q = vec2<f32>(dot(normal_below, tangent), dot(normal_below, bitangent));
+    let determinant = a.x * b.y - a.y * b.x;
+    // Relative to the steps: edge-on there is no curvature.
+    if abs(determinant) <= 1e-6 * (dot(a, a) + dot(b, b)) {
+        return vec3<f32>(0.0);
+    }
+    let along_u = (p * b.y - q * a.y) / determinant;
+    let along_v = (q * a.x - p * b.x) / determinant;
+    return vec3<f32>(along_u.x, 0.5 * (along_u.y + along_v.x), along_v.y) * side;
 }
 
 // Radiance divided by that of a white diffuser that faces the light: linear RGB, 0 below the horizon. Use the last
 // result of flat_btf_look, which also sets the weights of the components.
-fn flat_btf_shade(look: FlatBtfLook, light: vec3<f32>) -> vec3<f32> {
+fn flat_btf_shade(look: FlatBtfLook, incoming: vec3<f32>) -> vec3<f32> {
+    let light = flat_btf_tilted(incoming, look.tilt);
     if light.z <= 0.0 {
         return vec3<f32>(0.0);
     }
@@ -54,10 +119,11 @@ fn flat_btf_shade(look: FlatBtfLook, light: vec3<f32>) -> vec3<f32> {
         return value;
     }
     let detail = look.level + flat_btf_parameters.finer;
-    return value * flat_btf_lit(look.point, look.base.normal, light, detail);
+    return value * flat_btf_lit(look.point, look.base.normal, light, look.surface, detail);
 }
 
-// Both steps, for a single light.
+// Both steps on a plane, for a single light.
 fn flat_btf_value(uv: vec2<f32>, level_of_detail: f32, view: vec3<f32>, light: vec3<f32>) -> vec3<f32> {
-    return flat_btf_shade(flat_btf_look(uv, level_of_detail, view), light);
+    let plane = FlatBtfSurface(vec3<f32>(0.0), 0.0);
+    return flat_btf_shade(flat_btf_look(uv, level_of_detail, view, plane), light);
 }

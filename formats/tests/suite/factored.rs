@@ -8,7 +8,7 @@ use brdfc_formats::flat_btf::factored::{
 };
 use brdfc_formats::flat_btf::shader::FLAT_BTF_WGSL;
 use brdfc_formats::flat_btf::{
-    BlendedDirection, FlatBtfFile, MarchSteps, SampledDirections, Sheet, ViewWeights, unit_vectors,
+    BlendedDirection, FlatBtfFile, MacroSurface, MarchSteps, SampledDirections, Sheet, ViewWeights, unit_vectors,
 };
 use brdfc_testing::codecs::flat_btf::{
     BASE, Factors, MATERIALS, SMALL, Sizes, base_table, directions, example_layers, factored, factored_example,
@@ -226,7 +226,8 @@ fn the_committed_asset_has_known_values() {
         let off = [point.at[0] - at[0], point.at[1] - at[1], point.height - height];
         let off = off.into_iter().chain((0..2).map(|k: usize| found[k] - parameters[k]));
         assert!(point.sheet == sheet && off.into_iter().all(|c| c.abs() < 1e-5), "{uv:?}: {point:?} {found:?}");
-        let reached = |light| layers.lit(&point, up, light, level + decoder.finer(), decoder.steps());
+        let reached =
+            |light| layers.lit(&point, up, light, MacroSurface::PLANE, level + decoder.finer(), decoder.steps());
         assert_eq!([reached(right), reached(back)], [lit, 1.0], "{uv:?}");
     }
 }

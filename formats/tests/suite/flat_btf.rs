@@ -2,8 +2,8 @@
 
 use brdfc_formats::flat_btf::factored::ShadowFormat;
 use brdfc_formats::flat_btf::{
-    FlatBtfDecoder, FlatBtfFile, FlatBtfParts, FlatHeader, FlatView, LayerHeader, LayerMap, MarchSteps, ReliefPoint,
-    Sheet, VisibilityMask,
+    FlatBtfDecoder, FlatBtfFile, FlatBtfParts, FlatHeader, FlatView, LayerHeader, LayerMap, MacroSurface, MarchSteps,
+    ReliefPoint, Sheet, VisibilityMask,
 };
 use brdfc_testing::codecs::flat_btf::{
     BASE, Factors, SMALL, Sizes, base_file, factored, factored_file, flat_relief, layers, materials_file, nothing,
@@ -54,17 +54,129 @@ fn a_plane_is_met_where_rays_pass_its_height() {
             let [x, y, z] = unit_vector(&mut numbers);
             let view = unit([x, y, z.abs().max(0.07)]);
             let steps = MarchSteps { sight: k % 20, refine: k % 4, light: k % 5 };
-            let found = plane.seen(uv, view, 0.0, steps);
+            let found = plane.seen(uv, view, MacroSurface::PLANE, 0.0, steps);
             let expected: [f32; 2] = from_fn(|k| uv[k] + height * view[k] / view[2]);
             assert!(apart(found.at, expected) < 1e-5, "{byte} {uv:?} {view:?}: {found:?} {expected:?}");
             assert!((found.height - share).abs() < 1e-6 && found.sheet == Sheet::Base, "{byte}: {found:?}");
             // The control: a plane at another height is met elsewhere.
             if view[2] < 0.8 && byte > 1 {
-                let other = along(8, 1, |_| [0, 0, 0]).seen(uv, view, 0.0, steps);
+                let other = along(8, 1, |_| [0, 0, 0]).seen(uv, view, MacroSurface::PLANE, 0.0, steps);
                 assert!(apart(other.at, expected) > 0.1, "{view:?}: {other:?}");
             }
         }
     }
+}
+
+/// Over a cylinder around the y axis a ray is straight in space. The control: over a plane it ends elsewhere.
+#[test]
+fn rays_over_a_cylinder_end_where_straight_ones_do() {
+    let mut controls = 0;
+    for (radius, byte) in [(16.0f32, 0u8), (16.0, 128), (8.0, 230), (-16.0, 100)] {
+        let relief = along(8, 1, |_| [byte, 0, 0]);
+        let height = f32::from(byte) / 255.0 - 0.5;
+        let views = [(0.0f32, 0.0f32), (0.4, 0.0), (0.8, 0.8), (-1.0, 0.0), (0.9, 1.2), (1.0, 2.5)];
+        for ((polar, azimuth), drawn) in views.into_iter().flat_map(|view| [(view, 0.0f32), (view, 0.5), (view, -0.5)])
+        {
+            let surface = MacroSurface { curvature: [1.0 / radius, 0.0, 0.0], height: drawn };
+            let [x, y, z] = [polar.sin() * azimuth.cos(), polar.sin() * azimuth.sin(), polar.cos()];
+            let seen = |surface| {
+                let steps = MarchSteps { sight: 200, refine: 8, light: 1 };
+                relief.seen([0.25, 0.5], [x, y, z], surface, 0.0, steps)
+            };
+            let found = seen(surface);
+            // The ray starts at the distance R + drawn from the axis and ends at R + height.
+            let (from, to) = (radius + drawn, radius + height);
+            let across = x * x + z * z;
+            let root = (from * from * z * z - across * (from * from - to * to)).sqrt() * radius.signum();
+            let length = (from * z - root) / across;
+            let expected = [0.25 + radius * (-length * x / (from - length * z)).atan(), 0.5 - length * y];
+            let error = apart(found.at, expected);
+            assert!(error < 0.02, "{radius} {byte} {polar} {azimuth} {drawn}: {error}");
+            assert!((found.height - f32::from(byte) / 255.0).abs() < 1e-3, "{found:?}");
+            // Along the line of sight.
+            assert!((found.rise + length * z).abs() < 0.02, "{found:?} {length}");
+            let on_a_plane = apart(seen(MacroSurface { height: drawn, ..MacroSurface::PLANE }).at, expected);
+            controls += usize::from(on_a_plane > 2.0 * error && on_a_plane > 0.02);
+        }
+    }
+    assert!(controls > 15, "{controls}");
+}
+
+/// Over a concave surface a ray may start and end below the highest point of the relief.
+#[test]
+fn steep_rays_over_concave_surfaces_stay_on_their_line() {
+    for byte in [60u8, 128, 200] {
+        let relief = along(8, 1, |_| [byte, 0, 0]);
+        for polar in [1.3f32, 1.4, 1.5] {
+            let surface = MacroSurface { curvature: [-0.25, 0.0, 0.0], height: f32::from(byte) / 255.0 - 0.5 };
+            let view = [polar.sin(), 0.0, polar.cos()];
+            let found = relief.seen([0.25, 0.5], view, surface, 0.0, FINE);
+            // It is drawn where it is seen.
+            assert!(apart(found.at, [0.25, 0.5]) < 0.02 && found.rise.abs() < 0.02, "{byte} {polar}: {found:?}");
+            assert_eq!(relief.lit(&found, UP, view, surface, 0.0, FINE), 1.0, "{byte} {polar}");
+        }
+    }
+}
+
+/// Rays pass a convex surface at its outline, and reach a concave one.
+#[test]
+fn rays_pass_at_outlines() {
+    let relief = along(8, 1, |_| [LOW, 0, 0]);
+    let seen = |radius: f32, polar: f32| {
+        let surface = MacroSurface { curvature: [1.0 / radius, 0.0, 0.0], height: 0.5 };
+        relief.seen([0.0; 2], [polar.sin(), 0.0, polar.cos()], surface, 0.0, FINE)
+    };
+    for radius in [20.0f32, 40.0] {
+        // The ray that touches the height of the relief, -0.3: R - 0.3 = (R + 0.5) sin θ.
+        let polar = ((radius - 0.3) / (radius + 0.5)).asin();
+        let [outside, inside] = [polar + 0.05, polar - 0.05];
+        assert!(seen(radius, outside).height < 0.0 && seen(radius, inside).height >= 0.0, "{radius}");
+        assert!(seen(-radius, outside).height >= 0.0 && seen(1e9, outside).height >= 0.0, "{radius}");
+    }
+}
+
+/// Light just above the horizon of a convex surface reaches it sooner, over a concave one later.
+#[test]
+fn curvature_moves_shadows() {
+    // Walls half a tile apart.
+    let walls = along(32, 1, |column| [if column % 16 == 0 { HIGH } else { 128 }, 0, 0]);
+    let reached = |curvature: f32| {
+        let surface = MacroSurface { curvature: [curvature, 0.0, 0.0], height: 0.0 };
+        let lit = |k: u32| {
+            let x = 0.06 + k as f32 / 256.0;
+            let point = walls.seen([x, 0.5], UP, MacroSurface::PLANE, 0.0, FINE);
+            walls.lit(&point, UP, unit([-1.5, 0.0, 1.0]), surface, 0.0, FINE)
+        };
+        (0..100).map(lit).sum::<f32>()
+    };
+    let [convex, plane, concave] = [0.8, 0.0, -0.8].map(reached);
+    assert!(convex > plane + 4.0 && plane > concave + 4.0, "{convex} {plane} {concave}");
+}
+
+/// On a plane a look is the value; over a curved surface view and light are those of the point that is seen.
+#[test]
+fn looks_turn_with_the_surface() {
+    let layers = along(8, 1, |_| [HIGH, 0, 0]);
+    let decoder = FlatBtfDecoder::new(FlatBtfParts { layers, ..parts(SMALL, 1) });
+    let [uv, light] = [[0.3, 0.6], [0.2, 0.5]];
+    let light = unit([light[0], light[1], 0.8]);
+    let plane = decoder.look(uv, 0.0, FROM_RIGHT, MacroSurface::PLANE);
+    assert_eq!(plane.shaded(None, light), decoder.shaded(None, uv, 0.0, FROM_RIGHT, light));
+    // Three tenths of a tile above the plane, seen at 45 degrees.
+    let offset = plane.offset();
+    assert!((offset[0] - 0.3).abs() < 1e-4 && offset[1] == 0.0 && (offset[2] - 0.3).abs() < 1e-4, "{offset:?}");
+    let convex = MacroSurface { curvature: [0.2, 0.0, 0.0], height: 0.0 };
+    let curved = decoder.look(uv, 0.0, FROM_RIGHT, convex);
+    assert!(!curved.passes() && (0.1..0.3).contains(&curved.offset()[0]), "{:?}", curved.offset());
+    // There the normal leans to the right by about 0.2 x 0.28: light from the right rises above its horizon, light from
+    // the left goes below.
+    let lit = |surface, light: [f32; 3]| {
+        let at = |k: u32| [k as f32 / 40.0, (7 * k) as f32 / 40.0];
+        (0..40).filter(|k| decoder.look(at(*k), 0.0, FROM_RIGHT, surface).shaded(None, unit(light)) != [0.0; 3]).count()
+    };
+    let [below_right, above_left] = [[1.0, 0.0, -0.03], [-1.0, 0.0, 0.03]];
+    assert!(lit(convex, below_right) > 0 && lit(MacroSurface::PLANE, below_right) == 0);
+    assert!(lit(convex, above_left) == 0 && lit(MacroSurface::PLANE, above_left) > 0);
 }
 
 #[test]
@@ -102,8 +214,8 @@ fn light_reaches_a_plane() {
             let [x, y, z] = unit_vector(&mut numbers);
             let light = if k % 3 == 0 { unit([x, y, 0.0]) } else { [x, y, z.abs()] };
             let steps = MarchSteps::of(plane.header());
-            let point = plane.seen([x, y], UP, 0.0, steps);
-            assert_eq!(plane.lit(&point, UP, light, 0.0, steps), 1.0, "{byte} {light:?}");
+            let point = plane.seen([x, y], UP, MacroSurface::PLANE, 0.0, steps);
+            assert_eq!(plane.lit(&point, UP, light, MacroSurface::PLANE, 0.0, steps), 1.0, "{byte} {light:?}");
         }
     }
 }
@@ -113,17 +225,18 @@ fn a_slab_hides_and_shadows_the_base() {
     let slab = along(8, 3, |_| [LOW, HIGH, 153]);
     // The underside is above the top: nothing is there.
     let closed = along(8, 3, |_| [LOW, 153, HIGH]);
-    let base = ReliefPoint { at: [0.3, 0.4], height: 0.2, sheet: Sheet::Base };
+    let base = ReliefPoint { at: [0.3, 0.4], height: 0.2, sheet: Sheet::Base, rise: 0.0 };
     let underside = ReliefPoint { height: 0.6, sheet: Sheet::Underside, ..base };
     let mut numbers = Numbers::new(3);
     for _ in 0..300 {
         let [x, y, z] = unit_vector(&mut numbers);
         let direction = unit([x, y, z.abs()]);
-        let top = slab.seen([x, y], direction, 0.0, FINE);
+        let top = slab.seen([x, y], direction, MacroSurface::PLANE, 0.0, FINE);
         assert!(top.sheet == Sheet::Top && (top.height - 0.8).abs() < 1e-5, "{direction:?}: {top:?}");
-        let through = closed.seen([x, y], direction, 0.0, FINE);
+        let through = closed.seen([x, y], direction, MacroSurface::PLANE, 0.0, FINE);
         assert!(through.sheet == Sheet::Base && (through.height - 0.2).abs() < 1e-5, "{direction:?}: {through:?}");
-        let lit = |layers: &LayerMap, point, normal| layers.lit(point, normal, direction, 0.0, FINE);
+        let lit =
+            |layers: &LayerMap, point, normal| layers.lit(point, normal, direction, MacroSurface::PLANE, 0.0, FINE);
         assert_eq!([lit(&slab, &top, UP), lit(&slab, &base, UP), lit(&slab, &underside, DOWN)], [1.0, 0.0, 0.0]);
         assert_eq!([lit(&closed, &through, UP), lit(&closed, &base, UP)], [1.0, 1.0]);
     }
@@ -136,16 +249,16 @@ fn the_underside_is_met_beneath_a_rim() {
     let columns = [[0, 102, HIGH], [0, 242, HIGH], [0, 242, 25], [0, 102, HIGH]];
     let layers = along(32, 3, |column| columns[column as usize / 8]);
     // This ray is at the height 0.875 - x.
-    let found = layers.seen([0.375, 0.1], FROM_LEFT, 0.0, FINE);
+    let found = layers.seen([0.375, 0.1], FROM_LEFT, MacroSurface::PLANE, 0.0, FINE);
     assert_eq!(found.sheet, Sheet::Underside);
     assert!(apart(found.at, [0.5, 0.1]) < 1.0 / 32.0 && (found.height - 0.375).abs() < 1.0 / 32.0, "{found:?}");
     // From above and from the other side it is hidden.
     for view in [UP, FROM_RIGHT] {
-        assert_eq!(layers.seen([0.45, 0.1], view, 0.0, FINE).sheet, Sheet::Top);
+        assert_eq!(layers.seen([0.45, 0.1], view, MacroSurface::PLANE, 0.0, FINE).sheet, Sheet::Top);
     }
     // The same ray without the thick part goes on to the base.
     let thin = along(32, 3, |column| columns[[0, 1, 1, 3][column as usize / 8]]);
-    let found = thin.seen([0.375, 0.1], FROM_LEFT, 0.0, FINE);
+    let found = thin.seen([0.375, 0.1], FROM_LEFT, MacroSurface::PLANE, 0.0, FINE);
     assert!(found.sheet == Sheet::Base && found.height < 1e-5, "{found:?}");
 }
 
@@ -159,12 +272,12 @@ fn a_wall_is_met_from_the_side_of_the_eye() {
     let (wall, texel) = (wall(), 1.0 / 32.0);
     // The left side of the wall is at 14 texels, the right one at 18.
     for (view, side) in [(FROM_LEFT, 14.0 * texel), (FROM_RIGHT, 18.0 * texel)] {
-        let found = wall.seen([side, 0.6], view, 0.0, FINE);
+        let found = wall.seen([side, 0.6], view, MacroSurface::PLANE, 0.0, FINE);
         assert!(apart(found.at, [side, 0.6]) < texel && (found.height - 0.5).abs() < texel, "{view:?}: {found:?}");
     }
     // The control: from the other side the same points are hidden, and rays meet the top or the other side.
     for (view, side) in [(FROM_RIGHT, 14.0 * texel), (FROM_LEFT, 18.0 * texel)] {
-        let found = wall.seen([side, 0.6], view, 0.0, FINE);
+        let found = wall.seen([side, 0.6], view, MacroSurface::PLANE, 0.0, FINE);
         assert!(apart(found.at, [side, 0.6]) > 3.0 * texel, "{view:?}: {found:?}");
     }
 }
@@ -173,9 +286,9 @@ fn a_wall_is_met_from_the_side_of_the_eye() {
 fn a_wall_shadows_the_side_away_from_the_light() {
     let wall = wall();
     let lit = |x: f32, light| {
-        let point = wall.seen([x, 0.6], UP, 0.0, FINE);
+        let point = wall.seen([x, 0.6], UP, MacroSurface::PLANE, 0.0, FINE);
         assert_eq!(point.at, [x, 0.6]);
-        wall.lit(&point, UP, light, 0.0, FINE)
+        wall.lit(&point, UP, light, MacroSurface::PLANE, 0.0, FINE)
     };
     // The foot on the left, the top, the foot on the right.
     assert_eq!([0.3, 0.5, 0.7].map(|x| lit(x, FROM_RIGHT)), [0.0, 1.0, 1.0]);
@@ -185,9 +298,9 @@ fn a_wall_shadows_the_side_away_from_the_light() {
         assert_eq!([0.3, 0.7].map(|x| lit(x, light)), [1.0; 2], "{light:?}");
     }
     // A side of the wall is lit from its own side only.
-    let side = wall.seen([14.0 / 32.0, 0.6], FROM_LEFT, 0.0, FINE);
-    assert_eq!(wall.lit(&side, [-1.0, 0.0, 0.0], FROM_LEFT, 0.0, FINE), 1.0);
-    assert_eq!(wall.lit(&side, [-1.0, 0.0, 0.0], FROM_RIGHT, 0.0, FINE), 0.0);
+    let side = wall.seen([14.0 / 32.0, 0.6], FROM_LEFT, MacroSurface::PLANE, 0.0, FINE);
+    assert_eq!(wall.lit(&side, [-1.0, 0.0, 0.0], FROM_LEFT, MacroSurface::PLANE, 0.0, FINE), 1.0);
+    assert_eq!(wall.lit(&side, [-1.0, 0.0, 0.0], FROM_RIGHT, MacroSurface::PLANE, 0.0, FINE), 0.0);
 }
 
 /// Refined ends are on the sheets that they name.
@@ -201,7 +314,7 @@ fn ends_of_rays_are_on_the_surface() {
         let uv = [0; 2].map(|_| numbers.unit() as f32);
         let view = unit_vector(&mut numbers);
         for (largest, refine) in off.iter_mut().zip([0, 12]) {
-            let found = layers.seen(uv, view, 0.0, MarchSteps { sight: 200, refine, light: 1 });
+            let found = layers.seen(uv, view, MacroSurface::PLANE, 0.0, MarchSteps { sight: 200, refine, light: 1 });
             let column = layers.column(found.at, 0.0);
             *largest += (found.height - column[found.sheet as usize]).abs() / 2000.0;
             sheets[found.sheet as usize] += refine.min(1);
@@ -241,22 +354,25 @@ fn any_query_gives_numbers_in_range() {
         let uv = [0; 2].map(|_| (numbers.bits() % 64) as f32 / 64.0);
         let azimuth = numbers.between(0.0, 6.3) as f32;
         let horizon = [azimuth.cos(), azimuth.sin(), 0.0];
-        let found = layers.seen(uv, horizon, 0.0, FINE);
+        let found = layers.seen(uv, horizon, MacroSurface::PLANE, 0.0, FINE);
         assert!(found.at.iter().all(|c| c.abs() < 8.0) && (0.0..=1.0).contains(&found.height), "{found:?}");
         // Lower rays are raised to the same one.
-        assert_eq!(layers.seen(uv, [horizon[0], horizon[1], -0.5], 0.0, FINE), found);
-        let lit = |light| layers.lit(&found, UP, light, 0.0, FINE);
+        assert_eq!(layers.seen(uv, [horizon[0], horizon[1], -0.5], MacroSurface::PLANE, 0.0, FINE), found);
+        let lit = |light| layers.lit(&found, UP, light, MacroSurface::PLANE, 0.0, FINE);
         assert_eq!(lit(horizon), lit([horizon[0], horizon[1], 0.05]));
         // A single step is the minimum.
         let few = |count| MarchSteps { sight: count, refine: 0, light: count };
-        assert_eq!(layers.seen(uv, horizon, 0.0, few(0)), layers.seen(uv, horizon, 0.0, few(1)));
         assert_eq!(
-            layers.lit(&found, UP, FROM_LEFT, 0.0, few(0)).to_bits(),
-            layers.lit(&found, UP, FROM_LEFT, 0.0, few(1)).to_bits()
+            layers.seen(uv, horizon, MacroSurface::PLANE, 0.0, few(0)),
+            layers.seen(uv, horizon, MacroSurface::PLANE, 0.0, few(1))
+        );
+        assert_eq!(
+            layers.lit(&found, UP, FROM_LEFT, MacroSurface::PLANE, 0.0, few(0)).to_bits(),
+            layers.lit(&found, UP, FROM_LEFT, MacroSurface::PLANE, 0.0, few(1)).to_bits()
         );
         // The tile repeats.
-        let there = layers.seen([uv[0] + 256.0, uv[1] - 64.0], UP, 0.0, FINE);
-        let here = layers.seen(uv, UP, 0.0, FINE);
+        let there = layers.seen([uv[0] + 256.0, uv[1] - 64.0], UP, MacroSurface::PLANE, 0.0, FINE);
+        let here = layers.seen(uv, UP, MacroSurface::PLANE, 0.0, FINE);
         assert_eq!((there.at, there.height), ([uv[0] + 256.0, uv[1] - 64.0], here.height));
     }
 }
@@ -272,7 +388,7 @@ fn levels_of_detail_are_blended_and_clamped() {
         assert_ne!(fine, coarse);
         for (detail, clamped) in [(-1.0, 0.0), (f32::NAN, 0.0), (3.5, 3.0), (1e9, 3.0)] {
             assert_eq!(layers.column(at, detail), layers.column(at, clamped), "{detail}");
-            let seen = |detail| layers.seen(at, FROM_LEFT, detail, FINE);
+            let seen = |detail| layers.seen(at, FROM_LEFT, MacroSurface::PLANE, detail, FINE);
             assert_eq!(seen(detail), seen(clamped), "{detail}");
             let parameters = |detail| layers.parameters(at, Sheet::Top, detail);
             assert_eq!(parameters(detail), parameters(clamped), "{detail}");
@@ -284,7 +400,7 @@ fn levels_of_detail_are_blended_and_clamped() {
     let decoder = FlatBtfDecoder::new(FlatBtfParts { layers: layers.clone(), ..parts(SMALL, 8) });
     assert_eq!(decoder.finer(), 1.0);
     let found = decoder.seen([0.1, 0.7], FROM_LEFT, 0.5);
-    assert_eq!(found, layers.seen([0.1, 0.7], FROM_LEFT, 1.5, decoder.steps()));
+    assert_eq!(found, layers.seen([0.1, 0.7], FROM_LEFT, MacroSurface::PLANE, 1.5, decoder.steps()));
     assert_ne!(found, decoder.seen([0.1, 0.7], FROM_LEFT, 1.0));
 }
 
@@ -321,7 +437,8 @@ fn values_are_those_behind_a_ray_of_sight() {
         let value = without.value(uv, level, view, light);
         assert_eq!(value, texel.blended(view, light));
         let (layers, steps) = (&with.parts().layers, with.steps());
-        let lit = layers.lit(&point, texel.base().normal, light.direction, level + with.finer(), steps);
+        let lit =
+            layers.lit(&point, texel.base().normal, light.direction, MacroSurface::PLANE, level + with.finer(), steps);
         assert_eq!(with.value(uv, level, view, light), value.map(|channel| channel * lit));
         *if lit > 0.0 { &mut reached } else { &mut blocked } += 1;
     }

@@ -200,7 +200,7 @@ fn the_constants_of_flat_btfs_are_those_of_the_cpu() {
     };
     let shader = of(FLAT_BTF_WGSL, "FLAT_BTF_");
     let names: Vec<&str> = shader.keys().map(String::as_str).collect();
-    assert_eq!(names, ["MIN_COSINE", "RISE", "TEXELS_PER_STEP"]);
+    assert_eq!(names, ["MIN_AREA_RATIO", "MIN_COSINE", "MIN_PASSING_STEPS", "RISE", "TEXELS_PER_STEP"]);
     assert_eq!(shader, of(include_str!("../../src/flat_btf/march.rs"), ""));
     let changed = FLAT_BTF_WGSL.replace("FLAT_BTF_RISE: f32 = ", "FLAT_BTF_RISE: f32 = 9");
     assert_ne!(shader, of(&changed, "FLAT_BTF_"));

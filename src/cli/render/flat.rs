@@ -7,22 +7,19 @@ use crate::output::{self, note};
 use crate::{Common, Error};
 use brdfc::flatten::read_report;
 use brdfc::inspect::{flat_btf_file, open_flat_btf};
-use brdfc::render::{Builtin, FlatMaterial, Verification, Views, draw_flat_btf, draw_flat_btf_on_cpu, draw_surface};
+use brdfc::render::{FlatMaterial, Verification, Views, draw_flat_btf, draw_flat_btf_on_cpu, draw_surface};
 use brdfc::{FormatError, Input};
 
-/// Note for a plane without a rendering of the surface itself.
+/// Note without a rendering of the surface itself.
 const NO_SURFACE: &str = "compared the shader with the CPU only: a comparison with the surface itself requires synth: \
     addresses for the surface and its materials, without --bounces, --colour and --weights";
-/// Note for other scenes.
-const CURVED: &str =
-    "compared the shader with the CPU only: a comparison with the surface itself requires --scene plane";
 
 /// Returns true if an input is a flat BTF: its file, or its folder.
 pub(super) fn is_flat(input: &Input) -> bool {
     input.path().is_some_and(|path| !matches!(flat_btf_file(path), Ok(None)))
 }
 
-/// Draws the asset with the shader and on the CPU; on a plane also the surface itself, if it can be computed again.
+/// Draws the asset with the shader and on the CPU; also the surface itself, if it can be computed again.
 pub(super) fn verification(
     arguments: &Arguments,
     common: Common,
@@ -43,12 +40,10 @@ pub(super) fn verification(
     let shader = draw_flat_btf(&gpu, &setup.scene, setup.frame, &material)?;
     let pack = draw_flat_btf_on_cpu(&setup.scene, setup.frame, &material);
     drop(material);
-    let source = match (setup.builtin, &asset) {
-        (Builtin::Plane, Some(asset)) => draw_surface(&setup.scene, setup.frame, asset, repeat)?,
-        _ => None,
-    };
+    let surface = |asset| draw_surface(&setup.scene, setup.frame, asset, repeat);
+    let source = asset.as_ref().map(surface).transpose()?.flatten();
     if source.is_none() {
-        note(common, input, if setup.builtin == Builtin::Plane { NO_SURFACE } else { CURVED });
+        note(common, input, NO_SURFACE);
     }
     let views = Views { shader, pack, table: None, source, left_out: 0.0 };
     let name = path.file_stem().map_or_else(String::new, |name| name.to_string_lossy().into_owned());

@@ -43,6 +43,50 @@ fn the_study_of_rays_counts_rays_and_writes_them() {
     }
 }
 
+/// Blended shadows are not as good as rays, and fewer sheets not as good as more.
+#[test]
+fn the_study_of_reliefs_compares_methods() {
+    let folder = folder();
+    let study = ["--study", "relief", "synth:button?resolution=64", "--texels", "64", "--pixels", "120"];
+    let report = folder.run(&[&study[..], &["--json"]].concat()).succeeded().json();
+    conforms(&report);
+    let methods = report["rows"][0]["methods"].as_array().unwrap();
+    let of = |name: &str| methods.iter().find(|row| row["method"] == name).unwrap_or_else(|| panic!("{name}"));
+    let number = |value: &serde_json::Value| value.as_f64().unwrap();
+    let plane = |name: &str| number(&of(name)["plane"]["delta_e"]);
+    assert_eq!(methods.len(), 6);
+    let order = ["layers", "height field", "normal map"].map(plane);
+    assert!(1.5 * order[0] < order[1] && 1.5 * order[1] < order[2], "{order:?}");
+    assert!(2.0 * plane("exact rays") < plane("exact rays, sampled shadows"), "{methods:?}");
+    assert!(plane("exact rays, sampled shadows") < plane("sampled indirections and shadows"), "{methods:?}");
+    for (name, is_bound) in [("layers", false), ("exact rays", true)] {
+        let row = of(name);
+        assert_eq!(
+            row["bytes"].is_null() && row["fetches"].is_null() && row["nanoseconds"].is_null(),
+            is_bound,
+            "{row}"
+        );
+        assert_eq!(row["angles"].as_array().unwrap().len(), 6);
+        assert!(number(&row["jumps"]) < 0.2 && (0.5..1.5).contains(&number(&row["far"]["brightness"])), "{row}");
+    }
+    // Outlines and curvature: on objects layers are nearer than rays that know of neither.
+    let vase = |name: &str| number(&of(name)["objects"][0]["rendering"]["delta_e"]);
+    assert!(vase("layers") < vase("exact rays"), "{methods:?}");
+    let text = folder.run(&study).succeeded().stdout;
+    for words in ["layers", "height field", "16 x 16 tiles", "75°", "jumps", "vase", "teapot"] {
+        assert!(text.contains(words), "no {words} in {text}");
+    }
+    for (arguments, expected) in [
+        (&["--texels", "60"][..], "--texels: found 60, expected a power of two from 8 to 512"),
+        (&["--pixels", "10"], "--pixels: found 10, expected 64 to 2048"),
+        (&["button.obj"], "INPUT: found button.obj"),
+    ] {
+        let ran = folder.run(&[&["--study", "relief"][..], arguments].concat());
+        assert_eq!(ran.code, 2, "{arguments:?}: {}", ran.stderr);
+        assert!(ran.stderr.contains(expected), "{arguments:?}: {}", ran.stderr);
+    }
+}
+
 #[test]
 fn the_study_of_flat_btfs_has_the_papers_tables() {
     let folder = folder();

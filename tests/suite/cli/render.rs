@@ -446,7 +446,8 @@ fn flat_btfs_are_drawn_with_parallax() {
     for scene in ["bottle", "vase", "teapot", "sphere"] {
         let ran = folder.run(&["render", "button/button.ktx2", "--scene", scene, "--size", "80x80", "--json"]);
         let drawn = report(&ran.succeeded());
-        assert!(mean(&drawn, "shading") < 0.3 && drawn.get("total").is_none(), "{drawn}");
+        // Few texels and few pixels.
+        assert!(mean(&drawn, "shading") < 0.3 && (0.5..12.0).contains(&mean(&drawn, "total")), "{drawn}");
     }
     let info = folder.run(&["info", "button"]).succeeded().stdout;
     assert!(info.contains("synth:button?resolution=48") && info.contains("brdf: "), "{info}");

@@ -64,8 +64,13 @@ impl PeriodicCaster {
 
     /// Finds the first intersection of the ray from `origin` along the unit vector `direction`.
     pub fn nearest(&self, origin: Vector, direction: Vector) -> Option<Hit> {
+        self.nearest_within(origin, direction, f64::INFINITY)
+    }
+
+    /// Same as [`Self::nearest`] for a piece of a ray of this length, in tiles.
+    pub fn nearest_within(&self, origin: Vector, direction: Vector, length: f64) -> Option<Hit> {
         let mut found = None;
-        self.march(origin, direction, |part, tile, start| {
+        self.march(origin, direction, length, |part, tile, start| {
             let Some(hit) = self.tree.nearest(part) else { return false };
             let (triangle, repetition) = self.placed[hit.triangle as usize];
             found = Some(Hit {
@@ -82,7 +87,7 @@ impl PeriodicCaster {
     /// Returns true if the ray from `origin` along the unit vector `direction` meets the surface.
     pub fn is_blocked(&self, origin: Vector, direction: Vector) -> bool {
         let mut blocked = false;
-        self.march(origin, direction, |part, _, _| {
+        self.march(origin, direction, f64::INFINITY, |part, _, _| {
             blocked = self.tree.is_blocked(part);
             blocked
         });
@@ -97,7 +102,7 @@ impl PeriodicCaster {
     /// Number of tiles that a ray crosses between the surface's lowest and highest point, up to `distance`.
     pub fn tiles(&self, origin: Vector, direction: Vector, distance: f64) -> usize {
         let mut count = 0;
-        self.march(origin, direction, |part, _, start| {
+        self.march(origin, direction, f64::INFINITY, |part, _, start| {
             count += 1;
             start + f64::from(part.length) >= distance
         });
@@ -105,11 +110,17 @@ impl PeriodicCaster {
     }
 
     /// Calls `visit` with the part of the ray in each tile that it crosses between the surface's lowest and highest
-    /// point: the ray in the tile's own coordinates, the tile, and the distance at which that part begins. Stops when
-    /// `visit` returns true.
-    fn march(&self, origin: Vector, direction: Vector, mut visit: impl FnMut(&Segment, [i32; 2], f64) -> bool) {
+    /// point: the ray in the tile's own coordinates, the tile, and the distance at which that part begins. Stops after
+    /// `length`, or when `visit` returns true.
+    fn march(
+        &self,
+        origin: Vector,
+        direction: Vector,
+        length: f64,
+        mut visit: impl FnMut(&Segment, [i32; 2], f64) -> bool,
+    ) {
         let [low, high] = self.heights;
-        let (mut start, mut end) = (0.0f64, f64::INFINITY);
+        let (mut start, mut end) = (0.0f64, length);
         if direction[2] == 0.0 {
             if origin[2] < low || origin[2] > high {
                 return;
@@ -117,7 +128,7 @@ impl PeriodicCaster {
         } else {
             let (a, b) = ((low - origin[2]) / direction[2], (high - origin[2]) / direction[2]);
             start = start.max(a.min(b));
-            end = a.max(b);
+            end = end.min(a.max(b));
         }
         if start > end {
             return;

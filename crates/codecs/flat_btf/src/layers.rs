@@ -278,7 +278,7 @@ mod tests {
     use crate::structures::Structure;
     use crate::testing::{height_field, overhang};
     use brdfc_formats::direction::{Vector, from_polar};
-    use brdfc_formats::flat_btf::MarchSteps;
+    use brdfc_formats::flat_btf::{MacroSurface, MarchSteps};
 
     fn made(model: &MesoModel, size: u32) -> (LayerMap, LayerReport) {
         layers(&model.mesh, &model.parameterisation.coordinates, size, true).unwrap()
@@ -303,7 +303,8 @@ mod tests {
         assert_eq!(report, LayerReport { sheets: 1, simplified: 0, open: 0 });
         let [low, _] = map.header().heights;
         for (at, view) in rays() {
-            let point = map.seen(at.map(|c| c as f32), single(view), 0.0, MarchSteps::of(map.header()));
+            let point =
+                map.seen(at.map(|c| c as f32), single(view), MacroSurface::PLANE, 0.0, MarchSteps::of(map.header()));
             let height = low + point.height * map.header().range();
             assert!((height - 0.25).abs() < 1e-4, "{at:?} {point:?}");
             let parameters = map.parameters(point.at, point.sheet, 0.0);
@@ -312,7 +313,10 @@ mod tests {
                 (0..2).all(|k| (f64::from(parameters[k]) - expected[k]).abs() < 2e-3),
                 "{parameters:?} {expected:?}"
             );
-            assert_eq!(map.lit(&point, [0.0, 0.0, 1.0], single(view), 0.0, MarchSteps::of(map.header())), 1.0);
+            assert_eq!(
+                map.lit(&point, [0.0, 0.0, 1.0], single(view), MacroSurface::PLANE, 0.0, MarchSteps::of(map.header())),
+                1.0
+            );
         }
     }
 
@@ -325,11 +329,11 @@ mod tests {
         let (mut near, mut agreed, mut count) = (0.0, 0.0, 0.0);
         for (at, view) in rays() {
             let truth = model.point(&model.seen(at, view).hit);
-            let found = map.seen(at.map(|c| c as f32), single(view), 0.0, steps);
+            let found = map.seen(at.map(|c| c as f32), single(view), MacroSurface::PLANE, 0.0, steps);
             count += 1.0;
             let off = [0, 1].map(|k| f64::from(found.at[k]) - truth.position[k]);
             near += f64::from(u8::from(off[0].hypot(off[1]) < 1.5 * texel));
-            let lit = map.lit(&found, single(truth.normal), single(light), 0.0, steps) == 1.0;
+            let lit = map.lit(&found, single(truth.normal), single(light), MacroSurface::PLANE, 0.0, steps) == 1.0;
             let facing = brdfc_formats::direction::dot(truth.normal, light) > 0.0;
             agreed += f64::from(u8::from((facing && lit) == model.caster.sees_sky(&truth, light)));
         }
@@ -367,7 +371,7 @@ mod tests {
         let model = MesoModel::new(overhang(64), 0, &()).unwrap();
         let (map, report) = made(&model, 64);
         assert!(report.open > 10_000 && report.sheets == 1, "{report:?}");
-        let above = map.seen([0.5, 0.3], [0.0, 0.0, 1.0], 0.0, MarchSteps::of(map.header()));
+        let above = map.seen([0.5, 0.3], [0.0, 0.0, 1.0], MacroSurface::PLANE, 0.0, MarchSteps::of(map.header()));
         assert!((0.0..=1.0).contains(&above.height));
     }
 

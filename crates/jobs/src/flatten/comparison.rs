@@ -29,9 +29,7 @@ pub fn compare_flat(reference: &FlatMaterial, other: &FlatMaterial) -> FlatCompa
     };
     let look_ups: Vec<([f64; 2], _)> = (0..LOOK_UPS).map(look_up).collect();
     let one = |(at, [view, light]): &([f64; 2], [_; 2])| {
-        // A tile is a fraction of the unit of uv.
-        let value =
-            |material: &FlatMaterial| material.value(at.map(|c| c / f64::from(material.repeat())), 0.0, *view, *light);
+        let value = |material: &FlatMaterial| material.value(at.map(|c| c as f32), 0.0, *view, *light);
         let (truth, found) = (value(reference), value(other));
         (difference(truth, found), truth != [0.0; 3])
     };

@@ -65,7 +65,7 @@ impl Relightable {
                 }
                 // Down in the image is backwards along the bitangent.
                 let [u, v] = query.uv;
-                material.value([u, 1.0 - v], coarser, query.outgoing, query.incoming)
+                material.value([u as f32, (1.0 - v) as f32], coarser, query.outgoing, query.incoming)
             }
         }
     }

@@ -57,6 +57,8 @@ pub(super) struct PageItem {
     scenes: Vec<String>,
     /// Tiles per unit of uv, by scene.
     repeats: BTreeMap<String, u32>,
+    /// Meshes of scenes that the relief of a flat BTF covers, by scene.
+    reliefs: BTreeMap<String, PackedMesh>,
     /// Sines of the elevations that it covers: the viewer's lowest and highest, then the lights'.
     sines: [f64; 4],
     /// Number of levels coarser than the finest.
@@ -83,6 +85,7 @@ impl PageItem {
             resources: bindings.all.into_iter().map(PageResource::new).collect(),
             scenes: scenes.iter().map(|scene| scene.name()).collect(),
             repeats: scenes.iter().map(|scene| (scene.name(), item.repeat(*scene))).collect(),
+            reliefs: scenes.iter().filter_map(|scene| Some((scene.name(), item.relief(*scene)?))).collect(),
             sines: [from, to, low, high],
             levels,
             finest,
@@ -97,7 +100,8 @@ impl PageItem {
 
     /// Bytes of its data in the page.
     pub(super) fn bytes(&self) -> usize {
-        self.resources.iter().map(|resource| resource.bytes()).sum()
+        let reliefs: usize = self.reliefs.values().map(PackedMesh::bytes).sum();
+        reliefs + self.resources.iter().map(|resource| resource.bytes()).sum::<usize>()
     }
 }
 

@@ -1,11 +1,13 @@
 //! Materials of a page.
 
+use super::mesh::PackedMesh;
 use brdfc_formats::BrdfPack;
 use brdfc_formats::PackKind;
 use brdfc_formats::bindings::Bindings;
 use brdfc_formats::crop::{DirectionRange, Elevations};
 use brdfc_formats::flat_btf::{FlatBtfDecoder, SampledDirections};
 use brdfc_formats::pwt::PwtPack;
+use brdfc_render::flat::covered;
 use brdfc_render::scenes::Builtin;
 
 /// Scenes of BRDFs; the first is the default.
@@ -99,6 +101,20 @@ impl ViewItem {
         match (&self.drawn, scene) {
             (Drawn::FlatBtf(..), ItemScene::Builtin(builtin)) => builtin.tiles(),
             _ => 1,
+        }
+    }
+}
+
+impl ViewItem {
+    /// The mesh of a scene that its relief covers; `None` if it is drawn on the mesh of the scene.
+    pub(super) fn relief(&self, scene: ItemScene) -> Option<PackedMesh> {
+        match (&self.drawn, scene) {
+            (Drawn::FlatBtf(decoder, _), ItemScene::Builtin(builtin)) => {
+                let scene = builtin.scene();
+                let covered = covered(&scene, builtin.tiles(), decoder.parts().layers.header().heights);
+                (covered.parts[0].mesh != scene.parts[0].mesh).then(|| PackedMesh::new(&covered.parts[0].mesh))
+            }
+            _ => None,
         }
     }
 }

@@ -5,12 +5,12 @@ use super::packed::packed;
 use brdfc_render::scene::{Mesh, Vertex};
 use serde::Serialize;
 
-/// Numbers of a corner: position, uv, and two octahedral coordinates each of normal and tangent.
-const STREAMS: usize = 9;
-/// Numbers that are stored relative to their range: position and uv.
-const BOUNDED: usize = 5;
-/// Largest value of each number: 14 bits of a position, 16 of uv, 13 of a normal, 11 of a tangent.
-const MAX_VALUES: [u16; STREAMS] = [0x3fff, 0x3fff, 0x3fff, 0xffff, 0xffff, 0x1fff, 0x1fff, 0x7ff, 0x7ff];
+/// Numbers of a corner: position, uv, height above its surface, and two octahedral coordinates each of normal and tangent.
+const STREAMS: usize = 10;
+/// Numbers that are stored relative to their range: position, uv and height.
+const BOUNDED: usize = 6;
+/// Largest value of each number: 14 bits of a position, 16 of uv, 14 of a height, 13 of a normal, 11 of a tangent.
+const MAX_VALUES: [u16; STREAMS] = [0x3fff, 0x3fff, 0x3fff, 0xffff, 0xffff, 0x3fff, 0x1fff, 0x1fff, 0x7ff, 0x7ff];
 
 /// A mesh as pages store it.
 #[derive(Debug, Clone, PartialEq, Serialize)]
@@ -33,7 +33,7 @@ impl PackedMesh {
     pub(super) fn new(mesh: &Mesh) -> Self {
         let bounded = |corner: &Vertex| {
             let ([x, y, z], [u, v]) = (corner.position, corner.uv);
-            [x, y, z, u, v]
+            [x, y, z, u, v, corner.raised_by]
         };
         let mut low = [f32::MAX; BOUNDED];
         let mut high = [f32::MIN; BOUNDED];
@@ -76,6 +76,13 @@ impl PackedMesh {
             corners: packed(&streams),
             indices: packed(&steps),
         }
+    }
+}
+
+impl PackedMesh {
+    /// Bytes in the page.
+    pub(super) fn bytes(&self) -> usize {
+        self.corners.len() + self.indices.len()
     }
 }
 
@@ -123,7 +130,7 @@ mod tests {
         for (scene, most) in [(Builtin::Sphere, 7.0), (Builtin::Cloth, 13.0), (Builtin::Teapot, 8.0)] {
             let mesh = &scene.scene().parts[0].mesh;
             let packed = PackedMesh::new(mesh);
-            let bytes = (packed.corners.len() + packed.indices.len()) as f64 / mesh.vertices.len() as f64;
+            let bytes = packed.bytes() as f64 / mesh.vertices.len() as f64;
             println!("{}: {bytes:.1} bytes a corner, {} corners", scene.name(), mesh.vertices.len());
             assert!(bytes < most, "{}: {bytes}", scene.name());
         }

@@ -1,6 +1,7 @@
 //! Shaders of pages: WGSL assembled from parts, and its GLSL ES 3.00 translation from `programs.json`.
 
 use brdfc_formats::PackKind;
+use brdfc_render::flat::COVER_WGSL;
 use brdfc_shaders::{Program, TranslatedProgram};
 use std::collections::BTreeMap;
 use std::sync::OnceLock;
@@ -43,8 +44,10 @@ impl PageShader {
     pub(super) fn drawing(decoder: PackKind, exact: bool) -> Self {
         let of_kind = drawing_wgsl(decoder, exact).expect("only packs that pages draw become items");
         let (frame, corner) = (brdfc_render::shading_point::SHADING_POINT_WGSL, brdfc_render::camera::CORNER_WGSL);
-        let wgsl =
-            [&(decoder.descriptor().wgsl)(), &of_kind, frame, corner, include_str!("shaders/shade.wgsl")].join("\n");
+        // The decoder of flat BTFs comes with the surfaces that they cover.
+        let cover = if decoder == PackKind::FlatBtf { COVER_WGSL } else { "" };
+        let shade = include_str!("shaders/shade.wgsl");
+        let wgsl = [&(decoder.descriptor().wgsl)(), &of_kind, frame, corner, cover, shade].join("\n");
         let name = if exact { format!("{}, exact", decoder.name()) } else { decoder.name().to_owned() };
         Self { name, wgsl, vertex: "project", fragment: "shade" }
     }

@@ -1,5 +1,7 @@
 //! A flat BTF as a material of surfaces.
 
+use super::cover::covered;
+use crate::scene::Scene;
 use brdfc_formats::FormatError;
 use brdfc_formats::direction::Vector;
 use brdfc_formats::flat_btf::{FlatBtfDecoder, SampledDirections};
@@ -41,11 +43,15 @@ impl FlatMaterial {
         self.directions.as_ref()
     }
 
-    /// Relative radiance at the coordinates `uv` of a mesh: [`FlatBtfDecoder::shaded`]. `view` and `light` are unit
-    /// vectors in the local frame; `level_of_detail` is the mipmap level of the texels, 0 the finest.
-    pub fn value(&self, uv: [f64; 2], level_of_detail: f32, view: Vector, light: Vector) -> [f32; 3] {
+    /// A scene as it is drawn with the relief of this material.
+    pub fn cover(&self, scene: &Scene) -> Scene {
+        covered(scene, self.repeat, self.decoder.parts().layers.header().heights)
+    }
+
+    /// Relative radiance at a position in tiles: [`FlatBtfDecoder::shaded`]. `view` and `light` are unit vectors in the
+    /// local frame; `level_of_detail` is the mipmap level of the texels, 0 the finest.
+    pub fn value(&self, at: [f32; 2], level_of_detail: f32, view: Vector, light: Vector) -> [f32; 3] {
         let [view, light] = [view, light].map(|direction| direction.map(|c| c as f32));
-        let tile = uv.map(|c| c as f32 * self.repeat as f32);
-        self.decoder.shaded(self.directions(), tile, level_of_detail, view, light)
+        self.decoder.shaded(self.directions(), at, level_of_detail, view, light)
     }
 }

@@ -1,5 +1,6 @@
-//! The reference for a flat BTF on a plane: the displaced surface itself, ray cast.
+//! The reference for a flat BTF: the displaced surface itself, ray cast.
 
+use super::displaced::reference_object;
 use crate::sample_means::sample_means;
 use crate::scene::{Frame, Mesh, Scene};
 use crate::vector::{add_scaled, cross, double, subtract};
@@ -51,25 +52,31 @@ impl Tiling {
     }
 }
 
-/// Draws the plane of a scene with the real displaced surface on it: the repetition of `model`, `repeat` tiles per unit
-/// of uv, under direct light with cast shadows.
-///
-/// Rays, distances and directions to lights are exact for each point of the displaced surface. Only shadow rays
-/// continue beyond a light, which is above the whole surface. The plane's edge is where a ray crosses z = 0 at uv of 0
-/// and 1.
-///
-/// # Panics
-/// If the scene's first part is not a plane with square tiles, or the camera is not above it: a bug of the caller.
-pub fn reference_plane(
+/// Draws a scene with the real displaced surface on it: the repetition of `model`, `repeat` tiles per unit of uv, under
+/// direct light with cast shadows. On a plane with square tiles, seen from above its relief, the surface has no end; other
+/// objects are displaced along their normals, by heights in units of a tile's side at each vertex, outlines included.
+pub fn reference(scene: &Scene, frame: Frame, model: &MesoModel, appearance: &Appearance, repeat: u32) -> LinearImage {
+    let plane = match &scene.parts[..] {
+        [part] => Tiling::new(&part.mesh, repeat),
+        _ => None,
+    };
+    match plane.filter(|plane| plane.point(scene.camera.eye)[2] > model.caster.heights()[1]) {
+        Some(plane) => on_plane(scene, frame, model, appearance, &plane, repeat),
+        None => reference_object(scene, frame, model, appearance, repeat),
+    }
+}
+
+/// Rays, distances and directions to lights are exact for each point of the displaced surface. Only shadow rays continue
+/// beyond a light, which is above the whole surface. The plane's edge is where a ray crosses z = 0 at uv of 0 and 1.
+fn on_plane(
     scene: &Scene,
     frame: Frame,
     model: &MesoModel,
     appearance: &Appearance,
+    tiling: &Tiling,
     repeat: u32,
 ) -> LinearImage {
-    let tiling = Tiling::new(&scene.parts[0].mesh, repeat).expect("a plane with square tiles");
     let eye = tiling.point(scene.camera.eye);
-    assert!(eye[2] > model.caster.heights()[1], "the camera is above the surface");
     let lights: Vec<(Vector, [f64; 3])> =
         scene.lights.iter().map(|light| (tiling.point(light.position), light.intensity)).collect();
     let last = f64::from(repeat);

@@ -47,9 +47,7 @@ fn tile(material: &FlatMaterial) -> Vec<FlatRendering> {
     let along = [0.0, 0.0, 1.0];
     let side = direction(SLANTED, 0.0);
     let lit = |view: Vector, light: Vector| {
-        // A tile is a fraction of the unit of uv.
-        let of_tile = |uv: [f64; 2]| uv.map(|c| c / f64::from(material.repeat()));
-        let image = colours(|uv| material.value(of_tile(uv), 0.0, view, light).map(f64::from));
+        let image = colours(|uv| material.value(uv.map(|c| c as f32), 0.0, view, light).map(f64::from));
         to_panel(&image, auto_exposure(&image))
     };
     let single = |v: Vector| v.map(|c| c as f32);

@@ -52,7 +52,13 @@ pub(super) fn through(points: &[Vector], columns: usize) -> Mesh {
 pub(super) fn vertex(position: Vector, normal: Vector, tangent: Vector, uv: [f64; 2]) -> Vertex {
     let tangent = normalize(add_scaled(tangent, -dot(normal, tangent), normal));
     let single = |v: Vector| v.map(|c| c as f32);
-    Vertex { position: single(position), normal: single(normal), tangent: single(tangent), uv: uv.map(|c| c as f32) }
+    Vertex {
+        position: single(position),
+        normal: single(normal),
+        tangent: single(tangent),
+        uv: uv.map(|c| c as f32),
+        raised_by: 0.0,
+    }
 }
 
 /// Two triangles for each quad of a grid of vertices that is stored row by row; counter-clockwise if u goes right and v

@@ -21,6 +21,7 @@ Examples:
   brdfc-bench
   brdfc-bench --json > table-1.json
   brdfc-bench --study flat-btf synth:knit --texels 64 --flat-texels 128
+  brdfc-bench --study relief synth:button
   brdfc-bench --study rays synth:folds
   brdfc-bench --study relighting icon --out figures
   brdfc-bench --study btf synth:knit --out figures
@@ -35,8 +36,8 @@ Examples:
 )]
 pub struct Arguments {
     /// Materials of the studies that draw (default: synth:velvet, and a glossy metal for level-of-detail and for
-    /// adaptive shading) and of pareto (default: three models), structures of flat-btf and btf (default: all four) and
-    /// of rays (default: synth:button), or the photographs of relighting.
+    /// adaptive shading) and of pareto (default: three models), structures of flat-btf, relief and btf (default: all
+    /// four) and of rays (default: synth:button), or the photographs of relighting.
     #[arg(value_name = "INPUT")]
     pub(super) inputs: Vec<Input>,
     /// Study to run (default: wavelet-brdf).
@@ -46,8 +47,9 @@ pub struct Arguments {
     /// of rays into this folder.
     #[arg(long, value_name = "DIR")]
     pub(super) out: Option<PathBuf>,
-    /// Texels of the reference plane per side, 8 or more, for flat-btf (default: 128) and rays (default: 64); for btf
-    /// the texels of both BTFs, a power of two from 8 to 256 (default: 32).
+    /// Texels of the reference plane per side, 8 or more, for flat-btf (default: 128) and rays (default: 64); for
+    /// relief a power of two from 8 to 512 (default: 128); for btf the texels of both BTFs, a power of two from 8 to 256
+    /// (default: 32).
     #[arg(long, value_name = "N", value_parser = any_whole_number::<usize>("a whole number, 8 or more"))]
     pub(super) texels: Option<usize>,
     /// Texels of flat BTFs per side for flat-btf, a power of two from 8 to 1024 (default: twice --texels, rounded up).
@@ -65,7 +67,8 @@ pub struct Arguments {
     /// Latitude-longitude image, .exr or .hdr, that lights the studies of adaptive shading (default: a sky).
     #[arg(long, value_name = "FILE")]
     pub(super) environment: Option<Input>,
-    /// Pixels per side of the studies of adaptive shading, 32 to 2048, for pixel-bandwidth at least 64 (default: 512).
+    /// Pixels per side of the studies of adaptive shading, 32 to 2048, for pixel-bandwidth at least 64 (default: 512);
+    /// pixels per row of relief, 64 to 2048 (default: 640).
     #[arg(long, value_name = "N", value_parser = any_whole_number::<usize>("32 to 2048"))]
     pub(super) pixels: Option<usize>,
     /// Samples per pixel of their ground truth, 16 to 65536 (default: 256).
@@ -104,7 +107,7 @@ impl Arguments {
             && !self.inputs.is_empty()
         {
             let allowed = "expected with the studies that draw (throughput, codecs, level-of-detail and images: \
-                           materials), with pareto (materials), with btf, flat-btf and rays (structures), and with \
+                           materials), with pareto (materials), with btf, flat-btf, relief and rays (structures), and with \
                            relighting (photographs)";
             return Err(Error::usage(format!("INPUT: found with --study {}, {allowed}", name.get_name())));
         }
@@ -117,13 +120,13 @@ impl Arguments {
             return Err(Error::usage(format!("--out: found with another study, {allowed}")));
         }
         for (given, option, studies) in [
-            (self.texels.is_some(), "texels", &[Study::FlatBtf, Study::Rays, Study::Btf][..]),
+            (self.texels.is_some(), "texels", &[Study::FlatBtf, Study::Relief, Study::Rays, Study::Btf][..]),
             (self.flat_texels.is_some(), "flat-texels", &[Study::FlatBtf]),
             (self.directions.is_some(), "directions", &[Study::FlatBtf, Study::Btf]),
             (self.indirection.is_some(), "indirection", &[Study::FlatBtf]),
             (self.largest_angle.is_some(), "largest-angle", &[Study::FlatBtf]),
             (self.environment.is_some(), "environment", ADAPTIVE),
-            (self.pixels.is_some(), "pixels", ADAPTIVE),
+            (self.pixels.is_some(), "pixels", &[ADAPTIVE, &[Study::Relief]].concat()),
             (self.truth.is_some(), "truth", ADAPTIVE),
             (
                 self.adapter.is_some(),

@@ -1,25 +1,20 @@
 //! The study of ways to store BTFs.
 
 use super::arguments::Arguments;
-use brdfc_core::address::SYNTH_PREFIX;
-use brdfc_flat_btf::structures::STRUCTURES;
-use brdfc_source::Input;
+use super::remarks::Remarks;
+use super::structures::structures;
 use brdfc_studies::StudyResult;
 use brdfc_studies::btf::{
     BtfAsset, BtfModel, BtfRow, BtfSettings, BtfStudy, BtfStudyError, PARTS, drawing, held_out, study_structure,
 };
 use brdfc_terminal::directions::{default_set, direction_set};
-use brdfc_terminal::output::{make_folder, remark, write_file};
+use brdfc_terminal::output::{make_folder, write_file};
 use brdfc_terminal::table::{bytes, percent, plain};
 use brdfc_terminal::{Common, Error};
-use std::cell::Cell;
-use std::time::{Duration, Instant};
 
 /// Texels per side of both BTFs.
 const TEXELS: usize = 32;
 const MAX_TEXELS: usize = 256;
-/// Minimum time between progress messages.
-const BETWEEN_REMARKS: Duration = Duration::from_secs(5);
 
 pub(super) fn run(arguments: &Arguments, common: Common) -> Result<StudyResult, Error> {
     let texels = arguments.texels.unwrap_or(TEXELS);
@@ -29,29 +24,15 @@ pub(super) fn run(arguments: &Arguments, common: Common) -> Result<StudyResult, 
     let set = direction_set("directions", arguments.directions.as_ref().unwrap_or(&default_set()))?;
     let held_out = held_out(set.len()).map_err(|error| Error::usage(format!("--directions: {error}")))?;
     let settings = BtfSettings { texels, directions: set.name.clone(), count: set.len(), held_out };
-    let all: Vec<Input> =
-        STRUCTURES.iter().map(|info| Input::Address(format!("{SYNTH_PREFIX}{}", info.name))).collect();
-    let inputs = if arguments.inputs.is_empty() { &all } else { &arguments.inputs };
-    // Check all names before the work, so that a wrong one is reported immediately.
-    let addresses = inputs.iter().map(address).collect::<Result<Vec<_>, _>>()?;
+    let structures = structures(arguments)?;
     if let Some(folder) = &arguments.out {
         make_folder(folder)?;
     }
-    let steps = inputs.len() * set.len() * PARTS;
-    let started = Instant::now();
-    let (so_far, last_remark) = (Cell::new(0), Cell::new(started));
-    let done = |parts: usize| {
-        so_far.set(so_far.get() + parts);
-        if last_remark.get().elapsed() >= BETWEEN_REMARKS {
-            let (elapsed, share) = (started.elapsed().as_secs_f64(), so_far.get() as f64 / steps as f64);
-            let left = elapsed / share * (1.0 - share);
-            remark(common, &format!("{:.0} %, {elapsed:.0} s, about {left:.0} s left", 100.0 * share));
-            last_remark.set(Instant::now());
-        }
-    };
+    let remarks = Remarks::new(common, structures.len() * set.len() * PARTS);
     let mut models = Vec::new();
-    for (input, address) in inputs.iter().zip(addresses) {
-        let model = study_structure(address, &settings, &set, &done).map_err(|error| match error {
+    for (input, address) in structures {
+        let done = |parts| remarks.done(parts);
+        let model = study_structure(&address, &settings, &set, &done).map_err(|error| match error {
             BtfStudyError::Address(error) => Error::input(format!("{input}: {error}")),
             BtfStudyError::Parameterise(error) => Error::input(format!("{input}: {error}")),
             BtfStudyError::Format(error) => Error::usage(format!("--directions: {error}")),
@@ -64,14 +45,6 @@ pub(super) fn run(arguments: &Arguments, common: Common) -> Result<StudyResult, 
         write_file(&folder.join("btf.svg"), drawn.as_bytes())?;
     }
     Ok(StudyResult::Btf(study))
-}
-
-/// The structure named by an input.
-fn address(input: &Input) -> Result<&str, Error> {
-    input.address().and_then(|address| address.strip_prefix(SYNTH_PREFIX)).ok_or_else(|| {
-        let names: Vec<&str> = STRUCTURES.iter().map(|info| info.name).collect();
-        Error::usage(format!("INPUT: found {input}, expected synth: with one of {}", names.join(", ")))
-    })
 }
 
 pub(super) fn text(study: &BtfStudy) -> String {

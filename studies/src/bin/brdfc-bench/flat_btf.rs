@@ -1,18 +1,14 @@
 //! The error study of flat BTFs.
 
 use super::arguments::Arguments;
-use brdfc_core::address::SYNTH_PREFIX;
+use super::remarks::Remarks;
+use super::structures::{short_name, structures};
 use brdfc_core::words::{format_number, quoted};
-use brdfc_flat_btf::structures::STRUCTURES;
-use brdfc_source::Input;
 use brdfc_studies::StudyResult;
 use brdfc_studies::flat_btf::{ModelRow, StudyError, StudySettings, study_model};
 use brdfc_terminal::directions::{default_set, direction_set};
-use brdfc_terminal::output::remark;
 use brdfc_terminal::table::plain;
 use brdfc_terminal::{Common, Error};
-use std::sync::Mutex;
-use std::time::{Duration, Instant};
 
 /// Texels of the plane per side. The flat BTF has twice as many per side, 256 as in the paper.
 const TEXELS: usize = 128;
@@ -22,8 +18,6 @@ const INDIRECTION: &str = "16x24";
 const LARGEST_ANGLE: f64 = 80.0;
 /// Maximum number of samples of the indirection map, 512 MiB.
 const MAX_SAMPLES: usize = 1 << 26;
-/// Minimum time between progress messages.
-const BETWEEN_REMARKS: Duration = Duration::from_secs(5);
 
 pub(super) fn run(arguments: &Arguments, common: Common) -> Result<StudyResult, Error> {
     let texels = arguments.texels.unwrap_or(TEXELS);
@@ -58,29 +52,11 @@ pub(super) fn run(arguments: &Arguments, common: Common) -> Result<StudyResult, 
         count: directions.len(),
     };
     let directions = directions.directions();
-    let all: Vec<Input> =
-        STRUCTURES.iter().map(|info| Input::Address(format!("{SYNTH_PREFIX}{}", info.name))).collect();
-    let inputs = if arguments.inputs.is_empty() { &all } else { &arguments.inputs };
-    let steps = inputs.len() * directions.len();
-    let started = Instant::now();
-    let progress = Mutex::new((0usize, Instant::now()));
-    let view_done = || {
-        let Ok(mut progress) = progress.lock() else { return };
-        progress.0 += 1;
-        if progress.1.elapsed() >= BETWEEN_REMARKS {
-            let elapsed = started.elapsed().as_secs_f64();
-            let left = elapsed / progress.0 as f64 * (steps - progress.0) as f64;
-            remark(common, &format!("{} of {steps} views, {elapsed:.0} s, about {left:.0} s left", progress.0));
-            progress.1 = Instant::now();
-        }
-    };
+    let structures = structures(arguments)?;
+    let remarks = Remarks::new(common, structures.len() * directions.len());
     let mut rows = Vec::new();
-    for input in inputs {
-        let address = input.address().and_then(|address| address.strip_prefix(SYNTH_PREFIX)).ok_or_else(|| {
-            let names: Vec<&str> = STRUCTURES.iter().map(|info| info.name).collect();
-            Error::usage(format!("INPUT: found {input}, expected synth: with one of {}", names.join(", ")))
-        })?;
-        let row = study_model(address, &settings, &directions, &view_done).map_err(|error| match error {
+    for (input, address) in structures {
+        let row = study_model(&address, &settings, &directions, &|| remarks.done(1)).map_err(|error| match error {
             StudyError::Address(error) => Error::input(format!("{input}: {error}")),
             StudyError::Parameterise(error) => Error::input(format!("{input}: {error}")),
         })?;
@@ -190,7 +166,7 @@ fn table(header: &[&str], rows: &[ModelRow], cells: impl Fn(&ModelRow) -> Vec<St
 }
 
 fn name(row: &ModelRow) -> String {
-    row.model.strip_prefix(SYNTH_PREFIX).unwrap_or(&row.model).split('?').next().unwrap_or_default().to_owned()
+    short_name(&row.model)
 }
 
 fn two(value: f64) -> String {

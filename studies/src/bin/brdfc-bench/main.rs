@@ -11,7 +11,10 @@ mod flat_btf;
 mod on_adapter;
 mod pareto;
 mod rays;
+mod relief;
 mod relighting;
+mod remarks;
+mod structures;
 mod wavelet;
 
 use arguments::Arguments;
@@ -49,6 +52,7 @@ fn run(arguments: Arguments, common: Common) -> Result<(), Error> {
     let result = match arguments.study {
         Study::WaveletBrdf => wavelet::run()?,
         Study::FlatBtf => flat_btf::run(arguments, common)?,
+        Study::Relief => relief::run(arguments, common)?,
         Study::Relighting => relighting::run(arguments, common)?,
         Study::Btf => btf::run(arguments, common)?,
         Study::Rays => rays::run(arguments, common)?,
@@ -78,6 +82,7 @@ fn print_text(result: &StudyResult) -> Result<(), Error> {
     match result {
         StudyResult::WaveletBrdf { rows } => print(&wavelet::text(rows)),
         StudyResult::FlatBtf { settings, rows } => print(&flat_btf::text(settings, rows)),
+        StudyResult::Relief { settings, rows } => print(&relief::text(settings, rows)),
         StudyResult::Relighting(study) => print(&relighting::text(study)),
         StudyResult::Btf(study) => print(&btf::text(study)),
         StudyResult::Rays(study) => print(&rays::text(study)),

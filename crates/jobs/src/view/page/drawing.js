@@ -32,8 +32,11 @@ export class Drawing {
 
     /** Unpacks the data of the first rendering while the driver starts. */
     prepare() {
-        const begun = [this.#shape(scene()), ...this.#drawn().map((number) => this.#contents(number))];
-        begun.forEach(quietly);
+        const surface = scene();
+        this.#drawn().forEach((number) => {
+            quietly(this.#contents(number));
+            quietly(this.#shape(surface, page.items[number]).unpacked());
+        });
     }
 
     /** Opens WebGPU if available, else WebGL 2; only `api` if given. */
@@ -81,10 +84,10 @@ export class Drawing {
     async draw(samples) {
         // The state may change while this waits.
         const [view, surface, drawn, exposed] = [{ ...state, samples }, scene(), this.#drawn(), this.#exposed];
-        const [shape, ...materials] = await Promise.all([this.#mesh(surface), ...drawn.map((number) => this.#material(number))]);
-        drawn.forEach((number, which) => {
-            const block = viewBlock(surface, page.items[number], view, this.canvas.width / this.canvas.height);
-            this.backend.draw(which, materials[which], shape, block, samples);
+        const both = drawn.map((number) => Promise.all([this.#material(number), this.#mesh(surface, page.items[number])]));
+        (await Promise.all(both)).forEach(([material, shape], which) => {
+            const block = viewBlock(surface, page.items[drawn[which]], view, this.canvas.width / this.canvas.height);
+            this.backend.draw(which, material, shape, block, samples);
         });
         this.#drawnExposed = exposed;
     }
@@ -186,16 +189,20 @@ export class Drawing {
         });
     }
 
-    #mesh({ name, mesh }) {
-        return this.#uploaded(`mesh ${name}`, async () => {
-            const shape = await this.#shape({ name, mesh });
-            this.#waiting.delete(`mesh ${name}`);
+    #mesh(surface, item) {
+        const { key, unpacked } = this.#shape(surface, item);
+        return this.#uploaded(key, async () => {
+            const shape = await unpacked();
+            this.#waiting.delete(key);
             return this.backend.mesh(shape);
         });
     }
 
-    #shape({ name, mesh }) {
-        return this.#unpacked(`mesh ${name}`, () => meshOf(mesh));
+    /** The mesh of a scene, as the relief of a flat BTF covers it: its name, and a function that unpacks it. */
+    #shape({ name, mesh }, { name: item, reliefs }) {
+        const covered = reliefs[name];
+        const key = covered === undefined ? `mesh ${name}` : `mesh ${name} of ${item}`;
+        return { key, unpacked: () => this.#unpacked(key, () => meshOf(covered ?? mesh)) };
     }
 
     #contents(number) {

@@ -1,7 +1,7 @@
 // Draws with WebGL 2.
 
 import { uploadTexture } from '../shared/upload_webgl.js';
-import { CORNER } from './data.js';
+import { ATTRIBUTES, CORNER } from './data.js';
 
 /** Binding points of uniform blocks. */
 const VIEW_POINT = 0;
@@ -77,7 +77,7 @@ export class WebGl {
         gl.bindVertexArray(array);
         gl.bindBuffer(gl.ARRAY_BUFFER, gl.createBuffer());
         gl.bufferData(gl.ARRAY_BUFFER, corners, gl.STATIC_DRAW);
-        [3, 3, 3, 2].reduce((at, size, location) => {
+        ATTRIBUTES.reduce((at, size, location) => {
             gl.enableVertexAttribArray(location);
             gl.vertexAttribPointer(location, size, gl.FLOAT, false, 4 * CORNER, 4 * at);
             return at + size;

@@ -1,7 +1,7 @@
 // Draws with WebGPU.
 
 import { gpuResource } from '../shared/upload_webgpu.js';
-import { CORNER } from './data.js';
+import { ATTRIBUTES, CORNER } from './data.js';
 import { BYTES, FLOATS } from './webgl.js';
 
 /** Feature for float textures that samplers filter: wavelet packs of more than 8 bits. */
@@ -58,10 +58,10 @@ export class WebGpu {
     async program({ wgsl }) {
         const module = this.device.createShaderModule({ code: wgsl });
         let at = 0;
-        const attributes = [3, 3, 3, 2].map((size, shaderLocation) => {
+        const attributes = ATTRIBUTES.map((size, shaderLocation) => {
             const offset = 4 * at;
             at += size;
-            return { shaderLocation, offset, format: /** @type {GPUVertexFormat} */ (`float32x${size}`) };
+            return { shaderLocation, offset, format: /** @type {GPUVertexFormat} */ (size > 1 ? `float32x${size}` : 'float32') };
         });
         const pipeline = await this.device.createRenderPipelineAsync({
             layout: 'auto',

@@ -8,6 +8,10 @@ fn level_at(distance: f32, right: vec2<f32>, below: vec2<f32>) -> f32 {
     return brdf_level_of_detail(distance);
 }
 
+fn looked(in: Varying, front: bool, frame: mat3x3<f32>, uv: vec2<f32>, level: f32, wo: vec3<f32>) -> Look {
+    return Look(in.position, false, false);
+}
+
 fn reflected(uv: vec2<f32>, level: f32, wo: vec3<f32>, wi: vec3<f32>) -> vec3<f32> {
     return wi.z * brdf(wi, wo, level);
 }

@@ -9,6 +9,15 @@ fn level_at(distance: f32, right: vec2<f32>, below: vec2<f32>) -> f32 {
     return factored_mipmap_level(right, below);
 }
 
+var<private> flat_btf_seen_here: FlatBtfLook;
+
+fn looked(in: Varying, front: bool, frame: mat3x3<f32>, uv: vec2<f32>, level: f32, wo: vec3<f32>) -> Look {
+    let surface = covered_surface(in, front, frame, uv);
+    flat_btf_seen_here = flat_btf_look(uv, level, wo, surface.flat_btf);
+    let at = in.position + frame * (surface.side * flat_btf_offset(flat_btf_seen_here));
+    return Look(at, surface.is_hidden || flat_btf_passes(flat_btf_seen_here), true);
+}
+
 fn reflected(uv: vec2<f32>, level: f32, wo: vec3<f32>, wi: vec3<f32>) -> vec3<f32> {
-    return flat_btf_value(uv, level, wo, wi) / PI;
+    return flat_btf_shade(flat_btf_seen_here, wi) / PI;
 }

@@ -1,5 +1,5 @@
 // Draws a mesh of one material under point lights, as in the scenes of `brdfc render`. It follows a decoder, the functions of its
-// kind (`placed`, `level_at`, `reflected`), and the renderer's `shading_point.wgsl` and `corner.wgsl`.
+// kind (`placed`, `level_at`, `looked`, `reflected`), and the renderer's `shading_point.wgsl` and `corner.wgsl`.
 
 struct View {
     eye: vec4<f32>,
@@ -32,22 +32,33 @@ fn shade(in: Varying, @builtin(front_facing) front: bool) -> @location(0) vec4<f
     let of_pixel = level_at(distance, dpdx(uv), dpdy(uv));
     let level = select(view.level, of_pixel, view.level < 0.0);
     let v = to_eye / distance;
-    let n = normalize(in.normal);
-    let frame = turned_frame(select(-n, n, front), in.tangent, v);
+    let n = select(-1.0, 1.0, front) * normalize(in.normal);
+    let frame = turned_frame(n, in.tangent, v);
     let wo = vec3<f32>(dot(v, frame[0]), dot(v, frame[1]), dot(v, frame[2]));
+    let look = looked(in, front, frame, uv, level, wo);
+    if look.is_hidden {
+        discard;
+    }
     var seen = within(wo.z, view.sines.xy);
     var radiance = vec3<f32>(0.0);
     for (var k = 0u; k < view.light_count; k += 1u) {
-        let to_light = view.lights[k].position.xyz - in.position;
+        let to_light = view.lights[k].position.xyz - look.position;
         let distance_squared = dot(to_light, to_light);
         let l = to_light / sqrt(distance_squared);
         let wi = vec3<f32>(dot(l, frame[0]), dot(l, frame[1]), dot(l, frame[2]));
-        if wi.z > 0.0 {
-            seen = seen && within(wi.z, view.sines.zw);
+        if wi.z > 0.0 || look.is_relief {
+            seen = seen && within(max(wi.z, 0.0), view.sines.zw);
             radiance += reflected(uv, level, wo, wi) * view.lights[k].intensity.rgb / distance_squared;
         }
     }
     return select(vec4<f32>(0.0), vec4<f32>(radiance, 1.0), seen);
+}
+
+// What is drawn at a point.
+struct Look {
+    position: vec3<f32>, // where distances to lights begin
+    is_hidden: bool,
+    is_relief: bool,     // it may be lit from below the horizon of the surface
 }
 
 fn within(sine: f32, sines: vec2<f32>) -> bool {

@@ -1,0 +1,199 @@
+//! The methods.
+
+use super::rows::ReliefSettings;
+use super::shadows::SampledShadows;
+use crate::flat_btf::vdim::{OVERSAMPLING, Vdim, VdimHeader, indirection};
+use brdfc_flat_btf::model::MesoModel;
+use brdfc_flat_btf::surface::SurfacePoint;
+use brdfc_formats::container::half;
+use brdfc_formats::direction::Vector;
+use brdfc_formats::flat_btf::{FlatBtfDecoder, FlatBtfParts, LayerHeader, LayerMap};
+use brdfc_metrics::image::LinearImage;
+use brdfc_render::flat::{FlatMaterial, Tiles, draw_on_cpu, draw_tiles};
+use brdfc_render::scene::{Frame, Scene};
+
+/// Draws a scene with tiles per unit of uv.
+type Draw<'a> = Box<dyn Fn(&Scene, Frame, u32) -> LinearImage + 'a>;
+
+/// A method to show a relief. All methods have the same reflectance.
+pub(super) struct Method<'a> {
+    pub(super) name: &'static str,
+    /// Bytes and fetches; `None` for bounds.
+    pub(super) stored: Option<Stored>,
+    pub(super) draw: Draw<'a>,
+}
+
+/// Bytes and fetches of a method.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Stored {
+    /// Bytes on a GPU, mipmaps included.
+    pub(super) bytes: u64,
+    /// Most filtered fetches of a pixel under one light.
+    pub(super) fetches: u32,
+}
+
+/// Range of heights of a map without relief, in tiles.
+const FLAT: [f32; 2] = [-1e-6, 1e-6];
+/// Fetches of the reflectance of a texel, and of table and albedo of its material for a light.
+const OF_REFLECTANCE: u32 = 2 + 5;
+
+/// Polar angles and azimuths of sampled indirections, as in the study `flat-btf`, and their largest polar angle in
+/// degrees.
+const VIEWS: [u32; 2] = [16, 24];
+const LARGEST_ANGLE: f32 = 80.0;
+/// Number of methods.
+pub(super) const COUNT: usize = 6;
+
+/// Everything that the methods read.
+pub(super) struct Methods<'a> {
+    model: &'a MesoModel,
+    layers: &'a FlatBtfDecoder,
+    height_field: FlatBtfDecoder,
+    normal_map: FlatBtfDecoder,
+    /// The reflectance alone: positions on its plane are parameters.
+    reflectance: FlatBtfDecoder,
+    indirections: Vdim,
+    shadows: SampledShadows,
+}
+
+impl<'a> Methods<'a> {
+    pub(super) fn new(model: &'a MesoModel, layers: &'a FlatBtfDecoder, settings: &ReliefSettings) -> Self {
+        let of = |map: LayerMap| {
+            FlatBtfDecoder::new(FlatBtfParts { layers: map, reflectance: layers.parts().reflectance.clone() })
+        };
+        let highest = highest(&layers.parts().layers);
+        let [zenith_samples, azimuth_samples] = VIEWS;
+        let largest_angle = LARGEST_ANGLE.to_radians();
+        let header = VdimHeader { size: settings.texels, zenith_samples, azimuth_samples, largest_angle };
+        Self {
+            model,
+            layers,
+            normal_map: of(without_relief(&highest)),
+            height_field: of(highest),
+            reflectance: of(plane()),
+            indirections: indirection(model, header, OVERSAMPLING),
+            shadows: SampledShadows::new(model, settings.texels as usize),
+        }
+    }
+
+    /// All methods, then the bounds.
+    pub(super) fn all(&self) -> [Method<'_>; COUNT] {
+        let of_texels = self.layers.parts().reflectance.gpu_bytes();
+        let stored = |name, bytes, fetches, draw| {
+            let stored = Stored { bytes: of_texels + bytes, fetches: fetches + OF_REFLECTANCE };
+            Method { name, stored: Some(stored), draw }
+        };
+        let bound = |name, draw| Method { name, stored: None, draw };
+        // The start of a ray of sight, its steps and refinements; parameters; the start of a ray of light and its steps.
+        let marched = |decoder: &FlatBtfDecoder| {
+            let steps = decoder.steps();
+            1 + steps.sight + steps.refine + 1 + 1 + steps.light
+        };
+        let maps = |decoder: &FlatBtfDecoder| {
+            let map = &decoder.parts().layers;
+            (map.height_bytes().len() + map.displacement_bytes().len()) as u64
+        };
+        let heights = self.normal_map.parts().layers.height_bytes().len() as u64;
+        let samples = 8 * (self.indirections.header.samples() + self.indirections.reference.len() as u64);
+        [
+            // Without relief there are no heights.
+            stored("normal map", maps(&self.normal_map) - heights, 1, decoded(&self.normal_map)),
+            // Reference and four views; three lights.
+            stored("sampled indirections and shadows", samples + self.shadows.bytes(), 5 + 3, self.sampled()),
+            stored("height field", maps(&self.height_field), marched(&self.height_field), decoded(&self.height_field)),
+            stored("layers", maps(self.layers), marched(self.layers), decoded(self.layers)),
+            bound("exact rays, sampled shadows", self.exact(|point, light| self.shadows.at(self.model, point, light))),
+            bound("exact rays", self.exact(|point, light| f32::from(self.model.caster.sees_sky(point, light)))),
+        ]
+    }
+
+    /// Equation 1 of Hadim et al. 2009: indirections of sampled views are blended, and so are shadows of sampled lights.
+    fn sampled(&self) -> Draw<'_> {
+        let size = self.indirections.header.size;
+        self.on_tiles(move |at, level, view, light| {
+            // Within a texel the displacement is constant.
+            let place = at.map(|c| c.rem_euclid(1.0) * size as f32);
+            let texel = place.map(|c| (c as u32).min(size - 1));
+            let [u, v, _] = self.indirections.seen(texel, view);
+            let within = [0, 1].map(|k| (place[k] - texel[k] as f32 - 0.5) / size as f32);
+            let parameters = [u + within[0], v + within[1]];
+            self.lit(parameters, level, view, light, self.shadows.blended(parameters, light))
+        })
+    }
+
+    /// Rays against the surface itself; `reaches` is the fraction of the light that reaches a point.
+    fn exact(&'a self, reaches: impl Fn(&SurfacePoint, Vector) -> f32 + Sync + 'a) -> Draw<'a> {
+        self.on_tiles(move |at, level, view, light| {
+            if light[2] <= 0.0 {
+                return [0.0; 3];
+            }
+            let seen = self.model.seen(at.map(f64::from), view);
+            let lit = reaches(&self.model.point(&seen.hit), light);
+            self.lit(seen.parameters.map(|c| c as f32), level, view, light, lit)
+        })
+    }
+
+    /// Draws values at positions in tiles and mipmap levels, under views and lights in the local frame.
+    fn on_tiles(&self, value: impl Fn([f32; 2], f32, Vector, Vector) -> [f32; 3] + Sync + 'a) -> Draw<'a> {
+        let texels = self.layers.parts().reflectance.header().size as usize;
+        Box::new(move |scene, frame, repeat| draw_tiles(scene, frame, Tiles { repeat, texels }, &value))
+    }
+
+    fn lit(&self, parameters: [f32; 2], level: f32, view: Vector, light: Vector, lit: f32) -> [f32; 3] {
+        self.reflectance.shaded(None, parameters, level, single(view), single(light)).map(|channel| lit * channel)
+    }
+}
+
+/// Draws a flat BTF as it is drawn for users.
+fn decoded(decoder: &FlatBtfDecoder) -> Draw<'_> {
+    Box::new(|scene, frame, repeat| {
+        let material = FlatMaterial::new(decoder.clone(), repeat).expect("a flat BTF without components");
+        draw_on_cpu(scene, frame, &material)
+    })
+}
+
+fn single(v: Vector) -> [f32; 3] {
+    v.map(|c| c as f32)
+}
+
+/// The highest sheet of each texel: what relief mapping has.
+fn highest(layers: &LayerMap) -> LayerMap {
+    let header = *layers.header();
+    let channels = header.height_format().texel_bytes();
+    let displacements = displacements(layers);
+    let (mut heights, mut moved) = (Vec::new(), Vec::new());
+    let (mut texels, mut pairs) = (layers.height_bytes().chunks_exact(channels), &displacements[..]);
+    for level in 0..header.levels {
+        let count = ((header.size >> level).max(1) as usize).pow(2);
+        for (at, texel) in texels.by_ref().take(count).enumerate() {
+            // Where an overhanging part is absent, its upper side is below its underside.
+            let sheet = match texel {
+                [base, top, underside, _] if top > underside && top > base => 1,
+                _ => 0,
+            };
+            heights.push(texel[sheet]);
+            moved.push(pairs[sheet * count + at]);
+        }
+        pairs = &pairs[count * header.sheets as usize..];
+    }
+    LayerMap::new(LayerHeader { sheets: 1, ..header }, heights, moved).expect("texels of a map of layers")
+}
+
+/// The same parameters on a plane that casts no shadows.
+fn without_relief(field: &LayerMap) -> LayerMap {
+    let header = LayerHeader { heights: FLAT, casts_shadows: false, ..*field.header() };
+    LayerMap::new(header, vec![127; field.height_bytes().len()], displacements(field))
+        .expect("texels of a height field")
+}
+
+fn displacements(map: &LayerMap) -> Vec<[f32; 2]> {
+    let numbers = map.displacement_bytes();
+    let pairs = numbers.as_chunks::<2>().0.as_chunks::<2>().0;
+    pairs.iter().map(|pair| pair.map(|bytes| half::decode(u16::from_le_bytes(bytes)))).collect()
+}
+
+/// A plane whose parameters are its positions.
+fn plane() -> LayerMap {
+    let header = LayerHeader { size: 1, sheets: 1, levels: 1, heights: FLAT, casts_shadows: false };
+    LayerMap::new(header, vec![127], vec![[0.0; 2]]).expect("a texel")
+}

@@ -1,0 +1,175 @@
+//! Renderings of the surface, and of the methods next to it.
+
+use super::methods::Method;
+use super::rows::{AngleRow, MethodRow, ObjectRow, RenderingRow};
+use brdfc_flat_btf::model::MesoModel;
+use brdfc_flat_btf::surface::Appearance;
+use brdfc_metrics::image::{LinearImage, auto_exposure, compare_images, delta_e_map, luminance};
+use brdfc_render::flat::reference;
+use brdfc_render::scene::{Camera, Frame, Scene};
+use brdfc_render::scenes::Builtin;
+use std::time::Instant;
+
+/// Polar angles of views, degrees.
+const POLAR_ANGLES: [f64; 6] = [0.0, 15.0, 30.0, 45.0, 60.0, 75.0];
+/// Azimuths of views, degrees. Not those of sampled directions.
+const AZIMUTHS: [f64; 3] = [34.0, 155.0, 275.0];
+/// Polar angle of the views in motion, and by how much they turn, degrees.
+const MOTION: [f64; 2] = [45.0, 0.5];
+/// Change of ΔE that is seen as a jump.
+const JUMP: f32 = 5.0;
+/// Vertical angle of view and distance of the camera for these views: 4 x 4 tiles of the plane are 2 x 2 units.
+const FIELD_OF_VIEW: f64 = 20.0;
+const DISTANCE: f64 = 3.0;
+/// Curved objects.
+const OBJECTS: [Builtin; 3] = [Builtin::Vase, Builtin::Bottle, Builtin::Teapot];
+
+/// A view of the surface.
+struct Rendering {
+    scene: Scene,
+    frame: Frame,
+    repeat: u32,
+    surface: LinearImage,
+    exposure: f64,
+}
+
+/// Views of the surface.
+pub(super) struct Renderings {
+    plane: Rendering,
+    /// For each polar angle, one of each azimuth.
+    angles: Vec<Vec<Rendering>>,
+    /// Pairs of views before and after a turn.
+    motion: Vec<[Rendering; 2]>,
+    far: Rendering,
+    objects: Vec<(&'static str, Rendering)>,
+}
+
+impl Renderings {
+    /// Number of calls of `done` by [`Self::new`].
+    pub(super) const COUNT: usize = 2 + POLAR_ANGLES.len() + AZIMUTHS.len() + OBJECTS.len();
+
+    /// Draws the surface. Calls `done` after each view or group of views.
+    pub(super) fn new(model: &MesoModel, appearance: &Appearance, pixels: usize, done: &dyn Fn()) -> Self {
+        let frame = |share: f64, samples| {
+            let width = ((pixels as f64 * share) as usize).max(16);
+            Frame { width, height: width * 3 / 4, samples }
+        };
+        let whole = Builtin::Plane.scene();
+        let of_plane = |scene: Scene, frame: Frame, repeat, truth: usize| {
+            let surface = reference(&scene, Frame { samples: truth, ..frame }, model, appearance, repeat);
+            Rendering::new(scene, frame, repeat, surface)
+        };
+        let turned = |polar: f64, azimuth: f64| {
+            let scene = Scene { camera: camera(polar, azimuth), ..whole.clone() };
+            of_plane(scene, frame(0.4, 2), Builtin::Plane.tiles(), 2)
+        };
+        let counted = |made| {
+            done();
+            made
+        };
+        let plane = counted(of_plane(whole.clone(), frame(1.0, 2), Builtin::Plane.tiles(), 2));
+        let at = |polar: &f64| AZIMUTHS.map(|azimuth| turned(*polar, azimuth)).into();
+        let angles = POLAR_ANGLES
+            .iter()
+            .map(|polar| {
+                let made = at(polar);
+                done();
+                made
+            })
+            .collect();
+        let [polar, turn] = MOTION;
+        let moving = |azimuth| [0.0, turn].map(|by| turned(polar, azimuth + by));
+        let motion = AZIMUTHS
+            .iter()
+            .map(|azimuth| {
+                let made = moving(*azimuth);
+                done();
+                made
+            })
+            .collect();
+        let far = counted(of_plane(whole, frame(1.0, 2), 16, 8));
+        let object = |builtin: Builtin| {
+            let (scene, frame) = (builtin.scene(), frame(0.5, 2));
+            let surface = reference(&scene, frame, model, appearance, builtin.tiles());
+            done();
+            (builtin.name(), Rendering::new(scene, frame, builtin.tiles(), surface))
+        };
+        Self { plane, angles, motion, far, objects: OBJECTS.map(object).into() }
+    }
+
+    /// Errors of a method.
+    pub(super) fn row(&self, method: &Method<'_>) -> MethodRow {
+        let started = Instant::now();
+        let plane = self.plane.drawn(method);
+        let samples = self.plane.frame.width * self.plane.frame.height * self.plane.frame.samples_per_pixel();
+        let nanoseconds = started.elapsed().as_nanos() as f64 * rayon::current_num_threads() as f64 / samples as f64;
+        let mean = |renderings: &Vec<Rendering>| {
+            renderings.iter().map(|rendering| rendering.row(&rendering.drawn(method)).delta_e).sum::<f64>()
+                / renderings.len() as f64
+        };
+        let angles = POLAR_ANGLES.iter().zip(&self.angles);
+        MethodRow {
+            method: method.name,
+            bytes: method.stored.map(|stored| stored.bytes),
+            fetches: method.stored.map(|stored| stored.fetches),
+            plane: self.plane.row(&plane),
+            nanoseconds: method.stored.map(|_| nanoseconds),
+            angles: angles
+                .map(|(polar, renderings)| AngleRow { polar_angle: *polar, delta_e: mean(renderings) })
+                .collect(),
+            jumps: self.jumps(method),
+            far: self.far.row(&self.far.drawn(method)),
+            objects: self
+                .objects
+                .iter()
+                .map(|(scene, rendering)| ObjectRow { scene, rendering: rendering.row(&rendering.drawn(method)) })
+                .collect(),
+        }
+    }
+
+    fn jumps(&self, method: &Method<'_>) -> f64 {
+        let (mut jumps, mut count) = (0, 0);
+        for pair in &self.motion {
+            let [before, after] = pair
+                .each_ref()
+                .map(|rendering| delta_e_map(&rendering.drawn(method), &rendering.surface, pair[0].exposure));
+            jumps += before.iter().zip(&after).filter(|(a, b)| (*a - *b).abs() > JUMP).count();
+            count += before.len();
+        }
+        jumps as f64 / count as f64
+    }
+}
+
+impl Rendering {
+    fn new(scene: Scene, frame: Frame, repeat: u32, surface: LinearImage) -> Self {
+        let exposure = auto_exposure(&surface);
+        Self { scene, frame, repeat, surface, exposure }
+    }
+
+    fn drawn(&self, method: &Method<'_>) -> LinearImage {
+        (method.draw)(&self.scene, self.frame, self.repeat)
+    }
+
+    fn row(&self, image: &LinearImage) -> RenderingRow {
+        let difference = compare_images(image, &self.surface, self.exposure);
+        let sum = |image: &LinearImage| image.pixels.iter().map(|pixel| luminance(*pixel)).sum::<f64>();
+        RenderingRow {
+            delta_e: difference.delta_e.mean,
+            p95: difference.delta_e.p95,
+            psnr: difference.psnr,
+            brightness: sum(image) / sum(&self.surface),
+        }
+    }
+}
+
+/// A camera that looks at the middle of the plane, from angles in degrees.
+fn camera(polar: f64, azimuth: f64) -> Camera {
+    let (polar, azimuth) = (polar.to_radians(), azimuth.to_radians());
+    let (x, z) = (azimuth.cos(), azimuth.sin());
+    Camera {
+        eye: [polar.sin() * x, polar.cos(), polar.sin() * z].map(|c| DISTANCE * c),
+        target: [0.0; 3],
+        up: [-polar.cos() * x, polar.sin(), -polar.cos() * z],
+        field_of_view: FIELD_OF_VIEW,
+    }
+}
