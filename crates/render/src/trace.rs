@@ -57,7 +57,7 @@ impl Caster {
     }
 
     /// The nearest hit of a ray.
-    fn nearest(&self, origin: Vector, direction: Vector) -> Option<Hit> {
+    pub(crate) fn nearest(&self, origin: Vector, direction: Vector) -> Option<Hit> {
         let mut nearest: Option<(f64, Hit)> = None;
         self.visit(origin, direction, |distance, hit| {
             if nearest.is_none_or(|(found, _)| distance < found) {

@@ -69,8 +69,8 @@ impl FlatBtfDecoder {
         self.parts.layers.parameters(point.at, point.sheet, level_of_detail + self.finer()).map(wrap)
     }
 
-    /// The point of the relief that a view sees behind a point of a surface: `flat_btf_look` of the shader. `uv` is in tiles and unbounded,
-    /// `view` a unit vector in the local frame of the point.
+    /// The point of the relief that a view sees behind a point of a surface: `flat_btf_look` of the shader. `uv` is in
+    /// tiles and unbounded, `view` a unit vector in the local frame of the point.
     pub fn look(&self, uv: [f32; 2], level_of_detail: f32, view: [f32; 3], surface: MacroSurface) -> FlatBtfLook<'_> {
         let FlatBtfParts { layers, reflectance } = &self.parts;
         let detail = level_of_detail + self.finer();

@@ -77,7 +77,7 @@ impl<'a> Methods<'a> {
     }
 
     /// All methods, then the bounds.
-    pub(super) fn all(&self) -> [Method<'_>; COUNT] {
+    pub(super) fn all(&'a self) -> [Method<'a>; COUNT] {
         let of_texels = self.layers.parts().reflectance.gpu_bytes();
         let stored = |name, bytes, fetches, draw| {
             let stored = Stored { bytes: of_texels + bytes, fetches: fetches + OF_REFLECTANCE };
@@ -108,35 +108,42 @@ impl<'a> Methods<'a> {
     }
 
     /// Equation 1 of Hadim et al. 2009: indirections of sampled views are blended, and so are shadows of sampled lights.
-    fn sampled(&self) -> Draw<'_> {
+    fn sampled(&'a self) -> Draw<'a> {
         let size = self.indirections.header.size;
-        self.on_tiles(move |at, level, view, light| {
+        self.on_tiles(move |at, level, view| {
             // Within a texel the displacement is constant.
             let place = at.map(|c| c.rem_euclid(1.0) * size as f32);
             let texel = place.map(|c| (c as u32).min(size - 1));
-            let [u, v, _] = self.indirections.seen(texel, view);
+            let [u, v, height] = self.indirections.seen(texel, view);
             let within = [0, 1].map(|k| (place[k] - texel[k] as f32 - 0.5) / size as f32);
             let parameters = [u + within[0], v + within[1]];
-            self.lit(parameters, level, view, light, self.shadows.blended(parameters, light))
+            let shade = move |light| self.lit(parameters, level, view, light, self.shadows.blended(parameters, light));
+            // Along the line of sight.
+            (view.map(|c| f64::from(height) / view[2] * c), shade)
         })
     }
 
     /// Rays against the surface itself; `reaches` is the fraction of the light that reaches a point.
-    fn exact(&'a self, reaches: impl Fn(&SurfacePoint, Vector) -> f32 + Sync + 'a) -> Draw<'a> {
-        self.on_tiles(move |at, level, view, light| {
-            if light[2] <= 0.0 {
-                return [0.0; 3];
-            }
+    fn exact(&'a self, reaches: impl Fn(&SurfacePoint, Vector) -> f32 + Sync + Copy + 'a) -> Draw<'a> {
+        self.on_tiles(move |at, level, view| {
             let seen = self.model.seen(at.map(f64::from), view);
-            let lit = reaches(&self.model.point(&seen.hit), light);
-            self.lit(seen.parameters.map(|c| c as f32), level, view, light, lit)
+            let point = self.model.point(&seen.hit);
+            let parameters = seen.parameters.map(|c| c as f32);
+            let shade = move |light: Vector| {
+                let lit = if light[2] > 0.0 { reaches(&point, light) } else { 0.0 };
+                self.lit(parameters, level, view, light, lit)
+            };
+            (view.map(|c| point.position[2] / view[2] * c), shade)
         })
     }
 
-    /// Draws values at positions in tiles and mipmap levels, under views and lights in the local frame.
-    fn on_tiles(&self, value: impl Fn([f32; 2], f32, Vector, Vector) -> [f32; 3] + Sync + 'a) -> Draw<'a> {
+    /// Draws by [`draw_tiles`].
+    fn on_tiles<Shade: Fn(Vector) -> [f32; 3] + 'a>(
+        &self,
+        look: impl Fn([f32; 2], f32, Vector) -> (Vector, Shade) + Sync + 'a,
+    ) -> Draw<'a> {
         let texels = self.layers.parts().reflectance.header().size as usize;
-        Box::new(move |scene, frame, repeat| draw_tiles(scene, frame, Tiles { repeat, texels }, &value))
+        Box::new(move |scene, frame, repeat| draw_tiles(scene, frame, Tiles { repeat, texels }, &look))
     }
 
     fn lit(&self, parameters: [f32; 2], level: f32, view: Vector, light: Vector, lit: f32) -> [f32; 3] {

@@ -63,35 +63,16 @@ impl Renderings {
             let scene = Scene { camera: camera(polar, azimuth), ..whole.clone() };
             of_plane(scene, frame(0.4, 2), Builtin::Plane.tiles(), 2)
         };
-        let counted = |made| {
-            done();
-            made
-        };
-        let plane = counted(of_plane(whole.clone(), frame(1.0, 2), Builtin::Plane.tiles(), 2));
-        let at = |polar: &f64| AZIMUTHS.map(|azimuth| turned(*polar, azimuth)).into();
-        let angles = POLAR_ANGLES
-            .iter()
-            .map(|polar| {
-                let made = at(polar);
-                done();
-                made
-            })
-            .collect();
+        let plane = counted(of_plane(whole.clone(), frame(1.0, 2), Builtin::Plane.tiles(), 2), done);
+        let at = |polar: &f64| counted(AZIMUTHS.map(|azimuth| turned(*polar, azimuth)).into(), done);
+        let angles = POLAR_ANGLES.iter().map(at).collect();
         let [polar, turn] = MOTION;
-        let moving = |azimuth| [0.0, turn].map(|by| turned(polar, azimuth + by));
-        let motion = AZIMUTHS
-            .iter()
-            .map(|azimuth| {
-                let made = moving(*azimuth);
-                done();
-                made
-            })
-            .collect();
-        let far = counted(of_plane(whole, frame(1.0, 2), 16, 8));
+        let moving = |azimuth: &f64| counted([0.0, turn].map(|by| turned(polar, azimuth + by)), done);
+        let motion = AZIMUTHS.iter().map(moving).collect();
+        let far = counted(of_plane(whole, frame(1.0, 2), 16, 8), done);
         let object = |builtin: Builtin| {
             let (scene, frame) = (builtin.scene(), frame(0.5, 2));
-            let surface = reference(&scene, frame, model, appearance, builtin.tiles());
-            done();
+            let surface = counted(reference(&scene, frame, model, appearance, builtin.tiles()), done);
             (builtin.name(), Rendering::new(scene, frame, builtin.tiles(), surface))
         };
         Self { plane, angles, motion, far, objects: OBJECTS.map(object).into() }
@@ -160,6 +141,11 @@ impl Rendering {
             brightness: sum(image) / sum(&self.surface),
         }
     }
+}
+
+fn counted<T>(made: T, done: &dyn Fn()) -> T {
+    done();
+    made
 }
 
 /// A camera that looks at the middle of the plane, from angles in degrees.

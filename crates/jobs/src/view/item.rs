@@ -103,9 +103,7 @@ impl ViewItem {
             _ => 1,
         }
     }
-}
 
-impl ViewItem {
     /// The mesh of a scene that its relief covers; `None` if it is drawn on the mesh of the scene.
     pub(super) fn relief(&self, scene: ItemScene) -> Option<PackedMesh> {
         match (&self.drawn, scene) {

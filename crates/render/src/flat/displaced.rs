@@ -6,7 +6,7 @@ use crate::footprint::from_behind;
 use crate::sample_means::sample_means;
 use crate::scene::{Frame, Scene};
 use crate::shading_point::ShadingPoint;
-use crate::trace::trace;
+use crate::trace::Caster;
 use crate::vector::add_scaled;
 use brdfc_flat_btf::model::MesoModel;
 use brdfc_flat_btf::surface::{Appearance, SurfacePoint};
@@ -30,7 +30,7 @@ pub(super) fn reference_object(
     repeat: u32,
 ) -> LinearImage {
     let shells: Vec<Shell> = scene.parts.iter().map(|part| Shell::new(&part.mesh, &model.caster, repeat)).collect();
-    let behind = trace(scene, frame).0;
+    let surfaces = Caster::new(scene);
     let eye = scene.camera.eye;
     sample_means(scene, frame, |pixel, sample| {
         let [x, y] = frame.sample_position(pixel, sample);
@@ -44,7 +44,7 @@ pub(super) fn reference_object(
                 return Some(point.radiance(scene, shell, appearance, view));
             }
         }
-        let hit = behind[pixel * frame.samples_per_pixel() + sample].as_ref()?;
+        let hit = &surfaces.nearest(eye, ray)?;
         let part = &scene.parts[hit.part as usize];
         if !from_behind(&part.mesh, hit.triangle, view) {
             // Between the outlines of the relief and of the surface below it.

@@ -57,36 +57,49 @@ pub fn draw_on_cpu(scene: &Scene, frame: Frame, material: &FlatMaterial) -> Line
             }
             let steps = footprint(&covered, frame, hit, position);
             let level = sample_level(steps, material.repeat(), texels, frame.samples);
-            let at = point.uv.map(|c| c as f32 * material.repeat() as f32);
-            let look = material.decoder().look(at, level, point.outgoing.map(|c| c as f32), surface.flat_btf);
+            let (at, view) = (on_tiles(&point, material.repeat()), point.outgoing.map(|c| c as f32));
+            let look = material.decoder().look(at, level, view, surface.flat_btf);
             if look.passes() {
                 return None;
             }
-            let offset = point.world(look.offset().map(|c| f64::from(c) * surface.side));
-            Some(reflected(&covered, add_scaled(point.position, 1.0, offset), |light| {
+            let shown = moved(&point, look.offset().map(f64::from), surface.side);
+            Some(reflected(&covered, shown, |light| {
                 look.shaded(material.directions(), point.local(light).map(|c| c as f32))
             }))
         })
     })
 }
 
-/// Draws a scene whose parts are all covered by the same tiles. `value` is the radiance relative to a white diffuser
-/// that faces the light, at a position in tiles and a mipmap level, under a view and a light in the local frame.
-pub fn draw_tiles(
+/// Draws a scene whose parts are all covered by the same tiles. For a position in tiles, a mipmap level and a view in the
+/// local frame, `look` returns the offset of what is shown there, in tiles and in that frame, and its radiance under a light
+/// relative to a white diffuser that faces the light.
+pub fn draw_tiles<Shade: Fn(Vector) -> [f32; 3]>(
     scene: &Scene,
     frame: Frame,
     tiles: Tiles,
-    value: impl Fn([f32; 2], f32, Vector, Vector) -> [f32; 3] + Sync,
+    look: impl Fn([f32; 2], f32, Vector) -> (Vector, Shade) + Sync,
 ) -> LinearImage {
     let hits = trace(scene, frame).0;
     sample_means(scene, frame, |pixel, sample| {
         let hit = hits[pixel * frame.samples_per_pixel() + sample].as_ref()?;
+        let mesh = &scene.parts[hit.part as usize].mesh;
         let point = ShadingPoint::without_bump(&scene.parts[hit.part as usize], hit, scene.camera.eye);
         let steps = footprint(scene, frame, hit, frame.sample_position(pixel, sample));
         let level = sample_level(steps, tiles.repeat, tiles.texels, frame.samples);
-        let at = point.uv.map(|c| c as f32 * tiles.repeat as f32);
-        Some(reflected(scene, point.position, |light| value(at, level, point.outgoing, point.local(light))))
+        let (offset, shade) = look(on_tiles(&point, tiles.repeat), level, point.outgoing);
+        let side = CoveredSurface::new(mesh, hit, &point, tiles.repeat).side;
+        Some(reflected(scene, moved(&point, offset, side), |light| shade(point.local(light))))
     })
+}
+
+/// Position of a point in tiles, as the shader computes it.
+fn on_tiles(point: &ShadingPoint, repeat: u32) -> [f32; 2] {
+    point.uv.map(|c| c as f32 * repeat as f32)
+}
+
+/// Position in world space at an offset in the local frame of a point, in tiles of this side.
+fn moved(point: &ShadingPoint, offset: Vector, side: f64) -> Vector {
+    add_scaled(point.position, side, point.world(offset))
 }
 
 /// Radiance towards the viewer of a position. `value` is relative radiance under a light in a direction of world space.

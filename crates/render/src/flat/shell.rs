@@ -75,8 +75,7 @@ impl<'a> Shell<'a> {
             if tiles_of(mesh, triangle, f64::from(repeat)) == 0.0 {
                 continue;
             }
-            // In the order of vertices, so that neighbours divide their common side alike; at a seam of uv both sides have
-            // vertices of their own, in the same order in our scenes.
+            // In the order of vertices, so that neighbours divide their common side alike.
             let mut order = [0, 1, 2];
             order.sort_by_key(|corner| triangle[*corner]);
             let [a, b, c] = order;

@@ -98,6 +98,18 @@ pub struct Arguments {
 const ADAPTIVE: &[Study] = &[Study::Adaptive, Study::PixelBandwidth, Study::BandwidthDirections, Study::Antialiasing];
 
 impl Arguments {
+    /// Texels per side of studies that require a power of two.
+    ///
+    /// # Errors
+    /// Returns an error unless it is one from 8 to `most`.
+    pub(super) fn power_of_two_texels(&self, default: usize, most: usize) -> Result<usize, Error> {
+        let texels = self.texels.unwrap_or(default);
+        if !(8..=most).contains(&texels) || !texels.is_power_of_two() {
+            return Err(Error::usage(format!("--texels: found {texels}, expected a power of two from 8 to {most}")));
+        }
+        Ok(texels)
+    }
+
     /// Returns an error if a flag has no effect on the study.
     pub(super) fn check(&self) -> Result<(), Error> {
         let options = [("--directions", self.directions.as_ref()), ("--environment", self.environment.as_ref())];

@@ -17,10 +17,7 @@ const TEXELS: usize = 32;
 const MAX_TEXELS: usize = 256;
 
 pub(super) fn run(arguments: &Arguments, common: Common) -> Result<StudyResult, Error> {
-    let texels = arguments.texels.unwrap_or(TEXELS);
-    if !(8..=MAX_TEXELS).contains(&texels) || !texels.is_power_of_two() {
-        return Err(Error::usage(format!("--texels: found {texels}, expected a power of two from 8 to {MAX_TEXELS}")));
-    }
+    let texels = arguments.power_of_two_texels(TEXELS, MAX_TEXELS)?;
     let set = direction_set("directions", arguments.directions.as_ref().unwrap_or(&default_set()))?;
     let held_out = held_out(set.len()).map_err(|error| Error::usage(format!("--directions: {error}")))?;
     let settings = BtfSettings { texels, directions: set.name.clone(), count: set.len(), held_out };

@@ -15,10 +15,7 @@ const MAX_TEXELS: usize = 512;
 const PIXELS: usize = 640;
 
 pub(super) fn run(arguments: &Arguments, common: Common) -> Result<StudyResult, Error> {
-    let texels = arguments.texels.unwrap_or(TEXELS);
-    if !(8..=MAX_TEXELS).contains(&texels) || !texels.is_power_of_two() {
-        return Err(Error::usage(format!("--texels: found {texels}, expected a power of two from 8 to {MAX_TEXELS}")));
-    }
+    let texels = arguments.power_of_two_texels(TEXELS, MAX_TEXELS)?;
     let pixels = arguments.pixels.unwrap_or(PIXELS);
     if !(64..=2048).contains(&pixels) {
         return Err(Error::usage(format!("--pixels: found {pixels}, expected 64 to 2048")));

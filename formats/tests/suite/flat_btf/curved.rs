@@ -1,0 +1,117 @@
+//! Reliefs on curved surfaces.
+
+use super::{FINE, FROM_RIGHT, HIGH, LOW, UP, along, apart, unit};
+use brdfc_formats::flat_btf::{FlatBtfDecoder, FlatBtfParts, MacroSurface, MarchSteps};
+use brdfc_testing::codecs::flat_btf::{SMALL, parts};
+
+/// Over a cylinder around the y axis a ray is straight in space. The control: over a plane it ends elsewhere.
+#[test]
+fn rays_over_a_cylinder_end_where_straight_ones_do() {
+    let mut controls = 0;
+    for (radius, byte) in [(16.0f32, 0u8), (16.0, 128), (8.0, 230), (-16.0, 100)] {
+        let relief = along(8, 1, |_| [byte, 0, 0]);
+        let height = f32::from(byte) / 255.0 - 0.5;
+        let views = [(0.0f32, 0.0f32), (0.4, 0.0), (0.8, 0.8), (-1.0, 0.0), (0.9, 1.2), (1.0, 2.5)];
+        for ((polar, azimuth), drawn) in views.into_iter().flat_map(|view| [(view, 0.0f32), (view, 0.5), (view, -0.5)])
+        {
+            let surface = MacroSurface { curvature: [1.0 / radius, 0.0, 0.0], height: drawn };
+            let [x, y, z] = [polar.sin() * azimuth.cos(), polar.sin() * azimuth.sin(), polar.cos()];
+            let seen = |surface| {
+                let steps = MarchSteps { sight: 200, refine: 8, light: 1 };
+                relief.seen([0.25, 0.5], [x, y, z], surface, 0.0, steps)
+            };
+            let found = seen(surface);
+            // The ray starts at the distance R + drawn from the axis and ends at R + height.
+            let (from, to) = (radius + drawn, radius + height);
+            let across = x * x + z * z;
+            let root = (from * from * z * z - across * (from * from - to * to)).sqrt() * radius.signum();
+            let length = (from * z - root) / across;
+            let expected = [0.25 + radius * (-length * x / (from - length * z)).atan(), 0.5 - length * y];
+            let error = apart(found.at, expected);
+            assert!(error < 0.02, "{radius} {byte} {polar} {azimuth} {drawn}: {error}");
+            assert!((found.height - f32::from(byte) / 255.0).abs() < 1e-3, "{found:?}");
+            // Along the line of sight.
+            assert!((found.rise + length * z).abs() < 0.02, "{found:?} {length}");
+            let on_a_plane = apart(seen(MacroSurface { height: drawn, ..MacroSurface::PLANE }).at, expected);
+            controls += usize::from(on_a_plane > 2.0 * error && on_a_plane > 0.02);
+        }
+    }
+    assert!(controls > 15, "{controls}");
+}
+
+/// Over a concave surface a ray may start and end below the highest point of the relief.
+#[test]
+fn steep_rays_over_concave_surfaces_stay_on_their_line() {
+    for byte in [60u8, 128, 200] {
+        let relief = along(8, 1, |_| [byte, 0, 0]);
+        for polar in [1.3f32, 1.4, 1.5] {
+            let surface = MacroSurface { curvature: [-0.25, 0.0, 0.0], height: f32::from(byte) / 255.0 - 0.5 };
+            let view = [polar.sin(), 0.0, polar.cos()];
+            let found = relief.seen([0.25, 0.5], view, surface, 0.0, FINE);
+            // It is drawn where it is seen.
+            assert!(apart(found.at, [0.25, 0.5]) < 0.02 && found.rise.abs() < 0.02, "{byte} {polar}: {found:?}");
+            assert_eq!(relief.lit(&found, UP, view, surface, 0.0, FINE), 1.0, "{byte} {polar}");
+        }
+    }
+}
+
+/// Rays pass a convex surface at its outline, and reach a concave one.
+#[test]
+fn rays_pass_at_outlines() {
+    let relief = along(8, 1, |_| [LOW, 0, 0]);
+    let seen = |radius: f32, polar: f32| {
+        let surface = MacroSurface { curvature: [1.0 / radius, 0.0, 0.0], height: 0.5 };
+        relief.seen([0.0; 2], [polar.sin(), 0.0, polar.cos()], surface, 0.0, FINE)
+    };
+    for radius in [20.0f32, 40.0] {
+        // The ray that touches the height of the relief, -0.3: R - 0.3 = (R + 0.5) sin θ.
+        let polar = ((radius - 0.3) / (radius + 0.5)).asin();
+        let [outside, inside] = [polar + 0.05, polar - 0.05];
+        assert!(seen(radius, outside).height < 0.0 && seen(radius, inside).height >= 0.0, "{radius}");
+        assert!(seen(-radius, outside).height >= 0.0 && seen(1e9, outside).height >= 0.0, "{radius}");
+    }
+}
+
+/// Light just above the horizon of a convex surface reaches it sooner, over a concave one later.
+#[test]
+fn curvature_moves_shadows() {
+    // Walls half a tile apart.
+    let walls = along(32, 1, |column| [if column % 16 == 0 { HIGH } else { 128 }, 0, 0]);
+    let reached = |curvature: f32| {
+        let surface = MacroSurface { curvature: [curvature, 0.0, 0.0], height: 0.0 };
+        let lit = |k: u32| {
+            let x = 0.06 + k as f32 / 256.0;
+            let point = walls.seen([x, 0.5], UP, MacroSurface::PLANE, 0.0, FINE);
+            walls.lit(&point, UP, unit([-1.5, 0.0, 1.0]), surface, 0.0, FINE)
+        };
+        (0..100).map(lit).sum::<f32>()
+    };
+    let [convex, plane, concave] = [0.8, 0.0, -0.8].map(reached);
+    assert!(convex > plane + 4.0 && plane > concave + 4.0, "{convex} {plane} {concave}");
+}
+
+/// On a plane a look is the value; over a curved surface view and light are those of the point that is seen.
+#[test]
+fn looks_turn_with_the_surface() {
+    let layers = along(8, 1, |_| [HIGH, 0, 0]);
+    let decoder = FlatBtfDecoder::new(FlatBtfParts { layers, ..parts(SMALL, 1) });
+    let [uv, light] = [[0.3, 0.6], [0.2, 0.5]];
+    let light = unit([light[0], light[1], 0.8]);
+    let plane = decoder.look(uv, 0.0, FROM_RIGHT, MacroSurface::PLANE);
+    assert_eq!(plane.shaded(None, light), decoder.shaded(None, uv, 0.0, FROM_RIGHT, light));
+    // Three tenths of a tile above the plane, seen at 45 degrees.
+    let offset = plane.offset();
+    assert!((offset[0] - 0.3).abs() < 1e-4 && offset[1] == 0.0 && (offset[2] - 0.3).abs() < 1e-4, "{offset:?}");
+    let convex = MacroSurface { curvature: [0.2, 0.0, 0.0], height: 0.0 };
+    let curved = decoder.look(uv, 0.0, FROM_RIGHT, convex);
+    assert!(!curved.passes() && (0.1..0.3).contains(&curved.offset()[0]), "{:?}", curved.offset());
+    // There the normal leans to the right by about 0.2 x 0.28: light from the right rises above its horizon, light from
+    // the left goes below.
+    let lit = |surface, light: [f32; 3]| {
+        let at = |k: u32| [k as f32 / 40.0, (7 * k) as f32 / 40.0];
+        (0..40).filter(|k| decoder.look(at(*k), 0.0, FROM_RIGHT, surface).shaded(None, unit(light)) != [0.0; 3]).count()
+    };
+    let [below_right, above_left] = [[1.0, 0.0, -0.03], [-1.0, 0.0, 0.03]];
+    assert!(lit(convex, below_right) > 0 && lit(MacroSurface::PLANE, below_right) == 0);
+    assert!(lit(convex, above_left) == 0 && lit(MacroSurface::PLANE, above_left) > 0);
+}
