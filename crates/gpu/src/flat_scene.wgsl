@@ -15,7 +15,7 @@ const PI: f32 = 3.14159274;
 @fragment
 fn shade(in: Varying, @builtin(front_facing) front: bool) -> @location(0) vec4<f32> {
     let of_pixel = factored_mipmap_level(dpdx(in.uv) * f32(material.repeat), dpdy(in.uv) * f32(material.repeat));
-    let level = max(of_pixel - material.finer, 0.0);
+    let level = of_pixel - material.finer;
     let v = normalize(view.eye.xyz - in.position);
     let n = select(-1.0, 1.0, front) * normalize(in.normal);
     let frame = turned_frame(n, in.tangent, v);

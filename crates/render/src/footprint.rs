@@ -53,7 +53,7 @@ pub(crate) fn sample_level([right, below]: [[f64; 2]; 2], repeat: u32, size: usi
     let texels = f64::from(repeat) * size as f64;
     let squared = |step: [f64; 2]| (0..2).map(|axis| (step[axis] * texels).powi(2)).sum::<f64>();
     let of_pixel = 0.25 * (squared(right) * squared(below)).max(1e-20).log2();
-    (of_pixel - 1.0 - (samples as f64).log2()).max(0.0) as f32
+    (of_pixel - 1.0 - (samples as f64).log2()) as f32
 }
 
 /// Returns true if a triangle is seen from behind.
@@ -78,7 +78,7 @@ mod tests {
         // Eight texels across and two down: between them, four, and half of that; of a sample of four, half as many
         // per side.
         let [right, below] = [[8.0 / 40.0, 0.0], [0.0, 2.0 / 40.0]];
-        assert_eq!([1, 2, 8].map(|samples| sample_level([right, below], 1, 40, samples)), [1.0, 0.0, 0.0]);
+        assert_eq!([1, 2, 8].map(|samples| sample_level([right, below], 1, 40, samples)), [1.0, 0.0, -2.0]);
         assert_eq!(sample_level([right, below], 2, 40, 1), 2.0);
         assert_eq!(sample_level([[f64::INFINITY, 0.0], below], 1, 40, 1), f32::INFINITY);
     }

@@ -15,8 +15,8 @@
 // uv is in tiles and unbounded. view (to the viewer) and light (to the light) are unit vectors in the frame x =
 // tangent, y = bitangent, z = normal. detail is the mipmap level of the layers, 0 the finest.
 //
-// With the sampler a ray of sight takes at most sight_steps + 1 + refine_steps fetches, a ray of light light_steps + 1.
-// Rays take fewer steps where they cross fewer texels. Manual filtering takes 4 or 8 fetches instead of one.
+// With the sampler a ray of sight takes its steps + 1 + refine_steps fetches, a ray of light its steps + 1. Rays take fewer
+// steps where they cross fewer texels. Manual filtering takes 4 or 8 fetches instead of one.
 
 // Same fields and order as `FlatBtfParameters` of `brdfc-formats`. 48 bytes.
 struct FlatBtfParameters {
@@ -25,7 +25,7 @@ struct FlatBtfParameters {
     levels: u32,        // mipmap levels of the layers
     sight_steps: u32,   // maximum steps of a ray of sight: an application may change the three numbers of steps
     refine_steps: u32,
-    light_steps: u32,   // maximum steps of a ray of light
+    both_steps: u32,    // maximum steps of a ray of sight and a ray of light together
     casts_shadows: u32, // 0: the values contain shadows
     low: f32,           // lowest height, in tiles
     range: f32,         // highest less lowest height
@@ -37,7 +37,8 @@ struct FlatBtfParameters {
 @group(1) @binding(15) var<uniform> flat_btf_parameters: FlatBtfParameters;
 // Heights of the sheets, 0 to 1: base, top, underside. With mipmaps.
 @group(1) @binding(16) var flat_btf_heights: texture_2d<f32>;
-// A layer per sheet: parameters less the position of the texel, in tiles. With mipmaps.
+// A layer per sheet: parameters less the position of the texel, in tiles. With mipmaps; level k has as many texels as
+// level k + 1 of the heights.
 @group(1) @binding(17) var flat_btf_displacements: texture_2d_array<f32>;
 // Linear filter within and between mipmap levels; repeat.
 @group(1) @binding(18) var flat_btf_sampler: sampler;
@@ -64,6 +65,7 @@ struct FlatBtfPoint {
     height: f32,     // 0 to 1; below 0 if the ray passes the relief of a convex surface and leaves it again
     sheet: u32,      // 0 base, 1 top, 2 underside
     rise: f32,       // height above the point that is drawn, in its frame and in tiles
+    steps: u32,      // steps that the ray took
 }
 
 // A ray over a surface, from t = 0 to `last`. Over a plane it is straight.
@@ -101,11 +103,13 @@ fn flat_btf_seen(uv: vec2<f32>, view: vec3<f32>, surface: FlatBtfSurface, detail
     var b = ray.last;
     var below = above;
     var met = FlatBtfCrossing(2.0, 0u);
+    var taken = count;
     for (var k = 1u; k <= count; k += 1u) {
         b = ray.last * (f32(k) / f32(count));
         below = flat_btf_column(flat_btf_at(ray, b), detail);
         met = flat_btf_crossing(flat_btf_height(ray, a), flat_btf_height(ray, b), above, below);
         if met.share <= 1.0 {
+            taken = k;
             break;
         }
         if k < count {
@@ -115,7 +119,7 @@ fn flat_btf_seen(uv: vec2<f32>, view: vec3<f32>, surface: FlatBtfSurface, detail
     }
     if met.share > 1.0 {
         if ray.passes == 1u {
-            return FlatBtfPoint(flat_btf_at(ray, ray.last), -1.0, 0u, 0.0);
+            return FlatBtfPoint(flat_btf_at(ray, ray.last), -1.0, 0u, 0.0, taken);
         }
         // Rounding at the lowest height.
         met = FlatBtfCrossing(1.0, 0u);
@@ -141,7 +145,7 @@ fn flat_btf_seen(uv: vec2<f32>, view: vec3<f32>, surface: FlatBtfSurface, detail
     }
     let share = a + (b - a) * met.share;
     let rise = ray.back - share * flat_btf_parameters.range;
-    return FlatBtfPoint(flat_btf_at(ray, share), flat_btf_height(ray, share), met.sheet, rise);
+    return FlatBtfPoint(flat_btf_at(ray, share), flat_btf_height(ray, share), met.sheet, rise, taken);
 }
 
 // Fraction, 0 or 1, of the light of a distant source that reaches a point of the relief with a unit normal.
@@ -155,7 +159,8 @@ fn flat_btf_lit(
         return 1.0;
     }
     let ray = flat_btf_ray_of_light(start, height, flat_btf_slope(light), surface);
-    let count = flat_btf_steps(ray, detail, flat_btf_parameters.light_steps);
+    let both = flat_btf_parameters.both_steps;
+    let count = flat_btf_steps(ray, detail, both - min(point.steps, both));
     var z = height;
     var column = flat_btf_column(start, detail);
     for (var k = 1u; k <= count; k += 1u) {
@@ -312,7 +317,7 @@ fn flat_btf_column(at: vec2<f32>, detail: f32) -> vec3<f32> {
 
 // Filtered displacement of a sheet.
 fn flat_btf_displacement(at: vec2<f32>, sheet: u32, detail: f32) -> vec2<f32> {
-    let level = flat_btf_level(detail);
+    let level = min(max(detail - 1.0, 0.0), f32(max(flat_btf_parameters.levels, 2u) - 2u));
     if brdfc_frame.sampler_filters == 1u {
         return textureSampleLevel(flat_btf_displacements, flat_btf_sampler, at, sheet, level).xy;
     }
@@ -338,8 +343,8 @@ fn flat_btf_column_of_level(at: vec2<f32>, level: u32) -> vec3<f32> {
 }
 
 fn flat_btf_displacement_of_level(at: vec2<f32>, sheet: u32, level: u32) -> vec2<f32> {
-    let column = flat_btf_periodic_tap(flat_btf_wrap(at.x), flat_btf_side(level));
-    let row = flat_btf_periodic_tap(flat_btf_wrap(at.y), flat_btf_side(level));
+    let column = flat_btf_periodic_tap(flat_btf_wrap(at.x), flat_btf_side(level + 1u));
+    let row = flat_btf_periodic_tap(flat_btf_wrap(at.y), flat_btf_side(level + 1u));
     var moved = vec2<f32>(0.0);
     for (var k = 0u; k < 4u; k += 1u) {
         let texel = vec2<u32>(flat_btf_tap_sample(column, k & 1u), flat_btf_tap_sample(row, k >> 1u));

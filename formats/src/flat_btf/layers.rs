@@ -80,9 +80,15 @@ impl LayerHeader {
         Extent::D2([self.size; 2])
     }
 
-    /// Extent of the displacements, a layer for each sheet.
+    /// Extent of the displacements, a layer for each sheet. They have half as many texels per side, like level 1 of the
+    /// heights: parameters are smoother than outlines.
     pub fn displacement_extent(&self) -> Extent {
-        Extent::D2Array([self.size, self.size, self.sheets])
+        Extent::D2Array([self.side(1), self.side(1), self.sheets])
+    }
+
+    /// Number of mipmap levels of the displacements. Level k has as many texels as level k + 1 of the heights.
+    pub fn displacement_levels(&self) -> u32 {
+        (self.levels - 1).max(1)
     }
 
     /// Checks all ranges.
@@ -114,9 +120,9 @@ impl LayerMap {
     /// NaN.
     pub fn new(header: LayerHeader, heights: Vec<u8>, mut displacements: Vec<[f32; 2]>) -> Result<Self, FormatError> {
         header.check()?;
-        let expected = header.height_extent().texels_of_levels(header.levels);
-        let of_heights = expected * header.height_format().texel_bytes() as u64;
-        let of_displacements = expected * u64::from(header.sheets);
+        let of_heights =
+            header.height_extent().texels_of_levels(header.levels) * header.height_format().texel_bytes() as u64;
+        let of_displacements = header.displacement_extent().texels_of_levels(header.displacement_levels());
         for (what, found, expected) in [
             ("bytes of heights", heights.len(), of_heights),
             ("displacements of layers", displacements.len(), of_displacements),
@@ -163,7 +169,7 @@ impl LayerMap {
 
     /// Parameters of the surface at a point of a sheet, not wrapped.
     pub fn parameters(&self, at: [f32; 2], sheet: Sheet, detail: f32) -> [f32; 2] {
-        let (level, blend) = self.levels_of(detail);
+        let (level, blend) = levels_around(detail - 1.0, self.header.displacement_levels());
         let mut moved = self.displacement_of_level(at, sheet, level);
         if blend > 0.0 {
             let coarse = self.displacement_of_level(at, sheet, level + 1);
@@ -174,9 +180,7 @@ impl LayerMap {
 
     /// The finer of two levels around a level of detail, and the weight of the coarser one.
     pub(super) fn levels_of(&self, detail: f32) -> (u32, f32) {
-        let detail = detail.max(0.0).min((self.header.levels - 1) as f32);
-        let finer = detail.floor();
-        (finer as u32, detail - finer)
+        levels_around(detail, self.header.levels)
     }
 
     fn column_of_level(&self, at: [f32; 2], level: u32) -> Column {
@@ -193,7 +197,7 @@ impl LayerMap {
     }
 
     fn displacement_of_level(&self, at: [f32; 2], sheet: Sheet, level: u32) -> [f32; 2] {
-        let side = self.header.side(level);
+        let side = self.header.side(level + 1);
         let first = self.header.displacement_extent().texels_of_levels(level) as usize;
         let first = first + sheet as usize * (side * side) as usize;
         let mut sum = [0.0f32; 2];
@@ -225,14 +229,17 @@ impl LayerMap {
             casts_shadows: word(&mut cursor, LAYERS, "shadows", 0..=1)? == 1,
         };
         header.check()?;
-        for (part, texture, format, extent) in [
-            ("heights", &heights, header.height_format(), header.height_extent()),
-            ("displacements", displacements, TexelFormat::Rg16Float, header.displacement_extent()),
+        let of_displacements = (TexelFormat::Rg16Float, header.displacement_extent(), header.displacement_levels());
+        for (part, texture, expected) in [
+            ("heights", &heights, (header.height_format(), header.height_extent(), header.levels)),
+            ("displacements", displacements, of_displacements),
         ] {
-            let form = |format: TexelFormat, extent: Extent, levels| format!("{levels} levels of {extent}, {format:?}");
-            if (texture.format, texture.extent, texture.levels) != (format, extent, header.levels) {
-                let found = form(texture.format, texture.extent, texture.levels);
-                let allowed = format!("{}, as {LAYERS} says", form(format, extent, header.levels));
+            let form = |(format, extent, levels): (TexelFormat, Extent, u32)| {
+                format!("{levels} levels of {extent}, {format:?}")
+            };
+            let found = (texture.format, texture.extent, texture.levels);
+            if found != expected {
+                let (found, allowed) = (form(found), format!("{}, as {LAYERS} says", form(expected)));
                 return Err(FormatError::whole(format!("part {part}"), found, allowed));
             }
         }
@@ -240,4 +247,11 @@ impl LayerMap {
         let numbers = pairs.iter().map(|pair| pair.map(|bytes| half::decode(u16::from_le_bytes(bytes))));
         Self::new(header, heights.texels, numbers.collect())
     }
+}
+
+/// The finer of two of `levels` levels around a level of detail, and the weight of the coarser one.
+fn levels_around(detail: f32, levels: u32) -> (u32, f32) {
+    let detail = detail.max(0.0).min((levels - 1) as f32);
+    let finer = detail.floor();
+    (finer as u32, detail - finer)
 }

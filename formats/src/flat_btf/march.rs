@@ -9,16 +9,17 @@ pub struct MarchSteps {
     pub sight: u32,
     /// Refinements of its end.
     pub refine: u32,
-    /// Maximum steps of a ray of light, 1 or more.
-    pub light: u32,
+    /// Maximum steps of a ray of sight and a ray of light together: the less the first takes, the more has the second,
+    /// at least 1.
+    pub both: u32,
 }
 
 impl MarchSteps {
-    /// Steps for a relief: enough for rays at 50 degrees from the normal to take steps of 1.5 texels, 6 to 24; three
-    /// refinements.
+    /// Steps for a relief: enough for rays of sight at 50 degrees from the normal to take steps of 1.5 texels, 6 to 17;
+    /// three refinements; and twice as many for both rays, up to 27.
     pub fn of(header: &LayerHeader) -> Self {
-        let steps = (1.2 * header.range() * header.size as f32 / TEXELS_PER_STEP).ceil().clamp(6.0, 24.0) as u32;
-        Self { sight: steps, refine: 3, light: steps }
+        let sight = (1.2 * header.range() * header.size as f32 / TEXELS_PER_STEP).ceil().clamp(6.0, 17.0) as u32;
+        Self { sight, refine: 3, both: (2 * sight).min(27) }
     }
 }
 
@@ -90,6 +91,8 @@ pub struct ReliefPoint {
     pub sheet: Sheet,
     /// Height above the point that is drawn, in its frame and in tiles: the ray went on by this over its cosine.
     pub rise: f32,
+    /// Steps that the ray took.
+    pub steps: u32,
 }
 
 /// A ray over a surface, from `t = 0` to `last`. Over a plane it is straight.
@@ -143,11 +146,13 @@ impl LayerMap {
         let (mut a, mut above) = (0.0f32, self.column(ray.start, detail));
         let (mut b, mut below) = (ray.last, above);
         let mut met = Crossing { share: 2.0, sheet: Sheet::Base };
+        let mut taken = count;
         for k in 1..=count {
             b = ray.last * (k as f32 / count as f32);
             below = self.column(ray.at(b), detail);
             met = self.crossing([ray.height(a), ray.height(b)], above, below);
             if met.share <= 1.0 {
+                taken = k;
                 break;
             }
             if k < count {
@@ -157,7 +162,7 @@ impl LayerMap {
         }
         if met.share > 1.0 {
             if ray.passes {
-                return ReliefPoint { at: ray.at(ray.last), height: -1.0, sheet: Sheet::Base, rise: 0.0 };
+                return ReliefPoint { at: ray.at(ray.last), height: -1.0, sheet: Sheet::Base, rise: 0.0, steps: taken };
             }
             // Rounding at the lowest height.
             met = Crossing { share: 1.0, sheet: Sheet::Base };
@@ -179,7 +184,7 @@ impl LayerMap {
         }
         let share = a + (b - a) * met.share;
         let rise = back - share * self.header().range();
-        ReliefPoint { at: ray.at(share), height: ray.height(share), sheet: met.sheet, rise }
+        ReliefPoint { at: ray.at(share), height: ray.height(share), sheet: met.sheet, rise, steps: taken }
     }
 
     /// Fraction, 0 or 1, of the light of a distant source in the direction `light` that reaches a point of the surface
@@ -200,7 +205,7 @@ impl LayerMap {
             return 1.0;
         }
         let ray = self.ray_of_light(start, height, light, surface);
-        let count = self.steps(&ray, detail, steps.light);
+        let count = self.steps(&ray, detail, steps.both.saturating_sub(point.steps));
         let (mut z, mut column) = (height, self.column(start, detail));
         for k in 1..=count {
             let share = ray.last * (k as f32 / count as f32);

@@ -39,7 +39,7 @@ impl FlatBtfParameters {
             header.levels,
             steps.sight,
             steps.refine,
-            steps.light,
+            steps.both,
             u32::from(header.casts_shadows),
             header.heights[0].to_bits(),
             header.range().to_bits(),
@@ -69,7 +69,11 @@ impl FlatBtfDecoder {
             Binding::frame(),
             Binding::uniform(15, "flat_btf_parameters", FlatBtfParameters::to_bytes(self).to_vec()),
             Binding::texture(16, HEIGHTS, heights.with_levels(header.levels).sampled(SAMPLER)),
-            Binding::texture(17, DISPLACEMENTS, displacements.with_levels(header.levels).sampled(SAMPLER)),
+            Binding::texture(
+                17,
+                DISPLACEMENTS,
+                displacements.with_levels(header.displacement_levels()).sampled(SAMPLER),
+            ),
             Binding::sampler(18, SAMPLER, true),
         ];
         let directions = match directions {

@@ -200,7 +200,7 @@ fn the_committed_asset_has_known_values() {
         assert!((other[0] - expected[0]).abs() > 1e-3, "another view differs");
     }
     // Ends of rays of sight by short steps and bisection, and the light that reaches them.
-    let decoder = file.decoder.clone().with_steps(MarchSteps { sight: 64, refine: 30, light: 64 });
+    let decoder = file.decoder.clone().with_steps(MarchSteps { sight: 64, refine: 30, both: 128 });
     let layers = &decoder.parts().layers;
     assert_eq!(layers, &example_layers(), "the rules that made them");
     let (up, right, back) = ([0.0, 0.0, 1.0], [0.6, 0.0, 0.8], [0.0, 0.8, 0.6]);

@@ -23,7 +23,7 @@ const FROM_RIGHT: [f32; 3] = [0.707_106_77, 0.0, 0.707_106_77];
 /// Byte of the lower of two heights in these tests, a fifth of the range, and of the upper one, four fifths.
 const LOW: u8 = 51;
 const HIGH: u8 = 204;
-const FINE: MarchSteps = MarchSteps { sight: 64, refine: 6, light: 64 };
+const FINE: MarchSteps = MarchSteps { sight: 64, refine: 6, both: 128 };
 
 /// One tile from the lowest to the highest point, half of it below the reference plane.
 fn header(size: u32, sheets: u32) -> LayerHeader {
@@ -55,7 +55,7 @@ fn a_plane_is_met_where_rays_pass_its_height() {
             let uv = [0; 2].map(|_| numbers.between(-3.0, 3.0) as f32);
             let [x, y, z] = unit_vector(&mut numbers);
             let view = unit([x, y, z.abs().max(0.07)]);
-            let steps = MarchSteps { sight: k % 20, refine: k % 4, light: k % 5 };
+            let steps = MarchSteps { sight: k % 20, refine: k % 4, both: k % 7 };
             let found = plane.seen(uv, view, MacroSurface::PLANE, 0.0, steps);
             let expected: [f32; 2] = from_fn(|k| uv[k] + height * view[k] / view[2]);
             assert!(apart(found.at, expected) < 1e-5, "{byte} {uv:?} {view:?}: {found:?} {expected:?}");
@@ -72,12 +72,12 @@ fn a_plane_is_met_where_rays_pass_its_height() {
 #[test]
 fn parameters_are_positions_and_displacements() {
     let moved = |[column, row]: [u32; 2]| {
-        from_fn(|sheet| [0.125 * sheet as f32 + 0.0625 * column as f32, -0.25 - 0.03125 * (row + sheet as u32) as f32])
+        from_fn(|sheet| [0.125 * sheet as f32 + 0.3125 * column as f32, -0.375 - 0.03125 * (row + sheet as u32) as f32])
     };
-    let layers = relief(header(4, 3), |texel| ([LOW, 0, 255], moved(texel)));
-    for (texel, k) in [([0, 0], 0), ([3, 1], 1), ([2, 3], 2)] {
+    let layers = relief(header(4, 3), |texel| ([LOW, 0, 255], moved(texel.map(|k| k / 2))));
+    for (texel, k) in [([0, 0], 0), ([1, 0], 1), ([1, 1], 2)] {
         let sheet = [Sheet::Base, Sheet::Top, Sheet::Underside][k];
-        let at = texel.map(|k: u32| (k as f32 + 0.5) / 4.0);
+        let at = texel.map(|k: u32| (k as f32 + 0.5) / 2.0);
         for tiles in [0.0, 1.0, -2.0] {
             let at = at.map(|c| c + tiles);
             let expected: [f32; 2] = from_fn(|axis| at[axis] + moved(texel)[k][axis]);
@@ -85,11 +85,11 @@ fn parameters_are_positions_and_displacements() {
         }
     }
     // Halfway between the last texel of a row and the first of the next tile.
-    let [u, v] = layers.parameters([1.0, 0.125], Sheet::Base, 0.0);
-    assert!((u - 1.0 - 0.5 * 3.0 * 0.0625).abs() < 1e-6 && (v - 0.125 + 0.25).abs() < 1e-6, "{u} {v}");
+    let [u, v] = layers.parameters([1.0, 0.25], Sheet::Base, 0.0);
+    assert!((u - 1.0 - 0.5 * 0.3125).abs() < 1e-6 && (v - 0.25 + 0.375).abs() < 1e-6, "{u} {v}");
     // The decoder wraps them.
     let decoder = FlatBtfDecoder::new(FlatBtfParts { layers, ..parts(Sizes { plane: 4, ..SMALL }, 1) });
-    let point = decoder.seen([0.875, 0.125], UP, 0.0);
+    let point = decoder.seen([0.75, 0.25], UP, 0.0);
     let [u, v] = decoder.parameters(&point, 0.0);
     assert!((u - 0.0625).abs() < 1e-6 && (v - 0.875).abs() < 1e-6, "{u} {v}");
 }
@@ -115,7 +115,7 @@ fn a_slab_hides_and_shadows_the_base() {
     let slab = along(8, 3, |_| [LOW, HIGH, 153]);
     // The underside is above the top: nothing is there.
     let closed = along(8, 3, |_| [LOW, 153, HIGH]);
-    let base = ReliefPoint { at: [0.3, 0.4], height: 0.2, sheet: Sheet::Base, rise: 0.0 };
+    let base = ReliefPoint { at: [0.3, 0.4], height: 0.2, sheet: Sheet::Base, rise: 0.0, steps: 0 };
     let underside = ReliefPoint { height: 0.6, sheet: Sheet::Underside, ..base };
     let mut numbers = Numbers::new(3);
     for _ in 0..300 {
@@ -204,7 +204,7 @@ fn ends_of_rays_are_on_the_surface() {
         let uv = [0; 2].map(|_| numbers.unit() as f32);
         let view = unit_vector(&mut numbers);
         for (largest, refine) in off.iter_mut().zip([0, 12]) {
-            let found = layers.seen(uv, view, MacroSurface::PLANE, 0.0, MarchSteps { sight: 200, refine, light: 1 });
+            let found = layers.seen(uv, view, MacroSurface::PLANE, 0.0, MarchSteps { sight: 200, refine, both: 201 });
             let column = layers.column(found.at, 0.0);
             *largest += (found.height - column[found.sheet as usize]).abs() / 2000.0;
             sheets[found.sheet as usize] += refine.min(1);
@@ -220,7 +220,7 @@ fn ends_of_rays_are_on_the_surface() {
 fn any_query_gives_numbers_in_range() {
     let odd = [0.0, -0.0, 1.0, -1e-9, 1e9, -1e30, f32::MAX, f32::INFINITY, f32::NAN, f32::MIN_POSITIVE];
     for file in [base_file(), materials_file(), factored_file()] {
-        for steps in [file.decoder.steps(), MarchSteps { sight: 0, refine: 0, light: 0 }] {
+        for steps in [file.decoder.steps(), MarchSteps { sight: 0, refine: 0, both: 0 }] {
             let decoder = file.decoder.clone().with_steps(steps);
             let samples = |k| if file.directions.is_some() { only(k) } else { nothing(k) };
             for u in odd {
@@ -251,7 +251,7 @@ fn any_query_gives_numbers_in_range() {
         let lit = |light| layers.lit(&found, UP, light, MacroSurface::PLANE, 0.0, FINE);
         assert_eq!(lit(horizon), lit([horizon[0], horizon[1], 0.05]));
         // A single step is the minimum.
-        let few = |count| MarchSteps { sight: count, refine: 0, light: count };
+        let few = |count| MarchSteps { sight: count, refine: 0, both: 2 * count };
         assert_eq!(
             layers.seen(uv, horizon, MacroSurface::PLANE, 0.0, few(0)),
             layers.seen(uv, horizon, MacroSurface::PLANE, 0.0, few(1))
@@ -365,13 +365,13 @@ fn graphics_memory_is_the_sum_of_the_texels() {
         let directions = file.directions.as_ref().map_or(0, |directions| size_of_val(&directions.texels()[..]));
         assert_eq!(file.gpu_bytes(), (of_layers + directions) as u64 + reflectance.gpu_bytes());
     }
-    // 8 x 8, 4 x 4, 2 x 2 and 1 x 1 texels: a byte, or four, and two halves for each sheet.
+    // 8 x 8, 4 x 4, 2 x 2 and 1 x 1 texels of a byte, or four; from 4 x 4 on two halves for each sheet.
     let sizes = |file: FlatBtfFile| {
         let layers = file.decoder.into_parts().layers;
         [layers.height_bytes().len(), layers.displacement_bytes().len()]
     };
-    assert_eq!(sizes(base_file()), [85, 4 * 85]);
-    assert_eq!(sizes(factored_file()), [4 * 85, 3 * 4 * 85]);
+    assert_eq!(sizes(base_file()), [85, 4 * 21]);
+    assert_eq!(sizes(factored_file()), [4 * 85, 3 * 4 * 21]);
 }
 
 fn sizes() -> impl Strategy<Value = Sizes> {

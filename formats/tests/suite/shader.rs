@@ -153,7 +153,7 @@ fn the_uniform_block_of_flat_btfs_is_the_one_that_rust_writes() {
     let (_, block) = module.types.iter().find(|(_, ty)| find(ty)).expect("the block has its name");
     let naga::TypeInner::Struct { members, span } = &block.inner else { panic!("not a struct") };
     assert_eq!(*span as usize, FlatBtfParameters::SIZE);
-    let steps = MarchSteps { sight: 21, refine: 3, light: 9 };
+    let steps = MarchSteps { sight: 21, refine: 3, both: 30 };
     let decoder = FlatBtfDecoder::new(parts(SMALL, 1)).with_steps(steps);
     let bytes = FlatBtfParameters::to_bytes(&decoder);
     let names: Vec<&str> = members.iter().map(|member| member.name.as_deref().unwrap()).collect();
@@ -163,7 +163,7 @@ fn the_uniform_block_of_flat_btfs_is_the_one_that_rust_writes() {
         ("levels", 4),
         ("sight_steps", 21),
         ("refine_steps", 3),
-        ("light_steps", 9),
+        ("both_steps", 30),
         ("casts_shadows", 1),
         ("low", (-0.25f32).to_bits()),
         ("range", 0.5f32.to_bits()),
@@ -181,9 +181,9 @@ fn the_uniform_block_of_flat_btfs_is_the_one_that_rust_writes() {
     }
     // One sheet; the steps of the relief.
     let base = base_file().decoder;
-    let MarchSteps { sight, refine, light } = MarchSteps::of(base.parts().layers.header());
+    let MarchSteps { sight, refine, both } = MarchSteps::of(base.parts().layers.header());
     let base = FlatBtfParameters::to_bytes(&base);
-    assert_eq!(base[..28], *[8, 1, 4, sight, refine, light, 1].map(u32::to_le_bytes).as_flattened());
+    assert_eq!(base[..28], *[8, 1, 4, sight, refine, both, 1].map(u32::to_le_bytes).as_flattened());
     let factored = FlatBtfParameters::to_bytes(&factored_file().decoder);
     assert_eq!(factored[24..28], [0; 4], "no rays of light");
 }

@@ -1,6 +1,8 @@
 //! Table 3: compressed sizes of images of apparent BRDFs.
 
 use brdfc_readers::colour::encode_srgb_byte;
+use image::ExtendedColorType;
+use image::codecs::jpeg::JpegEncoder;
 use serde::Serialize;
 
 /// Sizes of images of apparent BRDFs, in bytes.
@@ -21,6 +23,10 @@ pub struct TexelSizes {
     pub flat_png: f64,
     /// Ordinary BTF, PNG.
     pub btf_png: f64,
+    /// Flat BTF, JPEG of the best quality.
+    pub flat_jpeg: f64,
+    /// Ordinary BTF, JPEG of the best quality.
+    pub btf_jpeg: f64,
     /// Flat BTF, Zstandard of the raw bytes.
     pub flat_zstd: f64,
     /// Ordinary BTF, Zstandard of the raw bytes.
@@ -49,12 +55,22 @@ impl Apparent {
         self.values.push(values);
     }
 
-    /// Bytes of the image of each texel: PNG and Zstandard.
-    pub(super) fn sizes(&self, lights: usize) -> Vec<[f64; 2]> {
+    /// The values of the texel with this number, view by view.
+    pub(super) fn values(&self, number: usize) -> impl Iterator<Item = [f32; 3]> + '_ {
+        self.values.iter().map(move |image| image[number])
+    }
+
+    /// The texel with this number.
+    pub(super) fn texel(&self, number: usize) -> usize {
+        self.texels[number]
+    }
+
+    /// Bytes of the image of each texel: PNG, JPEG and Zstandard.
+    pub(super) fn sizes(&self, lights: usize) -> Vec<[f64; 3]> {
         let size = |texel: usize| {
             let bytes: Vec<u8> =
-                self.values.iter().flat_map(|image| image[texel].map(|c| encode_srgb_byte(f64::from(c)))).collect();
-            [png_bytes(&bytes, lights), zstd_bytes(&bytes)]
+                self.values(texel).flat_map(|value| value.map(|c| encode_srgb_byte(f64::from(c)))).collect();
+            [png_bytes(&bytes, lights), jpeg_bytes(&bytes, lights), zstd_bytes(&bytes)]
         };
         (0..self.texels.len()).map(size).collect()
     }
@@ -71,24 +87,36 @@ fn png_bytes(rgb: &[u8], width: usize) -> f64 {
     file.len() as f64
 }
 
+/// At the best quality, as in the paper.
+fn jpeg_bytes(rgb: &[u8], width: usize) -> f64 {
+    let mut file = Vec::new();
+    let size = [width, rgb.len() / 3 / width].map(|side| side as u32);
+    JpegEncoder::new_with_quality(&mut file, 100)
+        .encode(rgb, size[0], size[1], ExtendedColorType::Rgb8)
+        .expect("a small image fits into memory");
+    file.len() as f64
+}
+
 fn zstd_bytes(bytes: &[u8]) -> f64 {
     zstd::bulk::compress(bytes, 19).expect("compression into memory does not fail").len() as f64
 }
 
 /// Pairs sizes of flat and ordinary images.
-pub(super) fn summary(flat: &[[f64; 2]], btf: &[[f64; 2]], chosen: usize) -> ApparentSizes {
-    let of =
-        |k: usize| TexelSizes { flat_png: flat[k][0], btf_png: btf[k][0], flat_zstd: flat[k][1], btf_zstd: btf[k][1] };
-    let rest: Vec<TexelSizes> = (chosen..flat.len()).map(of).collect();
-    let mean = |field: fn(&TexelSizes) -> f64| rest.iter().map(field).sum::<f64>() / rest.len() as f64;
+pub(super) fn summary(flat: &[[f64; 3]], btf: &[[f64; 3]], chosen: usize) -> ApparentSizes {
+    let pair = |[png, jpeg, zstd]: [f64; 3], [btf_png, btf_jpeg, btf_zstd]: [f64; 3]| TexelSizes {
+        flat_png: png,
+        btf_png,
+        flat_jpeg: jpeg,
+        btf_jpeg,
+        flat_zstd: zstd,
+        btf_zstd,
+    };
+    let mean =
+        |sizes: &[[f64; 3]]| [0, 1, 2].map(|k| sizes.iter().map(|size| size[k]).sum::<f64>() / sizes.len() as f64);
+    let [flat_rest, btf_rest] = [flat, btf].map(|sizes| &sizes[chosen..]);
     ApparentSizes {
-        texels: (0..chosen).map(of).collect(),
-        mean: TexelSizes {
-            flat_png: mean(|s| s.flat_png),
-            btf_png: mean(|s| s.btf_png),
-            flat_zstd: mean(|s| s.flat_zstd),
-            btf_zstd: mean(|s| s.btf_zstd),
-        },
-        samples: rest.len(),
+        texels: (0..chosen).map(|k| pair(flat[k], btf[k])).collect(),
+        mean: pair(mean(flat_rest), mean(btf_rest)),
+        samples: flat_rest.len(),
     }
 }

@@ -3,6 +3,7 @@
 use super::PAPER;
 use super::apparent::{Apparent, ApparentSizes, summary};
 use super::coherency::ViewVariance;
+use super::figures::{ApparentBrdf, apparent_figure, variance_figure};
 use super::grids::grid_errors;
 use super::reconstruction::{LookUps, row};
 use super::rows::{CoherencyRow, ModelRow, Spread, StudySettings};
@@ -15,6 +16,7 @@ use brdfc_flat_btf::structures::Structure;
 use brdfc_flat_btf::surface::Appearance;
 use brdfc_formats::container::rgb9e5;
 use brdfc_formats::direction::Vector;
+use brdfc_render::rendering::Panel;
 use rayon::prelude::*;
 
 /// Errors of studying a model.
@@ -36,6 +38,16 @@ struct PerLight {
     visible: ViewVariance,
 }
 
+/// Figures for one structure.
+pub struct ModelFigures {
+    /// Figure 11: variance over the views of the ordinary BTF, of the flat BTF with holes filled by push-pull, and of its
+    /// seen texels; logarithmic.
+    pub variance: Panel,
+    /// Figures 13 and 14: apparent BRDFs, views by lights, of the ordinary and the flat BTF for a surface point, then for
+    /// the same texel of both. Blue where a view does not see the texel.
+    pub apparent: Panel,
+}
+
 /// Studies one structure. Calls `view_done` after each view.
 ///
 /// # Errors
@@ -45,7 +57,7 @@ pub fn study_model(
     settings: &StudySettings,
     directions: &[Vector],
     view_done: &(dyn Fn() + Sync),
-) -> Result<ModelRow, StudyError> {
+) -> Result<(ModelRow, ModelFigures), StudyError> {
     let structure = Structure::parse(address)?;
     let sources = structure.default_materials().iter().map(|m| parse_synth(m)).collect::<Result<_, _>>()?;
     let appearance = Appearance { sources, ..Default::default() };
@@ -93,28 +105,47 @@ pub fn study_model(
         }
         view_done();
     }
-    let spread = |of: fn(&PerLight) -> &ViewVariance| spread(lights.iter().map(of));
+    let means = |of: fn(&PerLight) -> &ViewVariance| texel_variances(lights.iter().map(of));
+    let [btf, push_pull, poisson, visible] =
+        [means(|l| &l.btf), means(|l| &l.push_pull), means(|l| &l.poisson), means(|l| &l.visible)];
     let count = directions.len();
     let apparent: ApparentSizes = summary(&flat_apparent.sizes(count), &btf_apparent.sizes(count), chosen);
+    let seen = |k: usize| {
+        let texel = flat_apparent.texel(k);
+        let masks = &masks;
+        move |view: usize| masks[view][texel]
+    };
+    let all = |_: usize| true;
+    let brdf = |from: &Apparent, k: usize| from.values(k).collect();
+    let seen = [seen(0), seen(1)];
+    let brdfs = [0, 1].iter().flat_map(|k| {
+        let ordinary = ApparentBrdf { values: brdf(&btf_apparent, *k), seen: &all };
+        [ordinary, ApparentBrdf { values: brdf(&flat_apparent, *k), seen: &seen[*k] }]
+    });
+    let figures = ModelFigures {
+        variance: variance_figure([&btf, &push_pull, &visible]),
+        apparent: apparent_figure(&brdfs.collect::<Vec<_>>(), count),
+    };
     let name = structure.info().name;
     let (_, paper_model, paper) =
         PAPER.into_iter().find(|(ours, ..)| *ours == name).expect("every structure is in the table");
-    Ok(ModelRow {
+    let row = ModelRow {
         model: structure.canonical(),
         paper_model,
         reconstruction: row(&images, directions),
         coherency: CoherencyRow {
-            btf: spread(|l| &l.btf),
-            push_pull: spread(|l| &l.push_pull),
-            poisson: spread(|l| &l.poisson),
-            visible: spread(|l| &l.visible),
+            btf: spread(&btf),
+            push_pull: spread(&push_pull),
+            poisson: spread(&poisson),
+            visible: spread(&visible),
         },
         apparent,
         grids: grid_errors(&model),
         parameterisation: model.parameterisation.report,
         seen: masks.iter().flatten().filter(|seen| **seen).count() as f64 / (count * flat) as f64,
         paper,
-    })
+    };
+    Ok((row, figures))
 }
 
 /// Texels whose apparent BRDFs are compared: first the paper's two (one surface point in both, then the same texel in
@@ -142,8 +173,10 @@ fn packed(image: Vec<[f32; 3]>) -> Vec<[f32; 3]> {
     image.into_iter().map(|value| rgb9e5::decode(rgb9e5::encode(value))).collect()
 }
 
-/// Mean and maximum over texels of the mean over lights, without texels that are visible in fewer than two views.
-fn spread<'a>(lights: impl Iterator<Item = &'a ViewVariance>) -> Spread {
+/// Variance over the views of each texel, mean over lights; `None` for texels that are visible in fewer than two views.
+pub(super) type TexelVariances = Vec<Option<f64>>;
+
+fn texel_variances<'a>(lights: impl Iterator<Item = &'a ViewVariance>) -> TexelVariances {
     let mut sums: Vec<(f64, u32)> = Vec::new();
     for light in lights {
         for (texel, variance) in light.variances().enumerate() {
@@ -156,9 +189,14 @@ fn spread<'a>(lights: impl Iterator<Item = &'a ViewVariance>) -> Spread {
             }
         }
     }
-    let means: Vec<f64> = sums.iter().filter(|(_, n)| *n > 0).map(|(sum, n)| sum / f64::from(*n)).collect();
+    sums.into_iter().map(|(sum, n)| (n > 0).then(|| sum / f64::from(n))).collect()
+}
+
+/// Mean and maximum over texels.
+fn spread(variances: &TexelVariances) -> Spread {
+    let count = variances.iter().flatten().count();
     Spread {
-        mean: means.iter().sum::<f64>() / means.len().max(1) as f64,
-        max: means.iter().copied().fold(0.0, f64::max),
+        mean: variances.iter().flatten().sum::<f64>() / count.max(1) as f64,
+        max: variances.iter().flatten().copied().fold(0.0, f64::max),
     }
 }

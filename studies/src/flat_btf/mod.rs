@@ -2,6 +2,7 @@
 
 mod apparent;
 pub mod coherency;
+mod figures;
 mod grids;
 mod measure;
 mod paper;
@@ -11,6 +12,6 @@ pub mod vdim;
 
 pub use apparent::{ApparentSizes, TexelSizes};
 pub use grids::{GridRow, grid_errors};
-pub use measure::{StudyError, study_model};
+pub use measure::{ModelFigures, StudyError, study_model};
 pub use paper::{PAPER, PaperModel};
 pub use rows::{AngleErrors, CoherencyRow, ImageErrors, ModelRow, ReconstructionRow, Spread, StudySettings};

@@ -7,7 +7,7 @@ use brdfc_flat_btf::model::MesoModel;
 use brdfc_flat_btf::surface::SurfacePoint;
 use brdfc_formats::container::half;
 use brdfc_formats::direction::Vector;
-use brdfc_formats::flat_btf::{FlatBtfDecoder, FlatBtfParts, LayerHeader, LayerMap};
+use brdfc_formats::flat_btf::{FlatBtfDecoder, FlatBtfParts, LayerHeader, LayerMap, MarchSteps};
 use brdfc_metrics::image::LinearImage;
 use brdfc_render::flat::{FlatMaterial, Tiles, draw_on_cpu, draw_tiles};
 use brdfc_render::scene::{Frame, Scene};
@@ -42,12 +42,17 @@ const OF_REFLECTANCE: u32 = 2 + 5;
 const VIEWS: [u32; 2] = [16, 24];
 const LARGEST_ANGLE: f32 = 80.0;
 /// Number of methods.
-pub(super) const COUNT: usize = 6;
+pub(super) const COUNT: usize = 8;
+
+/// Shares of the steps of layers, besides all.
+const OTHER_STEPS: [(f64, &str); 2] = [(2.0, "layers, twice the steps"), (0.5, "layers, half the steps")];
 
 /// Everything that the methods read.
 pub(super) struct Methods<'a> {
     model: &'a MesoModel,
     layers: &'a FlatBtfDecoder,
+    /// With the steps of [`OTHER_STEPS`].
+    others: [FlatBtfDecoder; 2],
     height_field: FlatBtfDecoder,
     normal_map: FlatBtfDecoder,
     /// The reflectance alone: positions on its plane are parameters.
@@ -68,6 +73,7 @@ impl<'a> Methods<'a> {
         Self {
             model,
             layers,
+            others: OTHER_STEPS.map(|(share, _)| with_share(layers, share)),
             normal_map: of(without_relief(&highest)),
             height_field: of(highest),
             reflectance: of(plane()),
@@ -78,33 +84,37 @@ impl<'a> Methods<'a> {
 
     /// All methods, then the bounds.
     pub(super) fn all(&'a self) -> [Method<'a>; COUNT] {
-        let of_texels = self.layers.parts().reflectance.gpu_bytes();
-        let stored = |name, bytes, fetches, draw| {
-            let stored = Stored { bytes: of_texels + bytes, fetches: fetches + OF_REFLECTANCE };
-            Method { name, stored: Some(stored), draw }
-        };
         let bound = |name, draw| Method { name, stored: None, draw };
-        // The start of a ray of sight, its steps and refinements; parameters; the start of a ray of light and its steps.
-        let marched = |decoder: &FlatBtfDecoder| {
-            let steps = decoder.steps();
-            1 + steps.sight + steps.refine + 1 + 1 + steps.light
-        };
-        let maps = |decoder: &FlatBtfDecoder| {
-            let map = &decoder.parts().layers;
-            (map.height_bytes().len() + map.displacement_bytes().len()) as u64
-        };
         let heights = self.normal_map.parts().layers.height_bytes().len() as u64;
         let samples = 8 * (self.indirections.header.samples() + self.indirections.reference.len() as u64);
+        let [(_, twice), (_, half)] = OTHER_STEPS;
         [
             // Without relief there are no heights.
-            stored("normal map", maps(&self.normal_map) - heights, 1, decoded(&self.normal_map)),
+            self.stored("normal map", maps(&self.normal_map) - heights, 1, decoded(&self.normal_map)),
             // Reference and four views; three lights.
-            stored("sampled indirections and shadows", samples + self.shadows.bytes(), 5 + 3, self.sampled()),
-            stored("height field", maps(&self.height_field), marched(&self.height_field), decoded(&self.height_field)),
-            stored("layers", maps(self.layers), marched(self.layers), decoded(self.layers)),
+            self.stored("sampled indirections and shadows", samples + self.shadows.bytes(), 5 + 3, self.sampled()),
+            self.marched("height field", &self.height_field),
+            self.layers(),
+            self.marched(twice, &self.others[0]),
+            self.marched(half, &self.others[1]),
             bound("exact rays, sampled shadows", self.exact(|point, light| self.shadows.at(self.model, point, light))),
             bound("exact rays", self.exact(|point, light| f32::from(self.model.caster.sees_sky(point, light)))),
         ]
+    }
+
+    /// Layers as users get them.
+    pub(super) fn layers(&'a self) -> Method<'a> {
+        self.marched("layers", self.layers)
+    }
+
+    fn marched(&self, name: &'static str, decoder: &'a FlatBtfDecoder) -> Method<'a> {
+        self.stored(name, maps(decoder), fetches(decoder.steps()), decoded(decoder))
+    }
+
+    /// A method that has these bytes and fetches next to those of the reflectance.
+    fn stored(&self, name: &'static str, bytes: u64, fetches: u32, draw: Draw<'a>) -> Method<'a> {
+        let of_texels = self.layers.parts().reflectance.gpu_bytes();
+        Method { name, stored: Some(Stored { bytes: of_texels + bytes, fetches: fetches + OF_REFLECTANCE }), draw }
     }
 
     /// Equation 1 of Hadim et al. 2009: indirections of sampled views are blended, and so are shadows of sampled lights.
@@ -151,6 +161,23 @@ impl<'a> Methods<'a> {
     }
 }
 
+fn maps(decoder: &FlatBtfDecoder) -> u64 {
+    let map = &decoder.parts().layers;
+    (map.height_bytes().len() + map.displacement_bytes().len()) as u64
+}
+
+/// Most fetches of rays: their starts, steps and refinements; and parameters.
+fn fetches(steps: MarchSteps) -> u32 {
+    2 + steps.both + steps.refine + 1
+}
+
+/// The same layers with a share of the steps.
+fn with_share(layers: &FlatBtfDecoder, share: f64) -> FlatBtfDecoder {
+    let of = |count: u32| (share * f64::from(count)).ceil() as u32;
+    let steps = layers.steps();
+    layers.clone().with_steps(MarchSteps { sight: of(steps.sight), both: of(steps.both), ..steps })
+}
+
 /// Draws a flat BTF as it is drawn for users.
 fn decoded(decoder: &FlatBtfDecoder) -> Draw<'_> {
     Box::new(|scene, frame, repeat| {
@@ -171,6 +198,8 @@ fn highest(layers: &LayerMap) -> LayerMap {
     let (mut heights, mut moved) = (Vec::new(), Vec::new());
     let (mut texels, mut pairs) = (layers.height_bytes().chunks_exact(channels), &displacements[..]);
     for level in 0..header.levels {
+        // Level 0 of the displacements has as many texels as level 1 of the heights.
+        let moves = level > 0;
         let count = ((header.size >> level).max(1) as usize).pow(2);
         for (at, texel) in texels.by_ref().take(count).enumerate() {
             // Where an overhanging part is absent, its upper side is below its underside.
@@ -179,9 +208,13 @@ fn highest(layers: &LayerMap) -> LayerMap {
                 _ => 0,
             };
             heights.push(texel[sheet]);
-            moved.push(pairs[sheet * count + at]);
+            if moves {
+                moved.push(pairs[sheet * count + at]);
+            }
         }
-        pairs = &pairs[count * header.sheets as usize..];
+        if moves {
+            pairs = &pairs[count * header.sheets as usize..];
+        }
     }
     LayerMap::new(LayerHeader { sheets: 1, ..header }, heights, moved).expect("texels of a map of layers")
 }

@@ -5,6 +5,7 @@ mod methods;
 mod renderings;
 mod rows;
 mod shadows;
+mod sheet;
 
 pub use rows::{AngleRow, MethodRow, ObjectRow, ReliefRow, ReliefSettings, RenderingRow};
 
@@ -17,8 +18,9 @@ use brdfc_flat_btf::fill::FillMethod;
 use brdfc_flat_btf::structures::Structure;
 use brdfc_flat_btf::surface::Appearance;
 use brdfc_formats::direction_set::DirectionSet;
+use brdfc_render::rendering::Panel;
 use methods::Methods;
-use renderings::Renderings;
+use renderings::{Renderings, Surface};
 use std::convert::Infallible;
 
 /// Errors of the study.
@@ -32,19 +34,28 @@ pub enum ReliefError {
     Encode(#[from] EncodeError<Infallible>),
 }
 
-/// Calls of `done` by [`relief_study`].
-pub const STEPS: usize = Renderings::COUNT + methods::COUNT + 1;
+/// Calls of `done` by [`relief_study`], with and without a sheet.
+pub fn steps(with_sheet: bool) -> usize {
+    Renderings::COUNT + methods::COUNT + 1 + if with_sheet { sheet::COUNT } else { 0 }
+}
 
-/// Compares the methods on one structure. Calls `done` after each step.
+/// Compares the methods on one structure; on request draws a contact sheet of layers and surface. Calls `done` after
+/// each step.
 ///
 /// # Errors
 /// Returns an error for a wrong address, or a surface that cannot be encoded.
-pub fn relief_study(address: &str, settings: &ReliefSettings, done: &dyn Fn()) -> Result<ReliefRow, ReliefError> {
+pub fn relief_study(
+    address: &str,
+    settings: &ReliefSettings,
+    with_sheet: bool,
+    done: &dyn Fn(),
+) -> Result<(ReliefRow, Option<Panel>), ReliefError> {
     let structure = Structure::parse(address)?;
     let sources = structure.default_materials().iter().map(|m| parse_synth(m)).collect::<Result<_, _>>()?;
     let appearance = Appearance { sources, ..Appearance::default() };
     let recipe = FlattenRecipe {
-        texels: settings.texels,
+        // The displacements then have as many texels as the other maps, and only the heights twice as many per side.
+        texels: 2 * settings.texels,
         flat_texels: settings.texels as usize,
         views: DirectionSet::ubo2003(),
         lights: DirectionSet::ubo2003(),
@@ -57,11 +68,14 @@ pub fn relief_study(address: &str, settings: &ReliefSettings, done: &dyn Fn()) -
     let FlatBtfEncoded { decoder, model, .. } = encode(input, &recipe, &MemoryScratch::default(), &())?;
     let methods = Methods::new(&model, &decoder, settings);
     done();
-    let renderings = Renderings::new(&model, &appearance, settings.pixels, done);
+    let surface = Surface { model: &model, appearance: &appearance };
+    let sheet = with_sheet.then(|| sheet::sheet(surface, &methods.layers(), done));
+    let renderings = Renderings::new(surface, settings.pixels, done);
     let row = |method| {
         let row = renderings.row(&method);
         done();
         row
     };
-    Ok(ReliefRow { model: structure.canonical(), methods: methods.all().into_iter().map(row).collect() })
+    let row = ReliefRow { model: structure.canonical(), methods: methods.all().into_iter().map(row).collect() };
+    Ok((row, sheet))
 }

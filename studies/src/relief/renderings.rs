@@ -13,24 +13,46 @@ use std::time::Instant;
 /// Polar angles of views, degrees.
 const POLAR_ANGLES: [f64; 6] = [0.0, 15.0, 30.0, 45.0, 60.0, 75.0];
 /// Azimuths of views, degrees. Not those of sampled directions.
-const AZIMUTHS: [f64; 3] = [34.0, 155.0, 275.0];
+pub(super) const AZIMUTHS: [f64; 3] = [34.0, 155.0, 275.0];
 /// Polar angle of the views in motion, and by how much they turn, degrees.
-const MOTION: [f64; 2] = [45.0, 0.5];
+pub(super) const MOTION: [f64; 2] = [45.0, 0.5];
 /// Change of ΔE that is seen as a jump.
-const JUMP: f32 = 5.0;
+pub(super) const JUMP: f32 = 5.0;
 /// Vertical angle of view and distance of the camera for these views: 4 x 4 tiles of the plane are 2 x 2 units.
 const FIELD_OF_VIEW: f64 = 20.0;
-const DISTANCE: f64 = 3.0;
+pub(super) const DISTANCE: f64 = 3.0;
 /// Curved objects.
 const OBJECTS: [Builtin; 3] = [Builtin::Vase, Builtin::Bottle, Builtin::Teapot];
 
+/// Side of the grid of samples of a pixel.
+pub(super) const SAMPLES: usize = 2;
+/// Tiles per side of the plane from far away, and the side of its grid of samples of a pixel.
+pub(super) const FAR_TILES: u32 = 16;
+pub(super) const FAR_SAMPLES: usize = 8;
+
+/// The surface itself.
+#[derive(Clone, Copy)]
+pub(super) struct Surface<'a> {
+    pub(super) model: &'a MesoModel,
+    pub(super) appearance: &'a Appearance,
+}
+
+impl Surface<'_> {
+    /// Draws the surface with another side of the grid of samples of a pixel.
+    pub(super) fn drawn(&self, scene: Scene, frame: Frame, repeat: u32, samples: usize) -> Rendering {
+        let surface = reference(&scene, Frame { samples, ..frame }, self.model, self.appearance, repeat);
+        let exposure = auto_exposure(&surface);
+        Rendering { scene, frame, repeat, surface, exposure }
+    }
+}
+
 /// A view of the surface.
-struct Rendering {
+pub(super) struct Rendering {
     scene: Scene,
     frame: Frame,
     repeat: u32,
-    surface: LinearImage,
-    exposure: f64,
+    pub(super) surface: LinearImage,
+    pub(super) exposure: f64,
 }
 
 /// Views of the surface.
@@ -49,32 +71,23 @@ impl Renderings {
     pub(super) const COUNT: usize = 2 + POLAR_ANGLES.len() + AZIMUTHS.len() + OBJECTS.len();
 
     /// Draws the surface. Calls `done` after each view or group of views.
-    pub(super) fn new(model: &MesoModel, appearance: &Appearance, pixels: usize, done: &dyn Fn()) -> Self {
-        let frame = |share: f64, samples| {
+    pub(super) fn new(surface: Surface<'_>, pixels: usize, done: &dyn Fn()) -> Self {
+        let frame = |share: f64| {
             let width = ((pixels as f64 * share) as usize).max(16);
-            Frame { width, height: width * 3 / 4, samples }
+            Frame { width, height: width * 3 / 4, samples: SAMPLES }
         };
-        let whole = Builtin::Plane.scene();
-        let of_plane = |scene: Scene, frame: Frame, repeat, truth: usize| {
-            let surface = reference(&scene, Frame { samples: truth, ..frame }, model, appearance, repeat);
-            Rendering::new(scene, frame, repeat, surface)
-        };
-        let turned = |polar: f64, azimuth: f64| {
-            let scene = Scene { camera: camera(polar, azimuth), ..whole.clone() };
-            of_plane(scene, frame(0.4, 2), Builtin::Plane.tiles(), 2)
-        };
-        let plane = counted(of_plane(whole.clone(), frame(1.0, 2), Builtin::Plane.tiles(), 2), done);
+        let draw = |scene, share, tiles, truth| counted(surface.drawn(scene, frame(share), tiles, truth), done);
+        let tiles = Builtin::Plane.tiles();
+        let turned =
+            |polar: f64, azimuth: f64| surface.drawn(plane_from(polar, azimuth, DISTANCE), frame(0.4), tiles, SAMPLES);
+        let plane = draw(Builtin::Plane.scene(), 1.0, tiles, SAMPLES);
         let at = |polar: &f64| counted(AZIMUTHS.map(|azimuth| turned(*polar, azimuth)).into(), done);
         let angles = POLAR_ANGLES.iter().map(at).collect();
         let [polar, turn] = MOTION;
         let moving = |azimuth: &f64| counted([0.0, turn].map(|by| turned(polar, azimuth + by)), done);
         let motion = AZIMUTHS.iter().map(moving).collect();
-        let far = counted(of_plane(whole, frame(1.0, 2), 16, 8), done);
-        let object = |builtin: Builtin| {
-            let (scene, frame) = (builtin.scene(), frame(0.5, 2));
-            let surface = counted(reference(&scene, frame, model, appearance, builtin.tiles()), done);
-            (builtin.name(), Rendering::new(scene, frame, builtin.tiles(), surface))
-        };
+        let far = draw(Builtin::Plane.scene(), 1.0, FAR_TILES, FAR_SAMPLES);
+        let object = |builtin: Builtin| (builtin.name(), draw(builtin.scene(), 0.5, builtin.tiles(), SAMPLES));
         Self { plane, angles, motion, far, objects: OBJECTS.map(object).into() }
     }
 
@@ -109,29 +122,31 @@ impl Renderings {
     }
 
     fn jumps(&self, method: &Method<'_>) -> f64 {
-        let (mut jumps, mut count) = (0, 0);
-        for pair in &self.motion {
-            let [before, after] = pair
-                .each_ref()
-                .map(|rendering| delta_e_map(&rendering.drawn(method), &rendering.surface, pair[0].exposure));
-            jumps += before.iter().zip(&after).filter(|(a, b)| (*a - *b).abs() > JUMP).count();
-            count += before.len();
-        }
-        jumps as f64 / count as f64
+        let changes = self.motion.iter().flat_map(|pair| changes(pair, method)).collect::<Vec<_>>();
+        share_of_jumps(&changes)
     }
 }
 
-impl Rendering {
-    fn new(scene: Scene, frame: Frame, repeat: u32, surface: LinearImage) -> Self {
-        let exposure = auto_exposure(&surface);
-        Self { scene, frame, repeat, surface, exposure }
-    }
+/// Change of the ΔE of each pixel from the first to the second view.
+pub(super) fn changes(pair: &[Rendering; 2], method: &Method<'_>) -> Vec<f32> {
+    let [before, after] =
+        pair.each_ref().map(|rendering| delta_e_map(&rendering.drawn(method), &rendering.surface, pair[0].exposure));
+    before.iter().zip(&after).map(|(a, b)| (a - b).abs()).collect()
+}
 
-    fn drawn(&self, method: &Method<'_>) -> LinearImage {
+/// Share of the pixels whose ΔE jumps.
+pub(super) fn share_of_jumps(changes: &[f32]) -> f64 {
+    changes.iter().filter(|change| **change > JUMP).count() as f64 / changes.len() as f64
+}
+
+impl Rendering {
+    /// The same view by a method.
+    pub(super) fn drawn(&self, method: &Method<'_>) -> LinearImage {
         (method.draw)(&self.scene, self.frame, self.repeat)
     }
 
-    fn row(&self, image: &LinearImage) -> RenderingRow {
+    /// Differences of an image from this view.
+    pub(super) fn row(&self, image: &LinearImage) -> RenderingRow {
         let difference = compare_images(image, &self.surface, self.exposure);
         let sum = |image: &LinearImage| image.pixels.iter().map(|pixel| luminance(*pixel)).sum::<f64>();
         RenderingRow {
@@ -148,14 +163,15 @@ fn counted<T>(made: T, done: &dyn Fn()) -> T {
     made
 }
 
-/// A camera that looks at the middle of the plane, from angles in degrees.
-fn camera(polar: f64, azimuth: f64) -> Camera {
+/// The plane, seen from angles in degrees around its middle, and from a distance.
+pub(super) fn plane_from(polar: f64, azimuth: f64, distance: f64) -> Scene {
     let (polar, azimuth) = (polar.to_radians(), azimuth.to_radians());
     let (x, z) = (azimuth.cos(), azimuth.sin());
-    Camera {
-        eye: [polar.sin() * x, polar.cos(), polar.sin() * z].map(|c| DISTANCE * c),
+    let camera = Camera {
+        eye: [polar.sin() * x, polar.cos(), polar.sin() * z].map(|c| distance * c),
         target: [0.0; 3],
         up: [-polar.cos() * x, polar.sin(), -polar.cos() * z],
         field_of_view: FIELD_OF_VIEW,
-    }
+    };
+    Scene { camera, ..Builtin::Plane.scene() }
 }

@@ -6,7 +6,7 @@ use serde::Serialize;
 /// Settings of the study.
 #[derive(Debug, Clone, PartialEq, Serialize, JsonSchema)]
 pub struct ReliefSettings {
-    /// Texels of all maps per side, a power of two.
+    /// Texels of all maps per side, a power of two. Heights have twice as many.
     pub texels: u32,
     /// Pixels per row of the renderings of the whole plane. The others are smaller.
     pub pixels: usize,

@@ -43,18 +43,25 @@ fn the_study_of_rays_counts_rays_and_writes_them() {
     }
 }
 
+fn is_image(file: &std::path::Path) {
+    let image = image::open(file).unwrap().into_rgb8();
+    let first = image.get_pixel(0, 0);
+    assert!(image.pixels().any(|pixel| pixel != first), "{}", file.display());
+}
+
 /// Blended shadows are not as good as rays, and fewer sheets not as good as more.
 #[test]
 fn the_study_of_reliefs_compares_methods() {
     let folder = folder();
     let study = ["--study", "relief", "synth:button?resolution=64", "--texels", "64", "--pixels", "120"];
-    let report = folder.run(&[&study[..], &["--json"]].concat()).succeeded().json();
+    let report = folder.run(&[&study[..], &["--json", "--out", "sheets"]].concat()).succeeded().json();
     conforms(&report);
+    is_image(&folder.path().join("sheets/relief-button-resolution-64.png"));
     let methods = report["rows"][0]["methods"].as_array().unwrap();
     let of = |name: &str| methods.iter().find(|row| row["method"] == name).unwrap_or_else(|| panic!("{name}"));
     let number = |value: &serde_json::Value| value.as_f64().unwrap();
     let plane = |name: &str| number(&of(name)["plane"]["delta_e"]);
-    assert_eq!(methods.len(), 6);
+    assert_eq!(methods.len(), 8);
     let order = ["layers", "height field", "normal map"].map(plane);
     assert!(1.5 * order[0] < order[1] && 1.5 * order[1] < order[2], "{order:?}");
     assert!(2.0 * plane("exact rays") < plane("exact rays, sampled shadows"), "{methods:?}");
@@ -123,10 +130,13 @@ fn the_study_of_flat_btfs_has_the_papers_tables() {
         assert_eq!([&coarse["zenith_samples"], &fine["zenith_samples"]], [8, 16]);
         assert!(number(&fine["mean"]) < number(&coarse["mean"]), "{row}");
     }
-    let text = folder.run(&[&both[..4], &["synth:knit?resolution=32&height=0"], &small].concat()).succeeded().stdout;
-    for words in ["through the map", "exact rays", "Table 2", "Table 3", "Figure 10", "Isba", "16 x 16", "knit", "70°"]
-    {
+    let out = ["synth:knit?resolution=32&height=0", "--out", "figures"];
+    let text = folder.run(&[&both[..4], &out, &small].concat()).succeeded().stdout;
+    for words in ["through the map", "exact rays", "Table 2", "JPEG", "Figure 10", "Isba", "16 x 16", "knit", "70°"] {
         assert!(text.contains(words), "no {words} in {text}");
+    }
+    for figure in ["variance-folds-resolution-48", "apparent-sponge-resolution-48"] {
+        is_image(&folder.path().join(format!("figures/{figure}.png")));
     }
     // Of a plane, at the texels of the flat BTF, nothing is lost either way.
     let plane = ["--study", "flat-btf", "synth:knit?resolution=32&height=0", "--texels", "16", "--flat-texels", "16"];

@@ -13,8 +13,13 @@ use serde::{Deserialize, Serialize};
 
 /// Lines per texel and axis.
 const LINES: usize = 4;
-/// Texels over which an absent sheet is mirrored.
-const MIRRORED: f64 = 4.0;
+/// Distance over which an absent sheet is mirrored, in tiles, and at least, in texels. Steps of flat rays are long: a rim
+/// has to be longer, to be met between them.
+const MIRRORED: f64 = 1.0 / 32.0;
+const MIRRORED_TEXELS: f64 = 4.0;
+/// Distance between the surface and sheets that follow it inside the solid, as a share of the range of heights: three
+/// steps of a byte, so that rays meet the surface first.
+const INSIDE: f64 = 3.0 / 255.0;
 
 /// Counts of what the layers simplify.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize, schemars::JsonSchema)]
@@ -43,7 +48,7 @@ enum Column {
     Three([Cut; 3]),
 }
 
-/// Makes layers of `size x size` texels, a power of two. `coordinates` are the parameters of the vertices.
+/// Makes layers of `size x size` texels, a power of two from 2 on. `coordinates` are the parameters of the vertices.
 /// `casts_shadows` is true if rays of light determine shadows.
 ///
 /// # Errors
@@ -58,11 +63,11 @@ pub fn layers(
     let (columns, mut report) = columns(mesh, coordinates, side);
     let overhangs = columns.iter().any(|column| matches!(column, Some(Column::Three(_))));
     report.sheets = if overhangs { 3 } else { 1 };
-    let filled = fill(columns, side);
+    let [low, high] = mesh.height_range();
+    let filled = fill(columns, side, (INSIDE * (high - low)) as f32);
     let mut level = project(size as usize, LINES, |line| numbers(&filled[line]));
     drop(filled);
     let levels = size.ilog2() + 1;
-    let [low, high] = mesh.height_range();
     let margin = 1e-3 + 0.002 * (high - low);
     let header = LayerHeader {
         size,
@@ -84,7 +89,8 @@ pub fn layers(
                 heights.extend([byte(texel[3]), byte(texel[6]), 0]);
             }
         }
-        for sheet in 0..report.sheets as usize {
+        // Level 0 of the displacements has as many texels as level 1 of the heights.
+        for sheet in 0..report.sheets as usize * usize::from(k > 0) {
             moved.extend(level.iter().map(|texel| [texel[3 * sheet + 1], texel[3 * sheet + 2]]));
         }
     }
@@ -217,8 +223,8 @@ fn nearest(side: usize, is_one: impl Fn(usize) -> bool) -> Option<Vec<[i32; 2]>>
     Some(offsets)
 }
 
-/// Continues absent sheets.
-fn fill(columns: Vec<Option<Column>>, side: usize) -> Vec<[Cut; 3]> {
+/// Continues absent sheets. `inside` is the distance of sheets that follow the surface.
+fn fill(columns: Vec<Option<Column>>, side: usize, inside: f32) -> Vec<[Cut; 3]> {
     let index = |at: usize, offset: [f64; 2]| {
         let wrapped = |c: usize, d: f64| (c as i64 + d.round() as i64).rem_euclid(side as i64) as usize;
         wrapped(at / side, offset[1]) * side + wrapped(at % side, offset[0])
@@ -235,7 +241,7 @@ fn fill(columns: Vec<Option<Column>>, side: usize) -> Vec<[Cut; 3]> {
         let one = |(Column::One(base) | Column::Three([base, ..])): &Column| [*base, Cut::default(), Cut::default()];
         return columns.iter().map(one).collect();
     };
-    let most = MIRRORED * LINES as f64;
+    let most = (MIRRORED * side as f64).max(MIRRORED_TEXELS * LINES as f64);
     let filled = |at: usize| {
         let own = match columns[at] {
             Column::Three(cuts) => return cuts,
@@ -255,17 +261,17 @@ fn fill(columns: Vec<Option<Column>>, side: usize) -> Vec<[Cut; 3]> {
         };
         let [rim_base, rim_top, _] = three(to_rim).expect("a rim");
         let [base, top, underside] = three(offset(beyond)).unwrap_or_else(|| three(to_rim).expect("a rim"));
-        // Far from a rim all sheets are one: it may continue as the top of one rim and as the base of another.
+        // Far from a rim all sheets follow one: it may continue as the top of one rim and as the base of another.
         let far = (2.0 * length / most - 1.0).clamp(0.0, 1.0) as f32;
-        let joined = |cut: Cut| Cut {
-            z: cut.z + far * (own.z - cut.z),
+        let joined = |cut: Cut, above: f32| Cut {
+            z: cut.z + far * (own.z + above - cut.z),
             moved: [0, 1].map(|k| cut.moved[k] + far * (own.moved[k] - cut.moved[k])),
         };
         if (own.z - rim_top.z).abs() < (own.z - rim_base.z).abs() {
             // Solid from top to bottom: the gap turned inside out.
-            [joined(underside), own, joined(base)]
+            [joined(underside, -inside), own, joined(base, -2.0 * inside)]
         } else {
-            [own, joined(underside), joined(top)]
+            [own, joined(underside, -inside), joined(top, inside)]
         }
     };
     (0..side * side).into_par_iter().map(filled).collect()
@@ -323,7 +329,7 @@ mod tests {
     /// Shares of rays of sight that end within a texel and a half of the surface's own point, and of points at which
     /// light agrees.
     fn agreement(model: &MesoModel, map: &LayerMap) -> [f64; 2] {
-        let steps = MarchSteps { sight: 64, refine: 3, light: 64 };
+        let steps = MarchSteps { sight: 64, refine: 3, both: 128 };
         let texel = 1.0 / f64::from(map.header().size);
         let light = from_polar(0.9, 2.0);
         let (mut near, mut agreed, mut count) = (0.0, 0.0, 0.0);

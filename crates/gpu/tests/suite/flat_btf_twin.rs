@@ -17,7 +17,7 @@ const WITHOUT: Factors = Factors { groups: 1, shadow: ShadowFormat::None, ..WITH
 /// A base alone, materials and components, with and without rays of light, with one sheet and three, and with
 /// other steps than the default.
 fn assets(seed: u64) -> Vec<FlatMaterial> {
-    let steps = MarchSteps { sight: 40, refine: 4, light: 5 };
+    let steps = MarchSteps { sight: 40, refine: 4, both: 45 };
     [
         (Sizes { sheets: 1, ..SMALL }, BASE, true, None),
         (SMALL, MATERIALS, true, None),
@@ -128,7 +128,7 @@ fn manual_filtering_gives_the_bits_of_the_cpu_decoder() {
         assert!((1500..4500).contains(&lit), "{k}: most are lit, not all: {lit}");
         found.iter().for_each(|answer| sheets[answer.sheet as usize] += 1);
         // The steps are in the uniform block: other ones change points and values.
-        let other = material.decoder().clone().with_steps(MarchSteps { sight: 3, refine: 0, light: 3 });
+        let other = material.decoder().clone().with_steps(MarchSteps { sight: 3, refine: 0, both: 6 });
         let other = FlatMaterial::new(other, 1).unwrap();
         let [seen, parameters, values] = differences(&other, &queries, &found);
         assert!(seen > 1000 && parameters > 1000 && values > 1000, "{k}: {seen} {parameters} {values}");
@@ -188,12 +188,14 @@ fn few_rays_jump_with_the_sampler() {
 }
 
 /// Constants of the shader and small changes of them, each of which the queries must detect.
-const CHANGES: [(&str, &str); 43] = [
+const CHANGES: [(&str, &str); 45] = [
     ("FLAT_BTF_TEXELS_PER_STEP: f32 = ", "FLAT_BTF_TEXELS_PER_STEP: f32 = 0.1 + "),
     ("FLAT_BTF_MIN_COSINE: f32 = ", "FLAT_BTF_MIN_COSINE: f32 = 0.001 + "),
     ("FLAT_BTF_RISE: f32 = ", "FLAT_BTF_RISE: f32 = 0.1 + "),
     ("ray, detail, flat_btf_parameters.sight_steps", "ray, detail, 7u"),
-    ("ray, detail, flat_btf_parameters.light_steps", "ray, detail, 7u"),
+    ("both - min(point.steps, both)", "7u"),
+    ("            taken = k;\n", ""),
+    ("max(detail - 1.0, 0.0)", "max(detail, 0.0)"),
     ("k < flat_btf_parameters.refine_steps", "k < 1u"),
     ("flat_btf_parameters.low + range - surface.height", "range - surface.height"),
     ("point.at + rise * normal.xy", "point.at"),

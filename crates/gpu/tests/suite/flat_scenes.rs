@@ -50,7 +50,7 @@ fn same(a: &LinearImage, b: &LinearImage, what: &str) {
     let (share, mean) = difference(a, b);
     println!("{what}: {share} of the pixels, mean ΔE {mean}");
     // The shader derives mipmap levels and curvature from neighbouring pixels, the CPU from the triangle.
-    assert!(share < 0.02 && mean < 0.2, "{what}: {share} of the pixels, mean ΔE {mean}");
+    assert!(share < 0.02 && mean < 0.25, "{what}: {share} of the pixels, mean ΔE {mean}");
     let covered = a.coverage.iter().zip(&b.coverage).filter(|(a, b)| a != b).count();
     assert!(covered < FRAME.width * FRAME.height / 100, "{what}: {covered} outlines");
 }
@@ -168,7 +168,7 @@ fn parallax_and_shadows_are_those_of_the_displaced_surface() {
     scene.lights = vec![PointLight { position, intensity: [1e4 * std::f64::consts::PI; 3] }];
     let reference = reference(&scene, FRAME, &made.model, &appearance, REPEAT);
     let parts = made.decoder.into_parts();
-    let steps = MarchSteps { sight: 40, refine: 4, light: 40 };
+    let steps = MarchSteps { sight: 40, refine: 4, both: 80 };
     // The controls: no relief, and one twice as high.
     let materials = [1.0, 1e-6, 2.0].map(|factor| {
         let decoder = FlatBtfDecoder::new(with_heights(&parts, factor)).with_steps(steps);

@@ -176,7 +176,7 @@ mod tests {
         let reflectance = FactoredFlatBtf::new(basis, weights, None).unwrap();
         let layers = LayerHeader { size: 4, sheets: 1, levels: 1, heights: [0.0, 0.2], casts_shadows: true };
         let heights = (0..16).map(|k| if k % 4 < 2 { 0 } else { 255 }).collect();
-        let layers = LayerMap::new(layers, heights, vec![[0.0; 2]; 16]).unwrap();
+        let layers = LayerMap::new(layers, heights, vec![[0.0; 2]; 4]).unwrap();
         let decoder = FlatBtfDecoder::new(FlatBtfParts { layers, reflectance });
         flat_renderings(&FlatMaterial::new(decoder, 4).unwrap())
     }

@@ -89,7 +89,7 @@ var<private> factored_components: array<vec4<f32>, FACTORED_MAX_GROUPS>;
 fn factored_mipmap_level(right: vec2<f32>, below: vec2<f32>) -> f32 {
     let across = right * f32(factored_parameters.size);
     let down = below * f32(factored_parameters.size);
-    return max(0.25 * log2(max(dot(across, across) * dot(down, down), 1e-20)) - 1.0, 0.0);
+    return 0.25 * log2(max(dot(across, across) * dot(down, down), 1e-20)) - 1.0;
 }
 
 // The texels around a point of the flat BTF.

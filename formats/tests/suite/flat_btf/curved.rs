@@ -17,7 +17,7 @@ fn rays_over_a_cylinder_end_where_straight_ones_do() {
             let surface = MacroSurface { curvature: [1.0 / radius, 0.0, 0.0], height: drawn };
             let [x, y, z] = [polar.sin() * azimuth.cos(), polar.sin() * azimuth.sin(), polar.cos()];
             let seen = |surface| {
-                let steps = MarchSteps { sight: 200, refine: 8, light: 1 };
+                let steps = MarchSteps { sight: 200, refine: 8, both: 201 };
                 relief.seen([0.25, 0.5], [x, y, z], surface, 0.0, steps)
             };
             let found = seen(surface);

@@ -21,7 +21,7 @@ Examples:
   brdfc-bench
   brdfc-bench --json > table-1.json
   brdfc-bench --study flat-btf synth:knit --texels 64 --flat-texels 128
-  brdfc-bench --study relief synth:button
+  brdfc-bench --study relief synth:button --out sheets
   brdfc-bench --study rays synth:folds
   brdfc-bench --study relighting icon --out figures
   brdfc-bench --study btf synth:knit --out figures
@@ -43,8 +43,8 @@ pub struct Arguments {
     /// Study to run (default: wavelet-brdf).
     #[arg(long, value_enum, default_value = "wavelet-brdf")]
     pub(super) study: Study,
-    /// Write the frames of level-of-detail, the figure of codecs, pareto, relighting or btf, or the mesh and the rays
-    /// of rays into this folder.
+    /// Write the frames of level-of-detail, the figure of codecs, pareto, relighting or btf, the figures of flat-btf,
+    /// contact sheets of relief, or the mesh and the rays of rays into this folder.
     #[arg(long, value_name = "DIR")]
     pub(super) out: Option<PathBuf>,
     /// Texels of the reference plane per side, 8 or more, for flat-btf (default: 128) and rays (default: 64); for
@@ -125,10 +125,18 @@ impl Arguments {
         }
         let writes = matches!(
             self.study,
-            Study::LevelOfDetail | Study::Codecs | Study::Pareto | Study::Rays | Study::Relighting | Study::Btf
+            Study::LevelOfDetail
+                | Study::Codecs
+                | Study::FlatBtf
+                | Study::Pareto
+                | Study::Rays
+                | Study::Relief
+                | Study::Relighting
+                | Study::Btf
         );
         if !writes && self.out.is_some() {
-            let allowed = "expected with --study level-of-detail, codecs, pareto, rays, relighting or btf";
+            let allowed =
+                "expected with --study level-of-detail, codecs, pareto, flat-btf, rays, relief, relighting or btf";
             return Err(Error::usage(format!("--out: found with another study, {allowed}")));
         }
         for (given, option, studies) in [

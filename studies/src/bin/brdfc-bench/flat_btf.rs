@@ -2,11 +2,13 @@
 
 use super::arguments::Arguments;
 use super::remarks::Remarks;
-use super::structures::{short_name, structures};
+use super::structures::{file_stem, short_name, structures};
 use brdfc_core::words::{format_number, quoted};
+use brdfc_render::rendering::rgb_png;
 use brdfc_studies::StudyResult;
-use brdfc_studies::flat_btf::{ModelRow, StudyError, StudySettings, study_model};
+use brdfc_studies::flat_btf::{ModelRow, StudyError, StudySettings, TexelSizes, study_model};
 use brdfc_terminal::directions::{default_set, direction_set};
+use brdfc_terminal::output::{make_folder, write_file};
 use brdfc_terminal::table::plain;
 use brdfc_terminal::{Common, Error};
 
@@ -53,13 +55,22 @@ pub(super) fn run(arguments: &Arguments, common: Common) -> Result<StudyResult, 
     };
     let directions = directions.directions();
     let structures = structures(arguments)?;
+    if let Some(folder) = &arguments.out {
+        make_folder(folder)?;
+    }
     let remarks = Remarks::new(common, structures.len() * directions.len());
     let mut rows = Vec::new();
     for (input, address) in structures {
-        let row = study_model(&address, &settings, &directions, &|| remarks.done(1)).map_err(|error| match error {
+        let study = study_model(&address, &settings, &directions, &|| remarks.done(1));
+        let (row, figures) = study.map_err(|error| match error {
             StudyError::Address(error) => Error::input(format!("{input}: {error}")),
             StudyError::Parameterise(error) => Error::input(format!("{input}: {error}")),
         })?;
+        if let Some(folder) = &arguments.out {
+            for (figure, panel) in [("variance", &figures.variance), ("apparent", &figures.apparent)] {
+                write_file(&folder.join(format!("{figure}-{}.png", file_stem(&address))), &rgb_png(panel))?;
+            }
+        }
         rows.push(row);
     }
     Ok(StudyResult::FlatBtf { settings, rows })
@@ -137,15 +148,23 @@ pub(super) fn text(settings: &StudySettings, rows: &[ModelRow]) -> String {
         std::iter::once(name(row)).chain(ours).collect()
     });
     text += "\nTable 3: kilobytes of images of apparent BRDFs, flat < ordinary; the mean is over 64 texels\n";
-    let header = ["model", "mean PNG", "mean zstd", "PNG, texel 1", "PNG, texel 2", "paper: texel 1", "texel 2"];
-    text += &table(&header, rows, |row| {
-        let a = &row.apparent;
-        let less = |flat: f64, btf: f64| format!("{:.1} < {:.1}", flat / 1e3, btf / 1e3);
-        let paper = row.paper.png_kilobytes.map(|[flat, btf]| format!("{flat:.1} < {btf:.1}"));
-        let texels: Vec<String> = a.texels.iter().map(|t| less(t.flat_png, t.btf_png)).collect();
-        let mean = [less(a.mean.flat_png, a.mean.btf_png), less(a.mean.flat_zstd, a.mean.btf_zstd)];
-        std::iter::once(name(row)).chain(mean).chain(texels).chain(paper).collect()
+    let header = ["model", "as", "mean", "texel 1", "texel 2", "paper: texel 1", "texel 2"];
+    let cells = rows.iter().flat_map(|row| {
+        let sizes = |of: fn(&TexelSizes) -> [f64; 2]| {
+            let [first, second] = [0, 1].map(|k| row.apparent.texels.get(k).map_or([0.0; 2], of));
+            [of(&row.apparent.mean), first, second].map(|sizes| less(sizes.map(|bytes| bytes / 1e3)))
+        };
+        let line = |form: &str, ours: [String; 3], paper: Option<[[f64; 2]; 2]>| {
+            let paper = paper.map_or([(); 2].map(|()| "-".to_owned()), |paper| paper.map(less));
+            [name(row), form.to_owned()].into_iter().chain(ours).chain(paper).collect::<Vec<_>>()
+        };
+        [
+            line("PNG", sizes(|t| [t.flat_png, t.btf_png]), Some(row.paper.png_kilobytes)),
+            line("JPEG", sizes(|t| [t.flat_jpeg, t.btf_jpeg]), Some(row.paper.jpeg_kilobytes)),
+            line("Zstandard", sizes(|t| [t.flat_zstd, t.btf_zstd]), None),
+        ]
     });
+    text += &plain(&header, cells);
     text +=
         "\nFigure 10: distance of blended from real indirections in 1/256 of the tile, mean (median), by polar angle\n";
     let header =
@@ -163,6 +182,11 @@ pub(super) fn text(settings: &StudySettings, rows: &[ModelRow]) -> String {
 
 fn table(header: &[&str], rows: &[ModelRow], cells: impl Fn(&ModelRow) -> Vec<String>) -> String {
     plain(header, rows.iter().map(cells))
+}
+
+fn less([flat, ordinary]: [f64; 2]) -> String {
+    let sign = if flat < ordinary { "<" } else { ">=" };
+    format!("{flat:.1} {sign} {ordinary:.1}")
 }
 
 fn name(row: &ModelRow) -> String {

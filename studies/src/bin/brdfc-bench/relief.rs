@@ -2,9 +2,11 @@
 
 use super::arguments::Arguments;
 use super::remarks::Remarks;
-use super::structures::structures;
+use super::structures::{file_stem, structures};
+use brdfc_render::rendering::rgb_png;
 use brdfc_studies::StudyResult;
-use brdfc_studies::relief::{MethodRow, ReliefError, ReliefRow, ReliefSettings, RenderingRow, STEPS, relief_study};
+use brdfc_studies::relief::{MethodRow, ReliefError, ReliefRow, ReliefSettings, RenderingRow, relief_study, steps};
+use brdfc_terminal::output::{make_folder, write_file};
 use brdfc_terminal::table::{bytes, percent, plain};
 use brdfc_terminal::{Common, Error};
 
@@ -22,13 +24,21 @@ pub(super) fn run(arguments: &Arguments, common: Common) -> Result<StudyResult, 
     }
     let settings = ReliefSettings { texels: texels as u32, pixels };
     let structures = structures(arguments)?;
-    let remarks = Remarks::new(common, STEPS * structures.len());
+    if let Some(folder) = &arguments.out {
+        make_folder(folder)?;
+    }
+    let with_sheet = arguments.out.is_some();
+    let remarks = Remarks::new(common, steps(with_sheet) * structures.len());
     let mut rows = Vec::new();
     for (input, address) in structures {
-        let row = relief_study(&address, &settings, &|| remarks.done(1)).map_err(|error| match error {
+        let study = relief_study(&address, &settings, with_sheet, &|| remarks.done(1));
+        let (row, sheet) = study.map_err(|error| match error {
             ReliefError::Address(error) => Error::input(format!("{input}: {error}")),
             ReliefError::Encode(error) => Error::input(format!("{input}: {error}")),
         })?;
+        if let (Some(folder), Some(sheet)) = (&arguments.out, sheet) {
+            write_file(&folder.join(format!("relief-{}.png", file_stem(&address))), &rgb_png(&sheet))?;
+        }
         rows.push(row);
     }
     Ok(StudyResult::Relief { settings, rows })
@@ -36,7 +46,7 @@ pub(super) fn run(arguments: &Arguments, common: Common) -> Result<StudyResult, 
 
 pub(super) fn text(settings: &ReliefSettings, rows: &[ReliefRow]) -> String {
     let mut text = format!(
-        "{0} x {0} texels. Errors are mean ΔE against the surface itself, ray cast. All methods have the reflectance of \
+        "{0} x {0} texels, heights twice as many per side. Errors are mean ΔE against the surface itself, ray cast. All methods have the reflectance of \
          the layers; the last two are bounds, which compute from the surface.\n",
         settings.texels
     );

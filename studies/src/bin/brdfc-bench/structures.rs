@@ -28,3 +28,8 @@ pub(super) fn structures(arguments: &Arguments) -> Result<Vec<(Input, String)>, 
 pub(super) fn short_name(address: &str) -> String {
     address.strip_prefix(SYNTH_PREFIX).unwrap_or(address).split('?').next().unwrap_or_default().to_owned()
 }
+
+/// A name for files about a structure, distinct for most addresses without prefix.
+pub(super) fn file_stem(address: &str) -> String {
+    address.chars().map(|c| if c.is_ascii_alphanumeric() || c == '.' { c } else { '-' }).collect()
+}

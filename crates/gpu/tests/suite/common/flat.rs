@@ -72,6 +72,7 @@ fn finest(layers: &LayerMap, header: LayerHeader) -> LayerMap {
     let heights = layers.height_bytes()[..texels * header.height_format().texel_bytes()].to_vec();
     let halves = layers.displacement_bytes();
     let half = |bytes: &[u8; 2]| brdfc_formats::container::half::decode(u16::from_le_bytes(*bytes));
-    let numbers = halves.as_chunks::<2>().0.as_chunks::<2>().0[..texels * header.sheets as usize].iter();
+    let displacements = header.displacement_extent().texels_of_levels(header.displacement_levels()) as usize;
+    let numbers = halves.as_chunks::<2>().0.as_chunks::<2>().0[..displacements].iter();
     LayerMap::new(header, heights, numbers.map(|pair| pair.each_ref().map(half)).collect()).unwrap()
 }

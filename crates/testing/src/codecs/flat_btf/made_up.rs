@@ -40,7 +40,8 @@ pub fn layer_header(sizes: Sizes, casts_shadows: bool) -> LayerHeader {
 }
 
 /// Layers whose finest level has these texels: heights of base, top and underside as bytes, and displacements of the
-/// three sheets in tiles. Coarser levels are means. With one sheet only the base is stored.
+/// three sheets in tiles. Coarser levels are means, and so are all levels of the displacements. With one sheet only the
+/// base is stored.
 pub fn relief(header: LayerHeader, texel: impl Fn([u32; 2]) -> ([u8; 3], [[f32; 2]; 3])) -> LayerMap {
     let (size, sheets) = (header.size, header.sheets as usize);
     let numbers = |at: u32| -> [f32; 9] {
@@ -49,9 +50,9 @@ pub fn relief(header: LayerHeader, texel: impl Fn([u32; 2]) -> ([u8; 3], [[f32; 
     };
     let mut texels: Vec<[f32; 9]> = (0..size * size).map(numbers).collect();
     let (mut heights, mut displacements) = (Vec::new(), Vec::new());
-    for level in 0..header.levels {
-        if level > 0 {
-            let [finer, side] = [level - 1, level].map(|level| (size >> level).max(1) as usize);
+    for level in 0..header.levels.max(2) {
+        let [finer, side] = [level.saturating_sub(1), level].map(|level| (size >> level).max(1) as usize);
+        if side < finer {
             let mean = |at: usize| -> [f32; 9] {
                 let first = 2 * (at / side) * finer + 2 * (at % side);
                 let four = [first, first + 1, first + finer, first + finer + 1];
@@ -62,13 +63,14 @@ pub fn relief(header: LayerHeader, texel: impl Fn([u32; 2]) -> ([u8; 3], [[f32; 
             };
             texels = (0..side * side).map(mean).collect();
         }
-        for texel in &texels {
+        for texel in texels.iter().filter(|_| level < header.levels) {
             heights.push(texel[0] as u8);
             if sheets > 1 {
                 heights.extend([texel[1] as u8, texel[2] as u8, 0]);
             }
         }
-        for sheet in 0..sheets {
+        // Level 0 of the displacements has as many texels as level 1 of the heights.
+        for sheet in 0..sheets * usize::from(level > 0) {
             displacements.extend(texels.iter().map(|texel| [texel[3 + 2 * sheet], texel[4 + 2 * sheet]]));
         }
     }
