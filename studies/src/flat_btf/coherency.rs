@@ -1,6 +1,7 @@
 //! View-dependent coherency: variation of the appearance of texels with the view (section 4.3 and table 2 of Hadim et
 //! al. 2009).
 
+use super::rows::Spread;
 use brdfc_metrics::lab::{distance_squared, lab};
 
 /// Running variance over views, in L*a*b*, of the values of texels under one light (Welford 1962).
@@ -36,6 +37,35 @@ impl ViewVariance {
     /// Variance of each texel; `None` for texels in fewer than two views.
     pub fn variances(&self) -> impl Iterator<Item = Option<f32>> + '_ {
         self.squares.iter().zip(&self.counts).map(|(square, count)| (*count > 1).then(|| square / f32::from(*count)))
+    }
+}
+
+/// Variance over the views of each texel, mean over lights; `None` for texels that are visible in fewer than two views.
+pub(super) type TexelVariances = Vec<Option<f64>>;
+
+/// Means over lights.
+pub(super) fn texel_variances<'a>(lights: impl Iterator<Item = &'a ViewVariance>) -> TexelVariances {
+    let mut sums: Vec<(f64, u32)> = Vec::new();
+    for light in lights {
+        for (texel, variance) in light.variances().enumerate() {
+            if sums.len() <= texel {
+                sums.push((0.0, 0));
+            }
+            if let Some(variance) = variance {
+                sums[texel].0 += f64::from(variance);
+                sums[texel].1 += 1;
+            }
+        }
+    }
+    sums.into_iter().map(|(sum, n)| (n > 0).then(|| sum / f64::from(n))).collect()
+}
+
+/// Mean and maximum over texels.
+pub(super) fn spread(variances: &TexelVariances) -> Spread {
+    let count = variances.iter().flatten().count();
+    Spread {
+        mean: variances.iter().flatten().sum::<f64>() / count.max(1) as f64,
+        max: variances.iter().flatten().copied().fold(0.0, f64::max),
     }
 }
 

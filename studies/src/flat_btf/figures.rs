@@ -1,6 +1,6 @@
 //! Figures 11, 13 and 14: variance over the views, and apparent BRDFs.
 
-use super::measure::TexelVariances;
+use super::coherency::TexelVariances;
 use brdfc_readers::colour::encode_srgb_byte;
 use brdfc_render::rendering::{Panel, heat_map, sheet};
 
@@ -78,7 +78,7 @@ mod tests {
 
     #[test]
     fn variances_share_one_scale_and_size() {
-        let (coarse, fine) = (vec![Some(4.0); 4], vec![Some(8.0), None, Some(8.0), Some(4.0)].repeat(4));
+        let (coarse, fine) = (vec![Some(4.0); 4], [Some(8.0), None, Some(8.0), Some(4.0)].repeat(4));
         let figure = variance_figure([&coarse, &fine, &fine]);
         let first = pixel(&figure, [0, 0]);
         assert_eq!(figure.height, SIDE);

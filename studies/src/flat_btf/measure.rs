@@ -2,11 +2,11 @@
 
 use super::PAPER;
 use super::apparent::{Apparent, ApparentSizes, summary};
-use super::coherency::ViewVariance;
+use super::coherency::{ViewVariance, spread, texel_variances};
 use super::figures::{ApparentBrdf, apparent_figure, variance_figure};
 use super::grids::grid_errors;
 use super::reconstruction::{LookUps, row};
-use super::rows::{CoherencyRow, ModelRow, Spread, StudySettings};
+use super::rows::{CoherencyRow, ModelRow, StudySettings};
 use super::vdim::{OVERSAMPLING, indirection};
 use brdfc_core::address::{AddressError, parse_synth};
 use brdfc_flat_btf::light_field::{ComputedField, FillGuide, FlattenedView, Holes, from_above, visible};
@@ -171,32 +171,4 @@ fn picks(model: &MesoModel, settings: &StudySettings) -> (usize, Vec<usize>, Vec
 /// Values as stored in packs.
 fn packed(image: Vec<[f32; 3]>) -> Vec<[f32; 3]> {
     image.into_iter().map(|value| rgb9e5::decode(rgb9e5::encode(value))).collect()
-}
-
-/// Variance over the views of each texel, mean over lights; `None` for texels that are visible in fewer than two views.
-pub(super) type TexelVariances = Vec<Option<f64>>;
-
-fn texel_variances<'a>(lights: impl Iterator<Item = &'a ViewVariance>) -> TexelVariances {
-    let mut sums: Vec<(f64, u32)> = Vec::new();
-    for light in lights {
-        for (texel, variance) in light.variances().enumerate() {
-            if sums.len() <= texel {
-                sums.push((0.0, 0));
-            }
-            if let Some(variance) = variance {
-                sums[texel].0 += f64::from(variance);
-                sums[texel].1 += 1;
-            }
-        }
-    }
-    sums.into_iter().map(|(sum, n)| (n > 0).then(|| sum / f64::from(n))).collect()
-}
-
-/// Mean and maximum over texels.
-fn spread(variances: &TexelVariances) -> Spread {
-    let count = variances.iter().flatten().count();
-    Spread {
-        mean: variances.iter().flatten().sum::<f64>() / count.max(1) as f64,
-        max: variances.iter().flatten().copied().fold(0.0, f64::max),
-    }
 }
