@@ -2,7 +2,7 @@
 
 use super::coherency::TexelVariances;
 use brdfc_readers::colour::encode_srgb_byte;
-use brdfc_render::rendering::{Panel, heat_map, sheet};
+use brdfc_render::rendering::{Panel, octave_map, sheet};
 
 /// Range of the colour scale of variances, below the largest one.
 const OCTAVES: f32 = 12.0;
@@ -16,29 +16,30 @@ const UNSEEN: [u8; 3] = [40, 70, 200];
 /// Figure 11: variance of the ordinary BTF, of the flat BTF with holes filled by push-pull, and of its seen texels; on one
 /// logarithmic scale, dark to pale yellow.
 pub(super) fn variance_figure(variances: [&TexelVariances; 3]) -> Panel {
-    let largest = variances.iter().flat_map(|map| map.iter().flatten()).copied().fold(f64::MIN_POSITIVE, f64::max);
-    let panel = |map: &TexelVariances| {
+    // All in one row, so that they share the scale.
+    let all: Vec<f32> =
+        variances.iter().flat_map(|map| map.iter().map(|variance| variance.unwrap_or(0.0) as f32)).collect();
+    let mut colours = octave_map(&all, all.len(), 1, OCTAVES).rgb.into_iter();
+    let panels = variances.map(|map| {
         let side = map.len().isqrt();
-        let share = |variance: &Option<f64>| 1.0 + (variance.unwrap_or(0.0) / largest).log2() as f32 / OCTAVES;
-        let shares: Vec<f32> = map.iter().map(share).collect();
-        magnified(&heat_map(&shares, side, side, 1.0), SIDE.div_ceil(side))
-    };
-    let panels = variances.map(panel);
+        let rgb = colours.by_ref().take(3 * map.len()).collect();
+        magnified(&Panel { width: side, height: side, rgb }, SIDE.div_ceil(side))
+    });
     let common = panels.iter().map(|panel| panel.height).max().unwrap_or(0);
     sheet(&panels.map(|panel| magnified(&panel, common / panel.height)))
 }
 
 /// An apparent BRDF: values for each view (rows) and light (columns), and the views that see the texel.
-pub(super) struct ApparentBrdf<'a> {
+pub(super) struct ApparentBrdf {
     pub(super) values: Vec<[f32; 3]>,
-    pub(super) seen: &'a dyn Fn(usize) -> bool,
+    pub(super) seen: Vec<bool>,
 }
 
 /// Figures 13 and 14: apparent BRDFs side by side, blue where a view does not see the texel.
-pub(super) fn apparent_figure(brdfs: &[ApparentBrdf<'_>], lights: usize) -> Panel {
-    let panel = |brdf: &ApparentBrdf<'_>| {
+pub(super) fn apparent_figure(brdfs: &[ApparentBrdf], lights: usize) -> Panel {
+    let panel = |brdf: &ApparentBrdf| {
         let colour = |(k, value): (usize, &[f32; 3])| {
-            if (brdf.seen)(k / lights) { value.map(|c| encode_srgb_byte(f64::from(c).min(1.0))) } else { UNSEEN }
+            if brdf.seen[k / lights] { value.map(|c| encode_srgb_byte(f64::from(c).min(1.0))) } else { UNSEEN }
         };
         let rgb = brdf.values.iter().enumerate().flat_map(colour).collect();
         magnified(&Panel { width: lights, height: brdf.values.len() / lights, rgb }, MAGNIFICATION)
@@ -68,8 +69,7 @@ mod tests {
     #[test]
     fn what_a_view_does_not_see_is_blue() {
         let values = vec![[0.0; 3], [1.0; 3], [2.0; 3], [0.0; 3]];
-        let seen = |view: usize| view == 0;
-        let figure = apparent_figure(&[ApparentBrdf { values, seen: &seen }], 2);
+        let figure = apparent_figure(&[ApparentBrdf { values, seen: vec![true, false] }], 2);
         assert_eq!([figure.width, figure.height], [2 * MAGNIFICATION; 2]);
         let last = 2 * MAGNIFICATION - 1;
         assert_eq!([[0, 0], [last, 0]].map(|at| pixel(&figure, at)), [[0; 3], [255; 3]]);
@@ -85,6 +85,6 @@ mod tests {
         let at = |x, y| pixel(&figure, [figure.width - SIDE + x * SIDE / 4, y * SIDE / 4]);
         assert_eq!(at(3, 0), first, "half the largest");
         assert_ne!(at(0, 0), first);
-        assert_eq!(at(1, 0), heat_map(&[0.0], 1, 1, 1.0).rgb[..]);
+        assert_eq!(at(1, 0), octave_map(&[0.0], 1, 1, OCTAVES).rgb[..]);
     }
 }

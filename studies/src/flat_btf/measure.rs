@@ -110,17 +110,10 @@ pub fn study_model(
         [means(|l| &l.btf), means(|l| &l.push_pull), means(|l| &l.poisson), means(|l| &l.visible)];
     let count = directions.len();
     let apparent: ApparentSizes = summary(&flat_apparent.sizes(count), &btf_apparent.sizes(count), chosen);
-    let seen = |k: usize| {
-        let texel = flat_apparent.texel(k);
-        let masks = &masks;
-        move |view: usize| masks[view][texel]
-    };
-    let all = |_: usize| true;
-    let brdf = |from: &Apparent, k: usize| from.values(k).collect();
-    let seen = [seen(0), seen(1)];
-    let brdfs = [0, 1].iter().flat_map(|k| {
-        let ordinary = ApparentBrdf { values: brdf(&btf_apparent, *k), seen: &all };
-        [ordinary, ApparentBrdf { values: brdf(&flat_apparent, *k), seen: &seen[*k] }]
+    let brdfs = (0..chosen).flat_map(|k| {
+        let seen = masks.iter().map(|mask| mask[flat_apparent.texel(k)]).collect();
+        let flat = ApparentBrdf { values: flat_apparent.values(k).collect(), seen };
+        [ApparentBrdf { values: btf_apparent.values(k).collect(), seen: vec![true; count] }, flat]
     });
     let figures = ModelFigures {
         variance: variance_figure([&btf, &push_pull, &visible]),

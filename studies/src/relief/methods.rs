@@ -34,8 +34,9 @@ pub(super) struct Stored {
 
 /// Range of heights of a map without relief, in tiles.
 const FLAT: [f32; 2] = [-1e-6, 1e-6];
-/// Fetches of the reflectance of a texel, and of table and albedo of its material for a light.
-const OF_REFLECTANCE: u32 = 2 + 5;
+/// Fetches of the reflectance of a texel, and of table and albedo of each material for a light.
+const OF_TEXEL: u32 = 2;
+const OF_MATERIAL: u32 = 5;
 
 /// Polar angles and azimuths of sampled indirections, as in the study `flat-btf`, and their largest polar angle in
 /// degrees.
@@ -113,8 +114,10 @@ impl<'a> Methods<'a> {
 
     /// A method that has these bytes and fetches next to those of the reflectance.
     fn stored(&self, name: &'static str, bytes: u64, fetches: u32, draw: Draw<'a>) -> Method<'a> {
-        let of_texels = self.layers.parts().reflectance.gpu_bytes();
-        Method { name, stored: Some(Stored { bytes: of_texels + bytes, fetches: fetches + OF_REFLECTANCE }), draw }
+        let reflectance = &self.layers.parts().reflectance;
+        let of_reflectance = OF_TEXEL + OF_MATERIAL * reflectance.header().materials;
+        let stored = Stored { bytes: reflectance.gpu_bytes() + bytes, fetches: of_reflectance + fetches };
+        Method { name, stored: Some(stored), draw }
     }
 
     /// Equation 1 of Hadim et al. 2009: indirections of sampled views are blended, and so are shadows of sampled lights.
@@ -198,8 +201,6 @@ fn highest(layers: &LayerMap) -> LayerMap {
     let (mut heights, mut moved) = (Vec::new(), Vec::new());
     let (mut texels, mut pairs) = (layers.height_bytes().chunks_exact(channels), &displacements[..]);
     for level in 0..header.levels {
-        // Level 0 of the displacements has as many texels as level 1 of the heights.
-        let moves = level > 0;
         let count = ((header.size >> level).max(1) as usize).pow(2);
         for (at, texel) in texels.by_ref().take(count).enumerate() {
             // Where an overhanging part is absent, its upper side is below its underside.
@@ -208,11 +209,12 @@ fn highest(layers: &LayerMap) -> LayerMap {
                 _ => 0,
             };
             heights.push(texel[sheet]);
-            if moves {
+            // Level 0 of the displacements has as many texels as level 1 of the heights.
+            if level > 0 {
                 moved.push(pairs[sheet * count + at]);
             }
         }
-        if moves {
+        if level > 0 {
             pairs = &pairs[count * header.sheets as usize..];
         }
     }

@@ -17,7 +17,7 @@ pub(super) const AZIMUTHS: [f64; 3] = [34.0, 155.0, 275.0];
 /// Polar angle of the views in motion, and by how much they turn, degrees.
 pub(super) const MOTION: [f64; 2] = [45.0, 0.5];
 /// Change of ΔE that is seen as a jump.
-pub(super) const JUMP: f32 = 5.0;
+const JUMP: f32 = 5.0;
 /// Vertical angle of view and distance of the camera for these views: 4 x 4 tiles of the plane are 2 x 2 units.
 const FIELD_OF_VIEW: f64 = 20.0;
 pub(super) const DISTANCE: f64 = 3.0;
@@ -122,15 +122,14 @@ impl Renderings {
     }
 
     fn jumps(&self, method: &Method<'_>) -> f64 {
-        let changes = self.motion.iter().flat_map(|pair| changes(pair, method)).collect::<Vec<_>>();
-        share_of_jumps(&changes)
+        let drawn = |pair: &[Rendering; 2]| changes(pair, &pair.each_ref().map(|rendering| rendering.drawn(method)));
+        share_of_jumps(&self.motion.iter().flat_map(drawn).collect::<Vec<_>>())
     }
 }
 
-/// Change of the ΔE of each pixel from the first to the second view.
-pub(super) fn changes(pair: &[Rendering; 2], method: &Method<'_>) -> Vec<f32> {
-    let [before, after] =
-        pair.each_ref().map(|rendering| delta_e_map(&rendering.drawn(method), &rendering.surface, pair[0].exposure));
+/// Change of the ΔE of each pixel from the first to the second view. `images` are a method's.
+pub(super) fn changes(pair: &[Rendering; 2], images: &[LinearImage; 2]) -> Vec<f32> {
+    let [before, after] = [0, 1].map(|k| delta_e_map(&images[k], &pair[k].surface, pair[0].exposure));
     before.iter().zip(&after).map(|(a, b)| (a - b).abs()).collect()
 }
 
@@ -158,7 +157,7 @@ impl Rendering {
     }
 }
 
-fn counted<T>(made: T, done: &dyn Fn()) -> T {
+pub(super) fn counted<T>(made: T, done: &dyn Fn()) -> T {
     done();
     made
 }

@@ -2,7 +2,7 @@
 
 use super::methods::Method;
 use super::renderings::{
-    AZIMUTHS, DISTANCE, FAR_SAMPLES, FAR_TILES, MOTION, Rendering, SAMPLES, Surface, changes, plane_from,
+    AZIMUTHS, DISTANCE, FAR_SAMPLES, FAR_TILES, MOTION, Rendering, SAMPLES, Surface, changes, counted, plane_from,
     share_of_jumps,
 };
 use brdfc_render::contact_sheet::{Cell, contact_sheet};
@@ -23,15 +23,9 @@ pub(super) fn sheet(surface: Surface<'_>, layers: &Method<'_>, done: &dyn Fn()) 
     let [azimuth, other, _] = AZIMUTHS;
     let (plane, vase) = (Builtin::Plane.tiles(), Builtin::Vase.tiles());
     let draw = |scene, tiles, samples| surface.drawn(scene, FRAME, tiles, samples);
-    let still = |name: &str, scene, tiles, samples| {
-        let cell = still(name, &draw(scene, tiles, samples), layers);
-        done();
-        cell
-    };
+    let still = |name: &str, scene, tiles, samples| counted(still(name, &draw(scene, tiles, samples), layers), done);
     let moving = |name: &str, scene: &dyn Fn(f64) -> Scene, tiles| {
-        let cell = moving(name, &[0.0, turn].map(|by| draw(scene(by), tiles, SAMPLES)), layers);
-        done();
-        cell
+        counted(moving(name, &[0.0, turn].map(|by| draw(scene(by), tiles, SAMPLES)), layers), done)
     };
     contact_sheet(&[
         still("plane", plane_from(polar, azimuth, DISTANCE), plane, SAMPLES),
@@ -54,20 +48,18 @@ fn still(name: &str, rendering: &Rendering, layers: &Method<'_>) -> Cell {
     let image = rendering.drawn(layers);
     let row = rendering.row(&image);
     let details = format!("ΔE {:.2}, brightness {:.1} %", row.delta_e, 100.0 * row.brightness);
-    let difference = difference_panel(&image, &rendering.surface, rendering.exposure);
-    cell(
-        name,
-        details,
-        [to_panel(&rendering.surface, rendering.exposure), to_panel(&image, rendering.exposure), difference],
-    )
+    let (surface, exposure) = (&rendering.surface, rendering.exposure);
+    let difference = difference_panel(&image, surface, exposure);
+    cell(name, details, [to_panel(surface, exposure), to_panel(&image, exposure), difference])
 }
 
 fn moving(name: &str, pair: &[Rendering; 2], layers: &Method<'_>) -> Cell {
-    let changes = changes(pair, layers);
+    let images = pair.each_ref().map(|rendering| rendering.drawn(layers));
+    let changes = changes(pair, &images);
     let details = format!("change of ΔE over 0.5°: {:.1} % jump", 100.0 * share_of_jumps(&changes));
     let (after, exposure) = (&pair[1], pair[0].exposure);
     let change = heat_map(&changes, FRAME.width, FRAME.height, DELTA_E_FULL_SCALE);
-    cell(name, details, [to_panel(&after.surface, exposure), to_panel(&after.drawn(layers), exposure), change])
+    cell(name, details, [to_panel(&after.surface, exposure), to_panel(&images[1], exposure), change])
 }
 
 fn cell(name: &str, details: String, panels: [Panel; 3]) -> Cell {

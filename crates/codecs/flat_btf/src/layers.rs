@@ -13,9 +13,10 @@ use serde::{Deserialize, Serialize};
 
 /// Lines per texel and axis.
 const LINES: usize = 4;
-/// Distance over which an absent sheet is mirrored, in tiles, and at least, in texels. Steps of flat rays are long: a rim
-/// has to be longer, to be met between them.
+/// Distance over which an absent sheet is mirrored, in tiles: rays that are nearly parallel to the plane take long steps,
+/// and find a rim only if its mirror image is about as long.
 const MIRRORED: f64 = 1.0 / 32.0;
+/// Least such distance, in texels.
 const MIRRORED_TEXELS: f64 = 4.0;
 /// Distance between the surface and sheets that follow it inside the solid, as a share of the range of heights: three
 /// steps of a byte, so that rays meet the surface first.
@@ -90,8 +91,10 @@ pub fn layers(
             }
         }
         // Level 0 of the displacements has as many texels as level 1 of the heights.
-        for sheet in 0..report.sheets as usize * usize::from(k > 0) {
-            moved.extend(level.iter().map(|texel| [texel[3 * sheet + 1], texel[3 * sheet + 2]]));
+        if k > 0 {
+            for sheet in 0..report.sheets as usize {
+                moved.extend(level.iter().map(|texel| [texel[3 * sheet + 1], texel[3 * sheet + 2]]));
+            }
         }
     }
     Ok((LayerMap::new(header, heights, moved)?, report))

@@ -46,11 +46,11 @@ fn difference(a: &LinearImage, b: &LinearImage) -> (f64, f64) {
 }
 
 /// Checks that images agree except at outlines, and where a ray passes an edge on another side.
-fn same(a: &LinearImage, b: &LinearImage, what: &str) {
+fn same(a: &LinearImage, b: &LinearImage, what: &str, most: f64) {
     let (share, mean) = difference(a, b);
     println!("{what}: {share} of the pixels, mean ΔE {mean}");
     // The shader derives mipmap levels and curvature from neighbouring pixels, the CPU from the triangle.
-    assert!(share < 0.02 && mean < 0.25, "{what}: {share} of the pixels, mean ΔE {mean}");
+    assert!(share < 0.02 && mean < most, "{what}: {share} of the pixels, mean ΔE {mean}");
     let covered = a.coverage.iter().zip(&b.coverage).filter(|(a, b)| a != b).count();
     assert!(covered < FRAME.width * FRAME.height / 100, "{what}: {covered} outlines");
 }
@@ -68,7 +68,9 @@ fn shader_and_cpu_draw_the_same_renderings() {
             let shader = draw_flat_btf(gpu, &scene, FRAME, &material).unwrap();
             let cpu = draw_on_cpu(&scene, FRAME, &material);
             assert!(cpu.pixels.iter().filter(|p| p[0] > 0.01).count() > FRAME.width * FRAME.height / 8);
-            same(&shader, &cpu, &format!("{name}, {}", builtin.name()));
+            // The terrain is seen almost from the side, where rays are longest.
+            let most = if builtin == Builtin::Terrain { 0.25 } else { 0.05 };
+            same(&shader, &cpu, &format!("{name}, {}", builtin.name()), most);
         }
     }
 }
@@ -132,7 +134,7 @@ fn a_change_of_the_scene_or_of_the_shader_is_a_difference() {
     let drawn = |source: String, scene: &Scene| draw_flat_btf_by(gpu, source, scene, FRAME, &whole).unwrap();
     let from_below = draw_on_cpu(&below, FRAME, &whole);
     assert!(from_below.pixels.iter().any(|p| p[0] > 0.0), "lit from below");
-    same(&drawn(flat_scene_source(), &below), &from_below, "from below");
+    same(&drawn(flat_scene_source(), &below), &from_below, "from below", 0.2);
     let vase = Builtin::Vase.scene();
     let on_vase = draw_on_cpu(&vase, FRAME, &whole);
     let edits = [

@@ -97,6 +97,18 @@ pub struct Arguments {
 /// Studies of adaptive shading.
 const ADAPTIVE: &[Study] = &[Study::Adaptive, Study::PixelBandwidth, Study::BandwidthDirections, Study::Antialiasing];
 
+/// Studies that write files.
+const WRITERS: &[Study] = &[
+    Study::LevelOfDetail,
+    Study::Codecs,
+    Study::Pareto,
+    Study::FlatBtf,
+    Study::Rays,
+    Study::Relief,
+    Study::Relighting,
+    Study::Btf,
+];
+
 impl Arguments {
     /// Texels per side of studies that require a power of two.
     ///
@@ -123,24 +135,9 @@ impl Arguments {
                            relighting (photographs)";
             return Err(Error::usage(format!("INPUT: found with --study {}, {allowed}", name.get_name())));
         }
-        let writes = matches!(
-            self.study,
-            Study::LevelOfDetail
-                | Study::Codecs
-                | Study::FlatBtf
-                | Study::Pareto
-                | Study::Rays
-                | Study::Relief
-                | Study::Relighting
-                | Study::Btf
-        );
-        if !writes && self.out.is_some() {
-            let allowed =
-                "expected with --study level-of-detail, codecs, pareto, flat-btf, rays, relief, relighting or btf";
-            return Err(Error::usage(format!("--out: found with another study, {allowed}")));
-        }
         for (given, option, studies) in [
-            (self.texels.is_some(), "texels", &[Study::FlatBtf, Study::Relief, Study::Rays, Study::Btf][..]),
+            (self.out.is_some(), "out", WRITERS),
+            (self.texels.is_some(), "texels", &[Study::FlatBtf, Study::Relief, Study::Rays, Study::Btf]),
             (self.flat_texels.is_some(), "flat-texels", &[Study::FlatBtf]),
             (self.directions.is_some(), "directions", &[Study::FlatBtf, Study::Btf]),
             (self.indirection.is_some(), "indirection", &[Study::FlatBtf]),

@@ -46,8 +46,8 @@ pub(super) fn run(arguments: &Arguments, common: Common) -> Result<StudyResult, 
 
 pub(super) fn text(settings: &ReliefSettings, rows: &[ReliefRow]) -> String {
     let mut text = format!(
-        "{0} x {0} texels, heights twice as many per side. Errors are mean ΔE against the surface itself, ray cast. All methods have the reflectance of \
-         the layers; the last two are bounds, which compute from the surface.\n",
+        "{0} x {0} texels, heights twice as many per side. Errors are mean ΔE against the surface itself, ray cast. All \
+         methods have the reflectance of the layers; the last two are bounds, which compute from the surface.\n",
         settings.texels
     );
     for row in rows {

@@ -29,7 +29,7 @@ pub(super) fn short_name(address: &str) -> String {
     address.strip_prefix(SYNTH_PREFIX).unwrap_or(address).split('?').next().unwrap_or_default().to_owned()
 }
 
-/// A name for files about a structure, distinct for most addresses without prefix.
+/// Part of the name of files about a structure: `knit-seed-3` for the address `knit?seed=3`.
 pub(super) fn file_stem(address: &str) -> String {
     address.chars().map(|c| if c.is_ascii_alphanumeric() || c == '.' { c } else { '-' }).collect()
 }

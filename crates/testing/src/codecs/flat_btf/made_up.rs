@@ -63,15 +63,19 @@ pub fn relief(header: LayerHeader, texel: impl Fn([u32; 2]) -> ([u8; 3], [[f32; 
             };
             texels = (0..side * side).map(mean).collect();
         }
-        for texel in texels.iter().filter(|_| level < header.levels) {
-            heights.push(texel[0] as u8);
-            if sheets > 1 {
-                heights.extend([texel[1] as u8, texel[2] as u8, 0]);
+        if level < header.levels {
+            for texel in &texels {
+                heights.push(texel[0] as u8);
+                if sheets > 1 {
+                    heights.extend([texel[1] as u8, texel[2] as u8, 0]);
+                }
             }
         }
         // Level 0 of the displacements has as many texels as level 1 of the heights.
-        for sheet in 0..sheets * usize::from(level > 0) {
-            displacements.extend(texels.iter().map(|texel| [texel[3 + 2 * sheet], texel[4 + 2 * sheet]]));
+        if level > 0 {
+            for sheet in 0..sheets {
+                displacements.extend(texels.iter().map(|texel| [texel[3 + 2 * sheet], texel[4 + 2 * sheet]]));
+            }
         }
     }
     LayerMap::new(header, heights, displacements).unwrap()
