@@ -10,6 +10,7 @@ pub mod flat_btf;
 pub mod images;
 #[cfg(feature = "render")]
 pub mod level_of_detail;
+pub mod measured_btf;
 pub mod pareto;
 #[cfg(feature = "render")]
 mod rates;
@@ -37,6 +38,9 @@ pub enum Study {
     /// shadows, and bounds; by polar angle, in motion, far away, on curved objects. Takes minutes for each of
     /// synth:button, folds, knit and sponge (the default).
     Relief,
+    /// Flat BTFs of images and the surface that explains their parallax, and of materials: PSNR over all views and
+    /// lights, and bytes, to compare with neural BTFs. Takes minutes for each of synth:button, folds, knit and sponge (the default).
+    MeasuredBtf,
     /// Figure 1 (b) of Baril et al. 2008: photographs under known lights as polynomial texture maps, hemispherical
     /// harmonics and polynomial wavelet trees, at fitted and at held-out lights. With --out: relighting.png.
     Relighting,
@@ -91,6 +95,11 @@ pub enum StudyResult {
         settings: relief::ReliefSettings,
         /// One row for each structure.
         rows: Vec<relief::ReliefRow>,
+    },
+    /// Flat BTFs of images.
+    MeasuredBtf {
+        /// Two rows for each structure.
+        rows: Vec<measured_btf::MeasuredBtfRow>,
     },
     /// Methods to store photographs under known lights.
     Relighting(relighting::RelightingStudy),

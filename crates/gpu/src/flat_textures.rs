@@ -1,7 +1,7 @@
 //! Flat BTFs on the device: the bind group that `formats/src/flat_btf/decoder.wgsl` declares, with what
 //! `formats/src/flat_btf/factored/factored.wgsl` adds.
 
-use super::bindings::{IMAGE, INTEGERS, LAYERS, SAMPLER, Slots, UNIFORM};
+use super::bindings::{IMAGE, INTEGERS, LAYERS, SAMPLER, Slots, UNIFORM, VOLUME};
 use super::device::{Gpu, GpuError};
 use brdfc_formats::bindings::{Bindings, FRAME_SLOT, FrameBlock};
 use brdfc_formats::flat_btf::{FlatBtfDecoder, SampledDirections};
@@ -20,7 +20,7 @@ const SHADOW: &str = "factored_shadow";
 /// Layout of group 1.
 pub fn slots(gpu: &Gpu, stages: ShaderStages) -> Slots {
     let relief = (15..).zip([UNIFORM, IMAGE, LAYERS, SAMPLER]);
-    let factored = (23..).zip([UNIFORM, LAYERS, LAYERS, INTEGERS, SAMPLER, INTEGERS]);
+    let factored = (22..).zip([VOLUME, UNIFORM, LAYERS, LAYERS, INTEGERS, SAMPLER, INTEGERS]);
     Slots::new(gpu, "flat BTF", stages, [(FRAME_SLOT, UNIFORM)].into_iter().chain(relief).chain(factored))
 }
 

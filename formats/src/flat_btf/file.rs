@@ -4,7 +4,7 @@ use super::decoder::{FlatBtfDecoder, FlatBtfParts};
 use super::directions::SampledDirections;
 use super::factored::{BasisMap, FactoredFlatBtf, ShadowMap, WeightMap};
 use super::layers::LayerMap;
-use super::shader::{BASIS, DIRECTIONS, DISPLACEMENTS, HEIGHTS, SHADOW};
+use super::shader::{BASIS, DIRECTIONS, DISPLACEMENTS, HEIGHTS, SHADOW, TABLES};
 use crate::FormatError;
 use crate::bindings::{Bindings, PackFile};
 
@@ -75,11 +75,12 @@ impl FlatBtfFile {
             let texture = file.take_texture(name);
             move || texture.ok_or_else(|| FormatError::whole(name, "no texels", "texels of a flat BTF").problem())
         };
-        let (heights, displacements, basis) = (image(HEIGHTS)()?, image(DISPLACEMENTS)()?, image(BASIS)()?);
+        let (heights, displacements, tables) = (image(HEIGHTS)()?, image(DISPLACEMENTS)()?, image(TABLES)()?);
+        let basis = image(BASIS)().ok();
         let shadow = image(SHADOW)().ok().map(ShadowMap::from_texture).transpose()?;
         let stored = image(DIRECTIONS)().ok().map(|texture| SampledDirections::from_texture(&texture)).transpose()?;
         let layers = LayerMap::from_textures(heights, &displacements)?;
-        let reflectance = FactoredFlatBtf::new(BasisMap::from_texture(&basis)?, weights, shadow)?;
+        let reflectance = FactoredFlatBtf::new(BasisMap::from_textures(tables, basis.as_ref())?, weights, shadow)?;
         let made = Self::new(FlatBtfDecoder::new(FlatBtfParts { layers, reflectance }))?;
         // Triangulations may differ if more than three points are on a circle; the stored ones are used.
         let counts = |some: &SampledDirections| [some.views.directions(), some.lights.directions()];

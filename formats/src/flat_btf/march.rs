@@ -15,11 +15,11 @@ pub struct MarchSteps {
 }
 
 impl MarchSteps {
-    /// Steps for a relief: enough for rays of sight at 50 degrees from the normal to take steps of 1.5 texels, 6 to 17;
-    /// three refinements; and twice as many for both rays, up to 27.
+    /// Steps for a relief: enough for rays of sight at 50 degrees from the normal to take steps of 1.5 texels, 6 to 19;
+    /// three refinements; and twice as many for both rays, up to 30.
     pub fn of(header: &LayerHeader) -> Self {
-        let sight = (1.2 * header.range() * header.size as f32 / TEXELS_PER_STEP).ceil().clamp(6.0, 17.0) as u32;
-        Self { sight, refine: 3, both: (2 * sight).min(27) }
+        let sight = (1.2 * header.range() * header.size as f32 / TEXELS_PER_STEP).ceil().clamp(6.0, 19.0) as u32;
+        Self { sight, refine: 3, both: (2 * sight).min(30) }
     }
 }
 

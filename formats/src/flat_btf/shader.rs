@@ -10,7 +10,7 @@ use crate::direction_mesh::DIRECTION_MESH_WGSL;
 use crate::flat_btf::FlatBtfDecoder;
 
 /// Name of the decoder and version of its bindings.
-pub(super) const DECODER: (&str, u32) = ("flat-btf", 3);
+pub(super) const DECODER: (&str, u32) = ("flat-btf", 4);
 
 /// WGSL of the rays through the relief. It declares a uniform block, two textures and a sampler in bind group 1; see
 /// the file.
@@ -53,6 +53,7 @@ pub(super) const DISPLACEMENTS: &str = "flat_btf_displacements";
 const WEIGHTS: &str = "factored_weights";
 pub(super) const SHADOW: &str = "factored_shadow";
 pub(super) const BASIS: &str = "factored_basis";
+pub(super) const TABLES: &str = "factored_tables";
 pub(super) const DIRECTIONS: &str = "direction_mesh_words";
 const SAMPLER: &str = "flat_btf_sampler";
 const FACTORED_SAMPLER: &str = "factored_sampler";
@@ -87,7 +88,7 @@ impl FlatBtfDecoder {
 }
 
 /// Additional bindings for factored values.
-pub fn factored_bindings(asset: &FactoredFlatBtf) -> [Binding<'_>; 5] {
+pub fn factored_bindings(asset: &FactoredFlatBtf) -> [Binding<'_>; 6] {
     let (header, weights) = (asset.header(), asset.weights());
     let layers = Extent::D2Array([header.size, header.size, weights.layers()]);
     let shadow = asset.shadow().map(|map| {
@@ -96,8 +97,13 @@ pub fn factored_bindings(asset: &FactoredFlatBtf) -> [Binding<'_>; 5] {
     });
     let shadow = shadow.unwrap_or_else(|| Texels::empty(TexelFormat::R8Unorm, Extent::D2Array([1; 3])));
     let weights = Texels::new(TexelFormat::Rgba8Unorm, layers, weights.texels()).with_levels(weights.levels());
-    let basis = Texels::new(TexelFormat::Rgba32Uint, Extent::D2(header.basis_extent()), bytes(asset.basis().words()));
+    let basis = match header.groups {
+        0 => Texels::empty(TexelFormat::Rgba32Uint, Extent::D2([1; 2])),
+        _ => Texels::new(TexelFormat::Rgba32Uint, Extent::D2(header.basis_extent()), bytes(asset.basis().words())),
+    };
+    let tables = Texels::new(TexelFormat::Rgba16Float, header.tables_extent(), asset.basis().table_texels());
     [
+        Binding::texture(22, TABLES, tables.sampled(FACTORED_SAMPLER)),
         Binding::uniform(23, "factored_parameters", FactoredParameters::to_bytes(asset)),
         Binding::texture(24, WEIGHTS, weights.sampled(FACTORED_SAMPLER).of_file()),
         Binding::texture(25, SHADOW, shadow.sampled(FACTORED_SAMPLER)),

@@ -21,7 +21,8 @@ fn the_largest_numbers_decode_to_numbers() {
     ] {
         let mut header = asset.header().clone();
         header.steps = header.steps.map(|steps| vec![step; steps.len()]);
-        let basis = BasisMap::new(header, asset.basis().words().to_vec()).unwrap();
+        let basis =
+            BasisMap::new(header, asset.basis().words().to_vec(), asset.basis().table_texels().to_vec()).unwrap();
         let weights = asset.weights();
         let ranges = vec![WeightRange { scale, low }; weights.ranges().len()];
         let weights = WeightMap::new(weights.size(), weights.levels(), ranges, weights.texels().to_vec()).unwrap();
@@ -39,8 +40,8 @@ fn values_of_other_lengths_are_rejected() {
     for (entry, long, short, without) in [
         (
             "brdfc.flat-btf.factored",
-            "165 bytes, expected 164 bytes, as groups requires",
-            "68 bytes or more",
+            "193 bytes, expected 192 bytes, as groups requires",
+            "96 bytes or more",
             "brdfc.flat-btf.factored: not among the keys ",
         ),
         (
@@ -76,8 +77,19 @@ fn values_of_other_lengths_are_rejected() {
 #[test]
 fn other_textures_are_rejected() {
     for (part, extent, levels, expected) in [
-        ("basis", Extent::D2([9, 47]), 1, "size of the part basis: found 9 x 47, expected a 2D texture of 9 x 46"),
-        ("basis", Extent::D2([9, 46]), 2, "byte 40, levelCount: found 2, expected 1"),
+        (
+            "basis",
+            Extent::D2([9, 4]),
+            1,
+            "size of the part basis: found 9 x 4, expected a texture of 9 x 3, as its header",
+        ),
+        ("basis", Extent::D2([9, 3]), 2, "byte 40, levelCount: found 2, expected 1"),
+        (
+            "tables",
+            Extent::D3([8, 48, 2]),
+            1,
+            "size of the part tables: found 8 x 48 x 2, expected a texture of 8 x 48 x 1, as its header",
+        ),
         (
             "weights",
             Extent::D2([4, 4]),
@@ -111,7 +123,7 @@ fn other_textures_are_rejected() {
         });
         assert!(error.to_string().starts_with(expected), "{error}");
     }
-    for part in ["basis", "weights", "shadow"] {
+    for part in ["basis", "tables", "weights", "shadow"] {
         let error = refusal(&factored_file(), |file| {
             let name = format!("factored_{part}");
             let extent = image(file, &name).extent;
@@ -131,11 +143,11 @@ fn wrong_headers_are_rejected() {
         |key: &str, word: usize, value: u32| refusal(&made, |file| set_word(file, key, 4 * word, value)).to_string();
     let [nan, inf] = [f32::NAN, f32::INFINITY].map(f32::to_bits);
     for (word, value, expected) in [
-        (0, 2, "brdfc.flat-btf.factored version: found 2, expected 3"),
+        (0, 2, "brdfc.flat-btf.factored version: found 2, expected 4"),
         (1, 0, "brdfc.flat-btf.factored size: found 0, expected 1 to 8192"),
         (2, 4, "brdfc.flat-btf.factored levels: found 4, expected 1 to 3"),
         (3, 17, "brdfc.flat-btf.factored groups: found 17, expected 0 to 16"),
-        (3, 3, "brdfc.flat-btf.factored length: found 164 bytes, expected 212 bytes, as groups requires"),
+        (3, 3, "brdfc.flat-btf.factored length: found 192 bytes, expected 240 bytes, as groups requires"),
         (4, 3, "brdfc.flat-btf.factored wide groups: found 3, expected 0 to 2, the number of groups"),
         (5, 2, "brdfc.flat-btf.factored shadow format: found 2, expected 0 to 1"),
         (6, 0, "brdfc.views: found 24 bytes, expected 0 bytes"),
@@ -143,7 +155,7 @@ fn wrong_headers_are_rejected() {
         (7, 4, "brdfc.lights: found 40 bytes, expected 32 bytes"),
         (1, 8193, "brdfc.flat-btf.factored size: found 8193, expected 1 to 8192"),
         (2, 0, "brdfc.flat-btf.factored levels: found 0, expected 1 to 3"),
-        (3, 0, "brdfc.flat-btf.factored length: found 164 bytes, expected 68 bytes, as groups requires"),
+        (3, 0, "brdfc.flat-btf.factored length: found 192 bytes, expected 96 bytes, as groups requires"),
         (6, 2049, "brdfc.flat-btf.factored views: found 2049, expected 0 to 2048"),
         (7, 0, "brdfc.lights: found 40 bytes, expected 0 bytes"),
         (7, 2049, "brdfc.flat-btf.factored lights: found 2049, expected 0 to 2048"),
@@ -157,8 +169,14 @@ fn wrong_headers_are_rejected() {
         (15, 3, "brdfc.flat-btf.factored materials: found 3, expected 0 to 2"),
         (15, 1, "brdfc.flat-btf.factored groups: found 2, expected no groups, because there are materials"),
         (16, 2, "brdfc.flat-btf.factored axes: found 2, expected 0 to 1"),
-        (17, nan, "brdfc.flat-btf.factored step: found NaN, expected a finite non-negative number"),
-        (40, inf, "brdfc.flat-btf.factored step: found inf, expected a finite non-negative number"),
+        (17, 2, "brdfc.flat-btf.factored levels of tables: found 2, expected 1 to 1"),
+        (
+            18,
+            1.0f32.to_bits(),
+            "brdfc.flat-btf.factored albedo of material 0: found [1.0, 0.0, 0.0], expected numbers of 0 to 0",
+        ),
+        (24, nan, "brdfc.flat-btf.factored step: found NaN, expected a finite non-negative number"),
+        (47, inf, "brdfc.flat-btf.factored step: found inf, expected a finite non-negative number"),
     ] {
         assert_eq!(with("brdfc.flat-btf.factored", word, value), expected);
     }
@@ -169,7 +187,7 @@ fn wrong_headers_are_rejected() {
     assert_eq!(weights(0, 0), "brdfc.flat-btf.weights version: found 0, expected 1");
     assert_eq!(weights(1, 4), "brdfc.flat-btf.weights: found 136 bytes, expected 40 bytes");
     assert!(weights(5, nan).starts_with("brdfc.flat-btf.weights range 1"));
-    // The base has two layers, and its table has a range.
+    // The base has two layers.
     let range = WeightRange { scale: 1.0, low: 0.0 };
     assert!(WeightMap::new(1, 1, vec![range; 8], vec![0; 8]).is_ok());
     for count in [4, 9] {
@@ -177,13 +195,14 @@ fn wrong_headers_are_rejected() {
         let expected = format!("numbers of the part weights: found {count}, expected a multiple of 4, at least 8");
         assert_eq!(refused, expected);
     }
-    for (number, label) in [(nan, "NaN"), (inf, "inf"), ((-0.5f32).to_bits(), "-0.5"), (65_537.0f32.to_bits(), "65537")]
-    {
-        // The table follows three views of nine texels.
-        let word = 4 * (9 * 3 + 2 * 8 + 5) + 1;
-        let error = refusal(&factored_file(), |file| set_texel(file, "factored_basis", word, &number.to_le_bytes()));
+    for (half, label) in [(0x7e00u16, "NaN"), (0x7c00, "inf"), (0xb800, "-0.5")] {
+        let green = 4 * (2 * 8 + 5) + 1;
+        let error = refusal(&factored_file(), |file| set_texel(file, "factored_tables", green, &half.to_le_bytes()));
         let error = error.to_string();
         assert!(error.starts_with("entry (2, 5) of the base: found [") && error.contains(label), "{error}");
+        let alpha = green + 2;
+        let error = refusal(&factored_file(), |file| set_texel(file, "factored_tables", alpha, &half.to_le_bytes()));
+        assert!(error.to_string().starts_with(&format!("diffuse factors of a material: found {label}")), "{error}");
     }
     assert_eq!(with("brdfc.flat-btf.shadow", 0, 2), "brdfc.flat-btf.shadow version: found 2, expected 1");
 }
@@ -208,7 +227,7 @@ fn a_base_with_parts_of_components_is_rejected() {
     // Of a file with components, whose basis has no groups any more.
     let without = refusal(&factored_file(), |file| {
         let entry = file.entries.get_mut(KEY).unwrap();
-        entry.truncate(68);
+        entry.truncate(96);
         entry[12..20].fill(0);
     });
     assert!(

@@ -135,7 +135,7 @@ fn other_kinds_of_textures_are_rejected() {
         let expected = format!("part displacements: found {found}, expected {allowed}, as {LAYERS} says");
         assert_eq!(shaped(DISPLACEMENTS, format, extent, levels), expected);
     }
-    for name in [HEIGHTS, DISPLACEMENTS, "factored_basis"] {
+    for name in [HEIGHTS, DISPLACEMENTS, "factored_tables"] {
         let error = refusal(&factored_file(), |file| {
             let texels = image(file, name);
             *texels = brdfc_formats::bindings::Texels::empty(texels.format, texels.extent);

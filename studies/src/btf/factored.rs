@@ -15,8 +15,8 @@ use std::time::Instant;
 
 /// Number of blended pairs of a view and a light.
 const PAIRS: f64 = 9.0;
-/// Number of loaded entries of the base's table.
-const BASE_ENTRIES: f64 = 4.0;
+/// Fetches of the base's table.
+const BASE_ENTRIES: f64 = 1.0;
 /// Number of blended lights, each with its shadow.
 const BLENDED_LIGHTS: f64 = 3.0;
 

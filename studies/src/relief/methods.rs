@@ -34,9 +34,9 @@ pub(super) struct Stored {
 
 /// Range of heights of a map without relief, in tiles.
 const FLAT: [f32; 2] = [-1e-6, 1e-6];
-/// Fetches of the reflectance of a texel, and of table and albedo of each material for a light.
+/// Fetches of the reflectance of a texel, and of the tables of each material for a light.
 const OF_TEXEL: u32 = 2;
-const OF_MATERIAL: u32 = 5;
+const OF_MATERIAL: u32 = 1;
 
 /// Polar angles and azimuths of sampled indirections, as in the study `flat-btf`, and their largest polar angle in
 /// degrees.

@@ -29,6 +29,9 @@ pub(super) const SAMPLES: usize = 2;
 /// Tiles per side of the plane from far away, and the side of its grid of samples of a pixel.
 pub(super) const FAR_TILES: u32 = 16;
 pub(super) const FAR_SAMPLES: usize = 8;
+/// Tiles per side of the plane from farther away, on a share of the pixels per row.
+const FARTHER_TILES: u32 = 32;
+const FARTHER_SHARE: f64 = 0.5;
 
 /// The surface itself.
 #[derive(Clone, Copy)]
@@ -63,12 +66,13 @@ pub(super) struct Renderings {
     /// Pairs of views before and after a turn.
     motion: Vec<[Rendering; 2]>,
     far: Rendering,
+    farther: Rendering,
     objects: Vec<(&'static str, Rendering)>,
 }
 
 impl Renderings {
     /// Number of calls of `done` by [`Self::new`].
-    pub(super) const COUNT: usize = 2 + POLAR_ANGLES.len() + AZIMUTHS.len() + OBJECTS.len();
+    pub(super) const COUNT: usize = 3 + POLAR_ANGLES.len() + AZIMUTHS.len() + OBJECTS.len();
 
     /// Draws the surface. Calls `done` after each view or group of views.
     pub(super) fn new(surface: Surface<'_>, pixels: usize, done: &dyn Fn()) -> Self {
@@ -87,8 +91,9 @@ impl Renderings {
         let moving = |azimuth: &f64| counted([0.0, turn].map(|by| turned(polar, azimuth + by)), done);
         let motion = AZIMUTHS.iter().map(moving).collect();
         let far = draw(Builtin::Plane.scene(), 1.0, FAR_TILES, FAR_SAMPLES);
+        let farther = draw(Builtin::Plane.scene(), FARTHER_SHARE, FARTHER_TILES, FAR_SAMPLES);
         let object = |builtin: Builtin| (builtin.name(), draw(builtin.scene(), 0.5, builtin.tiles(), SAMPLES));
-        Self { plane, angles, motion, far, objects: OBJECTS.map(object).into() }
+        Self { plane, angles, motion, far, farther, objects: OBJECTS.map(object).into() }
     }
 
     /// Errors of a method.
@@ -113,6 +118,7 @@ impl Renderings {
                 .collect(),
             jumps: self.jumps(method),
             far: self.far.row(&self.far.drawn(method)),
+            farther: self.farther.row(&self.farther.drawn(method)),
             objects: self
                 .objects
                 .iter()

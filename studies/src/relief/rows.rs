@@ -40,6 +40,8 @@ pub struct MethodRow {
     pub jumps: f64,
     /// 16 x 16 tiles on the plane, against 64 samples per pixel.
     pub far: RenderingRow,
+    /// 32 x 32 tiles on half as many pixels per row, about ten per tile, against 64 samples per pixel.
+    pub farther: RenderingRow,
     /// Curved objects against the displaced object, outlines included.
     pub objects: Vec<ObjectRow>,
 }

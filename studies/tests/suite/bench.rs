@@ -43,6 +43,31 @@ fn the_study_of_rays_counts_rays_and_writes_them() {
     }
 }
 
+/// Parallax of images is explained by the surface: factors of images are nearly as good as the materials.
+#[test]
+fn the_study_of_measured_btfs_compares_images_with_materials() {
+    let folder = folder();
+    let study =
+        ["--study", "measured-btf", "synth:knit?resolution=32", "--texels", "32", "--directions", "grid:3x8@60"];
+    let report = folder.run(&[&study[..], &["--json"]].concat()).succeeded().json();
+    conforms(&report);
+    let rows = report["rows"].as_array().unwrap();
+    let number = |row: usize, key: &str| rows[row][key].as_f64().unwrap();
+    assert_eq!((rows.len(), &rows[0]["from"], &rows[1]["from"]), (2, &"images".into(), &"materials".into()));
+    assert_eq!(rows[0]["images"], 17 * 17);
+    for row in 0..2 {
+        assert!(number(row, "psnr") > 20.0 && number(row, "delta_e") < 5.0, "{rows:?}");
+        assert!(number(row, "file_bytes") < number(row, "gpu_bytes") + 20_000.0, "{rows:?}");
+    }
+    let printed = folder.run(&study).succeeded().stdout;
+    assert!(
+        printed.contains("289 images of 32 x 32 pixels per structure") && printed.contains("materials"),
+        "{printed}"
+    );
+    let refused = folder.run(&["--study", "measured-btf", "--texels", "48"]);
+    assert_eq!(refused.code, 2, "{}", refused.stderr);
+}
+
 fn is_image(file: &std::path::Path) {
     let image = image::open(file).unwrap().into_rgb8();
     let first = image.get_pixel(0, 0);

@@ -72,9 +72,11 @@ fn files_are_listed_with_their_metadata() {
     let printed = folder.run(&["info", "button", "--files", "--json"]).succeeded().json();
     conforms("files", &printed);
     assert!(printed["files"]["button.ktx2"]["entries"]["brdfc.flat-btf.layers"].is_string());
-    for (image, format) in
-        [("flat_btf_heights", "rgba8unorm"), ("flat_btf_displacements", "rg16float"), ("factored_basis", "rgba32uint")]
-    {
+    for (image, format) in [
+        ("flat_btf_heights", "rgba8unorm"),
+        ("flat_btf_displacements", "rg16float"),
+        ("factored_tables", "rgba16float"),
+    ] {
         assert_eq!(printed["files"][format!("button.ktx2#brdfc.image.{image}")]["texel_format"], format);
     }
     // Its own texels are the weights.

@@ -6,6 +6,7 @@
 pub mod caster;
 pub mod encode;
 pub mod factored;
+pub mod far;
 pub mod fill;
 pub mod interreflection;
 pub mod layers;

@@ -9,7 +9,7 @@ use super::interreflection::Bounces;
 use super::surface::{Appearance, SurfacePoint};
 use super::texels::TexelMap;
 use brdfc_core::progress::{Cancelled, Progress};
-use brdfc_formats::direction::{Vector, dot};
+use brdfc_formats::direction::{Vector, dot, from_polar};
 use rayon::prelude::*;
 
 /// Source of texel values: a surface and its materials, or measured images.
@@ -55,6 +55,29 @@ pub fn visible_from_each(
 pub fn visible(texels: &TexelMap, caster: &PeriodicCaster, view: Vector) -> Vec<bool> {
     let seen = |point: &SurfacePoint| dot(point.normal, view) > 0.0 && caster.sees_sky(point, view);
     texels.points.par_iter().map(seen).collect()
+}
+
+/// Number of views of [`projected`], and the largest sine of their polar angles, squared.
+const PROJECTED_VIEWS: usize = 13;
+const LARGEST_SINE_SQUARED: f64 = 0.9;
+
+/// For each texel, the area that views see of it over its own: the mean over views up to 72 degrees from the normal of
+/// the plane.
+pub fn projected(texels: &TexelMap, caster: &PeriodicCaster) -> Vec<f32> {
+    // A spiral with equal steps of area in the disc of sines.
+    let view = |k: usize| {
+        let sine = (LARGEST_SINE_SQUARED * (k as f64 + 0.5) / PROJECTED_VIEWS as f64).sqrt();
+        from_polar(sine.asin(), 2.399_963 * k as f64)
+    };
+    let views: Vec<Vector> = (0..PROJECTED_VIEWS).map(view).collect();
+    let of_texel = |point: &SurfacePoint| {
+        let area = |view: &Vector| {
+            let cosine = dot(point.normal, *view);
+            if cosine > 0.0 && caster.sees_sky(point, *view) { cosine } else { 0.0 }
+        };
+        (views.iter().map(area).sum::<f64>() / views.len() as f64) as f32
+    };
+    texels.points.par_iter().map(of_texel).collect()
 }
 
 /// Values computed from a surface and its materials: direct light with cast shadows, and optionally light of one

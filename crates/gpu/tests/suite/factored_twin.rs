@@ -175,8 +175,40 @@ fn the_sampler_is_within_its_precision() {
     }
 }
 
+/// Texels are equal everywhere, so that only tables are filtered. The controls take another material or level.
+#[test]
+fn the_sampler_filters_tables_within_its_precision() {
+    let Some(gpu) = crate::common::gpu() else { return };
+    let of = factored(SMALL, MATERIALS, 8);
+    let lows = [1.0, 1.0, 1.0, 0.4, 0.2, 0.0, -0.1, 0.0];
+    let ranges = lows.map(|low| WeightRange { scale: 0.0, low }).to_vec();
+    let weights = of.weights();
+    let weights = WeightMap::new(weights.size(), weights.levels(), ranges, weights.texels().to_vec()).unwrap();
+    let asset = FactoredFlatBtf::new(of.basis().clone(), weights, None).unwrap();
+    let queries = queries(SMALL, 3000);
+    let largest = |source: &str| {
+        let found = found(gpu, source, &asset, FrameBlock::default(), &queries);
+        let of_query = |((uv, detail, view, light), found): (&Query, &[f32; 3])| {
+            let expected = asset.filtered(*uv, *detail).blended(*view, *light);
+            (0..3).map(|k| (expected[k] - found[k]).abs()).fold(0.0, f32::max)
+        };
+        queries.iter().zip(&found).map(of_query).fold(0.0, f32::max)
+    };
+    // Neighbouring entries of both tables differ by at most 4, 1 and 4 along the axes.
+    let bound = FACTORED_FILTER_PRECISION * 9.0;
+    assert!(largest(FACTORED_WGSL) <= bound, "{}", largest(FACTORED_WGSL));
+    for (from, to) in [
+        ("f32(table * FACTORED_HALF_ANGLES) + angle", "angle"),
+        ("row, f32(base.level) + base.blend) + vec3<f32>(0.5)", "row, f32(base.level)) + vec3<f32>(0.5)"),
+        ("+ vec3<f32>(0.5);", "+ vec3<f32>(0.0);"),
+    ] {
+        assert_eq!(FACTORED_WGSL.matches(from).count(), 1, "{from}");
+        assert!(largest(&FACTORED_WGSL.replace(from, to)) > bound, "{from}");
+    }
+}
+
 /// Small changes of the shader, each of which the queries must detect.
-const CHANGES: [(&str, &str); 41] = [
+const CHANGES: [(&str, &str); 45] = [
     ("1.0 / 116.0", "1.0 / 116.1"),
     ("1.0 / 500.0", "1.0 / 500.5"),
     ("1.0 / 200.0", "1.0 / 200.5"),
@@ -207,16 +239,20 @@ const CHANGES: [(&str, &str); 41] = [
     ("f32(FACTORED_DIFFERENCE_ANGLES - 1u)", "f32(FACTORED_DIFFERENCE_ANGLES - 2u)"),
     ("var share = 0.5;", "var share = 0.501;"),
     ("share = 0.25;", "share = 0.26;"),
-    ("2.0 * cosine * normal - light", "2.0 * cosine * normal + light"),
+    ("2.0 * cosine * base.normal - light", "2.0 * cosine * base.normal + light"),
     ("(factored_parameters.axes >> table) & 1u", "factored_parameters.axes & 1u"),
-    ("table * FACTORED_ENTRIES + u32(i)", "u32(i)"),
-    ("factored_parameters.materials * FACTORED_ENTRIES + material", "FACTORED_ENTRIES + material"),
-    ("let second = factored_diffuse(1u)", "let second = factored_diffuse(0u)"),
+    ("table * FACTORED_HALF_ANGLES + u32(i), base.level", "u32(i), base.level"),
+    ("+ u32(i), base.level)", "+ u32(i), 0u)"),
+    ("first + vec3<u32>(1u, 1u, 0u)", "first + vec3<u32>(1u, 0u, 0u)"),
+    ("base.blend * (coarse - entry)", "0.99 * base.blend * (coarse - entry)"),
+    ("select(place.blend, 0.0, level == last)", "0.0"),
+    ("let second = factored_parameters.albedos[1].xyz", "let second = factored_parameters.albedos[0].xyz"),
+    ("(first.w * cosine)", "cosine"),
+    ("(gloss.w * cosine)", "cosine"),
     ("min(0.5 * length, 1.0)", "min(0.501 * length, 1.0)"),
     ("slopes.xz + slopes.yw", "slopes.xz"),
     ("scale - 1.0)", "scale - 0.999)"),
     ("light.z >= lowest", "light.z >= 0.0"),
-    ("factored_parameters.views + at / width", "factored_parameters.views + at / width / 2u"),
     ("lights.weights.z * shadows.z", "lights.weights.z * shadows.y"),
 ];
 

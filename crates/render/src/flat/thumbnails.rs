@@ -164,6 +164,8 @@ mod tests {
             chroma: ChromaRange::ALL,
             materials: 0,
             axes: 0,
+            table_levels: 1,
+            albedos: [[0.0; 3]; 2],
             steps: [Vec::new(), Vec::new(), Vec::new()],
             errors: FactoredErrors::default(),
         };

@@ -2,12 +2,13 @@
 //! of components. It is evaluated for the exact view and light, so that the distance between sampled directions does
 //! not blur highlights.
 
-use super::header::{DIFFERENCE_ANGLES, HALF_ANGLES};
+use super::header::{DIFFERENCE_ANGLES, HALF_ANGLES, MAX_BASE};
 use super::maps::WeightRange;
 use crate::FormatError;
+use crate::container::half;
 
-/// Maximum number in a table, and maximum colour of a base: above the largest value of a view.
-pub const MAX_BASE: f32 = 65_536.0;
+/// Maximum number in a table.
+pub const MAX_ENTRY: f32 = half::MAX;
 /// Maximum diffuse and glossy albedo.
 const MAX_ALBEDO: f32 = 1024.0;
 /// Minimum sum of cosines in the divisor of a glossy reflection.
@@ -37,13 +38,31 @@ pub struct BaseTable {
     entries: Vec<[f32; 3]>,
 }
 
-/// A material of a surface: `diffuse cos θi + T geometry`.
+/// A material of a surface: `diffuse A cos θi + T geometry`. From afar it is that of the whole relief within a texel.
 #[derive(Debug, Clone, PartialEq)]
 pub struct BaseMaterial {
     /// Diffuse albedo, linear RGB.
     pub diffuse: [f32; 3],
-    /// Table of its gloss.
-    pub table: BaseTable,
+    /// Tables over the same axis, one for each mipmap level; the last also for all coarser levels.
+    pub tables: Vec<LevelTable>,
+}
+
+/// Table of a material for the texels of a mipmap level.
+#[derive(Debug, Clone, PartialEq)]
+pub struct LevelTable {
+    /// `T`.
+    pub gloss: BaseTable,
+    /// `A`, factor of the diffuse reflection: `48 x 8` numbers of 0 to [`MAX_ENTRY`].
+    pub diffuse: Vec<f32>,
+}
+
+/// A place between the tables of two levels.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct TablePlace {
+    /// The finer level of both.
+    pub level: usize,
+    /// Share of the next coarser level.
+    pub blend: f32,
 }
 
 /// Values of the base at a texel.
@@ -55,6 +74,8 @@ pub struct BaseTexel {
     pub gloss: f32,
     /// Unit normal, in the frame of the reference plane.
     pub normal: [f32; 3],
+    /// Level of the tables.
+    pub tables: TablePlace,
 }
 
 /// Angles of a view and a light relative to a normal.
@@ -116,23 +137,23 @@ impl BaseAngles {
 }
 
 impl BaseTable {
-    /// Creates a table over half angles from `48 x 8` entries, difference angle fastest.
+    /// Creates a table over half angles from `48 x 8` entries, difference angle fastest, rounded to half precision.
     ///
     /// # Errors
-    /// Returns an error if the number of entries is wrong or a number is not in 0 to [`MAX_BASE`].
+    /// Returns an error if the number of entries is wrong or a number is not in 0 to [`MAX_ENTRY`].
     pub fn new(entries: Vec<[f32; 3]>) -> Result<Self, FormatError> {
         let expected = HALF_ANGLES * DIFFERENCE_ANGLES;
         if entries.len() != expected {
             return Err(FormatError::whole("entries of the base", entries.len().to_string(), expected.to_string()));
         }
-        let good = |entry: &[f32; 3]| entry.iter().all(|number| (0.0..=MAX_BASE).contains(number));
+        let good = |entry: &[f32; 3]| entry.iter().all(|number| (0.0..=MAX_ENTRY).contains(number));
         match entries.iter().position(|entry| !good(entry)) {
             Some(at) => {
                 let (i, j) = (at / DIFFERENCE_ANGLES, at % DIFFERENCE_ANGLES);
-                let allowed = format!("numbers of 0 to {MAX_BASE}");
+                let allowed = format!("numbers of 0 to {MAX_ENTRY}");
                 Err(FormatError::whole(format!("entry ({i}, {j}) of the base"), format!("{:?}", entries[at]), allowed))
             }
-            None => Ok(Self { axis: Axis::Half, entries }),
+            None => Ok(Self { axis: Axis::Half, entries: entries.iter().map(|entry| entry.map(rounded)).collect() }),
         }
     }
 
@@ -177,13 +198,72 @@ impl BaseTable {
     }
 }
 
-impl BaseMaterial {
-    /// Value under a normal in a view under an unshadowed light, linear RGB.
+fn rounded(number: f32) -> f32 {
+    half::decode(half::encode(number))
+}
+
+impl LevelTable {
+    /// Creates a table from factors of the diffuse reflection, rounded to half precision.
+    ///
+    /// # Errors
+    /// Returns an error for another number of factors, or one that is not in 0 to [`MAX_ENTRY`].
+    pub fn new(gloss: BaseTable, diffuse: Vec<f32>) -> Result<Self, FormatError> {
+        let wrong = |found: String, allowed| FormatError::whole("diffuse factors of a material", found, allowed);
+        if diffuse.len() != gloss.entries.len() {
+            return Err(wrong(diffuse.len().to_string(), gloss.entries.len().to_string()));
+        }
+        match diffuse.iter().find(|factor| !(0.0..=MAX_ENTRY).contains(*factor)) {
+            Some(found) => Err(wrong(found.to_string(), format!("numbers of 0 to {MAX_ENTRY}"))),
+            None => Ok(Self { gloss, diffuse: diffuse.into_iter().map(rounded).collect() }),
+        }
+    }
+
+    /// The table of a material close up: all of its diffuse reflection.
+    pub fn close_up(gloss: BaseTable) -> Self {
+        Self { diffuse: vec![1.0; gloss.entries.len()], gloss }
+    }
+
+    /// Interpolates `T` (three) and `A`.
     #[inline]
-    pub fn value(&self, normal: [f32; 3], view: [f32; 3], light: [f32; 3]) -> [f32; 3] {
-        let Some(angles) = BaseAngles::new(self.table.axis, normal, view, light) else { return [0.0; 3] };
-        let table = self.table.at(&angles.taps);
-        [0, 1, 2].map(|c: usize| self.diffuse[c] * angles.cosine + angles.geometry * table[c])
+    fn at(&self, taps: &[(usize, f32); 4]) -> [f32; 4] {
+        let [red, green, blue] = self.gloss.at(taps);
+        [red, green, blue, taps.iter().fold(0.0f32, |sum, (at, weight)| sum + weight * self.diffuse[*at])]
+    }
+}
+
+impl TablePlace {
+    /// The place of a level of detail, a whole level and a share of the next, among `count` tables.
+    #[inline]
+    pub(super) fn new(level: u32, blend: f32, count: u32) -> Self {
+        if level + 1 < count {
+            Self { level: level as usize, blend }
+        } else {
+            Self { level: count as usize - 1, blend: 0.0 }
+        }
+    }
+}
+
+impl BaseMaterial {
+    /// Axis of the tables.
+    pub fn axis(&self) -> Axis {
+        self.tables[0].gloss.axis
+    }
+
+    /// Value of a texel with a tint of 1 in a view under an unshadowed light, linear RGB.
+    ///
+    /// # Panics
+    /// Panics if there is no table for the texel's level.
+    #[inline]
+    pub fn value(&self, texel: &BaseTexel, view: [f32; 3], light: [f32; 3]) -> [f32; 3] {
+        let Some(angles) = BaseAngles::new(self.axis(), texel.normal, view, light) else { return [0.0; 3] };
+        let TablePlace { level, blend } = texel.tables;
+        let mut entry = self.tables[level].at(&angles.taps);
+        if blend > 0.0 {
+            let coarse = self.tables[level + 1].at(&angles.taps);
+            entry = [0, 1, 2, 3].map(|k: usize| entry[k] + blend * (coarse[k] - entry[k]));
+        }
+        let cosine = entry[3] * angles.cosine;
+        [0, 1, 2].map(|c: usize| self.diffuse[c] * cosine + angles.geometry * entry[c])
     }
 }
 
@@ -195,16 +275,16 @@ pub(super) fn blended_materials(
     view: [f32; 3],
     light: [f32; 3],
 ) -> [f32; 3] {
-    let mut value = materials[0].value(texel.normal, view, light);
+    let mut value = materials[0].value(texel, view, light);
     if let Some(second) = materials.get(1) {
-        let second = second.value(texel.normal, view, light);
+        let second = second.value(texel, view, light);
         value = [0, 1, 2].map(|c: usize| (1.0 - texel.gloss) * value[c] + texel.gloss * second[c]);
     }
     [0, 1, 2].map(|c: usize| (texel.diffuse[c] * value[c]).clamp(0.0, MAX_BASE))
 }
 
 /// Decodes the components of the two base layers: `diffuse` red, green, blue, `gloss`; and the normal.
-pub(super) fn base_texel([red, green, blue, gloss, x, x_low, y, y_low]: [f32; 8]) -> BaseTexel {
+pub(super) fn base_texel(tables: TablePlace, [red, green, blue, gloss, x, x_low, y, y_low]: [f32; 8]) -> BaseTexel {
     // NaN becomes the minimum.
     let between = |number: f32, least: f32, most: f32| if number > least { number.min(most) } else { least };
     let albedo = |number: f32| between(number, 0.0, MAX_ALBEDO);
@@ -215,6 +295,7 @@ pub(super) fn base_texel([red, green, blue, gloss, x, x_low, y, y_low]: [f32; 8]
         diffuse: [red, green, blue].map(albedo),
         gloss: albedo(gloss),
         normal: [p * scale, q * scale, scale - 1.0],
+        tables,
     }
 }
 
@@ -235,7 +316,7 @@ pub fn slope_texel(words: [u16; 2]) -> [f32; 3] {
         let [higher, lower] = word.to_be_bytes();
         high.of_byte(higher) + low.of_byte(lower)
     });
-    base_texel([0.0, 0.0, 0.0, 0.0, x, 0.0, y, 0.0]).normal
+    base_texel(TablePlace::default(), [0.0, 0.0, 0.0, 0.0, x, 0.0, y, 0.0]).normal
 }
 
 /// Ranges of the bytes of [`slope_words`], the higher byte of each first.
@@ -260,7 +341,8 @@ mod tests {
     #[test]
     fn without_gloss_it_is_diffuse() {
         let table = BaseTable::new(vec![[9.0; 3]; HALF_ANGLES * DIFFERENCE_ANGLES]).unwrap();
-        let texel = BaseTexel { diffuse: [0.5, 0.25, 1.0], gloss: 0.0, normal: [0.0, 0.6, 0.8] };
+        let texel =
+            BaseTexel { diffuse: [0.5, 0.25, 1.0], gloss: 0.0, normal: [0.0, 0.6, 0.8], tables: TablePlace::default() };
         assert_eq!(table.colour(&texel, [0.0, 0.0, 1.0], [0.0, 0.0, 1.0]), [0.4, 0.2, 0.8]);
         assert_eq!(table.colour(&texel, [0.0, 0.0, 1.0], [0.0, -1.0, 0.0]), [0.0; 3]);
         let glossy = BaseTexel { gloss: 0.5, ..texel };
@@ -307,7 +389,8 @@ mod tests {
             prop_assume!(normal[2] > -0.85);
             let bytes = slope_words(normal).map(|word| [word >> 8, word & 255]).concat();
             let number = |k: usize| slope_ranges()[k].low + slope_ranges()[k].scale * f32::from(bytes[k]) / 255.0;
-            let found = base_texel([0.0, 0.0, 0.0, 0.0, number(0), number(1), number(2), number(3)]).normal;
+            let numbers = [0.0, 0.0, 0.0, 0.0, number(0), number(1), number(2), number(3)];
+            let found = base_texel(TablePlace::default(), numbers).normal;
             for k in 0..3 {
                 prop_assert!((found[k] - normal[k]).abs() < 2e-4, "{normal:?} {found:?}");
             }
@@ -316,8 +399,8 @@ mod tests {
         /// The base is finite for any file contents and at the ends of filters.
         #[test]
         fn bases_are_numbers(numbers in prop::array::uniform8(prop::num::f32::NORMAL | prop::num::f32::INFINITE | prop::num::f32::ZERO)) {
-            let texel = base_texel(numbers);
-            let table = BaseTable::new(vec![[MAX_BASE; 3]; HALF_ANGLES * DIFFERENCE_ANGLES]).unwrap();
+            let texel = base_texel(TablePlace::default(), numbers);
+            let table = BaseTable::new(vec![[MAX_ENTRY; 3]; HALF_ANGLES * DIFFERENCE_ANGLES]).unwrap();
             let colour = table.colour(&texel, [0.0, 0.6, 0.8], [0.28, 0.0, 0.96]);
             prop_assert!(colour.iter().all(|c| (0.0..=MAX_BASE).contains(c)), "{texel:?} {colour:?}");
         }

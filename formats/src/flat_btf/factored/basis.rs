@@ -1,68 +1,97 @@
 //! The part `basis`: components for each view and light, and the table of the base.
 
-use super::base::{Axis, BaseMaterial, BaseTable, BaseTexel, MAX_BASE, blended_materials};
-use super::header::{BASIS_PART, DIFFERENCE_ANGLES, FactoredErrors, FactoredHeader, GROUP, HALF_ANGLES};
+use super::base::{Axis, BaseMaterial, BaseTable, BaseTexel, LevelTable, blended_materials};
+use super::header::{BASIS_PART, DIFFERENCE_ANGLES, FactoredErrors, FactoredHeader, GROUP, HALF_ANGLES, TABLES_PART};
 use crate::FormatError;
-use crate::container::{Extent, TexelFormat, Texture};
+use crate::container::{Extent, TexelFormat, Texture, half};
 use crate::flat_btf::layout::{check_format, words, wrong_extent};
 
 /// Components as integers: for each pair of a view and a light three opponent colours, for each of these all
-/// components. The table of the base follows.
+/// components. And the tables of the base.
 #[derive(Debug, Clone, PartialEq)]
 pub struct BasisMap {
     header: FactoredHeader,
     base: BaseTable,
     materials: Vec<BaseMaterial>,
     words: Vec<u32>,
+    /// Texels of the tables: four halves each.
+    tables: Vec<u8>,
 }
 
-const ENTRIES: usize = HALF_ANGLES * DIFFERENCE_ANGLES;
+/// Bytes of a table: four halves per entry.
+const TABLE_BYTES: usize = 8 * HALF_ANGLES * DIFFERENCE_ANGLES;
+
+/// Entries of a table as texels: `T` (three) and `A`.
+fn texels<'a>(gloss: &'a BaseTable, diffuse: impl Iterator<Item = f32> + 'a) -> impl Iterator<Item = u8> + 'a {
+    let entries = gloss.entries().iter().zip(diffuse);
+    entries.flat_map(|([r, g, b], factor)| [*r, *g, *b, factor]).flat_map(|c| half::encode(c).to_le_bytes())
+}
+
+/// Table of texels.
+fn table(texels: &[u8], axis: Axis) -> Result<LevelTable, FormatError> {
+    let halves = texels.as_chunks::<2>().0.iter().map(|bytes| half::decode(u16::from_le_bytes(*bytes)));
+    let halves: Vec<f32> = halves.collect();
+    let entries = halves.as_chunks::<4>().0.iter();
+    let gloss = BaseTable::new(entries.clone().map(|[r, g, b, _]| [*r, *g, *b]).collect())?.over(axis);
+    LevelTable::new(gloss, entries.map(|[.., factor]| *factor).collect())
+}
 
 impl BasisMap {
-    /// Creates a basis from the words of its texels, row by row.
+    /// Creates a basis from the words of its texels, row by row, and the texels of its tables.
     ///
     /// # Errors
-    /// Returns an error if the header or a table entry is out of range, or the number of words is wrong.
-    pub fn new(header: FactoredHeader, words: Vec<u32>) -> Result<Self, FormatError> {
+    /// Returns an error if the header or a table entry is out of range, or a number of words or texels is wrong.
+    pub fn new(header: FactoredHeader, words: Vec<u32>, tables: Vec<u8>) -> Result<Self, FormatError> {
         header.check()?;
         let expected = 4 * Extent::D2(header.basis_extent()).texels();
         if words.len() as u64 != expected {
             let field = format!("words of the part {BASIS_PART}");
             return Err(FormatError::whole(field, words.len().to_string(), format!("{expected}, as the header says")));
         }
-        let first = 4 * header.basis_extent()[0] as usize * header.views.len();
-        let colours = words[first..].chunks_exact(4).map(|texel| [texel[0], texel[1], texel[2]].map(f32::from_bits));
-        let colours: Vec<[f32; 3]> = colours.collect();
-        let tables = header.tables() as usize;
+        let expected = header.tables_extent().texels() * TexelFormat::Rgba16Float.texel_bytes() as u64;
+        if tables.len() as u64 != expected {
+            let field = format!("bytes of the part {TABLES_PART}");
+            return Err(FormatError::whole(field, tables.len().to_string(), format!("{expected}, as the header says")));
+        }
         let axis = |k: usize| if header.axes >> k & 1 == 1 { Axis::Mirror } else { Axis::Half };
-        let table = |k: usize| Ok(BaseTable::new(colours[k * ENTRIES..][..ENTRIES].to_vec())?.over(axis(k)));
-        let base = table(0)?;
+        let count = header.tables() as usize;
+        let of_level =
+            |level: usize, k: usize| table(&tables[(level * count + k) * TABLE_BYTES..][..TABLE_BYTES], axis(k));
+        let base = of_level(0, 0)?.gloss;
         let material = |k: usize| {
-            let diffuse = colours[tables * ENTRIES + k];
-            if !diffuse.iter().all(|c| (0.0..=MAX_BASE).contains(c)) {
-                let field = format!("diffuse albedo of material {k}");
-                return Err(FormatError::whole(field, format!("{diffuse:?}"), format!("numbers of 0 to {MAX_BASE}")));
-            }
-            Ok(BaseMaterial { diffuse, table: table(k)? })
+            let levels = (0..header.table_levels as usize).map(|level| of_level(level, k));
+            Ok(BaseMaterial { diffuse: header.albedos[k], tables: levels.collect::<Result<_, FormatError>>()? })
         };
         let materials = (0..header.materials as usize).map(material).collect::<Result<_, FormatError>>()?;
-        Ok(Self { header, base, materials, words })
+        Ok(Self { header, base, materials, words, tables })
     }
 
-    /// Creates the basis of one or two materials. The header's number of materials and axes are replaced.
+    /// Creates the basis of one or two materials, with equal numbers of tables. The header's numbers of materials and of
+    /// levels of tables, its axes and its albedos are replaced.
     ///
     /// # Errors
-    /// Returns an error if the header is out of range or has groups, or for another number of materials.
+    /// Returns an error if the header is out of range or has groups, or for another number of materials or tables.
     pub fn of_materials(header: FactoredHeader, materials: &[BaseMaterial]) -> Result<Self, FormatError> {
-        let axis = |(k, material): (usize, &BaseMaterial)| (material.table.axis() as u32) << k;
+        let table_levels = materials.first().map_or(1, |material| material.tables.len());
+        let uniform = |material: &BaseMaterial| {
+            let tables = &material.tables;
+            tables.len() == table_levels
+                && !tables.is_empty()
+                && tables.iter().all(|it| it.gloss.axis() == material.axis())
+        };
+        if let Some(k) = materials.iter().position(|material| !uniform(material)) {
+            let (found, allowed) = (materials[k].tables.len(), format!("{} over one axis", table_levels.max(1)));
+            return Err(FormatError::whole(format!("tables of material {k}"), found.to_string(), allowed));
+        }
+        let axis = |(k, material): (usize, &BaseMaterial)| (material.axis() as u32) << k;
         let axes = materials.iter().enumerate().map(axis).sum();
-        let header = FactoredHeader { materials: materials.len() as u32, axes, ..header };
-        header.check()?;
-        let entries = materials.iter().flat_map(|material| material.table.entries());
-        let colours = entries.copied().chain(materials.iter().map(|material| material.diffuse));
-        let mut words: Vec<u32> = colours.flat_map(|[r, g, b]| [r.to_bits(), g.to_bits(), b.to_bits(), 0]).collect();
-        words.resize(4 * Extent::D2(header.basis_extent()).texels() as usize, 0);
-        Self::new(header, words)
+        let table_levels = table_levels as u32;
+        let albedos = std::array::from_fn(|k| materials.get(k).map_or([0.0; 3], |material| material.diffuse));
+        let header = FactoredHeader { materials: materials.len() as u32, axes, table_levels, albedos, ..header };
+        let of_level = |level: usize| materials.iter().filter_map(move |material| material.tables.get(level));
+        let tables = (0..table_levels as usize).flat_map(of_level);
+        let tables = tables.flat_map(|table| texels(&table.gloss, table.diffuse.iter().copied())).collect();
+        Self::new(header, Vec::new(), tables)
     }
 
     /// Colour of a texel's base in a view under an unshadowed light, linear RGB relative to a white diffuser that faces
@@ -95,12 +124,8 @@ impl BasisMap {
         let wide = header.wide_groups as usize * GROUP;
         let stride = 4 * header.texels_per_colour() as usize;
         let lights = header.lights.len();
-        let components = header.views.len() * lights * 3 * stride;
         let mut words = vec![0; 4 * Extent::D2(header.basis_extent()).texels() as usize];
-        for (texel, entry) in words[components..].chunks_exact_mut(4).zip(base.entries()) {
-            texel[..3].copy_from_slice(&entry.map(f32::to_bits));
-        }
-        for (at, line) in words[..components].chunks_exact_mut(stride.max(1)).enumerate() {
+        for (at, line) in words.chunks_exact_mut(stride.max(1)).enumerate() {
             let (view, light, colour) = (at / 3 / lights, at / 3 % lights, at % 3);
             for component in 0..header.components() {
                 let step = steps(view, light, colour, component);
@@ -113,7 +138,8 @@ impl BasisMap {
                 }
             }
         }
-        Self::new(header, words)
+        let tables = texels(base, std::iter::repeat(1.0)).collect();
+        Self::new(header, words, tables)
     }
 
     /// Header of the asset.
@@ -133,9 +159,14 @@ impl BasisMap {
         &self.base
     }
 
-    /// Words of the texels, row by row, including the table.
+    /// Words of the texels, row by row; none without components.
     pub fn words(&self) -> &[u32] {
         &self.words
+    }
+
+    /// Texels of the tables, four halves each.
+    pub fn table_texels(&self) -> &[u8] {
+        &self.tables
     }
 
     /// Integers of an opponent colour in a view under a light, for all components, before multiplication by
@@ -155,15 +186,30 @@ impl BasisMap {
         wide.iter().flat_map(half).chain(narrow.iter().flat_map(byte)).map(|step| step as f32)
     }
 
-    /// Reads and validates the image of a file with its header.
-    pub(in crate::flat_btf) fn from_texture(texture: &Texture) -> Result<Self, FormatError> {
-        let header = FactoredHeader::from_texture(texture)?;
-        check_format(texture, BASIS_PART, TexelFormat::Rgba32Uint)?;
-        let extent = Extent::D2(header.basis_extent());
-        if texture.extent != extent {
-            let allowed = format!("a 2D texture of {extent}, as its header says");
-            return Err(wrong_extent(BASIS_PART, texture.extent, allowed));
-        }
-        Self::new(header, words(&texture.texels))
+    /// Reads and validates the images of a file with their header: tables, and a basis if there are components.
+    pub(in crate::flat_btf) fn from_textures(tables: Texture, basis: Option<&Texture>) -> Result<Self, FormatError> {
+        let header = FactoredHeader::from_texture(&tables)?;
+        let checked = |texture: &Texture, part, format, extent: Extent| {
+            check_format(texture, part, format)?;
+            if texture.extent == extent {
+                return Ok(());
+            }
+            Err(wrong_extent(part, texture.extent, format!("a texture of {extent}, as its header says")))
+        };
+        checked(&tables, TABLES_PART, TexelFormat::Rgba16Float, header.tables_extent())?;
+        let all = match (basis, header.groups) {
+            (None, 0) => Vec::new(),
+            (Some(basis), 1..) => {
+                checked(basis, BASIS_PART, TexelFormat::Rgba32Uint, Extent::D2(header.basis_extent()))?;
+                words(&basis.texels)
+            }
+            (found, groups) => {
+                let found = if found.is_some() { "a part" } else { "missing" };
+                let allowed =
+                    if groups > 0 { "a part, as groups requires" } else { "no part, because there are no groups" };
+                return Err(FormatError::whole(format!("part {BASIS_PART}"), found, allowed).problem());
+            }
+        };
+        Self::new(header, all, tables.texels)
     }
 }

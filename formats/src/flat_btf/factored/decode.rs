@@ -1,6 +1,6 @@
 //! CPU decoder, the reference for shaders: f32 operations in a fixed order without fused operations.
 
-use super::base::{BaseTexel, base_texel};
+use super::base::{BaseTexel, TablePlace, base_texel};
 use super::basis::BasisMap;
 use super::domain::{from_opponent, to_opponent};
 use super::header::{BASE_LAYERS, FactoredErrors, FactoredHeader, GROUP, MAX_GROUPS, ShadowFormat};
@@ -142,7 +142,7 @@ impl FactoredFlatBtf {
             if found == expected {
                 return Ok(());
             }
-            let allowed = format!("{}, as the basis says", text(expected));
+            let allowed = format!("{}, as the header says", text(expected));
             Err(FormatError::whole(format!("size of the part {part}"), text(found), allowed))
         };
         same("weights", [weights.size(), weights.levels(), weights.layers()], BASE_LAYERS + header.groups)?;
@@ -152,10 +152,10 @@ impl FactoredFlatBtf {
                 same("shadow", [map.size(), map.levels(), map.lights()], header.lights.len() as u32)?;
             }
             (None, ShadowFormat::R8) => {
-                return Err(FormatError::whole("part shadow", "missing", "a part, as the basis requires").problem());
+                return Err(FormatError::whole("part shadow", "missing", "a part, as the header requires").problem());
             }
             (Some(_), ShadowFormat::None) => {
-                let allowed = "no part, as the basis requires";
+                let allowed = "no part, as the header requires";
                 return Err(FormatError::whole("part shadow", "superfluous", allowed).problem());
             }
         }
@@ -254,7 +254,8 @@ impl FactoredFlatBtf {
                 *number = range.low + range.scale * sample;
             }
         }
-        (base_texel(base), components)
+        let blend = place.coarse.map_or(0.0, |(_, blend)| blend);
+        (base_texel(TablePlace::new(place.level, blend, self.header().table_levels), base), components)
     }
 
     /// Fraction of a light that reaches a place.

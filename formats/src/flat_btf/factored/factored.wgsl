@@ -13,9 +13,9 @@
 // refers to the flat BTF's texels, 0 the finest; factored_mipmap_level computes it in a fragment shader, in uniform
 // control flow. Without components, factored_base_colour is the value.
 //
-// With the sampler this takes a fetch per group of four components, two for the base and one per light, four loads of
-// the base's table, and 3 ceil((groups + wide groups) / 4) loads per pair of a view and a light. Manual filtering takes
-// 4 or 8 fetches instead of one.
+// With the sampler this takes a fetch per group of four components, two for the base and one per light, one per table,
+// and 3 ceil((groups + wide groups) / 4) loads per pair of a view and a light. Manual filtering takes 4 or 8 fetches
+// instead of one.
 
 const FACTORED_MAX_GROUPS: u32 = 16u;
 // Layers of weights before those of the groups.
@@ -23,14 +23,15 @@ const FACTORED_BASE_LAYERS: u32 = 2u;
 // Half angles and difference angles of the base's table.
 const FACTORED_HALF_ANGLES: u32 = 48u;
 const FACTORED_DIFFERENCE_ANGLES: u32 = 8u;
-const FACTORED_ENTRIES: u32 = 384u;
+// A hair inside the centre of a texel.
+const FACTORED_FIRST: f32 = 0.501953125;
 const FACTORED_LARGEST_BASE: f32 = 65536.0;
 const FACTORED_LARGEST_ALBEDO: f32 = 1024.0;
 const FACTORED_LEAST_COSINES: f32 = 0.1;
 // Above the cube root of any value that a flat BTF stores.
 const FACTORED_LARGEST_ROOT: f32 = 41.0;
 
-// Same fields and order as `FactoredParameters` of `brdfc-formats`. 1392 bytes.
+// Same fields and order as `FactoredParameters` of `brdfc-formats`. 1424 bytes.
 struct FactoredParameters {
     size: u32,          // T: the flat BTF has T x T texels
     levels: u32,        // mipmap levels of weights and shadows
@@ -38,23 +39,26 @@ struct FactoredParameters {
     wide_groups: u32,   // number of groups with 16 bits in the basis, the others have 8
     shadowed: u32,      // 0: all lights reach all texels
     chroma: u32,        // four signed bytes: minimum and maximum ratios of both opponent colours to lightness, times 48
-    views: u32,         // rows of the basis before the base's table
     lowest_light: f32,  // cosine of the largest polar angle of a sampled light
     materials: u32,     // 0: texels have albedos, and share one table; 1 or 2: texels have a tint
     axes: u32,          // bit k: table k is over mirror angles, otherwise over half angles
+    table_levels: u32,  // mipmap levels with tables of their own
     reserved_0: u32,
     reserved_1: u32,
+    albedos: array<vec4<f32>, 2>,   // diffuse albedos of the materials
     steps: array<vec4<f32>, 48>,    // three opponent colours, 16 groups each
     scales: array<vec4<f32>, 18>,   // of weights, the base's first
     lows: array<vec4<f32>, 18>,
 }
 
+// Tables of the base: difference angles, half angles of the materials, levels. Red, green and blue are T, alpha is A.
+@group(1) @binding(22) var factored_tables: texture_3d<f32>;
 @group(1) @binding(23) var<uniform> factored_parameters: FactoredParameters;
 // The image `weights`: two layers of the base and a layer per group, with mipmaps.
 @group(1) @binding(24) var factored_weights: texture_2d_array<f32>;
 // The image `shadow`: a layer per light, with mipmaps; any 2D array without shadows.
 @group(1) @binding(25) var factored_shadow: texture_2d_array<f32>;
-// The image `basis`.
+// The image `basis`; one texel without components.
 @group(1) @binding(26) var factored_basis: texture_2d<u32>;
 // Linear filter within and between mipmap levels; repeat.
 @group(1) @binding(27) var factored_sampler: sampler;
@@ -77,6 +81,8 @@ struct FactoredBase {
     diffuse: vec3<f32>,
     gloss: f32,
     normal: vec3<f32>,
+    level: u32,    // of the tables, and the share of the next
+    blend: f32,
 }
 
 // Weights of all components.
@@ -154,7 +160,10 @@ fn factored_base(place: FactoredPlace) -> FactoredBase {
     let slopes = factored_numbers(place, 1u);
     let slope = min(max(slopes.xz + slopes.yw, vec2<f32>(-1024.0)), vec2<f32>(1024.0));
     let scale = 2.0 / (1.0 + slope.x * slope.x + slope.y * slope.y);
-    return FactoredBase(albedo.xyz, albedo.w, vec3<f32>(slope.x * scale, slope.y * scale, scale - 1.0));
+    let last = factored_parameters.table_levels - 1u;
+    let level = min(place.level, last);
+    let blend = select(place.blend, 0.0, level == last);
+    return FactoredBase(albedo.xyz, albedo.w, vec3<f32>(slope.x * scale, slope.y * scale, scale - 1.0), level, blend);
 }
 
 fn factored_dot(a: vec3<f32>, b: vec3<f32>) -> f32 {
@@ -169,58 +178,62 @@ fn factored_base_colour(base: FactoredBase, view: vec3<f32>, light: vec3<f32>) -
     }
     let outgoing = min(max(factored_dot(base.normal, view), 0.0), 1.0);
     let geometry = cosine / max(cosine + outgoing, FACTORED_LEAST_COSINES);
-    let first = factored_gloss(0u, base.normal, cosine, view, light);
+    let first = factored_gloss(0u, base, cosine, view, light);
     if factored_parameters.materials == 0u {
         let gloss = base.gloss * geometry;
-        return min(base.diffuse * cosine + gloss * first, vec3<f32>(FACTORED_LARGEST_BASE));
+        return min(base.diffuse * cosine + gloss * first.xyz, vec3<f32>(FACTORED_LARGEST_BASE));
     }
-    var value = factored_diffuse(0u) * cosine + geometry * first;
+    var value = factored_parameters.albedos[0].xyz * (first.w * cosine) + geometry * first.xyz;
     if factored_parameters.materials > 1u {
-        let gloss = factored_gloss(1u, base.normal, cosine, view, light);
-        let second = factored_diffuse(1u) * cosine + geometry * gloss;
+        let gloss = factored_gloss(1u, base, cosine, view, light);
+        let second = factored_parameters.albedos[1].xyz * (gloss.w * cosine) + geometry * gloss.xyz;
         value = (1.0 - base.gloss) * value + base.gloss * second;
     }
     return min(max(base.diffuse * value, vec3<f32>(0.0)), vec3<f32>(FACTORED_LARGEST_BASE));
 }
 
-// Interpolates a table.
-fn factored_gloss(table: u32, normal: vec3<f32>, cosine: f32, view: vec3<f32>, light: vec3<f32>) -> vec3<f32> {
+// Interpolates a table: T, and the factor A of the diffuse reflection of a material.
+fn factored_gloss(table: u32, base: FactoredBase, cosine: f32, view: vec3<f32>, light: vec3<f32>) -> vec4<f32> {
     let sum = view + light;
     let length = sqrt(factored_dot(sum, sum));
     var scale = 0.0;
     if length > 1e-6 {
         scale = 1.0 / length;
     }
-    var apart = normal - scale * sum;
+    var apart = base.normal - scale * sum;
     var share = 0.5;
     if ((factored_parameters.axes >> table) & 1u) == 1u {
-        apart = view - (2.0 * cosine * normal - light);
+        apart = view - (2.0 * cosine * base.normal - light);
         share = 0.25;
     }
     let angle = sqrt(sqrt(min(share * factored_dot(apart, apart), 1.0))) * f32(FACTORED_HALF_ANGLES - 1u);
     let difference = (1.0 - min(0.5 * length, 1.0)) * f32(FACTORED_DIFFERENCE_ANGLES - 1u);
+    let row = f32(table * FACTORED_HALF_ANGLES) + angle;
+    if brdfc_frame.sampler_filters == 1u {
+        let at = vec3<f32>(difference, row, f32(base.level) + base.blend) + vec3<f32>(0.5);
+        let size = vec3<f32>(textureDimensions(factored_tables));
+        // The sampler repeats: rounding must not reach the other side.
+        let inside = min(max(at, vec3<f32>(FACTORED_FIRST)), size - vec3<f32>(FACTORED_FIRST));
+        return textureSampleLevel(factored_tables, factored_sampler, inside / size, 0.0);
+    }
     let i = min(floor(angle), f32(FACTORED_HALF_ANGLES - 2u));
     let j = min(floor(difference), f32(FACTORED_DIFFERENCE_ANGLES - 2u));
-    let across = angle - i;
-    let along = difference - j;
-    let first = table * FACTORED_ENTRIES + u32(i) * FACTORED_DIFFERENCE_ANGLES + u32(j);
-    var entry = (1.0 - across) * (1.0 - along) * factored_entry(first);
-    entry += (1.0 - across) * along * factored_entry(first + 1u);
-    entry += across * (1.0 - along) * factored_entry(first + FACTORED_DIFFERENCE_ANGLES);
-    entry += across * along * factored_entry(first + FACTORED_DIFFERENCE_ANGLES + 1u);
+    let first = vec3<u32>(u32(j), table * FACTORED_HALF_ANGLES + u32(i), base.level);
+    let entry = factored_between(first, angle - i, difference - j);
+    if base.blend > 0.0 {
+        let coarse = factored_between(first + vec3<u32>(0u, 0u, 1u), angle - i, difference - j);
+        return entry + base.blend * (coarse - entry);
+    }
     return entry;
 }
 
-// Diffuse albedo of a material.
-fn factored_diffuse(material: u32) -> vec3<f32> {
-    return factored_entry(factored_parameters.materials * FACTORED_ENTRIES + material);
-}
-
-// Entry of the base's tables, or a diffuse albedo after them.
-fn factored_entry(at: u32) -> vec3<f32> {
-    let width = textureDimensions(factored_basis).x;
-    let texel = textureLoad(factored_basis, vec2<u32>(at % width, factored_parameters.views + at / width), 0);
-    return bitcast<vec3<f32>>(texel.xyz);
+// Interpolates between four entries of a level.
+fn factored_between(first: vec3<u32>, across: f32, along: f32) -> vec4<f32> {
+    var entry = (1.0 - across) * (1.0 - along) * textureLoad(factored_tables, first, 0);
+    entry += (1.0 - across) * along * textureLoad(factored_tables, first + vec3<u32>(1u, 0u, 0u), 0);
+    entry += across * (1.0 - along) * textureLoad(factored_tables, first + vec3<u32>(0u, 1u, 0u), 0);
+    entry += across * along * textureLoad(factored_tables, first + vec3<u32>(1u, 1u, 0u), 0);
+    return entry;
 }
 
 // Sum of the components in a view under a light.

@@ -1,4 +1,4 @@
-//! Header of a factored flat BTF, the value of the key `brdfc.flat-btf.factored` of its basis.
+//! Header of a factored flat BTF, the value of the key `brdfc.flat-btf.factored` of its file.
 
 use super::domain::ChromaRange;
 use crate::FormatError;
@@ -23,12 +23,13 @@ pub const DIFFERENCE_ANGLES: usize = 8;
 pub const BASE_LAYERS: u32 = 2;
 
 pub(super) const BASIS_PART: &str = "basis";
-/// Columns of the basis without groups, for which it holds only the base's table.
-const BASE_WIDTH: u32 = 64;
-const VERSION: u32 = 3;
-const KIND: &str = "the basis of a factored flat BTF";
+pub(super) const TABLES_PART: &str = "tables";
+const VERSION: u32 = 4;
+const KIND: &str = "a factored flat BTF";
 /// Bytes before the steps.
-const FIXED_BYTES: usize = 4 * (9 + 6 + 2);
+const FIXED_BYTES: usize = 4 * (9 + 6 + 3 + 3 * MAX_MATERIALS as usize);
+/// Maximum diffuse albedo of a material, and maximum colour of a base: above the largest value of a view.
+pub const MAX_BASE: f32 = 65_536.0;
 /// Maximum number of materials.
 pub const MAX_MATERIALS: u32 = 2;
 
@@ -97,6 +98,10 @@ pub struct FactoredHeader {
     pub materials: u32,
     /// Axes of the tables, bit by bit: 1 is [`super::Axis::Mirror`].
     pub axes: u32,
+    /// Number of mipmap levels with tables of their own, 1 to [`FactoredHeader::levels`]: 1 without materials.
+    pub table_levels: u32,
+    /// Diffuse albedos of the materials, linear RGB, 0 to [`MAX_BASE`]; 0 where there is none.
+    pub albedos: [[f32; 3]; MAX_MATERIALS as usize],
     /// Step sizes of the basis: for each opponent colour, for all components.
     pub steps: [Vec<f32>; 3],
     /// Errors from factorisation, at held-out texels.
@@ -108,7 +113,7 @@ fn rejected(field: &str, found: impl ToString, allowed: impl Into<String>) -> Fo
 }
 
 impl FactoredHeader {
-    /// Number of tables.
+    /// Number of tables of a level.
     pub fn tables(&self) -> u32 {
         self.materials.max(1)
     }
@@ -128,12 +133,14 @@ impl FactoredHeader {
         self.words().div_ceil(4)
     }
 
-    /// Columns and rows of the basis: one row per view, and the rows of the base's table.
+    /// Columns and rows of the basis: one row per view. Without components there is no basis.
     pub fn basis_extent(&self) -> [u32; 2] {
-        let width = self.lights.len() as u32 * 3 * self.texels_per_colour();
-        let width = if self.groups == 0 { BASE_WIDTH } else { width };
-        let table = (HALF_ANGLES * DIFFERENCE_ANGLES) as u32 * self.tables() + self.materials;
-        [width, self.views.len() as u32 + table.div_ceil(width.max(1))]
+        [self.lights.len() as u32 * 3 * self.texels_per_colour(), self.views.len() as u32]
+    }
+
+    /// Difference angles, half angles of all tables of a level, and levels.
+    pub fn tables_extent(&self) -> Extent {
+        Extent::D3([DIFFERENCE_ANGLES as u32, HALF_ANGLES as u32 * self.tables(), self.table_levels])
     }
 
     /// Columns, rows and layers of the weights, including the layers of the base.
@@ -151,6 +158,7 @@ impl FactoredHeader {
         let bytes = |texels: u64, format: TexelFormat| texels * format.texel_bytes() as u64;
         let shadow = self.shadow.texel_format();
         bytes(Extent::D2(self.basis_extent()).texels(), TexelFormat::Rgba32Uint)
+            + bytes(self.tables_extent().texels(), TexelFormat::Rgba16Float)
             + bytes(self.weights_extent().texels_of_levels(self.levels), TexelFormat::Rgba8Unorm)
             + shadow.map_or(0, |format| bytes(self.shadow_extent().texels_of_levels(self.levels), format))
     }
@@ -175,6 +183,15 @@ impl FactoredHeader {
             return Err(rejected("groups", self.groups, allowed));
         }
         checked("axes", self.axes, 0..=(1 << self.tables()) - 1)?;
+        let most = if self.materials > 0 { self.levels } else { 1 };
+        checked("levels of tables", self.table_levels, 1..=most)?;
+        for (k, albedo) in self.albedos.iter().enumerate() {
+            let most = if k < self.materials as usize { MAX_BASE } else { 0.0 };
+            if !albedo.iter().all(|c| (0.0..=most).contains(c)) {
+                let allowed = format!("numbers of 0 to {most}");
+                return Err(rejected(&format!("albedo of material {k}"), format!("{albedo:?}"), allowed));
+            }
+        }
         if self.groups > 0 {
             check_directions(&self.views, &self.lights)?;
         } else if !(self.views.is_empty() && self.lights.is_empty() && self.shadow == ShadowFormat::None) {
@@ -216,7 +233,8 @@ impl FactoredHeader {
         words.push(self.errors.texels);
         let FactoredErrors { texels: _, seen_mean, seen_p95, seen_max, all_mean, all_p95 } = self.errors;
         words.extend([seen_mean, seen_p95, seen_max, all_mean, all_p95].map(f32::to_bits));
-        words.extend([self.chroma.word(), self.materials, self.axes]);
+        words.extend([self.chroma.word(), self.materials, self.axes, self.table_levels]);
+        words.extend(self.albedos.as_flattened().iter().map(|albedo| albedo.to_bits()));
         words.extend(self.steps.iter().flatten().map(|step| step.to_bits()));
         let mut entries = if self.groups > 0 { direction_entries(&self.views, &self.lights) } else { BTreeMap::new() };
         entries.insert(FACTORED.to_owned(), words.into_iter().flat_map(u32::to_le_bytes).collect());
@@ -247,6 +265,11 @@ impl FactoredHeader {
         };
         let chroma = ChromaRange::from_word(cursor.u32("range of colours")?);
         let (materials, axes) = (cursor.u32("materials")?, cursor.u32("axes")?);
+        let table_levels = cursor.u32("levels of tables")?;
+        let mut albedos = [[0.0; 3]; MAX_MATERIALS as usize];
+        for albedo in albedos.as_flattened_mut() {
+            *albedo = cursor.f32("albedo")?;
+        }
         let components = groups as usize * GROUP;
         let expected = FIXED_BYTES + 3 * 4 * components;
         if bytes.len() != expected {
@@ -261,8 +284,22 @@ impl FactoredHeader {
             [0, 0] => [Vec::new(), Vec::new()],
             counts => read_directions(texture, KIND, counts)?,
         };
-        let header =
-            Self { size, levels, groups, wide_groups, shadow, views, lights, chroma, materials, axes, steps, errors };
+        let header = Self {
+            size,
+            levels,
+            groups,
+            wide_groups,
+            shadow,
+            views,
+            lights,
+            chroma,
+            materials,
+            axes,
+            table_levels,
+            albedos,
+            steps,
+            errors,
+        };
         header.check()?;
         Ok(header)
     }

@@ -14,13 +14,14 @@ mod maps;
 pub mod shader;
 
 pub use base::{
-    Axis, BaseAngles, BaseMaterial, BaseTable, BaseTexel, MAX_BASE, slope_ranges, slope_texel, slope_words,
+    Axis, BaseAngles, BaseMaterial, BaseTable, BaseTexel, LevelTable, MAX_ENTRY, TablePlace, slope_ranges, slope_texel,
+    slope_words,
 };
 pub use basis::BasisMap;
 pub use decode::{FactoredFlatBtf, FactoredTexel};
 pub use domain::{ChromaRange, cube_root, from_opponent, to_opponent};
 pub use header::{
-    BASE_LAYERS, DIFFERENCE_ANGLES, FactoredErrors, FactoredHeader, GROUP, HALF_ANGLES, MAX_GROUPS, MAX_MATERIALS,
-    ShadowFormat,
+    BASE_LAYERS, DIFFERENCE_ANGLES, FactoredErrors, FactoredHeader, GROUP, HALF_ANGLES, MAX_BASE, MAX_GROUPS,
+    MAX_MATERIALS, ShadowFormat,
 };
 pub use maps::{ShadowMap, WeightMap, WeightRange};

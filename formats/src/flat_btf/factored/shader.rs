@@ -1,9 +1,9 @@
 //! Shader side of factored flat BTFs: `formats/src/flat_btf/factored/factored.wgsl` and its uniform block.
 
 use super::decode::FactoredFlatBtf;
-use super::header::{BASE_LAYERS, GROUP, MAX_GROUPS};
+use super::header::{BASE_LAYERS, GROUP, MAX_GROUPS, MAX_MATERIALS};
 
-/// WGSL decoder, to be appended to [`crate::flat_btf::shader::FLAT_BTF_WGSL`]. It declares a uniform block, three
+/// WGSL decoder, to be appended to [`crate::flat_btf::shader::FLAT_BTF_WGSL`]. It declares a uniform block, four
 /// textures and a sampler in bind group 1; see the file.
 pub const FACTORED_WGSL: &str = include_str!("factored.wgsl");
 
@@ -17,7 +17,7 @@ pub struct FactoredParameters;
 
 impl FactoredParameters {
     /// Size of the block, bytes.
-    pub const SIZE: usize = 48 + 4 * GROUP * (3 * MAX_GROUPS + 2 * (BASE_LAYERS + MAX_GROUPS)) as usize;
+    pub const SIZE: usize = 48 + 16 * (MAX_MATERIALS + 3 * MAX_GROUPS + 2 * (BASE_LAYERS + MAX_GROUPS)) as usize;
 
     /// The block of an asset as the shader reads it: little-endian fields in order, padded with zeros.
     pub fn to_bytes(asset: &FactoredFlatBtf) -> Vec<u8> {
@@ -25,12 +25,13 @@ impl FactoredParameters {
         let shadowed = u32::from(asset.shadow().is_some());
         let chroma = header.chroma.word();
         let mut words = vec![header.size, header.levels, header.groups, header.wide_groups, shadowed, chroma];
-        words.extend([header.views.len() as u32, asset.lowest_light().to_bits(), header.materials, header.axes, 0, 0]);
+        words.extend([asset.lowest_light().to_bits(), header.materials, header.axes, header.table_levels, 0, 0]);
         let mut numbers = |numbers: Vec<f32>, layers: u32| {
             let first = words.len();
             words.extend(numbers.into_iter().map(f32::to_bits));
             words.resize(first + GROUP * layers as usize, 0);
         };
+        numbers(header.albedos.iter().flat_map(|[r, g, b]| [*r, *g, *b, 0.0]).collect(), MAX_MATERIALS);
         header.steps.iter().for_each(|steps| numbers(steps.clone(), MAX_GROUPS));
         numbers(asset.weights().ranges().iter().map(|range| range.scale).collect(), BASE_LAYERS + MAX_GROUPS);
         numbers(asset.weights().ranges().iter().map(|range| range.low).collect(), BASE_LAYERS + MAX_GROUPS);

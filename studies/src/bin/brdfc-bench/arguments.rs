@@ -36,8 +36,8 @@ Examples:
 )]
 pub struct Arguments {
     /// Materials of the studies that draw (default: synth:velvet, and a glossy metal for level-of-detail and for
-    /// adaptive shading) and of pareto (default: three models), structures of flat-btf, relief and btf (default: all
-    /// four) and of rays (default: synth:button), or the photographs of relighting.
+    /// adaptive shading) and of pareto (default: three models), structures of flat-btf, relief, measured-btf and
+    /// btf (default: all four) and of rays (default: synth:button), or the photographs of relighting.
     #[arg(value_name = "INPUT")]
     pub(super) inputs: Vec<Input>,
     /// Study to run (default: wavelet-brdf).
@@ -49,13 +49,13 @@ pub struct Arguments {
     pub(super) out: Option<PathBuf>,
     /// Texels of the reference plane per side, 8 or more, for flat-btf (default: 128) and rays (default: 64); for
     /// relief a power of two from 8 to 512 (default: 128); for btf the texels of both BTFs, a power of two from 8 to 256
-    /// (default: 32).
+    /// (default: 32); for measured-btf those of images and flat BTF, a power of two from 8 to 256 (default: 64).
     #[arg(long, value_name = "N", value_parser = any_whole_number::<usize>("a whole number, 8 or more"))]
     pub(super) texels: Option<usize>,
     /// Texels of flat BTFs per side for flat-btf, a power of two from 8 to 1024 (default: twice --texels, rounded up).
     #[arg(long, value_name = "N", value_parser = any_whole_number::<usize>("a power of two from 8 to 1024"))]
     pub(super) flat_texels: Option<usize>,
-    /// Views and lights of flat-btf and btf, as for 'brdfc flatten --views' (default: ubo2003).
+    /// Views and lights of flat-btf, measured-btf and btf, as for 'brdfc flatten --views' (default: ubo2003).
     #[arg(long, value_name = "SET")]
     pub(super) directions: Option<Input>,
     /// Polar angles x azimuths of the indirection map of flat-btf, 2 to 256 and 3 to 256 (default: 16x24).
@@ -131,15 +131,19 @@ impl Arguments {
             && !self.inputs.is_empty()
         {
             let allowed = "expected with the studies that draw (throughput, codecs, level-of-detail and images: \
-                           materials), with pareto (materials), with btf, flat-btf, relief and rays (structures), and with \
+                           materials), with pareto (materials), with btf, flat-btf, measured-btf, relief and rays (structures), and with \
                            relighting (photographs)";
             return Err(Error::usage(format!("INPUT: found with --study {}, {allowed}", name.get_name())));
         }
         for (given, option, studies) in [
             (self.out.is_some(), "out", WRITERS),
-            (self.texels.is_some(), "texels", &[Study::FlatBtf, Study::Relief, Study::Rays, Study::Btf]),
+            (
+                self.texels.is_some(),
+                "texels",
+                &[Study::FlatBtf, Study::Relief, Study::MeasuredBtf, Study::Rays, Study::Btf],
+            ),
             (self.flat_texels.is_some(), "flat-texels", &[Study::FlatBtf]),
-            (self.directions.is_some(), "directions", &[Study::FlatBtf, Study::Btf]),
+            (self.directions.is_some(), "directions", &[Study::FlatBtf, Study::MeasuredBtf, Study::Btf]),
             (self.indirection.is_some(), "indirection", &[Study::FlatBtf]),
             (self.largest_angle.is_some(), "largest-angle", &[Study::FlatBtf]),
             (self.environment.is_some(), "environment", ADAPTIVE),

@@ -7,6 +7,7 @@ mod btf;
 #[cfg(feature = "render")]
 mod codecs;
 mod flat_btf;
+mod measured_btf;
 #[cfg(feature = "render")]
 mod on_adapter;
 mod pareto;
@@ -53,6 +54,7 @@ fn run(arguments: Arguments, common: Common) -> Result<(), Error> {
         Study::WaveletBrdf => wavelet::run()?,
         Study::FlatBtf => flat_btf::run(arguments, common)?,
         Study::Relief => relief::run(arguments, common)?,
+        Study::MeasuredBtf => measured_btf::run(arguments, common)?,
         Study::Relighting => relighting::run(arguments, common)?,
         Study::Btf => btf::run(arguments, common)?,
         Study::Rays => rays::run(arguments, common)?,
@@ -83,6 +85,7 @@ fn print_text(result: &StudyResult) -> Result<(), Error> {
         StudyResult::WaveletBrdf { rows } => print(&wavelet::text(rows)),
         StudyResult::FlatBtf { settings, rows } => print(&flat_btf::text(settings, rows)),
         StudyResult::Relief { settings, rows } => print(&relief::text(settings, rows)),
+        StudyResult::MeasuredBtf { rows } => print(&measured_btf::text(rows)),
         StudyResult::Relighting(study) => print(&relighting::text(study)),
         StudyResult::Btf(study) => print(&btf::text(study)),
         StudyResult::Rays(study) => print(&rays::text(study)),

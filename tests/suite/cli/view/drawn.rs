@@ -192,6 +192,29 @@ fn a_large_first_rendering_is_that_of_render() {
     }
 }
 
+/// Prints the time of the first rendering, and renderings per second of a flat BTF at 512 x 512 pixels.
+#[test]
+#[ignore = "it prints times"]
+fn first_renderings() {
+    let folder = Folder::new();
+    folder.run(&["encode", "synth:ggx?alpha=0.3", "-o", "table.ktx2"]).succeeded();
+    folder.run(&["flatten", "synth:button", "-o", "button"]).succeeded();
+    for (input, scenes) in [("table.ktx2", &["sphere"][..]), ("button", &["plane", "vase", "bottle"])] {
+        folder.run(&["view", input, "-o", "view.html"]).succeeded();
+        let speed = |scene: &&str| {
+            json!(format!("await brdfcView.set({{ scene: '{scene}' }}); return [await brdfcView.speed(10)];"))
+        };
+        let changes: Vec<Value> = scenes.iter().map(speed).collect();
+        for api in ["webgl2", "webgpu"] {
+            let Some(found) = seen(&folder.text("view.html"), [512, 512], api, &changes) else { return };
+            println!("{input}, {}: the first rendering stood after {:.0} ms", found.api, found.first);
+            for (scene, speed) in scenes.iter().zip(&found.results) {
+                println!("{input} on {scene}, {}: {:.1} renderings a second", found.api, speed[0].as_f64().unwrap());
+            }
+        }
+    }
+}
+
 /// A page whose driver fails continues with WebGL 2, also while another option is being selected.
 #[test]
 fn a_driver_that_gives_up_is_replaced() {

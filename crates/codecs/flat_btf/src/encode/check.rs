@@ -2,7 +2,7 @@
 
 use super::recipe::{FlattenRecipe, Reflectance};
 use crate::caster::MAX_POLAR_DEGREES;
-use crate::factored::{FactoredRecipe, FactoredTarget};
+use crate::factored::{FactoredRecipe, FactoredTarget, least_bytes};
 use crate::fill::FillMethod;
 use crate::interreflection::Bounces;
 use brdfc_formats::FormatError;
@@ -49,8 +49,7 @@ impl FlattenRecipe {
         }
         let header = self.header(0);
         header.check()?;
-        // The reflectance of known materials is smaller than factors: two textures of four bytes.
-        let least = 8 * (self.flat_texels as u64).pow(2);
+        let least = least_bytes(self.flat_texels as u32);
         let may_be_brdf = self.reflectance == Reflectance::Auto && self.bounces == 0;
         let fits = |target| !matches!(target, FactoredTarget::Bytes(most) if most < least);
         if self.reflectance != Reflectance::Brdf && !(may_be_brdf && fits(self.target)) {

@@ -18,9 +18,10 @@ pub use report::{AssetErrors, AssetReport};
 pub use scratch::{MemoryScratch, Scratch};
 
 use crate::factored::{Factored, FactoredRecipe, FactoredTarget, factor, known};
+use crate::far::{FarLevel, far_materials};
 use crate::interreflection::Bounces;
 use crate::layers::layers;
-use crate::light_field::{ComputedField, visible_from_each};
+use crate::light_field::{ComputedField, projected, visible_from_each};
 use crate::measured::{MeasuredField, ViewImages};
 use crate::mesh::{MAX_MATERIALS, PeriodicMesh};
 use crate::model::MesoModel;
@@ -101,7 +102,14 @@ pub fn encode<E: Send>(
     let work = Work { recipe, model: &model, surface: &surface, known_materials };
     let (made, seen) = work.reflectance(&input.values, scratch, progress)?;
     let reflectance = if seen.is_some() { Reflectance::Factors } else { Reflectance::Brdf };
-    let decoder = FlatBtfDecoder::new(FlatBtfParts { layers, reflectance: made.asset });
+    let mut decoder = FlatBtfDecoder::new(FlatBtfParts { layers, reflectance: made.asset });
+    let mut far: Vec<FarLevel> = Vec::new();
+    if let (ValueSource::Computed(appearance), Reflectance::Brdf) = (&input.values, reflectance) {
+        progress.stage(Stage::Fit, decoder.parts().reflectance.header().levels as usize - 1)?;
+        let (reflectance, levels) = far_materials(&decoder, &model, appearance, progress)?;
+        decoder = FlatBtfDecoder::new(FlatBtfParts { reflectance, ..decoder.into_parts() });
+        far = levels;
+    }
     let directions = SampledDirections::of(&decoder.parts().reflectance)?;
     let decoded = (&decoder, directions.as_ref());
     let mut errors = AssetErrors::default();
@@ -120,6 +128,7 @@ pub fn encode<E: Send>(
         seen: seen.map(|seen| seen.share),
         never_seen: seen.map(|seen| seen.never),
         errors,
+        far,
         factored: made.facts,
     };
     Ok(FlatBtfEncoded { decoder, report, model })
@@ -203,13 +212,14 @@ impl Work<'_> {
         values: &ValueSource<'_, E>,
         progress: &dyn Progress,
     ) -> Result<Option<Factored>, EncodeError<E>> {
-        let Self { recipe, .. } = self;
+        let Self { recipe, model, .. } = self;
         let ValueSource::Computed(appearance) = values else { return Ok(None) };
         if !self.known_materials || recipe.reflectance == Reflectance::Factors {
             return Ok(None);
         }
         progress.stage(Stage::Fit, 1)?;
-        let brdf = known(&appearance.sources, self.surface, recipe.flat_texels as u32)?;
+        let counts = projected(&model.texels(recipe.flat_texels), &model.caster);
+        let brdf = known(&appearance.sources, self.surface, recipe.flat_texels as u32, &counts)?;
         progress.step()?;
         let too_large = |made: &Factored| match recipe.target {
             FactoredTarget::Bytes(most) => recipe.reflectance == Reflectance::Auto && made.facts.gpu_bytes > most,

@@ -2,6 +2,7 @@
 
 use super::recipe::Reflectance;
 use crate::factored::FactoredFacts;
+use crate::far::FarLevel;
 use crate::layers::LayerReport;
 use crate::parameterise::SurfaceParameterisationReport;
 use crate::probes::ColourErrors;
@@ -31,6 +32,9 @@ pub struct AssetReport {
     pub never_seen: Option<usize>,
     /// Colour errors of the decoded asset.
     pub errors: AssetErrors,
+    /// Mipmap levels with tables of their own; empty for `factors`.
+    #[serde(skip_serializing_if = "Vec::is_empty", default)]
+    pub far: Vec<FarLevel>,
     /// Number of components, and their errors.
     pub factored: FactoredFacts,
 }

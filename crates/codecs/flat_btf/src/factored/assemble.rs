@@ -35,6 +35,8 @@ pub(super) fn header(shape: Shape, size: u32, directions: &FlatHeader, chroma: C
         chroma,
         materials: 0,
         axes: 0,
+        table_levels: 1,
+        albedos: [[0.0; 3]; 2],
         steps: [(); 3].map(|()| vec![0.0; shape.groups as usize * GROUP]),
         errors: FactoredErrors::default(),
     }
@@ -52,7 +54,7 @@ pub(super) fn basis(header: FactoredHeader, base: &BaseTable, basis: &Basis) -> 
 
 /// Mipmap weight of a texel that no view sees, relative to one that all views see: such texels only matter where there
 /// are no others.
-const MIN_COUNT: f32 = 1e-3;
+pub(super) const MIN_COUNT: f32 = 1e-3;
 
 /// Mipmap weight of each texel: the share of views that see it.
 pub(super) fn counts(mask: &VisibilityMask) -> Vec<f32> {

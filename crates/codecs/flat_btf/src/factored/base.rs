@@ -7,7 +7,8 @@ use super::quantise::{weight_byte, weight_ranges};
 use super::words::ViewWords;
 use brdfc_formats::container::rgb9e5;
 use brdfc_formats::flat_btf::factored::{
-    BaseAngles, BaseTable, BaseTexel, WeightRange, cube_root, slope_ranges, slope_texel, slope_words, to_opponent,
+    BaseAngles, BaseTable, BaseTexel, TablePlace, WeightRange, cube_root, slope_ranges, slope_texel, slope_words,
+    to_opponent,
 };
 use brdfc_formats::flat_btf::{FlatHeader, unit_vectors};
 use rayon::prelude::*;
@@ -167,7 +168,7 @@ impl StoredBase {
         let slopes: Vec<[u16; 2]> = normals.iter().map(|normal| slope_words(*normal)).collect();
         let texel = |(bytes, slopes): (&[u8; 4], &[u16; 2])| {
             let [r, g, b, gloss] = [0, 1, 2, 3].map(|k: usize| ranges[k].of_byte(bytes[k]).max(0.0));
-            BaseTexel { diffuse: [r, g, b], gloss, normal: slope_texel(*slopes) }
+            BaseTexel { diffuse: [r, g, b], gloss, normal: slope_texel(*slopes), tables: TablePlace::default() }
         };
         let texels = albedos.iter().zip(&slopes).map(texel).collect();
         Self { table, ranges, albedos, slopes, texels }

@@ -5,7 +5,7 @@ use super::sample::Sample;
 use super::words::ViewWords;
 use brdfc_formats::FormatError;
 use brdfc_formats::container::rgb9e5;
-use brdfc_formats::flat_btf::factored::{Axis, BaseAngles, BaseTable, DIFFERENCE_ANGLES, HALF_ANGLES, MAX_BASE};
+use brdfc_formats::flat_btf::factored::{Axis, BaseAngles, BaseTable, DIFFERENCE_ANGLES, HALF_ANGLES, MAX_ENTRY};
 use nalgebra::{DMatrix, DVector};
 use rayon::prelude::*;
 
@@ -83,7 +83,7 @@ impl Equations {
         }
         let Some(factors) = self.matrix.cholesky() else { return vec![[0.0; 3]; ENTRIES] };
         let solved = self.right.map(|right| factors.solve(&right));
-        let number = |number: f64| if number > 0.0 { (number as f32).min(MAX_BASE) } else { 0.0 };
+        let number = |number: f64| if number > 0.0 { (number as f32).min(MAX_ENTRY) } else { 0.0 };
         (0..ENTRIES).map(|at| [0, 1, 2].map(|k: usize| number(solved[k][at]))).collect()
     }
 }

@@ -19,7 +19,8 @@ use brdfc_formats::direction::DirectionPair;
 use brdfc_formats::direction_set::DirectionSet;
 use brdfc_formats::flat_btf::FlatHeader;
 use brdfc_formats::flat_btf::factored::{
-    Axis, BaseMaterial, BaseTable, BaseTexel, BasisMap, ChromaRange, MAX_BASE, MAX_MATERIALS,
+    Axis, BaseMaterial, BaseTable, BaseTexel, BasisMap, ChromaRange, FactoredHeader, LevelTable, MAX_ENTRY,
+    MAX_MATERIALS, TablePlace,
 };
 use brdfc_metrics::lab::{distance_squared, lab};
 use rayon::prelude::*;
@@ -68,17 +69,18 @@ impl<'a> KnownValues<'a> {
         let sample = Sample { texels: vec![0], masks: Masks::all(views.len(), 1), lights, views };
         let (table, albedos) = fit_table(axis, &sample, &[UP], self.rays)?;
         let [red, green, blue, gloss] = albedos[0];
-        let scaled = table.entries().iter().map(|entry| entry.map(|c| (gloss * c).min(MAX_BASE)));
+        let scaled = table.entries().iter().map(|entry| entry.map(|c| (gloss * c).min(MAX_ENTRY)));
         let table = BaseTable::new(scaled.collect())?.over(axis);
-        Ok(BaseMaterial { diffuse: [red, green, blue], table })
+        Ok(BaseMaterial { diffuse: [red, green, blue], tables: vec![LevelTable::close_up(table)] })
     }
 
     /// Mean ΔE of a material.
     fn error(&self, material: &BaseMaterial) -> f64 {
         let pairs = (0..self.values.len()).step_by(THINNED);
+        let texel = BaseTexel { diffuse: [1.0; 3], gloss: 0.0, normal: UP, tables: TablePlace::default() };
         let difference = |pair: usize| {
             let [view, light] = directions(self.rays, pair);
-            f64::from(distance_squared(lab(material.value(UP, view, light)), lab(self.values[pair])).sqrt())
+            f64::from(distance_squared(lab(material.value(&texel, view, light)), lab(self.values[pair])).sqrt())
         };
         pairs.clone().map(difference).sum::<f64>() / pairs.len().max(1) as f64
     }
@@ -100,24 +102,39 @@ fn sampled(size: u32) -> FlatHeader {
     FlatHeader { size, view: 0, views: angles.clone(), lights: angles }
 }
 
-/// Fits the materials of a surface. `None` for more than [`MAX_MATERIALS`]. The error is the mean over pairs of
-/// directions up to 75 degrees from the normal.
+/// Least bytes on a GPU of known materials, at `size x size` texels.
+pub fn least_bytes(size: u32) -> u64 {
+    let none = FlatHeader { views: Vec::new(), lights: Vec::new(), ..sampled(size) };
+    let header = assemble::header(Shape { groups: 0, shadowed: false }, size, &none, ChromaRange::ALL);
+    FactoredHeader { materials: 1, table_levels: header.levels, ..header }.gpu_bytes()
+}
+
+/// Fits the materials of a surface. `None` for more than [`MAX_MATERIALS`]. Each level has the tables of the finest;
+/// mipmaps weight texels by `counts`. The error is the mean over pairs of directions up to 75 degrees from
+/// the normal.
 ///
 /// # Errors
 /// Returns an error only for layouts that cannot be: too many texels.
-pub fn known(sources: &[Box<dyn Source>], surface: &TexelSurface, size: u32) -> Result<Option<Factored>, FormatError> {
+pub fn known(
+    sources: &[Box<dyn Source>],
+    surface: &TexelSurface,
+    size: u32,
+    counts: &[f32],
+) -> Result<Option<Factored>, FormatError> {
     if sources.len() > MAX_MATERIALS as usize {
         return Ok(None);
     }
     let sampled = sampled(size);
     let rays = Rays::new(&sampled);
     let values: Vec<KnownValues<'_>> = sources.iter().map(|source| KnownValues::new(&**source, &rays)).collect();
-    let materials = values.iter().map(KnownValues::material).collect::<Result<Vec<_>, _>>()?;
+    let mut materials = values.iter().map(KnownValues::material).collect::<Result<Vec<_>, _>>()?;
     let tints: Vec<Albedo> = surface.shares.iter().map(|shares| tint(&shares[..sources.len()])).collect();
     let base = StoredBase::new(BaseTable::black(), &tints, &surface.normals);
 
     let none = FlatHeader { views: Vec::new(), lights: Vec::new(), ..sampled };
     let header = assemble::header(Shape { groups: 0, shadowed: false }, size, &none, ChromaRange::ALL);
+    let levels = header.levels as usize;
+    materials.iter_mut().for_each(|material| material.tables = vec![material.tables[0].clone(); levels]);
     let basis = BasisMap::of_materials(header, &materials)?;
     let [_, measured] = choose(tints.len(), 0, MEASURED);
     let of_texel = |at: &usize| -> Vec<f32> {
@@ -135,7 +152,8 @@ pub fn known(sources: &[Box<dyn Source>], surface: &TexelSurface, size: u32) -> 
     let errors = summary(measured.len(), all.clone(), &mut all);
 
     let texels = Texels { weights: Vec::new(), shadows: Vec::new() };
-    let asset = assemble::asset(basis, &base, &texels, &vec![1.0; tints.len()])?.with_errors(errors);
+    let counts: Vec<f32> = counts.iter().map(|count| count.max(assemble::MIN_COUNT)).collect();
+    let asset = assemble::asset(basis, &base, &texels, &counts)?.with_errors(errors);
     let gpu_bytes = asset.gpu_bytes();
     let trial = FactoredTrial { components: 0, shadowed: false, gpu_bytes, errors };
     let facts = FactoredFacts { components: 0, shadowed: false, gpu_bytes, errors, tried: vec![trial] };

@@ -36,6 +36,6 @@ mod train;
 mod words;
 
 pub use encode::factor;
-pub use known::known;
+pub use known::{known, least_bytes};
 pub use recipe::{FactoredRecipe, FactoredTarget};
 pub use report::{FactorError, Factored, FactoredFacts, FactoredTrial};

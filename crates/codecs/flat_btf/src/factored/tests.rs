@@ -3,7 +3,9 @@
 use super::{Factored, FactoredRecipe, FactoredTarget, FactoredTrial, factor};
 use brdfc_formats::FormatError;
 use brdfc_formats::container::rgb9e5;
-use brdfc_formats::flat_btf::factored::{BaseTable, BaseTexel, DIFFERENCE_ANGLES, HALF_ANGLES, from_opponent};
+use brdfc_formats::flat_btf::factored::{
+    BaseTable, BaseTexel, DIFFERENCE_ANGLES, HALF_ANGLES, TablePlace, from_opponent,
+};
 use brdfc_formats::flat_btf::{FlatHeader, FlatView, VisibilityMask, unit_vectors};
 
 const SIZE: u32 = 16;
@@ -112,7 +114,8 @@ fn gloss_under_known_normals_is_the_base() {
     let table = BaseTable::new(entries.collect()).unwrap();
     let glossy = |t: u32, v: u32, l: u32| {
         let diffuse = [0.3 * noise(t, 62), 0.2 + 0.1 * noise(t, 63), 0.1];
-        let texel = BaseTexel { diffuse, gloss: 0.5 + 0.5 * noise(t, 64), normal: normal(t) };
+        let texel =
+            BaseTexel { diffuse, gloss: 0.5 + 0.5 * noise(t, 64), normal: normal(t), tables: TablePlace::default() };
         table.colour(&texel, from[v as usize], to[l as usize])
     };
     let four = FactoredTarget::Components { components: 4, shadowed: false };

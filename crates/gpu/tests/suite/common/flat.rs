@@ -61,7 +61,13 @@ pub fn without_mipmaps(FlatBtfParts { layers, reflectance }: &FlatBtfParts) -> F
     let weights = WeightMap::new(size, 1, weights.ranges().to_vec(), bytes).unwrap();
     let shadow = reflectance.shadow().map(|map| map.texels()[..lights * texels].to_vec());
     let shadow = shadow.map(|texels| ShadowMap::new(size, 1, lights as u32, texels).unwrap());
-    let basis = BasisMap::new(header, reflectance.basis().words().to_vec()).unwrap();
+    let mut materials = reflectance.basis().materials().to_vec();
+    materials.iter_mut().for_each(|material| material.tables.truncate(1));
+    let basis = match materials[..] {
+        [] => BasisMap::new(header, reflectance.basis().words().to_vec(), reflectance.basis().table_texels().to_vec()),
+        _ => BasisMap::of_materials(header, &materials),
+    };
+    let basis = basis.unwrap();
     let layers = finest(layers, LayerHeader { levels: 1, ..*layers.header() });
     FlatBtfParts { layers, reflectance: FactoredFlatBtf::new(basis, weights, shadow).unwrap() }
 }

@@ -6,7 +6,7 @@ use brdfc_formats::bindings::{PackFile, Resource, Texels};
 use brdfc_formats::container::{Extent, TexelFormat};
 use brdfc_formats::flat_btf::factored::{
     Axis, BASE_LAYERS, BaseMaterial, BaseTable, BasisMap, ChromaRange, DIFFERENCE_ANGLES, FactoredErrors,
-    FactoredFlatBtf, FactoredHeader, GROUP, HALF_ANGLES, ShadowFormat, ShadowMap, WeightMap, WeightRange,
+    FactoredFlatBtf, FactoredHeader, GROUP, HALF_ANGLES, LevelTable, ShadowFormat, ShadowMap, WeightMap, WeightRange,
 };
 use brdfc_formats::flat_btf::{
     BlendedDirection, FlatBtfDecoder, FlatBtfFile, FlatBtfParts, LayerHeader, LayerMap, ViewWeights,
@@ -159,6 +159,8 @@ pub fn factored(sizes: Sizes, factors: Factors, seed: u64) -> FactoredFlatBtf {
         chroma: ChromaRange([-20, 60, -30, 24]),
         materials: 0,
         axes: 0,
+        table_levels: 1,
+        albedos: [[0.0; 3]; 2],
         steps,
         errors: FactoredErrors {
             texels: 3,
@@ -179,7 +181,10 @@ pub fn factored(sizes: Sizes, factors: Factors, seed: u64) -> FactoredFlatBtf {
         |k: usize| WeightRange { scale: if k == 0 { 200.0 } else { 60.0 }, low: if k == 0 { 1.0 } else { -25.0 } };
     let ranges = base_ranges().into_iter().chain((0..components).map(range)).collect();
     let basis = if materials > 0 {
-        BasisMap::of_materials(header, &two_materials()[..materials as usize])
+        let mut made = two_materials();
+        // A pack without mipmaps has one level of tables.
+        made.iter_mut().for_each(|material| material.tables.truncate(levels as usize));
+        BasisMap::of_materials(header, &made[..materials as usize])
     } else {
         BasisMap::from_steps(header, &base_table(), |_, _, colour, component| {
             let most = if component < wide_groups as usize * GROUP { 32767.0 } else { 127.0 };
@@ -204,7 +209,7 @@ pub fn factored_example() -> FactoredFlatBtf {
         (0..8u8).map(|k| colour * if k < 4 { 0.003_906_25 } else { 0.062_5 } * (1.0 + 0.125 * f32::from(k))).collect()
     });
     let (shadow, chroma) = (ShadowFormat::R8, ChromaRange([-20, 60, -30, 24]));
-    let (materials, axes) = (0, 0);
+    let (materials, axes, table_levels) = (0, 0, 1);
     let header = FactoredHeader {
         size,
         levels,
@@ -216,6 +221,8 @@ pub fn factored_example() -> FactoredFlatBtf {
         chroma,
         materials,
         axes,
+        table_levels,
+        albedos: [[0.0; 3]; 2],
         steps,
         errors,
     };
@@ -349,10 +356,20 @@ pub fn base_table() -> BaseTable {
 /// Materials with tables over half angles and over mirror angles.
 pub fn two_materials() -> [BaseMaterial; 2] {
     let table = base_table();
-    let halved = table.entries().iter().map(|entry| entry.map(|c| 0.5 * c)).collect();
+    let scaled = |axis: Axis, factor: f32| {
+        let entries = table.entries().iter().map(|entry| entry.map(|c| factor * c)).collect();
+        BaseTable::new(entries).unwrap().over(axis)
+    };
+    // Two levels: from afar there is half the gloss, and less diffuse light for larger difference angles.
+    let tables = |axis: Axis, factor: f32| {
+        let less = |at: usize| 1.0 - 0.0625 * (at % DIFFERENCE_ANGLES) as f32;
+        let diffuse = (0..HALF_ANGLES * DIFFERENCE_ANGLES).map(less).collect();
+        let far = LevelTable::new(scaled(axis, 0.5 * factor), diffuse).unwrap();
+        vec![LevelTable::close_up(scaled(axis, factor)), far]
+    };
     [
-        BaseMaterial { diffuse: [0.75, 0.5, 0.25], table },
-        BaseMaterial { diffuse: [0.125, 0.25, 0.0], table: BaseTable::new(halved).unwrap().over(Axis::Mirror) },
+        BaseMaterial { diffuse: [0.75, 0.5, 0.25], tables: tables(Axis::Half, 1.0) },
+        BaseMaterial { diffuse: [0.125, 0.25, 0.0], tables: tables(Axis::Mirror, 0.5) },
     ]
 }
 
