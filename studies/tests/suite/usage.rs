@@ -34,7 +34,12 @@ fn flags_that_do_not_apply_to_the_study() {
     flat(["--indirection", "1x8"], &["--indirection: found 1x8, expected 2 to 256 polar angles x 3 to 256"]);
     flat(["--indirection", "256x256"], &["--texels x --indirection: found a map of 1073741824 samples"]);
     flat(["--largest-angle", "90"], &["--largest-angle: found 90, expected above 0, up to 89 degrees"]);
-    refused(&folder, &["synth:knit"], 2, &["flat-btf, relief and rays (structures)", "images: materials"]);
+    refused(
+        &folder,
+        &["synth:knit"],
+        2,
+        &["flat-btf, measured-btf, relief and rays (structures)", "images: materials"],
+    );
     refused(&folder, &["synth:lewis"], 2, &["expected with the studies that draw"]);
     refused(&folder, &["--out", "x"], 2, &["--study level-of-detail"]);
 }

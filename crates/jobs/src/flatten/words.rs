@@ -57,9 +57,9 @@ pub fn missed(asset: &AssetFile) -> Option<String> {
     let found = f64::from(factored.errors.seen_mean);
     (found > most).then(|| {
         format!(
-            "--max-delta-e: found a mean ΔE of {found:.3} with {} components, the best of {} that were tried, \
+            "--max-delta-e: found a mean ΔE of {found:.3} with {}, the best of {} that were tried, \
              expected at most {most}",
-            factored.components,
+            if factored.components == 0 { "brdf".to_owned() } else { format!("{} components", factored.components) },
             factored.tried.len()
         )
     })

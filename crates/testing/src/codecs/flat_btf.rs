@@ -21,7 +21,7 @@ use crate::golden::values::{Values, directions as hemisphere, of_columns, points
 use crate::packs::{Numbers, unit_vector};
 use crate::sampler::{ROUNDING, SAMPLED, STEP, SamplerCase};
 use brdfc_formats::bindings::FrameBlock;
-use brdfc_formats::flat_btf::factored::{FactoredFlatBtf, ShadowFormat};
+use brdfc_formats::flat_btf::factored::{BaseAngles, FactoredFlatBtf, ShadowFormat};
 use brdfc_formats::flat_btf::{FlatBtfDecoder, FlatBtfFile, FlatBtfParts, LayerMap, SampledDirections, ViewWeights};
 use brdfc_formats::{Pack, PackKind};
 
@@ -103,8 +103,33 @@ fn flat_bound(decoder: &FlatBtfDecoder, directions: Option<&SampledDirections>, 
             most[k] += 3.0 * there.map(|there| (there[k] - here[k]).abs()).into_iter().fold(0.0, f32::max);
         }
     }
-    let of = |k: usize| f64::from(most[k]) + ROUNDING * (f64::from(here[k]) + 1e-2);
+    let of_tables = table_bound(decoder, query);
+    let of = |k: usize| f64::from(most[k] + of_tables[k]) + ROUNDING * (f64::from(here[k]) + 1e-2);
     [of(0), of(1), of(2), 1e-6]
+}
+
+/// Error bound from filtering the tables of materials: positions are off by a step along each of three axes, and kept half
+/// a step inside.
+fn table_bound(decoder: &FlatBtfDecoder, [a, b, c]: &Query) -> [f32; 3] {
+    let [view, light] = [b, c].map(|v| [v[0], v[1], v[2]]);
+    let reflectance = &decoder.parts().reflectance;
+    let point = decoder.seen([a[0], a[1]], view, a[2]);
+    let texel = reflectance.filtered(decoder.parameters(&point, a[2]), a[2]);
+    let base = texel.base();
+    let mut most = [0.0f32; 3];
+    for material in reflectance.basis().materials() {
+        let Some(angles) = BaseAngles::new(material.axis(), base.normal, view, light) else { continue };
+        let levels = material.tables.iter().skip(base.tables.level).take(2);
+        for (c, most) in most.iter_mut().enumerate() {
+            let numbers = levels.clone().flat_map(|table| {
+                let diffuse = material.diffuse[c] * angles.cosine;
+                angles.taps.map(|(at, _)| angles.geometry * table.gloss.entries()[at][c] + diffuse * table.diffuse[at])
+            });
+            let range = numbers.clone().fold(0.0, f32::max) - numbers.fold(f32::MAX, f32::min);
+            *most += 3.0 * 1.5 * STEP * base.diffuse[c] * range;
+        }
+    }
+    most
 }
 
 fn case(

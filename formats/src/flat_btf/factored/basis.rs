@@ -95,7 +95,7 @@ impl BasisMap {
     }
 
     /// Colour of a texel's base in a view under an unshadowed light, linear RGB relative to a white diffuser that faces
-    /// the light, 0 to [`MAX_BASE`].
+    /// the light, 0 to [`super::MAX_BASE`].
     #[inline]
     pub fn colour(&self, texel: &BaseTexel, view: [f32; 3], light: [f32; 3]) -> [f32; 3] {
         if self.materials.is_empty() {

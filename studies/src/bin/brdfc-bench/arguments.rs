@@ -49,7 +49,7 @@ pub struct Arguments {
     pub(super) out: Option<PathBuf>,
     /// Texels of the reference plane per side, 8 or more, for flat-btf (default: 128) and rays (default: 64); for
     /// relief a power of two from 8 to 512 (default: 128); for btf the texels of both BTFs, a power of two from 8 to 256
-    /// (default: 32); for measured-btf those of images and flat BTF, a power of two from 8 to 256 (default: 64).
+    /// (default: 32); for measured-btf those of images and flat BTF, a power of two from 8 to 256 (default: 32).
     #[arg(long, value_name = "N", value_parser = any_whole_number::<usize>("a whole number, 8 or more"))]
     pub(super) texels: Option<usize>,
     /// Texels of flat BTFs per side for flat-btf, a power of two from 8 to 1024 (default: twice --texels, rounded up).

@@ -10,7 +10,7 @@ use brdfc_terminal::table::{bytes, plain};
 use brdfc_terminal::{Common, Error};
 
 /// Texels per side.
-const TEXELS: usize = 64;
+const TEXELS: usize = 32;
 const MAX_TEXELS: usize = 256;
 
 pub(super) fn run(arguments: &Arguments, common: Common) -> Result<StudyResult, Error> {

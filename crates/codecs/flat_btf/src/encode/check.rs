@@ -53,7 +53,15 @@ impl FlattenRecipe {
         let may_be_brdf = self.reflectance == Reflectance::Auto && self.bounces == 0;
         let fits = |target| !matches!(target, FactoredTarget::Bytes(most) if most < least);
         if self.reflectance != Reflectance::Brdf && !(may_be_brdf && fits(self.target)) {
-            self.target.check(&header)?;
+            let with_brdf = |error: FormatError| match self.target {
+                // Either form would do: the smaller one is the least.
+                FactoredTarget::Bytes(most) if may_be_brdf && FactoredTarget::Bytes(least).check(&header).is_err() => {
+                    let allowed = format!("{least} or more, the bytes of the smallest asset");
+                    FormatError::whole("bytes of factors", most.to_string(), allowed)
+                }
+                _ => error,
+            };
+            self.target.check(&header).map_err(with_brdf)?;
         }
         let bytes = self.bytes(1);
         if bytes > MAX_BYTES {
