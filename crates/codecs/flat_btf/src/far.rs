@@ -477,6 +477,7 @@ mod tests {
         let expected = (sum / factor) as f32;
         assert!((scattered - expected).abs() < 0.1 * expected, "{scattered} {expected}");
     }
+
     #[test]
     fn the_number_of_threads_changes_nothing() {
         let made = [1, 3].map(|threads| {

@@ -1,4 +1,4 @@
-//! The part `basis`: components for each view and light, and the table of the base.
+//! The parts `basis`, components for each view and light, and `tables`, those of the base.
 
 use super::base::{Axis, BaseMaterial, BaseTable, BaseTexel, LevelTable, blended_materials};
 use super::header::{BASIS_PART, DIFFERENCE_ANGLES, FactoredErrors, FactoredHeader, GROUP, HALF_ANGLES, TABLES_PART};
@@ -7,7 +7,7 @@ use crate::container::{Extent, TexelFormat, Texture, half};
 use crate::flat_btf::layout::{check_format, words, wrong_extent};
 
 /// Components as integers: for each pair of a view and a light three opponent colours, for each of these all
-/// components. And the tables of the base.
+/// components; and the tables of the base.
 #[derive(Debug, Clone, PartialEq)]
 pub struct BasisMap {
     header: FactoredHeader,

@@ -9,7 +9,7 @@ use crate::flat_btf::flat_view::{MAX_DIRECTIONS, check_directions, direction_ent
 use crate::flat_btf::layout::word;
 use std::collections::BTreeMap;
 
-/// Key that identifies the basis of a factored flat BTF.
+/// Key of the header.
 pub(crate) const FACTORED: &str = "brdfc.flat-btf.factored";
 /// Maximum number of groups of four components.
 pub const MAX_GROUPS: u32 = 16;

@@ -34,10 +34,8 @@ pub(super) fn text(rows: &[MeasuredBtfRow]) -> String {
     let count = rows.first().map_or(0, |row| row.images);
     let texels = rows.first().map_or(0, |row| row.texels);
     let cells = |row: &MeasuredBtfRow| {
-        let sizes = [bytes(row.gpu_bytes), bytes(row.file_bytes)];
-        let [on_a_gpu, file] = sizes;
-        let errors = [format!("{:.1}", row.psnr), format!("{:.2}", row.delta_e)];
-        [vec![short_name(&row.model), row.from.to_owned(), on_a_gpu, file], errors.into()].concat()
+        let [psnr, delta_e] = [format!("{:.1}", row.psnr), format!("{:.2}", row.delta_e)];
+        vec![short_name(&row.model), row.from.to_owned(), bytes(row.gpu_bytes), bytes(row.file_bytes), psnr, delta_e]
     };
     let table = plain(&["structure", "from", "on a GPU", "file", "PSNR, dB", "ΔE"], rows.iter().map(cells));
     format!(

@@ -8,8 +8,8 @@ use super::quantise::{integer, rounded, steps, weight_byte, weight_ranges, wide_
 use brdfc_formats::FormatError;
 use brdfc_formats::container::Extent;
 use brdfc_formats::flat_btf::factored::{
-    BaseTable, BasisMap, ChromaRange, FactoredErrors, FactoredFlatBtf, FactoredHeader, GROUP, ShadowFormat, ShadowMap,
-    WeightMap,
+    BaseTable, BasisMap, ChromaRange, FactoredErrors, FactoredFlatBtf, FactoredHeader, GROUP, MAX_MATERIALS,
+    ShadowFormat, ShadowMap, WeightMap,
 };
 use brdfc_formats::flat_btf::{FlatHeader, VisibilityMask};
 
@@ -36,7 +36,7 @@ pub(super) fn header(shape: Shape, size: u32, directions: &FlatHeader, chroma: C
         materials: 0,
         axes: 0,
         table_levels: 1,
-        albedos: [[0.0; 3]; 2],
+        albedos: [[0.0; 3]; MAX_MATERIALS as usize],
         steps: [(); 3].map(|()| vec![0.0; shape.groups as usize * GROUP]),
         errors: FactoredErrors::default(),
     }
