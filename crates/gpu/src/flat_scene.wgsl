@@ -24,7 +24,7 @@ fn shade(in: Varying, @builtin(front_facing) front: bool) -> @location(0) vec4<f
     let wo = vec3<f32>(dot(v, frame[0]), dot(v, frame[1]), dot(v, frame[2]));
     let surface = covered_surface(in, front, frame, uv);
     let look = flat_btf_look(uv, level, wo, surface.flat_btf);
-    if surface.is_hidden || flat_btf_passes(look) {
+    if surface.is_hidden || flat_btf_passes(look) || is_outside(surface, look) {
         discard;
     }
     let at = in.position + frame * (surface.side * flat_btf_offset(look));

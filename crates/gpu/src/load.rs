@@ -6,7 +6,7 @@ use brdfc_render::scene::{Camera, Part, Scene};
 use wgpu::{BindGroup, BindGroupLayout, BufferUsages};
 
 /// 32-bit words of a vertex: position, normal, tangent, uv, height above its surface.
-pub(super) const VERTEX_WORDS: usize = 12;
+pub(super) const VERTEX_WORDS: usize = 13;
 /// 32-bit words of the shader's `View`.
 const VIEW_WORDS: usize = 24;
 
@@ -77,7 +77,7 @@ fn load_part(gpu: &Gpu, part: &Part, groups: Vec<BindGroup>) -> LoadedPart {
         words.extend(vertex.normal);
         words.extend(vertex.tangent);
         words.extend(vertex.uv);
-        words.push(vertex.raised_by);
+        words.extend([vertex.raised_by, vertex.border]);
     }
     LoadedPart {
         vertices: gpu.buffer(bytemuck::cast_slice(&words), BufferUsages::VERTEX),

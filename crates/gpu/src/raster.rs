@@ -123,7 +123,7 @@ impl<'g> Rasteriser<'g> {
                         array_stride: 4 * VERTEX_WORDS as u64,
                         step_mode: VertexStepMode::Vertex,
                         attributes: &vertex_attr_array![
-                            0 => Float32x3, 1 => Float32x3, 2 => Float32x3, 3 => Float32x2, 4 => Float32
+                            0 => Float32x3, 1 => Float32x3, 2 => Float32x3, 3 => Float32x2, 4 => Float32, 5 => Float32
                         ],
                     })],
                 },

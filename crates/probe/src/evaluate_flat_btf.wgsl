@@ -6,6 +6,7 @@ struct FlatBtfQuery {
     view: vec4<f32>,
     light: vec4<f32>,
     surface: vec4<f32>, // curvature and height
+    stretch: vec4<f32>,
 }
 
 struct FlatBtfAnswer {
@@ -22,7 +23,7 @@ fn compute(at: u32) {
     let level = queries[at].place.z;
     let view = queries[at].view.xyz;
     let detail = level + flat_btf_parameters.finer;
-    let surface = FlatBtfSurface(queries[at].surface.xyz, queries[at].surface.w);
+    let surface = FlatBtfSurface(queries[at].surface.xyz, queries[at].surface.w, queries[at].stretch);
     let look = flat_btf_look(uv, level, view, surface);
     let point = look.point;
     let parameters = flat_btf_parameters_at(point, detail);

@@ -11,8 +11,8 @@ use wgpu::ShaderStages;
 /// The compute entry point over the decoder.
 pub const EVALUATE_FLAT_BTF_WGSL: &str = concat!(include_str!("evaluate_flat_btf.wgsl"), include_str!("items.wgsl"));
 
-/// Maximum number of queries at once: 64 bytes each, within the limits of every adapter.
-const MAX_QUERIES: usize = 1 << 21;
+/// Maximum number of queries at once: 80 bytes each, within the limits of every adapter.
+const MAX_QUERIES: usize = 1 << 20;
 
 /// Point, viewer and light at which a flat BTF is evaluated.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -98,7 +98,7 @@ impl<'g> FlatBtfEvaluator<'g> {
     pub fn eval(&self, loaded: &LoadedFlatBtf, queries: &[FlatBtfQuery]) -> Result<Vec<FlatBtfAnswer>, GpuError> {
         let mut all = Vec::with_capacity(queries.len());
         for chunk in queries.chunks(MAX_QUERIES) {
-            let words: Vec<[f32; 16]> = chunk.iter().map(query_words).collect();
+            let words: Vec<[f32; 20]> = chunk.iter().map(query_words).collect();
             let items = self.pipeline.load(&words, chunk.len(), 48, [0; 2])?;
             let answers: Vec<[f32; 12]> = self.pipeline.answers(&items, &loaded.group)?;
             all.extend(answers.into_iter().map(|w| FlatBtfAnswer {
@@ -114,8 +114,8 @@ impl<'g> FlatBtfEvaluator<'g> {
     }
 }
 
-fn query_words(query: &FlatBtfQuery) -> [f32; 16] {
+fn query_words(query: &FlatBtfQuery) -> [f32; 20] {
     let ([u, v], [x, y, z], [a, b, c]) = (query.uv, query.view, query.light);
-    let ([uu, uv, vv], height) = (query.surface.curvature, query.surface.height);
-    [u, v, query.level, 0.0, x, y, z, 0.0, a, b, c, 0.0, uu, uv, vv, height]
+    let MacroSurface { curvature: [uu, uv, vv], height, stretch: [ut, ub, vt, vb] } = query.surface;
+    [u, v, query.level, 0.0, x, y, z, 0.0, a, b, c, 0.0, uu, uv, vv, height, ut, ub, vt, vb]
 }

@@ -13,6 +13,7 @@ struct Corner {
     @location(2) tangent: vec3<f32>,
     @location(3) uv: vec2<f32>,
     @location(4) raised_by: f32, // height above the surface, where a relief covers it
+    @location(5) border: f32, // distance from the open border, where a relief covers it
 }
 
 struct Varying {
@@ -22,7 +23,8 @@ struct Varying {
     @location(2) tangent: vec3<f32>,
     @location(3) uv: vec2<f32>,
     @location(4) raised_by: f32,
-    @location(5) base: vec3<f32>, // the point of the surface below
+    @location(5) border: f32,
+    @location(6) base: vec3<f32>, // the point of the surface below
 }
 
 // Pinhole projection with reversed, infinite depth. `right` and `up` are divided by half the width and height of the
@@ -32,6 +34,7 @@ fn projected(corner: Corner, eye: vec3<f32>, right: vec3<f32>, up: vec3<f32>, fo
     let w = dot(forward, r);
     let at = vec2<f32>(dot(right, r), dot(up, r)) + shift * w;
     let base = corner.position - corner.raised_by * corner.normal;
-    return Varying(vec4<f32>(at, NEAR, w), corner.position, corner.normal, corner.tangent, corner.uv, corner.raised_by, base);
+    return Varying(
+        vec4<f32>(at, NEAR, w), corner.position, corner.normal, corner.tangent, corner.uv, corner.raised_by, corner.border, base);
 }
 

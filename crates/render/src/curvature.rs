@@ -83,7 +83,7 @@ mod tests {
             for end in [-3.0, 3.0] {
                 let position = [0, 1, 2].map(|k| (radius * normal[k] + end * along[k]) as f32);
                 let (normal, tangent) = (normal.map(|c| c as f32), along.map(|c| c as f32));
-                mesh.vertices.push(Vertex { position, normal, tangent, uv: [0.0; 2], raised_by: 0.0 });
+                mesh.vertices.push(Vertex { position, normal, tangent, uv: [0.0; 2], raised_by: 0.0, border: 0.0 });
             }
         }
         for at in (0..2 * columns as u32).step_by(2) {

@@ -102,7 +102,7 @@ fn orthonormal(v: Vector, normal: Vector) -> Vector {
 }
 
 /// The normal, turned towards the viewer if the viewer is at the horizon or below.
-fn bent(normal: Vector, to_viewer: Vector) -> Vector {
+pub(crate) fn bent(normal: Vector, to_viewer: Vector) -> Vector {
     let cosine = dot(normal, to_viewer);
     if cosine < LOWEST_VIEW { normalize(add_scaled(normal, LOWEST_VIEW - cosine, to_viewer)) } else { normal }
 }

@@ -11,6 +11,7 @@ pub(crate) fn quad(side: f32, z: f32) -> Mesh {
         tangent: [1.0, 0.0, 0.0],
         uv: [0.5 + 0.5 * x, 0.5 + 0.5 * y],
         raised_by: 0.0,
+        border: 0.0,
     };
     Mesh {
         vertices: vec![vertex(-1.0, -1.0), vertex(1.0, -1.0), vertex(1.0, 1.0), vertex(-1.0, 1.0)],
@@ -31,6 +32,7 @@ pub(crate) fn ring(radius: f64) -> Mesh {
             tangent: single([sine, 0.0, -cosine]),
             uv: [turn as f32, (row / (std::f64::consts::TAU * radius)) as f32],
             raised_by: 0.0,
+            border: 0.0,
         }
     };
     let [a, b] = [0, COLUMNS + 1];

@@ -146,7 +146,7 @@ mod tests {
             let phi = std::f64::consts::TAU * (column % columns) as f64 / columns as f64;
             let radius = 1.0 + 0.2 * (5.0 * phi).sin() * theta.sin();
             let d = [theta.sin() * phi.cos(), theta.cos(), theta.sin() * phi.sin()].map(|c| (radius * c) as f32);
-            Vertex { position: d, normal: d, tangent: [1.0, 0.0, 0.0], uv: [0.0; 2], raised_by: 0.0 }
+            Vertex { position: d, normal: d, tangent: [1.0, 0.0, 0.0], uv: [0.0; 2], raised_by: 0.0, border: 0.0 }
         };
         let mut mesh = Mesh::default();
         for row in 0..=rows {

@@ -75,9 +75,13 @@ impl FlatBtfDecoder {
         let FlatBtfParts { layers, reflectance } = &self.parts;
         let detail = level_of_detail + self.finer();
         let point = layers.seen(uv, view, surface, detail, self.steps);
-        let tilt = surface.tilt([point.at[0] - uv[0], point.at[1] - uv[1]]);
-        let texel = reflectance.filtered(layers.parameters(point.at, point.sheet, detail).map(wrap), level_of_detail);
-        FlatBtfLook { decoder: self, surface, detail, point, slope: slope(view), tilt, view: tilted(view, tilt), texel }
+        let moved = surface.along([point.at[0] - uv[0], point.at[1] - uv[1]]);
+        let tilt = surface.tilt(moved);
+        let mut texel =
+            reflectance.filtered(layers.parameters(point.at, point.sheet, detail).map(wrap), level_of_detail);
+        texel.set_normal(surface.stretched(texel.base().normal));
+        let (slope, view) = (slope(view), tilted(view, tilt));
+        FlatBtfLook { decoder: self, surface, detail, point, moved, slope, tilt, view, texel }
     }
 
     /// Equation 1, `BTF = FBTF(VDIM)`, on the reference plane: radiance divided by that of a white diffuser that faces
@@ -117,6 +121,8 @@ pub struct FlatBtfLook<'a> {
     /// Level of the layers.
     detail: f32,
     point: ReliefPoint,
+    /// Distance of `point` along the surface from the point that is drawn, in sides of a tile.
+    moved: [f32; 2],
     /// Tangent of the view's polar angle where it is drawn.
     slope: [f32; 2],
     /// See [`MacroSurface::tilt`].
@@ -130,6 +136,17 @@ impl FlatBtfLook<'_> {
     /// Returns true if the ray of sight passes the relief of a convex surface: nothing is to be drawn.
     pub fn passes(&self) -> bool {
         self.point.height < 0.0
+    }
+
+    /// Distance of the visible point along tangent and bitangent of the surface from the point that is drawn, in sides of a
+    /// tile.
+    pub fn moved(&self) -> [f32; 2] {
+        self.moved
+    }
+
+    /// Unit normal of the relief, in the frame of the surface below the visible point.
+    pub fn normal(&self) -> [f32; 3] {
+        self.texel.base().normal
     }
 
     /// The visible point.
@@ -157,6 +174,20 @@ impl FlatBtfLook<'_> {
         let [views, lights] = SampledDirections::blended(directions, self.view, light);
         let dimmed = directions.map_or(1.0, |some| (light[2] / some.lowest_light).min(1.0));
         self.value(views, lights).map(|value| value * dimmed)
+    }
+
+    /// Filtered fetches of the layers: those of the ray of sight and the parameters, and those of a light's ray of light.
+    pub fn fetches(&self, light: [f32; 3]) -> [u32; 2] {
+        let (layers, steps) = (&self.decoder.parts.layers, self.decoder.steps);
+        let refined = if self.passes() { 0 } else { steps.refine };
+        let (normal, light) = (self.normal(), tilted(light, self.tilt));
+        let unlit = light[2] <= 0.0 || normal[0] * light[0] + normal[1] * light[1] + normal[2] * light[2] <= 0.0;
+        let of_light = if unlit || !layers.header().casts_shadows {
+            0
+        } else {
+            layers.lit_in_steps(&self.point, normal, light, self.surface, self.detail, steps).1
+        };
+        [1 + self.point.steps + refined + 1, of_light]
     }
 
     /// Value of directions in the frame below the point.

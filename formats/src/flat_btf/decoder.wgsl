@@ -7,7 +7,7 @@
 // Usage: `value.wgsl` uses these functions. For the relief alone, prepend this file to your own shader, move the
 // bindings as needed, and call
 //
-//     let surface = FlatBtfSurface(vec3<f32>(0.0), 0.0);          // a plane; for others see flat_btf_curvature
+//     let surface = FlatBtfSurface(vec3<f32>(0.0), 0.0, FLAT_BTF_SQUARE); // a plane; for others see flat_btf_curvature
 //     let point = flat_btf_seen(uv, view, surface, detail);       // the visible point of the relief
 //     let parameters = flat_btf_parameters_at(point, detail);     // its parameters in the flat BTF
 //     let reached = flat_btf_lit(point, normal, light, surface, detail); // 1 if the light reaches it, otherwise 0
@@ -53,10 +53,14 @@ const FLAT_BTF_MIN_AREA_RATIO: f32 = 0.0625;
 // Distance from the surface at which rays of light start, in texels.
 const FLAT_BTF_RISE: f32 = 0.1;
 
+// Stretch of square tiles along the tangent.
+const FLAT_BTF_SQUARE: vec4<f32> = vec4<f32>(1.0, 0.0, 0.0, 1.0);
+
 // The surface that a relief covers, around a point that is drawn.
 struct FlatBtfSurface {
     curvature: vec3<f32>, // along tangent and bitangent, per tile: uu, uv, vv; positive where convex
     height: f32,          // height of the point above the reference plane, in tiles
+    stretch: vec4<f32>,   // change of u and v, in tiles, over one side of a tile along tangent and bitangent: ut, ub, vt, vb
 }
 
 // A point of the relief at the end of a ray of sight.
@@ -153,24 +157,31 @@ fn flat_btf_lit(
     point: FlatBtfPoint, normal: vec3<f32>, light: vec3<f32>, surface: FlatBtfSurface, detail: f32
 ) -> f32 {
     let rise = FLAT_BTF_RISE / f32(flat_btf_side(u32(floor(flat_btf_level(detail)))));
-    let start = point.at + rise * normal.xy;
-    let height = point.height + rise * normal.z / flat_btf_parameters.range;
+    let start = point.at + rise * flat_btf_tiles(surface, normal.xy);
+    var height = point.height + rise * normal.z / flat_btf_parameters.range;
     if height >= 1.0 {
         return 1.0;
+    }
+    var column = flat_btf_column(start, detail);
+    // Steps may have left the point a little inside the solid.
+    let above = rise / flat_btf_parameters.range;
+    if point.sheet == 2u {
+        height = min(height, column.z - above);
+    } else {
+        height = max(height, select(column.x, column.y, point.sheet == 1u) + above);
     }
     let ray = flat_btf_ray_of_light(start, height, flat_btf_slope(light), surface);
     let both = flat_btf_parameters.both_steps;
     let count = flat_btf_steps(ray, detail, both - min(point.steps, both));
     var z = height;
-    var column = flat_btf_column(start, detail);
     for (var k = 1u; k <= count; k += 1u) {
         let share = ray.last * (f32(k) / f32(count));
         let next = flat_btf_column(flat_btf_at(ray, share), detail);
-        let above = flat_btf_height(ray, share);
-        if flat_btf_crossing(z, above, column, next).share <= 1.0 {
+        let end = flat_btf_height(ray, share);
+        if flat_btf_crossing(z, end, column, next).share <= 1.0 {
             return 0.0;
         }
-        z = above;
+        z = end;
         column = next;
     }
     return 1.0;
@@ -205,9 +216,10 @@ fn flat_btf_ray_of_sight(uv: vec2<f32>, slope: vec2<f32>, surface: FlatBtfSurfac
     } else {
         last = 2.0 * height / (fall + sqrt(discriminant));
     }
-    let start = uv + along * back - back * back * turn;
-    let across = (2.0 * back * turn - along) * range;
-    return FlatBtfRay(start, across, -(range * range * turn), height, -fall, half_bend, last, passes, back);
+    let start = uv + back * flat_btf_tiles(surface, along - back * turn);
+    let across = range * flat_btf_tiles(surface, 2.0 * back * turn - along);
+    let turned_by = -(range * range * flat_btf_tiles(surface, turn));
+    return FlatBtfRay(start, across, turned_by, height, -fall, half_bend, last, passes, back);
 }
 
 // The ray of light from a point up to the highest point of the relief, or over a concave surface to its own.
@@ -227,8 +239,9 @@ fn flat_btf_ray_of_light(start: vec2<f32>, height: f32, slope: vec2<f32>, surfac
     } else {
         last = 2.0 / (1.0 + sqrt(discriminant));
     }
-    return FlatBtfRay(
-        start, along * up, -(up * up * turn), height, 1.0 - height, bend * (1.0 - height), last, 0u, 0.0);
+    let across = up * flat_btf_tiles(surface, along);
+    let turned_by = -(up * up * flat_btf_tiles(surface, turn));
+    return FlatBtfRay(start, across, turned_by, height, 1.0 - height, bend * (1.0 - height), last, 0u, 0.0);
 }
 
 // Curvature of the parallel surface at a height, in tiles.
@@ -239,6 +252,12 @@ fn flat_btf_curvature_at(c: vec3<f32>, height: f32) -> vec3<f32> {
     return vec3<f32>(
         (c.x * across - height * c.y * c.y) / determinant, c.y / determinant,
         (c.z * along - height * c.y * c.y) / determinant);
+}
+
+// Change of u and v, in tiles, over a distance along tangent and bitangent in sides of a tile.
+fn flat_btf_tiles(surface: FlatBtfSurface, along: vec2<f32>) -> vec2<f32> {
+    let s = surface.stretch;
+    return vec2<f32>(s.x * along.x + s.y * along.y, s.z * along.x + s.w * along.y);
 }
 
 // Product of a symmetric matrix, uu, uv, vv, and a vector.

@@ -18,6 +18,7 @@ pub(crate) const DESCRIPTOR: Descriptor = Descriptor {
         "flat_btf_shade",
         "flat_btf_tile_side",
         "flat_btf_curvature",
+        "flat_btf_stretch",
         "factored_mipmap_level",
     ],
     answer: Answer {

@@ -40,16 +40,47 @@ pub struct MacroSurface {
     pub curvature: [f32; 3],
     /// Height of the point above the reference plane, in tiles.
     pub height: f32,
+    /// Change of the coordinates u and v, in tiles, over one side of a tile along tangent and bitangent: ut, ub, vt, vb.
+    /// The side of a tile is the root of its area, so that the determinant is 1, or -1 where the tile is mirrored. See
+    /// [`MacroSurface::SQUARE`].
+    pub stretch: [f32; 4],
 }
 
 impl MacroSurface {
+    /// Stretch of square tiles along the tangent.
+    pub const SQUARE: [f32; 4] = [1.0, 0.0, 0.0, 1.0];
     /// The reference plane itself.
-    pub const PLANE: Self = Self { curvature: [0.0; 3], height: 0.0 };
+    pub const PLANE: Self = Self { curvature: [0.0; 3], height: 0.0, stretch: Self::SQUARE };
 
-    /// Change of the normal between the point that is drawn and one `along` the surface, in tiles: x and y of the other
-    /// normal in the frame of the first, with z = 1.
+    /// Change of the normal between the point that is drawn and one `along` the surface, in sides of a tile: x and y of
+    /// the other normal in the frame of the first, with z = 1.
     pub(super) fn tilt(&self, along: [f32; 2]) -> [f32; 2] {
         product(self.curvature, along)
+    }
+
+    /// Distance along tangent and bitangent, in sides of a tile, over a change of the coordinates: the inverse of
+    /// [`Self::tiles`].
+    pub(super) fn along(&self, [u, v]: [f32; 2]) -> [f32; 2] {
+        let [ut, ub, vt, vb] = self.stretch;
+        let determinant = ut * vb - ub * vt;
+        [(vb * u - ub * v) * determinant, (ut * v - vt * u) * determinant]
+    }
+
+    /// A unit normal of the relief on square tiles, as it is on stretched tiles.
+    pub(super) fn stretched(&self, normal: [f32; 3]) -> [f32; 3] {
+        if self.stretch == Self::SQUARE {
+            return normal;
+        }
+        let ([ut, ub, vt, vb], [x, y, z]) = (self.stretch, normal);
+        let [x, y] = [ut * x + vt * y, ub * x + vb * y];
+        let length = (x * x + y * y + z * z).sqrt();
+        [x / length, y / length, z / length]
+    }
+
+    /// Change of the coordinates, in tiles, over a distance along tangent and bitangent in sides of a tile.
+    fn tiles(&self, [x, y]: [f32; 2]) -> [f32; 2] {
+        let [ut, ub, vt, vb] = self.stretch;
+        [ut * x + ub * y, vt * x + vb * y]
     }
 
     /// Curvature of the parallel surface at a height, in tiles.
@@ -198,25 +229,45 @@ impl LayerMap {
         detail: f32,
         steps: MarchSteps,
     ) -> f32 {
+        self.lit_in_steps(point, normal, light, surface, detail, steps).0
+    }
+
+    /// The result of [`Self::lit`] and the number of columns that it takes.
+    pub(super) fn lit_in_steps(
+        &self,
+        point: &ReliefPoint,
+        normal: [f32; 3],
+        light: [f32; 3],
+        surface: MacroSurface,
+        detail: f32,
+        steps: MarchSteps,
+    ) -> (f32, u32) {
         let rise = RISE / self.header().side(self.levels_of(detail).0) as f32;
-        let start = [point.at[0] + rise * normal[0], point.at[1] + rise * normal[1]];
+        let [x, y] = surface.tiles([normal[0], normal[1]]);
+        let start = [point.at[0] + rise * x, point.at[1] + rise * y];
         let height = point.height + rise * normal[2] / self.header().range();
         if height >= 1.0 {
-            return 1.0;
+            return (1.0, 0);
         }
+        let mut column = self.column(start, detail);
+        // Steps may have left the point a little inside the solid.
+        let above = rise / self.header().range();
+        let height = match point.sheet {
+            Sheet::Underside => height.min(column[2] - above),
+            sheet => height.max(column[sheet as usize] + above),
+        };
         let ray = self.ray_of_light(start, height, light, surface);
         let count = self.steps(&ray, detail, steps.both.saturating_sub(point.steps));
-        let (mut z, mut column) = (height, self.column(start, detail));
+        let mut z = height;
         for k in 1..=count {
             let share = ray.last * (k as f32 / count as f32);
-            let next = self.column(ray.at(share), detail);
-            let above = ray.height(share);
-            if self.crossing([z, above], column, next).share <= 1.0 {
-                return 0.0;
+            let (next, end) = (self.column(ray.at(share), detail), ray.height(share));
+            if self.crossing([z, end], column, next).share <= 1.0 {
+                return (0.0, k + 1);
             }
-            (z, column) = (above, next);
+            (z, column) = (end, next);
         }
-        1.0
+        (1.0, count + 1)
     }
 
     /// The ray of sight from the highest point of the relief down, or over a concave surface from its own highest point;
@@ -238,10 +289,11 @@ impl LayerMap {
         let bend = 0.5 * bend * range;
         let discriminant = squared - 4.0 * bend * height;
         let passes = discriminant < 0.0;
+        let [x, y] = surface.tiles([0, 1].map(|k| along[k] - back * turn[k]));
         let ray = Ray {
-            start: [0, 1].map(|k| uv[k] + along[k] * back - back * back * turn[k]),
-            across: [0, 1].map(|k| (2.0 * back * turn[k] - along[k]) * range),
-            turn: turn.map(|c| -(range * range * c)),
+            start: [uv[0] + back * x, uv[1] + back * y],
+            across: surface.tiles([0, 1].map(|k| 2.0 * back * turn[k] - along[k])).map(|c| range * c),
+            turn: surface.tiles(turn).map(|c| -(range * range * c)),
             height,
             climb: -fall,
             bend,
@@ -265,8 +317,8 @@ impl LayerMap {
         let discriminant = 1.0 + 4.0 * bend;
         Ray {
             start,
-            across: along.map(|c| c * up),
-            turn: turn.map(|c| -(up * up * c)),
+            across: surface.tiles(along).map(|c| up * c),
+            turn: surface.tiles(turn).map(|c| -(up * up * c)),
             height,
             climb: 1.0 - height,
             bend: bend * (1.0 - height),

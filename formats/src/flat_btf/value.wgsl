@@ -5,7 +5,8 @@
 // Usage: append this file to `decoder.wgsl`, `factored/factored.wgsl` and `direction_mesh.wgsl`, and call
 //
 //     let level = factored_mipmap_level(dpdx(uv), dpdy(uv)); // in a fragment shader, in uniform control flow
-//     let surface = FlatBtfSurface(curvature, height);       // see flat_btf_curvature; zeros on a plane
+//     let surface = FlatBtfSurface(curvature, height, stretch); // see flat_btf_curvature and flat_btf_stretch; on a
+//                                                               // plane zeros and FLAT_BTF_SQUARE
 //     let look = flat_btf_look(uv, level, view, surface);    // once for a pixel
 //     if flat_btf_passes(look) { discard; }                  // outside the outline of the relief
 //     let at = position + frame * (side * flat_btf_offset(look)); // where distances to near lights begin
@@ -20,11 +21,15 @@
 // front. height is then that of the pixel, the distance by which it was moved over flat_btf_tile_side, negated on back
 // faces.
 
+// Largest change of coordinates of a stretched tile: at the pole of a ball tiles have no width.
+const FLAT_BTF_MAX_STRETCH: f32 = 16.0;
+
 // A point of the surface as one view sees it.
 struct FlatBtfLook {
     surface: FlatBtfSurface,
     view: vec3<f32>, // in the frame of the surface below the point
     level: f32,
+    moved: vec2<f32>, // distance of the point along the surface from the one that is drawn, in sides of a tile
     slope: vec2<f32>, // tangent of the view's polar angle where it is drawn
     tilt: vec2<f32>, // x and y of that frame's normal in the frame that is drawn, with z = 1
     point: FlatBtfPoint,
@@ -36,10 +41,30 @@ struct FlatBtfLook {
 fn flat_btf_look(uv: vec2<f32>, level_of_detail: f32, view: vec3<f32>, surface: FlatBtfSurface) -> FlatBtfLook {
     let detail = level_of_detail + flat_btf_parameters.finer;
     let point = flat_btf_seen(uv, view, surface, detail);
-    let tilt = flat_btf_product(surface.curvature, point.at - uv);
+    let moved = flat_btf_along(surface, point.at - uv);
+    let tilt = flat_btf_product(surface.curvature, moved);
     let place = factored_place(flat_btf_parameters_at(point, detail), level_of_detail);
+    var base = factored_load(place);
+    base.normal = flat_btf_stretched(surface, base.normal);
     return FlatBtfLook(
-        surface, flat_btf_tilted(view, tilt), level_of_detail, flat_btf_slope(view), tilt, point, place, factored_load(place));
+        surface, flat_btf_tilted(view, tilt), level_of_detail, moved, flat_btf_slope(view), tilt, point, place, base);
+}
+
+// Distance along tangent and bitangent, in sides of a tile, over a change of u and v: the inverse of flat_btf_tiles.
+fn flat_btf_along(surface: FlatBtfSurface, tiles: vec2<f32>) -> vec2<f32> {
+    let s = surface.stretch;
+    let determinant = s.x * s.w - s.y * s.z;
+    return vec2<f32>((s.w * tiles.x - s.y * tiles.y) * determinant, (s.x * tiles.y - s.z * tiles.x) * determinant);
+}
+
+// A unit normal of the relief on square tiles, as it is on stretched tiles.
+fn flat_btf_stretched(surface: FlatBtfSurface, normal: vec3<f32>) -> vec3<f32> {
+    let s = surface.stretch;
+    if all(s == FLAT_BTF_SQUARE) {
+        return normal;
+    }
+    let turned = vec3<f32>(s.x * normal.x + s.z * normal.y, s.y * normal.x + s.w * normal.y, normal.z);
+    return turned / sqrt(turned.x * turned.x + turned.y * turned.y + turned.z * turned.z);
 }
 
 // True if the ray of sight passes the relief of a convex surface: nothing is to be drawn.
@@ -93,6 +118,25 @@ fn flat_btf_curvature(
     return vec3<f32>(along_u.x, 0.5 * (along_u.y + along_v.x), along_v.y) * side;
 }
 
+// Stretch of tiles for FlatBtfSurface, from the changes of position and of coordinates in tiles likewise, and the side of
+// a tile.
+fn flat_btf_stretch(
+    right: vec3<f32>, below: vec3<f32>, tiles_right: vec2<f32>, tiles_below: vec2<f32>, tangent: vec3<f32>,
+    bitangent: vec3<f32>, side: f32
+) -> vec4<f32> {
+    let a = vec2<f32>(dot(right, tangent), dot(right, bitangent));
+    let b = vec2<f32>(dot(below, tangent), dot(below, bitangent));
+    let determinant = a.x * b.y - a.y * b.x;
+    let covered = tiles_right.x * tiles_below.y - tiles_right.y * tiles_below.x;
+    if abs(determinant) <= 1e-6 * (dot(a, a) + dot(b, b)) || abs(covered) <= 1e-20 {
+        return FLAT_BTF_SQUARE;
+    }
+    let along_t = (tiles_right * b.y - tiles_below * a.y) * (side / determinant);
+    let along_b = (tiles_below * a.x - tiles_right * b.x) * (side / determinant);
+    let most = vec4<f32>(FLAT_BTF_MAX_STRETCH);
+    return clamp(vec4<f32>(along_t.x, along_b.x, along_t.y, along_b.y), -most, most);
+}
+
 // Radiance divided by that of a white diffuser that faces the light: linear RGB, 0 below the horizon. Use the last
 // result of flat_btf_look, which also sets the weights of the components.
 fn flat_btf_shade(look: FlatBtfLook, incoming: vec3<f32>) -> vec3<f32> {
@@ -124,6 +168,6 @@ fn flat_btf_shade(look: FlatBtfLook, incoming: vec3<f32>) -> vec3<f32> {
 
 // Both steps on a plane, for a single light.
 fn flat_btf_value(uv: vec2<f32>, level_of_detail: f32, view: vec3<f32>, light: vec3<f32>) -> vec3<f32> {
-    let plane = FlatBtfSurface(vec3<f32>(0.0), 0.0);
+    let plane = FlatBtfSurface(vec3<f32>(0.0), 0.0, FLAT_BTF_SQUARE);
     return flat_btf_shade(flat_btf_look(uv, level_of_detail, view, plane), light);
 }

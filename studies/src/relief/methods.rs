@@ -7,29 +7,34 @@ use brdfc_flat_btf::model::MesoModel;
 use brdfc_flat_btf::surface::SurfacePoint;
 use brdfc_formats::container::half;
 use brdfc_formats::direction::Vector;
-use brdfc_formats::flat_btf::{FlatBtfDecoder, FlatBtfParts, LayerHeader, LayerMap, MarchSteps};
+use brdfc_formats::flat_btf::{FlatBtfDecoder, FlatBtfParts, LayerHeader, LayerMap, MacroSurface, MarchSteps};
 use brdfc_metrics::image::LinearImage;
 use brdfc_render::flat::{FlatMaterial, Tiles, draw_on_cpu, draw_tiles};
 use brdfc_render::scene::{Frame, Scene};
+use std::sync::atomic::{AtomicU64, Ordering};
 
 /// Draws a scene with tiles per unit of uv.
 type Draw<'a> = Box<dyn Fn(&Scene, Frame, u32) -> LinearImage + 'a>;
+
+/// Counts something in a scene with tiles per unit of uv.
+type Count<'a> = Box<dyn Fn(&Scene, Frame, u32) -> f64 + 'a>;
 
 /// A method to show a relief. All methods have the same reflectance.
 pub(super) struct Method<'a> {
     pub(super) name: &'static str,
     /// Bytes and fetches; `None` for bounds.
-    pub(super) stored: Option<Stored>,
+    pub(super) stored: Option<Stored<'a>>,
     pub(super) draw: Draw<'a>,
 }
 
 /// Bytes and fetches of a method.
-#[derive(Debug, Clone, Copy)]
-pub(super) struct Stored {
+pub(super) struct Stored<'a> {
     /// Bytes on a GPU, mipmaps included.
     pub(super) bytes: u64,
     /// Most filtered fetches of a pixel under one light.
     pub(super) fetches: u32,
+    /// Mean fetches over the samples and lights of a plane.
+    pub(super) mean_fetches: Count<'a>,
 }
 
 /// Range of heights of a map without relief, in tiles.
@@ -91,9 +96,9 @@ impl<'a> Methods<'a> {
         let [(_, twice), (_, half)] = OTHER_STEPS;
         [
             // Without relief there are no heights.
-            self.stored("normal map", maps(&self.normal_map) - heights, 1, decoded(&self.normal_map)),
+            self.constant("normal map", maps(&self.normal_map) - heights, 1, decoded(&self.normal_map)),
             // Reference and four views; three lights.
-            self.stored("sampled indirections and shadows", samples + self.shadows.bytes(), 5 + 3, self.sampled()),
+            self.constant("sampled indirections and shadows", samples + self.shadows.bytes(), 5 + 3, self.sampled()),
             self.marched("height field", &self.height_field),
             self.layers(),
             self.marched(twice, &self.others[0]),
@@ -109,15 +114,34 @@ impl<'a> Methods<'a> {
     }
 
     fn marched(&self, name: &'static str, decoder: &'a FlatBtfDecoder) -> Method<'a> {
-        self.stored(name, maps(decoder), fetches(decoder.steps()), decoded(decoder))
+        let of_reflectance = f64::from(self.fetches_of_reflectance());
+        let mean = move |scene: &Scene, frame, repeat| of_reflectance + mean_fetches(decoder, scene, frame, repeat);
+        let most = fetches(decoder.steps());
+        self.stored(name, maps(decoder), most, Box::new(mean), decoded(decoder))
+    }
+
+    /// A method whose pixels all take the same number of fetches.
+    fn constant(&self, name: &'static str, bytes: u64, fetches: u32, draw: Draw<'a>) -> Method<'a> {
+        let all = f64::from(self.fetches_of_reflectance() + fetches);
+        self.stored(name, bytes, fetches, Box::new(move |_, _, _| all), draw)
     }
 
     /// A method that has these bytes and fetches next to those of the reflectance.
-    fn stored(&self, name: &'static str, bytes: u64, fetches: u32, draw: Draw<'a>) -> Method<'a> {
-        let reflectance = &self.layers.parts().reflectance;
-        let of_reflectance = OF_TEXEL + OF_MATERIAL * reflectance.header().materials;
-        let stored = Stored { bytes: reflectance.gpu_bytes() + bytes, fetches: of_reflectance + fetches };
+    fn stored(
+        &self,
+        name: &'static str,
+        bytes: u64,
+        fetches: u32,
+        mean_fetches: Count<'a>,
+        draw: Draw<'a>,
+    ) -> Method<'a> {
+        let bytes = self.layers.parts().reflectance.gpu_bytes() + bytes;
+        let stored = Stored { bytes, fetches: self.fetches_of_reflectance() + fetches, mean_fetches };
         Method { name, stored: Some(stored), draw }
+    }
+
+    fn fetches_of_reflectance(&self) -> u32 {
+        OF_TEXEL + OF_MATERIAL * self.layers.parts().reflectance.header().materials
     }
 
     /// Equation 1 of Hadim et al. 2009: indirections of sampled views are blended, and so are shadows of sampled lights.
@@ -172,6 +196,22 @@ fn maps(decoder: &FlatBtfDecoder) -> u64 {
 /// Most fetches of rays: their starts, steps and refinements; and parameters.
 fn fetches(steps: MarchSteps) -> u32 {
     2 + steps.both + steps.refine + 1
+}
+
+/// Mean fetches of the rays of samples for each of their lights, on a plane.
+fn mean_fetches(decoder: &FlatBtfDecoder, scene: &Scene, frame: Frame, repeat: u32) -> f64 {
+    let texels = decoder.parts().reflectance.header().size as usize;
+    let [fetches, rays] = [0; 2].map(AtomicU64::new);
+    let add = |of_both: [u32; 2]| {
+        fetches.fetch_add(of_both.iter().map(|count| u64::from(*count)).sum(), Ordering::Relaxed);
+        rays.fetch_add(1, Ordering::Relaxed);
+        [0.0; 3]
+    };
+    draw_tiles(scene, frame, Tiles { repeat, texels }, |at, level, view| {
+        let look = decoder.look(at, level, single(view), MacroSurface::PLANE);
+        (look.offset().map(f64::from), move |light| add(look.fetches(single(light))))
+    });
+    fetches.into_inner() as f64 / rays.into_inner().max(1) as f64
 }
 
 /// The same layers with a share of the steps.

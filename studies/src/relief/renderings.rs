@@ -1,6 +1,6 @@
 //! Renderings of the surface, and of the methods next to it.
 
-use super::methods::Method;
+use super::methods::{Method, Stored};
 use super::rows::{AngleRow, MethodRow, ObjectRow, RenderingRow};
 use brdfc_flat_btf::model::MesoModel;
 use brdfc_flat_btf::surface::Appearance;
@@ -109,10 +109,11 @@ impl Renderings {
         let angles = POLAR_ANGLES.iter().zip(&self.angles);
         MethodRow {
             method: method.name,
-            bytes: method.stored.map(|stored| stored.bytes),
-            fetches: method.stored.map(|stored| stored.fetches),
+            bytes: method.stored.as_ref().map(|stored| stored.bytes),
+            fetches: method.stored.as_ref().map(|stored| stored.fetches),
+            mean_fetches: method.stored.as_ref().map(|stored| self.plane.mean_fetches(stored)),
             plane: self.plane.row(&plane),
-            nanoseconds: method.stored.map(|_| nanoseconds),
+            nanoseconds: method.stored.as_ref().map(|_| nanoseconds),
             angles: angles
                 .map(|(polar, renderings)| AngleRow { polar_angle: *polar, delta_e: mean(renderings) })
                 .collect(),
@@ -148,6 +149,11 @@ impl Rendering {
     /// The same view by a method.
     pub(super) fn drawn(&self, method: &Method<'_>) -> LinearImage {
         (method.draw)(&self.scene, self.frame, self.repeat)
+    }
+
+    /// Mean fetches of a method over samples and lights of this view of a plane.
+    fn mean_fetches(&self, stored: &Stored<'_>) -> f64 {
+        (stored.mean_fetches)(&self.scene, self.frame, self.repeat)
     }
 
     /// Differences of an image from this view.

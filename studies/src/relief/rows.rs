@@ -30,6 +30,8 @@ pub struct MethodRow {
     pub bytes: Option<u64>,
     /// Most filtered fetches of a pixel under one light. Absent for bounds.
     pub fetches: Option<u32>,
+    /// Mean of these fetches over samples and lights of `plane`. Absent for bounds.
+    pub mean_fetches: Option<f64>,
     /// 4 x 4 tiles on the plane.
     pub plane: RenderingRow,
     /// Time to draw this rendering on the CPU, nanoseconds per sample and thread. Absent for bounds.

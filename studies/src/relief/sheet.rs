@@ -32,6 +32,7 @@ pub(super) fn sheet(surface: Surface<'_>, layers: &Method<'_>, done: &dyn Fn()) 
         still("vase", Builtin::Vase.scene(), vase, SAMPLES),
         still("plane, near", plane_from(polar, azimuth, NEAR * DISTANCE), plane, SAMPLES),
         still("vase, near", nearer(Builtin::Vase.scene()), vase, SAMPLES),
+        still("vase, near, light from the right", mirrored_light(nearer(Builtin::Vase.scene())), vase, SAMPLES),
         still("plane, far", Builtin::Plane.scene(), FAR_TILES, FAR_SAMPLES),
         still("vase, far", Builtin::Vase.scene(), 3 * vase, FAR_SAMPLES),
         moving("plane in motion", &|by| plane_from(polar, azimuth + by, DISTANCE), plane),
@@ -42,7 +43,7 @@ pub(super) fn sheet(surface: Surface<'_>, layers: &Method<'_>, done: &dyn Fn()) 
 }
 
 /// Number of calls of `done`.
-pub(super) const COUNT: usize = 10;
+pub(super) const COUNT: usize = 11;
 
 fn still(name: &str, rendering: &Rendering, layers: &Method<'_>) -> Cell {
     let image = rendering.drawn(layers);
@@ -70,6 +71,12 @@ fn cell(name: &str, details: String, panels: [Panel; 3]) -> Cell {
 fn nearer(mut scene: Scene) -> Scene {
     let camera = &mut scene.camera;
     camera.eye = [0, 1, 2].map(|k| camera.target[k] + NEAR * (camera.eye[k] - camera.target[k]));
+    scene
+}
+
+/// The same scene with each light on the other side: with the scene before, figure 8 of Hadim et al. 2009.
+fn mirrored_light(mut scene: Scene) -> Scene {
+    scene.lights.iter_mut().for_each(|light| light.position[0] *= -1.0);
     scene
 }
 

@@ -137,8 +137,9 @@ fn rays(decoder: &FlatBtfDecoder, model: &MesoModel, appearance: &Appearance, le
         } else {
             near_mirrored(view, a, b)
         };
-        // A pixel that shows the level covers two of its texels per side: `factored_mipmap_level`.
-        let at = [x + 2.0 * (across - 0.5) / side, y + 2.0 * (down - 0.5) / side];
+        // A pixel that shows the level covers two of its texels per side: `factored_mipmap_level`. Fitted to rays through
+        // two, tables are too blurred, because normals between texels are also filtered.
+        let at = [x + (across - 0.5) / side, y + (down - 0.5) / side];
         let truth = direct_radiance(model, appearance, at, view, light).map(f64::from);
         let [view, light] = [view, light].map(|v| v.map(|c| c as f32));
         let point = decoder.seen([x as f32, y as f32], view, detail);

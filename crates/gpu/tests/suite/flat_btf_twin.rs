@@ -61,11 +61,21 @@ fn queries(count: usize, seed: u64) -> Vec<FlatBtfQuery> {
             _ => MacroSurface {
                 curvature: [0; 3].map(|_| numbers.between(-1.0, 1.0) as f32),
                 height: [0.0, 0.2][numbers.bits() as usize % 2],
+                stretch: match numbers.bits() % 3 {
+                    0 => MacroSurface::SQUARE,
+                    _ => stretch([0; 3].map(|_| numbers.between(-1.0, 1.0) as f32)),
+                },
             },
         };
         FlatBtfQuery { uv, level, view, light, surface }
     };
     (0..count).map(query).collect()
+}
+
+/// Tiles that are stretched, sheared, and mirrored for some: their area is 1.
+fn stretch([wider, shear, mirrored]: [f32; 3]) -> [f32; 4] {
+    let width = 1.5 + wider;
+    [mirrored.signum() * width, shear, 0.0, 1.0 / width]
 }
 
 /// Answer of the CPU.
@@ -188,7 +198,7 @@ fn few_rays_jump_with_the_sampler() {
 }
 
 /// Constants of the shader and small changes of them, each of which the queries must detect.
-const CHANGES: [(&str, &str); 45] = [
+const CHANGES: [(&str, &str); 51] = [
     ("FLAT_BTF_TEXELS_PER_STEP: f32 = ", "FLAT_BTF_TEXELS_PER_STEP: f32 = 0.1 + "),
     ("FLAT_BTF_MIN_COSINE: f32 = ", "FLAT_BTF_MIN_COSINE: f32 = 0.001 + "),
     ("FLAT_BTF_RISE: f32 = ", "FLAT_BTF_RISE: f32 = 0.1 + "),
@@ -198,16 +208,22 @@ const CHANGES: [(&str, &str); 45] = [
     ("max(detail - 1.0, 0.0)", "max(detail, 0.0)"),
     ("k < flat_btf_parameters.refine_steps", "k < 1u"),
     ("flat_btf_parameters.low + range - surface.height", "range - surface.height"),
-    ("point.at + rise * normal.xy", "point.at"),
+    ("point.at + rise * flat_btf_tiles(surface, normal.xy)", "point.at"),
+    ("flat_btf_tiles(surface, normal.xy)", "normal.xy"),
+    ("flat_btf_tiles(surface, along - back * turn)", "(along - back * turn)"),
+    ("s.x * along.x + s.y * along.y", "s.x * along.x"),
+    ("s.x * s.w - s.y * s.z", "1.0"),
+    ("s.w * tiles.x - s.y * tiles.y", "s.w * tiles.x"),
+    ("s.y * normal.x + s.w * normal.y", "s.w * normal.y"),
     ("point.height + rise * normal.z", "point.height + rise"),
     ("FLAT_BTF_MIN_PASSING_STEPS: f32 = ", "FLAT_BTF_MIN_PASSING_STEPS: f32 = 3.0 + "),
     ("FLAT_BTF_MIN_AREA_RATIO: f32 = ", "FLAT_BTF_MIN_AREA_RATIO: f32 = 0.8 + "),
     ("slope - surface.height * turned", "slope"),
     ("slope - above * turned", "slope"),
-    ("back * back * turn", "0.0 * turn"),
+    ("along - back * turn)", "along)"),
     ("2.0 * back * turn", "back * turn"),
-    ("-(range * range * turn)", "0.0 * turn"),
-    ("-(up * up * turn)", "0.0 * turn"),
+    ("-(range * range * flat_btf_tiles(surface, turn))", "0.0 * turn"),
+    ("-(up * up * flat_btf_tiles(surface, turn))", "0.0 * turn"),
     ("high = min(highest, -0.5 / bend)", "high = highest"),
     ("0.5 * bend * range", "0.0"),
     ("last = -0.5 / bend", "last = 2.0"),

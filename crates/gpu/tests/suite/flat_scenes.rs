@@ -46,11 +46,11 @@ fn difference(a: &LinearImage, b: &LinearImage) -> (f64, f64) {
 }
 
 /// Checks that images agree except at outlines, and where a ray passes an edge on another side.
-fn same(a: &LinearImage, b: &LinearImage, what: &str, most: f64) {
+fn same(a: &LinearImage, b: &LinearImage, what: &str, most: (f64, f64)) {
     let (share, mean) = difference(a, b);
     println!("{what}: {share} of the pixels, mean ΔE {mean}");
-    // The shader derives mipmap levels and curvature from neighbouring pixels, the CPU from the triangle.
-    assert!(share < 0.02 && mean < most, "{what}: {share} of the pixels, mean ΔE {mean}");
+    // The shader derives mipmap levels, curvature and stretch from neighbouring pixels, the CPU from the triangle.
+    assert!(share < most.0 && mean < most.1, "{what}: {share} of the pixels, mean ΔE {mean}");
     let covered = a.coverage.iter().zip(&b.coverage).filter(|(a, b)| a != b).count();
     assert!(covered < FRAME.width * FRAME.height / 100, "{what}: {covered} outlines");
 }
@@ -62,14 +62,14 @@ fn shader_and_cpu_draw_the_same_renderings() {
     assert!(SHADOWED.reflectance.shadow().is_some() && !SHADOWED.layers.header().casts_shadows);
     for (name, parts) in [("material", &*STUD), ("components", &COMPONENTS), ("stored shadows", &SHADOWED)] {
         let material = material(parts);
-        // The table has bump maps, which apply only to BRDFs; the terrain shows texels far away.
-        for builtin in [Builtin::Plane, Builtin::Vase, Builtin::Table, Builtin::Terrain] {
+        // The ball has stretched tiles; the table has bump maps, which apply only to BRDFs; the terrain shows texels far away.
+        for builtin in [Builtin::Plane, Builtin::Vase, Builtin::Sphere, Builtin::Table, Builtin::Terrain] {
             let scene = builtin.scene();
             let shader = draw_flat_btf(gpu, &scene, FRAME, &material).unwrap();
             let cpu = draw_on_cpu(&scene, FRAME, &material);
             assert!(cpu.pixels.iter().filter(|p| p[0] > 0.01).count() > FRAME.width * FRAME.height / 8);
             // The terrain is seen almost from the side, where rays are longest.
-            let most = if builtin == Builtin::Terrain { 0.25 } else { 0.05 };
+            let most = if builtin == Builtin::Terrain { (0.03, 0.25) } else { (0.02, 0.05) };
             same(&shader, &cpu, &format!("{name}, {}", builtin.name()), most);
         }
     }
@@ -102,7 +102,7 @@ fn mipmaps_matter_far_away() {
     for parts in [&*STUD, &COMPONENTS] {
         let (_, mean) = difference(&drawn(&without_mipmaps(parts)), &drawn(parts));
         println!("the finest level against mipmaps: mean ΔE {mean}");
-        assert!(mean > 2.0, "{mean}");
+        assert!(mean > 1.5, "{mean}");
     }
 }
 
@@ -125,7 +125,7 @@ fn a_change_of_the_scene_or_of_the_shader_is_a_difference() {
         let mut changed = scene.clone();
         change(&mut changed);
         let (share, mean) = difference(&draw_flat_btf(gpu, &changed, FRAME, &whole).unwrap(), &cpu);
-        assert!(share > 0.1 && mean > 0.4, "{what}: {share} of the pixels, mean ΔE {mean}");
+        assert!(share > 0.05 && mean > 0.4, "{what}: {share} of the pixels, mean ΔE {mean}");
     }
     let mut below = scene.clone();
     // Both below the sampled lights, and seen from below.
@@ -134,9 +134,11 @@ fn a_change_of_the_scene_or_of_the_shader_is_a_difference() {
     let drawn = |source: String, scene: &Scene| draw_flat_btf_by(gpu, source, scene, FRAME, &whole).unwrap();
     let from_below = draw_on_cpu(&below, FRAME, &whole);
     assert!(from_below.pixels.iter().any(|p| p[0] > 0.0), "lit from below");
-    same(&drawn(flat_scene_source(), &below), &from_below, "from below", 0.2);
+    same(&drawn(flat_scene_source(), &below), &from_below, "from below", (0.02, 0.2));
     let vase = Builtin::Vase.scene();
     let on_vase = draw_on_cpu(&vase, FRAME, &whole);
+    let ball = Builtin::Sphere.scene();
+    let on_ball = draw_on_cpu(&ball, FRAME, &whole);
     let edits = [
         (&scene, &cpu, "FLAT_BTF_RISE: f32 = ", "FLAT_BTF_RISE: f32 = 0.0 * "),
         (&scene, &cpu, "ray, detail, flat_btf_parameters.sight_steps", "ray, detail, 2u"),
@@ -149,6 +151,9 @@ fn a_change_of_the_scene_or_of_the_shader_is_a_difference() {
         (&vase, &on_vase, "return sqrt(abs(area)", "return 0.5 * sqrt(abs(area)"),
         (&vase, &on_vase, "along_v.y) * side", "along_v.y) * -side"),
         (&vase, &on_vase, "return look.point.rise * vec3", "return 0.0 * vec3"),
+        (&vase, &on_vase, "return surface.border.x", "return 0.0 * surface.border.x"),
+        (&ball, &on_ball, "tiles_right * b.y - tiles_below * a.y", "tiles_right * b.y"),
+        (&ball, &on_ball, "let along_b = (", "let along_b = -("),
     ];
     for (scene, expected, from, to) in edits {
         assert_eq!(flat_scene_source().matches(from).count(), 1, "{from}");
@@ -204,7 +209,8 @@ fn objects_are_those_of_the_displaced_object() {
     let frame = Frame { width: 120, height: 120, samples: 2 };
     let whole = FlatMaterial::new(made.decoder.clone(), FINER).unwrap();
     let none = FlatMaterial::new(FlatBtfDecoder::new(with_heights(made.decoder.parts(), 1e-6)), FINER).unwrap();
-    for builtin in [Builtin::Vase, Builtin::Teapot] {
+    // Tiles of the ball are twice as wide as high at its equator, and narrow at its poles.
+    for builtin in [Builtin::Vase, Builtin::Teapot, Builtin::Sphere] {
         let scene = builtin.scene();
         let reference = reference(&scene, frame, &made.model, &appearance, FINER);
         let against = |image: &LinearImage| {

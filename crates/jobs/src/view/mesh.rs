@@ -5,12 +5,14 @@ use super::packed::packed;
 use brdfc_render::scene::{Mesh, Vertex};
 use serde::Serialize;
 
-/// Numbers of a corner: position, uv, height above its surface, and two octahedral coordinates each of normal and tangent.
-const STREAMS: usize = 10;
-/// Numbers that are stored relative to their range: position, uv and height.
-const BOUNDED: usize = 6;
-/// Largest value of each number: 14 bits of a position, 16 of uv, 14 of a height, 13 of a normal, 11 of a tangent.
-const MAX_VALUES: [u16; STREAMS] = [0x3fff, 0x3fff, 0x3fff, 0xffff, 0xffff, 0x3fff, 0x1fff, 0x1fff, 0x7ff, 0x7ff];
+/// Numbers of a corner: position, uv, height above its surface, distance from its border, and two octahedral coordinates each
+/// of normal and tangent.
+const STREAMS: usize = 11;
+/// Numbers that are stored relative to their range: position, uv, height and distance.
+const BOUNDED: usize = 7;
+/// Largest value of each number: 14 bits of a position, 16 of uv, 14 of height and distance, 13 of a normal, 11 of a tangent.
+const MAX_VALUES: [u16; STREAMS] =
+    [0x3fff, 0x3fff, 0x3fff, 0xffff, 0xffff, 0x3fff, 0x3fff, 0x1fff, 0x1fff, 0x7ff, 0x7ff];
 
 /// A mesh as pages store it.
 #[derive(Debug, Clone, PartialEq, Serialize)]
@@ -33,7 +35,7 @@ impl PackedMesh {
     pub(super) fn new(mesh: &Mesh) -> Self {
         let bounded = |corner: &Vertex| {
             let ([x, y, z], [u, v]) = (corner.position, corner.uv);
-            [x, y, z, u, v, corner.raised_by]
+            [x, y, z, u, v, corner.raised_by, corner.border]
         };
         let mut low = [f32::MAX; BOUNDED];
         let mut high = [f32::MIN; BOUNDED];

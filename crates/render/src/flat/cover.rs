@@ -1,5 +1,6 @@
 //! Surfaces as a relief covers them: also raised to its highest point, so that its outline shows.
 
+use super::border::border_distances;
 use super::shell::sides;
 use crate::scene::{Mesh, Scene, Vertex};
 use crate::shading_point::ShadingPoint;
@@ -13,6 +14,10 @@ pub const COVER_WGSL: &str = include_str!("cover.wgsl");
 
 /// Largest difference of normals on a plane.
 const MAX_NORMAL_DIFFERENCE: f32 = 1e-4;
+/// Largest tangent of the polar angle of rays through a relief, which are raised to it.
+const MAX_SLOPE: f64 = 16.0;
+/// Largest change of coordinates of a stretched tile: at the pole of a ball tiles have no width.
+const MAX_STRETCH: f64 = 16.0;
 /// Least distance, in tiles, of the raised and of the lowered triangles from the surface.
 const MIN_DISTANCE: f32 = 1e-4;
 
@@ -37,11 +42,14 @@ fn cover(mesh: &Mesh, repeat: u32, heights: [f32; 2]) -> Mesh {
         return mesh.clone();
     }
     let sides = sides(mesh, f64::from(repeat));
-    let raised = |vertex: &Vertex, by: f64| {
+    let reach = f64::from(heights[0] - heights[1]) * MAX_SLOPE;
+    let borders = border_distances(mesh, &sides.iter().map(|side| reach * side).collect::<Vec<_>>());
+    let raised = |vertex: &Vertex, by: f64, border: f64| {
         let position = add_scaled(double(vertex.position), by, double(vertex.normal)).map(|c| c as f32);
-        Vertex { position, raised_by: by as f32, ..*vertex }
+        Vertex { position, raised_by: by as f32, border: border as f32, ..*vertex }
     };
-    let at = |height: f32| mesh.vertices.iter().zip(&sides).map(move |(v, side)| raised(v, f64::from(height) * side));
+    let numbers = || mesh.vertices.iter().zip(&sides).zip(&borders);
+    let at = |height: f32| numbers().map(move |((v, side), border)| raised(v, f64::from(height) * side, *border));
     let moved = mesh.vertices.len() as u32;
     let second = mesh.triangles.iter().map(|triangle| triangle.map(|corner| corner + moved));
     Mesh {
@@ -57,6 +65,8 @@ pub(super) struct CoveredSurface {
     pub(super) side: f64,
     /// True on raised triangles.
     pub(super) is_raised: bool,
+    /// Distance from the open border, and its change along tangent and bitangent.
+    border: (f64, [f64; 2]),
 }
 
 impl CoveredSurface {
@@ -68,20 +78,32 @@ impl CoveredSurface {
         let normals = corners.map(|corner| double(corner.normal));
         let mean: Vector = [0, 1, 2].map(|k| (0..3).map(|corner| weights[corner] * normals[corner][k]).sum());
         let raised_by: f64 = (0..3).map(|corner| weights[corner] * f64::from(corners[corner].raised_by)).sum();
-        // On back faces the normal is turned.
+        // On back faces the normal is turned, and v is negated.
         let sign = if dot(mean, point.normal) < 0.0 { -1.0 } else { 1.0 };
         let length = sign * dot(mean, mean).sqrt();
         let along = |v| [dot(v, point.tangent), dot(v, point.bitangent)];
         let base = corners
             .map(|corner| add_scaled(double(corner.position), -f64::from(corner.raised_by), double(corner.normal)));
-        let tiles = corners.map(|corner| corner.uv.map(|c| f64::from(c) * f64::from(repeat)));
+        let tiles = corners.map(|corner| [0, 1].map(|k| f64::from(corner.uv[k]) * f64::from(repeat) * [1.0, sign][k]));
         let edges = [1, 2].map(|k| along(subtract(base[k], base[0])));
         let turns = [1, 2].map(|k| along(subtract(normals[k], normals[0])).map(|c| c / length));
-        let covered = determinant([1, 2].map(|k| [0, 1].map(|axis| tiles[k][axis] - tiles[0][axis])));
-        let side = (determinant(edges).abs() / covered.abs().max(1e-20)).sqrt();
+        let moved = [1, 2].map(|k| [0, 1].map(|axis| tiles[k][axis] - tiles[0][axis]));
+        let side = (determinant(edges).abs() / determinant(moved).abs().max(1e-20)).sqrt();
         let curvature = curvature(edges, turns).map(|c| (c * side) as f32);
         let height = if side > 0.0 { (sign * raised_by / side) as f32 } else { 0.0 };
-        Self { flat_btf: MacroSurface { curvature, height }, side, is_raised: raised_by > 0.0 }
+        let stretch = stretch(edges, moved, side);
+        let borders = corners.map(|corner| f64::from(corner.border));
+        let [along, across] = gradients(edges, [1, 2].map(|k| [borders[k] - borders[0], 0.0])).unwrap_or_default();
+        let border = ((0..3).map(|corner| weights[corner] * borders[corner]).sum(), [along[0], across[0]]);
+        Self { flat_btf: MacroSurface { curvature, height, stretch }, side, is_raised: raised_by > 0.0, border }
+    }
+
+    /// True if a point is beyond the border, where no surface carries it. `moved` is its distance along tangent and
+    /// bitangent, in sides of a tile.
+    pub(super) fn is_outside(&self, moved: [f32; 2]) -> bool {
+        let (distance, [along, across]) = self.border;
+        let [x, y] = moved.map(f64::from);
+        distance + self.side * (along * x + across * y) < 0.0
     }
 }
 
@@ -89,17 +111,27 @@ fn determinant([[a, b], [c, d]]: [[f64; 2]; 2]) -> f64 {
     a * d - b * c
 }
 
-/// The symmetric matrix that turns steps along a surface into changes of the normal: uu, uv, vv. Zero where the steps
-/// span nothing.
-fn curvature(edges: [[f64; 2]; 2], [p, q]: [[f64; 2]; 2]) -> [f64; 3] {
+/// Change of two numbers with steps along tangent and bitangent, from their changes `p` and `q` along two edges. `None`
+/// where the edges span nothing, relative to their lengths.
+fn gradients(edges: [[f64; 2]; 2], [p, q]: [[f64; 2]; 2]) -> Option<[[f64; 2]; 2]> {
     let (area, [[a, b], [c, d]]) = (determinant(edges), edges);
-    // Relative to the steps: edge-on there is no curvature.
-    if area.abs() <= 1e-6 * (a * a + b * b + c * c + d * d) {
-        return [0.0; 3];
+    let along_tangent = [0, 1].map(|k| (p[k] * d - q[k] * b) / area);
+    let along_bitangent = [0, 1].map(|k| (q[k] * a - p[k] * c) / area);
+    (area.abs() > 1e-6 * (a * a + b * b + c * c + d * d)).then_some([along_tangent, along_bitangent])
+}
+
+/// The symmetric matrix that turns steps along a surface into changes of the normal: uu, uv, vv. Edge-on there is no
+/// curvature.
+fn curvature(edges: [[f64; 2]; 2], turns: [[f64; 2]; 2]) -> [f64; 3] {
+    gradients(edges, turns).map_or([0.0; 3], |[[uu, uv], [vu, vv]]| [uu, 0.5 * (uv + vu), vv])
+}
+
+/// Changes of the coordinates in tiles over one side of a tile.
+fn stretch(edges: [[f64; 2]; 2], moved: [[f64; 2]; 2], side: f64) -> [f32; 4] {
+    match gradients(edges, moved).filter(|_| determinant(moved).abs() > 1e-20) {
+        Some([[ut, vt], [ub, vb]]) => [ut, ub, vt, vb].map(|c| (c * side).clamp(-MAX_STRETCH, MAX_STRETCH) as f32),
+        None => MacroSurface::SQUARE,
     }
-    let along_u = [0, 1].map(|k| (p[k] * d - q[k] * b) / area);
-    let along_v = [0, 1].map(|k| (q[k] * a - p[k] * c) / area);
-    [along_u[0], 0.5 * (along_u[1] + along_v[0]), along_v[1]]
 }
 
 #[cfg(test)]
@@ -161,6 +193,55 @@ mod tests {
             assert!((surface.side / SIDE - 1.0).abs() < 0.01, "{}", surface.side);
             assert!((f64::from(surface.flat_btf.height) - height).abs() < 0.01, "{:?}", surface.flat_btf);
             assert_eq!(surface.is_raised, triangle == 0);
+            let square = surface.flat_btf.stretch.iter().zip(MacroSurface::SQUARE).all(|(a, b)| (a - b).abs() < 0.01);
+            assert!(square, "{:?}", surface.flat_btf);
+        }
+    }
+
+    /// Half a tile below the lower end of a bottle there is none. The control: no open border.
+    #[test]
+    fn surfaces_end_at_their_open_border() {
+        use crate::scenes::Builtin;
+        for (builtin, ends) in [(Builtin::Bottle, true), (Builtin::Sphere, false)] {
+            let mut part = builtin.scene().parts.remove(0);
+            part.mesh = cover(&part.mesh, 4, [0.125, -0.125]);
+            let low = part.mesh.vertices.iter().map(|vertex| vertex.uv[1]).fold(f32::MAX, f32::min);
+            let at_end = |triangle: &usize| {
+                let rows = part.mesh.triangles[*triangle].map(|corner| part.mesh.vertices[corner as usize].uv[1]);
+                rows.contains(&low)
+            };
+            let triangle = (0..part.mesh.triangles.len()).find(at_end).unwrap() as u32;
+            let hit = Hit { part: 0, triangle, barycentric: [0.3, 0.3] };
+            let corner = &part.mesh.vertices[part.mesh.triangles[triangle as usize][0] as usize];
+            let eye = add_scaled(double(corner.position), 2.0, double(corner.normal));
+            let point = ShadingPoint::without_bump(&part, &hit, eye);
+            let surface = CoveredSurface::new(&part.mesh, &hit, &point, 4);
+            let outside = [[0.0, -0.5], [0.0, 0.5], [0.5, 0.0]].map(|moved| surface.is_outside(moved));
+            assert_eq!(outside, [ends, false, false], "{builtin:?}");
+        }
+    }
+
+    #[test]
+    fn stretch_is_that_of_the_coordinates() {
+        let hit = Hit { part: 0, triangle: 1, barycentric: [0.3, 0.3] };
+        // Twice as many tiles along one axis; sheared; mirrored; seen from below, where v is negated and the bitangent
+        // turned; and no area.
+        for ([ut, ub, vt, vb], z, expected) in [
+            ([1.0, 0.0, 0.0, 4.0], 5.0, [0.5, 0.0, 0.0, 2.0]),
+            ([1.0, 1.0, 0.0, 1.0], 5.0, [1.0, 1.0, 0.0, 1.0]),
+            ([-1.0, 0.0, 0.0, 1.0], 5.0, [-1.0, 0.0, 0.0, 1.0]),
+            ([1.0, 0.0, 0.0, 4.0], -5.0, [0.5, 0.0, 0.0, 2.0]),
+            ([1.0, 0.0, 1.0, 0.0], 5.0, MacroSurface::SQUARE),
+        ] {
+            let mut mesh = quad(1.0, 0.0);
+            mesh.vertices.iter_mut().for_each(|vertex| {
+                let [x, y, _] = vertex.position;
+                vertex.uv = [ut * x + ub * y, vt * x + vb * y];
+            });
+            let part = crate::scene::Part { name: "square", mesh, surface: Default::default() };
+            let point = ShadingPoint::without_bump(&part, &hit, [0.1, 0.2, z]);
+            let found = CoveredSurface::new(&part.mesh, &hit, &point, 3).flat_btf.stretch;
+            assert!(found.iter().zip(expected).all(|(a, b)| (a - b).abs() < 1e-5), "{found:?} {expected:?}");
         }
     }
 }

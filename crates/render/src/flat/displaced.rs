@@ -5,7 +5,7 @@ use super::shell::{Shell, ShellHit};
 use crate::footprint::from_behind;
 use crate::sample_means::sample_means;
 use crate::scene::{Frame, Scene};
-use crate::shading_point::ShadingPoint;
+use crate::shading_point::{ShadingPoint, bent};
 use crate::trace::Caster;
 use crate::vector::add_scaled;
 use brdfc_flat_btf::model::MesoModel;
@@ -39,7 +39,7 @@ pub(super) fn reference_object(
         let nearest = hits.min_by(|a, b| a.0.distance.total_cmp(&b.0.distance));
         let view = ray.map(|c| -c);
         if let Some((hit, shell)) = nearest {
-            let point = Displaced::new(shell, &hit, model, add_scaled(eye, hit.distance, ray));
+            let point = Displaced::new(shell, &hit, model, add_scaled(eye, hit.distance, ray), view);
             if dot(point.geometric_normal, view) > 0.0 {
                 return Some(point.radiance(scene, shell, appearance, view));
             }
@@ -52,6 +52,7 @@ pub(super) fn reference_object(
         }
         let point = ShadingPoint::without_bump(part, hit, eye);
         let seen = model.point(&model.seen(point.uv.map(|c| c * f64::from(repeat)), point.outgoing).hit);
+        let seen = SurfacePoint { normal: bent(seen.normal, point.outgoing), ..seen };
         Some(reflected(scene, point.position, |light| {
             let light = point.local(light);
             let reaches = light[2] > 0.0 && model.caster.sees_sky(&seen, light);
@@ -74,7 +75,8 @@ struct Displaced {
 }
 
 impl Displaced {
-    fn new(shell: &Shell, hit: &ShellHit, model: &MesoModel, position: Vector) -> Self {
+    /// The point at a world `position`, for an eye in the direction `view`.
+    fn new(shell: &Shell, hit: &ShellHit, model: &MesoModel, position: Vector, view: Vector) -> Self {
         let mut point = model.point(&hit.on_tile);
         let (frame, side) = shell.frame(hit);
         let local = |v: Vector| frame.map(|axis| dot(axis, v));
@@ -83,7 +85,8 @@ impl Displaced {
             |n: Vector| normalize([0, 1, 2].map(|k| (0..3).map(|axis| n[axis] * gradients[axis][k]).sum::<f64>()));
         let geometric_normal = world(point.geometric_normal);
         // A cell is flat. Its normal is turned to the interpolated one, as shading normals of smooth meshes are.
-        point.normal = normalize(rotate_to_normal(local(normalize(gradients[2])), local(world(point.normal))));
+        let normal = normalize(rotate_to_normal(local(normalize(gradients[2])), local(world(point.normal))));
+        point.normal = bent(normal, local(view));
         Self { position, geometric_normal, frame, point, side }
     }
 

@@ -7,6 +7,7 @@
 //! Values of flat BTFs are relative to a white diffuser that faces the light: a point light of radiant intensity I at
 //! distance d gives the radiance `value I / (π d²)`. The value includes the cosine.
 
+mod border;
 mod cover;
 mod displaced;
 mod material;
@@ -59,7 +60,7 @@ pub fn draw_on_cpu(scene: &Scene, frame: Frame, material: &FlatMaterial) -> Line
             let level = sample_level(steps, material.repeat(), texels, frame.samples);
             let (at, view) = (on_tiles(&point, material.repeat()), point.outgoing.map(|c| c as f32));
             let look = material.decoder().look(at, level, view, surface.flat_btf);
-            if look.passes() {
+            if look.passes() || surface.is_outside(look.moved()) {
                 return None;
             }
             let shown = moved(&point, look.offset().map(f64::from), surface.side);

@@ -3,9 +3,10 @@
 use super::displaced::reference_object;
 use crate::sample_means::sample_means;
 use crate::scene::{Frame, Mesh, Scene};
+use crate::shading_point::bent;
 use crate::vector::{add_scaled, cross, double, subtract};
 use brdfc_flat_btf::model::MesoModel;
-use brdfc_flat_btf::surface::Appearance;
+use brdfc_flat_btf::surface::{Appearance, SurfacePoint};
 use brdfc_formats::direction::{Vector, dot, normalize};
 use brdfc_metrics::image::LinearImage;
 use std::f64::consts::PI;
@@ -92,6 +93,7 @@ fn on_plane(
         }
         let view = ray.map(|c| -c);
         let point = model.point(&model.seen([at[0], at[1]], view).hit);
+        let point = SurfacePoint { normal: bent(point.normal, view), ..point };
         let mut radiance = [0.0; 3];
         for (position, intensity) in &lights {
             let to_light = subtract(*position, point.position);

@@ -58,6 +58,7 @@ pub(super) fn vertex(position: Vector, normal: Vector, tangent: Vector, uv: [f64
         tangent: single(tangent),
         uv: uv.map(|c| c as f32),
         raised_by: 0.0,
+        border: 0.0,
     }
 }
 

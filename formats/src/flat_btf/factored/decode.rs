@@ -52,6 +52,11 @@ impl FactoredTexel<'_> {
         &self.base
     }
 
+    /// Replaces the unit normal.
+    pub(in crate::flat_btf) fn set_normal(&mut self, normal: [f32; 3]) {
+        self.base.normal = normal;
+    }
+
     /// Value in a view under a light.
     ///
     /// # Panics

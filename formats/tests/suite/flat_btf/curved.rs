@@ -14,7 +14,7 @@ fn rays_over_a_cylinder_end_where_straight_ones_do() {
         let views = [(0.0f32, 0.0f32), (0.4, 0.0), (0.8, 0.8), (-1.0, 0.0), (0.9, 1.2), (1.0, 2.5)];
         for ((polar, azimuth), drawn) in views.into_iter().flat_map(|view| [(view, 0.0f32), (view, 0.5), (view, -0.5)])
         {
-            let surface = MacroSurface { curvature: [1.0 / radius, 0.0, 0.0], height: drawn };
+            let surface = MacroSurface { curvature: [1.0 / radius, 0.0, 0.0], height: drawn, ..MacroSurface::PLANE };
             let [x, y, z] = [polar.sin() * azimuth.cos(), polar.sin() * azimuth.sin(), polar.cos()];
             let seen = |surface| {
                 let steps = MarchSteps { sight: 200, refine: 8, both: 201 };
@@ -45,7 +45,11 @@ fn steep_rays_over_concave_surfaces_stay_on_their_line() {
     for byte in [60u8, 128, 200] {
         let relief = along(8, 1, |_| [byte, 0, 0]);
         for polar in [1.3f32, 1.4, 1.5] {
-            let surface = MacroSurface { curvature: [-0.25, 0.0, 0.0], height: f32::from(byte) / 255.0 - 0.5 };
+            let surface = MacroSurface {
+                curvature: [-0.25, 0.0, 0.0],
+                height: f32::from(byte) / 255.0 - 0.5,
+                ..MacroSurface::PLANE
+            };
             let view = [polar.sin(), 0.0, polar.cos()];
             let found = relief.seen([0.25, 0.5], view, surface, 0.0, FINE);
             // It is drawn where it is seen.
@@ -60,7 +64,7 @@ fn steep_rays_over_concave_surfaces_stay_on_their_line() {
 fn rays_pass_at_outlines() {
     let relief = along(8, 1, |_| [LOW, 0, 0]);
     let seen = |radius: f32, polar: f32| {
-        let surface = MacroSurface { curvature: [1.0 / radius, 0.0, 0.0], height: 0.5 };
+        let surface = MacroSurface { curvature: [1.0 / radius, 0.0, 0.0], height: 0.5, ..MacroSurface::PLANE };
         relief.seen([0.0; 2], [polar.sin(), 0.0, polar.cos()], surface, 0.0, FINE)
     };
     for radius in [20.0f32, 40.0] {
@@ -78,7 +82,7 @@ fn curvature_moves_shadows() {
     // Walls half a tile apart.
     let walls = along(32, 1, |column| [if column % 16 == 0 { HIGH } else { 128 }, 0, 0]);
     let reached = |curvature: f32| {
-        let surface = MacroSurface { curvature: [curvature, 0.0, 0.0], height: 0.0 };
+        let surface = MacroSurface { curvature: [curvature, 0.0, 0.0], ..MacroSurface::PLANE };
         let lit = |k: u32| {
             let x = 0.06 + k as f32 / 256.0;
             let point = walls.seen([x, 0.5], UP, MacroSurface::PLANE, 0.0, FINE);
@@ -102,7 +106,7 @@ fn looks_turn_with_the_surface() {
     // Three tenths of a tile above the plane, seen at 45 degrees.
     let offset = plane.offset();
     assert!((offset[0] - 0.3).abs() < 1e-4 && offset[1] == 0.0 && (offset[2] - 0.3).abs() < 1e-4, "{offset:?}");
-    let convex = MacroSurface { curvature: [0.2, 0.0, 0.0], height: 0.0 };
+    let convex = MacroSurface { curvature: [0.2, 0.0, 0.0], ..MacroSurface::PLANE };
     let curved = decoder.look(uv, 0.0, FROM_RIGHT, convex);
     assert!(!curved.passes() && (0.1..0.3).contains(&curved.offset()[0]), "{:?}", curved.offset());
     // There the normal leans to the right by about 0.2 x 0.28: light from the right rises above its horizon, light from
@@ -114,4 +118,46 @@ fn looks_turn_with_the_surface() {
     let [below_right, above_left] = [[1.0, 0.0, -0.03], [-1.0, 0.0, 0.03]];
     assert!(lit(convex, below_right) > 0 && lit(MacroSurface::PLANE, below_right) == 0);
     assert!(lit(convex, above_left) == 0 && lit(MacroSurface::PLANE, above_left) > 0);
+}
+
+/// On tiles twice as long as wide, a slope along the tangent crosses half as many tiles; mirrored tiles go the other way.
+/// The control are square tiles.
+#[test]
+fn stretched_tiles_are_crossed_more_slowly() {
+    let relief = along(64, 1, |column| [(4 * column.abs_diff(32)) as u8 + 64, 0, 0]);
+    let seen = |slope: [f32; 2], stretch: [f32; 4]| {
+        let surface = MacroSurface { stretch, ..MacroSurface::PLANE };
+        relief.seen([0.1, 0.5], unit([slope[0], slope[1], 1.0]), surface, 0.0, FINE)
+    };
+    for (stretch, [x, y]) in [
+        ([0.5, 0.0, 0.0, 2.0], [0.5, 0.0]),
+        ([-0.5, 0.0, 0.0, 2.0], [-0.5, 0.0]),
+        ([1.0, 0.5, 0.0, 1.0], [1.0, 0.0]),
+        ([0.0, -2.0, 0.5, 0.0], [0.0, 0.5]),
+    ] {
+        let (found, expected) = (seen([1.0, 0.0], stretch), seen([x, y], MacroSurface::SQUARE));
+        assert!(
+            apart(found.at, expected.at) < 1e-5 && (found.rise - expected.rise).abs() < 1e-5,
+            "{found:?} {expected:?}"
+        );
+        assert!(stretch[0] == 1.0 || apart(found.at, seen([1.0, 0.0], MacroSurface::SQUARE).at) > 0.02, "{stretch:?}");
+        // From above, a light likewise.
+        let above = relief.seen([0.7, 0.5], UP, MacroSurface::PLANE, 0.0, FINE);
+        let lit = |slope: f32, stretch| {
+            let surface = MacroSurface { stretch, ..MacroSurface::PLANE };
+            relief.lit(&above, UP, unit([slope, 0.0, 1.0]), surface, 0.0, FINE)
+        };
+        if stretch[1] == 0.0 {
+            let reached = (0..40).map(|k| 0.2 * k as f32).filter(|slope| lit(*slope, stretch) > 0.0).count();
+            let expected = (0..40).map(|k| 0.2 * k as f32).filter(|slope| lit(slope * x, MacroSurface::SQUARE) > 0.0);
+            assert_eq!(reached, expected.count(), "{stretch:?}");
+        }
+    }
+    // A slope of the relief is half as steep along the tangent.
+    let layers = along(64, 1, |column| [2 * column.min(63) as u8 + 64, 0, 0]);
+    let decoder = FlatBtfDecoder::new(FlatBtfParts { layers, ..parts(SMALL, 1) });
+    let normal = decoder.look([0.3, 0.6], 0.0, UP, MacroSurface::PLANE).normal();
+    let surface = MacroSurface { stretch: [0.5, 0.0, 0.0, 2.0], ..MacroSurface::PLANE };
+    let [x, y, z] = decoder.look([0.3, 0.6], 0.0, UP, surface).normal();
+    assert!((x / z - 0.5 * normal[0] / normal[2]).abs() < 1e-5 && (y / z - 2.0 * normal[1] / normal[2]).abs() < 1e-5);
 }

@@ -18,12 +18,12 @@ export async function unpacked(text) {
     return new Uint8Array(await new Response(stream).arrayBuffer());
 }
 
-/** Numbers of the attributes of a corner: position, normal, tangent, uv, height above its surface. */
-export const ATTRIBUTES = [3, 3, 3, 2, 1];
+/** Numbers of the attributes of a corner: position, normal, tangent, uv, height above its surface, distance from its border. */
+export const ATTRIBUTES = [3, 3, 3, 2, 1, 1];
 /** Numbers of a corner. */
-export const CORNER = 12;
-/** Streams of a corner: position, uv, height, and two octahedral coordinates of normal and tangent each. */
-const [NORMAL, TANGENT, STREAMS] = [6, 8, 10];
+export const CORNER = 13;
+/** Streams of a corner: position, uv, height, distance, and two octahedral coordinates of normal and tangent each. */
+const [NORMAL, TANGENT, STREAMS] = [7, 9, 11];
 
 /**
  * Decodes a mesh from its streams of numbers, each stored as the residual of a linear prediction from the two before it.
@@ -46,7 +46,7 @@ export async function meshOf({ vertices, triangles, low, span, largest, corners,
     });
     const vector = (first, k) => octahedral(...[first, first + 1].map((stream) => (2 * numbers[stream][k]) / largest[stream] - 1));
     for (let k = 0; k < vertices; k += 1) {
-        const place = [0, 1, 2, 3, 4, 5].map((axis) => low[axis] + (span[axis] * numbers[axis][k]) / largest[axis]);
+        const place = [0, 1, 2, 3, 4, 5, 6].map((axis) => low[axis] + (span[axis] * numbers[axis][k]) / largest[axis]);
         whole.set([...place.slice(0, 3), ...vector(NORMAL, k), ...vector(TANGENT, k), ...place.slice(3)], CORNER * k);
     }
     const found = new Uint32Array(3 * triangles);

@@ -13,9 +13,10 @@ var<private> flat_btf_seen_here: FlatBtfLook;
 
 fn looked(in: Varying, front: bool, frame: mat3x3<f32>, uv: vec2<f32>, level: f32, wo: vec3<f32>) -> Look {
     let surface = covered_surface(in, front, frame, uv);
-    flat_btf_seen_here = flat_btf_look(uv, level, wo, surface.flat_btf);
-    let at = in.position + frame * (surface.side * flat_btf_offset(flat_btf_seen_here));
-    return Look(at, surface.is_hidden || flat_btf_passes(flat_btf_seen_here), true);
+    let look = flat_btf_look(uv, level, wo, surface.flat_btf);
+    flat_btf_seen_here = look;
+    let at = in.position + frame * (surface.side * flat_btf_offset(look));
+    return Look(at, surface.is_hidden || flat_btf_passes(look) || is_outside(surface, look), true);
 }
 
 fn reflected(uv: vec2<f32>, level: f32, wo: vec3<f32>, wi: vec3<f32>) -> vec3<f32> {
