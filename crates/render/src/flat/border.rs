@@ -9,16 +9,15 @@ use std::collections::{BinaryHeap, HashMap};
 /// Vertices closer than this share of the mesh's extent are one, as at seams of uv.
 const CLOSE: f64 = 1e-6;
 
-/// Distance of each vertex from the nearest edge that has only one triangle, in the scene's unit; at most `reach`, a
-/// distance for each vertex.
+/// Distance of each vertex from the nearest edge that has only one triangle, at most `reach`; in the scene's unit.
 ///
 /// Nearest edges spread from vertex to vertex, so that the other side of a thin part does not count.
-pub(super) fn border_distances(mesh: &Mesh, reach: &[f64]) -> Vec<f64> {
+pub(super) fn border_distances(mesh: &Mesh, reach: f64) -> Vec<f64> {
     let points: Vec<Vector> = mesh.vertices.iter().map(|vertex| double(vertex.position)).collect();
     let edges = open_edges(mesh, &points);
     let distance = |vertex: usize, edge: usize| from_segment(points[vertex], edges[edge].map(|end| points[end]));
     let neighbours = neighbours(mesh);
-    let mut found = reach.to_vec();
+    let mut found = vec![reach; points.len()];
     // Of positive numbers the bits have the same order.
     let mut open: BinaryHeap<_> =
         (0..edges.len()).flat_map(|edge| edges[edge].map(|vertex| Reverse((0u64, vertex, edge)))).collect();
@@ -81,7 +80,7 @@ mod tests {
 
     fn distances(builtin: Builtin, reach: f64) -> (Mesh, Vec<f64>) {
         let mesh = builtin.scene().parts.remove(0).mesh;
-        let found = border_distances(&mesh, &vec![reach; mesh.vertices.len()]);
+        let found = border_distances(&mesh, reach);
         (mesh, found)
     }
 

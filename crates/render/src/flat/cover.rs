@@ -42,8 +42,8 @@ fn cover(mesh: &Mesh, repeat: u32, heights: [f32; 2]) -> Mesh {
         return mesh.clone();
     }
     let sides = sides(mesh, f64::from(repeat));
-    let reach = f64::from(heights[0] - heights[1]) * MAX_SLOPE;
-    let borders = border_distances(mesh, &sides.iter().map(|side| reach * side).collect::<Vec<_>>());
+    let reach = MAX_SLOPE * f64::from(heights[0] - heights[1]) * sides.iter().copied().fold(0.0, f64::max);
+    let borders = border_distances(mesh, reach);
     let raised = |vertex: &Vertex, by: f64, border: f64| {
         let position = add_scaled(double(vertex.position), by, double(vertex.normal)).map(|c| c as f32);
         Vertex { position, raised_by: by as f32, border: border as f32, ..*vertex }
