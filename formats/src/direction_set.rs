@@ -89,7 +89,11 @@ impl DirectionSet {
             return Err(FormatError::whole("directions", count.to_string(), format!("at most {MAX_DIRECTIONS}")));
         }
         if !(max_zenith_degrees > 0.0 && max_zenith_degrees < 90.0) {
-            return Err(FormatError::whole("largest polar angle", max_zenith_degrees.to_string(), "between 0 and 90"));
+            return Err(FormatError::whole(
+                "largest polar angle",
+                max_zenith_degrees.to_string(),
+                "degrees above 0 and below 90",
+            ));
         }
         let mut angles = ring(0.0, 1, 0.0);
         for k in 1..zeniths {

@@ -65,7 +65,8 @@ pub(super) fn run(arguments: &Arguments, common: Common) -> Result<(), Error> {
     refuse_dash(&arguments.folder)?;
     let folder = build_folder(&arguments.folder);
     arguments.sheet.as_ref().map_or(Ok(()), |sheet| refuse_other_extension("--sheet", sheet, &["png"]))?;
-    if is_flat_btf(folder) {
+    // Builds are folders: any other file gets the errors of reading a flat BTF.
+    if is_flat_btf(folder) || folder.is_file() {
         return of_flat_btf(arguments, common);
     }
     let tolerance = arguments

@@ -1,7 +1,7 @@
 //! Flat BTFs of images: those of a structure, of all views under all lights, are flattened again with its surface, and
 //! the result is compared with them.
 
-use brdfc_core::address::{AddressError, parse_synth};
+use brdfc_core::address::AddressError;
 use brdfc_flat_btf::encode::{
     EncodeError, FlatBtfEncoded, FlatInput, FlattenRecipe, MemoryScratch, Reflectance, ValueSource, encode,
 };
@@ -100,8 +100,7 @@ pub fn measured_btf_study(
     done: &(dyn Fn() + Sync),
 ) -> Result<[MeasuredBtfRow; 2], MeasuredBtfError> {
     let structure = Structure::parse(address)?;
-    let sources = structure.default_materials().iter().map(|m| parse_synth(m)).collect::<Result<_, _>>()?;
-    let appearance = Appearance { sources, ..Appearance::default() };
+    let appearance = structure.appearance();
     let model = MesoModel::new(structure.mesh(), 0, &()).map_err(EncodeError::from)?;
     let directions = set.directions();
     let views = directions.iter().map(|view| ViewImage::new(&model, *view, texels, 1)).collect();

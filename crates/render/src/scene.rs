@@ -18,7 +18,7 @@ pub struct Vertex {
     /// Distance along the normal by which it was raised above its surface, in the scene's unit: 0 except where a relief
     /// covers it.
     pub raised_by: f32,
-    /// Distance along the surface from its open border, where a relief covers it, otherwise 0; in the scene's unit. At
+    /// Straight distance from the open border of its surface, where a relief covers it, otherwise 0; in the scene's unit. At
     /// most as far as rays through the relief reach.
     pub border: f32,
 }

@@ -75,7 +75,7 @@ impl FlatBtfDecoder {
         let FlatBtfParts { layers, reflectance } = &self.parts;
         let detail = level_of_detail + self.finer();
         let point = layers.seen(uv, view, surface, detail, self.steps);
-        let moved = surface.along([point.at[0] - uv[0], point.at[1] - uv[1]]);
+        let moved = surface.from_tiles([point.at[0] - uv[0], point.at[1] - uv[1]]);
         let tilt = surface.tilt(moved);
         let mut texel =
             reflectance.filtered(layers.parameters(point.at, point.sheet, detail).map(wrap), level_of_detail);
@@ -171,21 +171,28 @@ impl FlatBtfLook<'_> {
         if light[2] <= 0.0 {
             return [0.0; 3];
         }
-        let [views, lights] = SampledDirections::blended(directions, self.view, light);
+        let aligned = [self.view, light].map(|direction| self.surface.aligned(direction));
+        let [views, lights] = SampledDirections::blended(directions, aligned[0], aligned[1]);
+        let views = BlendedDirection { direction: self.view, ..views };
+        let lights = BlendedDirection { direction: light, ..lights };
         let dimmed = directions.map_or(1.0, |some| (light[2] / some.lowest_light).min(1.0));
         self.value(views, lights).map(|value| value * dimmed)
     }
 
-    /// Filtered fetches of the layers: those of the ray of sight and the parameters, and those of a light's ray of light.
+    /// Filtered fetches of the layers: those of the ray of sight and the parameters, and those of the ray of light. Without
+    /// components.
+    #[doc(hidden)]
     pub fn fetches(&self, light: [f32; 3]) -> [u32; 2] {
         let (layers, steps) = (&self.decoder.parts.layers, self.decoder.steps);
         let refined = if self.passes() { 0 } else { steps.refine };
         let (normal, light) = (self.normal(), tilted(light, self.tilt));
-        let unlit = light[2] <= 0.0 || normal[0] * light[0] + normal[1] * light[1] + normal[2] * light[2] <= 0.0;
+        let unlit = self.passes()
+            || light[2] <= 0.0
+            || normal[0] * light[0] + normal[1] * light[1] + normal[2] * light[2] <= 0.0;
         let of_light = if unlit || !layers.header().casts_shadows {
             0
         } else {
-            layers.lit_in_steps(&self.point, normal, light, self.surface, self.detail, steps).1
+            layers.lit_counted(&self.point, normal, light, self.surface, self.detail, steps).1
         };
         [1 + self.point.steps + refined + 1, of_light]
     }

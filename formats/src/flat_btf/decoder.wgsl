@@ -158,17 +158,17 @@ fn flat_btf_lit(
 ) -> f32 {
     let rise = FLAT_BTF_RISE / f32(flat_btf_side(u32(floor(flat_btf_level(detail)))));
     let start = point.at + rise * flat_btf_tiles(surface, normal.xy);
-    var height = point.height + rise * normal.z / flat_btf_parameters.range;
-    if height >= 1.0 {
-        return 1.0;
-    }
     var column = flat_btf_column(start, detail);
+    var height = point.height + rise * normal.z / flat_btf_parameters.range;
     // Steps may have left the point a little inside the solid.
     let above = rise / flat_btf_parameters.range;
     if point.sheet == 2u {
         height = min(height, column.z - above);
     } else {
         height = max(height, select(column.x, column.y, point.sheet == 1u) + above);
+    }
+    if height >= 1.0 {
+        return 1.0;
     }
     let ray = flat_btf_ray_of_light(start, height, flat_btf_slope(light), surface);
     let both = flat_btf_parameters.both_steps;
@@ -218,8 +218,8 @@ fn flat_btf_ray_of_sight(uv: vec2<f32>, slope: vec2<f32>, surface: FlatBtfSurfac
     }
     let start = uv + back * flat_btf_tiles(surface, along - back * turn);
     let across = range * flat_btf_tiles(surface, 2.0 * back * turn - along);
-    let turned_by = -(range * range * flat_btf_tiles(surface, turn));
-    return FlatBtfRay(start, across, turned_by, height, -fall, half_bend, last, passes, back);
+    let bent = -(range * range * flat_btf_tiles(surface, turn));
+    return FlatBtfRay(start, across, bent, height, -fall, half_bend, last, passes, back);
 }
 
 // The ray of light from a point up to the highest point of the relief, or over a concave surface to its own.
@@ -240,8 +240,8 @@ fn flat_btf_ray_of_light(start: vec2<f32>, height: f32, slope: vec2<f32>, surfac
         last = 2.0 / (1.0 + sqrt(discriminant));
     }
     let across = up * flat_btf_tiles(surface, along);
-    let turned_by = -(up * up * flat_btf_tiles(surface, turn));
-    return FlatBtfRay(start, across, turned_by, height, 1.0 - height, bend * (1.0 - height), last, 0u, 0.0);
+    let bent = -(up * up * flat_btf_tiles(surface, turn));
+    return FlatBtfRay(start, across, bent, height, 1.0 - height, bend * (1.0 - height), last, 0u, 0.0);
 }
 
 // Curvature of the parallel surface at a height, in tiles.

@@ -27,6 +27,8 @@ impl MarchSteps {
 const TEXELS_PER_STEP: f32 = 1.5;
 /// Least cosine of the polar angle of a ray: flatter rays are raised.
 const MIN_COSINE: f32 = 0.0625;
+/// Largest tangent of the polar angle of a ray.
+pub const MAX_SLOPE: f32 = 1.0 / MIN_COSINE;
 /// Least number of steps of a ray that leaves a convex surface again, if the maximum allows.
 const MIN_PASSING_STEPS: f32 = 4.0;
 /// Distance from the surface at which rays of light start, in texels.
@@ -49,6 +51,8 @@ pub struct MacroSurface {
 impl MacroSurface {
     /// Stretch of square tiles along the tangent.
     pub const SQUARE: [f32; 4] = [1.0, 0.0, 0.0, 1.0];
+    /// Largest change of coordinates of a stretched tile: at the pole of a ball tiles have no width.
+    pub const MAX_STRETCH: f32 = 16.0;
     /// The reference plane itself.
     pub const PLANE: Self = Self { curvature: [0.0; 3], height: 0.0, stretch: Self::SQUARE };
 
@@ -59,11 +63,27 @@ impl MacroSurface {
     }
 
     /// Distance along tangent and bitangent, in sides of a tile, over a change of the coordinates: the inverse of
-    /// [`Self::tiles`].
-    pub(super) fn along(&self, [u, v]: [f32; 2]) -> [f32; 2] {
+    /// [`Self::tiles`], 0 if there is none.
+    pub(super) fn from_tiles(&self, [u, v]: [f32; 2]) -> [f32; 2] {
         let [ut, ub, vt, vb] = self.stretch;
         let determinant = ut * vb - ub * vt;
-        [(vb * u - ub * v) * determinant, (ut * v - vt * u) * determinant]
+        if determinant == 0.0 {
+            return [0.0; 2];
+        }
+        [(vb * u - ub * v) / determinant, (ut * v - vt * u) / determinant]
+    }
+
+    /// A direction in the frame along u and v, to which sampled directions refer: the rotation, or for mirrored tiles the
+    /// reflection, that is nearest to the stretch.
+    pub(super) fn aligned(&self, [x, y, z]: [f32; 3]) -> [f32; 3] {
+        let [ut, ub, vt, vb] = self.stretch;
+        let sign = if ut * vb - ub * vt < 0.0 { -1.0 } else { 1.0 };
+        let (p, q) = (ut + sign * vb, ub - sign * vt);
+        let length = (p * p + q * q).sqrt();
+        if self.stretch == Self::SQUARE || length == 0.0 {
+            return [x, y, z];
+        }
+        [(p * x + q * y) / length, (p * y - q * x) * sign / length, z]
     }
 
     /// A unit normal of the relief on square tiles, as it is on stretched tiles.
@@ -229,11 +249,11 @@ impl LayerMap {
         detail: f32,
         steps: MarchSteps,
     ) -> f32 {
-        self.lit_in_steps(point, normal, light, surface, detail, steps).0
+        self.lit_counted(point, normal, light, surface, detail, steps).0
     }
 
     /// The result of [`Self::lit`] and the number of columns that it takes.
-    pub(super) fn lit_in_steps(
+    pub(super) fn lit_counted(
         &self,
         point: &ReliefPoint,
         normal: [f32; 3],
@@ -245,17 +265,18 @@ impl LayerMap {
         let rise = RISE / self.header().side(self.levels_of(detail).0) as f32;
         let [x, y] = surface.tiles([normal[0], normal[1]]);
         let start = [point.at[0] + rise * x, point.at[1] + rise * y];
-        let height = point.height + rise * normal[2] / self.header().range();
-        if height >= 1.0 {
-            return (1.0, 0);
-        }
         let mut column = self.column(start, detail);
+        let range = self.header().range();
+        let height = point.height + rise * normal[2] / range;
         // Steps may have left the point a little inside the solid.
-        let above = rise / self.header().range();
+        let above = rise / range;
         let height = match point.sheet {
             Sheet::Underside => height.min(column[2] - above),
             sheet => height.max(column[sheet as usize] + above),
         };
+        if height >= 1.0 {
+            return (1.0, 1);
+        }
         let ray = self.ray_of_light(start, height, light, surface);
         let count = self.steps(&ray, detail, steps.both.saturating_sub(point.steps));
         let mut z = height;

@@ -22,5 +22,5 @@ pub use directions::SampledDirections;
 pub use file::FlatBtfFile;
 pub use flat_view::{FlatHeader, FlatView, MAX_DIRECTIONS, VisibilityMask, unit_vectors};
 pub use layers::{Column, LayerHeader, LayerMap, MAX_DISPLACEMENT, MAX_HEIGHT, Sheet};
-pub use march::{MacroSurface, MarchSteps, ReliefPoint};
+pub use march::{MAX_SLOPE, MacroSurface, MarchSteps, ReliefPoint};
 pub use view_weights::{BlendedDirection, ViewWeights};

@@ -41,7 +41,7 @@ struct FlatBtfLook {
 fn flat_btf_look(uv: vec2<f32>, level_of_detail: f32, view: vec3<f32>, surface: FlatBtfSurface) -> FlatBtfLook {
     let detail = level_of_detail + flat_btf_parameters.finer;
     let point = flat_btf_seen(uv, view, surface, detail);
-    let moved = flat_btf_along(surface, point.at - uv);
+    let moved = flat_btf_from_tiles(surface, point.at - uv);
     let tilt = flat_btf_product(surface.curvature, moved);
     let place = factored_place(flat_btf_parameters_at(point, detail), level_of_detail);
     var base = factored_load(place);
@@ -50,11 +50,29 @@ fn flat_btf_look(uv: vec2<f32>, level_of_detail: f32, view: vec3<f32>, surface: 
         surface, flat_btf_tilted(view, tilt), level_of_detail, moved, flat_btf_slope(view), tilt, point, place, base);
 }
 
-// Distance along tangent and bitangent, in sides of a tile, over a change of u and v: the inverse of flat_btf_tiles.
-fn flat_btf_along(surface: FlatBtfSurface, tiles: vec2<f32>) -> vec2<f32> {
+// Distance along tangent and bitangent, in sides of a tile, over a change of u and v: the inverse of flat_btf_tiles, 0 if there
+// is none.
+fn flat_btf_from_tiles(surface: FlatBtfSurface, tiles: vec2<f32>) -> vec2<f32> {
     let s = surface.stretch;
     let determinant = s.x * s.w - s.y * s.z;
-    return vec2<f32>((s.w * tiles.x - s.y * tiles.y) * determinant, (s.x * tiles.y - s.z * tiles.x) * determinant);
+    if determinant == 0.0 {
+        return vec2<f32>(0.0);
+    }
+    return vec2<f32>((s.w * tiles.x - s.y * tiles.y) / determinant, (s.x * tiles.y - s.z * tiles.x) / determinant);
+}
+
+// A direction in the frame along u and v, to which sampled directions refer: the rotation, or for mirrored tiles the
+// reflection, that is nearest to the stretch.
+fn flat_btf_aligned(surface: FlatBtfSurface, v: vec3<f32>) -> vec3<f32> {
+    let s = surface.stretch;
+    let sign = select(1.0, -1.0, s.x * s.w - s.y * s.z < 0.0);
+    let p = s.x + sign * s.w;
+    let q = s.y - sign * s.z;
+    let length = sqrt(p * p + q * q);
+    if all(s == FLAT_BTF_SQUARE) || length == 0.0 {
+        return v;
+    }
+    return vec3<f32>((p * v.x + q * v.y) / length, (p * v.y - q * v.x) * sign / length, v.z);
 }
 
 // A unit normal of the relief on square tiles, as it is on stretched tiles.
@@ -151,8 +169,8 @@ fn flat_btf_shade(look: FlatBtfLook, incoming: vec3<f32>) -> vec3<f32> {
         // First row of the lights' mesh, and cosine of the largest polar angle of a sampled light.
         let row = textureLoad(direction_mesh_words, vec2<u32>(0u, 0u), 0).x;
         let lowest_light = bitcast<f32>(textureLoad(direction_mesh_words, vec2<u32>(1u, 0u), 0).x);
-        let seen_from = direction_mesh_weights(look.view, 1u);
-        let lit_from = direction_mesh_weights(light, row);
+        let seen_from = direction_mesh_weights(flat_btf_aligned(look.surface, look.view), 1u);
+        let lit_from = direction_mesh_weights(flat_btf_aligned(look.surface, light), row);
         let views = FactoredWeights(seen_from.indices, seen_from.weights);
         let lights = FactoredWeights(lit_from.indices, lit_from.weights);
         value = factored_value(look.place, look.base, look.view, light, views, lights);

@@ -120,6 +120,11 @@ pub(super) fn meso_options(arguments: &Arguments, is_stack: bool) -> Result<Meso
             return Err(Error::usage(format!("--{option}: found {}, expected -10 to 10 tiles", format_number(value))));
         }
     }
+    if let Some(tile) = arguments.tile
+        && !(tile.is_finite() && tile > 0.0)
+    {
+        return Err(Error::usage(format!("--tile: found {}, expected a finite length above 0", format_number(tile))));
+    }
     let kind = Kind::of(geometry.as_ref())?;
     let (no_mesh, no_map) = (kind != Kind::Mesh, kind != Kind::HeightMap);
     let flags = [

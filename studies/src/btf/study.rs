@@ -6,12 +6,11 @@ use super::joint::Joint;
 use super::lights::Lights;
 use super::per_view::{FIRST, View};
 use super::rows::{BtfAsset, BtfClaims, BtfModel, BtfRow, BtfSettings, Tally};
-use brdfc_core::address::{AddressError, parse_synth};
+use brdfc_core::address::AddressError;
 use brdfc_flat_btf::factored::FactoredTarget;
 use brdfc_flat_btf::model::MesoModel;
 use brdfc_flat_btf::parameterise::ParameteriseError;
 use brdfc_flat_btf::structures::Structure;
-use brdfc_flat_btf::surface::Appearance;
 use brdfc_formats::FormatError;
 use brdfc_formats::direction_set::DirectionSet;
 use brdfc_jobs::pwt::permutation;
@@ -78,8 +77,7 @@ pub fn study_structure(
     done: &dyn Fn(usize),
 ) -> Result<BtfModel, BtfStudyError> {
     let structure = Structure::parse(address)?;
-    let sources = structure.default_materials().iter().map(|m| parse_synth(m)).collect::<Result<_, _>>()?;
-    let appearance = Appearance { sources, ..Default::default() };
+    let appearance = structure.appearance();
     let model = MesoModel::new(structure.mesh(), 0, &())?;
     let directions = set.directions();
     let lights = Lights::new(set, &settings.held_out)?;

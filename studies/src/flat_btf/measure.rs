@@ -8,12 +8,11 @@ use super::grids::grid_errors;
 use super::reconstruction::{LookUps, row};
 use super::rows::{CoherencyRow, ModelRow, StudySettings};
 use super::vdim::{OVERSAMPLING, indirection};
-use brdfc_core::address::{AddressError, parse_synth};
+use brdfc_core::address::AddressError;
 use brdfc_flat_btf::light_field::{ComputedField, FillGuide, FlattenedView, Holes, from_above, visible};
 use brdfc_flat_btf::model::MesoModel;
 use brdfc_flat_btf::parameterise::ParameteriseError;
 use brdfc_flat_btf::structures::Structure;
-use brdfc_flat_btf::surface::Appearance;
 use brdfc_formats::container::rgb9e5;
 use brdfc_formats::direction::Vector;
 use brdfc_render::rendering::Panel;
@@ -59,8 +58,7 @@ pub fn study_model(
     view_done: &(dyn Fn() + Sync),
 ) -> Result<(ModelRow, ModelFigures), StudyError> {
     let structure = Structure::parse(address)?;
-    let sources = structure.default_materials().iter().map(|m| parse_synth(m)).collect::<Result<_, _>>()?;
-    let appearance = Appearance { sources, ..Default::default() };
+    let appearance = structure.appearance();
     let model = MesoModel::new(structure.mesh(), settings.rounds, &())?;
     let texels = model.texels(settings.flat_texels);
     let masks: Vec<Vec<bool>> = directions.iter().map(|view| visible(&texels, &model.caster, *view)).collect();

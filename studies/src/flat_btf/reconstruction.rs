@@ -129,7 +129,6 @@ fn mean(values: impl Iterator<Item = f64>) -> f64 {
 mod tests {
     use super::super::vdim::indirection;
     use super::*;
-    use brdfc_core::address::parse_synth;
     use brdfc_flat_btf::light_field::{ComputedField, FlattenedView, Holes, visible};
     use brdfc_flat_btf::structures::Structure;
     use brdfc_flat_btf::surface::Appearance;
@@ -158,10 +157,9 @@ mod tests {
     impl Case {
         fn new(address: &str, settings: StudySettings) -> Self {
             let structure = Structure::parse(address).unwrap();
-            let sources = structure.default_materials().iter().map(|m| parse_synth(m).unwrap()).collect();
             let model = MesoModel::new(structure.mesh(), 0, &()).unwrap();
             let map = indirection(&model, settings.map_header(), OVERSAMPLING);
-            Self { model, appearance: Appearance { sources, ..Default::default() }, settings, map }
+            Self { model, appearance: structure.appearance(), settings, map }
         }
 
         /// Differences of one view and light through `map`.

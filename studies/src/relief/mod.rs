@@ -9,14 +9,13 @@ mod sheet;
 
 pub use rows::{AngleRow, MethodRow, ObjectRow, ReliefRow, ReliefSettings, RenderingRow};
 
-use brdfc_core::address::{AddressError, parse_synth};
+use brdfc_core::address::AddressError;
 use brdfc_flat_btf::encode::{
     EncodeError, FlatBtfEncoded, FlatInput, FlattenRecipe, MemoryScratch, Reflectance, ValueSource, encode,
 };
 use brdfc_flat_btf::factored::FactoredTarget;
 use brdfc_flat_btf::fill::FillMethod;
 use brdfc_flat_btf::structures::Structure;
-use brdfc_flat_btf::surface::Appearance;
 use brdfc_formats::direction_set::DirectionSet;
 use brdfc_render::rendering::Panel;
 use methods::Methods;
@@ -51,8 +50,7 @@ pub fn relief_study(
     done: &dyn Fn(),
 ) -> Result<(ReliefRow, Option<Panel>), ReliefError> {
     let structure = Structure::parse(address)?;
-    let sources = structure.default_materials().iter().map(|m| parse_synth(m)).collect::<Result<_, _>>()?;
-    let appearance = Appearance { sources, ..Appearance::default() };
+    let appearance = structure.appearance();
     let recipe = FlattenRecipe {
         // The displacements then have as many texels as the other maps, and only the heights twice as many per side.
         texels: 2 * settings.texels,

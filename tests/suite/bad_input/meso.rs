@@ -38,9 +38,12 @@ fn zero_area_tiles_and_unknown_names() {
     let folder = Folder::new();
     folder.write("m.obj", TILE);
     for tile in ["0", "nan", "inf"] {
-        let expected = ["tile: found ", ", expected a finite length above 0"];
-        refused(&folder, &["flatten", "m.obj", "-o", "out", "--tile", tile], 3, &expected);
+        let expected = ["--tile: found ", ", expected a finite length above 0"];
+        refused(&folder, &["flatten", "m.obj", "-o", "out", "--tile", tile], 2, &expected);
     }
+    // A file is read as a flat BTF, whatever its damage.
+    folder.write("cut.ktx2", "");
+    refused(&folder, &["report", "cut.ktx2", "-o", "cut.html"], 3, &["cut.ktx2"]);
     refused(&folder, &["flatten", "m.xyz", "-o", "out"], 4, &["m.xyz"]);
     folder.write("m.xyz", "");
     refused(&folder, &["flatten", "m.xyz", "-o", "out"], 3, &["extension .xyz", ".obj"]);

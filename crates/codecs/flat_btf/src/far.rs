@@ -137,8 +137,8 @@ fn rays(decoder: &FlatBtfDecoder, model: &MesoModel, appearance: &Appearance, le
         } else {
             near_mirrored(view, a, b)
         };
-        // A pixel that shows the level covers two of its texels per side: `factored_mipmap_level`. Fitted to rays through
-        // two, tables are too blurred, because normals between texels are also filtered.
+        // Of the two texels per side that a pixel of the level covers (`factored_mipmap_level`), one: normals between texels
+        // are filtered, too, and with both, tables are too blurred for pixels of several samples.
         let at = [x + (across - 0.5) / side, y + (down - 0.5) / side];
         let truth = direct_radiance(model, appearance, at, view, light).map(f64::from);
         let [view, light] = [view, light].map(|v| v.map(|c| c as f32));

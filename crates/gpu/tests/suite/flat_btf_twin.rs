@@ -72,10 +72,11 @@ fn queries(count: usize, seed: u64) -> Vec<FlatBtfQuery> {
     (0..count).map(query).collect()
 }
 
-/// Tiles that are stretched, sheared, and mirrored for some: their area is 1.
-fn stretch([wider, shear, mirrored]: [f32; 3]) -> [f32; 4] {
-    let width = 1.5 + wider;
-    [mirrored.signum() * width, shear, 0.0, 1.0 / width]
+/// Tiles that are stretched, sheared, turned, and mirrored for some.
+fn stretch([wider, shear, turn]: [f32; 3]) -> [f32; 4] {
+    let width = turn.signum() * (1.5 + wider);
+    let (sine, cosine) = (3.0 * turn).sin_cos();
+    [cosine * width, cosine * shear - sine / width.abs(), sine * width, sine * shear + cosine / width.abs()]
 }
 
 /// Answer of the CPU.
@@ -198,7 +199,7 @@ fn few_rays_jump_with_the_sampler() {
 }
 
 /// Constants of the shader and small changes of them, each of which the queries must detect.
-const CHANGES: [(&str, &str); 51] = [
+const CHANGES: [(&str, &str); 57] = [
     ("FLAT_BTF_TEXELS_PER_STEP: f32 = ", "FLAT_BTF_TEXELS_PER_STEP: f32 = 0.1 + "),
     ("FLAT_BTF_MIN_COSINE: f32 = ", "FLAT_BTF_MIN_COSINE: f32 = 0.001 + "),
     ("FLAT_BTF_RISE: f32 = ", "FLAT_BTF_RISE: f32 = 0.1 + "),
@@ -212,7 +213,13 @@ const CHANGES: [(&str, &str); 51] = [
     ("flat_btf_tiles(surface, normal.xy)", "normal.xy"),
     ("flat_btf_tiles(surface, along - back * turn)", "(along - back * turn)"),
     ("s.x * along.x + s.y * along.y", "s.x * along.x"),
-    ("s.x * s.w - s.y * s.z", "1.0"),
+    ("s.z * along.x + s.w * along.y", "s.w * along.y"),
+    ("let determinant = s.x * s.w - s.y * s.z;", "let determinant = 1.0;"),
+    ("s.x * tiles.y - s.z * tiles.x", "s.x * tiles.y"),
+    ("s.x * normal.x + s.z * normal.y", "s.x * normal.x"),
+    ("p * v.y - q * v.x", "p * v.y"),
+    ("height = min(height, column.z - above)", "height = height"),
+    ("select(column.x, column.y, point.sheet == 1u) + above", "column.x + above"),
     ("s.w * tiles.x - s.y * tiles.y", "s.w * tiles.x"),
     ("s.y * normal.x + s.w * normal.y", "s.w * normal.y"),
     ("point.height + rise * normal.z", "point.height + rise"),

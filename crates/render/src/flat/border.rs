@@ -6,18 +6,27 @@ use brdfc_formats::direction::{Vector, dot};
 use std::cmp::Reverse;
 use std::collections::{BinaryHeap, HashMap};
 
-/// Vertices closer than this share of the mesh's extent are one, as at seams of uv.
+/// Vertices closer than this share of the extent of the mesh are one, as at seams of uv.
 const CLOSE: f64 = 1e-6;
 
-/// Distance of each vertex from the nearest edge that has only one triangle, at most `reach`; in the scene's unit.
+/// Straight distance of each vertex from the nearest edge that has only one triangle, at most `reach` and the extent of
+/// the mesh; in the scene's unit.
 ///
 /// Nearest edges spread from vertex to vertex, so that the other side of a thin part does not count.
 pub(super) fn border_distances(mesh: &Mesh, reach: f64) -> Vec<f64> {
     let points: Vec<Vector> = mesh.vertices.iter().map(|vertex| double(vertex.position)).collect();
-    let edges = open_edges(mesh, &points);
-    let distance = |vertex: usize, edge: usize| from_segment(points[vertex], edges[edge].map(|end| points[end]));
-    let neighbours = neighbours(mesh);
+    let extent = extent(&points);
+    let reach = reach.min(extent);
+    let joined = joined(&points, CLOSE * extent);
+    let triangles = mesh.triangles.iter().map(|triangle| triangle.map(|corner| joined[corner as usize]));
+    let triangles: Vec<[usize; 3]> = triangles.filter(|[a, b, c]| a != b && b != c && c != a).collect();
+    let edges = open_edges(&triangles);
     let mut found = vec![reach; points.len()];
+    if edges.is_empty() {
+        return found;
+    }
+    let distance = |vertex: usize, edge: usize| from_segment(points[vertex], edges[edge].map(|end| points[end]));
+    let neighbours = neighbours(&triangles, points.len());
     // Of positive numbers the bits have the same order.
     let mut open: BinaryHeap<_> =
         (0..edges.len()).flat_map(|edge| edges[edge].map(|vertex| Reverse((0u64, vertex, edge)))).collect();
@@ -34,31 +43,58 @@ pub(super) fn border_distances(mesh: &Mesh, reach: f64) -> Vec<f64> {
             }
         }
     }
+    joined.into_iter().map(|vertex| found[vertex]).collect()
+}
+
+/// Diagonal of the bounding box.
+fn extent(points: &[Vector]) -> f64 {
+    let along = |axis: usize| {
+        let range = points.iter().fold([f64::MAX, f64::MIN], |[low, high], p| [low.min(p[axis]), high.max(p[axis])]);
+        (range[1] - range[0]).max(0.0)
+    };
+    along(0).hypot(along(1)).hypot(along(2))
+}
+
+/// The first vertex within a distance of each vertex, along each axis.
+fn joined(points: &[Vector], close: f64) -> Vec<usize> {
+    let side = 4.0 * close.max(f64::MIN_POSITIVE);
+    let mut cells: HashMap<[i64; 3], Vec<usize>> = HashMap::new();
+    let mut found = Vec::with_capacity(points.len());
+    for (index, point) in points.iter().enumerate() {
+        let place = point.map(|c| c / side);
+        let cell = place.map(|c| c.floor() as i64);
+        // The cell of the point and its neighbours on the nearer sides.
+        let near = [0, 1, 2].map(|axis| if place[axis] - place[axis].floor() < 0.5 { -1 } else { 1 });
+        let is_near = |other: &usize| (0..3).all(|axis| (points[*other][axis] - point[axis]).abs() <= close);
+        let candidates = (0..8).filter_map(|k| {
+            let moved = [0, 1, 2].map(|axis| cell[axis] + if k >> axis & 1 == 1 { near[axis] } else { 0 });
+            cells.get(&moved)?.iter().copied().find(|other| is_near(other))
+        });
+        let first = candidates.min().unwrap_or(index);
+        if first == index {
+            cells.entry(cell).or_default().push(index);
+        }
+        found.push(first);
+    }
     found
 }
 
 /// Vertices of each edge of one triangle.
-fn open_edges(mesh: &Mesh, points: &[Vector]) -> Vec<[usize; 2]> {
-    let extent = points.iter().flatten().fold(0.0f64, |most, c| most.max(c.abs()));
-    let key = |vertex: u32| points[vertex as usize].map(|c| (c / (CLOSE * extent)).round() as i64);
-    let sides = |[a, b, c]: [u32; 3]| [[a, b], [b, c], [c, a]];
-    let undirected = |[a, b]: [u32; 2]| {
-        let mut ends = [key(a), key(b)];
-        ends.sort_unstable();
-        ends
-    };
-    let mut counts: HashMap<[[i64; 3]; 2], u32> = HashMap::new();
-    for side in mesh.triangles.iter().flat_map(|triangle| sides(*triangle)) {
+fn open_edges(triangles: &[[usize; 3]]) -> Vec<[usize; 2]> {
+    let sides = |[a, b, c]: [usize; 3]| [[a, b], [b, c], [c, a]];
+    let undirected = |[a, b]: [usize; 2]| [a.min(b), a.max(b)];
+    let mut counts: HashMap<[usize; 2], u32> = HashMap::new();
+    for side in triangles.iter().flat_map(|triangle| sides(*triangle)) {
         *counts.entry(undirected(side)).or_default() += 1;
     }
-    let all = mesh.triangles.iter().flat_map(|triangle| sides(*triangle));
-    all.filter(|side| counts[&undirected(*side)] == 1).map(|side| side.map(|vertex| vertex as usize)).collect()
+    let all = triangles.iter().flat_map(|triangle| sides(*triangle));
+    all.filter(|side| counts[&undirected(*side)] == 1).collect()
 }
 
 /// Vertices that share an edge with each vertex.
-fn neighbours(mesh: &Mesh) -> Vec<Vec<usize>> {
-    let mut all = vec![Vec::new(); mesh.vertices.len()];
-    for [a, b, c] in mesh.triangles.iter().map(|triangle| triangle.map(|vertex| vertex as usize)) {
+fn neighbours(triangles: &[[usize; 3]], count: usize) -> Vec<Vec<usize>> {
+    let mut all = vec![Vec::new(); count];
+    for [a, b, c] in triangles.iter().copied() {
         for [from, to] in [[a, b], [b, c], [c, a], [b, a], [c, b], [a, c]] {
             all[from].push(to);
         }
@@ -76,6 +112,7 @@ fn from_segment(point: Vector, [a, b]: [Vector; 2]) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::scene::Vertex;
     use crate::scenes::Builtin;
 
     fn distances(builtin: Builtin, reach: f64) -> (Mesh, Vec<f64>) {
@@ -109,5 +146,33 @@ mod tests {
             }
         }
         assert!(counts[0] > 1000 && counts[1] > 90, "{counts:?}");
+    }
+
+    /// Two halves of a strip with vertices of their own where they meet, a hair apart; far from the origin, with a
+    /// triangle without area.
+    #[test]
+    fn distances_go_across_seams() {
+        let quad = crate::testing::quad(2.0, 0.0);
+        let mut mesh = Mesh::default();
+        for (k, hair) in [0.0f32, 1e-6].into_iter().enumerate() {
+            let first = mesh.vertices.len() as u32;
+            mesh.vertices.extend(quad.vertices.iter().map(|vertex| {
+                let [x, y, z] = vertex.position;
+                Vertex { position: [x + 100.0, y + 2.0 * k as f32 + hair, z], ..*vertex }
+            }));
+            mesh.triangles.extend(quad.triangles.iter().map(|triangle| triangle.map(|corner| corner + first)));
+        }
+        mesh.triangles.push([0, 0, 1]);
+        let found = border_distances(&mesh, 9.0);
+        // All vertices are on the border; of the seam only its ends.
+        assert_eq!(found, [0.0; 8]);
+        let points: Vec<Vector> = mesh.vertices.iter().map(|vertex| double(vertex.position)).collect();
+        let joined = joined(&points, 1e-5);
+        assert_eq!(joined, [0, 1, 2, 3, 3, 2, 6, 7]);
+        let triangles: Vec<_> = mesh.triangles.iter().map(|t| t.map(|corner| joined[corner as usize])).collect();
+        assert_eq!(open_edges(&triangles[..4]).len(), 6);
+        // The control: apart, both halves have four.
+        let apart: Vec<_> = mesh.triangles[..4].iter().map(|t| t.map(|corner| corner as usize)).collect();
+        assert_eq!(open_edges(&apart).len(), 8);
     }
 }

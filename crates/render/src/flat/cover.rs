@@ -7,24 +7,21 @@ use crate::shading_point::ShadingPoint;
 use crate::trace::Hit;
 use crate::vector::{add_scaled, double, subtract};
 use brdfc_formats::direction::{Vector, dot};
-use brdfc_formats::flat_btf::MacroSurface;
+use brdfc_formats::flat_btf::{MAX_SLOPE, MacroSurface};
 
 /// WGSL of the surface around a point of a covered mesh.
 pub const COVER_WGSL: &str = include_str!("cover.wgsl");
 
 /// Largest difference of normals on a plane.
 const MAX_NORMAL_DIFFERENCE: f32 = 1e-4;
-/// Largest tangent of the polar angle of rays through a relief, which are raised to it.
-const MAX_SLOPE: f64 = 16.0;
-/// Largest change of coordinates of a stretched tile: at the pole of a ball tiles have no width.
-const MAX_STRETCH: f64 = 16.0;
 /// Least distance, in tiles, of the raised and of the lowered triangles from the surface.
 const MIN_DISTANCE: f32 = 1e-4;
 
 /// A scene as it is drawn with `repeat` tiles per unit of uv of a relief between two heights, in tiles.
 ///
 /// A curved mesh has its triangles twice: raised to the highest point of the relief, where rays of sight enter, and lowered
-/// to the lowest one, for its back, and for rays that enter at a border. Raised triangles are drawn first, and only their
+/// to the lowest one, for its back, and for rays that enter at a border. Points beyond an open border are not drawn; a ray
+/// that would enter the relief there from the side is taken to pass it. Raised triangles are drawn first, and only their
 /// front. A ray through the front of a lowered one has met the relief before, so that no back shows at outlines. A plane
 /// has no outline but its border, and stays as it is.
 pub fn covered(scene: &Scene, repeat: u32, [low, high]: [f32; 2]) -> Scene {
@@ -42,7 +39,7 @@ fn cover(mesh: &Mesh, repeat: u32, heights: [f32; 2]) -> Mesh {
         return mesh.clone();
     }
     let sides = sides(mesh, f64::from(repeat));
-    let reach = MAX_SLOPE * f64::from(heights[0] - heights[1]) * sides.iter().copied().fold(0.0, f64::max);
+    let reach = f64::from(MAX_SLOPE * (heights[0] - heights[1])) * sides.iter().copied().fold(0.0, f64::max);
     let borders = border_distances(mesh, reach);
     let raised = |vertex: &Vertex, by: f64, border: f64| {
         let position = add_scaled(double(vertex.position), by, double(vertex.normal)).map(|c| c as f32);
@@ -50,8 +47,8 @@ fn cover(mesh: &Mesh, repeat: u32, heights: [f32; 2]) -> Mesh {
     };
     let numbers = || mesh.vertices.iter().zip(&sides).zip(&borders);
     let at = |height: f32| numbers().map(move |((v, side), border)| raised(v, f64::from(height) * side, *border));
-    let moved = mesh.vertices.len() as u32;
-    let second = mesh.triangles.iter().map(|triangle| triangle.map(|corner| corner + moved));
+    let count = mesh.vertices.len() as u32;
+    let second = mesh.triangles.iter().map(|triangle| triangle.map(|corner| corner + count));
     Mesh {
         vertices: heights.into_iter().flat_map(at).collect(),
         triangles: mesh.triangles.iter().copied().chain(second).collect(),
@@ -65,8 +62,15 @@ pub(super) struct CoveredSurface {
     pub(super) side: f64,
     /// True on raised triangles.
     pub(super) is_raised: bool,
-    /// Distance from the open border, and its change along tangent and bitangent.
-    border: (f64, [f64; 2]),
+    border: Border,
+}
+
+/// The open border around a point.
+struct Border {
+    /// Distance from it, in world space. 0 on triangles with all corners on it, where it does not change either.
+    distance: f64,
+    /// Change of the distance along tangent and bitangent.
+    gradient: [f64; 2],
 }
 
 impl CoveredSurface {
@@ -87,23 +91,26 @@ impl CoveredSurface {
         let tiles = corners.map(|corner| [0, 1].map(|k| f64::from(corner.uv[k]) * f64::from(repeat) * [1.0, sign][k]));
         let edges = [1, 2].map(|k| along(subtract(base[k], base[0])));
         let turns = [1, 2].map(|k| along(subtract(normals[k], normals[0])).map(|c| c / length));
-        let moved = [1, 2].map(|k| [0, 1].map(|axis| tiles[k][axis] - tiles[0][axis]));
-        let side = (determinant(edges).abs() / determinant(moved).abs().max(1e-20)).sqrt();
+        let tile_edges = [1, 2].map(|k| [0, 1].map(|axis| tiles[k][axis] - tiles[0][axis]));
+        let side = (determinant(edges).abs() / determinant(tile_edges).abs().max(1e-20)).sqrt();
         let curvature = curvature(edges, turns).map(|c| (c * side) as f32);
         let height = if side > 0.0 { (sign * raised_by / side) as f32 } else { 0.0 };
-        let stretch = stretch(edges, moved, side);
+        let stretch = stretch(edges, tile_edges, side);
         let borders = corners.map(|corner| f64::from(corner.border));
         let [along, across] = gradients(edges, [1, 2].map(|k| [borders[k] - borders[0], 0.0])).unwrap_or_default();
-        let border = ((0..3).map(|corner| weights[corner] * borders[corner]).sum(), [along[0], across[0]]);
+        // A distance does not change faster than the position.
+        let shortened = along[0].hypot(across[0]).max(1.0);
+        let distance = (0..3).map(|corner| weights[corner] * borders[corner]).sum();
+        let border = Border { distance, gradient: [along[0], across[0]].map(|c| c / shortened) };
         Self { flat_btf: MacroSurface { curvature, height, stretch }, side, is_raised: raised_by > 0.0, border }
     }
 
     /// True if a point is beyond the border, where no surface carries it. `moved` is its distance along tangent and
     /// bitangent, in sides of a tile.
     pub(super) fn is_outside(&self, moved: [f32; 2]) -> bool {
-        let (distance, [along, across]) = self.border;
+        let Border { distance, gradient } = self.border;
         let [x, y] = moved.map(f64::from);
-        distance + self.side * (along * x + across * y) < 0.0
+        distance + self.side * (gradient[0] * x + gradient[1] * y) < 0.0
     }
 }
 
@@ -127,9 +134,10 @@ fn curvature(edges: [[f64; 2]; 2], turns: [[f64; 2]; 2]) -> [f64; 3] {
 }
 
 /// Changes of the coordinates in tiles over one side of a tile.
-fn stretch(edges: [[f64; 2]; 2], moved: [[f64; 2]; 2], side: f64) -> [f32; 4] {
-    match gradients(edges, moved).filter(|_| determinant(moved).abs() > 1e-20) {
-        Some([[ut, vt], [ub, vb]]) => [ut, ub, vt, vb].map(|c| (c * side).clamp(-MAX_STRETCH, MAX_STRETCH) as f32),
+fn stretch(edges: [[f64; 2]; 2], tile_edges: [[f64; 2]; 2], side: f64) -> [f32; 4] {
+    let most = MacroSurface::MAX_STRETCH;
+    match gradients(edges, tile_edges).filter(|_| determinant(tile_edges).abs() > 1e-20) {
+        Some([[ut, vt], [ub, vb]]) => [ut, ub, vt, vb].map(|c| ((c * side) as f32).clamp(-most, most)),
         None => MacroSurface::SQUARE,
     }
 }

@@ -35,7 +35,9 @@ fn border_around(
         return vec3<f32>(border, 0.0, 0.0);
     }
     let along = vec2<f32>(border_right * b.y - border_below * a.y, border_below * a.x - border_right * b.x);
-    return vec3<f32>(border, along / determinant);
+    // A distance does not change faster than the position.
+    let gradient = along / determinant;
+    return vec3<f32>(border, gradient / max(length(gradient), 1.0));
 }
 
 // True if the visible point is beyond the border, where no surface carries it.

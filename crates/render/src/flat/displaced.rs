@@ -86,6 +86,8 @@ impl Displaced {
         let geometric_normal = world(point.geometric_normal);
         // A cell is flat. Its normal is turned to the interpolated one, as shading normals of smooth meshes are.
         let normal = normalize(rotate_to_normal(local(normalize(gradients[2])), local(world(point.normal))));
+        // At outlines, interpolated normals turn away from the view, where a BRDF has no value: they are bent as those of
+        // all meshes are. The decoder takes such a view for one at the horizon.
         point.normal = bent(normal, local(view));
         Self { position, geometric_normal, frame, point, side }
     }

@@ -23,8 +23,8 @@ const FACTORED_BASE_LAYERS: u32 = 2u;
 // Half angles and difference angles of the base's table.
 const FACTORED_HALF_ANGLES: u32 = 48u;
 const FACTORED_DIFFERENCE_ANGLES: u32 = 8u;
-// A hair inside the centre of a texel.
-const FACTORED_FIRST: f32 = 0.501953125;
+// Least distance of a look-up in the tables from their edge, in texels: a hair inside the centre of the first texel.
+const FACTORED_TABLE_EDGE: f32 = 0.501953125;
 const FACTORED_LARGEST_BASE: f32 = 65536.0;
 const FACTORED_LARGEST_ALBEDO: f32 = 1024.0;
 const FACTORED_LEAST_COSINES: f32 = 0.1;
@@ -213,7 +213,7 @@ fn factored_gloss(table: u32, base: FactoredBase, cosine: f32, view: vec3<f32>, 
         let at = vec3<f32>(difference, row, f32(base.level) + base.blend) + vec3<f32>(0.5);
         let size = vec3<f32>(textureDimensions(factored_tables));
         // The sampler repeats: rounding must not reach the other side.
-        let inside = min(max(at, vec3<f32>(FACTORED_FIRST)), size - vec3<f32>(FACTORED_FIRST));
+        let inside = min(max(at, vec3<f32>(FACTORED_TABLE_EDGE)), size - vec3<f32>(FACTORED_TABLE_EDGE));
         return textureSampleLevel(factored_tables, factored_sampler, inside / size, 0.0);
     }
     let i = min(floor(angle), f32(FACTORED_HALF_ANGLES - 2u));

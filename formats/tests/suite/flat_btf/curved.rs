@@ -1,8 +1,10 @@
 //! Reliefs on curved surfaces.
 
 use super::{FINE, FROM_RIGHT, HIGH, LOW, UP, along, apart, unit};
-use brdfc_formats::flat_btf::{FlatBtfDecoder, FlatBtfParts, MacroSurface, MarchSteps};
-use brdfc_testing::codecs::flat_btf::{SMALL, parts};
+use brdfc_formats::flat_btf::{
+    FlatBtfDecoder, FlatBtfParts, LayerMap, MacroSurface, MarchSteps, ReliefPoint, SampledDirections, Sheet,
+};
+use brdfc_testing::codecs::flat_btf::{BASE, Factors, SMALL, factored, parts};
 
 /// Over a cylinder around the y axis a ray is straight in space. The control: over a plane it ends elsewhere.
 #[test]
@@ -149,8 +151,11 @@ fn stretched_tiles_are_crossed_more_slowly() {
         };
         if stretch[1] == 0.0 {
             let reached = (0..40).map(|k| 0.2 * k as f32).filter(|slope| lit(*slope, stretch) > 0.0).count();
-            let expected = (0..40).map(|k| 0.2 * k as f32).filter(|slope| lit(slope * x, MacroSurface::SQUARE) > 0.0);
-            assert_eq!(reached, expected.count(), "{stretch:?}");
+            let on_squares = |by: f32| {
+                (0..40).map(|k| 0.2 * k as f32).filter(|slope| lit(slope * by, MacroSurface::SQUARE) > 0.0).count()
+            };
+            assert_eq!(reached, on_squares(x), "{stretch:?}");
+            assert!(stretch[0] < 0.0 || x == 0.0 || reached != on_squares(1.0), "the control: {stretch:?} {reached}");
         }
     }
     // A slope of the relief is half as steep along the tangent.
@@ -160,4 +165,44 @@ fn stretched_tiles_are_crossed_more_slowly() {
     let surface = MacroSurface { stretch: [0.5, 0.0, 0.0, 2.0], ..MacroSurface::PLANE };
     let [x, y, z] = decoder.look([0.3, 0.6], 0.0, UP, surface).normal();
     assert!((x / z - 0.5 * normal[0] / normal[2]).abs() < 1e-5 && (y / z - 2.0 * normal[1] / normal[2]).abs() < 1e-5);
+}
+
+/// Rays of sight with few steps end a little inside the solid, from where no light would be seen.
+#[test]
+fn rays_of_light_start_outside_the_solid() {
+    let lit = |layers: &LayerMap, height: f32, sheet| {
+        let point = ReliefPoint { at: [0.3, 0.5], height, sheet, rise: 0.0, steps: 1 };
+        layers.lit(&point, UP, unit([1.0, 0.2, 1.0]), MacroSurface::PLANE, 0.0, FINE)
+    };
+    for byte in [255u8, 128, 0] {
+        let plateau = along(8, 1, |_| [byte, 0, 0]);
+        let height = f32::from(byte) / 255.0;
+        assert_eq!([0.03, 0.01, 0.0].map(|below| lit(&plateau, height - below, Sheet::Base)), [1.0; 3], "{byte}");
+    }
+    let slab = along(8, 3, |_| [10, 200, 100]);
+    let [top, base, underside] = [(200.0, Sheet::Top), (10.0, Sheet::Base), (100.0, Sheet::Underside)]
+        .map(|(byte, sheet)| (byte / 255.0, sheet));
+    assert_eq!(lit(&slab, top.0 - 0.02, top.1), 1.0);
+    // Below the slab there is no light.
+    assert_eq!([lit(&slab, base.0 - 0.02, base.1), lit(&slab, underside.0 + 0.02, underside.1)], [0.0; 2]);
+}
+
+/// The frame along u and v of turned, sheared and mirrored tiles.
+#[test]
+fn components_are_looked_up_along_the_tiles() {
+    let reflectance = factored(SMALL, Factors { groups: 1, ..BASE }, 1);
+    let decoder = FlatBtfDecoder::new(FlatBtfParts { layers: along(8, 1, |_| [128, 0, 0]), reflectance });
+    let directions = SampledDirections::of(&decoder.parts().reflectance).unwrap();
+    assert!(directions.is_some());
+    let [uv, light] = [[0.3, 0.6], [0.2, 0.5]];
+    let view = unit([0.3, -0.4, 0.8]);
+    let light = unit([light[0], light[1], 0.8]);
+    let plane = decoder.look(uv, 0.0, view, MacroSurface::PLANE).shaded(directions.as_ref(), light);
+    // A quarter turn of the tangent turns both directions back.
+    let turned = |[x, y, z]: [f32; 3]| [y, -x, z];
+    let surface = MacroSurface { stretch: [0.0, -1.0, 1.0, 0.0], ..MacroSurface::PLANE };
+    let found = decoder.look(uv, 0.0, turned(view), surface).shaded(directions.as_ref(), turned(light));
+    let other = decoder.look(uv, 0.0, turned(view), MacroSurface::PLANE).shaded(directions.as_ref(), turned(light));
+    let apart = |a: [f32; 3]| (0..3).map(|k| (a[k] - plane[k]).abs()).fold(0.0, f32::max);
+    assert!(apart(found) < 1e-5 && apart(other) > 1e-3, "{plane:?} {found:?} {other:?}");
 }

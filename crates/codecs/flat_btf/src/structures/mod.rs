@@ -16,7 +16,10 @@ mod tests;
 pub use relief::StructureInfo;
 
 use super::mesh::PeriodicMesh;
-use brdfc_core::address::{AddressError, canonical_address, describe, find_named, parse_parameters, split_query};
+use super::surface::Appearance;
+use brdfc_core::address::{
+    AddressError, canonical_address, describe, find_named, parse_parameters, parse_synth, split_query,
+};
 use brdfc_formats::direction::subtract;
 use rayon::prelude::*;
 use relief::Sample;
@@ -60,6 +63,15 @@ impl Structure {
     /// refer to. Each has an albedo below 1.
     pub fn default_materials(&self) -> &'static [&'static str] {
         self.info.materials
+    }
+
+    /// Appearance by the default materials.
+    ///
+    /// # Panics
+    /// Panics if an address of ours is wrong; a test evaluates all of them.
+    pub fn appearance(&self) -> Appearance {
+        let source = |address: &&str| parse_synth(address).expect("an address of ours");
+        Appearance { sources: self.default_materials().iter().map(source).collect(), ..Appearance::default() }
     }
 
     /// Returns the surface as a mesh of `resolution` x `resolution` points. Its mean height is `z = 0`: the volumes
