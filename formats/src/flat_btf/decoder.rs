@@ -75,7 +75,7 @@ impl FlatBtfDecoder {
         let FlatBtfParts { layers, reflectance } = &self.parts;
         let detail = level_of_detail + self.finer();
         let point = layers.seen(uv, view, surface, detail, self.steps);
-        let moved = surface.from_tiles([point.at[0] - uv[0], point.at[1] - uv[1]]);
+        let moved = surface.distance_over_tiles([point.at[0] - uv[0], point.at[1] - uv[1]]);
         let tilt = surface.tilt(moved);
         let mut texel =
             reflectance.filtered(layers.parameters(point.at, point.sheet, detail).map(wrap), level_of_detail);

@@ -63,8 +63,8 @@ impl MacroSurface {
     }
 
     /// Distance along tangent and bitangent, in sides of a tile, over a change of the coordinates: the inverse of
-    /// [`Self::tiles`], 0 if there is none.
-    pub(super) fn from_tiles(&self, [u, v]: [f32; 2]) -> [f32; 2] {
+    /// [`Self::tiles`], 0 if there is none; `flat_btf_from_tiles` of the shader.
+    pub(super) fn distance_over_tiles(&self, [u, v]: [f32; 2]) -> [f32; 2] {
         let [ut, ub, vt, vb] = self.stretch;
         let determinant = ut * vb - ub * vt;
         if determinant == 0.0 {
