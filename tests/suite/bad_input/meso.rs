@@ -41,7 +41,7 @@ fn zero_area_tiles_and_unknown_names() {
         let expected = ["--tile: found ", ", expected a finite length above 0"];
         refused(&folder, &["flatten", "m.obj", "-o", "out", "--tile", tile], 2, &expected);
     }
-    // A file is read as a flat BTF, whatever its damage.
+    // A file that is no flat BTF has the errors of reading one.
     folder.write("cut.ktx2", "");
     refused(&folder, &["report", "cut.ktx2", "-o", "cut.html"], 3, &["cut.ktx2"]);
     refused(&folder, &["flatten", "m.xyz", "-o", "out"], 4, &["m.xyz"]);
