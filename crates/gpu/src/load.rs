@@ -5,7 +5,7 @@ use super::device::{Gpu, GpuError};
 use brdfc_render::scene::{Camera, Part, Scene};
 use wgpu::{BindGroup, BindGroupLayout, BufferUsages};
 
-/// 32-bit words of a vertex: position, normal, tangent, uv, height above its surface.
+/// 32-bit words of a vertex: position, normal, tangent, uv, height above its surface, distance from its border.
 pub(super) const VERTEX_WORDS: usize = 13;
 /// 32-bit words of the shader's `View`.
 const VIEW_WORDS: usize = 24;

@@ -68,8 +68,8 @@ fn shader_and_cpu_draw_the_same_renderings() {
             let shader = draw_flat_btf(gpu, &scene, FRAME, &material).unwrap();
             let cpu = draw_on_cpu(&scene, FRAME, &material);
             assert!(cpu.pixels.iter().filter(|p| p[0] > 0.01).count() > FRAME.width * FRAME.height / 8);
-            // The terrain is seen almost from the side, where rays are longest; up to 2.01 % of its pixels differ, at outlines.
-            let most = if builtin == Builtin::Terrain { (0.03, 0.25) } else { (0.02, 0.05) };
+            // The terrain is seen almost from the side, where rays are longest: 1.1 to 2.0 % of its pixels differ.
+            let most = if builtin == Builtin::Terrain { (0.022, 0.25) } else { (0.02, 0.05) };
             same(&shader, &cpu, &format!("{name}, {}", builtin.name()), most);
         }
     }
@@ -99,11 +99,11 @@ fn mipmaps_matter_far_away() {
         let material = FlatMaterial::new(FlatBtfDecoder::new(parts.clone()), 32).unwrap();
         draw_on_cpu(&scene, FRAME, &material)
     };
-    for parts in [&*STUD, &COMPONENTS] {
+    // Found 2.96 and 1.87.
+    for (parts, least) in [(&*STUD, 2.0), (&COMPONENTS, 1.5)] {
         let (_, mean) = difference(&drawn(&without_mipmaps(parts)), &drawn(parts));
         println!("the finest level against mipmaps: mean ΔE {mean}");
-        // Of the material 1.87.
-        assert!(mean > 1.5, "{mean}");
+        assert!(mean > least, "{mean}");
     }
 }
 

@@ -148,10 +148,9 @@ mod tests {
         assert!(counts[0] > 1000 && counts[1] > 90, "{counts:?}");
     }
 
-    /// Two halves of a strip with vertices of their own where they meet, a hair apart; far from the origin, with a
-    /// triangle without area.
+    /// Two halves of a strip with vertices of their own where they meet, a hair apart; far from the origin.
     #[test]
-    fn distances_go_across_seams() {
+    fn vertices_are_joined_at_seams() {
         let quad = crate::testing::quad(2.0, 0.0);
         let mut mesh = Mesh::default();
         for (k, hair) in [0.0f32, 1e-6].into_iter().enumerate() {
@@ -162,17 +161,28 @@ mod tests {
             }));
             mesh.triangles.extend(quad.triangles.iter().map(|triangle| triangle.map(|corner| corner + first)));
         }
-        mesh.triangles.push([0, 0, 1]);
-        let found = border_distances(&mesh, 9.0);
-        // All vertices are on the border; of the seam only its ends.
-        assert_eq!(found, [0.0; 8]);
         let points: Vec<Vector> = mesh.vertices.iter().map(|vertex| double(vertex.position)).collect();
         let joined = joined(&points, 1e-5);
         assert_eq!(joined, [0, 1, 2, 3, 3, 2, 6, 7]);
         let triangles: Vec<_> = mesh.triangles.iter().map(|t| t.map(|corner| joined[corner as usize])).collect();
-        assert_eq!(open_edges(&triangles[..4]).len(), 6);
+        assert_eq!(open_edges(&triangles).len(), 6);
         // The control: apart, both halves have four.
-        let apart: Vec<_> = mesh.triangles[..4].iter().map(|t| t.map(|corner| corner as usize)).collect();
+        let apart: Vec<_> = mesh.triangles.iter().map(|t| t.map(|corner| corner as usize)).collect();
         assert_eq!(open_edges(&apart).len(), 8);
+    }
+
+    /// A mesh whose triangles share no vertices has the same distances as one whose triangles do.
+    #[test]
+    fn distances_go_across_seams() {
+        let (mesh, expected) = distances(Builtin::Bottle, 0.5);
+        let corners = mesh.triangles.iter().flatten();
+        let apart = Mesh {
+            vertices: corners.clone().map(|corner| mesh.vertices[*corner as usize]).collect(),
+            triangles: (0..mesh.triangles.len() as u32).map(|k| [3 * k, 3 * k + 1, 3 * k + 2]).collect(),
+        };
+        let found = border_distances(&apart, 0.5);
+        let expected: Vec<f64> = corners.map(|corner| expected[*corner as usize]).collect();
+        assert_eq!(found, expected);
+        assert!(expected.iter().any(|distance| (0.1..0.4).contains(distance)));
     }
 }

@@ -93,6 +93,7 @@ fn on_plane(
         }
         let view = ray.map(|c| -c);
         let point = model.point(&model.seen([at[0], at[1]], view).hit);
+        // As on objects: see `Displaced::new`.
         let point = SurfacePoint { normal: bent(point.normal, view), ..point };
         let mut radiance = [0.0; 3];
         for (position, intensity) in &lights {

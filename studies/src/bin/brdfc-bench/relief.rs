@@ -53,8 +53,8 @@ pub(super) fn text(settings: &ReliefSettings, rows: &[ReliefRow]) -> String {
     for row in rows {
         text += &format!("\n{}\n\n{}\n{}", row.model, on_the_plane(&row.methods), elsewhere(&row.methods));
     }
-    text + "\nFetches: most of a pixel under one light, and the mean on the plane. 95 %: 95th percentile of ΔE. Jumps: share of pixels whose ΔE changes by more than 5 when the camera turns by \
-            0.5°.\n16 x 16 tiles, and 32 x 32 on half as many pixels per row: against 64 samples per pixel; brightness \
+    text + "\nFetches: most of a pixel under one light, and the mean on the plane. 95 %: 95th percentile of ΔE. Jumps: share \
+            of pixels whose ΔE changes by more than 5 when the camera turns by 0.5°.\n16 x 16 tiles, and 32 x 32 on half as many pixels per row: against 64 samples per pixel; brightness \
             over that of the surface. Objects: against the displaced object.\n"
 }
 
