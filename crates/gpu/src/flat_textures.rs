@@ -14,8 +14,8 @@ const PARTS: [(&str, &str); 4] = [
     ("factored_weights", "weights"),
     ("factored_basis", "basis"),
 ];
-/// The texture of shadows has the most layers, one per light.
-const SHADOW: &str = "factored_shadow";
+/// The residual of shadows has the most layers, one per light.
+const RESIDUAL: &str = "factored_residual";
 
 /// Layout of group 1.
 pub fn slots(gpu: &Gpu, stages: ShaderStages) -> Slots {
@@ -52,7 +52,7 @@ fn fits(bindings: &Bindings<'_>, limits: &Limits) -> Result<(), GpuError> {
             return Err(GpuError::TooLarge(text));
         }
         let most = limits.max_texture_array_layers;
-        if name == SHADOW && layers > most {
+        if name == RESIDUAL && layers > most {
             let text = format!("found {layers} lights, expected at most {most} on this adapter");
             return Err(GpuError::TooLarge(text + "; make the flat BTF with fewer lights"));
         }

@@ -189,11 +189,8 @@ impl FlatBtfLook<'_> {
         let unlit = self.passes()
             || light[2] <= 0.0
             || normal[0] * light[0] + normal[1] * light[1] + normal[2] * light[2] <= 0.0;
-        let of_light = if unlit || !layers.header().casts_shadows {
-            0
-        } else {
-            layers.lit_counted(&self.point, normal, light, self.surface, self.detail, steps).1
-        };
+        let of_light =
+            if unlit { 0 } else { layers.lit_counted(&self.point, normal, light, self.surface, self.detail, steps).1 };
         [1 + self.point.steps + refined + 1, of_light]
     }
 
@@ -201,12 +198,13 @@ impl FlatBtfLook<'_> {
     fn value(&self, view: BlendedDirection, light: BlendedDirection) -> [f32; 3] {
         let layers = &self.decoder.parts.layers;
         let value = self.texel.blended(view, light);
-        if !layers.header().casts_shadows || value == [0.0; 3] {
-            return value;
-        }
-        let (normal, steps) = (self.texel.base().normal, self.decoder.steps);
-        let lit = layers.lit(&self.point, normal, light.direction, self.surface, self.detail, steps);
-        value.map(|channel| channel * lit)
+        let lit = if value == [0.0; 3] {
+            0.0
+        } else {
+            let (normal, steps) = (self.texel.base().normal, self.decoder.steps);
+            layers.lit(&self.point, normal, light.direction, self.surface, self.detail, steps)
+        };
+        self.texel.shadowed(value, light.samples, lit)
     }
 }
 

@@ -26,12 +26,12 @@ struct FlatBtfParameters {
     sight_steps: u32,   // maximum steps of a ray of sight: an application may change the three numbers of steps
     refine_steps: u32,
     both_steps: u32,    // maximum steps of a ray of sight and a ray of light together
-    casts_shadows: u32, // 0: the values contain shadows
     low: f32,           // lowest height, in tiles
     range: f32,         // highest less lowest height
     finer: f32,         // octaves by which texels of the layers are smaller than texels of the flat BTF
     reserved_0: u32,
     reserved_1: u32,
+    reserved_2: u32,
 }
 
 @group(1) @binding(15) var<uniform> flat_btf_parameters: FlatBtfParameters;

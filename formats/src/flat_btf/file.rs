@@ -2,9 +2,9 @@
 
 use super::decoder::{FlatBtfDecoder, FlatBtfParts};
 use super::directions::SampledDirections;
-use super::factored::{BasisMap, FactoredFlatBtf, ShadowMap, WeightMap};
+use super::factored::{BasisMap, FactoredFlatBtf, ResidualMap, WeightMap};
 use super::layers::LayerMap;
-use super::shader::{BASIS, DIRECTIONS, DISPLACEMENTS, HEIGHTS, SHADOW, TABLES};
+use super::shader::{BASIS, DIRECTIONS, DISPLACEMENTS, HEIGHTS, RESIDUAL, TABLES};
 use crate::FormatError;
 use crate::bindings::{Bindings, PackFile};
 
@@ -37,7 +37,7 @@ impl FlatBtfFile {
         let FlatBtfParts { layers, reflectance } = self.decoder.parts();
         let mut entries = reflectance.basis().header().entries();
         entries.extend([layers.entry(), reflectance.weights().entry()]);
-        entries.extend(reflectance.shadow().map(ShadowMap::entry));
+        entries.extend(reflectance.residual().map(ResidualMap::entry));
         if !self.report.is_empty() {
             entries.insert(REPORT.to_owned(), self.report.clone().into_bytes());
         }
@@ -77,10 +77,10 @@ impl FlatBtfFile {
         };
         let (heights, displacements, tables) = (image(HEIGHTS)()?, image(DISPLACEMENTS)()?, image(TABLES)()?);
         let basis = image(BASIS)().ok();
-        let shadow = image(SHADOW)().ok().map(ShadowMap::from_texture).transpose()?;
+        let residual = image(RESIDUAL)().ok().map(ResidualMap::from_texture).transpose()?;
         let stored = image(DIRECTIONS)().ok().map(|texture| SampledDirections::from_texture(&texture)).transpose()?;
         let layers = LayerMap::from_textures(heights, &displacements)?;
-        let reflectance = FactoredFlatBtf::new(BasisMap::from_textures(tables, basis.as_ref())?, weights, shadow)?;
+        let reflectance = FactoredFlatBtf::new(BasisMap::from_textures(tables, basis.as_ref())?, weights, residual)?;
         let made = Self::new(FlatBtfDecoder::new(FlatBtfParts { layers, reflectance }))?;
         // Triangulations may differ if more than three points are on a circle; the stored ones are used.
         let counts = |some: &SampledDirections| [some.views.directions(), some.lights.directions()];

@@ -10,8 +10,8 @@ use crate::tap::{footprint, periodic_tap, wrap};
 
 /// Key that identifies the layers of a flat BTF.
 pub(crate) const LAYERS: &str = "brdfc.flat-btf.layers";
-const VERSION: u32 = 1;
-const BYTES: usize = 28;
+const VERSION: u32 = 2;
+const BYTES: usize = 24;
 /// Maximum absolute height, in tiles.
 pub const MAX_HEIGHT: f32 = 64.0;
 /// Maximum absolute difference of the parameters of a point from its position, in tiles.
@@ -42,8 +42,6 @@ pub struct LayerHeader {
     pub levels: u32,
     /// Heights of bytes 0 and 255, in tiles.
     pub heights: [f32; 2],
-    /// True if rays of light determine shadows. False if the values contain shadows.
-    pub casts_shadows: bool,
 }
 
 /// Heights of a column in units of the header's range, 0 to 1: base, top, underside. The last two are 0 with one sheet.
@@ -210,9 +208,9 @@ impl LayerMap {
 
     /// Key and value of the header.
     pub(super) fn entry(&self) -> (String, Vec<u8>) {
-        let LayerHeader { size, sheets, levels, heights, casts_shadows } = self.header;
+        let LayerHeader { size, sheets, levels, heights } = self.header;
         let [low, high] = heights.map(f32::to_bits);
-        let words = [VERSION, size, sheets, levels, low, high, u32::from(casts_shadows)];
+        let words = [VERSION, size, sheets, levels, low, high];
         (LAYERS.to_owned(), words.into_iter().flat_map(u32::to_le_bytes).collect())
     }
 
@@ -226,7 +224,6 @@ impl LayerMap {
             sheets: cursor.u32("sheets")?,
             levels: cursor.u32("levels")?,
             heights: [cursor.f32("low")?, cursor.f32("high")?],
-            casts_shadows: word(&mut cursor, LAYERS, "shadows", 0..=1)? == 1,
         };
         header.check()?;
         let of_displacements = (TexelFormat::Rg16Float, header.displacement_extent(), header.displacement_levels());

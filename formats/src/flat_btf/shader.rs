@@ -1,8 +1,8 @@
 //! Shader side of flat BTFs: `formats/src/flat_btf/decoder.wgsl` and its uniform block.
 
 use super::directions::SampledDirections;
-use super::factored::FactoredFlatBtf;
 use super::factored::shader::{FACTORED_WGSL, FactoredParameters};
+use super::factored::{FactoredFlatBtf, RESIDUAL_FORMAT};
 use crate::bindings::{Binding, Bindings, Texels};
 use crate::container::{Extent, TexelFormat};
 use crate::cursor::block_bytes;
@@ -10,7 +10,7 @@ use crate::direction_mesh::DIRECTION_MESH_WGSL;
 use crate::flat_btf::FlatBtfDecoder;
 
 /// Name of the decoder and version of its bindings.
-pub(super) const DECODER: (&str, u32) = ("flat-btf", 4);
+pub(super) const DECODER: (&str, u32) = ("flat-btf", 5);
 
 /// WGSL of the rays through the relief. It declares a uniform block, two textures and a sampler in bind group 1; see
 /// the file.
@@ -40,7 +40,6 @@ impl FlatBtfParameters {
             steps.sight,
             steps.refine,
             steps.both,
-            u32::from(header.casts_shadows),
             header.heights[0].to_bits(),
             header.range().to_bits(),
             decoder.finer().to_bits(),
@@ -51,7 +50,7 @@ impl FlatBtfParameters {
 pub(super) const HEIGHTS: &str = "flat_btf_heights";
 pub(super) const DISPLACEMENTS: &str = "flat_btf_displacements";
 const WEIGHTS: &str = "factored_weights";
-pub(super) const SHADOW: &str = "factored_shadow";
+pub(super) const RESIDUAL: &str = "factored_residual";
 pub(super) const BASIS: &str = "factored_basis";
 pub(super) const TABLES: &str = "factored_tables";
 pub(super) const DIRECTIONS: &str = "direction_mesh_words";
@@ -91,11 +90,10 @@ impl FlatBtfDecoder {
 pub fn factored_bindings(asset: &FactoredFlatBtf) -> [Binding<'_>; 6] {
     let (header, weights) = (asset.header(), asset.weights());
     let layers = Extent::D2Array([header.size, header.size, weights.layers()]);
-    let shadow = asset.shadow().map(|map| {
-        let extent = Extent::D2Array([map.size(), map.size(), map.lights()]);
-        Texels::new(TexelFormat::R8Unorm, extent, map.texels()).with_levels(map.levels())
-    });
-    let shadow = shadow.unwrap_or_else(|| Texels::empty(TexelFormat::R8Unorm, Extent::D2Array([1; 3])));
+    let residual = match (asset.residual(), header.residual_extent()) {
+        (Some(map), Some(extent)) => Texels::new(RESIDUAL_FORMAT, extent, map.texels()).with_levels(map.levels()),
+        _ => Texels::empty(RESIDUAL_FORMAT, Extent::D2Array([1; 3])),
+    };
     let weights = Texels::new(TexelFormat::Rgba8Unorm, layers, weights.texels()).with_levels(weights.levels());
     let basis = match header.groups {
         0 => Texels::empty(TexelFormat::Rgba32Uint, Extent::D2([1; 2])),
@@ -106,7 +104,7 @@ pub fn factored_bindings(asset: &FactoredFlatBtf) -> [Binding<'_>; 6] {
         Binding::texture(22, TABLES, tables.sampled(FACTORED_SAMPLER)),
         Binding::uniform(23, "factored_parameters", FactoredParameters::to_bytes(asset)),
         Binding::texture(24, WEIGHTS, weights.sampled(FACTORED_SAMPLER).of_file()),
-        Binding::texture(25, SHADOW, shadow.sampled(FACTORED_SAMPLER)),
+        Binding::texture(25, RESIDUAL, residual.sampled(FACTORED_SAMPLER)),
         Binding::texture(26, BASIS, basis),
         Binding::sampler(27, FACTORED_SAMPLER, true),
     ]

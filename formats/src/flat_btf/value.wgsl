@@ -163,6 +163,8 @@ fn flat_btf_shade(look: FlatBtfLook, incoming: vec3<f32>) -> vec3<f32> {
         return vec3<f32>(0.0);
     }
     var value = vec3<f32>(0.0);
+    var dimmed = 1.0;
+    var lights = FactoredWeights(vec3<u32>(0u), vec3<f32>(0.0));
     if factored_parameters.groups == 0u {
         value = factored_base_colour(look.base, look.view, light);
     } else {
@@ -172,16 +174,17 @@ fn flat_btf_shade(look: FlatBtfLook, incoming: vec3<f32>) -> vec3<f32> {
         let seen_from = direction_mesh_weights(flat_btf_aligned(look.surface, look.view), 1u);
         let lit_from = direction_mesh_weights(flat_btf_aligned(look.surface, light), row);
         let views = FactoredWeights(seen_from.indices, seen_from.weights);
-        let lights = FactoredWeights(lit_from.indices, lit_from.weights);
-        value = factored_value(look.place, look.base, look.view, light, views, lights);
+        lights = FactoredWeights(lit_from.indices, lit_from.weights);
+        value = factored_value(look.base, look.view, light, views, lights);
         // Lights lower than all sampled ones are dimmed by the ratio of cosines.
-        value = value * min(light.z / lowest_light, 1.0);
+        dimmed = min(light.z / lowest_light, 1.0);
     }
-    if flat_btf_parameters.casts_shadows == 0u || all(value == vec3<f32>(0.0)) {
-        return value;
+    var lit = 0.0;
+    if any(value != vec3<f32>(0.0)) {
+        let detail = look.level + flat_btf_parameters.finer;
+        lit = flat_btf_lit(look.point, look.base.normal, light, look.surface, detail);
     }
-    let detail = look.level + flat_btf_parameters.finer;
-    return value * flat_btf_lit(look.point, look.base.normal, light, look.surface, detail);
+    return factored_shadowed(value, look.place, look.base, lights, lit) * dimmed;
 }
 
 // Both steps on a plane, for a single light.

@@ -5,8 +5,7 @@ use brdfc_formats::container::Extent;
 use brdfc_formats::flat_btf::factored::shader::{FACTORED_WGSL, FactoredParameters};
 use brdfc_formats::flat_btf::factored::{
     BASE_LAYERS, BaseMaterial, BaseTable, BaseTexel, BasisMap, ChromaRange, FactoredErrors, FactoredFlatBtf,
-    FactoredHeader, LevelTable, ShadowFormat, ShadowMap, TablePlace, WeightMap, WeightRange, from_opponent,
-    to_opponent,
+    FactoredHeader, LevelTable, ResidualMap, TablePlace, WeightMap, WeightRange, from_opponent, to_opponent,
 };
 use brdfc_formats::flat_btf::shader::FLAT_BTF_WGSL;
 use brdfc_formats::flat_btf::{
@@ -20,7 +19,7 @@ use brdfc_testing::golden::corpus::packs;
 use brdfc_testing::packs::Numbers;
 use naga::valid::{Capabilities, ValidationFlags, Validator};
 
-const TWO: Factors = Factors { groups: 2, wide_groups: 1, shadow: ShadowFormat::R8, ..BASE };
+const TWO: Factors = Factors { groups: 2, wide_groups: 1, residual: 2, ..BASE };
 
 /// Filtered value at parameters of the flat BTF.
 fn value(
@@ -38,19 +37,14 @@ fn close(found: [f32; 3], expected: [f32; 3], tolerance: f32) {
     assert!(good, "{found:?} instead of {expected:?}");
 }
 
-/// An asset of one grey component with known values: lightness `100 w` in view 0, `50 w` in view 1, and shadows.
-fn grey(
-    size: u32,
-    levels: u32,
-    weight: impl Fn(u32, u32) -> u8,
-    shadow: impl Fn(u32, u32, u32) -> u8,
-) -> FactoredFlatBtf {
+/// An asset of one grey component with known values: lightness `100 w` in view 0, `50 w` in view 1.
+fn grey(size: u32, levels: u32, weight: impl Fn(u32, u32) -> u8) -> FactoredFlatBtf {
     let header = FactoredHeader {
         size,
         levels,
         groups: 1,
         wide_groups: 1,
-        shadow: ShadowFormat::R8,
+        residual: 0,
         views: directions(2, 1),
         lights: directions(3, 2),
         chroma: ChromaRange::ALL,
@@ -71,13 +65,9 @@ fn grey(
         of_base.into_iter().chain(texels(side).flat_map(|(x, y)| [weight(x, y), 0, 0, 0])).collect::<Vec<u8>>()
     };
     let weights = sides.iter().flat_map(|side| weights(*side)).collect();
-    let one = |lit: &dyn Fn(u32, u32, u32) -> u8, side: u32| -> Vec<u8> {
-        (0..3).flat_map(|light| texels(side).map(move |(x, y)| (x, y, light))).map(|(x, y, l)| lit(x, y, l)).collect()
-    };
-    let shadows = sides.iter().flat_map(|side| one(&shadow, *side)).collect();
     let range = WeightRange { scale: 1.0, low: 0.0 };
     let weights = WeightMap::new(size, levels, vec![range; 12], weights).unwrap();
-    FactoredFlatBtf::new(basis.unwrap(), weights, Some(ShadowMap::new(size, levels, 3, shadows).unwrap())).unwrap()
+    FactoredFlatBtf::new(basis.unwrap(), weights, None).unwrap()
 }
 
 fn lightness(value: f32) -> [f32; 3] {
@@ -85,23 +75,21 @@ fn lightness(value: f32) -> [f32; 3] {
 }
 
 #[test]
-fn texels_are_shadow_times_sum() {
-    let asset = grey(4, 1, |x, _| [0, 51, 102, 255][x as usize], |_, _, light| [255, 0, 51][light as usize]);
+fn texels_are_sums() {
+    let asset = grey(4, 1, |x, _| [0, 51, 102, 255][x as usize]);
     for (x, weight) in [(0, 0.0), (1, 0.2), (2, 0.4), (3, 1.0)] {
         close(asset.texel([x, 2]).value(0, 0), lightness(100.0 * weight), 1e-6);
         close(asset.texel([x, 2]).value(1, 0), lightness(50.0 * weight), 1e-6);
-        close(asset.texel([x, 2]).value(1, 2), lightness(50.0 * weight).map(|c| 0.2 * c), 1e-6);
-        assert_eq!(asset.texel([x, 0]).value(0, 1), [0.0; 3]);
         // At the centre of a texel the filter returns that texel.
         let uv = [(x as f32 + 0.5) / 4.0, 0.625];
         assert_eq!(value(&asset, uv, 0.0, towards(only(1)), towards(only(2))), asset.texel([x, 2]).value(1, 2));
     }
 }
 
-/// Weights are filtered and pairs are blended before the sum is converted to a colour; shadows are blended separately.
+/// Weights are filtered and pairs are blended before the sum is converted to a colour.
 #[test]
 fn sums_are_blended_before_conversion_to_a_colour() {
-    let asset = grey(4, 1, |x, _| [0, 51, 102, 255][x as usize], |_, _, light| [255, 0, 51][light as usize]);
+    let asset = grey(4, 1, |x, _| [0, 51, 102, 255][x as usize]);
     // Between texels 1 and 2, and across the border between 3 and 0.
     for (u, weight) in [(0.5, 0.3), (0.4375, 0.25), (0.0, 0.5), (1.0, 0.5), (-3.0, 0.5), (0.9375, 0.75)] {
         close(value(&asset, [u, 0.4], 0.0, towards(only(0)), towards(only(0))), lightness(100.0 * weight), 1e-5);
@@ -110,7 +98,7 @@ fn sums_are_blended_before_conversion_to_a_colour() {
     let lights = ViewWeights { indices: [0, 1, 2], weights: [0.5, 0.25, 0.25] };
     let blended = value(&asset, [0.875, 0.1], 0.0, towards(half), towards(only(0)));
     close(blended, lightness(75.0), 1e-5);
-    close(value(&asset, [0.875, 0.1], 0.0, towards(half), towards(lights)), lightness(75.0).map(|c| 0.55 * c), 1e-5);
+    close(value(&asset, [0.875, 0.1], 0.0, towards(half), towards(lights)), lightness(75.0), 1e-5);
     // The mean of the colours differs.
     let [full, dim] = [100.0, 50.0].map(|value| lightness(value)[0]);
     assert!((blended[0] - 0.5 * (full + dim)).abs() > 0.05);
@@ -120,7 +108,7 @@ fn sums_are_blended_before_conversion_to_a_colour() {
 #[test]
 fn levels_of_detail() {
     let levels: [Vec<u8>; 3] = [[0, 51, 102, 255].to_vec(), vec![51, 204], vec![153]];
-    let asset = grey(4, 3, |_, _| 0, |_, _, _| 255);
+    let asset = grey(4, 3, |_, _| 0);
     let texels = levels.iter().flat_map(|row| {
         let (row, of_base) = (row.clone(), vec![0; 8 * row.len() * row.len()]);
         let texels = (0..row.len()).flat_map(move |_| row.clone().into_iter().flat_map(|byte| [byte, 0, 0, 0]));
@@ -128,7 +116,7 @@ fn levels_of_detail() {
     });
     let ranges = asset.weights().ranges().to_vec();
     let weights = WeightMap::new(4, 3, ranges, texels.collect()).unwrap();
-    let asset = FactoredFlatBtf::new(asset.basis().clone(), weights, asset.shadow().cloned()).unwrap();
+    let asset = FactoredFlatBtf::new(asset.basis().clone(), weights, None).unwrap();
     let at = |u: f32, detail: f32| value(&asset, [u, 0.3], detail, towards(only(0)), towards(only(0)));
     for (u, detail, weight) in [
         (0.375, 0.0, 0.2),
@@ -144,15 +132,53 @@ fn levels_of_detail() {
     }
 }
 
-/// Compares with a sum in double precision: sides that are not powers of two, many components of both widths, no
-/// shadows.
+/// The first share of a light's cell is a factor of the value where the light arrives, the second one of the diffuse
+/// albedo elsewhere. Square roots of both are filtered, and blended over lights.
+#[test]
+fn the_residual_corrects_shadows() {
+    let asset = factored(SMALL, TWO, 4);
+    let map = asset.residual().unwrap();
+    assert_eq!((map.size(), map.levels(), map.lights()), (2, 2, 5));
+    assert_eq!([0.0, 0.25, 1.0, 9.0].map(ResidualMap::byte_of), [0, 90, 180, 255]);
+    let root = |level: u32, light: u32, cell: usize| -> [f32; 2] {
+        [0, 1].map(|channel: usize| f32::from(map.layer(level, light)[2 * cell + channel]) / 180.0)
+    };
+    let blend = |a: [f32; 2], b: [f32; 2], share: f32| [0, 1].map(|k: usize| a[k] + share * (b[k] - a[k]));
+    let two = ViewWeights { indices: [1, 4, 0], weights: [0.75, 0.25, 0.0] };
+    for (uv, detail, lights, roots) in [
+        // Centres of cells, which are twice as large as texels; the border between two, and one beyond the tile.
+        ([0.25, 0.25], 0.0, only(3), root(0, 3, 0)),
+        ([0.75, -0.25], 1.0, only(3), root(0, 3, 3)),
+        ([0.5, 0.25], 0.0, only(2), blend(root(0, 2, 0), root(0, 2, 1), 0.5)),
+        ([1.0, 0.75], 0.0, only(2), blend(root(0, 2, 3), root(0, 2, 2), 0.5)),
+        ([0.75, 0.25], 0.0, two, blend(root(0, 1, 1), root(0, 4, 1), 0.25)),
+        // One cell remains at the coarsest level of the texels.
+        ([0.25, 0.25], 1.5, only(0), blend(root(0, 0, 0), root(1, 0, 0), 0.5)),
+        ([0.6, 0.1], 2.0, only(0), root(1, 0, 0)),
+        ([0.6, 0.1], 9.0, only(0), root(1, 0, 0)),
+    ] {
+        let texel = asset.filtered(uv, detail);
+        let [reached, shaded] = roots.map(|root| root * root);
+        let (value, diffuse) = ([0.5, 2.0, 0.125], texel.base().diffuse);
+        assert!(diffuse[0] > 0.0);
+        for lit in [1.0, 0.0, 0.25] {
+            let expected = [0, 1, 2].map(|c: usize| lit * reached * value[c] + (1.0 - lit) * shaded * diffuse[c]);
+            close(texel.shadowed(value, lights, lit), expected, 1e-5);
+        }
+    }
+    // A texel has the cell of its centre. Without a residual, light that does not arrive leaves nothing.
+    let (texel, same) = (asset.texel([2, 1]), asset.filtered([0.625, 0.375], 0.0));
+    assert_eq!(texel.shadowed([1.0; 3], two, 0.5), same.shadowed([1.0; 3], two, 0.5));
+    let without = factored(SMALL, Factors { residual: 0, ..TWO }, 4);
+    assert_eq!(without.filtered([0.3, 0.2], 0.0).shadowed([0.5, 2.0, 0.0], only(77), 0.25), [0.125, 0.5, 0.0]);
+}
+
+/// Compares with a sum in double precision: sides that are not powers of two, many components of both widths.
 #[test]
 fn sums_of_both_widths() {
     let sizes = Sizes { flat: 5, ..SMALL };
-    for (groups, wide_groups, shadow) in
-        [(1, 0, ShadowFormat::None), (3, 1, ShadowFormat::R8), (16, 5, ShadowFormat::R8)]
-    {
-        let asset = factored(sizes, Factors { groups, wide_groups, shadow, ..BASE }, 4);
+    for (groups, wide_groups) in [(1, 0), (3, 1), (16, 5)] {
+        let asset = factored(sizes, Factors { groups, wide_groups, ..BASE }, 4);
         let header = asset.header();
         for (k, [x, y]) in [[0u32, 0], [4, 1], [2, 3]].into_iter().enumerate() {
             let (view, light) = (k as u32, (2 * k + 1) as u32 % 5);
@@ -166,13 +192,12 @@ fn sums_of_both_widths() {
                     sums[colour] += weight * f64::from(header.steps[colour][component]) * f64::from(integer);
                 }
             }
-            let lit = asset.shadow().map_or(1.0, |map| f32::from(map.layer(0, light)[(y * 5 + x) as usize]) / 255.0);
             let [seen_from, lit_from] =
                 [unit_vectors(&header.views)[view as usize], unit_vectors(&header.lights)[light as usize]];
             let base = to_opponent(asset.basis().base().colour(asset.texel([x, y]).base(), seen_from, lit_from));
             let all = [0, 1, 2].map(|k: usize| base[k] + sums[k] as f32);
             let shown = from_opponent(header.chroma.bound(all));
-            close(asset.texel([x, y]).value(view, light), shown.map(|c| lit * c), 1e-4);
+            close(asset.texel([x, y]).value(view, light), shown, 1e-4);
         }
     }
 }
@@ -186,19 +211,19 @@ fn the_committed_asset_has_known_values() {
     let asset = &file.decoder.parts().reflectance;
     assert_eq!(asset.basis(), factored_example().basis(), "the rules that made it");
     for (texel, view, light, expected) in [
-        // In shadow.
-        ([0, 0], 0, 0, [0.0; 3]),
-        ([1, 2], 1, 1, [0.891_143_86, 0.472_158_24, 0.627_439]),
-        ([3, 3], 2, 2, [0.039_466_78, 0.039_433_08, 0.035_000_31]),
-        ([2, 0], 1, 2, [1.282_296_7, 1.612_212, 0.737_541_8]),
+        ([1, 2], 1, 1, [0.901_752_7, 0.477_779_2, 0.634_908_5]),
+        ([3, 3], 2, 2, [0.040_095_73, 0.040_061_5, 0.035_558_08]),
+        ([2, 0], 1, 2, [1.307_942_6, 1.644_456_3, 0.752_292_6]),
     ] {
         close(asset.texel(texel).value(view, light), expected, 1e-6);
     }
-    for (uv, detail, view, light, expected) in [
-        ([0.5, 0.25], 0.0, 1, 0, [1.478_904_7, 1.518_181_9, 0.883_356_4]),
-        ([0.9375, -0.4], 0.5, 2, 1, [2.950_477, 3.231_376_6, 3.071_690_3]),
-        ([0.1, 0.3], 7.0, 0, 2, [1.172_023_9, 0.762_195, 0.989_753_9]),
+    // Before shadows, and where a quarter of the light arrives.
+    for (uv, detail, view, light, expected, shadowed) in [
+        ([0.5, 0.25], 0.0, 1, 0, [2.264_989_2, 2.325_143_5, 1.352_888_2], [0.275_029_1, 0.290_765_5, 0.148_649_7]),
+        ([0.9375, -0.4], 0.5, 2, 1, [2.997_795_1, 3.283_199_7, 3.120_952_4], [0.828_148_2, 0.959_019_1, 0.926_872_4]),
+        ([0.1, 0.3], 7.0, 0, 2, [1.195_464_4, 0.777_438_9, 1.009_549], [1.233_680_5, 0.212_5, 0.702_430_6]),
     ] {
+        close(asset.filtered(uv, detail).shadowed(expected, only(light), 0.25), shadowed, 1e-6);
         close(value(asset, uv, detail, towards(only(view)), towards(only(light))), expected, 1e-6);
         let other = value(asset, uv, detail, towards(only((view + 1) % 3)), towards(only(light)));
         assert!((other[0] - expected[0]).abs() > 1e-3, "another view differs");
@@ -254,9 +279,9 @@ fn integers_round_trip() {
 
 #[test]
 fn graphics_memory_is_the_sum_of_the_texels() {
-    for shadow in [ShadowFormat::R8, ShadowFormat::None] {
-        let asset = factored(Sizes { flat: 6, ..SMALL }, Factors { shadow, ..TWO }, 3);
-        let bytes = [asset.weights().texels().len(), asset.shadow().map_or(0, |map| map.texels().len())];
+    for residual in [0, 1, 5] {
+        let asset = factored(Sizes { flat: 6, ..SMALL }, Factors { residual, ..TWO }, 3);
+        let bytes = [asset.weights().texels().len(), asset.residual().map_or(0, |map| map.texels().len())];
         let basis = size_of_val(asset.basis().words()) + asset.basis().table_texels().len();
         assert_eq!(asset.gpu_bytes(), (bytes[0] + bytes[1] + basis) as u64);
     }
@@ -266,22 +291,24 @@ fn graphics_memory_is_the_sum_of_the_texels() {
 fn parts_of_other_assets_are_rejected() {
     let asset = |sizes, factors| factored(sizes, factors, 3);
     let first = asset(SMALL, TWO);
-    let refusal = |weights: &FactoredFlatBtf, shadow: Option<&FactoredFlatBtf>| {
-        let shadow = shadow.and_then(FactoredFlatBtf::shadow).cloned();
-        FactoredFlatBtf::new(first.basis().clone(), weights.weights().clone(), shadow).map(drop)
+    let refusal = |weights: &FactoredFlatBtf, residual: Option<&FactoredFlatBtf>| {
+        let residual = residual.and_then(FactoredFlatBtf::residual).cloned();
+        FactoredFlatBtf::new(first.basis().clone(), weights.weights().clone(), residual).map(drop)
     };
     assert_eq!(refusal(&first, Some(&first)), Ok(()));
     let field = |result: Result<(), FormatError>| result.unwrap_err().field.into_owned();
     let sized = asset(Sizes { flat: 5, ..SMALL }, TWO);
-    let others =
-        [asset(SMALL, Factors { levels: 2, ..TWO }), sized.clone(), asset(SMALL, Factors { groups: 3, ..TWO })];
+    let others = [asset(SMALL, Factors { levels: 2, ..TWO }), sized, asset(SMALL, Factors { groups: 3, ..TWO })];
     for other in &others {
         assert_eq!(field(refusal(other, Some(&first))), "size of the part weights");
     }
-    for other in [asset(Sizes { lights: 4, ..SMALL }, TWO), sized] {
-        assert_eq!(field(refusal(&first, Some(&other))), "size of the part shadow");
+    for other in [asset(Sizes { lights: 4, ..SMALL }, TWO), asset(SMALL, Factors { residual: 1, ..TWO })] {
+        assert_eq!(field(refusal(&first, Some(&other))), "size of the part residual");
     }
-    assert_eq!(field(refusal(&first, None)), "part shadow");
+    assert_eq!(field(refusal(&first, None)), "part residual");
+    let without = asset(SMALL, Factors { residual: 0, ..TWO });
+    let superfluous = FactoredFlatBtf::new(without.basis().clone(), first.weights().clone(), first.residual().cloned());
+    assert_eq!(field(superfluous.map(drop)), "part residual");
 }
 
 #[test]
@@ -310,11 +337,13 @@ fn the_shader_validates_after_that_of_flat_btfs() {
             "size" => assert_eq!(word(at), 4),
             "levels" => assert_eq!(word(at), 3),
             "groups" => assert_eq!(word(at), 2),
-            "wide_groups" | "shadowed" => assert_eq!(word(at), 1),
+            "wide_groups" => assert_eq!(word(at), 1),
+            "residual" | "residual_levels" => assert_eq!(word(at), 2),
+            "residual_octaves" => assert_eq!(number(at), 1.0),
             "chroma" => assert_eq!(word(at), asset.header().chroma.word()),
             "lowest_light" => assert_eq!(number(at), asset.lowest_light()),
             "table_levels" => assert_eq!(word(at), 1),
-            "materials" | "axes" | "reserved_0" | "reserved_1" => assert_eq!(word(at), 0),
+            "materials" | "axes" => assert_eq!(word(at), 0),
             "albedos" => assert_eq!(number(at), 0.0),
             "steps" => {
                 let found = [0, 1, 2].map(|colour| number(at + 256 * colour + 4 * 7));
@@ -325,7 +354,7 @@ fn the_shader_validates_after_that_of_flat_btfs() {
             other => panic!("no such field: {other}"),
         }
     }
-    // Without components there are no groups, views, lights and shadows; the base keeps its ranges.
+    // Without components there are no groups, views, lights and residual; the base keeps its ranges.
     let base = factored(SMALL, BASE, 5);
     let bytes = FactoredParameters::to_bytes(&base);
     assert_eq!(bytes.len(), FactoredParameters::SIZE);
@@ -372,7 +401,7 @@ fn a_base_alone() {
         header.check().unwrap_err().to_string()
     };
     let directions = "brdfc.flat-btf.factored directions: found";
-    let allowed = "expected no views, lights and shadows, because there are no groups";
+    let allowed = "expected no views and lights, because there are no groups";
     for (views, lights) in [(1, 0), (0, 2), (3, 5)] {
         let found = refusal(&|header| {
             header.views = vec![[0.0; 2]; views];
@@ -380,8 +409,8 @@ fn a_base_alone() {
         });
         assert_eq!(found, format!("{directions} {views} views and {lights} lights, {allowed}"));
     }
-    let shadowed = refusal(&|header| header.shadow = ShadowFormat::R8);
-    assert_eq!(shadowed, format!("{directions} 0 views and 0 lights, {allowed}"));
+    let residual = refusal(&|header| header.residual = 1);
+    assert_eq!(residual, "brdfc.flat-btf.factored cells of the residual: found 1, expected 0 to 0");
     assert!(refusal(&|header| header.wide_groups = 1).starts_with("brdfc.flat-btf.factored wide groups: found 1"));
     assert!(refusal(&|header| header.groups = 1).starts_with("brdfc.views: found 0 directions, expected 1 to 2048"));
 }
@@ -490,7 +519,7 @@ fn directions_of_weight_0_are_ignored() {
 /// A base alone: the colour of the exact direction, not of the samples that approximate it.
 #[test]
 fn the_base_uses_the_exact_direction() {
-    let of = grey(2, 1, |_, _| 0, |_, _, _| 255);
+    let of = grey(2, 1, |_, _| 0);
     let basis = BasisMap::from_steps(of.header().clone(), &base_table(), |_, _, _, _| 0).unwrap();
     let range = |scale: f32, low: f32| WeightRange { scale, low };
     // Albedo 0.4, 0.2, 0.1, gloss 0.5, a normal inclined by 2 atan(0.25).
@@ -498,7 +527,7 @@ fn the_base_uses_the_exact_direction() {
     let slopes = [range(0.0, 0.25), range(0.0, 0.0), range(0.0, 0.0), range(0.0, 0.0)];
     let ranges = ranges.chain(slopes).chain([range(0.0, 0.0); 4]).collect();
     let weights = WeightMap::new(2, 1, ranges, [[102; 16], [0; 16], [0; 16]].concat()).unwrap();
-    let asset = FactoredFlatBtf::new(basis, weights, of.shadow().cloned()).unwrap();
+    let asset = FactoredFlatBtf::new(basis, weights, None).unwrap();
     let (normal, tables) = ([8.0 / 17.0, 0.0, 15.0 / 17.0], TablePlace::default());
     let texel = BaseTexel { diffuse: [0.4, 0.2, 0.1], gloss: 0.5, normal, tables };
     for (view, light) in

@@ -2,7 +2,7 @@
 
 use brdfc_formats::bindings::{PackFile, Texels};
 use brdfc_formats::container::{Extent, TexelFormat};
-use brdfc_formats::flat_btf::factored::{BasisMap, FactoredFlatBtf, ShadowFormat, WeightMap, WeightRange};
+use brdfc_formats::flat_btf::factored::{BasisMap, FactoredFlatBtf, WeightMap, WeightRange};
 use brdfc_testing::codecs::flat_btf::{
     BASE, Factors, SMALL, base_file, factored, factored_example, factored_file, file, image, layers, refusal, reshape,
     set_texel, set_word,
@@ -26,7 +26,7 @@ fn the_largest_numbers_decode_to_numbers() {
         let weights = asset.weights();
         let ranges = vec![WeightRange { scale, low }; weights.ranges().len()];
         let weights = WeightMap::new(weights.size(), weights.levels(), ranges, weights.texels().to_vec()).unwrap();
-        let both = FactoredFlatBtf::new(basis, weights, asset.shadow().cloned());
+        let both = FactoredFlatBtf::new(basis, weights, asset.residual().cloned());
         let both = both.unwrap();
         for k in 0..144 {
             let value = both.texel([k % 4, k / 4 % 4]).value(k / 48, k / 16 % 3);
@@ -51,10 +51,10 @@ fn values_of_other_lengths_are_rejected() {
             "brdfc.flat-btf.weights: not among the keys ",
         ),
         (
-            "brdfc.flat-btf.shadow",
+            "brdfc.flat-btf.residual",
             "5 bytes, expected 4 bytes",
             "3 bytes, expected 4 bytes",
-            "brdfc.flat-btf.shadow: not among the keys ",
+            "brdfc.flat-btf.residual: not among the keys ",
         ),
     ] {
         let resized = |length: Option<usize>| {
@@ -108,12 +108,18 @@ fn other_textures_are_rejected() {
             1,
             "size of the part weights: found 3 layers of 4 x 4, expected 4 layers, as",
         ),
-        ("shadow", Extent::D3([4, 4, 3]), 1, "size of the part shadow: found 4 x 4 x 3, expected a 2D array"),
+        ("residual", Extent::D3([2, 2, 3]), 1, "size of the part residual: found 2 x 2 x 3, expected a 2D array"),
         (
-            "shadow",
-            Extent::D2Array([4, 8, 3]),
+            "residual",
+            Extent::D2Array([2, 4, 3]),
             1,
-            "size of the part shadow: found 3 layers of 4 x 8, expected a 2D array",
+            "size of the part residual: found 3 layers of 2 x 4, expected a 2D array",
+        ),
+        (
+            "residual",
+            Extent::D2Array([2, 2, 3]),
+            1,
+            "levels of the part residual: found 1, expected 2, down to one cell",
         ),
     ] {
         let error = refusal(&factored_file(), |file| {
@@ -123,7 +129,7 @@ fn other_textures_are_rejected() {
         });
         assert!(error.to_string().starts_with(expected), "{error}");
     }
-    for part in ["basis", "tables", "weights", "shadow"] {
+    for part in ["basis", "tables", "weights", "residual"] {
         let error = refusal(&factored_file(), |file| {
             let name = format!("factored_{part}");
             let extent = image(file, &name).extent;
@@ -137,19 +143,19 @@ fn other_textures_are_rejected() {
 /// Each header field out of its range.
 #[test]
 fn wrong_headers_are_rejected() {
-    let two = Factors { groups: 2, wide_groups: 1, shadow: ShadowFormat::R8, ..BASE };
-    let made = file(layers(SMALL, true, 3), factored(SMALL, two, 3));
+    let two = Factors { groups: 2, wide_groups: 1, residual: 2, ..BASE };
+    let made = file(layers(SMALL, 3), factored(SMALL, two, 3));
     let with =
         |key: &str, word: usize, value: u32| refusal(&made, |file| set_word(file, key, 4 * word, value)).to_string();
     let [nan, inf] = [f32::NAN, f32::INFINITY].map(f32::to_bits);
     for (word, value, expected) in [
-        (0, 2, "brdfc.flat-btf.factored version: found 2, expected 4"),
+        (0, 2, "brdfc.flat-btf.factored version: found 2, expected 5"),
         (1, 0, "brdfc.flat-btf.factored size: found 0, expected 1 to 8192"),
         (2, 4, "brdfc.flat-btf.factored levels: found 4, expected 1 to 3"),
         (3, 17, "brdfc.flat-btf.factored groups: found 17, expected 0 to 16"),
         (3, 3, "brdfc.flat-btf.factored length: found 192 bytes, expected 240 bytes, as groups requires"),
         (4, 3, "brdfc.flat-btf.factored wide groups: found 3, expected 0 to 2, the number of groups"),
-        (5, 2, "brdfc.flat-btf.factored shadow format: found 2, expected 0 to 1"),
+        (5, 5, "brdfc.flat-btf.factored cells of the residual: found 5, expected 0 to 4"),
         (6, 0, "brdfc.views: found 24 bytes, expected 0 bytes"),
         (6, 4, "brdfc.views: found 24 bytes, expected 32 bytes"),
         (7, 4, "brdfc.lights: found 40 bytes, expected 32 bytes"),
@@ -204,10 +210,10 @@ fn wrong_headers_are_rejected() {
         let error = refusal(&factored_file(), |file| set_texel(file, "factored_tables", alpha, &half.to_le_bytes()));
         assert!(error.to_string().starts_with(&format!("diffuse factors of a material: found {label}")), "{error}");
     }
-    assert_eq!(with("brdfc.flat-btf.shadow", 0, 2), "brdfc.flat-btf.shadow version: found 2, expected 1");
+    assert_eq!(with("brdfc.flat-btf.residual", 0, 2), "brdfc.flat-btf.residual version: found 2, expected 1");
 }
 
-/// A base alone has no views, lights, shadows and meshes.
+/// A base alone has no views, lights, residual and meshes.
 #[test]
 fn a_base_with_parts_of_components_is_rejected() {
     const KEY: &str = "brdfc.flat-btf.factored";
@@ -220,10 +226,10 @@ fn a_base_with_parts_of_components_is_rejected() {
     };
     assert_eq!(
         refusal(&base_file(), directions).to_string(),
-        "brdfc.flat-btf.factored directions: found 1 views and 1 lights, expected no views, lights and shadows, because there are no groups"
+        "brdfc.flat-btf.factored directions: found 1 views and 1 lights, expected no views and lights, because there are no groups"
     );
-    let shadowed = refusal(&base_file(), |file| set_word(file, KEY, 20, 1)).to_string();
-    assert!(shadowed.starts_with("brdfc.flat-btf.factored directions: found 0 views and 0 lights"), "{shadowed}");
+    let residual = refusal(&base_file(), |file| set_word(file, KEY, 20, 1)).to_string();
+    assert_eq!(residual, "brdfc.flat-btf.factored cells of the residual: found 1, expected 0 to 0");
     // Of a file with components, whose basis has no groups any more.
     let without = refusal(&factored_file(), |file| {
         let entry = file.entries.get_mut(KEY).unwrap();
@@ -235,7 +241,7 @@ fn a_base_with_parts_of_components_is_rejected() {
         "{without}"
     );
     for (name, expected) in [
-        ("factored_shadow", "brdfc.flat-btf.shadow: not among the keys "),
+        ("factored_residual", "brdfc.flat-btf.residual: not among the keys "),
         ("direction_mesh_words", "direction_mesh_words: found meshes of 3 views and 3 lights, expected no meshes"),
     ] {
         let other = PackFile::from_bytes(&factored_file().to_bytes(false)).unwrap();

@@ -2,7 +2,6 @@
 
 mod curved;
 
-use brdfc_formats::flat_btf::factored::ShadowFormat;
 use brdfc_formats::flat_btf::{
     FlatBtfDecoder, FlatBtfFile, FlatBtfParts, FlatHeader, FlatView, LayerHeader, LayerMap, MacroSurface, MarchSteps,
     ReliefPoint, Sheet, VisibilityMask,
@@ -27,7 +26,7 @@ const FINE: MarchSteps = MarchSteps { sight: 64, refine: 6, both: 128 };
 
 /// One tile from the lowest to the highest point, half of it below the reference plane.
 fn header(size: u32, sheets: u32) -> LayerHeader {
-    LayerHeader { size, sheets, levels: 1, heights: [-0.5, 0.5], casts_shadows: true }
+    LayerHeader { size, sheets, levels: 1, heights: [-0.5, 0.5] }
 }
 
 /// Layers without displacement whose heights depend on the column.
@@ -196,7 +195,7 @@ fn a_wall_shadows_the_side_away_from_the_light() {
 /// Refined ends are on the sheets that they name.
 #[test]
 fn ends_of_rays_are_on_the_surface() {
-    let layers = layers(Sizes { plane: 32, ..SMALL }, true, 5);
+    let layers = layers(Sizes { plane: 32, ..SMALL }, 5);
     let mut numbers = Numbers::new(6);
     let mut sheets = [0; 3];
     let mut off = [0.0f32; 2];
@@ -238,7 +237,7 @@ fn any_query_gives_numbers_in_range() {
             }
         }
     }
-    let layers = layers(SMALL, true, 4);
+    let layers = layers(SMALL, 4);
     let mut numbers = Numbers::new(7);
     for _ in 0..500 {
         let uv = [0; 2].map(|_| (numbers.bits() % 64) as f32 / 64.0);
@@ -269,7 +268,7 @@ fn any_query_gives_numbers_in_range() {
 
 #[test]
 fn levels_of_detail_are_blended_and_clamped() {
-    let layers = layers(SMALL, true, 8);
+    let layers = layers(SMALL, 8);
     for at in [[0.1, 0.7], [0.96, 0.02], [-3.3, 5.6]] {
         let [fine, coarse, between] = [1.0, 2.0, 1.25].map(|detail| layers.column(at, detail));
         for k in 0..3 {
@@ -306,16 +305,16 @@ fn filtering_is_periodic() {
     }
 }
 
-/// A value is that of the flat BTF at the parameters of the visible point; rays of light multiply it by 0 or 1 if the
-/// layers cast shadows.
+/// A value is that of the flat BTF at the parameters of the visible point. Rays of light multiply it by 0 or 1; with a
+/// residual, points in shadow keep something.
 #[test]
 fn values_are_those_behind_a_ray_of_sight() {
-    let shadowed = |casts_shadows: bool| {
-        let layers = layers(Sizes { plane: 32, ..SMALL }, casts_shadows, 9);
-        let factors = Factors { groups: 2, wide_groups: 1, ..BASE };
+    let decoder = |residual: u32| {
+        let factors = Factors { groups: 2, wide_groups: 1, residual, ..BASE };
+        let layers = layers(Sizes { plane: 32, ..SMALL }, 9);
         FlatBtfDecoder::new(FlatBtfParts { layers, reflectance: factored(SMALL, factors, 3) })
     };
-    let (without, with) = (shadowed(false), shadowed(true));
+    let (plain, with) = (decoder(0), decoder(2));
     let mut numbers = Numbers::new(10);
     let (mut blocked, mut reached) = (0, 0);
     for k in 0..500 {
@@ -324,23 +323,24 @@ fn values_are_those_behind_a_ray_of_sight() {
         let (view, light) = (towards(only(k % 3)), towards(only(k % 5)));
         let point = with.seen(uv, view.direction, level);
         let texel = with.parts().reflectance.filtered(with.parameters(&point, level), level);
-        let value = without.value(uv, level, view, light);
-        assert_eq!(value, texel.blended(view, light));
+        let value = texel.blended(view, light);
         let (layers, steps) = (&with.parts().layers, with.steps());
         let lit =
             layers.lit(&point, texel.base().normal, light.direction, MacroSurface::PLANE, level + with.finer(), steps);
-        assert_eq!(with.value(uv, level, view, light), value.map(|channel| channel * lit));
+        assert_eq!(with.value(uv, level, view, light), texel.shadowed(value, light.samples, lit));
+        let texel = plain.parts().reflectance.filtered(plain.parameters(&point, level), level);
+        let value = texel.blended(view, light).map(|channel| channel * lit);
+        assert_eq!(plain.value(uv, level, view, light), value);
         *if lit > 0.0 { &mut reached } else { &mut blocked } += 1;
     }
     assert!(blocked > 20 && reached > 100, "{blocked} {reached}");
     // Layers of one height shadow nothing.
-    let flat = |casts_shadows| {
-        let layers = flat_relief(SMALL, casts_shadows);
-        let reflectance = factored(SMALL, BASE, 3);
-        let decoder = FlatBtfDecoder::new(FlatBtfParts { layers, reflectance });
-        decoder.value([0.3, 0.6], 0.5, towards(nothing(1)), towards(nothing(4)))
-    };
-    assert!(flat(true) == flat(false) && flat(true)[0] > 0.0, "{:?}", flat(true));
+    let (layers, reflectance) = (flat_relief(SMALL), factored(SMALL, BASE, 3));
+    let flat = FlatBtfDecoder::new(FlatBtfParts { layers, reflectance });
+    let (view, light) = (towards(nothing(1)), towards(nothing(4)));
+    let point = flat.seen([0.3, 0.6], view.direction, 0.5);
+    let value = flat.parts().reflectance.filtered(flat.parameters(&point, 0.5), 0.5).blended(view, light);
+    assert!(flat.value([0.3, 0.6], 0.5, view, light) == value && value[0] > 0.0, "{value:?}");
 }
 
 #[test]
@@ -386,11 +386,11 @@ fn sizes() -> impl Strategy<Value = Sizes> {
 
 proptest! {
     #[test]
-    fn files_round_trip(sizes in sizes(), seed in 0u64..1000, groups in 0u32..3, materials in 0u32..3, supercompress: bool, casts_shadows: bool, report in ".*") {
-        let shadow = if groups == 2 { ShadowFormat::R8 } else { ShadowFormat::None };
+    fn files_round_trip(sizes in sizes(), seed in 0u64..1000, groups in 0u32..3, materials in 0u32..3, supercompress: bool, report in ".*") {
+        let residual = if groups == 2 { sizes.flat } else { 0 };
         let materials = if groups == 0 { materials } else { 0 };
-        let factors = Factors { levels: 1, groups, wide_groups: groups / 2, shadow, materials };
-        let layers = layers(sizes, casts_shadows, seed);
+        let factors = Factors { levels: 1, groups, wide_groups: groups / 2, residual, materials };
+        let layers = layers(sizes, seed);
         let parts = FlatBtfParts { layers, reflectance: factored(sizes, factors, seed) };
         let file = FlatBtfFile { report, ..FlatBtfFile::new(FlatBtfDecoder::new(parts)).unwrap() };
         prop_assert_eq!(file.directions.is_some(), groups > 0);

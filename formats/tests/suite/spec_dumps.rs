@@ -57,7 +57,7 @@ fn wavelet_packs() {
 
 /// A file with the layers of the page.
 fn example_flat_btf() -> FlatBtfFile {
-    let header = LayerHeader { size: 2, sheets: 1, levels: 2, heights: [-0.25, 0.75], casts_shadows: true };
+    let header = LayerHeader { size: 2, sheets: 1, levels: 2, heights: [-0.25, 0.75] };
     let layers = LayerMap::new(header, vec![51; 5], vec![[0.0; 2]; 1]).unwrap();
     file(layers, factored(Sizes { flat: 2, ..SMALL }, Factors { levels: 2, ..BASE }, 1))
 }

@@ -17,7 +17,7 @@ use std::time::Instant;
 const PAIRS: f64 = 9.0;
 /// Fetches of the base's table.
 const BASE_ENTRIES: f64 = 1.0;
-/// Number of blended lights, each with its shadow.
+/// Number of blended lights, each with its residual of shadows.
 const BLENDED_LIGHTS: f64 = 3.0;
 
 /// Factors a BTF and measures it. Calls `view_done` after each measured view.
@@ -47,13 +47,17 @@ pub(super) fn factored(
         let words = lights.fitted.iter().flat_map(|light| asset.light(view as usize, *light)).copied();
         FlatView::new(header(view), words.collect())
     };
-    let byte = |seen: bool| if seen { 255 } else { 0 };
-    let bytes: Vec<u8> = match &asset.masks {
-        Some(masks) => masks.iter().flatten().map(|seen| byte(*seen)).collect(),
-        None => vec![byte(true); asset.views() * asset.size * asset.size],
+    let texels = asset.size * asset.size;
+    let mask = |directions: &mut dyn Iterator<Item = usize>| {
+        let byte = |view: usize, texel: usize| if asset.mask(view).is_none_or(|mask| mask[texel]) { 255 } else { 0 };
+        let directions: Vec<usize> = directions.collect();
+        let bytes = directions.iter().flat_map(|view| (0..texels).map(move |texel| byte(*view, texel)));
+        VisibilityMask::new(asset.size as u32, directions.len() as u32, bytes.collect())
     };
-    let mask = VisibilityMask::new(asset.size as u32, asset.views() as u32, bytes)?;
-    let made = factor(&FactoredRecipe::new(target), &asset.normals, &mask, view, &()).map_err(|error| match error {
+    let seen = mask(&mut (0..asset.views()))?;
+    let lit = mask(&mut lights.fitted.iter().copied())?;
+    let made = factor(&FactoredRecipe::new(target), &asset.normals, &seen, Some(&lit), view, &());
+    let made = made.map_err(|error| match error {
         FactorError::View(error) | FactorError::Format(error) => error,
         FactorError::Cancelled(_) => unreachable!("it is never cancelled"),
     })?;
@@ -63,14 +67,14 @@ pub(super) fn factored(
     for view in 0..asset.views() {
         let truth = Truth::new(&asset.renderings(view, lights), asset.mask(view));
         let direction = single(set.directions()[view]);
-        errors.add(truth.errors(&images_of(&made.asset, (view, direction), lights), lights));
+        errors.add(truth.errors(&images_of(&made.asset, asset, (view, direction), lights), lights));
         view_done();
     }
     let header = made.asset.header();
-    let shadows = if made.facts.shadowed { BLENDED_LIGHTS } else { 0.0 };
+    let residual = if made.facts.residual > 0 { BLENDED_LIGHTS } else { 0.0 };
     let loads = 3.0 * f64::from(header.texels_per_colour());
     let of_base = f64::from(BASE_LAYERS) + BASE_ENTRIES;
-    let fetches = f64::from(header.groups) + of_base + shadows + PAIRS * loads;
+    let fetches = f64::from(header.groups) + of_base + residual + PAIRS * loads;
     let row = Tally { bytes: made.facts.gpu_bytes, fetches, seconds, errors }.row(name);
     Ok(BtfRow { held_out_texels_delta_e: Some(f64::from(made.facts.errors.seen_mean)), ..row })
 }
@@ -79,8 +83,14 @@ fn single(direction: Vector) -> [f32; 3] {
     direction.map(|c| c as f32)
 }
 
-/// Renderings of a view under all lights. Held-out lights are evaluated as a renderer does for any light.
-fn images_of(made: &FactoredFlatBtf, (view, direction): (usize, [f32; 3]), lights: &Lights) -> Vec<Vec<[f32; 3]>> {
+/// Renderings of a view under all lights, which reach the texels that are seen from there. Held-out lights are evaluated as
+/// a renderer does for any light.
+fn images_of(
+    made: &FactoredFlatBtf,
+    asset: &Asset,
+    (view, direction): (usize, [f32; 3]),
+    lights: &Lights,
+) -> Vec<Vec<[f32; 3]>> {
     let size = made.header().size;
     let samples = ViewWeights { indices: [view as u32; 3], weights: [1.0, 0.0, 0.0] };
     let towards = BlendedDirection { direction, samples };
@@ -96,12 +106,16 @@ fn images_of(made: &FactoredFlatBtf, (view, direction): (usize, [f32; 3]), light
     let of_texel = |at: u32| -> Vec<[f32; 3]> {
         let mut values = vec![[0.0; 3]; lights.directions.len()];
         let texel = made.texel([at % size, at / size]);
+        let shadowed = |value: [f32; 3], light: usize, samples: ViewWeights| {
+            let lit = asset.mask(light).is_none_or(|mask| mask[at as usize]);
+            texel.shadowed(value, samples, f32::from(u8::from(lit)))
+        };
         for (stored, light) in lights.fitted.iter().enumerate() {
-            values[*light] = texel.value(view as u32, stored as u32);
+            let samples = ViewWeights { indices: [stored as u32; 3], weights: [1.0, 0.0, 0.0] };
+            values[*light] = shadowed(texel.value(view as u32, stored as u32), *light, samples);
         }
-        let uv = [at % size, at / size].map(|place| (place as f32 + 0.5) / size as f32);
         for (light, between) in lights.held_out.iter().zip(&between) {
-            values[*light] = made.filtered(uv, 0.0).blended(towards, *between);
+            values[*light] = shadowed(texel.blended(towards, *between), *light, between.samples);
         }
         values
     };

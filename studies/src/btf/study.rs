@@ -21,8 +21,9 @@ const HELD_OUT: usize = 8;
 const SEED: u64 = 0;
 /// Orders of the harmonics of light and view.
 const JOINT_DEGREES: [u32; 2] = [3, 5];
-/// Components of a factored BTF of good quality.
+/// Components of a factored BTF of good quality, and cells of its residual of shadows.
 const COMPONENTS: u32 = 32;
+const CELLS: u32 = 16;
 /// Maximum share of the compared bytes that polynomial wavelet trees should take.
 const MAX_SHARE: f64 = 0.5;
 /// Mean ΔE at which the methods are compared: about the default of `brdfc flatten`.
@@ -138,7 +139,8 @@ fn ways(
         }
     }
     let factor = |name: &str, target| factored(name, target, asset, (set, lights), &|| done(FACTORED));
-    let components = FactoredTarget::Components { components: COMPONENTS, shadowed: true };
+    let residual = CELLS.min(1 << asset.size.ilog2());
+    let components = FactoredTarget::Components { components: COMPONENTS, residual };
     let [at_error, at_good, at_ordinary] = at_error.map(|sum| sum.of_views(asset.views()));
     rows.push(within(at_error.row(AT_MAP_ERROR), map_error));
     if let Some(error) = ordinary {

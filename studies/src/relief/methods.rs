@@ -263,7 +263,7 @@ fn highest(layers: &LayerMap) -> LayerMap {
 
 /// The same parameters on a plane that casts no shadows.
 fn without_relief(field: &LayerMap) -> LayerMap {
-    let header = LayerHeader { heights: FLAT, casts_shadows: false, ..*field.header() };
+    let header = LayerHeader { heights: FLAT, ..*field.header() };
     LayerMap::new(header, vec![127; field.height_bytes().len()], displacements(field))
         .expect("texels of a height field")
 }
@@ -276,6 +276,6 @@ fn displacements(map: &LayerMap) -> Vec<[f32; 2]> {
 
 /// A plane whose parameters are its positions.
 fn plane() -> LayerMap {
-    let header = LayerHeader { size: 1, sheets: 1, levels: 1, heights: FLAT, casts_shadows: false };
+    let header = LayerHeader { size: 1, sheets: 1, levels: 1, heights: FLAT };
     LayerMap::new(header, vec![127], vec![[0.0; 2]]).expect("a texel")
 }

@@ -152,7 +152,7 @@ fn graphics_memory_is_that_of_the_bindings() {
     let folds = report(flatten(&folder, &["synth:folds?resolution=24", "-o", "folds"]));
     assert_eq!((of(&folds, "flat_btf_heights"), of(&folds, "flat_btf_displacements")), (4 * texels, 3 * halves));
     let budget = checked(&[&FACTORS[..], &["--max-bytes", "20KiB"]].concat());
-    let factors: u64 = ["factored_basis", "factored_tables", "factored_weights", "factored_shadow"]
+    let factors: u64 = ["factored_basis", "factored_tables", "factored_weights", "factored_residual"]
         .iter()
         .filter_map(|image| budget["images"][image].as_u64())
         .sum();

@@ -50,7 +50,6 @@ enum Column {
 }
 
 /// Makes layers of `size x size` texels, a power of two from 2 on. `coordinates` are the parameters of the vertices.
-/// `casts_shadows` is true if rays of light determine shadows.
 ///
 /// # Errors
 /// Returns an error if the surface is higher than layers can be.
@@ -58,7 +57,6 @@ pub fn layers(
     mesh: &PeriodicMesh,
     coordinates: &[[f64; 2]],
     size: u32,
-    casts_shadows: bool,
 ) -> Result<(LayerMap, LayerReport), FormatError> {
     let side = size as usize * LINES;
     let (columns, mut report) = columns(mesh, coordinates, side);
@@ -70,13 +68,8 @@ pub fn layers(
     drop(filled);
     let levels = size.ilog2() + 1;
     let margin = 1e-3 + 0.002 * (high - low);
-    let header = LayerHeader {
-        size,
-        sheets: report.sheets,
-        levels,
-        heights: [(low - margin) as f32, (high + margin) as f32],
-        casts_shadows,
-    };
+    let header =
+        LayerHeader { size, sheets: report.sheets, levels, heights: [(low - margin) as f32, (high + margin) as f32] };
     let (mut heights, mut moved) = (Vec::new(), Vec::new());
     for k in 0..levels {
         if k > 0 {
@@ -290,7 +283,7 @@ mod tests {
     use brdfc_formats::flat_btf::{MacroSurface, MarchSteps};
 
     fn made(model: &MesoModel, size: u32) -> (LayerMap, LayerReport) {
-        layers(&model.mesh, &model.parameterisation.coordinates, size, true).unwrap()
+        layers(&model.mesh, &model.parameterisation.coordinates, size).unwrap()
     }
 
     fn single(v: Vector) -> [f32; 3] {

@@ -4,7 +4,7 @@ use brdfc_formats::bindings::{Binding, FrameBlock};
 use brdfc_formats::direction::from_polar;
 use brdfc_formats::flat_btf::factored::shader::{FACTORED_FILTER_PRECISION, FACTORED_WGSL};
 use brdfc_formats::flat_btf::factored::{
-    BaseTable, BasisMap, FactoredFlatBtf, FactoredHeader, ShadowFormat, ShadowMap, WeightMap, WeightRange,
+    BaseTable, BasisMap, FactoredFlatBtf, FactoredHeader, ResidualMap, WeightMap, WeightRange,
 };
 use brdfc_formats::flat_btf::shader::{FLAT_BTF_WGSL, factored_bindings};
 use brdfc_formats::flat_btf::{BlendedDirection, ViewWeights};
@@ -28,13 +28,23 @@ fn compute(at: u32) {
     let base = factored_load(place);
     var value = factored_base_colour(base, view, light);
     if factored_parameters.groups > 0u {
-        value = factored_value(place, base, view, light, three(first + 3u), three(first + 9u));
+        value = factored_value(base, view, light, three(first + 3u), three(first + 9u));
     }
+    value = factored_shadowed(value, place, base, three(first + 9u), 0.375);
     output[at * 3u] = value.x;
     output[at * 3u + 1u] = value.y;
     output[at * 3u + 2u] = value.z;
 }
 ";
+
+/// Share of the light that arrives.
+const LIT: f32 = 0.375;
+
+/// Value of the CPU decoder.
+fn expected(asset: &FactoredFlatBtf, (uv, detail, view, light): &Query) -> [f32; 3] {
+    let texel = asset.filtered(*uv, *detail);
+    texel.shadowed(texel.blended(*view, *light), light.samples, LIT)
+}
 
 /// Place, level, view and light.
 type Query = ([f32; 2], f32, BlendedDirection, BlendedDirection);
@@ -99,12 +109,13 @@ fn found(gpu: &Gpu, decoder: &str, asset: &FactoredFlatBtf, filter: FrameBlock, 
 }
 
 fn assets() -> Vec<(Sizes, FactoredFlatBtf)> {
-    let factors = |levels, groups, wide_groups, shadow| Factors { levels, groups, wide_groups, shadow, materials: 0 };
+    let factors =
+        |levels, groups, wide_groups, residual| Factors { levels, groups, wide_groups, residual, materials: 0 };
     [
-        (SMALL, factors(3, 2, 2, ShadowFormat::R8)),
-        (Sizes { flat: 16, views: 7, lights: 12, ..SMALL }, factors(5, 7, 1, ShadowFormat::R8)),
-        (Sizes { flat: 5, views: 4, ..SMALL }, factors(3, 16, 4, ShadowFormat::None)),
-        (Sizes { flat: 9, views: 4, ..SMALL }, factors(1, 3, 0, ShadowFormat::R8)),
+        (SMALL, factors(3, 2, 2, 2)),
+        (Sizes { flat: 16, views: 7, lights: 12, ..SMALL }, factors(5, 7, 1, 4)),
+        (Sizes { flat: 5, views: 4, ..SMALL }, factors(3, 16, 4, 0)),
+        (Sizes { flat: 9, views: 4, ..SMALL }, factors(1, 3, 0, 5)),
         (SMALL, BASE),
         (SMALL, MATERIALS),
     ]
@@ -115,11 +126,9 @@ fn assets() -> Vec<(Sizes, FactoredFlatBtf)> {
 
 fn differing(asset: &FactoredFlatBtf, queries: &[Query], found: &[[f32; 3]]) -> usize {
     assert_eq!(queries.len(), found.len());
-    let pairs = queries.iter().zip(found);
-    let same = |((uv, detail, view, light), found): &(&Query, &[f32; 3])| {
-        asset.filtered(*uv, *detail).blended(*view, *light).map(f32::to_bits) == found.map(f32::to_bits)
-    };
-    pairs.filter(|pair| !same(pair)).count()
+    let differs =
+        |(query, found): &(&Query, &[f32; 3])| expected(asset, query).map(f32::to_bits) != found.map(f32::to_bits);
+    queries.iter().zip(found).filter(differs).count()
 }
 
 #[test]
@@ -133,12 +142,16 @@ fn manual_filtering_gives_the_bits_of_the_cpu_decoder() {
     }
 }
 
-/// One component of lightness, to separate the sampler's errors of weights and shadows.
-fn grey(size: u32, levels: u32, weight: impl Fn(u32) -> u8, shadow: impl Fn(u32) -> u8) -> FactoredFlatBtf {
-    let of =
-        factored(SMALL, Factors { levels: 1, groups: 1, wide_groups: 1, shadow: ShadowFormat::R8, materials: 0 }, 1);
-    let header =
-        FactoredHeader { size, levels, steps: [vec![0.01; 4], vec![0.0; 4], vec![0.0; 4]], ..of.header().clone() };
+/// One component of lightness, to separate the sampler's errors of weights and of the residual, with a cell per texel.
+fn grey(size: u32, levels: u32, weight: impl Fn(u32) -> u8, share: impl Fn(u32) -> u8) -> FactoredFlatBtf {
+    let of = factored(SMALL, Factors { levels: 1, groups: 1, wide_groups: 1, residual: 1, materials: 0 }, 1);
+    let header = FactoredHeader {
+        size,
+        levels,
+        residual: size,
+        steps: [vec![0.01; 4], vec![0.0; 4], vec![0.0; 4]],
+        ..of.header().clone()
+    };
     let black = BaseTable::black();
     let basis =
         BasisMap::from_steps(header, &black, |_, _, colour, k| if colour + k == 0 { 10_000 } else { 0 }).unwrap();
@@ -151,8 +164,8 @@ fn grey(size: u32, levels: u32, weight: impl Fn(u32) -> u8, shadow: impl Fn(u32)
     };
     let weights = firsts.zip(sides).flat_map(level).collect();
     let weights = WeightMap::new(size, levels, vec![WeightRange { scale: 1.0, low: 0.0 }; 12], weights).unwrap();
-    let shadows = (0..5 * texels).map(shadow).collect();
-    FactoredFlatBtf::new(basis, weights, Some(ShadowMap::new(size, levels, 5, shadows).unwrap())).unwrap()
+    let shares = (0..10 * texels).map(share).collect();
+    FactoredFlatBtf::new(basis, weights, Some(ResidualMap::new(size, 5, shares).unwrap())).unwrap()
 }
 
 #[test]
@@ -162,12 +175,14 @@ fn the_sampler_is_within_its_precision() {
     // Lightness is at most 100 w, so colours have a slope of 3 (100 / 116)² / 116 of it; three filters, one per axis.
     let bound = 3.0 * FACTORED_FILTER_PRECISION;
     let slope = 3.0 * (100.0f32 / 116.0).powi(3);
-    for (asset, bound) in [(grey(8, 4, byte, |_| 255), slope * bound), (grey(8, 4, |_| 255, byte), bound)] {
+    // Shares are (255 c / 180)² of a filtered c.
+    let of_share = 2.0 * (255.0f32 / 180.0).powi(2);
+    for (asset, bound) in [(grey(8, 4, byte, |_| 180), slope * bound), (grey(8, 4, |_| 255, byte), of_share * bound)] {
         let queries = queries(SMALL, 3000);
         let found = found(gpu, FACTORED_WGSL, &asset, FrameBlock::default(), &queries);
         let mut largest = 0.0f32;
-        for ((uv, detail, view, light), found) in queries.iter().zip(&found) {
-            let expected = asset.filtered(*uv, *detail).blended(*view, *light);
+        for (query, found) in queries.iter().zip(&found) {
+            let expected = expected(&asset, query);
             largest = (0..3).map(|k| (expected[k] - found[k]).abs()).fold(largest, f32::max);
         }
         println!("largest difference {largest}, bound {bound}");
@@ -188,14 +203,14 @@ fn the_sampler_filters_tables_within_its_precision() {
     let queries = queries(SMALL, 3000);
     let largest = |source: &str| {
         let found = found(gpu, source, &asset, FrameBlock::default(), &queries);
-        let of_query = |((uv, detail, view, light), found): (&Query, &[f32; 3])| {
-            let expected = asset.filtered(*uv, *detail).blended(*view, *light);
+        let of_query = |(query, found): (&Query, &[f32; 3])| {
+            let expected = expected(&asset, query);
             (0..3).map(|k| (expected[k] - found[k]).abs()).fold(0.0, f32::max)
         };
         queries.iter().zip(&found).map(of_query).fold(0.0, f32::max)
     };
     // Neighbouring entries of both tables differ by at most 4, 1 and 4 along the axes.
-    let bound = FACTORED_FILTER_PRECISION * 9.0;
+    let bound = LIT * FACTORED_FILTER_PRECISION * 9.0;
     assert!(largest(FACTORED_WGSL) <= bound, "{}", largest(FACTORED_WGSL));
     for (from, to) in [
         ("f32(table * FACTORED_HALF_ANGLES) + angle", "angle"),
@@ -208,7 +223,7 @@ fn the_sampler_filters_tables_within_its_precision() {
 }
 
 /// Small changes of the shader, each of which the queries must detect.
-const CHANGES: [(&str, &str); 45] = [
+const CHANGES: [(&str, &str); 51] = [
     ("1.0 / 116.0", "1.0 / 116.1"),
     ("1.0 / 500.0", "1.0 / 500.5"),
     ("1.0 / 200.0", "1.0 / 200.5"),
@@ -216,7 +231,13 @@ const CHANGES: [(&str, &str); 45] = [
     ("0.045232937", "0.0453"),
     ("-0.20402668", "-0.205"),
     ("factored_parameters.size >> level", "factored_parameters.size"),
-    ("uv.y, factored_side(level));\n    var value = 0.0", "uv.x, factored_side(level));\n    var value = 0.0"),
+    ("uv.y, side)", "uv.x, side)"),
+    ("factored_parameters.residual >> level", "factored_parameters.residual"),
+    (" - factored_parameters.residual_octaves", ""),
+    ("255.0 / 180.0", "255.0 / 181.0"),
+    ("(1.0 - lit) * shares.y", "0.99 * shares.y"),
+    ("lit * shares.x", "lit * shares.y"),
+    ("blend * (factored_residual_level", "0.9 * blend * (factored_residual_level"),
     ("uv.y, factored_side(level));\n    var value = vec4", "uv.x, factored_side(level));\n    var value = vec4"),
     ("<< vec4<u32>(24u, 16u, 8u, 0u)) >>", "<< vec4<u32>(24u, 16u, 0u, 8u)) >>"),
     ("min(max(opponent.y, limit.x), limit.y)", "opponent.y"),
@@ -253,7 +274,7 @@ const CHANGES: [(&str, &str); 45] = [
     ("slopes.xz + slopes.yw", "slopes.xz"),
     ("scale - 1.0)", "scale - 0.999)"),
     ("light.z >= lowest", "light.z >= 0.0"),
-    ("lights.weights.z * shadows.z", "lights.weights.z * shadows.y"),
+    ("lights.weights[l] * factored_residual", "lights.weights.x * factored_residual"),
 ];
 
 /// The negative control: every change above is detected.

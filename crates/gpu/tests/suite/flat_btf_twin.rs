@@ -1,7 +1,6 @@
 //! The shader of flat BTFs, compared with the CPU decoder on any adapter.
 
 use brdfc_formats::bindings::FrameBlock;
-use brdfc_formats::flat_btf::factored::ShadowFormat;
 use brdfc_formats::flat_btf::factored::shader::FACTORED_FILTER_PRECISION;
 use brdfc_formats::flat_btf::shader::flat_btf_value_wgsl;
 use brdfc_formats::flat_btf::{FlatBtfDecoder, FlatBtfParts, MacroSurface, MarchSteps};
@@ -11,23 +10,23 @@ use brdfc_render::flat::FlatMaterial;
 use brdfc_testing::codecs::flat_btf::{BASE, Factors, MATERIALS, SMALL, Sizes, factored, layer_header, layers, relief};
 use brdfc_testing::packs::{Numbers, unit_vector};
 
-const WITH_SHADOWS: Factors = Factors { groups: 3, wide_groups: 1, shadow: ShadowFormat::R8, ..BASE };
-const WITHOUT: Factors = Factors { groups: 1, shadow: ShadowFormat::None, ..WITH_SHADOWS };
+const WITH_RESIDUAL: Factors = Factors { groups: 3, wide_groups: 1, residual: 2, ..BASE };
+const WITHOUT: Factors = Factors { groups: 1, residual: 0, ..WITH_RESIDUAL };
 
-/// A base alone, materials and components, with and without rays of light, with one sheet and three, and with
-/// other steps than the default.
+/// A base alone, materials, and components with and without a residual, with one sheet and three, and with other steps
+/// than the default.
 fn assets(seed: u64) -> Vec<FlatMaterial> {
     let steps = MarchSteps { sight: 40, refine: 4, both: 45 };
     [
-        (Sizes { sheets: 1, ..SMALL }, BASE, true, None),
-        (SMALL, MATERIALS, true, None),
-        (SMALL, WITH_SHADOWS, false, None),
-        (Sizes { flat: 16, plane: 32, views: 7, lights: 12, ..SMALL }, WITHOUT, true, None),
+        (Sizes { sheets: 1, ..SMALL }, BASE, None),
+        (SMALL, MATERIALS, None),
+        (SMALL, WITH_RESIDUAL, None),
+        (Sizes { flat: 16, plane: 32, views: 7, lights: 12, ..SMALL }, WITHOUT, None),
         // Sides that are not powers of two.
-        (Sizes { flat: 5, plane: 12, views: 4, ..SMALL }, WITHOUT, true, Some(steps)),
+        (Sizes { flat: 5, plane: 12, views: 4, ..SMALL }, WITHOUT, Some(steps)),
     ]
-    .map(|(sizes, factors, casts_shadows, steps)| {
-        let layers = layers(sizes, casts_shadows, seed);
+    .map(|(sizes, factors, steps)| {
+        let layers = layers(sizes, seed);
         let parts = FlatBtfParts { layers, reflectance: factored(sizes, factors, seed + 1) };
         let decoder = FlatBtfDecoder::new(parts);
         let steps = steps.unwrap_or(decoder.steps());
@@ -155,8 +154,7 @@ fn the_sampler_is_within_its_precision() {
     let evaluator = FlatBtfEvaluator::new(gpu).unwrap();
     let mut numbers = Numbers::new(4);
     let moved: Vec<[f32; 2]> = (0..64).map(|_| [0; 2].map(|_| numbers.between(0.0, 0.25) as f32)).collect();
-    let layers =
-        relief(layer_header(SMALL, true), |[column, row]| ([100, 40, 200], [moved[(8 * row + column) as usize]; 3]));
+    let layers = relief(layer_header(SMALL), |[column, row]| ([100, 40, 200], [moved[(8 * row + column) as usize]; 3]));
     let parts = FlatBtfParts { layers, reflectance: factored(SMALL, BASE, 3) };
     let material = FlatMaterial::new(FlatBtfDecoder::new(parts), 1).unwrap();
     let queries = queries(5000, 3);
@@ -199,7 +197,7 @@ fn few_rays_jump_with_the_sampler() {
 }
 
 /// Constants of the shader and small changes of them, each of which the queries must detect.
-const CHANGES: [(&str, &str); 57] = [
+const CHANGES: [(&str, &str); 58] = [
     ("FLAT_BTF_TEXELS_PER_STEP: f32 = ", "FLAT_BTF_TEXELS_PER_STEP: f32 = 0.1 + "),
     ("FLAT_BTF_MIN_COSINE: f32 = ", "FLAT_BTF_MIN_COSINE: f32 = 0.001 + "),
     ("FLAT_BTF_RISE: f32 = ", "FLAT_BTF_RISE: f32 = 0.1 + "),
@@ -256,7 +254,8 @@ const CHANGES: [(&str, &str); 57] = [
     ("min(max(detail, 0.0), f32", "min(max(detail, 0.1), f32"),
     ("if light.z <= 0.0", "if light.z <= 0.1"),
     ("min(light.z / lowest_light, 1.0)", "1.0"),
-    ("flat_btf_parameters.casts_shadows == 0u || ", ""),
+    ("if any(value != vec3<f32>(0.0)) {", "if false {"),
+    ("look.base, lights, lit) * dimmed", "look.base, lights, lit)"),
 ];
 
 /// The negative control: every change above is detected.

@@ -5,7 +5,7 @@ use brdfc_core::address::parse_synth;
 use brdfc_flat_btf::encode::Reflectance;
 use brdfc_formats::direction::add_scaled;
 use brdfc_formats::direction_set::DirectionSet;
-use brdfc_formats::flat_btf::factored::{FactoredFlatBtf, ShadowFormat, WeightMap, WeightRange};
+use brdfc_formats::flat_btf::factored::{FactoredFlatBtf, WeightMap, WeightRange};
 use brdfc_formats::flat_btf::{FlatBtfDecoder, FlatBtfParts, MarchSteps};
 use brdfc_gpu::{GpuError, draw_flat_btf, draw_flat_btf_by, flat_scene_source};
 use brdfc_metrics::image::{LinearImage, auto_exposure, compare_images};
@@ -30,8 +30,8 @@ fn stud(reflectance: Reflectance, bounces: usize) -> FlatBtfParts {
 static STUD: LazyLock<FlatBtfParts> = LazyLock::new(|| stud(Reflectance::Brdf, 0));
 /// The same stud by components of 25 views and lights.
 static COMPONENTS: LazyLock<FlatBtfParts> = LazyLock::new(|| stud(Reflectance::Factors, 0));
-/// Values that contain shadows, because of bounces.
-static SHADOWED: LazyLock<FlatBtfParts> = LazyLock::new(|| stud(Reflectance::Factors, 4));
+/// Light of one bounce in addition, which reaches shadows.
+static BOUNCED: LazyLock<FlatBtfParts> = LazyLock::new(|| stud(Reflectance::Factors, 4));
 
 fn material(parts: &FlatBtfParts) -> FlatMaterial {
     FlatMaterial::new(FlatBtfDecoder::new(parts.clone()), REPEAT).unwrap()
@@ -58,9 +58,9 @@ fn same(a: &LinearImage, b: &LinearImage, what: &str, most: (f64, f64)) {
 #[test]
 fn shader_and_cpu_draw_the_same_renderings() {
     let Some(gpu) = crate::common::gpu() else { return };
-    assert!(STUD.layers.header().sheets == 3 && STUD.layers.header().casts_shadows);
-    assert!(SHADOWED.reflectance.shadow().is_some() && !SHADOWED.layers.header().casts_shadows);
-    for (name, parts) in [("material", &*STUD), ("components", &COMPONENTS), ("stored shadows", &SHADOWED)] {
+    assert!(STUD.layers.header().sheets == 3 && COMPONENTS.reflectance.residual().is_none());
+    assert!(BOUNCED.reflectance.residual().is_some());
+    for (name, parts) in [("material", &*STUD), ("components", &COMPONENTS), ("bounces", &BOUNCED)] {
         let material = material(parts);
         // The ball has stretched tiles; the table has bump maps, which apply only to BRDFs; the terrain shows texels far away.
         for builtin in [Builtin::Plane, Builtin::Vase, Builtin::Sphere, Builtin::Table, Builtin::Terrain] {
@@ -75,12 +75,12 @@ fn shader_and_cpu_draw_the_same_renderings() {
     }
 }
 
-/// Components approximate the material. Stored shadows are blurred between sampled lights, and bounces brighten them.
+/// Components approximate the material, and bounces brighten shadows.
 #[test]
 fn all_reflectances_look_alike() {
     let scene = Builtin::Plane.scene();
-    let drawn = [&*STUD, &COMPONENTS, &SHADOWED].map(|parts| draw_on_cpu(&scene, FRAME, &material(parts)));
-    for (name, image, most) in [("components", &drawn[1], 4.0), ("stored shadows", &drawn[2], 14.0)] {
+    let drawn = [&*STUD, &COMPONENTS, &BOUNCED].map(|parts| draw_on_cpu(&scene, FRAME, &material(parts)));
+    for (name, image, most) in [("components", &drawn[1], 4.0), ("bounces", &drawn[2], 14.0)] {
         let (_, mean) = difference(image, &drawn[0]);
         println!("{name} against the material: mean ΔE {mean}");
         assert!((0.01..most).contains(&mean), "{name}: {mean}");
@@ -147,7 +147,7 @@ fn a_change_of_the_scene_or_of_the_shader_is_a_difference() {
     let edits = [
         (&scene, &cpu, "FLAT_BTF_RISE: f32 = ", "FLAT_BTF_RISE: f32 = 0.0 * "),
         (&scene, &cpu, "ray, detail, flat_btf_parameters.sight_steps", "ray, detail, 2u"),
-        (&scene, &cpu, "flat_btf_parameters.casts_shadows == 0u", "true"),
+        (&scene, &cpu, "if any(value != vec3<f32>(0.0)) {", "if false {"),
         (&below, &from_below, "select(vec2<f32>(in.uv.x, -in.uv.y), in.uv, front)", "in.uv"),
         (&below, &from_below, "select(-1.0, 1.0, front) * normalize", "normalize"),
         (&below, &from_below, "min(light.z / lowest_light, 1.0)", "1.0"),
@@ -286,15 +286,15 @@ fn untinted(asset: &FactoredFlatBtf) -> FactoredFlatBtf {
 fn errors_of_large_assets_have_advice() {
     let Some(gpu) = crate::common::gpu() else { return };
     let sizes = Sizes { flat: 2, lights: 301, ..SMALL };
-    let drawn = |shadow: ShadowFormat| {
-        let factors = Factors { levels: 1, groups: 1, shadow, ..BASE };
-        let parts = FlatBtfParts { layers: layers(sizes, true, 1), reflectance: factored(sizes, factors, 2) };
+    let drawn = |residual: u32| {
+        let factors = Factors { levels: 1, groups: 1, residual, ..BASE };
+        let parts = FlatBtfParts { layers: layers(sizes, 1), reflectance: factored(sizes, factors, 2) };
         draw_flat_btf(gpu, &Builtin::Plane.scene(), FRAME, &material(&parts))
     };
-    let error = drawn(ShadowFormat::R8).unwrap_err();
+    let error = drawn(1).unwrap_err();
     let GpuError::TooLarge(text) = error else { panic!("{error}") };
     assert!(text.contains("301 lights") && text.contains("make the flat BTF with fewer lights"), "{text}");
-    assert!(drawn(ShadowFormat::None).is_ok());
+    assert!(drawn(0).is_ok());
 }
 
 #[test]

@@ -102,8 +102,11 @@ pub fn facts(FlatAsset { about: asset, bytes: file, gpu_bytes, .. }: &FlatAsset)
     if report.reflectance == Reflectance::Brdf {
         facts.push(("reflectance", format!("brdf: {} on a GPU", bytes(factored.gpu_bytes))));
     } else {
-        let shadows = if factored.shadowed { ", a shadow per light" } else { "" };
-        let text = format!("factors: {} components{shadows}, ", factored.components);
+        let residual = match factored.residual {
+            0 => String::new(),
+            cells => format!(", a residual of shadows of {cells} x {cells} cells per light"),
+        };
+        let text = format!("factors: {} components{residual}, ", factored.components);
         facts.push(("reflectance", format!("{text}{} on a GPU", bytes(factored.gpu_bytes))));
         facts.push(("views x lights", format!("{} ({}) x {} ({})", views.1, views.0, lights.1, lights.0)));
     }

@@ -146,8 +146,8 @@ fn ends(values: &[f32]) -> [f32; 2] {
 mod tests {
     use super::*;
     use brdfc_formats::flat_btf::factored::{
-        BaseTable, BasisMap, ChromaRange, FactoredErrors, FactoredFlatBtf, FactoredHeader, ShadowFormat, WeightMap,
-        WeightRange, slope_ranges, slope_words,
+        BaseTable, BasisMap, ChromaRange, FactoredErrors, FactoredFlatBtf, FactoredHeader, WeightMap, WeightRange,
+        slope_ranges, slope_words,
     };
     use brdfc_formats::flat_btf::{FlatBtfDecoder, FlatBtfParts, LayerHeader, LayerMap};
 
@@ -158,7 +158,7 @@ mod tests {
             levels: 1,
             groups: 0,
             wide_groups: 0,
-            shadow: ShadowFormat::None,
+            residual: 0,
             views: Vec::new(),
             lights: Vec::new(),
             chroma: ChromaRange::ALL,
@@ -176,7 +176,7 @@ mod tests {
         let albedo = WeightRange { scale: 1.0, low: 0.0 };
         let weights = WeightMap::new(4, 1, [[albedo; 4], slope_ranges()].concat(), texels).unwrap();
         let reflectance = FactoredFlatBtf::new(basis, weights, None).unwrap();
-        let layers = LayerHeader { size: 4, sheets: 1, levels: 1, heights: [0.0, 0.2], casts_shadows: true };
+        let layers = LayerHeader { size: 4, sheets: 1, levels: 1, heights: [0.0, 0.2] };
         let heights = (0..16).map(|k| if k % 4 < 2 { 0 } else { 255 }).collect();
         let layers = LayerMap::new(layers, heights, vec![[0.0; 2]; 4]).unwrap();
         let decoder = FlatBtfDecoder::new(FlatBtfParts { layers, reflectance });

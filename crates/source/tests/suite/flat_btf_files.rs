@@ -1,7 +1,6 @@
 //! Flat BTFs as files: they round-trip, and other files are rejected.
 
 use brdfc_formats::flat_btf::FlatBtfFile;
-use brdfc_formats::flat_btf::factored::ShadowFormat;
 use brdfc_formats::importance::{ImportanceHeader, ImportancePack};
 use brdfc_source::InputError;
 use brdfc_source::flat_btf::{flat_btf_file, flat_view, open_flat_btf};
@@ -9,8 +8,8 @@ use brdfc_testing::codecs::flat_btf::{BASE, Factors, SMALL, base_file, factored,
 use std::path::Path;
 
 fn example(seed: u64) -> FlatBtfFile {
-    let factors = Factors { groups: 2, wide_groups: 1, shadow: ShadowFormat::R8, ..BASE };
-    file(layers(SMALL, false, seed), factored(SMALL, factors, seed))
+    let factors = Factors { groups: 2, wide_groups: 1, residual: 2, ..BASE };
+    file(layers(SMALL, seed), factored(SMALL, factors, seed))
 }
 
 fn error(path: &Path) -> String {

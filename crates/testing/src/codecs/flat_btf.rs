@@ -21,23 +21,23 @@ use crate::golden::values::{Values, directions as hemisphere, of_columns, points
 use crate::packs::{Numbers, unit_vector};
 use crate::sampler::{ROUNDING, SAMPLED, STEP, SamplerCase};
 use brdfc_formats::bindings::FrameBlock;
-use brdfc_formats::flat_btf::factored::{BaseAngles, FactoredFlatBtf, ShadowFormat};
+use brdfc_formats::flat_btf::factored::{BaseAngles, FactoredFlatBtf};
 use brdfc_formats::flat_btf::{FlatBtfDecoder, FlatBtfFile, FlatBtfParts, LayerMap, SampledDirections, ViewWeights};
 use brdfc_formats::{Pack, PackKind};
 
-/// Layers of these sizes, which cast shadows or not.
-type MakeLayers = fn(Sizes, bool) -> LayerMap;
+/// Layers of these sizes.
+type MakeLayers = fn(Sizes) -> LayerMap;
 
 /// Flat BTFs with each kind of values and of shadows.
 fn some_flat_btfs(layers: MakeLayers) -> [(&'static str, FlatBtfDecoder); 4] {
     let one_sheet = Sizes { sheets: 1, ..SMALL };
-    let with_shadows = Factors { groups: 3, wide_groups: 1, shadow: ShadowFormat::R8, ..BASE };
-    let without_shadows = Factors { groups: 1, shadow: ShadowFormat::None, ..with_shadows };
+    let with_residual = Factors { groups: 3, wide_groups: 1, residual: 2, ..BASE };
+    let without_residual = Factors { groups: 1, residual: 0, ..with_residual };
     [
-        ("base alone", layers(one_sheet, true), factored(SMALL, BASE, 4)),
-        ("two materials", layers(SMALL, true), factored(SMALL, MATERIALS, 7)),
-        ("factored, three sheets", layers(SMALL, false), factored(SMALL, with_shadows, 5)),
-        ("components with rays of light", layers(SMALL, true), factored(SMALL, without_shadows, 6)),
+        ("base alone", layers(one_sheet), factored(SMALL, BASE, 4)),
+        ("two materials", layers(SMALL), factored(SMALL, MATERIALS, 7)),
+        ("components with a residual", layers(SMALL), factored(SMALL, with_residual, 5)),
+        ("components", layers(SMALL), factored(SMALL, without_residual, 6)),
     ]
     .map(|(name, layers, reflectance)| (name, FlatBtfDecoder::new(FlatBtfParts { layers, reflectance })))
 }
@@ -160,7 +160,7 @@ pub struct FlatBtf;
 
 impl TestedCodec for FlatBtf {
     fn small_pack(&self, supercompress: bool) -> Vec<u8> {
-        let layers = layers(Sizes { plane: 4, sheets: 1, ..SMALL }, true, 7);
+        let layers = layers(Sizes { plane: 4, sheets: 1, ..SMALL }, 7);
         file(layers, factored(SMALL, BASE, 8)).to_bytes(supercompress)
     }
 
@@ -169,7 +169,7 @@ impl TestedCodec for FlatBtf {
             let file = FlatBtfFile::new(decoder.clone()).unwrap().to_bytes(true);
             case(name, &decoder, EXACT, vec![file], steady_queries(&decoder))
         };
-        some_flat_btfs(|sizes, casts_shadows| layers(sizes, casts_shadows, 4)).into_iter().map(case).collect()
+        some_flat_btfs(|sizes| layers(sizes, 4)).into_iter().map(case).collect()
     }
 
     fn sampler_cases(&self) -> Vec<SamplerCase> {
@@ -177,11 +177,11 @@ impl TestedCodec for FlatBtf {
     }
 
     fn committed(&self) -> Files {
-        let factors = Factors { groups: 3, wide_groups: 1, shadow: ShadowFormat::R8, ..BASE };
+        let factors = Factors { groups: 3, wide_groups: 1, residual: 2, ..BASE };
         let files = [
             ("base", base_file()),
             ("materials", materials_file()),
-            ("factored", file(layers(SMALL, false, 13), factored(SMALL, factors, 5))),
+            ("factored", file(layers(SMALL, 13), factored(SMALL, factors, 5))),
             // Its numbers follow simple rules, for which a decoder in another language was written.
             ("example", file(example_layers(), factored_example())),
         ];
@@ -202,7 +202,7 @@ impl TestedCodec for FlatBtf {
         let decoder = &file.decoder;
         let FlatBtfParts { layers, reflectance } = decoder.parts();
         let header = layers.header();
-        numbers.words([header.size, header.sheets, header.levels, u32::from(header.casts_shadows)]);
+        numbers.words([header.size, header.sheets, header.levels]);
         numbers.add(header.heights);
         let displacements = layers.displacement_bytes();
         numbers.words(layers.height_bytes().iter().chain(&displacements).map(|byte| u32::from(*byte)));
@@ -236,7 +236,7 @@ fn level_of(point: u32) -> f32 {
 fn factored_values(asset: &FactoredFlatBtf, numbers: &mut Values) {
     let header = asset.header();
     let (views, lights) = (header.views.len() as u32, header.lights.len() as u32);
-    numbers.words([header.size, header.levels, header.groups, header.wide_groups, header.shadow as u32]);
+    numbers.words([header.size, header.levels, header.groups, header.wide_groups, header.residual]);
     numbers.words([header.materials, header.axes]);
     numbers.add(header.views.iter().chain(&header.lights).flatten().copied());
     for at in 0..header.size * header.size {
@@ -248,7 +248,9 @@ fn factored_values(asset: &FactoredFlatBtf, numbers: &mut Values) {
     }
     for (k, uv) in (0..).zip(points()) {
         let (view, light) = (towards(three_of(k, views)), towards(three_of(k + 1, lights)));
-        numbers.add(asset.filtered(uv, level_of(k)).blended(view, light));
+        let texel = asset.filtered(uv, level_of(k));
+        let value = texel.blended(view, light);
+        numbers.add(value.into_iter().chain(texel.shadowed(value, light.samples, 0.25)));
     }
 }
 

@@ -3,12 +3,12 @@
 use super::base::{BaseTexel, TablePlace, base_texel};
 use super::basis::BasisMap;
 use super::domain::{from_opponent, to_opponent};
-use super::header::{BASE_LAYERS, FactoredErrors, FactoredHeader, GROUP, MAX_GROUPS, ShadowFormat};
-use super::maps::{ShadowMap, WeightMap};
+use super::header::{BASE_LAYERS, FactoredErrors, FactoredHeader, GROUP, MAX_GROUPS};
+use super::maps::{ResidualMap, WeightMap};
 use crate::FormatError;
 use crate::container::rgb9e5;
 use crate::flat_btf::flat_view::{FlatHeader, FlatView, unit_vectors};
-use crate::flat_btf::view_weights::BlendedDirection;
+use crate::flat_btf::view_weights::{BlendedDirection, ViewWeights};
 use crate::tap::{footprint, periodic_tap, wrap};
 
 const MAX_COMPONENTS: usize = MAX_GROUPS as usize * GROUP;
@@ -16,13 +16,13 @@ const BASE_NUMBERS: usize = BASE_LAYERS as usize * GROUP;
 /// Step of a byte.
 const UNIT: f32 = 1.0 / 255.0;
 
-/// Factored flat BTF: a shadow for each texel and light, times a base plus a sum of components for each view and light
-/// with weights for each texel. It replaces all views. Without components, the base alone is the value.
+/// Factored flat BTF: a base plus a sum of components for each view and light with weights for each texel, and the
+/// residual of shadows. It replaces all views. Without components, the base alone is the value.
 #[derive(Debug, Clone, PartialEq)]
 pub struct FactoredFlatBtf {
     basis: BasisMap,
     weights: WeightMap,
-    shadow: Option<ShadowMap>,
+    residual: Option<ResidualMap>,
     views: Vec<[f32; 3]>,
     lights: Vec<[f32; 3]>,
     lowest_light: f32,
@@ -41,7 +41,8 @@ struct Place {
 #[derive(Debug, Clone)]
 pub struct FactoredTexel<'a> {
     asset: &'a FactoredFlatBtf,
-    place: Place,
+    /// In the residual, if there is one.
+    cells: Option<Place>,
     base: BaseTexel,
     components: [f32; MAX_COMPONENTS],
 }
@@ -57,19 +58,41 @@ impl FactoredTexel<'_> {
         self.base.normal = normal;
     }
 
-    /// Value in a view under a light.
+    /// Value in a view under a light, before shadows.
     ///
     /// # Panics
     /// Panics if there is no such view or light.
     pub fn value(&self, view: u32, light: u32) -> [f32; 3] {
         let asset = self.asset;
-        let shadow = asset.lit(&self.place, light);
         let directions = [asset.views[view as usize], asset.lights[light as usize]];
-        asset.colour(&self.base, directions, asset.sum(&self.components, view, light)).map(|channel| shadow * channel)
+        asset.colour(&self.base, directions, asset.sum(&self.components, view, light))
     }
 
-    /// Value in a view under a light, relative to a white diffuser that faces the light: linear RGB, 0 or more. Sums of
-    /// components and shadows are blended over the sampled directions. The base is evaluated for the exact directions,
+    /// A value if `lit` of a light, 0 to 1, reaches the texel: that share of it without a residual. `lights` are sampled
+    /// ones, blended.
+    ///
+    /// # Panics
+    /// Panics if there is a residual and no such light.
+    pub fn shadowed(&self, value: [f32; 3], lights: ViewWeights, lit: f32) -> [f32; 3] {
+        let (Some(residual), Some(cells)) = (&self.asset.residual, &self.cells) else {
+            return value.map(|channel| channel * lit);
+        };
+        let mut roots = [0.0f32; 2];
+        for (light, weight) in lights.indices.into_iter().zip(lights.weights) {
+            if weight == 0.0 {
+                continue;
+            }
+            for (channel, root) in roots.iter_mut().enumerate() {
+                *root += weight * cells.sample(|level, at| residual.layer(level, light)[2 * at + channel]);
+            }
+        }
+        let [reached, shaded] = roots.map(ResidualMap::share);
+        let (reached, shaded) = (lit * reached, (1.0 - lit) * shaded);
+        [0, 1, 2].map(|c: usize| value[c] * reached + self.base.diffuse[c] * shaded)
+    }
+
+    /// Value in a view under a light, before shadows, relative to a white diffuser that faces the light: linear RGB, 0 or
+    /// more. Sums of components are blended over the sampled directions. The base is evaluated for the exact directions,
     /// with the light raised to the lowest sampled light. Without components only the base is evaluated.
     ///
     /// # Panics
@@ -80,10 +103,6 @@ impl FactoredTexel<'_> {
             return asset.basis.colour(&self.base, view.direction, light.direction);
         }
         let (views, lights) = (view.samples, light.samples);
-        let lit = |index: usize| {
-            if lights.weights[index] == 0.0 { 0.0 } else { asset.lit(&self.place, lights.indices[index]) }
-        };
-        let shadow = lights.weights[0] * lit(0) + lights.weights[1] * lit(1) + lights.weights[2] * lit(2);
         let mut sum = [0.0f32; 3];
         for (view, view_weight) in views.indices.into_iter().zip(views.weights) {
             if view_weight == 0.0 {
@@ -101,7 +120,7 @@ impl FactoredTexel<'_> {
             }
         }
         let light = raised(light.direction, asset.lowest_light);
-        asset.colour(&self.base, [view.direction, light], sum).map(|channel| shadow * channel)
+        asset.colour(&self.base, [view.direction, light], sum)
     }
 }
 
@@ -139,34 +158,35 @@ impl FactoredFlatBtf {
     /// # Errors
     /// Returns an error that names a part whose size, levels or layers differ from the basis, or that is missing or
     /// superfluous.
-    pub fn new(basis: BasisMap, weights: WeightMap, shadow: Option<ShadowMap>) -> Result<Self, FormatError> {
+    pub fn new(basis: BasisMap, weights: WeightMap, residual: Option<ResidualMap>) -> Result<Self, FormatError> {
         let header = basis.header();
         let text = |[size, levels, layers]: [u32; 3]| format!("{levels} levels of {layers} layers of {size} x {size}");
-        let same = |part: &str, found: [u32; 3], layers: u32| {
-            let expected = [header.size, header.levels, layers];
+        let same = |part: &str, found: [u32; 3], expected: [u32; 3]| {
             if found == expected {
                 return Ok(());
             }
             let allowed = format!("{}, as the header says", text(expected));
             Err(FormatError::whole(format!("size of the part {part}"), text(found), allowed))
         };
-        same("weights", [weights.size(), weights.levels(), weights.layers()], BASE_LAYERS + header.groups)?;
-        match (&shadow, header.shadow) {
-            (None, ShadowFormat::None) => {}
-            (Some(map), ShadowFormat::R8) => {
-                same("shadow", [map.size(), map.levels(), map.lights()], header.lights.len() as u32)?;
+        let of_weights = [header.size, header.levels, BASE_LAYERS + header.groups];
+        same("weights", [weights.size(), weights.levels(), weights.layers()], of_weights)?;
+        match (&residual, header.residual) {
+            (None, 0) => {}
+            (Some(map), 1..) => {
+                let expected = [header.residual, map.levels(), header.lights.len() as u32];
+                same("residual", [map.size(), map.levels(), map.lights()], expected)?;
             }
-            (None, ShadowFormat::R8) => {
-                return Err(FormatError::whole("part shadow", "missing", "a part, as the header requires").problem());
+            (None, _) => {
+                return Err(FormatError::whole("part residual", "missing", "a part, as the header requires").problem());
             }
-            (Some(_), ShadowFormat::None) => {
+            (Some(_), _) => {
                 let allowed = "no part, as the header requires";
-                return Err(FormatError::whole("part shadow", "superfluous", allowed).problem());
+                return Err(FormatError::whole("part residual", "superfluous", allowed).problem());
             }
         }
         let (views, lights) = (unit_vectors(&header.views), unit_vectors(&header.lights));
         let lowest_light = lights.iter().map(|light| light[2]).reduce(f32::min).unwrap_or(0.0);
-        Ok(Self { basis, weights, shadow, views, lights, lowest_light })
+        Ok(Self { basis, weights, residual, views, lights, lowest_light })
     }
 
     /// Header of the asset.
@@ -184,9 +204,22 @@ impl FactoredFlatBtf {
         &self.weights
     }
 
-    /// The part `shadow`, if there is one.
-    pub fn shadow(&self) -> Option<&ShadowMap> {
-        self.shadow.as_ref()
+    /// The part `residual`, if there is one.
+    pub fn residual(&self) -> Option<&ResidualMap> {
+        self.residual.as_ref()
+    }
+
+    /// Octaves between texels and cells of the residual; 0 without one.
+    pub(super) fn residual_octaves(&self) -> f32 {
+        let FactoredHeader { size, residual, .. } = self.header();
+        if *residual == 0 { 0.0 } else { (*size as f32 / *residual as f32).log2() }
+    }
+
+    /// Cells of the residual around a point; none without one.
+    fn cells(&self, uv: [f32; 2], level_of_detail: f32) -> Option<Place> {
+        let map = self.residual.as_ref()?;
+        let detail = level_of_detail.max(0.0).min((self.header().levels - 1) as f32) - self.residual_octaves();
+        Some(Place::new(uv, detail, map.size(), map.levels()))
     }
 
     /// Replaces the measured errors in the header.
@@ -205,7 +238,7 @@ impl FactoredFlatBtf {
     pub fn filtered(&self, uv: [f32; 2], level_of_detail: f32) -> FactoredTexel<'_> {
         let place = Place::new(uv, level_of_detail, self.header().size, self.header().levels);
         let (base, components) = self.texel_at(&place);
-        FactoredTexel { asset: self, place, base, components }
+        FactoredTexel { asset: self, cells: self.cells(uv, level_of_detail), base, components }
     }
 
     /// Height of the lowest sampled light above the surface, the cosine of its polar angle; 0 without lights.
@@ -223,10 +256,11 @@ impl FactoredFlatBtf {
         let at = (row * size + column) as usize;
         let place = Place { level: 0, fine: [(at, 1.0), (at, 0.0), (at, 0.0), (at, 0.0)], coarse: None };
         let (base, components) = self.texel_at(&place);
-        FactoredTexel { asset: self, place, base, components }
+        let centre = [column, row].map(|at| (at as f32 + 0.5) / size as f32);
+        FactoredTexel { asset: self, cells: self.cells(centre, 0.0), base, components }
     }
 
-    /// Reconstructs an uncompressed view at the finest level.
+    /// Reconstructs an uncompressed view at the finest level, before shadows.
     ///
     /// # Panics
     /// Panics if there is no such view.
@@ -261,14 +295,6 @@ impl FactoredFlatBtf {
         }
         let blend = place.coarse.map_or(0.0, |(_, blend)| blend);
         (base_texel(TablePlace::new(place.level, blend, self.header().table_levels), base), components)
-    }
-
-    /// Fraction of a light that reaches a place.
-    fn lit(&self, place: &Place, light: u32) -> f32 {
-        match &self.shadow {
-            Some(shadow) => place.sample(|level, at| shadow.layer(level, light)[at]),
-            None => 1.0,
-        }
     }
 
     /// Sum of the components in a view under a light, which is added to the base.

@@ -1,4 +1,4 @@
-// Factored flat BTFs: shadows of texels and lights, times a base of texels and a sum of components weighted per texel.
+// Factored flat BTFs: a base of texels and a sum of components weighted per texel, and a coarse residual of shadows.
 //
 // File layout: `formats/src/flat_btf/factored/spec.md`. The CPU decoder `FactoredFlatBtf` of the crate `brdfc-formats`
 // performs the same steps in the same order.
@@ -7,14 +7,14 @@
 //
 //     let place = factored_place(parameters, level_of_detail);
 //     let base = factored_load(place);
-//     let value = factored_value(place, base, view, light, views, lights);
+//     let value = factored_shadowed(factored_value(base, view, light, views, lights), place, base, lights, lit);
 //
-// view and light are unit vectors; views and lights are the sampled directions that approximate them. level_of_detail
-// refers to the flat BTF's texels, 0 the finest; factored_mipmap_level computes it in a fragment shader, in uniform
+// view and light are unit vectors; views and lights are the sampled directions that approximate them. lit is the share of
+// the light that reaches the place, which rays determine. level_of_detail refers to the flat BTF's texels, 0 the finest; factored_mipmap_level computes it in a fragment shader, in uniform
 // control flow. Without components, factored_base_colour is the value.
 //
-// With the sampler this takes a fetch per group of four components, two for the base and one per light, one per table,
-// and 3 ceil((groups + wide groups) / 4) loads per pair of a view and a light. Manual filtering takes 4 or 8 fetches
+// With the sampler this takes a fetch per group of four components, two for the base, one per table, one per light if there
+// is a residual, and 3 ceil((groups + wide groups) / 4) loads per pair of a view and a light. Manual filtering takes 4 or 8 fetches
 // instead of one.
 
 const FACTORED_MAX_GROUPS: u32 = 16u;
@@ -34,17 +34,17 @@ const FACTORED_LARGEST_ROOT: f32 = 41.0;
 // Same fields and order as `FactoredParameters` of `brdfc-formats`. 1424 bytes.
 struct FactoredParameters {
     size: u32,          // T: the flat BTF has T x T texels
-    levels: u32,        // mipmap levels of weights and shadows
+    levels: u32,        // mipmap levels of the weights
     groups: u32,        // groups of four components; 0: the base alone is the value
     wide_groups: u32,   // number of groups with 16 bits in the basis, the others have 8
-    shadowed: u32,      // 0: all lights reach all texels
+    residual: u32,      // R: the residual of shadows has R x R cells; 0: there is none
     chroma: u32,        // four signed bytes: minimum and maximum ratios of both opponent colours to lightness, times 48
     lowest_light: f32,  // cosine of the largest polar angle of a sampled light
     materials: u32,     // 0: texels have albedos, and share one table; 1 or 2: texels have a tint
     axes: u32,          // bit k: table k is over mirror angles, otherwise over half angles
     table_levels: u32,  // mipmap levels with tables of their own
-    reserved_0: u32,
-    reserved_1: u32,
+    residual_octaves: f32,  // between texels and cells of the residual
+    residual_levels: u32,   // mipmap levels of the residual
     albedos: array<vec4<f32>, 2>,   // diffuse albedos of the materials
     steps: array<vec4<f32>, 48>,    // three opponent colours, 16 groups each
     scales: array<vec4<f32>, 18>,   // of weights, the base's first
@@ -56,8 +56,8 @@ struct FactoredParameters {
 @group(1) @binding(23) var<uniform> factored_parameters: FactoredParameters;
 // The image `weights`: two layers of the base and a layer per group, with mipmaps.
 @group(1) @binding(24) var factored_weights: texture_2d_array<f32>;
-// The image `shadow`: a layer per light, with mipmaps; any 2D array without shadows.
-@group(1) @binding(25) var factored_shadow: texture_2d_array<f32>;
+// The image `residual`: a layer per light, with mipmaps down to one cell; any 2D array without a residual.
+@group(1) @binding(25) var factored_residual: texture_2d_array<f32>;
 // The image `basis`; one texel without components.
 @group(1) @binding(26) var factored_basis: texture_2d<u32>;
 // Linear filter within and between mipmap levels; repeat.
@@ -114,18 +114,10 @@ fn factored_load(place: FactoredPlace) -> FactoredBase {
     return factored_base(place);
 }
 
-// Value in a view under a light, after factored_load of the same place.
+// Value in a view under a light before shadows, after factored_load of the place of the base.
 fn factored_value(
-    place: FactoredPlace, base: FactoredBase, view: vec3<f32>, light: vec3<f32>,
-    views: FactoredWeights, lights: FactoredWeights
+    base: FactoredBase, view: vec3<f32>, light: vec3<f32>, views: FactoredWeights, lights: FactoredWeights
 ) -> vec3<f32> {
-    var shadows = vec3<f32>(0.0);
-    for (var l = 0u; l < 3u; l += 1u) {
-        if lights.weights[l] != 0.0 {
-            shadows[l] = factored_lit(place, lights.indices[l]);
-        }
-    }
-    let shadow = lights.weights.x * shadows.x + lights.weights.y * shadows.y + lights.weights.z * shadows.z;
     var sum = vec3<f32>(0.0);
     for (var v = 0u; v < 3u; v += 1u) {
         if views.weights[v] == 0.0 {
@@ -140,7 +132,27 @@ fn factored_value(
         }
     }
     let colour = factored_base_colour(base, view, factored_raised(light));
-    return shadow * factored_from_opponent(factored_bounded(factored_to_opponent(colour) + sum));
+    return factored_from_opponent(factored_bounded(factored_to_opponent(colour) + sum));
+}
+
+// A value if lit of a light, 0 to 1, reaches the place: that share of it without a residual.
+fn factored_shadowed(
+    value: vec3<f32>, place: FactoredPlace, base: FactoredBase, lights: FactoredWeights, lit: f32
+) -> vec3<f32> {
+    if factored_parameters.residual == 0u {
+        return value * lit;
+    }
+    let last = f32(factored_parameters.residual_levels - 1u);
+    let detail = min(max(f32(place.level) + place.blend - factored_parameters.residual_octaves, 0.0), last);
+    var roots = vec2<f32>(0.0);
+    for (var l = 0u; l < 3u; l += 1u) {
+        if lights.weights[l] != 0.0 {
+            roots += lights.weights[l] * factored_residual_sample(place.uv, detail, lights.indices[l]);
+        }
+    }
+    let scaled = roots * (255.0 / 180.0);
+    let shares = scaled * scaled;
+    return value * (lit * shares.x) + base.diffuse * ((1.0 - lit) * shares.y);
 }
 
 // Raises a light to the height of the lowest sampled light if it is lower, with the same azimuth.
@@ -326,18 +338,16 @@ fn factored_from_opponent(opponent: vec3<f32>) -> vec3<f32> {
     return max(rgb, vec3<f32>(0.0));
 }
 
-// Fraction of a light that reaches the place.
-fn factored_lit(place: FactoredPlace, light: u32) -> f32 {
-    if factored_parameters.shadowed == 0u {
-        return 1.0;
-    }
+// Square roots of both shares of a light.
+fn factored_residual_sample(uv: vec2<f32>, detail: f32, light: u32) -> vec2<f32> {
     if brdfc_frame.sampler_filters == 1u {
-        let detail = f32(place.level) + place.blend;
-        return textureSampleLevel(factored_shadow, factored_sampler, place.uv, light, detail).r;
+        return textureSampleLevel(factored_residual, factored_sampler, uv, light, detail).rg;
     }
-    let fine = factored_shadow_level(place.uv, place.level, light);
-    if place.blend > 0.0 {
-        return fine + place.blend * (factored_shadow_level(place.uv, place.level + 1u, light) - fine);
+    let level = u32(floor(detail));
+    let fine = factored_residual_level(uv, level, light);
+    let blend = detail - floor(detail);
+    if blend > 0.0 {
+        return fine + blend * (factored_residual_level(uv, level + 1u, light) - fine);
     }
     return fine;
 }
@@ -360,14 +370,15 @@ fn factored_weight_sample(place: FactoredPlace, layer: u32) -> vec4<f32> {
     return fine;
 }
 
-fn factored_shadow_level(uv: vec2<f32>, level: u32, light: u32) -> f32 {
-    let column = flat_btf_periodic_tap(uv.x, factored_side(level));
-    let row = flat_btf_periodic_tap(uv.y, factored_side(level));
-    var value = 0.0;
+fn factored_residual_level(uv: vec2<f32>, level: u32, light: u32) -> vec2<f32> {
+    let side = max(factored_parameters.residual >> level, 1u);
+    let column = flat_btf_periodic_tap(uv.x, side);
+    let row = flat_btf_periodic_tap(uv.y, side);
+    var value = vec2<f32>(0.0);
     for (var k = 0u; k < 4u; k += 1u) {
         let at = vec2<u32>(flat_btf_tap_sample(column, k & 1u), flat_btf_tap_sample(row, k >> 1u));
         let weight = flat_btf_tap_weight(row, k >> 1u) * flat_btf_tap_weight(column, k & 1u);
-        value = value + weight * textureLoad(factored_shadow, at, light, level).r;
+        value = value + weight * textureLoad(factored_residual, at, light, level).rg;
     }
     return value;
 }

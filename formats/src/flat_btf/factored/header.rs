@@ -22,9 +22,11 @@ pub const DIFFERENCE_ANGLES: usize = 8;
 /// Layers of the part `weights` for the base, before the layers of the components.
 pub const BASE_LAYERS: u32 = 2;
 
+/// Texels of the residual of shadows.
+pub(in crate::flat_btf) const RESIDUAL_FORMAT: TexelFormat = TexelFormat::Rg8Unorm;
 pub(super) const BASIS_PART: &str = "basis";
 pub(super) const TABLES_PART: &str = "tables";
-const VERSION: u32 = 4;
+const VERSION: u32 = 5;
 const KIND: &str = "a factored flat BTF";
 /// Bytes before the steps.
 const FIXED_BYTES: usize = 4 * (9 + 6 + 3 + 3 * MAX_MATERIALS as usize);
@@ -32,28 +34,6 @@ const FIXED_BYTES: usize = 4 * (9 + 6 + 3 + 3 * MAX_MATERIALS as usize);
 pub const MAX_BASE: f32 = 65_536.0;
 /// Maximum number of materials.
 pub const MAX_MATERIALS: u32 = 2;
-
-/// Storage of the factors by which texels are shadowed from lights.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-#[repr(u32)]
-pub enum ShadowFormat {
-    /// No shadows: all lights reach all texels.
-    None = 0,
-    /// 8 bits per texel and light.
-    R8 = 1,
-}
-
-impl ShadowFormat {
-    const ALL: [Self; 2] = [Self::None, Self::R8];
-
-    /// Texel format of the part `shadow`, if there is one.
-    pub fn texel_format(self) -> Option<TexelFormat> {
-        match self {
-            Self::None => None,
-            Self::R8 => Some(TexelFormat::R8Unorm),
-        }
-    }
-}
 
 /// Colour differences (ΔE of 1976) from the values before factorisation, over texels that were held out of the fit and
 /// all views and lights.
@@ -79,14 +59,14 @@ pub struct FactoredErrors {
 pub struct FactoredHeader {
     /// `T`, texels per side, 1 to 8192.
     pub size: u32,
-    /// Number of mipmap levels of shadows and weights.
+    /// Number of mipmap levels of the weights.
     pub levels: u32,
     /// `G`, number of groups of four components, 0 to [`MAX_GROUPS`]. Without groups there are no views and lights.
     pub groups: u32,
     /// Number of groups for which the basis has 16 bits; the others have 8.
     pub wide_groups: u32,
-    /// Storage of the shadows, if there are any.
-    pub shadow: ShadowFormat,
+    /// `R`, cells per side of the residual of shadows, 0 to [`FactoredHeader::size`]; 0 if there is none.
+    pub residual: u32,
     /// Polar angle, 0 to π/2, and azimuth, [0, 2π), of all views, radians.
     pub views: Vec<[f32; 2]>,
     /// Same for all lights.
@@ -148,19 +128,19 @@ impl FactoredHeader {
         Extent::D2Array([self.size, self.size, BASE_LAYERS + self.groups])
     }
 
-    /// Columns, rows and layers of the shadows.
-    pub fn shadow_extent(&self) -> Extent {
-        Extent::D2Array([self.size, self.size, self.lights.len() as u32])
+    /// Columns, rows and layers of the residual of shadows, if there is one.
+    pub fn residual_extent(&self) -> Option<Extent> {
+        (self.residual > 0).then(|| Extent::D2Array([self.residual, self.residual, self.lights.len() as u32]))
     }
 
     /// GPU memory of all parts including mipmaps, bytes.
     pub fn gpu_bytes(&self) -> u64 {
         let bytes = |texels: u64, format: TexelFormat| texels * format.texel_bytes() as u64;
-        let shadow = self.shadow.texel_format();
+        let residual = self.residual_extent().map_or(0, |extent| extent.texels_of_levels(extent.most_levels()));
         bytes(Extent::D2(self.basis_extent()).texels(), TexelFormat::Rgba32Uint)
             + bytes(self.tables_extent().texels(), TexelFormat::Rgba16Float)
             + bytes(self.weights_extent().texels_of_levels(self.levels), TexelFormat::Rgba8Unorm)
-            + shadow.map_or(0, |format| bytes(self.shadow_extent().texels_of_levels(self.levels), format))
+            + bytes(residual, RESIDUAL_FORMAT)
     }
 
     /// Checks all ranges.
@@ -194,10 +174,11 @@ impl FactoredHeader {
         }
         if self.groups > 0 {
             check_directions(&self.views, &self.lights)?;
-        } else if !(self.views.is_empty() && self.lights.is_empty() && self.shadow == ShadowFormat::None) {
+        } else if !(self.views.is_empty() && self.lights.is_empty()) {
             let found = format!("{} views and {} lights", self.views.len(), self.lights.len());
-            return Err(rejected("directions", found, "no views, lights and shadows, because there are no groups"));
+            return Err(rejected("directions", found, "no views and lights, because there are no groups"));
         }
+        checked("cells of the residual", self.residual, 0..=if self.groups > 0 { self.size } else { 0 })?;
         let [width, height] = self.basis_extent();
         if width > MAX_EXTENT_2D {
             let field = format!("size of the part {BASIS_PART}");
@@ -228,7 +209,7 @@ impl FactoredHeader {
 
     pub(in crate::flat_btf) fn entries(&self) -> BTreeMap<String, Vec<u8>> {
         let counts = [self.views.len() as u32, self.lights.len() as u32];
-        let mut words = vec![VERSION, self.size, self.levels, self.groups, self.wide_groups, self.shadow as u32];
+        let mut words = vec![VERSION, self.size, self.levels, self.groups, self.wide_groups, self.residual];
         words.extend(counts);
         words.push(self.errors.texels);
         let FactoredErrors { texels: _, seen_mean, seen_p95, seen_max, all_mean, all_p95 } = self.errors;
@@ -251,8 +232,7 @@ impl FactoredHeader {
         let (size, levels) = (cursor.u32("size")?, cursor.u32("levels")?);
         let groups = word(&mut cursor, FACTORED, "groups", 0..=MAX_GROUPS)?;
         let wide_groups = cursor.u32("wide groups")?;
-        let last = ShadowFormat::ALL.len() as u32 - 1;
-        let shadow = ShadowFormat::ALL[word(&mut cursor, FACTORED, "shadow format", 0..=last)? as usize];
+        let residual = cursor.u32("cells of the residual")?;
         let views = word(&mut cursor, FACTORED, "views", 0..=MAX_DIRECTIONS)?;
         let lights = word(&mut cursor, FACTORED, "lights", 0..=MAX_DIRECTIONS)?;
         let errors = FactoredErrors {
@@ -289,7 +269,7 @@ impl FactoredHeader {
             levels,
             groups,
             wide_groups,
-            shadow,
+            residual,
             views,
             lights,
             chroma,

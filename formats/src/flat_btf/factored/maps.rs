@@ -1,7 +1,7 @@
-//! The parts `weights` and `shadow`: values of the base and component weights of each texel, and the fraction of each
-//! light that reaches it. Both have mipmaps.
+//! The parts `weights` and `residual`: values of the base and component weights of each texel, and what rays of light do
+//! not say of the light at each place. Both have mipmaps.
 
-use super::header::{BASE_LAYERS, GROUP, MAX_GROUPS};
+use super::header::{BASE_LAYERS, GROUP, MAX_GROUPS, RESIDUAL_FORMAT};
 use crate::FormatError;
 use crate::container::entries::{entry, sized};
 use crate::container::{Extent, MAX_EXTENT_2D, MAX_LAYERS, TexelFormat, Texture};
@@ -10,8 +10,8 @@ use crate::flat_btf::layout::{word, wrong_extent};
 
 /// Key that identifies the weights of a factored flat BTF.
 const WEIGHTS: &str = "brdfc.flat-btf.weights";
-/// Key that identifies the shadows of a factored flat BTF.
-const SHADOW: &str = "brdfc.flat-btf.shadow";
+/// Key that identifies the residual of shadows of a factored flat BTF.
+const RESIDUAL: &str = "brdfc.flat-btf.residual";
 const VERSION: u32 = 1;
 
 /// Layers of bytes with mipmaps.
@@ -192,27 +192,32 @@ impl WeightMap {
     }
 }
 
-/// Fraction of each light that reaches a texel, averaged over views: a factor of linear RGB, one layer per light.
+/// The residual of shadows. Rays of light determine whether a light reaches a point. These are the share of the value that
+/// the point has if it does, and the share of its diffuse albedo that it has otherwise: 1 and 0, if there were only direct
+/// light and the relief were exact. In cells, which may be much larger than texels, with a layer per light.
+///
+/// Cells have two bytes, the share of lit points and that of shaded ones: byte b is `(b / 180)²`.
 #[derive(Debug, Clone, PartialEq, Eq)]
-pub struct ShadowMap {
+pub struct ResidualMap {
     layers: Layers,
 }
 
-impl ShadowMap {
-    const PART: &'static str = "shadow";
+impl ResidualMap {
+    const PART: &'static str = "residual";
 
-    /// Creates shadows from bytes, 0 for shadow and 255 for lit: all mipmap levels from the finest, light by light, row
-    /// by row.
+    /// Creates a residual of `size` cells per side from bytes, two per cell: all mipmap levels down to one cell from the
+    /// finest, light by light, row by row.
     ///
     /// # Errors
     /// Returns an error if sizes are out of range or the number of bytes is wrong.
-    pub fn new(size: u32, levels: u32, lights: u32, texels: Vec<u8>) -> Result<Self, FormatError> {
-        let (part, format, layers) = (Self::PART, TexelFormat::R8Unorm, lights);
+    pub fn new(size: u32, lights: u32, texels: Vec<u8>) -> Result<Self, FormatError> {
+        let levels = Extent::D2([size; 2]).most_levels();
+        let (part, format, layers) = (Self::PART, RESIDUAL_FORMAT, lights);
         let layers = Layers { part, format, size, layers, levels, texels }.check(MAX_LAYERS)?;
         Ok(Self { layers })
     }
 
-    /// `T`, texels per side.
+    /// `R`, cells per side.
     pub fn size(&self) -> u32 {
         self.layers.size
     }
@@ -232,7 +237,7 @@ impl ShadowMap {
         &self.layers.texels
     }
 
-    /// Texels of a light, one byte each, row by row.
+    /// Cells of a light, two bytes each, row by row.
     ///
     /// # Panics
     /// Panics if there is no such level or light.
@@ -240,15 +245,33 @@ impl ShadowMap {
         self.layers.layer(level, light)
     }
 
+    /// The byte of a share of the light.
+    pub fn byte_of(share: f32) -> u8 {
+        (180.0 * share.max(0.0).sqrt()).round().min(255.0) as u8
+    }
+
+    /// Share of the light of a filtered number, 0 to 1.
+    pub fn share(root: f32) -> f32 {
+        let root = root * (255.0 / 180.0);
+        root * root
+    }
+
     /// Key and value of the version.
     pub(in crate::flat_btf) fn entry(&self) -> (String, Vec<u8>) {
-        (SHADOW.to_owned(), VERSION.to_le_bytes().to_vec())
+        (RESIDUAL.to_owned(), VERSION.to_le_bytes().to_vec())
     }
 
     /// Reads and validates the image of a file with its version.
     pub(in crate::flat_btf) fn from_texture(texture: Texture) -> Result<Self, FormatError> {
-        let bytes = sized(entry(&texture, SHADOW, "the shadows of a factored flat BTF")?, SHADOW, 4)?;
-        word(&mut Cursor::new(bytes), SHADOW, "version", VERSION..=VERSION)?;
-        Ok(Self { layers: Layers::from_texture(texture, Self::PART, TexelFormat::R8Unorm, MAX_LAYERS)? })
+        let bytes = sized(entry(&texture, RESIDUAL, "the residual of a factored flat BTF")?, RESIDUAL, 4)?;
+        word(&mut Cursor::new(bytes), RESIDUAL, "version", VERSION..=VERSION)?;
+        let Layers { size, layers, levels, texels, .. } =
+            Layers::from_texture(texture, Self::PART, RESIDUAL_FORMAT, MAX_LAYERS)?;
+        let expected = Extent::D2([size; 2]).most_levels();
+        if levels != expected {
+            let allowed = format!("{expected}, down to one cell");
+            return Err(FormatError::whole(format!("levels of the part {}", Self::PART), levels.to_string(), allowed));
+        }
+        Self::new(size, layers, texels)
     }
 }

@@ -1,9 +1,10 @@
 //! Flat BTFs as a product of small textures, a few hundredths of the size of all views. Byte layout: `spec.md` in this
 //! folder.
 //!
-//! A value is a shadow, which depends on texel and light, times the colour of a base plus a sum. The base is a diffuse
-//! and a glossy reflection under the texel's normal. The sum combines weights of the texel with components of the view
-//! and the light, in cube roots of tristimulus values. Shadows are in linear light. Both can be filtered.
+//! A value is the colour of a base plus a sum, where light arrives. The base is a diffuse and a glossy reflection under
+//! the texel's normal. The sum combines weights of the texel with components of the view and the light, in cube roots of
+//! tristimulus values. Rays through the layers determine where light arrives; where values are not those of direct light
+//! alone, a coarse residual corrects them.
 
 mod base;
 mod basis;
@@ -20,8 +21,9 @@ pub use base::{
 pub use basis::BasisMap;
 pub use decode::{FactoredFlatBtf, FactoredTexel};
 pub use domain::{ChromaRange, cube_root, from_opponent, to_opponent};
+pub(super) use header::RESIDUAL_FORMAT;
 pub use header::{
     BASE_LAYERS, DIFFERENCE_ANGLES, FactoredErrors, FactoredHeader, GROUP, HALF_ANGLES, MAX_BASE, MAX_GROUPS,
-    MAX_MATERIALS, ShadowFormat,
+    MAX_MATERIALS,
 };
-pub use maps::{ShadowMap, WeightMap, WeightRange};
+pub use maps::{ResidualMap, WeightMap, WeightRange};

@@ -2,6 +2,7 @@
 
 use super::decode::FactoredFlatBtf;
 use super::header::{BASE_LAYERS, GROUP, MAX_GROUPS, MAX_MATERIALS};
+use super::maps::ResidualMap;
 
 /// WGSL decoder, to be appended to [`crate::flat_btf::shader::FLAT_BTF_WGSL`]. It declares a uniform block, four
 /// textures and a sampler in bind group 1; see the file.
@@ -22,10 +23,11 @@ impl FactoredParameters {
     /// The block of an asset as the shader reads it: little-endian fields in order, padded with zeros.
     pub fn to_bytes(asset: &FactoredFlatBtf) -> Vec<u8> {
         let header = asset.header();
-        let shadowed = u32::from(asset.shadow().is_some());
         let chroma = header.chroma.word();
-        let mut words = vec![header.size, header.levels, header.groups, header.wide_groups, shadowed, chroma];
-        words.extend([asset.lowest_light().to_bits(), header.materials, header.axes, header.table_levels, 0, 0]);
+        let mut words = vec![header.size, header.levels, header.groups, header.wide_groups, header.residual, chroma];
+        words.extend([asset.lowest_light().to_bits(), header.materials, header.axes, header.table_levels]);
+        let levels = asset.residual().map_or(0, ResidualMap::levels);
+        words.extend([asset.residual_octaves().to_bits(), levels]);
         let mut numbers = |numbers: Vec<f32>, layers: u32| {
             let first = words.len();
             words.extend(numbers.into_iter().map(f32::to_bits));

@@ -38,6 +38,9 @@ use pass::Pass;
 use probing::{from_images, from_surface};
 use scratch::ScratchViews;
 
+/// Blur of texels that are looked up in images of about as many pixels: [`FactoredRecipe::blur`].
+const IMAGE_BLUR: f32 = 0.1;
+
 /// Input of the encoder. `E` is the error type of the images.
 pub struct FlatInput<'a, E> {
     /// One tile of the surface, welded and periodic.
@@ -69,7 +72,8 @@ pub struct FlatBtfEncoded {
 /// Encodes a surface as a flat BTF. `E` is the error type of the images and of the scratch storage, which takes 4 bytes
 /// for each texel, view and light of a factored reflectance.
 ///
-/// Shadows of known materials are left to rays of light. Images contain their shadows, and so does light of one bounce.
+/// Shadows are left to rays of light. Where values contain them, in images and with light of one bounce, the factors come with
+/// a residual.
 ///
 /// The flat BTF does not depend on the number of threads, which only determines how many views are in memory at once:
 /// [`FlattenRecipe::bytes`].
@@ -90,7 +94,7 @@ pub fn encode<E: Send>(
     let model = MesoModel::new(input.mesh, FlattenRecipe::ROUNDS, progress)?;
     progress.stage(Stage::Layers, 2)?;
     let coordinates = &model.parameterisation.coordinates;
-    let (layers, of_layers) = layers(&model.mesh, coordinates, recipe.texels, known_materials)?;
+    let (layers, of_layers) = layers(&model.mesh, coordinates, recipe.texels)?;
     progress.step()?;
     let shares = |point: &SurfacePoint| match &input.values {
         ValueSource::Computed(appearance) => appearance.shares(point),
@@ -173,7 +177,7 @@ struct Work<'a> {
     recipe: &'a FlattenRecipe,
     model: &'a MesoModel,
     surface: &'a TexelSurface,
-    /// True if materials are known and light is direct. Rays of light then determine shadows, and values have none.
+    /// True if materials are known and light is direct: values then have no shadows.
     known_materials: bool,
 }
 
@@ -254,14 +258,14 @@ impl Work<'_> {
         let masks = seen_from(&views, Stage::Visibility)?;
         let scratched = ScratchViews::new(recipe.header(0));
         let pass = Pass { recipe, texels: &texels, views: &views, lights: &lights, masks: &masks };
+        let lit = if self.known_materials {
+            let faces = |light: &Vector| texels.points.iter().map(|p| dot(p.normal, *light) > 0.0).collect();
+            lights.iter().map(faces).collect()
+        } else {
+            seen_from(&lights, Stage::Shadows)?
+        };
         match values {
             ValueSource::Computed(appearance) => {
-                let lit = if self.known_materials {
-                    let faces = |light: &Vector| texels.points.iter().map(|p| dot(p.normal, *light) > 0.0).collect();
-                    lights.iter().map(faces).collect()
-                } else {
-                    seen_from(&lights, Stage::Shadows)?
-                };
                 let mut field = ComputedField::new(&texels, appearance, &views, &lights, &lit);
                 if recipe.bounces > 0 {
                     progress.stage(Stage::Bounces, Bounces::steps(texels.points.len()))?;
@@ -277,13 +281,15 @@ impl Work<'_> {
             }
         }
         let mask = visibility_mask(recipe.flat_texels as u32, &masks)?;
+        let lit = if self.known_materials { None } else { Some(visibility_mask(recipe.flat_texels as u32, &lit)?) };
         let count = masks.iter().flatten().filter(|seen| **seen).count() as f64;
         let share = count / (views.len() * texels.points.len()) as f64;
         let never = (0..texels.points.len()).filter(|texel| !masks.iter().any(|mask| mask[*texel])).count();
         drop((masks, texels));
         let view = |view| scratched.read(view, scratch);
-        let target = FactoredRecipe { shadowed: !self.known_materials, ..FactoredRecipe::new(recipe.target) };
-        let made = factor(&target, &self.surface.normals, &mask, view, progress)?;
+        let blur = if matches!(values, ValueSource::Measured(_)) { IMAGE_BLUR } else { 0.0 };
+        let target = FactoredRecipe { blur, ..FactoredRecipe::new(recipe.target) };
+        let made = factor(&target, &self.surface.normals, &mask, lit.as_ref(), view, progress)?;
         Ok((made, SeenTexels { share, never }))
     }
 }

@@ -17,7 +17,7 @@ fn recipe() -> FlattenRecipe {
         fill: FillMethod::Poisson,
         bounces: 0,
         reflectance: Reflectance::Factors,
-        target: FactoredTarget::Components { components: 4, shadowed: false },
+        target: FactoredTarget::Components { components: 4, residual: 0 },
     }
 }
 
@@ -71,13 +71,12 @@ fn factors_are_fitted_to_the_stored_views() {
     let mask = visibility_mask(recipe.flat_texels as u32, &masks).unwrap();
     let coordinates = &found.model.parameterisation.coordinates;
     let surface = texel_surface(&found.model.mesh, coordinates, recipe.flat_texels, |_| Default::default());
-    let target = FactoredRecipe { shadowed: false, ..FactoredRecipe::new(recipe.target) };
-    let expected = factor(&target, &surface.normals, &mask, view, &()).unwrap();
+    let expected = factor(&FactoredRecipe::new(recipe.target), &surface.normals, &mask, None, view, &()).unwrap();
     assert!(found.decoder.parts().reflectance == expected.asset);
     assert_eq!(found.report.factored, expected.facts);
 }
 
-/// Known materials need no views: nothing is written to scratch storage, and shadows are left to rays.
+/// Known materials need no views: nothing is written to scratch storage.
 #[test]
 fn known_materials_write_no_scratch() {
     let (known, scratch) = whole(&FlattenRecipe { reflectance: Reflectance::Brdf, ..recipe() });
@@ -86,7 +85,6 @@ fn known_materials_write_no_scratch() {
     assert_eq!((header.groups, header.materials, header.views.len()), (0, 1, 0));
     assert!(known.report.seen.is_none() && factors.report.seen.is_some());
     assert_eq!(known.decoder.parts().layers, factors.decoder.parts().layers);
-    assert!(known.decoder.parts().layers.header().casts_shadows);
     assert!((0..5).all(|view| scratch.read_scratch(view).is_ok_and(|values| values.is_empty())));
 }
 

@@ -2,14 +2,13 @@
 
 use super::base::StoredBase;
 use super::basis::Basis;
-use super::local::Texels;
 use super::mipmaps::with_mipmaps;
 use super::quantise::{integer, rounded, steps, weight_byte, weight_ranges, wide_groups};
 use brdfc_formats::FormatError;
 use brdfc_formats::container::Extent;
 use brdfc_formats::flat_btf::factored::{
     BaseTable, BasisMap, ChromaRange, FactoredErrors, FactoredFlatBtf, FactoredHeader, GROUP, MAX_MATERIALS,
-    ShadowFormat, ShadowMap, WeightMap,
+    ResidualMap, WeightMap,
 };
 use brdfc_formats::flat_btf::{FlatHeader, VisibilityMask};
 
@@ -18,8 +17,8 @@ use brdfc_formats::flat_btf::{FlatHeader, VisibilityMask};
 pub(super) struct Shape {
     /// Groups of four components.
     pub(super) groups: u32,
-    /// True if each texel and light has a factor of its own.
-    pub(super) shadowed: bool,
+    /// Cells per side of the residual of shadows, 0 without one.
+    pub(super) residual: u32,
 }
 
 /// Header of an asset of `size` texels per side, with all mipmap levels.
@@ -29,7 +28,7 @@ pub(super) fn header(shape: Shape, size: u32, directions: &FlatHeader, chroma: C
         levels: Extent::D2([size; 2]).most_levels(),
         groups: shape.groups,
         wide_groups: wide_groups(shape.groups),
-        shadow: if shape.shadowed { ShadowFormat::R8 } else { ShadowFormat::None },
+        residual: shape.residual,
         views: directions.views.clone(),
         lights: directions.lights.clone(),
         chroma,
@@ -63,19 +62,21 @@ pub(super) fn counts(mask: &VisibilityMask) -> Vec<f32> {
     (0..size * size).map(|at| MIN_COUNT.max(seen(at) as f32 / views as f32)).collect()
 }
 
-/// Assembles an asset from the solved texels and their bases, row by row; mipmaps weight texels by [`counts`].
+/// Assembles an asset from the weights of texels, `texels x K`, and their bases, row by row; mipmaps weight texels by
+/// [`counts`].
 pub(super) fn asset(
     basis: BasisMap,
     base: &StoredBase,
-    texels: &Texels,
+    weights: &[f32],
     counts: &[f32],
+    residual: Option<ResidualMap>,
 ) -> Result<FactoredFlatBtf, FormatError> {
     let header = basis.header();
     let (size, levels, k) = (header.size as usize, header.levels, header.components());
-    let (lights, count) = (header.lights.len(), size * size);
-    let ranges = if k == 0 { Vec::new() } else { weight_ranges(&texels.weights, k) };
+    let count = size * size;
+    let ranges = if k == 0 { Vec::new() } else { weight_ranges(weights, k) };
     let mut bytes = vec![0; count * k];
-    for (texel, weights) in texels.weights.chunks_exact(k.max(1)).enumerate() {
+    for (texel, weights) in weights.chunks_exact(k.max(1)).enumerate() {
         for (component, weight) in weights.iter().enumerate() {
             let at = (component / GROUP * count + texel) * GROUP + component % GROUP;
             bytes[at] = weight_byte(*weight, ranges[component]);
@@ -96,13 +97,5 @@ pub(super) fn asset(
         (of_base, of_components) = (of_base + length, of_components + length * k / GROUP);
     }
     let weights = WeightMap::new(header.size, levels, [base.ranges(), ranges].concat(), all)?;
-    let shadow = match header.shadow {
-        ShadowFormat::None => None,
-        ShadowFormat::R8 => {
-            let by_lights = (0..lights * count).map(|at| texels.shadows[at % count * lights + at / count]);
-            let bytes = with_mipmaps(&by_lights.collect::<Vec<u8>>(), counts, 1, levels);
-            Some(ShadowMap::new(header.size, levels, lights as u32, bytes)?)
-        }
-    };
-    FactoredFlatBtf::new(basis, weights, shadow)
+    FactoredFlatBtf::new(basis, weights, residual)
 }

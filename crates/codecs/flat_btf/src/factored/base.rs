@@ -1,9 +1,9 @@
 //! The base: a table of gloss for the whole surface and, for each texel, a diffuse and a glossy albedo under its
 //! normal. It is fitted to seen and lit values; shadows and components account for the rest.
 
-use super::lit::threshold;
 use super::masks::Masks;
 use super::quantise::{weight_byte, weight_ranges};
+use super::residual::Products;
 use super::words::ViewWords;
 use brdfc_formats::container::rgb9e5;
 use brdfc_formats::flat_btf::factored::{
@@ -19,6 +19,8 @@ const STRIP: usize = 128;
 const UNSEEN: f32 = 1e-3;
 /// Cosines below which a pair is ignored: errors of normals are largest there.
 pub(super) const MIN_COSINE: f32 = 0.1;
+/// Share of a texel's brightest mean over the views above which a light counts as reaching it.
+const LIT_SHARE: f32 = 0.05;
 /// Maximum gloss of a texel, relative to the table.
 const MAX_GLOSS: f32 = 2.0;
 
@@ -47,23 +49,32 @@ pub(super) fn perceptual_weight([r, g, b]: [f32; 3]) -> f32 {
     1.0 / (root * root * root * root)
 }
 
+/// Cube root of the mean channel.
+#[inline]
+fn mean_root([r, g, b]: [f32; 3]) -> f32 {
+    cube_root((r + g + b) * (1.0 / 3.0))
+}
+
+/// Returns true if a light reaches a texel, the second and first argument, as the surface says.
+pub(super) type Reaches<'a> = dyn Fn(usize, usize) -> bool + Sync + 'a;
+
 /// Diffuse albedo (three), gloss.
 pub(super) type Albedo = [f32; 4];
 
 /// Sums over views for solving albedos, for each texel and light: with weight w, value x, cosine c, and gloss g of the
-/// table in red, green, blue, they are `w c²`, `w c g` (three), `w g·g`, `w c x` (three), `w g·x`, and the cube root of
-/// the green value.
+/// table in red, green, blue, they are `w c²`, `w c g` (three), `w g·g`, `w c x` (three), `w g·x`, and, for all angles,
+/// the cube root of the mean channel and 1, without w.
 #[derive(Debug, Clone)]
 pub(super) struct AlbedoSums {
     lights: usize,
-    numbers: Vec<[f32; 10]>,
+    numbers: Vec<[f32; 11]>,
 }
 
 impl AlbedoSums {
-    pub(super) const BYTES: usize = 40;
+    pub(super) const BYTES: usize = 44;
 
     pub(super) fn new(texels: usize, lights: usize) -> Self {
-        Self { lights, numbers: vec![[0.0; 10]; texels * lights] }
+        Self { lights, numbers: vec![[0.0; 11]; texels * lights] }
     }
 
     /// Adds some views of texels with these normals.
@@ -87,7 +98,8 @@ impl AlbedoSums {
                         let sums = &mut numbers[texel * lights + light];
                         let normal = normals[first + texel];
                         let seen = if masks.is_seen(first + texel, view.view) { 1.0 } else { UNSEEN };
-                        sums[9] += seen * cube_root(x[1]);
+                        sums[9] += seen * mean_root(x);
+                        sums[10] += seen;
                         let Some(angles) = BaseAngles::new(table.axis(), normal, outgoing, *incoming) else { continue };
                         if angles.cosine < MIN_COSINE || angles.outgoing < MIN_COSINE {
                             continue;
@@ -107,19 +119,38 @@ impl AlbedoSums {
         });
     }
 
-    /// For each texel and light, true if the light reaches the texel: `texels x L`.
-    pub(super) fn lit(&self) -> Vec<bool> {
-        let of_texel = |numbers: &[[f32; 10]]| -> Vec<bool> {
-            let mut sums: Vec<f32> = numbers.iter().map(|sums| sums[9]).collect();
-            threshold(&mut sums);
-            sums.into_iter().map(|lit| lit > 0.5).collect()
+    /// For each texel and light, true if the light reaches the texel: `texels x L`. The surface says so, `reaches`, and the
+    /// values do; only the values where the surface lets no bright light reach a texel.
+    pub(super) fn lit(&self, reaches: &Reaches<'_>) -> Vec<bool> {
+        let of_texel = |(texel, numbers): (usize, &[[f32; 11]])| -> Vec<bool> {
+            let least = LIT_SHARE * numbers.iter().map(|sums| sums[9]).fold(0.0, f32::max);
+            let bright: Vec<bool> = numbers.iter().map(|sums| sums[9] > least).collect();
+            let any = (0..bright.len()).any(|light| bright[light] && reaches(texel, light));
+            (0..bright.len()).map(|light| bright[light] && (!any || reaches(texel, light))).collect()
         };
-        self.numbers.par_chunks(self.lights).flat_map_iter(of_texel).collect()
+        self.numbers.par_chunks(self.lights).enumerate().flat_map_iter(of_texel).collect()
+    }
+
+    /// For each texel and light, the products of values with the base, and of cube roots of values with those of the diffuse
+    /// albedo: `texels x L`.
+    pub(super) fn products(&self, albedos: &[Albedo]) -> Vec<Products> {
+        let of_texel = |(numbers, [r, g, b, gloss]): (&[[f32; 11]], &Albedo)| {
+            let of_light = |[cosines, cg0, cg1, cg2, gg, cx0, cx1, cx2, gx, roots, all]: &[f32; 11]| {
+                let (square, mixed) = (r * r + g * g + b * b, r * cg0 + g * cg1 + b * cg2);
+                let root = mean_root([*r, *g, *b]);
+                [
+                    [r * cx0 + g * cx1 + b * cx2 + gloss * gx, square * cosines + gloss * (2.0 * mixed + gloss * gg)],
+                    [root * roots, root * root * all],
+                ]
+            };
+            numbers.iter().map(of_light).collect::<Vec<_>>()
+        };
+        self.numbers.par_chunks(self.lights).zip(albedos).flat_map_iter(of_texel).collect()
     }
 
     /// Least squares albedos over the lights that reach each texel.
-    pub(super) fn solve(&self) -> Vec<Albedo> {
-        let lit = self.lit();
+    pub(super) fn solve(&self, reaches: &Reaches<'_>) -> Vec<Albedo> {
+        let lit = self.lit(reaches);
         let texels = self.numbers.par_chunks(self.lights).zip(lit.par_chunks(self.lights));
         texels
             .map(|(numbers, lit)| {
@@ -203,6 +234,13 @@ impl StoredBase {
     /// Numbers of the second layer.
     pub(super) fn slopes(&self) -> &[[u16; 2]] {
         &self.slopes
+    }
+
+    /// A value of a texel less the share `shaded` of its diffuse albedo, 0 or more.
+    #[inline]
+    pub(super) fn without(&self, texel: usize, shaded: f32, value: [f32; 3]) -> [f32; 3] {
+        let diffuse = self.texels[texel].diffuse;
+        [0, 1, 2].map(|c: usize| (value[c] - shaded * diffuse[c]).max(0.0))
     }
 
     /// Lightness and opponent colours of a texel in a view under an unshadowed light.

@@ -5,9 +5,10 @@ use super::assemble::{self, Shape};
 use super::base::{Rays, StoredBase};
 use super::local::solve_texels;
 use super::measure::errors;
+use super::residual::Shares;
 use super::rounded::Rounded;
 use super::sample::{Sample, Values};
-use super::train::{Fit, first_shadows};
+use super::train::Fit;
 use super::words::ViewWords;
 use brdfc_formats::FormatError;
 use brdfc_formats::flat_btf::FlatHeader;
@@ -29,47 +30,45 @@ pub(super) struct Candidate {
 }
 
 impl Candidate {
-    /// Fits a candidate to texels.
-    pub(super) fn new(values: &Values, shape: Shape) -> Self {
-        let mut shadows = first_shadows(values, shape.shadowed);
-        let mut fit = Fit::guess(values, &shadows, shape.groups as usize * GROUP);
-        (0..FIRST_ROUNDS).for_each(|_| fit.improve(values, &mut shadows, shape.shadowed));
+    /// Fits a candidate to texels with these factors of cube roots, `texels x L`.
+    pub(super) fn new(values: &Values, shadows: &[f32], shape: Shape) -> Self {
+        let mut fit = Fit::guess(values, shadows, shape.groups as usize * GROUP);
+        (0..FIRST_ROUNDS).for_each(|_| fit.improve(values, shadows));
         Self { shape, fit }
     }
 
     /// Continues the fit with other texels.
-    pub(super) fn refine(&mut self, values: &Values) {
-        let mut shadows = first_shadows(values, self.shape.shadowed);
-        (0..MORE_ROUNDS).for_each(|_| self.fit.improve(values, &mut shadows, self.shape.shadowed));
+    pub(super) fn refine(&mut self, values: &Values, shadows: &[f32]) {
+        (0..MORE_ROUNDS).for_each(|_| self.fit.improve(values, shadows));
     }
 
-    /// Keeps the leading components: near-optimal where there are no shadows.
+    /// Keeps the leading components, which is near-optimal.
     pub(super) fn truncated(&self, groups: u32) -> Self {
         let (all, k) = (self.fit.basis.components, groups as usize * GROUP);
         let weights = self.fit.weights.chunks_exact(all).flat_map(|row| row[..k].iter().copied()).collect();
         Self { shape: Shape { groups, ..self.shape }, fit: Fit { basis: self.fit.basis.truncated(k), weights } }
     }
 
-    /// Quantised basis and products for solving texels.
+    /// Quantised basis and products for solving the texels of an asset of a size, with a residual of some cells.
     pub(super) fn rounded(
         &self,
-        size: u32,
+        (size, residual): (u32, u32),
         directions: &FlatHeader,
         base: &StoredBase,
         chroma: ChromaRange,
     ) -> Result<Rounded, FormatError> {
-        let header = assemble::header(self.shape, size, directions, chroma);
+        let header = assemble::header(Shape { residual, ..self.shape }, size, directions, chroma);
         let (map, basis) = assemble::basis(header, &base.table, &self.fit.basis)?;
         let squares = basis.squares();
-        Ok(Rounded { map, basis, squares, prior: self.fit.prior(NOISE_VARIANCE), shadowed: self.shape.shadowed })
+        Ok(Rounded { map, basis, squares, prior: self.fit.prior(NOISE_VARIANCE) })
     }
 
-    /// Errors at texels outside the fit; `base` is the base of these texels.
+    /// Errors at texels outside the fit; `base` is the base of these texels, `shares` are theirs.
     pub(super) fn errors(
         &self,
         held_out: &Sample,
         directions: &FlatHeader,
-        base: &StoredBase,
+        (base, shares): (&StoredBase, &Shares),
         chroma: ChromaRange,
     ) -> Result<FactoredErrors, FormatError> {
         let size = held_out.texels.len().isqrt();
@@ -77,7 +76,8 @@ impl Candidate {
         if count == 0 {
             return Ok(FactoredErrors::default());
         }
-        let rounded = self.rounded(size as u32, directions, base, chroma)?;
+        // Held-out texels form an arbitrary square, where cells and mipmaps are not used.
+        let rounded = self.rounded((size as u32, 0), directions, base, chroma)?;
         let base = base.of(&(0..count).collect::<Vec<_>>());
         let rays = Rays::new(directions);
         let mut sums = Sums::new(count, &rounded.basis);
@@ -89,13 +89,16 @@ impl Candidate {
                 first: 0,
                 stride: held_out.texels.len(),
             };
-            sums.add(&rounded.basis, (&base, &rays), &held_out.masks, &views.iter().map(words).collect::<Vec<_>>());
+            sums.add(
+                &rounded.basis,
+                (&base, &rays, shares),
+                &held_out.masks,
+                &views.iter().map(words).collect::<Vec<_>>(),
+            );
         }
         let masks = held_out.masks.first(count);
-        let texels = solve_texels(&sums, &masks, &rounded);
-        // Held-out texels form an arbitrary square, whose mipmaps are not used.
-        let counts = vec![1.0; count];
-        let asset = assemble::asset(rounded.map, &base, &texels, &counts)?;
-        Ok(errors(&asset, held_out, count, |k| [(k % size) as u32, (k / size) as u32]))
+        let weights = solve_texels(&sums, &masks, &shares.shadows[..count * rounded.basis.lights], &rounded);
+        let asset = assemble::asset(rounded.map, &base, &weights, &vec![1.0; count], None)?;
+        Ok(errors(&asset, held_out, count, |k| [(k % size) as u32, (k / size) as u32], shares))
     }
 }

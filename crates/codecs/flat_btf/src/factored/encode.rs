@@ -7,11 +7,12 @@ use super::candidate::VIEWS_AT_ONCE;
 use super::choose::Trials;
 use super::chroma::Chroma;
 use super::gloss::fit_table;
-use super::local::{Texels, solve_texels};
+use super::local::solve_texels;
 use super::masks::Masks;
 use super::measure::errors;
 use super::recipe::FactoredRecipe;
 use super::report::{FactorError, Factored, FactoredFacts};
+use super::residual::{Arrival, Shares};
 use super::rounded::Rounded;
 use super::sample::{Sample, choose};
 use super::words::ViewWords;
@@ -28,15 +29,16 @@ const HELD_OUT: usize = 484;
 /// Maximum bytes of views in memory at once, but at least one view.
 const VIEW_BYTES: usize = 256 << 20;
 
-/// Factors a flat BTF. `view` returns views in order, in one initial pass and one pass per slab of both kinds.
+/// Factors a flat BTF. `lit` are the texels that each light reaches, if values depend on it; `view` returns views in order,
+/// in an initial pass, one per slab, and a last one.
 ///
 /// With V views, L lights, T² texels, K components, N texels of the fit, n texels of a slab, p threads it takes about
 /// these bytes:
 ///
 /// - `24 V L N` values of the fit, at most [`FactoredRecipe::training_bytes`], and `4 V L (N + 484)` words of the first pass;
 /// - `4 V L K (K + 1)` products of the basis, two tables of them;
-/// - `40 n L` sums of albedos, then `4 n L (2 K + 3)` sums of a slab, at most [`FactoredRecipe::slab_bytes`], and
-///   `4 T² (K + L)` results;
+/// - `44 n L` sums of albedos of a slab, at most [`FactoredRecipe::slab_bytes`], then `4 T² (2 K + 3 L)` sums, shadows and
+///   results;
 /// - `4 T² L` for each of the views in memory, 8 or as many as fit into 256 MiB;
 /// - `32 L K (K + 1) p` of masks, and the parts themselves.
 ///
@@ -49,6 +51,7 @@ pub fn factor<E: Send>(
     recipe: &FactoredRecipe,
     normals: &[[f32; 3]],
     mask: &VisibilityMask,
+    lit: Option<&VisibilityMask>,
     view: impl Fn(u32) -> Result<FlatView, E> + Sync,
     progress: &dyn Progress,
 ) -> Result<Factored, FactorError<E>> {
@@ -80,38 +83,41 @@ pub fn factor<E: Send>(
         }
     }
     let rays = Rays::new(&directions);
-    let base = reader.base(recipe, &fitted, normals, &directions, progress)?;
+    let mut arrival = Arrival::new(directions.size, lights, lit, recipe.blur);
+    let base = reader.base(recipe, &fitted, normals, &mut arrival, &directions, progress)?;
     let (count, of_fitted, of_held_out) = (fitted.texels.len(), base.of(&fitted.texels), base.of(&held_out.texels));
-    let trial = fitted.values(count.min(TRIAL_TEXELS), &of_fitted, &rays);
     let chroma = chroma.range();
     let trials = Trials {
-        values: &trial,
+        fitted: &fitted,
+        texels: count.min(TRIAL_TEXELS),
         held_out: &held_out,
-        base: &of_held_out,
+        bases: [&of_fitted, &of_held_out],
         directions: &directions,
         chroma,
-        shadowed: recipe.shadowed,
+        arrival: &arrival,
         progress,
     };
     let (mut candidate, tried) = trials.choose(recipe.target)?;
     progress.stage(Stage::Fit, 1)?;
-    drop(trial);
-    let values = fitted.values(count, &of_fitted, &rays);
-    drop(fitted);
-    candidate.refine(&values);
-    drop(values);
+    let residual = arrival.residual(candidate.shape.residual)?;
+    let Shares { shadows, shaded } = arrival.shares(residual.as_ref(), &fitted.texels);
+    let values = fitted.values(count, &of_fitted, &shaded, &rays);
+    candidate.refine(&values, &shadows);
+    drop((values, fitted));
     progress.step()?;
 
-    let rounded = candidate.rounded(size as u32, &directions, &base, chroma)?;
-    let texels = reader.solve(recipe, &rounded, &base, &directions, progress)?;
+    let rounded = candidate.rounded((size as u32, candidate.shape.residual), &directions, &base, chroma)?;
+    let shares = arrival.shares(residual.as_ref(), &(0..texels).collect::<Vec<_>>());
+    let weights = reader.solve(&rounded, &base, &shares, &directions, progress)?;
     progress.stage(Stage::Quantise, 1)?;
-    let asset = assemble::asset(rounded.map, &base, &texels, &assemble::counts(mask))?;
+    let shares = arrival.shares(residual.as_ref(), &held_out.texels);
+    let asset = assemble::asset(rounded.map, &base, &weights, &assemble::counts(mask), residual)?;
     let place = |k: usize| [held_out.texels[k] % size, held_out.texels[k] / size].map(|c| c as u32);
-    let errors = errors(&asset, &held_out, held_out.texels.len(), place);
+    let errors = errors(&asset, &held_out, held_out.texels.len(), place, &shares);
     let asset = asset.with_errors(errors);
     let facts = FactoredFacts {
         components: asset.header().components() as u32,
-        shadowed: asset.shadow().is_some(),
+        residual: asset.header().residual,
         gpu_bytes: asset.gpu_bytes(),
         errors,
         tried,
@@ -137,13 +143,6 @@ impl Slabs {
     /// Iterates over the slabs.
     fn each(&self) -> impl Iterator<Item = Vec<usize>> + use<'_> {
         self.firsts.iter().map(|first| (*first..self.texels.min(first + self.length)).collect())
-    }
-
-    /// Words of some views for the texels from `first` on.
-    fn words<'a>(&self, batch: std::ops::Range<usize>, views: &'a [FlatView], first: usize) -> Vec<ViewWords<'a>> {
-        let words =
-            |(view, pack): (usize, &'a FlatView)| ViewWords { view, words: pack.texels(), first, stride: self.texels };
-        batch.zip(views).map(words).collect()
     }
 }
 
@@ -193,19 +192,21 @@ impl<E: Send, F: Fn(u32) -> Result<FlatView, E> + Sync> Reader<'_, F> {
         read.into_iter().map(checked).collect()
     }
 
-    /// Fits the base of all texels: its table to some, albedos slab by slab.
+    /// Fits the base of all texels: its table to some, albedos slab by slab. Adds them to the sums of the residual.
     fn base(
         &self,
         recipe: &FactoredRecipe,
         fitted: &Sample,
         normals: &[[f32; 3]],
+        arrival: &mut Arrival,
         directions: &FlatHeader,
         progress: &dyn Progress,
     ) -> Result<StoredBase, FactorError<E>> {
         let (rays, stored) = (Rays::new(directions), stored_normals(normals));
         let of_fitted: Vec<[f32; 3]> = fitted.texels.iter().map(|at| stored[*at]).collect();
         progress.stage(Stage::Fit, 1)?;
-        let (table, _) = fit_table(Axis::Half, fitted, &of_fitted, &rays)?;
+        let reaches = |texel: usize, light: usize| arrival.reaches(fitted.texels[texel], light);
+        let (table, _) = fit_table(Axis::Half, fitted, &of_fitted, &rays, &reaches)?;
         progress.step()?;
         let mut albedos = Vec::new();
         let slabs = Slabs::new(recipe, directions, AlbedoSums::BYTES * rays.lights.len());
@@ -215,43 +216,43 @@ impl<E: Send, F: Fn(u32) -> Result<FlatView, E> + Sync> Reader<'_, F> {
             let mut sums = AlbedoSums::new(texels.len(), rays.lights.len());
             for batch in self.batches(directions) {
                 let views = self.read(batch.clone(), Some(directions))?;
-                let words = slabs.words(batch, &views, texels[0]);
+                let words = words(batch, &views, texels[0], slabs.texels);
                 sums.add(&table, &rays, &stored[texels[0]..][..texels.len()], &masks, &words);
                 words.iter().try_for_each(|_| progress.step())?;
             }
-            albedos.extend(sums.solve());
+            let solved = sums.solve(&|texel, light| arrival.reaches(texels[texel], light));
+            arrival.add(texels[0], &sums.products(&solved));
+            albedos.extend(solved);
         }
         Ok(StoredBase::new(table, &albedos, normals))
     }
 
-    /// Solves weights and shadows of all texels, slab by slab.
+    /// Solves the weights of all texels, `texels x K`, with their shares under each light.
     fn solve(
         &self,
-        recipe: &FactoredRecipe,
         rounded: &Rounded,
         base: &StoredBase,
+        shares: &Shares,
         directions: &FlatHeader,
         progress: &dyn Progress,
-    ) -> Result<Texels, FactorError<E>> {
+    ) -> Result<Vec<f32>, FactorError<E>> {
         let rays = Rays::new(directions);
-        let of_texel = 4 * rounded.basis.lights * (2 * rounded.basis.components + 3);
-        let slabs = Slabs::new(recipe, directions, of_texel);
-        let mut all = Texels { weights: Vec::new(), shadows: Vec::new() };
-        progress.stage(Stage::Views, slabs.firsts.len() * directions.views.len())?;
-        for texels in slabs.each() {
-            let base = base.of(&texels);
-            let masks = Masks::new(self.mask, &texels);
-            let mut sums = Sums::new(texels.len(), &rounded.basis);
-            for batch in self.batches(directions) {
-                let views = self.read(batch.clone(), Some(directions))?;
-                let words = slabs.words(batch, &views, texels[0]);
-                sums.add(&rounded.basis, (&base, &rays), &masks, &words);
-                words.iter().try_for_each(|_| progress.step())?;
-            }
-            let solved = solve_texels(&sums, &masks, rounded);
-            all.weights.extend(solved.weights);
-            all.shadows.extend(solved.shadows);
+        let texels: Vec<usize> = (0..(directions.size as usize).pow(2)).collect();
+        let masks = Masks::new(self.mask, &texels);
+        let mut sums = Sums::new(texels.len(), &rounded.basis);
+        progress.stage(Stage::Views, directions.views.len())?;
+        for batch in self.batches(directions) {
+            let views = self.read(batch.clone(), Some(directions))?;
+            let words = words(batch, &views, 0, texels.len());
+            sums.add(&rounded.basis, (base, &rays, shares), &masks, &words);
+            words.iter().try_for_each(|_| progress.step())?;
         }
-        Ok(all)
+        Ok(solve_texels(&sums, &masks, &shares.shadows, rounded))
     }
+}
+
+/// Words of some views for the texels from `first` on, of `texels` in all.
+fn words(batch: std::ops::Range<usize>, views: &[FlatView], first: usize, texels: usize) -> Vec<ViewWords<'_>> {
+    let words = |(view, pack)| ViewWords { view, words: FlatView::texels(pack), first, stride: texels };
+    batch.zip(views).map(words).collect()
 }

@@ -1,6 +1,6 @@
 //! Fits the table of the base to some texels by alternating least squares: the table, then the albedos of each texel.
 
-use super::base::{Albedo, AlbedoSums, MIN_COSINE, Rays, perceptual_weight};
+use super::base::{Albedo, AlbedoSums, MIN_COSINE, Rays, Reaches, perceptual_weight};
 use super::sample::Sample;
 use super::words::ViewWords;
 use brdfc_formats::FormatError;
@@ -88,7 +88,8 @@ impl Equations {
     }
 }
 
-/// Fits a table over an axis to texels with these normals. Returns it with the albedos of these texels.
+/// Fits a table over an axis to texels with these normals, which lights reach as the surface says. Returns it with the
+/// albedos of these texels.
 ///
 /// # Errors
 /// Returns an error only for invalid tables, which values of views never produce.
@@ -97,14 +98,15 @@ pub(super) fn fit_table(
     sample: &Sample,
     normals: &[[f32; 3]],
     rays: &Rays,
+    reaches: &Reaches<'_>,
 ) -> Result<(BaseTable, Vec<Albedo>), FormatError> {
     let fit = TableFit { axis, sample, normals, rays, texels: sample.texels.len().min(TEXELS) };
     let mut table = BaseTable::black().over(axis);
-    let lit = fit.sums(&table).lit();
+    let lit = fit.sums(&table).lit(reaches);
     let mut albedos = fit.first_albedos(&lit);
     for _ in 0..ROUNDS {
         table = BaseTable::new(fit.equations(&albedos, &lit).solve())?.over(axis);
-        albedos = fit.sums(&table).solve();
+        albedos = fit.sums(&table).solve(reaches);
     }
     Ok((table, albedos))
 }

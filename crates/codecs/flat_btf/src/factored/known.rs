@@ -6,7 +6,6 @@
 use super::assemble::{self, Shape};
 use super::base::{Albedo, Rays, StoredBase};
 use super::gloss::fit_table;
-use super::local::Texels;
 use super::masks::Masks;
 use super::measure::summary;
 use super::report::{Factored, FactoredFacts, FactoredTrial};
@@ -67,7 +66,7 @@ impl<'a> KnownValues<'a> {
         let words = |values: &[[f32; 3]]| values.iter().map(|value| rgb9e5::encode(*value)).collect();
         let views: Vec<Vec<u32>> = self.values.chunks_exact(lights).map(words).collect();
         let sample = Sample { texels: vec![0], masks: Masks::all(views.len(), 1), lights, views };
-        let (table, albedos) = fit_table(axis, &sample, &[UP], self.rays)?;
+        let (table, albedos) = fit_table(axis, &sample, &[UP], self.rays, &|_, _| true)?;
         let [red, green, blue, gloss] = albedos[0];
         let scaled = table.entries().iter().map(|entry| entry.map(|c| (gloss * c).min(MAX_ENTRY)));
         let table = BaseTable::new(scaled.collect())?.over(axis);
@@ -105,7 +104,7 @@ fn sampled(size: u32) -> FlatHeader {
 /// Least bytes on a GPU of known materials, at `size x size` texels.
 pub fn least_bytes(size: u32) -> u64 {
     let none = FlatHeader { views: Vec::new(), lights: Vec::new(), ..sampled(size) };
-    let header = assemble::header(Shape { groups: 0, shadowed: false }, size, &none, ChromaRange::ALL);
+    let header = assemble::header(Shape { groups: 0, residual: 0 }, size, &none, ChromaRange::ALL);
     FactoredHeader { materials: 1, table_levels: header.levels, ..header }.gpu_bytes()
 }
 
@@ -132,7 +131,7 @@ pub fn known(
     let base = StoredBase::new(BaseTable::black(), &tints, &surface.normals);
 
     let none = FlatHeader { views: Vec::new(), lights: Vec::new(), ..sampled };
-    let header = assemble::header(Shape { groups: 0, shadowed: false }, size, &none, ChromaRange::ALL);
+    let header = assemble::header(Shape { groups: 0, residual: 0 }, size, &none, ChromaRange::ALL);
     let levels = header.levels as usize;
     materials.iter_mut().for_each(|material| material.tables = vec![material.tables[0].clone(); levels]);
     let basis = BasisMap::of_materials(header, &materials)?;
@@ -151,12 +150,11 @@ pub fn known(
     let mut all: Vec<f32> = measured.par_iter().map(of_texel).collect::<Vec<_>>().concat();
     let errors = summary(measured.len(), all.clone(), &mut all);
 
-    let texels = Texels { weights: Vec::new(), shadows: Vec::new() };
     let counts: Vec<f32> = counts.iter().map(|count| count.max(assemble::MIN_COUNT)).collect();
-    let asset = assemble::asset(basis, &base, &texels, &counts)?.with_errors(errors);
+    let asset = assemble::asset(basis, &base, &[], &counts, None)?.with_errors(errors);
     let gpu_bytes = asset.gpu_bytes();
-    let trial = FactoredTrial { components: 0, shadowed: false, gpu_bytes, errors };
-    let facts = FactoredFacts { components: 0, shadowed: false, gpu_bytes, errors, tried: vec![trial] };
+    let trial = FactoredTrial { components: 0, residual: 0, gpu_bytes, errors };
+    let facts = FactoredFacts { components: 0, residual: 0, gpu_bytes, errors, tried: vec![trial] };
     Ok(Some(Factored { asset, facts }))
 }
 

@@ -1,17 +1,19 @@
 //! Errors of a factored flat BTF against the original values: decoded as in shaders, at texels outside the fit.
 
+use super::residual::Shares;
 use super::sample::Sample;
 use brdfc_formats::container::rgb9e5;
 use brdfc_formats::flat_btf::factored::{FactoredErrors, FactoredFlatBtf};
 use brdfc_metrics::lab::{distance_squared, lab};
 use rayon::prelude::*;
 
-/// Errors at the texels of a sample; the k-th of them is the texel `place(k)` of the asset.
+/// Errors at the texels of a sample with these shares; the k-th of them is the texel `place(k)` of the asset.
 pub(super) fn errors(
     asset: &FactoredFlatBtf,
     sample: &Sample,
     count: usize,
     place: impl Fn(usize) -> [u32; 2] + Sync,
+    shares: &Shares,
 ) -> FactoredErrors {
     let (views, lights) = (sample.views.len(), sample.lights);
     let of_texel = |k: usize| -> Vec<f32> {
@@ -19,7 +21,10 @@ pub(super) fn errors(
         let difference = |pair: usize| {
             let (view, light) = (pair / lights, pair % lights);
             let expected = rgb9e5::decode(sample.word(k, view, light));
-            distance_squared(lab(texel.value(view as u32, light as u32)), lab(expected)).sqrt()
+            let (lit, shaded) = (shares.shadows[k * lights + light].powi(3), shares.shaded[k * lights + light]);
+            let (value, diffuse) = (texel.value(view as u32, light as u32), texel.base().diffuse);
+            let found = [0, 1, 2].map(|c: usize| lit * value[c] + shaded * diffuse[c]);
+            distance_squared(lab(found), lab(expected)).sqrt()
         };
         (0..views * lights).map(difference).collect()
     };

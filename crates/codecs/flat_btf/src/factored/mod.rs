@@ -1,13 +1,15 @@
-//! Flat BTFs as a product, `value = S(t, l)³ rgb(o(t, v, l) + Σ_k w_k(t) b_k(v, l))` with texel t, view v, light l: shadows, a
-//! base of diffuse and glossy reflection, weights and a basis. The base is fitted first, the others by alternating least squares
-//! in the scale of `brdfc_formats::flat_btf::factored::to_opponent`. Layout:
+//! Flat BTFs as a product, `value = s(t, l)³ rgb(o(t, v, l) + Σ_k w_k(t) b_k(v, l)) + a(t, l) d(t)` with texel t, view v,
+//! light l: a base o of diffuse and glossy reflection with the diffuse albedo d, weights and a basis, where light arrives;
+//! and what is left of the albedo in shadow. The base is fitted first, then s and a to it, then weights and basis by
+//! alternating least squares in the scale of `brdfc_formats::flat_btf::factored::to_opponent`. Layout:
 //! `formats/src/flat_btf/factored/spec.md`.
 //!
 //! Stages: texels are sampled (`sample`); the base is fitted to some of them and, in a pass over the views, to every
-//! texel (`gloss`, `base`); sets of components of several sizes are fitted to some texels (`train`) and tested on
-//! others (`candidate`, `choose`); the chosen one is fitted to more texels. One more pass accumulates the sums of every
-//! texel (`accumulate`), from which each texel is solved independently (`local`). The result is rounded (`quantise`)
-//! and measured (`measure`). Where materials are known, the base is fitted to them alone (`known`).
+//! texel (`gloss`, `base`), and with it the residual of shadows (`residual`); sets of components of several sizes are
+//! fitted to some texels (`train`) and tested on others (`candidate`, `choose`); the chosen one is fitted to more texels.
+//! One more pass accumulates the sums of every texel (`accumulate`), from which each texel is solved independently
+//! (`local`). The result is rounded (`quantise`) and measured (`measure`). Where materials are known, the base is fitted
+//! to them alone (`known`).
 
 mod accumulate;
 mod assemble;
@@ -19,7 +21,6 @@ mod chroma;
 mod encode;
 mod gloss;
 mod known;
-mod lit;
 mod local;
 mod masks;
 mod matrix;
@@ -28,6 +29,7 @@ mod mipmaps;
 mod quantise;
 mod recipe;
 mod report;
+mod residual;
 mod rounded;
 mod sample;
 #[cfg(test)]

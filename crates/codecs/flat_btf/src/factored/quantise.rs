@@ -1,4 +1,4 @@
-//! Quantisation of the basis to integers, and of shadows and weights to bytes.
+//! Quantisation of the basis to integers, and of weights to bytes.
 
 use super::basis::Basis;
 use brdfc_formats::flat_btf::factored::{GROUP, WeightRange};
@@ -37,16 +37,6 @@ pub(super) fn rounded(basis: &Basis, steps: &[Vec<f32>; 3]) -> Basis {
         values.iter_mut().zip(steps).for_each(|(value, step)| *value = integer(*value, *step) as f32 * step);
     }
     rounded
-}
-
-/// Quantises a shadow: stores the cube of the factor of cube roots.
-pub(super) fn shadow_byte(shadow: f32) -> u8 {
-    (255.0 * shadow * shadow * shadow).round().clamp(0.0, 255.0) as u8
-}
-
-/// Factor of cube roots for a stored shadow.
-pub(super) fn shadow_of_byte(byte: u8) -> f32 {
-    (f32::from(byte) / 255.0).cbrt()
 }
 
 /// Shares of the smallest and largest weights that a range may clamp.
@@ -117,11 +107,5 @@ mod tests {
         (0..20).for_each(|k| weights[1000 * k + 1] = if k == 0 { 2.0 } else { weights[1] });
         let two = weight_ranges(&weights, 2);
         assert!(two[1].scale <= 2.0, "{two:?}");
-    }
-
-    #[test]
-    fn shadows_are_cubes() {
-        assert_eq!([0.0, 1.0, 0.5, 2.0, -1.0].map(shadow_byte), [0, 255, 32, 255, 0]);
-        assert!((0..=255).all(|byte| shadow_byte(shadow_of_byte(byte)) == byte));
     }
 }

@@ -1,6 +1,8 @@
 //! Targets of factored flat BTFs, their validation, and memory estimates.
 
 use super::assemble::{Shape, header};
+use super::base::AlbedoSums;
+use super::residual::largest;
 use brdfc_formats::FormatError;
 use brdfc_formats::flat_btf::FlatHeader;
 use brdfc_formats::flat_btf::factored::{ChromaRange, GROUP, MAX_GROUPS};
@@ -20,8 +22,9 @@ pub enum FactoredTarget {
     Components {
         /// Number of components, 1 to 64.
         components: u32,
-        /// True if each texel and light has a factor of its own.
-        shadowed: bool,
+        /// Cells per side of the residual of shadows: 0, which is none, or a power of two up to 64 and the number of
+        /// texels.
+        residual: u32,
     },
 }
 
@@ -36,9 +39,9 @@ impl FactoredTarget {
             Self::Error(most) if !(*most >= 0.0 && most.is_finite()) => {
                 Err(FormatError::whole("error of factors", most.to_string(), "0 or more"))
             }
-            Self::Error(_) => shapes(directions, false).map(drop),
+            Self::Error(_) => shapes(directions, &[0]).map(drop),
             Self::Bytes(most) => {
-                let least = shapes(directions, false)?.iter().map(|shape| gpu_bytes(*shape, directions)).min();
+                let least = shapes(directions, &[0])?.iter().map(|shape| gpu_bytes(*shape, directions)).min();
                 match least {
                     Some(least) if *most < least => {
                         let allowed = format!("{least} or more, the bytes of the smallest asset");
@@ -47,26 +50,31 @@ impl FactoredTarget {
                     _ => Ok(()),
                 }
             }
-            Self::Components { components, shadowed } => {
+            Self::Components { components, residual } => {
                 let groups = components.div_ceil(GROUP as u32);
                 if !(1..=MAX_GROUPS).contains(&groups) {
                     let allowed = format!("1 to {}", MAX_GROUPS * GROUP as u32);
                     return Err(FormatError::whole("components", components.to_string(), allowed));
                 }
-                header(Shape { groups, shadowed: *shadowed }, directions.size, directions, ChromaRange::ALL).check()
+                let most = largest(directions.size);
+                if *residual != 0 && !(residual.is_power_of_two() && *residual <= most) {
+                    let allowed = format!("0 or a power of two up to {most}");
+                    return Err(FormatError::whole("cells of the residual", residual.to_string(), allowed));
+                }
+                header(Shape { groups, residual: *residual }, directions.size, directions, ChromaRange::ALL).check()
             }
         }
     }
 }
 
-/// Shapes to try, the smallest first; at least one.
-pub(super) fn shapes(directions: &FlatHeader, shadowed: bool) -> Result<Vec<Shape>, FormatError> {
-    let shapes = GROUPS.map(|groups| Shape { groups, shadowed });
+/// Shapes with residuals of these cells to try, the smallest first; at least one.
+pub(super) fn shapes(directions: &FlatHeader, residuals: &[u32]) -> Result<Vec<Shape>, FormatError> {
+    let with = |groups: u32| residuals.iter().map(move |residual| Shape { groups, residual: *residual });
+    let mut shapes: Vec<Shape> = GROUPS.into_iter().flat_map(with).collect();
     header(shapes[0], directions.size, directions, ChromaRange::ALL).check()?;
-    Ok(shapes
-        .into_iter()
-        .filter(|shape| header(*shape, directions.size, directions, ChromaRange::ALL).check().is_ok())
-        .collect())
+    shapes.retain(|shape| header(*shape, directions.size, directions, ChromaRange::ALL).check().is_ok());
+    shapes.sort_by_key(|shape| gpu_bytes(*shape, directions));
+    Ok(shapes)
 }
 
 /// Bytes of a shape on a GPU.
@@ -83,16 +91,16 @@ pub struct FactoredRecipe {
     pub training_texels: usize,
     /// Maximum bytes of the values of the fit.
     pub training_bytes: usize,
-    /// True to try a factor of its own for each texel and light, for values that contain shadows.
-    pub shadowed: bool,
-    /// Maximum bytes of sums in memory; if all texels exceed it, the encoder makes several passes over the views.
+    /// Weight of each of two neighbours, in both directions, by which values are blurred.
+    pub blur: f32,
+    /// Maximum bytes of sums of albedos in memory; if all texels exceed it, the encoder makes several passes over the views.
     pub slab_bytes: usize,
 }
 
 impl FactoredRecipe {
     /// Default settings: 2500 texels, 384 MiB, 768 MiB.
     pub fn new(target: FactoredTarget) -> Self {
-        Self { target, shadowed: true, training_texels: 2500, training_bytes: 384 << 20, slab_bytes: 768 << 20 }
+        Self { target, blur: 0.0, training_texels: 2500, training_bytes: 384 << 20, slab_bytes: 768 << 20 }
     }
 
     /// Estimated peak memory in bytes, on one thread: see [`super::factor`].
@@ -101,8 +109,8 @@ impl FactoredRecipe {
         let texels = u64::from(directions.size).pow(2);
         let most = u64::from(GROUPS[GROUPS.len() - 1]) * GROUP as u64;
         let training = (24 * views * lights * self.training_texels as u64).min(self.training_bytes as u64);
-        let sums = (4 * texels * lights * (2 * most + 3)).min(self.slab_bytes as u64);
+        let sums = (AlbedoSums::BYTES as u64 * texels * lights).min(self.slab_bytes as u64);
         let (products, masks) = (8 * views * lights * most * (most + 1), 32 * lights * most * (most + 1));
-        training + training / 3 + sums + products + masks + 4 * texels * (most + lights) + 8 * texels * lights
+        training + training / 3 + sums + products + masks + 4 * texels * (2 * most + 3 * lights) + 8 * texels * lights
     }
 }

@@ -9,8 +9,8 @@ use brdfc_formats::flat_btf::factored::{FactoredErrors, FactoredFlatBtf};
 pub struct FactoredTrial {
     /// Number of components.
     pub components: u32,
-    /// True if each texel and light has a factor of its own.
-    pub shadowed: bool,
+    /// Cells per side of the residual of shadows, 0 without one.
+    pub residual: u32,
     /// Bytes that the asset would take on a GPU, mipmaps included.
     pub gpu_bytes: u64,
     /// Errors at held-out texels.
@@ -22,8 +22,8 @@ pub struct FactoredTrial {
 pub struct FactoredFacts {
     /// Number of components.
     pub components: u32,
-    /// True if each texel and light has a factor of its own.
-    pub shadowed: bool,
+    /// Cells per side of the residual of shadows, 0 without one.
+    pub residual: u32,
     /// Bytes of texels on a GPU, mipmaps included.
     pub gpu_bytes: u64,
     /// Errors of the asset at held-out texels.

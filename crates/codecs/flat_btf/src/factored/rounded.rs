@@ -10,5 +10,4 @@ pub(super) struct Rounded {
     pub(super) basis: Basis,
     pub(super) squares: Squares,
     pub(super) prior: Vec<f64>,
-    pub(super) shadowed: bool,
 }

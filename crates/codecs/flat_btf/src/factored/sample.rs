@@ -62,15 +62,18 @@ impl Sample {
         self.views[view][light * self.texels.len() + texel]
     }
 
-    /// The first `count` texels, as numbers for a fit. `base` is the base of the texels of this sample.
-    pub(super) fn values(&self, count: usize, base: &StoredBase, rays: &Rays) -> Values {
+    /// The first `count` texels, as numbers for a fit. `base` is the base of the texels of this sample, `shaded` the share of
+    /// their diffuse albedo in each value: `texels x L`.
+    pub(super) fn values(&self, count: usize, base: &StoredBase, shaded: &[f32], rays: &Rays) -> Values {
         let views = self.views.len();
         let [mut numbers, mut bases] = [(); 2].map(|()| vec![0.0; views * count * self.lights * 3]);
         let length = self.lights * 3;
         numbers.par_chunks_mut(length).zip(bases.par_chunks_mut(length)).enumerate().for_each(|(at, (row, bases))| {
             let (view, texel) = (at / count, at % count);
             for (light, (colour, of_base)) in row.chunks_exact_mut(3).zip(bases.chunks_exact_mut(3)).enumerate() {
-                colour.copy_from_slice(&to_opponent(rgb9e5::decode(self.word(texel, view, light))));
+                let value = rgb9e5::decode(self.word(texel, view, light));
+                let shaded = shaded[texel * self.lights + light];
+                colour.copy_from_slice(&to_opponent(base.without(texel, shaded, value)));
                 of_base.copy_from_slice(&base.opponent(texel, rays.views[view], rays.lights[light]));
             }
         });

@@ -6,7 +6,7 @@ use brdfc_formats::container::rgb9e5;
 use brdfc_formats::flat_btf::factored::{
     BaseTable, BaseTexel, DIFFERENCE_ANGLES, HALF_ANGLES, TablePlace, from_opponent,
 };
-use brdfc_formats::flat_btf::{FlatHeader, FlatView, VisibilityMask, unit_vectors};
+use brdfc_formats::flat_btf::{FlatHeader, FlatView, ViewWeights, VisibilityMask, unit_vectors};
 
 const SIZE: u32 = 16;
 const VIEWS: u32 = 9;
@@ -45,14 +45,29 @@ fn flat(size: u32) -> Vec<[f32; 3]> {
     vec![[0.0, 0.0, 1.0]; (size * size) as usize]
 }
 
+/// Factors that take rays of light into account.
 fn made(target: FactoredTarget, mask: &VisibilityMask, views: &[FlatView]) -> Factored {
     let view = |view: u32| Ok::<_, FormatError>(views[view as usize].clone());
-    factor(&FactoredRecipe::new(target), &flat(mask.size()), mask, view, &()).unwrap()
+    let lit = lights(mask.size(), views[0].header().lights.len() as u32);
+    factor(&FactoredRecipe::new(target), &flat(mask.size()), mask, Some(&lit), view, &()).unwrap()
 }
 
-/// One of two colours of light and view, blended by texel, under shadows of texel and light. No texel is dark under all
-/// lights.
-fn product(texel: u32, view: u32, light: u32, shadow: impl Fn(u32, u32) -> f32) -> [f32; 3] {
+/// The texels that each light reaches.
+fn lights(size: u32, lights: u32) -> VisibilityMask {
+    let byte = |k: u32| if reaches(k % (size * size), k / (size * size)) { 255 } else { 0 };
+    VisibilityMask::new(size, lights, (0..size * size * lights).map(byte).collect()).unwrap()
+}
+
+/// No texel is dark under all lights.
+fn reaches(texel: u32, light: u32) -> bool {
+    light == texel % LIGHTS || noise(texel + 7000, light) > 0.4
+}
+
+/// One of two colours of light and view, blended by texel, where light arrives.
+fn product(texel: u32, view: u32, light: u32) -> [f32; 3] {
+    if !reaches(texel, light) {
+        return [0.0; 3];
+    }
     let component = |k: u32| {
         let at = 100 * view + light;
         [30.0 + 40.0 * noise(at, k), 10.0 * noise(at, k + 10) - 5.0, 10.0 * noise(at, k + 20) - 5.0]
@@ -60,44 +75,57 @@ fn product(texel: u32, view: u32, light: u32, shadow: impl Fn(u32, u32) -> f32) 
     let (a, b) = (component(1), component(2));
     let [wa, wb] = [0.4 + 0.5 * noise(texel, 1), 0.5 * noise(texel, 2)];
     let sum = [0, 1, 2].map(|c| wa * a[c] + wb * b[c]);
-    from_opponent(sum).map(|c| c * shadow(texel, light))
+    from_opponent(sum)
 }
 
-/// Half of the shadows are hard, the other half soft.
-fn shadow(texel: u32, light: u32) -> f32 {
-    let number = noise(texel + 7000, light);
-    if light == texel % LIGHTS {
-        1.0
-    } else if texel.is_multiple_of(2) {
-        f32::from(u8::from(number > 0.4))
-    } else {
-        (1.3 * number - 0.3).clamp(0.0, 1.0)
-    }
-}
-
-const EIGHT: FactoredTarget = FactoredTarget::Components { components: 8, shadowed: true };
+const EIGHT: FactoredTarget = FactoredTarget::Components { components: 8, residual: 1 };
 
 #[test]
 fn products_are_recovered() {
-    let seen = mask(|_, _| true);
-    let made = made(EIGHT, &seen, &views(|t, v, l| product(t, v, l, shadow)));
+    let (seen, views) = (mask(|_, _| true), views(product));
+    let made = made(EIGHT, &seen, &views);
     let errors = made.facts.errors;
     assert!(errors.texels > 40 && errors.seen_mean < 0.6 && errors.seen_mean == errors.all_mean, "{errors:?}");
-    // With exactly as many components as needed, shadows are recovered, too: only they can explain the absence of
-    // light.
-    let four = FactoredTarget::Components { components: 4, shadowed: true };
-    let made = self::made(four, &seen, &views(|t, v, l| product(t, v, l, shadow)));
-    assert!(made.facts.errors.seen_mean < 0.6, "{:?}", made.facts.errors);
-    let map = made.asset.shadow().unwrap();
-    let [mut dark, mut lit] = [Vec::new(), Vec::new()];
-    for light in 0..LIGHTS {
-        for texel in 0..SIZE * SIZE {
-            let found = f32::from(map.layer(0, light)[texel as usize]) / 255.0;
-            if shadow(texel, light) == 0.0 { dark.push(found) } else { lit.push(found / shadow(texel, light)) }
-        }
+    // Light is direct, so that the residual has nothing to add.
+    let map = made.asset.residual().unwrap();
+    assert_eq!((map.size(), map.lights()), (1, LIGHTS));
+    let shares = (0..LIGHTS).map(|light| map.layer(0, light));
+    assert!(shares.clone().all(|cell| cell[1] == 0 && cell[0] > 120), "{:?}", shares.collect::<Vec<_>>());
+    // The negative control: without the rays, shadows are no product.
+    let view = |view: u32| Ok::<_, FormatError>(views[view as usize].clone());
+    let eight = FactoredTarget::Components { components: 8, residual: 0 };
+    let without = factor(&FactoredRecipe::new(eight), &flat(SIZE), &seen, None, view, &()).unwrap();
+    assert!(without.asset.residual().is_none() && without.facts.errors.seen_mean > 5.0, "{:?}", without.facts.errors);
+}
+
+/// Light that is reflected once reaches shadows, from one side more than from the other: cells recover it, a single one
+/// only its mean.
+#[test]
+fn light_in_shadows_is_recovered_by_cells() {
+    let share = |t: u32, l: u32| {
+        (0.15 - 0.1 * (std::f32::consts::TAU * ((t % SIZE) as f32 + 0.5) / SIZE as f32).cos()) * (1.0 - 0.05 * l as f32)
+    };
+    let albedo = |t: u32| [0.5 + 0.3 * noise(t, 70), 0.4, 0.2];
+    let cosine = |l: u32| (1.2 * l as f32 / LIGHTS as f32).cos();
+    let matte = |t: u32, _: u32, l: u32| {
+        let share = if reaches(t, l) { cosine(l) } else { share(t, l) };
+        albedo(t).map(|c| c * share)
+    };
+    let (seen, views) = (mask(|_, _| true), views(matte));
+    let with = |residual: u32| made(FactoredTarget::Components { components: 4, residual }, &seen, &views);
+    let error = |made: &Factored| made.facts.errors.seen_mean;
+    let [none, one, sixteen] = [0, 1, 16].map(with);
+    assert!(error(&none) > 8.0 && error(&one) < 0.5 * error(&none), "{} {}", error(&none), error(&one));
+    assert!(error(&sixteen) < 0.6 && error(&sixteen) < 0.3 * error(&one), "{} {}", error(&one), error(&sixteen));
+    // What the decoder makes of it, at texels of both sides.
+    for (texel, light) in [([0, 3], 2), ([8, 5], 9), ([3, 14], 0)] {
+        let at = texel[1] * SIZE + texel[0];
+        let of = sixteen.asset.texel(texel);
+        let only = ViewWeights { indices: [light; 3], weights: [1.0, 0.0, 0.0] };
+        let found = of.shadowed(of.value(4, light), only, 0.0);
+        let expected = albedo(at).map(|c| c * share(at, light));
+        assert!((0..3).all(|c| (found[c] - expected[c]).abs() < 0.02 + 0.1 * expected[c]), "{found:?} {expected:?}");
     }
-    let mean = |values: &[f32]| values.iter().sum::<f32>() / values.len() as f32;
-    assert!(mean(&dark) < 0.01 && mean(&lit) > 0.5, "{} {}", mean(&dark), mean(&lit));
 }
 
 /// A gloss narrower than the steps between directions, under a different normal at each texel and with different
@@ -118,11 +146,11 @@ fn gloss_under_known_normals_is_the_base() {
             BaseTexel { diffuse, gloss: 0.5 + 0.5 * noise(t, 64), normal: normal(t), tables: TablePlace::default() };
         table.colour(&texel, from[v as usize], to[l as usize])
     };
-    let four = FactoredTarget::Components { components: 4, shadowed: false };
+    let four = FactoredTarget::Components { components: 4, residual: 0 };
     let (seen, views) = (mask(|_, _| true), views(glossy));
     let errors = |normals: &[[f32; 3]]| {
         let view = |view: u32| Ok::<_, FormatError>(views[view as usize].clone());
-        factor(&FactoredRecipe::new(four), normals, &seen, view, &()).unwrap().facts.errors
+        factor(&FactoredRecipe::new(four), normals, &seen, None, view, &()).unwrap().facts.errors
     };
     let known = errors(&(0..SIZE * SIZE).map(normal).collect::<Vec<_>>());
     assert!(known.seen_mean < 0.3, "{known:?}");
@@ -136,22 +164,25 @@ fn gloss_under_known_normals_is_the_base() {
 fn shuffled_lights_have_no_factors() {
     let shuffled = |t: u32, v: u32, l: u32| {
         let light = (l * 5 + (97.0 * noise(t, v)) as u32) % LIGHTS;
-        product(t, v, light, shadow)
+        product(t, v, light)
     };
     let errors = made(EIGHT, &mask(|_, _| true), &views(shuffled)).facts.errors;
     assert!(errors.seen_mean > 8.0, "{errors:?}");
 }
 
-/// A flat matte surface of one colour: one component, without shadows, and no error.
+/// A flat matte surface of one colour that all lights reach: four components, one cell, and no error.
 #[test]
 fn a_flat_surface_needs_nothing() {
     let lambert = |_: u32, _: u32, l: u32| [0.8, 0.4, 0.2].map(|c: f32| c * (1.2 * l as f32 / LIGHTS as f32).cos());
-    let seen = mask(|_, _| true);
-    let made = made(FactoredTarget::Error(0.5), &seen, &views(lambert));
-    assert!(made.facts.errors.seen_max < 0.5, "{:?}", made.facts.errors);
-    assert_eq!((made.facts.components, made.facts.shadowed, made.facts.tried.len()), (4, false, 1));
-    let asset = self::made(EIGHT, &seen, &views(lambert)).asset;
-    assert!(asset.shadow().unwrap().texels().iter().all(|byte| *byte >= 253), "nothing is in shadow");
+    let (seen, views) = (mask(|_, _| true), views(lambert));
+    let all = VisibilityMask::new(SIZE, LIGHTS, vec![255; (SIZE * SIZE * LIGHTS) as usize]).unwrap();
+    let view = |view: u32| Ok::<_, FormatError>(views[view as usize].clone());
+    let target = FactoredRecipe::new(FactoredTarget::Error(0.5));
+    for (lit, residual) in [(Some(&all), 1), (None, 0)] {
+        let made = factor(&target, &flat(SIZE), &seen, lit, view, &()).unwrap();
+        assert!(made.facts.errors.seen_max < 0.5, "{:?}", made.facts.errors);
+        assert_eq!((made.facts.components, made.facts.residual, made.facts.tried.len()), (4, residual, 1));
+    }
 }
 
 /// Filled values of unseen texels hardly matter: garbage there does not affect seen ones.
@@ -159,7 +190,7 @@ fn a_flat_surface_needs_nothing() {
 fn unseen_texels_do_not_disturb() {
     let is_seen = |t: u32, v: u32| noise(t, v + 50) > 0.3;
     let garbage = |t: u32, v: u32, l: u32| {
-        if is_seen(t, v) { product(t, v, l, shadow) } else { [0, 1, 2].map(|c| 0.3 * noise(t + 1000 * v, 3 * l + c)) }
+        if is_seen(t, v) { product(t, v, l) } else { [0, 1, 2].map(|c| 0.3 * noise(t + 1000 * v, 3 * l + c)) }
     };
     let errors = |seen: &VisibilityMask| made(EIGHT, seen, &views(garbage)).facts.errors;
     let masked = errors(&mask(is_seen));
@@ -171,56 +202,63 @@ fn unseen_texels_do_not_disturb() {
 
 #[test]
 fn fewest_bytes_that_meet_an_error() {
-    let (seen, views) = (mask(|_, _| true), views(|t, v, l| product(t, v, l, shadow)));
+    let (seen, views) = (mask(|_, _| true), views(product));
     let chosen = made(FactoredTarget::Error(0.5), &seen, &views);
     assert!(chosen.facts.errors.seen_mean <= 0.5, "{:?}", chosen.facts);
     let met = chosen.facts.tried.iter().filter(|trial| trial.errors.seen_mean <= 0.95 * 0.5);
     assert_eq!(met.map(|trial| trial.gpu_bytes).min(), Some(chosen.facts.gpu_bytes));
     // No candidate meets this target; the best trial is selected.
     let best = made(FactoredTarget::Error(0.0), &seen, &views);
-    assert!(best.facts.errors.seen_mean > 0.0 && best.facts.tried.len() == 14, "{:?}", best.facts);
+    assert!(best.facts.errors.seen_mean > 0.0 && best.facts.tried.len() == 21, "{:?}", best.facts);
     let least = best.facts.tried.iter().map(|trial| trial.errors.seen_mean).fold(f32::MAX, f32::min);
     let own = best
         .facts
         .tried
         .iter()
-        .find(|trial| (trial.components, trial.shadowed) == (best.facts.components, best.facts.shadowed));
-    assert!(0.98 * own.unwrap().errors.seen_mean <= least, "{:?}", best.facts);
+        .find(|trial| (trial.components, trial.residual) == (best.facts.components, best.facts.residual));
+    // More bytes must pay.
+    assert!(0.7 * own.unwrap().errors.seen_mean <= least, "{:?}", best.facts);
     // A target in bytes.
     let small = made(FactoredTarget::Bytes(chosen.asset.gpu_bytes()), &seen, &views);
     assert!(small.facts.gpu_bytes <= chosen.asset.gpu_bytes());
     // All shapes that fit are tried, not only the largest.
     let many = made(FactoredTarget::Bytes(u64::MAX), &seen, &views);
     let errors = |tried: &[FactoredTrial]| tried.iter().map(|trial| trial.errors.seen_mean).fold(f32::MAX, f32::min);
-    assert_eq!(many.facts.tried.len(), 14);
-    assert_eq!(errors(&many.facts.tried), least);
-    assert_eq!((many.facts.components, many.facts.shadowed), (best.facts.components, best.facts.shadowed));
+    assert_eq!((many.facts.tried.len(), errors(&many.facts.tried)), (21, least));
+    assert!(many.facts.gpu_bytes >= best.facts.gpu_bytes);
     let view = |view: u32| Ok::<_, FormatError>(views[view as usize].clone());
-    let refused = factor(&FactoredRecipe::new(FactoredTarget::Bytes(100)), &flat(SIZE), &seen, view, &())
+    let refused = factor(&FactoredRecipe::new(FactoredTarget::Bytes(100)), &flat(SIZE), &seen, None, view, &())
         .unwrap_err()
         .to_string();
     assert!(refused.starts_with("bytes of factors: found 100, expected "), "{refused}");
-    let none = FactoredTarget::Components { components: 0, shadowed: true };
-    let refused = factor(&FactoredRecipe::new(none), &flat(SIZE), &seen, view, &()).unwrap_err().to_string();
+    let none = FactoredTarget::Components { components: 0, residual: 1 };
+    let refused = factor(&FactoredRecipe::new(none), &flat(SIZE), &seen, None, view, &()).unwrap_err().to_string();
     assert_eq!(refused, "components: found 0, expected 1 to 64");
+    for residual in [3, 32] {
+        let target = FactoredTarget::Components { components: 4, residual };
+        let refused = factor(&FactoredRecipe::new(target), &flat(SIZE), &seen, None, view, &()).unwrap_err();
+        let expected = format!("cells of the residual: found {residual}, expected 0 or a power of two up to 16");
+        assert_eq!(refused.to_string(), expected);
+    }
 }
 
 /// Slabs only change rounding; the number of threads changes nothing.
 #[test]
 fn threads_and_slabs() {
-    let (seen, views) = (mask(|t, v| noise(t, v) > 0.2), views(|t, v, l| product(t, v, l, shadow)));
+    let (seen, views) = (mask(|t, v| noise(t, v) > 0.2), views(product));
     let view = |view: u32| Ok::<_, FormatError>(views[view as usize].clone());
     let recipe = FactoredRecipe::new(EIGHT);
     let run = |threads: usize, recipe: FactoredRecipe| {
         let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
-        pool.install(|| factor(&recipe, &flat(SIZE), &seen, view, &()).unwrap())
+        let lit = lights(SIZE, LIGHTS);
+        pool.install(|| factor(&recipe, &flat(SIZE), &seen, Some(&lit), view, &()).unwrap())
     };
     let one = run(1, recipe);
     for threads in [2, 5] {
         let other = run(threads, recipe);
         assert!(one == other, "{threads} threads");
     }
-    let slabs = run(2, FactoredRecipe { slab_bytes: 100 * 4 * LIGHTS as usize * 9, ..recipe });
+    let slabs = run(2, FactoredRecipe { slab_bytes: 100 * 44 * LIGHTS as usize, ..recipe });
     let (a, b) = (one.facts.errors, slabs.facts.errors);
     assert!((a.seen_mean - b.seen_mean).abs() < 0.01 * a.seen_mean, "{a:?} {b:?}");
     assert_eq!(one.asset.basis().words(), slabs.asset.basis().words());
@@ -231,7 +269,7 @@ fn views_of_other_assets_are_refused() {
     let views = views(|_, _, _| [0.5; 3]);
     let seen = mask(|_, _| true);
     let refusal = |view: &(dyn Fn(u32) -> Result<FlatView, FormatError> + Sync)| {
-        factor(&FactoredRecipe::new(EIGHT), &flat(SIZE), &seen, view, &()).unwrap_err().to_string()
+        factor(&FactoredRecipe::new(EIGHT), &flat(SIZE), &seen, None, view, &()).unwrap_err().to_string()
     };
     let swapped = refusal(&|view| Ok(views[(view ^ 1) as usize].clone()));
     assert!(swapped.starts_with("part flat: found view 1 of 9, 16 x 16 texels, expected view 0 of 9"), "{swapped}");

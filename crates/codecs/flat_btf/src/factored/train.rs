@@ -1,7 +1,6 @@
-//! Fits basis, weights and shadows to some texels by alternating least squares: each in turn, the others fixed.
+//! Fits basis and weights to some texels by alternating least squares: each in turn, the other fixed.
 
 use super::basis::{Basis, Squares};
-use super::lit::threshold;
 use super::matrix::{Rows, add_product, add_square, packed_length, solve};
 use super::sample::Values;
 use rand::{RngExt as _, SeedableRng as _};
@@ -13,8 +12,6 @@ const STRIP: usize = 64;
 /// Ridge for weights and for the basis, as a share of the mean of the diagonal.
 const WEIGHT_RIDGE: f64 = 1e-4;
 const BASIS_RIDGE: f64 = 1e-5;
-/// Ridge towards the previous shadow, as a share of the mean of the denominators.
-pub(super) const SHADOW_RIDGE: f32 = 1e-3;
 /// Additional columns of the first guess of a basis, and its number of power iterations.
 const OVERSAMPLING: usize = 8;
 const GUESS_ROUNDS: usize = 2;
@@ -28,25 +25,9 @@ pub(super) struct Fit {
     pub(super) weights: Vec<f32>,
 }
 
-/// Initial factors of each texel and light, if any, for which the base alone fits best: texels x L, at most 1.
-pub(super) fn first_shadows(values: &Values, shadowed: bool) -> Vec<f32> {
-    let mut shadows = vec![1.0; values.texels * values.lights];
-    if shadowed {
-        shadows.par_chunks_mut(values.lights).enumerate().for_each(|(texel, shadows)| {
-            shadows.fill(0.0);
-            for view in 0..values.views {
-                let (weight, row) = (values.weight(view, texel), values.row(view, texel));
-                shadows.iter_mut().zip(row.iter().step_by(3)).for_each(|(sum, lightness)| *sum += weight * lightness);
-            }
-            threshold(shadows);
-        });
-        solve_shadows(values, &mut shadows, None);
-    }
-    shadows
-}
-
 impl Fit {
-    /// Computes a first guess of `components`: the leading singular vectors of the lit values.
+    /// Computes a first guess of `components`: the leading singular vectors of the lit values. `shadows` are factors of
+    /// cube roots: `texels x L`.
     ///
     /// Multiplies with the values `2 (GUESS_ROUNDS + 1)` times; takes another `4 K (3 V L + texels)` bytes.
     pub(super) fn guess(values: &Values, shadows: &[f32], components: usize) -> Self {
@@ -67,14 +48,10 @@ impl Fit {
         Self { basis: sorted.truncated(components), weights }
     }
 
-    /// Runs one round: weights, shadows if there are any, weights again, the basis.
-    pub(super) fn improve(&mut self, values: &Values, shadows: &mut [f32], shadowed: bool) {
+    /// Runs one round: weights, then the basis.
+    pub(super) fn improve(&mut self, values: &Values, shadows: &[f32]) {
         let squares = self.basis.squares();
         self.weights = solve_weights(values, shadows, &self.basis, &squares);
-        if shadowed {
-            solve_shadows(values, shadows, Some((&self.basis, &self.weights)));
-            self.weights = solve_weights(values, shadows, &self.basis, &squares);
-        }
         drop(squares);
         self.basis.values = solve_basis(values, shadows, &self.weights, &self.basis);
         self.basis = self.basis.sorted(&mut self.weights);
@@ -185,46 +162,6 @@ pub(super) fn trace(packed: &[f32], side: usize) -> f64 {
         at += side - row;
     }
     sum
-}
-
-/// Least squares shadows for the base plus the factors' contribution.
-fn solve_shadows(values: &Values, shadows: &mut [f32], factors: Option<(&Basis, &[f32])>) {
-    let lights = values.lights;
-    shadows.par_chunks_mut(STRIP * lights).enumerate().for_each(|(strip, shadows)| {
-        let (first, count) = (strip * STRIP, shadows.len() / lights);
-        let mut sums = vec![[0.0f32; 2]; count * lights];
-        let mut product = Vec::new();
-        for view in 0..values.views {
-            product.clear();
-            (first..first + count).for_each(|texel| product.extend_from_slice(values.base_row(view, texel)));
-            if let Some((basis, weights)) = factors {
-                let k = basis.components;
-                let weights = Rows::new(&weights[first * k..][..count * k], count, k);
-                add_product(&mut product, 3 * lights, weights, basis.view(view).transposed());
-            }
-            for (texel, (sums, made)) in sums.chunks_exact_mut(lights).zip(product.chunks_exact(3 * lights)).enumerate()
-            {
-                let weight = values.weight(view, first + texel);
-                let row = values.row(view, first + texel).as_chunks::<3>().0;
-                for ((sums, [a, b, c]), [x, y, z]) in sums.iter_mut().zip(made.as_chunks::<3>().0).zip(row) {
-                    sums[0] += weight * (a * x + b * y + c * z);
-                    sums[1] += weight * (a * a + b * b + c * c);
-                }
-            }
-        }
-        for (shadows, sums) in shadows.chunks_exact_mut(lights).zip(sums.chunks_exact(lights)) {
-            ridged_shadows(shadows, sums);
-        }
-    });
-}
-
-/// Shadows from numerators and denominators, 0 to 1, with a ridge towards their previous values.
-pub(super) fn ridged_shadows(shadows: &mut [f32], sums: &[[f32; 2]]) {
-    let mean = sums.iter().map(|[_, below]| below).sum::<f32>() / sums.len() as f32;
-    let ridge = SHADOW_RIDGE * mean + 1e-6;
-    for (shadow, [above, below]) in shadows.iter_mut().zip(sums) {
-        *shadow = ((above + ridge * *shadow) / (below + ridge)).clamp(0.0, 1.0);
-    }
 }
 
 /// Least squares basis, with a ridge towards its previous values.

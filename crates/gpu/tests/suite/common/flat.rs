@@ -9,7 +9,7 @@ use brdfc_flat_btf::fill::FillMethod;
 use brdfc_flat_btf::structures::Structure;
 use brdfc_flat_btf::surface::Appearance;
 use brdfc_formats::direction_set::DirectionSet;
-use brdfc_formats::flat_btf::factored::{BasisMap, FactoredFlatBtf, FactoredHeader, ShadowMap, WeightMap};
+use brdfc_formats::flat_btf::factored::{BasisMap, FactoredFlatBtf, FactoredHeader, WeightMap};
 use brdfc_formats::flat_btf::{FlatBtfParts, LayerHeader, LayerMap};
 
 /// The appearance of a structure such as `button?resolution=48`: its own materials, or another one.
@@ -37,7 +37,7 @@ pub fn flattened(
         fill: FillMethod::PushPull,
         bounces,
         reflectance,
-        target: FactoredTarget::Components { components: 24, shadowed: bounces > 0 },
+        target: FactoredTarget::Components { components: 24, residual: if bounces > 0 { 16 } else { 0 } },
     };
     let mesh = Structure::parse(address).unwrap().mesh();
     let input = FlatInput { mesh, repairs: None, values: ValueSource::Computed(appearance) };
@@ -55,12 +55,10 @@ pub fn with_heights(parts: &FlatBtfParts, factor: f32) -> FlatBtfParts {
 /// The same parts without mipmaps.
 pub fn without_mipmaps(FlatBtfParts { layers, reflectance }: &FlatBtfParts) -> FlatBtfParts {
     let header = FactoredHeader { levels: 1, ..reflectance.header().clone() };
-    let (size, texels, lights) = (header.size, (header.size * header.size) as usize, header.lights.len());
+    let (size, texels) = (header.size, (header.size * header.size) as usize);
     let weights = reflectance.weights();
     let bytes = weights.texels()[..4 * weights.layers() as usize * texels].to_vec();
     let weights = WeightMap::new(size, 1, weights.ranges().to_vec(), bytes).unwrap();
-    let shadow = reflectance.shadow().map(|map| map.texels()[..lights * texels].to_vec());
-    let shadow = shadow.map(|texels| ShadowMap::new(size, 1, lights as u32, texels).unwrap());
     let mut materials = reflectance.basis().materials().to_vec();
     materials.iter_mut().for_each(|material| material.tables.truncate(1));
     let basis = match materials[..] {
@@ -69,7 +67,7 @@ pub fn without_mipmaps(FlatBtfParts { layers, reflectance }: &FlatBtfParts) -> F
     };
     let basis = basis.unwrap();
     let layers = finest(layers, LayerHeader { levels: 1, ..*layers.header() });
-    FlatBtfParts { layers, reflectance: FactoredFlatBtf::new(basis, weights, shadow).unwrap() }
+    FlatBtfParts { layers, reflectance: FactoredFlatBtf::new(basis, weights, reflectance.residual().cloned()).unwrap() }
 }
 
 /// The first levels of layers, with another header.

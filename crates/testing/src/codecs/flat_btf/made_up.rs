@@ -6,7 +6,7 @@ use brdfc_formats::bindings::{PackFile, Resource, Texels};
 use brdfc_formats::container::{Extent, TexelFormat};
 use brdfc_formats::flat_btf::factored::{
     Axis, BASE_LAYERS, BaseMaterial, BaseTable, BasisMap, ChromaRange, DIFFERENCE_ANGLES, FactoredErrors,
-    FactoredFlatBtf, FactoredHeader, GROUP, HALF_ANGLES, LevelTable, ShadowFormat, ShadowMap, WeightMap, WeightRange,
+    FactoredFlatBtf, FactoredHeader, GROUP, HALF_ANGLES, LevelTable, ResidualMap, WeightMap, WeightRange,
 };
 use brdfc_formats::flat_btf::{
     BlendedDirection, FlatBtfDecoder, FlatBtfFile, FlatBtfParts, LayerHeader, LayerMap, ViewWeights,
@@ -34,9 +34,9 @@ pub fn directions(count: u32, seed: u64) -> Vec<[f32; 2]> {
 }
 
 /// Header of layers with all mipmap levels, from a quarter of a tile below the reference plane to a quarter above it.
-pub fn layer_header(sizes: Sizes, casts_shadows: bool) -> LayerHeader {
+pub fn layer_header(sizes: Sizes) -> LayerHeader {
     let Sizes { plane: size, sheets, .. } = sizes;
-    LayerHeader { size, sheets, levels: size.ilog2() + 1, heights: [-0.25, 0.25], casts_shadows }
+    LayerHeader { size, sheets, levels: size.ilog2() + 1, heights: [-0.25, 0.25] }
 }
 
 /// Layers whose finest level has these texels: heights of base, top and underside as bytes, and displacements of the
@@ -83,13 +83,13 @@ pub fn relief(header: LayerHeader, texel: impl Fn([u32; 2]) -> ([u8; 3], [[f32; 
 
 /// Smooth random layers: a low base, an underside above it, and a top above the underside in part of the tile and below
 /// it elsewhere; small random displacements.
-pub fn layers(sizes: Sizes, casts_shadows: bool, seed: u64) -> LayerMap {
+pub fn layers(sizes: Sizes, seed: u64) -> LayerMap {
     let mut numbers = Numbers::new(seed);
     let [base, gap, thickness] = [(); 3].map(|()| smooth(sizes.plane, &mut numbers));
     let moved: Vec<[[f32; 2]; 3]> = (0..sizes.plane * sizes.plane)
         .map(|_| [(); 3].map(|()| [(); 2].map(|()| numbers.between(-0.04, 0.04) as f32)))
         .collect();
-    relief(layer_header(sizes, casts_shadows), |[column, row]| {
+    relief(layer_header(sizes), |[column, row]| {
         let at = (row * sizes.plane + column) as usize;
         let underside = 120 + gap[at] / 4;
         let top = underside + 2 * (thickness[at] - 128);
@@ -109,14 +109,14 @@ fn smooth(size: u32, numbers: &mut Numbers) -> Vec<i32> {
 }
 
 /// Layers of one height and one displacement. The other sheets are closed: the underside is above the top.
-pub fn flat_relief(sizes: Sizes, casts_shadows: bool) -> LayerMap {
-    relief(layer_header(sizes, casts_shadows), |_| ([100, 40, 200], [[0.0625, -0.03125]; 3]))
+pub fn flat_relief(sizes: Sizes) -> LayerMap {
+    relief(layer_header(sizes), |_| ([100, 40, 200], [[0.0625, -0.03125]; 3]))
 }
 
-/// Random layers that cast shadows, over a base alone.
+/// Random layers over a base alone.
 pub fn parts(sizes: Sizes, seed: u64) -> FlatBtfParts {
     let factors = Factors { levels: sizes.flat.ilog2() + 1, ..BASE };
-    FlatBtfParts { layers: layers(sizes, true, seed), reflectance: factored(sizes, factors, seed + 1) }
+    FlatBtfParts { layers: layers(sizes, seed), reflectance: factored(sizes, factors, seed + 1) }
 }
 
 /// Shape of a made-up factored asset, besides its sizes.
@@ -125,19 +125,20 @@ pub struct Factors {
     pub levels: u32,
     pub groups: u32,
     pub wide_groups: u32,
-    pub shadow: ShadowFormat,
+    /// Cells per side of the residual of shadows.
+    pub residual: u32,
     pub materials: u32,
 }
 
 /// A base alone, for small sizes.
-pub const BASE: Factors = Factors { levels: 3, groups: 0, wide_groups: 0, shadow: ShadowFormat::None, materials: 0 };
+pub const BASE: Factors = Factors { levels: 3, groups: 0, wide_groups: 0, residual: 0, materials: 0 };
 /// Two materials, for small sizes.
 pub const MATERIALS: Factors = Factors { materials: 2, ..BASE };
 
 /// A factored asset of random texels. Without groups it has no views and lights.
 pub fn factored(sizes: Sizes, factors: Factors, seed: u64) -> FactoredFlatBtf {
     let mut numbers = Numbers::new(seed);
-    let Factors { levels, groups, wide_groups, shadow, materials } = factors;
+    let Factors { levels, groups, wide_groups, residual, materials } = factors;
     let [views, lights] = [sizes.views, sizes.lights].map(|count| if groups == 0 { 0 } else { count });
     let components = groups as usize * GROUP;
     let steps = [2e-3, 1e-3, 1e-3].map(|scale| {
@@ -153,7 +154,7 @@ pub fn factored(sizes: Sizes, factors: Factors, seed: u64) -> FactoredFlatBtf {
         levels,
         groups,
         wide_groups,
-        shadow,
+        residual,
         views: directions(views, 1),
         lights: directions(lights, 2),
         chroma: ChromaRange([-20, 60, -30, 24]),
@@ -176,7 +177,8 @@ pub fn factored(sizes: Sizes, factors: Factors, seed: u64) -> FactoredFlatBtf {
     };
     let mut bytes = |count: usize| (0..count).map(|_| numbers.bits() as u8).collect::<Vec<u8>>();
     let weights = bytes(GROUP * texels(BASE_LAYERS + groups));
-    let shadows = bytes(texels(lights));
+    let cells: u32 = (0..4).map_while(|level| (residual >> level > 0).then_some((residual >> level).pow(2))).sum();
+    let shares = bytes(2 * (cells * lights) as usize);
     let range =
         |k: usize| WeightRange { scale: if k == 0 { 200.0 } else { 60.0 }, low: if k == 0 { 1.0 } else { -25.0 } };
     let ranges = base_ranges().into_iter().chain((0..components).map(range)).collect();
@@ -194,8 +196,8 @@ pub fn factored(sizes: Sizes, factors: Factors, seed: u64) -> FactoredFlatBtf {
         })
     };
     let weights = WeightMap::new(sizes.flat, levels, ranges, weights).unwrap();
-    let shadow = (shadow != ShadowFormat::None).then(|| ShadowMap::new(sizes.flat, levels, lights, shadows).unwrap());
-    FactoredFlatBtf::new(basis.unwrap(), weights, shadow).unwrap()
+    let residual = (residual > 0).then(|| ResidualMap::new(residual, lights, shares).unwrap());
+    FactoredFlatBtf::new(basis.unwrap(), weights, residual).unwrap()
 }
 
 /// A factored asset whose numbers follow rules without mathematical functions: lightness mostly from component 0, more
@@ -208,14 +210,14 @@ pub fn factored_example() -> FactoredFlatBtf {
     let steps = [1.0, 0.5, 0.25].map(|colour| {
         (0..8u8).map(|k| colour * if k < 4 { 0.003_906_25 } else { 0.062_5 } * (1.0 + 0.125 * f32::from(k))).collect()
     });
-    let (shadow, chroma) = (ShadowFormat::R8, ChromaRange([-20, 60, -30, 24]));
+    let (residual, chroma) = (2, ChromaRange([-20, 60, -30, 24]));
     let (materials, axes, table_levels) = (0, 0, 1);
     let header = FactoredHeader {
         size,
         levels,
         groups,
         wide_groups,
-        shadow,
+        residual,
         views,
         lights,
         chroma,
@@ -236,17 +238,18 @@ pub fn factored_example() -> FactoredFlatBtf {
     });
     let texels = (0..levels).map(|level| (size >> level).pow(2)).sum::<u32>();
     let weights = (0..16 * texels).map(|k| (k * 83 + 17) as u8).collect();
-    let shadows = (0..3 * texels).map(|k| (k * 101 + 5).min(255 * (k % 7)) as u8).collect();
+    // 2 x 2 cells and one, of two numbers for three lights.
+    let shares = (0..30).map(|k| (k * 101 + 5).min(255 * (k % 7)) as u8).collect();
     let range = |k| if k == 0 { WeightRange { scale: 1.0, low: 0.5 } } else { WeightRange { scale: 2.0, low: -1.0 } };
     let ranges = base_ranges().into_iter().chain((0..8).map(range)).collect();
     let weights = WeightMap::new(size, levels, ranges, weights);
-    let shadow = ShadowMap::new(size, levels, 3, shadows);
-    FactoredFlatBtf::new(basis.unwrap(), weights.unwrap(), Some(shadow.unwrap())).unwrap()
+    let residual = ResidualMap::new(residual, 3, shares).unwrap();
+    FactoredFlatBtf::new(basis.unwrap(), weights.unwrap(), Some(residual)).unwrap()
 }
 
 /// Layers whose heights follow rules without mathematical functions: an arch along the rows over a base that falls.
 pub fn example_layers() -> LayerMap {
-    let header = LayerHeader { size: 8, sheets: 3, levels: 4, heights: [-0.25, 0.25], casts_shadows: true };
+    let header = LayerHeader { size: 8, sheets: 3, levels: 4, heights: [-0.25, 0.25] };
     relief(header, |[column, row]| {
         let top = [240, 232, 216, 150, 64, 64, 96, 200][row as usize];
         let moved = |sheet: u32| [0.015_625 * (column + sheet) as f32 - 0.0625, 0.007_812_5 * (row + 2 * sheet) as f32];
@@ -261,17 +264,17 @@ pub fn file(layers: LayerMap, reflectance: FactoredFlatBtf) -> FlatBtfFile {
 
 /// A file of [`factored_example`] over three sheets.
 pub fn factored_file() -> FlatBtfFile {
-    file(layers(SMALL, false, 3), factored_example())
+    file(layers(SMALL, 3), factored_example())
 }
 
-/// A file of two materials over three sheets that cast shadows.
+/// A file of two materials over three sheets.
 pub fn materials_file() -> FlatBtfFile {
-    file(layers(SMALL, true, 5), factored(SMALL, MATERIALS, 6))
+    file(layers(SMALL, 5), factored(SMALL, MATERIALS, 6))
 }
 
-/// A file of a base alone over one sheet that casts shadows.
+/// A file of a base alone over one sheet.
 pub fn base_file() -> FlatBtfFile {
-    file(layers(Sizes { sheets: 1, ..SMALL }, true, 9), factored(SMALL, BASE, 8))
+    file(layers(Sizes { sheets: 1, ..SMALL }, 9), factored(SMALL, BASE, 8))
 }
 
 /// Error of a reader for a file whose images or metadata were changed.
