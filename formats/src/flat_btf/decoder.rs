@@ -198,11 +198,12 @@ impl FlatBtfLook<'_> {
     fn value(&self, view: BlendedDirection, light: BlendedDirection) -> [f32; 3] {
         let layers = &self.decoder.parts.layers;
         let value = self.texel.blended(view, light);
-        let lit = if value == [0.0; 3] {
+        let (normal, to) = (self.texel.base().normal, light.direction);
+        let is_turned_away = normal[0] * to[0] + normal[1] * to[1] + normal[2] * to[2] <= 0.0;
+        let lit = if value == [0.0; 3] || is_turned_away {
             0.0
         } else {
-            let (normal, steps) = (self.texel.base().normal, self.decoder.steps);
-            layers.lit(&self.point, normal, light.direction, self.surface, self.detail, steps)
+            layers.lit(&self.point, normal, to, self.surface, self.detail, self.decoder.steps)
         };
         self.texel.shadowed(value, light.samples, lit)
     }

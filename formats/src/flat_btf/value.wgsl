@@ -180,7 +180,7 @@ fn flat_btf_shade(look: FlatBtfLook, incoming: vec3<f32>) -> vec3<f32> {
         dimmed = min(light.z / lowest_light, 1.0);
     }
     var lit = 0.0;
-    if any(value != vec3<f32>(0.0)) {
+    if any(value != vec3<f32>(0.0)) && factored_dot(look.base.normal, light) > 0.0 {
         let detail = look.level + flat_btf_parameters.finer;
         lit = flat_btf_lit(look.point, look.base.normal, light, look.surface, detail);
     }

@@ -306,7 +306,7 @@ fn filtering_is_periodic() {
 }
 
 /// A value is that of the flat BTF at the parameters of the visible point. Rays of light multiply it by 0 or 1; with a
-/// residual, points in shadow keep something.
+/// residual, points in shadow keep something. No light reaches points that are turned away from it.
 #[test]
 fn values_are_those_behind_a_ray_of_sight() {
     let decoder = |residual: u32| {
@@ -316,7 +316,7 @@ fn values_are_those_behind_a_ray_of_sight() {
     };
     let (plain, with) = (decoder(0), decoder(2));
     let mut numbers = Numbers::new(10);
-    let (mut blocked, mut reached) = (0, 0);
+    let (mut blocked, mut reached, mut away) = (0, 0, 0);
     for k in 0..500 {
         let uv = [0; 2].map(|_| numbers.between(-1.0, 1.0) as f32);
         let level = numbers.between(-1.0, 3.0) as f32;
@@ -325,15 +325,21 @@ fn values_are_those_behind_a_ray_of_sight() {
         let texel = with.parts().reflectance.filtered(with.parameters(&point, level), level);
         let value = texel.blended(view, light);
         let (layers, steps) = (&with.parts().layers, with.steps());
-        let lit =
-            layers.lit(&point, texel.base().normal, light.direction, MacroSurface::PLANE, level + with.finer(), steps);
+        let (normal, to) = (texel.base().normal, light.direction);
+        let faces = normal[0] * to[0] + normal[1] * to[1] + normal[2] * to[2] > 0.0;
+        let lit = if faces && value != [0.0; 3] {
+            layers.lit(&point, normal, to, MacroSurface::PLANE, level + with.finer(), steps)
+        } else {
+            away += 1;
+            0.0
+        };
         assert_eq!(with.value(uv, level, view, light), texel.shadowed(value, light.samples, lit));
         let texel = plain.parts().reflectance.filtered(plain.parameters(&point, level), level);
         let value = texel.blended(view, light).map(|channel| channel * lit);
         assert_eq!(plain.value(uv, level, view, light), value);
         *if lit > 0.0 { &mut reached } else { &mut blocked } += 1;
     }
-    assert!(blocked > 20 && reached > 100, "{blocked} {reached}");
+    assert!(blocked > away + 20 && reached > 100 && away > 20, "{blocked} {reached} {away}");
     // Layers of one height shadow nothing.
     let (layers, reflectance) = (flat_relief(SMALL), factored(SMALL, BASE, 3));
     let flat = FlatBtfDecoder::new(FlatBtfParts { layers, reflectance });

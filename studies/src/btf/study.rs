@@ -7,7 +7,7 @@ use super::lights::Lights;
 use super::per_view::{FIRST, View};
 use super::rows::{BtfAsset, BtfClaims, BtfModel, BtfRow, BtfSettings, Tally};
 use brdfc_core::address::AddressError;
-use brdfc_flat_btf::factored::FactoredTarget;
+use brdfc_flat_btf::factored::{FactoredTarget, max_cells};
 use brdfc_flat_btf::model::MesoModel;
 use brdfc_flat_btf::parameterise::ParameteriseError;
 use brdfc_flat_btf::structures::Structure;
@@ -23,7 +23,7 @@ const SEED: u64 = 0;
 const JOINT_DEGREES: [u32; 2] = [3, 5];
 /// Components of a factored BTF of good quality, and cells of its residual of shadows.
 const COMPONENTS: u32 = 32;
-const CELLS: u32 = 16;
+const CELLS: u32 = 4;
 /// Maximum share of the compared bytes that polynomial wavelet trees should take.
 const MAX_SHARE: f64 = 0.5;
 /// Mean ΔE at which the methods are compared: about the default of `brdfc flatten`.
@@ -139,7 +139,7 @@ fn ways(
         }
     }
     let factor = |name: &str, target| factored(name, target, asset, (set, lights), &|| done(FACTORED));
-    let residual = CELLS.min(1 << asset.size.ilog2());
+    let residual = CELLS.min(max_cells(asset.size as u32));
     let components = FactoredTarget::Components { components: COMPONENTS, residual };
     let [at_error, at_good, at_ordinary] = at_error.map(|sum| sum.of_views(asset.views()));
     rows.push(within(at_error.row(AT_MAP_ERROR), map_error));

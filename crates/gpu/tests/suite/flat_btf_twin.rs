@@ -197,7 +197,7 @@ fn few_rays_jump_with_the_sampler() {
 }
 
 /// Constants of the shader and small changes of them, each of which the queries must detect.
-const CHANGES: [(&str, &str); 58] = [
+const CHANGES: [(&str, &str); 59] = [
     ("FLAT_BTF_TEXELS_PER_STEP: f32 = ", "FLAT_BTF_TEXELS_PER_STEP: f32 = 0.1 + "),
     ("FLAT_BTF_MIN_COSINE: f32 = ", "FLAT_BTF_MIN_COSINE: f32 = 0.001 + "),
     ("FLAT_BTF_RISE: f32 = ", "FLAT_BTF_RISE: f32 = 0.1 + "),
@@ -254,7 +254,8 @@ const CHANGES: [(&str, &str); 58] = [
     ("min(max(detail, 0.0), f32", "min(max(detail, 0.1), f32"),
     ("if light.z <= 0.0", "if light.z <= 0.1"),
     ("min(light.z / lowest_light, 1.0)", "1.0"),
-    ("if any(value != vec3<f32>(0.0)) {", "if false {"),
+    ("if any(value != vec3<f32>(0.0)) &&", "if false &&"),
+    (" && factored_dot(look.base.normal, light) > 0.0", ""),
     ("look.base, lights, lit) * dimmed", "look.base, lights, lit)"),
 ];
 

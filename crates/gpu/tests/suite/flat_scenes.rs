@@ -147,7 +147,7 @@ fn a_change_of_the_scene_or_of_the_shader_is_a_difference() {
     let edits = [
         (&scene, &cpu, "FLAT_BTF_RISE: f32 = ", "FLAT_BTF_RISE: f32 = 0.0 * "),
         (&scene, &cpu, "ray, detail, flat_btf_parameters.sight_steps", "ray, detail, 2u"),
-        (&scene, &cpu, "if any(value != vec3<f32>(0.0)) {", "if false {"),
+        (&scene, &cpu, "if any(value != vec3<f32>(0.0)) &&", "if false &&"),
         (&below, &from_below, "select(vec2<f32>(in.uv.x, -in.uv.y), in.uv, front)", "in.uv"),
         (&below, &from_below, "select(-1.0, 1.0, front) * normalize", "normalize"),
         (&below, &from_below, "min(light.z / lowest_light, 1.0)", "1.0"),

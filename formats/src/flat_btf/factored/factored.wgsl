@@ -10,12 +10,13 @@
 //     let value = factored_shadowed(factored_value(base, view, light, views, lights), place, base, lights, lit);
 //
 // view and light are unit vectors; views and lights are the sampled directions that approximate them. lit is the share of
-// the light that reaches the place, which rays determine. level_of_detail refers to the flat BTF's texels, 0 the finest; factored_mipmap_level computes it in a fragment shader, in uniform
-// control flow. Without components, factored_base_colour is the value.
+// the light that reaches the place, which rays determine. level_of_detail refers to the flat BTF's texels, 0 the finest;
+// factored_mipmap_level computes it in a fragment shader, in uniform control flow. Without components,
+// factored_base_colour is the value.
 //
-// With the sampler this takes a fetch per group of four components, two for the base, one per table, one per light if there
-// is a residual, and 3 ceil((groups + wide groups) / 4) loads per pair of a view and a light. Manual filtering takes 4 or 8 fetches
-// instead of one.
+// With the sampler this takes a fetch per group of four components, two for the base, one per table, one for each blended
+// light of a residual, and 3 ceil((groups + wide groups) / 4) loads per pair of a view and a light. Manual filtering takes
+// 4 or 8 fetches instead of one.
 
 const FACTORED_MAX_GROUPS: u32 = 16u;
 // Layers of weights before those of the groups.

@@ -1,5 +1,5 @@
-//! The parts `weights` and `residual`: values of the base and component weights of each texel, and what rays of light do
-//! not say of the light at each place. Both have mipmaps.
+//! The parts `weights` and `residual`: values of the base and component weights of each texel, and corrections of shadows
+//! in cells. Both have mipmaps.
 
 use super::header::{BASE_LAYERS, GROUP, MAX_GROUPS, RESIDUAL_FORMAT};
 use crate::FormatError;

@@ -258,7 +258,7 @@ impl Work<'_> {
         let masks = seen_from(&views, Stage::Visibility)?;
         let scratched = ScratchViews::new(recipe.header(0));
         let pass = Pass { recipe, texels: &texels, views: &views, lights: &lights, masks: &masks };
-        let lit = if self.known_materials {
+        let reached = if self.known_materials {
             let faces = |light: &Vector| texels.points.iter().map(|p| dot(p.normal, *light) > 0.0).collect();
             lights.iter().map(faces).collect()
         } else {
@@ -266,7 +266,7 @@ impl Work<'_> {
         };
         match values {
             ValueSource::Computed(appearance) => {
-                let mut field = ComputedField::new(&texels, appearance, &views, &lights, &lit);
+                let mut field = ComputedField::new(&texels, appearance, &views, &lights, &reached);
                 if recipe.bounces > 0 {
                     progress.stage(Stage::Bounces, Bounces::steps(texels.points.len()))?;
                     let (mesh, caster) = (&model.mesh, &model.caster);
@@ -281,11 +281,11 @@ impl Work<'_> {
             }
         }
         let mask = visibility_mask(recipe.flat_texels as u32, &masks)?;
-        let lit = if self.known_materials { None } else { Some(visibility_mask(recipe.flat_texels as u32, &lit)?) };
+        let lit = if self.known_materials { None } else { Some(visibility_mask(recipe.flat_texels as u32, &reached)?) };
         let count = masks.iter().flatten().filter(|seen| **seen).count() as f64;
         let share = count / (views.len() * texels.points.len()) as f64;
         let never = (0..texels.points.len()).filter(|texel| !masks.iter().any(|mask| mask[*texel])).count();
-        drop((masks, texels));
+        drop((masks, reached, texels));
         let view = |view| scratched.read(view, scratch);
         let blur = if matches!(values, ValueSource::Measured(_)) { IMAGE_BLUR } else { 0.0 };
         let target = FactoredRecipe { blur, ..FactoredRecipe::new(recipe.target) };

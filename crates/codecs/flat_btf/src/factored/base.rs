@@ -19,7 +19,7 @@ const STRIP: usize = 128;
 const UNSEEN: f32 = 1e-3;
 /// Cosines below which a pair is ignored: errors of normals are largest there.
 pub(super) const MIN_COSINE: f32 = 0.1;
-/// Share of a texel's brightest mean over the views above which a light counts as reaching it.
+/// Share of the cube roots of a texel's brightest values above which a light counts as reaching it.
 const LIT_SHARE: f32 = 0.05;
 /// Maximum gloss of a texel, relative to the table.
 const MAX_GLOSS: f32 = 2.0;
@@ -71,7 +71,8 @@ pub(super) struct AlbedoSums {
 }
 
 impl AlbedoSums {
-    pub(super) const BYTES: usize = 44;
+    /// Bytes of a texel and light, with [`AlbedoSums::products`].
+    pub(super) const BYTES: usize = 60;
 
     pub(super) fn new(texels: usize, lights: usize) -> Self {
         Self { lights, numbers: vec![[0.0; 11]; texels * lights] }

@@ -31,15 +31,15 @@ pub(super) struct Candidate {
 
 impl Candidate {
     /// Fits a candidate to texels with these factors of cube roots, `texels x L`.
-    pub(super) fn new(values: &Values, shadows: &[f32], shape: Shape) -> Self {
-        let mut fit = Fit::guess(values, shadows, shape.groups as usize * GROUP);
-        (0..FIRST_ROUNDS).for_each(|_| fit.improve(values, shadows));
+    pub(super) fn new(values: &Values, lit_roots: &[f32], shape: Shape) -> Self {
+        let mut fit = Fit::guess(values, lit_roots, shape.groups as usize * GROUP);
+        (0..FIRST_ROUNDS).for_each(|_| fit.improve(values, lit_roots));
         Self { shape, fit }
     }
 
     /// Continues the fit with other texels.
-    pub(super) fn refine(&mut self, values: &Values, shadows: &[f32]) {
-        (0..MORE_ROUNDS).for_each(|_| self.fit.improve(values, shadows));
+    pub(super) fn refine(&mut self, values: &Values, lit_roots: &[f32]) {
+        (0..MORE_ROUNDS).for_each(|_| self.fit.improve(values, lit_roots));
     }
 
     /// Keeps the leading components, which is near-optimal.
@@ -97,7 +97,7 @@ impl Candidate {
             );
         }
         let masks = held_out.masks.first(count);
-        let weights = solve_texels(&sums, &masks, &shares.shadows[..count * rounded.basis.lights], &rounded);
+        let weights = solve_texels(&sums, &masks, &shares.lit_roots[..count * rounded.basis.lights], &rounded);
         let asset = assemble::asset(rounded.map, &base, &weights, &vec![1.0; count], None)?;
         Ok(errors(&asset, held_out, count, |k| [(k % size) as u32, (k / size) as u32], shares))
     }

@@ -103,11 +103,9 @@ impl Trials<'_> {
             }
             least.take(candidate, &trial, if most.is_some() { BETTER_OF_TWICE } else { 1.0 });
         }
-        let chosen = least.candidate.ok_or_else(|| {
-            let allowed = "the bytes of the smallest asset with its residual of shadows";
-            FormatError::whole("bytes of factors", "fewer", allowed)
-        })?;
-        Ok((chosen, tried))
+        // The target was checked: there is a shape.
+        let none = || FormatError::whole("shapes of factors", "none", "at least one that fits").problem();
+        Ok((least.candidate.ok_or_else(none)?, tried))
     }
 
     /// Fits the largest of the shapes with a residual.
@@ -115,9 +113,9 @@ impl Trials<'_> {
         let groups = shapes.iter().filter(|shape| shape.residual == residual).map(|shape| shape.groups).max();
         let map = self.arrival.residual(residual)?;
         let shape = Shape { groups: groups.unwrap_or(1), residual };
-        let Shares { shadows, shaded } = self.arrival.shares(map.as_ref(), &self.fitted.texels[..self.texels]);
+        let Shares { lit_roots, shaded } = self.arrival.shares(map.as_ref(), &self.fitted.texels[..self.texels]);
         let values = self.fitted.values(self.texels, self.bases[0], &shaded, &Rays::new(self.directions));
-        let largest = Candidate::new(&values, &shadows, shape);
+        let largest = Candidate::new(&values, &lit_roots, shape);
         Ok(Fitted { largest, held_out: self.arrival.shares(map.as_ref(), &self.held_out.texels) })
     }
 }

@@ -37,15 +37,15 @@ const VIEW_BYTES: usize = 256 << 20;
 ///
 /// - `24 V L N` values of the fit, at most [`FactoredRecipe::training_bytes`], and `4 V L (N + 484)` words of the first pass;
 /// - `4 V L K (K + 1)` products of the basis, two tables of them;
-/// - `44 n L` sums of albedos of a slab, at most [`FactoredRecipe::slab_bytes`], then `4 T² (2 K + 3 L)` sums, shadows and
-///   results;
+/// - `60 n L` sums of albedos of a slab, at most [`FactoredRecipe::slab_bytes`], then `4 T² (3 K + 5 L)` sums, shares and
+///   results, and `80 L R²` of the largest residual;
 /// - `4 T² L` for each of the views in memory, 8 or as many as fit into 256 MiB;
 /// - `32 L K (K + 1) p` of masks, and the parts themselves.
 ///
 /// The asset is the same on any number of threads.
 ///
 /// # Errors
-/// Returns errors of `view`, and an error if views do not match each other or the mask, if the target cannot be met, or
+/// Returns errors of `view`, and an error if views do not match each other or the masks, if the target cannot be met, or
 /// if the work is cancelled.
 pub fn factor<E: Send>(
     recipe: &FactoredRecipe,
@@ -65,6 +65,11 @@ pub fn factor<E: Send>(
     let first = reader.read(0..1, None)?;
     let directions = first[0].header().clone();
     let (views, lights) = (directions.views.len(), directions.lights.len());
+    if let Some(lit) = lit.filter(|lit| (lit.size(), lit.views()) != (mask.size(), lights as u32)) {
+        let text = |size: u32, lights: u32| format!("{lights} lights, {size} x {size} texels");
+        let (found, expected) = (text(lit.size(), lit.views()), text(mask.size(), lights as u32));
+        return Err(FormatError::whole("mask of lights", found, format!("{expected}, as the views have")).into());
+    }
     let most = recipe.training_bytes / (24 * views * lights).max(1);
     let [fitted, held_out] = choose(size * size, recipe.training_texels.min(most).max(1), HELD_OUT);
     let masks = |texels: &[usize]| Masks::new(mask, texels);
@@ -100,9 +105,9 @@ pub fn factor<E: Send>(
     let (mut candidate, tried) = trials.choose(recipe.target)?;
     progress.stage(Stage::Fit, 1)?;
     let residual = arrival.residual(candidate.shape.residual)?;
-    let Shares { shadows, shaded } = arrival.shares(residual.as_ref(), &fitted.texels);
+    let Shares { lit_roots, shaded } = arrival.shares(residual.as_ref(), &fitted.texels);
     let values = fitted.values(count, &of_fitted, &shaded, &rays);
-    candidate.refine(&values, &shadows);
+    candidate.refine(&values, &lit_roots);
     drop((values, fitted));
     progress.step()?;
 
@@ -221,7 +226,9 @@ impl<E: Send, F: Fn(u32) -> Result<FlatView, E> + Sync> Reader<'_, F> {
                 words.iter().try_for_each(|_| progress.step())?;
             }
             let solved = sums.solve(&|texel, light| arrival.reaches(texels[texel], light));
-            arrival.add(texels[0], &sums.products(&solved));
+            if arrival.is_known() {
+                arrival.add(texels[0], &sums.products(&solved));
+            }
             albedos.extend(solved);
         }
         Ok(StoredBase::new(table, &albedos, normals))
@@ -247,7 +254,7 @@ impl<E: Send, F: Fn(u32) -> Result<FlatView, E> + Sync> Reader<'_, F> {
             sums.add(&rounded.basis, (base, &rays, shares), &masks, &words);
             words.iter().try_for_each(|_| progress.step())?;
         }
-        Ok(solve_texels(&sums, &masks, &shares.shadows, rounded))
+        Ok(solve_texels(&sums, &masks, &shares.lit_roots, rounded))
     }
 }
 

@@ -7,7 +7,8 @@ use brdfc_formats::flat_btf::factored::{FactoredErrors, FactoredFlatBtf};
 use brdfc_metrics::lab::{distance_squared, lab};
 use rayon::prelude::*;
 
-/// Errors at the texels of a sample with these shares; the k-th of them is the texel `place(k)` of the asset.
+/// Errors at the texels of a sample with these shares; the k-th of them is the texel `place(k)` of the asset. Lights reach
+/// texels as in the shares, not as rays through layers do.
 pub(super) fn errors(
     asset: &FactoredFlatBtf,
     sample: &Sample,
@@ -21,7 +22,7 @@ pub(super) fn errors(
         let difference = |pair: usize| {
             let (view, light) = (pair / lights, pair % lights);
             let expected = rgb9e5::decode(sample.word(k, view, light));
-            let (lit, shaded) = (shares.shadows[k * lights + light].powi(3), shares.shaded[k * lights + light]);
+            let (lit, shaded) = (shares.lit_roots[k * lights + light].powi(3), shares.shaded[k * lights + light]);
             let (value, diffuse) = (texel.value(view as u32, light as u32), texel.base().diffuse);
             let found = [0, 1, 2].map(|c: usize| lit * value[c] + shaded * diffuse[c]);
             distance_squared(lab(found), lab(expected)).sqrt()

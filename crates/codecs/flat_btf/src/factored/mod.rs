@@ -41,3 +41,4 @@ pub use encode::factor;
 pub use known::{known, least_bytes};
 pub use recipe::{FactoredRecipe, FactoredTarget};
 pub use report::{FactorError, Factored, FactoredFacts, FactoredTrial};
+pub use residual::max_cells;

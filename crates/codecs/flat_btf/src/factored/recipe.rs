@@ -2,7 +2,7 @@
 
 use super::assemble::{Shape, header};
 use super::base::AlbedoSums;
-use super::residual::largest;
+use super::residual::max_cells;
 use brdfc_formats::FormatError;
 use brdfc_formats::flat_btf::FlatHeader;
 use brdfc_formats::flat_btf::factored::{ChromaRange, GROUP, MAX_GROUPS};
@@ -22,14 +22,14 @@ pub enum FactoredTarget {
     Components {
         /// Number of components, 1 to 64.
         components: u32,
-        /// Cells per side of the residual of shadows: 0, which is none, or a power of two up to 64 and the number of
-        /// texels.
+        /// Cells per side of the residual of shadows: 0, which is none, or a power of two up to [`super::max_cells`].
         residual: u32,
     },
 }
 
 impl FactoredTarget {
-    /// Checks that an asset with these directions can meet the target, as far as that is known without the values.
+    /// Checks that an asset with these directions can meet the target, as far as that is known without the values: with a
+    /// residual of one cell, which values before shadows do not have.
     ///
     /// # Errors
     /// Returns an error for numbers out of range, for fewer bytes than the smallest asset takes, and for more lights
@@ -39,9 +39,9 @@ impl FactoredTarget {
             Self::Error(most) if !(*most >= 0.0 && most.is_finite()) => {
                 Err(FormatError::whole("error of factors", most.to_string(), "0 or more"))
             }
-            Self::Error(_) => shapes(directions, &[0]).map(drop),
+            Self::Error(_) => shapes(directions, &[1]).map(drop),
             Self::Bytes(most) => {
-                let least = shapes(directions, &[0])?.iter().map(|shape| gpu_bytes(*shape, directions)).min();
+                let least = shapes(directions, &[1])?.iter().map(|shape| gpu_bytes(*shape, directions)).min();
                 match least {
                     Some(least) if *most < least => {
                         let allowed = format!("{least} or more, the bytes of the smallest asset");
@@ -56,7 +56,7 @@ impl FactoredTarget {
                     let allowed = format!("1 to {}", MAX_GROUPS * GROUP as u32);
                     return Err(FormatError::whole("components", components.to_string(), allowed));
                 }
-                let most = largest(directions.size);
+                let most = max_cells(directions.size);
                 if *residual != 0 && !(residual.is_power_of_two() && *residual <= most) {
                     let allowed = format!("0 or a power of two up to {most}");
                     return Err(FormatError::whole("cells of the residual", residual.to_string(), allowed));
@@ -91,7 +91,8 @@ pub struct FactoredRecipe {
     pub training_texels: usize,
     /// Maximum bytes of the values of the fit.
     pub training_bytes: usize,
-    /// Weight of each of two neighbours, in both directions, by which values are blurred.
+    /// Weight of each of two neighbours, in both directions, by which values are blurred: 0.1 for texels that are looked up
+    /// in images of about as many pixels.
     pub blur: f32,
     /// Maximum bytes of sums of albedos in memory; if all texels exceed it, the encoder makes several passes over the views.
     pub slab_bytes: usize,
@@ -111,6 +112,7 @@ impl FactoredRecipe {
         let training = (24 * views * lights * self.training_texels as u64).min(self.training_bytes as u64);
         let sums = (AlbedoSums::BYTES as u64 * texels * lights).min(self.slab_bytes as u64);
         let (products, masks) = (8 * views * lights * most * (most + 1), 32 * lights * most * (most + 1));
-        training + training / 3 + sums + products + masks + 4 * texels * (2 * most + 3 * lights) + 8 * texels * lights
+        let cells = 80 * lights * u64::from(max_cells(directions.size)).pow(2);
+        training + training / 3 + sums + products + masks + cells + 4 * texels * (3 * most + 5 * lights)
     }
 }

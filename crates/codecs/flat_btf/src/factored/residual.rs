@@ -9,24 +9,26 @@ use brdfc_formats::flat_btf::factored::ResidualMap;
 use brdfc_formats::tap::Tap;
 use rayon::prelude::*;
 
-/// Cells per side that are tried.
-pub(super) const CELLS: [u32; 4] = [1, 4, 16, 64];
+/// Cells per side that are tried, as far as a cell has four texels per side.
+const CELLS: [u32; 4] = [1, 4, 16, 64];
+const TEXELS_OF_CELL: u32 = 4;
 /// Weight of the coarser level, as a share of the mean weight of a cell.
 const RIDGE: f64 = 1e-2;
-/// Share of a lit texel above which it counts as lit as a whole.
+/// Share of a texel above which it counts as lit as a whole, and below which as shaded.
 const WHOLE: f32 = 0.75;
+const SHADED: f32 = 0.02;
 /// Shares of the coarsest level where nothing is known: direct light alone.
 const DIRECT: [f64; 2] = [1.0, 0.0];
 
-/// Product of value and prediction, and square of the prediction, summed over the views of a texel under a light. The base
-/// predicts lit values, and the diffuse albedo shaded ones, of which these are cube roots.
+/// Sums over the views of a texel under a light, each a product with the value and a square: of the base, which predicts
+/// lit values; and of the cube root of the diffuse albedo, which predicts the cube root of shaded values.
 pub(super) type Products = [[f32; 2]; 2];
 
-/// Shares of some texels under each light, `texels x L`: a value is `shadow³ F + shaded d`, with the value F of base and
+/// Shares of some texels under each light, `texels x L`: a value is `lit_root³ F + shaded d`, with the value F of base and
 /// components, and the diffuse albedo d.
 #[derive(Debug, Clone)]
 pub(super) struct Shares {
-    pub(super) shadows: Vec<f32>,
+    pub(super) lit_roots: Vec<f32>,
     pub(super) shaded: Vec<f32>,
 }
 
@@ -63,16 +65,22 @@ impl Arrival {
             let is_lit = |k: usize| f32::from(u8::from(mask.is_seen((k / (size * size)) as u32, at(k))));
             let lit: Vec<f32> = (0..lights * size * size).map(is_lit).collect();
             let lit = lit.par_chunks(size * size).flat_map_iter(|lit| blurred(lit, size, blur)).collect();
-            let side = largest(texels);
+            let side = max_cells(texels);
             let sums = vec![[[0.0; 2]; 2]; lights * (side * side) as usize];
             Known { lit, sums: CellSums { side, sums } }
         });
         Self { texels: size, lights, known }
     }
 
+    /// Returns true if values depend on the lights that reach a texel.
+    pub(super) fn is_known(&self) -> bool {
+        self.known.is_some()
+    }
+
     /// Cells per side of the residuals to try, ascending: 0, no residual, for values before shadows.
     pub(super) fn sizes(&self) -> Vec<u32> {
-        if self.known.is_none() { vec![0] } else { cells(self.texels as u32).collect() }
+        let most = max_cells(self.texels as u32);
+        if self.is_known() { CELLS.into_iter().filter(|cells| *cells <= most).collect() } else { vec![0] }
     }
 
     /// Returns true if a light reaches all of a texel, or if values do not depend on it.
@@ -90,10 +98,16 @@ impl Arrival {
             for (texel, products) in (first..).zip(products.chunks_exact(lights)) {
                 let at = light * size * size + texel;
                 for (cell, share) in around([texel % size, texel / size], size, side) {
-                    // Texels at the border of a shadow say little of either side.
-                    let weights = [lit[at], 1.0 - lit[at]].map(|weight| share * weight.powi(4));
-                    for ((sums, weight), products) in cells[cell].iter_mut().zip(weights).zip(products[light]) {
-                        sums.iter_mut().zip(products).for_each(|(sum, number)| *sum += f64::from(weight * number));
+                    let [[value, square], [root, square_of_root]] =
+                        products[light].map(|[a, b]| [share * a, share * b]);
+                    let [of_lit, of_shaded] = &mut cells[cell];
+                    // Texels at the border of a shadow say little: they count by the square of what is lit.
+                    let lit = lit[at];
+                    of_lit[0] += f64::from(lit.powi(3) * value);
+                    of_lit[1] += f64::from(lit.powi(4) * square);
+                    if lit < SHADED {
+                        of_shaded[0] += f64::from(root);
+                        of_shaded[1] += f64::from(square_of_root);
                     }
                 }
             }
@@ -140,9 +154,9 @@ impl Arrival {
             };
             (0..self.lights).map(of_light).collect()
         };
-        let (shadows, shaded) =
-            texels.par_iter().flat_map_iter(of_texel).map(|[shadow, shaded]| (shadow, shaded)).unzip();
-        Shares { shadows, shaded }
+        let (lit_roots, shaded) =
+            texels.par_iter().flat_map_iter(of_texel).map(|[root, shaded]| (root, shaded)).unzip();
+        Shares { lit_roots, shaded }
     }
 }
 
@@ -158,14 +172,10 @@ fn blurred(lit: &[f32], size: usize, blur: f32) -> Vec<f32> {
     (0..lit.len()).map(mean).collect()
 }
 
-/// Cells per side that a flat BTF of `texels` per side can have.
-fn cells(texels: u32) -> impl Iterator<Item = u32> {
-    CELLS.into_iter().filter(move |cells| *cells <= texels)
-}
-
-/// Most cells per side that a flat BTF of `texels` per side can have.
-pub(super) fn largest(texels: u32) -> u32 {
-    cells(texels).last().unwrap_or(1)
+/// Maximum number of cells per side of a residual, a power of two, for a flat BTF of `texels` per side.
+pub fn max_cells(texels: u32) -> u32 {
+    let fitting = (texels / TEXELS_OF_CELL).clamp(1, CELLS[CELLS.len() - 1]);
+    1 << fitting.ilog2()
 }
 
 /// Cells around the centre of a texel, and their shares.
@@ -199,8 +209,10 @@ impl CellSums {
         let side = self.side as usize;
         let count = side * side;
         let of_light = |(light, cells): (usize, &[[[f64; 2]; 2]])| {
+            // The coarsest level has none above it.
+            let ridge = if above.is_some() { RIDGE } else { 0.0 };
             let ridges = [0, 1]
-                .map(|state: usize| RIDGE * cells.iter().map(|cell| cell[state][1]).sum::<f64>() / count as f64 + 1e-9);
+                .map(|state: usize| ridge * cells.iter().map(|cell| cell[state][1]).sum::<f64>() / count as f64 + 1e-9);
             let share = |at: usize| {
                 let half = side / 2;
                 let prior =
@@ -214,5 +226,71 @@ impl CellSums {
             (0..count).map(share).collect::<Vec<_>>()
         };
         self.sums.chunks_exact(count).enumerate().flat_map(of_light).collect()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A tile whose left half a single light reaches, with values 0.6 of the base there and 0.125 of the albedo elsewhere,
+    /// blurred across the border.
+    #[test]
+    fn blurred_borders_do_not_change_the_shares() {
+        let size = 16;
+        let bytes = (0..size * size).map(|k| if k % size < size / 2 { 255 } else { 0 }).collect();
+        let mask = VisibilityMask::new(size, 1, bytes).unwrap();
+        for blur in [0.0f32, 0.1, 0.25] {
+            let mut arrival = Arrival::new(size, 1, Some(&mask), blur);
+            let known = arrival.known.as_ref().unwrap();
+            let border = known.lit[(size / 2 - 1) as usize];
+            assert!((border - (1.0 - blur)).abs() < 1e-6 && (known.lit[8] - blur).abs() < 1e-6, "{border}");
+            let (base, albedo) = (0.8f32, 0.5f32);
+            let products: Vec<Products> = known
+                .lit
+                .iter()
+                .map(|lit| {
+                    let value = lit * 0.6 * base + (1.0 - lit) * 0.125 * albedo;
+                    [[value * base, base * base], [value.cbrt() * albedo.cbrt(), albedo.cbrt().powi(2)]]
+                })
+                .collect();
+            arrival.add(0, &products);
+            let map = arrival.residual(1).unwrap().unwrap();
+            let shares = [0, 1].map(|k: usize| ResidualMap::share(f32::from(map.layer(0, 0)[k]) / 255.0));
+            // What leaks over the border brightens lit texels a little.
+            assert!((shares[0] - 0.6).abs() < 0.02 && (shares[1] - 0.125).abs() < 0.005, "{blur}: {shares:?}");
+            let Shares { lit_roots, shaded } = arrival.shares(Some(&map), &[3, 7, 8, 12]);
+            let expected = [0.6, 0.6 * (1.0 - blur), 0.6 * blur, 0.0];
+            assert!((0..4).all(|k| (lit_roots[k].powi(3) - expected[k]).abs() < 0.02), "{blur}: {lit_roots:?}");
+            assert!((shaded[0] == 0.0) && (shaded[3] - 0.125).abs() < 0.005, "{blur}: {shaded:?}");
+        }
+    }
+
+    /// Cells without a light take the shares of the cells around them, and without any those of direct light.
+    #[test]
+    fn empty_cells_take_the_level_above() {
+        let size = 32;
+        let mask = VisibilityMask::new(size, 1, vec![255; (size * size) as usize]).unwrap();
+        let mut arrival = Arrival::new(size, 1, Some(&mask), 0.0);
+        assert_eq!((arrival.sizes(), max_cells(size), max_cells(3), max_cells(1000)), (vec![1, 4], 8, 1, 64));
+        // Only the first row of texels says anything.
+        arrival.add(0, &vec![[[0.5, 1.0], [0.0, 0.0]]; size as usize]);
+        let map = arrival.residual(8).unwrap().unwrap();
+        let cells = map.layer(0, 0);
+        assert_eq!((cells.len(), map.levels()), (128, 4));
+        assert!(cells.as_chunks::<2>().0.iter().all(|cell| *cell == [ResidualMap::byte_of(0.5), 0]), "{cells:?}");
+        let none = Arrival::new(size, 1, Some(&mask), 0.0).residual(1).unwrap().unwrap();
+        assert_eq!(none.layer(0, 0), [180, 0]);
+    }
+
+    /// A texel's cells are those that the decoder filters, across the border of the tile too.
+    #[test]
+    fn shares_are_those_of_the_decoder() {
+        assert_eq!(
+            around([0, 0], 8, 2).map(|(cell, share)| (cell, (share * 64.0).round())),
+            [(3, 9.0), (2, 15.0), (1, 15.0), (0, 25.0)]
+        );
+        let cells: f32 = around([5, 2], 7, 4).iter().map(|(_, share)| share).sum();
+        assert!((cells - 1.0).abs() < 1e-6);
     }
 }

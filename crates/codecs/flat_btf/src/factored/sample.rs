@@ -116,15 +116,15 @@ impl Values {
     }
 
     /// Computes `m s (x - s o)` for some texels in a view, with weight m, value x and base o, where s is the texel's
-    /// row of L in `shadows`: `texels x 3 L`.
-    pub(super) fn scaled(&self, view: usize, texels: Range<usize>, shadows: &[f32], rows: &mut Vec<f32>) {
+    /// row of L in `lit_roots`: `texels x 3 L`.
+    pub(super) fn scaled(&self, view: usize, texels: Range<usize>, lit_roots: &[f32], rows: &mut Vec<f32>) {
         rows.clear();
         for texel in texels {
             let weight = self.weight(view, texel);
-            let shadows = &shadows[texel * self.lights..][..self.lights];
+            let lit_roots = &lit_roots[texel * self.lights..][..self.lights];
             let (colours, bases) =
                 (self.row(view, texel).as_chunks::<3>().0, self.base_row(view, texel).as_chunks::<3>().0);
-            rows.extend(colours.iter().zip(bases).zip(shadows).flat_map(|((colour, base), shadow)| {
+            rows.extend(colours.iter().zip(bases).zip(lit_roots).flat_map(|((colour, base), shadow)| {
                 let factor = weight * shadow;
                 [0, 1, 2].map(|k: usize| factor * (colour[k] - shadow * base[k]))
             }));

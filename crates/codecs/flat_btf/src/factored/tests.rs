@@ -90,7 +90,11 @@ fn products_are_recovered() {
     let map = made.asset.residual().unwrap();
     assert_eq!((map.size(), map.lights()), (1, LIGHTS));
     let shares = (0..LIGHTS).map(|light| map.layer(0, light));
-    assert!(shares.clone().all(|cell| cell[1] == 0 && cell[0] > 120), "{:?}", shares.collect::<Vec<_>>());
+    assert!(
+        shares.clone().all(|cell| cell[1] == 0 && (150..210).contains(&cell[0])),
+        "{:?}",
+        shares.collect::<Vec<_>>()
+    );
     // The negative control: without the rays, shadows are no product.
     let view = |view: u32| Ok::<_, FormatError>(views[view as usize].clone());
     let eight = FactoredTarget::Components { components: 8, residual: 0 };
@@ -114,13 +118,13 @@ fn light_in_shadows_is_recovered_by_cells() {
     let (seen, views) = (mask(|_, _| true), views(matte));
     let with = |residual: u32| made(FactoredTarget::Components { components: 4, residual }, &seen, &views);
     let error = |made: &Factored| made.facts.errors.seen_mean;
-    let [none, one, sixteen] = [0, 1, 16].map(with);
+    let [none, one, four] = [0, 1, 4].map(with);
     assert!(error(&none) > 8.0 && error(&one) < 0.5 * error(&none), "{} {}", error(&none), error(&one));
-    assert!(error(&sixteen) < 0.6 && error(&sixteen) < 0.3 * error(&one), "{} {}", error(&one), error(&sixteen));
+    assert!(error(&four) < 1.0 && error(&four) < 0.4 * error(&one), "{} {}", error(&one), error(&four));
     // What the decoder makes of it, at texels of both sides.
     for (texel, light) in [([0, 3], 2), ([8, 5], 9), ([3, 14], 0)] {
         let at = texel[1] * SIZE + texel[0];
-        let of = sixteen.asset.texel(texel);
+        let of = four.asset.texel(texel);
         let only = ViewWeights { indices: [light; 3], weights: [1.0, 0.0, 0.0] };
         let found = of.shadowed(of.value(4, light), only, 0.0);
         let expected = albedo(at).map(|c| c * share(at, light));
@@ -209,23 +213,28 @@ fn fewest_bytes_that_meet_an_error() {
     assert_eq!(met.map(|trial| trial.gpu_bytes).min(), Some(chosen.facts.gpu_bytes));
     // No candidate meets this target; the best trial is selected.
     let best = made(FactoredTarget::Error(0.0), &seen, &views);
-    assert!(best.facts.errors.seen_mean > 0.0 && best.facts.tried.len() == 21, "{:?}", best.facts);
+    assert!(best.facts.errors.seen_mean > 0.0 && best.facts.tried.len() == 14, "{:?}", best.facts);
     let least = best.facts.tried.iter().map(|trial| trial.errors.seen_mean).fold(f32::MAX, f32::min);
-    let own = best
-        .facts
-        .tried
-        .iter()
-        .find(|trial| (trial.components, trial.residual) == (best.facts.components, best.facts.residual));
-    // More bytes must pay.
-    assert!(0.7 * own.unwrap().errors.seen_mean <= least, "{:?}", best.facts);
+    // Twice the bytes must reduce the error by a tenth.
+    let mut selected = best.facts.tried[0];
+    for trial in &best.facts.tried {
+        let doublings = (trial.gpu_bytes as f64 / selected.gpu_bytes as f64).log2();
+        let most = 0.99 * 0.9f64.powf(doublings) * f64::from(selected.errors.seen_mean);
+        if f64::from(trial.errors.seen_mean) < most {
+            selected = *trial;
+        }
+    }
+    let found = (best.facts.components, best.facts.residual);
+    assert_eq!(found, (selected.components, selected.residual), "{:?}", best.facts);
     // A target in bytes.
     let small = made(FactoredTarget::Bytes(chosen.asset.gpu_bytes()), &seen, &views);
     assert!(small.facts.gpu_bytes <= chosen.asset.gpu_bytes());
     // All shapes that fit are tried, not only the largest.
     let many = made(FactoredTarget::Bytes(u64::MAX), &seen, &views);
     let errors = |tried: &[FactoredTrial]| tried.iter().map(|trial| trial.errors.seen_mean).fold(f32::MAX, f32::min);
-    assert_eq!((many.facts.tried.len(), errors(&many.facts.tried)), (21, least));
-    assert!(many.facts.gpu_bytes >= best.facts.gpu_bytes);
+    assert_eq!((many.facts.tried.len(), errors(&many.facts.tried)), (14, least));
+    let own = many.facts.tried.iter().find(|trial| trial.gpu_bytes == many.facts.gpu_bytes).unwrap();
+    assert!(0.98 * own.errors.seen_mean <= least, "{:?}", many.facts);
     let view = |view: u32| Ok::<_, FormatError>(views[view as usize].clone());
     let refused = factor(&FactoredRecipe::new(FactoredTarget::Bytes(100)), &flat(SIZE), &seen, None, view, &())
         .unwrap_err()
@@ -234,10 +243,10 @@ fn fewest_bytes_that_meet_an_error() {
     let none = FactoredTarget::Components { components: 0, residual: 1 };
     let refused = factor(&FactoredRecipe::new(none), &flat(SIZE), &seen, None, view, &()).unwrap_err().to_string();
     assert_eq!(refused, "components: found 0, expected 1 to 64");
-    for residual in [3, 32] {
+    for residual in [3, 8] {
         let target = FactoredTarget::Components { components: 4, residual };
         let refused = factor(&FactoredRecipe::new(target), &flat(SIZE), &seen, None, view, &()).unwrap_err();
-        let expected = format!("cells of the residual: found {residual}, expected 0 or a power of two up to 16");
+        let expected = format!("cells of the residual: found {residual}, expected 0 or a power of two up to 4");
         assert_eq!(refused.to_string(), expected);
     }
 }
@@ -262,6 +271,17 @@ fn threads_and_slabs() {
     let (a, b) = (one.facts.errors, slabs.facts.errors);
     assert!((a.seen_mean - b.seen_mean).abs() < 0.01 * a.seen_mean, "{a:?} {b:?}");
     assert_eq!(one.asset.basis().words(), slabs.asset.basis().words());
+}
+
+#[test]
+fn masks_of_other_lights_are_refused() {
+    let (seen, views) = (mask(|_, _| true), views(product));
+    let view = |view: u32| Ok::<_, FormatError>(views[view as usize].clone());
+    for (lit, found) in [(lights(SIZE, 3), "3 lights, 16 x 16"), (lights(8, LIGHTS), "12 lights, 8 x 8")] {
+        let refused = factor(&FactoredRecipe::new(EIGHT), &flat(SIZE), &seen, Some(&lit), view, &()).unwrap_err();
+        let expected = "12 lights, 16 x 16 texels, as the views have";
+        assert_eq!(refused.to_string(), format!("mask of lights: found {found} texels, expected {expected}"));
+    }
 }
 
 #[test]
