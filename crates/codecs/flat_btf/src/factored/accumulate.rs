@@ -58,7 +58,7 @@ impl Sums {
                     let (outgoing, incoming) = (rays.views[view.view], rays.lights[light]);
                     for (texel, (word, weight)) in words.iter().zip(weights).enumerate() {
                         let pair = (first + texel) * lights + light;
-                        let shadow = shares.lit_roots[pair];
+                        let shadow = shares.fit_roots[pair];
                         let value = if shadow > 0.0 {
                             let value = base.without(first + texel, shares.shaded[pair], rgb9e5::decode(*word));
                             let colour = to_opponent(value);

@@ -97,7 +97,7 @@ impl Candidate {
             );
         }
         let masks = held_out.masks.first(count);
-        let weights = solve_texels(&sums, &masks, &shares.lit_roots[..count * rounded.basis.lights], &rounded);
+        let weights = solve_texels(&sums, &masks, &shares.fit_roots[..count * rounded.basis.lights], &rounded);
         let asset = assemble::asset(rounded.map, &base, &weights, &vec![1.0; count], None)?;
         Ok(errors(&asset, held_out, count, |k| [(k % size) as u32, (k / size) as u32], shares))
     }

@@ -113,9 +113,9 @@ impl Trials<'_> {
         let groups = shapes.iter().filter(|shape| shape.residual == residual).map(|shape| shape.groups).max();
         let map = self.arrival.residual(residual)?;
         let shape = Shape { groups: groups.unwrap_or(1), residual };
-        let Shares { lit_roots, shaded } = self.arrival.shares(map.as_ref(), &self.fitted.texels[..self.texels]);
+        let Shares { fit_roots, shaded, .. } = self.arrival.shares(map.as_ref(), &self.fitted.texels[..self.texels]);
         let values = self.fitted.values(self.texels, self.bases[0], &shaded, &Rays::new(self.directions));
-        let largest = Candidate::new(&values, &lit_roots, shape);
+        let largest = Candidate::new(&values, &fit_roots, shape);
         Ok(Fitted { largest, held_out: self.arrival.shares(map.as_ref(), &self.held_out.texels) })
     }
 }

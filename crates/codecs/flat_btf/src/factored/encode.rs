@@ -105,9 +105,9 @@ pub fn factor<E: Send>(
     let (mut candidate, tried) = trials.choose(recipe.target)?;
     progress.stage(Stage::Fit, 1)?;
     let residual = arrival.residual(candidate.shape.residual)?;
-    let Shares { lit_roots, shaded } = arrival.shares(residual.as_ref(), &fitted.texels);
+    let Shares { fit_roots, shaded, .. } = arrival.shares(residual.as_ref(), &fitted.texels);
     let values = fitted.values(count, &of_fitted, &shaded, &rays);
-    candidate.refine(&values, &lit_roots);
+    candidate.refine(&values, &fit_roots);
     drop((values, fitted));
     progress.step()?;
 
@@ -254,7 +254,7 @@ impl<E: Send, F: Fn(u32) -> Result<FlatView, E> + Sync> Reader<'_, F> {
             sums.add(&rounded.basis, (base, &rays, shares), &masks, &words);
             words.iter().try_for_each(|_| progress.step())?;
         }
-        Ok(solve_texels(&sums, &masks, &shares.lit_roots, rounded))
+        Ok(solve_texels(&sums, &masks, &shares.fit_roots, rounded))
     }
 }
 

@@ -14,8 +14,9 @@ const CELLS: [u32; 4] = [1, 4, 16, 64];
 const TEXELS_OF_CELL: u32 = 4;
 /// Weight of the coarser level, as a share of the mean weight of a cell.
 const RIDGE: f64 = 1e-2;
-/// Share of a texel above which it counts as lit as a whole, and below which as shaded.
+/// Share of a texel above which it counts as lit, for albedos and components.
 const WHOLE: f32 = 0.75;
+/// Share of a texel below which it counts as shaded, and all but which as lit, for the residual.
 const SHADED: f32 = 0.02;
 /// Shares of the coarsest level where nothing is known: direct light alone.
 const DIRECT: [f64; 2] = [1.0, 0.0];
@@ -29,6 +30,8 @@ pub(super) type Products = [[f32; 2]; 2];
 #[derive(Debug, Clone)]
 pub(super) struct Shares {
     pub(super) lit_roots: Vec<f32>,
+    /// The same for fits: 0, which leaves a value out, at borders of shadows. Images do not match the surface that exactly.
+    pub(super) fit_roots: Vec<f32>,
     pub(super) shaded: Vec<f32>,
 }
 
@@ -95,19 +98,15 @@ impl Arrival {
         let Some(Known { lit, sums: CellSums { side, sums } }) = &mut self.known else { return };
         let (side, cells) = (*side, (*side * *side) as usize);
         sums.par_chunks_mut(cells).enumerate().for_each(|(light, cells)| {
-            for (texel, products) in (first..).zip(products.chunks_exact(lights)) {
+            for (texel, products) in (first..).zip(products.iter().skip(light).step_by(lights)) {
                 let at = light * size * size + texel;
                 for (cell, share) in around([texel % size, texel / size], size, side) {
-                    let [[value, square], [root, square_of_root]] =
-                        products[light].map(|[a, b]| [share * a, share * b]);
-                    let [of_lit, of_shaded] = &mut cells[cell];
-                    // Texels at the border of a shadow say little: they count by the square of what is lit.
-                    let lit = lit[at];
-                    of_lit[0] += f64::from(lit.powi(3) * value);
-                    of_lit[1] += f64::from(lit.powi(4) * square);
-                    if lit < SHADED {
-                        of_shaded[0] += f64::from(root);
-                        of_shaded[1] += f64::from(square_of_root);
+                    // Texels at the border of a shadow say little of either side.
+                    let counts = [lit[at] > 1.0 - SHADED, lit[at] < SHADED];
+                    for ((sums, products), _) in
+                        cells[cell].iter_mut().zip(products).zip(counts).filter(|(_, counts)| *counts)
+                    {
+                        sums.iter_mut().zip(products).for_each(|(sum, number)| *sum += f64::from(share * number));
                     }
                 }
             }
@@ -135,8 +134,8 @@ impl Arrival {
 
     /// Shares of some texels.
     pub(super) fn shares(&self, residual: Option<&ResidualMap>, texels: &[usize]) -> Shares {
-        let of_texel = |texel: &usize| -> Vec<[f32; 2]> {
-            let Some(known) = &self.known else { return vec![[1.0, 0.0]; self.lights] };
+        let of_texel = |texel: &usize| -> Vec<[f32; 3]> {
+            let Some(known) = &self.known else { return vec![[1.0, 1.0, 0.0]; self.lights] };
             let taps = residual.map(|map| around([texel % self.texels, texel / self.texels], self.texels, map.size()));
             let of_light = |light: usize| {
                 let lit = known.lit[light * self.texels * self.texels + texel];
@@ -150,13 +149,14 @@ impl Arrival {
                     }
                     _ => DIRECT.map(|share| share as f32),
                 };
-                [(lit * shares[0]).cbrt(), (1.0 - lit) * shares[1]]
+                let root = (lit * shares[0]).cbrt();
+                [root, if lit > WHOLE { root } else { 0.0 }, (1.0 - lit) * shares[1]]
             };
             (0..self.lights).map(of_light).collect()
         };
-        let (lit_roots, shaded) =
-            texels.par_iter().flat_map_iter(of_texel).map(|[root, shaded]| (root, shaded)).unzip();
-        Shares { lit_roots, shaded }
+        let all: Vec<[f32; 3]> = texels.par_iter().flat_map_iter(of_texel).collect();
+        let [lit_roots, fit_roots, shaded] = [0, 1, 2].map(|k: usize| all.iter().map(|shares| shares[k]).collect());
+        Shares { lit_roots, fit_roots, shaded }
     }
 }
 
@@ -259,9 +259,11 @@ mod tests {
             let shares = [0, 1].map(|k: usize| ResidualMap::share(f32::from(map.layer(0, 0)[k]) / 255.0));
             // What leaks over the border brightens lit texels a little.
             assert!((shares[0] - 0.6).abs() < 0.02 && (shares[1] - 0.125).abs() < 0.005, "{blur}: {shares:?}");
-            let Shares { lit_roots, shaded } = arrival.shares(Some(&map), &[3, 7, 8, 12]);
+            let Shares { lit_roots, fit_roots, shaded } = arrival.shares(Some(&map), &[3, 7, 8, 12]);
             let expected = [0.6, 0.6 * (1.0 - blur), 0.6 * blur, 0.0];
             assert!((0..4).all(|k| (lit_roots[k].powi(3) - expected[k]).abs() < 0.02), "{blur}: {lit_roots:?}");
+            let left = [true, 1.0 - blur > WHOLE, false, false];
+            assert!((0..4).all(|k| fit_roots[k] == if left[k] { lit_roots[k] } else { 0.0 }), "{blur}: {fit_roots:?}");
             assert!((shaded[0] == 0.0) && (shaded[3] - 0.125).abs() < 0.005, "{blur}: {shaded:?}");
         }
     }
