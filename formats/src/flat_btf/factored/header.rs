@@ -130,7 +130,7 @@ impl FactoredHeader {
 
     /// Columns, rows and layers of the residual of shadows, if there is one.
     pub fn residual_extent(&self) -> Option<Extent> {
-        (self.residual > 0).then(|| Extent::D2Array([self.residual, self.residual, self.lights.len() as u32]))
+        (self.residual > 0).then_some(Extent::D2Array([self.residual, self.residual, self.lights.len() as u32]))
     }
 
     /// GPU memory of all parts including mipmaps, bytes.
