@@ -88,9 +88,11 @@ fn query_value(decoder: &FlatBtfDecoder, directions: Option<&SampledDirections>,
 /// Error bound for a value of a flat BTF with layers of one height.
 fn flat_bound(decoder: &FlatBtfDecoder, directions: Option<&SampledDirections>, query: &Query) -> [f64; 4] {
     let header = decoder.parts().reflectance.header();
-    // Texels of the coarser of the two levels are larger.
+    // Texels of the coarser of the two levels are larger, and cells of the residual are larger than texels.
     let coarser = (query[0][2].ceil() as u32).min(header.levels - 1);
-    let step = STEP / (header.size >> coarser).max(1) as f32;
+    let finest = if header.residual > 0 { header.residual } else { header.size };
+    let finer = (header.size / finest).ilog2();
+    let step = STEP / (finest >> coarser.saturating_sub(finer)).max(1) as f32;
     let here = query_value(decoder, directions, query);
     let mut most = [0.0f32; 3];
     for (axis, step) in [step, step, STEP].into_iter().enumerate() {
