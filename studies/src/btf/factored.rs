@@ -48,14 +48,13 @@ pub(super) fn factored(
         FlatView::new(header(view), words.collect())
     };
     let texels = asset.size * asset.size;
-    let mask = |directions: &mut dyn Iterator<Item = usize>| {
+    let mask = |directions: &[usize]| {
         let byte = |view: usize, texel: usize| if asset.mask(view).is_none_or(|mask| mask[texel]) { 255 } else { 0 };
-        let directions: Vec<usize> = directions.collect();
         let bytes = directions.iter().flat_map(|view| (0..texels).map(move |texel| byte(*view, texel)));
         VisibilityMask::new(asset.size as u32, directions.len() as u32, bytes.collect())
     };
-    let seen = mask(&mut (0..asset.views()))?;
-    let lit = mask(&mut lights.fitted.iter().copied())?;
+    let seen = mask(&(0..asset.views()).collect::<Vec<_>>())?;
+    let lit = mask(&lights.fitted)?;
     let made = factor(&FactoredRecipe::new(target), &asset.normals, &seen, Some(&lit), view, &());
     let made = made.map_err(|error| match error {
         FactorError::View(error) | FactorError::Format(error) => error,

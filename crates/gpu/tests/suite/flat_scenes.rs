@@ -80,10 +80,10 @@ fn shader_and_cpu_draw_the_same_renderings() {
 fn all_reflectances_look_alike() {
     let scene = Builtin::Plane.scene();
     let drawn = [&*STUD, &COMPONENTS, &BOUNCED].map(|parts| draw_on_cpu(&scene, FRAME, &material(parts)));
-    for (name, image, most) in [("components", &drawn[1], 4.0), ("bounces", &drawn[2], 14.0)] {
+    for (name, image) in [("components", &drawn[1]), ("bounces", &drawn[2])] {
         let (_, mean) = difference(image, &drawn[0]);
         println!("{name} against the material: mean ΔE {mean}");
-        assert!((0.01..most).contains(&mean), "{name}: {mean}");
+        assert!((0.01..4.0).contains(&mean), "{name}: {mean}");
     }
     // The control: without relief.
     let (_, mean) = difference(&draw_on_cpu(&scene, FRAME, &material(&with_heights(&STUD, 1e-6))), &drawn[0]);

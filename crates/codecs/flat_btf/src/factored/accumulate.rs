@@ -14,8 +14,8 @@ use rayon::prelude::*;
 /// Texels of a strip, the unit of parallel work.
 const STRIP: usize = 128;
 
-/// Sums of some texels, `Σ m s Bᵀ (x - s o)` with view weight m, shadow s, value x without what is shaded, and base o:
-/// `texels x K`.
+/// Sums of some texels, `Σ m s Bᵀ (x - s o)` with view weight m, root s of the lit share, value x less its shaded part, and
+/// base o: `texels x K`.
 #[derive(Debug, Clone)]
 pub(super) struct Sums {
     components: usize,
@@ -58,12 +58,12 @@ impl Sums {
                     let (outgoing, incoming) = (rays.views[view.view], rays.lights[light]);
                     for (texel, (word, weight)) in words.iter().zip(weights).enumerate() {
                         let pair = (first + texel) * lights + light;
-                        let shadow = shares.fit_roots[pair];
-                        let value = if shadow > 0.0 {
+                        let root = shares.fit_roots[pair];
+                        let value = if root > 0.0 {
                             let value = base.without(first + texel, shares.shaded[pair], rgb9e5::decode(*word));
                             let colour = to_opponent(value);
                             let plain = base.opponent(first + texel, outgoing, incoming);
-                            [0, 1, 2].map(|c: usize| weight * shadow * (colour[c] - shadow * plain[c]))
+                            [0, 1, 2].map(|c: usize| weight * root * (colour[c] - root * plain[c]))
                         } else {
                             [0.0; 3]
                         };

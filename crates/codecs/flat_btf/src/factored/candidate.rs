@@ -31,15 +31,15 @@ pub(super) struct Candidate {
 
 impl Candidate {
     /// Fits a candidate to texels with these factors of cube roots, `texels x L`.
-    pub(super) fn new(values: &Values, lit_roots: &[f32], shape: Shape) -> Self {
-        let mut fit = Fit::guess(values, lit_roots, shape.groups as usize * GROUP);
-        (0..FIRST_ROUNDS).for_each(|_| fit.improve(values, lit_roots));
+    pub(super) fn new(values: &Values, fit_roots: &[f32], shape: Shape) -> Self {
+        let mut fit = Fit::guess(values, fit_roots, shape.groups as usize * GROUP);
+        (0..FIRST_ROUNDS).for_each(|_| fit.improve(values, fit_roots));
         Self { shape, fit }
     }
 
     /// Continues the fit with other texels.
-    pub(super) fn refine(&mut self, values: &Values, lit_roots: &[f32]) {
-        (0..MORE_ROUNDS).for_each(|_| self.fit.improve(values, lit_roots));
+    pub(super) fn refine(&mut self, values: &Values, fit_roots: &[f32]) {
+        (0..MORE_ROUNDS).for_each(|_| self.fit.improve(values, fit_roots));
     }
 
     /// Keeps the leading components, which is near-optimal.

@@ -10,11 +10,11 @@ use rayon::prelude::*;
 /// Number of masks whose products are computed at once.
 const MASKS: usize = 16;
 
-/// Solves the weights of all texels of the sums, `texels x K`, for the same factors `lit_roots`, `texels x L`. The prior is
+/// Solves the weights of all texels of the sums, `texels x K`, for the same factors `fit_roots`, `texels x L`. The prior is
 /// added to the diagonal.
 ///
 /// In addition to sums and results it takes `2 L K (K + 1)` bytes for each mask in progress, 16 per thread.
-pub(super) fn solve_texels(sums: &Sums, masks: &Masks, lit_roots: &[f32], rounded: &Rounded) -> Vec<f32> {
+pub(super) fn solve_texels(sums: &Sums, masks: &Masks, fit_roots: &[f32], rounded: &Rounded) -> Vec<f32> {
     let Rounded { basis, squares, prior, .. } = rounded;
     let (k, lights) = (basis.components, basis.lights);
     let of_masks = |groups: &[Vec<usize>]| -> Vec<(usize, Vec<f32>)> {
@@ -25,10 +25,10 @@ pub(super) fn solve_texels(sums: &Sums, masks: &Masks, lit_roots: &[f32], rounde
             for texel in group {
                 packed.clear();
                 packed.resize(squares.length, 0.0f32);
-                let lit_roots = &lit_roots[texel * lights..][..lights];
-                let reached = products.chunks_exact(squares.length).zip(lit_roots).filter(|(_, shadow)| **shadow > 0.0);
-                for (product, shadow) in reached {
-                    let square = shadow * shadow;
+                let fit_roots = &fit_roots[texel * lights..][..lights];
+                let reached = products.chunks_exact(squares.length).zip(fit_roots).filter(|(_, root)| **root > 0.0);
+                for (product, root) in reached {
+                    let square = root * root;
                     packed.iter_mut().zip(product).for_each(|(sum, number)| *sum += square * number);
                 }
                 let mean = super::train::trace(&packed, k) / k as f64;
@@ -40,7 +40,7 @@ pub(super) fn solve_texels(sums: &Sums, masks: &Masks, lit_roots: &[f32], rounde
         solved
     };
     let solved: Vec<_> = masks.groups().par_chunks(MASKS).map(of_masks).collect();
-    let mut weights = vec![0.0; lit_roots.len() / lights * k];
+    let mut weights = vec![0.0; fit_roots.len() / lights * k];
     for (texel, row) in solved.into_iter().flatten() {
         weights[texel * k..][..k].copy_from_slice(&row);
     }

@@ -1,6 +1,6 @@
 //! Flat BTFs as a product, `value = s(t, l)³ rgb(o(t, v, l) + Σ_k w_k(t) b_k(v, l)) + a(t, l) d(t)` with texel t, view v,
-//! light l: a base o of diffuse and glossy reflection with the diffuse albedo d, weights and a basis, where light arrives;
-//! and what is left of the albedo in shadow. The base is fitted first, then s and a to it, then weights and basis by
+//! light l: a base o of diffuse and glossy reflection with the diffuse albedo d, weights and a basis; s³ is the share of the
+//! value where light arrives, a the share of the albedo in shadow. The base is fitted first, then s and a to it, then weights and basis by
 //! alternating least squares in the scale of `brdfc_formats::flat_btf::factored::to_opponent`. Layout:
 //! `formats/src/flat_btf/factored/spec.md`.
 //!

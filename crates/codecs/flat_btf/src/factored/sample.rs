@@ -116,17 +116,17 @@ impl Values {
     }
 
     /// Computes `m s (x - s o)` for some texels in a view, with weight m, value x and base o, where s is the texel's
-    /// row of L in `lit_roots`: `texels x 3 L`.
-    pub(super) fn scaled(&self, view: usize, texels: Range<usize>, lit_roots: &[f32], rows: &mut Vec<f32>) {
+    /// row of L in `fit_roots`: `texels x 3 L`.
+    pub(super) fn scaled(&self, view: usize, texels: Range<usize>, fit_roots: &[f32], rows: &mut Vec<f32>) {
         rows.clear();
         for texel in texels {
             let weight = self.weight(view, texel);
-            let lit_roots = &lit_roots[texel * self.lights..][..self.lights];
+            let fit_roots = &fit_roots[texel * self.lights..][..self.lights];
             let (colours, bases) =
                 (self.row(view, texel).as_chunks::<3>().0, self.base_row(view, texel).as_chunks::<3>().0);
-            rows.extend(colours.iter().zip(bases).zip(lit_roots).flat_map(|((colour, base), shadow)| {
-                let factor = weight * shadow;
-                [0, 1, 2].map(|k: usize| factor * (colour[k] - shadow * base[k]))
+            rows.extend(colours.iter().zip(bases).zip(fit_roots).flat_map(|((colour, base), root)| {
+                let factor = weight * root;
+                [0, 1, 2].map(|k: usize| factor * (colour[k] - root * base[k]))
             }));
         }
     }

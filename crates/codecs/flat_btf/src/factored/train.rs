@@ -26,11 +26,11 @@ pub(super) struct Fit {
 }
 
 impl Fit {
-    /// Computes a first guess of `components`: the leading singular vectors of the lit values. `lit_roots` are factors of
+    /// Computes a first guess of `components`: the leading singular vectors of the lit values. `fit_roots` are factors of
     /// cube roots: `texels x L`.
     ///
     /// Multiplies with the values `2 (GUESS_ROUNDS + 1)` times; takes another `4 K (3 V L + texels)` bytes.
-    pub(super) fn guess(values: &Values, lit_roots: &[f32], components: usize) -> Self {
+    pub(super) fn guess(values: &Values, fit_roots: &[f32], components: usize) -> Self {
         let (views, lights, texels) = (values.views, values.lights, values.texels);
         let columns = components + OVERSAMPLING;
         let mut random = ChaCha8Rng::seed_from_u64(SEED);
@@ -38,22 +38,22 @@ impl Fit {
         let mut basis = Basis { views, lights, components: columns, values: Vec::new() };
         for _ in 0..=GUESS_ROUNDS {
             orthonormalise(&mut left, columns);
-            basis.values = right_side(values, lit_roots, &left, columns);
-            left = weighted_sums(values, lit_roots, &basis);
+            basis.values = right_side(values, fit_roots, &left, columns);
+            left = weighted_sums(values, fit_roots, &basis);
         }
         orthonormalise(&mut left, columns);
-        basis.values = right_side(values, lit_roots, &left, columns);
+        basis.values = right_side(values, fit_roots, &left, columns);
         let sorted = basis.sorted(&mut left);
         let weights = left.chunks_exact(columns).flat_map(|row| row[..components].iter().copied()).collect();
         Self { basis: sorted.truncated(components), weights }
     }
 
     /// Runs one round: weights, then the basis.
-    pub(super) fn improve(&mut self, values: &Values, lit_roots: &[f32]) {
+    pub(super) fn improve(&mut self, values: &Values, fit_roots: &[f32]) {
         let squares = self.basis.squares();
-        self.weights = solve_weights(values, lit_roots, &self.basis, &squares);
+        self.weights = solve_weights(values, fit_roots, &self.basis, &squares);
         drop(squares);
-        self.basis.values = solve_basis(values, lit_roots, &self.weights, &self.basis);
+        self.basis.values = solve_basis(values, fit_roots, &self.weights, &self.basis);
         self.basis = self.basis.sorted(&mut self.weights);
     }
 
@@ -95,12 +95,12 @@ fn orthonormalise(rows: &mut [f32], columns: usize) {
 }
 
 /// Computes `Xᵀ left`: rows of the values' columns.
-fn right_side(values: &Values, lit_roots: &[f32], left: &[f32], columns: usize) -> Vec<f32> {
+fn right_side(values: &Values, fit_roots: &[f32], left: &[f32], columns: usize) -> Vec<f32> {
     let length = 3 * values.lights;
     let mut result = vec![0.0; values.views * length * columns];
     result.par_chunks_mut(length * columns).enumerate().for_each(|(view, target)| {
         let mut rows = Vec::new();
-        values.scaled(view, 0..values.texels, lit_roots, &mut rows);
+        values.scaled(view, 0..values.texels, fit_roots, &mut rows);
         let left = Rows::new(left, values.texels, columns);
         add_product(target, columns, Rows::new(&rows, values.texels, length).transposed(), left);
     });
@@ -108,30 +108,30 @@ fn right_side(values: &Values, lit_roots: &[f32], left: &[f32], columns: usize) 
 }
 
 /// Computes `X basis`: a row of K per texel.
-fn weighted_sums(values: &Values, lit_roots: &[f32], basis: &Basis) -> Vec<f32> {
+fn weighted_sums(values: &Values, fit_roots: &[f32], basis: &Basis) -> Vec<f32> {
     let k = basis.components;
     let mut sums = vec![0.0; values.texels * k];
     sums.par_chunks_mut(STRIP * k).enumerate().for_each(|(strip, sums)| {
         let (first, count) = (strip * STRIP, sums.len() / k);
         let mut rows = Vec::new();
         for view in 0..values.views {
-            values.scaled(view, first..first + count, lit_roots, &mut rows);
+            values.scaled(view, first..first + count, fit_roots, &mut rows);
             add_product(sums, k, Rows::new(&rows, count, 3 * values.lights), basis.view(view));
         }
     });
     sums
 }
 
-/// Least squares weights of all texels, for a given basis and lit_roots.
-fn solve_weights(values: &Values, lit_roots: &[f32], basis: &Basis, squares: &Squares) -> Vec<f32> {
+/// Least squares weights of all texels, for a given basis and fit_roots.
+fn solve_weights(values: &Values, fit_roots: &[f32], basis: &Basis, squares: &Squares) -> Vec<f32> {
     let (k, lights) = (basis.components, values.lights);
-    let mut weights = weighted_sums(values, lit_roots, basis);
+    let mut weights = weighted_sums(values, fit_roots, basis);
     weights.par_chunks_mut(STRIP * k).enumerate().for_each(|(strip, weights)| {
         let (first, count) = (strip * STRIP, weights.len() / k);
         let mut sums = vec![0.0; count * squares.length];
         let mut factors = Vec::new();
         for view in 0..values.views {
-            lit_squares(values, lit_roots, view, first..first + count, &mut factors);
+            lit_squares(values, fit_roots, view, first..first + count, &mut factors);
             add_product(&mut sums, squares.length, Rows::new(&factors, count, lights), squares.view(view));
         }
         let mut room = Vec::new();
@@ -145,10 +145,10 @@ fn solve_weights(values: &Values, lit_roots: &[f32], basis: &Basis, squares: &Sq
     weights
 }
 
-/// Weight of a view of each texel times the squares of its lit_roots: `texels x L`.
+/// Weight of a view of each texel times the squares of its fit_roots: `texels x L`.
 fn lit_squares(
     values: &Values,
-    lit_roots: &[f32],
+    fit_roots: &[f32],
     view: usize,
     texels: std::ops::Range<usize>,
     factors: &mut Vec<f32>,
@@ -156,7 +156,7 @@ fn lit_squares(
     factors.clear();
     for texel in texels {
         let weight = values.weight(view, texel);
-        factors.extend(lit_roots[texel * values.lights..][..values.lights].iter().map(|s| weight * s * s));
+        factors.extend(fit_roots[texel * values.lights..][..values.lights].iter().map(|s| weight * s * s));
     }
 }
 
@@ -171,7 +171,7 @@ pub(super) fn trace(packed: &[f32], side: usize) -> f64 {
 }
 
 /// Least squares basis, with a ridge towards its previous values.
-fn solve_basis(values: &Values, lit_roots: &[f32], weights: &[f32], before: &Basis) -> Vec<f32> {
+fn solve_basis(values: &Values, fit_roots: &[f32], weights: &[f32], before: &Basis) -> Vec<f32> {
     let (k, lights, texels) = (before.components, values.lights, values.texels);
     let length = packed_length(k);
     let mut squares = vec![0.0; texels * length];
@@ -179,12 +179,12 @@ fn solve_basis(values: &Values, lit_roots: &[f32], weights: &[f32], before: &Bas
     let mut values_of_views = before.values.clone();
     values_of_views.par_chunks_mut(3 * lights * k).enumerate().for_each(|(view, target)| {
         let mut factors = Vec::new();
-        lit_squares(values, lit_roots, view, 0..texels, &mut factors);
+        lit_squares(values, fit_roots, view, 0..texels, &mut factors);
         let mut sums = vec![0.0; lights * length];
         let factors = Rows::new(&factors, texels, lights).transposed();
         add_product(&mut sums, length, factors, Rows::new(&squares, texels, length));
         let mut rows = Vec::new();
-        values.scaled(view, 0..texels, lit_roots, &mut rows);
+        values.scaled(view, 0..texels, fit_roots, &mut rows);
         let mut right = vec![0.0; 3 * lights * k];
         let weights = Rows::new(weights, texels, k);
         add_product(&mut right, k, Rows::new(&rows, texels, 3 * lights).transposed(), weights);
