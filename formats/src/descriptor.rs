@@ -61,7 +61,7 @@ pub struct Answer {
 pub struct StructAnswer {
     /// Name of the struct's type in WGSL.
     pub name: &'static str,
-    /// Its numbers: a WGSL expression of `$answer`.
+    /// Its numbers: a WGSL expression of `$answer`, `a`, `b` and `c`.
     pub numbers: &'static str,
 }
 

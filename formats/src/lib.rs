@@ -18,12 +18,14 @@ mod descriptor;
 pub mod direction;
 pub mod direction_mesh;
 pub mod direction_set;
+pub mod environment;
 mod error;
 mod error_summary;
 pub mod flat_btf;
 pub mod importance;
 #[macro_use]
 mod kind;
+pub mod lobes;
 pub mod memory;
 pub mod pwt;
 mod symmetry;
@@ -40,8 +42,10 @@ pub use error_summary::{ErrorSummary, RenderingSummary};
 pub use symmetry::Symmetry;
 
 use bandwidth::BandwidthMap;
+use environment::EnvironmentPack;
 use flat_btf::FlatBtfFile;
 use importance::ImportancePack;
+use lobes::LobesPack;
 use pwt::PwtPack;
 use table::TablePack;
 use wavelet::WaveletPack;
@@ -63,6 +67,10 @@ codecs! {
         Bandwidth(BandwidthMap): BandwidthMap, bandwidth;
         /// Importance samples.
         Importance(ImportancePack): ImportancePack, importance;
+        /// A prefiltered environment.
+        Environment(EnvironmentPack): EnvironmentPack, environment;
+        /// Lobes of a BRDF.
+        Lobes(LobesPack): LobesPack, lobes;
     }
 }
 

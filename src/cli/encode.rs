@@ -1,5 +1,6 @@
 //! `brdfc encode`: encodes one material as a pack.
 
+use super::encode_lobes;
 use super::options::{PackOptions, by_flags};
 use super::output::{json_or, note, output_parser, print_report, refuse_unfit_output};
 use super::progress::Materials;
@@ -16,6 +17,10 @@ use std::path::PathBuf;
 /// Without options, the result is the smallest pack, among sizes in doublings, whose renderings look like those of its
 /// source: a mean ΔE of 0.5, a 95th percentile below 2, and 90 % of the highlight's light. Prints every candidate, and the
 /// bytes, fetches and errors of the selected pack, which also contains its errors.
+///
+/// With --codec lobes, the result is for light from environments instead of lights: the fewest look-ups in a prefiltered
+/// environment, see 'brdfc environment', with a mean ΔE of at most 1 (up to 16 look-ups; --max-delta-e and --max-fetches set
+/// other limits). The schema of its --json is 'encode-lobes'.
 #[derive(Debug, Args)]
 #[command(after_help = "\
 Examples:
@@ -23,15 +28,16 @@ Examples:
   brdfc encode paint.brdf -o paint.ktx2 --max-delta-e 0.3 --max-bytes 65536
   brdfc encode paint.brdf -o paint.ktx2 --codec table --max-bytes 4096
   brdfc encode 'synth:ggx?alpha=0.2' -o ggx.ktx2 --codec wavelet --ratio 16 --json
+  brdfc encode paint.brdf -o paint.lobes.ktx2 --codec lobes
   brdfc encode - -o - < paint.brdf > paint.ktx2")]
 pub struct Arguments {
     /// A path, - for stdin, or synth:MODEL?param=value&...
-    input: Input,
+    pub(super) input: Input,
     /// The pack to write, or - for stdout.
     #[arg(long, short, value_name = "PACK.ktx2", value_parser = output_parser())]
-    output: PathBuf,
+    pub(super) output: PathBuf,
     #[command(flatten)]
-    options: PackOptions,
+    pub(super) options: PackOptions,
 }
 
 /// Report of `--json`.
@@ -51,8 +57,11 @@ pub struct Report {
 }
 
 pub(super) fn run(arguments: &Arguments, common: Common) -> Result<(), Error> {
-    let request = arguments.options.request().map_err(by_flags)?;
     refuse_unfit_output(&arguments.output, &["ktx2"], arguments.input.path().as_slice())?;
+    if let Some(options) = arguments.options.of_lobes() {
+        return encode_lobes::run(arguments, options, common);
+    }
+    let request = arguments.options.request().map_err(by_flags)?;
     // An interrupt ends the process at once: the single output file is either complete or absent.
     let progress = Materials::new(1, false, common);
     let name = arguments.output.file_name().map_or_else(String::new, |name| name.to_string_lossy().into_owned());

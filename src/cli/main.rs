@@ -5,6 +5,8 @@ mod build_scene;
 mod compare;
 mod convert;
 mod encode;
+mod encode_lobes;
+mod environment;
 mod eval;
 mod flatten;
 mod generate;
@@ -55,6 +57,7 @@ enum Command {
     Synth(synth::Arguments),
     Bandwidth(bandwidth::Arguments),
     Samples(samples::Arguments),
+    Environment(environment::Arguments),
     Shader(shader::Arguments),
     Pwt(Box<pwt::Arguments>),
     Flatten(Box<flatten::Arguments>),
@@ -89,7 +92,7 @@ impl Command {
 }
 
 /// Commands that print a report.
-const WITH_REPORT: &str = "bandwidth, build, compare, convert, encode, flatten, info, plan, pwt, render, report, samples, shader, verify, view and watch";
+const WITH_REPORT: &str = "bandwidth, build, compare, convert, encode, environment, flatten, info, plan, pwt, render, report, samples, shader, verify, view and watch";
 
 const EXAMPLES: &str = "\
 Examples:
@@ -109,6 +112,7 @@ Examples:
   brdfc pwt icon -o icon.ktx2                         an RTI capture as a pack that can be relit
   brdfc bandwidth museum.exr -o museum.ktx2           a map of how fast the environment varies
   brdfc samples red-plastic.binary -o red.samples.ktx2
+  brdfc environment museum.exr -o museum.env.ktx2     an environment for materials of --codec lobes
   brdfc shader table --language essl300               the decoder for an engine
 
 INPUT is a path, - for stdin, or an analytic model such as 'synth:ward?ax=0.15&ay=0.5'.
@@ -170,6 +174,7 @@ fn run(cli: Cli, common: Common) -> Result<(), Error> {
         Command::Bandwidth(arguments) => bandwidth::run(&arguments, common),
         Command::Pwt(arguments) => pwt::run(&arguments, common),
         Command::Samples(arguments) => samples::run(&arguments, common),
+        Command::Environment(arguments) => environment::run(&arguments, common),
         Command::Shader(arguments) => shader::run(&arguments, common),
         Command::Flatten(arguments) => flatten::run(&arguments, common),
         #[cfg(feature = "render")]

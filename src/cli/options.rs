@@ -2,6 +2,7 @@
 
 use super::Error;
 use brdfc::encode::OptionError;
+use brdfc::lobes::CODEC;
 use brdfc::{EncodeOptions, FitLimits, PackRecipe};
 use clap::{Args, Command};
 
@@ -22,10 +23,20 @@ impl PackOptions {
         self.encode != EncodeOptions::default() || self.no_supercompression
     }
 
+    /// Options of lobes, if they are requested.
+    pub fn of_lobes(&self) -> Option<&EncodeOptions> {
+        (self.encode.codec.as_deref() == Some(CODEC)).then_some(&self.encode)
+    }
+
+    /// Returns true if texels are compressed in the file.
+    pub fn supercompress(&self) -> bool {
+        !self.no_supercompression
+    }
+
     /// Resolves the recipe, and the limits of the fit to a scan.
     pub fn request(&self) -> Result<(PackRecipe, FitLimits), OptionError> {
         let mut recipe = PackRecipe::from_options(&self.encode, &EncodeOptions::default())?;
-        recipe.set_supercompress(!self.no_supercompression);
+        recipe.set_supercompress(self.supercompress());
         Ok((recipe, self.encode.fit_limits()?))
     }
 }

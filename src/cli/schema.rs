@@ -26,11 +26,13 @@ enum Report {
     Watch,
     /// 'brdfc encode --json'.
     Encode,
+    /// 'brdfc encode --codec lobes --json'.
+    EncodeLobes,
     /// 'brdfc compare --json'.
     Compare,
     /// 'brdfc convert --json'.
     Convert,
-    /// 'brdfc info --json' for a material, a pack that is drawn, importance samples, photographs under known lights, or a
+    /// 'brdfc info --json' for a material, a pack that is drawn, importance samples, lobes, a prefiltered environment, photographs under known lights, or a
     /// polynomial wavelet tree or texture map.
     Info,
     /// 'brdfc info --files --json'.
@@ -39,6 +41,8 @@ enum Report {
     Bandwidth,
     /// 'brdfc samples --json'.
     Samples,
+    /// 'brdfc environment --json'.
+    Environment,
     /// 'brdfc shader --json'.
     Shader,
     /// 'brdfc pwt --json'.
@@ -75,12 +79,14 @@ pub(super) fn run(arguments: &Arguments) -> Result<(), Error> {
         Report::Material => schema_for!(brdfc::scene::MaterialFile),
         Report::Watch => schema_for!(super::watch::Report),
         Report::Encode => schema_for!(super::encode::Report),
+        Report::EncodeLobes => schema_for!(super::encode_lobes::Report),
         Report::Compare => schema_for!(super::compare::Report),
         Report::Convert => schema_for!(super::convert::Report),
         Report::Info => schema_for!(super::info::Report),
         Report::Files => schema_for!(super::info::FilesReport),
         Report::Bandwidth => schema_for!(super::bandwidth::Report),
         Report::Samples => schema_for!(super::samples::Report),
+        Report::Environment => schema_for!(super::environment::Report),
         Report::Shader => schema_for!(super::shader::Report),
         Report::Pwt => schema_for!(super::pwt::Report),
         Report::InfoSurface => schema_for!(super::info::SurfaceReport),

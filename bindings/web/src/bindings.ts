@@ -9,8 +9,9 @@ export const ENTRY = 'brdfc.bindings';
 const [MAX_BINDINGS, MAX_SLOTS, MAX_UNIFORM_BYTES, MAX_TEXEL_BYTES] = [32, 1000, 16384, 2 ** 30];
 /** Maximum number of textures, samplers and uniform blocks of a pack. */
 const MAX_OF = { texture: 16, sampler: 16, uniform: 12 };
-/** Maximum number of columns, rows, and slices or layers. */
-const MAX_SIZES = { '2d': [8192, 8192, 1], '2d-array': [8192, 8192, 2048], '3d': [2048, 2048, 2048] };
+/** Maximum number of columns, rows, and slices, layers or faces. */
+const MAX_SIZES = { '2d': [8192, 8192, 1], '2d-array': [8192, 8192, 2048], '3d': [2048, 2048, 2048], cube: [2048, 2048, 6] };
+const DIMENSIONS = Object.keys(MAX_SIZES) as (keyof typeof MAX_SIZES)[];
 const NAME = /^[a-z0-9_-]{1,64}$/;
 
 /** A line: a binding without its bytes. */
@@ -60,12 +61,17 @@ function parseLine(place: string, line: string): Line {
         case 'sampler 1':
             return { ...begun, kind: 'sampler', repeats: oneOf(place, words[0], ['clamp', 'repeat']) === 'repeat' };
         case 'texture 8': {
-            const [stored, dimension] = [oneOf(place, words[0], ['file', 'entry', 'empty']), oneOf(place, words[1], ['2d', '2d-array', '3d'])];
+            const [stored, dimension] = [oneOf(place, words[0], ['file', 'entry', 'empty']), oneOf(place, words[1], DIMENSIONS)];
             const format = oneOf(place, words[2], TEXEL_FORMATS);
             const size = MAX_SIZES[dimension].map((most, axis) => whole(place, words[3 + axis], 1, most)) as Shape['size'];
+            const [width, height, depth] = size;
+            if (dimension === 'cube' && (width !== height || depth !== 6)) {
+                refuse(place, `cube of [${size.join(', ')}]`, '2d, 2d-array, 3d or cube, of a size that packs support');
+            }
             const longest = Math.max(...(dimension === '3d' ? size : size.slice(0, 2)));
             const levelCount = whole(place, words[6], 1, 1 + Math.floor(Math.log2(longest)));
-            if (stored === 'empty' && Math.max(...size) > 1) {
+            // All faces of a cube map have their texel.
+            if (stored === 'empty' && width * height * depth !== (dimension === 'cube' ? 6 : 1)) {
                 refuse(place, size.join(' x '), 'one texel for an empty texture');
             }
             const sampler = words[7] === '-' ? undefined : words[7];

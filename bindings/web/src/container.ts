@@ -29,8 +29,8 @@ export const TEXEL_FORMATS = Object.keys(FORMATS) as TexelFormat[];
 /** Kind and size of a texture. */
 export interface Shape {
     format: TexelFormat;
-    dimension: '2d' | '2d-array' | '3d';
-    /** Columns, rows, and slices or layers. */
+    dimension: '2d' | '2d-array' | '3d' | 'cube';
+    /** Columns, rows, and slices, layers or faces. */
     size: [number, number, number];
     levelCount: number;
 }
@@ -38,7 +38,7 @@ export interface Shape {
 /** A texture, ready to upload to a GPU. */
 export interface TextureData extends Omit<Shape, 'levelCount'> {
     texelBytes: number;
-    /** Texels of each mipmap level, the finest first: x fastest, then y, then slices or layers. */
+    /** Texels of each mipmap level, the finest first: x fastest, then y, then slices, layers or faces. */
     levels: Uint8Array<ArrayBuffer>[];
 }
 
@@ -90,16 +90,22 @@ export function readContainer(bytes: Uint8Array): Container {
     const file = opened(bytes);
     const format = TEXEL_FORMATS.find((name) => FORMATS[name][0] === file.vkFormat)
         ?? refuse('vkFormat', file.vkFormat, Object.values(FORMATS).map(([number]) => number).join(', '));
-    if (file.faceCount !== 1) {
-        refuse('faceCount', file.faceCount, 1);
+    const isCube = file.faceCount === 6;
+    if (!isCube && file.faceCount !== 1) {
+        refuse('faceCount', file.faceCount, '1, or 6 for a cube map');
+    }
+    for (const field of ['pixelDepth', 'layerCount'] as const) {
+        if (isCube && file[field] !== 0) {
+            refuse(field, file[field], '0 for a cube map');
+        }
     }
     if (file.supercompressionScheme !== 0 && file.supercompressionScheme !== 2) {
         refuse('supercompressionScheme', file.supercompressionScheme, '0 (none) or 2 (Zstandard)');
     }
     const shape: Shape = {
         format,
-        dimension: file.pixelDepth > 0 ? '3d' : file.layerCount > 0 ? '2d-array' : '2d',
-        size: [file.pixelWidth, file.pixelHeight, Math.max(file.pixelDepth, file.layerCount, 1)],
+        dimension: isCube ? 'cube' : file.pixelDepth > 0 ? '3d' : file.layerCount > 0 ? '2d-array' : '2d',
+        size: [file.pixelWidth, file.pixelHeight, Math.max(file.pixelDepth, file.layerCount, file.faceCount)],
         levelCount: file.levelCount,
     };
     const named = Object.entries(file.keyValue).filter(([key]) => key.startsWith('brdfc.'));

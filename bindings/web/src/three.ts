@@ -49,7 +49,7 @@ function uploaded(renderer: THREE.WebGLRenderer, { texture: data, filtered, repe
     const gl = renderer.getContext() as WebGL2RenderingContext;
     const { texture } = uploadTexture(gl, widened(data), filtered, repeats);
     const external = new THREE.ExternalTexture(texture);
-    // three.js ignores the source of 3D textures.
+    // three.js ignores the source of 3D textures and cube maps.
     held(renderer, external).__webglTexture = texture;
     external.addEventListener('dispose', () => {
         renderer.properties.remove(external);

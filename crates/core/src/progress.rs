@@ -31,6 +31,8 @@ pub enum Stage {
     CrossValidate,
     Write,
     Verify,
+    Prefilter,
+    Lobes,
 }
 
 impl Stage {
@@ -64,6 +66,8 @@ impl Stage {
             Self::CrossValidate => "cross-validate",
             Self::Write => "write",
             Self::Verify => "verify",
+            Self::Prefilter => "prefilter",
+            Self::Lobes => "fit lobes",
         }
     }
 }

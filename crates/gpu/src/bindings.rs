@@ -59,6 +59,7 @@ fn view_dimension(extent: Extent) -> TextureViewDimension {
         Extent::D2(_) => TextureViewDimension::D2,
         Extent::D2Array(_) => TextureViewDimension::D2Array,
         Extent::D3(_) => TextureViewDimension::D3,
+        Extent::Cube(_) => TextureViewDimension::Cube,
     }
 }
 
@@ -70,6 +71,7 @@ fn nothing(ty: BindingType) -> Resource<'static> {
             let extent = match view_dimension {
                 TextureViewDimension::D3 => Extent::D3([1; 3]),
                 TextureViewDimension::D2Array => Extent::D2Array([1; 3]),
+                TextureViewDimension::Cube => Extent::Cube(1),
                 _ => Extent::D2([1; 2]),
             };
             let is_integer = sample_type == TextureSampleType::Uint;
@@ -197,10 +199,10 @@ pub(super) fn texture(
     bytes: &[u8],
 ) -> Result<TextureView, GpuError> {
     let limits = gpu.device.limits();
+    let [width, height, depth] = extent.size();
     let (sides, layers, most) = match extent {
-        Extent::D2([width, height]) => ([width, height, 1], 1, limits.max_texture_dimension_2d),
-        Extent::D2Array([width, height, layers]) => ([width, height, 1], layers, limits.max_texture_dimension_2d),
         Extent::D3(sides) => (sides, 1, limits.max_texture_dimension_3d),
+        _ => ([width, height, 1], depth, limits.max_texture_dimension_2d),
     };
     let most_layers = limits.max_texture_array_layers;
     let expected = extent.texels_of_levels(levels) * format.texel_bytes() as u64;
@@ -224,11 +226,8 @@ impl Gpu {
 
     /// Creates a texture with mipmap levels: all layers of the finest first.
     pub(super) fn texture(&self, format: TextureFormat, extent: Extent, levels: u32, bytes: &[u8]) -> TextureView {
-        let (dimension, view_dimension, [width, height, depth_or_array_layers]) = match extent {
-            Extent::D2([width, height]) => (TextureDimension::D2, TextureViewDimension::D2, [width, height, 1]),
-            Extent::D2Array(size) => (TextureDimension::D2, TextureViewDimension::D2Array, size),
-            Extent::D3(size) => (TextureDimension::D3, TextureViewDimension::D3, size),
-        };
+        let [width, height, depth_or_array_layers] = extent.size();
+        let dimension = if matches!(extent, Extent::D3(_)) { TextureDimension::D3 } else { TextureDimension::D2 };
         let descriptor = TextureDescriptor {
             label: None,
             size: Extent3d { width, height, depth_or_array_layers },
@@ -241,7 +240,7 @@ impl Gpu {
         };
         let order = TextureDataOrder::MipMajor;
         let texture = self.device.create_texture_with_data(&self.queue, &descriptor, order, bytes);
-        texture.create_view(&TextureViewDescriptor { dimension: Some(view_dimension), ..Default::default() })
+        texture.create_view(&TextureViewDescriptor { dimension: Some(view_dimension(extent)), ..Default::default() })
     }
 }
 

@@ -17,9 +17,9 @@ const NESTED: &str = "brdfc.image.";
 pub struct PackFile {
     /// Texel format, by its name in WebGPU.
     pub texel_format: &'static str,
-    /// '2d', '2d-array' or '3d'.
+    /// '2d', '2d-array', '3d' or 'cube'.
     pub dimension: &'static str,
-    /// Columns, rows, and slices or layers.
+    /// Columns, rows, and slices, layers or faces.
     pub size: [u32; 3],
     /// Number of mipmap levels.
     pub levels: u32,

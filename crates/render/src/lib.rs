@@ -11,6 +11,7 @@ pub mod flat;
 mod footprint;
 pub mod gbuffer;
 pub mod lobe_sampler;
+pub mod lobes;
 pub mod pwt;
 pub mod rendering;
 mod sample_means;

@@ -1,6 +1,7 @@
 //! Importance sampling of lobes: directions to integrate over.
 
 use brdfc_formats::direction::Vector;
+use brdfc_importance::LobeDistributions;
 use std::f64::consts::{PI, TAU};
 
 /// Samples incoming directions for an outgoing one, more densely where they matter more.
@@ -33,6 +34,25 @@ impl LobeSampler for CosineSampler {
 
     fn density(&self, _: Vector, incoming: Vector) -> f64 {
         incoming[2].max(0.0) / PI
+    }
+}
+
+/// A measured lobe as a sampler.
+#[derive(Clone, Copy)]
+pub struct MeasuredLobe<'a> {
+    /// Distributions of the material's half vectors.
+    pub distributions: &'a LobeDistributions,
+    /// Shift of the sequence, see [`low_discrepancy`].
+    pub shift: [f64; 2],
+}
+
+impl LobeSampler for MeasuredLobe<'_> {
+    fn sample(&self, outgoing: Vector, index: usize) -> (Vector, f64) {
+        self.distributions.sample(outgoing, low_discrepancy(index, self.shift))
+    }
+
+    fn density(&self, outgoing: Vector, incoming: Vector) -> f64 {
+        self.distributions.density(outgoing, incoming)
     }
 }
 

@@ -94,7 +94,7 @@ fn declared(language: Language, interface: &Interface, binding: &Binding) -> Opt
                     _ => format!("uniform block {name} of the type {block}, {bytes} bytes"),
                 },
                 BindingKind::Texture { dimension, samples, .. } => {
-                    format!("{} texture of {samples} {name}", dimension.to_uppercase().replace("-ARRAY", " array"))
+                    format!("{} texture of {samples} {name}", dimension.replace('d', "D").replace('-', " "))
                 }
                 BindingKind::Sampler => format!("sampler {name}"),
             },

@@ -55,7 +55,7 @@ pub enum BindingKind {
     },
     /// A sampled texture.
     Texture {
-        /// `2d`, `2d-array` or `3d`.
+        /// `2d`, `2d-array`, `3d` or `cube`.
         dimension: String,
         /// `float`, also of normalised integers, or `uint`.
         samples: String,

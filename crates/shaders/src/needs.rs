@@ -11,7 +11,7 @@ const WEBGL_2: Limits = Limits { side: 2048, depth: 256, layers: 256 };
 
 #[derive(Clone, Copy)]
 struct Limits {
-    /// Limit for 2D textures and arrays.
+    /// Limit for 2D textures, arrays and cube maps.
     side: u32,
     /// Limit for each side of a 3D texture.
     depth: u32,
@@ -99,6 +99,7 @@ fn beyond(extent: Extent, limits: Limits) -> Vec<String> {
             hold(width.max(height), limits.side, "texels along a side");
             hold(layers, limits.layers, "layers");
         }
+        Extent::Cube(side) => hold(side, limits.side, "texels along a side"),
         Extent::D3(sides) => hold(sides.into_iter().max().unwrap_or(0), limits.depth, "texels along a side in 3D"),
     }
     all

@@ -51,6 +51,7 @@ fn kind(source: &str, module: &Module, variable: &GlobalVariable, filtered: bool
         TypeInner::Image { dim, arrayed, class } => {
             let dimension = match (dim, arrayed) {
                 (ImageDimension::D3, _) => "3d",
+                (ImageDimension::Cube, _) => "cube",
                 (_, true) => "2d-array",
                 _ => "2d",
             };

@@ -20,11 +20,8 @@ pub(crate) fn module(decoder: PackKind, source: &str) -> Result<Vec<u32>, String
 /// The decoder with an entry point that answers a list of queries, one per invocation.
 fn evaluation(decoder: PackKind, source: &str) -> String {
     let Answer { body, of_struct, .. } = decoder.descriptor().answer;
-    let (helper, answer) = match of_struct {
-        Some(answer) => {
-            let (name, numbers) = (answer.name, answer.numbers_of("sample"));
-            (format!("fn answer_of(sample: {name}) -> vec4f {{ return {numbers}; }}"), format!("answer_of({body})"))
-        }
+    let (statement, answer) = match of_struct {
+        Some(answer) => (format!("let answer = {body};"), answer.numbers_of("answer")),
         None => (String::new(), body.to_owned()),
     };
     format!(
@@ -32,7 +29,6 @@ fn evaluation(decoder: PackKind, source: &str) -> String {
 struct Query {{ a: vec4<f32>, b: vec4<f32>, c: vec4<f32> }}
 @group(0) @binding(0) var<storage, read> queries: array<Query>;
 @group(0) @binding(1) var<storage, read_write> answers: array<vec4<f32>>;
-{helper}
 @compute @workgroup_size({WORKGROUP})
 fn {ENTRY}(@builtin(global_invocation_id) id: vec3<u32>) {{
     if id.x >= arrayLength(&queries) {{
@@ -41,6 +37,7 @@ fn {ENTRY}(@builtin(global_invocation_id) id: vec3<u32>) {{
     let a = queries[id.x].a;
     let b = queries[id.x].b;
     let c = queries[id.x].c;
+    {statement}
     answers[id.x] = {answer};
 }}
 "

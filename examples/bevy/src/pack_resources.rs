@@ -148,5 +148,7 @@ mod tests {
         assert_eq!(dimension(Extent::D2([1; 2])), TextureViewDimension::D2);
         assert_eq!(dimension(Extent::D2Array([1; 3])), TextureViewDimension::D2Array);
         assert_eq!(dimension(Extent::D3([1; 3])), TextureViewDimension::D3);
+        let cube = dimension(Extent::Cube(1));
+        assert_eq!((cube, cube.compatible_texture_dimension()), (TextureViewDimension::Cube, TextureDimension::D2));
     }
 }

@@ -67,7 +67,7 @@ pub enum Stored {
     File,
     /// A KTX2 file as the value of the key `brdfc.image.NAME`.
     Entry,
-    /// Not stored: the decoder does not read it, and one texel of zero is bound.
+    /// Not stored: the decoder does not read it, and one texel of zero is bound (per face of a cube map).
     Empty,
 }
 
@@ -84,7 +84,7 @@ pub struct Texels<'a> {
     pub levels: u32,
     /// Name of the sampler that filters the texture; `None` if the shader only loads texels.
     pub sampler: Option<Cow<'a, str>>,
-    /// Texels: x fastest, then y, then z or the layer, then levels from the finest; little-endian components.
+    /// Texels: x fastest, then y, then z, the layer or the face, then levels from the finest; little-endian components.
     pub bytes: Cow<'a, [u8]>,
 }
 
@@ -94,9 +94,10 @@ impl<'a> Texels<'a> {
         Self { stored: Stored::Entry, format, extent, levels: 1, sampler: None, bytes: bytes.into() }
     }
 
-    /// One texel of zero, for a texture that the decoder does not read. All sides of `extent` are 1.
+    /// One texel of zero, for a texture that the decoder does not read. All sides of `extent` are 1; a cube map has one
+    /// texel per face.
     pub fn empty(format: TexelFormat, extent: Extent) -> Self {
-        let bytes = vec![0; format.texel_bytes()];
+        let bytes = vec![0; extent.texels() as usize * format.texel_bytes()];
         Self { stored: Stored::Empty, ..Self::new(format, extent, bytes) }
     }
 

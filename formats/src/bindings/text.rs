@@ -4,7 +4,7 @@ use super::{
     Bindings, FRAME_SLOT, MAX_BINDINGS, MAX_SLOTS, MAX_TEXTURES, MAX_UNIFORM_BYTES, MAX_UNIFORMS, Resource, Stored,
 };
 use crate::FormatError;
-use crate::container::{Extent, TexelFormat};
+use crate::container::{CUBE_FACES, Extent, TexelFormat};
 use crate::words::one_of;
 use std::collections::BTreeSet;
 
@@ -126,10 +126,12 @@ fn parse_line(at: usize, line: &str) -> Result<Line<'_>, FormatError> {
                 [(width, 1), (height, 1), (depth, 1)].map(|(side, least)| number(at, side, least..=u32::MAX));
             let size = [width?, height?, depth?];
             let extent = Extent::from_dimension(dimension, size).ok_or_else(|| {
-                wrong(at, &format!("{dimension} of {size:?}"), "2d, 2d-array or 3d, of a size that packs support")
+                wrong(at, &format!("{dimension} of {size:?}"), "2d, 2d-array, 3d or cube, of a size that packs support")
             })?;
             let levels = number(at, levels, 1..=extent.most_levels())?;
-            if stored == Stored::Empty && (size != [1; 3] || levels != 1) {
+            // All faces of a cube map have their texel.
+            let texels = if *dimension == "cube" { CUBE_FACES } else { 1 };
+            if stored == Stored::Empty && (extent.texels() != u64::from(texels) || levels != 1) {
                 return Err(wrong(at, &format!("{size:?}"), "one texel for an empty texture"));
             }
             let sampler = (*sampler != NO_SAMPLER).then_some(*sampler);

@@ -31,7 +31,7 @@ pub struct Texture {
     pub entries: BTreeMap<String, Vec<u8>>,
     /// Number of mipmap levels, 1 to [`Extent::most_levels`].
     pub levels: u32,
-    /// Texels: x fastest, then y, then z or the layer, then levels from the finest; little-endian components.
+    /// Texels: x fastest, then y, then z, the layer or the face, then levels from the finest; little-endian components.
     pub texels: Vec<u8>,
 }
 
@@ -42,7 +42,7 @@ impl Texture {
     /// Panics if the number of levels is 0 or more than the extent has, or if `texels` does not have the length that
     /// format, extent and levels require.
     pub fn to_bytes(&self, supercompress: bool) -> Vec<u8> {
-        let [width, height, depth, layers] = self.extent.fields();
+        let [width, height, depth, layers, faces] = self.extent.fields();
         let texel_bytes = self.format.texel_bytes();
         assert!((1..=self.extent.most_levels()).contains(&self.levels), "{} levels", self.levels);
         let length = self.extent.texels_of_levels(self.levels) * texel_bytes as u64;
@@ -94,7 +94,7 @@ impl Texture {
             pixel_height: height,
             pixel_depth: depth,
             layer_count: layers,
-            face_count: 1,
+            face_count: faces,
             level_count: self.levels,
             supercompression_scheme: supercompress.then_some(ktx2::SupercompressionScheme::Zstandard),
             index: ktx2::Index {
@@ -138,7 +138,7 @@ impl Texture {
     /// Reads a single-level file of the form that [`Self::to_bytes`] writes.
     ///
     /// # Errors
-    /// Returns an error if the file is not a 2D texture, 2D array or 3D texture with one level in one of the
+    /// Returns an error if the file is not a 2D texture, 2D array, 3D texture or cube map with one level in one of the
     /// [`TexelFormat`]s, without supercompression or with Zstandard. [`PackedTexture::unpack_levels`] reads several
     /// levels.
     pub fn from_bytes(bytes: &[u8]) -> Result<Self, FormatError> {
@@ -209,15 +209,11 @@ impl<'a> PackedTexture<'a> {
             )
         })?;
         check_descriptor(bytes, &header.index, format)?;
-        let extent =
-            Extent::from_fields([header.pixel_width, header.pixel_height, header.pixel_depth, header.layer_count])?;
-        for (offset, field, found, allowed) in [
-            (16, "typeSize", header.type_size, format.component_bytes() as u32),
-            (36, "faceCount", header.face_count, 1),
-        ] {
-            if found != allowed {
-                return Err(FormatError::at_byte(offset, field, found.to_string(), allowed.to_string()));
-            }
+        let ktx2::Header { pixel_width, pixel_height, pixel_depth, layer_count, face_count, type_size, .. } = header;
+        let extent = Extent::from_fields([pixel_width, pixel_height, pixel_depth, layer_count, face_count])?;
+        if type_size != format.component_bytes() as u32 {
+            let allowed = format.component_bytes().to_string();
+            return Err(FormatError::at_byte(16, "typeSize", type_size.to_string(), allowed));
         }
         let most = extent.most_levels();
         if !(1..=most).contains(&header.level_count) {

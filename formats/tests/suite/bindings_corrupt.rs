@@ -15,6 +15,7 @@ fn marble() -> Bindings<'static> {
     let veins = Texels::new(TexelFormat::R8Unorm, Extent::D2([4, 2]), (0..11).collect::<Vec<u8>>());
     let words = Texels::new(TexelFormat::R32Uint, Extent::D2Array([2, 1, 2]), (0..16).collect::<Vec<u8>>());
     let curve = Texels::new(TexelFormat::Rgba16Float, Extent::D2([3, 1]), vec![60; 24]);
+    let sky = Texels::new(TexelFormat::R8Unorm, Extent::Cube(2), (0..30).collect::<Vec<u8>>()).with_levels(2);
     let all = [
         Binding::frame(),
         Binding::uniform(40, "marble_sizes", vec![7; 32]),
@@ -23,6 +24,8 @@ fn marble() -> Bindings<'static> {
         Binding::texture(43, "marble_curve", curve.sampled(SAMPLER)),
         Binding::sampler(44, SAMPLER, true),
         Binding::texture(50, "marble_unused", Texels::empty(TexelFormat::Rg8Unorm, Extent::D3([1; 3]))),
+        Binding::texture(51, "marble_sky", sky.sampled(SAMPLER)),
+        Binding::texture(52, "marble_night", Texels::empty(TexelFormat::Rg8Unorm, Extent::Cube(1))),
     ];
     Bindings::new("marble", 1, all)
 }
@@ -64,7 +67,9 @@ fn files_round_trip() {
         42 marble_words texture entry 2d-array r32uint 2 1 2 1 -\n\
         43 marble_curve texture entry 2d rgba16float 3 1 1 1 marble_sampler\n\
         44 marble_sampler sampler repeat\n\
-        50 marble_unused texture empty 3d rg8unorm 1 1 1 1 -\n\0";
+        50 marble_unused texture empty 3d rg8unorm 1 1 1 1 -\n\
+        51 marble_sky texture entry cube r8unorm 2 2 6 2 marble_sampler\n\
+        52 marble_night texture empty cube rg8unorm 1 1 6 1 -\n\0";
     assert_eq!(text, expected);
 }
 
@@ -118,8 +123,13 @@ fn lines_out_of_rule_are_named() {
         ("uniform 32", "uniform", "line 3: found 40 marble_sizes uniform, expected"),
         // Textures.
         ("texture entry 2d-array", "texture there 2d-array", "line 5: found there, expected file, entry or empty"),
-        ("entry 2d-array", "entry cube", "line 5: found cube of [2, 1, 2], expected 2d, 2d-array or 3d"),
-        ("entry 2d-array", "entry 2d", "line 5: found 2d of [2, 1, 2], expected 2d, 2d-array or 3d"),
+        ("entry 2d-array", "entry 1d", "line 5: found 1d of [2, 1, 2], expected 2d, 2d-array, 3d or cube"),
+        ("entry 2d-array", "entry 2d", "line 5: found 2d of [2, 1, 2], expected 2d, 2d-array, 3d or cube"),
+        ("r8unorm 2 2 6 2", "r8unorm 2 1 6 2", "line 9: found cube of [2, 1, 6], expected 2d, 2d-array, 3d or cube"),
+        ("r8unorm 2 2 6 2", "r8unorm 2 2 5 2", "line 9: found cube of [2, 2, 5], expected 2d, 2d-array, 3d or cube"),
+        ("r8unorm 2 2 6 2", "r8unorm 2 2 12 2", "line 9: found cube of [2, 2, 12], expected 2d, 2d-array, 3d or cube"),
+        ("r8unorm 2 2 6 2", "r8unorm 2049 2049 6 2", "line 9: found cube of [2049, 2049, 6], expected 2d, 2d-array"),
+        ("r8unorm 2 2 6 2", "r8unorm 2 2 6 3", "line 9: found 3, expected 1 to 2"),
         ("r32uint", "r32float", "line 5: found r32float, expected a texel format that packs support"),
         ("r32uint", "r8unorm-srgb", "line 5: found r8unorm-srgb, expected a texel format that packs support"),
         ("r32uint 2 1 2", "r32uint 0 1 2", "line 5: found 0, expected 1 to"),
@@ -134,6 +144,8 @@ fn lines_out_of_rule_are_named() {
         ("2 1 2 1 -", "2 1 2 3 -", "line 5: found 3, expected 1 to 2"),
         ("2 1 2 1 -", "2 1 2 1", "line 5: found 42 marble_words texture"),
         ("rg8unorm 1 1 1 1", "rg8unorm 2 1 1 1", "line 8: found [2, 1, 1], expected one texel for an empty texture"),
+        ("rg8unorm 1 1 6", "rg8unorm 2 2 6", "line 10: found [2, 2, 6], expected one texel for an empty texture"),
+        ("rg8unorm 1 1 6", "rg8unorm 1 1 1", "line 10: found cube of [1, 1, 1], expected 2d, 2d-array, 3d or cube"),
         // Samplers of textures.
         (
             "1 1 marble_sampler",
@@ -273,6 +285,7 @@ fn images_match_their_bindings() {
         (Extent::D2Array([1, 2, 2]), TexelFormat::R32Uint, 1),
         (Extent::D3([2, 1, 2]), TexelFormat::R32Uint, 1),
         (Extent::D2([2, 2]), TexelFormat::R32Uint, 1),
+        (Extent::Cube(2), TexelFormat::R32Uint, 1),
         (Extent::D2Array([2, 1, 2]), TexelFormat::Rgba8Unorm, 1),
         (Extent::D2Array([2, 1, 2]), TexelFormat::R32Uint, 2),
     ] {
@@ -430,19 +443,22 @@ fn parts_are_found_by_their_offsets() {
 
 /// Any bindings that the rules allow.
 fn any_bindings() -> impl Strategy<Value = Bindings<'static>> {
-    let texels = (0..13usize, 0..3u32, [1u32..5, 1..4, 1..4], 0..2u32, any::<bool>(), any::<bool>());
+    let texels = (0..13usize, 0..4u32, [1u32..5, 1..4, 1..4], 0..2u32, any::<bool>(), any::<bool>());
     let image = texels.prop_map(|(format, dimension, [width, height, depth], levels, stored, sampled)| {
         let format = TexelFormat::ALL[format];
         let extent = match dimension {
             0 => Extent::D2([width, height]),
             1 => Extent::D2Array([width, height, depth]),
-            _ => Extent::D3([width, height, depth]),
+            2 => Extent::D3([width, height, depth]),
+            _ => Extent::Cube(width),
         };
         let levels = (1 + levels).min(extent.most_levels());
         let bytes = vec![7; extent.texels_of_levels(levels) as usize * format.texel_bytes()];
         let texels = match stored {
             true => Texels::new(format, extent, bytes).with_levels(levels),
-            false => Texels::empty(format, Extent::from_dimension(extent.dimension(), [1; 3]).expect("one texel")),
+            false => {
+                Texels::empty(format, Extent::from_dimension(extent.dimension(), [1; 3]).unwrap_or(Extent::Cube(1)))
+            }
         };
         if sampled && !format.is_integer() { texels.sampled("s") } else { texels }
     });

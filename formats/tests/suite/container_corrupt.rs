@@ -1,5 +1,6 @@
 //! Corrupt textures of all kinds and formats, before they are interpreted as packs.
 
+use crate::cube_maps::cube_maps;
 use brdfc_formats::container::{Extent, MAX_TEXEL_BYTES, PackedTexture, TexelFormat, Texture};
 use brdfc_testing::packs::read_texture;
 use std::collections::BTreeMap;
@@ -194,7 +195,7 @@ fn frames_of_levels_have_their_own_size() {
 
 #[test]
 fn no_single_corrupt_byte_of_any_kind_of_texture_panics() {
-    for (name, texture) in brdfc_testing::packs::textures() {
+    for (name, texture) in brdfc_testing::packs::textures().into_iter().chain(cube_maps()) {
         for supercompress in [false, true] {
             let bytes = texture.to_bytes(supercompress);
             let mut broken = bytes.clone();

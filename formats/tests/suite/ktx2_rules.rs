@@ -1,5 +1,6 @@
 //! Rules of the Khronos validator, checked here on the raw bytes, because its binary is not available everywhere.
 
+use crate::cube_maps::cube_maps;
 use brdfc_formats::container::{Extent, TexelFormat, Texture};
 use brdfc_formats::wavelet::WaveletPack;
 use std::collections::BTreeMap;
@@ -28,8 +29,8 @@ impl Bytes<'_> {
 struct Expected {
     vk_format: u32,
     type_size: u32,
-    /// Width, height, depth and layer count of the header.
-    fields: [u32; 4],
+    /// Width, height, depth, layer count and face count of the header.
+    fields: [u32; 5],
     texel_bytes: u32,
     levels: u32,
     samples: Vec<Sample>,
@@ -80,7 +81,7 @@ fn expected(pack: &WaveletPack) -> Expected {
     Expected {
         vk_format: vk_formats[wide],
         type_size: component_bytes,
-        fields: [width, height, pack.scales.len() as u32, 0],
+        fields: [width, height, pack.scales.len() as u32, 0, 1],
         texel_bytes: components * component_bytes,
         levels: 1,
         samples: unorm(components, 8 * component_bytes),
@@ -105,16 +106,17 @@ fn expected_texture(texture: &Texture) -> Expected {
         TexelFormat::Rgb10A2Unorm => (64, 4, 4, ten_bits()),
     };
     let fields = match texture.extent {
-        Extent::D2([width, height]) => [width, height, 0, 0],
-        Extent::D2Array([width, height, layers]) => [width, height, 0, layers],
-        Extent::D3([width, height, depth]) => [width, height, depth, 0],
+        Extent::D2([width, height]) => [width, height, 0, 0, 1],
+        Extent::D2Array([width, height, layers]) => [width, height, 0, layers, 1],
+        Extent::D3([width, height, depth]) => [width, height, depth, 0, 1],
+        Extent::Cube(side) => [side, side, 0, 0, 6],
     };
     Expected { vk_format, type_size, fields, texel_bytes, levels: texture.levels, samples }
 }
 
 fn check_header(file: &Bytes<'_>, expected: &Expected, supercompressed: bool) {
     assert_eq!(file.0[..12], [0xab, 0x4b, 0x54, 0x58, 0x20, 0x32, 0x30, 0xbb, 0x0d, 0x0a, 0x1a, 0x0a], "identifier");
-    let [width, height, depth, layers] = expected.fields;
+    let [width, height, depth, layers, faces] = expected.fields;
     let fields = [
         (12, "vkFormat", expected.vk_format),
         (16, "typeSize", expected.type_size),
@@ -122,7 +124,7 @@ fn check_header(file: &Bytes<'_>, expected: &Expected, supercompressed: bool) {
         (24, "pixelHeight", height),
         (28, "pixelDepth", depth),
         (32, "layerCount", layers),
-        (36, "faceCount", 1),
+        (36, "faceCount", faces),
         (40, "levelCount", expected.levels),
         (44, "supercompressionScheme", if supercompressed { 2 } else { 0 }),
     ];
@@ -189,7 +191,7 @@ fn entries(file: &Bytes<'_>) -> Vec<(String, Vec<u8>)> {
 
 /// The index begins with level 0, the finest; the file begins with the coarsest level.
 fn check_levels(file: &Bytes<'_>, expected: &Expected, supercompressed: bool) {
-    let [width, height, depth, layers] = expected.fields.map(|n| n.max(1));
+    let [width, height, depth, layers, faces] = expected.fields.map(|n| n.max(1));
     assert!(1 << (expected.levels - 1) <= width.max(height).max(depth), "levelCount: halved below one texel");
     let texel = u64::from(expected.texel_bytes);
     let alignment = if supercompressed { 1 } else { (1..).map(|k| k * texel).find(|n| n % 4 == 0).unwrap() };
@@ -198,7 +200,7 @@ fn check_levels(file: &Bytes<'_>, expected: &Expected, supercompressed: bool) {
         let entry = 80 + 24 * level as usize;
         let (offset, length, uncompressed) = (file.u64(entry), file.u64(entry + 8), file.u64(entry + 16));
         let sides = [width, height, depth].map(|side| u64::from((side >> level).max(1)));
-        let size = sides.into_iter().product::<u64>() * u64::from(layers) * texel;
+        let size = sides.into_iter().product::<u64>() * u64::from(layers * faces) * texel;
         assert_eq!(uncompressed, size, "uncompressedByteLength of level {level}");
         assert_eq!(
             offset,
@@ -247,9 +249,9 @@ fn files_follow_the_rules_of_the_validator() {
 
 #[test]
 fn every_kind_of_texture_follows_the_rules_of_the_validator() {
-    let textures = brdfc_testing::packs::textures();
-    assert_eq!(textures.len(), 13 * 11);
-    for (name, texture) in textures {
+    let (textures, cube_maps) = (brdfc_testing::packs::textures(), cube_maps());
+    assert_eq!((textures.len(), cube_maps.len()), (13 * 11, 13 * 4));
+    for (name, texture) in textures.into_iter().chain(cube_maps) {
         for supercompress in [false, true] {
             println!("{name}, supercompress {supercompress}");
             let bytes = texture.to_bytes(supercompress);

@@ -5,6 +5,7 @@ use std::fmt::Write as _;
 use std::path::Path;
 use std::process::{Command, Output};
 
+use crate::cube_maps::cube_maps;
 use brdfc_formats::container::{Extent, PackedTexture, TexelFormat, Texture};
 use brdfc_formats::crop::{Crop, DirectionRange};
 use brdfc_formats::wavelet::WaveletPack;
@@ -56,7 +57,7 @@ fn expectation(pack: &WaveletPack, file: &[u8], supercompress: bool) -> String {
         entries.insert("brdfc.crop".to_owned(), words.chain(angles).flatten().collect());
     }
     let [width, height] = size;
-    json([vk_format, component, width, height, pack.scales.len() as u32, 0, 1], &entries, supercompress)
+    json([vk_format, component, width, height, pack.scales.len() as u32, 0, 1, 1], &entries, supercompress)
 }
 
 /// Expected findings for any texture.
@@ -76,17 +77,18 @@ fn texture_expectation(texture: &Texture, supercompress: bool) -> String {
         TexelFormat::Rgb9E5 => (123, 4),
         TexelFormat::Rgb10A2Unorm => (64, 4),
     };
-    let [width, height, depth, layers] = match texture.extent {
-        Extent::D2([width, height]) => [width, height, 0, 0],
-        Extent::D2Array([width, height, layers]) => [width, height, 0, layers],
-        Extent::D3([width, height, depth]) => [width, height, depth, 0],
+    let [width, height, depth, layers, faces] = match texture.extent {
+        Extent::D2([width, height]) => [width, height, 0, 0, 1],
+        Extent::D2Array([width, height, layers]) => [width, height, 0, layers, 1],
+        Extent::D3([width, height, depth]) => [width, height, depth, 0, 1],
+        Extent::Cube(side) => [side, side, 0, 0, 6],
     };
-    json([vk_format, word, width, height, depth, layers, texture.levels], &texture.entries, supercompress)
+    json([vk_format, word, width, height, depth, layers, faces, texture.levels], &texture.entries, supercompress)
 }
 
-/// `fields` are format, size of a word, width, height, depth, layers, levels.
-fn json(fields: [u32; 7], entries: &BTreeMap<String, Vec<u8>>, supercompress: bool) -> String {
-    let [vk_format, type_size, width, height, depth, layers, levels] = fields;
+/// `fields` are format, size of a word, width, height, depth, layers, faces, levels.
+fn json(fields: [u32; 8], entries: &BTreeMap<String, Vec<u8>>, supercompress: bool) -> String {
+    let [vk_format, type_size, width, height, depth, layers, faces, levels] = fields;
     let fields = [
         ("vkFormat", vk_format),
         ("typeSize", type_size),
@@ -94,7 +96,7 @@ fn json(fields: [u32; 7], entries: &BTreeMap<String, Vec<u8>>, supercompress: bo
         ("pixelHeight", height),
         ("pixelDepth", depth),
         ("layerCount", layers),
-        ("faceCount", 1),
+        ("faceCount", faces),
         ("levelCount", levels),
         ("supercompressionScheme", if supercompress { 2 } else { 0 }),
     ]
@@ -155,7 +157,7 @@ fn another_implementation_reads_packs_and_writes_the_same_bytes() {
             let texture = Texture::from_bytes(image).unwrap();
             save(image, &texture_expectation(&texture, supercompress), &texture.texels);
         }
-        for (_, texture) in brdfc_testing::packs::textures() {
+        for (_, texture) in brdfc_testing::packs::textures().into_iter().chain(cube_maps()) {
             save(&texture.to_bytes(supercompress), &texture_expectation(&texture, supercompress), &texture.texels);
         }
     }

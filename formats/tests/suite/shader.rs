@@ -253,7 +253,8 @@ fn calls_in_the_readme_validate() {
         for call in calls {
             check(&format!(
                 "{wgsl}\n@fragment fn call(@location(0) uv: vec2<f32>, @location(1) wi: vec3<f32>, @location(2) wo: vec3<f32>,\n\
-                 @location(3) distance: f32, @location(4) @interpolate(flat) index: u32) {{ let result = {call}; }}"
+                 @location(3) distance: f32, @location(4) @interpolate(flat) index: u32, @location(5) direction: vec3<f32>,\n\
+                 @location(6) sharpness: f32) {{ let result = {call}; }}"
             ));
         }
     }

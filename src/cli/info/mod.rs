@@ -5,13 +5,15 @@ mod files;
 pub use files::FilesReport;
 
 use super::output::{json_or, print, print_json, printable};
-use super::{Common, Error, bandwidth, flatten};
+use super::{Common, Error, bandwidth, encode_lobes, environment, flatten};
 use crate::table::bytes;
+use brdfc::environment::EnvironmentFacts;
 use brdfc::inspect::{
     AnyPack as Pack, DeviceNeeds, ImportanceFacts, Opened, PtmFacts, PwtFacts, RtiCapture, RtiCaptureFacts, STRUCTURES,
     SYNTH_PREFIX, SurfaceFacts, Symmetry, describe_surface, flat_btf_file, is_rti_capture, open, open_asset, open_pack,
     open_ptm, opened, ptm, rti_capture, split_query, surface,
 };
+use brdfc::lobes::LobesFacts;
 use brdfc::{BrdfPack, Facts, FormatError, Input, InputError};
 use clap::Args;
 use serde::Serialize;
@@ -76,6 +78,10 @@ enum Contents {
 enum Other {
     /// An importance-sample pack.
     ImportancePack(ImportanceFacts),
+    /// A prefiltered environment.
+    Environment(EnvironmentFacts),
+    /// Lobes of a BRDF.
+    Lobes(LobesFacts),
     /// Photographs of one view under known lights.
     RtiCapture(RtiCaptureFacts),
     /// A polynomial texture map.
@@ -116,6 +122,8 @@ pub(super) fn run(arguments: &Arguments, common: Common) -> Result<(), Error> {
     let contents = match if is_pack { Some(open_pack(input)?) } else { None } {
         Some(Pack::Bandwidth(map)) => return bandwidth::info(&map, common),
         Some(Pack::Importance(pack)) => Some(Contents::Other(Other::ImportancePack(ImportanceFacts::new(&pack)))),
+        Some(Pack::Environment(pack)) => Some(Contents::Other(Other::Environment(EnvironmentFacts::new(&pack)))),
+        Some(Pack::Lobes(pack)) => Some(Contents::Other(Other::Lobes(LobesFacts::new(&pack)))),
         Some(Pack::Pwt(pack)) => Some(Contents::Other(Other::PwtPack(PwtFacts::new(&pack)))),
         Some(pack) => BrdfPack::try_from(pack).ok().map(|pack| reflectance(opened(&pack, None))),
         None => None,
@@ -204,6 +212,8 @@ fn contents_lines(contents: &Contents) -> Vec<(&'static str, String)> {
             lines
         }
         Contents::Other(Other::ImportancePack(facts)) => importance_lines(facts),
+        Contents::Other(Other::Environment(facts)) => environment::lines(facts),
+        Contents::Other(Other::Lobes(facts)) => encode_lobes::lines(facts),
         Contents::Other(Other::RtiCapture(facts)) => facts.summary(),
         Contents::Other(Other::Ptm(facts)) => facts.summary(),
         Contents::Other(Other::PwtPack(facts)) => pwt_lines(facts),

@@ -18,8 +18,9 @@ pub(super) struct AdaptiveOptions {
     /// shadows.
     #[arg(long)]
     pub(super) adaptive: bool,
-    /// Latitude-longitude image, .exr or .hdr, that lights the scene (default: the environment of the manifest, or the
-    /// scene's sky).
+    /// Latitude-longitude image, .exr or .hdr, that lights the scene. Without --adaptive, it lights a single material by
+    /// its lobes, and may also be a prefiltered environment, .ktx2; the reference is the integral over all directions.
+    /// (Default with --adaptive: the environment of the manifest, or the scene's sky.)
     #[arg(long, value_name = "FILE")]
     pub(super) environment: Option<PathBuf>,
     /// Mean samples per pixel if all pixels were shaded, 0.01 to 1024 (default: 64). A shaded pixel gets 1 to 1024,
@@ -39,9 +40,9 @@ pub(super) struct AdaptiveOptions {
     /// Samples per point of forward shading, 1 to 1024 (default: 32).
     #[arg(long, value_name = "N", requires = "adaptive", value_parser = whole_number::<u32>(1..=MAX_SAMPLES.into()))]
     pub(super) forward: Option<u32>,
-    /// Samples per point of the ground truth on the CPU, 16 to 65536 (default: 256 per pixel, but at least twice the
-    /// samples of --forward).
-    #[arg(long, value_name = "N", requires = "adaptive", value_parser = whole_number::<usize>(16..=65_536))]
+    /// Samples per point of the ground truth on the CPU, 16 to 65536 (default: 256 per pixel; with --adaptive at least
+    /// twice the samples of --forward).
+    #[arg(long, value_name = "N", value_parser = whole_number::<usize>(16..=65_536))]
     pub(super) truth: Option<usize>,
     /// Write bandwidth, levels and variance side by side, from dark to pale yellow: .png. Bandwidth covers 8 octaves
     /// and variance 16, up to the maximum of the rendering; levels run from the coarsest to the finest.

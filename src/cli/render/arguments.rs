@@ -28,6 +28,8 @@ Examples:
   brdfc render button --scene vase -o vase.png                    a flat BTF
   brdfc render button --scene plane --sheet plane.png             compared with the surface
   brdfc render coin.ktx2 --source coin --sheet coin.png           compared with photographs
+  brdfc render red.lobes.ktx2 --environment museum.exr -o red.png
+  brdfc render red-plastic.binary --environment museum.exr --sheet red.png
   brdfc render red.ktx2 --adaptive --environment museum.exr --sheet red.png --maps maps.png
 
 The [render] table of a manifest selects what to draw, see docs/manifest.md. Without a Vulkan driver the exit code is 5.")]

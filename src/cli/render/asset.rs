@@ -1,11 +1,12 @@
 //! Assets that cover a whole scene: a flat BTF or the pack of an RTI capture, given directly or by a manifest.
 
 use super::arguments::Arguments;
-use super::flat;
 use super::materials::Subject;
+use super::{flat, lobes};
 use crate::{Error, output};
 use brdfc::Input;
 use brdfc::inspect::{AnyPack as Pack, flat_btf_file, is_rti_capture, open_pack};
+use brdfc::lobes::LobesPack;
 use brdfc::render::PwtPack;
 use brdfc::scene::read_manifest;
 use std::path::Path;
@@ -24,9 +25,11 @@ pub(super) enum AssetKind {
     Flat,
     /// A polynomial wavelet tree.
     Pwt(Box<PwtPack>),
+    /// A BRDF that an environment lights: lobes, or a material without a pack of them.
+    Lobes(Option<Box<LobesPack>>),
 }
 
-/// Opens the asset; `None` if the input is a BRDF.
+/// Opens the asset; `None` if the input is a BRDF under point lights.
 pub(super) fn asset(arguments: &Arguments) -> Result<Option<Asset>, Error> {
     let (input, subject) = match arguments.input.extension()?.as_str() {
         "toml" => match of_manifest(arguments)? {
@@ -41,17 +44,31 @@ pub(super) fn asset(arguments: &Arguments) -> Result<Option<Asset>, Error> {
         _ if flat::is_flat(&input) => AssetKind::Flat,
         "ktx2" => match open_pack(&input) {
             Ok(Pack::Pwt(pack)) => AssetKind::Pwt(Box::new(pack)),
+            Ok(Pack::Lobes(pack)) if !named_by_manifest => AssetKind::Lobes(Some(Box::new(pack))),
             Ok(other) if named_by_manifest => {
                 return Err(no_asset(&input, &format!("found {}, ", other.kind().summary())));
             }
             Err(error) if named_by_manifest => return Err(error.into()),
             // Packs of BRDFs are opened later, after their flags are checked, and report the error.
-            _ => return Ok(None),
+            _ if !by_lobes(arguments) => return Ok(None),
+            _ => AssetKind::Lobes(None),
         },
         _ if named_by_manifest => return Err(no_asset(&input, "")),
+        _ if by_lobes(arguments) => AssetKind::Lobes(None),
         _ => return Ok(None),
     };
     Ok(Some(Asset { input, subject, kind }))
+}
+
+/// Returns true if an environment lights a single material.
+fn by_lobes(arguments: &Arguments) -> bool {
+    arguments.adaptive.environment.is_some() && !arguments.adaptive.adaptive
+}
+
+/// Name of an input for reports: the file without its extension.
+pub(super) fn name_of(input: &Input) -> String {
+    let stem = input.path().and_then(Path::file_stem);
+    stem.map_or_else(|| input.to_string(), |name| name.to_string_lossy().into_owned())
 }
 
 /// Reads a manifest, and returns its asset and itself.
@@ -82,6 +99,13 @@ fn not_packed(input: &Input) -> Error {
 
 /// Rejects flags that do not apply to this kind of asset.
 pub(super) fn refuse_flags(arguments: &Arguments, asset: &Asset) -> Result<(), Error> {
+    if matches!(asset.kind, AssetKind::Lobes(_)) {
+        return lobes::refuse_flags(arguments, &asset.input);
+    }
+    if by_lobes(arguments) {
+        let text = "--environment applies to materials, and with --adaptive to scenes";
+        return Err(Error::usage(format!("{}: {text}", asset.input)));
+    }
     let is_flat = matches!(asset.kind, AssetKind::Flat);
     let (of_brdfs, of_both) = ("BRDFs", "BRDFs and packs of RTI captures");
     let flags = [

@@ -7,6 +7,7 @@ mod asset;
 mod contact;
 mod flat;
 mod gpu;
+mod lobes;
 mod materials;
 mod outputs;
 mod pwt;
@@ -56,8 +57,9 @@ pub(super) fn run(arguments: &Arguments, common: Common) -> Result<(), Error> {
     if let Some(asset) = &asset {
         asset::refuse_flags(arguments, asset)?;
     }
-    if arguments.adaptive.environment.is_some() && !arguments.adaptive.adaptive {
-        let text = "--environment needs --adaptive: other renderings use the lights of their scene";
+    let by_lobes = matches!(asset, Some(Asset { kind: AssetKind::Lobes(_), .. }));
+    if arguments.adaptive.truth.is_some() && !arguments.adaptive.adaptive && !by_lobes {
+        let text = "--truth needs --adaptive, or --environment with a material";
         return Err(Error::usage(text));
     }
     if arguments.adaptive.adaptive {
@@ -69,6 +71,9 @@ pub(super) fn run(arguments: &Arguments, common: Common) -> Result<(), Error> {
     let (verification, views) = match asset {
         Some(Asset { input, subject, kind: AssetKind::Pwt(pack) }) => {
             pwt::verification(arguments, common, &input, &subject, *pack)?
+        }
+        Some(Asset { input, subject, kind: AssetKind::Lobes(pack) }) => {
+            lobes::verification(arguments, common, &input, &subject, pack.map(|pack| *pack))?
         }
         Some(Asset { input, subject, kind: AssetKind::Flat }) => {
             flat::verification(arguments, common, &input, &subject)?

@@ -1,6 +1,7 @@
 //! Renderings of polynomial wavelet trees.
 
 use super::arguments::Arguments;
+use super::asset::name_of;
 use super::materials::Subject;
 use super::{gpu, outputs, scene};
 use crate::output::{note, remark};
@@ -11,7 +12,6 @@ use brdfc::render::{
     draw_photographs, draw_pwt, draw_pwt_on_cpu, image_scene, nearest_photograph,
 };
 use brdfc::{FormatError, Input};
-use std::path::Path;
 
 /// Default pixels of the rendering's longer side.
 const LONGER_SIDE: usize = 512;
@@ -64,11 +64,7 @@ pub(super) fn verification(
         None => None,
     };
     let views = Views { shader, pack, table: None, source, left_out: 0.0 };
-    let name = input
-        .path()
-        .and_then(Path::file_stem)
-        .map_or_else(|| input.to_string(), |name| name.to_string_lossy().into_owned());
-    let verification = setup.verification(&gpu, &views, |_| (name.clone(), bytes_on_gpu));
+    let verification = setup.verification(&gpu, &views, |_| (name_of(input), bytes_on_gpu));
     outputs::write(arguments, &views, verification.exposure)?;
     Ok((verification, views))
 }

@@ -5,9 +5,10 @@ use super::materials::Subject;
 use super::outputs;
 use crate::Error;
 use brdfc::render::{
-    Builtin, Environment, Frame, Gpu, PartMaterial, PointLight, Scene, Verification, Views, open_radiance_image,
+    Builtin, Environment, Frame, Gpu, PartMaterial, PointLight, Scene, Verification, Views, unfiltered,
 };
 use brdfc::scene::{LightSection, MAX_SIDE, ManifestError, RenderSection, line_of, near_miss};
+use brdfc::{Input, environment};
 use brdfc_terminal::words::{self, one_of};
 use std::path::{Path, PathBuf};
 use toml::Spanned;
@@ -218,6 +219,14 @@ fn environment_file(arguments: &Arguments, subject: &Subject, section: &RenderSe
 }
 
 fn environment(path: &Path) -> Result<Environment, Error> {
-    let image = open_radiance_image(path)?;
-    Ok(Environment { width: image.width, height: image.height, pixels: image.pixels })
+    let input = Input::from(path);
+    if !is_prefiltered(path) {
+        return environment::open_image(&input);
+    }
+    Ok(unfiltered(&environment::open(&input, &())?))
+}
+
+/// Returns true if the file is a prefiltered environment, and not an image.
+pub(super) fn is_prefiltered(path: &Path) -> bool {
+    path.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("ktx2"))
 }

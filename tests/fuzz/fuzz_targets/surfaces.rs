@@ -1,5 +1,5 @@
-//! Arbitrary bytes, or a valid file with edits, for every reader of the inputs and files of flat BTFs, of bandwidth maps and of
-//! importance samples; meshes are welded, packs written and read again.
+//! Arbitrary bytes, or a valid file with edits, for every reader of the inputs and files of flat BTFs, of bandwidth maps, importance
+//! samples, prefiltered environments and lobes; meshes are welded, packs written and read again.
 #![no_main]
 
 mod edits;
@@ -8,16 +8,21 @@ use brdfc_flat_btf::weld::weld;
 use brdfc_formats::FormatError;
 use brdfc_formats::bandwidth::{BandwidthHeader, BandwidthKind, BandwidthMap};
 use brdfc_formats::container::seal;
+use brdfc_formats::environment::EnvironmentPack;
 use brdfc_formats::flat_btf::FlatBtfFile;
 use brdfc_formats::importance::{ImportanceHeader, ImportancePack};
+use brdfc_formats::lobes::LobesPack;
 use brdfc_readers::direction_list;
 use brdfc_readers::meso::{TriangleMesh, obj, ply};
 use brdfc_source::meso::{heights_from_exr, heights_from_png};
 use brdfc_source::radiance_image;
+use brdfc_testing::codec::TestedCodec;
+use brdfc_testing::codecs::environment::Environment;
 use brdfc_testing::codecs::flat_btf;
+use brdfc_testing::codecs::lobes::Lobes;
 use libfuzzer_sys::fuzz_target;
 
-const READERS: u8 = 11;
+const READERS: u8 = 13;
 
 /// Two triangles over the tile.
 const OBJ: &[u8] = b"v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nusemtl clay\nf 1 2 3\nf 1 3 4\n";
@@ -45,6 +50,8 @@ fn valid(reader: u8) -> Vec<u8> {
         5 => flat_btf::factored_file().to_bytes(false),
         6 => environment().to_bytes(false),
         7 => samples().to_bytes(false),
+        8 => Environment.small_pack(false),
+        9 => Lobes.small_pack(false),
         // Without edits, because compressed images rarely survive them.
         _ => Vec::new(),
     }
@@ -76,8 +83,10 @@ fn read(reader: u8, bytes: &[u8]) -> bool {
         4 | 5 => again!(FlatBtfFile, bytes),
         6 => again!(BandwidthMap, bytes),
         7 => again!(ImportancePack, bytes),
-        8 => heights_from_png(bytes).is_ok(),
-        9 => heights_from_exr(bytes).is_ok(),
+        8 => again!(EnvironmentPack, bytes),
+        9 => again!(LobesPack, bytes),
+        10 => heights_from_png(bytes).is_ok(),
+        11 => heights_from_exr(bytes).is_ok(),
         _ => radiance_image::from_exr(bytes).is_ok(),
     }
 }

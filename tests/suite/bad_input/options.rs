@@ -236,7 +236,7 @@ fn outputs_that_are_inputs() {
     folder.write("packs/report.json", "[materials.b]\nsource = 'synth:velvet'\n[[uses]]\nmaterial = 'b'\n");
     let ran = folder.run(&["build", "packs/report.json", "--out", "packs", "--force"]);
     assert!(ran.code == 2 && ran.stderr.contains("would overwrite the input packs/report.json"), "{}", ran.stderr);
-    let sky = std::fs::read(brdfc_testing::testdata("golden/sky.hdr")).unwrap();
+    let sky = std::fs::read(brdfc_testing::testdata("demo/sky.hdr")).unwrap();
     folder.write("sky.exr", &sky);
     let lit = "[scene]\nenvironment = 'sky.exr'\n[materials.a]\nsource = 'synth:velvet'\n[[uses]]\nmaterial = 'a'\n";
     folder.write("lit.toml", lit);

@@ -232,7 +232,7 @@ fn json_is_a_flag_of_the_program() {
         &["generate", "man", "--out", "man"],
     ] {
         let name = arguments[0];
-        let allowed = "bandwidth, build, compare, convert, encode, flatten, info, plan, pwt, render, report, samples, shader, verify, view and watch";
+        let allowed = "bandwidth, build, compare, convert, encode, environment, flatten, info, plan, pwt, render, report, samples, shader, verify, view and watch";
         for ran in [folder.run(&[&["--json"], arguments].concat()), folder.run(&[arguments, &["--json"]].concat())] {
             assert_eq!((ran.code, ran.stdout.as_str()), (2, ""), "{arguments:?}");
             assert_eq!(ran.stderr, format!("brdfc: --json does not apply to {name}, only to {allowed}\n"));
@@ -257,6 +257,7 @@ fn what_refuses_json_is_what_the_page_says() {
         ("build --dry-run", &["build", "gone", "--dry-run", "--explain"]),
         ("watch", &["watch", "gone"]),
         ("encode", &["encode", "gone.binary", "-o", "x.ktx2"]),
+        ("encode --codec lobes", &["encode", "gone.binary", "--codec", "lobes", "-o", "x.ktx2"]),
         ("encode to stdout", &["encode", "gone.binary", "-o", "-"]),
         ("eval", &["eval", "gone.binary", "--directions", "pairs.csv"]),
         ("compare", &["compare", "gone.binary", "synth:lambert"]),
@@ -267,6 +268,7 @@ fn what_refuses_json_is_what_the_page_says() {
         ("bandwidth", &["bandwidth", "gone.binary", "-o", "x.ktx2"]),
         ("pwt", &["pwt", "gone", "-o", "x.ktx2"]),
         ("samples", &["samples", "gone.binary", "-o", "x.ktx2"]),
+        ("environment", &["environment", "gone.exr", "-o", "x.ktx2"]),
         ("shader", &["shader", "gone.ktx2", "--language", "glsl"]),
         ("flatten", &["flatten", "gone.obj", "-o", "flat"]),
         ("view", &["view", "gone.ktx2", "-o", "page.html"]),

@@ -5,6 +5,8 @@ mod build_scene;
 mod compare;
 mod convert;
 mod encode;
+mod encode_lobes;
+mod environment;
 mod eval;
 mod flatten;
 mod generate;
@@ -23,6 +25,8 @@ mod render;
 mod render_adaptive;
 #[cfg(feature = "render")]
 mod render_assets;
+#[cfg(feature = "render")]
+mod render_lobes;
 #[cfg(feature = "render")]
 mod render_packs;
 mod report;

@@ -112,6 +112,18 @@ fn files_that_are_damaged_are_refused_by_the_package() {
             "r8unorm 7",
             "texture: found 1 levels of 2d, 8 x 1 x 1 texels of r8unorm, expected 1 levels of 2d, 7",
         ),
+        (
+            &gradient,
+            "2d r8unorm 8 1 1",
+            "cube r8unorm 8 1 6",
+            "line 4: found cube of [8, 1, 6], expected 2d, 2d-array, 3d or",
+        ),
+        (
+            &gradient,
+            "2d r8unorm 8 1 1",
+            "cube r8unorm 8 8 6",
+            "texture: found 1 levels of 2d, 8 x 1 x 1 texels of r8unorm",
+        ),
         (&gradient, "2d r8unorm 8 1 1", "2d-array r8unorm 8192 8192 64", "expected at most 1073741824 for all images"),
         (
             &gradient,

@@ -63,6 +63,7 @@ fn upload(device: &Device, queue: &Queue, resource: &Resource<'_>, frame: &[u8])
                 Extent::D2(_) => (TextureDimension::D2, TextureViewDimension::D2),
                 Extent::D2Array(_) => (TextureDimension::D2, TextureViewDimension::D2Array),
                 Extent::D3(_) => (TextureDimension::D3, TextureViewDimension::D3),
+                Extent::Cube(_) => (TextureDimension::D2, TextureViewDimension::Cube),
             };
             let [width, height, depth_or_array_layers] = texels.extent.size();
             let descriptor = TextureDescriptor {

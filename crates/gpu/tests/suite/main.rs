@@ -9,6 +9,7 @@ mod factored_twin;
 mod flat_btf_twin;
 mod flat_scenes;
 mod importance_twin;
+mod lobes_scenes;
 mod propagation_twin;
 mod pwt_scenes;
 mod pwt_twin;

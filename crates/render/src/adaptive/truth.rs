@@ -4,28 +4,11 @@ use super::{AdaptiveScene, resolve};
 use crate::environment_light::reflected;
 use crate::environment_sampler::{EnvironmentSampler, FramedEnvironmentSampler};
 use crate::gbuffer::GBuffer;
-use crate::lobe_sampler::{BalancedSampler, LobeSampler, low_discrepancy, shift_of};
+use crate::lobe_sampler::{BalancedSampler, MeasuredLobe, shift_of};
 use crate::scene::Frame;
-use brdfc_formats::direction::Vector;
 use brdfc_importance::LobeDistributions;
 use brdfc_metrics::image::{LinearImage, signal_to_noise};
 use rayon::prelude::*;
-
-/// A measured lobe as a sampler.
-struct MeasuredLobe<'a> {
-    distributions: &'a LobeDistributions,
-    shift: [f64; 2],
-}
-
-impl LobeSampler for MeasuredLobe<'_> {
-    fn sample(&self, outgoing: Vector, index: usize) -> (Vector, f64) {
-        self.distributions.sample(outgoing, low_discrepancy(index, self.shift))
-    }
-
-    fn density(&self, outgoing: Vector, incoming: Vector) -> f64 {
-        self.distributions.density(outgoing, incoming)
-    }
-}
 
 /// Position of each point's first sample in the sequence.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

@@ -37,6 +37,7 @@ void main() {{
     )
 }
 
+/// Answers in a fragment shader: SwiftShader filters cube maps across edges in these, but not in compute shaders.
 fn wgsl(decoder: PackKind) -> String {
     let piece = text(decoder, Language::Wgsl);
     let count = SIDE * SIDE;
@@ -47,15 +48,16 @@ fn wgsl(decoder: PackKind) -> String {
     format!(
         "{piece}
 @group(0) @binding(0) var<storage, read> queries: array<vec4<f32>>;
-@group(0) @binding(1) var<storage, read_write> answers: array<vec4<f32>>;
-@compute @workgroup_size(64) fn main(@builtin(global_invocation_id) id: vec3<u32>) {{
+@vertex fn corner(@builtin(vertex_index) index: u32) -> @builtin(position) vec4<f32> {{
+    return vec4<f32>(select(-1.0, 3.0, index == 1u), select(1.0, -3.0, index == 2u), 0.0, 1.0);
+}}
+@fragment fn main(@builtin(position) position: vec4<f32>) -> @location(0) vec4<f32> {{
     {frame}
-    if id.x < {count}u {{
-        let a = queries[id.x];
-        let b = queries[{count}u + id.x];
-        let c = queries[{}u + id.x];
-        answers[id.x] = {call};
-    }}
+    let id = {SIDE}u * u32(position.y) + u32(position.x);
+    let a = queries[id];
+    let b = queries[{count}u + id];
+    let c = queries[{}u + id];
+    return {call};
 }}
 ",
         2 * count
@@ -108,7 +110,8 @@ fn page_of(api: &str, asked: &[Asked<'_>]) -> (Value, Vec<u8>) {
                     entry["texelBytes"] = texels.format.texel_bytes().into();
                     entry["levels"] = texels.levels.into();
                     // Texture parameters of WebGL, which has no separate samplers.
-                    let sampler = texels.sampler.as_deref().filter(|_| *sampled);
+                    // Shaders cannot load texels of cube maps.
+                    let sampler = texels.sampler.as_deref().filter(|_| *sampled || dimension == "cube");
                     entry["filtered"] = sampler.is_some().into();
                     entry["repeats"] = case.repeats(sampler).into();
                     entry

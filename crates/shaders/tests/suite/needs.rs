@@ -5,7 +5,9 @@ use brdfc_shaders::DeviceNeeds;
 
 #[test]
 fn ordinary_textures_have_no_requirements() {
-    for extent in [Extent::D2([2048; 2]), Extent::D2Array([256, 256, 256]), Extent::D3([64, 64, 256])] {
+    let extents =
+        [Extent::D2([2048; 2]), Extent::D2Array([256, 256, 256]), Extent::D3([64, 64, 256]), Extent::Cube(2048)];
+    for extent in extents {
         let needs = DeviceNeeds::of(TexelFormat::Rgba8Unorm, extent);
         assert_eq!((needs.summary().as_str(), needs), ("any with WebGPU or WebGL 2", DeviceNeeds::default()));
     }

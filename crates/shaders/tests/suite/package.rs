@@ -39,9 +39,9 @@ fn agrees(api: &str) {
     for file in ["three.module.js", "three.core.js"] {
         built.push((format!("three/{file}"), std::fs::read(three.join(file)).unwrap()));
     }
-    // The package has no renderers that use maps and samples.
-    let loaded =
-        |case: &Case| ![PackKind::Bandwidth, PackKind::Importance].contains(&case.decoder) && !case.files.is_empty();
+    // The package has no renderers that use these.
+    const OTHER: [PackKind; 4] = [PackKind::Bandwidth, PackKind::Importance, PackKind::Environment, PackKind::Lobes];
+    let loaded = |case: &Case| !OTHER.contains(&case.decoder) && !case.files.is_empty();
     let cases: Vec<Case> = cases().into_iter().filter(loaded).collect();
     let mut files: Vec<(String, &str, Vec<u8>)> = Vec::new();
     let mut listed = Vec::new();

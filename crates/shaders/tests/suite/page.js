@@ -32,11 +32,14 @@ function glFormat(gl, name) {
 
 function glTexture(gl, texture, bytes) {
     const [internal, format, type, Numbers] = glFormat(gl, texture.format);
-    const target = { '2d': gl.TEXTURE_2D, '2d-array': gl.TEXTURE_2D_ARRAY, '3d': gl.TEXTURE_3D }[texture.dimension];
+    const targets = { '2d': gl.TEXTURE_2D, '2d-array': gl.TEXTURE_2D_ARRAY, '3d': gl.TEXTURE_3D, cube: gl.TEXTURE_CUBE_MAP };
+    const target = targets[texture.dimension];
+    const isFlat = texture.dimension === '2d' || texture.dimension === 'cube';
+    const firstFace = texture.dimension === 'cube' ? gl.TEXTURE_CUBE_MAP_POSITIVE_X : target;
     const [width, height, depth] = texture.size;
     gl.bindTexture(target, gl.createTexture());
     gl.pixelStorei(gl.UNPACK_ALIGNMENT, 1);
-    if (target === gl.TEXTURE_2D) {
+    if (isFlat) {
         gl.texStorage2D(target, texture.levels, internal, width, height);
     } else {
         gl.texStorage3D(target, texture.levels, internal, width, height, depth);
@@ -47,10 +50,12 @@ function glTexture(gl, texture, bytes) {
         const length = w * h * depth * texture.texelBytes;
         const numbers = new Numbers(bytes.slice(at, at + length).buffer);
         at += length;
-        if (target === gl.TEXTURE_2D) {
-            gl.texSubImage2D(target, level, 0, 0, w, h, format, type, numbers);
-        } else {
+        if (!isFlat) {
             gl.texSubImage3D(target, level, 0, 0, 0, w, h, depth, format, type, numbers);
+            continue;
+        }
+        for (let face = 0; face < depth; face += 1) {
+            gl.texSubImage2D(firstFace + face, level, 0, 0, w, h, format, type, numbers, (face * numbers.length) / depth);
         }
     }
     const filters = texture.filtered;
@@ -181,7 +186,9 @@ async function withWebGpu(cases, blobs) {
         device.pushErrorScope('validation');
         if (!pipelines.has(wgsl)) {
             const module = device.createShaderModule({ code: wgsl });
-            pipelines.set(wgsl, await device.createComputePipelineAsync({ layout: 'auto', compute: { module, entryPoint: 'main' } }));
+            const [vertex, fragment] = ['corner', 'main'].map((entryPoint) => ({ module, entryPoint }));
+            fragment.targets = [{ format: 'rgba32float' }];
+            pipelines.set(wgsl, await device.createRenderPipelineAsync({ layout: 'auto', vertex, fragment }));
         }
         const pipeline = pipelines.get(wgsl);
         const { TEXTURE_BINDING, COPY_DST } = GPUTextureUsage;
@@ -220,18 +227,20 @@ async function withWebGpu(cases, blobs) {
             return { binding, resource: texture.createView({ dimension: resource.dimension }) };
         });
         const asked = buffer(blobs(queries), GPUBufferUsage.STORAGE);
+        const { RENDER_ATTACHMENT, COPY_SRC } = GPUTextureUsage;
+        const answers = device.createTexture({ size: [side, side], format: 'rgba32float', usage: RENDER_ATTACHMENT | COPY_SRC });
         const size = 16 * side * side;
-        const answers = device.createBuffer({ size, usage: GPUBufferUsage.STORAGE | GPUBufferUsage.COPY_SRC });
         const copy = device.createBuffer({ size, usage: GPUBufferUsage.MAP_READ | GPUBufferUsage.COPY_DST });
         const encoder = device.createCommandEncoder();
-        const pass = encoder.beginComputePass();
+        const target = { view: answers.createView(), loadOp: 'clear', storeOp: 'store' };
+        const pass = encoder.beginRenderPass({ colorAttachments: [target] });
         pass.setPipeline(pipeline);
-        const items = [{ binding: 0, resource: { buffer: asked } }, { binding: 1, resource: { buffer: answers } }];
+        const items = [{ binding: 0, resource: { buffer: asked } }];
         pass.setBindGroup(0, device.createBindGroup({ layout: pipeline.getBindGroupLayout(0), entries: items }));
         pass.setBindGroup(1, device.createBindGroup({ layout: pipeline.getBindGroupLayout(1), entries }));
-        pass.dispatchWorkgroups(Math.ceil(side * side / 64));
+        pass.draw(3);
         pass.end();
-        encoder.copyBufferToBuffer(answers, 0, copy, 0, size);
+        encoder.copyTextureToBuffer({ texture: answers }, { buffer: copy, bytesPerRow: 16 * side }, [side, side]);
         device.queue.submit([encoder.finish()]);
         const error = await device.popErrorScope();
         if (error) {

@@ -1,8 +1,10 @@
 //! Test data of each codec, in a file of its name.
 
 pub mod bandwidth;
+pub mod environment;
 pub mod flat_btf;
 pub mod importance;
+pub mod lobes;
 pub mod pwt;
 pub mod table;
 pub mod wavelet;
@@ -22,6 +24,8 @@ pub fn tested(kind: PackKind) -> &'static dyn TestedCodec {
         PackKind::Pwt => &pwt::Pwt,
         PackKind::Bandwidth => &bandwidth::Bandwidth,
         PackKind::Importance => &importance::Importance,
+        PackKind::Environment => &environment::Environment,
+        PackKind::Lobes => &lobes::Lobes,
     }
 }
 

@@ -16,7 +16,7 @@ fn bandwidth_maps() {
     let material = open("synth:ggx?alpha=0.4", None).unwrap_or_else(|error| panic!("{error}")).source;
     let (brdf, _) = brdf_map(material.as_ref(), Resolution::Fixed(32), DEFAULT_EPSILON).expect("an epsilon in range");
     let path = |relative| PathBuf::from(testdata(relative));
-    let sky = open_radiance_image(path("golden/sky.hdr")).unwrap_or_else(|error| panic!("{error}"));
+    let sky = open_radiance_image(path("demo/sky.hdr")).unwrap_or_else(|error| panic!("{error}"));
     let environment = environment_map(&sky.pixels, sky.width, 0.02).expect("an epsilon in range");
     let cloth = open_colours(path("golden/cloth.png")).unwrap_or_else(|error| panic!("{error}"));
     let texture = |metres, tiles| {

@@ -1,7 +1,7 @@
 // Mipmap levels of textures, for the web package and the pages of 'brdfc view'.
 
 /**
- * Columns, rows, and slices or layers of a level, 0 the finest. All levels have the same number of layers.
+ * Columns, rows, and slices, layers or faces of a level, 0 the finest. All levels have the same number of layers or faces.
  *
  * @param {Pick<import('./container.js').TextureData, 'dimension' | 'size'>} texture
  * @param {number} level

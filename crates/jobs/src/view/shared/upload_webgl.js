@@ -28,7 +28,7 @@ export const GL_FORMATS = {
  *
  * @param {TextureData} data
  * @param {number} level
- * @returns {ArrayBufferView<ArrayBuffer>}
+ * @returns {Uint8Array<ArrayBuffer> | Uint16Array<ArrayBuffer> | Uint32Array<ArrayBuffer> | Float32Array<ArrayBuffer>}
  */
 export function typed(data, level) {
     const bytes = data.levels[level].buffer;
@@ -51,7 +51,12 @@ const UNPACKING = /** @type {const} */ ([
     ['UNPACK_SKIP_ROWS', 0],
     ['UNPACK_SKIP_IMAGES', 0],
 ]);
-const BOUND = { '2d': 'TEXTURE_BINDING_2D', '2d-array': 'TEXTURE_BINDING_2D_ARRAY', '3d': 'TEXTURE_BINDING_3D' };
+const BOUND = {
+    '2d': 'TEXTURE_BINDING_2D',
+    '2d-array': 'TEXTURE_BINDING_2D_ARRAY',
+    '3d': 'TEXTURE_BINDING_3D',
+    cube: 'TEXTURE_BINDING_CUBE_MAP',
+};
 
 /**
  * Uploads one texture with its mipmap levels. Restores the state of the context, which other code uses, too.
@@ -69,7 +74,10 @@ export function uploadTexture(gl, data, filtered, repeats) {
     }
     const constants = /** @type {Record<string, number>} */ (/** @type {unknown} */ (gl));
     const [internal, format, type] = names.map((name) => constants[name]);
-    const target = { '2d': gl.TEXTURE_2D, '2d-array': gl.TEXTURE_2D_ARRAY, '3d': gl.TEXTURE_3D }[data.dimension];
+    const targets = { '2d': gl.TEXTURE_2D, '2d-array': gl.TEXTURE_2D_ARRAY, '3d': gl.TEXTURE_3D, cube: gl.TEXTURE_CUBE_MAP };
+    const target = targets[data.dimension];
+    const isFlat = data.dimension === '2d' || data.dimension === 'cube';
+    const firstFace = data.dimension === 'cube' ? gl.TEXTURE_CUBE_MAP_POSITIVE_X : target;
     const texture = gl.createTexture();
     const before = {
         texture: gl.getParameter(constants[BOUND[data.dimension]]),
@@ -80,17 +88,21 @@ export function uploadTexture(gl, data, filtered, repeats) {
     gl.bindBuffer(gl.PIXEL_UNPACK_BUFFER, null);
     UNPACKING.forEach(([name, value]) => gl.pixelStorei(constants[name], value));
     const [columns, rows] = data.size;
-    if (data.dimension === '2d') {
+    if (isFlat) {
         gl.texStorage2D(target, data.levels.length, internal, columns, rows);
     } else {
         gl.texStorage3D(target, data.levels.length, internal, ...data.size);
     }
     data.levels.forEach((_, level) => {
         const [width, height, depth] = levelSize(data, level);
-        if (data.dimension === '2d') {
-            gl.texSubImage2D(target, level, 0, 0, width, height, format, type, typed(data, level));
-        } else {
-            gl.texSubImage3D(target, level, 0, 0, 0, width, height, depth, format, type, typed(data, level));
+        const numbers = typed(data, level);
+        if (!isFlat) {
+            gl.texSubImage3D(target, level, 0, 0, 0, width, height, depth, format, type, numbers);
+            return;
+        }
+        for (let face = 0; face < depth; face += 1) {
+            const first = (face * numbers.length) / depth;
+            gl.texSubImage2D(firstFace + face, level, 0, 0, width, height, format, type, numbers, first);
         }
     });
     // Samplers filter neither integers nor, without an extension, 32-bit floats; shaders do not rely on it.

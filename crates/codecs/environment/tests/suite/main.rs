@@ -1,0 +1,4 @@
+//! Tests prefiltered environments against integrals with known results.
+
+mod environment;
+mod golden;

@@ -1,0 +1,29 @@
+//! Facts about lobes.
+
+use brdfc_formats::lobes::{Anchor, LobesPack};
+
+/// Facts about the lobes of a BRDF.
+#[derive(Debug, Clone, PartialEq, serde::Serialize, serde::Deserialize, schemars::JsonSchema)]
+pub struct LobesFacts {
+    /// Number of look-ups in an environment.
+    pub fetches: usize,
+    /// Number of look-ups around the normal, the mirror direction and the direction to the viewer.
+    pub anchors: [usize; 3],
+    /// Number of view angles with weights.
+    pub nodes: u32,
+    /// Bytes on a GPU.
+    pub gpu_bytes: u64,
+}
+
+impl LobesFacts {
+    /// Facts of a pack.
+    pub fn new(pack: &LobesPack) -> Self {
+        let count = |anchor: Anchor| pack.header().lobes.iter().filter(|lobe| lobe.anchor == anchor).count();
+        Self {
+            fetches: pack.fetches(),
+            anchors: Anchor::ALL.map(count),
+            nodes: pack.header().nodes,
+            gpu_bytes: pack.gpu_bytes(),
+        }
+    }
+}

@@ -1,0 +1,117 @@
+//! The integral of a BRDF over an environment, for one view: directions with weights.
+
+use brdfc_core::{Source, Tally};
+use brdfc_formats::direction::{DirectionPair, Vector};
+use brdfc_formats::environment::{EnvironmentDecoder, EnvironmentHeader};
+use std::f64::consts::{PI, TAU};
+
+/// Radius of the innermost ring around the mirror direction, radians.
+const FIRST_RING: f64 = 0.04 * PI / 180.0;
+/// Share of a lobe's sum below which a direction is left out.
+const NEGLIGIBLE: f64 = 1e-7;
+
+/// Number of rings around the mirror direction, and of directions on each.
+#[derive(Debug, Clone, Copy)]
+pub struct Resolution {
+    /// Rings, with radii that grow geometrically.
+    pub rings: usize,
+    /// Directions per ring, an even number.
+    pub azimuths: usize,
+}
+
+/// `f_r cos θ dω` for directions around the mirror direction of a view.
+pub struct Reflection {
+    samples: Vec<Sample>,
+}
+
+struct Sample {
+    direction: Vector,
+    weight: [f64; 3],
+    /// Standard deviation of the cell of the sample, radians.
+    deviation: f64,
+}
+
+impl Reflection {
+    /// Samples an isotropic source for an outgoing unit vector over the tangent. Negative values become 0.
+    pub fn new(source: &dyn Source, outgoing: Vector, resolution: Resolution, tally: &mut Tally) -> Self {
+        let [sine, _, cosine] = outgoing;
+        let (mirror, along) = ([-sine, 0.0, cosine], [cosine, 0.0, sine]);
+        let border = |ring: usize| match ring {
+            0 => 0.0,
+            _ => FIRST_RING * (PI / FIRST_RING).powf((ring - 1) as f64 / (resolution.rings - 1) as f64),
+        };
+        let mut samples = Vec::new();
+        for ring in 0..resolution.rings {
+            let (inner, outer) = (border(ring), border(ring + 1));
+            let (radius, solid_angle) =
+                (0.5 * (inner + outer), (inner.cos() - outer.cos()) * TAU / resolution.azimuths as f64);
+            for azimuth in 0..resolution.azimuths / 2 {
+                let turn = (azimuth as f64 + 0.5) / resolution.azimuths as f64 * TAU;
+                let at = |k: usize| radius.cos() * mirror[k] + radius.sin() * turn.cos() * along[k];
+                let incoming = [at(0), radius.sin() * turn.sin(), at(2)];
+                if incoming[2] <= 0.0 {
+                    continue;
+                }
+                let value = source.eval(DirectionPair::new(incoming, outgoing), tally);
+                let weight = value.map(|v| v.max(0.0) * incoming[2] * solid_angle);
+                let deviation = 0.5 * solid_angle.sqrt();
+                // The plane of view is a plane of symmetry.
+                let mirrored = [incoming[0], -incoming[1], incoming[2]];
+                samples.extend([incoming, mirrored].map(|direction| Sample { direction, weight, deviation }));
+            }
+        }
+        let sum = |sample: &Sample| sample.weight.iter().sum::<f64>();
+        let total: f64 = samples.iter().map(sum).sum();
+        samples.retain(|sample| sum(sample) > NEGLIGIBLE * total);
+        Self { samples }
+    }
+
+    /// Reflected share of uniform light: the directional albedo.
+    pub fn albedo(&self) -> [f64; 3] {
+        [0, 1, 2].map(|k| self.samples.iter().map(|sample| sample.weight[k]).sum())
+    }
+
+    /// Standard deviation of a Gaussian with the same peak and sum, radians; `None` for black.
+    pub fn width(&self) -> Option<f64> {
+        let density = |sample: &Sample| sample.weight.iter().sum::<f64>() / (4.0 * sample.deviation * sample.deviation);
+        let peak = self.samples.iter().map(density).fold(0.0, f64::max);
+        let total: f64 = self.albedo().iter().sum();
+        (total > 0.0).then(|| (total / peak / TAU).sqrt())
+    }
+
+    /// Reflected radiance in a local frame of tangent, bitangent and normal.
+    pub fn radiance(&self, environment: &EnvironmentDecoder, frame: &Frame) -> [f64; 3] {
+        let mut sum = [0.0; 3];
+        for Sample { direction, weight, deviation } in &self.samples {
+            let light = environment.radiance(frame.world(direction.map(|c| c as f32)), sharpness(*deviation));
+            (0..3).for_each(|k| sum[k] += weight[k] * f64::from(light[k]));
+        }
+        sum
+    }
+}
+
+/// Sharpness of the Gaussian level with this standard deviation, radians, at least 1.
+pub fn sharpness(deviation: f64) -> f32 {
+    (1.0 + (EnvironmentHeader::deviation(1.0) / deviation).log2()).max(1.0) as f32
+}
+
+/// A frame of tangent, bitangent and normal in an environment.
+#[derive(Debug, Clone, Copy)]
+pub struct Frame([[f32; 3]; 3]);
+
+impl Frame {
+    /// Frame of three orthogonal unit vectors.
+    pub fn new(axes: [Vector; 3]) -> Self {
+        Self(axes.map(|axis| axis.map(|c| c as f32)))
+    }
+
+    /// Tangent, bitangent and normal.
+    pub fn axes(&self) -> [[f32; 3]; 3] {
+        self.0
+    }
+
+    /// Converts a local direction to the frame of the environment.
+    pub fn world(&self, local: [f32; 3]) -> [f32; 3] {
+        [0, 1, 2].map(|k| (0..3).map(|axis| local[axis] * self.0[axis][k]).sum())
+    }
+}

@@ -1,0 +1,99 @@
+//! Lobes on scenes: the shader compared with the CPU, and the CPU with the integral over the environment.
+
+use brdfc_core::address::parse_synth;
+use brdfc_environment::prefilter;
+use brdfc_formats::environment::EnvironmentPack;
+use brdfc_formats::lobes::{Anchor, Lobe, LobesHeader, LobesPack};
+use brdfc_gpu::{draw_lobes, draw_lobes_by, lobes_scene_source};
+use brdfc_importance::{ImportanceRecipe, LobeDistributions};
+use brdfc_metrics::image::{LinearImage, auto_exposure, compare_images};
+use brdfc_render::lobes::{LobesMaterial, draw_integral, draw_on_cpu, unfiltered};
+use brdfc_render::scene::{Frame, Scene};
+use brdfc_render::scenes::Builtin;
+use brdfc_render::shade::SourceReflectance;
+
+const FRAME: Frame = Frame { width: 64, height: 64, samples: 2 };
+
+/// A sky with a soft sun, brighter than 1.
+fn environment() -> EnvironmentPack {
+    let radiance = |d: [f64; 3]| {
+        let length = d.iter().map(|c| c * c).sum::<f64>().sqrt();
+        let [x, y, z] = d.map(|c| c / length);
+        let sun = 30.0 * ((0.6 * x + 0.64 * y + 0.48 * z - 1.0) / 0.02).exp();
+        [0.3 + 0.2 * y + sun, 0.3 + 0.1 * x + 0.9 * sun, 0.4 + 0.1 * z + 0.7 * sun]
+    };
+    prefilter(&radiance, 32, 2, &()).unwrap()
+}
+
+/// Irradiance, a highlight and a pair around it.
+fn lobes() -> LobesPack {
+    let lobe = |anchor, tilt, row| Lobe { anchor, tilt, row };
+    let lobes = vec![
+        lobe(Anchor::Normal, [0.0, 0.0], 0),
+        lobe(Anchor::Mirror, [0.05, 0.0], 1),
+        lobe(Anchor::Mirror, [0.0, 0.2], 2),
+        lobe(Anchor::Mirror, [0.0, -0.2], 2),
+        lobe(Anchor::Viewer, [0.0, 0.0], 3),
+    ];
+    let weights = [
+        [[0.3, 0.1, 0.05, 0.0], [0.1, 0.05, 0.02, 0.0]],
+        [[0.1, 0.1, 0.1, 2.4], [0.5, 0.5, 0.5, 3.0]],
+        [[0.02, 0.02, 0.02, 1.5], [0.1, 0.1, 0.1, 1.5]],
+        [[0.05, 0.02, 0.0, 1.0], [0.0, 0.0, 0.0, 1.0]],
+    ];
+    LobesPack::new(LobesHeader { nodes: 2, rows: 4, lobes }, weights.as_flattened()).unwrap()
+}
+
+fn mean_delta_e(a: &LinearImage, b: &LinearImage) -> f64 {
+    compare_images(a, b, auto_exposure(b)).delta_e.mean
+}
+
+#[test]
+fn shader_and_cpu_draw_the_same_renderings() {
+    let Some(gpu) = crate::common::gpu() else { return };
+    let material = LobesMaterial::new(lobes(), environment());
+    for builtin in [Builtin::Sphere, Builtin::BumpyBall, Builtin::Teapot] {
+        let scene = builtin.scene();
+        let cpu = draw_on_cpu(&scene, FRAME, &material);
+        let lit = cpu.pixels.iter().filter(|pixel| pixel[0] > 0.0).count();
+        assert!(lit > FRAME.width * FRAME.height / 8, "{}: {lit} are lit", builtin.name());
+        let shader = draw_lobes(gpu, &scene, FRAME, &material).unwrap();
+        let mean = mean_delta_e(&shader, &cpu);
+        println!("{}: mean ΔE {mean}", builtin.name());
+        assert!(mean < 0.1, "{}: {mean}", builtin.name());
+        // The controls: changes of the shader are noticed.
+        for (old, new) in [
+            ("lobe.weight * ", "1.1 * lobe.weight * "),
+            ("lobe.direction.y * frame[1]", "-lobe.direction.x * frame[1]"),
+            (
+                "environment_radiance(direction, lobe.sharpness)",
+                "environment_radiance(direction, lobe.sharpness - 0.5)",
+            ),
+        ] {
+            let source = lobes_scene_source();
+            assert!(source.contains(old), "{old}");
+            let changed = draw_lobes_by(gpu, source.replace(old, new), &scene, FRAME, &material).unwrap();
+            assert!(mean_delta_e(&changed, &cpu) > 0.3, "{}: {new}", builtin.name());
+        }
+    }
+}
+
+/// A white Lambert surface in uniform light looks like the light, by lobes and by the integral.
+#[test]
+fn a_white_furnace_is_invisible() {
+    let uniform = prefilter(&|_| [0.7; 3], 16, 1, &()).unwrap();
+    let lobe = Lobe { anchor: Anchor::Normal, tilt: [0.0; 2], row: 0 };
+    let header = LobesHeader { nodes: 2, rows: 1, lobes: vec![lobe] };
+    let white = LobesPack::new(header, &[[1.0, 1.0, 1.0, 0.0]; 2]).unwrap();
+    let scene = Scene { environment: unfiltered(&uniform), ..Builtin::Sphere.scene() };
+    let by_lobes = draw_on_cpu(&scene, FRAME, &LobesMaterial::new(white, uniform));
+    let source = parse_synth("synth:lambert?kd=1").unwrap();
+    let distributions = LobeDistributions::new(source.as_ref(), &ImportanceRecipe::default()).unwrap();
+    let integral = draw_integral(&scene, FRAME, &SourceReflectance(source.as_ref()), &distributions, 256);
+    let surface = |image: &LinearImage| {
+        image.pixels.iter().zip(&image.coverage).filter(|(_, c)| **c == 1.0).map(|(p, _)| p[0]).collect::<Vec<_>>()
+    };
+    assert!(surface(&by_lobes).len() > 500);
+    assert!(surface(&by_lobes).iter().all(|value| (value / 0.7 - 1.0).abs() < 2e-3));
+    assert!(surface(&integral).iter().all(|value| (value / 0.7 - 1.0).abs() < 0.03));
+}

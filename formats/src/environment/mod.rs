@@ -1,0 +1,12 @@
+//! Prefiltered environments: cube maps whose mipmap levels have kernels of increasing width. Layout: `spec.md` in this
+//! folder.
+
+pub mod cube;
+mod decode;
+pub(crate) mod descriptor;
+mod header;
+mod pack;
+
+pub use decode::EnvironmentDecoder;
+pub use header::{ENVIRONMENT_ENTRY, EnvironmentHeader, MAX_SIDE, MIN_SIDE};
+pub use pack::{ENVIRONMENT_WGSL, EnvironmentPack};

@@ -1,0 +1,133 @@
+//! Lobes and sizes of a pack.
+
+use crate::FormatError;
+use crate::cursor::{Cursor, block_bytes};
+
+/// Key that identifies a pack of lobes.
+pub const LOBES_ENTRY: &str = "brdfc.lobes";
+
+const VERSION: u32 = 1;
+/// Maximum number of lobes, that is, of look-ups in an environment.
+pub const MAX_LOBES: usize = 32;
+/// Maximum number of view angles.
+pub const MAX_NODES: u32 = 64;
+/// Maximum sharpness of a lobe: that of the largest environment.
+pub const MAX_SHARPNESS: f32 = 9.0;
+/// Maximum size of a tilt.
+const MAX_TILT: f32 = 16.0;
+/// Bytes before the lobes.
+const START: usize = 12;
+/// Bytes of a lobe.
+const LOBE: usize = 16;
+
+/// Direction that a lobe follows.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+pub enum Anchor {
+    /// The normal, for diffuse reflection.
+    Normal,
+    /// The mirror direction, for highlights.
+    Mirror,
+    /// The direction to the viewer, for retroreflection.
+    Viewer,
+}
+
+impl Anchor {
+    /// All anchors, by their numbers in files.
+    pub const ALL: [Self; 3] = [Self::Normal, Self::Mirror, Self::Viewer];
+
+    pub(super) fn code(self) -> u32 {
+        self as u32
+    }
+}
+
+/// A look-up in the environment.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Lobe {
+    /// Direction that the lobe follows.
+    pub anchor: Anchor,
+    /// Slope in the plane of view and across it: of the direction for [`Anchor::Normal`], of the half vector for the
+    /// others.
+    pub tilt: [f32; 2],
+    /// Row of its weights. The two lobes of a pair, on either side of the plane of view, share one.
+    pub row: u32,
+}
+
+/// Sizes and lobes of a pack.
+#[derive(Debug, Clone, PartialEq)]
+pub struct LobesHeader {
+    /// Number of view angles with weights, 2 to [`MAX_NODES`].
+    pub nodes: u32,
+    /// Number of rows of weights, 1 to [`MAX_LOBES`].
+    pub rows: u32,
+    /// The lobes, 1 to [`MAX_LOBES`].
+    pub lobes: Vec<Lobe>,
+}
+
+impl LobesHeader {
+    /// Size of the uniform block, bytes.
+    pub const UNIFORM_SIZE: usize = 16 + LOBE * MAX_LOBES;
+
+    /// The uniform block `LobesParameters`.
+    pub fn uniform(&self) -> [u8; Self::UNIFORM_SIZE] {
+        let sizes = [self.lobes.len() as u32, self.nodes, 0, 0];
+        block_bytes(sizes.into_iter().chain(self.words()))
+    }
+
+    /// Checks all ranges.
+    ///
+    /// # Errors
+    /// Returns an error that names the field that is out of range.
+    pub fn check(&self) -> Result<(), FormatError> {
+        FormatError::check_range(format!("{LOBES_ENTRY} nodes"), self.nodes, 2..=MAX_NODES)?;
+        FormatError::check_range(format!("{LOBES_ENTRY} lobes"), self.lobes.len(), 1..=MAX_LOBES)?;
+        FormatError::check_range(format!("{LOBES_ENTRY} rows"), self.rows, 1..=self.lobes.len() as u32)?;
+        for (at, lobe) in self.lobes.iter().enumerate() {
+            for tilt in lobe.tilt {
+                FormatError::check_range(format!("{LOBES_ENTRY} tilt of lobe {at}"), tilt, -MAX_TILT..=MAX_TILT)?;
+            }
+            FormatError::check_range(format!("{LOBES_ENTRY} row of lobe {at}"), lobe.row, 0..=self.rows - 1)?;
+        }
+        Ok(())
+    }
+
+    fn words(&self) -> impl Iterator<Item = u32> + '_ {
+        let words = |lobe: &Lobe| {
+            let [x, y] = lobe.tilt.map(f32::to_bits);
+            [x, y, lobe.anchor.code(), lobe.row]
+        };
+        self.lobes.iter().flat_map(words)
+    }
+
+    pub(super) fn to_bytes(&self) -> Vec<u8> {
+        let sizes = [VERSION, self.nodes, self.rows];
+        sizes.into_iter().chain(self.words()).flat_map(u32::to_le_bytes).collect()
+    }
+
+    pub(super) fn from_bytes(bytes: &[u8]) -> Result<Self, FormatError> {
+        let count = bytes.len().saturating_sub(START) / LOBE;
+        if bytes.len() != START + LOBE * count || !(1..=MAX_LOBES).contains(&count) {
+            let allowed = format!("{START} bytes and {LOBE} for each of 1 to {MAX_LOBES} lobes");
+            return Err(FormatError::whole(LOBES_ENTRY, format!("{} bytes", bytes.len()), allowed));
+        }
+        let mut cursor = Cursor::new(bytes);
+        let version = cursor.u32("version")?;
+        if version != VERSION {
+            let field = format!("{LOBES_ENTRY} version");
+            return Err(FormatError::whole(field, version.to_string(), VERSION.to_string()));
+        }
+        let (nodes, rows) = (cursor.u32("nodes")?, cursor.u32("rows")?);
+        let mut lobe = |at: usize| {
+            let tilt = [f32::from_bits(cursor.u32("tilt")?), f32::from_bits(cursor.u32("tilt")?)];
+            let (code, row) = (cursor.u32("anchor")?, cursor.u32("row")?);
+            let anchor = Anchor::ALL.get(code as usize).copied();
+            let anchor = anchor.ok_or_else(|| {
+                FormatError::whole(format!("{LOBES_ENTRY} anchor of lobe {at}"), code.to_string(), "0 to 2")
+            })?;
+            Ok(Lobe { anchor, tilt, row })
+        };
+        let lobes = (0..count).map(&mut lobe).collect::<Result<_, FormatError>>()?;
+        let header = Self { nodes, rows, lobes };
+        header.check()?;
+        Ok(header)
+    }
+}

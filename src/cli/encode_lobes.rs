@@ -1,0 +1,157 @@
+//! `brdfc encode --codec lobes`: the lobes of one material.
+
+use super::encode::Arguments;
+use super::output::{json_or, note_repairs, print_report, write_file};
+use super::progress::Materials;
+use super::{Common, Error};
+use crate::table;
+use brdfc::encode::{StageClock, StageTime};
+use brdfc::lobes::{
+    DEFAULT_DELTA_E, DEFAULT_FETCHES, LobesFacts, LobesRecipe, LobesTrial, MAX_LOBES, RenderingError, encode,
+};
+use brdfc::{EncodeOptions, Facts, Progress as _, Stage, Tally};
+use brdfc_terminal::words::format_number;
+use serde::Serialize;
+
+/// Report of `brdfc encode --codec lobes --json`.
+#[derive(Debug, Serialize, schemars::JsonSchema)]
+pub struct Report {
+    /// Layout of this report.
+    version: u32,
+    /// The input.
+    input: Facts,
+    /// The pack.
+    pack: Candidate,
+    /// All packs that were tried, from few look-ups to many.
+    tried: Vec<Candidate>,
+    /// Bytes of the file.
+    bytes_on_disk: usize,
+    /// Counts of repairs.
+    #[serde(rename = "repaired")]
+    repairs: Tally,
+    /// Seconds per stage.
+    stages: Vec<StageTime>,
+}
+
+/// A number of lobes that was tried.
+#[derive(Debug, Clone, Serialize, schemars::JsonSchema)]
+pub struct Candidate {
+    /// Contents.
+    #[serde(flatten)]
+    facts: LobesFacts,
+    /// ΔE (CIE76) of renderings of a ball, in environments that the fit did not use.
+    delta_e: RenderingError,
+    /// True if it meets the limit.
+    meets: bool,
+}
+
+impl Candidate {
+    fn new(trial: &LobesTrial) -> Self {
+        Self { facts: LobesFacts::new(&trial.pack), delta_e: trial.error, meets: trial.meets }
+    }
+}
+
+/// Resolves the recipe. With `--max-fetches` alone, the error is as small as possible.
+fn recipe(options: &EncodeOptions) -> Result<LobesRecipe, Error> {
+    let of_lobes = EncodeOptions { max_delta_e: None, max_fetches: None, codec: None, ..options.clone() };
+    if of_lobes != EncodeOptions::default() {
+        let text = "--codec lobes takes --max-delta-e and --max-fetches, and no other encoding options";
+        return Err(Error::usage(text));
+    }
+    if let Some(limit) = options.max_delta_e
+        && !(limit > 0.0 && limit.is_finite())
+    {
+        return Err(Error::wrong_usage("--max-delta-e", format_number(limit), "a number above 0"));
+    }
+    let max_fetches = options.max_fetches.map_or(DEFAULT_FETCHES, |fetches| fetches as usize);
+    if max_fetches > MAX_LOBES {
+        let allowed = format!("1 to {MAX_LOBES} for lobes");
+        return Err(Error::wrong_usage("--max-fetches", max_fetches, allowed));
+    }
+    let by_default = options.max_fetches.is_none().then_some(DEFAULT_DELTA_E);
+    Ok(LobesRecipe { max_fetches, max_delta_e: options.max_delta_e.or(by_default) })
+}
+
+pub(super) fn run(arguments: &Arguments, options: &EncodeOptions, common: Common) -> Result<(), Error> {
+    let recipe = recipe(options)?;
+    let progress = Materials::new(1, false, common);
+    let name = arguments.output.file_name().map_or_else(String::new, |name| name.to_string_lossy().into_owned());
+    let part = progress.part(&name);
+    let clock = StageClock::new(part.as_ref());
+    clock.stage(Stage::Read, 1)?;
+    let material = brdfc::open(&arguments.input)?;
+    let encoded = encode(&material, &recipe, &clock).map_err(|error| error.prefixed(&arguments.input))?;
+    clock.stage(Stage::Write, 1)?;
+    let best = encoded.best();
+    let bytes = best.pack.to_bytes(arguments.options.supercompress());
+    write_file(&arguments.output, &bytes)?;
+    let stages = clock.finish();
+    drop(part);
+    drop(progress);
+    note_repairs(common, &arguments.input, &encoded.tally);
+    let tried: Vec<Candidate> = encoded.trials.iter().map(Candidate::new).collect();
+    let missed = recipe.max_delta_e.filter(|_| !best.meets).map(|limit| {
+        let (found, fetches, limit) = (best.error.mean, best.pack.fetches(), format_number(limit));
+        Error::check(format!(
+            "--max-delta-e: found a ΔE of {found:.2} with {fetches} look-ups, expected at most {limit}"
+        ))
+        .prefixed(&arguments.input)
+    });
+    let report = Report {
+        version: 1,
+        input: material.facts().clone(),
+        pack: Candidate::new(best),
+        tried,
+        bytes_on_disk: bytes.len(),
+        repairs: encoded.tally,
+        stages,
+    };
+    print_report(common, &arguments.output, &json_or(common, &report, report.text(arguments)))?;
+    missed.map_or(Ok(()), Err)
+}
+
+impl Report {
+    fn text(&self, arguments: &Arguments) -> String {
+        let row = |one: &Candidate| {
+            let [normal, mirror, viewer] = one.facts.anchors;
+            [
+                one.facts.fetches.to_string(),
+                normal.to_string(),
+                mirror.to_string(),
+                viewer.to_string(),
+                table::bytes(one.facts.gpu_bytes),
+                format!("{:.2}", one.delta_e.mean),
+                format!("{:.2}", one.delta_e.p95),
+                if one.meets { "yes" } else { "no" }.to_owned(),
+            ]
+        };
+        let header = ["look-ups", "normal", "mirror", "viewer", "on GPU", "ΔE", "ΔE 95 %", "meets the limits"];
+        let tried = table::plain(&header, self.tried.iter().map(row));
+        let one = &self.pack;
+        let seconds: f64 = self.stages.iter().map(|stage| stage.seconds).sum();
+        let row = [
+            arguments.output.display().to_string(),
+            "lobes".to_owned(),
+            one.facts.fetches.to_string(),
+            table::bytes(self.bytes_on_disk as u64),
+            table::bytes(one.facts.gpu_bytes),
+            format!("{:.2}", one.delta_e.mean),
+            format!("{:.2}", one.delta_e.p95),
+            format!("{seconds:.2} s"),
+        ];
+        let header = ["pack", "codec", "look-ups", "on disk", "on GPU", "ΔE", "ΔE 95 %", "time"];
+        format!("{tried}\n{}", table::plain(&header, [row]))
+    }
+}
+
+/// Lines of `brdfc info`.
+pub(super) fn lines(facts: &LobesFacts) -> Vec<(&'static str, String)> {
+    let LobesFacts { fetches, anchors: [normal, mirror, viewer], nodes, gpu_bytes } = facts;
+    vec![
+        ("kind", "lobes of a BRDF".to_owned()),
+        ("look-ups", fetches.to_string()),
+        ("around", format!("the normal {normal}, the mirror direction {mirror}, the viewer {viewer}")),
+        ("view angles", nodes.to_string()),
+        ("bytes on a GPU", table::bytes(*gpu_bytes)),
+    ]
+}

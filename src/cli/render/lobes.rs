@@ -1,0 +1,99 @@
+//! Renderings of materials that an environment lights, by lobes.
+
+use super::arguments::Arguments;
+use super::asset::name_of;
+use super::materials::Subject;
+use super::{gpu, outputs, scene};
+use crate::output::{self, remark};
+use crate::progress::Materials;
+use crate::{Common, Error};
+use brdfc::environment::{self, EnvironmentPack};
+use brdfc::lobes::{LobesPack, LobesRecipe, encode};
+use brdfc::render::{
+    Environment, LobesMaterial, Verification, Views, draw_lobes, draw_lobes_integral, draw_lobes_on_cpu,
+};
+use brdfc::{Input, Material, Progress as _};
+use std::path::Path;
+
+/// Directions of the integral for each pixel, by default.
+const TRUTH: usize = 256;
+
+/// Draws lobes with the shader and on the CPU, and the integral over the environment if the source is known.
+pub(super) fn verification(
+    arguments: &Arguments,
+    common: Common,
+    input: &Input,
+    subject: &Subject,
+    pack: Option<LobesPack>,
+) -> Result<(Verification, Views), Error> {
+    let Some(file) = &arguments.adaptive.environment else {
+        let text =
+            "lobes are for light from environments; add --environment with an image or a prefiltered environment";
+        return Err(Error::usage(format!("{input}: {text}")));
+    };
+    let setup = scene::setup(arguments, subject)?;
+    let gpu = gpu::open(arguments)?;
+    let environment = prefiltered(file, &setup.scene.environment, common)?;
+    // Without a pack, the input is a material.
+    let source = match (&arguments.source, &pack) {
+        (Some(source), _) => Some(brdfc::open(source)?),
+        (None, None) => Some(brdfc::open(input)?),
+        (None, Some(_)) => None,
+    };
+    let pack = match (pack, &source) {
+        (Some(pack), _) => pack,
+        (None, Some(material)) => encoded(input, material, common)?,
+        (None, None) => unreachable!("the input is opened without a pack"),
+    };
+    let bytes_on_gpu = pack.gpu_bytes() + environment.gpu_bytes();
+    let material = LobesMaterial::new(pack, environment);
+    let shader = draw_lobes(&gpu, &setup.scene, setup.frame, &material)?;
+    let pack = draw_lobes_on_cpu(&setup.scene, setup.frame, &material);
+    let source = match &source {
+        Some(source) => {
+            let by_default = TRUTH.div_ceil(setup.frame.samples * setup.frame.samples);
+            let samples = arguments.adaptive.truth.unwrap_or(by_default).next_multiple_of(16);
+            remark(
+                common,
+                &format!("the integral over the environment: {samples} directions for each sample, on the CPU"),
+            );
+            Some(draw_lobes_integral(&setup.scene, setup.frame, source, samples)?)
+        }
+        None => None,
+    };
+    let views = Views { shader, pack, table: None, source, left_out: 0.0 };
+    let verification = setup.verification(&gpu, &views, |_| (name_of(input), bytes_on_gpu));
+    outputs::write(arguments, &views, verification.exposure)?;
+    Ok((verification, views))
+}
+
+/// Opens a prefiltered environment, or prefilters the environment of the scene, which was read from the file.
+fn prefiltered(file: &Path, image: &Environment, common: Common) -> Result<EnvironmentPack, Error> {
+    if scene::is_prefiltered(file) {
+        return environment::open(&Input::from(file), &());
+    }
+    let progress = Materials::new(1, false, common);
+    environment::prefilter(image, None, progress.part("environment").as_ref())
+}
+
+fn encoded(input: &Input, material: &Material, common: Common) -> Result<LobesPack, Error> {
+    let progress = Materials::new(1, false, common);
+    let encoded = encode(material, &LobesRecipe::default(), progress.part(&name_of(input)).as_ref());
+    Ok(encoded.map_err(|error| error.prefixed(input))?.best().pack.clone())
+}
+
+/// Rejects flags that do not apply to renderings by lobes.
+pub(super) fn refuse_flags(arguments: &Arguments, input: &Input) -> Result<(), Error> {
+    let of = "renderings with point lights";
+    let flags = [
+        (arguments.packs.is_some(), "--packs", of),
+        (arguments.table, "--table", of),
+        (arguments.lod.is_some(), "--lod", of),
+        (arguments.filter.is_some(), "--filter", of),
+        (arguments.exact, "--exact", of),
+        (arguments.repeat.is_some(), "--repeat", "flat BTFs"),
+        (arguments.options.any(), "an encoding option", of),
+        (arguments.contact.is_some(), "--contact", of),
+    ];
+    output::refuse_flags(format!("{input}, lit by an environment"), &flags)
+}

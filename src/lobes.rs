@@ -1,0 +1,23 @@
+//! Lobes: the light that a material reflects from an environment, by a few look-ups in prefiltered light.
+//!
+//! [`encode`] fits them to a material; [`environment`](crate::environment) prefilters light. `formats/src/lobes/spec.md`
+//! describes the layout.
+
+pub use brdfc_formats::lobes::{LobesPack, MAX_LOBES};
+pub use brdfc_jobs::lobes::CODEC;
+pub use brdfc_lobes::{
+    DEFAULT_DELTA_E, DEFAULT_FETCHES, EncodedLobes, LobesFacts, LobesRecipe, LobesTrial, RenderingError,
+};
+
+use crate::{Error, Material, Progress};
+use brdfc_jobs::lobes::encode_lobes;
+
+/// Fits lobes to a material. If no number of look-ups meets the limit, the one with the smallest error is selected; see
+/// [`LobesTrial::meets`].
+///
+/// # Errors
+/// Returns an error for anisotropic materials, for a recipe out of range ([`ErrorKind::Usage`](crate::ErrorKind::Usage)), and
+/// if the work was cancelled.
+pub fn encode(material: &Material, recipe: &LobesRecipe, progress: &dyn Progress) -> Result<EncodedLobes, Error> {
+    encode_lobes(material.source(), recipe, progress)
+}
