@@ -2,11 +2,11 @@
 //! prefiltered light.
 //!
 //! Lobes have fixed directions relative to the normal, the mirror direction or the viewer, so that reflections move
-//! smoothly with the view; only their weights vary with it. Half vectors, not directions, are shifted: a highlight that
-//! is round over half vectors becomes narrow across the plane of view at grazing angles by itself.
+//! smoothly with the view; only their weights and sharpness vary with it. Half vectors, not directions, are shifted: a
+//! highlight that is round over half vectors becomes narrow across the plane of view at grazing angles by itself.
 //!
-//! [`views`] computes the reflected radiance in environments, [`candidate`] lists possible lobes, [`select`] chooses and
-//! moves them, [`system`] solves for weights, and [`measure`] measures the error in other environments.
+//! `views` computes the reflected radiance in environments, `candidate` lists possible lobes, `select` chooses and moves
+//! them, `system` solves for weights, and `measure` measures the error in other environments.
 
 mod candidate;
 mod facts;
