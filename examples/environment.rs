@@ -21,7 +21,6 @@ use brdfc_source::open::open;
 use image::codecs::png::{CompressionType, FilterType, PngEncoder};
 use image::{Rgb, RgbImage};
 use std::error::Error;
-use std::f64::consts::{PI, TAU};
 use std::path::Path;
 
 /// Pixels of a ball's square.
@@ -48,13 +47,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     let root = Path::new(env!("CARGO_MANIFEST_DIR"));
     let room = TrainingEnvironment::new(ROOM);
     let [width, height] = IMAGE;
-    let pixel = |at: usize| {
-        let azimuth = TAU * ((at % width) as f64 + 0.5) / width as f64;
-        let colatitude = PI * ((at / width) as f64 + 0.5) / height as f64;
-        let direction = [colatitude.sin() * azimuth.cos(), colatitude.cos(), colatitude.sin() * azimuth.sin()];
-        room.radiance(direction).map(|c| c as f32)
-    };
-    let environment = Environment { width, height, pixels: (0..width * height).map(pixel).collect() };
+    let environment = Environment::of(width, height, |direction| room.radiance(direction).map(|c| c as f32));
     let prefiltered = prefilter_image(&environment, None, &())?;
     let ball = Builtin::Sphere.scene();
     let camera = Camera { field_of_view: 0.87 * ball.camera.field_of_view, ..ball.camera };

@@ -3,7 +3,7 @@
 use super::encode_lobes;
 use super::options::{PackOptions, by_flags};
 use super::output::{json_or, note, output_parser, print_report, refuse_unfit_output};
-use super::progress::Materials;
+use super::progress::{Materials, label};
 use super::{Common, Error};
 use crate::table;
 use brdfc::encode::{GateResult, StageClock, StageTime, remarks};
@@ -64,7 +64,7 @@ pub(super) fn run(arguments: &Arguments, common: Common) -> Result<(), Error> {
     let request = arguments.options.request().map_err(by_flags)?;
     // An interrupt ends the process at once: the single output file is either complete or absent.
     let progress = Materials::new(1, false, common);
-    let name = arguments.output.file_name().map_or_else(String::new, |name| name.to_string_lossy().into_owned());
+    let name = label(&arguments.output);
     let part = progress.part(&name);
     let clock = StageClock::new(part.as_ref());
     clock.stage(Stage::Read, 1)?;

@@ -2,7 +2,7 @@
 
 use super::encode::Arguments;
 use super::output::{json_or, note_repairs, print_report, write_file};
-use super::progress::Materials;
+use super::progress::{Materials, label};
 use super::{Common, Error};
 use crate::table;
 use brdfc::encode::{StageClock, StageTime};
@@ -75,7 +75,7 @@ fn recipe(options: &EncodeOptions) -> Result<LobesRecipe, Error> {
 pub(super) fn run(arguments: &Arguments, options: &EncodeOptions, common: Common) -> Result<(), Error> {
     let recipe = recipe(options)?;
     let progress = Materials::new(1, false, common);
-    let name = arguments.output.file_name().map_or_else(String::new, |name| name.to_string_lossy().into_owned());
+    let name = label(&arguments.output);
     let part = progress.part(&name);
     let clock = StageClock::new(part.as_ref());
     clock.stage(Stage::Read, 1)?;

@@ -2,7 +2,7 @@
 
 use super::info::lines_of;
 use super::output::{json_or, output_parser, print_report, refuse_unfit_output, write_file};
-use super::progress::Materials;
+use super::progress::{Materials, label};
 use super::{Common, Error};
 use crate::table;
 use brdfc::encode::StageClock;
@@ -63,7 +63,7 @@ pub(super) fn run(arguments: &Arguments, common: Common) -> Result<(), Error> {
     }
     refuse_unfit_output(&arguments.output, &["ktx2"], arguments.input.path().as_slice())?;
     let progress = Materials::new(1, false, common);
-    let name = arguments.output.file_name().map_or_else(String::new, |name| name.to_string_lossy().into_owned());
+    let name = label(&arguments.output);
     let part = progress.part(&name);
     let clock = StageClock::new(part.as_ref());
     clock.stage(Stage::Read, 1)?;

@@ -6,9 +6,15 @@ use super::output::tell;
 use brdfc::{Cancelled, Plan, Progress, Stage};
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressFinish, ProgressStyle};
 use std::io::IsTerminal;
+use std::path::Path;
 use std::sync::OnceLock;
 use std::sync::atomic::{AtomicBool, AtomicU64, AtomicUsize, Ordering};
 use std::time::{Duration, Instant};
+
+/// Name of the file at a path, for progress lines.
+pub fn label(path: &Path) -> String {
+    path.file_name().map_or_else(String::new, |name| name.to_string_lossy().into_owned())
+}
 
 /// Stages in order, with their approximate share of a pack's time for a scattered scan, in per cent.
 const SHARES: [(Stage, u64); 13] = [

@@ -10,7 +10,7 @@ use brdfc_formats::environment::ENVIRONMENT_WGSL;
 use brdfc_formats::lobes::LOBES_WGSL;
 use brdfc_metrics::image::LinearImage;
 use brdfc_render::lobes::LobesMaterial;
-use brdfc_render::scene::{Frame, Scene};
+use brdfc_render::scene::{Environment, Frame, Scene};
 use wgpu::ShaderStages;
 
 /// The complete shader: decoders, surfaces, scene.
@@ -44,7 +44,8 @@ pub fn draw_lobes_by(
     let slots = Slots::of(gpu, "lobes", ShaderStages::FRAGMENT, &bindings);
     let surface_layout = surface::layout(gpu);
     let rasteriser = Rasteriser::new(gpu, source, &[&slots.layout, &surface_layout])?;
-    let mirrored = surface::environment(gpu, &scene.environment)?;
+    // The shader reads no image of the environment, which the layout of surfaces has.
+    let mirrored = surface::environment(gpu, &Environment::of(1, 1, |_| [0.0; 3]))?;
     let group = |(index, part)| -> Result<_, GpuError> {
         let packs = slots.bind(gpu, &bindings, FrameBlock::default())?;
         Ok(vec![packs, surface::upload(gpu, &surface_layout, index, part, &mirrored)])

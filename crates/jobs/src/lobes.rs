@@ -6,7 +6,7 @@ use brdfc_core::progress::Progress;
 use brdfc_environment::training::{KINDS, TrainingEnvironment};
 use brdfc_environment::{PrefilterError, prefilter};
 use brdfc_formats::environment::EnvironmentDecoder;
-use brdfc_lobes::{EncodedLobes, Environments, LobesError, LobesRecipe, encode};
+use brdfc_lobes::{EncodedLobes, Environments, LobesError, LobesRecipe, check, encode};
 use std::sync::OnceLock;
 
 /// Name of the codec.
@@ -22,7 +22,10 @@ const HELD_OUT: u64 = 100;
 /// Returns an error for anisotropic materials, for a recipe out of range, and if the work was cancelled.
 pub fn encode_lobes(source: &dyn Source, recipe: &LobesRecipe, progress: &dyn Progress) -> Result<EncodedLobes, Error> {
     static ENVIRONMENTS: OnceLock<Environments> = OnceLock::new();
-    recipe.check().map_err(|error| Error::usage(error.to_string()))?;
+    check(source, recipe).map_err(|error| match error {
+        LobesError::Invalid(error) => Error::usage(error),
+        other => other.into(),
+    })?;
     let environments = match ENVIRONMENTS.get() {
         Some(environments) => environments,
         None => {

@@ -1,5 +1,12 @@
 //! CIE L*a*b* of linear RGB, fast enough for whole BTFs.
 
+/// XYZ of linear RGB with the primaries of sRGB, relative to the white point (D65): one row per component.
+pub const XYZ: [[f64; 3]; 3] = [
+    [0.433_953, 0.376_219_4, 0.189_827_6],
+    [0.212_672_9, 0.715_152_2, 0.072_175],
+    [0.017_756_6, 0.109_467_96, 0.872_775_4],
+];
+
 /// Cube root of numbers from 0 to 1, within 1e-6 relative: an initial guess from the bits, then two steps of Halley's
 /// method.
 #[inline]
@@ -17,10 +24,7 @@ fn cube_root(x: f32) -> f32 {
 #[inline]
 pub fn lab(colour: [f32; 3]) -> [f32; 3] {
     let [r, g, b] = colour.map(|c| c.clamp(0.0, 1.0));
-    // Rows of the sRGB matrix, divided by the white point.
-    let x = 0.433_953 * r + 0.376_219_4 * g + 0.189_827_6 * b;
-    let y = 0.212_672_9 * r + 0.715_152_2 * g + 0.072_175 * b;
-    let z = 0.017_756_6 * r + 0.109_467_96 * g + 0.872_775_4 * b;
+    let [x, y, z] = XYZ.map(|row| row[0] as f32 * r + row[1] as f32 * g + row[2] as f32 * b);
     let f = |t: f32| if t > 0.008_856_452 { cube_root(t) } else { t * 7.787_037 + 16.0 / 116.0 };
     let (fx, fy, fz) = (f(x), f(y), f(z));
     [116.0 * fy - 16.0, 500.0 * (fx - fy), 200.0 * (fy - fz)]

@@ -6,8 +6,20 @@ use brdfc_formats::tap::Tap;
 use brdfc_metrics::image::luminance;
 use rayon::prelude::*;
 use std::f32::consts::PI;
+use std::f64::consts::TAU;
 
 impl Environment {
+    /// Image of a function of unit directions, at the centres of the pixels.
+    pub fn of(width: usize, height: usize, radiance: impl Fn(Vector) -> [f32; 3] + Sync) -> Self {
+        let pixel = |at: usize| {
+            let azimuth = TAU * ((at % width) as f64 + 0.5) / width as f64;
+            let colatitude = std::f64::consts::PI * ((at / width) as f64 + 0.5) / height as f64;
+            let sine = colatitude.sin();
+            radiance([sine * azimuth.cos(), colatitude.cos(), sine * azimuth.sin()])
+        };
+        Self { width, height, pixels: (0..width * height).into_par_iter().map(pixel).collect() }
+    }
+
     /// Radiance from a direction (any length): bilinear, columns wrap, rows end at the poles. Texel centres at `i + ½`.
     pub fn at(&self, direction: Vector) -> Vector {
         let [x, y, z] = direction.map(|c| c as f32);

@@ -14,8 +14,6 @@ use brdfc_formats::environment::{EnvironmentDecoder, EnvironmentPack};
 use brdfc_formats::lobes::LobesPack;
 use brdfc_importance::LobeDistributions;
 use brdfc_metrics::image::LinearImage;
-use rayon::prelude::*;
-use std::f64::consts::{PI, TAU};
 
 /// A material in a prefiltered environment.
 #[derive(Debug, Clone)]
@@ -53,13 +51,8 @@ pub fn unfiltered(environment: &EnvironmentPack) -> Environment {
     let decoder = EnvironmentDecoder::new(environment);
     let header = environment.header();
     let (width, height) = (4 * header.side as usize, 2 * header.side as usize);
-    let pixel = |at: usize| {
-        let azimuth = TAU * ((at % width) as f64 + 0.5) / width as f64;
-        let colatitude = PI * ((at / width) as f64 + 0.5) / height as f64;
-        let direction = [colatitude.sin() * azimuth.cos(), colatitude.cos(), colatitude.sin() * azimuth.sin()];
-        decoder.radiance(direction.map(|c| c as f32), header.sharpest() as f32)
-    };
-    Environment { width, height, pixels: (0..width * height).into_par_iter().map(pixel).collect() }
+    let sharpest = header.sharpest() as f32;
+    Environment::of(width, height, |direction| decoder.radiance(direction.map(|c| c as f32), sharpest))
 }
 
 /// Draws a scene whose parts all have one material, in the same steps as `lobes_scene.wgsl`. Point lights and mirrors are

@@ -11,6 +11,7 @@ mod direction_mesh_shader;
 mod direction_weights;
 mod environment;
 mod factored;
+mod factored_base;
 mod factored_corrupt;
 mod flat_btf;
 mod flat_btf_corrupt;

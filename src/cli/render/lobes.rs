@@ -10,7 +10,7 @@ use crate::{Common, Error};
 use brdfc::environment::{self, EnvironmentPack};
 use brdfc::lobes::{LobesPack, LobesRecipe, encode};
 use brdfc::render::{
-    Environment, LobesMaterial, Verification, Views, draw_lobes, draw_lobes_integral, draw_lobes_on_cpu,
+    Environment, LobesMaterial, Verification, Views, draw_lobes, draw_lobes_integral, draw_lobes_on_cpu, unfiltered,
 };
 use brdfc::{Input, Material, Progress as _};
 use std::path::Path;
@@ -31,7 +31,7 @@ pub(super) fn verification(
             "lobes are for light from environments; add --environment with an image or a prefiltered environment";
         return Err(Error::usage(format!("{input}: {text}")));
     };
-    let setup = scene::setup(arguments, subject)?;
+    let mut setup = scene::setup(arguments, subject)?;
     let gpu = gpu::open(arguments)?;
     let environment = prefiltered(file, &setup.scene.environment, common)?;
     // Without a pack, the input is a material.
@@ -51,6 +51,9 @@ pub(super) fn verification(
     let pack = draw_lobes_on_cpu(&setup.scene, setup.frame, &material);
     let source = match &source {
         Some(source) => {
+            if scene::is_prefiltered(file) {
+                setup.scene.environment = unfiltered(material.environment());
+            }
             let by_default = TRUTH.div_ceil(setup.frame.samples * setup.frame.samples);
             let samples = arguments.adaptive.truth.unwrap_or(by_default).next_multiple_of(16);
             remark(
@@ -94,6 +97,7 @@ pub(super) fn refuse_flags(arguments: &Arguments, input: &Input) -> Result<(), E
         (arguments.repeat.is_some(), "--repeat", "flat BTFs"),
         (arguments.options.any(), "an encoding option", of),
         (arguments.contact.is_some(), "--contact", of),
+        (arguments.adaptive.adaptive, "--adaptive", "materials and packs of BRDFs"),
     ];
     output::refuse_flags(format!("{input}, lit by an environment"), &flags)
 }

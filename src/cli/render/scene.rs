@@ -103,7 +103,10 @@ pub(super) fn setup_from(arguments: &Arguments, subject: &Subject, start: &Start
     }
     if let Some(path) = environment_file(arguments, subject, section) {
         outputs::check_not_over(arguments, &path)?;
-        scene.environment = environment(&path)?;
+        // Lobes look prefiltered environments up as they are.
+        if arguments.adaptive.adaptive || !is_prefiltered(&path) {
+            scene.environment = environment(&path)?;
+        }
     }
     let samples = match arguments.adaptive.adaptive {
         true => arguments.adaptive.points_per_axis(),

@@ -93,10 +93,19 @@ pub struct Environments {
     pub held_out: Vec<EnvironmentDecoder>,
 }
 
+/// Checks a source and a recipe, which is much faster than the environments of the fit.
+///
+/// # Errors
+/// Returns an error for anisotropic sources, and for a recipe out of range.
+pub fn check(source: &dyn Source, recipe: &LobesRecipe) -> Result<(), LobesError> {
+    recipe.check()?;
+    if source.symmetry().isotropic { Ok(()) } else { Err(LobesError::Anisotropic) }
+}
+
 /// Fits lobes to an isotropic source. The result does not depend on the number of threads.
 ///
 /// # Errors
-/// Returns an error for anisotropic sources, for a recipe out of range, and if the work was cancelled.
+/// Returns the errors of [`check`], and an error if the work was cancelled.
 ///
 /// # Panics
 /// Panics if there are no environments.
@@ -106,10 +115,7 @@ pub fn encode(
     recipe: &LobesRecipe,
     progress: &dyn Progress,
 ) -> Result<EncodedLobes, LobesError> {
-    recipe.check()?;
-    if !source.symmetry().isotropic {
-        return Err(LobesError::Anisotropic);
-    }
+    check(source, recipe)?;
     let counts = recipe.counts();
     progress.stage(Stage::Lobes, counts.len() + 2)?;
     let mut tally = Tally::default();
@@ -146,30 +152,20 @@ pub fn encode(
 
 /// Pack of a system. Weights are scaled down where they would reflect more of uniform light than the material.
 fn assembled(system: &System, views: &Views<'_>) -> Result<LobesPack, FormatError> {
-    let black = [Candidate::IRRADIANCE];
-    let is_black = system.candidates.is_empty();
-    let candidates = if is_black { &black[..] } else { &system.candidates[..] };
-    let mut sums = vec![[0.0; 3]; views.views.len()];
-    for (at, candidate) in system.candidates.iter().enumerate() {
-        for (sum, weight) in sums.iter_mut().zip(system.weights(at)) {
-            (0..3).for_each(|k| sum[k] += candidate.fetches() as f64 * weight[k]);
+    let mut rows: Vec<(Candidate, Vec<[f64; 3]>)> =
+        system.candidates.iter().enumerate().map(|(at, one)| (*one, system.weights(at).collect())).collect();
+    if rows.is_empty() {
+        rows.push((Candidate::IRRADIANCE, vec![[0.0; 3]; views.views.len()]));
+    }
+    let mut texels = vec![[0.0; 4]; rows.len() * views.views.len()];
+    for (node, view) in views.views.iter().enumerate() {
+        let sum = |k: usize| rows.iter().map(|(one, weights)| one.fetches() as f64 * weights[node][k]).sum::<f64>();
+        let scale = [0, 1, 2].map(|k| if sum(k) > view.albedo[k] { view.albedo[k] / sum(k) } else { 1.0 });
+        for (row, (one, weights)) in rows.iter().enumerate() {
+            let [r, g, b] = [0, 1, 2].map(|k| ((weights[node][k] * scale[k]) as f32).min(half::MAX));
+            texels[row * views.views.len() + node] = [r, g, b, one.sharpness_at(view.outgoing[2])];
         }
     }
-    let scale = |(sum, albedo): (&[f64; 3], [f64; 3])| {
-        [0, 1, 2].map(|k| if sum[k] > albedo[k] { albedo[k] / sum[k] } else { 1.0 })
-    };
-    let scales: Vec<[f64; 3]> = sums.iter().zip(views.views.iter().map(|view| view.albedo)).map(scale).collect();
-    let mut texels = Vec::new();
-    for (at, candidate) in candidates.iter().enumerate() {
-        if is_black {
-            texels.extend(scales.iter().map(|_| [0.0; 4]));
-            continue;
-        }
-        texels.extend(system.weights(at).zip(&scales).zip(&views.views).map(|((weight, scale), view)| {
-            let [r, g, b] = [0, 1, 2].map(|k| ((weight[k] * scale[k]) as f32).min(half::MAX));
-            [r, g, b, candidate.sharpness_at(view.outgoing[2])]
-        }));
-    }
-    let lobes = candidates.iter().zip(0..).flat_map(|(candidate, row)| candidate.lobes(row)).collect();
-    LobesPack::new(LobesHeader { nodes: NODES as u32, rows: candidates.len() as u32, lobes }, &texels)
+    let lobes = rows.iter().zip(0..).flat_map(|((one, _), row)| one.lobes(row)).collect();
+    LobesPack::new(LobesHeader { nodes: NODES as u32, rows: rows.len() as u32, lobes }, &texels)
 }

@@ -3,6 +3,7 @@
 use super::candidate::Candidate;
 use super::non_negative::minimise;
 use super::views::{View, Views};
+use brdfc_metrics::lab::XYZ;
 use std::sync::Arc;
 
 /// Weight of the squared diagonal that makes nearly equal lobes solvable.
@@ -23,11 +24,6 @@ pub struct Target {
 /// Visible change per change of a channel of an exposed colour: the length of the derivative of L*a*b*. A floor keeps it
 /// finite for black.
 fn visibility(colour: [f64; 3]) -> [f64; 3] {
-    const XYZ: [[f64; 3]; 3] = [
-        [0.433_953, 0.376_219_4, 0.189_827_6],
-        [0.212_672_9, 0.715_152_2, 0.072_175],
-        [0.017_756_6, 0.109_467_96, 0.872_775_4],
-    ];
     const FLOOR: f64 = 0.01;
     let slopes = XYZ.map(|row| {
         let sum: f64 = (0..3).map(|k| row[k] * colour[k]).sum();

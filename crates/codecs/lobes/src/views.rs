@@ -68,13 +68,9 @@ impl<'a> Views<'a> {
             (View { outgoing, area, albedo: reflection.albedo(), radiance }, reflection.width(), tally)
         };
         let computed: Vec<_> = positions.par_iter().map(view).collect();
-        let mut width = None::<f64>;
+        let width = computed.iter().filter_map(|(_, width, _)| *width).reduce(f64::min);
         let mut views = Vec::with_capacity(computed.len());
-        for (view, of_view, part) in computed {
-            width = match (width, of_view) {
-                (Some(width), Some(of_view)) => Some(width.min(of_view)),
-                (width, of_view) => width.or(of_view),
-            };
+        for (view, _, part) in computed {
             *tally += part;
             views.push(view);
         }

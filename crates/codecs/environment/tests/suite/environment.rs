@@ -146,3 +146,30 @@ fn any_number_of_threads_gives_the_same_bytes() {
     assert_eq!(one, bytes(2));
     assert_eq!(EnvironmentPack::from_bytes(&one).unwrap().to_bytes(true), one);
 }
+
+/// A small sun in a room brings the same light at all levels.
+#[test]
+fn all_levels_have_the_same_mean() {
+    let sun = normalize([0.3, 0.8, -0.4]);
+    let pack =
+        prefiltered(64, 4, |direction| [0.1 + if dot(normalize(direction), sun) > 0.9995 { 1e5 } else { 0.0 }; 3]);
+    let mean = |level: u32| {
+        let (mut sum, mut total) = (0.0, 0.0);
+        for (direction, texel) in texels(&pack, level) {
+            // Texels near corners cover smaller solid angles.
+            let weight = direction.map(f64::abs).into_iter().fold(0.0, f64::max).powi(3);
+            sum += weight * f64::from(texel[0]);
+            total += weight;
+        }
+        sum / total
+    };
+    // The finest level samples the border of the sun.
+    let finest = mean(0);
+    let expected = 0.1 + 1e5 * 0.5 * (1.0 - 0.9995);
+    assert!((finest / expected - 1.0).abs() < 0.03, "{finest} {expected}");
+    for level in 1..pack.header().levels() {
+        let found = mean(level);
+        println!("level {level}: {found}, finest {finest}");
+        assert!((found / finest - 1.0).abs() < 5e-3, "level {level}: {found} {finest}");
+    }
+}
