@@ -16,7 +16,7 @@ use brdfc_jobs::lobes::encode_lobes;
 /// [`LobesTrial::meets`].
 ///
 /// # Errors
-/// Returns an error for anisotropic materials, for a recipe out of range ([`ErrorKind::Usage`](crate::ErrorKind::Usage)), and
+/// Returns an error for a recipe out of range ([`ErrorKind::Usage`](crate::ErrorKind::Usage)), and
 /// if the work was cancelled.
 pub fn encode(material: &Material, recipe: &LobesRecipe, progress: &dyn Progress) -> Result<EncodedLobes, Error> {
     encode_lobes(material.source(), recipe, progress)

@@ -6,7 +6,7 @@ use brdfc_core::progress::Progress;
 use brdfc_environment::training::{KINDS, TrainingEnvironment};
 use brdfc_environment::{PrefilterError, prefilter};
 use brdfc_formats::environment::EnvironmentDecoder;
-use brdfc_lobes::{EncodedLobes, Environments, LobesError, LobesRecipe, check, encode};
+use brdfc_lobes::{EncodedLobes, Environments, LobesError, LobesRecipe, encode};
 use std::sync::OnceLock;
 
 /// Name of the codec.
@@ -19,13 +19,11 @@ const HELD_OUT: u64 = 100;
 /// Fits lobes to a material. All materials of a process share the environments.
 ///
 /// # Errors
-/// Returns an error for anisotropic materials, for a recipe out of range, and if the work was cancelled.
+/// Returns an error for a recipe out of range, and if the work was cancelled.
 pub fn encode_lobes(source: &dyn Source, recipe: &LobesRecipe, progress: &dyn Progress) -> Result<EncodedLobes, Error> {
     static ENVIRONMENTS: OnceLock<Environments> = OnceLock::new();
-    check(source, recipe).map_err(|error| match error {
-        LobesError::Invalid(error) => Error::usage(error),
-        other => other.into(),
-    })?;
+    // Before the environments, which take seconds.
+    recipe.check().map_err(Error::usage)?;
     let environments = match ENVIRONMENTS.get() {
         Some(environments) => environments,
         None => {
@@ -51,7 +49,6 @@ impl From<LobesError> for Error {
     fn from(error: LobesError) -> Self {
         match error {
             LobesError::Cancelled(cancelled) => cancelled.into(),
-            LobesError::Anisotropic => Self::input(error),
             LobesError::Invalid(error) => Self::own_layout(error),
         }
     }

@@ -1,7 +1,7 @@
 //! Look-ups in a prefiltered environment on the CPU.
 
 use super::cube::FacePoint;
-use super::header::EnvironmentHeader;
+use super::header::{EnvironmentHeader, IRRADIANCE_SIDE};
 use super::pack::EnvironmentPack;
 
 /// A decoded environment. Look-ups filter across the edges of the cube, as GPUs do.
@@ -10,6 +10,7 @@ pub struct EnvironmentDecoder {
     header: EnvironmentHeader,
     /// Mipmap levels, from the finest.
     levels: Vec<Level>,
+    irradiance: Level,
 }
 
 /// A level whose faces have a border of one texel from their neighbours.
@@ -26,7 +27,8 @@ impl EnvironmentDecoder {
     pub fn new(pack: &EnvironmentPack) -> Self {
         let header = pack.header();
         let level = |level: u32| Level::new((header.side >> level) as usize, &pack.level(level).collect::<Vec<_>>());
-        Self { header, levels: (0..header.levels()).map(level).collect() }
+        let irradiance = Level::new(IRRADIANCE_SIDE as usize, &pack.irradiance().collect::<Vec<_>>());
+        Self { header, levels: (0..header.levels()).map(level).collect(), irradiance }
     }
 
     /// Sizes and scale of the environment.
@@ -38,16 +40,21 @@ impl EnvironmentDecoder {
     /// of 0 gives the irradiance over π, 1 to the sharpest level narrower and narrower Gaussian kernels, see
     /// [`EnvironmentHeader::deviation`]; fractions blend.
     pub fn radiance(&self, direction: [f32; 3], sharpness: f32) -> [f32; 3] {
-        let level = self.header.level(sharpness);
-        let finer = level as usize;
         let point = FacePoint::of(direction.map(f64::from));
-        let fine = self.levels[finer].filtered(point);
-        let blend = level - finer as f32;
-        if blend <= 0.0 {
-            return fine;
+        let blend = |a: [f32; 3], b: [f32; 3], share: f32| [0, 1, 2].map(|k| a[k] + share * (b[k] - a[k]));
+        if sharpness <= 0.0 {
+            return self.irradiance.filtered(point);
         }
-        let coarse = self.levels[finer + 1].filtered(point);
-        [0, 1, 2].map(|k| fine[k] + blend * (coarse[k] - fine[k]))
+        let level = self.header.level(sharpness);
+        let (finer, share) = (level as usize, level.fract());
+        let fine = self.levels[finer].filtered(point);
+        if sharpness < 1.0 {
+            blend(self.irradiance.filtered(point), fine, sharpness)
+        } else if share > 0.0 {
+            blend(fine, self.levels[finer + 1].filtered(point), share)
+        } else {
+            fine
+        }
     }
 }
 

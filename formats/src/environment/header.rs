@@ -15,8 +15,8 @@ pub const MIN_SIDE: u32 = 8;
 pub const MAX_SIDE: u32 = 2048;
 /// Maximum factor of texel values, 2^112: all radiances are finite.
 pub(super) const MAX_SCALE: f32 = f32::from_bits((112 + 127) << 23);
-/// Texels along each side of a face of the coarsest level, which contains the irradiance.
-const IRRADIANCE_SIDE: u32 = 4;
+/// Texels along each side of a face of the irradiance.
+pub const IRRADIANCE_SIDE: u32 = 16;
 /// Standard deviation of a Gaussian level in texels of the cube's equator.
 const TEXELS_PER_DEVIATION: f64 = 1.4;
 
@@ -37,15 +37,15 @@ impl EnvironmentHeader {
 
     /// Number of mipmap levels.
     pub fn levels(&self) -> u32 {
-        self.sharpest() + 1
+        self.sharpest()
     }
 
-    /// Sharpness of the finest level, which is not filtered.
+    /// Sharpness of the finest level, which is not filtered. The coarsest has 1.
     pub fn sharpest(&self) -> u32 {
-        (self.side / IRRADIANCE_SIDE).ilog2()
+        (self.side / MIN_SIDE).ilog2() + 1
     }
 
-    /// Extent of the cube map.
+    /// Extent of the finest level.
     pub fn extent(&self) -> Extent {
         Extent::Cube(self.side)
     }
@@ -53,13 +53,13 @@ impl EnvironmentHeader {
     /// Standard deviation of the kernel of a sharpness of 1 or more, radians; it halves with each step. At
     /// [`Self::sharpest`] the level is not filtered.
     pub fn deviation(sharpness: f64) -> f64 {
-        TEXELS_PER_DEVIATION * std::f64::consts::FRAC_PI_2 / f64::from(IRRADIANCE_SIDE) / sharpness.exp2()
+        TEXELS_PER_DEVIATION * std::f64::consts::FRAC_PI_2 / f64::from(MIN_SIDE) / (sharpness - 1.0).exp2()
     }
 
     /// Mipmap level of a sharpness, 0 to `levels - 1`, with fractions.
     pub fn level(&self, sharpness: f32) -> f32 {
-        let last = self.sharpest() as f32;
-        (last - sharpness).clamp(0.0, last)
+        let sharpest = self.sharpest() as f32;
+        (sharpest - sharpness).clamp(0.0, sharpest - 1.0)
     }
 
     /// The uniform block `EnvironmentParameters`.
@@ -107,9 +107,9 @@ mod tests {
     #[test]
     fn deviations_halve_and_levels_count_from_the_coarsest() {
         let header = EnvironmentHeader { side: 256, scale: 1.0 };
-        assert_eq!((header.levels(), header.sharpest()), (7, 6));
+        assert_eq!((header.levels(), header.sharpest()), (6, 6));
         assert!((EnvironmentHeader::deviation(1.0).to_degrees() - 15.75).abs() < 1e-9);
         assert!((EnvironmentHeader::deviation(3.0).to_degrees() - 15.75 / 4.0).abs() < 1e-9);
-        assert_eq!([0.0, 5.5, 6.0, 9.0, -1.0].map(|s| header.level(s)), [6.0, 0.5, 0.0, 0.0, 6.0]);
+        assert_eq!([0.0, 5.5, 6.0, 9.0, -1.0].map(|s| header.level(s)), [5.0, 0.5, 0.0, 0.0, 5.0]);
     }
 }

@@ -1,5 +1,5 @@
-//! Prefiltered environments: cube maps whose mipmap levels have kernels of increasing width. Layout: `spec.md` in this
-//! folder.
+//! Prefiltered environments: cube maps whose mipmap levels have kernels of increasing width, and the
+//! irradiance. Layout: `spec.md` in this folder.
 
 pub mod cube;
 mod decode;
@@ -8,5 +8,5 @@ mod header;
 mod pack;
 
 pub use decode::EnvironmentDecoder;
-pub use header::{ENVIRONMENT_ENTRY, EnvironmentHeader, MAX_SIDE, MIN_SIDE};
+pub use header::{ENVIRONMENT_ENTRY, EnvironmentHeader, IRRADIANCE_SIDE, MAX_SIDE, MIN_SIDE};
 pub use pack::{ENVIRONMENT_WGSL, EnvironmentPack};

@@ -1,53 +1,61 @@
 //! The file of a prefiltered environment. Byte layout: `formats/src/environment/spec.md`.
 
-use super::header::{ENVIRONMENT_ENTRY, EnvironmentHeader, MAX_SCALE};
+use super::header::{ENVIRONMENT_ENTRY, EnvironmentHeader, IRRADIANCE_SIDE, MAX_SCALE};
 use crate::FormatError;
 use crate::bindings::{Binding, Bindings, PackFile, Texels};
 use crate::container::entries::{check_texels, entry};
-use crate::container::{TexelFormat, Texture, rgb9e5};
+use crate::container::{Extent, TexelFormat, Texture, rgb9e5};
 use std::collections::BTreeMap;
 
 /// Name of the decoder and version of its bindings.
 pub(super) const DECODER: (&str, u32) = ("environment", 1);
 
-/// WGSL look-up. It declares a uniform block, a cube map and a sampler in bind group 1; see the file.
+/// WGSL look-up. It declares a uniform block, two cube maps and a sampler in bind group 1; see the file.
 pub const ENVIRONMENT_WGSL: &str = include_str!("environment.wgsl");
 
 const FORMAT: TexelFormat = TexelFormat::Rgb9E5;
 const SAMPLER: &str = "environment_sampler";
+/// Name of the texture of the irradiance.
+const IRRADIANCE: &str = "environment_irradiance";
+const IRRADIANCE_EXTENT: Extent = Extent::Cube(IRRADIANCE_SIDE);
 
 /// A prefiltered environment: radiance from all directions, at several sharpnesses.
 #[derive(Debug, Clone, PartialEq)]
 pub struct EnvironmentPack {
     header: EnvironmentHeader,
     texels: Vec<u32>,
+    irradiance: Vec<u32>,
 }
 
 impl EnvironmentPack {
-    /// Encodes the levels of a cube map, from the finest: texels in the order of the file, linear RGB in W/(m² sr),
-    /// finite and not negative. The scale becomes the smallest power of two, 1 or more, that all texels fit into.
+    /// Encodes the levels of a cube map, from the finest, and the irradiance over π: texels in the order of the file,
+    /// linear RGB in W/(m² sr), finite and not negative. The scale becomes the smallest power of two, 1 or more, that all
+    /// texels fit into.
     ///
     /// # Errors
     /// Returns an error if the side is out of range, the number of texels is wrong, or a texel is negative or not
     /// finite.
-    pub fn new(side: u32, levels: &[Vec<[f32; 3]>]) -> Result<Self, FormatError> {
-        let largest = levels.iter().flatten().flatten().fold(0.0f32, |most, c| most.max(*c));
+    pub fn new(side: u32, levels: &[Vec<[f32; 3]>], irradiance: &[[f32; 3]]) -> Result<Self, FormatError> {
+        let all = || levels.iter().flatten().chain(irradiance);
+        let largest = all().flatten().fold(0.0f32, |most, c| most.max(*c));
         let mut scale = 1.0f32;
         while largest > rgb9e5::MAX * scale && scale < MAX_SCALE {
             scale *= 2.0;
         }
         let header = EnvironmentHeader { side, scale };
         header.check()?;
-        let expected: Vec<u64> = (0..header.levels()).map(|level| header.extent().level(level).texels()).collect();
-        let found: Vec<u64> = levels.iter().map(|level| level.len() as u64).collect();
+        let of_levels = (0..header.levels()).map(|level| header.extent().level(level).texels());
+        let expected: Vec<u64> = of_levels.chain([IRRADIANCE_EXTENT.texels()]).collect();
+        let found: Vec<u64> = levels.iter().map(Vec::len).chain([irradiance.len()]).map(|count| count as u64).collect();
         if found != expected {
             return Err(FormatError::whole("environment texels", format!("{found:?}"), format!("{expected:?}")));
         }
-        if let Some(texel) = levels.iter().flatten().find(|texel| texel.iter().any(|c| !(c.is_finite() && *c >= 0.0))) {
+        if let Some(texel) = all().find(|texel| texel.iter().any(|c| !(c.is_finite() && *c >= 0.0))) {
             return Err(FormatError::whole("environment texel", format!("{texel:?}"), "finite values of 0 or more"));
         }
         let word = |texel: &[f32; 3]| rgb9e5::encode(texel.map(|c| c / scale));
-        Ok(Self { header, texels: levels.iter().flatten().map(word).collect() })
+        let texels = levels.iter().flatten().map(word).collect();
+        Ok(Self { header, texels, irradiance: irradiance.iter().map(word).collect() })
     }
 
     /// Sizes and scale.
@@ -55,21 +63,31 @@ impl EnvironmentPack {
         self.header
     }
 
-    /// Texels in the order of the file, as packed words.
-    pub fn texels(&self) -> &[u32] {
-        &self.texels
+    /// Texels of all levels and of the irradiance, in the order of the file, as packed words.
+    pub fn texels(&self) -> impl Iterator<Item = u32> + '_ {
+        self.texels.iter().chain(&self.irradiance).copied()
     }
 
     /// Radiance of the texels of a mipmap level, in the order of the file.
     pub fn level(&self, level: u32) -> impl Iterator<Item = [f32; 3]> + '_ {
         let extent = self.header.extent();
         let (start, length) = (extent.texels_of_levels(level) as usize, extent.level(level).texels() as usize);
-        self.texels[start..start + length].iter().map(|word| rgb9e5::decode(*word).map(|c| c * self.header.scale))
+        self.decoded(&self.texels[start..start + length])
+    }
+
+    /// Irradiance over π, in the order of the file, on faces of [`IRRADIANCE_SIDE`] texels per side.
+    pub fn irradiance(&self) -> impl Iterator<Item = [f32; 3]> + '_ {
+        self.decoded(&self.irradiance)
+    }
+
+    fn decoded<'a>(&self, words: &'a [u32]) -> impl Iterator<Item = [f32; 3]> + use<'a> {
+        let scale = self.header.scale;
+        words.iter().map(move |word| rgb9e5::decode(*word).map(|c| c * scale))
     }
 
     /// Size on a GPU, bytes.
     pub fn gpu_bytes(&self) -> u64 {
-        std::mem::size_of_val(&self.texels[..]) as u64
+        4 * self.texels().count() as u64
     }
 
     /// Contents of the KTX2 file.
@@ -80,12 +98,14 @@ impl EnvironmentPack {
 
     /// Bindings of the pack's shader.
     pub fn bindings(&self) -> Bindings<'_> {
-        let texels: Vec<u8> = self.texels.iter().flat_map(|word| word.to_le_bytes()).collect();
-        let texels = Texels::new(FORMAT, self.header.extent(), texels).of_file();
+        let bytes = |words: &[u32]| -> Vec<u8> { words.iter().flat_map(|word| word.to_le_bytes()).collect() };
+        let map = Texels::new(FORMAT, self.header.extent(), bytes(&self.texels)).of_file();
+        let irradiance = Texels::new(FORMAT, IRRADIANCE_EXTENT, bytes(&self.irradiance));
         let all = [
             Binding::uniform(37, "environment_parameters", self.header.uniform().to_vec()),
-            Binding::texture(38, "environment_map", texels.sampled(SAMPLER).with_levels(self.header.levels())),
-            Binding::sampler(39, SAMPLER, false),
+            Binding::texture(38, "environment_map", map.sampled(SAMPLER).with_levels(self.header.levels())),
+            Binding::texture(39, IRRADIANCE, irradiance.sampled(SAMPLER)),
+            Binding::sampler(40, SAMPLER, false),
         ];
         Bindings::new(DECODER.0, DECODER.1, all)
     }
@@ -103,19 +123,25 @@ impl EnvironmentPack {
     /// # Errors
     /// Returns an error if the file violates `formats/src/environment/spec.md`.
     pub fn from_file(mut file: PackFile) -> Result<Self, FormatError> {
-        let pack = Self::from_texture(&file.take_own())?;
+        let (texture, irradiance) = (file.take_own(), file.take_texture(IRRADIANCE));
+        let pack = Self::from_textures(&texture, irradiance)?;
         file.check_same(&pack.bindings())?;
         Ok(pack)
     }
 
-    fn from_texture(texture: &Texture) -> Result<Self, FormatError> {
+    fn from_textures(texture: &Texture, irradiance: Option<Texture>) -> Result<Self, FormatError> {
         let header = EnvironmentHeader::from_bytes(entry(texture, ENVIRONMENT_ENTRY, "a prefiltered environment")?)?;
         check_texels(texture, "texture", header.extent(), FORMAT, ENVIRONMENT_ENTRY)?;
         if texture.levels != header.levels() {
             let allowed = format!("{}, as {ENVIRONMENT_ENTRY} says", header.levels());
             return Err(FormatError::whole("levelCount", texture.levels.to_string(), allowed));
         }
-        let words = texture.texels.as_chunks::<4>().0.iter().map(|word| u32::from_le_bytes(*word)).collect();
-        Ok(Self { header, texels: words })
+        let missing = || FormatError::whole(IRRADIANCE, "no texels", "texels of a cube map").problem();
+        let irradiance = irradiance.ok_or_else(missing)?;
+        check_texels(&irradiance, IRRADIANCE, IRRADIANCE_EXTENT, FORMAT, ENVIRONMENT_ENTRY)?;
+        let words = |texture: &Texture| -> Vec<u32> {
+            texture.texels.as_chunks::<4>().0.iter().map(|word| u32::from_le_bytes(*word)).collect()
+        };
+        Ok(Self { header, texels: words(texture), irradiance: words(&irradiance) })
     }
 }

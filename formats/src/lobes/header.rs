@@ -1,6 +1,7 @@
 //! Lobes and sizes of a pack.
 
 use crate::FormatError;
+use crate::container::Extent;
 use crate::cursor::{Cursor, block_bytes};
 
 /// Key that identifies a pack of lobes.
@@ -11,12 +12,14 @@ const VERSION: u32 = 1;
 pub const MAX_LOBES: usize = 32;
 /// Maximum number of view angles.
 pub const MAX_NODES: u32 = 64;
+/// Maximum number of view azimuths.
+pub const MAX_AZIMUTHS: u32 = 32;
 /// Maximum sharpness of a lobe: that of the largest environment.
 pub const MAX_SHARPNESS: f32 = 9.0;
 /// Maximum size of a tilt.
 const MAX_TILT: f32 = 16.0;
 /// Bytes before the lobes.
-const START: usize = 12;
+const START: usize = 16;
 /// Bytes of a lobe.
 const LOBE: usize = 16;
 
@@ -46,7 +49,7 @@ pub struct Lobe {
     /// Direction that the lobe follows.
     pub anchor: Anchor,
     /// Slope in the plane of view and across it: of the direction for [`Anchor::Normal`], of the half vector for the
-    /// others.
+    /// others. Of anisotropic materials, along tangent and bitangent.
     pub tilt: [f32; 2],
     /// Row of its weights. The two lobes of a pair, on either side of the plane of view, share one.
     pub row: u32,
@@ -57,6 +60,8 @@ pub struct Lobe {
 pub struct LobesHeader {
     /// Number of view angles with weights, 2 to [`MAX_NODES`].
     pub nodes: u32,
+    /// Number of view azimuths with weights: 1 for isotropic materials, up to [`MAX_AZIMUTHS`] for others.
+    pub azimuths: u32,
     /// Number of rows of weights, 1 to [`MAX_LOBES`].
     pub rows: u32,
     /// The lobes, 1 to [`MAX_LOBES`].
@@ -69,7 +74,7 @@ impl LobesHeader {
 
     /// The uniform block `LobesParameters`.
     pub fn uniform(&self) -> [u8; Self::UNIFORM_SIZE] {
-        let sizes = [self.lobes.len() as u32, self.nodes, 0, 0];
+        let sizes = [self.lobes.len() as u32, self.nodes, self.azimuths, 0];
         block_bytes(sizes.into_iter().chain(self.words()))
     }
 
@@ -79,6 +84,7 @@ impl LobesHeader {
     /// Returns an error that names the field that is out of range.
     pub fn check(&self) -> Result<(), FormatError> {
         FormatError::check_range(format!("{LOBES_ENTRY} nodes"), self.nodes, 2..=MAX_NODES)?;
+        FormatError::check_range(format!("{LOBES_ENTRY} azimuths"), self.azimuths, 1..=MAX_AZIMUTHS)?;
         FormatError::check_range(format!("{LOBES_ENTRY} lobes"), self.lobes.len(), 1..=MAX_LOBES)?;
         FormatError::check_range(format!("{LOBES_ENTRY} rows"), self.rows, 1..=self.lobes.len() as u32)?;
         for (at, lobe) in self.lobes.iter().enumerate() {
@@ -98,8 +104,23 @@ impl LobesHeader {
         self.lobes.iter().flat_map(words)
     }
 
+    /// Extent of the texture: view angles, and the azimuths of each row.
+    pub(super) fn extent(&self) -> Extent {
+        Extent::D2([self.nodes, self.azimuths * self.rows])
+    }
+
+    /// True if weights do not depend on the azimuth of the view, and tilts turn with it.
+    pub fn is_isotropic(&self) -> bool {
+        self.azimuths == 1
+    }
+
+    /// Number of weights of a row: one for each view angle and azimuth.
+    pub fn views(&self) -> usize {
+        (self.nodes * self.azimuths) as usize
+    }
+
     pub(super) fn to_bytes(&self) -> Vec<u8> {
-        let sizes = [VERSION, self.nodes, self.rows];
+        let sizes = [VERSION, self.nodes, self.azimuths, self.rows];
         sizes.into_iter().chain(self.words()).flat_map(u32::to_le_bytes).collect()
     }
 
@@ -115,7 +136,7 @@ impl LobesHeader {
             let field = format!("{LOBES_ENTRY} version");
             return Err(FormatError::whole(field, version.to_string(), VERSION.to_string()));
         }
-        let (nodes, rows) = (cursor.u32("nodes")?, cursor.u32("rows")?);
+        let (nodes, azimuths, rows) = (cursor.u32("nodes")?, cursor.u32("azimuths")?, cursor.u32("rows")?);
         let mut lobe = |at: usize| {
             let tilt = [f32::from_bits(cursor.u32("tilt")?), f32::from_bits(cursor.u32("tilt")?)];
             let (code, row) = (cursor.u32("anchor")?, cursor.u32("row")?);
@@ -126,7 +147,7 @@ impl LobesHeader {
             Ok(Lobe { anchor, tilt, row })
         };
         let lobes = (0..count).map(&mut lobe).collect::<Result<_, FormatError>>()?;
-        let header = Self { nodes, rows, lobes };
+        let header = Self { nodes, azimuths, rows, lobes };
         header.check()?;
         Ok(header)
     }

@@ -4,7 +4,7 @@ use super::header::{LOBES_ENTRY, LobesHeader, MAX_SHARPNESS};
 use crate::FormatError;
 use crate::bindings::{Binding, Bindings, PackFile, Texels};
 use crate::container::entries::{check_texels, entry};
-use crate::container::{Extent, TexelFormat, Texture, half};
+use crate::container::{TexelFormat, Texture, half};
 use std::collections::BTreeMap;
 
 /// Name of the decoder and version of its bindings.
@@ -19,12 +19,13 @@ const FORMAT: TexelFormat = TexelFormat::Rgba16Float;
 #[derive(Debug, Clone, PartialEq)]
 pub struct LobesPack {
     header: LobesHeader,
-    /// Weight of each channel and sharpness, for each row and node.
+    /// Weight of each channel and sharpness, for each row, azimuth and node.
     weights: Vec<[f32; 4]>,
 }
 
 impl LobesPack {
-    /// Creates a pack from weights and sharpnesses, row by row, one per view angle. They are rounded to half floats.
+    /// Creates a pack from weights and sharpnesses, row by row, one per view angle and azimuth. Angles vary fastest. They are
+    /// rounded to half floats.
     ///
     /// # Errors
     /// Returns an error if the header is out of range, the number of weights is wrong, a weight is not 0 to 65504, or a
@@ -36,7 +37,7 @@ impl LobesPack {
 
     fn checked(header: LobesHeader, weights: Vec<[f32; 4]>) -> Result<Self, FormatError> {
         header.check()?;
-        let expected = (header.nodes * header.rows) as usize;
+        let expected = header.views() * header.rows as usize;
         if weights.len() != expected {
             let allowed = format!("{expected}, as the header says");
             return Err(FormatError::whole("lobes texels", weights.len().to_string(), allowed));
@@ -58,7 +59,7 @@ impl LobesPack {
         &self.header
     }
 
-    /// Weights of red, green and blue, and sharpness, row by row.
+    /// Weights of red, green and blue, and sharpness, row by row, azimuth by azimuth.
     pub fn weights(&self) -> &[[f32; 4]] {
         &self.weights
     }
@@ -82,10 +83,9 @@ impl LobesPack {
     /// Bindings of the pack's shader.
     pub fn bindings(&self) -> Bindings<'_> {
         let texels: Vec<u8> = self.weights.iter().flatten().flat_map(|c| half::encode(*c).to_le_bytes()).collect();
-        let extent = Extent::D2([self.header.nodes, self.header.rows]);
         let all = [
-            Binding::uniform(40, "lobes_parameters", self.header.uniform().to_vec()),
-            Binding::texture(41, "lobes_weights", Texels::new(FORMAT, extent, texels).of_file()),
+            Binding::uniform(41, "lobes_parameters", self.header.uniform().to_vec()),
+            Binding::texture(42, "lobes_weights", Texels::new(FORMAT, self.header.extent(), texels).of_file()),
         ];
         Bindings::new(DECODER.0, DECODER.1, all)
     }
@@ -111,8 +111,7 @@ impl LobesPack {
     fn from_texture(texture: &Texture) -> Result<Self, FormatError> {
         texture.check_one_level()?;
         let header = LobesHeader::from_bytes(entry(texture, LOBES_ENTRY, "lobes of a BRDF")?)?;
-        let extent = Extent::D2([header.nodes, header.rows]);
-        check_texels(texture, "texture", extent, FORMAT, LOBES_ENTRY)?;
+        check_texels(texture, "texture", header.extent(), FORMAT, LOBES_ENTRY)?;
         let (words, _) = texture.texels.as_chunks::<2>();
         let number = |word: &[u8; 2]| half::decode(u16::from_le_bytes(*word));
         let texels = words.as_chunks::<4>().0.iter().map(|[r, g, b, s]| [r, g, b, s].map(number)).collect();

@@ -36,7 +36,7 @@ fn distance(a: [f32; 3], b: [f32; 3]) -> f32 {
 #[test]
 fn the_dump_on_the_page() {
     let bytes = example().to_bytes(false);
-    assert_eq!(check_dump(include_str!("../../src/environment/spec.md"), &bytes), 40);
+    assert_eq!(check_dump(include_str!("../../src/environment/spec.md"), &bytes), 65);
     assert_eq!(EnvironmentPack::from_bytes(&bytes).unwrap(), example());
 }
 
@@ -107,10 +107,18 @@ fn texel_centres_return_their_texels() {
             assert!(distance(found, texel) < 1e-5, "level {level}, texel {at}: {found:?} {texel:?}");
         }
     }
+    for (at, texel) in pack.irradiance().enumerate() {
+        let centre = [at % 16, at / 16 % 16].map(|place| place as f64 + 0.5);
+        let direction = FacePoint::on_grid(at / 256, 16, centre).direction().map(|c| c as f32);
+        assert!(distance(decoder.radiance(direction, 0.0), texel) < 1e-5, "irradiance, texel {at}");
+    }
     // Half a level is the mean of two; beyond the ends nothing changes.
     let at = |sharpness: f32| decoder.radiance([0.3, -0.7, 0.2], sharpness);
-    let mean = [0, 1, 2].map(|k| 0.5 * (at(1.0)[k] + at(0.0)[k]));
-    assert!(distance(at(0.5), mean) < 1e-6 && distance(at(1.0), at(0.0)) > 0.01);
+    for lower in [0.0, 1.0] {
+        let [below, above] = [at(lower), at(lower + 1.0)];
+        let mean = [0, 1, 2].map(|k| 0.5 * (below[k] + above[k]));
+        assert!(distance(at(lower + 0.5), mean) < 1e-6 && distance(below, above) > 0.01);
+    }
     assert_eq!([at(-3.0), at(7.5)], [at(0.0), at(2.0)]);
 }
 
@@ -121,7 +129,7 @@ fn files_round_trip() {
         for supercompress in [false, true] {
             assert_eq!(EnvironmentPack::from_bytes(&pack.to_bytes(supercompress)).unwrap(), pack);
         }
-        assert_eq!(pack.gpu_bytes(), 32 * u64::from(side * side) - 128);
+        assert_eq!(pack.gpu_bytes(), 32 * u64::from(side * side) + 5632);
         let largest = pack.level(0).flatten().fold(0.0, f32::max);
         assert!((f64::from(largest) / brightness - 1.85).abs() < 0.1, "{largest}");
     }
@@ -191,45 +199,57 @@ fn errors_name_the_texture() {
         rebind(&mut texture, old, new);
         error(&texture)
     };
-    let finest = |texture: &mut Texture| {
-        texture.levels = 1;
-        texture.texels.truncate(4 * 6 * 64);
-    };
-    let text = with(finest, ["8 8 6 2", "8 8 6 1"]);
-    assert_eq!(text, "levelCount: found 1, expected 2, as brdfc.environment says");
     let more = |texture: &mut Texture| {
-        texture.levels = 3;
-        texture.texels.resize(4 * 6 * (64 + 16 + 4), 0);
+        texture.levels = 2;
+        texture.texels.resize(4 * 6 * (64 + 16), 0);
     };
-    assert_eq!(with(more, ["8 8 6 2", "8 8 6 3"]), "levelCount: found 3, expected 2, as brdfc.environment says");
+    assert_eq!(with(more, ["8 8 6 1", "8 8 6 2"]), "levelCount: found 2, expected 1, as brdfc.environment says");
+    let mut finest = read_texture(&noisy(16, 0.0, |_| [1.0; 3]).to_bytes(false)).unwrap();
+    finest.levels = 1;
+    finest.texels.truncate(4 * 6 * 256);
+    rebind(&mut finest, "16 16 6 2", "16 16 6 1");
+    assert_eq!(error(&finest), "levelCount: found 1, expected 2, as brdfc.environment says");
     let layers = |texture: &mut Texture| texture.extent = Extent::D2Array([8, 8, 6]);
-    let text = with(layers, ["cube", "2d-array"]);
+    let text = with(layers, ["texture file cube", "texture file 2d-array"]);
     assert!(text.starts_with("texture: found 6 layers of 8 x 8 texels of Rgb9E5, expected 6 faces"), "{text}");
     let format = |texture: &mut Texture| texture.format = TexelFormat::Rgb10A2Unorm;
-    let text = with(format, ["rgb9e5ufloat", "rgb10a2unorm"]);
+    let text = with(format, ["file cube rgb9e5ufloat", "file cube rgb10a2unorm"]);
     assert!(text.starts_with("texture: found 6 faces of 8 x 8 texels of Rgb10A2Unorm"), "{text}");
+    let mut other = texture();
+    rebind(&mut other, "environment_irradiance", "environment_other");
+    assert!(
+        error(&other).contains("environment_irradiance") || error(&other).contains("environment_other"),
+        "{}",
+        error(&other)
+    );
 }
 
 #[test]
 fn invalid_radiance_is_rejected() {
-    let levels = || [8usize, 4].map(|side| vec![[1.0f32; 3]; 6 * side * side]).to_vec();
-    let error = |side: u32, levels: &[Vec<[f32; 3]>]| EnvironmentPack::new(side, levels).unwrap_err().to_string();
-    assert!(EnvironmentPack::new(8, &levels()).is_ok());
+    let irradiance = vec![[1.0f32; 3]; 6 * 256];
+    let levels = || [16usize, 8].map(|side| vec![[1.0f32; 3]; 6 * side * side]).to_vec();
+    let error =
+        |side: u32, levels: &[Vec<[f32; 3]>]| EnvironmentPack::new(side, levels, &irradiance).unwrap_err().to_string();
+    assert!(EnvironmentPack::new(16, &levels(), &irradiance).is_ok());
     for (value, text) in [(f32::NAN, "NaN"), (-0.5, "-0.5"), (f32::INFINITY, "inf"), (f32::NEG_INFINITY, "-inf")] {
         let mut broken = levels();
-        broken[1][95][2] = value;
+        broken[1][383][2] = value;
         let expected = format!("environment texel: found [1.0, 1.0, {text}], expected finite values of 0 or more");
-        assert_eq!(error(8, &broken), expected);
+        assert_eq!(error(16, &broken), expected);
     }
     let counts = |found: &str, expected: &str| format!("environment texels: found [{found}], expected [{expected}]");
-    assert_eq!(error(8, &levels()[..1]), counts("384", "384, 96"));
-    assert_eq!(error(16, &levels()), counts("384, 96", "1536, 384, 96"));
+    assert_eq!(error(16, &levels()[..1]), counts("1536, 1536", "1536, 384, 1536"));
+    assert_eq!(error(8, &levels()), counts("1536, 384, 1536", "384, 1536"));
+    let text = EnvironmentPack::new(16, &levels(), &irradiance[1..]).unwrap_err().to_string();
+    assert_eq!(text, counts("1536, 384, 1535", "1536, 384, 1536"));
+    let text = EnvironmentPack::new(16, &levels(), &[[f32::NAN; 3]; 1536]).unwrap_err().to_string();
+    assert!(text.contains("[NaN, NaN, NaN]"), "{text}");
     let mut short = levels();
     short[0].pop();
-    assert_eq!(error(8, &short), counts("383, 96", "384, 96"));
+    assert_eq!(error(16, &short), counts("1535, 384, 1536", "1536, 384, 1536"));
     assert_eq!(error(9, &[]), "brdfc.environment side: found 9, expected a power of two, 8 to 2048");
     // The largest number fits.
     let mut bright = levels();
     bright[0][0] = [f32::MAX; 3];
-    assert!(EnvironmentPack::new(8, &bright).unwrap().level(0).flatten().all(f32::is_finite));
+    assert!(EnvironmentPack::new(16, &bright, &irradiance).unwrap().level(0).flatten().all(f32::is_finite));
 }

@@ -10,11 +10,38 @@ use brdfc_testing::packs::{check_dump, rebind, sealed};
 fn header() -> LobesHeader {
     let lobe = |anchor, across, row| Lobe { anchor, tilt: [0.0, across], row };
     let lobes = vec![lobe(Anchor::Normal, 0.0, 0), lobe(Anchor::Mirror, 0.25, 1), lobe(Anchor::Mirror, -0.25, 1)];
-    LobesHeader { nodes: 2, rows: 2, lobes }
+    LobesHeader { nodes: 2, azimuths: 1, rows: 2, lobes }
 }
 
 const WEIGHTS: [[f32; 4]; 4] =
     [[0.5, 0.5, 0.5, 0.0], [0.5, 0.5, 0.5, 0.0], [0.125, 0.125, 0.125, 3.0], [0.25, 0.25, 0.25, 3.0]];
+
+/// Weights turn with the azimuth of the view, lobes do not.
+#[test]
+fn lobes_of_anisotropic_materials_stay_with_the_tangent() {
+    let lobe = |tilt| Lobe { anchor: Anchor::Mirror, tilt, row: 0 };
+    let lobes = vec![lobe([0.0, 0.0]), lobe([0.0, 0.2])];
+    let header = LobesHeader { nodes: 2, azimuths: 4, rows: 1, lobes };
+    let weight = |azimuth: usize| [azimuth as f32, 1.0, 0.5, 2.0];
+    let weights: Vec<[f32; 4]> = (0..4).flat_map(|azimuth| [weight(azimuth); 2]).collect();
+    let pack = LobesPack::new(header, &weights).unwrap();
+    let red = |x: f32, y: f32| pack.lookup([x, y, (1.0 - x * x - y * y).sqrt()], 0).weight[0];
+    let expected = [(0.5, 0.0, 0.0), (0.5, 0.5, 0.5), (0.0, 0.5, 1.0), (-0.5, 0.0, 2.0), (0.0, -0.5, 3.0)];
+    for (x, y, expected) in expected {
+        assert!((red(x, y) - expected).abs() < 1e-6, "{x} {y}: {}", red(x, y));
+    }
+    // From the last azimuth to the first.
+    assert!((red(0.3, -0.3) - 1.5).abs() < 1e-6);
+    // The tilt is along the bitangent, for all views.
+    let half = |outgoing: [f32; 3]| {
+        let sum = [0, 1, 2].map(|k| pack.lookup(outgoing, 1).direction[k] + outgoing[k]);
+        [sum[0] / sum[2], sum[1] / sum[2]]
+    };
+    for outgoing in [[0.0, 0.0, 1.0], [0.6, 0.0, 0.8], [0.0, 0.6, 0.8], [-0.48, 0.36, 0.8]] {
+        let [along, across] = half(outgoing);
+        assert!(along.abs() < 1e-6 && (across - 0.2).abs() < 1e-6, "{outgoing:?}: {along} {across}");
+    }
+}
 
 /// The pack of the page.
 fn example() -> LobesPack {
@@ -32,7 +59,7 @@ fn error(texture: &Texture) -> String {
 #[test]
 fn the_dump_on_the_page() {
     let bytes = example().to_bytes(false);
-    assert_eq!(check_dump(include_str!("../../src/lobes/spec.md"), &bytes), 38);
+    assert_eq!(check_dump(include_str!("../../src/lobes/spec.md"), &bytes), 40);
     assert_eq!(LobesPack::from_bytes(&bytes).unwrap(), example());
 }
 
@@ -64,7 +91,7 @@ fn files_round_trip() {
             assert_eq!(LobesPack::from_bytes(&pack.to_bytes(supercompress)).unwrap(), pack);
         }
         let header = pack.header();
-        assert_eq!(pack.gpu_bytes(), 8 * u64::from(header.nodes * header.rows));
+        assert_eq!(pack.gpu_bytes(), 8 * u64::from(header.nodes * header.azimuths * header.rows));
         assert_eq!(pack.fetches(), header.lobes.len());
         let anchors = |anchor| header.lobes.iter().filter(|lobe| lobe.anchor == anchor).count();
         assert!(pack.fetches() < 7 || Anchor::ALL.map(anchors).iter().all(|count| *count > 0));
@@ -109,24 +136,26 @@ fn errors_name_the_field() {
         (0, 2, "brdfc.lobes version: found 2, expected 1"),
         (1, 1, "brdfc.lobes nodes: found 1, expected 2 to 64"),
         (1, u32::MAX, "brdfc.lobes nodes: found 4294967295, expected 2 to 64"),
-        (2, 0, "brdfc.lobes rows: found 0, expected 1 to 3"),
-        (2, 4, "brdfc.lobes rows: found 4, expected 1 to 3"),
-        (3, 17f32.to_bits(), "brdfc.lobes tilt of lobe 0: found 17, expected -16 to 16"),
-        (8, f32::NAN.to_bits(), "brdfc.lobes tilt of lobe 1: found NaN, expected -16 to 16"),
-        (8, f32::NEG_INFINITY.to_bits(), "brdfc.lobes tilt of lobe 1: found -inf, expected -16 to 16"),
-        (13, 3, "brdfc.lobes anchor of lobe 2: found 3, expected 0 to 2"),
-        (14, 2, "brdfc.lobes row of lobe 2: found 2, expected 0 to 1"),
+        (2, 0, "brdfc.lobes azimuths: found 0, expected 1 to 32"),
+        (2, 33, "brdfc.lobes azimuths: found 33, expected 1 to 32"),
+        (3, 0, "brdfc.lobes rows: found 0, expected 1 to 3"),
+        (3, 4, "brdfc.lobes rows: found 4, expected 1 to 3"),
+        (4, 17f32.to_bits(), "brdfc.lobes tilt of lobe 0: found 17, expected -16 to 16"),
+        (9, f32::NAN.to_bits(), "brdfc.lobes tilt of lobe 1: found NaN, expected -16 to 16"),
+        (9, f32::NEG_INFINITY.to_bits(), "brdfc.lobes tilt of lobe 1: found -inf, expected -16 to 16"),
+        (14, 3, "brdfc.lobes anchor of lobe 2: found 3, expected 0 to 2"),
+        (15, 2, "brdfc.lobes row of lobe 2: found 2, expected 0 to 1"),
     ] {
         assert_eq!(with_word(at, word), expected);
     }
     let text = with_word(1, 3);
     assert!(text.starts_with("texture: found 2 x 2 texels of Rgba16Float, expected 3 x 2"), "{text}");
     // The block of the shader no longer follows from the header.
-    assert!(with_word(14, 0).contains("lobes_parameters"), "{}", with_word(14, 0));
-    for (length, found) in [(0, 0), (12, 12), (27, 27), (61, 61), (12 + 16 * 33, 540)] {
+    assert!(with_word(15, 0).contains("lobes_parameters"), "{}", with_word(15, 0));
+    for (length, found) in [(0, 0), (16, 16), (31, 31), (65, 65), (16 + 16 * 33, 544)] {
         let mut other = texture();
         other.entries.get_mut(LOBES_ENTRY).unwrap().resize(length, 0);
-        let allowed = "12 bytes and 16 for each of 1 to 32 lobes";
+        let allowed = "16 bytes and 16 for each of 1 to 32 lobes";
         assert_eq!(error(&other), format!("brdfc.lobes: found {found} bytes, expected {allowed}"));
     }
 }

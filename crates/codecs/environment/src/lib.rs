@@ -13,7 +13,7 @@ use brdfc_core::progress::{Cancelled, Progress, Stage};
 use brdfc_formats::FormatError;
 use brdfc_formats::direction::Vector;
 use brdfc_formats::environment::cube::FacePoint;
-use brdfc_formats::environment::{EnvironmentHeader, EnvironmentPack, MAX_SIDE, MIN_SIDE};
+use brdfc_formats::environment::{EnvironmentHeader, EnvironmentPack, IRRADIANCE_SIDE, MAX_SIDE, MIN_SIDE};
 use levels::Faces;
 use rayon::prelude::*;
 
@@ -67,21 +67,14 @@ pub fn prefilter(
     let mut levels = vec![means[0].texels().to_vec()];
     for level in 1..header.levels() {
         progress.step()?;
-        let side = (side >> level) as usize;
-        let sharpness = header.sharpest() - level;
-        levels.push(if sharpness == 0 {
-            let from = means.iter().find(|faces| faces.side() <= IRRADIANCE_SOURCE).unwrap_or(&means[0]);
-            from.convolved(side, &kernel::Cosine)
-        } else {
-            let from = &means[level as usize];
-            from.convolved(
-                side,
-                &kernel::Gaussian::new(EnvironmentHeader::deviation(f64::from(sharpness)), from.side()),
-            )
-        });
+        let deviation = EnvironmentHeader::deviation(f64::from(header.sharpest() - level));
+        let from = &means[level as usize];
+        levels.push(from.convolved(from.side(), &kernel::Gaussian::new(deviation, from.side())));
     }
     progress.step()?;
-    Ok(EnvironmentPack::new(header.side, &levels)?)
+    let from = means.iter().find(|faces| faces.side() <= IRRADIANCE_SOURCE).unwrap_or(&means[0]);
+    let irradiance = from.convolved(IRRADIANCE_SIDE as usize, &kernel::Cosine);
+    Ok(EnvironmentPack::new(header.side, &levels, &irradiance)?)
 }
 
 /// Faces whose texels are means over `samples` x `samples` directions.

@@ -11,6 +11,8 @@ pub struct LobesFacts {
     pub anchors: [usize; 3],
     /// Number of view angles with weights.
     pub nodes: u32,
+    /// Number of view azimuths with weights, 1 for isotropic materials.
+    pub azimuths: u32,
     /// Bytes on a GPU.
     pub gpu_bytes: u64,
 }
@@ -23,6 +25,7 @@ impl LobesFacts {
             fetches: pack.fetches(),
             anchors: Anchor::ALL.map(count),
             nodes: pack.header().nodes,
+            azimuths: pack.header().azimuths,
             gpu_bytes: pack.gpu_bytes(),
         }
     }

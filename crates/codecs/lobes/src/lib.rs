@@ -28,25 +28,32 @@ use brdfc_formats::FormatError;
 use brdfc_formats::container::half;
 use brdfc_formats::environment::EnvironmentDecoder;
 use brdfc_formats::lobes::{LobesHeader, LobesPack};
-use candidate::Candidate;
+use candidate::{Candidate, Place};
 use reflection::Resolution;
 use select::Selection;
 use system::System;
 use views::Views;
 
-/// Number of view angles with weights.
-const NODES: usize = 24;
-/// Random frames in each environment: for the fit, and for the error.
-const FRAMES: [usize; 2] = [60, 40];
+/// Views of a material.
+#[derive(Debug, Clone, Copy)]
+struct Grid {
+    /// Number of view angles with weights.
+    nodes: usize,
+    /// Number of view azimuths with weights.
+    azimuths: usize,
+    /// Random frames in each environment: for the fit, and for the error.
+    frames: [usize; 2],
+}
+
+const ISOTROPIC: Grid = Grid { nodes: 24, azimuths: 1, frames: [60, 40] };
+/// Four times the views in half the frames.
+const ANISOTROPIC: Grid = Grid { nodes: 12, azimuths: 8, frames: [30, 20] };
 /// Directions of the integrals: for the fit, and for the error.
 const RESOLUTIONS: [Resolution; 2] = [Resolution { rings: 96, azimuths: 64 }, Resolution { rings: 128, azimuths: 72 }];
 
 /// Error of [`encode`].
 #[derive(Debug, thiserror::Error)]
 pub enum LobesError {
-    /// The material is anisotropic.
-    #[error("the material is anisotropic, expected an isotropic one for lobes")]
-    Anisotropic,
     /// A number of the recipe, or a weight, is out of range.
     #[error(transparent)]
     Invalid(#[from] FormatError),
@@ -93,19 +100,10 @@ pub struct Environments {
     pub held_out: Vec<EnvironmentDecoder>,
 }
 
-/// Checks a source and a recipe, which is much faster than the environments of the fit.
+/// Fits lobes to a source. The result does not depend on the number of threads.
 ///
 /// # Errors
-/// Returns an error for anisotropic sources, and for a recipe out of range.
-pub fn check(source: &dyn Source, recipe: &LobesRecipe) -> Result<(), LobesError> {
-    recipe.check()?;
-    if source.symmetry().isotropic { Ok(()) } else { Err(LobesError::Anisotropic) }
-}
-
-/// Fits lobes to an isotropic source. The result does not depend on the number of threads.
-///
-/// # Errors
-/// Returns the errors of [`check`], and an error if the work was cancelled.
+/// Returns an error for a recipe out of range, and if the work was cancelled.
 ///
 /// # Panics
 /// Panics if there are no environments.
@@ -115,25 +113,30 @@ pub fn encode(
     recipe: &LobesRecipe,
     progress: &dyn Progress,
 ) -> Result<EncodedLobes, LobesError> {
-    check(source, recipe)?;
+    recipe.check()?;
     let counts = recipe.counts();
     progress.stage(Stage::Lobes, counts.len() + 2)?;
     let mut tally = Tally::default();
-    let nodes: Vec<f64> = (0..NODES).map(|node| node as f64 / (NODES - 1) as f64).collect();
-    let training = Views::new(source, &environments.training, &nodes, FRAMES[0], RESOLUTIONS[0], &mut tally);
+    let grid = if source.symmetry().isotropic { ISOTROPIC } else { ANISOTROPIC };
+    let [frames, other_frames] = grid.frames;
+    let training = Views::new(source, &environments.training, &grid.places(), frames, RESOLUTIONS[0], &mut tally);
     progress.step()?;
-    // Between the nodes, where weights are interpolated.
-    let between: Vec<f64> = nodes.windows(2).map(|pair| 0.5 * (pair[0] + pair[1])).collect();
-    let held_out = Views::new(source, &environments.held_out, &between, FRAMES[1], RESOLUTIONS[1], &mut tally);
+    let between = grid.between();
+    let held_out = Views::new(source, &environments.held_out, &between, other_frames, RESOLUTIONS[1], &mut tally);
     progress.step()?;
     let sharpest = environments.training[0].header().sharpest();
-    // A black material has no width; its lobe has no weight.
-    let mut selection = Selection::new(&training, training.width.unwrap_or(1.0), sharpest);
+    let candidates = match (grid.azimuths, training.width, &training.slopes) {
+        (1, Some(width), _) => Candidate::isotropic(width, sharpest),
+        (_, _, Some(slopes)) => Candidate::anisotropic(slopes, sharpest),
+        // A black material has no width; its lobe has no weight.
+        _ => vec![grid.irradiance()],
+    };
+    let mut selection = Selection::new(&training, candidates, sharpest);
     let mut trials: Vec<LobesTrial> = Vec::new();
     for count in counts {
         selection.grow(count);
         progress.step()?;
-        let pack = assembled(&selection.system, &training)?;
+        let pack = assembled(grid, &selection.system, &training)?;
         if trials.last().is_some_and(|last| last.pack == pack) {
             break;
         }
@@ -150,22 +153,48 @@ pub fn encode(
     Ok(EncodedLobes { trials, selected, tally })
 }
 
+impl Grid {
+    /// Positions and azimuths of the weights, in the order of a pack.
+    fn places(&self) -> Vec<[f64; 2]> {
+        let node = |node: usize| node as f64 / (self.nodes - 1) as f64;
+        let place = |azimuth: usize, at: usize| match at {
+            // Above the normal there is only one view, and one set of weights.
+            0 => [0.0, 0.0],
+            _ => [node(at), azimuth as f64 / self.azimuths as f64],
+        };
+        (0..self.azimuths).flat_map(|azimuth| (0..self.nodes).map(move |at| place(azimuth, at))).collect()
+    }
+
+    /// Positions and azimuths between those of the weights, which are interpolated there.
+    fn between(&self) -> Vec<[f64; 2]> {
+        let step = |count: usize, at: usize| (at as f64 + 0.5) / count as f64;
+        let [azimuths, nodes] = [self.azimuths, self.nodes - 1];
+        (0..azimuths).flat_map(|azimuth| (0..nodes).map(move |at| [step(nodes, at), step(azimuths, azimuth)])).collect()
+    }
+
+    /// The irradiance as a candidate.
+    fn irradiance(&self) -> Candidate {
+        Candidate::irradiance(if self.azimuths == 1 { Place::InPlane } else { Place::OnSurface })
+    }
+}
+
 /// Pack of a system. Weights are scaled down where they would reflect more of uniform light than the material.
-fn assembled(system: &System, views: &Views<'_>) -> Result<LobesPack, FormatError> {
+fn assembled(grid: Grid, system: &System, views: &Views<'_>) -> Result<LobesPack, FormatError> {
     let mut rows: Vec<(Candidate, Vec<[f64; 3]>)> =
         system.candidates.iter().enumerate().map(|(at, one)| (*one, system.weights(at).collect())).collect();
     if rows.is_empty() {
-        rows.push((Candidate::IRRADIANCE, vec![[0.0; 3]; views.views.len()]));
+        rows.push((grid.irradiance(), vec![[0.0; 3]; views.views.len()]));
     }
     let mut texels = vec![[0.0; 4]; rows.len() * views.views.len()];
-    for (node, view) in views.views.iter().enumerate() {
-        let sum = |k: usize| rows.iter().map(|(one, weights)| one.fetches() as f64 * weights[node][k]).sum::<f64>();
+    for (at, view) in views.views.iter().enumerate() {
+        let sum = |k: usize| rows.iter().map(|(one, weights)| one.fetches() as f64 * weights[at][k]).sum::<f64>();
         let scale = [0, 1, 2].map(|k| if sum(k) > view.albedo[k] { view.albedo[k] / sum(k) } else { 1.0 });
         for (row, (one, weights)) in rows.iter().enumerate() {
-            let [r, g, b] = [0, 1, 2].map(|k| ((weights[node][k] * scale[k]) as f32).min(half::MAX));
-            texels[row * views.views.len() + node] = [r, g, b, one.sharpness_at(view.outgoing[2])];
+            let [r, g, b] = [0, 1, 2].map(|k| ((weights[at][k] * scale[k]) as f32).min(half::MAX));
+            texels[row * views.views.len() + at] = [r, g, b, one.sharpness_at(view.outgoing[2])];
         }
     }
     let lobes = rows.iter().zip(0..).flat_map(|((one, _), row)| one.lobes(row)).collect();
-    LobesPack::new(LobesHeader { nodes: NODES as u32, rows: rows.len() as u32, lobes }, &texels)
+    let [nodes, azimuths] = [grid.nodes, grid.azimuths].map(|count| count as u32);
+    LobesPack::new(LobesHeader { nodes, azimuths, rows: rows.len() as u32, lobes }, &texels)
 }

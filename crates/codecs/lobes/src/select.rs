@@ -27,10 +27,9 @@ pub struct Selection<'a> {
 }
 
 impl<'a> Selection<'a> {
-    /// Starts with no lobes.
-    pub fn new(views: &'a Views<'a>, width: f64, sharpest: u32) -> Self {
+    /// Starts with no lobes, for a choice of all candidates.
+    pub fn new(views: &'a Views<'a>, all: Vec<Candidate>, sharpest: u32) -> Self {
         let target = Target::new(views);
-        let all = Candidate::all(width, sharpest);
         let candidates = all.into_par_iter().map(|one| (one, Arc::new(target.column(&one, views)))).collect();
         let system = System::new(&target);
         Self { views, target, candidates, sharpest, system }

@@ -1,6 +1,6 @@
 //! Views of a material in environments, with the radiance that it reflects.
 
-use super::reflection::{Frame, Reflection, Resolution};
+use super::reflection::{Frame, Reflection, Resolution, Slopes};
 use brdfc_core::{Source, Tally};
 use brdfc_formats::direction::{Vector, cross, dot, normalize};
 use brdfc_formats::environment::EnvironmentDecoder;
@@ -16,7 +16,7 @@ const WHITE: f64 = 0.97;
 
 /// One outgoing direction in many frames.
 pub struct View {
-    /// Outgoing unit vector over the tangent.
+    /// Outgoing unit vector.
     pub outgoing: Vector,
     /// Share of a ball's rendering, relative to other views.
     pub area: f64,
@@ -31,46 +31,55 @@ pub struct Views<'a> {
     environments: &'a [EnvironmentDecoder],
     /// Number of the environment, and the frame in it.
     frames: Vec<(usize, Frame)>,
-    /// Views from the normal to the horizon.
+    /// Views in the order of their places.
     pub views: Vec<View>,
     /// Standard deviation of the lobe in the narrowest view, radians; `None` if the material is black.
     pub width: Option<f64>,
+    /// Slopes of half vectors in the first view; `None` if the material is black.
+    pub slopes: Option<Slopes>,
     /// Factor of radiance for a rendering, for each environment.
     exposures: Vec<f64>,
 }
 
-/// Outgoing unit vector over the tangent at a position from the normal, 0, to the horizon, 1; see
-/// [`brdfc_formats::lobes::view_position`]. It stays above the horizon.
-pub fn outgoing_at(position: f64) -> Vector {
+/// Outgoing unit vector at a position from the normal, 0, to the horizon, 1, and an azimuth, 0 to 1; see
+/// [`brdfc_formats::lobes::view_position`] and [`brdfc_formats::lobes::view_azimuth`]. It stays above the horizon.
+pub fn outgoing_at([position, azimuth]: [f64; 2]) -> Vector {
     let cosine = (1.0 - position * position).max(LEAST_COSINE);
-    [(1.0 - cosine * cosine).sqrt(), 0.0, cosine]
+    let sine = (1.0 - cosine * cosine).sqrt();
+    let quarter = 4.0 * azimuth;
+    let along = if quarter < 2.0 { 1.0 - quarter } else { quarter - 3.0 };
+    let across = (1.0 - along.abs()).copysign(2.0 - quarter);
+    let length = along.hypot(across);
+    [sine * along / length, sine * across / length, cosine]
 }
 
 impl<'a> Views<'a> {
-    /// Computes the radiance at these positions from the normal to the horizon, in `frames` random frames of each
+    /// Computes the radiance at these positions and azimuths, see [`outgoing_at`], in `frames` random frames of each
     /// environment.
     pub fn new(
         source: &dyn Source,
         environments: &'a [EnvironmentDecoder],
-        positions: &[f64],
+        places: &[[f64; 2]],
         frames: usize,
         resolution: Resolution,
         tally: &mut Tally,
     ) -> Self {
         let frames = random_frames(environments.len(), frames);
-        let view = |position: &f64| {
+        let view = |place: &[f64; 2]| {
             let mut tally = Tally::default();
-            let outgoing = outgoing_at(*position);
+            let (outgoing, position) = (outgoing_at(*place), place[0]);
             let reflection = Reflection::new(source, outgoing, resolution, &mut tally);
             let radiance = frames.iter().map(|(at, frame)| reflection.radiance(&environments[*at], frame)).collect();
             // Of a ball, sin θ cos θ dθ, and cos θ = 1 - position².
             let area = (2.0 * position * (1.0 - position * position)).max(0.02);
-            (View { outgoing, area, albedo: reflection.albedo(), radiance }, reflection.width(), tally)
+            let view = View { outgoing, area, albedo: reflection.albedo(), radiance };
+            (view, reflection.width(), reflection.slopes(), tally)
         };
-        let computed: Vec<_> = positions.par_iter().map(view).collect();
-        let width = computed.iter().filter_map(|(_, width, _)| *width).reduce(f64::min);
+        let computed: Vec<_> = places.par_iter().map(view).collect();
+        let width = computed.iter().filter_map(|(_, width, ..)| *width).reduce(f64::min);
+        let slopes = computed.first().and_then(|(_, _, slopes, _)| *slopes);
         let mut views = Vec::with_capacity(computed.len());
-        for (view, _, part) in computed {
+        for (view, _, _, part) in computed {
             *tally += part;
             views.push(view);
         }
@@ -85,7 +94,7 @@ impl<'a> Views<'a> {
             if white > 0.0 { 1.0 / white } else { 1.0 }
         };
         let exposures = (0..environments.len()).map(exposure).collect();
-        Self { environments, frames, views, width, exposures }
+        Self { environments, frames, views, width, slopes, exposures }
     }
 
     /// Environment, frame and exposure by the number of the frame.

@@ -41,7 +41,7 @@ fn lobes() -> LobesPack {
         [[0.02, 0.02, 0.02, 1.5], [0.1, 0.1, 0.1, 1.5]],
         [[0.05, 0.02, 0.0, 1.0], [0.0, 0.0, 0.0, 1.0]],
     ];
-    LobesPack::new(LobesHeader { nodes: 2, rows: 4, lobes }, weights.as_flattened()).unwrap()
+    LobesPack::new(LobesHeader { nodes: 2, azimuths: 1, rows: 4, lobes }, weights.as_flattened()).unwrap()
 }
 
 fn mean_delta_e(a: &LinearImage, b: &LinearImage) -> f64 {
@@ -83,7 +83,7 @@ fn shader_and_cpu_draw_the_same_renderings() {
 fn a_white_furnace_is_invisible() {
     let uniform = prefilter(&|_| [0.7; 3], 16, 1, &()).unwrap();
     let lobe = Lobe { anchor: Anchor::Normal, tilt: [0.0; 2], row: 0 };
-    let header = LobesHeader { nodes: 2, rows: 1, lobes: vec![lobe] };
+    let header = LobesHeader { nodes: 2, azimuths: 1, rows: 1, lobes: vec![lobe] };
     let white = LobesPack::new(header, &[[1.0, 1.0, 1.0, 0.0]; 2]).unwrap();
     let scene = Scene { environment: unfiltered(&uniform), ..Builtin::Sphere.scene() };
     let by_lobes = draw_on_cpu(&scene, FRAME, &LobesMaterial::new(white, uniform));

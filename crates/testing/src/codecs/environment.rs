@@ -8,14 +8,16 @@ use crate::golden::values::{Values, directions, of_columns, single};
 use crate::packs::{Numbers, read_texture, sealed};
 use brdfc_formats::direction::normalize;
 use brdfc_formats::environment::cube::FacePoint;
-use brdfc_formats::environment::{ENVIRONMENT_ENTRY, EnvironmentDecoder, EnvironmentHeader, EnvironmentPack};
+use brdfc_formats::environment::{
+    ENVIRONMENT_ENTRY, EnvironmentDecoder, EnvironmentHeader, EnvironmentPack, IRRADIANCE_SIDE,
+};
 use brdfc_formats::{Pack, PackKind};
 use std::f64::consts::TAU;
 
 /// The tested codec.
 pub struct Environment;
 
-/// Cosine of the angle around corners of the cube in which queries have no answers: a texel of the coarsest level.
+/// Cosine of the angle around corners of the cube in which queries have no answers: half a texel of the coarsest level.
 /// Drivers differ where three texels meet.
 const CORNER: f64 = 0.94;
 
@@ -23,8 +25,8 @@ const CORNER: f64 = 0.94;
 pub fn noisy(side: u32, noise: f64, radiance: impl Fn([f64; 3]) -> [f64; 3]) -> EnvironmentPack {
     let mut numbers = Numbers::new(17);
     let levels = EnvironmentHeader { side, scale: 1.0 }.levels();
-    let mut level = |level: u32| -> Vec<[f32; 3]> {
-        let side = (side >> level) as usize;
+    let mut faces = |side: u32| -> Vec<[f32; 3]> {
+        let side = side as usize;
         let mut texel = |at: usize| {
             let centre = [at % side, at / side % side].map(|place| place as f64 + 0.5);
             let direction = FacePoint::on_grid(at / (side * side), side, centre).direction();
@@ -32,8 +34,8 @@ pub fn noisy(side: u32, noise: f64, radiance: impl Fn([f64; 3]) -> [f64; 3]) -> 
         };
         (0..6 * side * side).map(&mut texel).collect()
     };
-    let levels: Vec<_> = (0..levels).map(&mut level).collect();
-    EnvironmentPack::new(side, &levels).expect("radiance in range")
+    let levels: Vec<_> = (0..levels).map(|level| faces(side >> level)).collect();
+    EnvironmentPack::new(side, &levels, &faces(IRRADIANCE_SIDE)).expect("radiance in range")
 }
 
 impl TestedCodec for Environment {
@@ -80,8 +82,9 @@ impl TestedCodec for Environment {
             let mut texel = || [0; 3].map(|_| numbers.between(-12.0, 12.0).exp2() as f32);
             (0..6 * side * side).map(|_| texel()).collect()
         };
-        let levels = [8, 4].map(&mut level);
-        let bytes = EnvironmentPack::new(8, &levels).expect("radiance in range").to_bytes(false);
+        let levels = [16, 8].map(&mut level);
+        let irradiance = level(IRRADIANCE_SIDE as usize);
+        let bytes = EnvironmentPack::new(16, &levels, &irradiance).expect("radiance in range").to_bytes(false);
         // A writer uses powers of two.
         let mut texture = read_texture(&bytes).expect("our own pack");
         let scale = 0.3f32.to_le_bytes();
@@ -101,7 +104,7 @@ impl TestedCodec for Environment {
         let header = pack.header();
         numbers.words([header.side]);
         numbers.add([header.scale]);
-        numbers.words(pack.texels().iter().copied());
+        numbers.words(pack.texels());
         let decoder = EnvironmentDecoder::new(&pack);
         for direction in directions().map(single) {
             // All six faces.
