@@ -15,8 +15,8 @@ use std::path::PathBuf;
 
 /// Prefilter an environment, so that a shader needs a few look-ups instead of a sum over all directions.
 ///
-/// The result is a cube map with mipmaps: level 0 is the environment, each further level is blurred twice as far, and the
-/// last one contains the irradiance. 'brdfc encode --codec lobes' makes the materials that use it;
+/// The result is a cube map with mipmaps: level 0 is the environment, each further level is blurred twice as far. A second
+/// cube map contains the irradiance. 'brdfc encode --codec lobes' makes the materials that use it;
 /// formats/src/environment/spec.md describes the layout.
 #[derive(Debug, Args)]
 #[command(after_help = "\

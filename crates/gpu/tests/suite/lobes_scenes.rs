@@ -25,8 +25,8 @@ fn environment() -> EnvironmentPack {
     prefilter(&radiance, 32, 2, &()).unwrap()
 }
 
-/// Irradiance, a highlight and a pair around it.
-fn lobes() -> LobesPack {
+/// Irradiance, a highlight and a pair around it, with weights that differ by azimuth.
+fn lobes(azimuths: u32) -> LobesPack {
     let lobe = |anchor, tilt, row| Lobe { anchor, tilt, row };
     let lobes = vec![
         lobe(Anchor::Normal, [0.0, 0.0], 0),
@@ -41,7 +41,15 @@ fn lobes() -> LobesPack {
         [[0.02, 0.02, 0.02, 1.5], [0.1, 0.1, 0.1, 1.5]],
         [[0.05, 0.02, 0.0, 1.0], [0.0, 0.0, 0.0, 1.0]],
     ];
-    LobesPack::new(LobesHeader { nodes: 2, azimuths: 1, rows: 4, lobes }, weights.as_flattened()).unwrap()
+    let texel = |azimuth: u32, [r, g, b, sharpness]: [f32; 4]| {
+        let factor = 1.0 + azimuth as f32;
+        [factor * r, factor * g, factor * b, sharpness]
+    };
+    let row = |row: &[[f32; 4]; 2]| -> Vec<[f32; 4]> {
+        (0..azimuths).flat_map(|azimuth| row.map(|weights| texel(azimuth, weights))).collect()
+    };
+    let texels: Vec<[f32; 4]> = weights.iter().flat_map(row).collect();
+    LobesPack::new(LobesHeader { nodes: 2, azimuths, rows: 4, lobes }, &texels).unwrap()
 }
 
 fn mean_delta_e(a: &LinearImage, b: &LinearImage) -> f64 {
@@ -51,8 +59,10 @@ fn mean_delta_e(a: &LinearImage, b: &LinearImage) -> f64 {
 #[test]
 fn shader_and_cpu_draw_the_same_renderings() {
     let Some(gpu) = crate::common::gpu() else { return };
-    let material = LobesMaterial::new(lobes(), environment());
-    for builtin in [Builtin::Sphere, Builtin::BumpyBall, Builtin::Teapot] {
+    for (builtin, azimuths) in
+        [(Builtin::Sphere, 1), (Builtin::BumpyBall, 1), (Builtin::Teapot, 1), (Builtin::BumpyBall, 3)]
+    {
+        let material = LobesMaterial::new(lobes(azimuths), environment());
         let scene = builtin.scene();
         let cpu = draw_on_cpu(&scene, FRAME, &material);
         let lit = cpu.pixels.iter().filter(|pixel| pixel[0] > 0.0).count();

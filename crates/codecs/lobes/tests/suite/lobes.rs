@@ -24,7 +24,7 @@ fn cosines(pack: &LobesPack) -> Vec<f64> {
 
 /// Sum of the weights of all lobes at a node.
 fn sum(pack: &LobesPack, node: usize) -> [f64; 3] {
-    let nodes = pack.header().nodes as usize;
+    let nodes = pack.header().views();
     let mut sum = [0.0; 3];
     for lobe in &pack.header().lobes {
         let weight = pack.weights()[lobe.row as usize * nodes + node];
@@ -83,12 +83,16 @@ fn black_has_no_weights() {
 /// Lobes reflect no more of uniform light than the material, at no view angle.
 #[test]
 fn no_light_is_added() {
-    for address in
-        ["synth:lambert?kd=1", "synth:ggx?kd=0.3&f0=0.04&alpha=0.3", "synth:ggx?kd=0&f0=0.9,0.6,0.3&alpha=0.15"]
-    {
+    for address in [
+        "synth:lambert?kd=1",
+        "synth:ggx?kd=0.3&f0=0.04&alpha=0.3",
+        "synth:ggx?kd=0&f0=0.9,0.6,0.3&alpha=0.15",
+        "synth:ward?ax=0.15&ay=0.4",
+    ] {
         let source = source(address);
         for trial in encoded(address, 8, None).trials {
             let mut least = f64::INFINITY;
+            // At azimuth 0, over the tangent.
             for (node, cosine) in cosines(&trial.pack).into_iter().enumerate() {
                 let (found, albedo) = (sum(&trial.pack, node), albedo(source.as_ref(), cosine));
                 // Quadratures differ by 1 % at grazing angles, and weights are half floats.
@@ -123,6 +127,46 @@ fn mirrors_follow_the_mirror_direction() {
     // The same material by the irradiance alone is far from it.
     let lambert = encoded("synth:lambert?kd=0.9", 1, None);
     assert!(lambert.best().pack.header().lobes.iter().all(|lobe| lobe.anchor == Anchor::Normal));
+}
+
+/// Lobes of brushed metal stay with the tangent: the same lobes with tangent and bitangent exchanged are wrong, and so
+/// are those of an isotropic material of the same mean roughness.
+#[test]
+fn anisotropic_highlights_follow_the_tangent() {
+    const WARD: &str = "synth:ward?kd=0&ks=0.8&ax=0.12&ay=0.45";
+    let found = encoded(WARD, 8, None);
+    let pack = &found.best().pack;
+    let header = pack.header();
+    println!("{} look-ups: {:?}", pack.fetches(), found.best().error);
+    assert!(found.best().error.mean < 1.0 && !header.is_isotropic(), "{:?}", found.best().error);
+    // Highlights are stretched along the bitangent.
+    let spread = |axis: usize| {
+        let mirror = header.lobes.iter().filter(|lobe| lobe.anchor == Anchor::Mirror);
+        mirror.map(|lobe| lobe.tilt[axis].abs()).fold(0.0, f32::max)
+    };
+    assert!(spread(1) > 2.0 * spread(0) && spread(1) > 0.2, "{:?}", header.lobes);
+    // Above the normal there is one view: all azimuths have the same weights.
+    let (nodes, azimuths) = (header.nodes as usize, header.azimuths as usize);
+    for row in 0..header.rows as usize {
+        let first = |azimuth: usize| pack.weights()[(row * azimuths + azimuth) * nodes];
+        assert!((1..azimuths).all(|azimuth| first(azimuth) == first(0)), "row {row}");
+    }
+    let radiance = |pack: &LobesPack, turn: f64, axes: [[f32; 3]; 3]| {
+        let outgoing = [0.6 * turn.cos(), 0.6 * turn.sin(), 0.8].map(|c| c as f32);
+        pack.radiance(&ENVIRONMENTS.training[1], axes, outgoing)
+    };
+    let (x, y, z) = ([1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]);
+    let [mut difference, mut total] = [0.0; 2];
+    for step in 0..40 {
+        let turn = f64::from(step) * TAU / 40.0;
+        let value = radiance(pack, turn, [x, y, z])[1];
+        // The same view in a frame that is turned by 90 degrees.
+        difference += (radiance(pack, turn - FRAC_PI_2, [y, [-1.0, 0.0, 0.0], z])[1] - value).abs();
+        total += value;
+    }
+    assert!(difference > 0.05 * total, "{difference} {total}");
+    let round = encoded("synth:ward?ax=0.23&ay=0.23", 8, None);
+    assert!(round.best().pack.header().is_isotropic());
 }
 
 #[test]
