@@ -127,7 +127,7 @@ fn write_view(arguments: &Arguments, progress: &dyn Progress) -> Result<Option<V
     let Some(path) = &arguments.view else { return Ok(None) };
     let items = open_items(&[Input::from(&arguments.folder)], ViewOptions { sources: true }, progress)?;
     let name = path.file_name().unwrap_or_default().to_string_lossy();
-    write_file(path, view_page(&items)?.html.as_bytes())?;
+    write_file(path, view_page(&items, None)?.html.as_bytes())?;
     Ok(Some(ViewLink::new(&name, items.into_iter().map(|item| item.name))))
 }
 

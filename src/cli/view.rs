@@ -6,7 +6,8 @@ use super::{Common, Error};
 use crate::inputs::refuse_stdin_twice;
 use crate::table;
 use brdfc::Input;
-use brdfc::view::{ViewItem, ViewOptions, open_items, view_page};
+use brdfc::environment;
+use brdfc::view::{ViewEnvironment, ViewItem, ViewOptions, open_items, view_page};
 use clap::Args;
 use serde::Serialize;
 use std::path::{Path, PathBuf};
@@ -20,25 +21,33 @@ use std::sync::atomic::AtomicBool;
 /// the view. It draws materials that are not packs, such as the source of a pack, from a table of 128 KiB, and displays
 /// the error of that table.
 ///
+/// An environment lights packs of lobes, and is visible behind them. Dragging with Shift or the right button turns it.
+///
 /// The address of the page may set options after a #, separated by &: scene=cloth, left=NAME, right=NAME, mode=split,
-/// one or difference, coarser=1, api=webgl2 or webgpu, embed (only the rendering).
+/// one or difference, coarser=1, light=90 (degrees by which lights and environment are turned), api=webgl2 or webgpu,
+/// embed (only the rendering).
 #[derive(Debug, Args)]
 #[command(after_help = "\
 Examples:
   brdfc view red.ktx2 -o red.html
   brdfc view red.ktx2 red-plastic.binary -o red.html   compared with its source
   brdfc view small.ktx2 large.ktx2 -o sizes.html
+  brdfc view red.lobes.ktx2 --environment museum.exr -o red.html
   brdfc view packs -o all.html                         the packs of a build, with sources
   brdfc view button -o button.html                     a flat BTF
   brdfc view icon.ktx2 -o icon.html                    photographs under any light")]
 pub struct Arguments {
-    /// Packs, flat BTFs (their file or folder), folders of builds, or materials: paths, - for stdin, or
+    /// Packs, lobes, flat BTFs (their file or folder), folders of builds, or materials: paths, - for stdin, or
     /// synth:MODEL?param=value&... The first one is on the left, the second one on the right.
     #[arg(required = true, value_name = "PACK")]
     inputs: Vec<Input>,
     /// The page to write (.html or .htm), or - for stdout.
     #[arg(long, short, value_name = "VIEW.html", value_parser = super::output::output_parser())]
     output: PathBuf,
+    /// Environment that lights packs of lobes: a latitude-longitude image, .exr or .hdr, or a prefiltered environment,
+    /// .ktx2 (default: the sky of the scenes).
+    #[arg(long, value_name = "FILE")]
+    environment: Option<Input>,
     /// For builds, draw only the packs, without their sources.
     #[arg(long)]
     no_sources: bool,
@@ -57,6 +66,8 @@ pub struct Report {
     bytes_alone: usize,
     /// Materials, the left one first.
     items: Vec<Item>,
+    /// Environment, if there are packs of lobes.
+    environment: Option<Environment>,
 }
 
 /// A material of the page.
@@ -72,6 +83,21 @@ struct Item {
     facts: String,
 }
 
+/// The environment of the page.
+#[derive(Debug, Serialize, schemars::JsonSchema)]
+struct Environment {
+    /// Name on the page.
+    name: String,
+    /// Bytes of its textures on a GPU.
+    bytes_on_gpu: u64,
+}
+
+impl Environment {
+    fn new(environment: &ViewEnvironment) -> Self {
+        Self { name: environment.name.clone(), bytes_on_gpu: environment.pack.gpu_bytes() }
+    }
+}
+
 impl Item {
     fn new(item: &ViewItem) -> Self {
         Self {
@@ -85,16 +111,31 @@ impl Item {
 
 pub(super) fn run(arguments: &Arguments, common: Common) -> Result<(), Error> {
     let output: &Path = &arguments.output;
-    let inputs: Vec<(&str, Option<&Input>)> = arguments.inputs.iter().map(|input| ("PACK", Some(input))).collect();
+    let packs = arguments.inputs.iter().map(|input| ("PACK", Some(input)));
+    let inputs: Vec<(&str, Option<&Input>)> =
+        packs.chain([("--environment", arguments.environment.as_ref())]).collect();
     refuse_stdin_twice(&inputs)?;
-    let paths: Vec<&Path> = arguments.inputs.iter().filter_map(Input::path).collect();
+    let paths: Vec<&Path> = inputs.iter().filter_map(|(_, input)| input.and_then(Input::path)).collect();
     refuse_unfit_output(output, &["html", "htm"], &paths)?;
     // An interrupt ends the process at once: each file is either complete or absent.
     let cancelled = AtomicBool::new(false);
     let steps = Steps::new(common, &cancelled);
+    let given = match &arguments.environment {
+        Some(input) => Some(ViewEnvironment { name: input.short_name(), pack: environment::open(input, &steps)? }),
+        None => None,
+    };
     let items = open_items(&arguments.inputs, ViewOptions { sources: !arguments.no_sources }, &steps)?;
+    let environment = match (given, items.iter().any(ViewItem::needs_environment)) {
+        (None, true) => Some(ViewEnvironment::sky(&())?),
+        (Some(_), false) => {
+            let text =
+                "--environment: found no pack of lobes to light, expected one; 'brdfc encode --codec lobes' makes it";
+            return Err(Error::usage(text));
+        }
+        (given, _) => given,
+    };
     drop(steps);
-    let page = view_page(&items)?;
+    let page = view_page(&items, environment.as_ref())?;
     write_file(output, page.html.as_bytes())?;
     let report = Report {
         version: 1,
@@ -102,6 +143,7 @@ pub(super) fn run(arguments: &Arguments, common: Common) -> Result<(), Error> {
         bytes_on_disk: page.html.len(),
         bytes_alone: page.bytes_alone,
         items: items.iter().map(Item::new).collect(),
+        environment: environment.as_ref().map(Environment::new),
     };
     if common.json {
         return print_report(common, output, &to_json(&report));

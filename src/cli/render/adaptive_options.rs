@@ -20,7 +20,7 @@ pub(super) struct AdaptiveOptions {
     pub(super) adaptive: bool,
     /// Latitude-longitude image, .exr or .hdr, that lights the scene. Without --adaptive, it lights a single material by
     /// its lobes, and may also be a prefiltered environment, .ktx2; the reference is the integral over all directions.
-    /// (Default with --adaptive: the environment of the manifest, or the scene's sky.)
+    /// (Default for lobes: the scene's sky; with --adaptive: the environment of the manifest, or the scene's sky.)
     #[arg(long, value_name = "FILE")]
     pub(super) environment: Option<PathBuf>,
     /// Mean samples per pixel if all pixels were shaded, 0.01 to 1024 (default: 64). A shaded pixel gets 1 to 1024,

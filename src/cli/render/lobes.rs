@@ -26,11 +26,7 @@ pub(super) fn verification(
     subject: &Subject,
     pack: Option<LobesPack>,
 ) -> Result<(Verification, Views), Error> {
-    let Some(file) = &arguments.adaptive.environment else {
-        let text =
-            "lobes are for light from environments; add --environment with an image or a prefiltered environment";
-        return Err(Error::usage(format!("{input}: {text}")));
-    };
+    let file = arguments.adaptive.environment.as_deref();
     let mut setup = scene::setup(arguments, subject)?;
     let gpu = gpu::open(arguments)?;
     let environment = prefiltered(file, &setup.scene.environment, common)?;
@@ -51,7 +47,7 @@ pub(super) fn verification(
     let pack = draw_lobes_on_cpu(&setup.scene, setup.frame, &material);
     let source = match &source {
         Some(source) => {
-            if scene::is_prefiltered(file) {
+            if file.is_some_and(scene::is_prefiltered) {
                 setup.scene.environment = unfiltered(material.environment());
             }
             let by_default = TRUTH.div_ceil(setup.frame.samples * setup.frame.samples);
@@ -70,9 +66,10 @@ pub(super) fn verification(
     Ok((verification, views))
 }
 
-/// Opens a prefiltered environment, or prefilters the environment of the scene, which was read from the file.
-fn prefiltered(file: &Path, image: &Environment, common: Common) -> Result<EnvironmentPack, Error> {
-    if scene::is_prefiltered(file) {
+/// Opens a prefiltered environment, or prefilters the environment of the scene, which was read from the file, or is the
+/// scene's sky.
+fn prefiltered(file: Option<&Path>, image: &Environment, common: Common) -> Result<EnvironmentPack, Error> {
+    if let Some(file) = file.filter(|file| scene::is_prefiltered(file)) {
         return environment::open(&Input::from(file), &());
     }
     let progress = Materials::new(1, false, common);

@@ -33,6 +33,17 @@ fn an_environment_lights_materials() {
     }
 }
 
+/// Without a file, the sky of the scene lights lobes.
+#[test]
+fn the_sky_of_the_scene_lights_lobes_by_default() {
+    let folder = Folder::new();
+    folder.run(&["encode", "synth:lambert?kd=0.5", "--codec", "lobes", "-o", "l.ktx2"]).succeeded();
+    let arguments = ["render", "l.ktx2", "--source", "synth:lambert?kd=0.5", "-o", "l.png", "--json"];
+    let report = folder.run(&[&arguments[..], &SMALL].concat()).succeeded().json();
+    let mean = |key: &str| report[key]["delta_e"]["mean"].as_f64().unwrap();
+    assert!(mean("shading") < 0.1 && mean("total") < 1.0, "{report}");
+}
+
 #[test]
 fn what_does_not_apply_is_refused() {
     let folder = Folder::new();
@@ -40,8 +51,11 @@ fn what_does_not_apply_is_refused() {
     folder.run(&["encode", "synth:lambert", "--codec", "lobes", "-o", "l.ktx2"]).succeeded();
     folder.run(&["encode", "synth:lambert", "-o", "t.ktx2", "--max-bytes", "4096"]).succeeded();
     for (arguments, code, expected) in [
-        (&["l.ktx2"][..], 2, "lobes are for light from environments; add --environment"),
-        (&["l.ktx2", "--environment", "t.ktx2"], 3, "t.ktx2: found a table pack, expected a prefiltered environment"),
+        (
+            &["l.ktx2", "--environment", "t.ktx2"][..],
+            3,
+            "t.ktx2: found a table pack, expected a prefiltered environment",
+        ),
         (&["l.ktx2", "--environment", "sky.exr", "--exact"], 2, "--exact"),
         (&["l.ktx2", "--environment", "sky.exr", "--lod", "2"], 2, "--lod"),
         (&["t.ktx2", "--truth", "64"], 2, "--truth needs --adaptive, or --environment with a material"),

@@ -1,8 +1,10 @@
 //! Data of a page, as its script reads it.
 
+use super::environment::ViewEnvironment;
 use super::item::ViewItem;
 use super::mesh::PackedMesh;
 use super::packed::packed;
+use brdfc_formats::PackKind;
 use brdfc_formats::bindings::{Binding, FrameBlock, Resource, Texels};
 use brdfc_formats::container::TexelFormat;
 use brdfc_render::scene::{Camera, PointLight};
@@ -16,13 +18,15 @@ pub(super) struct PageData {
     /// [`Programs`], packed.
     pub programs: String,
     pub scenes: Vec<PageScene>,
+    /// The environment, if one of the items needs it.
+    pub environment: Option<PageEnvironment>,
     pub items: Vec<PageItem>,
 }
 
 /// Shader programs.
 #[derive(Debug, Serialize)]
 pub(super) struct Programs {
-    /// Programs by decoder; the suffix `, exact` marks filtering in the shader.
+    /// Programs by decoder; the suffix `, exact` marks filtering in the shader. That of environments draws the background.
     pub of: BTreeMap<String, Program>,
     /// The program that displays renderings.
     pub show: Program,
@@ -45,6 +49,31 @@ pub(super) struct PageScene {
     pub mesh: PackedMesh,
 }
 
+/// An environment. Its name, facts and decoder are as in [`PageItem`].
+#[derive(Debug, Serialize)]
+pub(super) struct PageEnvironment {
+    name: String,
+    facts: String,
+    decoder: &'static str,
+    resources: Vec<PageResource>,
+}
+
+impl PageEnvironment {
+    pub(super) fn new(environment: &ViewEnvironment) -> Self {
+        Self {
+            name: environment.name.clone(),
+            facts: environment.facts(),
+            decoder: PackKind::Environment.name(),
+            resources: environment.pack.bindings().all.into_iter().map(PageResource::new).collect(),
+        }
+    }
+
+    /// Bytes of its data in the page.
+    pub(super) fn bytes(&self) -> usize {
+        self.resources.iter().map(PageResource::bytes).sum()
+    }
+}
+
 /// A material.
 #[derive(Debug, Serialize)]
 #[serde(rename_all = "camelCase")]
@@ -52,7 +81,9 @@ pub(super) struct PageItem {
     pub(super) name: String,
     facts: String,
     decoder: &'static str,
+    /// Its own resources; shaders of items that need the environment also bind those of the environment.
     resources: Vec<PageResource>,
+    needs_environment: bool,
     /// Names of scenes.
     scenes: Vec<String>,
     /// Tiles per unit of uv, by scene.
@@ -83,6 +114,7 @@ impl PageItem {
             facts: item.facts.clone(),
             decoder: item.decoder().name(),
             resources: bindings.all.into_iter().map(PageResource::new).collect(),
+            needs_environment: item.needs_environment(),
             scenes: scenes.iter().map(|scene| scene.name()).collect(),
             repeats: scenes.iter().map(|scene| (scene.name(), item.repeat(*scene))).collect(),
             reliefs: scenes.iter().filter_map(|scene| Some((scene.name(), item.relief(*scene)?))).collect(),

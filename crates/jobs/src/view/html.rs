@@ -20,7 +20,7 @@ form { padding: 0.9rem 1rem; overflow-y: auto; border-left: 1px solid var(--fain
 h1 { font-size: 1.05rem; margin: 0 0 0.7rem; overflow-wrap: anywhere; }
 label, fieldset { display: block; margin: 0 0 0.6rem; } fieldset { border: 0; padding: 0; }
 select, form input[type=range] { width: 100%; font: inherit; }
-fieldset label { display: inline-block; margin: 0 0.7rem 0 0; }
+fieldset label { display: inline-block; margin: 0 0.7rem 0 0; } fieldset label.whole { display: block; margin: 0; }
 p { margin: 0 0 0.6rem; } .soft { color: var(--soft); font-size: 0.85rem; }
 #facts p { font-size: 0.85rem; overflow-wrap: anywhere; }
 #whole, #here { font-variant-numeric: tabular-nums; min-height: 1.45em; }
@@ -80,6 +80,13 @@ fn controls(title: &str, data: &PageData) -> Markup {
                 label { input type="checkbox" name="follows"; " level of detail from the distance, as in an engine" }
                 label { input type="range" name="coarser" min="0" step="0.1" aria-label="Levels coarser than the finest"; span #coarser-shown .soft {} }
             }
+            fieldset #environment hidden {
+                label.whole {
+                    "Rotation of the environment"
+                    input type="range" name="rotation" min="-180" max="180" step="1";
+                }
+                label { input type="checkbox" name="behind" checked; " environment as background" }
+            }
             label { "Exposure" input type="range" name="stops" min="-4" max="4" step="0.1"; }
             fieldset {
                 "Dragging moves the "
@@ -93,6 +100,9 @@ fn controls(title: &str, data: &PageData) -> Markup {
             p.soft {
                 "Drag with Shift or the right button to move the light. Zoom with the wheel, two fingers, + or -. Arrow keys turn \
                  the surface; with Shift they move the light."
+                @if data.environment.is_some() {
+                    " The light of lobes is their environment, which turns about the vertical."
+                }
             }
             div #facts {}
             @if several { p.soft { "ΔE is the CIE76 difference of the displayed colours; about 1 is just visible." } }

@@ -6,12 +6,15 @@ use brdfc_formats::PackKind;
 use brdfc_formats::bindings::Bindings;
 use brdfc_formats::crop::{DirectionRange, Elevations};
 use brdfc_formats::flat_btf::{FlatBtfDecoder, SampledDirections};
+use brdfc_formats::lobes::LobesPack;
 use brdfc_formats::pwt::PwtPack;
 use brdfc_render::flat::covered;
 use brdfc_render::scenes::Builtin;
 
-/// Scenes of BRDFs; the first is the default.
-const BRDF_SCENES: [Builtin; 4] = [Builtin::Sphere, Builtin::Cloth, Builtin::Teapot, Builtin::Plane];
+/// Default scene of BRDFs.
+pub(super) const DEFAULT_SCENE: Builtin = Builtin::Sphere;
+/// Scenes of BRDFs and lobes; the first is the default. All have the same sky.
+const BRDF_SCENES: [Builtin; 4] = [DEFAULT_SCENE, Builtin::Cloth, Builtin::Teapot, Builtin::Plane];
 /// Scenes of flat BTFs; the first is the default.
 const FLAT_BTF_SCENES: [Builtin; 4] = [Builtin::Plane, Builtin::Teapot, Builtin::Cloth, Builtin::Sphere];
 
@@ -34,6 +37,8 @@ pub enum Drawn {
     Brdf(BrdfPack),
     /// A flat BTF, and the directions between which its views and lights are blended.
     FlatBtf(Box<FlatBtfDecoder>, Option<SampledDirections>),
+    /// Lobes, which the environment of the page lights.
+    Lobes(LobesPack),
     /// A polynomial wavelet tree.
     Pwt(Box<PwtPack>),
 }
@@ -44,6 +49,7 @@ impl ViewItem {
         match &self.drawn {
             Drawn::Brdf(pack) => pack.kind(),
             Drawn::FlatBtf(..) => PackKind::FlatBtf,
+            Drawn::Lobes(_) => PackKind::Lobes,
             Drawn::Pwt(_) => PackKind::Pwt,
         }
     }
@@ -53,6 +59,7 @@ impl ViewItem {
         match &self.drawn {
             Drawn::Brdf(pack) => pack.bindings(),
             Drawn::FlatBtf(decoder, directions) => decoder.bindings(directions.as_ref()),
+            Drawn::Lobes(pack) => pack.bindings(),
             Drawn::Pwt(pack) => pack.bindings(),
         }
     }
@@ -62,8 +69,14 @@ impl ViewItem {
         match &self.drawn {
             Drawn::Brdf(pack) => pack.gpu_bytes(),
             Drawn::FlatBtf(..) => self.bindings().gpu_bytes(),
+            Drawn::Lobes(pack) => pack.gpu_bytes(),
             Drawn::Pwt(pack) => pack.gpu_bytes(),
         }
+    }
+
+    /// True if the environment of the page lights it; point lights light the others.
+    pub fn needs_environment(&self) -> bool {
+        matches!(self.drawn, Drawn::Lobes(_))
     }
 
     /// Number of levels coarser than the finest, and the number of the finest level.
@@ -72,6 +85,7 @@ impl ViewItem {
         match &self.drawn {
             Drawn::Brdf(pack) => (pack.levels(), pack.levels()),
             Drawn::FlatBtf(decoder, _) => of_mipmaps(decoder.parts().reflectance.header().levels),
+            Drawn::Lobes(_) => (0, 0),
             Drawn::Pwt(pack) => {
                 let textures = pack.header().textures.len();
                 of_mipmaps((0..textures).map(|index| pack.levels_of(index)).max().unwrap_or(1))
@@ -83,14 +97,16 @@ impl ViewItem {
     pub(super) fn directions(&self) -> DirectionRange {
         match &self.drawn {
             Drawn::Brdf(pack) => pack.directions(),
-            Drawn::FlatBtf(..) | Drawn::Pwt(_) => DirectionRange { light: Elevations::ALL, view: Elevations::ALL },
+            Drawn::FlatBtf(..) | Drawn::Lobes(_) | Drawn::Pwt(_) => {
+                DirectionRange { light: Elevations::ALL, view: Elevations::ALL }
+            }
         }
     }
 
     /// Scenes on which it can be drawn, the default first. Polynomial wavelet trees are drawn on a plane of their image's shape.
     pub(super) fn scenes(&self) -> Vec<ItemScene> {
         match &self.drawn {
-            Drawn::Brdf(_) => BRDF_SCENES.map(ItemScene::Builtin).to_vec(),
+            Drawn::Brdf(_) | Drawn::Lobes(_) => BRDF_SCENES.map(ItemScene::Builtin).to_vec(),
             Drawn::FlatBtf(..) => FLAT_BTF_SCENES.map(ItemScene::Builtin).to_vec(),
             Drawn::Pwt(pack) => vec![ItemScene::Image(pack.header().size)],
         }

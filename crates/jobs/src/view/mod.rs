@@ -2,9 +2,10 @@
 //!
 //! A page is one HTML file that needs no network. It holds the compressed resources of `brdfc_shaders::resources`, so it neither
 //! parses packs nor decompresses Zstandard. Its shaders are the decoders of `brdfc-formats` followed by `shaders/shade.wgsl`, in
-//! WGSL and in GLSL ES 3.00.
+//! WGSL and in GLSL ES 3.00. Point lights light BRDFs and surfaces; an environment, which all share, lights lobes.
 
 mod data;
+mod environment;
 mod html;
 mod item;
 mod mesh;
@@ -14,12 +15,13 @@ mod scenes;
 mod script;
 mod shaders;
 
+pub use environment::ViewEnvironment;
 pub use item::{Drawn, ViewItem};
 pub use open::{ViewOptions, open_items};
 pub use shaders::PageShader;
 
 use crate::error::Error;
-use data::{PageData, PageItem, Programs};
+use data::{PageData, PageEnvironment, PageItem, Programs};
 use open::check_bytes;
 use std::collections::BTreeMap;
 
@@ -32,11 +34,23 @@ pub struct ViewPage {
     pub bytes_alone: usize,
 }
 
-/// Writes a page of these materials. It shows the first on the left and the second, if any, on the right.
+/// Writes a page of these materials. It shows the first on the left and the second, if any, on the right. The environment is
+/// left out if no material needs it.
 ///
 /// # Errors
-/// Returns an error if the textures exceed the limit of a page.
-pub fn view_page(items: &[ViewItem]) -> Result<ViewPage, Error> {
+/// Returns an error if the textures exceed the limit of a page, or if a material needs an environment and there is none.
+pub fn view_page(items: &[ViewItem], environment: Option<&ViewEnvironment>) -> Result<ViewPage, Error> {
+    let lit = items.iter().find(|item| item.needs_environment());
+    let environment = match (lit, environment) {
+        (None, _) => None,
+        (Some(_), Some(environment)) => Some(environment),
+        (Some(item), None) => {
+            return Err(Error::usage(format!(
+                "{}: found no environment, expected one that lights the lobes",
+                item.name
+            )));
+        }
+    };
     let scenes = scenes::of(items);
     let listed: Vec<PageItem> = items.iter().map(PageItem::new).collect();
     let mut programs = BTreeMap::new();
@@ -47,13 +61,21 @@ pub fn view_page(items: &[ViewItem]) -> Result<ViewPage, Error> {
         }
     }
     let mut texels = 0;
+    if let Some(environment) = environment {
+        let shader = PageShader::behind();
+        programs.insert(shader.name.clone(), shader.program());
+        texels += environment.pack.gpu_bytes();
+        check_bytes(&environment.name, texels)?;
+    }
+    let environment = environment.map(PageEnvironment::new);
     for item in &listed {
         texels += item.texel_bytes();
         check_bytes(&item.name, texels)?;
     }
-    let bytes_of_packs: usize = listed.iter().map(PageItem::bytes).sum();
+    let bytes_of_packs: usize =
+        listed.iter().map(PageItem::bytes).chain(environment.iter().map(PageEnvironment::bytes)).sum();
     let programs = Programs { of: programs, show: PageShader::showing().program() }.packed();
-    let data = PageData { programs, scenes, items: listed };
+    let data = PageData { programs, scenes, environment, items: listed };
     let html = html::html(&title(items), &data);
     let bytes_alone = html.len() - bytes_of_packs;
     Ok(ViewPage { html, bytes_alone })

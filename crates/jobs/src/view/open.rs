@@ -11,7 +11,7 @@ use brdfc_core::Source;
 use brdfc_core::progress::Progress;
 use brdfc_core::words::bytes;
 use brdfc_formats::flat_btf::FlatBtfFile;
-use brdfc_formats::{BrdfPack, FormatError, Pack};
+use brdfc_formats::{BrdfPack, FormatError, Pack, PackKind};
 use brdfc_source::flat_btf::open_flat_btf;
 use brdfc_source::open::open;
 use brdfc_source::pack::open_pack;
@@ -22,8 +22,10 @@ use brdfc_table::recipe::{Size, TableRecipe};
 use std::path::Path;
 
 /// Inputs that can be drawn.
-const ALLOWED: &str = "a pack of a BRDF, a flat BTF, a pack of 'brdfc pwt', the folder of a \
-                       build, or a material; name several one by one";
+const ALLOWED: &str = "a pack of a BRDF, lobes, a flat BTF, a pack of 'brdfc pwt', the folder \
+                       of a build, or a material; name several one by one";
+/// Expected input next to an environment, which is no input of its own.
+const LIGHTS_LOBES: &str = "a pack of lobes, which '--environment' lights with this file";
 
 /// Bytes of the table pack as which a source is drawn, more than packs usually have. With four times as many, renderings of
 /// measured materials are closer by at most 0.03 ΔE.
@@ -120,6 +122,15 @@ fn of_input(input: &Input, progress: &dyn Progress) -> Result<ViewItem, Error> {
             let facts = format!("{width} x {height} pixels under any light, {} on a GPU", bytes(pack.gpu_bytes()));
             Ok(ViewItem { name, facts, drawn: Drawn::Pwt(Box::new(pack)) })
         }
+        Pack::Lobes(pack) => {
+            let look_ups = match pack.fetches() {
+                1 => "one look-up".to_owned(),
+                many => format!("{many} look-ups"),
+            };
+            let facts = format!("lobes, {look_ups} in the environment, {} on a GPU", bytes(pack.gpu_bytes()));
+            Ok(ViewItem { name, facts, drawn: Drawn::Lobes(pack) })
+        }
+        Pack::Environment(_) => Err(refused(&input.to_string(), PackKind::Environment.summary(), LIGHTS_LOBES)),
         pack => match BrdfPack::try_from(pack) {
             Ok(pack) => Ok(of_brdf(name, pack)),
             Err(kind) => Err(refused(&input.to_string(), kind.summary(), ALLOWED)),

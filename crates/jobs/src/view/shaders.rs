@@ -1,11 +1,14 @@
 //! Shaders of pages: WGSL assembled from parts, and its GLSL ES 3.00 translation from `programs.json`.
 
 use brdfc_formats::PackKind;
+use brdfc_formats::environment::ENVIRONMENT_WGSL;
 use brdfc_render::flat::COVER_WGSL;
 use brdfc_shaders::{Program, TranslatedProgram};
 use std::collections::BTreeMap;
 use std::sync::OnceLock;
 
+/// Parameters of a rendering.
+const VIEW_WGSL: &str = include_str!("shaders/view.wgsl");
 /// Name of the shader that displays renderings.
 const SHOW: &str = "show";
 
@@ -33,7 +36,7 @@ impl PageShader {
             [false, true].into_iter().take(1 + usize::from(may_be_wide)).map(move |exact| Self::drawing(kind, exact))
         };
         let drawn = PackKind::ALL.into_iter().filter(|kind| drawing_wgsl(*kind, false).is_some());
-        drawn.flat_map(of_kind).chain([Self::showing()]).collect()
+        drawn.flat_map(of_kind).chain([Self::behind(), Self::showing()]).collect()
     }
 
     /// The shader that draws a kind of pack. With `exact`, the shader filters instead of a sampler. Each variant is a separate
@@ -44,12 +47,23 @@ impl PageShader {
     pub(super) fn drawing(decoder: PackKind, exact: bool) -> Self {
         let of_kind = drawing_wgsl(decoder, exact).expect("only packs that pages draw become items");
         let (frame, corner) = (brdfc_render::shading_point::SHADING_POINT_WGSL, brdfc_render::camera::CORNER_WGSL);
-        // The decoder of flat BTFs comes with the surfaces that they cover.
-        let cover = if decoder == PackKind::FlatBtf { COVER_WGSL } else { "" };
+        // Decoders come with what they need: the surfaces that flat BTFs cover, the environment that lights lobes.
+        let needed = match decoder {
+            PackKind::FlatBtf => COVER_WGSL,
+            PackKind::Lobes => ENVIRONMENT_WGSL,
+            _ => "",
+        };
         let shade = include_str!("shaders/shade.wgsl");
-        let wgsl = [&(decoder.descriptor().wgsl)(), &of_kind, frame, corner, cover, shade].join("\n");
+        let wgsl = [needed, &(decoder.descriptor().wgsl)(), &of_kind, frame, corner, VIEW_WGSL, shade].join("\n");
         let name = if exact { format!("{}, exact", decoder.name()) } else { decoder.name().to_owned() };
         Self { name, wgsl, vertex: "project", fragment: "shade" }
+    }
+
+    /// The shader that draws the environment behind materials.
+    pub(super) fn behind() -> Self {
+        let behind = include_str!("shaders/behind.wgsl");
+        let wgsl = [ENVIRONMENT_WGSL, brdfc_render::camera::CORNER_WGSL, VIEW_WGSL, behind].join("\n");
+        Self { name: PackKind::Environment.name().to_owned(), wgsl, vertex: "project", fragment: "shade" }
     }
 
     /// The shader that displays renderings.
@@ -80,21 +94,29 @@ impl PageShader {
 
 /// WGSL that places, evaluates and filters a kind of pack on a page; `None` for kinds that pages do not draw.
 fn drawing_wgsl(kind: PackKind, exact: bool) -> Option<String> {
-    if let Some(shader) = kind.descriptor().brdf {
-        let value = if exact { shader.exact } else { shader.filtered };
-        let level = shader.level_of_detail;
-        return Some(format!(
+    let brdf = |value: &str, level: &str| {
+        format!(
             "fn brdf(wi: vec3<f32>, wo: vec3<f32>, level: f32) -> vec3<f32> {{ return {value}; }}\n\
              fn brdf_level_of_detail(distance: f32) -> f32 {{ return {level}; }}\n{}",
             include_str!("shaders/brdf.wgsl")
-        ));
-    }
-    match kind {
-        PackKind::FlatBtf => Some(include_str!("shaders/flat_btf.wgsl").to_owned()),
-        PackKind::Pwt => Some(include_str!("shaders/pwt.wgsl").to_owned()),
-        _ => None,
-    }
+        )
+    };
+    let (by_points, by_environment) = match (kind, kind.descriptor().brdf) {
+        (_, Some(shader)) => {
+            (brdf(if exact { shader.exact } else { shader.filtered }, shader.level_of_detail), NO_ENVIRONMENT)
+        }
+        (PackKind::FlatBtf, _) => (include_str!("shaders/flat_btf.wgsl").to_owned(), NO_ENVIRONMENT),
+        (PackKind::Pwt, _) => (include_str!("shaders/pwt.wgsl").to_owned(), NO_ENVIRONMENT),
+        // Lobes reflect no light of points.
+        (PackKind::Lobes, _) => (brdf("vec3<f32>(0.0)", "0.0"), include_str!("shaders/lobes.wgsl")),
+        _ => return None,
+    };
+    Some([&by_points, by_environment].join("\n"))
 }
+
+/// WGSL of materials that no environment lights.
+const NO_ENVIRONMENT: &str =
+    "fn lit_by_environment(frame: mat3x3<f32>, wo: vec3<f32>) -> vec3<f32> { return vec3<f32>(0.0); }";
 
 #[cfg(test)]
 mod tests {
@@ -105,7 +127,7 @@ mod tests {
         for shader in PageShader::all() {
             let made = shader.program();
             if shader.name == SHOW {
-                assert_eq!(made.textures.len(), 2);
+                assert_eq!(made.textures.len(), 3);
                 continue;
             }
             assert!(made.textures.iter().all(|texture| texture.group == 1) && !made.textures.is_empty());

@@ -7,26 +7,26 @@ use brdfc_testing::browser::{result_of_page, with_script};
 use serde_json::{Value, json};
 use std::collections::BTreeMap;
 
-const SIDE: usize = 128;
-const SQUARE: [usize; 2] = [SIDE; 2];
+pub(super) const SIDE: usize = 128;
+pub(super) const SQUARE: [usize; 2] = [SIDE; 2];
 /// Limit of the mean ΔE.
-const BOUND: f64 = 0.5;
+pub(super) const BOUND: f64 = 0.5;
 
 /// Text and renderings of a page after each of these changes; `None` without a browser.
-struct Seen {
+pub(super) struct Seen {
     /// Results of scripts that replace changes.
-    results: Vec<Value>,
-    api: String,
+    pub(super) results: Vec<Value>,
+    pub(super) api: String,
     first: f64,
     speed: f64,
-    renderings: Vec<LinearImage>,
+    pub(super) renderings: Vec<LinearImage>,
     /// As coarse as the first rendering, with its exposure.
     firsts: Vec<LinearImage>,
-    exposures: Vec<f64>,
+    pub(super) exposures: Vec<f64>,
     measured: Vec<Value>,
 }
 
-fn seen(page: &str, size: [usize; 2], api: &str, changes: &[Value]) -> Option<Seen> {
+pub(super) fn seen(page: &str, size: [usize; 2], api: &str, changes: &[Value]) -> Option<Seen> {
     let script = "
 const base64 = (bytes) => { let text = ''; for (const byte of bytes) { text += String.fromCharCode(byte); } return btoa(text); };
 const say = (value) => fetch('/result', { method: 'POST', body: typeof value === 'string' ? value : JSON.stringify(value) });
@@ -83,18 +83,18 @@ fn linear(png: &[u8]) -> LinearImage {
 }
 
 /// Renderings of `brdfc render`, each drawn once.
-struct Renders<'a> {
+pub(super) struct Renders<'a> {
     folder: &'a Folder,
     known: BTreeMap<String, LinearImage>,
 }
 
 impl<'a> Renders<'a> {
-    fn of(folder: &'a Folder) -> Self {
+    pub(super) fn of(folder: &'a Folder) -> Self {
         Self { folder, known: BTreeMap::new() }
     }
 
     /// Compares a page's rendering with that of these arguments, where that shows anything but its background.
-    fn against(&mut self, rendering: &LinearImage, arguments: &[&str]) -> ImageDifference {
+    pub(super) fn against(&mut self, rendering: &LinearImage, arguments: &[&str]) -> ImageDifference {
         let draw = || {
             let (width, height) = (rendering.width, rendering.height);
             let size = format!("{width}x{height}");
@@ -112,7 +112,7 @@ impl<'a> Renders<'a> {
     }
 }
 
-const APIS: [(&str, &str); 2] = [("webgl2", "WebGL 2"), ("webgpu", "WebGPU")];
+pub(super) const APIS: [(&str, &str); 2] = [("webgl2", "WebGL 2"), ("webgpu", "WebGPU")];
 
 /// Packs of BRDFs on every scene; another pack gives a different result.
 #[test]

@@ -2,6 +2,9 @@
 
 #[cfg(feature = "render")]
 mod drawn;
+mod lobes;
+#[cfg(feature = "render")]
+mod lobes_drawn;
 
 use crate::common::cli::Folder;
 

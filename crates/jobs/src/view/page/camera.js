@@ -38,7 +38,7 @@ function around(camera, v, { yaw, pitch }) {
 }
 
 /**
- * Writes the uniform block of a rendering, with the layout of `View` in shade.wgsl.
+ * Writes the uniform block of a rendering, with the layout of `View` in view.wgsl.
  *
  * @param scene the page's scene
  * @param item the page's material
@@ -46,14 +46,15 @@ function around(camera, v, { yaw, pitch }) {
  * @param {number} aspect width over height
  */
 export function viewBlock(scene, item, view, aspect) {
-    const { camera, lights } = scene;
+    const { camera } = scene;
+    const lights = item.needsEnvironment ? [] : scene.lights;
     const place = (point, turn, scale) =>
         plus(camera.target, around(camera, minus(point, camera.target), turn).map((c) => c * scale));
     const eye = place(camera.eye, view.turn, 1 / view.zoom);
     const { right, up, forward } = basis({ ...camera, eye, up: around(camera, camera.up, view.turn) });
     // Tall, narrow views show the same width as square ones.
     const half = Math.tan((camera.fieldOfView * Math.PI) / 360) / Math.min(aspect, 1);
-    const block = new ArrayBuffer(96 + 32 * 8);
+    const block = new ArrayBuffer(112 + 32 * 8);
     const floats = new Float32Array(block);
     const words = new Uint32Array(block);
     floats.set(eye, 0);
@@ -63,11 +64,13 @@ export function viewBlock(scene, item, view, aspect) {
     floats.set(item.sines, 16);
     // The finest level of BRDFs is the last, that of textures the first.
     const level = item.finest > 0 ? Math.max(item.finest - view.coarser, 0) : view.coarser;
-    floats.set([view.coarser === null ? -1 : level, Math.log2(view.samples), item.repeats[scene.name] ?? 1], 20);
-    words.set([lights.length], 23);
+    // Lights turn about two axes, the environment only about the vertical, so that its horizon stays level.
+    floats.set([Math.cos(view.light.yaw), Math.sin(view.light.yaw)], 20);
+    floats.set([view.coarser === null ? -1 : level, Math.log2(view.samples), item.repeats[scene.name] ?? 1], 22);
+    words.set([lights.length], 25);
     lights.forEach(({ position, intensity }, k) => {
-        floats.set(place(position, view.light, 1), 24 + 8 * k);
-        floats.set(intensity, 28 + 8 * k);
+        floats.set(place(position, view.light, 1), 28 + 8 * k);
+        floats.set(intensity, 32 + 8 * k);
     });
     return new Uint8Array(block);
 }

@@ -1,7 +1,7 @@
 // Controls: they display the state, and change it with the pointer and the keyboard.
 
 import { raised } from './camera.js';
-import { page, scene, state, still } from './state.js';
+import { comparable, page, radians, scene, state, still } from './state.js';
 
 /** Radians per dragged pixel, and per key press. */
 const DRAG = 0.008;
@@ -19,10 +19,8 @@ export function updateControls() {
     [...scenes.options].forEach((option) => {
         option.disabled = items.some((item) => item && !item.scenes.includes(option.value));
     });
-    // Only materials with a common scene can be compared.
     [...right.options].forEach((option) => {
-        const names = page.items[Number(option.value)]?.scenes ?? items[0].scenes;
-        option.disabled = !names.some((name) => items[0].scenes.includes(name));
+        option.disabled = !comparable(items[0], page.items[Number(option.value)] ?? items[0]);
     });
     [scenes.value, left.value, right.value, mode.value] = [state.scene, state.left, state.right, state.mode];
     const most = Math.max(...items.map((item) => item?.levels ?? 0));
@@ -39,12 +37,23 @@ export function updateControls() {
     find('modes').hidden = !isPair;
     find('scale').hidden = !isPair || state.mode !== 'difference';
     stops.value = state.stops;
-    find('facts').replaceChildren(...items.filter(Boolean).map(({ name, facts }) => {
+    const isLit = items.some((item) => item?.needsEnvironment);
+    find('environment').hidden = !isLit;
+    controls.elements.behind.checked = state.behind;
+    updateRotation();
+    const described = [...items, isLit ? page.environment : undefined].filter(Boolean);
+    find('facts').replaceChildren(...described.map(({ name, facts }) => {
         const [head, text] = [document.createElement('strong'), document.createElement('p')];
         head.textContent = name;
         text.append(head, ` ${facts}`);
         return text;
     }));
+}
+
+/** Updates the slider that turns the environment. */
+function updateRotation() {
+    const degrees = (state.light.yaw * 180) / Math.PI;
+    controls.elements.rotation.value = degrees - 360 * Math.round(degrees / 360);
 }
 
 /**
@@ -68,6 +77,8 @@ export function listen({ set, move, point, again, save }) {
             stops: () => ({ stops: number }),
             split: () => ({ split: number }),
             coarser: () => ({ coarser: number }),
+            rotation: () => ({ light: { ...state.light, yaw: radians(number) } }),
+            behind: () => ({ behind: target.checked }),
             follows: () => ({ coarser: target.checked ? null : Number(controls.elements.coarser.value) }),
         }[name]?.();
         if (changes) {
@@ -85,6 +96,7 @@ function turn(which, yaw, pitch) {
     const before = state[which];
     const target = before.pitch + pitch;
     state[which] = { yaw: before.yaw + yaw, pitch: which === 'turn' ? raised(scene().camera, target) : target };
+    updateRotation();
 }
 
 function zoom(factor) {
@@ -164,4 +176,4 @@ function onKeys(move) {
 }
 
 /** State that "Reset" sets. */
-export const FRESH = () => ({ turn: still(), light: still(), zoom: 1, coarser: null, stops: 0 });
+export const FRESH = () => ({ turn: still(), light: still(), behind: true, zoom: 1, coarser: null, stops: 0 });

@@ -18,6 +18,14 @@ export async function unpacked(text) {
     return new Uint8Array(await new Response(stream).arrayBuffer());
 }
 
+/** Returns what is known by a key, or makes it. */
+export function once(known, key, make) {
+    if (!known.has(key)) {
+        known.set(key, make());
+    }
+    return known.get(key);
+}
+
 /** Numbers of the attributes of a corner: position, normal, tangent, uv, height above its surface, distance from its border. */
 export const ATTRIBUTES = [3, 3, 3, 2, 1, 1];
 /** Numbers of a corner. */

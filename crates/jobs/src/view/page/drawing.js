@@ -2,9 +2,9 @@
 
 import { viewBlock } from './camera.js';
 import { autoExposure, differences } from './colour.js';
-import { contentsOf, meshOf, unpacked } from './data.js';
+import { contentsOf, CORNER, meshOf, once, unpacked } from './data.js';
 import { isPair, page, scene, state } from './state.js';
-import { BYTES, FLOATS, WebGl } from './webgl.js';
+import { BEHIND, BYTES, FLOATS, WebGl } from './webgl.js';
 import { featuresOf, WebGpu } from './webgpu.js';
 
 /** Maximum pixels along a side of the rendering. */
@@ -34,7 +34,7 @@ export class Drawing {
     prepare() {
         const surface = scene();
         this.#drawn().forEach((number) => {
-            quietly(this.#contents(number));
+            quietly(this.#contents(page.items[number]));
             quietly(this.#shape(surface, page.items[number]).unpacked());
         });
     }
@@ -84,11 +84,17 @@ export class Drawing {
     async draw(samples) {
         // The state may change while this waits.
         const [view, surface, drawn, exposed] = [{ ...state, samples }, scene(), this.#drawn(), this.#exposed];
-        const both = drawn.map((number) => Promise.all([this.#material(number), this.#mesh(surface, page.items[number])]));
+        const items = drawn.map((number) => page.items[number]);
+        const both = items.map((item) => Promise.all([this.#material(item), this.#mesh(surface, item)]));
+        const behind = this.#environments() === 0 ? [] : await Promise.all([this.#material(page.environment), this.#triangle()]);
+        const block = (item) => viewBlock(surface, item, view, this.canvas.width / this.canvas.height);
         (await Promise.all(both)).forEach(([material, shape], which) => {
-            const block = viewBlock(surface, page.items[drawn[which]], view, this.canvas.width / this.canvas.height);
-            this.backend.draw(which, material, shape, block, samples);
+            this.backend.draw(which, material, shape, block(items[which]), samples);
         });
+        if (behind.length > 0) {
+            const lit = items.find((item) => item.needsEnvironment);
+            this.backend.draw(BEHIND, ...behind, block(lit), 1);
+        }
         this.#drawnExposed = exposed;
     }
 
@@ -155,6 +161,12 @@ export class Drawing {
         return isPair() ? [state.left, state.right] : [state.left];
     }
 
+    /** Renderings that show the environment behind their surface: 1 the first, 2 the second, or their sum. */
+    #environments() {
+        const bit = (number, which) => (state.behind && page.items[number].needsEnvironment ? 1 << which : 0);
+        return this.#drawn().map(bit).reduce((sum, bit) => sum + bit);
+    }
+
     #mode() {
         return isPair() && state.mode === 'difference' ? COLOURS : RENDERINGS;
     }
@@ -163,7 +175,7 @@ export class Drawing {
         const block = new ArrayBuffer(48);
         const split = !isPair() || state.mode === 'one' ? MAX_PIXELS : state.split * this.canvas.width;
         new Float32Array(block).set([...scene().background, this.exposure(), split], 0);
-        new Uint32Array(block).set([what, samples, isPair() ? 1 : 0, step], 5);
+        new Uint32Array(block).set([what, samples, isPair() ? 1 : 0, step, this.#environments()], 5);
         return new Uint8Array(block);
     }
 
@@ -181,12 +193,24 @@ export class Drawing {
         return this.#uploaded(`program ${name}`, async () => this.backend.program((await this.programs).of[name]));
     }
 
-    #material(number) {
-        return this.#uploaded(`material ${number}`, async () => {
-            const [program, bound] = await Promise.all([this.#program(page.items[number]), this.#contents(number)]);
-            this.#waiting.delete(`material ${number}`);
+    /** An uploaded material of the page, or its environment. */
+    #material(item) {
+        return this.#uploaded(keyOf(item), async () => {
+            const [program, bound] = await Promise.all([this.#program(item), this.#contents(item)]);
+            // Other materials need the contents of the environment.
+            if (item !== page.environment) {
+                this.#waiting.delete(keyOf(item));
+            }
             return this.backend.material(program, bound);
         });
+    }
+
+    /** A triangle for programs that place its corners themselves. */
+    #triangle() {
+        return this.#uploaded('triangle', async () => this.backend.mesh({
+            corners: new Float32Array(3 * CORNER),
+            indices: new Uint32Array([0, 1, 2]),
+        }));
     }
 
     #mesh(surface, item) {
@@ -205,9 +229,11 @@ export class Drawing {
         return { key, unpacked: () => this.#unpacked(key, () => meshOf(covered ?? mesh)) };
     }
 
-    #contents(number) {
+    /** The unpacked resources of a material, with those of the environment that lights it. */
+    async #contents(item) {
         const each = async (resource) => ({ binding: resource.binding, contents: await contentsOf(resource) });
-        return this.#unpacked(`material ${number}`, () => Promise.all(page.items[number].resources.map(each)));
+        const own = this.#unpacked(keyOf(item), () => Promise.all(item.resources.map(each)));
+        return item.needsEnvironment ? [...await this.#contents(page.environment), ...await own] : own;
     }
 
     #unpacked(key, make) {
@@ -219,14 +245,12 @@ export class Drawing {
     }
 }
 
+/** Key of a material, or of the environment, whose name may be that of a material. */
+function keyOf({ decoder, name }) {
+    return `${decoder} ${name}`;
+}
+
 /** Ignores errors here; they reach the code that awaits the result. */
 function quietly(work) {
     work.catch(() => undefined);
-}
-
-function once(known, key, make) {
-    if (!known.has(key)) {
-        known.set(key, make());
-    }
-    return known.get(key);
 }

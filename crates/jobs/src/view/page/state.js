@@ -3,6 +3,7 @@
 export const page = JSON.parse(document.getElementById('data').textContent);
 
 export const still = () => ({ yaw: 0, pitch: 0 });
+export const radians = (degrees) => (degrees * Math.PI) / 180;
 
 export const state = {
     scene: page.items[0].scenes[0],
@@ -14,32 +15,40 @@ export const state = {
     coarser: null,
     stops: 0,
     turn: still(),
+    /** Rotation of the lights; `yaw` is also that of the environment. */
     light: still(),
+    /** True to show the environment behind materials that it lights. */
+    behind: true,
     zoom: 1,
 };
 
 export const scene = () => page.scenes.find(({ name }) => name === state.scene);
 export const isPair = () => state.right >= 0;
 
+/** True if two materials can be compared: on a common surface, under the same kind of light. */
+export function comparable(a, b) {
+    return a.needsEnvironment === b.needsEnvironment && a.scenes.some((name) => b.scenes.includes(name));
+}
+
 /** Applies changes and their consequences. Returns true if the surface or a material changed. */
 export function take(changes) {
     const before = { ...state };
     Object.assign(state, changes);
     const item = page.items[state.left];
-    const isOnBoth = (name) => item.scenes.includes(name) && (!isPair() || page.items[state.right].scenes.includes(name));
-    if (!page.scenes.some(({ name }) => isOnBoth(name))) {
+    if (isPair() && !comparable(item, page.items[state.right])) {
         state.right = -1;
     }
+    const isOnBoth = (name) => item.scenes.includes(name) && (!isPair() || page.items[state.right].scenes.includes(name));
     if (!isOnBoth(state.scene)) {
         state.scene = page.scenes.find(({ name }) => isOnBoth(name)).name;
     }
     if (state.scene !== before.scene) {
-        Object.assign(state, { turn: still(), light: still(), zoom: 1 });
+        Object.assign(state, { turn: still(), light: changes.light ?? still(), zoom: 1 });
     }
     return ['scene', 'left', 'right'].some((key) => state[key] !== before[key]);
 }
 
-/** Reads changes from the fragment of the address: scene, left and right by name, mode, coarser. */
+/** Reads changes from the fragment of the address: scene, left and right by name, mode, coarser, light. */
 export function fromAddress() {
     const number = (name) => page.items.findIndex((item) => item.name === name);
     let changes = {};
@@ -55,6 +64,8 @@ export function fromAddress() {
             changes.mode = value;
         } else if (key === 'coarser' && Number(value) >= 0) {
             changes.coarser = Math.min(Number(value), Math.max(...page.items.map(({ levels }) => levels)));
+        } else if (key === 'light' && Number.isFinite(Number(value))) {
+            changes.light = { yaw: radians(Number(value)), pitch: 0 };
         }
     }
     return changes;

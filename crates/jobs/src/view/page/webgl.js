@@ -1,14 +1,16 @@
 // Draws with WebGL 2.
 
 import { uploadTexture } from '../shared/upload_webgl.js';
-import { ATTRIBUTES, CORNER } from './data.js';
+import { ATTRIBUTES, CORNER, once } from './data.js';
 
 /** Binding points of uniform blocks. */
 const VIEW_POINT = 0;
 const PACK_POINT = 1;
+/** Number of the rendering that is behind the others. */
+export const BEHIND = 2;
 /** Numbers of the render targets of the displayed view, as bytes and as floats. */
-export const BYTES = 2;
-export const FLOATS = 3;
+export const BYTES = 3;
+export const FLOATS = 4;
 
 export class WebGl {
     name = 'WebGL 2';
@@ -31,6 +33,8 @@ export class WebGl {
         this.block = gl.createBuffer();
         this.empty = gl.createVertexArray();
         this.targets = new Map();
+        /** Uploaded textures by their contents, which several materials may share. */
+        this.textures = new WeakMap();
     }
 
     /** Starts compiling a program of the page; `check` waits for the driver and throws errors. */
@@ -44,6 +48,9 @@ export class WebGl {
             gl.attachShader(program, shader);
         }
         gl.linkProgram(program);
+        // Binding points are few on some devices, so they do not follow slots, which have gaps.
+        const packed = blocks.filter(({ group }) => group > 0);
+        const points = new Map(packed.map(({ binding }, k) => [binding, PACK_POINT + k]));
         let checked = false;
         const check = () => {
             if (checked) {
@@ -58,12 +65,12 @@ export class WebGl {
             for (const { group, binding, name } of blocks) {
                 const index = gl.getUniformBlockIndex(program, name);
                 if (index !== gl.INVALID_INDEX) {
-                    gl.uniformBlockBinding(program, index, group === 0 ? VIEW_POINT : PACK_POINT + binding);
+                    gl.uniformBlockBinding(program, index, group === 0 ? VIEW_POINT : points.get(binding));
                 }
             }
             textures.forEach(({ name }, unit) => gl.uniform1i(gl.getUniformLocation(program, name), unit));
         };
-        return { program, check, textures };
+        return { program, check, points, textures };
     }
 
     /** The program that shows both renderings. */
@@ -91,10 +98,11 @@ export class WebGl {
     /** Throws an error for textures that the device does not support; they would be black. */
     refuseTooLarge({ dimension, size }) {
         const { gl } = this;
-        const [sides, layers] = dimension === '3d' ? [size, 1] : [size.slice(0, 2), size[2]];
-        const most = gl.getParameter(dimension === '3d' ? gl.MAX_3D_TEXTURE_SIZE : gl.MAX_TEXTURE_SIZE);
+        const sides = dimension === '3d' ? size : size.slice(0, 2);
+        const limits = { '3d': gl.MAX_3D_TEXTURE_SIZE, cube: gl.MAX_CUBE_MAP_TEXTURE_SIZE };
+        const most = gl.getParameter(limits[dimension] ?? gl.MAX_TEXTURE_SIZE);
         const mostLayers = gl.getParameter(gl.MAX_ARRAY_TEXTURE_LAYERS);
-        if (sides.some((side) => side > most) || layers > mostLayers) {
+        if (sides.some((side) => side > most) || (dimension === '2d-array' && size[2] > mostLayers)) {
             throw new Error(`found a texture of ${size.join(' x ')} texels, expected at most ${most} along a side and ${mostLayers} layers`);
         }
     }
@@ -105,7 +113,7 @@ export class WebGl {
         const bound = { program, blocks: [], textures: new Map() };
         const contentsOf = new Map(resources.map(({ binding, contents }) => [binding, contents]));
         for (const [binding, { kind, bytes }] of contentsOf) {
-            if (kind === 'uniform') {
+            if (kind === 'uniform' && program.points.has(binding)) {
                 const buffer = gl.createBuffer();
                 gl.bindBuffer(gl.UNIFORM_BUFFER, buffer);
                 gl.bufferData(gl.UNIFORM_BUFFER, bytes, gl.STATIC_DRAW);
@@ -113,9 +121,11 @@ export class WebGl {
             }
         }
         for (const { binding, sampler } of program.textures) {
-            this.refuseTooLarge(contentsOf.get(binding).texture);
+            const contents = contentsOf.get(binding);
+            this.refuseTooLarge(contents.texture);
             const repeats = contentsOf.get(sampler)?.repeats ?? false;
-            bound.textures.set(binding, uploadTexture(gl, contentsOf.get(binding).texture, sampler !== undefined, repeats));
+            const upload = () => uploadTexture(gl, contents.texture, sampler !== undefined, repeats);
+            bound.textures.set(binding, once(this.textures, contents, upload));
         }
         program.check();
         return bound;
@@ -183,7 +193,7 @@ export class WebGl {
         gl.useProgram(material.program.program);
         this.bindBlock(block);
         for (const { binding, buffer } of material.blocks) {
-            gl.bindBufferBase(gl.UNIFORM_BUFFER, PACK_POINT + binding, buffer);
+            gl.bindBufferBase(gl.UNIFORM_BUFFER, material.program.points.get(binding), buffer);
         }
         material.program.textures.forEach(({ binding }, unit) => {
             const { target, texture } = material.textures.get(binding);
@@ -195,7 +205,7 @@ export class WebGl {
         gl.bindVertexArray(null);
     }
 
-    /** Shows both renderings on the canvas, or in render target `which`, on `size` pixels of it. */
+    /** Shows the renderings on the canvas, or in render target `which`, on `size` pixels of it. */
     show(program, block, which, size = this.size) {
         const { gl } = this;
         gl.bindFramebuffer(gl.FRAMEBUFFER, which === undefined ? null : this.shown(which));

@@ -1,7 +1,7 @@
 // Draws with WebGPU.
 
 import { gpuResource } from '../shared/upload_webgpu.js';
-import { ATTRIBUTES, CORNER } from './data.js';
+import { ATTRIBUTES, CORNER, once } from './data.js';
 import { BYTES, FLOATS } from './webgl.js';
 
 /** Feature for float textures that samplers filter: wavelet packs of more than 8 bits. */
@@ -42,6 +42,8 @@ export class WebGpu {
         this.device = device;
         this.blocks = {};
         this.targets = new Map();
+        /** Uploaded resources by their contents, which several materials may share. */
+        this.resources = new WeakMap();
         this.format = navigator.gpu.getPreferredCanvasFormat();
         this.context = canvas.getContext('webgpu');
         this.context.configure({ device, format: this.format });
@@ -55,7 +57,7 @@ export class WebGpu {
     }
 
     /** Compiles the program of a kind of pack. Drivers compile several at a time. */
-    async program({ wgsl }) {
+    async program({ wgsl, blocks, textures }) {
         const module = this.device.createShaderModule({ code: wgsl });
         let at = 0;
         const attributes = ATTRIBUTES.map((size, shaderLocation) => {
@@ -69,7 +71,10 @@ export class WebGpu {
             fragment: { module, targets: [{ format: 'rgba32float' }] },
             depthStencil: { format: 'depth32float', depthWriteEnabled: true, depthCompare: 'greater' },
         });
-        return { pipeline };
+        // The layout of the pipeline has only what the shader uses.
+        const blocksOfPacks = blocks.filter(({ group }) => group > 0).map(({ binding }) => binding);
+        const bindings = new Set([...blocksOfPacks, ...textures.flatMap(({ binding, sampler }) => [binding, sampler])]);
+        return { pipeline, bindings };
     }
 
     /** The programs that show both renderings: on the canvas, as floats, and as bytes for saved images. */
@@ -99,8 +104,10 @@ export class WebGpu {
         };
     }
 
-    material({ pipeline }, resources) {
-        const entries = resources.map(({ binding, contents }) => ({ binding, resource: gpuResource(this.device, contents).resource }));
+    material({ pipeline, bindings }, resources) {
+        const resource = (contents) => once(this.resources, contents, () => gpuResource(this.device, contents).resource);
+        const used = resources.filter(({ binding }) => bindings.has(binding));
+        const entries = used.map(({ binding, contents }) => ({ binding, resource: resource(contents) }));
         return { pipeline, group: this.device.createBindGroup({ layout: pipeline.getBindGroupLayout(1), entries }) };
     }
 
@@ -157,7 +164,7 @@ export class WebGpu {
         return this.device.createBindGroup({ layout: pipeline.getBindGroupLayout(0), entries });
     }
 
-    /** Shows both renderings on the canvas, or in render target `which`, on `size` pixels of it. */
+    /** Shows the renderings on the canvas, or in render target `which`, on `size` pixels of it. */
     show(program, block, which, size = this.size) {
         const pipeline = program[which] ?? program.canvas;
         const texture = which === undefined ? this.context.getCurrentTexture() : this.shown(which);
@@ -167,8 +174,8 @@ export class WebGpu {
         });
         pass.setViewport(0, 0, ...size, 0, 1);
         pass.setPipeline(pipeline);
-        const [first, second = first] = this.drawn;
-        pass.setBindGroup(0, this.blockGroup('show', pipeline, block, [first, second]));
+        const [first, second = first, behind = first] = this.drawn;
+        pass.setBindGroup(0, this.blockGroup('show', pipeline, block, [first, second, behind]));
         pass.draw(3);
         pass.end();
         this.device.queue.submit([encoder.finish()]);

@@ -1,20 +1,6 @@
-// Draws a mesh of one material under point lights, as in the scenes of `brdfc render`. It follows a decoder, the functions of its
-// kind (`placed`, `level_at`, `looked`, `reflected`), and the renderer's `shading_point.wgsl` and `corner.wgsl`.
-
-struct View {
-    eye: vec4<f32>,
-    right: vec4<f32>,    // divided by half the width of the image plane at distance 1
-    up: vec4<f32>,       // divided by half its height
-    forward: vec4<f32>,
-    sines: vec4<f32>,    // of the elevations that the material covers: the viewer's lowest and highest, then the lights'
-    level: f32,          // of detail; negative: from the distance, or from the size of a pixel
-    octaves: f32,        // log2 of the samples along a pixel's side
-    repeat: f32,         // tiles per unit of uv
-    light_count: u32,
-    lights: array<PointLight, 8>,
-}
-
-@group(0) @binding(0) var<uniform> view: View;
+// Draws a mesh of one material under point lights and an environment, as in the scenes of `brdfc render`. It follows a decoder, the
+// functions of its kind (`placed`, `level_at`, `looked`, `reflected`, `lit_by_environment`), the renderer's `shading_point.wgsl`
+// and `corner.wgsl`, and `view.wgsl`.
 
 const PI: f32 = 3.14159274;
 
@@ -40,7 +26,7 @@ fn shade(in: Varying, @builtin(front_facing) front: bool) -> @location(0) vec4<f
         discard;
     }
     var seen = within(wo.z, view.sines.xy);
-    var radiance = vec3<f32>(0.0);
+    var radiance = lit_by_environment(frame, wo);
     for (var k = 0u; k < view.light_count; k += 1u) {
         let to_light = view.lights[k].position.xyz - look.position;
         let distance_squared = dot(to_light, to_light);

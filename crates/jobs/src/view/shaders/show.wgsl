@@ -9,9 +9,9 @@ struct Show {
     samples: u32,          // along a pixel's side
     pair: u32,             // 1: there is a second rendering
     step: u32,             // distance between displayed pixels
+    environment: u32,      // bits: 1 it is behind the first rendering, 2 behind the second
     reserved_0: u32,
     reserved_1: u32,
-    reserved_2: u32,
 }
 
 const RENDERINGS: u32 = 0u;
@@ -22,6 +22,7 @@ const RADIANCE: u32 = 3u; // of the last rendering; in alpha its coverage, 0 whe
 @group(0) @binding(0) var<uniform> parameters: Show;
 @group(0) @binding(1) var first: texture_2d<f32>;
 @group(0) @binding(2) var second: texture_2d<f32>;
+@group(0) @binding(3) var behind: texture_2d<f32>; // radiance of the environment, one sample a pixel
 
 @vertex
 fn cover(@builtin(vertex_index) corner: u32) -> @builtin(position) vec4<f32> {
@@ -52,9 +53,14 @@ fn show(@builtin(position) at: vec4<f32>) -> @location(0) vec4<f32> {
         return vec4<f32>(last.rgb, select(last.a, min(a.a, b.a), is_pair));
     }
     if parameters.what == RENDERINGS {
-        let rendering = select(b, a, at.x < parameters.split);
-        let behind = parameters.background * (1.0 - rendering.a);
-        return vec4<f32>(encoded(min(rendering.rgb * parameters.exposure, vec3<f32>(1.0)) + behind), 1.0);
+        let is_first = at.x < parameters.split;
+        let rendering = select(b, a, is_first);
+        let surface = min(rendering.rgb * parameters.exposure, vec3<f32>(1.0));
+        var background = parameters.background;
+        if (parameters.environment & select(2u, 1u, is_first)) != 0u {
+            background = min(textureLoad(behind, pixel, 0).rgb * parameters.exposure, vec3<f32>(1.0));
+        }
+        return vec4<f32>(encoded(surface + background * (1.0 - rendering.a)), 1.0);
     }
     // On the same surface both have the same coverage. Pixels with a sample that one of the materials does not cover are not
     // compared.
