@@ -146,12 +146,13 @@ impl Report {
 
 /// Lines of `brdfc info`.
 pub(super) fn lines(facts: &LobesFacts) -> Vec<(&'static str, String)> {
-    let LobesFacts { fetches, anchors: [normal, mirror, viewer], nodes, gpu_bytes } = facts;
+    let LobesFacts { fetches, anchors: [normal, mirror, viewer], nodes, azimuths, gpu_bytes } = facts;
+    let views = if *azimuths == 1 { nodes.to_string() } else { format!("{nodes} at each of {azimuths} azimuths") };
     vec![
         ("kind", "lobes of a BRDF".to_owned()),
         ("look-ups", fetches.to_string()),
         ("around", format!("the normal {normal}, the mirror direction {mirror}, the viewer {viewer}")),
-        ("view angles", nodes.to_string()),
+        ("view angles", views),
         ("bytes on a GPU", table::bytes(*gpu_bytes)),
     ]
 }
