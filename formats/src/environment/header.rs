@@ -15,6 +15,8 @@ pub const MIN_SIDE: u32 = 8;
 pub const MAX_SIDE: u32 = 2048;
 /// Maximum factor of texel values, 2^112: all radiances are finite.
 pub(super) const MAX_SCALE: f32 = f32::from_bits((112 + 127) << 23);
+/// Smallest factor that the encoder uses, 2^-100: products with all texels are normal numbers.
+pub(super) const MIN_SCALE: f32 = f32::from_bits((127 - 100) << 23);
 /// Texels along each side of a face of the irradiance.
 pub const IRRADIANCE_SIDE: u32 = 16;
 /// Standard deviation of a Gaussian level in texels of the cube's equator.

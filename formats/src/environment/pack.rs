@@ -1,6 +1,6 @@
 //! The file of a prefiltered environment. Byte layout: `formats/src/environment/spec.md`.
 
-use super::header::{ENVIRONMENT_ENTRY, EnvironmentHeader, IRRADIANCE_SIDE, MAX_SCALE};
+use super::header::{ENVIRONMENT_ENTRY, EnvironmentHeader, IRRADIANCE_SIDE, MAX_SCALE, MIN_SCALE};
 use crate::FormatError;
 use crate::bindings::{Binding, Bindings, PackFile, Texels};
 use crate::container::entries::{check_texels, entry};
@@ -29,7 +29,7 @@ pub struct EnvironmentPack {
 
 impl EnvironmentPack {
     /// Encodes the levels of a cube map, from the finest, and the irradiance over π: texels in the order of the file,
-    /// linear RGB in W/(m² sr), finite and not negative. The scale becomes the smallest power of two, 1 or more, that all
+    /// linear RGB in W/(m² sr), finite and not negative. The scale becomes the smallest power of two, 2^-100 or more, that all
     /// texels fit into.
     ///
     /// # Errors
@@ -41,6 +41,10 @@ impl EnvironmentPack {
         let mut scale = 1.0f32;
         while largest > rgb9e5::MAX * scale && scale < MAX_SCALE {
             scale *= 2.0;
+        }
+        // Small texels would lose digits: the format has a smallest exponent.
+        while largest > 0.0 && largest <= 0.5 * rgb9e5::MAX * scale && scale > MIN_SCALE {
+            scale *= 0.5;
         }
         let header = EnvironmentHeader { side, scale };
         header.check()?;

@@ -133,8 +133,14 @@ fn files_round_trip() {
         let largest = pack.level(0).flatten().fold(0.0, f32::max);
         assert!((f64::from(largest) / brightness - 1.85).abs() < 0.1, "{largest}");
     }
-    assert_eq!(example().header(), EnvironmentHeader { side: 8, scale: 1.0 });
-    assert_eq!(noisy(8, 0.0, |_| [65409.0; 3]).header().scale, 2.0);
+    assert_eq!(example().header(), EnvironmentHeader { side: 8, scale: 2f32.powi(-15) });
+    for (brightness, scale) in [(65408.0, 1.0), (65409.0, 2.0), (32704.0, 0.5), (1e-35, 2f32.powi(-100)), (0.0, 1.0)] {
+        assert_eq!(noisy(8, 0.0, |_| [brightness; 3]).header().scale, scale, "{brightness}");
+    }
+    // Moonlight retains its digits.
+    let dim = noisy(8, 0.0, |_| [3e-7, 2e-7, 1e-7]);
+    let found = EnvironmentDecoder::new(&dim).radiance([0.0, 1.0, 0.0], 1.0);
+    assert!(distance(found, [3e-7, 2e-7, 1e-7]) < 1e-9, "{found:?}");
 }
 
 #[test]
