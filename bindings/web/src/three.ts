@@ -1,7 +1,7 @@
 import * as THREE from 'three';
 import type { Pack, Resource } from './pack.js';
 import { refuseProblem } from './refuse.js';
-import { fragmentShader, MAX_LIGHTS, needsTangents, VERTEX } from './three_shader.js';
+import { fragmentShader, MAX_LIGHTS, needsTangents, parts, VERTEX } from './three_shader.js';
 import { uploadTexture } from './upload_webgl.js';
 import { isWide, widened } from './widened.js';
 
@@ -64,17 +64,25 @@ function held(renderer: THREE.WebGLRenderer, texture: THREE.Texture): { __webglT
 }
 
 /**
- * A material that draws a pack under up to eight point lights: a BRDF (table or wavelet), a flat BTF, or a polynomial wavelet tree.
+ * A material that draws packs: a BRDF (table or wavelet), a flat BTF or a polynomial wavelet tree under up to eight point lights, lobes
+ * and a prefiltered environment, or both. `scene.environmentRotation` turns the environment, and `scene.environmentIntensity` scales it.
  * Geometries need tangents for anisotropic materials, and uv for flat BTFs and trees; `computeTangents` makes tangents.
  * Instances, batches, bones and morph targets are supported as by three.js' own materials.
  *
  * Radiance is linear: set `renderer.outputColorSpace` and tone mapping as for any other material. `dispose()` also frees the
- * pack's textures.
+ * packs' textures.
  */
-export function packMaterial(pack: Pack, renderer: THREE.WebGLRenderer, lights: PointLight[]): THREE.ShaderMaterial {
+export function packMaterial(packs: Pack | Pack[], renderer: THREE.WebGLRenderer, lights: PointLight[] = []): THREE.ShaderMaterial {
     checkLights(lights);
-    const fragment = fragmentShader(pack, glsl(pack), isWide(pack, true));
-    const { uniforms, uniformsGroups } = packBindings(pack, renderer);
+    const all = [packs].flat();
+    const found = parts(all);
+    const fragment = fragmentShader(found, all.map(glsl).join('\n'), found.surface !== undefined && isWide(found.surface, true));
+    const bindings = () => all.map((pack) => packBindings(pack, renderer));
+    const made = bindings();
+    const uniforms: PackBindings['uniforms'] = Object.assign({}, ...made.map(({ uniforms }) => uniforms));
+    const uniformsGroups = made.flatMap(({ uniformsGroups }) => uniformsGroups);
+    const turn = { value: new THREE.Matrix3() };
+    const intensity = { value: 1 };
     const material = new THREE.ShaderMaterial({
         glslVersion: THREE.GLSL3,
         defines: { USE_TANGENT: '' },
@@ -83,25 +91,34 @@ export function packMaterial(pack: Pack, renderer: THREE.WebGLRenderer, lights: 
             lightCount: { value: lights.length },
             lightPositions: { value: padded(lights, ({ position }) => position, () => new THREE.Vector3()) },
             lightIntensities: { value: padded(lights, ({ intensity }) => intensity, () => new THREE.Color(0)) },
+            environmentTurn: turn,
+            environmentIntensity: intensity,
         },
         uniformsGroups,
         vertexShader: VERTEX,
         fragmentShader: fragment,
     });
     let hasWarned = false;
-    const isAnisotropic = needsTangents(pack);
+    const isAnisotropic = all.some(needsTangents);
+    const rotation = new THREE.Matrix4();
     material.addEventListener('dispose', () => {
         Object.values(uniforms).forEach(({ value }) => value.dispose());
         uniformsGroups.forEach((group) => group.dispose());
     });
     // Like other materials, it is uploaded again if it is drawn after that, or after its context was lost.
-    material.onBeforeRender = (_renderer, _scene, _camera, geometry) => {
+    material.onBeforeRender = (_renderer, scene, _camera, geometry) => {
         if (isAnisotropic && !hasWarned && !geometry.getAttribute('tangent')) {
             hasWarned = true;
             console.warn('brdfc: an anisotropic pack on a geometry without tangents: geometry.computeTangents()');
         }
+        if (found.environment !== undefined && scene instanceof THREE.Scene) {
+            // From the world to the environment.
+            turn.value.setFromMatrix4(rotation.makeRotationFromEuler(scene.environmentRotation)).transpose();
+            intensity.value = scene.environmentIntensity;
+            material.uniformsNeedUpdate = true;
+        }
         if (Object.values(uniforms).some(({ value }) => held(renderer, value).__webglTexture === undefined)) {
-            for (const [name, { value }] of Object.entries(packBindings(pack, renderer).uniforms)) {
+            for (const [name, { value }] of bindings().flatMap(({ uniforms }) => Object.entries(uniforms))) {
                 uniforms[name].value = value;
             }
         }

@@ -104,6 +104,7 @@ void main() {
     vec3 b = cross(n, t) * (worldTangent.w < 0.0 ? -1.0 : 1.0);
     vec3 wo = vec3(dot(toEye, t), dot(toEye, b), dot(toEye, n));
     vec3 radiance = vec3(0.0);
+    radiance += litByEnvironment(mat3(t, b, n), wo);
     for (int k = 0; k < lightCount; k++) {
         vec3 toLight = lightPositions[k] - worldPosition;
         float squared = dot(toLight, toLight);
@@ -120,6 +121,36 @@ void main() {
 }
 `;
 
+/** Without a pack for point lights. */
+const UNLIT = `
+float levelAt(float distance) {
+    return 0.0;
+}
+vec3 reflected(vec3 wi, vec3 wo, float level) {
+    return vec3(0.0);
+}
+`;
+
+/** Radiance that lobes reflect from a prefiltered environment. */
+const LOBES = `
+uniform mat3 environmentTurn;
+uniform float environmentIntensity;
+vec3 litByEnvironment(mat3 frame, vec3 wo) {
+    vec3 radiance = vec3(0.0);
+    for (uint k = 0u; k < lobes_count(); k++) {
+        LobeLookup lobe = lobes_lookup(wo, k);
+        radiance += lobe.weight * environment_radiance(environmentTurn * (frame * lobe.direction), lobe.sharpness);
+    }
+    return environmentIntensity * radiance;
+}
+`;
+
+const NO_ENVIRONMENT = `
+vec3 litByEnvironment(mat3 frame, vec3 wo) {
+    return vec3(0.0);
+}
+`;
+
 /** The same for BRDFs, with any decoder. */
 function ofBrdf({ filtered, exact, level_of_detail: level }: Brdf, isWide: boolean): string {
     return `
@@ -132,21 +163,54 @@ vec3 reflected(vec3 wi, vec3 wo, float level) {
 `;
 }
 
-/** Fragment shader of a pack, with `decoder` in GLSL; `isWide`: filter texels in the shader, because samplers do not filter 32-bit floats. */
-export function fragmentShader({ decoder: name, shader }: Pack, decoder: string, isWide: boolean): string {
-    const { brdf } = (shader ?? {}) as Partial<DecoderShader>;
-    const surface = Object.hasOwn(SURFACES, name) ? SURFACES[name] : undefined;
-    const reflected = (brdf === undefined ? surface : ofBrdf(brdf, isWide))
-        ?? refuse('material', `a pack of the decoder ${name}`, 'a BRDF, a flat BTF or a polynomial wavelet tree; use packBindings and a ShaderMaterial for other packs');
-    return VARYINGS + decoder + reflected + FRAGMENT;
+/** Packs of a material by their use. */
+export interface Parts {
+    /** A BRDF, a flat BTF or a polynomial wavelet tree, for point lights. */
+    surface?: Pack;
+    /** Lobes, for the environment. */
+    lobes?: Pack;
+    environment?: Pack;
 }
 
-/** Returns true if the pack is anisotropic: a table of several layers, or a flat BTF. */
+const ALLOWED = 'a BRDF, a flat BTF or a polynomial wavelet tree, lobes with an environment, or both';
+
+/** Sorts the packs of a material. */
+export function parts(packs: Pack[]): Parts {
+    const found: Parts = {};
+    for (const pack of packs) {
+        const { decoder } = pack;
+        const part = decoder === 'lobes' || decoder === 'environment' ? decoder : 'surface';
+        if (found[part] !== undefined) {
+            refuse('material', `packs of the decoders ${found[part]?.decoder} and ${decoder}`, ALLOWED);
+        }
+        found[part] = pack;
+    }
+    if ((found.lobes === undefined) !== (found.environment === undefined) || packs.length === 0) {
+        refuse('material', packs.length === 0 ? 'no pack' : `${found.lobes ? 'lobes' : 'an environment'} alone`, ALLOWED);
+    }
+    return found;
+}
+
+/** Fragment shader of packs, with the GLSL of their decoders; `isWide`: filter texels in the shader, because samplers do not filter 32-bit floats. */
+export function fragmentShader({ surface, lobes }: Parts, decoders: string, isWide: boolean): string {
+    return VARYINGS + decoders + (surface === undefined ? UNLIT : ofSurface(surface, isWide)) + (lobes === undefined ? NO_ENVIRONMENT : LOBES) + FRAGMENT;
+}
+
+function ofSurface({ decoder: name, shader }: Pack, isWide: boolean): string {
+    const { brdf } = (shader ?? {}) as Partial<DecoderShader>;
+    const surface = Object.hasOwn(SURFACES, name) ? SURFACES[name] : undefined;
+    return (brdf === undefined ? surface : ofBrdf(brdf, isWide))
+        ?? refuse('material', `a pack of the decoder ${name}`, `${ALLOWED}; use packBindings and a ShaderMaterial for other packs`);
+}
+
+/** Numbers of layers of a table, and of azimuths of lobes: more than one if the material is anisotropic. */
+const COUNTS: Record<string, string> = { table: 'layers', lobes: 'azimuths' };
+
+/** Returns true if the pack is anisotropic, or a flat BTF. */
 export function needsTangents({ decoder, shader, resources }: Pack): boolean {
     const { bindings = [] } = (shader ?? {}) as Partial<DecoderShader>;
     return decoder === 'flat-btf' || resources.some((resource) => {
-        const layers = bindings.find(({ slot }) => slot === resource.slot)?.offsets?.layers;
-        return decoder === 'table' && resource.kind === 'uniform' && layers !== undefined
-            && new DataView(resource.bytes.buffer).getUint32(layers, true) > 1;
+        const count = bindings.find(({ slot }) => slot === resource.slot)?.offsets?.[COUNTS[decoder]];
+        return resource.kind === 'uniform' && count !== undefined && new DataView(resource.bytes.buffer).getUint32(count, true) > 1;
     });
 }

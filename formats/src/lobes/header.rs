@@ -49,7 +49,7 @@ pub struct Lobe {
     /// Direction that the lobe follows.
     pub anchor: Anchor,
     /// Slope in the plane of view and across it: of the direction for [`Anchor::Normal`], of the half vector for the
-    /// others. Of anisotropic materials, along tangent and bitangent.
+    /// others. Anisotropic materials have both along tangent and bitangent instead.
     pub tilt: [f32; 2],
     /// Row of its weights. The two lobes of a pair, on either side of the plane of view, share one.
     pub row: u32,

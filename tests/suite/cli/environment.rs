@@ -5,10 +5,33 @@ use crate::common::cli::Folder;
 use brdfc_formats::environment::{EnvironmentDecoder, EnvironmentPack};
 use image::{DynamicImage, Rgb, Rgb32FImage};
 
+/// Pixels per row of the test environments.
+const WIDTH: u32 = 64;
+
 /// Writes a grey sky of 64 x 32 pixels with a pixel of another radiance.
 pub fn sky(folder: &Folder, name: &str, ambient: f32, sun: f32) {
     let pixel = |x: u32, y: u32| Rgb([if (x, y) == (20, 8) { sun } else { ambient }; 3]);
     DynamicImage::ImageRgb32F(Rgb32FImage::from_fn(64, 32, pixel)).save(folder.path().join(name)).unwrap();
+}
+
+/// Writes an environment without symmetry, turned by quarter turns, as a page turns it.
+pub fn room(folder: &Folder, name: &str, quarters: u32) {
+    let pixel = |x: u32, y: u32| {
+        // A positive angle turns +z towards +x, against the azimuth of images.
+        let x = (x + quarters * WIDTH / 4) % WIDTH;
+        let lamp = |column: u32, row: u32| x.abs_diff(column) < 4 && y.abs_diff(row) < 3;
+        let floor = if y > WIDTH / 4 { 0.3 } else { 1.0 };
+        let wall = [0.1 + 0.4 * x as f32 / WIDTH as f32, 0.3, 0.6 - 0.4 * x as f32 / WIDTH as f32];
+        let light = if lamp(12, 8) {
+            12.0
+        } else if lamp(40, 12) {
+            4.0
+        } else {
+            0.0
+        };
+        Rgb(wall.map(|c| floor * c + light))
+    };
+    DynamicImage::ImageRgb32F(Rgb32FImage::from_fn(WIDTH, WIDTH / 2, pixel)).save(folder.path().join(name)).unwrap();
 }
 
 fn prefiltered(folder: &Folder, input: &str, more: &[&str]) -> (EnvironmentPack, serde_json::Value) {

@@ -1,10 +1,11 @@
 //! The package for the web: its examples draw the same as `brdfc render` or the decoder. `bindings/web/build` makes the package.
 
+use super::environment::room;
 use crate::common::cli::Folder;
 use brdfc_formats::direction::{DirectionPair, cross, dot, normalize};
 use brdfc_formats::table::{TableDecoder, TablePack};
 use brdfc_formats::wavelet::{Filter, WaveletDecoder, WaveletPack};
-use brdfc_readers::colour::encode_srgb_byte;
+use brdfc_readers::colour::{decode_srgb, encode_srgb_byte};
 use brdfc_testing::browser::{File, renderings_of_pages};
 use std::path::Path;
 
@@ -119,6 +120,72 @@ fn a_ball_by_three_js_is_that_of_render() {
     }
     // Another material is detected.
     assert!(differences(&renderings[0], &renderings[1]).0 > 10.0);
+}
+
+/// Lobes in an environment that turns are those of `brdfc render`, and point lights add to it.
+#[test]
+fn lobes_by_three_js_are_those_of_render() {
+    if !crate::common::has_adapter() {
+        return;
+    }
+    let folder = Folder::new();
+    let materials = ["synth:ggx?kd=0.1,0.2,0.4&alpha=0.2", "synth:ward?kd=0.1&ks=0.4&ax=0.1&ay=0.4"];
+    for (name, material) in ["round", "brushed"].into_iter().zip(materials) {
+        folder
+            .run(&["encode", material, "--codec", "lobes", "--max-fetches", "4", "-o", &format!("{name}.ktx2")])
+            .succeeded();
+    }
+    folder.run(&["encode", materials[0], "-o", "table.ktx2"]).succeeded();
+    for quarters in [0, 1] {
+        room(&folder, &format!("room{quarters}.exr"), quarters);
+    }
+    folder.run(&["environment", "room0.exr", "-o", "sky.ktx2"]).succeeded();
+    let cases = [("round", 0), ("round", 1), ("brushed", 1)];
+    let expected = cases.map(|(name, quarters)| {
+        let (pack, environment) = (format!("{name}.ktx2"), format!("room{quarters}.exr"));
+        let size = format!("{SIDE}x{SIDE}");
+        let run =
+            ["render", &pack, "--environment", &environment, "--size", &size, "--exposure", "1", "--samples", "4"];
+        folder.run(&[&run[..], &["-o", "expected.png"]].concat()).succeeded();
+        image::load_from_memory(&folder.read("expected.png")).unwrap().to_rgb8()
+    });
+    let Some(mut files) = files(&folder) else { return };
+    let points = page_of_three(
+        "const pack = await loadPack('../packs/table.ktx2');
+const camera = new THREE.PerspectiveCamera(31, 1, 0.1, 100);
+camera.position.z = 4.6;
+const light = { position: new THREE.Vector3(-3, 3, 4), intensity: new THREE.Color(60, 60, 60) };
+scene.add(new THREE.Mesh(new THREE.SphereGeometry(1, 128, 64), packMaterial(pack, renderer, [light])));",
+    );
+    files.push(("examples/points.html".to_owned(), "text/html", points.into_bytes()));
+    let page = |(name, quarters): (&str, u32)| {
+        format!(
+            "examples/environment.html?environment=../packs/sky.ktx2&lobes=../packs/{name}.ktx2&turn={}",
+            90 * quarters
+        )
+    };
+    let pages = cases.map(page);
+    let both = format!("{}&pack=../packs/table.ktx2", pages[0]);
+    let Some(drawn) =
+        drawn([&pages[0], &pages[1], &pages[2], &both, "examples/points.html"].map(String::from), SIDE, &files)
+    else {
+        return;
+    };
+    for ((case, expected), found) in cases.iter().zip(&expected).zip(&drawn) {
+        let (mean, p95) = differences(found, expected);
+        println!("three.js, {case:?}: mean difference {mean:.2} 8-bit levels, {p95} at 95 %");
+        assert!(mean < 1.0 && p95 <= 3.0, "{case:?}: {mean} {p95}");
+    }
+    // Another rotation is detected.
+    assert!(differences(&drawn[0], &expected[1]).0 > 10.0);
+    let [alone, _, _, both, points] = &drawn;
+    let sum = image::RgbImage::from_fn(SIDE, SIDE, |x, y| {
+        let linear = |image: &image::RgbImage, k: usize| decode_srgb(f64::from(image.get_pixel(x, y)[k]) / 255.0);
+        image::Rgb([0, 1, 2].map(|k| encode_srgb_byte((linear(alone, k) + linear(points, k)).min(1.0))))
+    });
+    let (mean, p95) = differences(both, &sum);
+    println!("three.js, point lights and environment: mean difference {mean:.2} 8-bit levels, {p95} at 95 %");
+    assert!(mean < 1.0 && p95 <= 3.0 && differences(both, alone).0 > 10.0, "{mean} {p95}");
 }
 
 /// Flattens buttons; the folder gets `brdf.ktx2` and `factors.ktx2`.

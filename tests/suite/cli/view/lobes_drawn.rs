@@ -1,37 +1,15 @@
 //! Lobes on a page in a browser, compared with `brdfc render` and with the environment.
 
 use super::drawn::{APIS, BOUND, Renders, SIDE, SQUARE, seen};
+use crate::cli::environment::room;
 use crate::common::cli::Folder;
 use brdfc_formats::environment::{EnvironmentDecoder, EnvironmentPack};
 use brdfc_metrics::image::LinearImage;
 use brdfc_render::scene::Frame;
 use brdfc_render::scenes::Builtin;
 use brdfc_testing::browser::{result_of_page, with_script};
-use image::{DynamicImage, Rgb, Rgb32FImage};
 use serde_json::json;
 use std::f64::consts::{FRAC_PI_2, PI};
-
-const WIDTH: u32 = 64;
-
-/// Writes an environment without symmetry, turned by quarter turns, as a page turns it.
-fn room(folder: &Folder, name: &str, quarters: u32) {
-    let pixel = |x: u32, y: u32| {
-        // A positive angle turns +z towards +x, against the azimuth of images.
-        let x = (x + quarters * WIDTH / 4) % WIDTH;
-        let lamp = |column: u32, row: u32| x.abs_diff(column) < 4 && y.abs_diff(row) < 3;
-        let floor = if y > WIDTH / 4 { 0.3 } else { 1.0 };
-        let wall = [0.1 + 0.4 * x as f32 / WIDTH as f32, 0.3, 0.6 - 0.4 * x as f32 / WIDTH as f32];
-        let light = if lamp(12, 8) {
-            12.0
-        } else if lamp(40, 12) {
-            4.0
-        } else {
-            0.0
-        };
-        Rgb(wall.map(|c| floor * c + light))
-    };
-    DynamicImage::ImageRgb32F(Rgb32FImage::from_fn(WIDTH, WIDTH / 2, pixel)).save(folder.path().join(name)).unwrap();
-}
 
 fn packs(folder: &Folder) {
     room(folder, "room.exr", 0);
