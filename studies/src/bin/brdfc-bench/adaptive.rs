@@ -1,4 +1,4 @@
-//! The studies of bandwidth maps and adaptive shading.
+//! The studies of predicted bandwidth.
 
 use super::arguments::Arguments;
 use super::on_adapter;
@@ -10,17 +10,15 @@ use brdfc_render::scenes::Builtin;
 use brdfc_source::open::open;
 use brdfc_source::radiance_image::open_radiance_image;
 use brdfc_studies::adaptive::{
-    AntialiasingStudy, Case, DirectionsStudy, EqualErrorRow, FourierRow, Lighting, StudyMaterial, antialiasing_study,
-    directions_study, equal_error, exponents, fourier_check,
+    AntialiasingStudy, Case, DirectionsStudy, FourierRow, Lighting, StudyMaterial, TruthSamples, antialiasing_study,
+    directions_study, exponents, fourier_check,
 };
 use brdfc_studies::{Study, StudyResult};
 use brdfc_terminal::output::remark;
-use brdfc_terminal::table::{percent, plain, significant};
+use brdfc_terminal::table::{percent, plain};
 use brdfc_terminal::{Common, Error};
 use std::time::Instant;
 
-/// PSNR at which costs are compared, dB.
-const PSNR: [f64; 3] = [28.0, 30.0, 33.0];
 /// Shapes with smooth and bumpy parts.
 const SHAPES: [Builtin; 2] = [Builtin::BumpyBall, Builtin::RibbedTorus];
 /// Mean samples per pixel of the studies at a fixed budget.
@@ -69,7 +67,7 @@ pub(super) fn run(arguments: &Arguments, common: Common) -> Result<StudyResult, 
     Ok(result)
 }
 
-fn unpackable(error: FormatError) -> Error {
+pub(super) fn unpackable(error: FormatError) -> Error {
     Error::internal(format!("bandwidth map of the environment: {error}"))
 }
 
@@ -77,8 +75,7 @@ fn empty(study: Study) -> StudyResult {
     match study {
         Study::PixelBandwidth => StudyResult::PixelBandwidth { rows: Vec::new() },
         Study::BandwidthDirections => StudyResult::BandwidthDirections { rows: Vec::new() },
-        Study::Antialiasing => StudyResult::Antialiasing { rows: Vec::new() },
-        _ => StudyResult::Adaptive { rows: Vec::new() },
+        _ => StudyResult::Antialiasing { rows: Vec::new() },
     }
 }
 
@@ -92,16 +89,13 @@ fn add(
 ) {
     let (name, on) = (material.name.clone(), shape.name().to_owned());
     match result {
-        StudyResult::Adaptive { rows } => {
-            rows.extend(equal_error(material, shape, lighting, frame, truth, &PSNR));
-        }
         StudyResult::PixelBandwidth { rows } => {
-            rows.push(Case::with(material, shape, lighting, frame, (truth, Start::Shared), |case| {
+            rows.push(Case::with(material, &shape.scene(), lighting, frame, TruthSamples::Fixed(truth, Start::Shared), |case| {
                 fourier_check(case, &name, &on)
             }))
         }
         StudyResult::BandwidthDirections { rows } => {
-            let found = Case::with(material, shape, lighting, frame, (truth, Start::Scattered), |case| {
+            let found = Case::with(material, &shape.scene(), lighting, frame, TruthSamples::Fixed(truth, Start::Scattered), |case| {
                 directions_study(case, BUDGET)
             });
             rows.push(DirectionsStudy { material: name, shape: on, rows: found });
@@ -112,63 +106,6 @@ fn add(
         }
         _ => unreachable!("studies of this file"),
     }
-}
-
-pub(super) fn equal_error_text(rows: &[EqualErrorRow]) -> String {
-    let header = [
-        "material",
-        "shape",
-        "PSNR",
-        "forward",
-        "adaptive",
-        "gain",
-        "drawn",
-        "shaded",
-        "FLIP",
-        "best",
-        "gain",
-        "caution",
-        "bandwidth",
-    ];
-    let number = |value: Option<f64>| value.map_or("-".to_owned(), |value| format!("{value:.2}"));
-    let cells: Vec<Vec<String>> = rows
-        .iter()
-        .map(|row| {
-            vec![
-                row.material.clone(),
-                row.shape.clone(),
-                format!("{:.0} dB", row.psnr),
-                number(row.forward_samples),
-                number(row.adaptive.map(|point| point.samples)),
-                number(row.gain(row.adaptive)),
-                row.adaptive.map_or("-".to_owned(), |point| format!("{:.2} dB", point.psnr)),
-                row.adaptive.map_or("-".to_owned(), |point| percent(point.shaded_share)),
-                row.adaptive.map_or("-".to_owned(), |point| format!("{:.3}", point.flip)),
-                number(row.best.map(|point| point.samples)),
-                number(row.gain(row.best)),
-                row.best.map_or("-".to_owned(), |point| point.caution.to_string()),
-                row.bandwidth_share().map_or("-".to_owned(), percent),
-            ]
-        })
-        .collect();
-    let gains: Vec<f64> = rows.iter().filter_map(|row| row.gain(row.adaptive)).collect();
-    let worst = gains.iter().copied().fold(f64::INFINITY, f64::min);
-    let missed = rows.iter().filter(|row| row.forward_samples.is_none() || row.adaptive.is_none()).count();
-    let summary = if gains.is_empty() { "none".to_owned() } else { significant(worst) };
-    plain(&header, &cells)
-        + &format!(
-            "\nforward, adaptive and best: samples per surface pixel, for the same PSNR against a ground truth of\n\
-             {} samples, accurate to {}; interpolated between powers of two. drawn: PSNR of\n\
-             the rendering with that budget. adaptive: default caution; best: the caution with the fewest.\n\
-             shaded: shaded pixels per surface pixel. bandwidth: time of the bandwidth buffer as a share of forward\n\
-             shading's. Smallest gain at default caution: {summary}; target not reached, or exceeded, with 1 to 512 samples (-): {missed} of {}.\n",
-            rows.first().map_or(0, |row| row.truth_samples),
-            rows.iter()
-                .filter_map(|row| row.truth_psnr)
-                .min_by(f64::total_cmp)
-                .map_or("any PSNR".to_owned(), |psnr| format!("{psnr:.1} dB or more")),
-            rows.len(),
-        )
 }
 
 pub(super) fn fourier_text(rows: &[FourierRow]) -> String {

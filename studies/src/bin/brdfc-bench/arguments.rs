@@ -156,7 +156,7 @@ impl Arguments {
             ),
             (self.peers.is_some(), "peers", &[Study::Codecs]),
             (self.networks.is_some(), "networks", &[Study::Codecs]),
-            (self.small, "small", &[Study::Pareto, Study::LevelOfDetail]),
+            (self.small, "small", &[Study::Pareto, Study::LevelOfDetail, Study::Adaptive]),
         ] {
             if given && !studies.contains(&self.study) {
                 let names: Vec<String> =
