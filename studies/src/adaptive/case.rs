@@ -114,7 +114,8 @@ impl Case<'_> {
         let adaptive = AdaptiveScene { scene: &scene, light: &lighting.light, materials: &materials };
         let buffer = GBuffer::new(&scene, frame);
         let distributions = vec![&material.lookups.distributions; scene.parts.len()];
-        let truth = |samples: usize, start: Start| ground_truth(&adaptive, frame, &buffer, &distributions, samples, start);
+        let truth =
+            |samples: usize, start: Start| ground_truth(&adaptive, frame, &buffer, &distributions, samples, start);
         let (truth, truth_samples, truth_psnr, truth_flip) = match samples {
             TruthSamples::Fixed(samples, start) => {
                 let truth = truth(samples, start);

@@ -97,7 +97,8 @@ mod tests {
     fn the_bump_map_turns_normals_as_much_as_the_bumps_of_geometry() {
         let scene = bump_mapped_ball();
         let bump = scene.parts[0].surface.bump.as_ref().unwrap();
-        let steepest = (0..1000).map(|k| bump.gradient([0.0173 * k as f64, 0.0071 * k as f64])[0].abs()).fold(0.0, f64::max);
+        let steepest =
+            (0..1000).map(|k| bump.gradient([0.0173 * k as f64, 0.0071 * k as f64])[0].abs()).fold(0.0, f64::max);
         assert!((0.2..0.5).contains(&steepest.atan()), "{steepest}");
     }
 }

@@ -114,12 +114,7 @@ fn of_method(case: &Case<'_>, prefiltered: Prefiltered<'_>, method: Method) -> M
         costs.min_by(|a, b| a.samples.total_cmp(&b.samples))
     };
     let best = |target: &Target| target.best(curves.iter().flat_map(|curve| &curve.points));
-    MethodRow {
-        method,
-        needed: TARGETS.iter().map(least).collect(),
-        best: TARGETS.iter().map(best).collect(),
-        curves,
-    }
+    MethodRow { method, needed: TARGETS.iter().map(least).collect(), best: TARGETS.iter().map(best).collect(), curves }
 }
 
 /// Renderings with increasing budgets, until all targets are met or the error stays.
@@ -142,7 +137,8 @@ fn points(
         if point.samples > MAX_SAMPLES {
             break;
         }
-        let improves = |last: &Point| point.psnr > last.psnr + CONVERGED.0 || point.flip < last.flip * (1.0 - CONVERGED.1);
+        let improves =
+            |last: &Point| point.psnr > last.psnr + CONVERGED.0 || point.flip < last.flip * (1.0 - CONVERGED.1);
         idle = if points.iter().all(improves) { 0 } else { idle + 1 };
         points.push(point);
         // Errors do not fall with every doubling, so one that does not is not the end.

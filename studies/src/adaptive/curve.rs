@@ -86,10 +86,10 @@ mod tests {
 
     #[test]
     fn costs_are_interpolated() {
-        let point =
-            |n: f64| Point { samples: 2.0 * n, seconds: 0.1 * n, psnr: 10.0 * n.log10(), flip: 0.1 / n.sqrt() };
+        let point = |n: f64| Point { samples: 2.0 * n, seconds: 0.1 * n, psnr: 10.0 * n.log10(), flip: 0.1 / n.sqrt() };
         let curve: Vec<Point> = [1.0, 10.0, 100.0].map(point).to_vec();
-        for (target, n) in [(Target::Psnr(15.0), 10f64.powf(1.5)), (Target::Flip(0.02), 25.0), (Target::Psnr(-3.0), 1.0)]
+        for (target, n) in
+            [(Target::Psnr(15.0), 10f64.powf(1.5)), (Target::Flip(0.02), 25.0), (Target::Psnr(-3.0), 1.0)]
         {
             let found = needed(&curve, target).unwrap();
             assert!((found.samples / (2.0 * n) - 1.0).abs() < 1e-12, "{target:?} {found:?}");

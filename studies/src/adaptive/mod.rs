@@ -14,8 +14,8 @@ mod spectrum;
 mod summary;
 
 pub use antialiasing::{AntialiasingRow, AntialiasingStudy, Exponents, antialiasing_study, exponents};
-pub use cases::{MATERIALS, SIZES, combinations, environments, shapes};
 pub use case::{Case, Lighting, StudyMaterial, TruthSamples};
+pub use cases::{MATERIALS, SIZES, combinations, environments, shapes};
 pub use comparison::{CAUTIONS, CaseRow, Curve, FETCHES, MAX_SAMPLES, MethodRow, TARGETS, compare};
 pub use curve::{Cost, Point, Target, needed};
 pub use directions::{DIRECTIONS, DirectionsRow, DirectionsStudy, directions_study};

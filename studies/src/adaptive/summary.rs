@@ -116,6 +116,16 @@ mod tests {
         assert!((of(Lobes).samples_gain.unwrap() - 3.0).abs() < 1e-12);
         // Simple methods are compared with the others: forward needs twice and three times as many as filtered.
         assert!((of(Forward).samples_gain.unwrap() - 1.0 / 6f64.sqrt()).abs() < 1e-12);
-        assert_eq!(of(Method::Half), TargetSummary { reached: 0, fewest_samples: 0, fastest: 0, samples_gain: None, seconds_gain: None, ..adaptive });
+        assert_eq!(
+            of(Method::Half),
+            TargetSummary {
+                reached: 0,
+                fewest_samples: 0,
+                fastest: 0,
+                samples_gain: None,
+                seconds_gain: None,
+                ..adaptive
+            }
+        );
     }
 }

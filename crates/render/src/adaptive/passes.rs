@@ -52,12 +52,7 @@ pub fn shade(scene: &AdaptiveScene<'_>, buffer: &GBuffer, prediction: &Predictio
 /// A pixel of a level `l` above 0 gets `2^l / 2` times the samples of the most demanding pixel in its square, up to
 /// `most`. Its error shows in `4^l` pixels, of which the means over the surrounding pixels leave about a quarter, and
 /// the sum of squared errors is least if samples are proportional to the root of that number.
-pub fn shade_with(
-    buffer: &GBuffer,
-    prediction: &Prediction,
-    most: u32,
-    shade_point: &PointShader<'_>,
-) -> ShadedLevels {
+pub fn shade_with(buffer: &GBuffer, prediction: &Prediction, most: u32, shade_point: &PointShader<'_>) -> ShadedLevels {
     let coarsest = coarsest(buffer) as usize;
     let (width, height) = (buffer.width, buffer.height);
     let targets = Pyramid::new(width, height, prediction.level.clone(), coarsest, i32::min);

@@ -4,9 +4,11 @@ use super::arguments::Arguments;
 use super::on_adapter;
 use brdfc_core::Source;
 use brdfc_formats::FormatError;
+use brdfc_jobs::tabulated::tabulated;
 use brdfc_render::adaptive::Start;
 use brdfc_render::scene::{Environment, Frame};
 use brdfc_render::scenes::Builtin;
+use brdfc_source::Input;
 use brdfc_source::open::open;
 use brdfc_source::radiance_image::open_radiance_image;
 use brdfc_studies::adaptive::{
@@ -14,7 +16,7 @@ use brdfc_studies::adaptive::{
     directions_study, exponents, fourier_check,
 };
 use brdfc_studies::{Study, StudyResult};
-use brdfc_terminal::output::remark;
+use brdfc_terminal::output::{note, remark};
 use brdfc_terminal::table::{percent, plain};
 use brdfc_terminal::{Common, Error};
 use std::time::Instant;
@@ -25,12 +27,7 @@ const SHAPES: [Builtin; 2] = [Builtin::BumpyBall, Builtin::RibbedTorus];
 const BUDGET: f32 = 64.0;
 
 pub(super) fn run(arguments: &Arguments, common: Common) -> Result<StudyResult, Error> {
-    let side = arguments.pixels.unwrap_or(512);
-    // Windows of 32 x 32 pixels must fit into the sphere.
-    let least = if arguments.study == Study::PixelBandwidth { 64 } else { 32 };
-    if !(least..=2048).contains(&side) {
-        return Err(Error::usage(format!("--pixels: found {side}, expected {least} to 2048")));
-    }
+    let side = pixels(arguments)?.unwrap_or(512);
     let truth = arguments.truth.unwrap_or(256);
     let environment = match &arguments.environment {
         Some(path) => {
@@ -44,7 +41,7 @@ pub(super) fn run(arguments: &Arguments, common: Common) -> Result<StudyResult, 
     let inputs = if arguments.inputs.is_empty() { &default[..] } else { &arguments.inputs };
     // Open all inputs before the work, so that a missing one is reported immediately.
     let sources: Vec<Box<dyn Source>> =
-        inputs.iter().map(|input| Ok(open(input, None)?.source)).collect::<Result<_, Error>>()?;
+        inputs.iter().map(|input| opened(input, common)).collect::<Result<_, Error>>()?;
     let frame = Frame { width: side, height: side, samples: 1 };
     let shapes: &[Builtin] = match arguments.study {
         Study::PixelBandwidth => &[Builtin::Sphere],
@@ -65,6 +62,26 @@ pub(super) fn run(arguments: &Arguments, common: Common) -> Result<StudyResult, 
         );
     }
     Ok(result)
+}
+
+/// Pixels per side, if they are given.
+pub(super) fn pixels(arguments: &Arguments) -> Result<Option<usize>, Error> {
+    // Windows of 32 x 32 pixels must fit into the sphere.
+    let least = if arguments.study == Study::PixelBandwidth { 64 } else { 32 };
+    match arguments.pixels {
+        Some(side) if !(least..=2048).contains(&side) => {
+            Err(Error::usage(format!("--pixels: found {side}, expected {least} to 2048")))
+        }
+        pixels => Ok(pixels),
+    }
+}
+
+/// Opens a material. A scan becomes a table, because renderings look it up millions of times.
+pub(super) fn opened(input: &Input, common: Common) -> Result<Box<dyn Source>, Error> {
+    let source = open(input, None)?.source;
+    let Some(table) = tabulated(source.as_ref(), &())? else { return Ok(source) };
+    note(common, input, &table.summary());
+    Ok(Box::new(table.source))
 }
 
 pub(super) fn unpackable(error: FormatError) -> Error {
@@ -89,15 +106,23 @@ fn add(
 ) {
     let (name, on) = (material.name.clone(), shape.name().to_owned());
     match result {
-        StudyResult::PixelBandwidth { rows } => {
-            rows.push(Case::with(material, &shape.scene(), lighting, frame, TruthSamples::Fixed(truth, Start::Shared), |case| {
-                fourier_check(case, &name, &on)
-            }))
-        }
+        StudyResult::PixelBandwidth { rows } => rows.push(Case::with(
+            material,
+            &shape.scene(),
+            lighting,
+            frame,
+            TruthSamples::Fixed(truth, Start::Shared),
+            |case| fourier_check(case, &name, &on),
+        )),
         StudyResult::BandwidthDirections { rows } => {
-            let found = Case::with(material, &shape.scene(), lighting, frame, TruthSamples::Fixed(truth, Start::Scattered), |case| {
-                directions_study(case, BUDGET)
-            });
+            let found = Case::with(
+                material,
+                &shape.scene(),
+                lighting,
+                frame,
+                TruthSamples::Fixed(truth, Start::Scattered),
+                |case| directions_study(case, BUDGET),
+            );
             rows.push(DirectionsStudy { material: name, shape: on, rows: found });
         }
         StudyResult::Antialiasing { rows } => {

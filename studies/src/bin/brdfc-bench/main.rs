@@ -64,9 +64,7 @@ fn run(arguments: Arguments, common: Common) -> Result<(), Error> {
         #[cfg(feature = "render")]
         Study::Adaptive => shading::run(arguments, common)?,
         #[cfg(feature = "render")]
-        Study::PixelBandwidth | Study::BandwidthDirections | Study::Antialiasing => {
-            adaptive::run(arguments, common)?
-        }
+        Study::PixelBandwidth | Study::BandwidthDirections | Study::Antialiasing => adaptive::run(arguments, common)?,
         #[cfg(feature = "render")]
         Study::Codecs => codecs::run(arguments, common)?,
         #[cfg(feature = "render")]

@@ -1,5 +1,6 @@
 //! The study of methods that shade under an environment.
 
+use super::adaptive::{opened, pixels, unpackable};
 use super::arguments::Arguments;
 use brdfc_core::Source;
 use brdfc_formats::environment::EnvironmentDecoder;
@@ -9,7 +10,7 @@ use brdfc_jobs::lobes::encode_lobes;
 use brdfc_lobes::LobesRecipe;
 use brdfc_render::adaptive::FilteredLight;
 use brdfc_render::scene::{Environment, Frame};
-use brdfc_source::open::open;
+use brdfc_source::Input;
 use brdfc_source::radiance_image::open_radiance_image;
 use brdfc_studies::StudyResult;
 use brdfc_studies::adaptive::{
@@ -30,11 +31,13 @@ const SMALL: (usize, usize) = (128, 64);
 
 pub(super) fn run(arguments: &Arguments, common: Common) -> Result<StudyResult, Error> {
     let started = Instant::now();
+    pixels(arguments)?;
     let inputs: Vec<(String, Box<dyn Source>)> = if arguments.inputs.is_empty() {
-        let open_default = |(name, address): &(&str, &str)| Ok(((*name).to_owned(), open(*address, None)?.source));
+        let open_default =
+            |(name, address): &(&str, &str)| Ok(((*name).to_owned(), opened(&Input::from(*address), common)?));
         MATERIALS.iter().map(open_default).collect::<Result<_, Error>>()?
     } else {
-        let open_input = |input| Ok((brdfc_source::Input::short_name(input), open(input, None)?.source));
+        let open_input = |input: &Input| Ok((input.short_name(), opened(input, common)?));
         arguments.inputs.iter().map(open_input).collect::<Result<_, Error>>()?
     };
     let shapes = shapes();
@@ -44,7 +47,7 @@ pub(super) fn run(arguments: &Arguments, common: Common) -> Result<StudyResult, 
     // Cases of --small have few of the materials.
     let used = cases.iter().map(|(_, [material, ..])| material + 1).max().unwrap_or(0);
     for (name, source) in &inputs[..used] {
-        let material = StudyMaterial::new(name.clone(), source.as_ref()).map_err(super::adaptive::unpackable)?;
+        let material = StudyMaterial::new(name.clone(), source.as_ref()).map_err(unpackable)?;
         let lobes = lobes(source.as_ref())?;
         remark(common, &format!("{name}: samples, map and lobes, {:.0} s", started.elapsed().as_secs_f64()));
         materials.push((material, lobes));
@@ -63,7 +66,8 @@ pub(super) fn run(arguments: &Arguments, common: Common) -> Result<StudyResult, 
             compare(case, prefiltered, [&material.name, shape, environment])
         }));
         let left = drawing.elapsed().as_secs_f64() * work(&cases[number + 1..]) / work(&cases[..=number]);
-        let done = format!("{} of {}: {} on {shape}, {environment}, {size} pixels", number + 1, cases.len(), material.name);
+        let done =
+            format!("{} of {}: {} on {shape}, {environment}, {size} pixels", number + 1, cases.len(), material.name);
         remark(common, &format!("{done}, {:.0} s, about {left:.0} s left", started.elapsed().as_secs_f64()));
     }
     Ok(StudyResult::Adaptive { targets: TARGETS.to_vec(), summary: summary(&rows), rows })
@@ -94,7 +98,7 @@ fn lights(arguments: &Arguments) -> Result<Vec<(String, Lighting, EnvironmentDec
     };
     let light = |(name, image): (String, Environment)| {
         let environment = EnvironmentDecoder::new(&prefilter_image(&image, None, &())?);
-        Ok((name, Lighting::new(image).map_err(super::adaptive::unpackable)?, environment))
+        Ok((name, Lighting::new(image).map_err(unpackable)?, environment))
     };
     images.into_iter().map(light).collect()
 }
