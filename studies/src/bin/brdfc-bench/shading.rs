@@ -24,9 +24,7 @@ use std::time::Instant;
 
 /// Shares of the cases at each size.
 const SHARES: [usize; 3] = [3, 10, 30];
-/// Samples per pixel of the ground truth without --truth.
-const TRUTH: usize = 256;
-/// The same, and pixels per side, with --small.
+/// Samples per pixel of the ground truth, and pixels per side, with --small.
 const SMALL: (usize, usize) = (128, 64);
 
 pub(super) fn run(arguments: &Arguments, common: Common) -> Result<StudyResult, Error> {
@@ -52,7 +50,7 @@ pub(super) fn run(arguments: &Arguments, common: Common) -> Result<StudyResult, 
         remark(common, &format!("{name}: samples, map and lobes, {:.0} s", started.elapsed().as_secs_f64()));
         materials.push((material, lobes));
     }
-    let truth = arguments.truth.unwrap_or(if arguments.small { SMALL.0 } else { TRUTH });
+    let truth = arguments.truth.or(arguments.small.then_some(SMALL.0));
     let drawing = Instant::now();
     let work = |cases: &[Combination]| cases.iter().map(|case| (case.0 * case.0) as f64).sum::<f64>();
     let mut rows = Vec::new();
@@ -137,15 +135,18 @@ pub(super) fn text(targets: &[Target], rows: &[CaseRow], summary: &[MethodSummar
         + &format!(
             "\nSamples or fetches per surface pixel, and milliseconds, that each method needs for the error; '-' and its smallest\n\
              error if no budget of at most {MAX_SAMPLES} per surface pixel reaches it. Interpolated between doublings.\n\
-             half, quarter: shaded pixels along each axis, the others interpolated. filt.: filtered importance samples.\n\
-             adaptive: the best of three cautions, including the time of the bandwidth buffer.\n\
-             Ground truths have {:.0} samples per pixel, a PSNR of at least {:.1} dB, and a FLIP of at most {:.4} from one\n\
+             half, quarter: shaded pixels along each axis, the others interpolated. filt.: filtered importance samples, the\n\
+             better of the same samples at all pixels and others at each. adaptive: the best of three cautions, including the\n\
+             time of the bandwidth buffer.\n\
+             Ground truths have {:.0} to {:.0} samples per pixel, a PSNR of at least {:.1} dB, and a FLIP of at most {:.4} from one\n\
              with half of their samples.\n\n",
             least(&|row| row.truth_samples as f64),
+            most(&|row| row.truth_samples as f64),
             least(&|row| row.truth_psnr.unwrap_or(f64::INFINITY)),
             most(&|row| row.truth_flip),
         )
         + &summary_text(targets, summary)
+        + &sizes_text(targets, rows)
 }
 
 fn target_text(target: Target) -> String {
@@ -199,4 +200,25 @@ fn summary_text(targets: &[Target], summary: &[MethodSummary]) -> String {
            which it needs the fewest samples, or the shortest time, of all. gain: factor of samples against the best of the\n\
            six methods from forward to quarter, filt. (other than itself), geometric mean over cases that both reach; below\n\
            1 it loses. gain in time: the same factor of time.\n"
+}
+
+/// Gains of methods by the size of the rendering, which decides most whether adaptive shading pays.
+fn sizes_text(targets: &[Target], rows: &[CaseRow]) -> String {
+    let mut sizes: Vec<usize> = rows.iter().map(|row| row.pixels).collect();
+    sizes.sort_unstable();
+    sizes.dedup();
+    let header: Vec<String> =
+        ["pixels", "method"].map(str::to_owned).into_iter().chain(targets.iter().map(|t| target_text(*t))).collect();
+    let header: Vec<&str> = header.iter().map(String::as_str).collect();
+    let factor = |gain: Option<f64>| gain.map_or("-".to_owned(), short);
+    let of_size = |size: usize| -> Vec<Vec<String>> {
+        let of: Vec<CaseRow> = rows.iter().filter(|row| row.pixels == size).cloned().collect();
+        let line = |(method, (_, name)): (MethodSummary, &(Method, &str))| -> Vec<String> {
+            let gains = method.targets.iter().map(|t| format!("{} {}", factor(t.samples_gain), factor(t.seconds_gain)));
+            [size.to_string(), (*name).to_owned()].into_iter().chain(gains).collect()
+        };
+        summary(&of).into_iter().zip(&Method::ALL).map(line).collect()
+    };
+    let lines: Vec<Vec<String>> = sizes.into_iter().flat_map(of_size).collect();
+    "\n".to_owned() + &plain(&header, &lines) + "\nGains of samples and of time by size.\n"
 }
