@@ -157,3 +157,25 @@ impl Case<'_> {
         Settings { white: (1.0 / self.exposure) as f32, ..Settings::default() }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Two halves with opposite errors have a mean without error, and one half has the reported error of a mean: half the
+    /// difference of both.
+    #[test]
+    fn the_error_of_a_ground_truth_is_half_the_difference_of_its_halves() {
+        let image = |error: f32| {
+            let sign = |at: usize| if at.is_multiple_of(2) { 1.0 } else { -1.0 };
+            let pixels = (0..256).map(|at| [0.5 + sign(at) * error, 0.4, 0.3]).collect();
+            LinearImage { pixels, coverage: vec![1.0; 256], ..LinearImage::black(16, 16) }
+        };
+        let (truth, psnr, flip) = converged([image(0.01), image(-0.01)]);
+        assert!(truth.pixels.iter().all(|pixel| (pixel[0] - 0.5).abs() < 1e-6));
+        let of_half = signal_to_noise(&image(0.01), &truth, auto_exposure(&truth)).psnr.unwrap();
+        assert!((psnr - of_half).abs() < 0.2 && flip > 0.0, "{psnr} {of_half} {flip}");
+        // The control: halves that differ less have a smaller error.
+        assert!(converged([image(0.001), image(-0.001)]).1 > psnr + 15.0);
+    }
+}

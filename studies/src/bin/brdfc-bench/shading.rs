@@ -52,7 +52,7 @@ pub(super) fn run(arguments: &Arguments, common: Common) -> Result<StudyResult, 
     }
     let truth = arguments.truth.or(arguments.small.then_some(SMALL.0));
     let drawing = Instant::now();
-    let work = |cases: &[Combination]| cases.iter().map(|case| (case.0 * case.0) as f64).sum::<f64>();
+    let work = |cases: &[Combination]| cases.iter().map(|case| case.0 * case.0).sum::<usize>() as f64;
     let mut rows = Vec::new();
     for (number, (size, [material, shape, light])) in cases.iter().enumerate() {
         let ((material, lobes), (shape, scene)) = (&materials[*material], &shapes[*shape]);
