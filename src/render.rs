@@ -15,6 +15,7 @@ pub use brdfc_gpu::{
 pub use brdfc_jobs::report::adaptive::{AdaptiveVerification, Shading};
 pub use brdfc_jobs::report::contact::MaterialVerification;
 pub use brdfc_jobs::report::render::{PartMaterial, RenderingGates, Verification, nothing_shown};
+pub use brdfc_jobs::tabulated::{Tabulated, tabulated};
 pub use brdfc_metrics::image::{LinearImage, auto_exposure};
 pub use brdfc_render::adaptive::{
     AdaptiveMaterial, AdaptiveRendering, AdaptiveScene, DistantLight, Lookups, Prediction, Settings, Start,

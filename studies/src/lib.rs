@@ -62,8 +62,9 @@ pub enum Study {
     LevelOfDetail,
     /// Section 6.3, figure 9: colour differences on a cloth, shader against source, 4:1 and 8 bits.
     Images,
-    /// Section 5 of Bagher et al. 2012: samples that adaptive and forward shading need for the same error, for every
-    /// material on two shapes, on the CPU. Takes minutes for each material.
+    /// Section 5 of Bagher et al. 2012: samples and time for the same PSNR, and for the same FLIP, under an environment, on
+    /// the CPU: forward shading, filtered importance sampling, half and quarter resolution, lobes, adaptive shading; five
+    /// materials, four shapes, three environments, three sizes. Takes ten minutes without options.
     Adaptive,
     /// Figure 12 of Bagher et al. 2012: predicted pixel bandwidth against windowed Fourier transforms, on a sphere.
     PixelBandwidth,
@@ -124,11 +125,15 @@ pub enum StudyResult {
         /// One for each material.
         rows: Vec<images::ImageRow>,
     },
-    /// Adaptive and forward shading at equal error.
+    /// Methods of shading under an environment at equal error.
     #[cfg(feature = "render")]
     Adaptive {
-        /// One for each material, shape and error.
-        rows: Vec<adaptive::EqualErrorRow>,
+        /// Targets, in the order of costs.
+        targets: Vec<adaptive::Target>,
+        /// One for each case.
+        rows: Vec<adaptive::CaseRow>,
+        /// One for each method.
+        summary: Vec<adaptive::MethodSummary>,
     },
     /// Predicted bandwidth against Fourier transforms.
     #[cfg(feature = "render")]

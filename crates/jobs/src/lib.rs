@@ -22,6 +22,7 @@ pub mod rti_capture;
 pub mod scene;
 pub mod stage_clock;
 pub mod store;
+pub mod tabulated;
 pub mod verify;
 pub mod view;
 pub mod write;

@@ -13,7 +13,7 @@ use brdfc::inspect::AnyPack as Pack;
 use brdfc::render::{
     AdaptiveMaterial, AdaptiveRenderer, AdaptiveRendering, AdaptiveScene, AdaptiveVerification, DistantLight,
     Environment, Frame, GpuError, LinearImage, PackReflectance, Reflectance, Settings, Shading, Start, auto_exposure,
-    environment_map, ground_truth, lookups, nothing_shown, prediction_png,
+    environment_map, ground_truth, lookups, nothing_shown, prediction_png, tabulated,
 };
 use brdfc_terminal::words::format_number;
 use serde::Serialize;
@@ -43,7 +43,14 @@ pub(super) fn run(arguments: &Arguments, common: Common) -> Result<(), Error> {
     let setup = scene::setup(arguments, &subject)?;
     let frame = Frame { samples: 1, ..setup.frame };
     let gpu = gpu::open(arguments)?;
-    let prepared = materials::prepare(arguments, &subject, &setup.names, common)?;
+    let mut prepared = materials::prepare(arguments, &subject, &setup.names, common)?;
+    for part in &mut prepared {
+        // Maps and samples look the source up far too often for a scan.
+        if let Some(table) = part.source.as_deref().map(|source| tabulated(source, &())).transpose()?.flatten() {
+            note(common, &part.name, &table.summary());
+            part.source = Some(Box::new(table.source));
+        }
+    }
     let of_part = |part: &Prepared| lookups(&part.material(), &part.maps).map_err(|error| error.prefixed(&part.name));
     let lookups = prepared.iter().map(of_part).collect::<Result<Vec<_>, _>>()?;
     let map = environment(arguments, &subject, &setup.scene.environment)?;

@@ -1,30 +1,83 @@
-//! Error as a function of cost of a renderer.
+//! Error as a function of cost of a method.
 
-/// One rendering of a renderer.
-#[derive(Debug, Clone, Copy, PartialEq)]
+use schemars::JsonSchema;
+use serde::Serialize;
+
+/// One rendering of a method.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, JsonSchema)]
 pub struct Point {
-    /// Requested cost: samples per pixel, or [`brdfc_render::adaptive::Settings::samples`].
-    pub asked: f64,
-    /// Samples per surface pixel.
+    /// Samples or fetches per surface pixel.
     pub samples: f64,
-    /// PSNR, dB.
+    /// Seconds to shade, including the bandwidth buffer of adaptive shading.
+    pub seconds: f64,
+    /// PSNR, at most 99 dB.
     pub psnr: f64,
-    /// Time to shade.
+    /// Mean FLIP on surfaces.
+    pub flip: f64,
+}
+
+/// Target error.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, JsonSchema)]
+#[serde(rename_all = "lowercase")]
+pub enum Target {
+    /// Minimum PSNR, dB.
+    Psnr(f64),
+    /// Maximum mean FLIP on surfaces.
+    Flip(f64),
+}
+
+impl Target {
+    /// Error of a rendering in units in which larger is better: dB, or the logarithm of the inverse of FLIP.
+    fn quality(self, point: &Point) -> f64 {
+        match self {
+            Self::Psnr(_) => point.psnr,
+            Self::Flip(_) => -point.flip.max(1e-9).ln(),
+        }
+    }
+
+    fn limit(self) -> f64 {
+        match self {
+            Self::Psnr(psnr) => psnr,
+            Self::Flip(flip) => -flip.ln(),
+        }
+    }
+
+    /// Returns true if a rendering meets the target.
+    pub fn is_met(self, point: &Point) -> bool {
+        self.quality(point) >= self.limit()
+    }
+
+    /// The smallest error of the renderings of a method: dB, or FLIP. `None` without renderings.
+    pub fn best<'a>(self, points: impl IntoIterator<Item = &'a Point>) -> Option<f64> {
+        let best = points.into_iter().max_by(|a, b| self.quality(a).total_cmp(&self.quality(b)))?;
+        Some(match self {
+            Self::Psnr(_) => best.psnr,
+            Self::Flip(_) => best.flip,
+        })
+    }
+}
+
+/// Cost of a method at a target.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, JsonSchema)]
+pub struct Cost {
+    /// Samples or fetches per surface pixel.
+    pub samples: f64,
+    /// Seconds to shade.
     pub seconds: f64,
 }
 
-/// Cost of a renderer for a PSNR, interpolated between two of its renderings by the logarithm of cost. `None` if no
-/// rendering reaches the PSNR, or if all exceed it.
-pub fn needed(curve: &[Point], psnr: f64) -> Option<Point> {
-    let [a, b] = curve.windows(2).map(|pair| [pair[0], pair[1]]).find(|[a, b]| a.psnr <= psnr && psnr <= b.psnr)?;
-    let t = if b.psnr > a.psnr { (psnr - a.psnr) / (b.psnr - a.psnr) } else { 0.0 };
+/// Cost of a method for a target: of its first rendering if that meets the target, otherwise interpolated between the
+/// first rendering that does and the one before, by the logarithm of cost. `None` if no rendering meets it.
+pub fn needed(curve: &[Point], target: Target) -> Option<Cost> {
+    let met = curve.iter().position(|point| target.is_met(point))?;
+    let b = &curve[met];
+    let Some(a) = met.checked_sub(1).map(|before| &curve[before]) else {
+        return Some(Cost { samples: b.samples, seconds: b.seconds });
+    };
+    let (low, high) = (target.quality(a), target.quality(b));
+    let t = if high.is_finite() && high > low { (target.limit() - low) / (high - low) } else { 1.0 };
     let between = |x: f64, y: f64| (x.ln() + t * (y / x).ln()).exp();
-    Some(Point {
-        asked: between(a.asked, b.asked),
-        samples: between(a.samples, b.samples),
-        psnr,
-        seconds: between(a.seconds, b.seconds),
-    })
+    Some(Cost { samples: between(a.samples, b.samples), seconds: between(a.seconds, b.seconds) })
 }
 
 #[cfg(test)]
@@ -33,12 +86,29 @@ mod tests {
 
     #[test]
     fn costs_are_interpolated() {
-        let point = |n: f64| Point { asked: n, samples: 2.0 * n, psnr: 10.0 * n.log10(), seconds: 0.1 * n };
+        let point = |n: f64| Point { samples: 2.0 * n, seconds: 0.1 * n, psnr: 10.0 * n.log10(), flip: 0.1 / n.sqrt() };
         let curve: Vec<Point> = [1.0, 10.0, 100.0].map(point).to_vec();
-        let found = needed(&curve, 15.0).unwrap();
-        assert!((found.samples / (2.0 * 10f64.powf(1.5)) - 1.0).abs() < 1e-12);
-        assert!((found.seconds / found.asked - 0.1).abs() < 1e-12);
-        assert_eq!(needed(&curve, 20.5), None);
-        assert_eq!(needed(&curve, -0.5), None);
+        for (target, n) in
+            [(Target::Psnr(15.0), 10f64.powf(1.5)), (Target::Flip(0.02), 25.0), (Target::Psnr(-3.0), 1.0)]
+        {
+            let found = needed(&curve, target).unwrap();
+            assert!((found.samples / (2.0 * n) - 1.0).abs() < 1e-12, "{target:?} {found:?}");
+            assert!((found.seconds / (0.1 * n) - 1.0).abs() < 1e-12, "{target:?} {found:?}");
+        }
+        // Renderings beyond the last one are not extrapolated.
+        assert_eq!(needed(&curve, Target::Psnr(20.5)), None);
+        assert_eq!(needed(&curve, Target::Flip(0.009)), None);
+        assert_eq!(Target::Psnr(0.0).best(&curve), Some(20.0));
+        assert_eq!(Target::Flip(0.0).best(&curve), Some(0.01));
+        assert_eq!(Target::Psnr(0.0).best(&[]), None);
+    }
+
+    /// Renderings whose error does not fall in order are taken in order of cost: the first one that meets the target counts.
+    #[test]
+    fn the_first_rendering_that_meets_a_target_counts() {
+        let point = |samples: f64, psnr: f64| Point { samples, seconds: samples, psnr, flip: 0.1 };
+        let curve = [point(1.0, 20.0), point(2.0, 31.0), point(4.0, 29.0), point(8.0, 32.0)];
+        let found = needed(&curve, Target::Psnr(30.0)).unwrap().samples;
+        assert!(1.0 < found && found < 2.0, "{found}");
     }
 }

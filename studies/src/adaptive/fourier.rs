@@ -121,7 +121,7 @@ fn correlation(a: &[f64], b: &[f64]) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::adaptive::{Lighting, StudyMaterial};
+    use crate::adaptive::{Lighting, StudyMaterial, TruthSamples};
     use brdfc_core::address::parse_synth;
     use brdfc_formats::direction::{dot, normalize};
     use brdfc_render::adaptive::Start;
@@ -165,7 +165,8 @@ mod tests {
         let material = StudyMaterial::new("metal".to_owned(), source.as_ref()).unwrap();
         let lighting = Lighting::new(waves()).unwrap();
         let frame = Frame { width: 128, height: 128, samples: 1 };
-        Case::with(&material, Builtin::Sphere, &lighting, frame, (256, Start::Shared), |case| {
+        let truth = TruthSamples::Fixed(256, Start::Shared);
+        Case::with(&material, &Builtin::Sphere.scene(), &lighting, frame, truth, |case| {
             let row = fourier_check(case, "metal", "sphere");
             assert!(row.windows > 100 && row.within_4 >= 0.9 && row.too_low_by_2 <= 0.05, "{row:?}");
             let mut flat = case.buffer.clone();

@@ -4,14 +4,21 @@
 
 mod antialiasing;
 mod case;
+mod cases;
+mod comparison;
 mod curve;
 mod directions;
-mod equal_error;
 mod fourier;
+mod method;
 mod spectrum;
+mod summary;
 
 pub use antialiasing::{AntialiasingRow, AntialiasingStudy, Exponents, antialiasing_study, exponents};
-pub use case::{Case, Lighting, StudyMaterial};
+pub use case::{Case, Lighting, StudyMaterial, TruthSamples};
+pub use cases::{MATERIALS, SIZES, combinations, environments, shapes};
+pub use comparison::{CAUTIONS, CaseRow, Curve, FETCHES, MAX_SAMPLES, MethodRow, TARGETS, compare};
+pub use curve::{Cost, Point, Target, needed};
 pub use directions::{DIRECTIONS, DirectionsRow, DirectionsStudy, directions_study};
-pub use equal_error::{AdaptivePoint, EqualErrorRow, equal_error};
 pub use fourier::{FourierRow, Quantiles, fourier_check};
+pub use method::{Budget, Density, LookUps, Method, Prefiltered, Variant, draw};
+pub use summary::{MethodSummary, summary};

@@ -109,14 +109,6 @@ fn studies_of_adaptive_shading() {
         assert!(text.contains("synth:ggx?alpha=0.2") && text.lines().count() > 3, "{text}");
         report["rows"].clone()
     };
-    let equal = study("adaptive", &[]);
-    assert_eq!(equal.as_array().unwrap().len(), 6, "two shapes, three errors");
-    for row in equal.as_array().unwrap() {
-        for point in [&row["adaptive"], &row["best"]].into_iter().filter(|point| !point.is_null()) {
-            let off = point["psnr"].as_f64().unwrap() - row["psnr"].as_f64().unwrap();
-            assert!(off.abs() < 1.0, "the rendering of the interpolated budget has the target error: {row}");
-        }
-    }
     let fourier = study("pixel-bandwidth", &[]);
     assert!(fourier[0]["windows"].as_u64() > Some(3), "{fourier}");
     let directions = study("bandwidth-directions", &[]);
@@ -137,5 +129,52 @@ fn studies_of_adaptive_shading() {
     ] {
         let ran = folder.run(arguments);
         assert!(ran.code == 2 && ran.stderr.contains(expected), "{arguments:?}: {}", ran.stderr);
+    }
+}
+
+/// Methods under an environment: all reports conform, errors fall with cost, and needed costs are within the curves.
+#[test]
+fn the_study_of_shading_methods() {
+    let folder = folder();
+    sky(&folder, "sky.exr");
+    let study = |material: &str| {
+        let arguments = ["--study", "adaptive", material, "--environment", "sky.exr", "--small", "--json"];
+        let report = folder.run(&arguments).succeeded().json();
+        conforms(&report);
+        report
+    };
+    let report = study("synth:ggx?alpha=0.3");
+    let rows = report["rows"].as_array().unwrap();
+    assert_eq!(rows.len(), 2, "{report}");
+    let number = |value: &serde_json::Value| value.as_f64().unwrap();
+    for row in rows {
+        assert!(number(&row["truth_psnr"]) > 35.0, "{row}");
+        for method in row["methods"].as_array().unwrap() {
+            let points = method["curves"].as_array().unwrap().iter().flat_map(|c| c["points"].as_array().unwrap());
+            let most = points.clone().map(|point| number(&point["samples"])).fold(0.0, f64::max);
+            assert!(most > 0.0 && most <= 32.0, "{method}");
+            let best = points.map(|point| number(&point["psnr"])).fold(0.0, f64::max);
+            assert_eq!(best, number(&method["best"][1]), "{method}");
+            let needed = &method["needed"][1];
+            assert_eq!(needed.is_null(), best < 30.0, "{method}");
+            assert!(needed.is_null() || number(&needed["samples"]) <= most, "{method}");
+        }
+        let of = |name: &str| row["methods"].as_array().unwrap().iter().find(|m| m["method"] == name).unwrap();
+        // Filtered samples need fewer than others for the smaller PSNR.
+        let samples = |name: &str| of(name)["needed"][0]["samples"].as_f64().unwrap_or(f64::INFINITY);
+        assert!(samples("filtered") < samples("forward"), "{row}");
+    }
+    let summary = report["summary"].as_array().unwrap();
+    let wins: f64 = summary.iter().map(|method| number(&method["targets"][0]["fewest_samples"])).sum();
+    assert_eq!((summary.len(), wins), (10, 2.0), "{report}");
+    // Anisotropic materials have no lobes.
+    let without = study("synth:velvet");
+    for row in without["rows"].as_array().unwrap() {
+        let lobes = row["methods"].as_array().unwrap().iter().find(|m| m["method"] == "lobes").unwrap();
+        assert!(lobes["needed"][0].is_null() && lobes["curves"][0]["points"].as_array().unwrap().is_empty(), "{lobes}");
+    }
+    let text = folder.run(&["--study", "adaptive", "synth:velvet", "--small"]).succeeded().stdout;
+    for expected in ["synth:velvet", "forward", "quarter, filt.", "FLIP 0.15", "gain in time"] {
+        assert!(text.contains(expected), "{expected}: {text}");
     }
 }

@@ -5,6 +5,7 @@
 //! Light comes from the environment alone, without visibility. [`predict`] fills the bandwidth buffer, [`Pyramid`]
 //! makes its levels, and [`shade`] processes them from coarse to fine. This file calls them in order.
 
+mod filtered;
 mod light;
 mod lookups;
 mod passes;
@@ -17,14 +18,15 @@ mod tile;
 mod truth;
 mod upsample;
 
+pub use filtered::{FilteredLight, shade_point_filtered};
 pub use light::{DistantLight, LightLevel};
 pub use lookups::Lookups;
-pub use passes::{LevelCount, ShadedLevels, shade};
+pub use passes::{LevelCount, ShadedLevels, shade, shade_with};
 pub use predict::{ANY_LEVEL, Prediction, coarsest, coarsest_of, field_of_view, predict};
 pub use pyramid::Pyramid;
 pub use resolve::resolve;
 pub use scene::{AdaptiveMaterial, AdaptiveScene, Settings};
-pub use shading::{forward, shade_point};
+pub use shading::{PointShader, forward, shade_point};
 pub use tile::MAX_DIRECTIONS;
 pub use truth::{GroundTruth, Start, ground_truth};
 pub use upsample::{MIN_WEIGHT, UpsamplingGuide, parents, weight};
@@ -63,11 +65,25 @@ impl AdaptiveRendering {
 /// # Panics
 /// If the buffer has another size, or if there are fewer materials than parts.
 pub fn draw(scene: &AdaptiveScene<'_>, frame: Frame, buffer: &GBuffer, settings: &Settings) -> AdaptiveRendering {
+    draw_with(scene, frame, buffer, settings, &|point, count| shade_point(scene, buffer, point, count))
+}
+
+/// Draws as [`draw`], but shades points by another function.
+///
+/// # Panics
+/// As [`draw`].
+pub fn draw_with(
+    scene: &AdaptiveScene<'_>,
+    frame: Frame,
+    buffer: &GBuffer,
+    settings: &Settings,
+    shade_point: &PointShader<'_>,
+) -> AdaptiveRendering {
     let sub = 1usize << settings.antialiasing_levels;
     assert_eq!((buffer.width, buffer.height), (frame.width * sub, frame.height * sub), "the buffer of this frame");
     assert!(scene.materials.len() >= scene.scene.parts.len(), "one material for each part");
     let prediction = predict(scene, frame, buffer, settings);
-    let ShadedLevels { radiance, levels } = shade(scene, buffer, &prediction, settings.most);
+    let ShadedLevels { radiance, levels } = shade_with(buffer, &prediction, settings.most, shade_point);
     let image = resolve(scene.scene, frame, buffer, &radiance, sub);
     AdaptiveRendering { image, prediction, levels }
 }

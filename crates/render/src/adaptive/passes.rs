@@ -1,7 +1,7 @@
 //! The passes over the pyramid, from coarse to fine (section 3.2, figure 9 of Bagher et al. 2012).
 
 use super::upsample::{MIN_WEIGHT, UpsamplingGuide, parents, weight};
-use super::{AdaptiveScene, Prediction, Pyramid, coarsest, shade_point};
+use super::{AdaptiveScene, PointShader, Prediction, Pyramid, coarsest, shade_point};
 use crate::gbuffer::GBuffer;
 use rayon::prelude::*;
 
@@ -40,6 +40,11 @@ enum Made {
     Shaded([f32; 3], u32),
 }
 
+/// Processes the levels with importance samples of the materials, see [`shade_with`].
+pub fn shade(scene: &AdaptiveScene<'_>, buffer: &GBuffer, prediction: &Prediction, most: u32) -> ShadedLevels {
+    shade_with(buffer, prediction, most, &|point, count| shade_point(scene, buffer, point, count))
+}
+
 /// Processes the levels. A pixel of a level stands for a square of the buffer. Compared with the finest level that any
 /// pixel of the square needs, it is shaded if this level is the same, interpolated from the coarser level if this level
 /// is finer, and left out if this level is coarser. It is also shaded if no surrounding value fits.
@@ -47,7 +52,7 @@ enum Made {
 /// A pixel of a level `l` above 0 gets `2^l / 2` times the samples of the most demanding pixel in its square, up to
 /// `most`. Its error shows in `4^l` pixels, of which the means over the surrounding pixels leave about a quarter, and
 /// the sum of squared errors is least if samples are proportional to the root of that number.
-pub fn shade(scene: &AdaptiveScene<'_>, buffer: &GBuffer, prediction: &Prediction, most: u32) -> ShadedLevels {
+pub fn shade_with(buffer: &GBuffer, prediction: &Prediction, most: u32, shade_point: &PointShader<'_>) -> ShadedLevels {
     let coarsest = coarsest(buffer) as usize;
     let (width, height) = (buffer.width, buffer.height);
     let targets = Pyramid::new(width, height, prediction.level.clone(), coarsest, i32::min);
@@ -70,7 +75,7 @@ pub fn shade(scene: &AdaptiveScene<'_>, buffer: &GBuffer, prediction: &Predictio
                 return Made::Upsampled(value);
             }
             let count = raised(samples.levels[level as usize].2[at], level, most);
-            Made::Shaded(shade_point(scene, buffer, point as usize, count), count)
+            Made::Shaded(shade_point(point as usize, count), count)
         };
         let made: Vec<Made> = (0..width * height).into_par_iter().map(pixel).collect();
         let mut count = LevelCount::default();

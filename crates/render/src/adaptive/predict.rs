@@ -29,6 +29,17 @@ pub struct Prediction {
     pub samples: Vec<u32>,
 }
 
+impl Prediction {
+    /// Shades every surface pixel of a level of the pyramid with `samples` samples, and no others unless interpolation
+    /// fails. Level 0 has all pixels, level 1 one of four.
+    pub fn uniform(buffer: &GBuffer, level: i32, samples: u32) -> Self {
+        let of = |pixel: usize| if buffer.part_at(pixel).is_some() { (level, samples) } else { (ANY_LEVEL, 0) };
+        let (level, samples) = (0..buffer.part.len()).map(of).unzip();
+        let zeros = vec![0.0; buffer.part.len()];
+        Self { bandwidth: zeros.clone(), deviation: zeros, level, samples }
+    }
+}
+
 /// Predicts every pixel of the buffer, which has `1 << antialiasing_levels` points per pixel and axis.
 ///
 /// Each of `settings.directions` incident directions is drawn in proportion to the lobe, so that `L ρ cos θ` over the

@@ -7,6 +7,9 @@ use brdfc_formats::direction::DirectionPair;
 use brdfc_metrics::image::LinearImage;
 use rayon::prelude::*;
 
+/// Reflected radiance at a point of the buffer, given its index and a number of samples.
+pub type PointShader<'a> = dyn Fn(usize, u32) -> [f32; 3] + Sync + 'a;
+
 /// Reflected radiance at a point of the buffer by `count` consecutive samples of its material's pack, from a position
 /// in the sequence that depends on the point.
 pub fn shade_point(scene: &AdaptiveScene<'_>, buffer: &GBuffer, pixel: usize, count: u32) -> [f32; 3] {
@@ -38,7 +41,7 @@ pub fn forward(scene: &AdaptiveScene<'_>, frame: Frame, buffer: &GBuffer, count:
 }
 
 /// Scatters consecutive numbers: a permutation of 32 bits (the finaliser of MurmurHash3 by Appleby).
-fn scattered(value: u32) -> u32 {
+pub(super) fn scattered(value: u32) -> u32 {
     let mut h = value;
     h ^= h >> 16;
     h = h.wrapping_mul(0x85eb_ca6b);

@@ -8,7 +8,9 @@ use brdfc_bandwidth::DEFAULT_EPSILON;
 use brdfc_bandwidth::map::environment_map;
 use brdfc_core::Source;
 use brdfc_core::address::parse_synth;
-use brdfc_metrics::image::signal_to_noise;
+use brdfc_environment::prefilter;
+use brdfc_formats::environment::EnvironmentDecoder;
+use brdfc_metrics::image::{luminance, signal_to_noise};
 use std::f64::consts::{PI, TAU};
 
 struct Prepared {
@@ -147,4 +149,93 @@ fn threads_do_not_matter() {
         pool.install(|| prepared.with(|scene| draw(scene, frame, &buffer, &Settings::default())))
     };
     assert_eq!(run(1), run(3));
+}
+
+/// Prefiltered light of an environment, on faces with twice its texels.
+fn prefiltered(environment: &Environment) -> EnvironmentDecoder {
+    EnvironmentDecoder::new(&prefilter(&|direction| environment.at(direction), 64, 2, &()).unwrap())
+}
+
+/// Mean squared difference of luminances on surfaces.
+fn variance(image: &LinearImage, truth: &LinearImage) -> f64 {
+    let differences = image.pixels.iter().zip(&truth.pixels).map(|(a, b)| (luminance(*a) - luminance(*b)).powi(2));
+    differences.sum::<f64>() / image.coverage.iter().filter(|c| **c > 0.0).count() as f64
+}
+
+#[test]
+fn filtered_samples_in_constant_light_are_samples() {
+    let prepared = prepared("synth:ggx?alpha=0.3", Builtin::Sphere, environment(|_, _| 1.0));
+    let buffer = prepared.buffer(FRAME);
+    let decoder = prefiltered(&prepared.scene.environment);
+    let light = FilteredLight { environment: &decoder, scattered: true };
+    let shared = FilteredLight { scattered: false, ..light };
+    prepared.with(|scene| {
+        let surface = (0..buffer.part.len()).filter(|point| buffer.part_at(*point).is_some());
+        let mut differ = 0;
+        for point in surface.step_by(37) {
+            let [samples, filtered, other] = [
+                shade_point(scene, &buffer, point, 5),
+                shade_point_filtered(scene, &light, &buffer, point, 5),
+                shade_point_filtered(scene, &shared, &buffer, point, 5),
+            ];
+            assert!((samples[1] / filtered[1] - 1.0).abs() < 1e-3, "{samples:?} {filtered:?}");
+            // The control: other samples have other weights.
+            differ += usize::from((samples[1] / other[1] - 1.0).abs() > 1e-2);
+        }
+        assert!(differ > 20, "{differ}");
+    });
+}
+
+/// Filtering replaces most of the noise of few samples by a bias, which many samples do not have.
+#[test]
+fn filtered_samples_have_less_noise() {
+    let prepared = prepared("synth:ggx?alpha=0.3", Builtin::BumpyBall, windows());
+    let buffer = prepared.buffer(FRAME);
+    let decoder = prefiltered(&prepared.scene.environment);
+    let light = FilteredLight { environment: &decoder, scattered: true };
+    prepared.with(|scene| {
+        let truth = prepared.truth(scene, FRAME, &buffer, 256);
+        let filtered = |count: u32| {
+            let shader = |point: usize, count: u32| shade_point_filtered(scene, &light, &buffer, point, count);
+            let shaded = shade_with(&buffer, &Prediction::uniform(&buffer, 0, count), count, &shader);
+            variance(&resolve(scene.scene, FRAME, &buffer, &shaded.radiance, 1), &truth)
+        };
+        let [few, many] =
+            [4, 256].map(|count| [variance(&forward(scene, FRAME, &buffer, count), &truth), filtered(count)]);
+        assert!(few[1] < 0.4 * few[0], "{few:?}");
+        assert!(many[1] < 0.1 * few[1], "{many:?} {few:?}");
+    });
+}
+
+#[test]
+fn solid_angles_choose_the_sharpness() {
+    let decoder = prefiltered(&environment(|_, _| 1.0));
+    let light = FilteredLight { environment: &decoder, scattered: true };
+    // Four times the solid angle is one level.
+    let [fine, coarse] = [1e-3, 4e-3].map(|solid_angle| light.sharpness(solid_angle));
+    assert!((fine - coarse - 1.0).abs() < 1e-4, "{fine} {coarse}");
+    // The whole sphere has the widest Gaussian, not the irradiance.
+    assert_eq!(light.sharpness(4.0 * PI as f32), 1.0);
+}
+
+#[test]
+fn uniform_predictions_shade_a_quarter_and_a_sixteenth() {
+    let prepared = prepared("synth:ggx?kd=0&f0=0.9&alpha=0.1", Builtin::BumpyBall, windows());
+    let buffer = prepared.buffer(FRAME);
+    let surface = buffer.part.iter().filter(|part| **part != u32::MAX).count() as f64;
+    prepared.with(|scene| {
+        let truth = prepared.truth(scene, FRAME, &buffer, 256);
+        let psnrs = [0, 1, 2].map(|level| {
+            let shader = |point: usize, count: u32| shade_point(scene, &buffer, point, count);
+            let shaded = shade_with(&buffer, &Prediction::uniform(&buffer, level, 256), 256, &shader);
+            let samples: u64 = shaded.levels.iter().map(|level| level.samples).sum();
+            let share = samples as f64 / 256.0 / surface;
+            // Pixels at the rim have no coarser neighbour on the surface, and are shaded themselves.
+            let expected = 0.25f64.powi(level);
+            assert!(share >= 0.98 * expected && share < 1.2 * expected + 0.03, "{level}: {share}");
+            let image = resolve(scene.scene, FRAME, &buffer, &shaded.radiance, 1);
+            signal_to_noise(&image, &truth, 1.0).psnr.unwrap()
+        });
+        assert!(psnrs[0] > psnrs[1] + 3.0 && psnrs[1] > psnrs[2] + 1.0 && psnrs[2] > 15.0, "{psnrs:?}");
+    });
 }

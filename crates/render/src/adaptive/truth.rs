@@ -15,6 +15,8 @@ use rayon::prelude::*;
 pub enum Start {
     /// A different position for each point, so that errors are noise.
     Scattered,
+    /// As `Scattered`, but other positions for each number: renderings with different numbers have independent errors.
+    Batch(usize),
     /// The same position for all points: errors vary no faster than the rendering, which keeps noise out of its
     /// spectrum.
     Shared,
@@ -26,7 +28,7 @@ pub struct GroundTruth {
     /// Rendering of the ground truth.
     pub image: LinearImage,
     /// Standard error of each channel, from the spread of 16 runs of each point's samples. It overestimates the error
-    /// of [`Start::Scattered`], whose runs fill each other's gaps, and the error of pixels with several points.
+    /// of scattered starts, whose runs fill each other's gaps, and the error of pixels with several points.
     pub error: LinearImage,
 }
 
@@ -60,7 +62,11 @@ pub fn ground_truth(
         let (Some(part), Some(point)) = (buffer.part_at(pixel), buffer.shading_point(pixel)) else {
             return Default::default();
         };
-        let shift = shift_of(if start == Start::Scattered { pixel } else { 0 });
+        let shift = shift_of(match start {
+            Start::Scattered => pixel,
+            Start::Batch(number) => pixel + number * buffer.part.len(),
+            Start::Shared => 0,
+        });
         let lobe = MeasuredLobe { distributions: distributions[part], shift };
         let light = FramedEnvironmentSampler { environment: &environment, point: &point, shift };
         let sampler = BalancedSampler { first: &lobe, second: &light };

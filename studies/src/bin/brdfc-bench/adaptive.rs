@@ -1,38 +1,33 @@
-//! The studies of bandwidth maps and adaptive shading.
+//! The studies of predicted bandwidth.
 
 use super::arguments::Arguments;
 use super::on_adapter;
 use brdfc_core::Source;
 use brdfc_formats::FormatError;
+use brdfc_jobs::tabulated::tabulated;
 use brdfc_render::adaptive::Start;
 use brdfc_render::scene::{Environment, Frame};
 use brdfc_render::scenes::Builtin;
+use brdfc_source::Input;
 use brdfc_source::open::open;
 use brdfc_source::radiance_image::open_radiance_image;
 use brdfc_studies::adaptive::{
-    AntialiasingStudy, Case, DirectionsStudy, EqualErrorRow, FourierRow, Lighting, StudyMaterial, antialiasing_study,
-    directions_study, equal_error, exponents, fourier_check,
+    AntialiasingStudy, Case, DirectionsStudy, FourierRow, Lighting, StudyMaterial, TruthSamples, antialiasing_study,
+    directions_study, exponents, fourier_check,
 };
 use brdfc_studies::{Study, StudyResult};
-use brdfc_terminal::output::remark;
-use brdfc_terminal::table::{percent, plain, significant};
+use brdfc_terminal::output::{note, remark};
+use brdfc_terminal::table::{percent, plain};
 use brdfc_terminal::{Common, Error};
 use std::time::Instant;
 
-/// PSNR at which costs are compared, dB.
-const PSNR: [f64; 3] = [28.0, 30.0, 33.0];
 /// Shapes with smooth and bumpy parts.
 const SHAPES: [Builtin; 2] = [Builtin::BumpyBall, Builtin::RibbedTorus];
 /// Mean samples per pixel of the studies at a fixed budget.
 const BUDGET: f32 = 64.0;
 
 pub(super) fn run(arguments: &Arguments, common: Common) -> Result<StudyResult, Error> {
-    let side = arguments.pixels.unwrap_or(512);
-    // Windows of 32 x 32 pixels must fit into the sphere.
-    let least = if arguments.study == Study::PixelBandwidth { 64 } else { 32 };
-    if !(least..=2048).contains(&side) {
-        return Err(Error::usage(format!("--pixels: found {side}, expected {least} to 2048")));
-    }
+    let side = pixels(arguments)?.unwrap_or(512);
     let truth = arguments.truth.unwrap_or(256);
     let environment = match &arguments.environment {
         Some(path) => {
@@ -46,7 +41,7 @@ pub(super) fn run(arguments: &Arguments, common: Common) -> Result<StudyResult, 
     let inputs = if arguments.inputs.is_empty() { &default[..] } else { &arguments.inputs };
     // Open all inputs before the work, so that a missing one is reported immediately.
     let sources: Vec<Box<dyn Source>> =
-        inputs.iter().map(|input| Ok(open(input, None)?.source)).collect::<Result<_, Error>>()?;
+        inputs.iter().map(|input| opened(input, common)).collect::<Result<_, Error>>()?;
     let frame = Frame { width: side, height: side, samples: 1 };
     let shapes: &[Builtin] = match arguments.study {
         Study::PixelBandwidth => &[Builtin::Sphere],
@@ -69,7 +64,27 @@ pub(super) fn run(arguments: &Arguments, common: Common) -> Result<StudyResult, 
     Ok(result)
 }
 
-fn unpackable(error: FormatError) -> Error {
+/// Pixels per side, if they are given.
+pub(super) fn pixels(arguments: &Arguments) -> Result<Option<usize>, Error> {
+    // Windows of 32 x 32 pixels must fit into the sphere.
+    let least = if arguments.study == Study::PixelBandwidth { 64 } else { 32 };
+    match arguments.pixels {
+        Some(side) if !(least..=2048).contains(&side) => {
+            Err(Error::usage(format!("--pixels: found {side}, expected {least} to 2048")))
+        }
+        pixels => Ok(pixels),
+    }
+}
+
+/// Opens a material. A scan becomes a table, because renderings look it up millions of times.
+pub(super) fn opened(input: &Input, common: Common) -> Result<Box<dyn Source>, Error> {
+    let source = open(input, None)?.source;
+    let Some(table) = tabulated(source.as_ref(), &())? else { return Ok(source) };
+    note(common, input, &table.summary());
+    Ok(Box::new(table.source))
+}
+
+pub(super) fn unpackable(error: FormatError) -> Error {
     Error::internal(format!("bandwidth map of the environment: {error}"))
 }
 
@@ -77,8 +92,7 @@ fn empty(study: Study) -> StudyResult {
     match study {
         Study::PixelBandwidth => StudyResult::PixelBandwidth { rows: Vec::new() },
         Study::BandwidthDirections => StudyResult::BandwidthDirections { rows: Vec::new() },
-        Study::Antialiasing => StudyResult::Antialiasing { rows: Vec::new() },
-        _ => StudyResult::Adaptive { rows: Vec::new() },
+        _ => StudyResult::Antialiasing { rows: Vec::new() },
     }
 }
 
@@ -92,18 +106,23 @@ fn add(
 ) {
     let (name, on) = (material.name.clone(), shape.name().to_owned());
     match result {
-        StudyResult::Adaptive { rows } => {
-            rows.extend(equal_error(material, shape, lighting, frame, truth, &PSNR));
-        }
-        StudyResult::PixelBandwidth { rows } => {
-            rows.push(Case::with(material, shape, lighting, frame, (truth, Start::Shared), |case| {
-                fourier_check(case, &name, &on)
-            }))
-        }
+        StudyResult::PixelBandwidth { rows } => rows.push(Case::with(
+            material,
+            &shape.scene(),
+            lighting,
+            frame,
+            TruthSamples::Fixed(truth, Start::Shared),
+            |case| fourier_check(case, &name, &on),
+        )),
         StudyResult::BandwidthDirections { rows } => {
-            let found = Case::with(material, shape, lighting, frame, (truth, Start::Scattered), |case| {
-                directions_study(case, BUDGET)
-            });
+            let found = Case::with(
+                material,
+                &shape.scene(),
+                lighting,
+                frame,
+                TruthSamples::Fixed(truth, Start::Scattered),
+                |case| directions_study(case, BUDGET),
+            );
             rows.push(DirectionsStudy { material: name, shape: on, rows: found });
         }
         StudyResult::Antialiasing { rows } => {
@@ -112,63 +131,6 @@ fn add(
         }
         _ => unreachable!("studies of this file"),
     }
-}
-
-pub(super) fn equal_error_text(rows: &[EqualErrorRow]) -> String {
-    let header = [
-        "material",
-        "shape",
-        "PSNR",
-        "forward",
-        "adaptive",
-        "gain",
-        "drawn",
-        "shaded",
-        "FLIP",
-        "best",
-        "gain",
-        "caution",
-        "bandwidth",
-    ];
-    let number = |value: Option<f64>| value.map_or("-".to_owned(), |value| format!("{value:.2}"));
-    let cells: Vec<Vec<String>> = rows
-        .iter()
-        .map(|row| {
-            vec![
-                row.material.clone(),
-                row.shape.clone(),
-                format!("{:.0} dB", row.psnr),
-                number(row.forward_samples),
-                number(row.adaptive.map(|point| point.samples)),
-                number(row.gain(row.adaptive)),
-                row.adaptive.map_or("-".to_owned(), |point| format!("{:.2} dB", point.psnr)),
-                row.adaptive.map_or("-".to_owned(), |point| percent(point.shaded_share)),
-                row.adaptive.map_or("-".to_owned(), |point| format!("{:.3}", point.flip)),
-                number(row.best.map(|point| point.samples)),
-                number(row.gain(row.best)),
-                row.best.map_or("-".to_owned(), |point| point.caution.to_string()),
-                row.bandwidth_share().map_or("-".to_owned(), percent),
-            ]
-        })
-        .collect();
-    let gains: Vec<f64> = rows.iter().filter_map(|row| row.gain(row.adaptive)).collect();
-    let worst = gains.iter().copied().fold(f64::INFINITY, f64::min);
-    let missed = rows.iter().filter(|row| row.forward_samples.is_none() || row.adaptive.is_none()).count();
-    let summary = if gains.is_empty() { "none".to_owned() } else { significant(worst) };
-    plain(&header, &cells)
-        + &format!(
-            "\nforward, adaptive and best: samples per surface pixel, for the same PSNR against a ground truth of\n\
-             {} samples, accurate to {}; interpolated between powers of two. drawn: PSNR of\n\
-             the rendering with that budget. adaptive: default caution; best: the caution with the fewest.\n\
-             shaded: shaded pixels per surface pixel. bandwidth: time of the bandwidth buffer as a share of forward\n\
-             shading's. Smallest gain at default caution: {summary}; target not reached, or exceeded, with 1 to 512 samples (-): {missed} of {}.\n",
-            rows.first().map_or(0, |row| row.truth_samples),
-            rows.iter()
-                .filter_map(|row| row.truth_psnr)
-                .min_by(f64::total_cmp)
-                .map_or("any PSNR".to_owned(), |psnr| format!("{psnr:.1} dB or more")),
-            rows.len(),
-        )
 }
 
 pub(super) fn fourier_text(rows: &[FourierRow]) -> String {

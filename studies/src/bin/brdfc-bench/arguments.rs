@@ -31,12 +31,13 @@ Examples:
   brdfc-bench --study codecs paper_white_rgb.bsdf --peers python3 --networks rgl
   brdfc-bench --study level-of-detail --out frames
   brdfc-bench --study images paint.brdf metal.bsdf synth:velvet
-  brdfc-bench --study adaptive red-plastic.binary paint.bsdf --environment museum.exr
+  brdfc-bench --study adaptive
+  brdfc-bench --study adaptive red-plastic.binary paint.bsdf --environment museum.exr --pixels 192
   brdfc-bench --study pixel-bandwidth red-plastic.binary --environment museum.exr"
 )]
 pub struct Arguments {
-    /// Materials of the studies that draw (default: synth:velvet, and a glossy metal for level-of-detail and for
-    /// adaptive shading) and of pareto (default: three models), structures of flat-btf, relief, measured-btf and
+    /// Materials of the studies that draw (default: synth:velvet, five models for adaptive, and a glossy metal for
+    /// level-of-detail and for predicted bandwidth) and of pareto (default: three models), structures of flat-btf, relief, measured-btf and
     /// btf (default: all four) and of rays (default: synth:button), or the photographs of relighting.
     #[arg(value_name = "INPUT")]
     pub(super) inputs: Vec<Input>,
@@ -64,14 +65,17 @@ pub struct Arguments {
     /// Largest polar angle of the indirection map of flat-btf, above 0, up to 89 degrees (default: 80).
     #[arg(long, value_name = "DEGREES")]
     pub(super) largest_angle: Option<f64>,
-    /// Latitude-longitude image, .exr or .hdr, that lights the studies of adaptive shading (default: a sky).
+    /// Latitude-longitude image, .exr or .hdr, that lights the studies of adaptive shading (default: a sky; for adaptive
+    /// also a studio and a room).
     #[arg(long, value_name = "FILE")]
     pub(super) environment: Option<Input>,
-    /// Pixels per side of the studies of adaptive shading, 32 to 2048, for pixel-bandwidth at least 64 (default: 512);
+    /// Pixels per side of the studies of adaptive shading, 32 to 2048, for pixel-bandwidth at least 64 (default: 512; for
+    /// adaptive some cases at 192, 384 and 768; a number draws all cases);
     /// pixels per row of relief, 64 to 2048 (default: 640).
     #[arg(long, value_name = "N", value_parser = any_whole_number::<usize>("32 to 2048"))]
     pub(super) pixels: Option<usize>,
-    /// Samples per pixel of their ground truth, 16 to 65536 (default: 256).
+    /// Samples per pixel of their ground truth, 16 to 65536 (default: 256; for adaptive 1024 where 256 reach less than
+    /// 40 dB).
     #[arg(long, value_name = "N", value_parser = whole_number::<usize>(16..=65_536))]
     pub(super) truth: Option<usize>,
     /// Use the adapter whose name contains this (default: the fastest).
@@ -84,7 +88,7 @@ pub struct Arguments {
     /// NAME.h5. Needs --peers.
     #[arg(long, value_name = "DIR")]
     pub(super) networks: Option<PathBuf>,
-    /// Use few settings for pareto or few pixels for level-of-detail, which takes seconds.
+    /// Use few settings for pareto, few pixels for level-of-detail, or two small cases for adaptive, which takes seconds.
     #[arg(long)]
     pub(super) small: bool,
     /// Print the JSON schema of the report, and nothing else.
@@ -156,7 +160,7 @@ impl Arguments {
             ),
             (self.peers.is_some(), "peers", &[Study::Codecs]),
             (self.networks.is_some(), "networks", &[Study::Codecs]),
-            (self.small, "small", &[Study::Pareto, Study::LevelOfDetail]),
+            (self.small, "small", &[Study::Pareto, Study::LevelOfDetail, Study::Adaptive]),
         ] {
             if given && !studies.contains(&self.study) {
                 let names: Vec<String> =

@@ -15,6 +15,8 @@ mod rays;
 mod relief;
 mod relighting;
 mod remarks;
+#[cfg(feature = "render")]
+mod shading;
 mod structures;
 mod wavelet;
 
@@ -60,9 +62,9 @@ fn run(arguments: Arguments, common: Common) -> Result<(), Error> {
         Study::Rays => rays::run(arguments, common)?,
         Study::Pareto => pareto::run(arguments, common)?,
         #[cfg(feature = "render")]
-        Study::Adaptive | Study::PixelBandwidth | Study::BandwidthDirections | Study::Antialiasing => {
-            adaptive::run(arguments, common)?
-        }
+        Study::Adaptive => shading::run(arguments, common)?,
+        #[cfg(feature = "render")]
+        Study::PixelBandwidth | Study::BandwidthDirections | Study::Antialiasing => adaptive::run(arguments, common)?,
         #[cfg(feature = "render")]
         Study::Codecs => codecs::run(arguments, common)?,
         #[cfg(feature = "render")]
@@ -91,7 +93,7 @@ fn print_text(result: &StudyResult) -> Result<(), Error> {
         StudyResult::Rays(study) => print(&rays::text(study)),
         StudyResult::Pareto(study) => print(&pareto::text(study)),
         #[cfg(feature = "render")]
-        StudyResult::Adaptive { rows } => print(&adaptive::equal_error_text(rows)),
+        StudyResult::Adaptive { targets, rows, summary } => print(&shading::text(targets, rows, summary)),
         #[cfg(feature = "render")]
         StudyResult::PixelBandwidth { rows } => print(&adaptive::fourier_text(rows)),
         #[cfg(feature = "render")]

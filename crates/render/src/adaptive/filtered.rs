@@ -1,0 +1,64 @@
+//! Filtered importance sampling: samples of the material that look up prefiltered light ("Real-time shading with filtered
+//! importance sampling", Colbert and Křivánek 2008).
+//!
+//! Each of `N` samples of density `p` stands for a solid angle of `1 / (N p)`. Instead of the light from exactly its
+//! direction it takes a mean over about that solid angle, which replaces noise by a slight blur.
+
+use super::AdaptiveScene;
+use super::shading::scattered;
+use crate::gbuffer::GBuffer;
+use brdfc_formats::direction::DirectionPair;
+use brdfc_formats::environment::{EnvironmentDecoder, EnvironmentHeader};
+use std::f32::consts::TAU;
+
+/// Factor on the standard deviation of a Gaussian with the solid angle of a sample. Neighbouring kernels overlap, as
+/// with one more mipmap level in the paper.
+const WIDTH: f32 = 1.0;
+
+/// A prefiltered environment, and how samples look it up.
+#[derive(Debug, Clone, Copy)]
+pub struct FilteredLight<'a> {
+    /// Levels of Gaussian kernels.
+    pub environment: &'a EnvironmentDecoder,
+    /// True if each point starts at a different position in the sequence of samples, which gives noise. Otherwise all
+    /// points share the same samples, and errors vary as slowly as the rendering.
+    pub scattered: bool,
+}
+
+impl FilteredLight<'_> {
+    /// Sharpness of the look-up of a sample of a solid angle, sr: 1 or more.
+    pub fn sharpness(&self, solid_angle: f32) -> f32 {
+        // A Gaussian of variance σ² has the peak of a uniform disc of 2 π σ².
+        let deviation = WIDTH * (solid_angle / TAU).sqrt();
+        (1.0 + (EnvironmentHeader::deviation(1.0) as f32 / deviation).log2()).max(1.0)
+    }
+}
+
+/// Reflected radiance at a point of the buffer by `count` samples of its material's pack in prefiltered light.
+pub fn shade_point_filtered(
+    scene: &AdaptiveScene<'_>,
+    light: &FilteredLight<'_>,
+    buffer: &GBuffer,
+    pixel: usize,
+    count: u32,
+) -> [f32; 3] {
+    let Some(part) = buffer.part_at(pixel) else { return [0.0; 3] };
+    let material = &scene.materials[part];
+    let frame = buffer.frame(pixel);
+    let outgoing = frame.local(buffer.to_viewer[pixel]);
+    let first = if light.scattered { scattered(pixel as u32) } else { 0 };
+    let mut sum = [0.0f32; 3];
+    for index in 0..count {
+        let (incoming, inverse_density) = material.samples.sample(outgoing, first.wrapping_add(index));
+        if inverse_density <= 0.0 {
+            continue;
+        }
+        let pair = DirectionPair::new(incoming.map(f64::from), outgoing.map(f64::from));
+        let f_r = material.reflectance.eval(pair, f64::from(buffer.distance[pixel]));
+        let sharpness = light.sharpness(inverse_density / count as f32);
+        let radiance = light.environment.radiance(frame.world(incoming), sharpness);
+        let weight = incoming[2] * inverse_density;
+        (0..3).for_each(|k| sum[k] += weight * f_r[k] as f32 * radiance[k]);
+    }
+    sum.map(|s| s / count.max(1) as f32)
+}

@@ -1,0 +1,168 @@
+//! Methods that shade surfaces under an environment: where they take samples, and the light that samples look up.
+
+use super::case::Case;
+use brdfc_formats::lobes::LobesPack;
+use brdfc_metrics::image::LinearImage;
+use brdfc_render::adaptive::{
+    FilteredLight, Prediction, Settings, draw_with, resolve, shade_point, shade_point_filtered, shade_with,
+};
+use schemars::JsonSchema;
+use serde::Serialize;
+
+/// Look-ups of a shaded pixel.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum LookUps {
+    /// Importance samples of the material, in the environment itself.
+    Samples,
+    /// The same samples, in the prefiltered environment.
+    FilteredSamples,
+    /// Lobes, in the prefiltered environment.
+    Lobes,
+}
+
+/// Pixels that are shaded. Others are interpolated from shaded ones on the same surface.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Density {
+    /// A level of the pyramid: 0 has all pixels, 1 one of four, 2 one of 16.
+    Level(i32),
+    /// As dense as the predicted bandwidth requires.
+    Adaptive,
+}
+
+/// A method of the comparison.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, JsonSchema)]
+#[serde(rename_all = "kebab-case")]
+pub enum Method {
+    /// All pixels, samples.
+    Forward,
+    /// All pixels, filtered samples.
+    Filtered,
+    /// One of four pixels, samples.
+    Half,
+    /// One of 16 pixels, samples.
+    Quarter,
+    /// One of four pixels, filtered samples.
+    HalfFiltered,
+    /// One of 16 pixels, filtered samples.
+    QuarterFiltered,
+    /// All pixels, lobes.
+    Lobes,
+    /// One of four pixels, lobes.
+    HalfLobes,
+    /// Adaptive shading, samples.
+    Adaptive,
+    /// Adaptive shading, filtered samples.
+    AdaptiveFiltered,
+}
+
+impl Method {
+    /// All methods, with their names.
+    pub const ALL: [(Self, &'static str); 10] = [
+        (Self::Forward, "forward"),
+        (Self::Filtered, "filtered"),
+        (Self::Half, "half"),
+        (Self::Quarter, "quarter"),
+        (Self::HalfFiltered, "half, filt."),
+        (Self::QuarterFiltered, "quarter, filt."),
+        (Self::Lobes, "lobes"),
+        (Self::HalfLobes, "half, lobes"),
+        (Self::Adaptive, "adaptive"),
+        (Self::AdaptiveFiltered, "adaptive, filt."),
+    ];
+
+    /// The methods that need neither a prediction nor an encoder of lobes.
+    pub const SIMPLE: [Self; 6] =
+        [Self::Forward, Self::Filtered, Self::Half, Self::Quarter, Self::HalfFiltered, Self::QuarterFiltered];
+
+    /// The pixels that the method shades, and what it looks up there.
+    pub fn parts(self) -> (Density, LookUps) {
+        match self {
+            Self::Forward => (Density::Level(0), LookUps::Samples),
+            Self::Filtered => (Density::Level(0), LookUps::FilteredSamples),
+            Self::Half => (Density::Level(1), LookUps::Samples),
+            Self::Quarter => (Density::Level(2), LookUps::Samples),
+            Self::HalfFiltered => (Density::Level(1), LookUps::FilteredSamples),
+            Self::QuarterFiltered => (Density::Level(2), LookUps::FilteredSamples),
+            Self::Lobes => (Density::Level(0), LookUps::Lobes),
+            Self::HalfLobes => (Density::Level(1), LookUps::Lobes),
+            Self::Adaptive => (Density::Adaptive, LookUps::Samples),
+            Self::AdaptiveFiltered => (Density::Adaptive, LookUps::FilteredSamples),
+        }
+    }
+}
+
+/// Prefiltered light and lobes of a case.
+#[derive(Clone, Copy)]
+pub struct Prefiltered<'a> {
+    /// The environment, prefiltered.
+    pub light: &'a FilteredLight<'a>,
+    /// Lobes of the material, from few to many; none for anisotropic materials.
+    pub lobes: &'a [LobesPack],
+}
+
+/// Cost of a rendering.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Budget {
+    /// Samples of each shaded pixel; of adaptive shading the mean, see [`Settings::samples`].
+    Samples(u32),
+    /// The lobes of a pack, by its number.
+    Pack(usize),
+}
+
+/// Settings of a method other than its budget.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Serialize, JsonSchema)]
+pub struct Variant {
+    /// True if all points share their filtered samples, see [`FilteredLight::scattered`].
+    pub shared: bool,
+    /// Factor on predicted bandwidths, for adaptive shading.
+    pub caution: Option<f32>,
+}
+
+/// Draws a case; also returns the number of samples, or fetches, of all pixels.
+pub fn draw(
+    case: &Case<'_>,
+    prefiltered: Prefiltered<'_>,
+    method: Method,
+    variant: Variant,
+    budget: Budget,
+) -> (LinearImage, u64) {
+    let (density, look_ups) = method.parts();
+    let (scene, buffer) = (&case.adaptive, case.buffer);
+    let light = FilteredLight { scattered: !variant.shared, ..*prefiltered.light };
+    let lobes = match budget {
+        Budget::Pack(pack) => prefiltered.lobes.get(pack),
+        Budget::Samples(_) => None,
+    };
+    let shader = |point: usize, count: u32| match (look_ups, lobes) {
+        (LookUps::FilteredSamples, _) => shade_point_filtered(scene, &light, buffer, point, count),
+        (LookUps::Lobes, Some(lobes)) => by_lobes(case, prefiltered, lobes, point),
+        _ => shade_point(scene, buffer, point, count),
+    };
+    let count = match budget {
+        Budget::Pack(_) => lobes.map_or(0, |lobes| lobes.fetches() as u32),
+        Budget::Samples(count) => count,
+    };
+    match density {
+        Density::Level(level) => {
+            // Unlike adaptive shading, coarse pixels get no additional samples.
+            let shaded = shade_with(buffer, &Prediction::uniform(buffer, level, count), count, &shader);
+            let image = resolve(scene.scene, case.frame, buffer, &shaded.radiance, 1);
+            (image, shaded.levels.iter().map(|level| level.samples).sum())
+        }
+        Density::Adaptive => {
+            let settings = case.settings();
+            let caution = variant.caution.unwrap_or(settings.caution);
+            let settings = Settings { samples: count as f32, caution, ..settings };
+            let rendering = draw_with(scene, case.frame, buffer, &settings, &shader);
+            let samples = rendering.samples();
+            (rendering.image, samples)
+        }
+    }
+}
+
+fn by_lobes(case: &Case<'_>, prefiltered: Prefiltered<'_>, lobes: &LobesPack, point: usize) -> [f32; 3] {
+    let frame = case.buffer.frame(point);
+    let outgoing = frame.local(case.buffer.to_viewer[point]);
+    let axes = [frame.tangent, frame.bitangent, frame.normal];
+    lobes.radiance(prefiltered.light.environment, axes, outgoing)
+}
