@@ -4,6 +4,7 @@
 use super::case::Case;
 use super::curve::{Cost, Point, Target, needed};
 use super::method::{Budget, Density, LookUps, Method, Prefiltered, Variant, draw};
+use super::split_sum::SplitSumMaterial;
 use brdfc_metrics::image::{PIXELS_PER_DEGREE, flip};
 use schemars::JsonSchema;
 use serde::Serialize;
@@ -90,8 +91,7 @@ fn of_method(case: &Case<'_>, prefiltered: Prefiltered<'_>, method: Method) -> M
     // MAX_SAMPLES ends a curve; this bound is for renderings without surfaces.
     let doublings = || (0..12).map(|k| 1u32 << k);
     let variants: Vec<Variant> = match method.parts() {
-        (_, LookUps::Lobes) => vec![Variant::default()],
-        (Density::Level(_), LookUps::Samples) => vec![Variant::default()],
+        (_, LookUps::Lobes | LookUps::SplitSum) | (Density::Level(_), LookUps::Samples) => vec![Variant::default()],
         (Density::Level(_), LookUps::FilteredSamples) => STARTS.map(|shared| Variant { shared, caution: None }).into(),
         (Density::Adaptive, look_ups) => {
             let starts = if look_ups == LookUps::Samples { &STARTS[..1] } else { &STARTS[..] };
@@ -104,6 +104,7 @@ fn of_method(case: &Case<'_>, prefiltered: Prefiltered<'_>, method: Method) -> M
         .map(|variant| {
             let budgets: Vec<Budget> = match method.parts() {
                 (_, LookUps::Lobes) => (0..prefiltered.lobes.len()).map(Budget::Pack).collect(),
+                (_, LookUps::SplitSum) => vec![Budget::Samples(SplitSumMaterial::FETCHES)],
                 _ => doublings().map(Budget::Samples).collect(),
             };
             Curve { variant, points: points(case, prefiltered, method, variant, &budgets) }

@@ -1,6 +1,7 @@
 //! Methods that shade surfaces under an environment: where they take samples, and the light that samples look up.
 
 use super::case::Case;
+use super::split_sum::SplitSum;
 use brdfc_formats::lobes::LobesPack;
 use brdfc_metrics::image::LinearImage;
 use brdfc_render::adaptive::{
@@ -18,6 +19,8 @@ pub enum LookUps {
     FilteredSamples,
     /// Lobes, in the prefiltered environment.
     Lobes,
+    /// A fitted model, in the irradiance and an environment that its lobe filters.
+    SplitSum,
 }
 
 /// Pixels that are shaded. Others are interpolated from shaded ones on the same surface.
@@ -45,6 +48,8 @@ pub enum Method {
     HalfFiltered,
     /// One of 16 pixels, filtered samples.
     QuarterFiltered,
+    /// All pixels, the split sum of game engines.
+    SplitSum,
     /// All pixels, lobes.
     Lobes,
     /// One of four pixels, lobes.
@@ -57,13 +62,14 @@ pub enum Method {
 
 impl Method {
     /// All methods, with their names.
-    pub const ALL: [(Self, &'static str); 10] = [
+    pub const ALL: [(Self, &'static str); 11] = [
         (Self::Forward, "forward"),
         (Self::Filtered, "filtered"),
         (Self::Half, "half"),
         (Self::Quarter, "quarter"),
         (Self::HalfFiltered, "half, filt."),
         (Self::QuarterFiltered, "quarter, filt."),
+        (Self::SplitSum, "split sum"),
         (Self::Lobes, "lobes"),
         (Self::HalfLobes, "half, lobes"),
         (Self::Adaptive, "adaptive"),
@@ -83,6 +89,7 @@ impl Method {
             Self::Quarter => (Density::Level(2), LookUps::Samples),
             Self::HalfFiltered => (Density::Level(1), LookUps::FilteredSamples),
             Self::QuarterFiltered => (Density::Level(2), LookUps::FilteredSamples),
+            Self::SplitSum => (Density::Level(0), LookUps::SplitSum),
             Self::Lobes => (Density::Level(0), LookUps::Lobes),
             Self::HalfLobes => (Density::Level(1), LookUps::Lobes),
             Self::Adaptive => (Density::Adaptive, LookUps::Samples),
@@ -96,8 +103,10 @@ impl Method {
 pub struct Prefiltered<'a> {
     /// The environment, prefiltered.
     pub light: &'a FilteredLight<'a>,
-    /// Lobes of the material, from few to many; none for anisotropic materials.
+    /// Lobes of the material, from few to many.
     pub lobes: &'a [LobesPack],
+    /// The split sum of a fitted model.
+    pub split_sum: &'a SplitSum<'a>,
 }
 
 /// Cost of a rendering.
@@ -136,6 +145,7 @@ pub fn draw(
     let shader = |point: usize, count: u32| match (look_ups, lobes) {
         (LookUps::FilteredSamples, _) => shade_point_filtered(scene, &light, buffer, point, count),
         (LookUps::Lobes, Some(lobes)) => by_lobes(case, prefiltered, lobes, point),
+        (LookUps::SplitSum, _) => prefiltered.split_sum.radiance(buffer.frame(point).normal, buffer.to_viewer[point]),
         _ => shade_point(scene, buffer, point, count),
     };
     let count = match budget {

@@ -11,6 +11,7 @@ mod directions;
 mod fourier;
 mod method;
 mod spectrum;
+mod split_sum;
 mod summary;
 
 pub use antialiasing::{AntialiasingRow, AntialiasingStudy, Exponents, antialiasing_study, exponents};
@@ -21,4 +22,5 @@ pub use curve::{Cost, Point, Target, needed};
 pub use directions::{DIRECTIONS, DirectionsRow, DirectionsStudy, directions_study};
 pub use fourier::{FourierRow, Quantiles, fourier_check};
 pub use method::{Budget, Density, LookUps, Method, Prefiltered, Variant, draw};
+pub use split_sum::{SplitSum, SplitSumMaterial};
 pub use summary::{MethodSummary, summary};

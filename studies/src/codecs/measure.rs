@@ -1,11 +1,11 @@
 //! Measures every codec on one material.
 
 use super::blocks::{Blocks, whole_blocks};
-use super::fitted_ggx::fitted_ggx;
 use super::neural::NeuralBrdf;
 use super::peers::{Compress, DenseTable, Peers};
 use super::volume::{Meaning, Volume};
 use super::{CodecMaterial, CodecRow};
+use crate::fitted_ggx::fitted_ggx;
 use crate::rates::Rates;
 use brdfc_core::PackSource;
 use brdfc_core::analytic::Ggx;

@@ -2,7 +2,6 @@
 
 mod blocks;
 mod drawing;
-mod fitted_ggx;
 mod measure;
 mod neural;
 mod peers;

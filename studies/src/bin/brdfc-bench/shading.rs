@@ -15,7 +15,8 @@ use brdfc_source::radiance_image::open_radiance_image;
 use brdfc_studies::StudyResult;
 use brdfc_studies::adaptive::{
     Case, CaseRow, Cost, FETCHES, Lighting, MATERIALS, MAX_SAMPLES, Method, MethodSummary, Prefiltered, SIZES,
-    StudyMaterial, TARGETS, Target, TruthSamples, combinations, compare, environments, shapes, summary,
+    SplitSumMaterial, StudyMaterial, TARGETS, Target, TruthSamples, combinations, compare, environments, shapes,
+    summary,
 };
 use brdfc_terminal::output::remark;
 use brdfc_terminal::table::plain;
@@ -48,18 +49,19 @@ pub(super) fn run(arguments: &Arguments, common: Common) -> Result<StudyResult, 
         let material = StudyMaterial::new(name.clone(), source.as_ref()).map_err(unpackable)?;
         let lobes = lobes(source.as_ref())?;
         remark(common, &format!("{name}: samples, map and lobes, {:.0} s", started.elapsed().as_secs_f64()));
-        materials.push((material, lobes));
+        materials.push((material, lobes, SplitSumMaterial::new(source.as_ref())));
     }
     let truth = arguments.truth.or(arguments.small.then_some(SMALL.0));
     let drawing = Instant::now();
     let work = |cases: &[Combination]| cases.iter().map(|case| case.0 * case.0).sum::<usize>() as f64;
     let mut rows = Vec::new();
     for (number, (size, [material, shape, light])) in cases.iter().enumerate() {
-        let ((material, lobes), (shape, scene)) = (&materials[*material], &shapes[*shape]);
+        let ((material, lobes, fitted), (shape, scene)) = (&materials[*material], &shapes[*shape]);
         let (environment, lighting, decoder) = &lights[*light];
         let frame = Frame { width: *size, height: *size, samples: 1 };
         let light = FilteredLight { environment: decoder, scattered: true };
-        let prefiltered = Prefiltered { light: &light, lobes };
+        let split_sum = fitted.lit_by(decoder)?;
+        let prefiltered = Prefiltered { light: &light, lobes, split_sum: &split_sum };
         rows.push(Case::with(material, scene, lighting, frame, TruthSamples::Halves(truth), |case| {
             compare(case, prefiltered, [&material.name, shape, environment])
         }));
@@ -101,11 +103,8 @@ fn lights(arguments: &Arguments) -> Result<Vec<(String, Lighting, EnvironmentDec
     images.into_iter().map(light).collect()
 }
 
-/// Lobes of all numbers of look-ups; none for anisotropic materials.
+/// Lobes of all numbers of look-ups.
 fn lobes(source: &dyn Source) -> Result<Vec<LobesPack>, Error> {
-    if !source.symmetry().isotropic {
-        return Ok(Vec::new());
-    }
     let most = FETCHES[FETCHES.len() - 1];
     let encoded = encode_lobes(source, &LobesRecipe { max_fetches: most, max_delta_e: None }, &())?;
     let mut packs: Vec<LobesPack> = Vec::new();

@@ -21,7 +21,7 @@ const STEPS: usize = 60;
 
 /// The model whose renderings are closest to those of `source` by the squares of ΔE (CIE76), by the Levenberg-Marquardt
 /// method from several starts. `exposure` is that of the renderings.
-pub(super) fn fitted_ggx(source: &dyn Source, exposure: f64) -> Ggx {
+pub(crate) fn fitted_ggx(source: &dyn Source, exposure: f64) -> Ggx {
     let pairs: Vec<DirectionPair> = rendering_pairs().iter().copied().step_by(EVERY).collect();
     let (values, _) = values_at(source, &pairs);
     let shown = |f: [f64; 3], pair: &DirectionPair| lab(f.map(|f| (f * pair.incoming[2] * exposure) as f32));
