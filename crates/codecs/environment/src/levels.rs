@@ -4,7 +4,10 @@ use super::kernel::Kernel;
 use brdfc_formats::direction::{Vector, dot, normalize};
 use brdfc_formats::environment::cube::FacePoint;
 use rayon::prelude::*;
-use std::f64::consts::{FRAC_PI_2, FRAC_PI_4};
+use std::f64::consts::{FRAC_PI_2, FRAC_PI_4, PI};
+
+/// Angle between the centre and a corner of a face, rounded up, radians.
+const CORNER: f64 = 0.9554;
 
 /// Six faces of square texels, in the order of a cube map.
 pub struct Faces {
@@ -85,6 +88,10 @@ impl Faces {
     /// Columns and rows of a face that contain all texels within an angle of a unit vector.
     fn covered(&self, face: usize, axis: Vector, radius: f64) -> [std::ops::Range<usize>; 2] {
         let centre = FacePoint { face, s: 0.0, t: 0.0 }.direction();
+        // The corners of a face are farthest from its centre. Most faces end here, before the trigonometry.
+        if dot(axis, centre) < (radius + CORNER).min(PI).cos() {
+            return [0..0, 0..0];
+        }
         let [s_axis, t_axis] = [[1.0, 0.0], [0.0, 1.0]].map(|[s, t]| {
             let direction = FacePoint { face, s, t }.direction();
             [0, 1, 2].map(|k| direction[k] - centre[k])
