@@ -4,7 +4,7 @@
 //! `formats/src/environment/spec.md` describes the layout.
 
 pub use brdfc_environment::facts::EnvironmentFacts;
-pub use brdfc_formats::environment::{EnvironmentDecoder, EnvironmentPack, MAX_SIDE, MIN_SIDE};
+pub use brdfc_formats::environment::{EnvironmentDecoder, EnvironmentHeader, EnvironmentPack, MAX_SIDE, MIN_SIDE};
 pub use brdfc_jobs::environment::default_side;
 pub use brdfc_render::scene::Environment;
 

@@ -6,7 +6,7 @@ use super::progress::{Materials, label};
 use super::{Common, Error};
 use crate::table;
 use brdfc::encode::StageClock;
-use brdfc::environment::{EnvironmentFacts, MAX_SIDE, MIN_SIDE, open_image, prefilter};
+use brdfc::environment::{EnvironmentFacts, EnvironmentHeader, open_image, prefilter};
 use brdfc::{Input, Progress as _, Stage};
 use brdfc_terminal::values::any_whole_number;
 use clap::Args;
@@ -58,7 +58,7 @@ pub struct Report {
 const SIDES: &str = "a power of two, 8 to 2048";
 
 pub(super) fn run(arguments: &Arguments, common: Common) -> Result<(), Error> {
-    if let Some(side) = arguments.side.filter(|side| !side.is_power_of_two() || !(MIN_SIDE..=MAX_SIDE).contains(side)) {
+    if let Some(side) = arguments.side.filter(|side| !EnvironmentHeader::is_side(*side)) {
         return Err(Error::wrong_usage("--side", side, SIDES));
     }
     refuse_unfit_output(&arguments.output, &["ktx2"], arguments.input.path().as_slice())?;

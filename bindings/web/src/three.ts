@@ -1,6 +1,6 @@
 import * as THREE from 'three';
 import type { Pack, Resource } from './pack.js';
-import { refuseProblem } from './refuse.js';
+import { refuse, refuseProblem } from './refuse.js';
 import { fragmentShader, MAX_LIGHTS, needsTangents, parts, VERTEX } from './three_shader.js';
 import { uploadTexture } from './upload_webgl.js';
 import { isWide, widened } from './widened.js';
@@ -76,6 +76,9 @@ export function packMaterial(packs: Pack | Pack[], renderer: THREE.WebGLRenderer
     checkLights(lights);
     const all = [packs].flat();
     const found = parts(all);
+    if (found.surface === undefined && lights.length > 0) {
+        refuse('material', 'point lights without a pack for them', 'a BRDF, a flat BTF or a polynomial wavelet tree besides lobes');
+    }
     const fragment = fragmentShader(found, all.map(glsl).join('\n'), found.surface !== undefined && isWide(found.surface, true));
     const bindings = () => all.map((pack) => packBindings(pack, renderer));
     const made = bindings();
@@ -112,8 +115,8 @@ export function packMaterial(packs: Pack | Pack[], renderer: THREE.WebGLRenderer
             console.warn('brdfc: an anisotropic pack on a geometry without tangents: geometry.computeTangents()');
         }
         if (found.environment !== undefined && scene instanceof THREE.Scene) {
-            // From the world to the environment.
-            turn.value.setFromMatrix4(rotation.makeRotationFromEuler(scene.environmentRotation)).transpose();
+            // From the world to the environment. The middle of an image is at +x for three.js, and at -x for brdfc.
+            turn.value.setFromMatrix4(rotation.makeRotationFromEuler(scene.environmentRotation)).transpose().premultiply(HALF_TURN);
             intensity.value = scene.environmentIntensity;
             material.uniformsNeedUpdate = true;
         }
@@ -125,6 +128,9 @@ export function packMaterial(packs: Pack | Pack[], renderer: THREE.WebGLRenderer
     };
     return material;
 }
+
+/** Half a turn about y. */
+const HALF_TURN = new THREE.Matrix3(-1, 0, 0, 0, 1, 0, 0, 0, -1);
 
 function checkLights(lights: PointLight[]): void {
     if (!Array.isArray(lights) || lights.length > MAX_LIGHTS) {

@@ -46,11 +46,9 @@ pub fn draw_lobes_by(
     let rasteriser = Rasteriser::new(gpu, source, &[&slots.layout, &surface_layout])?;
     // The shader reads no image of the environment, which the layout of surfaces has.
     let mirrored = surface::environment(gpu, &Environment::of(1, 1, |_| [0.0; 3]))?;
-    let group = |(index, part)| -> Result<_, GpuError> {
-        let packs = slots.bind(gpu, &bindings, FrameBlock::default())?;
-        Ok(vec![packs, surface::upload(gpu, &surface_layout, index, part, &mirrored)])
-    };
-    let groups = (0..).zip(&scene.parts).map(group).collect::<Result<_, _>>()?;
+    let packs = slots.bind(gpu, &bindings, FrameBlock::default())?;
+    let group = |(index, part)| vec![packs.clone(), surface::upload(gpu, &surface_layout, index, part, &mirrored)];
+    let groups = (0..).zip(&scene.parts).map(group).collect();
     let loaded = load(gpu, &rasteriser.view_layout, scene, groups, [0; 2])?;
     rasteriser.draw(&loaded, &scene.camera, frame)
 }

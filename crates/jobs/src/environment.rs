@@ -3,7 +3,7 @@
 use crate::Error;
 use brdfc_core::progress::Progress;
 use brdfc_environment::prefilter;
-use brdfc_formats::environment::{EnvironmentPack, MAX_SIDE, MIN_SIDE};
+use brdfc_formats::environment::{EnvironmentHeader, EnvironmentPack, MAX_SIDE, MIN_SIDE};
 use brdfc_render::scene::Environment;
 
 pub use brdfc_environment::default_side;
@@ -18,7 +18,7 @@ pub fn prefilter_image(
     progress: &dyn Progress,
 ) -> Result<EnvironmentPack, Error> {
     let side = side.unwrap_or_else(|| default_side(image.width));
-    if !side.is_power_of_two() || !(MIN_SIDE..=MAX_SIDE).contains(&side) {
+    if !EnvironmentHeader::is_side(side) {
         let text = format!("side: found {side}, expected a power of two, {MIN_SIDE} to {MAX_SIDE}");
         return Err(Error::usage(text));
     }

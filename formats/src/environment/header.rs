@@ -37,6 +37,11 @@ impl EnvironmentHeader {
     /// Length of the key's value, bytes.
     const LENGTH: usize = 12;
 
+    /// True for an allowed side.
+    pub fn is_side(side: u32) -> bool {
+        side.is_power_of_two() && (MIN_SIDE..=MAX_SIDE).contains(&side)
+    }
+
     /// Number of mipmap levels.
     pub fn levels(&self) -> u32 {
         self.sharpest()
@@ -58,6 +63,11 @@ impl EnvironmentHeader {
         TEXELS_PER_DEVIATION * std::f64::consts::FRAC_PI_2 / f64::from(MIN_SIDE) / (sharpness - 1.0).exp2()
     }
 
+    /// Sharpness of a kernel with this standard deviation, radians, at least 1: the inverse of [`Self::deviation`].
+    pub fn sharpness(deviation: f64) -> f64 {
+        (1.0 + (Self::deviation(1.0) / deviation).log2()).max(1.0)
+    }
+
     /// Mipmap level of a sharpness, 0 to `levels - 1`, with fractions.
     pub fn level(&self, sharpness: f32) -> f32 {
         let sharpest = self.sharpest() as f32;
@@ -74,7 +84,7 @@ impl EnvironmentHeader {
     /// # Errors
     /// Returns an error that names the field that is out of range.
     pub fn check(&self) -> Result<(), FormatError> {
-        if !self.side.is_power_of_two() || !(MIN_SIDE..=MAX_SIDE).contains(&self.side) {
+        if !Self::is_side(self.side) {
             let allowed = format!("a power of two, {MIN_SIDE} to {MAX_SIDE}");
             return Err(FormatError::whole(format!("{ENVIRONMENT_ENTRY} side"), self.side.to_string(), allowed));
         }
@@ -112,6 +122,10 @@ mod tests {
         assert_eq!((header.levels(), header.sharpest()), (6, 6));
         assert!((EnvironmentHeader::deviation(1.0).to_degrees() - 15.75).abs() < 1e-9);
         assert!((EnvironmentHeader::deviation(3.0).to_degrees() - 15.75 / 4.0).abs() < 1e-9);
+        for sharpness in [1.0, 2.5, 9.0] {
+            assert!((EnvironmentHeader::sharpness(EnvironmentHeader::deviation(sharpness)) - sharpness).abs() < 1e-9);
+        }
+        assert_eq!(EnvironmentHeader::sharpness(1.0), 1.0);
         assert_eq!([0.0, 5.5, 6.0, 9.0, -1.0].map(|s| header.level(s)), [5.0, 0.5, 0.0, 0.0, 5.0]);
     }
 }

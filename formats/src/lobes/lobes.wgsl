@@ -12,8 +12,8 @@
 //     }
 //
 // outgoing is the unit vector to the viewer in the frame x = tangent, y = bitangent, z = normal, above the horizon. A
-// lobe takes one filtered fetch in the environment, and loads two texels of its table; four if the material is
-// anisotropic.
+// lobe takes one filtered fetch in the environment, two if its sharpness is between 0 and 1, and loads two texels of its
+// table; four if the material is anisotropic.
 
 // 528 bytes: `LobesHeader::uniform` of `brdfc-formats`.
 struct LobesParameters {

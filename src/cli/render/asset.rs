@@ -97,15 +97,21 @@ fn not_packed(input: &Input) -> Error {
     Error::input(format!("{input}: {text}"))
 }
 
+/// Rejects an environment for an input that no lobes are drawn of.
+pub(super) fn refuse_environment(arguments: &Arguments, input: &Input) -> Result<(), Error> {
+    if by_lobes(arguments) {
+        let text = "--environment applies to materials, and with --adaptive to scenes";
+        return Err(Error::usage(format!("{input}: {text}")));
+    }
+    Ok(())
+}
+
 /// Rejects flags that do not apply to this kind of asset.
 pub(super) fn refuse_flags(arguments: &Arguments, asset: &Asset) -> Result<(), Error> {
     if matches!(asset.kind, AssetKind::Lobes(_)) {
         return lobes::refuse_flags(arguments, &asset.input);
     }
-    if by_lobes(arguments) {
-        let text = "--environment applies to materials, and with --adaptive to scenes";
-        return Err(Error::usage(format!("{}: {text}", asset.input)));
-    }
+    refuse_environment(arguments, &asset.input)?;
     let is_flat = matches!(asset.kind, AssetKind::Flat);
     let (of_brdfs, of_both) = ("BRDFs", "BRDFs and packs of RTI captures");
     let flags = [

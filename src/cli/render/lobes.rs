@@ -4,11 +4,11 @@ use super::arguments::Arguments;
 use super::asset::name_of;
 use super::materials::Subject;
 use super::{gpu, outputs, scene};
-use crate::output::{self, remark};
+use crate::output::{self, note, note_repairs, remark};
 use crate::progress::Materials;
 use crate::{Common, Error};
 use brdfc::environment::{self, EnvironmentPack};
-use brdfc::lobes::{LobesPack, LobesRecipe, encode};
+use brdfc::lobes::{DEFAULT_DELTA_E, LobesPack, LobesRecipe, encode};
 use brdfc::render::{
     Environment, LobesMaterial, Verification, Views, draw_lobes, draw_lobes_integral, draw_lobes_on_cpu, unfiltered,
 };
@@ -30,16 +30,16 @@ pub(super) fn verification(
     let mut setup = scene::setup(arguments, subject)?;
     let gpu = gpu::open(arguments)?;
     let environment = prefiltered(file, &setup.scene.environment, common)?;
-    // Without a pack, the input is a material.
-    let source = match (&arguments.source, &pack) {
-        (Some(source), _) => Some(brdfc::open(source)?),
-        (None, None) => Some(brdfc::open(input)?),
-        (None, Some(_)) => None,
-    };
-    let pack = match (pack, &source) {
-        (Some(pack), _) => pack,
-        (None, Some(material)) => encoded(input, material, common)?,
-        (None, None) => unreachable!("the input is opened without a pack"),
+    let (pack, source) = match (pack, &arguments.source) {
+        (Some(pack), source) => (pack, source.as_ref().map(brdfc::open).transpose()?),
+        // The input is a material, and its own reference.
+        (None, None) => {
+            let material = brdfc::open(input)?;
+            (encoded(input, &material, common)?, Some(material))
+        }
+        (None, Some(_)) => {
+            return Err(Error::usage(format!("{input}: --source needs a pack of lobes; a material is its own source")));
+        }
     };
     let bytes_on_gpu = pack.gpu_bytes() + environment.gpu_bytes();
     let material = LobesMaterial::new(pack, environment);
@@ -79,7 +79,14 @@ fn prefiltered(file: Option<&Path>, image: &Environment, common: Common) -> Resu
 fn encoded(input: &Input, material: &Material, common: Common) -> Result<LobesPack, Error> {
     let progress = Materials::new(1, false, common);
     let encoded = encode(material, &LobesRecipe::default(), progress.part(&name_of(input)).as_ref());
-    Ok(encoded.map_err(|error| error.prefixed(input))?.best().pack.clone())
+    let encoded = encoded.map_err(|error| error.prefixed(input))?;
+    let best = encoded.best();
+    note_repairs(common, input, &encoded.tally);
+    if !best.meets {
+        let (error, fetches) = (best.error.mean, best.pack.fetches());
+        note(common, input, &format!("{fetches} look-ups have a mean ΔE of {error:.2}, more than {DEFAULT_DELTA_E}"));
+    }
+    Ok(best.pack.clone())
 }
 
 /// Rejects flags that do not apply to renderings by lobes.

@@ -54,8 +54,9 @@ pub(super) fn run(arguments: &Arguments, common: Common) -> Result<(), Error> {
         return Err(Error::wrong_usage("--lod", format_number(level), "0 to 6"));
     }
     let asset = asset::asset(arguments)?;
-    if let Some(asset) = &asset {
-        asset::refuse_flags(arguments, asset)?;
+    match &asset {
+        Some(asset) => asset::refuse_flags(arguments, asset)?,
+        None => asset::refuse_environment(arguments, &arguments.input)?,
     }
     let by_lobes = matches!(asset, Some(Asset { kind: AssetKind::Lobes(_), .. }));
     if arguments.adaptive.truth.is_some() && !arguments.adaptive.adaptive && !by_lobes {

@@ -60,7 +60,7 @@ pub struct Case<'a> {
     pub truth: LinearImage,
     /// Samples per pixel of the ground truth.
     pub truth_samples: usize,
-    /// PSNR of the ground truth, from the spread of its own samples, dB.
+    /// PSNR of the ground truth, from half the difference of its halves, or else from the spread of its samples, dB.
     pub truth_psnr: f64,
     /// Mean FLIP of a rendering with half of its samples; 0 for a fixed number of samples.
     pub truth_flip: f64,

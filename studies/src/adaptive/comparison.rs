@@ -12,7 +12,7 @@ use std::time::Instant;
 
 /// Targets of the comparison.
 pub const TARGETS: [Target; 4] = [Target::Psnr(25.0), Target::Psnr(30.0), Target::Flip(0.15), Target::Flip(0.1)];
-/// Values of [`Settings::caution`] to try.
+/// Values of [`Variant::caution`] to try.
 pub const CAUTIONS: [f32; 3] = [0.35, 0.5, 1.0];
 /// Filtered samples that each point takes from another place of the sequence, and that all points share.
 const STARTS: [bool; 2] = [false, true];

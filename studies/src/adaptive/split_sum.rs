@@ -76,8 +76,7 @@ impl SplitSumMaterial {
             let (mut sum, mut total) = ([0.0; 3], 0.0);
             for (incoming, inverse_density) in &lobe {
                 // As many samples as cover the lobe, each with the Gaussian of its solid angle.
-                let deviation = (inverse_density / SAMPLES[0] as f64 / TAU).sqrt();
-                let sharpness = (1.0 + (EnvironmentHeader::deviation(1.0) / deviation).log2()).max(1.0);
+                let sharpness = EnvironmentHeader::sharpness((inverse_density / SAMPLES[0] as f64 / TAU).sqrt());
                 let world = [0, 1, 2].map(|k| incoming[0] * t[k] + incoming[1] * b[k] + incoming[2] * n[k]);
                 let light = environment.radiance(world.map(|c| c as f32), sharpness as f32);
                 (0..3).for_each(|k| sum[k] += incoming[2] * f64::from(light[k]));

@@ -50,6 +50,7 @@ fn what_does_not_apply_is_refused() {
     sky(&folder, "sky.exr", 0.4, 0.4);
     folder.run(&["encode", "synth:lambert", "--codec", "lobes", "-o", "l.ktx2"]).succeeded();
     folder.run(&["encode", "synth:lambert", "-o", "t.ktx2", "--max-bytes", "4096"]).succeeded();
+    folder.write("s.toml", b"[materials.a]\nsource = 'synth:lambert'\n[[uses]]\nmaterial = 'a'\n");
     for (arguments, code, expected) in [
         (
             &["l.ktx2", "--environment", "t.ktx2"][..],
@@ -60,6 +61,16 @@ fn what_does_not_apply_is_refused() {
         (&["l.ktx2", "--environment", "sky.exr", "--lod", "2"], 2, "--lod"),
         (&["t.ktx2", "--truth", "64"], 2, "--truth needs --adaptive, or --environment with a material"),
         (&["l.ktx2", "--adaptive", "--environment", "sky.exr"], 2, "--adaptive does not apply"),
+        (
+            &["s.toml", "--environment", "sky.exr"],
+            2,
+            "--environment applies to materials, and with --adaptive to scenes",
+        ),
+        (
+            &["t.ktx2", "--environment", "sky.exr", "--source", "synth:lambert"],
+            2,
+            "t.ktx2: --source needs a pack of lobes",
+        ),
     ] {
         let ran = folder.run(&[&["render"], arguments, &["-o", "o.png"], &SMALL[..]].concat());
         assert!(ran.code == code && ran.stderr.contains(expected), "{arguments:?}: {} {}", ran.code, ran.stderr);

@@ -1,6 +1,6 @@
 //! Candidates for lobes: directions relative to an anchor, with a sharpness.
 
-use super::reflection::{Frame, Slopes, sharpness};
+use super::reflection::{Frame, Slopes};
 use brdfc_formats::direction::Vector;
 use brdfc_formats::environment::{EnvironmentDecoder, EnvironmentHeader};
 use brdfc_formats::lobes::{Anchor, Lobe, MAX_SHARPNESS, plane_of_view};
@@ -79,7 +79,7 @@ impl Candidate {
     pub fn isotropic(width: f64, sharpest: u32) -> Vec<Self> {
         let mut all = vec![Self::irradiance(Place::InPlane)];
         // A lobe is a sum of Gaussians that are no more than three times as narrow.
-        let last = f64::from(sharpness(0.3 * width)).ceil().min(f64::from(sharpest)) as u32;
+        let last = EnvironmentHeader::sharpness(0.3 * width).ceil().min(f64::from(sharpest)) as u32;
         for step in 1..=last {
             let sharpness = f64::from(step);
             let deviation = EnvironmentHeader::deviation(sharpness);
@@ -113,7 +113,7 @@ impl Candidate {
     pub fn anisotropic(slopes: &Slopes, sharpest: u32) -> Vec<Self> {
         let mut all = vec![Self::irradiance(Place::OnSurface)];
         // Directions turn twice as far as half vectors.
-        let last = f64::from(sharpness(1.2 * slopes.deviations[1])).ceil().min(f64::from(sharpest)) as u32;
+        let last = EnvironmentHeader::sharpness(1.2 * slopes.deviations[1]).ceil().min(f64::from(sharpest)) as u32;
         let (sin, cos) = slopes.angle.sin_cos();
         for step in 1..=last {
             let sharpness = f64::from(step);

@@ -26,8 +26,8 @@ use brdfc_core::progress::{Cancelled, Progress, Stage};
 use brdfc_core::{Source, Tally};
 use brdfc_formats::FormatError;
 use brdfc_formats::container::half;
-use brdfc_formats::environment::EnvironmentDecoder;
-use brdfc_formats::lobes::{LobesHeader, LobesPack};
+use brdfc_formats::environment::{EnvironmentDecoder, EnvironmentHeader};
+use brdfc_formats::lobes::{LobesHeader, LobesPack, MAX_SHARPNESS};
 use candidate::{Candidate, Place};
 use reflection::Resolution;
 use select::Selection;
@@ -136,9 +136,10 @@ pub fn encode(
     for count in counts {
         selection.grow(count);
         progress.step()?;
-        let pack = assembled(grid, &selection.system, &training)?;
+        let pack = assembled(grid, &selection.system, &training, f64::from(sharpest))?;
         if trials.last().is_some_and(|last| last.pack == pack) {
-            break;
+            // With more look-ups, a pair may fit.
+            continue;
         }
         let error = measure::rendering_error(&pack, &held_out);
         let meets = recipe.max_delta_e.is_none_or(|most| error.mean <= most);
@@ -179,7 +180,12 @@ impl Grid {
 }
 
 /// Pack of a system. Weights are scaled down where they would reflect more of uniform light than the material.
-fn assembled(grid: Grid, system: &System, views: &Views<'_>) -> Result<LobesPack, FormatError> {
+///
+/// The fit cannot distinguish sharpnesses from that of the finest level on. There a lobe takes that of the material's
+/// highlight, for environments with finer levels.
+fn assembled(grid: Grid, system: &System, views: &Views<'_>, sharpest: f64) -> Result<LobesPack, FormatError> {
+    let own = views.width.map_or(sharpest, EnvironmentHeader::sharpness).clamp(sharpest, f64::from(MAX_SHARPNESS));
+    let stored = |sharpness: f32| if f64::from(sharpness) < sharpest { sharpness } else { own as f32 };
     let mut rows: Vec<(Candidate, Vec<[f64; 3]>)> =
         system.candidates.iter().enumerate().map(|(at, one)| (*one, system.weights(at).collect())).collect();
     if rows.is_empty() {
@@ -191,7 +197,7 @@ fn assembled(grid: Grid, system: &System, views: &Views<'_>) -> Result<LobesPack
         let scale = [0, 1, 2].map(|k| if sum(k) > view.albedo[k] { view.albedo[k] / sum(k) } else { 1.0 });
         for (row, (one, weights)) in rows.iter().enumerate() {
             let [r, g, b] = [0, 1, 2].map(|k| ((weights[at][k] * scale[k]) as f32).min(half::MAX));
-            texels[row * views.views.len() + at] = [r, g, b, one.sharpness_at(view.outgoing[2])];
+            texels[row * views.views.len() + at] = [r, g, b, stored(one.sharpness_at(view.outgoing[2]))];
         }
     }
     let lobes = rows.iter().zip(0..).flat_map(|((one, _), row)| one.lobes(row)).collect();

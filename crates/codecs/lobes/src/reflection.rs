@@ -108,16 +108,12 @@ impl Reflection {
     pub fn radiance(&self, environment: &EnvironmentDecoder, frame: &Frame) -> [f64; 3] {
         let mut sum = [0.0; 3];
         for Sample { direction, weight, deviation } in &self.samples {
-            let light = environment.radiance(frame.world(direction.map(|c| c as f32)), sharpness(*deviation));
+            let light = environment
+                .radiance(frame.world(direction.map(|c| c as f32)), EnvironmentHeader::sharpness(*deviation) as f32);
             (0..3).for_each(|k| sum[k] += weight[k] * f64::from(light[k]));
         }
         sum
     }
-}
-
-/// Sharpness of the Gaussian level with this standard deviation, radians, at least 1.
-pub fn sharpness(deviation: f64) -> f32 {
-    (1.0 + (EnvironmentHeader::deviation(1.0) / deviation).log2()).max(1.0) as f32
 }
 
 /// Distribution of the half vectors of a material.

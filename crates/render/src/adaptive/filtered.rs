@@ -11,10 +11,6 @@ use brdfc_formats::direction::DirectionPair;
 use brdfc_formats::environment::{EnvironmentDecoder, EnvironmentHeader};
 use std::f32::consts::TAU;
 
-/// Factor on the standard deviation of a Gaussian with the solid angle of a sample. Neighbouring kernels overlap, as
-/// with one more mipmap level in the paper.
-const WIDTH: f32 = 1.0;
-
 /// A prefiltered environment, and how samples look it up.
 #[derive(Debug, Clone, Copy)]
 pub struct FilteredLight<'a> {
@@ -29,8 +25,7 @@ impl FilteredLight<'_> {
     /// Sharpness of the look-up of a sample of a solid angle, sr: 1 or more.
     pub fn sharpness(&self, solid_angle: f32) -> f32 {
         // A Gaussian of variance σ² has the peak of a uniform disc of 2 π σ².
-        let deviation = WIDTH * (solid_angle / TAU).sqrt();
-        (1.0 + (EnvironmentHeader::deviation(1.0) as f32 / deviation).log2()).max(1.0)
+        EnvironmentHeader::sharpness(f64::from(solid_angle / TAU).sqrt()) as f32
     }
 }
 

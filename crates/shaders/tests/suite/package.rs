@@ -40,7 +40,7 @@ fn agrees(api: &str) {
         built.push((format!("three/{file}"), std::fs::read(three.join(file)).unwrap()));
     }
     // The package has no renderers that use these.
-    const OTHER: [PackKind; 4] = [PackKind::Bandwidth, PackKind::Importance, PackKind::Environment, PackKind::Lobes];
+    const OTHER: [PackKind; 2] = [PackKind::Bandwidth, PackKind::Importance];
     let loaded = |case: &Case| !OTHER.contains(&case.decoder) && !case.files.is_empty();
     let cases: Vec<Case> = cases().into_iter().filter(loaded).collect();
     let mut files: Vec<(String, &str, Vec<u8>)> = Vec::new();
