@@ -40,22 +40,16 @@ pub(super) fn text(plan: &Plan, report: &BuildReport, out: &Path) -> String {
         let maps: Vec<String> = job.files().map(|file| out.join(file).display().to_string()).collect();
         text += &format!("lit by {}: {}\n", job.path.display(), maps.join(", "));
     }
-    for (words, names) in
-        [("bandwidth maps", named(plan, |job| job.maps[0])), ("importance samples", named(plan, |job| job.maps[1]))]
-    {
-        if !names.is_empty() {
-            text += &format!("{words} of {}\n", names.join(", "));
+    for (k, words) in ["bandwidth maps", "importance samples"].into_iter().enumerate() {
+        let of: Vec<&str> = plan.jobs.iter().filter(|job| job.maps[k]).map(|job| job.name.as_str()).collect();
+        if !of.is_empty() {
+            text += &format!("{words} of {}\n", of.join(", "));
         }
     }
     if !plan.skipped.is_empty() {
         text += &format!("not used by the scene: {}\n", join_truncated(&plan.skipped, MAX_NAMED));
     }
     text + &needs(&report.needs)
-}
-
-/// Names of the selected materials.
-fn named(plan: &Plan, which: impl Fn(&Job) -> bool) -> Vec<&str> {
-    plan.jobs.iter().filter(|job| which(job)).map(|job| job.name.as_str()).collect()
 }
 
 /// Formats the features that each material needs, and why.

@@ -25,9 +25,7 @@ pub(super) fn text(plan: &Plan, outcomes: &Outcomes) -> String {
     let mut rows = Vec::new();
     if let (Some(job), Some(Ok(made))) = (&plan.environment, &outcomes.environment) {
         let maps = &made.report;
-        let [prefiltered, bandwidth] =
-            [&maps.prefiltered.as_ref().map(environment_cells), &maps.bandwidth.as_ref().map(bandwidth_cells)];
-        let cells = prefiltered.iter().chain(bandwidth).cloned();
+        let cells = maps.prefiltered.iter().map(environment_cells).chain(maps.bandwidth.iter().map(bandwidth_cells));
         rows.extend(job.files().zip(cells).map(|(file, cells)| row(file, cells)));
     }
     for (name, maps) in made().filter_map(|(name, made)| Some((name, made.maps.as_ref()?))) {
