@@ -188,7 +188,7 @@ fn build_folder(path: &Path) -> &Path {
 
 /// Rejects a pack that is no flat BTF.
 fn refuse_other_pack(path: &Path) -> Result<(), Error> {
-    let pack = if path.is_file() { open_pack(&Input::from(path)).ok() } else { None };
+    let pack = if path.is_file() { open_pack(Input::from(path)).ok() } else { None };
     let Some(found) = pack.filter(|pack| !matches!(pack, AnyPack::FlatBtf(_))) else { return Ok(()) };
     let allowed = "the folder of a build, or a flat BTF; 'brdfc info' describes a single pack";
     Err(Error::wrong_input(path.display(), found.kind().summary(), allowed))
