@@ -139,7 +139,7 @@ mod tests {
     fn planned() -> Plan {
         let text = "[scene]\nenvironment='sky.exr'\n[materials.a]\nsource='a.brdf'\n[materials.b]\nsource='b.brdf'\n\
                     [materials.twin]\nsource='a.brdf'\n[[uses]]\nmaterial='a'\n[[uses]]\nmaterial='b'\n\
-                    [[uses]]\nmaterial='twin'\n";
+                    maps=['lobes','samples']\n[[uses]]\nmaterial='twin'\n";
         plan(&Manifest::parse(text).unwrap(), Path::new("")).unwrap()
     }
 
@@ -148,7 +148,7 @@ mod tests {
         let plan = planned();
         let names = |works: Vec<Work<'_>>| works.iter().map(Work::name).collect::<Vec<_>>();
         let all = names(plan.works());
-        assert_eq!(all, ["environment.maps", "a.brdf", "a.maps", "b.brdf", "b.maps"]);
+        assert_eq!(all, ["environment.maps", "a.brdf", "a.lobes", "b.brdf", "b.lobes", "b.maps"]);
         for count in 1..8 {
             let mut shared: Vec<String> =
                 (1..=count).flat_map(|number| names(Shard { number, count }.of(plan.works()))).collect();
