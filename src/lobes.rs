@@ -4,7 +4,7 @@
 //! describes the layout.
 
 pub use brdfc_formats::lobes::{LobesPack, MAX_LOBES};
-pub use brdfc_jobs::lobes::CODEC;
+pub use brdfc_jobs::lobes::{CODEC, missed, recipe};
 pub use brdfc_lobes::{
     DEFAULT_DELTA_E, DEFAULT_FETCHES, EncodedLobes, LobesFacts, LobesRecipe, LobesTrial, RenderingError,
 };
@@ -19,5 +19,6 @@ use brdfc_jobs::lobes::encode_lobes;
 /// Returns an error for a recipe out of range ([`ErrorKind::Usage`](crate::ErrorKind::Usage)), and
 /// if the work was cancelled.
 pub fn encode(material: &Material, recipe: &LobesRecipe, progress: &dyn Progress) -> Result<EncodedLobes, Error> {
-    encode_lobes(material.source(), recipe, progress)
+    recipe.check().map_err(Error::usage)?;
+    Ok(encode_lobes(material.source(), recipe, progress)?)
 }

@@ -7,12 +7,13 @@
 pub use brdfc_jobs::depfile::depfile;
 pub use brdfc_jobs::encode::Predicted;
 pub use brdfc_jobs::file_events::FileEvents;
-pub use brdfc_jobs::report::build::{MaterialEntry, environment_map};
+pub use brdfc_jobs::report::build::MaterialEntry;
 pub use brdfc_jobs::report::list::MaterialFile;
 pub use brdfc_jobs::scene::current::PackFolder;
 pub use brdfc_jobs::scene::explain::{Explained, NOTHING};
 pub use brdfc_jobs::scene::graph::{Graph, Places};
 pub use brdfc_jobs::scene::inputs::{manifest_among, read_manifest};
+pub use brdfc_jobs::scene::lobes::{LOBES, LobesReport};
 pub use brdfc_jobs::scene::manifest::{Manifest, ManifestError, Use, line_of, near_miss};
 pub use brdfc_jobs::scene::maps::{PARTS, Packed, part_name};
 pub use brdfc_jobs::scene::plan::{EnvironmentJob, Job, REPORT, pack_name, plan};

@@ -5,7 +5,7 @@ use std::hash::{DefaultHasher, Hasher as _};
 use std::path::{Path, PathBuf};
 
 /// Sources that determine the bytes of packs, relative to this crate. Code that prints, draws or manages files is not included.
-const SOURCES: [&str; 11] = [
+const SOURCES: [&str; 15] = [
     "../../formats/src",
     "../core/src",
     "../readers/src",
@@ -14,7 +14,11 @@ const SOURCES: [&str; 11] = [
     "../codec/src",
     "../codecs",
     "../encode/src",
+    "../render/src/environment.rs",
+    "src/environment.rs",
+    "src/lobes.rs",
     "src/report/material.rs",
+    "src/scene/lobes.rs",
     "src/scene/maps.rs",
     "../../Cargo.lock",
 ];

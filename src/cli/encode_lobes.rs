@@ -1,16 +1,14 @@
 //! `brdfc encode --codec lobes`: the lobes of one material.
 
 use super::encode::Arguments;
+use super::options::by_flags;
 use super::output::{json_or, note_repairs, print_report, write_file};
 use super::progress::{Materials, label};
 use super::{Common, Error};
 use crate::table;
 use brdfc::encode::{StageClock, StageTime};
-use brdfc::lobes::{
-    DEFAULT_DELTA_E, DEFAULT_FETCHES, LobesFacts, LobesRecipe, LobesTrial, MAX_LOBES, RenderingError, encode,
-};
+use brdfc::lobes::{LobesFacts, LobesRecipe, LobesTrial, RenderingError, encode, missed};
 use brdfc::{EncodeOptions, Facts, Progress as _, Stage, Tally};
-use brdfc_terminal::words::format_number;
 use serde::Serialize;
 
 /// Report of `brdfc encode --codec lobes --json`.
@@ -58,18 +56,7 @@ fn recipe(options: &EncodeOptions) -> Result<LobesRecipe, Error> {
         let text = "--codec lobes takes --max-delta-e and --max-fetches, and no other encoding options";
         return Err(Error::usage(text));
     }
-    if let Some(limit) = options.max_delta_e
-        && !(limit > 0.0 && limit.is_finite())
-    {
-        return Err(Error::wrong_usage("--max-delta-e", format_number(limit), "a number above 0"));
-    }
-    let max_fetches = options.max_fetches.map_or(DEFAULT_FETCHES, |fetches| fetches as usize);
-    if max_fetches > MAX_LOBES {
-        let allowed = format!("1 to {MAX_LOBES} for lobes");
-        return Err(Error::wrong_usage("--max-fetches", max_fetches, allowed));
-    }
-    let by_default = options.max_fetches.is_none().then_some(DEFAULT_DELTA_E);
-    Ok(LobesRecipe { max_fetches, max_delta_e: options.max_delta_e.or(by_default) })
+    brdfc::lobes::recipe(options.max_delta_e, options.max_fetches).map_err(by_flags)
 }
 
 pub(super) fn run(arguments: &Arguments, options: &EncodeOptions, common: Common) -> Result<(), Error> {
@@ -90,13 +77,8 @@ pub(super) fn run(arguments: &Arguments, options: &EncodeOptions, common: Common
     drop(progress);
     note_repairs(common, &arguments.input, &encoded.tally);
     let tried: Vec<Candidate> = encoded.trials.iter().map(Candidate::new).collect();
-    let missed = recipe.max_delta_e.filter(|_| !best.meets).map(|limit| {
-        let (found, fetches, limit) = (best.error.mean, best.pack.fetches(), format_number(limit));
-        Error::check(format!(
-            "--max-delta-e: found a ΔE of {found:.2} with {fetches} look-ups, expected at most {limit}"
-        ))
-        .prefixed(&arguments.input)
-    });
+    let missed = missed(&encoded, &recipe)
+        .map(|missed| Error::check(format!("--max-delta-e: {missed}")).prefixed(&arguments.input));
     let report = Report {
         version: 1,
         input: material.facts().clone(),

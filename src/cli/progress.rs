@@ -17,7 +17,7 @@ pub fn label(path: &Path) -> String {
 }
 
 /// Stages in order, with their approximate share of a pack's time for a scattered scan, in per cent.
-const SHARES: [(Stage, u64); 13] = [
+const SHARES: [(Stage, u64); 15] = [
     (Stage::Read, 2),
     (Stage::Resample, 70),
     (Stage::LogEncode, 1),
@@ -28,12 +28,14 @@ const SHARES: [(Stage, u64); 13] = [
     (Stage::MeasureOnGrid, 5),
     (Stage::MeasureOffGrid, 5),
     (Stage::Pack, 1),
+    (Stage::Prefilter, 5),
+    (Stage::Lobes, 40),
     (Stage::BandwidthMap, 5),
     (Stage::ImportanceSamples, 40),
     (Stage::Write, 1),
 ];
 /// Stages that only environment lighting needs.
-const MAP_STAGES: [Stage; 2] = [Stage::BandwidthMap, Stage::ImportanceSamples];
+const MAP_STAGES: [Stage; 4] = [Stage::Prefilter, Stage::Lobes, Stage::BandwidthMap, Stage::ImportanceSamples];
 
 /// Progress over several materials; the environment counts as one.
 pub(super) struct Materials<'a> {

@@ -6,6 +6,7 @@ use super::output::{
 };
 use super::progress::Materials;
 use super::{Common, Error};
+use brdfc::inspect::{AnyPack, open_pack};
 use brdfc::report::{
     CSV_HEADER, FLAT_CSV_HEADER, FlatPage, REPORT, Reports, ViewLink, csv, flat_btf_file, flat_csv, flat_html, gather,
     html, is_flat_btf, sheet_png,
@@ -67,6 +68,7 @@ pub(super) fn run(arguments: &Arguments, common: Common) -> Result<(), Error> {
     arguments.sheet.as_ref().map_or(Ok(()), |sheet| refuse_other_extension("--sheet", sheet, &["png"]))?;
     // Builds are folders: any other file gets the errors of reading a flat BTF.
     if is_flat_btf(folder) || folder.is_file() {
+        refuse_other_pack(folder)?;
         return of_flat_btf(arguments, common);
     }
     let tolerance = arguments
@@ -182,6 +184,14 @@ fn refuse_other_figures(output: &Path, csv_path: &Path, json_path: &Path) -> Res
 /// Returns the folder of a build, which may be given by its report.
 fn build_folder(path: &Path) -> &Path {
     if path.file_name().is_some_and(|name| name == REPORT) { folder_of(path) } else { path }
+}
+
+/// Rejects a pack that is no flat BTF.
+fn refuse_other_pack(path: &Path) -> Result<(), Error> {
+    let pack = if path.is_file() { open_pack(Input::from(path)).ok() } else { None };
+    let Some(found) = pack.filter(|pack| !matches!(pack, AnyPack::FlatBtf(_))) else { return Ok(()) };
+    let allowed = "the folder of a build, or a flat BTF; 'brdfc info' describes a single pack";
+    Err(Error::wrong_input(path.display(), found.kind().summary(), allowed))
 }
 
 /// Writes the page of a flat BTF.

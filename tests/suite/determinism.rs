@@ -91,7 +91,8 @@ fn builds_do_not_depend_on_threads_runs_or_folders() {
 #[test]
 fn maps_do_not_depend_on_threads_or_folders() {
     const LIT: &str = "[scene]\nenvironment = 'sky.hdr'\n[defaults]\ngrid = 2\n[materials.table]\nsource = 'table.binary'\n\
-        [materials.model]\nsource = 'synth:ward?ay=0.5'\n[[uses]]\nmaterial = 'table'\n[[uses]]\nmaterial = 'model'\n";
+        [materials.model]\nsource = 'synth:ward?ay=0.5'\n[[uses]]\nmaterial = 'table'\n\
+        maps = ['lobes', 'bandwidth', 'samples']\n[[uses]]\nmaterial = 'model'\nmaps = ['lobes', 'bandwidth', 'samples']\n";
     let scene = || {
         let folder = Folder::new();
         inputs(&folder);
@@ -103,7 +104,7 @@ fn maps_do_not_depend_on_threads_or_folders() {
     };
     let (here, there) = (scene(), scene());
     let first = build(&here, "one", &["--jobs", "1"]);
-    assert_eq!(first.len(), 10, "two packs, five maps, two lists, a report: {:?}", first.keys());
+    assert_eq!(first.len(), 13, "two packs, two lobes, six maps, two lists, a report: {:?}", first.keys());
     assert_same(&first, &build(&here, "eight", &["--jobs", "8"]));
     assert_same(&first, &build(&there, "deeper/down", &["--jobs", "3"]));
     for (name, bytes) in first.iter().filter(|(name, _)| name.ends_with(".json")) {

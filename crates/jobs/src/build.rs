@@ -12,6 +12,7 @@ use crate::scene::inputs::{folders, listed, manifest_among, read_manifest};
 use crate::scene::manifest::Manifest;
 use crate::scene::plan::{Job, Plan, plan};
 use crate::scene::run::{Made, Outcomes};
+use crate::scene::scene_section::{ENVIRONMENTS, is_environment};
 use crate::scene::watch::named_in;
 use crate::scene::works::Work;
 use brdfc_core::progress::Progress;
@@ -95,6 +96,24 @@ impl Build {
     #[must_use]
     pub fn options(self, options: EncodeOptions) -> Self {
         Self { options, ..self }
+    }
+
+    /// Lights materials without a manifest by an environment, a latitude-longitude image: the build also makes their lobes
+    /// and the prefiltered environment.
+    ///
+    /// # Errors
+    /// Returns an error for a manifest, which names its own environment, and for files that are not .exr or .hdr.
+    pub fn environment(mut self, image: impl Into<String>) -> Result<Self, Error> {
+        const FLAG: &str = "--environment";
+        let image = image.into();
+        if self.file.is_some() {
+            return Err(Error::usage(format!("{FLAG} does not apply to manifests; set environment in [scene]")));
+        }
+        if !is_environment(&image) {
+            return Err(Error::wrong_usage(FLAG, image, ENVIRONMENTS));
+        }
+        self.manifest.scene.environment = Some(image);
+        Ok(self)
     }
 
     /// Sets the folder for packs and reports, by default `packs`. A build creates it if missing.

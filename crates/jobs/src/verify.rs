@@ -245,9 +245,9 @@ fn report_fault(report: &BuildReport) -> Option<String> {
             Some(_) => {}
         }
     }
-    let environment = report.environment.as_ref().filter(|entry| entry.report.is_some());
-    if environment.is_some_and(|entry| entry.file.as_ref().map(|file| &file.file) != entry.bandwidth.as_ref()) {
-        return Some("environment: the hashed file is not its bandwidth map".to_owned());
+    let environment = report.environment.as_ref().filter(|entry| entry.maps.is_some());
+    if environment.is_some_and(|entry| !entry.files.iter().map(|file| &file.file).eq(entry.names())) {
+        return Some("environment: the hashed files are not its maps".to_owned());
     }
     (report.files().next().is_none()).then(|| "no files: the build made no material".to_owned())
 }

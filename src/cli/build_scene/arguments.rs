@@ -30,14 +30,15 @@ fn memory_from_text(text: &str) -> Result<u64, String> {
 /// material. The exit code is 1 if a material misses a limit or a requirement of the manifest.
 ///
 /// If the manifest names an environment that lights the scene (environment in the table scene), the build also makes
-/// maps for adaptive shading: bandwidth maps of each material's lobes and of the environment, and importance samples of
-/// the lobes.
+/// the lobes of each material, a few look-ups for each pixel, and the prefiltered environment that they look up. Uses
+/// request maps for adaptive shading by the key maps. Without a manifest, --environment names the image.
 #[derive(Debug, Args)]
 #[command(after_help = "\
 Examples:
   brdfc build scene.toml
   brdfc build scans --out packs
   brdfc build scans/*.binary paint.brdf --max-delta-e 1
+  brdfc build scans/*.binary --environment museum.exr
   brdfc build scene.toml --out assets/packs --jobs 4 --json > report.json
   brdfc build scene.toml --shard 2/8 --out part-2
   brdfc build scene.toml --from part-1 --from part-2
@@ -45,6 +46,10 @@ Examples:
 pub struct Arguments {
     #[command(flatten)]
     pub(super) build: BuildArguments,
+    /// Without a manifest: also make the lobes of each material, and the prefiltered environment that they look up from
+    /// this latitude-longitude image (.exr or .hdr). With a manifest, set environment in the table scene.
+    #[arg(long, value_name = "IMAGE")]
+    environment: Option<String>,
     /// Print the plan and the predicted range of pack sizes, and build nothing.
     #[arg(long)]
     pub(super) dry_run: bool,
@@ -62,8 +67,8 @@ pub struct Arguments {
     /// without this option moves the results into place. There is no report, so --json is not available.
     #[arg(long, value_name = "I/N", conflicts_with_all = ["only", "dry_run", "explain"])]
     pub(super) shard: Option<Shard>,
-    /// Build only this part into the store, as --shard does: MATERIAL.brdf, MATERIAL.maps or environment.maps ('brdfc
-    /// plan' lists them). May be repeated.
+    /// Build only this part into the store, as --shard does: MATERIAL.brdf, MATERIAL.lobes, MATERIAL.maps or
+    /// environment.maps ('brdfc plan' lists them). May be repeated.
     #[arg(long, value_name = "PART", conflicts_with_all = ["dry_run", "explain"])]
     pub(super) only: Vec<String>,
     /// Reuse results from the output folder of another build, for example of another machine. May be repeated.
@@ -115,7 +120,10 @@ impl BuildArguments {
 impl Arguments {
     /// Makes the build from all arguments.
     pub(super) fn build(&self) -> Result<Build, Error> {
-        let build = self.build.build(&self.options)?;
+        let mut build = self.build.build(&self.options)?;
+        if let Some(image) = &self.environment {
+            build = build.environment(image)?;
+        }
         Ok(build.cache(!self.no_cache).reuse(self.from.clone()).fail_fast(self.fail_fast))
     }
 

@@ -59,7 +59,7 @@ pub(super) fn run(arguments: &Arguments, common: Common) -> Result<(), Error> {
     if arguments.explain {
         built.report.needs = build.explain(plan, &built.outcomes);
     }
-    let text = text::text(&built.outcomes) + &plan_text::needs(&built.report.needs);
+    let text = text::text(plan, &built.outcomes) + &plan_text::needs(&built.report.needs);
     print(&json_or(common, &built.report, text))?;
     if !plan.skipped.is_empty() {
         remark(

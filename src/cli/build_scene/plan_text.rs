@@ -1,9 +1,9 @@
 //! Text of a plan: what a build would do.
 
 use crate::table;
-use brdfc::scene::{Explained, Job, MaterialEntry, NOTHING, Predicted, environment_map, pack_name};
+use brdfc::scene::{Explained, Job, MaterialEntry, NOTHING, Predicted, pack_name};
 use brdfc::{BuildReport, PackRecipe, Plan};
-use brdfc_terminal::words::join_truncated;
+use brdfc_terminal::words::{format_number, join_truncated};
 use std::path::Path;
 
 /// Maximum number of material names in a line.
@@ -18,16 +18,27 @@ pub(super) fn text(plan: &Plan, report: &BuildReport, out: &Path) -> String {
             job.needs.uses.to_string(),
             job.recipe.variant().to_owned(),
             job.recipe.target(),
-            if is_missing { "no such file".to_owned() } else { predicted(&job.recipe, planned) },
+            if is_missing { "no such file".to_owned() } else { of_pack(&job.recipe, planned) },
             job.input.to_string(),
             out.join(pack_name(&job.name)).display().to_string(),
         ]
     };
     let header = ["material", "uses", "codec", "target", "on GPU", "source", "pack"];
     let mut text = table::plain(&header, plan.jobs.iter().zip(&report.materials).map(row));
+    let lobes = plan.jobs.iter().zip(&report.materials).filter_map(|(job, planned)| {
+        let (recipe, predicted) = (job.lobes.as_ref()?, planned.predicted_lobes?);
+        let limit = recipe.max_delta_e.map_or(String::new(), |limit| format!("ΔE {}, ", format_number(limit)));
+        let target = format!("{limit}up to {} look-ups", recipe.max_fetches);
+        let file = out.join(planned.lobes.as_ref()?).display().to_string();
+        Some([job.name.clone(), target, bounds(predicted, planned.cached), file])
+    });
+    let lobes: Vec<_> = lobes.collect();
+    if !lobes.is_empty() {
+        text += &format!("\n{}\n", table::plain(&["lobes of", "target", "on GPU", "file"], lobes));
+    }
     if let Some(job) = &plan.environment {
-        let map = out.join(environment_map()).display().to_string();
-        text += &format!("lit by {}: {map}\n", job.path.display());
+        let maps: Vec<String> = job.files().map(|file| out.join(file).display().to_string()).collect();
+        text += &format!("lit by {}: {}\n", job.path.display(), maps.join(", "));
     }
     for (k, words) in ["bandwidth maps", "importance samples"].into_iter().enumerate() {
         let of: Vec<&str> = plan.jobs.iter().filter(|job| job.maps[k]).map(|job| job.name.as_str()).collect();
@@ -81,12 +92,17 @@ fn all_unused(first: &Explained, unused: &[&Explained]) -> Explained {
     }
 }
 
-/// Predicted bytes on a GPU: the size of the cached pack, or a range.
-fn predicted(recipe: &PackRecipe, planned: &MaterialEntry) -> String {
-    let Some(Predicted { least, most }) = planned.predicted else { return "-".to_owned() };
+/// Predicted bytes of a pack on a GPU.
+fn of_pack(recipe: &PackRecipe, planned: &MaterialEntry) -> String {
+    let Some(predicted) = planned.predicted else { return "-".to_owned() };
+    let is_open = predicted.least == 0 && recipe.is_search() && planned.cached.is_none();
+    format!("{}{}", if is_open { "searched, " } else { "" }, bounds(predicted, planned.cached))
+}
+
+/// Predicted bytes on a GPU: the size of the cached file, or a range.
+fn bounds(Predicted { least, most }: Predicted, cached: Option<bool>) -> String {
     match least {
-        _ if planned.cached == Some(true) => format!("{}, cached", table::bytes(most)),
-        0 if recipe.is_search() => format!("searched, up to {}", table::bytes(most)),
+        _ if cached == Some(true) => format!("{}, cached", table::bytes(most)),
         0 => format!("up to {}", table::bytes(most)),
         _ => format!("{} to {}", table::bytes(least), table::bytes(most)),
     }

@@ -1,12 +1,13 @@
 //! Summary of a finished build.
 
 use crate::table;
-use brdfc::Outcomes;
 use brdfc::bandwidth::BandwidthFacts;
-use brdfc::scene::{PARTS, Packed, environment_map, part_name};
+use brdfc::environment::EnvironmentFacts;
+use brdfc::scene::{LOBES, LobesReport, PARTS, Packed, part_name};
+use brdfc::{Outcomes, Plan};
 
-/// Formats packs as a table, one per line, and maps if there are any.
-pub(super) fn text(outcomes: &Outcomes) -> String {
+/// Formats packs as a table, one per line, and lobes and maps if there are any.
+pub(super) fn text(plan: &Plan, outcomes: &Outcomes) -> String {
     let made = || outcomes.materials.iter().filter_map(|outcome| Some((&outcome.name, outcome.result.as_ref().ok()?)));
     let packs = made().map(|(name, made)| {
         let seconds = made.times.as_ref().map(|times| times.iter().map(|t| t.seconds).sum());
@@ -16,30 +17,56 @@ pub(super) fn text(outcomes: &Outcomes) -> String {
     });
     let packs = made().next().map(|_| table::plain(&table::MATERIAL_HEADER, packs));
 
+    let lobes = made().filter_map(|(name, made)| Some(lobes_row(name, made.maps.as_ref()?.lobes.as_ref()?)));
+    let lobes: Vec<_> = lobes.collect();
+    let header = ["lobes", "look-ups", "on disk", "on GPU", "ΔE", "ΔE 95 %"];
+    let lobes = (!lobes.is_empty()).then(|| table::plain(&header, lobes));
+
     let mut rows = Vec::new();
-    if let Some(Ok(made)) = &outcomes.environment {
-        rows.push(bandwidth_row(environment_map(), &made.report));
+    if let (Some(job), Some(Ok(made))) = (&plan.environment, &outcomes.environment) {
+        let maps = &made.report;
+        let cells = maps.prefiltered.iter().map(environment_cells).chain(maps.bandwidth.iter().map(bandwidth_cells));
+        rows.extend(job.files().zip(cells).map(|(file, cells)| row(file, cells)));
     }
     for (name, maps) in made().filter_map(|(name, made)| Some((name, made.maps.as_ref()?))) {
         let [bandwidth, samples] = PARTS.map(|part| part_name(name, part));
-        rows.extend(maps.bandwidth.as_ref().map(|map| bandwidth_row(bandwidth, map)));
+        rows.extend(maps.bandwidth.as_ref().map(|map| row(bandwidth, bandwidth_cells(map))));
         rows.extend(maps.samples.as_ref().map(|packed| {
             let facts = &packed.facts;
             let size = format!("{} x {}", facts.samples, facts.polar * facts.azimuths);
-            row(samples, size, "-".to_owned(), packed.bytes_on_disk, facts.gpu_bytes)
+            row(samples, cells(size, "-".to_owned(), packed.bytes_on_disk, facts.gpu_bytes))
         }));
     }
     let header = ["map", "texels", "largest bandwidth", "on disk", "on GPU"];
     let maps = (!rows.is_empty()).then(|| table::plain(&header, &rows));
-    packs.into_iter().chain(maps).collect::<Vec<_>>().join("\n")
+    packs.into_iter().chain(lobes).chain(maps).collect::<Vec<_>>().join("\n")
 }
 
-fn bandwidth_row(file: String, map: &Packed<BandwidthFacts>) -> Vec<String> {
+fn lobes_row(name: &str, lobes: &LobesReport) -> [String; 6] {
+    let LobesReport { bytes_on_disk, facts, delta_e, .. } = lobes;
+    let [mean, p95] = [delta_e.mean, delta_e.p95].map(|error| format!("{error:.2}"));
+    let [disk, gpu] = [*bytes_on_disk, facts.gpu_bytes].map(table::bytes);
+    [part_name(name, LOBES), facts.fetches.to_string(), disk, gpu, mean, p95]
+}
+
+/// Cells of a map after its name: texels, largest bandwidth, bytes on disk and on a GPU.
+type Cells = [String; 4];
+
+fn bandwidth_cells(map: &Packed<BandwidthFacts>) -> Cells {
     let facts = &map.facts;
     let size = format!("{} x {}", facts.size[0], facts.size[1]);
-    row(file, size, format!("{:.2} {}", facts.largest, facts.unit), map.bytes_on_disk, facts.gpu_bytes)
+    cells(size, format!("{:.2} {}", facts.largest, facts.unit), map.bytes_on_disk, facts.gpu_bytes)
 }
 
-fn row(file: String, size: String, largest: String, disk: u64, gpu: u64) -> Vec<String> {
-    vec![file, size, largest, table::bytes(disk), table::bytes(gpu)]
+fn environment_cells(map: &Packed<EnvironmentFacts>) -> Cells {
+    let EnvironmentFacts { side, gpu_bytes, .. } = map.facts;
+    cells(format!("6 x {side} x {side}"), "-".to_owned(), map.bytes_on_disk, gpu_bytes)
+}
+
+fn cells(size: String, largest: String, disk: u64, gpu: u64) -> Cells {
+    [size, largest, table::bytes(disk), table::bytes(gpu)]
+}
+
+fn row(file: String, cells: Cells) -> Vec<String> {
+    [file].into_iter().chain(cells).collect()
 }

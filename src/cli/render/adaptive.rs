@@ -191,7 +191,7 @@ fn refuse(arguments: &Arguments) -> Result<(), Error> {
 fn environment(arguments: &Arguments, subject: &Subject, environment: &Environment) -> Result<BandwidthMap, Error> {
     if let (Subject::Scene { packs: Some(packs), environment: Some(job), .. }, None) =
         (subject, &arguments.adaptive.environment)
-        && let Pack::Bandwidth(map) = packs.environment(job, &())?
+        && let Some(Pack::Bandwidth(map)) = packs.environment(job, &())?.pop()
     {
         return Ok(map);
     }

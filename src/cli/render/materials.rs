@@ -28,7 +28,7 @@ pub(super) enum Subject {
         manifest: Box<Manifest>,
         /// Jobs of all materials, because a rendering may show one that no use refers to.
         jobs: Vec<Job>,
-        /// Job of the environment, if one lights the scene.
+        /// Job of the environment's bandwidth map, if the scene needs it.
         environment: Option<EnvironmentJob>,
         /// Folder of the packs, if they were built.
         packs: Option<Box<PackFolder>>,
@@ -92,7 +92,10 @@ pub(super) fn subject(arguments: &Arguments) -> Result<Subject, Error> {
             let (text, manifest) = read_manifest(&path)?;
             let folder = path.parent().unwrap_or(Path::new(""));
             let plan = plan(&with_all_uses(&manifest), folder)?;
-            let (jobs, environment) = (plan.jobs, plan.environment);
+            // Renderings of a manifest look up no lobes, and no prefiltered environment.
+            let jobs = plan.jobs.into_iter().map(|job| Job { lobes: None, ..job }).collect();
+            let environment = plan.environment.filter(|job| job.maps[1]);
+            let environment = environment.map(|job| EnvironmentJob { maps: [false, true], ..job });
             let packs = pack_folder(arguments)?.map(Box::new);
             Ok(Subject::Scene { path, text, manifest: Box::new(manifest), jobs, environment, packs })
         }

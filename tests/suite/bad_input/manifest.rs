@@ -185,7 +185,20 @@ fn errors_of_tables_and_lists_state_the_expected_type() {
             "'points'",
             "a list of strings: points, environment",
         ),
-        ("[[uses]]\nmaps = [3]", "line 2, uses[0].maps", "[3]", "a list of strings: bandwidth, samples"),
+        (
+            "[materials.a]\nsource = 'x'\nlobes = { max_fetches = 33 }",
+            "line 3, materials.a.lobes.max_fetches",
+            "33",
+            "1 to 32 for lobes",
+        ),
+        ("[defaults.lobes]\nmax_delta_e = 0", "line 2, defaults.lobes.max_delta_e", "0", "a number above 0"),
+        (
+            "[defaults.lobes]\nmax_bytes = 8",
+            "line 2, key in [defaults.lobes]",
+            "\"max_bytes\"",
+            "max_delta_e or max_fetches",
+        ),
+        ("[[uses]]\nmaps = [3]", "line 2, uses[0].maps", "[3]", "a list of strings: lobes, bandwidth, samples"),
     ] {
         let folder = Folder::new();
         folder.write("scene.toml", line);

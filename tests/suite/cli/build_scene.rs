@@ -173,11 +173,136 @@ fn lit(file: &str) -> String {
     SCENE.replace("name = 'two'", &format!("name = 'two'\nenvironment = '{file}'"))
 }
 
+/// [`lit`] with maps for adaptive shading instead of lobes.
+fn adaptive(file: &str) -> String {
+    lit(file).replace("[[uses]]", "[[uses]]\nmaps = ['bandwidth', 'samples']")
+}
+
+/// Names of the stages of an entry of a report; none if it was cached.
+fn stages(entry: &serde_json::Value) -> Vec<String> {
+    let all = entry.get("stages").and_then(|stages| stages.as_array()).into_iter().flatten();
+    all.map(|stage| stage["stage"].as_str().unwrap().to_owned()).collect()
+}
+
 #[test]
-fn an_environment_asks_for_maps() {
+fn an_environment_asks_for_lobes() {
+    let folder = folder();
+    sky(&folder, "sky.hdr");
+    let model = "[materials.model]\nlobes = { max_fetches = 2 }";
+    folder.write("scene.toml", lit("sky.hdr").replace("[materials.model]", model));
+    let planned = folder.run(&["build", "scene.toml", "--dry-run", "--json"]).succeeded().json();
+    conforms("build", &planned);
+    let words = folder.run(&["build", "scene.toml", "--dry-run", "--explain"]).succeeded().stdout;
+    for line in [
+        "lit by sky.hdr: packs/environment.prefiltered.ktx2",
+        "up to 2 look-ups   192 B to 1.5 KiB  packs/model.lobes.ktx2",
+        "ΔE 1, up to 16 look-ups  192 B to 12.0 KiB  packs/table.lobes.ktx2",
+        "lit by the environment: wall",
+    ] {
+        assert!(words.contains(line), "{line}: {words}");
+    }
+    assert!(!folder.path().join("packs").exists());
+
+    let report = folder.run(&["build", "scene.toml", "--json"]).succeeded().json();
+    conforms("build", &report);
+    let names: Vec<_> = folder.products("packs").into_keys().collect();
+    let mut expected = vec!["environment.prefiltered.ktx2".to_owned(), "report.json".to_owned()];
+    for name in ["model", "table"] {
+        expected.extend(["brdf.ktx2", "json", "lobes.ktx2"].map(|part| format!("{name}.{part}")));
+    }
+    expected.sort();
+    assert_eq!(names, expected, "no bandwidth maps and no samples");
+    // Each file is identical to the output of its own command and to its entries in the lists.
+    let same = |arguments: &[&str], pack: &str| {
+        folder.run(&[arguments, &["-o", "alone.ktx2"]].concat()).succeeded();
+        assert!(folder.read("alone.ktx2") == folder.read(&format!("packs/{pack}")), "{pack}");
+    };
+    same(&["environment", "sky.hdr"], "environment.prefiltered.ktx2");
+    let encode = |source| ["encode", source, "--codec", "lobes"];
+    let model = encode("synth:ward?kd=0.2,0.1,0.1");
+    same(&[&model[..], &["--max-fetches", "2"]].concat(), "model.lobes.ktx2");
+    same(&encode("data/table.binary"), "table.lobes.ktx2");
+    for (number, name) in ["model", "table"].into_iter().enumerate() {
+        let (made, plan) = (&report["materials"][number], &planned["materials"][number]);
+        let list: serde_json::Value = serde_json::from_str(&folder.text(&format!("packs/{name}.json"))).unwrap();
+        conforms("material", &list);
+        let file = format!("{name}.lobes.ktx2");
+        assert!(list["parts"]["lobes"] == file && made["lobes"] == file && plan["lobes"] == file, "{made} {plan}");
+        let lobes = &made["maps"]["lobes"];
+        assert_eq!((&list["maps"]["lobes"], lobes["missed"].is_null()), (lobes, true));
+        assert_eq!(lobes["bytes_on_disk"], folder.read(&format!("packs/{file}")).len());
+        let [mean, p95] = ["mean", "p95"].map(|key| lobes["delta_e"][key].as_f64().unwrap());
+        assert!(0.0 < mean && mean < p95, "{lobes}");
+        let bytes = |key: &str| plan["predicted_lobes"][key].as_u64().unwrap();
+        assert!((bytes("least")..=bytes("most")).contains(&lobes["facts"]["gpu_bytes"].as_u64().unwrap()), "{lobes}");
+    }
+    assert_eq!(report["materials"][0]["maps"]["lobes"]["facts"]["fetches"], 2);
+    folder.run(&["verify", "packs"]).succeeded();
+
+    // Nothing is built again, and other limits fit lobes alone again.
+    let again = folder.run(&["build", "scene.toml", "--json"]).succeeded().json();
+    assert!(again["materials"].as_array().unwrap().iter().all(|made| made["cached"] == true), "{again}");
+    assert_eq!(again["environment"]["cached"], true);
+    folder.write(
+        "scene.toml",
+        lit("sky.hdr").replace("[defaults]", "[defaults]\nlobes = { max_delta_e = 0.001, max_fetches = 3 }"),
+    );
+    let ran = folder.run(&["build", "scene.toml", "--json"]);
+    let made = &ran.json()["materials"];
+    for number in [0, 1] {
+        let stages = stages(&made[number]);
+        assert!(
+            stages.first().unwrap() == "read" && stages.ends_with(&["fit lobes".into(), "write".into()]),
+            "{stages:?}"
+        );
+        assert!(!stages.contains(&"pack".to_owned()), "{stages:?}");
+    }
+    // A missed limit is in the report and the exit code.
+    assert_eq!(ran.code, 1, "{}", ran.stderr);
+    for line in [
+        "brdfc: table: lobes.max_delta_e: found a ΔE of ",
+        "look-ups, expected at most 0.001",
+        "brdfc: 2 materials miss their limits",
+    ] {
+        assert!(ran.stderr.contains(line), "{line}: {}", ran.stderr);
+    }
+    assert!(made[1]["maps"]["lobes"]["missed"].is_string() && folder.path().join("packs/table.lobes.ktx2").exists());
+}
+
+/// A batch takes the environment from the command line.
+#[test]
+fn a_batch_has_an_environment() {
+    let folder = folder();
+    sky(&folder, "sky.hdr");
+    let build = ["build", "synth:lambert", "--max-bytes", "1KiB"];
+    folder.run(&[&build[..], &["--environment", "sky.hdr"]].concat()).succeeded();
+    let names: Vec<_> = folder.products("packs").into_keys().collect();
+    let files =
+        ["environment.prefiltered.ktx2", "lambert.brdf.ktx2", "lambert.json", "lambert.lobes.ktx2", "report.json"];
+    assert_eq!(names, files);
+    for (inputs, code, words) in [
+        (
+            &["synth:lambert", "--environment", "sky.png"][..],
+            2,
+            "--environment: found sky.png, expected an .exr or .hdr",
+        ),
+        (
+            &["scene.toml", "--environment", "sky.hdr"],
+            2,
+            "--environment does not apply to manifests; set environment in",
+        ),
+        (&["synth:lambert", "--codec", "lobes"], 2, "factored or wavelet; builds make lobes, next to packs, where"),
+    ] {
+        let ran = folder.run(&[&["build"], inputs].concat());
+        assert!(ran.code == code && ran.stderr.contains(words), "{}", ran.stderr);
+    }
+}
+
+#[test]
+fn uses_ask_for_maps() {
     let folder = folder();
     sky(&folder, "data/sky.hdr");
-    folder.write("scene.toml", lit("data/sky.hdr"));
+    folder.write("scene.toml", adaptive("data/sky.hdr"));
     let planned = folder.run(&["build", "scene.toml", "--dry-run", "--json"]).succeeded().json();
     conforms("build", &planned);
     let words = folder.run(&["build", "scene.toml", "--dry-run"]).succeeded().stdout;
@@ -243,10 +368,6 @@ fn maps_are_cached_like_packs() {
     let build = |text: &str| {
         folder.write("scene.toml", text);
         let report = folder.run(&["build", "scene.toml", "--json"]).succeeded().json();
-        let stages = |entry: &serde_json::Value| -> Vec<String> {
-            let all = entry.get("stages").and_then(|stages| stages.as_array()).into_iter().flatten();
-            all.map(|stage| stage["stage"].as_str().unwrap().to_owned()).collect()
-        };
         [&report["materials"][0], &report["materials"][1], &report["environment"]].map(stages)
     };
     let maps = ["read", "bandwidth map", "importance samples", "write"];
@@ -254,12 +375,12 @@ fn maps_are_cached_like_packs() {
     build(SCENE);
     let dark = folder.products("packs");
     assert!(dark.keys().all(|name| !name.contains("bandwidth") && !name.contains("samples")), "{:?}", dark.keys());
-    let [model, table, environment] = build(&lit("sky.exr"));
+    let [model, table, environment] = build(&adaptive("sky.exr"));
     assert!(model == maps && table == maps, "the packs are there: {model:?} {table:?}");
     assert_eq!(environment, ["read", "bandwidth map", "write"]);
     let first = folder.products("packs");
     assert!(dark.iter().all(|(name, bytes)| name.ends_with(".json") || first[name] == *bytes));
-    assert!(build(&lit("sky.exr")).iter().all(|stages| *stages == nothing));
+    assert!(build(&adaptive("sky.exr")).iter().all(|stages| *stages == nothing));
 
     // A broken file is replaced; if the store lost it as well, it is built again.
     for (file, number) in [("model.samples.ktx2", 0), ("table.bandwidth.ktx2", 1), ("environment.bandwidth.ktx2", 2)] {
@@ -269,7 +390,7 @@ fn maps_are_cached_like_packs() {
             if breaks_both {
                 folder.write(&retained, b"broken");
             }
-            let made = build(&lit("sky.exr"));
+            let made = build(&adaptive("sky.exr"));
             for (other, stages) in made.iter().enumerate() {
                 assert_eq!(!stages.is_empty(), breaks_both && other == number, "{file}: {made:?}");
             }
@@ -279,9 +400,9 @@ fn maps_are_cached_like_packs() {
     // Another image of the same name, another source of the same name.
     sky(&folder, "other.hdr");
     folder.write("sky.exr", folder.read("sky.exr").into_iter().chain([0]).collect::<Vec<_>>());
-    let [model, table, environment] = build(&lit("sky.exr"));
+    let [model, table, environment] = build(&adaptive("sky.exr"));
     assert!(model == nothing && table == nothing && environment.len() == 3, "{environment:?}");
-    let [model, table, _] = build(&lit("sky.exr").replace("kd=0.2,0.1,0.1", "kd=0.2,0.1,0.2"));
+    let [model, table, _] = build(&adaptive("sky.exr").replace("kd=0.2,0.1,0.1", "kd=0.2,0.1,0.2"));
     assert!(model.len() > 9 && model.contains(&"importance samples".to_owned()) && table == nothing, "{model:?}");
     // Maps that are no longer needed are removed.
     build(SCENE);
@@ -307,8 +428,8 @@ fn environments_that_cannot_be_used() {
             assert!(ran.stderr.contains("brdfc: the environment failed"), "{}", ran.stderr);
             conforms("build", &ran.json());
             let names: Vec<_> = folder.products("packs").into_keys().collect();
-            assert!(names.contains(&"table.samples.ktx2".to_owned()), "materials are made: {names:?}");
-            assert!(!names.contains(&"environment.bandwidth.ktx2".to_owned()));
+            assert!(names.contains(&"table.lobes.ktx2".to_owned()), "materials are made: {names:?}");
+            assert!(!names.contains(&"environment.prefiltered.ktx2".to_owned()));
         }
     }
     folder.write("scene.toml", lit("gone.exr").replace("environment =", "enviroment ="));
@@ -323,9 +444,9 @@ fn environments_that_cannot_be_used() {
     folder.run(&["build", "scene.toml", "--dry-run"]).succeeded();
 }
 
-/// On a small grid; the scan is excluded when maps are built, because its fits take long.
+/// On a small grid; the scan is excluded when lobes are built, because its fits take long.
 #[test]
-fn the_demo_scene_has_maps_only_under_an_environment() {
+fn the_demo_scene_has_lobes_only_under_an_environment() {
     let folder = Folder::new();
     for entry in std::fs::read_dir(concat!(env!("CARGO_MANIFEST_DIR"), "/testdata/demo")).unwrap() {
         let path = entry.unwrap().path();
@@ -343,19 +464,21 @@ fn the_demo_scene_has_maps_only_under_an_environment() {
 
     sky(&folder, "sky.exr");
     let lit = demo.replace("name = \"demo\"", "name = \"demo\"\nenvironment = \"sky.exr\"");
+    // Lobes of parallel fibres have larger errors.
+    let lit = lit.replace("reciprocal = true", "reciprocal = true\nlobes.max_delta_e = 4");
     folder.write("scene.toml", &lit);
     let planned = folder.run(&["build", "scene.toml", "--dry-run", "--json"]).succeeded().json();
-    assert!(planned["materials"].as_array().unwrap().iter().all(|m| m["bandwidth"].is_string()), "{planned}");
+    assert!(planned["materials"].as_array().unwrap().iter().all(|m| m["lobes"].is_string()), "{planned}");
     folder.write("scene.toml", lit.replace("object = \"car body\"\nmaterial = \"blue_paint\"", "material = \"satin\""));
     // In the same folder, whose packs are reused.
     folder.run(&["build", "scene.toml"]).succeeded();
     let all: Vec<_> = folder.products("packs").into_keys().collect();
     for name in ["red_plastic", "brushed_metal", "satin"] {
-        for part in ["brdf", "bandwidth", "samples"] {
+        for part in ["brdf", "lobes"] {
             assert!(all.contains(&format!("{name}.{part}.ktx2")), "{name} {part}: {all:?}");
         }
     }
-    assert!(all.contains(&"environment.bandwidth.ktx2".to_owned()) && all.len() == 14, "{all:?}");
+    assert!(all.contains(&"environment.prefiltered.ktx2".to_owned()) && all.len() == 11, "{all:?}");
 }
 
 /// Defaults of the manifest that do not apply to a codec of the command line are ignored.

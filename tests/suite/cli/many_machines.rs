@@ -6,7 +6,7 @@ use std::collections::BTreeMap;
 use std::process::Command;
 use std::sync::LazyLock;
 
-/// Four materials, two of which are the same work, with a map each.
+/// Four materials, two of which are the same work, with a map each, and one with lobes.
 fn folder() -> Folder {
     let folder = Folder::new();
     inputs(&folder);
@@ -17,7 +17,8 @@ fn folder() -> Folder {
         "[scene]\nenvironment = 'sky.hdr'\n[defaults]\ncodec = 'table'\nmax_bytes = 2000\n\
          [materials.table]\nsource = 'table.binary'\n[materials.twin]\nsource = 'table.binary'\n\
          [materials.round]\nsource = 'round.brdf'\n[materials.ward]\nsource = 'synth:ward'\n\
-         [[uses]]\nmaterial = 'table'\n[[uses]]\nmaterial = 'twin'\n[[uses]]\nmaterial = 'round'\n[[uses]]\nmaterial = 'ward'\n",
+         [[uses]]\nmaterial = 'table'\nmaps = ['samples']\n[[uses]]\nmaterial = 'twin'\nmaps = ['samples']\n\
+         [[uses]]\nmaterial = 'round'\nmaps = ['samples']\n[[uses]]\nmaterial = 'ward'\nmaps = ['lobes', 'bandwidth']\n",
     );
     folder
 }
@@ -48,7 +49,7 @@ fn shards_make_the_whole() {
         (
             &["--only", "table"],
             "--only: found \"table\", expected environment.maps, round.brdf, round.maps, table.brdf, table.maps, \
-             ward.brdf or ward.maps",
+             ward.brdf, ward.lobes or ward.maps",
         ),
         (&["--shard", "1/3", "--json"], "--json does not apply to --shard and --only"),
     ] {
@@ -65,7 +66,8 @@ fn the_graph_is_one_job_per_material_and_part() {
     let graph = folder.run(&["plan", "my scene.toml", "--format", "json"]).succeeded().json();
     conforms("plan", &graph);
     let names: Vec<_> = graph["jobs"].as_array().unwrap().iter().map(|job| job["name"].as_str().unwrap()).collect();
-    let parts = ["environment.maps", "round.brdf", "round.maps", "table.brdf", "table.maps", "ward.brdf", "ward.maps"];
+    let of_tables = ["environment.maps", "round.brdf", "round.maps", "table.brdf", "table.maps"];
+    let parts = [&of_tables[..], &["ward.brdf", "ward.lobes", "ward.maps"]].concat();
     assert_eq!(names, parts);
     for job in graph["jobs"].as_array().unwrap().iter().chain([&graph["merge"]]) {
         let command: Vec<&str> = job["command"].as_array().unwrap().iter().map(|word| word.as_str().unwrap()).collect();
@@ -93,7 +95,7 @@ fn ninja_runs_the_graph() {
         (output.status.success(), text)
     };
     let (built, message) = ninja();
-    assert!(built && message.contains("[8/8] merge"), "{message}");
+    assert!(built && message.contains("[9/9] merge"), "{message}");
     assert!(folder.products("packs") == *WHOLE);
     assert!(ninja().1.contains("no work to do"));
     // Deleted files are restored, and nothing is built again.

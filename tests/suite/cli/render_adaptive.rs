@@ -77,7 +77,8 @@ fn packs_manifests_and_what_a_build_wrote() {
     sky(&folder, "sky.exr");
     folder.write(
         "scene.toml",
-        b"[scene]\nenvironment = 'sky.exr'\n[materials.m]\nsource = 'synth:ggx?alpha=0.3'\ngrid = 8\n[[uses]]\nmaterial = 'm'\n",
+        b"[scene]\nenvironment = 'sky.exr'\n[materials.m]\nsource = 'synth:ggx?alpha=0.3'\ngrid = 8\n[[uses]]\nmaterial = 'm'\n\
+          maps = ['bandwidth', 'samples']\n",
     );
     folder.run(&["build", "scene.toml", "--out", "packs"]).succeeded();
     let manifest = |more: &[&str]| {

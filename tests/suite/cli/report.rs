@@ -151,7 +151,7 @@ fn what_got_worse_is_exit_code_1() {
 }
 
 #[test]
-fn maps_of_a_lit_scene_have_renderings_and_bytes() {
+fn lobes_and_maps_of_a_lit_scene_have_figures() {
     let folder = Folder::new();
     let sky = brdfc_metrics::image::LinearImage {
         pixels: (0..16 * 8).map(|i| [0.1 + (i % 16) as f32 / 8.0; 3]).collect(),
@@ -162,12 +162,21 @@ fn maps_of_a_lit_scene_have_renderings_and_bytes() {
     folder.write(
         "scene.toml",
         "[scene]\nenvironment = 'sky.exr'\n[materials.paint]\nsource = 'synth:ggx?alpha=0.4'\n\
-         [[uses]]\nmaterial = 'paint'\n",
+         lobes = { max_fetches = 2 }\n[[uses]]\nmaterial = 'paint'\nmaps = ['lobes', 'bandwidth', 'samples']\n",
     );
     folder.run(&["build", "scene.toml"]).succeeded();
     folder.run(&["report", "packs", "-o", "page.html"]).succeeded();
     let page = folder.text("page.html");
+    let table = folder.text("page.csv");
+    let columns: Vec<Vec<&str>> = table.lines().map(|line| line.split(',').collect()).collect();
+    let at = columns[0].iter().position(|name| *name == "lobes_fetches").unwrap();
+    assert!(columns[1].len() == columns[0].len() && columns[1][at] == "2", "{table}");
     for words in [
+        "Lobes: the light of an environment",
+        "paint.lobes.ktx2",
+        "lobes, 2 look-ups: ",
+        "environment.prefiltered.ktx2",
+        "prefiltered environment, 6 faces of 64 x 64",
         "paint.bandwidth.ktx2",
         "paint.samples.ktx2",
         "environment.bandwidth.ktx2",
@@ -300,6 +309,8 @@ fn folders_that_are_not_what_their_report_says() {
         assert!(!folder.path().join("page.html").exists());
     };
     refused(4, "nowhere/report.json: cannot read", &["nowhere", "-o", "page.html"]);
+    let pack = ["packs/velvet.brdf.ktx2", "-o", "page.html"];
+    refused(3, "expected the folder of a build, or a flat BTF; 'brdfc info' describes a single pack", &pack);
     refused(2, "--output: found page.pdf, expected a name that ends in .html or .htm", &["packs", "-o", "page.pdf"]);
     refused(
         2,
@@ -308,7 +319,7 @@ fn folders_that_are_not_what_their_report_says() {
     );
     // For a damaged report or one of another version, no type names of the program.
     let whole = folder.text("packs/report.json");
-    let other = whole.replacen("\"version\": 4", "\"version\": 1", 1);
+    let other = whole.replacen("\"version\": 5", "\"version\": 1", 1);
     let typed = whole.replacen("\"scene\": \"materials\"", "\"scene\": 3", 1);
     let outside = whole.replacen("\"velvet.brdf.ktx2\"", "\"../velvet.brdf.ktx2\"", 1);
     assert!(other != whole && typed != whole && outside != whole);
@@ -318,7 +329,7 @@ fn folders_that_are_not_what_their_report_says() {
         (&whole[..300], "found truncated JSON, at line "),
         ("[]", "found JSON of another layout, at line 1, column 2"),
         (&typed, "found JSON of another layout, at line 3, column 12: invalid type: integer `3`"),
-        (&other, "found layout version 1, expected 4"),
+        (&other, "found layout version 1, expected 5"),
         (&outside, "the file \"../velvet.brdf.ktx2\" is outside the folder of the report"),
         ("\0\0\0", "found text that is not JSON, at line 1, column 1"),
     ] {

@@ -25,10 +25,13 @@ source = 'data/scan.binary'
 [materials.all]
 source = 'more/*.binary'
 [[uses]]
+maps = ['bandwidth', 'samples']
 material = 'model'
 [[uses]]
+maps = ['bandwidth', 'samples']
 material = 'scan'
 [[uses]]
+maps = ['bandwidth', 'samples']
 material = 'all'
 ";
 

@@ -7,12 +7,12 @@ use crate::encode::Predicted;
 use crate::error::Error;
 use crate::file_name::{folded, is_plain};
 use crate::scene::explain::Explained;
-use crate::scene::maps::{MapsReport, PARTS, Packed, part_name};
-use crate::scene::plan::{Plan, REPORT, list_name, pack_name};
+use crate::scene::lobes::{self, LOBES, LobesReport};
+use crate::scene::maps::{ENVIRONMENT_PARTS, EnvironmentMaps, MapsReport, PARTS, part_name};
+use crate::scene::plan::{EnvironmentJob, Job, Plan, REPORT, list_name, pack_name};
 use crate::scene::run::{JobError, Made, MadeEnvironment, Outcome, Outcomes, PACK};
 use crate::scene::scene_section::ENVIRONMENT;
 use crate::store::Digest;
-use brdfc_bandwidth::facts::BandwidthFacts;
 use brdfc_source::json::json_problem;
 use brdfc_source::read::read_file;
 use serde::{Deserialize, Serialize};
@@ -22,7 +22,7 @@ use std::path::Path;
 /// Maximum size of a `report.json`, bytes, enough for some 80,000 materials.
 pub const MAX_REPORT_BYTES: u64 = 1 << 30;
 /// Layout of the report of a build.
-pub const BUILD_VERSION: u32 = 4;
+pub const BUILD_VERSION: u32 = 5;
 
 /// Report of a build: `--json` prints it, and `report.json` in the output folder holds it without times and paths.
 #[derive(Debug, Clone, Serialize, Deserialize, schemars::JsonSchema)]
@@ -67,10 +67,13 @@ pub struct MaterialEntry {
     /// The pack, relative to the output folder; absent if there is none.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub pack: Option<String>,
-    /// The bandwidth map, relative to the output folder; only of scenes that an environment lights.
+    /// The lobes, relative to the output folder; only where an environment lights the material.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub lobes: Option<String>,
+    /// The bandwidth map, relative to the output folder; only if a use that an environment lights requests it.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub bandwidth: Option<String>,
-    /// The importance samples, relative to the output folder; only of scenes that an environment lights.
+    /// The importance samples, relative to the output folder; only if a use that an environment lights requests them.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub samples: Option<String>,
     /// Files of the material with their hashes; none if the material failed, or was only planned.
@@ -82,7 +85,7 @@ pub struct MaterialEntry {
     /// Measurements; absent if it failed, or was only planned.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub report: Option<MaterialReport>,
-    /// Contents of the bandwidth map and the samples.
+    /// Contents of the lobes, the bandwidth map and the samples.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub maps: Option<MapsReport>,
     /// Results of the gates in the manifest.
@@ -91,6 +94,9 @@ pub struct MaterialEntry {
     /// Predicted bytes of its pack on a GPU. Only for planned materials.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub predicted: Option<Predicted>,
+    /// Predicted bytes of its lobes on a GPU. Only for planned materials with lobes.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub predicted_lobes: Option<Predicted>,
     /// Error message; absent if it succeeded.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub error: Option<String>,
@@ -109,16 +115,23 @@ impl MaterialEntry {
     /// The list of the material's parts; `None` if it failed, or was only planned.
     pub fn file(&self) -> Option<MaterialFile> {
         let [bandwidth, samples] = PARTS;
-        let parts = [(PACK, &self.pack), (bandwidth, &self.bandwidth), (samples, &self.samples)];
-        let parts = parts.into_iter().filter_map(|(part, file)| Some((part.to_owned(), file.clone()?))).collect();
+        let maps = [(bandwidth, &self.bandwidth), (samples, &self.samples)];
+        let parts = [(PACK, &self.pack), (LOBES, &self.lobes)].into_iter().chain(maps);
+        let parts = parts.filter_map(|(part, file)| Some((part.to_owned(), file.clone()?))).collect();
         let (material, report) = (self.material.clone(), self.report.clone()?);
         Some(MaterialFile { version: MATERIAL_VERSION, material, parts, report, maps: self.maps.clone() })
+    }
+
+    /// Contents of its lobes, if it has them.
+    pub fn lobes_report(&self) -> Option<&LobesReport> {
+        self.maps.as_ref()?.lobes.as_ref()
     }
 
     /// Returns true if it was made, met its limits and passed its gates.
     pub fn passed(&self) -> bool {
         let met = self.report.as_ref().is_some_and(|report| report.missed.is_none());
-        met && self.gates.iter().all(|gate| gate.passed)
+        met && self.lobes_report().is_none_or(|lobes| lobes.missed.is_none())
+            && self.gates.iter().all(|gate| gate.passed)
     }
 }
 
@@ -127,15 +140,18 @@ impl MaterialEntry {
 pub struct EnvironmentEntry {
     /// The image, as in the manifest.
     pub source: String,
+    /// The prefiltered environment, which lobes look up, relative to the output folder; absent if there is none.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub prefiltered: Option<String>,
     /// Bandwidth map of the environment, relative to the output folder; absent if there is none.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub bandwidth: Option<String>,
-    /// The map with its hash; absent if it failed, or was only planned.
+    /// Files of the environment with their hashes; none if it failed, or was only planned.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub files: Vec<FileEntry>,
+    /// Contents of the maps; absent if the environment failed, or was only planned.
     #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub file: Option<FileEntry>,
-    /// Contents of the map; absent if it failed, or was only planned.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub report: Option<Packed<BandwidthFacts>>,
+    pub maps: Option<EnvironmentMaps>,
     /// Error message; absent if it succeeded.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub error: Option<String>,
@@ -207,8 +223,10 @@ impl BuildReport {
 
     /// Names of all files in the report.
     fn names(&self) -> impl Iterator<Item = &str> {
-        let parts = self.materials.iter().flat_map(|entry| [&entry.pack, &entry.bandwidth, &entry.samples]);
-        self.files().map(|entry| &entry.file).chain(parts.flatten()).map(String::as_str)
+        let parts =
+            self.materials.iter().flat_map(|entry| [&entry.pack, &entry.lobes, &entry.bandwidth, &entry.samples]);
+        let maps = self.environment.iter().flat_map(EnvironmentEntry::names);
+        self.files().map(|entry| &entry.file).chain(parts.flatten()).chain(maps).map(String::as_str)
     }
 
     /// Reports a finished build.
@@ -216,11 +234,11 @@ impl BuildReport {
         let environment = plan.environment.as_ref().zip(outcomes.environment.as_ref());
         let materials = outcomes.materials.iter().filter_map(|outcome| {
             let job = plan.job(&outcome.name)?;
-            Some(material_entry(&job.declared, outcome))
+            Some(material_entry(job, outcome))
         });
         Self {
             materials: materials.collect(),
-            environment: environment.map(|(job, result)| environment_entry(&job.declared, result)),
+            environment: environment.map(|(job, result)| environment_entry(job, result)),
             ..Self::empty(plan)
         }
     }
@@ -228,17 +246,21 @@ impl BuildReport {
     /// Reports a planned build. `known` are the materials that need not be made again.
     pub fn planned(plan: &Plan, known: &BTreeMap<&str, Made>) -> Self {
         let materials = plan.jobs.iter().map(|job| {
-            let (predicted, cached) = match known.get(job.name.as_str()) {
-                Some(made) => (Predicted::exactly(made.report.bytes_on_gpu), Some(true)),
-                None => (job.recipe.predict(), None),
+            let known = known.get(job.name.as_str());
+            let known_lobes = known.and_then(|made| made.maps.as_ref()?.lobes.as_ref());
+            let predicted = known.map(|made| Predicted::exactly(made.report.bytes_on_gpu));
+            let of_lobes = |recipe| match known_lobes {
+                Some(lobes) => Predicted::exactly(lobes.facts.gpu_bytes),
+                None => lobes::predict(recipe),
             };
-            MaterialEntry { predicted: Some(predicted), cached, ..files(&job.name, &job.declared, job.maps) }
+            MaterialEntry {
+                predicted: Some(predicted.unwrap_or_else(|| job.recipe.predict())),
+                predicted_lobes: job.lobes.as_ref().map(of_lobes),
+                cached: known.map(|_| true),
+                ..files(job)
+            }
         });
-        let environment = plan.environment.as_ref().map(|job| EnvironmentEntry {
-            source: job.declared.clone(),
-            bandwidth: Some(environment_map()),
-            ..EnvironmentEntry::default()
-        });
+        let environment = plan.environment.as_ref().map(EnvironmentEntry::planned);
         Self { materials: materials.collect(), environment, ..Self::empty(plan) }
     }
 
@@ -268,7 +290,7 @@ impl BuildReport {
     pub fn retained_with(mut self, asked: &BTreeSet<String>, environment: bool) -> Self {
         self.materials.retain(|entry| !asked.contains(&folded(&entry.material)) && !entry.files.is_empty());
         self.materials.iter_mut().for_each(|entry| entry.retained = true);
-        self.environment = self.environment.filter(|entry| !environment && entry.file.is_some());
+        self.environment = self.environment.filter(|entry| !environment && !entry.files.is_empty());
         self.environment.iter_mut().for_each(|entry| entry.retained = true);
         self
     }
@@ -284,7 +306,7 @@ impl BuildReport {
 
     /// All files with their hashes.
     pub fn files(&self) -> impl Iterator<Item = &FileEntry> {
-        let of_environment = self.environment.iter().filter_map(|entry| entry.file.as_ref());
+        let of_environment = self.environment.iter().flat_map(|entry| &entry.files);
         let of_materials = self.materials.iter().flat_map(|entry| entry.files.iter().chain(&entry.list));
         of_materials.chain(of_environment)
     }
@@ -309,27 +331,36 @@ fn is_sealed(bytes: &[u8], checksum: Digest) -> bool {
     bytes.strip_suffix(end.as_bytes()).is_some_and(|text| Digest::of(&[text, b"\n}\n"].concat()) == checksum)
 }
 
-/// File name of the environment's bandwidth map.
-pub fn environment_map() -> String {
-    part_name(ENVIRONMENT, PARTS[0])
+impl EnvironmentEntry {
+    /// Entry with the names of its files.
+    fn planned(job: &EnvironmentJob) -> Self {
+        let [prefiltered, bandwidth] =
+            [0, 1].map(|k| job.maps[k].then(|| part_name(ENVIRONMENT, ENVIRONMENT_PARTS[k])));
+        Self { source: job.declared.clone(), prefiltered, bandwidth, ..Self::default() }
+    }
+
+    /// Names of its files.
+    pub(crate) fn names(&self) -> impl Iterator<Item = &String> {
+        self.prefiltered.iter().chain(&self.bandwidth)
+    }
 }
 
 /// Entry of a material with the names of its files.
-fn files(name: &str, declared: &str, maps: [bool; 2]) -> MaterialEntry {
-    let [bandwidth, samples] = [0, 1].map(|k| maps[k].then(|| part_name(name, PARTS[k])));
-    let (material, source) = (name.to_owned(), declared.to_owned());
-    MaterialEntry { material, source, pack: Some(pack_name(name)), bandwidth, samples, ..MaterialEntry::default() }
+fn files(job: &Job) -> MaterialEntry {
+    let name = |part: &str| Some(part_name(&job.name, part));
+    let [bandwidth, samples] = [0, 1].map(|k| name(PARTS[k]).filter(|_| job.maps[k]));
+    let (material, source, pack) = (job.name.clone(), job.declared.clone(), Some(pack_name(&job.name)));
+    let lobes = job.lobes.and_then(|_| name(LOBES));
+    MaterialEntry { material, source, pack, lobes, bandwidth, samples, ..MaterialEntry::default() }
 }
 
-fn material_entry(declared: &str, outcome: &Outcome) -> MaterialEntry {
+fn material_entry(job: &Job, outcome: &Outcome) -> MaterialEntry {
     match &outcome.result {
         Ok(made) => {
             let Made { report, maps, gates, files: made_files, times, .. } = made;
             let listed = made_files
                 .iter()
                 .map(|(part, blake3)| FileEntry { file: part_name(&outcome.name, part), blake3: *blake3 });
-            let made = |maps: &MapsReport| [maps.bandwidth.is_some(), maps.samples.is_some()];
-            let of_maps = maps.as_ref().map_or([false; 2], made);
             let entry = MaterialEntry {
                 files: listed.collect(),
                 report: Some(report.clone()),
@@ -337,7 +368,7 @@ fn material_entry(declared: &str, outcome: &Outcome) -> MaterialEntry {
                 gates: gates.clone(),
                 cached: Some(times.is_none()),
                 stages: times.clone(),
-                ..files(&outcome.name, declared, of_maps)
+                ..files(job)
             };
             let list = entry.file();
             let list =
@@ -346,26 +377,25 @@ fn material_entry(declared: &str, outcome: &Outcome) -> MaterialEntry {
         }
         Err(error) => MaterialEntry {
             material: outcome.name.clone(),
-            source: declared.to_owned(),
+            source: job.declared.clone(),
             error: Some(error.to_string()),
             ..MaterialEntry::default()
         },
     }
 }
 
-fn environment_entry(source: &str, result: &Result<MadeEnvironment, JobError>) -> EnvironmentEntry {
-    let source = source.to_owned();
+fn environment_entry(job: &EnvironmentJob, result: &Result<MadeEnvironment, JobError>) -> EnvironmentEntry {
     match result {
-        Ok(MadeEnvironment { report, file, times }) => EnvironmentEntry {
-            source,
-            bandwidth: Some(environment_map()),
-            file: Some(FileEntry { file: environment_map(), blake3: *file }),
-            report: Some(report.clone()),
-            error: None,
-            retained: false,
+        Ok(MadeEnvironment { report, files, times }) => EnvironmentEntry {
+            files: job.files().zip(files).map(|(file, blake3)| FileEntry { file, blake3: *blake3 }).collect(),
+            maps: Some(report.clone()),
             cached: Some(times.is_none()),
             stages: times.clone(),
+            ..EnvironmentEntry::planned(job)
         },
-        Err(error) => EnvironmentEntry { source, error: Some(error.to_string()), ..EnvironmentEntry::default() },
+        Err(error) => {
+            let source = job.declared.clone();
+            EnvironmentEntry { source, error: Some(error.to_string()), ..EnvironmentEntry::default() }
+        }
     }
 }

@@ -17,12 +17,12 @@ pub struct MaterialFile {
     pub version: u32,
     /// The material's name.
     pub material: String,
-    /// Files of the material, by part: `brdf` is the pack; where an environment lights the scene, `bandwidth` is
-    /// the bandwidth map and `samples` are the importance samples.
+    /// Files of the material, by part: `brdf` is the pack; where an environment lights the material, `lobes` are its
+    /// lobes, `bandwidth` is the bandwidth map and `samples` are the importance samples.
     pub parts: BTreeMap<String, String>,
     /// Measurements of the pack.
     pub report: MaterialReport,
-    /// Contents of the maps.
+    /// Contents of the lobes and maps.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub maps: Option<MapsReport>,
 }

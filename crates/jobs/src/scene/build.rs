@@ -8,7 +8,7 @@ use super::works::{Work, WorkResult, make};
 use crate::error::Error;
 use crate::file_name::folded;
 use crate::output_folder::{Changes, Contents, OutputFolder};
-use crate::report::build::{BuildReport, FileEntry, environment_map};
+use crate::report::build::{BuildReport, FileEntry};
 use crate::report::list::MaterialFile;
 use crate::report::material::StageTime;
 use crate::scene::maps::part_name;
@@ -111,7 +111,7 @@ pub fn build(plan: &Plan, settings: &BuildSettings, progress: &dyn Progress) -> 
                 stays = retained.files;
                 report = report.clone().with_retained(retained.report);
             }
-            stays.extend(files(&outcomes, report.clone().without_run_details(plan, &settings.out)));
+            stays.extend(files(plan, &outcomes, report.clone().without_run_details(plan, &settings.out)));
             Ok(stays)
         })?
     };
@@ -257,20 +257,20 @@ pub(super) fn known_folder(out: &Path, store: &Store, progress: &dyn Progress) -
 }
 
 /// All files of a build, the report last.
-fn files(outcomes: &Outcomes, report: BuildReport) -> Vec<(String, Contents)> {
+fn files(plan: &Plan, outcomes: &Outcomes, report: BuildReport) -> Vec<(String, Contents)> {
     let mut files = Vec::new();
     for (name, made) in outcomes.made() {
         for (part, digest) in &made.files {
             files.push((part_name(name, part), Contents::Cached(*digest)));
         }
     }
+    if let (Some(job), Some(Ok(made))) = (&plan.environment, &outcomes.environment) {
+        files.extend(job.files().zip(made.files.iter().map(|digest| Contents::Cached(*digest))));
+    }
     for entry in report.materials.iter().filter(|entry| !entry.retained) {
         if let Some(list) = entry.file() {
             files.push((list_name(&entry.material), Contents::Bytes(list.to_bytes())));
         }
-    }
-    if let Some(Ok(made)) = &outcomes.environment {
-        files.push((environment_map(), Contents::Cached(made.file)));
     }
     files.push((REPORT.to_owned(), Contents::Bytes(report.to_file())));
     files

@@ -8,7 +8,6 @@ use super::plan::{EnvironmentJob, Job};
 use super::run::{BuildContext, Made};
 use crate::error::Error;
 use crate::output_folder::OutputFolder;
-use crate::report::build::environment_map;
 use crate::report::gate::GateResult;
 use crate::store::{Digest, Store};
 use brdfc_core::progress::Progress;
@@ -25,7 +24,7 @@ pub struct PackFolder {
 
 /// A material made from its current recipe and source.
 pub struct Current {
-    /// The pack, then the maps that the scene needs, in the order of [`PARTS`](super::maps::PARTS).
+    /// The pack, then the lobes and maps of [`Job::lighting_parts`].
     pub parts: Vec<Pack>,
     /// The limits that no trial met.
     pub missed: Option<String>,
@@ -104,14 +103,14 @@ impl PackFolder {
         Ok(current)
     }
 
-    /// Returns the map of the environment, and makes it if it is not current.
+    /// Returns the maps of the environment in the order of [`EnvironmentJob::files`], and makes them if they are not current.
     ///
     /// # Errors
     /// Returns an error if the image cannot be read, the store cannot be written to, or the caller cancels.
-    pub fn environment(&self, job: &EnvironmentJob, progress: &dyn Progress) -> Result<Pack, JobError> {
+    pub fn environment(&self, job: &EnvironmentJob, progress: &dyn Progress) -> Result<Vec<Pack>, JobError> {
         let context = self.context();
         let made = context.environment(job, &Shared::new(context.memory), progress)?;
-        self.pack(&environment_map(), &made.file)
+        job.files().zip(&made.files).map(|(name, digest)| self.pack(&name, digest)).collect()
     }
 
     fn pack(&self, name: &str, digest: &Digest) -> Result<Pack, JobError> {

@@ -4,6 +4,7 @@ use crate::encode::{EncodeError, Message};
 use crate::error::Error;
 use brdfc_core::progress::Cancelled;
 use brdfc_formats::FormatError;
+use brdfc_lobes::LobesError;
 use brdfc_source::InputError;
 
 /// Error of the job of a material or of the environment.
@@ -37,6 +38,15 @@ impl JobError {
         match self {
             Self::Encode(error) => error.message(),
             other => other.to_string().into(),
+        }
+    }
+}
+
+impl From<LobesError> for JobError {
+    fn from(error: LobesError) -> Self {
+        match error {
+            LobesError::Cancelled(cancelled) => Self::Cancelled(cancelled),
+            LobesError::Invalid(error) => Self::Map(error),
         }
     }
 }

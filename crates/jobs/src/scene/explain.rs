@@ -2,7 +2,7 @@
 
 use super::plan::{Job, Plan};
 use super::run::Made;
-use super::uses::Use;
+use super::uses::{DEFAULT_MAPS, Use};
 use crate::encode::PackRecipe;
 use crate::report::material::StageTime;
 use crate::store::Digest;
@@ -34,7 +34,7 @@ pub struct Explained {
 /// Explains the needs of all materials of a plan, with the savings of those that were made. `lookup` finds earlier
 /// results of a job, including jobs that no plan has: a material without one of its needs.
 pub fn explain(plan: &Plan, made: &BTreeMap<&str, &Made>, lookup: &CachedLookup<'_>) -> Vec<Explained> {
-    let maps = [0, 1].map(|k| Mean::of(made.values().filter_map(|made| of_map(made, k))));
+    let means = [0, 1, 2].map(|k| Mean::of(made.values().filter_map(|made| of_map(made, k))));
     let packs = Mean::of(made.values().map(|made| (made.report.bytes_on_gpu, seconds(&made.pack_times, |_| true))));
     let mut all = Vec::new();
     for job in &plan.jobs {
@@ -43,7 +43,6 @@ pub fn explain(plan: &Plan, made: &BTreeMap<&str, &Made>, lookup: &CachedLookup<
         all.extend(levels(job, made, lookup));
         all.extend(coarser_levels(job, made, lookup));
         all.extend(directions(job, made, lookup));
-        all.extend(without_maps(job, plan, maps));
         if all.len() == before {
             let names = names(&job.uses, |used| {
                 used.nearest.is_none() && used.light() == Elevations::ALL && used.view() == Elevations::ALL
@@ -54,6 +53,7 @@ pub fn explain(plan: &Plan, made: &BTreeMap<&str, &Made>, lookup: &CachedLookup<
                 &names.unwrap_or_else(|| "any distance".to_owned()),
             ));
         }
+        all.extend(maps(job, plan, means));
     }
     for name in &plan.skipped {
         let none = Explained {
@@ -103,7 +103,8 @@ fn saved_against_cached(
     made: Option<&Made>,
     lookup: &CachedLookup<'_>,
 ) -> (Option<u64>, Option<f64>) {
-    let other = made.and_then(|made| lookup(&Job { recipe, maps: [false; 2], ..job.clone() }, made.source));
+    let other =
+        made.and_then(|made| lookup(&Job { recipe, lobes: None, maps: [false; 2], ..job.clone() }, made.source));
     let Some((made, other)) = made.zip(other) else { return (None, None) };
     let bytes = other.report.bytes_on_gpu.checked_sub(made.report.bytes_on_gpu);
     let [before, now] = [&other, made].map(|made| seconds(&made.pack_times, |_| true));
@@ -175,31 +176,34 @@ fn directions(job: &Job, made: Option<&Made>, lookup: &CachedLookup<'_>) -> Opti
     Some(Explained { saved_bytes, saved_seconds, ..entry(job, &parts.join(", "), &why) })
 }
 
-/// Maps that are not made although the scene has an environment.
-fn without_maps(job: &Job, plan: &Plan, maps: [Option<Mean>; 2]) -> Option<Explained> {
-    let requested = job.maps;
-    if !plan.has_environment || requested == [true; 2] {
+/// Lobes and maps of a scene with an environment, and the savings by those that are not made.
+fn maps(job: &Job, plan: &Plan, means: [Option<Mean>; 3]) -> Option<Explained> {
+    if !plan.has_environment {
         return None;
     }
-    let need = match requested {
-        [false, false] => "no maps",
-        [true, false] => "a bandwidth map, no samples",
-        _ => "samples, no bandwidth map",
+    let requested = [job.lobes.is_some(), job.maps[0], job.maps[1]];
+    let named = ["lobes", "a bandwidth map", "importance samples"].into_iter().zip(requested);
+    let named: Vec<&str> = named.filter_map(|(name, requested)| requested.then_some(name)).collect();
+    let need = if named.is_empty() { "no lobes and no maps".to_owned() } else { named.join(", ") };
+    let why = match job.needs.lit_by_environment {
+        false => "point lights only",
+        true if requested == DEFAULT_MAPS => "lit by the environment",
+        true => "maps of the uses",
     };
-    let why = if job.needs.lit_by_environment { "maps of the uses" } else { "point lights only" };
-    let missing = [0, 1].into_iter().filter(|k| !requested[*k]);
-    let means: Option<Vec<Mean>> = missing.map(|k| maps[k]).collect();
+    let missing = [0, 1, 2].into_iter().filter(|k| !requested[*k]);
+    let means: Option<Vec<Mean>> = missing.map(|k| means[k]).collect::<Option<Vec<_>>>().filter(|all| !all.is_empty());
     let saved_bytes = means.as_ref().map(|means| means.iter().map(|mean| mean.bytes).sum());
     let saved_seconds = means.map(|means| means.iter().map(|mean| mean.seconds).sum()).filter(|seconds| *seconds > 0.0);
     let names = names(&job.uses, |_| true).unwrap_or_default();
-    Some(Explained { saved_bytes, saved_seconds, ..entry(job, need, &format!("{why}: {names}")) })
+    Some(Explained { saved_bytes, saved_seconds, ..entry(job, &need, &format!("{why}: {names}")) })
 }
 
-/// Bytes of a map of a material, and seconds if this build made it; `None` if the material does not have the map.
+/// Bytes of the lobes or a map of a material, and seconds if this build made it; `None` if the material does not have it.
 fn of_map(made: &Made, k: usize) -> Option<(u64, f64)> {
     let maps = made.maps.as_ref()?;
     let (bytes, stage) = match k {
-        0 => (maps.bandwidth.as_ref()?.facts.gpu_bytes, Stage::BandwidthMap),
+        0 => (maps.lobes.as_ref()?.facts.gpu_bytes, Stage::Lobes),
+        1 => (maps.bandwidth.as_ref()?.facts.gpu_bytes, Stage::BandwidthMap),
         _ => (maps.samples.as_ref()?.facts.gpu_bytes, Stage::ImportanceSamples),
     };
     Some((bytes, made.times.as_ref().map_or(0.0, |times| seconds(times, |name| name == stage.name()))))

@@ -26,7 +26,8 @@ pub struct GraphJob {
     /// Name of the material; absent for the environment.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub material: Option<String>,
-    /// Part that the job makes: `brdf` is the pack, `maps` are the bandwidth map and the samples.
+    /// Part that the job makes: `brdf` is the pack, `lobes` are the lobes, `maps` are the bandwidth map and the samples, or the
+    /// maps of the environment.
     pub part: String,
     /// Paths of the files that the job reads: the manifest and the source.
     pub inputs: Vec<String>,

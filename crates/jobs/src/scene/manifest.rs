@@ -4,6 +4,7 @@ pub use super::place::{ManifestError, line_of, near_miss};
 pub use super::uses::Use;
 
 use super::gates::Require;
+use super::lobes::{LOBES, LobesLimits, with_hint};
 use super::names::{check_name, same_file};
 use super::place::{Place, line_of_key, snippet};
 use super::render_section::{RENDER_KEYS, RenderSection};
@@ -43,6 +44,8 @@ pub struct Defaults {
     pub options: EncodeOptions,
     /// Limits that finished packs have to meet.
     pub require: Require,
+    /// Limits of lobes.
+    pub lobes: LobesLimits,
 }
 
 /// A material of the manifest: its source, options and requirements.
@@ -56,6 +59,17 @@ pub struct Material {
     pub options: EncodeOptions,
     /// Limits that its finished pack has to meet.
     pub require: Require,
+    /// Limits of its lobes.
+    pub lobes: LobesLimits,
+}
+
+/// The table of a material or of the defaults.
+struct MaterialTable {
+    /// Empty in the defaults.
+    source: Spanned<String>,
+    options: EncodeOptions,
+    require: Require,
+    lobes: LobesLimits,
 }
 
 /// The tables that deserialise directly.
@@ -99,8 +113,8 @@ impl Manifest {
         let (defaults, materials) = (root.remove("defaults"), root.remove("materials"));
         let mut manifest = Self::default();
         if let Some(table) = defaults {
-            let (_, options, require) = with_options(table)?;
-            manifest.defaults = Defaults { options, require };
+            let MaterialTable { options, require, lobes, .. } = material_table(table)?;
+            manifest.defaults = Defaults { options, require, lobes };
         }
         if let Some(tables) = materials {
             let tables: BTreeMap<String, Spanned<DeValue<'_>>> = match tables.into_inner() {
@@ -108,10 +122,10 @@ impl Manifest {
                 _ => BTreeMap::new(),
             };
             for (name, table) in tables {
-                let (source, options, require) = with_options(table)?;
+                let MaterialTable { source, options, require, lobes } = material_table(table)?;
                 let line = 1 + ends.partition_point(|end| *end < source.span().start);
                 let source = source.into_inner().into();
-                manifest.materials.insert(name, Material { source, line, options, require });
+                manifest.materials.insert(name, Material { source, line, options, require, lobes });
             }
         }
         let PlainTables { scene, uses, render } = PlainTables::deserialize(Deserializer::from(tree))?;
@@ -123,15 +137,19 @@ impl Manifest {
         self.scene.check(&place)?;
         self.render.check(&place)?;
         let line = |path: &[&str]| line_of_key(text, tree, path);
-        let error = |line, prefix: &str, OptionError { field, found, allowed }| {
+        let error = |line, prefix: &str, error: OptionError| {
+            let OptionError { field, found, allowed } = with_hint(error);
             ManifestError::new(line, format!("{prefix}.{field}"), found, allowed.to_string())
         };
-        let (options, require) = (&self.defaults.options, &self.defaults.require);
+        let Defaults { options, require, lobes } = &self.defaults;
         PackRecipe::from_options(options, &EncodeOptions::default())
             .map_err(|p| error(line(&["defaults", p.field]), "defaults", p))?;
         require
             .resolve(&Require::default())
             .map_err(|p| error(line(&["defaults", "require", p.field]), "defaults.require", p))?;
+        lobes
+            .resolve(&LobesLimits::default())
+            .map_err(|p| error(line(&["defaults", LOBES, p.field]), "defaults.lobes", p))?;
         if let Some((first, second)) = same_file(self.materials.keys().map(String::as_str)) {
             let wrong = format!(
                 "\"{first}\" and \"{second}\" are one file on some systems; choose names that differ in more than case \
@@ -159,6 +177,11 @@ impl Manifest {
                 .require
                 .resolve(require)
                 .map_err(|p| error(line(&["materials", name, "require", p.field]), &in_require, p))?;
+            let in_lobes = format!("{prefix}.{LOBES}");
+            material
+                .lobes
+                .resolve(lobes)
+                .map_err(|p| error(line(&["materials", name, LOBES, p.field]), &in_lobes, p))?;
         }
         for (number, used) in self.uses.iter().enumerate() {
             let name = used.material.get_ref();
@@ -176,8 +199,8 @@ impl Manifest {
     }
 }
 
-/// Reads the table of a material or of the defaults: `source`, the encoding options, and the table `require`.
-fn with_options(table: Spanned<DeValue<'_>>) -> Result<(Spanned<String>, EncodeOptions, Require), toml::de::Error> {
+/// Reads the table of a material or of the defaults: `source`, the encoding options, and the tables `require` and `lobes`.
+fn material_table(table: Spanned<DeValue<'_>>) -> Result<MaterialTable, toml::de::Error> {
     let span = table.span();
     let mut table = match table.into_inner() {
         DeValue::Table(table) => table,
@@ -186,8 +209,9 @@ fn with_options(table: Spanned<DeValue<'_>>) -> Result<(Spanned<String>, EncodeO
     let source = table.remove("source").map(one::<Spanned<String>>).transpose()?;
     let source = source.unwrap_or_else(|| Spanned::new(span.clone(), String::new()));
     let require = table.remove("require").map(one::<Require>).transpose()?.unwrap_or_default();
+    let lobes = table.remove(LOBES).map(one::<LobesLimits>).transpose()?.unwrap_or_default();
     let options = EncodeOptions::deserialize(Deserializer::from(Spanned::new(span, table)))?;
-    Ok((source, options, require))
+    Ok(MaterialTable { source, options, require, lobes })
 }
 
 fn one<T: DeserializeOwned>(value: Spanned<DeValue<'_>>) -> Result<T, toml::de::Error> {
@@ -197,8 +221,11 @@ fn one<T: DeserializeOwned>(value: Spanned<DeValue<'_>>) -> Result<T, toml::de::
 /// All keys of a manifest.
 fn all_keys() -> Vec<Key> {
     let require: Vec<Key> = keys_of::<Require>().iter().map(|name| option_key(name)).collect();
+    let lobes: Vec<Key> = keys_of::<LobesLimits>().iter().map(|name| option_key(name)).collect();
     let options = keys_of::<EncodeOptions>().iter().map(|name| option_key(name));
-    let defaults: Vec<Key> = options.chain([key("require", Shape::Table(require.into()), "")]).collect();
+    let tables = [("require", require), (LOBES, lobes)];
+    let tables = tables.map(|(name, keys)| key(name, Shape::Table(keys.into()), ""));
+    let defaults: Vec<Key> = options.chain(tables).collect();
     let material = [vec![key("source", Shape::Text, SOURCES)], defaults.clone()].concat();
     vec![
         key("scene", Shape::Table(SCENE_KEYS.into()), ""),

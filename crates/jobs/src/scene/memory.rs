@@ -6,6 +6,9 @@ use std::time::Duration;
 /// Default memory limit per thread, bytes.
 pub const PER_THREAD: u64 = 300 << 20;
 
+/// Memory to fit lobes: the environments of the fit and of its error, decoded. Measured: 50 MiB.
+pub const LOBES: u64 = 64 << 20;
+
 /// Memory to read, evaluate and cross-validate a source of this kind, in sixths of the length of its file.
 fn sixths(extension: &str) -> u64 {
     match extension {

@@ -9,6 +9,7 @@ pub mod gates;
 pub mod graph;
 mod grid_cache;
 pub mod inputs;
+pub mod lobes;
 pub mod manifest;
 pub mod maps;
 pub mod memory;

@@ -1,7 +1,8 @@
-//! Needs of a scene: the levels of detail, directions and maps of each material that its uses can show. `brdfc`
+//! Needs of a scene: the levels of detail, directions, lobes and maps of each material that its uses can show. `brdfc`
 //! builds only these.
 
 use super::manifest::Manifest;
+use super::maps::RequestedMaps;
 use super::uses::Use;
 use brdfc_formats::crop::DirectionRange;
 use brdfc_formats::wavelet::level_of_detail;
@@ -20,6 +21,8 @@ pub struct Needs {
     pub directions: DirectionRange,
     /// True if an environment lights it. Point lights need no maps.
     pub lit_by_environment: bool,
+    /// True if it needs lobes.
+    pub lobes: bool,
     /// True if it needs a bandwidth map.
     pub bandwidth: bool,
     /// True if it needs importance samples.
@@ -41,13 +44,14 @@ impl Needs {
     fn of(used: &Use, has_environment: bool) -> Self {
         let distance = |distance: &Option<toml::Spanned<f64>>| distance.as_ref().map(|distance| *distance.get_ref());
         let lit_by_environment = has_environment && used.is_lit_by_environment();
-        let [bandwidth, samples] = used.requested_maps().map(|requested| requested && lit_by_environment);
+        let [lobes, bandwidth, samples] = used.requested_maps().map(|requested| requested && lit_by_environment);
         Self {
             uses: 1,
             nearest: distance(&used.nearest).unwrap_or(0.0),
             farthest: distance(&used.farthest).unwrap_or(f64::INFINITY),
             directions: DirectionRange { light: used.light(), view: used.view() },
             lit_by_environment,
+            lobes,
             bandwidth,
             samples,
         }
@@ -61,16 +65,19 @@ impl Needs {
             farthest: self.farthest.max(other.farthest),
             directions: self.directions.with(other.directions),
             lit_by_environment: self.lit_by_environment || other.lit_by_environment,
+            lobes: self.lobes || other.lobes,
             bandwidth: self.bandwidth || other.bandwidth,
             samples: self.samples || other.samples,
         }
     }
 }
 
-/// The environment of the scene if any use needs its bandwidth map.
-pub fn environment<'a>(manifest: &'a Manifest, needs: &BTreeMap<&str, Needs>) -> Option<&'a str> {
+/// The environment of the scene and its maps, if any use needs one: prefiltered light for lobes, and a bandwidth map next to
+/// those of materials.
+pub fn environment<'a>(manifest: &'a Manifest, needs: &BTreeMap<&str, Needs>) -> Option<(&'a str, RequestedMaps)> {
     let environment = manifest.scene.environment.as_deref()?;
-    needs.values().any(|needs| needs.bandwidth).then_some(environment)
+    let maps = [needs.values().any(|needs| needs.lobes), needs.values().any(|needs| needs.bandwidth)];
+    (maps != [false; 2]).then_some((environment, maps))
 }
 
 /// The needs of all materials that have uses, by name.
@@ -137,12 +144,13 @@ mod tests {
         let materials = "[materials.a]\nsource='x'\n[materials.b]\nsource='y'\n";
         let used = format!("{materials}[[uses]]\nmaterial='a'\n");
         let lit = parse(&format!("[scene]\nenvironment='sky.exr'\n{used}"));
-        assert_eq!(environment(&lit, &needs(&lit)), Some("sky.exr"));
-        assert!(needs(&lit).len() == 1 && needs(&lit)["a"].bandwidth && needs(&lit)["a"].samples);
+        assert_eq!(environment(&lit, &needs(&lit)), Some(("sky.exr", [true, false])));
+        let needed = needs(&lit)["a"];
+        assert!(needs(&lit).len() == 1 && needed.lobes && !needed.bandwidth && !needed.samples);
         // The environment that mirrors reflect does not light the scene.
         for other in [used.clone(), format!("{used}[render]\nenvironment='sky.exr'\n")] {
             let manifest = parse(&other);
-            assert!(environment(&manifest, &needs(&manifest)).is_none() && !needs(&manifest)["a"].bandwidth, "{other}");
+            assert!(environment(&manifest, &needs(&manifest)).is_none() && !needs(&manifest)["a"].lobes, "{other}");
         }
         let empty = parse(&format!("[scene]\nenvironment='sky.exr'\n{materials}"));
         assert!(environment(&empty, &needs(&empty)).is_none() && needs(&empty).is_empty());
@@ -155,15 +163,21 @@ mod tests {
                 format!("[scene]\nenvironment='sky.exr'\n[materials.a]\nsource='x'\n[[uses]]\nmaterial='a'\n{rest}");
             let manifest = parse(&text);
             let all = needs(&manifest);
-            let Needs { lit_by_environment, bandwidth, samples, .. } = all["a"];
-            ([lit_by_environment, bandwidth, samples], environment(&manifest, &all).is_some())
+            let Needs { lit_by_environment, lobes, bandwidth, samples, .. } = all["a"];
+            ([lit_by_environment, lobes, bandwidth, samples], environment(&manifest, &all).map(|(_, maps)| maps))
         };
-        assert_eq!(lit("lighting=['points']\n"), ([false; 3], false));
-        assert_eq!(lit("lighting=['points','environment']\n"), ([true; 3], true));
-        assert_eq!(lit("maps=['samples']\n"), ([true, false, true], false), "samples alone need no environment's map");
-        assert_eq!(lit("maps=[]\n"), ([true, false, false], false));
+        assert_eq!(lit("lighting=['points']\n"), ([false; 4], None));
+        assert_eq!(lit("lighting=['points','environment']\n"), ([true, true, false, false], Some([true, false])));
+        assert_eq!(
+            lit("maps=['samples']\n"),
+            ([true, false, false, true], None),
+            "samples alone need no environment's map"
+        );
+        assert_eq!(lit("maps=[]\n"), ([true, false, false, false], None));
+        let all = "maps=['bandwidth','samples','lobes']\n";
+        assert_eq!(lit(all), ([true; 4], Some([true; 2])));
         let both = "lighting=['points']\n[[uses]]\nmaterial='a'\nmaps=['bandwidth']\n";
-        assert_eq!(lit(both), ([true, true, false], true));
+        assert_eq!(lit(both), ([true, false, true, false], Some([false, true])));
     }
 
     #[test]

@@ -2,14 +2,16 @@
 
 use super::batch::address_of;
 use super::gates::Gates;
+use super::lobes::{LOBES, with_hint};
 use super::manifest::Manifest;
-use super::maps::{RequestedMaps, part_name, requested_parts};
+use super::maps::{ENVIRONMENT_PARTS, PARTS, RequestedMaps, part_name, requested_parts};
 use super::needs::{self, Needs, needs};
 use super::scene_section::ENVIRONMENT;
 use super::uses::Use;
 use crate::encode::{OptionError, PackRecipe, options_over};
 use crate::error::Error;
 use brdfc_formats::wavelet::DEFAULT_DISTANCE_SCALE;
+use brdfc_lobes::LobesRecipe;
 use brdfc_source::Input;
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
@@ -27,7 +29,9 @@ pub struct Job {
     pub asked: PackRecipe,
     /// The recipe, limited by the needs.
     pub recipe: PackRecipe,
-    /// The maps that it needs.
+    /// The recipe of its lobes; `None` if it needs none.
+    pub lobes: Option<LobesRecipe>,
+    /// The maps for adaptive shading that it needs.
     pub maps: RequestedMaps,
     /// Limits that the finished pack has to meet.
     pub gates: Gates,
@@ -38,19 +42,34 @@ pub struct Job {
 }
 
 impl Job {
-    /// Returns true if both jobs have the same source, recipe and maps.
+    /// Returns true if both jobs have the same source, recipes and maps.
     pub(super) fn is_same_work(&self, other: &Self) -> bool {
-        self.input == other.input && self.recipe == other.recipe && self.maps == other.maps
+        let of = |job: &Self| (job.lobes, job.maps);
+        self.input == other.input && self.recipe == other.recipe && of(self) == of(other)
+    }
+
+    /// Names of its lobes and maps among its parts, in the order of its files.
+    pub fn lighting_parts(&self) -> impl Iterator<Item = &'static str> {
+        self.lobes.map(|_| LOBES).into_iter().chain(requested_parts(PARTS, self.maps))
     }
 }
 
-/// The job that makes the map of the environment.
+/// The job that makes the maps of the environment.
 #[derive(Debug, Clone)]
 pub struct EnvironmentJob {
     /// Path as written in the manifest.
     pub declared: String,
     /// Path, resolved against the manifest's folder.
     pub path: PathBuf,
+    /// The maps that the scene needs.
+    pub maps: RequestedMaps,
+}
+
+impl EnvironmentJob {
+    /// Names of the files that it makes.
+    pub fn files(&self) -> impl Iterator<Item = String> {
+        requested_parts(ENVIRONMENT_PARTS, self.maps).map(|part| part_name(ENVIRONMENT, part))
+    }
 }
 
 /// Jobs that a build of a scene runs.
@@ -60,9 +79,9 @@ pub struct Plan {
     pub scene: String,
     /// Jobs of the materials, sorted by name.
     pub jobs: Vec<Job>,
-    /// Job of the environment; `None` if the scene does not need its map.
+    /// Job of the environment; `None` if the scene needs none of its maps.
     pub environment: Option<EnvironmentJob>,
-    /// True if the scene has an environment, even if its map is not needed.
+    /// True if the scene has an environment, even if its maps are not needed.
     pub has_environment: bool,
     /// Materials that no use refers to. They are not opened.
     pub skipped: Vec<String>,
@@ -87,9 +106,9 @@ impl Plan {
 
     /// Names of the files that a build writes into its output folder.
     pub fn files(&self) -> impl Iterator<Item = String> {
-        let environment = self.environment.iter().map(|_| part_name(ENVIRONMENT, "bandwidth"));
+        let environment = self.environment.iter().flat_map(EnvironmentJob::files);
         let of_job = |job: &Job| {
-            let maps = requested_parts(job.maps).map(|part| part_name(&job.name, part));
+            let maps = job.lighting_parts().map(|part| part_name(&job.name, part));
             [pack_name(&job.name), list_name(&job.name)].into_iter().chain(maps).collect::<Vec<_>>()
         };
         self.jobs.iter().flat_map(of_job).chain(environment).chain([REPORT.to_owned()])
@@ -126,8 +145,11 @@ pub fn plan(manifest: &Manifest, folder: &Path) -> Result<Plan, Error> {
     let needed = needs(manifest);
     let mut uses = uses_by_material(manifest);
     let scale = manifest.scene.distance_scale.unwrap_or(DEFAULT_DISTANCE_SCALE);
-    let environment = needs::environment(manifest, &needed)
-        .map(|declared| EnvironmentJob { declared: declared.to_owned(), path: folder.join(declared) });
+    let environment = needs::environment(manifest, &needed).map(|(declared, maps)| EnvironmentJob {
+        declared: declared.to_owned(),
+        path: folder.join(declared),
+        maps,
+    });
     let scene = manifest.scene.name.clone().unwrap_or_else(|| "scene".to_owned());
     let mut plan = Plan {
         scene,
@@ -142,10 +164,11 @@ pub fn plan(manifest: &Manifest, folder: &Path) -> Result<Plan, Error> {
             plan.skipped.push(name.clone());
             continue;
         };
-        let wrong = |error: OptionError| Error::from(error).prefixed(name);
+        let wrong = |error: OptionError| Error::from(with_hint(error)).prefixed(name);
         let mut recipe = PackRecipe::from_options(&material.options, &defaults.options).map_err(wrong)?;
         let asked = recipe.clone();
         let required = material.require.resolve(&defaults.require).map_err(wrong)?;
+        let lobes = material.lobes.resolve(&defaults.lobes).map_err(wrong)?;
         let fit = options_over(&material.options, &defaults.options).fit_limits().map_err(wrong)?;
         let gates = Gates { required, fit, errors: recipe.asked_errors().and((&required).into()) };
         recipe.limit_levels(&|levels| need.stored_levels(levels, scale));
@@ -161,6 +184,7 @@ pub fn plan(manifest: &Manifest, folder: &Path) -> Result<Plan, Error> {
             input,
             asked,
             recipe,
+            lobes: need.lobes.then_some(lobes),
             maps: [need.bandwidth, need.samples],
             gates,
             needs: *need,

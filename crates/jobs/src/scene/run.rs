@@ -1,11 +1,15 @@
-//! Runs the jobs of a plan: one per material, and one for the environment if the scene needs its map. Unchanged
+//! Runs the jobs of a plan: one per material, and one for the environment if the scene needs its maps. Unchanged
 //! results come from the store.
 
 pub use super::error::JobError;
 
 use super::gates;
 use super::grid_cache::StoreGridCache;
-use super::maps::{MapsReport, Packed, RequestedMaps, environment_file, map_recipe, material_maps, requested_parts};
+use super::lobes::{LOBES, LobesReport, material_lobes};
+use super::maps::{
+    ENVIRONMENT_PARTS, EnvironmentMaps, MapsReport, RequestedMaps, environment_maps, map_recipe, material_maps,
+    requested_parts,
+};
 use super::memory::{self, Shared};
 use super::plan::{EnvironmentJob, Job, Plan};
 use super::scene_section::ENVIRONMENT;
@@ -15,8 +19,9 @@ use crate::report::material::{MaterialReport, StageTime};
 use crate::stage_clock::StageClock;
 use crate::store::{Cached, Digest, HashingObserver, Key, Stamp, Store};
 use brdfc_bandwidth::DEFAULT_EPSILON;
-use brdfc_bandwidth::facts::BandwidthFacts;
+use brdfc_core::Tally;
 use brdfc_core::progress::{Cancelled, Progress, Stage};
+use brdfc_lobes::LobesRecipe;
 use brdfc_source::open::{Facts, Opened, open, open_file_observed};
 use brdfc_source::{Input, InputError};
 use std::collections::BTreeSet;
@@ -47,7 +52,7 @@ pub struct Outcome {
 pub struct Made {
     /// Measurements of the pack.
     pub report: MaterialReport,
-    /// Contents of its maps, if the scene needs them.
+    /// Contents of its lobes and maps, if the scene needs them.
     pub maps: Option<MapsReport>,
     /// Hash of its source.
     pub source: Digest,
@@ -63,22 +68,30 @@ pub struct Made {
 
 /// Record of a pack in the store: its report, and seconds per stage.
 type PackNote = (MaterialReport, Vec<StageTime>);
+/// Record of lobes in the store: their report, and repairs of the source's values.
+type LobesNote = (LobesReport, Tally);
 
 impl Made {
-    /// Returns true if the pack meets its limits and passes all gates.
+    /// Limits that the pack or the lobes miss.
+    pub fn missed(&self) -> impl Iterator<Item = String> {
+        let of_lobes = self.maps.as_ref().and_then(|maps| maps.lobes.as_ref()?.missed());
+        self.report.missed.iter().cloned().chain(of_lobes)
+    }
+
+    /// Returns true if the pack and the lobes meet their limits, and the pack passes all gates.
     pub fn passed(&self) -> bool {
-        self.report.missed.is_none() && self.gates.iter().all(|gate| gate.passed)
+        self.missed().next().is_none() && self.gates.iter().all(|gate| gate.passed)
     }
 }
 
-/// The map of the environment, whose file is in the store.
+/// The maps of the environment, whose files are in the store.
 #[derive(Debug, Clone)]
 pub struct MadeEnvironment {
-    /// Contents of the map.
-    pub report: Packed<BandwidthFacts>,
-    /// Hash of the file.
-    pub file: Digest,
-    /// Seconds per stage; `None` if the map came from the store.
+    /// Contents of the maps.
+    pub report: EnvironmentMaps,
+    /// Hashes of the files, in the order of [`EnvironmentJob::files`].
+    pub files: Vec<Digest>,
+    /// Seconds per stage; `None` if the maps came from the store.
     pub times: Option<Vec<StageTime>>,
 }
 
@@ -184,6 +197,7 @@ pub(super) fn in_turn<T: Send>(count: usize, work: impl Fn(usize) -> T + Sync) -
 struct CachedMaterial {
     source: Digest,
     pack: Option<Cached<PackNote>>,
+    lobes: Option<Cached<LobesNote>>,
     maps: Option<Cached<MapsReport>>,
 }
 
@@ -191,19 +205,23 @@ struct CachedMaterial {
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) struct RequestedParts {
     pack: bool,
+    lobes: bool,
     maps: bool,
 }
 
 impl RequestedParts {
-    pub(super) const PACK: Self = Self { pack: true, maps: false };
-    pub(super) const MAPS: Self = Self { pack: false, maps: true };
-    const ALL: Self = Self { pack: true, maps: true };
+    const NONE: Self = Self { pack: false, lobes: false, maps: false };
+    pub(super) const PACK: Self = Self { pack: true, ..Self::NONE };
+    pub(super) const LOBES: Self = Self { lobes: true, ..Self::NONE };
+    pub(super) const MAPS: Self = Self { maps: true, ..Self::NONE };
+    const ALL: Self = Self { pack: true, lobes: true, maps: true };
 }
 
 impl CachedMaterial {
     fn has(&self, job: &Job, requested: RequestedParts) -> bool {
+        let lobes = self.lobes.is_some() || job.lobes.is_none();
         let maps = self.maps.is_some() || job.maps == [false; 2];
-        (self.pack.is_some() || !requested.pack) && (maps || !requested.maps)
+        (self.pack.is_some() || !requested.pack) && (lobes || !requested.lobes) && (maps || !requested.maps)
     }
 }
 
@@ -262,7 +280,8 @@ impl BuildContext<'_> {
         clock.stage(Stage::Read, 1)?;
         let length = job.input.path().and_then(|path| path.metadata().ok()).map_or(0, |metadata| metadata.len());
         let extension = kind_of(&job.input);
-        let bytes = memory::of_source(&extension, length).saturating_add(job.recipe.memory());
+        let of_lobes = job.lobes.map_or(0, |_| memory::LOBES);
+        let bytes = memory::of_source(&extension, length).saturating_add(job.recipe.memory().max(of_lobes));
         let _share = shared.take(bytes);
         progress.check()?;
         // On the pool's threads, so that the number of busy threads does not change.
@@ -291,6 +310,9 @@ impl BuildContext<'_> {
         if requested.pack && cached.pack.is_none() {
             cached.pack = Some(self.make_pack(&opened, source, &job.recipe, clock)?);
         }
+        if let Some(recipe) = job.lobes.filter(|_| requested.lobes && cached.lobes.is_none()) {
+            cached.lobes = Some(self.make_lobes(&opened, source, &recipe, clock)?);
+        }
         if requested.maps && job.maps != [false; 2] && cached.maps.is_none() {
             cached.maps = Some(self.make_maps(&opened, source, job.maps, clock)?);
         }
@@ -302,6 +324,7 @@ impl BuildContext<'_> {
         CachedMaterial {
             source,
             pack: store.look_up(&pack_key(source, &job.recipe), placed),
+            lobes: job.lobes.and_then(|recipe| store.look_up(&lobes_key(source, &recipe), placed)),
             maps: if has_maps { store.look_up(&maps_key(source, job.maps), placed) } else { None },
         }
     }
@@ -330,6 +353,20 @@ impl BuildContext<'_> {
         Ok(Cached { report: note, files })
     }
 
+    fn make_lobes(
+        &self,
+        opened: &Opened,
+        source: Digest,
+        recipe: &LobesRecipe,
+        clock: &StageClock<'_>,
+    ) -> Result<Cached<LobesNote>, JobError> {
+        let (bytes, report, repairs) = material_lobes(opened.source.as_ref(), recipe, clock)?;
+        let _ = clock.stage(Stage::Write, 1);
+        let note = (report, repairs);
+        let files = self.store.keep(lobes_key(source, recipe), &[bytes], &note).map_err(JobError::Store)?;
+        Ok(Cached { report: note, files })
+    }
+
     fn make_maps(
         &self,
         opened: &Opened,
@@ -343,7 +380,7 @@ impl BuildContext<'_> {
         Ok(Cached { report, files })
     }
 
-    /// Returns the map of the environment from the store, or makes it.
+    /// Returns the maps of the environment from the store, or makes them.
     ///
     /// # Errors
     /// Returns an error if the image cannot be read, a file cannot be written, or the caller cancels.
@@ -355,25 +392,36 @@ impl BuildContext<'_> {
     ) -> Result<MadeEnvironment, JobError> {
         progress.check()?;
         let path = job.path.as_path();
-        let key = |source| Key::new("environment", source, &DEFAULT_EPSILON);
-        let look_up = |source| self.store.look_up(&key(source), self.placed);
-        let found = |Cached { report, files }, times| MadeEnvironment { report, file: files[0], times };
+        let parts = || requested_parts(ENVIRONMENT_PARTS, job.maps);
+        let key = |part, source| Key::new(ENVIRONMENT, source, &(part, DEFAULT_EPSILON));
+        let look_up = |source| {
+            let mut found = MadeEnvironment { report: EnvironmentMaps::default(), files: Vec::new(), times: None };
+            for part in parts() {
+                let Cached { report, files } = self.store.look_up(&key(part, source), self.placed)?;
+                found.report = found.report.with(report);
+                found.files.extend(files);
+            }
+            Some(found)
+        };
         if let Some(cached) = self.store.known(path).and_then(look_up) {
-            return Ok(found(cached, None));
+            return Ok(cached);
         }
         let clock = StageClock::new(progress);
         let _share = shared.take(self.memory / 2);
         let extension = extension_of(path);
         let mut observer = HashingObserver::new(&extension, memory::longest_source(&extension, self.memory));
-        let (bytes, report) = rayon::scope(|_| environment_file(path, &mut observer, &clock))?;
+        let (files, report) = rayon::scope(|_| environment_maps(path, job.maps, &mut observer, &clock))?;
         let (source, stamp) = observer.finish().map_err(|error| InputError::io(path, error))?;
         self.remember(path, source, stamp);
         if let Some(cached) = look_up(source) {
-            return Ok(found(cached, None));
+            return Ok(cached);
         }
         let _ = clock.stage(Stage::Write, 1);
-        let files = self.store.keep(key(source), &[bytes], &report).map_err(JobError::Store)?;
-        Ok(found(Cached { report, files }, Some(clock.finish())))
+        let mut kept = Vec::new();
+        for (part, bytes) in parts().zip(files) {
+            kept.extend(self.store.keep(key(part, source), &[bytes], &report.only(part)).map_err(JobError::Store)?);
+        }
+        Ok(MadeEnvironment { report, files: kept, times: Some(clock.finish()) })
     }
 }
 
@@ -409,10 +457,10 @@ pub(crate) fn kind_of(source: &Input) -> String {
 fn made_from_cache(job: &Job, cached: CachedMaterial, times: Option<Vec<StageTime>>) -> Made {
     let pack = cached.pack.expect("all parts are in the store");
     let mut files = vec![(PACK, pack.files[0])];
-    let maps = cached.maps.map(|maps| {
-        files.extend(requested_parts(job.maps).zip(maps.files));
-        maps.report
-    });
+    let lobes = cached.lobes.map_or((None, Vec::new()), |lobes| (Some(lobes.report), lobes.files));
+    let maps = cached.maps.map_or((None, Vec::new()), |maps| (Some(maps.report), maps.files));
+    files.extend(job.lighting_parts().zip(lobes.1.into_iter().chain(maps.1)));
+    let maps = MapsReport::of(lobes.0, maps.0);
     let (report, pack_times) = pack.report;
     let gates = gates::check(&job.gates, &report);
     Made { report, maps, source: cached.source, gates, files, times, pack_times }
@@ -420,6 +468,10 @@ fn made_from_cache(job: &Job, cached: CachedMaterial, times: Option<Vec<StageTim
 
 fn pack_key(source: Digest, recipe: &PackRecipe) -> Key {
     Key::new(PACK, source, recipe)
+}
+
+fn lobes_key(source: Digest, recipe: &LobesRecipe) -> Key {
+    Key::new(LOBES, source, recipe)
 }
 
 fn maps_key(source: Digest, requested: RequestedMaps) -> Key {

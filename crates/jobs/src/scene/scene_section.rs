@@ -9,6 +9,15 @@ use std::path::Path;
 /// Name of the files of the scene's environment, reserved in scenes that have one.
 pub const ENVIRONMENT: &str = "environment";
 
+/// Kinds of environments, for messages.
+pub(crate) const ENVIRONMENTS: &str = "an .exr or .hdr file";
+
+/// Returns true if a file has the extension of an environment.
+pub(crate) fn is_environment(file: &str) -> bool {
+    let extension = Path::new(file).extension().and_then(|e| e.to_str()).unwrap_or("");
+    ["exr", "hdr"].iter().any(|known| extension.eq_ignore_ascii_case(known))
+}
+
 /// Settings of the whole scene.
 #[derive(Debug, Clone, Default, Deserialize)]
 #[serde(deny_unknown_fields)]
@@ -26,7 +35,7 @@ pub struct SceneSection {
 pub(super) const SCENE_KEYS: &[Key] = &[
     key("name", Shape::Text, ""),
     key("distance_scale", Shape::Number, "above 0"),
-    key("environment", Shape::Text, "an .exr or .hdr file"),
+    key("environment", Shape::Text, ENVIRONMENTS),
 ];
 
 impl SceneSection {
@@ -37,12 +46,8 @@ impl SceneSection {
         {
             return Err(place.error(&["scene", "distance_scale"], format_number(scale), "a positive number"));
         }
-        if let Some(file) = &self.environment {
-            let extension = Path::new(file).extension().and_then(|e| e.to_str()).unwrap_or("");
-            if !["exr", "hdr"].iter().any(|known| extension.eq_ignore_ascii_case(known)) {
-                let found = quoted(file);
-                return Err(place.error(&["scene", "environment"], found, "an .exr or .hdr file"));
-            }
+        if let Some(file) = self.environment.as_ref().filter(|file| !is_environment(file)) {
+            return Err(place.error(&["scene", "environment"], quoted(file), ENVIRONMENTS));
         }
         Ok(())
     }

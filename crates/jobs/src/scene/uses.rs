@@ -26,7 +26,7 @@ pub struct Use {
     pub view_elevation: Option<Spanned<[f32; 2]>>,
     /// Light sources: `points`, `environment`. Absent: points, and the environment if the scene has one.
     pub lighting: Option<Spanned<Vec<String>>>,
-    /// Requested maps if an environment lights the object: `bandwidth`, `samples`. Absent: both.
+    /// Requested maps if an environment lights the object: `lobes`, `bandwidth`, `samples`. Absent: lobes.
     pub maps: Option<Spanned<Vec<String>>>,
 }
 
@@ -39,13 +39,15 @@ pub(super) const USE_KEYS: &[Key] = &[
     key("light_elevation", Shape::Numbers(2), ELEVATIONS),
     key("view_elevation", Shape::Numbers(2), ELEVATIONS),
     key("lighting", Shape::Texts, "points, environment"),
-    key("maps", Shape::Texts, "bandwidth, samples"),
+    key("maps", Shape::Texts, "lobes, bandwidth, samples"),
 ];
 // Ranges, for messages.
 const DISTANCES: &str = "a distance, 0 or more";
 const ELEVATIONS: &str = "[from, to], 0 to 90 degrees above the surface, 5 apart or more";
 const LIGHTING: [&str; 2] = ["points", "environment"];
-const MAPS: [&str; 2] = ["bandwidth", "samples"];
+const MAPS: [&str; 3] = ["lobes", "bandwidth", "samples"];
+/// Requested maps by default. The others are for adaptive shading.
+pub(super) const DEFAULT_MAPS: [bool; 3] = [true, false, false];
 /// Smallest width of a range of elevations, degrees.
 const NARROWEST: f32 = 5.0;
 
@@ -84,9 +86,10 @@ impl Use {
         self.lighting.as_ref().is_none_or(|lighting| lighting.get_ref().iter().any(|kind| kind == LIGHTING[1]))
     }
 
-    /// Requested maps: one flag each for bandwidth and samples.
-    pub fn requested_maps(&self) -> [bool; 2] {
-        MAPS.map(|map| self.maps.as_ref().is_none_or(|requested| requested.get_ref().iter().any(|name| name == map)))
+    /// Requested maps: one flag each for lobes, bandwidth and samples.
+    pub fn requested_maps(&self) -> [bool; 3] {
+        let Some(requested) = &self.maps else { return DEFAULT_MAPS };
+        MAPS.map(|map| requested.get_ref().iter().any(|name| name == map))
     }
 
     /// Checks ranges. `has_environment` is true if the scene has an environment.
@@ -115,10 +118,10 @@ impl Use {
                 return wrong(key, range.span(), found, ELEVATIONS);
             }
         }
-        for (key, list, known) in [("lighting", &self.lighting, LIGHTING), ("maps", &self.maps, MAPS)] {
+        for (key, list, known) in [("lighting", &self.lighting, &LIGHTING[..]), ("maps", &self.maps, &MAPS)] {
             let Some(list) = list else { continue };
             if let Some(name) = list.get_ref().iter().find(|name| !known.contains(&name.as_str())) {
-                return wrong(key, list.span(), quoted(name), &one_of(&known));
+                return wrong(key, list.span(), quoted(name), &one_of(known));
             }
         }
         if let Some(lighting) = &self.lighting {

@@ -26,7 +26,7 @@ impl Outcomes {
             let of = |text: &Message| Message::from(format!("{}: ", outcome.name)).with_message(text);
             match &outcome.result {
                 Ok(made) => {
-                    lines.extend(made.report.missed.iter().map(|missed| of(&missed.as_str().into())));
+                    lines.extend(made.missed().map(|missed| of(&missed.into())));
                     lines.extend(made.gates.iter().filter(|gate| !gate.passed).map(|gate| of(&gate.message())));
                 }
                 Err(error) if error.is_cancelled() => {}
@@ -46,7 +46,7 @@ impl Outcomes {
     /// decides the kind.
     pub fn verdict(self) -> Result<(), Error> {
         let count = self.materials.len();
-        let missed = self.made().filter(|(_, made)| made.report.missed.is_some()).count();
+        let missed = self.made().filter(|(_, made)| made.missed().next().is_some()).count();
         let failed_gates = self.made().filter(|(_, made)| made.gates.iter().any(|gate| !gate.passed)).count();
         let environment = self.environment.and_then(Result::err);
         let failures = self.materials.into_iter().filter_map(|o| o.result.err()).filter(|error| !error.is_cancelled());

@@ -2,6 +2,7 @@
 //! finds all items in its store only puts the files in place.
 
 use super::error::JobError;
+use super::lobes::LOBES;
 use super::memory::Shared;
 use super::plan::{EnvironmentJob, Job, Plan};
 use super::run::{BuildContext, PACK, RequestedParts, in_turn};
@@ -9,7 +10,7 @@ use super::scene_section::ENVIRONMENT;
 use brdfc_core::progress::Progress;
 use std::str::FromStr;
 
-/// Name of the maps among the parts of a material.
+/// Name of the maps for adaptive shading among the parts of a material.
 const MAPS: &str = "maps";
 
 /// A work item of a build: the smallest part of its work that a machine can take.
@@ -17,17 +18,20 @@ const MAPS: &str = "maps";
 pub enum Work<'a> {
     /// The pack of a material.
     Pack(&'a Job),
-    /// The maps of a material.
+    /// The lobes of a material.
+    Lobes(&'a Job),
+    /// The maps of a material for adaptive shading.
     Maps(&'a Job),
-    /// The map of the environment.
+    /// The maps of the environment.
     Environment(&'a EnvironmentJob),
 }
 
 impl Work<'_> {
-    /// Name of the item: `MATERIAL.brdf`, `MATERIAL.maps` or `environment.maps`.
+    /// Name of the item: `MATERIAL.brdf`, `MATERIAL.lobes`, `MATERIAL.maps` or `environment.maps`.
     pub fn name(&self) -> String {
         match self {
             Self::Pack(job) => format!("{}.{PACK}", job.name),
+            Self::Lobes(job) => format!("{}.{LOBES}", job.name),
             Self::Maps(job) => format!("{}.{MAPS}", job.name),
             Self::Environment(_) => format!("{ENVIRONMENT}.{MAPS}"),
         }
@@ -36,7 +40,7 @@ impl Work<'_> {
     /// Path or address of its source.
     pub fn source(&self) -> String {
         match self {
-            Self::Pack(job) | Self::Maps(job) => job.input.to_string(),
+            Self::Pack(job) | Self::Lobes(job) | Self::Maps(job) => job.input.to_string(),
             Self::Environment(job) => job.path.display().to_string(),
         }
     }
@@ -44,7 +48,7 @@ impl Work<'_> {
     /// Name of the material; `None` for the environment.
     pub fn material(&self) -> Option<&str> {
         match self {
-            Self::Pack(job) | Self::Maps(job) => Some(&job.name),
+            Self::Pack(job) | Self::Lobes(job) | Self::Maps(job) => Some(&job.name),
             Self::Environment(_) => None,
         }
     }
@@ -53,6 +57,7 @@ impl Work<'_> {
     pub fn part(&self) -> &'static str {
         match self {
             Self::Pack(_) => PACK,
+            Self::Lobes(_) => LOBES,
             Self::Maps(_) | Self::Environment(_) => MAPS,
         }
     }
@@ -68,6 +73,7 @@ impl Plan {
                 continue;
             }
             works.push(Work::Pack(job));
+            works.extend(job.lobes.map(|_| Work::Lobes(job)));
             works.extend((job.maps != [false; 2]).then_some(Work::Maps(job)));
         }
         works
@@ -114,6 +120,7 @@ pub fn make(works: &[Work<'_>], context: &BuildContext<'_>, progress: &dyn Progr
         let part = progress.part(&name);
         let result = match work {
             Work::Pack(job) => context.made_part(job, RequestedParts::PACK, &shared, part.as_ref()),
+            Work::Lobes(job) => context.made_part(job, RequestedParts::LOBES, &shared, part.as_ref()),
             Work::Maps(job) => context.made_part(job, RequestedParts::MAPS, &shared, part.as_ref()),
             Work::Environment(job) => context.environment(job, &shared, part.as_ref()).map(|made| made.times.is_some()),
         };
@@ -132,7 +139,7 @@ mod tests {
     fn planned() -> Plan {
         let text = "[scene]\nenvironment='sky.exr'\n[materials.a]\nsource='a.brdf'\n[materials.b]\nsource='b.brdf'\n\
                     [materials.twin]\nsource='a.brdf'\n[[uses]]\nmaterial='a'\n[[uses]]\nmaterial='b'\n\
-                    [[uses]]\nmaterial='twin'\n";
+                    maps=['lobes','samples']\n[[uses]]\nmaterial='twin'\n";
         plan(&Manifest::parse(text).unwrap(), Path::new("")).unwrap()
     }
 
@@ -141,7 +148,7 @@ mod tests {
         let plan = planned();
         let names = |works: Vec<Work<'_>>| works.iter().map(Work::name).collect::<Vec<_>>();
         let all = names(plan.works());
-        assert_eq!(all, ["environment.maps", "a.brdf", "a.maps", "b.brdf", "b.maps"]);
+        assert_eq!(all, ["environment.maps", "a.brdf", "a.lobes", "b.brdf", "b.lobes", "b.maps"]);
         for count in 1..8 {
             let mut shared: Vec<String> =
                 (1..=count).flat_map(|number| names(Shard { number, count }.of(plan.works()))).collect();

@@ -2,6 +2,7 @@
 
 use crate::report::build::{BuildReport, MaterialEntry};
 use crate::report::material::MaterialReport;
+use crate::scene::lobes::LobesReport;
 use crate::scene::scene_section::ENVIRONMENT;
 use brdfc_metrics::compare::is_black;
 use serde::{Deserialize, Serialize};
@@ -42,6 +43,14 @@ const NEGLIGIBLE: [(&str, f64); 7] = [
     ("fetches", 0.0),
 ];
 
+/// The same for lobes.
+const NEGLIGIBLE_OF_LOBES: [(&str, f64); 3] =
+    [("mean ΔE of lobes", 1e-2), ("ΔE of lobes, 95th percentile", 4e-2), ("look-ups of lobes", 0.0)];
+
+fn figures_of_lobes(lobes: &LobesReport) -> [f64; 3] {
+    [lobes.delta_e.mean, lobes.delta_e.p95, lobes.facts.fetches as f64]
+}
+
 fn figures(report: &MaterialReport) -> [f64; 7] {
     let off_grid = &report.off_grid;
     [
@@ -58,7 +67,7 @@ fn figures(report: &MaterialReport) -> [f64; 7] {
 /// Lists regressions against `old` and missed requirements, the worst first.
 ///
 /// - Figures that grew by more than the share `tolerance`.
-/// - Materials, and the environment's map, that are missing or failed.
+/// - Materials, and the environment's maps, that are missing or failed.
 /// - Failed gates and missed limits, whether or not they failed before, and also of new materials.
 /// - Materials whose directions changed: their figures do not compare.
 /// - An earlier build that made no material.
@@ -81,10 +90,10 @@ pub fn regressions(new: &BuildReport, old: &BuildReport, tolerance: f64) -> Vec<
             }
         }
     }
-    let map = |report: &BuildReport| report.environment.as_ref().map(|entry| entry.report.is_some());
+    let map = |report: &BuildReport| report.environment.as_ref().map(|entry| entry.maps.is_some());
     if let (Some(true), now @ (None | Some(false))) = (map(old), map(new)) {
         let error = new.environment.as_ref().and_then(|entry| entry.error.as_deref()).unwrap_or("not made");
-        found.push(only(ENVIRONMENT, "map", "made", if now.is_none() { "missing" } else { error }));
+        found.push(only(ENVIRONMENT, "maps", "made", if now.is_none() { "missing" } else { error }));
     }
     for before in &old.materials {
         let now = in_new.get(&before.material).map(|number| &new.materials[*number]);
@@ -94,6 +103,15 @@ pub fn regressions(new: &BuildReport, old: &BuildReport, tolerance: f64) -> Vec<
                 None => found.push(regression(before, "material", "made", now.error.as_deref().unwrap_or("not made"))),
                 Some(is) => {
                     failed_checks(before, now, &mut found);
+                    if let (Some(was), Some(is)) = (before.lobes_report(), now.lobes_report()) {
+                        let [was, is] = [was, is].map(figures_of_lobes);
+                        grown(
+                            &before.material,
+                            NEGLIGIBLE_OF_LOBES.into_iter().zip(was).zip(is),
+                            tolerance,
+                            &mut found,
+                        );
+                    }
                     // Every error of a black material is 0.
                     if is_black(is.off_grid.mean) && !is_black(was.off_grid.mean) {
                         found.push(regression(now, "material", "reflects light", "black"));
@@ -105,7 +123,8 @@ pub fn regressions(new: &BuildReport, old: &BuildReport, tolerance: f64) -> Vec<
                         found.push(regression(now, "directions", &before, &after));
                         continue;
                     }
-                    grown(&before.material, was, is, tolerance, &mut found);
+                    let all = NEGLIGIBLE.into_iter().zip(figures(was)).zip(figures(is));
+                    grown(&before.material, all, tolerance, &mut found);
                 }
             },
             (None, _) => {}
@@ -145,10 +164,21 @@ fn failed_checks(before: &MaterialEntry, now: &MaterialEntry, found: &mut Vec<Re
     if let Some(text) = missed(now) {
         found.push(regression(now, "limits", if missed(before).is_some() { "missed" } else { "met" }, &text));
     }
+    let missed = |entry: &MaterialEntry| entry.lobes_report().and_then(|lobes| lobes.missed.clone());
+    if let Some(text) = missed(now) {
+        let was = if missed(before).is_some() { "missed" } else { "met" };
+        found.push(regression(now, "limits of lobes", was, &text));
+    }
 }
 
-fn grown(material: &str, was: &MaterialReport, is: &MaterialReport, tolerance: f64, found: &mut Vec<Regression>) {
-    for (((figure, smallest), before), now) in NEGLIGIBLE.into_iter().zip(figures(was)).zip(figures(is)) {
+/// Adds the figures that grew. Each has its name, the largest difference that is never reported, and both values.
+fn grown(
+    material: &str,
+    figures: impl Iterator<Item = (((&'static str, f64), f64), f64)>,
+    tolerance: f64,
+    found: &mut Vec<Regression>,
+) {
+    for (((figure, smallest), before), now) in figures {
         // NaN is worse than any number.
         let within = now <= before * (1.0 + tolerance) || now - before <= smallest;
         if !(within || now.is_nan() && before.is_nan()) {
@@ -174,6 +204,8 @@ mod tests {
     use crate::encode::PackRecipe;
     use crate::encode::encode;
     use crate::report::gate::GateResult;
+    use crate::scene::maps::MapsReport;
+    use brdfc_lobes::{LobesFacts, RenderingError};
     use brdfc_source::open::open;
 
     fn build() -> BuildReport {
@@ -234,6 +266,25 @@ mod tests {
         assert_eq!(found, ["b: require.max_bytes: now 9; before passed"]);
         let found = changed(|entry| entry.report.as_mut().unwrap().missed = Some("nothing meets it".into()));
         assert_eq!(found, ["b: limits: now nothing meets it; before met"]);
+        // A limit of lobes, and a larger error of lobes.
+        let of_lobes = |mean: f64, missed: Option<&str>| MapsReport {
+            lobes: Some(LobesReport {
+                bytes_on_disk: 1000,
+                facts: LobesFacts { fetches: 2, anchors: [0, 2, 0], nodes: 24, azimuths: 1, gpu_bytes: 384 },
+                delta_e: RenderingError { mean, p95: 2.0 },
+                missed: missed.map(str::to_owned),
+            }),
+            ..MapsReport::default()
+        };
+        let compared = |now: MapsReport| {
+            let [mut old, mut new] = [build(), build()];
+            old.materials[1].maps = Some(of_lobes(0.5, None));
+            new.materials[1].maps = Some(now);
+            regressions(&new, &old, 0.02).iter().map(ToString::to_string).collect::<Vec<_>>()
+        };
+        assert!(compared(of_lobes(0.5, None)).is_empty());
+        assert_eq!(compared(of_lobes(0.75, None)), ["b: mean ΔE of lobes: now 0.7500; before 0.5000 (+50.0 %)"]);
+        assert_eq!(compared(of_lobes(0.5, Some("too far"))), ["b: limits of lobes: now too far; before met"]);
         let found = changed(|entry| entry.material = "c".into());
         assert_eq!(found, ["b: material: now missing; before made"]);
     }

@@ -5,7 +5,8 @@ use crate::flatten::FlatAsset;
 
 /// First line of the figures of a build.
 pub const CSV_HEADER: &str = "material,source,codec,size,fetches,bytes_on_disk,bytes_on_gpu,delta_e_mean,delta_e_p95,relative_error,\
-                      albedo_max_difference,reciprocity,passed,retained,error\n";
+                      albedo_max_difference,reciprocity,lobes_fetches,lobes_bytes_on_gpu,\
+                      lobes_delta_e_mean,lobes_delta_e_p95,passed,retained,error\n";
 
 /// First line of the figures of a flat BTF.
 pub const FLAT_CSV_HEADER: &str = "texture,gpu_bytes\n";
@@ -32,6 +33,11 @@ pub fn csv(page: &Page) -> String {
             }
             None => fields.extend(std::iter::repeat_n(String::new(), 10)),
         }
+        let of_lobes = entry.lobes_report().map(|lobes| {
+            let (facts, error) = (&lobes.facts, &lobes.delta_e);
+            [facts.fetches.to_string(), facts.gpu_bytes.to_string(), error.mean.to_string(), error.p95.to_string()]
+        });
+        fields.extend(of_lobes.unwrap_or_default());
         fields.extend([
             entry.passed().to_string(),
             entry.retained.to_string(),

@@ -26,8 +26,8 @@ pub struct Page {
     pub scene: String,
     /// Materials of the scene, sorted by name.
     pub materials: Vec<PageMaterial>,
-    /// The environment that lights the scene, with its bandwidth map if there is one.
-    pub environment: Option<(EnvironmentEntry, Option<PagePart>)>,
+    /// The environment that lights the scene, with its maps.
+    pub environment: Option<(EnvironmentEntry, Vec<PagePart>)>,
     /// Materials that no use refers to.
     pub skipped: Vec<String>,
     /// True if the build was compared with an earlier one.
@@ -47,7 +47,7 @@ pub struct PageMaterial {
     pub note: BuiltNote,
     /// Renderings and errors; absent without a pack.
     pub evidence: Option<Evidence>,
-    /// Its bandwidth map and importance samples, if the scene has them.
+    /// Its lobes, bandwidth map and importance samples, if the scene has them.
     pub maps: Vec<PagePart>,
     /// Why the pack was not compared with its source; absent if it was.
     pub without_source: Option<String>,
@@ -144,7 +144,7 @@ fn material(folder: &Path, entry: MaterialEntry, note: BuiltNote) -> Result<Page
     };
     let pack = brdf_pack(folder, &entry, name)?;
     let source = source_of(&note);
-    let maps = [&entry.bandwidth, &entry.samples].into_iter().flatten();
+    let maps = [&entry.lobes, &entry.bandwidth, &entry.samples].into_iter().flatten();
     let maps = maps.map(|name| map_part(folder, &entry.files, name)).collect::<Result<_, _>>()?;
     let evidence = evidence(&pack, source.as_ref().ok().map(|source| source.as_ref() as &dyn Source));
     Ok(PageMaterial { entry, note, evidence: Some(evidence), maps, without_source: source.err() })
@@ -175,8 +175,7 @@ pub fn source_of(note: &BuiltNote) -> Result<Box<dyn Source>, String> {
     }
 }
 
-fn environment(folder: &Path, entry: EnvironmentEntry) -> Result<(EnvironmentEntry, Option<PagePart>), Error> {
-    let listed = entry.file.as_slice();
-    let part = listed.first().map(|file| map_part(folder, listed, &file.file)).transpose()?;
-    Ok((entry, part))
+fn environment(folder: &Path, entry: EnvironmentEntry) -> Result<(EnvironmentEntry, Vec<PagePart>), Error> {
+    let parts = entry.files.iter().map(|file| map_part(folder, &entry.files, &file.file)).collect::<Result<_, _>>()?;
+    Ok((entry, parts))
 }

@@ -7,6 +7,7 @@ use super::markup::{colour_scale, document, image};
 use super::parts::PagePart;
 use super::view_link::ViewLink;
 use crate::report::material::{MaterialReport, remarks};
+use crate::scene::lobes::LobesReport;
 use brdfc_core::words::{bytes, percent};
 use brdfc_metrics::by_angle::WorstPair;
 use brdfc_metrics::fit_error::{COVERED, FitError};
@@ -33,6 +34,7 @@ pub fn html(page: &Page) -> String {
         }
         (regressions(page))
         (table(page))
+        (lobes(page))
         (sheet(page))
         @for material in &page.materials { (section(material, page.view.as_ref())) }
         (environment(page))
@@ -103,6 +105,30 @@ fn table(page: &Page) -> Markup {
     }
 }
 
+/// Look-ups, bytes and errors of lobes, one material per line.
+fn lobes(page: &Page) -> Markup {
+    let entries = page.materials.iter().map(|material| &material.entry);
+    let rows: Vec<_> = entries.filter_map(|entry| Some((&entry.material, entry.lobes_report()?))).collect();
+    html! {
+        @if !rows.is_empty() {
+            h3 { "Lobes: the light of an environment by a few look-ups" }
+            p.soft { "ΔE is between renderings of a ball by lobes and by the integral over all directions, in environments of                       other kinds than that of the scene: noise, a sky with a sun, a studio and a room with lamps." }
+            div.scroll { table.all {
+                thead { tr { @for name in ["material", "look-ups", "on disk", "on GPU", "ΔE", "ΔE 95 %", ""] { (head(name)) } } }
+                tbody { @for (name, lobes) in rows { tr {
+                    td { a href={ "#" (name) } { (breakable(name)) } }
+                    td { (lobes.facts.fetches) }
+                    td data-value=(lobes.bytes_on_disk) { (bytes(lobes.bytes_on_disk)) }
+                    td data-value=(lobes.facts.gpu_bytes) { (bytes(lobes.facts.gpu_bytes)) }
+                    td { (format!("{:.2}", lobes.delta_e.mean)) }
+                    td { (format!("{:.2}", lobes.delta_e.p95)) }
+                    td.left { @if lobes.missed.is_none() { span.good { "passed" } } @else { span.bad { "failed" } } }
+                } } }
+            } }
+        }
+    }
+}
+
 fn share(value: f64) -> Markup {
     html! { td data-value=(value) { (percent(value)) } }
 }
@@ -161,6 +187,7 @@ fn section(material: &PageMaterial, view: Option<&ViewLink>) -> Markup {
                          that sample these directions instead of a ball; renderings omit other directions."
                     }
                 }
+                @if let Some(missed) = entry.lobes_report().and_then(LobesReport::missed) { p.bad { (missed) } }
                 @for gate in &entry.gates {
                     p class=(if gate.passed { "good" } else { "bad" }) {
                         @if gate.passed { "passed: " } @else { "failed: " } (gate)
@@ -266,7 +293,7 @@ fn angles(pair: &WorstPair) -> [f64; 3] {
 fn maps(name: &str, parts: &[PagePart]) -> Markup {
     html! {
         @if !parts.is_empty() {
-            h3 { "Maps" }
+            h3 { "Light from the environment" }
             div.scroll { table {
                 thead { tr { th { "file" } th { "on disk" } th { "on GPU" } th.left { "contents" } } }
                 tbody { @for part in parts { tr {
@@ -287,12 +314,12 @@ fn maps(name: &str, parts: &[PagePart]) -> Markup {
 }
 
 fn environment(page: &Page) -> Markup {
-    let Some((entry, part)) = &page.environment else { return html! {} };
+    let Some((entry, parts)) = &page.environment else { return html! {} };
     html! {
         section.material id="environment" {
             h2 { "environment " span.soft { (entry.source) } }
             @if let Some(error) = &entry.error { p.bad { (error) } }
-            (maps("the environment", part.as_slice()))
+            (maps("the environment", parts))
         }
     }
 }

@@ -4,8 +4,11 @@ use crate::error::Error;
 use crate::report::build::FileEntry;
 use crate::store::Digest;
 use brdfc_bandwidth::facts::BandwidthFacts;
+use brdfc_core::words::counted;
+use brdfc_environment::facts::EnvironmentFacts;
 use brdfc_formats::{Pack, PackKind};
 use brdfc_importance::ImportanceFacts;
+use brdfc_lobes::LobesFacts;
 use brdfc_render::rendering::{Panel, bandwidth_panel};
 use brdfc_source::read::{MAX_FILE_BYTES, read_file};
 use std::fmt::Display;
@@ -50,7 +53,7 @@ pub(super) fn wrong_kind(path: &Path, kind: PackKind) -> Error {
     wrong_file(path, format!("found {}, expected the pack that report.json lists", kind.summary()))
 }
 
-/// Reads a bandwidth map or importance samples.
+/// Reads lobes, a bandwidth map, importance samples or a prefiltered environment.
 pub(super) fn map_part(folder: &Path, listed: &[FileEntry], name: &str) -> Result<PagePart, Error> {
     let bytes = listed_file(folder, listed, name)?;
     let path = folder.join(name);
@@ -63,6 +66,14 @@ pub(super) fn map_part(folder: &Path, listed: &[FileEntry], name: &str) -> Resul
             let facts = ImportanceFacts::new(&pack);
             (facts.gpu_bytes, samples_summary(&facts), None)
         }
+        Pack::Lobes(pack) => {
+            let facts = LobesFacts::new(&pack);
+            (facts.gpu_bytes, lobes_summary(&facts), None)
+        }
+        Pack::Environment(pack) => {
+            let facts = EnvironmentFacts::new(&pack);
+            (facts.gpu_bytes, environment_summary(&facts), None)
+        }
         other => return Err(wrong_kind(&path, other.kind())),
     };
     Ok(PagePart { file: name.to_owned(), bytes_on_disk: bytes.len() as u64, bytes_on_gpu, summary, image })
@@ -73,6 +84,19 @@ fn bandwidth_summary(facts: &BandwidthFacts) -> String {
     let (largest, mean, unit) = (facts.largest, facts.mean, &facts.unit);
     let what = format!("bandwidth, {width} x {height} values: mean {mean:.2}, largest {largest:.1} {unit}");
     facts.remark().map_or(what.clone(), |remark| format!("{what}. {remark}"))
+}
+
+fn lobes_summary(facts: &LobesFacts) -> String {
+    let [normal, mirror, viewer] = facts.anchors;
+    let fetches = counted(facts.fetches, "look-up");
+    format!(
+        "lobes, {fetches}: {normal} around the normal, {mirror} around the mirror direction, {viewer} around the viewer"
+    )
+}
+
+fn environment_summary(facts: &EnvironmentFacts) -> String {
+    let EnvironmentFacts { side, levels, largest, .. } = facts;
+    format!("prefiltered environment, 6 faces of {side} x {side}, {levels} levels: largest {largest} W/(m² sr)")
 }
 
 fn samples_summary(facts: &ImportanceFacts) -> String {
