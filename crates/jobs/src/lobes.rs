@@ -3,7 +3,7 @@
 use crate::Error;
 use crate::encode::OptionError;
 use brdfc_core::Source;
-use brdfc_core::progress::Progress;
+use brdfc_core::progress::{Cancelled, Progress, Stage};
 use brdfc_core::words::format_number;
 use brdfc_environment::training::{KINDS, TrainingEnvironment};
 use brdfc_environment::{PrefilterError, prefilter};
@@ -83,11 +83,26 @@ fn shared_environments(progress: &dyn Progress) -> Result<Arc<Environments>, Pre
     Ok(shared.insert(Arc::new(made?)).clone())
 }
 
+/// Progress of one of several environments, which are a single stage.
+struct OneStage<'a>(&'a dyn Progress);
+
+impl Progress for OneStage<'_> {
+    fn check(&self) -> Result<(), Cancelled> {
+        self.0.check()
+    }
+
+    fn part<'a>(&'a self, _: &'a str) -> Box<dyn Progress + 'a> {
+        Box::new(OneStage(self.0))
+    }
+}
+
 /// One environment of each kind for the fit, and one for the error.
 fn environments(progress: &dyn Progress) -> Result<Environments, PrefilterError> {
+    progress.stage(Stage::Prefilter, 2 * KINDS as usize)?;
     let decoder = |seed: u64| -> Result<EnvironmentDecoder, PrefilterError> {
         let environment = TrainingEnvironment::new(seed);
-        let pack = prefilter(&|direction| environment.radiance(direction), SIDE, 1, progress)?;
+        let pack = prefilter(&|direction| environment.radiance(direction), SIDE, 1, &OneStage(progress))?;
+        progress.step()?;
         Ok(EnvironmentDecoder::new(&pack))
     };
     let from = |first: u64| (first..first + KINDS).map(decoder).collect::<Result<Vec<_>, _>>();
