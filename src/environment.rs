@@ -13,11 +13,19 @@ use crate::{Error, Input, Progress};
 use brdfc_jobs::environment::prefilter_image;
 use brdfc_source::radiance_image::open_radiance_image;
 
+/// Extensions of images.
+const IMAGES: [&str; 2] = ["exr", "hdr"];
+
 /// Reads a latitude-longitude image, .exr or .hdr.
 ///
 /// # Errors
 /// Returns an error if the file cannot be read, is of another kind, or has values that are negative or not finite.
 pub fn open_image(input: &Input) -> Result<Environment, Error> {
+    let extension = input.extension()?;
+    if !IMAGES.contains(&extension.as_str()) {
+        let text = format!("{input}: found extension .{extension}, expected a latitude-longitude image, .exr or .hdr");
+        return Err(Error::input(text));
+    }
     let image = open_radiance_image(input)?;
     Ok(Environment { width: image.width, height: image.height, pixels: image.pixels })
 }

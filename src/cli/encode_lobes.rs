@@ -7,7 +7,7 @@ use super::progress::{Materials, label};
 use super::{Common, Error};
 use crate::table;
 use brdfc::encode::{StageClock, StageTime};
-use brdfc::lobes::{LobesFacts, LobesRecipe, LobesTrial, RenderingError, encode, missed};
+use brdfc::lobes::{LobesFacts, LobesRecipe, LobesTrial, encode, missed};
 use brdfc::{EncodeOptions, Facts, Progress as _, Stage, Tally};
 use serde::Serialize;
 
@@ -37,15 +37,13 @@ pub struct Candidate {
     /// Contents.
     #[serde(flatten)]
     facts: LobesFacts,
-    /// ΔE (CIE76) of renderings of a ball, in environments that the fit did not use.
-    delta_e: RenderingError,
     /// True if it meets the limit.
     meets: bool,
 }
 
 impl Candidate {
     fn new(trial: &LobesTrial) -> Self {
-        Self { facts: LobesFacts::new(&trial.pack), delta_e: trial.error, meets: trial.meets }
+        Self { facts: LobesFacts::new(&trial.pack), meets: trial.meets }
     }
 }
 
@@ -102,8 +100,8 @@ impl Report {
                 mirror.to_string(),
                 viewer.to_string(),
                 table::bytes(one.facts.gpu_bytes),
-                format!("{:.2}", one.delta_e.mean),
-                format!("{:.2}", one.delta_e.p95),
+                format!("{:.2}", one.facts.delta_e.mean),
+                format!("{:.2}", one.facts.delta_e.p95),
                 if one.meets { "yes" } else { "no" }.to_owned(),
             ]
         };
@@ -117,8 +115,8 @@ impl Report {
             one.facts.fetches.to_string(),
             table::bytes(self.bytes_on_disk as u64),
             table::bytes(one.facts.gpu_bytes),
-            format!("{:.2}", one.delta_e.mean),
-            format!("{:.2}", one.delta_e.p95),
+            format!("{:.2}", one.facts.delta_e.mean),
+            format!("{:.2}", one.facts.delta_e.p95),
             format!("{seconds:.2} s"),
         ];
         let header = ["pack", "codec", "look-ups", "on disk", "on GPU", "ΔE", "ΔE 95 %", "time"];
@@ -128,7 +126,7 @@ impl Report {
 
 /// Lines of `brdfc info`.
 pub(super) fn lines(facts: &LobesFacts) -> Vec<(&'static str, String)> {
-    let LobesFacts { fetches, anchors: [normal, mirror, viewer], nodes, azimuths, gpu_bytes } = facts;
+    let LobesFacts { fetches, anchors: [normal, mirror, viewer], nodes, azimuths, gpu_bytes, delta_e } = facts;
     let views = if *azimuths == 1 { nodes.to_string() } else { format!("{nodes} at each of {azimuths} azimuths") };
     vec![
         ("kind", "lobes of a BRDF".to_owned()),
@@ -136,5 +134,6 @@ pub(super) fn lines(facts: &LobesFacts) -> Vec<(&'static str, String)> {
         ("around", format!("the normal {normal}, the mirror direction {mirror}, the viewer {viewer}")),
         ("view angles", views),
         ("bytes on a GPU", table::bytes(*gpu_bytes)),
+        ("ΔE of a ball", format!("mean {:.2}, 95 % below {:.2}", delta_e.mean, delta_e.p95)),
     ]
 }

@@ -19,7 +19,7 @@ pub const MAX_SHARPNESS: f32 = 9.0;
 /// Maximum size of a tilt.
 const MAX_TILT: f32 = 16.0;
 /// Bytes before the lobes.
-const START: usize = 16;
+const START: usize = 24;
 /// Bytes of a lobe.
 const LOBE: usize = 16;
 
@@ -64,6 +64,8 @@ pub struct LobesHeader {
     pub azimuths: u32,
     /// Number of rows of weights, 1 to [`MAX_LOBES`].
     pub rows: u32,
+    /// Mean and 95th percentile of ΔE (CIE76) of renderings of a ball, against the integral over all directions, 0 or more.
+    pub delta_e: [f32; 2],
     /// The lobes, 1 to [`MAX_LOBES`].
     pub lobes: Vec<Lobe>,
 }
@@ -87,6 +89,9 @@ impl LobesHeader {
         FormatError::check_range(format!("{LOBES_ENTRY} azimuths"), self.azimuths, 1..=MAX_AZIMUTHS)?;
         FormatError::check_range(format!("{LOBES_ENTRY} lobes"), self.lobes.len(), 1..=MAX_LOBES)?;
         FormatError::check_range(format!("{LOBES_ENTRY} rows"), self.rows, 1..=self.lobes.len() as u32)?;
+        for error in self.delta_e {
+            FormatError::check_range(format!("{LOBES_ENTRY} ΔE"), error, 0.0..=f32::MAX)?;
+        }
         for (at, lobe) in self.lobes.iter().enumerate() {
             for tilt in lobe.tilt {
                 FormatError::check_range(format!("{LOBES_ENTRY} tilt of lobe {at}"), tilt, -MAX_TILT..=MAX_TILT)?;
@@ -121,7 +126,7 @@ impl LobesHeader {
 
     pub(super) fn to_bytes(&self) -> Vec<u8> {
         let sizes = [VERSION, self.nodes, self.azimuths, self.rows];
-        sizes.into_iter().chain(self.words()).flat_map(u32::to_le_bytes).collect()
+        sizes.into_iter().chain(self.delta_e.map(f32::to_bits)).chain(self.words()).flat_map(u32::to_le_bytes).collect()
     }
 
     pub(super) fn from_bytes(bytes: &[u8]) -> Result<Self, FormatError> {
@@ -137,6 +142,7 @@ impl LobesHeader {
             return Err(FormatError::whole(field, version.to_string(), VERSION.to_string()));
         }
         let (nodes, azimuths, rows) = (cursor.u32("nodes")?, cursor.u32("azimuths")?, cursor.u32("rows")?);
+        let delta_e = [f32::from_bits(cursor.u32("ΔE")?), f32::from_bits(cursor.u32("ΔE")?)];
         let mut lobe = |at: usize| {
             let tilt = [f32::from_bits(cursor.u32("tilt")?), f32::from_bits(cursor.u32("tilt")?)];
             let (code, row) = (cursor.u32("anchor")?, cursor.u32("row")?);
@@ -147,7 +153,7 @@ impl LobesHeader {
             Ok(Lobe { anchor, tilt, row })
         };
         let lobes = (0..count).map(&mut lobe).collect::<Result<_, FormatError>>()?;
-        let header = Self { nodes, azimuths, rows, lobes };
+        let header = Self { nodes, azimuths, rows, delta_e, lobes };
         header.check()?;
         Ok(header)
     }

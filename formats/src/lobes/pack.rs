@@ -54,7 +54,17 @@ impl LobesPack {
         Ok(Self { header, weights })
     }
 
-    /// Sizes and lobes.
+    /// The same pack with other errors, see [`LobesHeader::delta_e`].
+    ///
+    /// # Errors
+    /// Returns an error if an error is negative or not finite.
+    pub fn with_delta_e(mut self, delta_e: [f32; 2]) -> Result<Self, FormatError> {
+        self.header.delta_e = delta_e;
+        self.header.check()?;
+        Ok(self)
+    }
+
+    /// Sizes, errors and lobes.
     pub fn header(&self) -> &LobesHeader {
         &self.header
     }

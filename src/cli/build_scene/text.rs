@@ -43,8 +43,8 @@ pub(super) fn text(plan: &Plan, outcomes: &Outcomes) -> String {
 }
 
 fn lobes_row(name: &str, lobes: &LobesReport) -> [String; 6] {
-    let LobesReport { bytes_on_disk, facts, delta_e, .. } = lobes;
-    let [mean, p95] = [delta_e.mean, delta_e.p95].map(|error| format!("{error:.2}"));
+    let LobesReport { bytes_on_disk, facts, .. } = lobes;
+    let [mean, p95] = [facts.delta_e.mean, facts.delta_e.p95].map(|error| format!("{error:.2}"));
     let [disk, gpu] = [*bytes_on_disk, facts.gpu_bytes].map(table::bytes);
     [part_name(name, LOBES), facts.fetches.to_string(), disk, gpu, mean, p95]
 }

@@ -18,8 +18,8 @@ pub(super) struct AdaptiveOptions {
     /// shadows.
     #[arg(long)]
     pub(super) adaptive: bool,
-    /// Latitude-longitude image, .exr or .hdr, that lights the scene. Without --adaptive, it lights a single material by
-    /// its lobes, and may also be a prefiltered environment, .ktx2; the reference is the integral over all directions.
+    /// Latitude-longitude image, .exr or .hdr, or prefiltered environment, .ktx2, that lights the scene. Without
+    /// --adaptive, it lights a single material by its lobes; the reference is the integral over all directions.
     /// (Default for lobes: the scene's sky; with --adaptive: the environment of the manifest, or the scene's sky.)
     #[arg(long, value_name = "FILE")]
     pub(super) environment: Option<PathBuf>,

@@ -137,3 +137,10 @@ const FILTERS: [(&str, Filter, &str); 3] = [
     ("slices", Filter::Slices, "Bilinear over the light, nearest over the viewer"),
     ("bilinear", Filter::Bilinear, "Bilinear, four reconstructions"),
 ];
+
+impl Arguments {
+    /// Returns true if an environment lights a single material, by its lobes.
+    pub(super) fn by_lobes(&self) -> bool {
+        self.adaptive.environment.is_some() && !self.adaptive.adaptive
+    }
+}

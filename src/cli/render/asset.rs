@@ -50,19 +50,14 @@ pub(super) fn asset(arguments: &Arguments) -> Result<Option<Asset>, Error> {
             }
             Err(error) if named_by_manifest => return Err(error.into()),
             // Packs of BRDFs are opened later, after their flags are checked, and report the error.
-            _ if !by_lobes(arguments) => return Ok(None),
+            _ if !arguments.by_lobes() => return Ok(None),
             _ => AssetKind::Lobes(None),
         },
         _ if named_by_manifest => return Err(no_asset(&input, "")),
-        _ if by_lobes(arguments) => AssetKind::Lobes(None),
+        _ if arguments.by_lobes() => AssetKind::Lobes(None),
         _ => return Ok(None),
     };
     Ok(Some(Asset { input, subject, kind }))
-}
-
-/// Returns true if an environment lights a single material.
-fn by_lobes(arguments: &Arguments) -> bool {
-    arguments.adaptive.environment.is_some() && !arguments.adaptive.adaptive
 }
 
 /// Name of an input for reports: the file without its extension.
@@ -99,7 +94,7 @@ fn not_packed(input: &Input) -> Error {
 
 /// Rejects an environment for an input that no lobes are drawn of.
 pub(super) fn refuse_environment(arguments: &Arguments, input: &Input) -> Result<(), Error> {
-    if by_lobes(arguments) {
+    if arguments.by_lobes() {
         let text = "--environment applies to materials, and with --adaptive to scenes";
         return Err(Error::usage(format!("{input}: {text}")));
     }

@@ -58,9 +58,13 @@ pub(super) fn run(arguments: &Arguments, common: Common) -> Result<(), Error> {
         Some(asset) => asset::refuse_flags(arguments, asset)?,
         None => asset::refuse_environment(arguments, &arguments.input)?,
     }
-    let by_lobes = matches!(asset, Some(Asset { kind: AssetKind::Lobes(_), .. }));
-    if arguments.adaptive.truth.is_some() && !arguments.adaptive.adaptive && !by_lobes {
-        let text = "--truth needs --adaptive, or --environment with a material";
+    // A pack of lobes has no reference without a source.
+    let has_integral = match &asset {
+        Some(Asset { kind: AssetKind::Lobes(pack), .. }) => pack.is_none() || arguments.source.is_some(),
+        _ => false,
+    };
+    if arguments.adaptive.truth.is_some() && !arguments.adaptive.adaptive && !has_integral {
+        let text = "--truth needs --adaptive, or --environment with a material or a --source";
         return Err(Error::usage(text));
     }
     if arguments.adaptive.adaptive {

@@ -103,8 +103,8 @@ pub(super) fn setup_from(arguments: &Arguments, subject: &Subject, start: &Start
     }
     if let Some(path) = environment_file(arguments, subject, section) {
         outputs::check_not_over(arguments, &path)?;
-        // Lobes look prefiltered environments up as they are.
-        if arguments.adaptive.adaptive || !is_prefiltered(&path) {
+        // Lobes look prefiltered environments up as they are; mirrors reflect the unfiltered level.
+        if !(arguments.by_lobes() && is_prefiltered(&path)) {
             scene.environment = environment(&path)?;
         }
     }

@@ -231,7 +231,7 @@ fn an_environment_asks_for_lobes() {
         let lobes = &made["maps"]["lobes"];
         assert_eq!((&list["maps"]["lobes"], lobes["missed"].is_null()), (lobes, true));
         assert_eq!(lobes["bytes_on_disk"], folder.read(&format!("packs/{file}")).len());
-        let [mean, p95] = ["mean", "p95"].map(|key| lobes["delta_e"][key].as_f64().unwrap());
+        let [mean, p95] = ["mean", "p95"].map(|key| lobes["facts"]["delta_e"][key].as_f64().unwrap());
         assert!(0.0 < mean && mean < p95, "{lobes}");
         let bytes = |key: &str| plan["predicted_lobes"][key].as_u64().unwrap();
         assert!((bytes("least")..=bytes("most")).contains(&lobes["facts"]["gpu_bytes"].as_u64().unwrap()), "{lobes}");

@@ -59,7 +59,8 @@ fn what_does_not_apply_is_refused() {
         ),
         (&["l.ktx2", "--environment", "sky.exr", "--exact"], 2, "--exact"),
         (&["l.ktx2", "--environment", "sky.exr", "--lod", "2"], 2, "--lod"),
-        (&["t.ktx2", "--truth", "64"], 2, "--truth needs --adaptive, or --environment with a material"),
+        (&["t.ktx2", "--truth", "64"], 2, "--truth needs --adaptive, or --environment with a material or a --source"),
+        (&["l.ktx2", "--environment", "sky.exr", "--truth", "64"], 2, "--truth needs --adaptive"),
         (&["l.ktx2", "--adaptive", "--environment", "sky.exr"], 2, "--adaptive does not apply"),
         (
             &["s.toml", "--environment", "sky.exr"],

@@ -1,5 +1,6 @@
 //! Facts about lobes.
 
+use super::measure::RenderingError;
 use brdfc_formats::lobes::{Anchor, LobesPack};
 
 /// Facts about the lobes of a BRDF.
@@ -15,11 +16,14 @@ pub struct LobesFacts {
     pub azimuths: u32,
     /// Bytes on a GPU.
     pub gpu_bytes: u64,
+    /// ΔE (CIE76) of renderings of a ball, in environments that the fit did not use.
+    pub delta_e: RenderingError,
 }
 
 impl LobesFacts {
     /// Facts of a pack.
     pub fn new(pack: &LobesPack) -> Self {
+        let [mean, p95] = pack.header().delta_e;
         let count = |anchor: Anchor| pack.header().lobes.iter().filter(|lobe| lobe.anchor == anchor).count();
         Self {
             fetches: pack.fetches(),
@@ -27,6 +31,7 @@ impl LobesFacts {
             nodes: pack.header().nodes,
             azimuths: pack.header().azimuths,
             gpu_bytes: pack.gpu_bytes(),
+            delta_e: RenderingError { mean: f64::from(mean), p95: f64::from(p95) },
         }
     }
 }

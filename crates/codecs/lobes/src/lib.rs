@@ -133,15 +133,18 @@ pub fn encode(
     };
     let mut selection = Selection::new(&training, candidates, sharpest);
     let mut trials: Vec<LobesTrial> = Vec::new();
+    let mut last: Option<LobesPack> = None;
     for count in counts {
         selection.grow(count);
         progress.step()?;
         let pack = assembled(grid, &selection.system, &training, f64::from(sharpest))?;
-        if trials.last().is_some_and(|last| last.pack == pack) {
+        if last.as_ref() == Some(&pack) {
             // With more look-ups, a pair may fit.
             continue;
         }
+        last = Some(pack.clone());
         let error = measure::rendering_error(&pack, &held_out);
+        let pack = pack.with_delta_e([error.mean, error.p95].map(|delta_e| delta_e as f32))?;
         let meets = recipe.max_delta_e.is_none_or(|most| error.mean <= most);
         trials.push(LobesTrial { pack, error, meets });
         if meets && recipe.max_delta_e.is_some() {
@@ -202,5 +205,5 @@ fn assembled(grid: Grid, system: &System, views: &Views<'_>, sharpest: f64) -> R
     }
     let lobes = rows.iter().zip(0..).flat_map(|((one, _), row)| one.lobes(row)).collect();
     let [nodes, azimuths] = [grid.nodes, grid.azimuths].map(|count| count as u32);
-    LobesPack::new(LobesHeader { nodes, azimuths, rows: rows.len() as u32, lobes }, &texels)
+    LobesPack::new(LobesHeader { nodes, azimuths, rows: rows.len() as u32, delta_e: [0.0; 2], lobes }, &texels)
 }

@@ -49,7 +49,7 @@ fn lobes(azimuths: u32) -> LobesPack {
         (0..azimuths).flat_map(|azimuth| row.map(|weights| texel(azimuth, weights))).collect()
     };
     let texels: Vec<[f32; 4]> = weights.iter().flat_map(row).collect();
-    LobesPack::new(LobesHeader { nodes: 2, azimuths, rows: 4, lobes }, &texels).unwrap()
+    LobesPack::new(LobesHeader { nodes: 2, azimuths, rows: 4, delta_e: [0.0; 2], lobes }, &texels).unwrap()
 }
 
 fn mean_delta_e(a: &LinearImage, b: &LinearImage) -> f64 {
@@ -93,7 +93,7 @@ fn shader_and_cpu_draw_the_same_renderings() {
 fn a_white_furnace_is_invisible() {
     let uniform = prefilter(&|_| [0.7; 3], 16, 1, &()).unwrap();
     let lobe = Lobe { anchor: Anchor::Normal, tilt: [0.0; 2], row: 0 };
-    let header = LobesHeader { nodes: 2, azimuths: 1, rows: 1, lobes: vec![lobe] };
+    let header = LobesHeader { nodes: 2, azimuths: 1, rows: 1, delta_e: [0.0; 2], lobes: vec![lobe] };
     let white = LobesPack::new(header, &[[1.0, 1.0, 1.0, 0.0]; 2]).unwrap();
     let scene = Scene { environment: unfiltered(&uniform), ..Builtin::Sphere.scene() };
     let by_lobes = draw_on_cpu(&scene, FRAME, &LobesMaterial::new(white, uniform));

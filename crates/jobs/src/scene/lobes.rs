@@ -5,7 +5,7 @@ use crate::encode::{OptionError, Predicted};
 use crate::lobes::{encode_lobes, missed, recipe};
 use brdfc_core::progress::Progress;
 use brdfc_core::{Source, Tally};
-use brdfc_lobes::{LobesFacts, LobesRecipe, RenderingError};
+use brdfc_lobes::{LobesFacts, LobesRecipe};
 use serde::{Deserialize, Serialize};
 
 /// Name of lobes among the parts of a material.
@@ -41,8 +41,6 @@ pub struct LobesReport {
     pub bytes_on_disk: u64,
     /// Facts about its contents.
     pub facts: LobesFacts,
-    /// ΔE (CIE76) of renderings of a ball, in environments that the fit did not use.
-    pub delta_e: RenderingError,
     /// The limit that no number of look-ups meets; the lobes are then the closest ones.
     pub missed: Option<String>,
 }
@@ -69,7 +67,6 @@ pub fn material_lobes(
     let report = LobesReport {
         bytes_on_disk: bytes.len() as u64,
         facts: LobesFacts::new(&best.pack),
-        delta_e: best.error,
         missed: missed(&encoded, recipe),
     };
     Ok((bytes, report, encoded.tally))

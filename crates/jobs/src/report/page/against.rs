@@ -48,7 +48,7 @@ const NEGLIGIBLE_OF_LOBES: [(&str, f64); 3] =
     [("mean ΔE of lobes", 1e-2), ("ΔE of lobes, 95th percentile", 4e-2), ("look-ups of lobes", 0.0)];
 
 fn figures_of_lobes(lobes: &LobesReport) -> [f64; 3] {
-    [lobes.delta_e.mean, lobes.delta_e.p95, lobes.facts.fetches as f64]
+    [lobes.facts.delta_e.mean, lobes.facts.delta_e.p95, lobes.facts.fetches as f64]
 }
 
 fn figures(report: &MaterialReport) -> [f64; 7] {

@@ -34,7 +34,7 @@ pub fn csv(page: &Page) -> String {
             None => fields.extend(std::iter::repeat_n(String::new(), 10)),
         }
         let of_lobes = entry.lobes_report().map(|lobes| {
-            let (facts, error) = (&lobes.facts, &lobes.delta_e);
+            let (facts, error) = (&lobes.facts, &lobes.facts.delta_e);
             [facts.fetches.to_string(), facts.gpu_bytes.to_string(), error.mean.to_string(), error.p95.to_string()]
         });
         fields.extend(of_lobes.unwrap_or_default());

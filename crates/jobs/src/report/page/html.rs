@@ -120,8 +120,8 @@ fn lobes(page: &Page) -> Markup {
                     td { (lobes.facts.fetches) }
                     td data-value=(lobes.bytes_on_disk) { (bytes(lobes.bytes_on_disk)) }
                     td data-value=(lobes.facts.gpu_bytes) { (bytes(lobes.facts.gpu_bytes)) }
-                    td { (format!("{:.2}", lobes.delta_e.mean)) }
-                    td { (format!("{:.2}", lobes.delta_e.p95)) }
+                    td { (format!("{:.2}", lobes.facts.delta_e.mean)) }
+                    td { (format!("{:.2}", lobes.facts.delta_e.p95)) }
                     td.left { @if lobes.missed.is_none() { span.good { "passed" } } @else { span.bad { "failed" } } }
                 } } }
             } }
