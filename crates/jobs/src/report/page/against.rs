@@ -270,8 +270,14 @@ mod tests {
         let of_lobes = |mean: f64, missed: Option<&str>| MapsReport {
             lobes: Some(LobesReport {
                 bytes_on_disk: 1000,
-                facts: LobesFacts { fetches: 2, anchors: [0, 2, 0], nodes: 24, azimuths: 1, gpu_bytes: 384 },
-                delta_e: RenderingError { mean, p95: 2.0 },
+                facts: LobesFacts {
+                    fetches: 2,
+                    anchors: [0, 2, 0],
+                    nodes: 24,
+                    azimuths: 1,
+                    gpu_bytes: 384,
+                    delta_e: RenderingError { mean, p95: 2.0 },
+                },
                 missed: missed.map(str::to_owned),
             }),
             ..MapsReport::default()
