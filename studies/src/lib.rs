@@ -5,6 +5,7 @@ pub mod adaptive;
 pub mod btf;
 #[cfg(feature = "render")]
 pub mod codecs;
+#[cfg(feature = "render")]
 mod fitted_ggx;
 pub mod flat_btf;
 #[cfg(feature = "render")]
