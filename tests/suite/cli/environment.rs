@@ -6,6 +6,7 @@ use brdfc_formats::environment::{EnvironmentDecoder, EnvironmentPack};
 use image::{DynamicImage, Rgb, Rgb32FImage};
 
 /// Pixels per row of the test environments.
+#[cfg(feature = "render")]
 const WIDTH: u32 = 64;
 
 /// Writes a grey sky of 64 x 32 pixels with a pixel of another radiance.
@@ -15,6 +16,7 @@ pub fn sky(folder: &Folder, name: &str, ambient: f32, sun: f32) {
 }
 
 /// Writes an environment without symmetry, turned by quarter turns, as a page turns it.
+#[cfg(feature = "render")]
 pub fn room(folder: &Folder, name: &str, quarters: u32) {
     let pixel = |x: u32, y: u32| {
         // A positive angle turns +z towards +x, against the azimuth of images.
