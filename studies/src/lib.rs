@@ -66,7 +66,7 @@ pub enum Study {
     Images,
     /// Section 5 of Bagher et al. 2012: samples and time for the same PSNR, and for the same FLIP, under an environment, on
     /// the CPU: forward shading, filtered importance sampling, half and quarter resolution, the split sum of engines, lobes,
-    /// adaptive shading; five materials, four shapes, three environments, three sizes. Takes 15 minutes without options.
+    /// adaptive shading; five materials, four shapes, three environments, three sizes. Takes 17 minutes without options.
     Adaptive,
     /// Figure 12 of Bagher et al. 2012: predicted pixel bandwidth against windowed Fourier transforms, on a sphere.
     PixelBandwidth,

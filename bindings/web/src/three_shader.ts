@@ -103,8 +103,7 @@ void main() {
     t = normalize(dot(t, t) > 1e-12 ? t : cross(abs(n.z) < 0.9 ? vec3(0.0, 0.0, 1.0) : vec3(1.0, 0.0, 0.0), n));
     vec3 b = cross(n, t) * (worldTangent.w < 0.0 ? -1.0 : 1.0);
     vec3 wo = vec3(dot(toEye, t), dot(toEye, b), dot(toEye, n));
-    vec3 radiance = vec3(0.0);
-    radiance += litByEnvironment(mat3(t, b, n), wo);
+    vec3 radiance = litByEnvironment(mat3(t, b, n), wo);
     for (int k = 0; k < lightCount; k++) {
         vec3 toLight = lightPositions[k] - worldPosition;
         float squared = dot(toLight, toLight);

@@ -73,7 +73,8 @@ impl<'a> Views<'a> {
             // Of a ball, sin θ cos θ dθ, and cos θ = 1 - position².
             let area = (2.0 * position * (1.0 - position * position)).max(0.02);
             let view = View { outgoing, area, albedo: reflection.albedo(), radiance };
-            (view, reflection.width(), reflection.slopes(), tally)
+            let slopes = if *place == places[0] { reflection.slopes() } else { None };
+            (view, reflection.width(), slopes, tally)
         };
         let computed: Vec<_> = places.par_iter().map(view).collect();
         let width = computed.iter().filter_map(|(_, width, ..)| *width).reduce(f64::min);

@@ -16,11 +16,16 @@ const MODULES: [&str; 12] = [
     include_str!("page/main.js"),
 ];
 
-/// Joins all modules, without their imports and exports.
+/// Joins all modules, without their imports, exports and comments.
 pub(super) fn script() -> String {
     let lines = MODULES.iter().flat_map(|module| module.lines());
-    let lines = lines.filter(|line| !line.starts_with("import "));
+    let lines = lines.filter(|line| !line.starts_with("import ") && !is_comment(line));
     lines.map(|line| line.strip_prefix("export ").unwrap_or(line)).collect::<Vec<_>>().join("\n")
+}
+
+/// True for a line of a comment. No line of code starts with an asterisk.
+fn is_comment(line: &str) -> bool {
+    ["//", "/*", "*"].iter().any(|start| line.trim_start().starts_with(start))
 }
 
 #[cfg(test)]
@@ -44,6 +49,8 @@ mod tests {
         assert!(names.len() > 40);
         let twice: Vec<_> = names.iter().filter(|(_, count)| **count > 1).collect();
         assert!(twice.is_empty(), "{twice:?}");
+        // Comments that are left out are whole.
+        assert!(script.lines().all(|line| line.matches("/*").count() == line.matches("*/").count()));
         // The script must not end its element.
         assert!(!script.contains("</script") && !script.contains("import ") && script.contains("globalThis.brdfcView"));
     }

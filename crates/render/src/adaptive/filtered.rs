@@ -1,13 +1,12 @@
 //! Filtered importance sampling: samples of the material that look up prefiltered light ("Real-time shading with filtered
 //! importance sampling", Colbert and Křivánek 2008).
 //!
-//! Each of `N` samples of density `p` stands for a solid angle of `1 / (N p)`. Instead of the light from exactly its
+//! Each of `N` samples of density `p` represents a solid angle of `1 / (N p)`. Instead of the light from exactly its
 //! direction it takes a mean over about that solid angle, which replaces noise by a slight blur.
 
 use super::AdaptiveScene;
-use super::shading::scattered;
+use super::shading::{by_samples, scattered};
 use crate::gbuffer::GBuffer;
-use brdfc_formats::direction::DirectionPair;
 use brdfc_formats::environment::{EnvironmentDecoder, EnvironmentHeader};
 use std::f32::consts::TAU;
 
@@ -37,23 +36,9 @@ pub fn shade_point_filtered(
     pixel: usize,
     count: u32,
 ) -> [f32; 3] {
-    let Some(part) = buffer.part_at(pixel) else { return [0.0; 3] };
-    let material = &scene.materials[part];
-    let frame = buffer.frame(pixel);
-    let outgoing = frame.local(buffer.to_viewer[pixel]);
     let first = if light.scattered { scattered(pixel as u32) } else { 0 };
-    let mut sum = [0.0f32; 3];
-    for index in 0..count {
-        let (incoming, inverse_density) = material.samples.sample(outgoing, first.wrapping_add(index));
-        if inverse_density <= 0.0 {
-            continue;
-        }
-        let pair = DirectionPair::new(incoming.map(f64::from), outgoing.map(f64::from));
-        let f_r = material.reflectance.eval(pair, f64::from(buffer.distance[pixel]));
+    by_samples(scene, buffer, pixel, count, first, |direction, inverse_density| {
         let sharpness = light.sharpness(inverse_density / count as f32);
-        let radiance = light.environment.radiance(frame.world(incoming), sharpness);
-        let weight = incoming[2] * inverse_density;
-        (0..3).for_each(|k| sum[k] += weight * f_r[k] as f32 * radiance[k]);
-    }
-    sum.map(|s| s / count.max(1) as f32)
+        light.environment.radiance(direction, sharpness).map(f64::from)
+    })
 }

@@ -3,7 +3,7 @@
 use super::{AdaptiveScene, resolve};
 use crate::gbuffer::GBuffer;
 use crate::scene::Frame;
-use brdfc_formats::direction::DirectionPair;
+use brdfc_formats::direction::{DirectionPair, Vector};
 use brdfc_metrics::image::LinearImage;
 use rayon::prelude::*;
 
@@ -13,11 +13,24 @@ pub type PointShader<'a> = dyn Fn(usize, u32) -> [f32; 3] + Sync + 'a;
 /// Reflected radiance at a point of the buffer by `count` consecutive samples of its material's pack, from a position
 /// in the sequence that depends on the point.
 pub fn shade_point(scene: &AdaptiveScene<'_>, buffer: &GBuffer, pixel: usize, count: u32) -> [f32; 3] {
+    let light = |direction: [f32; 3], _| scene.scene.environment.at(direction.map(f64::from));
+    by_samples(scene, buffer, pixel, count, scattered(pixel as u32), light)
+}
+
+/// The same from position `first`, with the light from a direction of the world that a sample looks up, given its inverse
+/// density, sr.
+pub(super) fn by_samples(
+    scene: &AdaptiveScene<'_>,
+    buffer: &GBuffer,
+    pixel: usize,
+    count: u32,
+    first: u32,
+    light: impl Fn([f32; 3], f32) -> Vector,
+) -> [f32; 3] {
     let Some(part) = buffer.part_at(pixel) else { return [0.0; 3] };
     let material = &scene.materials[part];
     let frame = buffer.frame(pixel);
     let outgoing = frame.local(buffer.to_viewer[pixel]);
-    let first = scattered(pixel as u32);
     let mut sum = [0.0f32; 3];
     for index in 0..count {
         let (incoming, inverse_density) = material.samples.sample(outgoing, first.wrapping_add(index));
@@ -26,7 +39,7 @@ pub fn shade_point(scene: &AdaptiveScene<'_>, buffer: &GBuffer, pixel: usize, co
         }
         let pair = DirectionPair::new(incoming.map(f64::from), outgoing.map(f64::from));
         let f_r = material.reflectance.eval(pair, f64::from(buffer.distance[pixel]));
-        let light = scene.scene.environment.at(frame.world(incoming).map(f64::from));
+        let light = light(frame.world(incoming), inverse_density);
         let weight = incoming[2] * inverse_density;
         (0..3).for_each(|k| sum[k] += weight * (f_r[k] * light[k]) as f32);
     }

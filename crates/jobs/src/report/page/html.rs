@@ -112,7 +112,10 @@ fn lobes(page: &Page) -> Markup {
     html! {
         @if !rows.is_empty() {
             h3 { "Lobes: the light of an environment by a few look-ups" }
-            p.soft { "ΔE is between renderings of a ball by lobes and by the integral over all directions, in environments of                       other kinds than that of the scene: noise, a sky with a sun, a studio and a room with lamps." }
+            p.soft {
+                "ΔE is between renderings of a ball by lobes and by the integral over all directions, in four environments that the fit \
+                 does not use and that are not those of the scene: noise, a sky with a sun, a studio and a room with lamps."
+            }
             div.scroll { table.all {
                 thead { tr { @for name in ["material", "look-ups", "on disk", "on GPU", "ΔE", "ΔE 95 %", ""] { (head(name)) } } }
                 tbody { @for (name, lobes) in rows { tr {
