@@ -7,16 +7,14 @@
 //! not among the environments of the fit. Look-ups, bytes and errors are printed.
 
 use brdfc_environment::training::TrainingEnvironment;
-use brdfc_importance::{ImportanceRecipe, LobeDistributions};
 use brdfc_jobs::environment::prefilter_image;
 use brdfc_jobs::lobes::encode_lobes;
 use brdfc_lobes::LobesRecipe;
 use brdfc_metrics::image::{LinearImage, auto_exposure, compare_images};
-use brdfc_render::lobes::{LobesMaterial, draw_integral, draw_on_cpu};
+use brdfc_render::lobes::{IntegralMaterial, PrefilteredLight, draw_integral, draw_on_cpu};
 use brdfc_render::rendering::to_panel;
 use brdfc_render::scene::{Camera, Environment, Frame, Scene};
 use brdfc_render::scenes::Builtin;
-use brdfc_render::shade::SourceReflectance;
 use brdfc_source::open::open;
 use image::codecs::png::{CompressionType, FilterType, PngEncoder};
 use image::{Rgb, RgbImage};
@@ -48,7 +46,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     let room = TrainingEnvironment::new(ROOM);
     let [width, height] = IMAGE;
     let environment = Environment::of(width, height, |direction| room.radiance(direction).map(|c| c as f32));
-    let prefiltered = prefilter_image(&environment, None, &())?;
+    let light = PrefilteredLight::new(prefilter_image(&environment, None, &())?);
     let ball = Builtin::Sphere.scene();
     let camera = Camera { field_of_view: 0.87 * ball.camera.field_of_view, ..ball.camera };
     let scene = Scene { environment, camera, ..ball };
@@ -61,9 +59,9 @@ fn main() -> Result<(), Box<dyn Error>> {
         let encoded = encode_lobes(source.as_ref(), &LobesRecipe::default(), &())?;
         let pack = encoded.best().pack.clone();
         let (fetches, bytes) = (pack.fetches(), pack.gpu_bytes());
-        let by_lobes = draw_on_cpu(&scene, FRAME, &LobesMaterial::new(pack, prefiltered.clone()));
-        let distributions = LobeDistributions::new(source.as_ref(), &ImportanceRecipe::default())?;
-        let integral = draw_integral(&scene, FRAME, &SourceReflectance(source.as_ref()), &distributions, DIRECTIONS);
+        let by_lobes = draw_on_cpu(&scene, FRAME, &light, &[Some(&pack)]);
+        let material = IntegralMaterial::new(source.as_ref())?;
+        let integral = draw_integral(&scene, FRAME, &[Some(&material)], DIRECTIONS);
         let exposure = auto_exposure(&integral);
         let difference = compare_images(&by_lobes, &integral, exposure).delta_e;
         println!("{name}: {fetches} look-ups, {bytes} bytes, ΔE {:.2}, 95 %: {:.2}", difference.mean, difference.p95);

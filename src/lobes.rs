@@ -9,7 +9,7 @@ pub use brdfc_lobes::{
     DEFAULT_DELTA_E, DEFAULT_FETCHES, EncodedLobes, LobesFacts, LobesRecipe, LobesTrial, RenderingError,
 };
 
-use crate::{Error, Material, Progress};
+use crate::{Error, Progress, Source};
 use brdfc_jobs::lobes::encode_lobes;
 
 /// Fits lobes to a material. If no number of look-ups meets the limit, the one with the smallest error is selected; see
@@ -18,7 +18,7 @@ use brdfc_jobs::lobes::encode_lobes;
 /// # Errors
 /// Returns an error for a recipe out of range ([`ErrorKind::Usage`](crate::ErrorKind::Usage)), and
 /// if the work was cancelled.
-pub fn encode(material: &Material, recipe: &LobesRecipe, progress: &dyn Progress) -> Result<EncodedLobes, Error> {
+pub fn encode(source: &dyn Source, recipe: &LobesRecipe, progress: &dyn Progress) -> Result<EncodedLobes, Error> {
     recipe.check().map_err(Error::usage)?;
-    Ok(encode_lobes(material.source(), recipe, progress)?)
+    Ok(encode_lobes(source, recipe, progress)?)
 }

@@ -8,10 +8,8 @@ pub use brdfc_bandwidth::map::environment_map;
 pub use brdfc_formats::bindings::FrameBlock;
 pub use brdfc_formats::pwt::{PwtDecoder, PwtPack};
 pub use brdfc_formats::wavelet::{DEFAULT_DISTANCE_SCALE, Filter};
-pub use brdfc_gpu::verify::{Material, PackReflectance, Views, views};
-pub use brdfc_gpu::{
-    AdapterChoice, AdaptiveRenderer, Decoding, Gpu, GpuError, SliceFilter, draw_flat_btf, draw_lobes, draw_pwt,
-};
+pub use brdfc_gpu::verify::{Material, PackReflectance, Views, lobes_views, views};
+pub use brdfc_gpu::{AdapterChoice, AdaptiveRenderer, Decoding, Gpu, GpuError, SliceFilter, draw_flat_btf, draw_pwt};
 pub use brdfc_jobs::report::adaptive::{AdaptiveVerification, Shading};
 pub use brdfc_jobs::report::contact::MaterialVerification;
 pub use brdfc_jobs::report::render::{PartMaterial, RenderingGates, Verification, nothing_shown};
@@ -23,7 +21,7 @@ pub use brdfc_render::adaptive::{
 };
 pub use brdfc_render::contact_sheet::contact_sheet;
 pub use brdfc_render::flat::{FlatMaterial, draw_on_cpu as draw_flat_btf_on_cpu};
-pub use brdfc_render::lobes::{LobesMaterial, draw_on_cpu as draw_lobes_on_cpu, unfiltered};
+pub use brdfc_render::lobes::{IntegralMaterial, PrefilteredLight, draw_integral};
 pub use brdfc_render::pwt::{
     Photograph, PwtMaterial, distant_light, draw_on_cpu as draw_pwt_on_cpu, draw_photographs, image_scene,
 };
@@ -37,18 +35,15 @@ pub use brdfc_source::radiance_image::open_radiance_image;
 
 use crate::flatten::{AssetFile, MesoOptions, PLANE};
 use crate::inspect::{AnyPack, RtiCapture};
-use crate::{Error, Input};
+use crate::{Error, Input, Source};
 use brdfc_core::PackSource;
 use brdfc_core::address::is_synth;
 use brdfc_flat_btf::model::MesoModel;
 use brdfc_formats::direction::dot;
-use brdfc_importance::{ImportanceRecipe, LobeDistributions};
 use brdfc_jobs::flatten::{open_appearance, open_geometry};
 use brdfc_render::adaptive::ANY_LEVEL;
 use brdfc_render::flat::reference;
-use brdfc_render::lobes::draw_integral;
 use brdfc_render::rendering::{heat_map, octave_map};
-use brdfc_render::shade::SourceReflectance;
 
 /// Bandwidth and importance samples of a material for adaptive shading: from `maps` if it has both, otherwise from the source or
 /// the pack.
@@ -73,21 +68,12 @@ pub fn lookups(material: &Material<'_>, maps: &[AnyPack]) -> Result<Lookups, Err
     found.map_err(|error| Error::internal(error.to_string()))
 }
 
-/// Draws a scene of one material by the integral over its environment, with `samples` directions for each sample of a pixel.
-/// Nothing throws shadows.
+/// Prepares a source for [`draw_integral`].
 ///
 /// # Errors
-/// Returns an error if the lobes of the material cannot be tabulated.
-pub fn draw_lobes_integral(
-    scene: &Scene,
-    frame: Frame,
-    material: &crate::Material,
-    samples: usize,
-) -> Result<LinearImage, Error> {
-    let source = material.source();
-    let distributions = LobeDistributions::new(source, &ImportanceRecipe::default());
-    let distributions = distributions.map_err(|error| Error::internal(error.to_string()))?;
-    Ok(draw_integral(scene, frame, &SourceReflectance(source), &distributions, samples))
+/// Returns an error if the lobes of the source cannot be tabulated.
+pub fn integral_material(source: &dyn Source) -> Result<IntegralMaterial<'_>, Error> {
+    IntegralMaterial::new(source).map_err(|error| Error::internal(error.to_string()))
 }
 
 /// Draws the surface from which a flat BTF was made on the objects of a scene, with `repeat` tiles per unit of uv. Returns `None` if

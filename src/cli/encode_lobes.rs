@@ -65,7 +65,7 @@ pub(super) fn run(arguments: &Arguments, options: &EncodeOptions, common: Common
     let clock = StageClock::new(part.as_ref());
     clock.stage(Stage::Read, 1)?;
     let material = brdfc::open(&arguments.input)?;
-    let encoded = encode(&material, &recipe, &clock).map_err(|error| error.prefixed(&arguments.input))?;
+    let encoded = encode(material.source(), &recipe, &clock).map_err(|error| error.prefixed(&arguments.input))?;
     clock.stage(Stage::Write, 1)?;
     let best = encoded.best();
     let bytes = best.pack.to_bytes(arguments.options.supercompress());

@@ -9,6 +9,8 @@ pub mod codecs;
 mod fitted_ggx;
 pub mod flat_btf;
 #[cfg(feature = "render")]
+pub mod frame_time;
+#[cfg(feature = "render")]
 pub mod images;
 #[cfg(feature = "render")]
 pub mod level_of_detail;
@@ -64,6 +66,8 @@ pub enum Study {
     LevelOfDetail,
     /// Section 6.3, figure 9: colour differences on a cloth, shader against source, 4:1 and 8 bits.
     Images,
+    /// Time of a frame under point lights, and in an environment by lobes and by forward shading.
+    FrameTime,
     /// Section 5 of Bagher et al. 2012: samples and time for the same PSNR, and for the same FLIP, under an environment, on
     /// the CPU: forward shading, filtered importance sampling, half and quarter resolution, the split sum of engines, lobes,
     /// adaptive shading; five materials, four shapes, three environments, three sizes. Takes 17 minutes without options.
@@ -127,6 +131,9 @@ pub enum StudyResult {
         /// One for each material.
         rows: Vec<images::ImageRow>,
     },
+    /// Times of a frame.
+    #[cfg(feature = "render")]
+    FrameTime(frame_time::FrameTimes),
     /// Methods of shading under an environment at equal error.
     #[cfg(feature = "render")]
     Adaptive {

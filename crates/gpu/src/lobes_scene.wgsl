@@ -1,6 +1,6 @@
-// Draws a scene that a prefiltered environment lights. Appended to `formats/src/environment/environment.wgsl`,
-// `formats/src/lobes/lobes.wgsl`, `view.wgsl`, `periodic.wgsl` and `surface.wgsl`; the CPU twin is
-// `crates/render/src/lobes.rs`.
+// Draws what a prefiltered environment adds to a scene, below the mirrors of its surfaces. Appended to
+// `formats/src/environment/environment.wgsl`, `formats/src/lobes/lobes.wgsl`, `view.wgsl`, `periodic.wgsl` and
+// `surface.wgsl`; the CPU twin is `crates/render/src/lobes.rs`.
 
 @fragment
 fn shade(in: Varying, @builtin(front_facing) front: bool) -> @location(0) vec4<f32> {
@@ -13,5 +13,5 @@ fn shade(in: Varying, @builtin(front_facing) front: bool) -> @location(0) vec4<f
         let direction = lobe.direction.x * frame[0] + lobe.direction.y * frame[1] + lobe.direction.z * frame[2];
         radiance += lobe.weight * environment_radiance(direction, lobe.sharpness);
     }
-    return vec4<f32>(radiance, 1.0);
+    return vec4<f32>((1.0 - mirror_share(wo.z)) * radiance, 1.0);
 }

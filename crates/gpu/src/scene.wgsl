@@ -29,9 +29,8 @@ fn shade(in: Varying, @builtin(front_facing) front: bool) -> @location(0) vec4<f
         }
     }
 
-    if surface.mirror > 0.0 {
-        let grazing = 1.0 - wo.z;
-        let fresnel = surface.mirror + (1.0 - surface.mirror) * (grazing * grazing * grazing * grazing * grazing);
+    let fresnel = mirror_share(wo.z);
+    if fresnel > 0.0 {
         let mirrored = 2.0 * dot(frame[2], v) * frame[2] - v;
         radiance = (1.0 - fresnel) * radiance + fresnel * environment_at(mirrored);
     }

@@ -26,6 +26,15 @@ fn shading_frame(in: Varying, front: bool, v: vec3<f32>) -> mat3x3<f32> {
     return turned_frame(n, in.tangent, v);
 }
 
+// Share of the light that the mirror of the surface reflects, by the cosine of the view angle.
+fn mirror_share(cosine: f32) -> f32 {
+    if surface.mirror > 0.0 {
+        let grazing = 1.0 - cosine;
+        return surface.mirror + (1.0 - surface.mirror) * (grazing * grazing * grazing * grazing * grazing);
+    }
+    return 0.0;
+}
+
 // Central differences of the height map over one texel.
 fn height_gradient(uv: vec2<f32>) -> vec2<f32> {
     let size = f32(surface.bump_size);

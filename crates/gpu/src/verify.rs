@@ -1,13 +1,15 @@
 //! One scene drawn in several ways, to separate sources of error: by the shader from packs, and on the CPU from packs,
 //! from complete table packs and from sources.
 
-use crate::{Decoding, Gpu, GpuError, Renderer};
+use crate::{Decoding, Gpu, GpuError, Renderer, draw_lobes};
 use brdfc_core::Source;
 use brdfc_formats::crop::DirectionRange;
 use brdfc_formats::direction::DirectionPair;
+use brdfc_formats::lobes::LobesPack;
 use brdfc_formats::wavelet::level_of_detail;
 use brdfc_formats::{BrdfDecoder, BrdfPack};
 use brdfc_metrics::image::LinearImage;
+use brdfc_render::lobes::{PrefilteredLight, draw_on_cpu};
 use brdfc_render::scene::{Frame, Scene};
 use brdfc_render::shade::{Reflectance, SourceReflectance, shade};
 use brdfc_render::trace::trace;
@@ -45,6 +47,40 @@ impl Views {
     pub fn reference(&self) -> &LinearImage {
         self.source.as_ref().unwrap_or(&self.pack)
     }
+
+    /// Adds the light of other views of the same surfaces. Complete tables get the added light of the sources, so that they keep
+    /// the errors of the grid alone.
+    pub fn add_light(&mut self, other: &Self) {
+        self.shader.add_light(&other.shader);
+        self.pack.add_light(&other.pack);
+        let add = |image: &mut Option<LinearImage>| match (&mut *image, &other.source) {
+            (Some(image), Some(added)) => image.add_light(added),
+            _ => *image = None,
+        };
+        add(&mut self.table);
+        add(&mut self.source);
+    }
+}
+
+/// Draws a scene by the lobes of its parts, with the shader and on the CPU. `integral` is the reference from sources, if
+/// every part with lobes has one.
+///
+/// # Errors
+/// Returns the errors of [`draw_lobes`].
+///
+/// # Panics
+/// If there are fewer lobes than parts.
+pub fn lobes_views(
+    gpu: &Gpu,
+    scene: &Scene,
+    frame: Frame,
+    light: &PrefilteredLight,
+    lobes: &[Option<&LobesPack>],
+    integral: Option<LinearImage>,
+) -> Result<Views, GpuError> {
+    let shader = draw_lobes(gpu, scene, frame, light, lobes)?;
+    let pack = draw_on_cpu(scene, frame, light, lobes);
+    Ok(Views { shader, pack, table: None, source: integral, left_out: 0.0 })
 }
 
 /// A pack on the CPU, decoded like a shader with exact filters.

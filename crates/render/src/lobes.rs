@@ -6,87 +6,106 @@ use super::environment_sampler::{EnvironmentSampler, FramedEnvironmentSampler};
 use super::lobe_sampler::{BalancedSampler, MeasuredLobe, shift_of};
 use super::sample_means::sample_means;
 use super::scene::{Environment, Frame, Scene};
-use super::shade::Reflectance;
+use super::shade::{SourceReflectance, mirror_share};
 use super::shading_point::ShadingPoint;
 use super::trace::trace;
+use brdfc_core::Source;
+use brdfc_formats::FormatError;
 use brdfc_formats::direction::Vector;
 use brdfc_formats::environment::{EnvironmentDecoder, EnvironmentPack};
 use brdfc_formats::lobes::LobesPack;
-use brdfc_importance::LobeDistributions;
+use brdfc_importance::{ImportanceRecipe, LobeDistributions};
 use brdfc_metrics::image::LinearImage;
 
-/// A material in a prefiltered environment.
+/// A prefiltered environment, ready for look-ups on the CPU.
 #[derive(Debug, Clone)]
-pub struct LobesMaterial {
-    lobes: LobesPack,
-    environment: EnvironmentPack,
+pub struct PrefilteredLight {
+    pack: EnvironmentPack,
     decoder: EnvironmentDecoder,
 }
 
-impl LobesMaterial {
-    /// A material of any number of lobes.
-    pub fn new(lobes: LobesPack, environment: EnvironmentPack) -> Self {
-        let decoder = EnvironmentDecoder::new(&environment);
-        Self { lobes, environment, decoder }
+impl PrefilteredLight {
+    /// Unpacks an environment.
+    pub fn new(pack: EnvironmentPack) -> Self {
+        let decoder = EnvironmentDecoder::new(&pack);
+        Self { pack, decoder }
     }
 
-    /// The lobes.
-    pub fn lobes(&self) -> &LobesPack {
-        &self.lobes
+    /// The environment as engines load it.
+    pub fn pack(&self) -> &EnvironmentPack {
+        &self.pack
     }
 
-    /// The environment.
-    pub fn environment(&self) -> &EnvironmentPack {
-        &self.environment
+    /// Latitude-longitude image of its unfiltered radiance, four faces wide.
+    pub fn unfiltered(&self) -> Environment {
+        let header = self.pack.header();
+        let (width, height) = (4 * header.side as usize, 2 * header.side as usize);
+        let sharpest = header.sharpest() as f32;
+        Environment::of(width, height, |direction| self.decoder.radiance(direction.map(|c| c as f32), sharpest))
     }
+}
 
-    fn radiance(&self, point: &ShadingPoint) -> Vector {
+/// A material for the integral over all directions.
+pub struct IntegralMaterial<'a> {
+    reflectance: SourceReflectance<'a>,
+    distributions: LobeDistributions,
+}
+
+impl<'a> IntegralMaterial<'a> {
+    /// Tabulates the densities of the samples.
+    ///
+    /// # Errors
+    /// Returns an error if the lobes of the source cannot be tabulated.
+    pub fn new(source: &'a dyn Source) -> Result<Self, FormatError> {
+        let distributions = LobeDistributions::new(source, &ImportanceRecipe::default())?;
+        Ok(Self { reflectance: SourceReflectance(source), distributions })
+    }
+}
+
+/// Draws a scene by the lobes of each part, in the same steps as `lobes_scene.wgsl`. Parts without lobes are black. Point lights
+/// are ignored, nothing throws shadows, and of parts with a mirror only what the mirror lets through is drawn.
+///
+/// # Panics
+/// If there are fewer lobes than parts.
+pub fn draw_on_cpu(scene: &Scene, frame: Frame, light: &PrefilteredLight, lobes: &[Option<&LobesPack>]) -> LinearImage {
+    draw(scene, frame, |_, part, point| {
+        let Some(lobes) = lobes[part] else { return [0.0; 3] };
         let axes = [point.tangent, point.bitangent, point.normal].map(|axis| axis.map(|c| c as f32));
-        self.lobes.radiance(&self.decoder, axes, point.outgoing.map(|c| c as f32)).map(f64::from)
-    }
-}
-
-/// Latitude-longitude image of the unfiltered radiance of a prefiltered environment, four faces wide.
-pub fn unfiltered(environment: &EnvironmentPack) -> Environment {
-    let decoder = EnvironmentDecoder::new(environment);
-    let header = environment.header();
-    let (width, height) = (4 * header.side as usize, 2 * header.side as usize);
-    let sharpest = header.sharpest() as f32;
-    Environment::of(width, height, |direction| decoder.radiance(direction.map(|c| c as f32), sharpest))
-}
-
-/// Draws a scene whose parts all have one material, in the same steps as `lobes_scene.wgsl`. Point lights and mirrors are
-/// ignored, and nothing throws shadows.
-pub fn draw_on_cpu(scene: &Scene, frame: Frame, material: &LobesMaterial) -> LinearImage {
-    draw(scene, frame, |_, point| material.radiance(point))
+        lobes.radiance(&light.decoder, axes, point.outgoing.map(|c| c as f32)).map(f64::from)
+    })
 }
 
 /// Draws the same by the integral over the scene's environment, with `samples` directions for each sample of a pixel: half
 /// of them by the lobe of the material, half by the light of the environment (Veach and Guibas 1995).
+///
+/// # Panics
+/// If there are fewer materials than parts.
 pub fn draw_integral(
     scene: &Scene,
     frame: Frame,
-    material: &dyn Reflectance,
-    distributions: &LobeDistributions,
+    materials: &[Option<&IntegralMaterial<'_>>],
     samples: usize,
 ) -> LinearImage {
     let environment = EnvironmentSampler::new(&scene.environment);
-    draw(scene, frame, |number, point| {
+    draw(scene, frame, |number, part, point| {
+        let Some(IntegralMaterial { reflectance, distributions }) = materials[part] else { return [0.0; 3] };
         let shift = shift_of(number);
         let lobe = MeasuredLobe { distributions, shift };
         let light = FramedEnvironmentSampler { environment: &environment, point, shift };
         let sampler = BalancedSampler { first: &lobe, second: &light };
-        reflected(point, &scene.environment, material, &sampler, samples).radiance
+        reflected(point, &scene.environment, reflectance, &sampler, samples).radiance
     })
 }
 
-/// Draws with the radiance of each visible point, given with the number of its sample.
-fn draw(scene: &Scene, frame: Frame, radiance: impl Fn(usize, &ShadingPoint) -> Vector + Sync) -> LinearImage {
+/// Draws a scene with the radiance of each visible point, given with the numbers of its sample and of its part.
+fn draw(scene: &Scene, frame: Frame, radiance: impl Fn(usize, usize, &ShadingPoint) -> Vector + Sync) -> LinearImage {
     let hits = trace(scene, frame).0;
     sample_means(scene, frame, |pixel, sample| {
         let number = pixel * frame.samples_per_pixel() + sample;
         let hit = hits[number].as_ref()?;
-        let point = ShadingPoint::new(&scene.parts[hit.part as usize], hit, scene.camera.eye);
-        Some(radiance(number, &point))
+        let part = hit.part as usize;
+        let point = ShadingPoint::new(&scene.parts[part], hit, scene.camera.eye);
+        let below_mirror = 1.0 - mirror_share(&scene.parts[part].surface, point.outgoing[2]);
+        Some(radiance(number, part, &point).map(|c| below_mirror * c))
     })
 }

@@ -57,15 +57,21 @@ fn reflected(scene: &Scene, surface: &Surface, point: &ShadingPoint, material: &
         let added = from_light(light, point, material);
         (0..3).for_each(|channel| radiance[channel] += added[channel]);
     }
-    let mirror = f64::from(surface.mirror);
-    if mirror > 0.0 {
-        let fresnel = mirror + (1.0 - mirror) * (1.0 - point.outgoing[2]).powi(5);
+    let fresnel = mirror_share(surface, point.outgoing[2]);
+    if fresnel > 0.0 {
         let environment = scene.environment.at(mirrored(point));
         (0..3).for_each(|channel| {
             radiance[channel] = (1.0 - fresnel) * radiance[channel] + fresnel * environment[channel];
         });
     }
     radiance
+}
+
+/// Share of the light of a mirror direction that the mirror of a surface reflects, by the cosine of the view angle (Schlick
+/// 1994). The material below it gets the rest.
+pub(super) fn mirror_share(surface: &Surface, cosine: f64) -> f64 {
+    let mirror = f64::from(surface.mirror);
+    if mirror > 0.0 { mirror + (1.0 - mirror) * (1.0 - cosine).powi(5) } else { 0.0 }
 }
 
 /// One term of equation 1 of Claustres et al. 2007: `f_r I cos θi / |x - x_light|²`.

@@ -15,6 +15,7 @@ use brdfc::render::{
     Environment, Frame, GpuError, LinearImage, PackReflectance, Reflectance, Settings, Shading, Start, auto_exposure,
     environment_map, ground_truth, lookups, nothing_shown, prediction_png, tabulated,
 };
+use brdfc::scene::EnvironmentJob;
 use brdfc_terminal::words::format_number;
 use serde::Serialize;
 use std::time::Instant;
@@ -191,7 +192,9 @@ fn refuse(arguments: &Arguments) -> Result<(), Error> {
 fn environment(arguments: &Arguments, subject: &Subject, environment: &Environment) -> Result<BandwidthMap, Error> {
     if let (Subject::Scene { packs: Some(packs), environment: Some(job), .. }, None) =
         (subject, &arguments.adaptive.environment)
-        && let Some(Pack::Bandwidth(map)) = packs.environment(job, &())?.pop()
+        && job.maps[1]
+        && let Some(Pack::Bandwidth(map)) =
+            packs.environment(&EnvironmentJob { maps: [false, true], ..job.clone() }, &())?.pop()
     {
         return Ok(map);
     }

@@ -19,8 +19,9 @@ pub(super) struct AdaptiveOptions {
     #[arg(long)]
     pub(super) adaptive: bool,
     /// Latitude-longitude image, .exr or .hdr, or prefiltered environment, .ktx2, that lights the scene. Without
-    /// --adaptive, it lights a single material by its lobes; the reference is the integral over all directions.
-    /// (Default for lobes: the scene's sky; with --adaptive: the environment of the manifest, or the scene's sky.)
+    /// --adaptive, lobes look it up; the reference is the integral over all directions. It adds to the point lights of
+    /// a manifest's scene, and lights a single material alone. (Default: the environment of the manifest; for lobes and
+    /// with --adaptive, otherwise the scene's sky.)
     #[arg(long, value_name = "FILE")]
     pub(super) environment: Option<PathBuf>,
     /// Mean samples per pixel if all pixels were shaded, 0.01 to 1024 (default: 64). A shaded pixel gets 1 to 1024,

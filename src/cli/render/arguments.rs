@@ -13,7 +13,8 @@ use std::path::PathBuf;
 ///
 /// The graphics driver draws the scene without a display; a software driver is used if there is no other. The CPU draws
 /// it again, from the packs and, if available, from their sources. The report lists colour differences ΔE (CIE L*a*b*)
-/// over pixels that show a surface; a ΔE of about 1 is just visible. Lights are points and throw no shadows.
+/// over pixels that show a surface; a ΔE of about 1 is just visible. Lights throw no shadows: points, and the
+/// environment of a scene, which lobes look up.
 ///
 /// Schemas of --json: 'render'; 'render-adaptive' with --adaptive; 'render-contact' with --contact.
 #[derive(Debug, Args)]
@@ -21,6 +22,7 @@ use std::path::PathBuf;
 Examples:
   brdfc render scene.toml -o scene.png
   brdfc render scene.toml --contact all.png --max-delta-e 2       every material, labelled
+  brdfc render scene.toml --environment museum.exr -o scene.png   point lights and a room
   brdfc render red.ktx2 -o red.png --scene cloth
   brdfc render red.ktx2 --source red-plastic.binary -o red.exr
   brdfc render red-plastic.binary --ratio 16 --sheet red.png      encodes the material first
@@ -139,7 +141,7 @@ const FILTERS: [(&str, Filter, &str); 3] = [
 ];
 
 impl Arguments {
-    /// Returns true if an environment lights a single material, by its lobes.
+    /// Returns true if the environment of the command line lights materials by their lobes.
     pub(super) fn by_lobes(&self) -> bool {
         self.adaptive.environment.is_some() && !self.adaptive.adaptive
     }

@@ -1,10 +1,11 @@
 //! `brdfc render --contact`: a contact sheet with one rendering per material.
 
 use super::arguments::Arguments;
+use super::light::{Light, lit_views};
 use super::{flat, gpu, materials, outputs, scene};
 use crate::output::{note, print, print_json, remark, write_file};
 use crate::{Common, Error};
-use brdfc::render::{MaterialVerification, RenderingGates, contact_sheet, rgb_png, views};
+use brdfc::render::{MaterialVerification, RenderingGates, contact_sheet, rgb_png};
 use serde::Serialize;
 use std::path::Path;
 use std::time::Instant;
@@ -29,17 +30,18 @@ pub(super) fn run(
 ) -> Result<(), Error> {
     flat::refuse_flags(arguments)?;
     let subject = materials::subject(arguments)?;
-    let setup = scene::setup(arguments, &subject)?;
+    let mut setup = scene::setup(arguments, &subject)?;
     let names = scene::materials_in_turn(arguments, &subject)?;
     let decoding = gpu::decoding(arguments, &subject);
     let gpu = gpu::open(arguments)?;
+    let light = Light::of_scene(arguments, &subject, &mut setup.scene, common)?;
+    let of_parts = vec![0; setup.scene.parts.len()];
     let (mut cells, mut drawn) = (Vec::new(), Vec::new());
     // One material at a time, because sources and packs of all materials may not fit into memory.
     for (number, name) in names.iter().enumerate() {
         let prepared = materials::prepare(arguments, &subject, std::slice::from_ref(name), common)?;
-        let materials = vec![prepared[0].material(); setup.scene.parts.len()];
-        let views = views(&gpu, &setup.scene, setup.frame, &materials, decoding)?;
-        let bytes_on_gpu = prepared[0].pack.gpu_bytes();
+        let views = lit_views(arguments, &setup, &gpu, (&prepared, &of_parts, decoding), light.as_ref(), common)?;
+        let bytes_on_gpu = prepared[0].gpu_bytes();
         let verification = setup.verification(&gpu, &views, |_| (name.clone(), bytes_on_gpu));
         let verification = verification.checked_by(gates, &views);
         if let Some(nothing) = verification.nothing_seen(&views) {

@@ -2,21 +2,14 @@
 
 use super::arguments::Arguments;
 use super::asset::name_of;
+use super::light::{Light, Lit, fitted};
 use super::materials::Subject;
 use super::{gpu, outputs, scene};
-use crate::output::{self, note, note_repairs, remark};
-use crate::progress::Materials;
+use crate::output;
 use crate::{Common, Error};
-use brdfc::environment::{self, EnvironmentPack};
-use brdfc::lobes::{DEFAULT_DELTA_E, LobesPack, LobesRecipe, encode};
-use brdfc::render::{
-    Environment, LobesMaterial, Verification, Views, draw_lobes, draw_lobes_integral, draw_lobes_on_cpu, unfiltered,
-};
-use brdfc::{Input, Material, Progress as _};
-use std::path::Path;
-
-/// Directions of the integral for each pixel, by default.
-const TRUTH: usize = 256;
+use brdfc::lobes::{LobesPack, LobesRecipe};
+use brdfc::render::{Verification, Views};
+use brdfc::{Input, Material};
 
 /// Draws lobes with the shader and on the CPU, and the integral over the environment if the source is known.
 pub(super) fn verification(
@@ -26,67 +19,30 @@ pub(super) fn verification(
     subject: &Subject,
     pack: Option<LobesPack>,
 ) -> Result<(Verification, Views), Error> {
-    let file = arguments.adaptive.environment.as_deref();
     let mut setup = scene::setup(arguments, subject)?;
     let gpu = gpu::open(arguments)?;
-    let environment = prefiltered(file, &setup.scene.environment, common)?;
+    let light = Light::of(arguments, subject, &mut setup.scene, common)?;
+    // Without a pack for point lights, mirrors would take light away and reflect none.
+    setup.scene.parts.iter_mut().for_each(|part| part.surface.mirror = 0.0);
     let (pack, source) = match (pack, &arguments.source) {
         (Some(pack), source) => (pack, source.as_ref().map(brdfc::open).transpose()?),
         // The input is a material, and its own reference.
         (None, None) => {
             let material = brdfc::open(input)?;
-            (encoded(input, &material, common)?, Some(material))
+            (fitted(input, material.source(), &LobesRecipe::default(), common)?, Some(material))
         }
         (None, Some(_)) => {
             return Err(Error::usage(format!("{input}: --source needs a pack of lobes; a material is its own source")));
         }
     };
-    let bytes_on_gpu = pack.gpu_bytes() + environment.gpu_bytes();
-    let material = LobesMaterial::new(pack, environment);
-    let shader = draw_lobes(&gpu, &setup.scene, setup.frame, &material)?;
-    let pack = draw_lobes_on_cpu(&setup.scene, setup.frame, &material);
-    let source = match &source {
-        Some(source) => {
-            if file.is_some_and(scene::is_prefiltered) {
-                setup.scene.environment = unfiltered(material.environment());
-            }
-            let by_default = TRUTH.div_ceil(setup.frame.samples * setup.frame.samples);
-            let samples = arguments.adaptive.truth.unwrap_or(by_default).next_multiple_of(16);
-            remark(
-                common,
-                &format!("the integral over the environment: {samples} directions for each sample, on the CPU"),
-            );
-            Some(draw_lobes_integral(&setup.scene, setup.frame, source, samples)?)
-        }
-        None => None,
-    };
-    let views = Views { shader, pack, table: None, source, left_out: 0.0 };
-    let verification = setup.verification(&gpu, &views, |_| (name_of(input), bytes_on_gpu));
+    let bytes_on_gpu = pack.gpu_bytes() + light.prefiltered.pack().gpu_bytes();
+    let name = name_of(input);
+    let materials = [Lit { name: &name, lobes: Some(&pack), source: source.as_ref().map(Material::source) }];
+    let of_parts = vec![0; setup.scene.parts.len()];
+    let views = light.views(arguments, &setup, &gpu, (&materials, &of_parts), common)?;
+    let verification = setup.verification(&gpu, &views, |_| (name.clone(), bytes_on_gpu));
     outputs::write(arguments, &views, verification.exposure)?;
     Ok((verification, views))
-}
-
-/// Opens a prefiltered environment, or prefilters the environment of the scene, which was read from the file, or is the
-/// scene's sky.
-fn prefiltered(file: Option<&Path>, image: &Environment, common: Common) -> Result<EnvironmentPack, Error> {
-    if let Some(file) = file.filter(|file| scene::is_prefiltered(file)) {
-        return environment::open(&Input::from(file), &());
-    }
-    let progress = Materials::new(1, false, common);
-    environment::prefilter(image, None, progress.part("environment").as_ref())
-}
-
-fn encoded(input: &Input, material: &Material, common: Common) -> Result<LobesPack, Error> {
-    let progress = Materials::new(1, false, common);
-    let encoded = encode(material, &LobesRecipe::default(), progress.part(&name_of(input)).as_ref());
-    let encoded = encoded.map_err(|error| error.prefixed(input))?;
-    let best = encoded.best();
-    note_repairs(common, input, &encoded.tally);
-    if !best.meets {
-        let (error, fetches) = (best.error.mean, best.pack.fetches());
-        note(common, input, &format!("{fetches} look-ups have a mean ΔE of {error:.2}, more than {DEFAULT_DELTA_E}"));
-    }
-    Ok(best.pack.clone())
 }
 
 /// Rejects flags that do not apply to renderings by lobes.

@@ -1,6 +1,7 @@
 //! Materials to draw, with their sources and packs.
 
 use super::arguments::Arguments;
+use super::light::{Lit, fitted};
 use crate::inputs::refuse_stdin_twice;
 use crate::options::flag_of;
 use crate::output::{note, refuse_flags, remark};
@@ -8,6 +9,7 @@ use crate::{Common, Error};
 use brdfc::encode::encode;
 use brdfc::encode::encoders::wavelet::recipe::Target;
 use brdfc::inspect::{AnyPack as Pack, PackKind, open};
+use brdfc::lobes::LobesPack;
 use brdfc::render::{Material, open_brdf_pack};
 use brdfc::scene::{EnvironmentJob, Job, Manifest, PackFolder, Use, plan, read_manifest};
 use brdfc::{BrdfPack, FitLimits, PackRecipe, Source, WaveletRecipe as Recipe};
@@ -28,7 +30,7 @@ pub(super) enum Subject {
         manifest: Box<Manifest>,
         /// Jobs of all materials, because a rendering may show one that no use refers to.
         jobs: Vec<Job>,
-        /// Job of the environment's bandwidth map, if the scene needs it.
+        /// Job of the environment's files, if the scene needs them.
         environment: Option<EnvironmentJob>,
         /// Folder of the packs, if they were built.
         packs: Option<Box<PackFolder>>,
@@ -47,6 +49,18 @@ impl Subject {
         }
     }
 
+    /// Returns true if an environment lights a material by its lobes.
+    pub(super) fn has_lobes(&self) -> bool {
+        matches!(self, Self::Scene { jobs, .. } if jobs.iter().any(|job| job.lobes.is_some()))
+    }
+
+    /// Path of the environment of the manifest's scene.
+    pub(super) fn environment(&self) -> Option<PathBuf> {
+        let Self::Scene { path, manifest, .. } = self else { return None };
+        let file = manifest.scene.environment.as_ref()?;
+        Some(path.parent().unwrap_or(Path::new("")).join(file))
+    }
+
     pub(super) fn distance_scale(&self) -> Option<f64> {
         self.manifest().and_then(|manifest| manifest.scene.distance_scale)
     }
@@ -58,6 +72,8 @@ pub(super) struct Prepared {
     pub(super) pack: BrdfPack,
     pub(super) source: Option<Box<dyn Source>>,
     pub(super) table: Option<BrdfPack>,
+    /// Lobes, if the scene has an environment that lights the material.
+    pub(super) lobes: Option<LobesPack>,
     /// Bandwidth map and importance samples, if a folder of packs has them.
     pub(super) maps: Vec<Pack>,
 }
@@ -66,6 +82,16 @@ impl Prepared {
     pub(super) fn material(&self) -> Material<'_> {
         let source = self.source.as_deref().map(|source| source as &dyn Source);
         Material { pack: &self.pack, source, table: self.table.as_ref() }
+    }
+
+    pub(super) fn lit(&self) -> Lit<'_> {
+        let source = self.source.as_deref().map(|source| source as &dyn Source);
+        Lit { name: &self.name, lobes: self.lobes.as_ref(), source }
+    }
+
+    /// Bytes of pack and lobes on a GPU.
+    pub(super) fn gpu_bytes(&self) -> u64 {
+        self.pack.gpu_bytes() + self.lobes.as_ref().map_or(0, LobesPack::gpu_bytes)
     }
 }
 
@@ -91,11 +117,17 @@ pub(super) fn subject(arguments: &Arguments) -> Result<Subject, Error> {
             };
             let (text, manifest) = read_manifest(&path)?;
             let folder = path.parent().unwrap_or(Path::new(""));
-            let plan = plan(&with_all_uses(&manifest), folder)?;
-            // Renderings of a manifest look up no lobes, and no prefiltered environment.
-            let jobs = plan.jobs.into_iter().map(|job| Job { lobes: None, ..job }).collect();
-            let environment = plan.environment.filter(|job| job.maps[1]);
-            let environment = environment.map(|job| EnvironmentJob { maps: [false, true], ..job });
+            let mut all = with_all_uses(&manifest);
+            if let Some(environment) = arguments.adaptive.environment.as_ref().filter(|_| arguments.by_lobes()) {
+                let absolute = std::path::absolute(environment)
+                    .map_err(|error| Error::io(format!("{}: cannot read: {error}", environment.display())))?;
+                all.scene.environment = Some(absolute.to_string_lossy().into_owned());
+            }
+            let plan = plan(&all, folder)?;
+            // Adaptive shading takes samples of the material instead of lobes.
+            let is_adaptive = arguments.adaptive.adaptive;
+            let lobes = |job: Job| Job { lobes: job.lobes.filter(|_| !is_adaptive), ..job };
+            let (jobs, environment) = (plan.jobs.into_iter().map(lobes).collect(), plan.environment);
             let packs = pack_folder(arguments)?.map(Box::new);
             Ok(Subject::Scene { path, text, manifest: Box::new(manifest), jobs, environment, packs })
         }
@@ -162,7 +194,7 @@ pub(super) fn prepare(
         .iter()
         .enumerate()
         .map(|(number, name)| {
-            let (prepared, notes) = prepare_one(arguments, subject, name)?;
+            let (prepared, notes) = prepare_one(arguments, subject, name, common)?;
             for line in notes {
                 note(common, name, &line);
             }
@@ -190,7 +222,12 @@ fn refuse_unchecked(arguments: &Arguments, stale: &[String], missing: &[String])
 }
 
 /// Prepares a material, and collects notes about it.
-fn prepare_one(arguments: &Arguments, subject: &Subject, name: &str) -> Result<(Prepared, Vec<String>), Error> {
+fn prepare_one(
+    arguments: &Arguments,
+    subject: &Subject,
+    name: &str,
+    common: Common,
+) -> Result<(Prepared, Vec<String>), Error> {
     let (input, recipe) = match subject {
         Subject::Pack => (arguments.source.clone(), PackRecipe::default()),
         Subject::Source(recipe) => (Some(arguments.input.clone()), (**recipe).clone()),
@@ -203,7 +240,7 @@ fn prepare_one(arguments: &Arguments, subject: &Subject, name: &str) -> Result<(
     if arguments.table && !matches!((subject, recipe.kind()), (Subject::Pack, _) | (_, PackKind::Wavelet)) {
         return Err(no_table(recipe.kind()));
     }
-    let (pack, maps, notes) = match (subject, &source) {
+    let (pack, lobes, maps, notes) = match (subject, &source) {
         (Subject::Scene { jobs, packs: Some(packs), .. }, _) => {
             let current = packs.material(job_of(jobs, name), &())?;
             refuse_unchecked(arguments, &current.stale, &current.missing)?;
@@ -217,16 +254,27 @@ fn prepare_one(arguments: &Arguments, subject: &Subject, name: &str) -> Result<(
             let mut parts = current.parts.into_iter();
             let pack = parts.next().and_then(|pack| BrdfPack::try_from(pack).ok());
             let pack = pack.ok_or_else(|| Error::internal(format!("{name}: the store contains no pack")))?;
-            (pack, parts.collect(), notes)
+            let mut parts = parts.peekable();
+            let lobes = match parts.next_if(|part| matches!(part, Pack::Lobes(_))) {
+                Some(Pack::Lobes(lobes)) => Some(lobes),
+                _ => None,
+            };
+            (pack, lobes, parts.collect(), notes)
         }
-        (Subject::Pack, _) => (open_brdf_pack(&arguments.input)?, Vec::new(), Vec::new()),
+        (Subject::Pack, _) => (open_brdf_pack(&arguments.input)?, None, Vec::new(), Vec::new()),
         (_, Some(source)) => {
             let named = |error| match subject {
                 Subject::Source(_) => pack_flags(error).prefixed(&arguments.input),
                 _ => Error::from(error).prefixed(name),
             };
             let made = encode(source.as_ref(), &recipe.clone().without_measuring(), &()).map_err(named)?;
-            (made.pack, Vec::new(), made.missed.into_iter().collect())
+            let recipe = match subject {
+                Subject::Scene { jobs, .. } => job_of(jobs, name).lobes,
+                _ => None,
+            };
+            let fit = |recipe| fitted(&name, source.as_ref(), &recipe, common);
+            let lobes = recipe.map(fit).transpose()?;
+            (made.pack, lobes, Vec::new(), made.missed.into_iter().collect())
         }
         (_, None) => return Err(Error::internal("nothing to draw")),
     };
@@ -257,7 +305,7 @@ fn prepare_one(arguments: &Arguments, subject: &Subject, name: &str) -> Result<(
             "--lod does not apply to {found} of one level, only to packs with levels of detail (--levels)"
         )));
     }
-    Ok((Prepared { name: name.to_owned(), pack, source, table, maps }, notes))
+    Ok((Prepared { name: name.to_owned(), pack, source, table, lobes, maps }, notes))
 }
 
 fn job_of<'a>(jobs: &'a [Job], name: &str) -> &'a Job {

@@ -7,6 +7,7 @@ mod asset;
 mod contact;
 mod flat;
 mod gpu;
+mod light;
 mod lobes;
 mod materials;
 mod outputs;
@@ -21,9 +22,9 @@ use super::output::{note, print, print_json, remark};
 use super::{Common, Error, graphics_environment};
 use crate::table;
 use asset::{Asset, AssetKind};
-use brdfc::render::{Material, RenderingGates, Verification, Views, views};
+use brdfc::render::{RenderingGates, Verification, Views};
 use brdfc_terminal::words::{format_number, join_truncated};
-use materials::Prepared;
+use light::{Light, lit_views};
 use serde::Serialize;
 use std::path::Path;
 use std::time::Instant;
@@ -54,18 +55,13 @@ pub(super) fn run(arguments: &Arguments, common: Common) -> Result<(), Error> {
         return Err(Error::wrong_usage("--lod", format_number(level), "0 to 6"));
     }
     let asset = asset::asset(arguments)?;
-    match &asset {
-        Some(asset) => asset::refuse_flags(arguments, asset)?,
-        None => asset::refuse_environment(arguments, &arguments.input)?,
-    }
-    // A pack of lobes has no reference without a source.
-    let has_integral = match &asset {
-        Some(Asset { kind: AssetKind::Lobes(pack), .. }) => pack.is_none() || arguments.source.is_some(),
-        _ => false,
-    };
-    if arguments.adaptive.truth.is_some() && !arguments.adaptive.adaptive && !has_integral {
-        let text = "--truth needs --adaptive, or --environment with a material or a --source";
-        return Err(Error::usage(text));
+    if let Some(asset) = &asset {
+        asset::refuse_flags(arguments, asset)?;
+        // A pack of lobes has no reference without a source.
+        match &asset.kind {
+            AssetKind::Lobes(pack) if pack.is_none() || arguments.source.is_some() => {}
+            _ => refuse_truth(arguments)?,
+        }
     }
     if arguments.adaptive.adaptive {
         return adaptive::run(arguments, common);
@@ -106,6 +102,16 @@ pub(super) fn run(arguments: &Arguments, common: Common) -> Result<(), Error> {
     if closed.is_empty() { Ok(()) } else { Err(Error::check(closed.join("; "))) }
 }
 
+/// Rejects samples of a reference that is not an integral over an environment.
+fn refuse_truth(arguments: &Arguments) -> Result<(), Error> {
+    if arguments.adaptive.truth.is_some() && !arguments.adaptive.adaptive {
+        let text =
+            "--truth needs --adaptive, an environment in [scene], or --environment with a material or a --source";
+        return Err(Error::usage(text));
+    }
+    Ok(())
+}
+
 /// Resolves the limits of the rendering.
 fn gates(arguments: &Arguments) -> Result<RenderingGates, Error> {
     let given = [
@@ -129,21 +135,27 @@ fn hint(arguments: &Arguments) -> &'static str {
     if of_manifest { "; check render.camera and render.lights, or use an environment with --adaptive" } else { "" }
 }
 
-/// Draws packs of BRDFs.
+/// Draws packs of BRDFs under point lights, and adds the light of an environment by their lobes.
 fn of_brdfs(arguments: &Arguments, common: Common) -> Result<(Verification, Views), Error> {
     flat::refuse_flags(arguments)?;
     let subject = materials::subject(arguments)?;
-    let setup = scene::setup(arguments, &subject)?;
+    if !subject.has_lobes() {
+        refuse_truth(arguments)?;
+    }
+    let mut setup = scene::setup(arguments, &subject)?;
     // Open the adapter first: without one, encoding would be wasted.
     let gpu = gpu::open(arguments)?;
     let prepared = materials::prepare(arguments, &subject, &setup.names, common)?;
 
-    let of_part = |name: &String| prepared.iter().find(|p| p.name == *name).expect("every name was prepared");
-    let parts: Vec<&Prepared> = setup.names.iter().map(of_part).collect();
-    let materials: Vec<Material<'_>> = parts.iter().map(|part| part.material()).collect();
+    let of_part = |name: &String| prepared.iter().position(|p| p.name == *name).expect("every name was prepared");
+    let of_parts: Vec<usize> = setup.names.iter().map(of_part).collect();
+    let light = Light::of_scene(arguments, &subject, &mut setup.scene, common)?;
     let decoding = gpu::decoding(arguments, &subject);
-    let views = views(&gpu, &setup.scene, setup.frame, &materials, decoding)?;
-    let of_part = |number: usize| (parts[number].name.clone(), parts[number].pack.gpu_bytes());
+    let views = lit_views(arguments, &setup, &gpu, (&prepared, &of_parts, decoding), light.as_ref(), common)?;
+    let of_part = |number: usize| {
+        let material = &prepared[of_parts[number]];
+        (material.name.clone(), material.gpu_bytes())
+    };
     let verification = setup.verification(&gpu, &views, of_part);
     outputs::write(arguments, &views, verification.exposure)?;
     tell_of_others(arguments, &scene::materials_in_turn(arguments, &subject)?, &setup.names, common);

@@ -5,7 +5,7 @@ use super::materials::Subject;
 use super::outputs;
 use crate::Error;
 use brdfc::render::{
-    Builtin, Environment, Frame, Gpu, PartMaterial, PointLight, Scene, Verification, Views, unfiltered,
+    Builtin, Environment, Frame, Gpu, PartMaterial, PointLight, PrefilteredLight, Scene, Verification, Views,
 };
 use brdfc::scene::{LightSection, MAX_SIDE, ManifestError, RenderSection, line_of, near_miss};
 use brdfc::{Input, environment};
@@ -103,7 +103,7 @@ pub(super) fn setup_from(arguments: &Arguments, subject: &Subject, start: &Start
     }
     if let Some(path) = environment_file(arguments, subject, section) {
         outputs::check_not_over(arguments, &path)?;
-        // Lobes look prefiltered environments up as they are; mirrors reflect the unfiltered level.
+        // Lobes look prefiltered environments up as they are.
         if !(arguments.by_lobes() && is_prefiltered(&path)) {
             scene.environment = environment(&path)?;
         }
@@ -215,10 +215,10 @@ fn environment_file(arguments: &Arguments, subject: &Subject, section: &RenderSe
     if let Some(path) = &arguments.adaptive.environment {
         return Some(path.clone());
     }
-    let Subject::Scene { path, manifest, .. } = subject else { return None };
-    let (lights, mirrored) = (manifest.scene.environment.as_ref(), section.environment.as_ref());
-    let file = if arguments.adaptive.adaptive { lights.or(mirrored) } else { mirrored.or(lights) }?;
-    Some(path.parent().unwrap_or(Path::new("")).join(file))
+    let Subject::Scene { path, .. } = subject else { return None };
+    let mirrored = section.environment.as_ref().map(|file| path.parent().unwrap_or(Path::new("")).join(file));
+    let lights = subject.environment();
+    if arguments.adaptive.adaptive { lights.or(mirrored) } else { mirrored.or(lights) }
 }
 
 fn environment(path: &Path) -> Result<Environment, Error> {
@@ -226,7 +226,7 @@ fn environment(path: &Path) -> Result<Environment, Error> {
     if !is_prefiltered(path) {
         return environment::open_image(&input);
     }
-    Ok(unfiltered(&environment::open(&input, &())?))
+    Ok(PrefilteredLight::new(environment::open(&input, &())?).unfiltered())
 }
 
 /// Returns true if the file is a prefiltered environment, and not an image.

@@ -31,6 +31,10 @@ fn the_studies_that_draw() {
     let variance = |key: &str| detail[key]["variance"].as_f64().unwrap();
     assert!(variance("by_distance") < variance("finest"), "{detail}");
     assert_eq!(folder.files("frames").len(), 18);
+    let frame = study(&["frame-time", "synth:lambert", "synth:ggx?alpha=0.3", "--small"]);
+    assert!(frame["surface"].as_u64().unwrap() > 1000 && frame["look_ups"].as_array().unwrap().len() == 4, "{frame}");
+    let times = frame["forward"].as_array().unwrap().iter().map(|row| &row["seconds"]);
+    assert!(times.chain([&frame["points"], &frame["lobes"]]).all(|time| time.as_f64() > Some(0.0)), "{frame}");
 }
 
 /// Comparison of codecs, with a script instead of Python whose compressor copies its input and whose networks are files of

@@ -5,11 +5,12 @@ use brdfc_testing::pages::{Program, run_pages};
 use brdfc_testing::repository;
 
 /// Studies that draw.
-const DRAW: [&str; 8] = [
+const DRAW: [&str; 9] = [
     "throughput",
     "codecs",
     "level-of-detail",
     "images",
+    "frame-time",
     "adaptive",
     "pixel-bandwidth",
     "bandwidth-directions",

@@ -44,6 +44,50 @@ fn the_sky_of_the_scene_lights_lobes_by_default() {
     assert!(mean("shading") < 0.1 && mean("total") < 1.0, "{report}");
 }
 
+/// Light of points and of the environment add up in the scene of a manifest, on the shader, on the CPU and in the reference.
+#[test]
+fn the_environment_of_a_scene_lights_its_materials() {
+    let folder = Folder::new();
+    sky(&folder, "sky.exr", 0.4, 300.0);
+    let manifest = |environment: &str, lights: &str| {
+        format!(
+            "[scene]\n{environment}[materials.a]\nsource = 'synth:ggx?alpha=0.3'\nmax_delta_e = 0.5\n\
+             [materials.b]\nsource = 'synth:lambert?kd=0.5'\n[[uses]]\nmaterial = 'a'\n[[uses]]\nmaterial = 'b'\n\
+             [render]\nscene = 'table'\nexposure = 0.3\n{lights}"
+        )
+    };
+    let (lit, dark) = ("environment = 'sky.exr'\n", "lights = []\n");
+    for (name, environment, lights) in
+        [("points.toml", "", ""), ("sky.toml", lit, dark), ("both.toml", lit, ""), ("none.toml", "", dark)]
+    {
+        folder.write(name, manifest(environment, lights).as_bytes());
+    }
+    let draw = |input: &str, more: &[&str]| {
+        let output = format!("{input}{}.exr", more.join(""));
+        let report =
+            folder.run(&[&["render", input, "-o", &output, "--json"], more, &SMALL].concat()).succeeded().json();
+        conforms("render", &report);
+        let image = image::open(folder.path().join(&output)).unwrap().into_rgb32f();
+        (image.pixels().map(|pixel| f64::from(pixel.0[1])).sum::<f64>(), report)
+    };
+    // The files of a build are those of both scenes with an environment.
+    folder.run(&["build", "both.toml", "--out", "packs"]).succeeded();
+    let built = ["--packs", "packs", "--truth", "64"];
+    let [(points, _), (none, _)] = ["points.toml", "none.toml"].map(|name| draw(name, &[]));
+    let [(sky, _), (both, report)] = ["sky.toml", "both.toml"].map(|name| draw(name, &built));
+    assert!(points > 1.1 * none && sky > 1.1 * none, "{points} {sky} {none}");
+    // Points add the same light to both; the mirror reflects the environment of its scene once.
+    assert!(((both - sky) / (points - none) - 1.0).abs() < 0.02, "{both} {sky} {points} {none}");
+    let mean = |key: &str| report[key]["delta_e"]["mean"].as_f64().unwrap();
+    assert!(mean("shading") < 0.1 && mean("total") < 3.0, "{report}");
+    // The light of the command line lights a scene without one. Its lobes are fitted for the rendering.
+    let (given, _) = draw("points.toml", &["--environment", "sky.exr"]);
+    assert!((given / both - 1.0).abs() < 1e-3, "{given} {both}");
+    let sheet = ["render", "both.toml", "--contact", "all.png", "--size", "32x32", "--samples", "1"];
+    folder.run(&[&sheet[..], &built].concat()).succeeded();
+    assert!(image::open(folder.path().join("all.png")).is_ok());
+}
+
 #[test]
 fn what_does_not_apply_is_refused() {
     let folder = Folder::new();
@@ -59,14 +103,12 @@ fn what_does_not_apply_is_refused() {
         ),
         (&["l.ktx2", "--environment", "sky.exr", "--exact"], 2, "--exact"),
         (&["l.ktx2", "--environment", "sky.exr", "--lod", "2"], 2, "--lod"),
-        (&["t.ktx2", "--truth", "64"], 2, "--truth needs --adaptive, or --environment with a material or a --source"),
+        (&["t.ktx2", "--truth", "64"], 2, "or --environment with a material or a --source"),
         (&["l.ktx2", "--environment", "sky.exr", "--truth", "64"], 2, "--truth needs --adaptive"),
         (&["l.ktx2", "--adaptive", "--environment", "sky.exr"], 2, "--adaptive does not apply"),
-        (
-            &["s.toml", "--environment", "sky.exr"],
-            2,
-            "--environment applies to materials, and with --adaptive to scenes",
-        ),
+        (&["s.toml", "--truth", "64"], 2, "--truth needs --adaptive, an environment in [scene]"),
+        (&["s.toml", "--environment", "none.exr"], 4, "none.exr: cannot read"),
+        (&["s.toml", "--environment", "t.ktx2"], 3, "t.ktx2: found a table pack, expected a prefiltered environment"),
         (
             &["t.ktx2", "--environment", "sky.exr", "--source", "synth:lambert"],
             2,

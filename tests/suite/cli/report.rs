@@ -167,12 +167,17 @@ fn lobes_and_maps_of_a_lit_scene_have_figures() {
     folder.run(&["build", "scene.toml"]).succeeded();
     folder.run(&["report", "packs", "-o", "page.html"]).succeeded();
     let page = folder.text("page.html");
+    let figures: serde_json::Value = serde_json::from_str(&folder.text("page.json")).unwrap();
+    let in_environment = figures["materials"][0]["environment_delta_e"].as_f64().unwrap();
+    assert!(in_environment > 0.05 && in_environment < 3.0, "{in_environment}");
     let table = folder.text("page.csv");
     let columns: Vec<Vec<&str>> = table.lines().map(|line| line.split(',').collect()).collect();
     let at = columns[0].iter().position(|name| *name == "lobes_fetches").unwrap();
     assert!(columns[1].len() == columns[0].len() && columns[1][at] == "2", "{table}");
     for words in [
         "Lobes: the light of an environment",
+        "alt=\"sphere of paint, integral\"",
+        "alt=\"sphere of paint, lobes\"",
         "paint.lobes.ktx2",
         "lobes, 2 look-ups: ",
         "environment.prefiltered.ktx2",

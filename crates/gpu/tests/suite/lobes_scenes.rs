@@ -4,13 +4,11 @@ use brdfc_core::address::parse_synth;
 use brdfc_environment::prefilter;
 use brdfc_formats::environment::EnvironmentPack;
 use brdfc_formats::lobes::{Anchor, Lobe, LobesHeader, LobesPack};
-use brdfc_gpu::{draw_lobes, draw_lobes_by, lobes_scene_source};
-use brdfc_importance::{ImportanceRecipe, LobeDistributions};
+use brdfc_gpu::{LobesRenderer, draw_lobes, lobes_scene_source};
 use brdfc_metrics::image::{LinearImage, auto_exposure, compare_images};
-use brdfc_render::lobes::{LobesMaterial, draw_integral, draw_on_cpu, unfiltered};
+use brdfc_render::lobes::{IntegralMaterial, PrefilteredLight, draw_integral, draw_on_cpu};
 use brdfc_render::scene::{Frame, Scene};
 use brdfc_render::scenes::Builtin;
-use brdfc_render::shade::SourceReflectance;
 
 const FRAME: Frame = Frame { width: 64, height: 64, samples: 2 };
 
@@ -62,12 +60,12 @@ fn shader_and_cpu_draw_the_same_renderings() {
     for (builtin, azimuths) in
         [(Builtin::Sphere, 1), (Builtin::BumpyBall, 1), (Builtin::Teapot, 1), (Builtin::BumpyBall, 3)]
     {
-        let material = LobesMaterial::new(lobes(azimuths), environment());
+        let (light, lobes) = (PrefilteredLight::new(environment()), lobes(azimuths));
         let scene = builtin.scene();
-        let cpu = draw_on_cpu(&scene, FRAME, &material);
+        let cpu = draw_on_cpu(&scene, FRAME, &light, &[Some(&lobes)]);
         let lit = cpu.pixels.iter().filter(|pixel| pixel[0] > 0.0).count();
         assert!(lit > FRAME.width * FRAME.height / 8, "{}: {lit} are lit", builtin.name());
-        let shader = draw_lobes(gpu, &scene, FRAME, &material).unwrap();
+        let shader = draw_lobes(gpu, &scene, FRAME, &light, &[Some(&lobes)]).unwrap();
         let mean = mean_delta_e(&shader, &cpu);
         println!("{}: mean ΔE {mean}", builtin.name());
         assert!(mean < 0.1, "{}: {mean}", builtin.name());
@@ -82,10 +80,43 @@ fn shader_and_cpu_draw_the_same_renderings() {
         ] {
             let source = lobes_scene_source();
             assert!(source.contains(old), "{old}");
-            let changed = draw_lobes_by(gpu, source.replace(old, new), &scene, FRAME, &material).unwrap();
+            let source = source.replace(old, new);
+            let renderer = LobesRenderer::new(gpu, source, &light).unwrap();
+            let loaded = renderer.load(&scene, &[Some(&lobes)]).unwrap();
+            let changed = renderer.rasteriser().draw(&loaded, &scene.camera, FRAME).unwrap();
             assert!(mean_delta_e(&changed, &cpu) > 0.3, "{}: {new}", builtin.name());
         }
     }
+}
+
+/// A scene of several parts, one without lobes, one below a mirror.
+#[test]
+fn parts_have_lobes_of_their_own() {
+    let Some(gpu) = crate::common::gpu() else { return };
+    let scene = Builtin::Table.scene();
+    let mirror = scene.parts.iter().position(|part| part.surface.mirror > 0.0).unwrap();
+    let plain = scene.parts.iter().position(|part| part.surface.mirror == 0.0).unwrap();
+    let light = PrefilteredLight::new(environment());
+    let (isotropic, anisotropic) = (lobes(1), lobes(3));
+    let mut packs: Vec<Option<&LobesPack>> = vec![Some(&isotropic); scene.parts.len()];
+    packs[plain] = None;
+    packs[mirror] = Some(&anisotropic);
+    let cpu = draw_on_cpu(&scene, FRAME, &light, &packs);
+    let mean = mean_delta_e(&draw_lobes(gpu, &scene, FRAME, &light, &packs).unwrap(), &cpu);
+    assert!(mean < 0.1, "{mean}");
+    // The controls: other lobes on one part, and no mirror, are noticed.
+    let differs = |scene: &Scene, packs: &[Option<&LobesPack>]| {
+        mean_delta_e(&draw_lobes(gpu, scene, FRAME, &light, packs).unwrap(), &cpu) > 0.2
+    };
+    let mut others = packs.clone();
+    others[plain] = Some(&isotropic);
+    assert!(differs(&scene, &others));
+    others = packs.clone();
+    others[mirror] = Some(&isotropic);
+    assert!(differs(&scene, &others));
+    let mut without = scene.clone();
+    without.parts[mirror].surface.mirror = 0.0;
+    assert!(differs(&without, &packs));
 }
 
 /// A white Lambert surface in uniform light looks like the light, by lobes and by the integral.
@@ -95,11 +126,12 @@ fn a_white_furnace_is_invisible() {
     let lobe = Lobe { anchor: Anchor::Normal, tilt: [0.0; 2], row: 0 };
     let header = LobesHeader { nodes: 2, azimuths: 1, rows: 1, delta_e: [0.0; 2], lobes: vec![lobe] };
     let white = LobesPack::new(header, &[[1.0, 1.0, 1.0, 0.0]; 2]).unwrap();
-    let scene = Scene { environment: unfiltered(&uniform), ..Builtin::Sphere.scene() };
-    let by_lobes = draw_on_cpu(&scene, FRAME, &LobesMaterial::new(white, uniform));
+    let light = PrefilteredLight::new(uniform);
+    let scene = Scene { environment: light.unfiltered(), ..Builtin::Sphere.scene() };
+    let by_lobes = draw_on_cpu(&scene, FRAME, &light, &[Some(&white)]);
     let source = parse_synth("synth:lambert?kd=1").unwrap();
-    let distributions = LobeDistributions::new(source.as_ref(), &ImportanceRecipe::default()).unwrap();
-    let integral = draw_integral(&scene, FRAME, &SourceReflectance(source.as_ref()), &distributions, 256);
+    let material = IntegralMaterial::new(source.as_ref()).unwrap();
+    let integral = draw_integral(&scene, FRAME, &[Some(&material)], 256);
     let surface = |image: &LinearImage| {
         image.pixels.iter().zip(&image.coverage).filter(|(_, c)| **c == 1.0).map(|(p, _)| p[0]).collect::<Vec<_>>()
     };

@@ -30,4 +30,17 @@ impl LinearImage {
         let (pixels, coverage) = (vec![[0.0; 3]; width * height], vec![0.0; width * height]);
         Self { width, height, pixels, coverage, background: [0.0; 3] }
     }
+
+    /// Adds the light of another rendering of the same surfaces. Pixels without a surface remain black.
+    ///
+    /// # Panics
+    /// If the images differ in size.
+    pub fn add_light(&mut self, other: &Self) {
+        assert_eq!((self.width, self.height), (other.width, other.height), "renderings of the same size");
+        for ((pixel, coverage), added) in self.pixels.iter_mut().zip(&self.coverage).zip(&other.pixels) {
+            if *coverage > 0.0 {
+                (0..3).for_each(|channel| pixel[channel] += added[channel]);
+            }
+        }
+    }
 }

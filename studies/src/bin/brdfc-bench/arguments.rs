@@ -65,8 +65,8 @@ pub struct Arguments {
     /// Largest polar angle of the indirection map of flat-btf, above 0, up to 89 degrees (default: 80).
     #[arg(long, value_name = "DEGREES")]
     pub(super) largest_angle: Option<f64>,
-    /// Latitude-longitude image, .exr or .hdr, that lights the studies of adaptive shading (default: a sky; for adaptive
-    /// also a studio and a room).
+    /// Latitude-longitude image, .exr or .hdr, that lights the studies of adaptive shading and frame-time (default: a sky;
+    /// for adaptive also a studio and a room).
     #[arg(long, value_name = "FILE")]
     pub(super) environment: Option<Input>,
     /// Pixels per side of the studies of adaptive shading, 32 to 2048, for pixel-bandwidth at least 64 (default: 512; for
@@ -88,7 +88,7 @@ pub struct Arguments {
     /// NAME.h5. Needs --peers.
     #[arg(long, value_name = "DIR")]
     pub(super) networks: Option<PathBuf>,
-    /// Use few settings for pareto, few pixels for level-of-detail, or two small cases for adaptive, which takes seconds.
+    /// Use few settings for pareto, few pixels for level-of-detail and frame-time, or two small cases for adaptive, which takes seconds.
     #[arg(long)]
     pub(super) small: bool,
     /// Print the JSON schema of the report, and nothing else.
@@ -150,17 +150,17 @@ impl Arguments {
             (self.directions.is_some(), "directions", &[Study::FlatBtf, Study::MeasuredBtf, Study::Btf]),
             (self.indirection.is_some(), "indirection", &[Study::FlatBtf]),
             (self.largest_angle.is_some(), "largest-angle", &[Study::FlatBtf]),
-            (self.environment.is_some(), "environment", ADAPTIVE),
+            (self.environment.is_some(), "environment", &[ADAPTIVE, &[Study::FrameTime]].concat()),
             (self.pixels.is_some(), "pixels", &[ADAPTIVE, &[Study::Relief]].concat()),
             (self.truth.is_some(), "truth", ADAPTIVE),
             (
                 self.adapter.is_some(),
                 "adapter",
-                &[Study::Throughput, Study::Codecs, Study::LevelOfDetail, Study::Images],
+                &[Study::Throughput, Study::Codecs, Study::LevelOfDetail, Study::Images, Study::FrameTime],
             ),
             (self.peers.is_some(), "peers", &[Study::Codecs]),
             (self.networks.is_some(), "networks", &[Study::Codecs]),
-            (self.small, "small", &[Study::Pareto, Study::LevelOfDetail, Study::Adaptive]),
+            (self.small, "small", &[Study::Pareto, Study::LevelOfDetail, Study::FrameTime, Study::Adaptive]),
         ] {
             if given && !studies.contains(&self.study) {
                 let names: Vec<String> =

@@ -7,6 +7,8 @@ mod btf;
 #[cfg(feature = "render")]
 mod codecs;
 mod flat_btf;
+#[cfg(feature = "render")]
+mod frame_time;
 mod measured_btf;
 #[cfg(feature = "render")]
 mod on_adapter;
@@ -66,6 +68,8 @@ fn run(arguments: Arguments, common: Common) -> Result<(), Error> {
         #[cfg(feature = "render")]
         Study::PixelBandwidth | Study::BandwidthDirections | Study::Antialiasing => adaptive::run(arguments, common)?,
         #[cfg(feature = "render")]
+        Study::FrameTime => frame_time::run(arguments, common)?,
+        #[cfg(feature = "render")]
         Study::Codecs => codecs::run(arguments, common)?,
         #[cfg(feature = "render")]
         Study::Throughput | Study::LevelOfDetail | Study::Images => on_adapter::run(arguments, common)?,
@@ -74,6 +78,7 @@ fn run(arguments: Arguments, common: Common) -> Result<(), Error> {
         | Study::Codecs
         | Study::LevelOfDetail
         | Study::Images
+        | Study::FrameTime
         | Study::Adaptive
         | Study::PixelBandwidth
         | Study::BandwidthDirections
@@ -102,6 +107,8 @@ fn print_text(result: &StudyResult) -> Result<(), Error> {
         StudyResult::Antialiasing { rows } => print(&adaptive::antialiasing_text(rows)),
         #[cfg(feature = "render")]
         StudyResult::Throughput(study) => print(&on_adapter::throughput_text(study)),
+        #[cfg(feature = "render")]
+        StudyResult::FrameTime(study) => print(&frame_time::text(study)),
         #[cfg(feature = "render")]
         StudyResult::Codecs(study) => print(&codecs::text(study)),
         #[cfg(feature = "render")]

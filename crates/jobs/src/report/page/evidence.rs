@@ -1,13 +1,18 @@
 //! Renderings of a material's source and pack, and the directions at which both differ.
 
+use crate::Error;
+use crate::tabulated::tabulated;
 use brdfc_core::PackSource;
 use brdfc_core::Source;
 use brdfc_formats::BrdfPack;
+use brdfc_formats::environment::EnvironmentPack;
+use brdfc_formats::lobes::LobesPack;
 use brdfc_metrics::by_angle::{ByAngle, by_angle};
 use brdfc_metrics::image::{LinearImage, auto_exposure, compare_images};
 use brdfc_metrics::sampling::PairSet;
+use brdfc_render::lobes::{IntegralMaterial, PrefilteredLight, draw_integral, draw_on_cpu};
 use brdfc_render::rendering::{Panel, difference_panel, to_panel};
-use brdfc_render::scene::Frame;
+use brdfc_render::scene::{Frame, Scene};
 use brdfc_render::scenes::Builtin;
 use brdfc_render::shade::{Reflectance, SourceReflectance, Turned, shade};
 use brdfc_render::trace::trace;
@@ -20,6 +25,9 @@ const FRAME: Frame = Frame { width: SIDE, height: SIDE, samples: 1 };
 const SCENES: [(Builtin, bool); 2] = [(Builtin::Sphere, false), (Builtin::Cloth, false)];
 /// Additional scene of anisotropic materials, with the tangent turned by 90 degrees.
 const TURNED: (Builtin, bool) = (Builtin::Sphere, true);
+
+/// Directions of the integral over an environment for each pixel.
+const DIRECTIONS: usize = 256;
 
 /// Renderings of one scene, drawn by the CPU decoder.
 #[derive(Debug, Clone)]
@@ -43,13 +51,22 @@ pub struct Thumbnails {
 pub struct Evidence {
     /// A ball and a cloth; for anisotropic materials also the ball with the tangent turned.
     pub thumbnails: Vec<Thumbnails>,
+    /// The ball in the environment of the scene, by lobes and by the integral over all directions; absent without lobes.
+    pub in_environment: Option<Thumbnails>,
     /// Error by angle; absent without the source.
     pub by_angle: Option<ByAngle>,
 }
 
 /// Draws and compares a pack and its source, and leaves out directions that the pack does not cover. Both renderings of a scene
-/// have the exposure of the source's rendering.
-pub fn evidence(pack: &BrdfPack, source: Option<&dyn Source>) -> Evidence {
+/// have the exposure of the source's rendering. `lit` are lobes of the material, and a scene with the light that they look up.
+///
+/// # Errors
+/// Returns an error if the lobes of the source cannot be tabulated.
+pub fn evidence(
+    pack: &BrdfPack,
+    source: Option<&dyn Source>,
+    lit: Option<(&LobesPack, &LitBall)>,
+) -> Result<Evidence, Error> {
     let decoded = PackSource::new(&**pack, None);
     let draw = |source: &dyn Source, (builtin, turned): (Builtin, bool)| -> (LinearImage, f64) {
         let scene = builtin.scene();
@@ -67,16 +84,50 @@ pub fn evidence(pack: &BrdfPack, source: Option<&dyn Source>) -> Evidence {
     let thumbnails = scenes.map(|scene| {
         let (pack, left_out) = draw(&decoded, scene);
         let source = source.map(|source| draw(source, scene).0);
-        let exposure = auto_exposure(source.as_ref().unwrap_or(&pack));
-        let panel = |image: &LinearImage| to_panel(image, exposure);
-        let difference = source.as_ref().map(|source| {
-            (difference_panel(&pack, source, exposure), compare_images(&pack, source, exposure).delta_e.mean)
-        });
-        let (name, turned) = (scene.0.name(), scene.1);
-        let (source, pack) = (source.as_ref().map(panel), panel(&pack));
-        Thumbnails { scene: name, turned, source, pack, difference, left_out }
+        Thumbnails { turned: scene.1, left_out, ..Thumbnails::of(scene.0, &pack, source.as_ref()) }
     });
     let thumbnails = thumbnails.collect();
+    let in_environment = lit.map(|(lobes, ball)| ball.thumbnails(lobes, source)).transpose()?;
     let by_angle = source.map(|source| by_angle(source, &decoded, &PairSet::within(pack.directions())));
-    Evidence { thumbnails, by_angle }
+    Ok(Evidence { thumbnails, in_environment, by_angle })
+}
+
+impl Thumbnails {
+    /// Compares a rendering with that of the source.
+    fn of(builtin: Builtin, pack: &LinearImage, source: Option<&LinearImage>) -> Self {
+        let exposure = auto_exposure(source.unwrap_or(pack));
+        let panel = |image: &LinearImage| to_panel(image, exposure);
+        let difference = source.map(|source| {
+            (difference_panel(pack, source, exposure), compare_images(pack, source, exposure).delta_e.mean)
+        });
+        let (source, pack) = (source.map(panel), panel(pack));
+        Self { scene: builtin.name(), turned: false, source, pack, difference, left_out: 0.0 }
+    }
+}
+
+/// A ball in an environment.
+pub struct LitBall {
+    light: PrefilteredLight,
+    scene: Scene,
+}
+
+impl LitBall {
+    /// Unpacks the environment. The integral is over its finest level.
+    pub fn new(environment: EnvironmentPack) -> Self {
+        let light = PrefilteredLight::new(environment);
+        let scene = Scene { environment: light.unfiltered(), ..Builtin::Sphere.scene() };
+        Self { light, scene }
+    }
+
+    fn thumbnails(&self, lobes: &LobesPack, source: Option<&dyn Source>) -> Result<Thumbnails, Error> {
+        let by_lobes = draw_on_cpu(&self.scene, FRAME, &self.light, &[Some(lobes)]);
+        // The integral looks the source up far too often for a scan.
+        let table = source.map(|source| tabulated(source, &())).transpose()?.flatten();
+        let source = table.as_ref().map(|table| &table.source as &dyn Source).or(source);
+        let integral = source.map(|source| -> Result<LinearImage, Error> {
+            let material = IntegralMaterial::new(source).map_err(|error| Error::internal(error.to_string()))?;
+            Ok(draw_integral(&self.scene, FRAME, &[Some(&material)], DIRECTIONS))
+        });
+        Ok(Thumbnails::of(Builtin::Sphere, &by_lobes, integral.transpose()?.as_ref()))
+    }
 }

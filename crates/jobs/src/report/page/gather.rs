@@ -1,8 +1,8 @@
 //! Gathers the contents of a page: the report in a folder, its packs, and their sources if they still exist.
 
 use super::against::{Regression, regressions};
-use super::evidence::{Evidence, evidence};
-use super::parts::{PagePart, listed_file, map_part, wrong_file, wrong_kind};
+use super::evidence::{Evidence, LitBall, evidence};
+use super::parts::{PagePart, listed_pack, map_part, wrong_kind};
 use super::view_link::ViewLink;
 use crate::error::Error;
 use crate::output_folder::OutputFolder;
@@ -13,6 +13,7 @@ use crate::scene::run::{kind_of, opened_with_digest};
 use crate::write::folder_of;
 use brdfc_core::Source;
 use brdfc_core::progress::Progress;
+use brdfc_formats::lobes::LobesPack;
 use brdfc_formats::{BrdfPack, Pack};
 use brdfc_source::Input;
 use rayon::prelude::*;
@@ -116,12 +117,13 @@ pub fn gather(reports: Reports, tolerance: f64, progress: &dyn Progress) -> Resu
     let notes = notes(folder);
     let is_compared = old.is_some();
     let regressions = old.map_or(Vec::new(), |old| regressions(&report, &old, tolerance));
+    let ball = lit_ball(folder, report.environment.as_ref())?;
     let drawn = |entry: MaterialEntry| {
         progress.check()?;
         let note = notes.get(&entry.material).cloned().unwrap_or_default();
         let name = entry.material.clone();
         let part = progress.part(&name);
-        let material = material(folder, entry, note);
+        let material = material(folder, entry, note, ball.as_ref());
         part.finished(material.is_ok());
         material
     };
@@ -138,7 +140,12 @@ pub fn gather(reports: Reports, tolerance: f64, progress: &dyn Progress) -> Resu
     })
 }
 
-fn material(folder: &Path, entry: MaterialEntry, note: BuiltNote) -> Result<PageMaterial, Error> {
+fn material(
+    folder: &Path,
+    entry: MaterialEntry,
+    note: BuiltNote,
+    ball: Option<&LitBall>,
+) -> Result<PageMaterial, Error> {
     let Some(name) = entry.pack.as_ref().filter(|_| entry.report.is_some()) else {
         return Ok(PageMaterial { entry, note, evidence: None, maps: Vec::new(), without_source: None });
     };
@@ -146,16 +153,34 @@ fn material(folder: &Path, entry: MaterialEntry, note: BuiltNote) -> Result<Page
     let source = source_of(&note);
     let maps = [&entry.lobes, &entry.bandwidth, &entry.samples].into_iter().flatten();
     let maps = maps.map(|name| map_part(folder, &entry.files, name)).collect::<Result<_, _>>()?;
-    let evidence = evidence(&pack, source.as_ref().ok().map(|source| source.as_ref() as &dyn Source));
+    let lobes = entry.lobes.as_ref().map(|name| lobes_pack(folder, &entry, name)).transpose()?;
+    let of_source = source.as_ref().ok().map(|source| source.as_ref() as &dyn Source);
+    let evidence = evidence(&pack, of_source, lobes.as_ref().zip(ball))?;
     Ok(PageMaterial { entry, note, evidence: Some(evidence), maps, without_source: source.err() })
 }
 
 /// Reads the pack of a material and checks it against the report.
 fn brdf_pack(folder: &Path, entry: &MaterialEntry, name: &str) -> Result<BrdfPack, Error> {
-    let path = folder.join(name);
-    let bytes = listed_file(folder, &entry.files, name)?;
-    let pack = Pack::from_bytes(&bytes).map_err(|error| wrong_file(&path, error))?;
-    BrdfPack::try_from(pack).map_err(|kind| wrong_kind(&path, kind))
+    let pack = listed_pack(folder, &entry.files, name)?;
+    BrdfPack::try_from(pack).map_err(|kind| wrong_kind(&folder.join(name), kind))
+}
+
+fn lobes_pack(folder: &Path, entry: &MaterialEntry, name: &str) -> Result<LobesPack, Error> {
+    match listed_pack(folder, &entry.files, name)? {
+        Pack::Lobes(pack) => Ok(pack),
+        other => Err(wrong_kind(&folder.join(name), other.kind())),
+    }
+}
+
+/// A ball in the environment that lobes look up, if the build made one.
+fn lit_ball(folder: &Path, environment: Option<&EnvironmentEntry>) -> Result<Option<LitBall>, Error> {
+    let Some((entry, name)) = environment.and_then(|entry| Some((entry, entry.prefiltered.as_ref()?))) else {
+        return Ok(None);
+    };
+    match listed_pack(folder, &entry.files, name)? {
+        Pack::Environment(pack) => Ok(Some(LitBall::new(pack))),
+        other => Err(wrong_kind(&folder.join(name), other.kind())),
+    }
 }
 
 /// Opens the source of a material, if it still exists.

@@ -11,6 +11,7 @@ use crate::scene::lobes::LobesReport;
 use brdfc_core::words::{bytes, percent};
 use brdfc_metrics::by_angle::WorstPair;
 use brdfc_metrics::fit_error::{COVERED, FitError};
+use brdfc_render::rendering::Panel;
 use brdfc_render::within::left_out_summary;
 use maud::{Markup, PreEscaped, html};
 
@@ -226,21 +227,28 @@ fn renderings(material: &PageMaterial) -> Markup {
     let name = &material.entry.material;
     html! {
         @if let Some(reason) = &material.without_source { p.soft { "Not compared with its source: " (reason) } }
-        div.row { @for Thumbnails { scene, turned, source, pack, difference, left_out } in &evidence.thumbnails {
-            @let how = if *turned { ", turned by 90°" } else { "" };
-            div.triple {
-                @if let Some(source) = source {
-                    figure { (image(source, &format!("{scene} of {name}, source{how}"))) figcaption { "source" (how) } }
-                }
-                figure { (image(pack, &format!("{scene} of {name}, pack{how}"))) figcaption { "pack" (left_out_summary(*left_out)) } }
-                @if let Some((difference, mean)) = difference {
-                    figure {
-                        (image(difference, &format!("{scene} of {name}, difference{how}")))
-                        figcaption { "ΔE " (format!("{mean:.2}")) }
-                    }
-                }
+        div.row {
+            @for drawn in &evidence.thumbnails { (triple(name, drawn, ["source", "pack"])) }
+            @if let Some(drawn) = &evidence.in_environment {
+                (triple(name, drawn, ["integral", "lobes"]))
             }
-        } }
+        }
+    }
+}
+
+/// Renderings of the source and of a file, named by their captions, and their difference.
+fn triple(name: &str, drawn: &Thumbnails, [of_source, of_file]: [&str; 2]) -> Markup {
+    let Thumbnails { scene, turned, source, pack, difference, left_out } = drawn;
+    let how = if *turned { ", turned by 90°" } else { "" };
+    let figure = |panel: &Panel, what: &str, caption: &str| {
+        html! { figure { (image(panel, &format!("{scene} of {name}, {what}{how}"))) figcaption { (caption) } } }
+    };
+    html! {
+        div.triple {
+            @if let Some(source) = source { (figure(source, of_source, &format!("{of_source}{how}"))) }
+            (figure(pack, of_file, &format!("{of_file}{}", left_out_summary(*left_out))))
+            @if let Some((difference, mean)) = difference { (figure(difference, "difference", &format!("ΔE {mean:.2}"))) }
+        }
     }
 }
 

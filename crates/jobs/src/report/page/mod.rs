@@ -15,7 +15,7 @@ mod view_link;
 
 pub use against::{Regression, regressions};
 pub use csv::{CSV_HEADER, FLAT_CSV_HEADER, csv, flat_csv};
-pub use evidence::{Evidence, Thumbnails, evidence};
+pub use evidence::{Evidence, LitBall, Thumbnails, evidence};
 pub use flat::{FlatPage, flat_html, is_flat_btf};
 pub use gather::{Page, PageMaterial, Reports, gather, source_of};
 pub use html::html;
@@ -50,6 +50,10 @@ pub struct PageEntry<'a> {
     /// Error by angle; absent if the source is not available or there is no pack.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub by_angle: Option<&'a ByAngle>,
+    /// Mean ΔE of a ball in the environment of the scene, by lobes against the integral over all directions; absent without lobes
+    /// or source.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub environment_delta_e: Option<f64>,
 }
 
 impl Page {
@@ -58,6 +62,10 @@ impl Page {
         let materials = self.materials.iter().map(|material| PageEntry {
             entry: &material.entry,
             by_angle: material.evidence.as_ref().and_then(|evidence| evidence.by_angle.as_ref()),
+            environment_delta_e: material
+                .evidence
+                .as_ref()
+                .and_then(|evidence| Some(evidence.in_environment.as_ref()?.difference.as_ref()?.1)),
         });
         PageReport { version: 1, scene: &self.scene, regressions: &self.regressions, materials: materials.collect() }
     }

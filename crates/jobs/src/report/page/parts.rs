@@ -33,7 +33,7 @@ pub struct PagePart {
 ///
 /// # Errors
 /// Returns an error if the file cannot be read or differs from the listed one.
-pub(super) fn listed_file(folder: &Path, listed: &[FileEntry], name: &str) -> Result<Vec<u8>, Error> {
+fn listed_file(folder: &Path, listed: &[FileEntry], name: &str) -> Result<Vec<u8>, Error> {
     let path = folder.join(name);
     let bytes = read_file(&path, MAX_FILE_BYTES)?;
     let entry = listed.iter().find(|file| file.file == name);
@@ -43,8 +43,17 @@ pub(super) fn listed_file(folder: &Path, listed: &[FileEntry], name: &str) -> Re
     Ok(bytes)
 }
 
+/// Reads a pack that a report lists.
+///
+/// # Errors
+/// Returns an error if the file cannot be read, is no pack or differs from the listed one.
+pub(super) fn listed_pack(folder: &Path, listed: &[FileEntry], name: &str) -> Result<Pack, Error> {
+    let bytes = listed_file(folder, listed, name)?;
+    Pack::from_bytes(&bytes).map_err(|error| wrong_file(&folder.join(name), error))
+}
+
 /// Error about a file that differs from the report.
-pub(super) fn wrong_file(path: &Path, what: impl Display) -> Error {
+fn wrong_file(path: &Path, what: impl Display) -> Error {
     Error::input(format!("{}: {what}; run 'brdfc build'", path.display()))
 }
 

@@ -6,7 +6,8 @@ use brdfc_render::contact_sheet::{Cell, contact_sheet};
 use brdfc_render::rendering::Panel;
 use brdfc_render::within::left_out_summary;
 
-/// Draws a contact sheet of all materials on ball and cloth, with the bytes and the mean ΔE of the page's table.
+/// Draws a contact sheet of all materials on ball and cloth, and by lobes in the scene's environment, with the bytes and the mean
+/// ΔE of the page's table.
 pub fn sheet(page: &Page) -> Panel {
     let cells: Vec<Cell> = page.materials.iter().map(cell).collect();
     contact_sheet(&cells)
@@ -24,7 +25,8 @@ fn cell(PageMaterial { entry, evidence, .. }: &PageMaterial) -> Cell {
         }
         None => "failed: no pack".to_owned(),
     };
-    let rows = thumbnails().map(|drawn| {
+    let lit = evidence.iter().filter_map(|evidence| evidence.in_environment.as_ref());
+    let rows = thumbnails().chain(lit).map(|drawn| {
         let difference = drawn.difference.as_ref().map(|(panel, _)| panel.clone());
         [drawn.source.clone(), Some(drawn.pack.clone()), difference]
     });

@@ -1,0 +1,178 @@
+//! Light of an environment, which lobes look up.
+
+use super::arguments::Arguments;
+use super::materials::{Prepared, Subject};
+use super::scene::{Setup, is_prefiltered};
+use crate::output::{note, note_repairs, remark};
+use crate::progress::Materials;
+use crate::{Common, Error};
+use brdfc::environment::{self, EnvironmentPack};
+use brdfc::inspect::AnyPack as Pack;
+use brdfc::lobes::{LobesPack, LobesRecipe, encode};
+use brdfc::render::{
+    Decoding, Environment, Gpu, Material, PrefilteredLight, Scene, Tabulated, Views, draw_integral, integral_material,
+    lobes_views, tabulated, views,
+};
+use brdfc::scene::EnvironmentJob;
+use brdfc::{Input, Progress as _, Source};
+use std::fmt::Display;
+
+/// Directions of the integral for each pixel, by default.
+const TRUTH: usize = 256;
+
+/// An environment that lights a scene.
+pub(super) struct Light {
+    pub(super) prefiltered: PrefilteredLight,
+    /// Its radiance, for the reference.
+    image: Environment,
+}
+
+impl Light {
+    /// Resolves the light of the command line, or else of the manifest's scene, or else the sky of the scene. Mirrors of the
+    /// scene reflect what the command line selects.
+    pub(super) fn of(
+        arguments: &Arguments,
+        subject: &Subject,
+        scene: &mut Scene,
+        common: Common,
+    ) -> Result<Self, Error> {
+        let prefilter = |image: &Environment| -> Result<PrefilteredLight, Error> {
+            let progress = Materials::new(1, false, common);
+            let pack = environment::prefilter(image, None, progress.part("environment").as_ref())?;
+            Ok(PrefilteredLight::new(pack))
+        };
+        if let Some(file) = &arguments.adaptive.environment {
+            // An image is the environment of the scene already.
+            if is_prefiltered(file) {
+                let prefiltered = PrefilteredLight::new(environment::open(&Input::from(file.as_path()), &())?);
+                scene.environment = prefiltered.unfiltered();
+                return Ok(Self { image: scene.environment.clone(), prefiltered });
+            }
+        } else if let Some(file) = subject.environment() {
+            let image = environment::open_image(&Input::from(file.as_path()))?;
+            let prefiltered = match built(subject)? {
+                Some(pack) => PrefilteredLight::new(pack),
+                None => prefilter(&image)?,
+            };
+            return Ok(Self { prefiltered, image });
+        }
+        Ok(Self { prefiltered: prefilter(&scene.environment)?, image: scene.environment.clone() })
+    }
+
+    /// Resolves the light of a scene, if it lights a material by its lobes.
+    pub(super) fn of_scene(
+        arguments: &Arguments,
+        subject: &Subject,
+        scene: &mut Scene,
+        common: Common,
+    ) -> Result<Option<Self>, Error> {
+        if !subject.has_lobes() {
+            return Ok(None);
+        }
+        Self::of(arguments, subject, scene, common).map(Some)
+    }
+
+    /// Draws what this light adds to a scene. `of_parts` are the numbers of the parts' materials. The reference is the integral
+    /// over all directions, if every material with lobes has a source.
+    pub(super) fn views(
+        &self,
+        arguments: &Arguments,
+        setup: &Setup,
+        gpu: &Gpu,
+        (materials, of_parts): (&[Lit<'_>], &[usize]),
+        common: Common,
+    ) -> Result<Views, Error> {
+        let lobes: Vec<Option<&LobesPack>> = of_parts.iter().map(|part| materials[*part].lobes).collect();
+        let lit = || materials.iter().filter(|material| material.lobes.is_some());
+        let reference = if lit().all(|material| material.source.is_some()) {
+            // The integral looks the source up far too often for a scan.
+            let tables = materials.iter().map(|material| material.tabulated(common)).collect::<Result<Vec<_>, _>>()?;
+            let sources = materials.iter().zip(&tables).map(|(material, table)| match table {
+                Some(table) => Some(&table.source as &dyn Source),
+                None => material.lit_source(),
+            });
+            let integrals = sources.map(|source| source.map(integral_material).transpose());
+            let integrals = integrals.collect::<Result<Vec<_>, _>>()?;
+            let integrals: Vec<_> = of_parts.iter().map(|part| integrals[*part].as_ref()).collect();
+            let by_default = TRUTH.div_ceil(setup.frame.samples * setup.frame.samples);
+            let samples = arguments.adaptive.truth.unwrap_or(by_default).next_multiple_of(16);
+            let text = "the integral over the environment";
+            remark(common, &format!("{text}: {samples} directions for each sample, on the CPU"));
+            let scene = Scene { environment: self.image.clone(), ..setup.scene.clone() };
+            Some(draw_integral(&scene, setup.frame, &integrals, samples))
+        } else {
+            None
+        };
+        Ok(lobes_views(gpu, &setup.scene, setup.frame, &self.prefiltered, &lobes, reference)?)
+    }
+}
+
+/// Draws materials under the point lights of a scene, and adds the light of an environment. `of_parts` are the numbers of the
+/// parts' materials.
+pub(super) fn lit_views(
+    arguments: &Arguments,
+    setup: &Setup,
+    gpu: &Gpu,
+    (prepared, of_parts, decoding): (&[Prepared], &[usize], Decoding),
+    light: Option<&Light>,
+    common: Common,
+) -> Result<Views, Error> {
+    let materials: Vec<Material<'_>> = of_parts.iter().map(|part| prepared[*part].material()).collect();
+    let mut views = views(gpu, &setup.scene, setup.frame, &materials, decoding)?;
+    let lit: Vec<Lit<'_>> = prepared.iter().map(Prepared::lit).collect();
+    if let Some(light) = light.filter(|_| lit.iter().any(|material| material.lobes.is_some())) {
+        views.add_light(&light.views(arguments, setup, gpu, (&lit, of_parts), common)?);
+    }
+    Ok(views)
+}
+
+/// Lobes and source of a material, if available.
+#[derive(Clone, Copy)]
+pub(super) struct Lit<'a> {
+    pub(super) name: &'a str,
+    pub(super) lobes: Option<&'a LobesPack>,
+    pub(super) source: Option<&'a dyn Source>,
+}
+
+impl<'a> Lit<'a> {
+    /// Source for the integral over an environment; `None` without lobes.
+    fn lit_source(&self) -> Option<&'a dyn Source> {
+        self.source.filter(|_| self.lobes.is_some())
+    }
+
+    /// Table that replaces a scan in the integral.
+    fn tabulated(&self, common: Common) -> Result<Option<Tabulated>, Error> {
+        let table = self.lit_source().map(|source| tabulated(source, &())).transpose()?.flatten();
+        if let Some(table) = &table {
+            note(common, &self.name, &format!("in the reference, {}", table.summary()));
+        }
+        Ok(table)
+    }
+}
+
+/// The prefiltered environment of a folder of packs.
+fn built(subject: &Subject) -> Result<Option<EnvironmentPack>, Error> {
+    let Subject::Scene { packs: Some(packs), environment: Some(job), .. } = subject else { return Ok(None) };
+    let job = EnvironmentJob { maps: [true, false], ..job.clone() };
+    match packs.environment(&job, &())?.pop() {
+        Some(Pack::Environment(pack)) => Ok(Some(pack)),
+        _ => Err(Error::internal("the store contains no prefiltered environment")),
+    }
+}
+
+/// Fits lobes to a material, and reports limits that they miss.
+pub(super) fn fitted(
+    name: &impl Display,
+    source: &dyn Source,
+    recipe: &LobesRecipe,
+    common: Common,
+) -> Result<LobesPack, Error> {
+    let progress = Materials::new(1, false, common);
+    let encoded = encode(source, recipe, progress.part(&name.to_string()).as_ref());
+    let encoded = encoded.map_err(|error| error.prefixed(name))?;
+    note_repairs(common, name, &encoded.tally);
+    if let Some(missed) = brdfc::lobes::missed(&encoded, recipe) {
+        note(common, name, &format!("lobes: {missed}"));
+    }
+    Ok(encoded.best().pack.clone())
+}
