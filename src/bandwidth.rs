@@ -11,6 +11,7 @@ pub use brdfc_bandwidth::{DEFAULT_EPSILON, EPSILON_RANGE};
 pub use brdfc_formats::bandwidth::BandwidthMap;
 pub use brdfc_source::tile_image::FileImage;
 
+use crate::environment::{Environment, open_image};
 use crate::{Error, Input, Material, Tally};
 use brdfc_bandwidth::map::{brdf_map, environment_map, texture_map};
 use brdfc_render::rendering::{bandwidth_panel, rgb_png};
@@ -22,7 +23,7 @@ use brdfc_source::tile_image::open_colours;
 pub enum Kind {
     /// The lobes of a material, each transformed at a resolution.
     Material(Resolution),
-    /// A latitude-longitude image of radiance.
+    /// A latitude-longitude image of radiance, or a cube map or a prefiltered environment.
     Environment,
     /// An image on a surface.
     Texture(Placement),
@@ -33,7 +34,7 @@ pub enum Subject {
     /// A material, and the resolution of its lobes.
     Material(Material, Resolution),
     /// A latitude-longitude image of radiance.
-    Environment(FileImage<3>),
+    Environment(Environment),
     /// An image on a surface, and its placement there.
     Texture(FileImage<3>, Placement),
 }
@@ -44,13 +45,17 @@ impl Subject {
     /// # Errors
     /// Returns an error if the input cannot be read or is of another kind.
     pub fn open(input: &Input, kind: Kind) -> Result<Self, Error> {
+        let radiance = holds_radiance(input)?;
         let image = || -> Result<FileImage<3>, Error> {
-            let radiance = holds_radiance(input)? == Some(true);
-            Ok(if radiance { open_radiance_image(input)? } else { open_colours(input)? })
+            Ok(if radiance == Some(true) { open_radiance_image(input)? } else { open_colours(input)? })
         };
         Ok(match kind {
             Kind::Material(resolution) => Self::Material(crate::open(input)?, resolution),
-            Kind::Environment => Self::Environment(image()?),
+            Kind::Environment if radiance == Some(false) => {
+                let FileImage { width, height, pixels } = image()?;
+                Self::Environment(Environment { width, height, pixels })
+            }
+            Kind::Environment => Self::Environment(open_image(input)?),
             Kind::Texture(placement) => Self::Texture(image()?, placement),
         })
     }

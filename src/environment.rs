@@ -1,33 +1,35 @@
 //! Prefiltered environments, which lobes look up: `brdfc environment`.
 //!
-//! [`open_image`] reads a latitude-longitude image, [`prefilter`] makes a cube map of it, and [`open`] accepts either.
+//! [`open_surroundings`] reads a latitude-longitude image or a cube map, [`Surroundings::prefilter`] makes a pack of it, and
+//! [`open`] does both, or opens a pack.
 //! `formats/src/environment/spec.md` describes the layout.
 
+pub use brdfc_environment::default_side;
 pub use brdfc_environment::facts::EnvironmentFacts;
 pub use brdfc_formats::environment::{EnvironmentDecoder, EnvironmentHeader, EnvironmentPack, MAX_SIDE, MIN_SIDE};
-pub use brdfc_jobs::environment::default_side;
+pub use brdfc_jobs::environment::Surroundings;
 pub use brdfc_render::scene::Environment;
+pub use brdfc_source::environment::KINDS;
 
-use crate::inspect::{AnyPack, open_pack};
 use crate::{Error, Input, Progress};
 use brdfc_jobs::environment::prefilter_image;
-use brdfc_source::radiance_image::open_radiance_image;
+use brdfc_source::environment::{EnvironmentFile, open_environment};
 
-/// Extensions of images.
-const IMAGES: [&str; 2] = ["exr", "hdr"];
-
-/// Reads a latitude-longitude image, .exr or .hdr.
+/// Reads the radiance of a latitude-longitude image (.exr, .hdr), a cube map or a prefiltered environment (.ktx2). A prefiltered
+/// environment counts as its finest level.
 ///
 /// # Errors
 /// Returns an error if the file cannot be read, is of another kind, or has values that are negative or not finite.
+pub fn open_surroundings(input: &Input) -> Result<Surroundings, Error> {
+    Ok(open_environment(input)?.into())
+}
+
+/// Same as [`open_surroundings`], as a latitude-longitude image; of a cube map, four faces wide.
+///
+/// # Errors
+/// Same as [`open_surroundings`].
 pub fn open_image(input: &Input) -> Result<Environment, Error> {
-    let extension = input.extension()?;
-    if !IMAGES.contains(&extension.as_str()) {
-        let text = format!("{input}: found extension .{extension}, expected a latitude-longitude image, .exr or .hdr");
-        return Err(Error::input(text));
-    }
-    let image = open_radiance_image(input)?;
-    Ok(Environment { width: image.width, height: image.height, pixels: image.pixels })
+    Ok(open_surroundings(input)?.into_image())
 }
 
 /// Prefilters an image, on faces of `side` texels, by default as many as retain its detail.
@@ -39,19 +41,13 @@ pub fn prefilter(image: &Environment, side: Option<u32>, progress: &dyn Progress
     prefilter_image(image, side, progress)
 }
 
-/// Opens a prefiltered environment (.ktx2), or prefilters an image (.exr, .hdr).
+/// Opens a prefiltered environment, or prefilters a latitude-longitude image or a cube map.
 ///
 /// # Errors
-/// Returns the errors of [`open_image`] and [`prefilter`], and an error for other packs.
+/// Returns the errors of [`open_surroundings`] and [`prefilter`].
 pub fn open(input: &Input, progress: &dyn Progress) -> Result<EnvironmentPack, Error> {
-    if input.extension()? != "ktx2" {
-        return prefilter(&open_image(input)?, None, progress);
-    }
-    match open_pack(input)? {
-        AnyPack::Environment(pack) => Ok(pack),
-        other => {
-            let found = other.kind().summary();
-            Err(Error::input(format!("{input}: found {found}, expected a prefiltered environment")))
-        }
+    match open_environment(input)? {
+        EnvironmentFile::Pack(pack) => Ok(pack),
+        other => Surroundings::from(other).prefilter(None, progress).map_err(|error| error.prefixed(input)),
     }
 }

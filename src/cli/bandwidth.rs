@@ -27,8 +27,8 @@ Examples:
   brdfc bandwidth museum.exr -o museum.bandwidth.ktx2 --rendering museum.png
   brdfc bandwidth cloth.png -o cloth.bandwidth.ktx2 --size 0.3x0.2 --json")]
 pub struct Arguments {
-    /// A material (path, or synth:MODEL?param=value&...), an environment (.exr, .hdr) or a texture (.png, .jpg); - for
-    /// stdin.
+    /// A material (path, or synth:MODEL?param=value&...), an environment (.exr, .hdr; with --kind also
+    /// .ktx2) or a texture (.png, .jpg); - for stdin.
     input: Input,
     /// The map to write, or - for stdout.
     #[arg(long, short, value_name = "MAP.ktx2", value_parser = output_parser())]
@@ -61,7 +61,7 @@ pub struct Arguments {
 enum Kind {
     /// A material.
     Brdf,
-    /// A latitude-longitude image.
+    /// A latitude-longitude image, or a cube map.
     Environment,
     /// An image on a surface.
     Texture,
@@ -144,9 +144,14 @@ fn recipe(arguments: &Arguments) -> Result<bandwidth::Kind, Error> {
         Some(true) => Kind::Environment,
         Some(false) => Kind::Texture,
     });
-    if (kind == Kind::Brdf) != radiance.is_none() {
+    let fits = match radiance {
+        // Packs of materials, cube maps and prefiltered environments have one extension.
+        None => kind == Kind::Brdf || (kind == Kind::Environment && arguments.input.extension()? == "ktx2"),
+        Some(_) => kind != Kind::Brdf,
+    };
+    if !fits {
         let found = if radiance.is_none() { "a material" } else { "an image" };
-        let allowed = "brdf for materials, environment or texture for .exr, .hdr, .png and .jpg";
+        let allowed = "brdf for materials, environment for .ktx2, environment or texture for .exr, .hdr, .png and .jpg";
         return usage(format!("--kind: found {} for {found}, expected {allowed}", format!("{kind:?}").to_lowercase()));
     }
     if kind != Kind::Brdf && arguments.resolution.is_some() {

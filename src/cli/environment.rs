@@ -6,7 +6,7 @@ use super::progress::{Materials, label};
 use super::{Common, Error};
 use crate::table;
 use brdfc::encode::StageClock;
-use brdfc::environment::{EnvironmentFacts, EnvironmentHeader, open_image, prefilter};
+use brdfc::environment::{EnvironmentFacts, EnvironmentHeader, open_surroundings};
 use brdfc::{Input, Progress as _, Stage};
 use brdfc_terminal::values::any_whole_number;
 use clap::Args;
@@ -23,15 +23,18 @@ use std::path::PathBuf;
 Examples:
   brdfc environment museum.exr -o museum.env.ktx2
   brdfc environment sky.hdr -o sky.env.ktx2 --side 1024
+  brdfc environment engine-cube.ktx2 -o sky.env.ktx2
   brdfc encode red-plastic.binary --codec lobes -o red.lobes.ktx2
   brdfc render red.lobes.ktx2 --environment museum.env.ktx2 -o red.png")]
 pub struct Arguments {
-    /// A latitude-longitude image: .exr or .hdr.
+    /// A latitude-longitude image (.exr, .hdr), a cube map of an engine, or a prefiltered environment, whose finest level
+    /// counts (.ktx2); - for stdin.
     input: Input,
     /// The pack to write, or - for stdout.
     #[arg(long, short, value_name = "ENVIRONMENT.ktx2", value_parser = output_parser())]
     output: PathBuf,
-    /// Texels along each side of a face: a power of two, 8 to 2048 (default: half the width of the image, 64 to 512).
+    /// Texels along each side of a face: a power of two, 8 to 2048 (default: half the width of the image, or the
+    /// side of the cube map, as a power of two from 64 to 512).
     #[arg(long, value_name = "N", value_parser = any_whole_number::<u32>(SIDES))]
     side: Option<u32>,
 }
@@ -46,8 +49,10 @@ pub struct Report {
     /// Contents of the pack.
     #[serde(flatten)]
     facts: EnvironmentFacts,
-    /// Width and height of the image, pixels.
+    /// Width and height of the image, or of each face of the cube map, pixels.
     image: [usize; 2],
+    /// Number of images: 6 faces of a cube map, or 1.
+    faces: usize,
     /// Bytes of the file.
     bytes_on_disk: usize,
     /// Seconds from reading to writing.
@@ -67,19 +72,21 @@ pub(super) fn run(arguments: &Arguments, common: Common) -> Result<(), Error> {
     let part = progress.part(&name);
     let clock = StageClock::new(part.as_ref());
     clock.stage(Stage::Read, 1)?;
-    let image = open_image(&arguments.input)?;
-    let pack = prefilter(&image, arguments.side, &clock).map_err(|error| error.prefixed(&arguments.input))?;
+    let surroundings = open_surroundings(&arguments.input)?;
+    let pack = surroundings.prefilter(arguments.side, &clock).map_err(|error| error.prefixed(&arguments.input))?;
     clock.stage(Stage::Write, 1)?;
     let bytes = pack.to_bytes(true);
     write_file(&arguments.output, &bytes)?;
     let seconds = clock.finish().iter().map(|stage| stage.seconds).sum();
     drop(part);
     drop(progress);
+    let [width, height, faces] = surroundings.size();
     let report = Report {
         version: 1,
         kind: "environment",
         facts: EnvironmentFacts::new(&pack),
-        image: [image.width, image.height],
+        image: [width, height],
+        faces,
         bytes_on_disk: bytes.len(),
         seconds,
     };
@@ -101,7 +108,8 @@ impl Report {
     fn text(&self) -> String {
         let mut lines = lines(&self.facts);
         let [width, height] = self.image;
-        lines.push(("image", format!("{width} x {height} pixels")));
+        let faces = if self.faces == 1 { String::new() } else { format!("{} faces of ", self.faces) };
+        lines.push(("image", format!("{faces}{width} x {height} pixels")));
         lines.push(("bytes on disk", table::bytes(self.bytes_on_disk as u64)));
         lines.push(("seconds", format!("{:.2}", self.seconds)));
         lines_of(&lines)

@@ -98,11 +98,11 @@ impl Build {
         Self { options, ..self }
     }
 
-    /// Lights materials without a manifest by an environment, a latitude-longitude image: the build also makes their lobes
-    /// and the prefiltered environment.
+    /// Lights materials without a manifest by an environment: a latitude-longitude image, a cube map or a prefiltered
+    /// environment. The build also makes their lobes and the prefiltered environment.
     ///
     /// # Errors
-    /// Returns an error for a manifest, which names its own environment, and for files that are not .exr or .hdr.
+    /// Returns an error for a manifest, which names its own environment, and for files that are not .exr, .hdr or .ktx2.
     pub fn environment(mut self, image: impl Into<String>) -> Result<Self, Error> {
         const FLAG: &str = "--environment";
         let image = image.into();

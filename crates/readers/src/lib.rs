@@ -6,6 +6,7 @@
 pub mod alta;
 pub mod btf_stack;
 pub mod colour;
+pub mod cube_map;
 pub mod direction_list;
 pub mod file_kind;
 pub mod merl;

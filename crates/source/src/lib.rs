@@ -1,6 +1,7 @@
 //! Opens, recognises and checks input files: sources of reflectance, images and surfaces.
 
 pub mod btf_stack;
+pub mod environment;
 mod error;
 mod exr_header;
 pub mod flat_btf;

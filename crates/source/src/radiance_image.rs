@@ -3,13 +3,11 @@
 use crate::InputError;
 use crate::exr_header::exr_headers;
 use crate::input::{Input, InputFile};
-use crate::read::{ReadListener, extension_of};
 use crate::tile_image::FileImage;
 use brdfc_formats::FormatError;
 use exr::prelude::{ReadChannels, ReadLayers, read};
 use image::{ImageFormat, ImageReader, Limits};
 use std::io::Cursor;
-use std::path::Path;
 
 /// Maximum width and height, pixels.
 pub const MAX_SIDES: [usize; 2] = [8192, 4096];
@@ -23,19 +21,7 @@ pub type RadianceImage = FileImage<3>;
 /// Returns an error for files that cannot be read, or that [`from_exr`] and [`from_hdr`] reject.
 pub fn open_radiance_image(input: impl Into<Input>) -> Result<RadianceImage, InputError> {
     let input = input.into();
-    parse(InputFile::of(&input, &mut ())?, &input.extension()?)
-}
-
-/// Same as [`open_radiance_image`] for a file, with an observer of the bytes.
-///
-/// # Errors
-/// Returns an error for files that cannot be read, or that [`from_exr`] and [`from_hdr`] reject.
-pub fn open_radiance_image_observed(path: &Path, listener: &mut dyn ReadListener) -> Result<RadianceImage, InputError> {
-    parse(InputFile::at(path, listener)?, &extension_of(path))
-}
-
-fn parse(file: InputFile<'_>, extension: &str) -> Result<RadianceImage, InputError> {
-    file.parse(if extension == "hdr" { from_hdr } else { from_exr })
+    InputFile::of(&input, &mut ())?.parse(if input.extension()? == "hdr" { from_hdr } else { from_exr })
 }
 
 /// Reads RGB of the first layer of an EXR that has these channels.

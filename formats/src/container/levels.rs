@@ -23,15 +23,30 @@ pub(super) fn check_places(bytes: &[u8], levels: u32) -> Result<(), FormatError>
     Ok(())
 }
 
+/// Decompresses the finest level of a KTX2 file of any writer: its bytes in the file, and their number after decompression as the
+/// level index has it. `size` is the number that format and extent need.
+///
+/// # Errors
+/// Same as for packs: an error if `size` contradicts the level index or a frame (before memory is allocated), for another
+/// supercompression `scheme` than 0 (none) and 2 (Zstandard), or if decompression fails.
+pub fn unpack_finest(
+    data: &[u8],
+    uncompressed_byte_length: u64,
+    scheme: u32,
+    size: u64,
+) -> Result<Vec<u8>, FormatError> {
+    unpack(&[ktx2::Level { data, uncompressed_byte_length }], scheme, &[size])
+}
+
 /// Decompresses levels into one buffer, one after the other. `sizes` are their decompressed lengths in bytes.
 ///
 /// # Errors
 /// Returns an error if the level index or a frame contradicts `sizes` (before memory is allocated), or if decompression
 /// fails.
-pub(super) fn unpack(reader: &ktx2::Reader<&[u8]>, scheme: u32, sizes: &[u64]) -> Result<Vec<u8>, FormatError> {
-    let levels = || reader.levels().zip(sizes).enumerate();
+pub(super) fn unpack(stored: &[ktx2::Level<'_>], scheme: u32, sizes: &[u64]) -> Result<Vec<u8>, FormatError> {
+    let levels = || stored.iter().zip(sizes).enumerate();
     for (number, (level, size)) in levels() {
-        check(&level, number, scheme, *size)?;
+        check(level, number, scheme, *size)?;
     }
     let mut texels = memory::reserved("texels", sizes.iter().sum::<u64>() as usize)?;
     if scheme == 0 {

@@ -13,5 +13,6 @@ mod texture;
 
 pub use checksum::seal;
 pub use extent::{CUBE_FACES, Extent, MAX_EXTENT, MAX_EXTENT_2D, MAX_LAYERS, ORIENTATION_2D, ORIENTATION_3D};
+pub use levels::unpack_finest;
 pub use texel_format::TexelFormat;
 pub use texture::{MAX_TEXEL_BYTES, PackedTexture, Texture, WRITER};

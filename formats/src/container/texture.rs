@@ -270,7 +270,8 @@ impl<'a> PackedTexture<'a> {
         }
         let texel_bytes = self.format.texel_bytes() as u64;
         let sizes: Vec<u64> = (0..self.levels).map(|level| self.extent.level(level).texels() * texel_bytes).collect();
-        let texels = levels::unpack(&self.reader, self.scheme, &sizes)?;
+        let stored: Vec<ktx2::Level<'_>> = self.reader.levels().collect();
+        let texels = levels::unpack(&stored, self.scheme, &sizes)?;
         let Self { format, extent, entries, levels, .. } = self;
         Ok(Texture { format, extent, entries, levels, texels })
     }

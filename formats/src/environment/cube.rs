@@ -1,4 +1,4 @@
-//! Faces of a cube map, in the order and orientation of Vulkan, WebGPU and OpenGL.
+//! Faces of a cube map, in the order and orientation of Vulkan, WebGPU and OpenGL, and filtered look-ups.
 
 /// Coordinates on a face of the cube `[-1, 1]³`.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -45,6 +45,77 @@ impl FacePoint {
             4 => [s, -t, 1.0],
             _ => [-s, -t, -1.0],
         }
+    }
+}
+
+/// Texels of a cube map. Look-ups filter across the edges of the cube, as GPUs do: faces have a border of one texel from their
+/// neighbours.
+#[derive(Debug, Clone)]
+pub struct FilteredCube {
+    /// Texels along each side of a face, without the border.
+    side: usize,
+    /// Six faces of `(side + 2)²` texels, row by row.
+    texels: Vec<[f32; 3]>,
+}
+
+impl FilteredCube {
+    /// Cube map of `6 side²` texels: face by face, row by row.
+    ///
+    /// # Panics
+    /// If there are fewer texels.
+    pub fn new(side: usize, inner: &[[f32; 3]]) -> Self {
+        let wide = side + 2;
+        let texel = |face: usize, column: usize, row: usize| inner[(face * side + row) * side + column];
+        let nearest = |point: FacePoint| {
+            let [column, row] = [point.s, point.t].map(|c| ((0.5 * (c + 1.0) * side as f64) as usize).min(side - 1));
+            texel(point.face, column, row)
+        };
+        let is_inside = |at: usize| (1..=side).contains(&at);
+        let mut texels = Vec::with_capacity(6 * wide * wide);
+        for (face, row, column) in (0..6).flat_map(|f| (0..wide).flat_map(move |r| (0..wide).map(move |c| (f, r, c)))) {
+            let across = |column: usize, row: usize| {
+                nearest(FacePoint::of(
+                    FacePoint::on_grid(face, side, [column as f64 - 0.5, row as f64 - 0.5]).direction(),
+                ))
+            };
+            texels.push(match (is_inside(column), is_inside(row)) {
+                (true, true) => texel(face, column - 1, row - 1),
+                (false, false) => {
+                    // Three faces meet at a corner, and no fourth texel exists: the mean of the three.
+                    let [inner_column, inner_row] = [column, row].map(|at| at.clamp(1, side));
+                    let three = [
+                        across(inner_column, row),
+                        across(column, inner_row),
+                        texel(face, inner_column - 1, inner_row - 1),
+                    ];
+                    [0, 1, 2].map(|k| three.iter().map(|texel| texel[k]).sum::<f32>() / 3.0)
+                }
+                _ => across(column, row),
+            });
+        }
+        Self { side, texels }
+    }
+
+    /// Texels along each side of a face.
+    pub fn side(&self) -> usize {
+        self.side
+    }
+
+    /// Bilinear value at a point.
+    pub fn filtered(&self, point: FacePoint) -> [f32; 3] {
+        let [(column, right), (row, down)] = [point.s, point.t].map(|c| {
+            let position = 0.5 * (c + 1.0) * self.side as f64 + 0.5;
+            let lower = (position as usize).min(self.side);
+            (lower, (position - lower as f64) as f32)
+        });
+        let wide = self.side + 2;
+        let first = (point.face * wide + row) * wide + column;
+        let [a, b, c, d] = [first, first + 1, first + wide, first + wide + 1].map(|at| self.texels[at]);
+        [0, 1, 2].map(|k| {
+            let above = a[k] + right * (b[k] - a[k]);
+            let below = c[k] + right * (d[k] - c[k]);
+            above + down * (below - above)
+        })
     }
 }
 

@@ -1,6 +1,6 @@
 //! Look-ups in a prefiltered environment on the CPU.
 
-use super::cube::FacePoint;
+use super::cube::{FacePoint, FilteredCube};
 use super::header::{EnvironmentHeader, IRRADIANCE_SIDE};
 use super::pack::EnvironmentPack;
 
@@ -9,25 +9,17 @@ use super::pack::EnvironmentPack;
 pub struct EnvironmentDecoder {
     header: EnvironmentHeader,
     /// Mipmap levels, from the finest.
-    levels: Vec<Level>,
-    irradiance: Level,
-}
-
-/// A level whose faces have a border of one texel from their neighbours.
-#[derive(Debug, Clone)]
-struct Level {
-    /// Texels along each side of a face, without the border.
-    side: usize,
-    /// Six faces of `(side + 2)²` texels, row by row.
-    texels: Vec<[f32; 3]>,
+    levels: Vec<FilteredCube>,
+    irradiance: FilteredCube,
 }
 
 impl EnvironmentDecoder {
     /// Decodes all texels.
     pub fn new(pack: &EnvironmentPack) -> Self {
         let header = pack.header();
-        let level = |level: u32| Level::new((header.side >> level) as usize, &pack.level(level).collect::<Vec<_>>());
-        let irradiance = Level::new(IRRADIANCE_SIDE as usize, &pack.irradiance().collect::<Vec<_>>());
+        let level =
+            |level: u32| FilteredCube::new((header.side >> level) as usize, &pack.level(level).collect::<Vec<_>>());
+        let irradiance = FilteredCube::new(IRRADIANCE_SIDE as usize, &pack.irradiance().collect::<Vec<_>>());
         Self { header, levels: (0..header.levels()).map(level).collect(), irradiance }
     }
 
@@ -55,57 +47,5 @@ impl EnvironmentDecoder {
         } else {
             fine
         }
-    }
-}
-
-impl Level {
-    fn new(side: usize, inner: &[[f32; 3]]) -> Self {
-        let wide = side + 2;
-        let texel = |face: usize, column: usize, row: usize| inner[(face * side + row) * side + column];
-        let nearest = |point: FacePoint| {
-            let [column, row] = [point.s, point.t].map(|c| ((0.5 * (c + 1.0) * side as f64) as usize).min(side - 1));
-            texel(point.face, column, row)
-        };
-        let is_inside = |at: usize| (1..=side).contains(&at);
-        let mut texels = Vec::with_capacity(6 * wide * wide);
-        for (face, row, column) in (0..6).flat_map(|f| (0..wide).flat_map(move |r| (0..wide).map(move |c| (f, r, c)))) {
-            let across = |column: usize, row: usize| {
-                nearest(FacePoint::of(
-                    FacePoint::on_grid(face, side, [column as f64 - 0.5, row as f64 - 0.5]).direction(),
-                ))
-            };
-            texels.push(match (is_inside(column), is_inside(row)) {
-                (true, true) => texel(face, column - 1, row - 1),
-                (false, false) => {
-                    // Three faces meet at a corner, and no fourth texel exists: the mean of the three.
-                    let [inner_column, inner_row] = [column, row].map(|at| at.clamp(1, side));
-                    let three = [
-                        across(inner_column, row),
-                        across(column, inner_row),
-                        texel(face, inner_column - 1, inner_row - 1),
-                    ];
-                    [0, 1, 2].map(|k| three.iter().map(|texel| texel[k]).sum::<f32>() / 3.0)
-                }
-                _ => across(column, row),
-            });
-        }
-        Self { side, texels }
-    }
-
-    /// Bilinear value at a point.
-    fn filtered(&self, point: FacePoint) -> [f32; 3] {
-        let [(column, right), (row, down)] = [point.s, point.t].map(|c| {
-            let position = 0.5 * (c + 1.0) * self.side as f64 + 0.5;
-            let lower = (position as usize).min(self.side);
-            (lower, (position - lower as f64) as f32)
-        });
-        let wide = self.side + 2;
-        let first = (point.face * wide + row) * wide + column;
-        let [a, b, c, d] = [first, first + 1, first + wide, first + wide + 1].map(|at| self.texels[at]);
-        [0, 1, 2].map(|k| {
-            let above = a[k] + right * (b[k] - a[k]);
-            let below = c[k] + right * (d[k] - c[k]);
-            above + down * (below - above)
-        })
     }
 }

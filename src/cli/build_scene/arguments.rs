@@ -47,8 +47,9 @@ pub struct Arguments {
     #[command(flatten)]
     pub(super) build: BuildArguments,
     /// Without a manifest: also make the lobes of each material, and the prefiltered environment that they look up from
-    /// this latitude-longitude image (.exr or .hdr). With a manifest, set environment in the table scene.
-    #[arg(long, value_name = "IMAGE")]
+    /// this latitude-longitude image (.exr, .hdr), cube map or prefiltered environment (.ktx2). With a manifest, set
+    /// environment in the table scene.
+    #[arg(long, value_name = "FILE")]
     environment: Option<String>,
     /// Print the plan and the predicted range of pack sizes, and build nothing.
     #[arg(long)]

@@ -1,5 +1,6 @@
 //! Flags of `brdfc render --adaptive`.
 
+use brdfc::Input;
 use brdfc_terminal::values::{any_whole_number, whole_number};
 use clap::Args;
 use std::path::PathBuf;
@@ -18,12 +19,12 @@ pub(super) struct AdaptiveOptions {
     /// shadows.
     #[arg(long)]
     pub(super) adaptive: bool,
-    /// Latitude-longitude image, .exr or .hdr, or prefiltered environment, .ktx2, that lights the scene. Without
-    /// --adaptive, lobes look it up; the reference is the integral over all directions. It adds to the point lights of
-    /// a manifest's scene, and lights a single material alone. (Default: the environment of the manifest; for lobes and
-    /// with --adaptive, otherwise the scene's sky.)
+    /// Latitude-longitude image (.exr, .hdr), cube map or prefiltered environment (.ktx2) that lights the scene, or - for
+    /// stdin. Without --adaptive, lobes look it up; the reference is the integral over all directions. It adds to the
+    /// point lights of a manifest's scene, and lights a single material alone. (Default: the environment of the
+    /// manifest; for lobes and with --adaptive, otherwise the scene's sky.)
     #[arg(long, value_name = "FILE")]
-    pub(super) environment: Option<PathBuf>,
+    pub(super) environment: Option<Input>,
     /// Mean samples per pixel if all pixels were shaded, 0.01 to 1024 (default: 64). A shaded pixel gets 1 to 1024,
     /// more where bandwidth is higher.
     #[arg(long, value_name = "X", requires = "adaptive")]

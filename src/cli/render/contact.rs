@@ -42,7 +42,8 @@ pub(super) fn run(
         let prepared = materials::prepare(arguments, &subject, std::slice::from_ref(name), common)?;
         let views = lit_views(arguments, &setup, &gpu, (&prepared, &of_parts, decoding), light.as_ref(), common)?;
         let bytes_on_gpu = prepared[0].gpu_bytes();
-        let verification = setup.verification(&gpu, &views, |_| (name.clone(), bytes_on_gpu));
+        let mut verification = setup.verification(&gpu, &views, |_| (name.clone(), bytes_on_gpu));
+        verification.environment_bytes_on_gpu = light.as_ref().map(Light::gpu_bytes);
         let verification = verification.checked_by(gates, &views);
         if let Some(nothing) = verification.nothing_seen(&views) {
             note(common, name, &format!("the rendering shows {nothing}"));

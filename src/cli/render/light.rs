@@ -2,7 +2,7 @@
 
 use super::arguments::Arguments;
 use super::materials::{Prepared, Subject};
-use super::scene::{Setup, is_prefiltered};
+use super::scene::{Setup, is_cube_map};
 use crate::output::{note, note_repairs, remark};
 use crate::progress::Materials;
 use crate::{Common, Error};
@@ -22,7 +22,7 @@ const TRUTH: usize = 256;
 
 /// An environment that lights a scene.
 pub(super) struct Light {
-    pub(super) prefiltered: PrefilteredLight,
+    prefiltered: PrefilteredLight,
     /// Its radiance, for the reference.
     image: Environment,
 }
@@ -36,27 +36,34 @@ impl Light {
         scene: &mut Scene,
         common: Common,
     ) -> Result<Self, Error> {
-        let prefilter = |image: &Environment| -> Result<PrefilteredLight, Error> {
-            let progress = Materials::new(1, false, common);
-            let pack = environment::prefilter(image, None, progress.part("environment").as_ref())?;
-            Ok(PrefilteredLight::new(pack))
-        };
-        if let Some(file) = &arguments.adaptive.environment {
+        if let Some(input) = &arguments.adaptive.environment {
             // An image is the environment of the scene already.
-            if is_prefiltered(file) {
-                let prefiltered = PrefilteredLight::new(environment::open(&Input::from(file.as_path()), &())?);
+            if is_cube_map(input)? {
+                let progress = Materials::new(1, false, common);
+                let pack = environment::open(input, progress.part("environment").as_ref())?;
+                let prefiltered = PrefilteredLight::new(pack);
                 scene.environment = prefiltered.unfiltered();
                 return Ok(Self { image: scene.environment.clone(), prefiltered });
             }
         } else if let Some(file) = subject.environment() {
-            let image = environment::open_image(&Input::from(file.as_path()))?;
-            let prefiltered = match built(subject)? {
-                Some(pack) => PrefilteredLight::new(pack),
-                None => prefilter(&image)?,
+            let surroundings = environment::open_surroundings(&Input::from(file.as_path()))?;
+            let pack = match built(subject)? {
+                Some(pack) => pack,
+                None => {
+                    let progress = Materials::new(1, false, common);
+                    surroundings.prefilter(None, progress.part("environment").as_ref())?
+                }
             };
-            return Ok(Self { prefiltered, image });
+            return Ok(Self { prefiltered: PrefilteredLight::new(pack), image: surroundings.into_image() });
         }
-        Ok(Self { prefiltered: prefilter(&scene.environment)?, image: scene.environment.clone() })
+        let progress = Materials::new(1, false, common);
+        let pack = environment::prefilter(&scene.environment, None, progress.part("environment").as_ref())?;
+        Ok(Self { prefiltered: PrefilteredLight::new(pack), image: scene.environment.clone() })
+    }
+
+    /// Bytes on a GPU.
+    pub(super) fn gpu_bytes(&self) -> u64 {
+        self.prefiltered.pack().gpu_bytes()
     }
 
     /// Resolves the light of a scene, if it lights a material by its lobes.

@@ -35,12 +35,12 @@ pub(super) fn verification(
             return Err(Error::usage(format!("{input}: --source needs a pack of lobes; a material is its own source")));
         }
     };
-    let bytes_on_gpu = pack.gpu_bytes() + light.prefiltered.pack().gpu_bytes();
     let name = name_of(input);
     let materials = [Lit { name: &name, lobes: Some(&pack), source: source.as_ref().map(Material::source) }];
     let of_parts = vec![0; setup.scene.parts.len()];
     let views = light.views(arguments, &setup, &gpu, (&materials, &of_parts), common)?;
-    let verification = setup.verification(&gpu, &views, |_| (name.clone(), bytes_on_gpu));
+    let mut verification = setup.verification(&gpu, &views, |_| (name.clone(), pack.gpu_bytes()));
+    verification.environment_bytes_on_gpu = Some(light.gpu_bytes());
     outputs::write(arguments, &views, verification.exposure)?;
     Ok((verification, views))
 }

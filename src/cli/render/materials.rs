@@ -118,10 +118,9 @@ pub(super) fn subject(arguments: &Arguments) -> Result<Subject, Error> {
             let (text, manifest) = read_manifest(&path)?;
             let folder = path.parent().unwrap_or(Path::new(""));
             let mut all = with_all_uses(&manifest);
+            // Needs depend on whether there is an environment; this one is opened by its own path.
             if let Some(environment) = arguments.adaptive.environment.as_ref().filter(|_| arguments.by_lobes()) {
-                let absolute = std::path::absolute(environment)
-                    .map_err(|error| Error::io(format!("{}: cannot read: {error}", environment.display())))?;
-                all.scene.environment = Some(absolute.to_string_lossy().into_owned());
+                all.scene.environment = Some(environment.to_string());
             }
             let plan = plan(&all, folder)?;
             // Adaptive shading takes samples of the material instead of lobes.

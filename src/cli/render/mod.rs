@@ -20,6 +20,7 @@ pub use contact::Report as ContactReport;
 
 use super::output::{note, print, print_json, remark};
 use super::{Common, Error, graphics_environment};
+use crate::inputs::refuse_stdin_twice;
 use crate::table;
 use asset::{Asset, AssetKind};
 use brdfc::render::{RenderingGates, Verification, Views};
@@ -47,6 +48,10 @@ pub struct Report {
 pub(super) fn run(arguments: &Arguments, common: Common) -> Result<(), Error> {
     graphics_environment::prepare();
     let started = Instant::now();
+    let environment = arguments.adaptive.environment.as_ref();
+    let inputs =
+        [("INPUT", Some(&arguments.input)), ("--source", arguments.source.as_ref()), ("--environment", environment)];
+    refuse_stdin_twice(&inputs)?;
     outputs::check(arguments)?;
     let gates = gates(arguments)?;
     if let Some(level) = arguments.lod
@@ -156,7 +161,8 @@ fn of_brdfs(arguments: &Arguments, common: Common) -> Result<(Verification, View
         let material = &prepared[of_parts[number]];
         (material.name.clone(), material.gpu_bytes())
     };
-    let verification = setup.verification(&gpu, &views, of_part);
+    let mut verification = setup.verification(&gpu, &views, of_part);
+    verification.environment_bytes_on_gpu = light.as_ref().map(Light::gpu_bytes);
     outputs::write(arguments, &views, verification.exposure)?;
     tell_of_others(arguments, &scene::materials_in_turn(arguments, &subject)?, &setup.names, common);
     Ok((verification, views))

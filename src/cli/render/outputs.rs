@@ -41,9 +41,8 @@ pub(super) fn check(arguments: &Arguments) -> Result<(), Error> {
         let Some(path) = path else { continue };
         refuse_other_extension(flag, path, allowed)?;
         refuse_missing_folder(path)?;
-        let given = [Some(&arguments.input), arguments.source.as_ref()];
-        let mut inputs: Vec<&Path> = given.into_iter().flatten().filter_map(Input::path).collect();
-        inputs.extend(arguments.adaptive.environment.as_deref());
+        let given = [Some(&arguments.input), arguments.source.as_ref(), arguments.adaptive.environment.as_ref()];
+        let inputs: Vec<&Path> = given.into_iter().flatten().filter_map(Input::path).collect();
         refuse_overwriting(flag, path, &inputs)?;
     }
     Ok(())
@@ -90,6 +89,9 @@ pub(super) fn text(verification: &Verification) -> String {
     let mut text = head(v, &format!(", exposure {}", table::significant(v.exposure)));
     for part in &v.parts {
         text += &format!("{}: {}, {}\n", part.part, part.material, table::bytes(part.bytes_on_gpu));
+    }
+    if let Some(bytes) = v.environment_bytes_on_gpu {
+        text += &format!("environment: {}\n", table::bytes(bytes));
     }
     text.push('\n');
     let rows = v.rows().into_iter().map(|(name, difference)| {

@@ -4,13 +4,11 @@ use super::arguments::Arguments;
 use super::materials::Subject;
 use super::outputs;
 use crate::Error;
-use brdfc::render::{
-    Builtin, Environment, Frame, Gpu, PartMaterial, PointLight, PrefilteredLight, Scene, Verification, Views,
-};
+use brdfc::render::{Builtin, Frame, Gpu, PartMaterial, PointLight, Scene, Verification, Views};
 use brdfc::scene::{LightSection, MAX_SIDE, ManifestError, RenderSection, line_of, near_miss};
 use brdfc::{Input, environment};
 use brdfc_terminal::words::{self, one_of};
-use std::path::{Path, PathBuf};
+use std::path::Path;
 use toml::Spanned;
 
 /// Default pixels per side.
@@ -101,11 +99,13 @@ pub(super) fn setup_from(arguments: &Arguments, subject: &Subject, start: &Start
         let light = |l: &LightSection| PointLight { position: l.position, intensity: l.intensity.colour() };
         scene.lights = lights.iter().map(light).collect();
     }
-    if let Some(path) = environment_file(arguments, subject, section) {
-        outputs::check_not_over(arguments, &path)?;
-        // Lobes look prefiltered environments up as they are.
-        if !(arguments.by_lobes() && is_prefiltered(&path)) {
-            scene.environment = environment(&path)?;
+    if let Some(input) = environment_input(arguments, subject, section) {
+        if let Some(path) = input.path() {
+            outputs::check_not_over(arguments, path)?;
+        }
+        // Lobes look cube maps up as they are, and prefiltered.
+        if !(arguments.by_lobes() && is_cube_map(&input)?) {
+            scene.environment = environment::open_image(&input)?;
         }
     }
     let samples = match arguments.adaptive.adaptive {
@@ -211,25 +211,18 @@ fn at(subject: &Subject, name: &Spanned<String>, field: &str, known: &[&str]) ->
 }
 
 /// Selects the image of the surroundings: of the light with --adaptive, else of the reflections in mirrors.
-fn environment_file(arguments: &Arguments, subject: &Subject, section: &RenderSection) -> Option<PathBuf> {
-    if let Some(path) = &arguments.adaptive.environment {
-        return Some(path.clone());
+fn environment_input(arguments: &Arguments, subject: &Subject, section: &RenderSection) -> Option<Input> {
+    if let Some(input) = &arguments.adaptive.environment {
+        return Some(input.clone());
     }
     let Subject::Scene { path, .. } = subject else { return None };
     let mirrored = section.environment.as_ref().map(|file| path.parent().unwrap_or(Path::new("")).join(file));
     let lights = subject.environment();
-    if arguments.adaptive.adaptive { lights.or(mirrored) } else { mirrored.or(lights) }
+    let file = if arguments.adaptive.adaptive { lights.or(mirrored) } else { mirrored.or(lights) };
+    file.map(|file| Input::from(file.as_path()))
 }
 
-fn environment(path: &Path) -> Result<Environment, Error> {
-    let input = Input::from(path);
-    if !is_prefiltered(path) {
-        return environment::open_image(&input);
-    }
-    Ok(PrefilteredLight::new(environment::open(&input, &())?).unfiltered())
-}
-
-/// Returns true if the file is a prefiltered environment, and not an image.
-pub(super) fn is_prefiltered(path: &Path) -> bool {
-    path.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("ktx2"))
+/// Returns true for a cube map or a prefiltered environment, and false for an image.
+pub(super) fn is_cube_map(input: &Input) -> Result<bool, Error> {
+    Ok(input.extension()? == "ktx2")
 }

@@ -6,10 +6,12 @@ mod edits;
 mod write_btf;
 
 use brdfc_core::{Source, Tally};
+use brdfc_formats::container::{Extent, TexelFormat, Texture, rgb9e5};
 use brdfc_formats::direction::DirectionPair;
 use brdfc_formats::direction_set::DirectionSet;
 use brdfc_readers::alta::AltaTable;
 use brdfc_readers::colour::rgb_weights;
+use brdfc_readers::cube_map::{CubeMap, is_pack};
 use brdfc_readers::merl::{self, Merl};
 use brdfc_readers::ptm::Ptm;
 use brdfc_readers::rgl::Rgl;
@@ -20,10 +22,11 @@ use brdfc_readers::ubo_btf::{Channel, ColourModel, Description, Scalar, UboBtf};
 use brdfc_source::{MerlSource, RglSource, ScanSource};
 use brdfc_testing::tensor;
 use libfuzzer_sys::fuzz_target;
+use std::collections::BTreeMap;
 use std::f32::consts::FRAC_PI_2;
 use write_btf::to_bytes;
 
-const READERS: u8 = 10;
+const READERS: u8 = 11;
 
 fn valid(reader: u8) -> Vec<u8> {
     match reader {
@@ -52,6 +55,12 @@ fn valid(reader: u8) -> Vec<u8> {
             .container()
             .build(),
         7 => b"3\r\na 1.png 0 0 2\nb/c.jpg -1e-1 0.5 1\nd\\e.exr 3 0 4\n".to_vec(),
+        10 => {
+            let texels: Vec<u8> =
+                (0..6 * 16u32).flat_map(|at| rgb9e5::encode([at as f32, 1.0, 2.0]).to_le_bytes()).collect();
+            let (format, extent) = (TexelFormat::Rgb9E5, Extent::Cube(4));
+            Texture { format, extent, entries: BTreeMap::new(), levels: 1, texels }.to_bytes(true)
+        }
         9 => {
             let set = DirectionSet::grid(2, 2, 60.0).expect("a small set");
             let description = Description {
@@ -97,6 +106,11 @@ fn check_map(map: &Ptm) {
     assert_eq!(Ptm::from_bytes(&map.to_bytes()).as_ref(), Ok(map));
 }
 
+fn check_cube(cube: &CubeMap) {
+    assert_eq!(cube.texels().len(), 6 * (cube.side() as usize).pow(2));
+    assert!(cube.texels().iter().flatten().all(|c| c.is_finite() && *c >= 0.0));
+}
+
 /// Returns true if the reader accepts the bytes and, for reflectance, a source can be built from them.
 fn read(reader: u8, bytes: &[u8]) -> bool {
     match reader {
@@ -112,6 +126,7 @@ fn read(reader: u8, bytes: &[u8]) -> bool {
             .is_ok(),
         7 => LightPositions::from_bytes(bytes).map(|lights| lights.directions.iter().for_each(check_light)).is_ok(),
         8 => Ptm::from_bytes(bytes).map(|map| check_map(&map)).is_ok(),
+        10 => !is_pack(bytes) && CubeMap::from_bytes(bytes).map(|cube| check_cube(&cube)).is_ok(),
         9 => UboBtf::from_bytes(bytes)
             .and_then(|btf| btf.image(0, 0))
             .map(|image| assert!(image.iter().flatten().all(|v| v.is_finite())))

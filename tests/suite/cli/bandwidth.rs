@@ -52,6 +52,11 @@ fn images_are_environments_or_textures() {
         assert!(found > 8.0 && found < 20.0, "{found}");
         assert_eq!(report["metres"], serde_json::Value::Null);
     }
+    // A prefiltered environment counts as its finest level, four faces wide.
+    folder.run(&["environment", "sky.exr", "-o", "sky.ktx2"]).succeeded();
+    let (of_cube, _) = map(&folder, "sky.ktx2", &["--kind", "environment"]);
+    let found = of_cube.environment([1.0, 0.0, 0.2]) * std::f32::consts::TAU;
+    assert!(of_cube.header().kind == BandwidthKind::Environment && found > 8.0 && found < 20.0, "{found}");
     let (cloth, report) = map(&folder, "cloth.png", &["--size", "0.5x0.25"]);
     assert_eq!(cloth.header().kind, BandwidthKind::Texture { metres: [0.5, 0.25], tiles: true });
     let found = cloth.texture([0.4, 0.4]);
@@ -170,6 +175,8 @@ fn wrong_usage_and_wrong_inputs() {
     let folder = Folder::new();
     stripes(&folder, "cloth.png");
     folder.write("broken.exr", b"no image");
+    folder.run(&["encode", "synth:lambert", "-o", "synth.ktx2", "--max-bytes", "4096"]).succeeded();
+    image::DynamicImage::ImageRgb32F(image::Rgb32FImage::new(32, 32)).save(folder.path().join("square.exr")).unwrap();
     folder.write("broken.hdr", b"no image");
     let before = folder.files(".");
     for (code, input, more, expected) in [
@@ -177,6 +184,8 @@ fn wrong_usage_and_wrong_inputs() {
         (2, "synth:ggx", &["--epsilon", "NaN"], "--epsilon: found NaN, expected"),
         (2, "synth:ggx", &["--resolution", "48"], "--resolution: found 48, expected a power of two from 32 to 1024"),
         (2, "synth:ggx", &["--resolution", "2048"], "--resolution: found 2048, expected a power of two"),
+        (3, "square.exr", &[], "square.exr: environment: found 32 x 32 pixels, expected a latitude-longitude image"),
+        (3, "synth.ktx2", &["--kind", "environment"], "synth.ktx2: environment: found a table pack, expected"),
         (2, "synth:ggx", &["--kind", "texture"], "--kind: found texture for a material, expected brdf for materials"),
         (2, "synth:ggx", &["--size", "1x1"], "--size and --no-tile apply only to textures"),
         (2, "cloth.png", &[], "--size: required for textures; expected WIDTHxHEIGHT of the texture in metres"),

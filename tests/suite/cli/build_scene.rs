@@ -284,7 +284,7 @@ fn a_batch_has_an_environment() {
         (
             &["synth:lambert", "--environment", "sky.png"][..],
             2,
-            "--environment: found sky.png, expected an .exr or .hdr",
+            "--environment: found sky.png, expected an .exr, .hdr or .ktx2",
         ),
         (
             &["scene.toml", "--environment", "sky.hdr"],
@@ -417,8 +417,8 @@ fn environments_that_cannot_be_used() {
     for (file, code, words) in [
         ("gone.exr", 4, "environment: gone.exr: cannot read: "),
         ("broken.exr", 3, "environment: broken.exr: EXR: "),
-        ("data", 3, "line 3, scene.environment: found \"data\", expected an .exr or .hdr file"),
-        ("sky.png", 3, "line 3, scene.environment: found \"sky.png\", expected an .exr or .hdr file"),
+        ("data", 3, "line 3, scene.environment: found \"data\", expected an .exr, .hdr or .ktx2 file"),
+        ("sky.png", 3, "line 3, scene.environment: found \"sky.png\", expected an .exr, .hdr or .ktx2 file"),
     ] {
         let _ = std::fs::remove_dir_all(folder.path().join("packs"));
         folder.write("scene.toml", lit(file).replace("ratio = 2", "grid = 2"));

@@ -1,8 +1,9 @@
 //! `brdfc render --environment` of materials, by their lobes.
 
-use super::environment::sky;
+use super::environment::{cube, sky};
 use super::schemas::conforms;
 use crate::common::cli::Folder;
+use brdfc_formats::environment::EnvironmentPack;
 
 const SMALL: [&str; 4] = ["--size", "48x48", "--samples", "1"];
 
@@ -11,9 +12,11 @@ fn an_environment_lights_materials() {
     let folder = Folder::new();
     sky(&folder, "sky.exr", 0.4, 300.0);
     folder.run(&["environment", "sky.exr", "-o", "sky.ktx2"]).succeeded();
+    folder.write("cube.ktx2", cube(&EnvironmentPack::from_bytes(&folder.read("sky.ktx2")).unwrap()).to_bytes(true));
     folder.run(&["encode", "synth:ggx?alpha=0.3", "--codec", "lobes", "-o", "ggx.ktx2"]).succeeded();
     for (input, environment, source) in [
         ("ggx.ktx2", "sky.exr", None),
+        ("ggx.ktx2", "cube.ktx2", None),
         ("ggx.ktx2", "sky.ktx2", Some("synth:ggx?alpha=0.3")),
         ("synth:ggx?alpha=0.3", "sky.exr", Some("synth:ggx?alpha=0.3")),
     ] {
@@ -26,11 +29,40 @@ fn an_environment_lights_materials() {
         conforms("render", &report);
         let mean = |key: &str| report[key]["delta_e"]["mean"].as_f64();
         assert!(mean("shading").unwrap() < 0.1, "{report}");
+        // Faces of 64 texels: 32 N² + 5632 bytes. Each lobe has at least 192.
+        assert_eq!(report["environment_bytes_on_gpu"], 136_704, "{report}");
+        let own = report["parts"][0]["bytes_on_gpu"].as_u64().unwrap();
+        assert!(own.is_multiple_of(192) && own < 8192, "{report}");
         // The reference is the integral over all directions.
         assert_eq!(mean("total").is_some(), source.is_some());
         assert!(mean("total").is_none_or(|total| total > 0.01 && total < 3.0), "{report}");
         assert!(image::open(folder.path().join("o.png")).is_ok());
     }
+}
+
+/// Standard input may be the environment, and all three kinds give the same rendering.
+#[test]
+fn environments_come_from_stdin_and_as_cube_maps() {
+    let folder = Folder::new();
+    sky(&folder, "sky.exr", 0.4, 300.0);
+    folder.run(&["environment", "sky.exr", "-o", "sky.ktx2"]).succeeded();
+    folder.write("cube.ktx2", cube(&EnvironmentPack::from_bytes(&folder.read("sky.ktx2")).unwrap()).to_bytes(true));
+    folder.run(&["encode", "synth:ggx?alpha=0.3", "--codec", "lobes", "-o", "l.ktx2"]).succeeded();
+    let render = |environment: &str, stdin: Vec<u8>| {
+        let arguments = ["render", "l.ktx2", "--environment", environment, "--exposure", "1", "-o", "o.png"];
+        let ran = folder.command(&[&arguments[..], &SMALL].concat()).write_stdin(stdin).output().unwrap();
+        let [stdout, stderr] = [&ran.stdout, &ran.stderr].map(|text| String::from_utf8_lossy(text).into_owned());
+        assert!(ran.status.success() && stdout.contains("environment: 133.5 KiB"), "{stdout} {stderr}");
+        image::open(folder.path().join("o.png")).unwrap().into_rgb8()
+    };
+    let expected = render("sky.ktx2", Vec::new());
+    for environment in ["sky.ktx2", "cube.ktx2", "sky.exr"] {
+        assert_eq!(render("-", folder.read(environment)), render(environment, Vec::new()), "{environment}");
+    }
+    let most = |found: &image::RgbImage| found.iter().zip(expected.iter()).map(|(a, b)| a.abs_diff(*b)).max().unwrap();
+    assert!(most(&render("cube.ktx2", Vec::new())) <= 1);
+    sky(&folder, "dim.exr", 0.4, 0.4);
+    assert!(most(&render("dim.exr", Vec::new())) > 3);
 }
 
 /// Without a file, the sky of the scene lights lobes.
@@ -99,10 +131,11 @@ fn what_does_not_apply_is_refused() {
         (
             &["l.ktx2", "--environment", "t.ktx2"][..],
             3,
-            "t.ktx2: found a table pack, expected a prefiltered environment",
+            "t.ktx2: environment: found a table pack, expected a latitude-longitude image (.exr, .hdr), a cube map or a",
         ),
         (&["l.ktx2", "--environment", "sky.exr", "--exact"], 2, "--exact"),
         (&["l.ktx2", "--environment", "sky.exr", "--lod", "2"], 2, "--lod"),
+        (&["-", "--environment", "-"], 2, "INPUT and --environment: both are -; only one can be stdin"),
         (&["t.ktx2", "--truth", "64"], 2, "or --environment with a material or a --source"),
         (&["l.ktx2", "--environment", "sky.exr", "--truth", "64"], 2, "--truth needs --adaptive"),
         (&["l.ktx2", "--adaptive", "--environment", "sky.exr"], 2, "--adaptive does not apply"),

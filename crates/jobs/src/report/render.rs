@@ -28,6 +28,9 @@ pub struct Verification {
     pub adapter: AdapterDescription,
     /// Parts of the scene with their materials.
     pub parts: Vec<PartMaterial>,
+    /// Bytes on a GPU of the prefiltered environment. Absent if no lobes are drawn.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub environment_bytes_on_gpu: Option<u64>,
     /// Share of the surfaces that is left out, as packs do not cover the directions from which it is lit or seen.
     pub left_out: f64,
     /// Total error: the shader's rendering against the CPU's from the sources. Absent without sources.
@@ -91,6 +94,7 @@ impl Verification {
             exposure,
             adapter: adapter.clone(),
             parts,
+            environment_bytes_on_gpu: None,
             left_out: views.left_out,
             total: against_source(&views.shader),
             codec: against_source(&views.pack),

@@ -3,7 +3,7 @@
 
 use super::error::JobError;
 use super::lobes::LobesReport;
-use crate::environment::{default_side, prefiltered};
+use crate::environment::Surroundings;
 use brdfc_bandwidth::DEFAULT_EPSILON;
 use brdfc_bandwidth::facts::BandwidthFacts;
 use brdfc_bandwidth::map::{brdf_map, environment_map};
@@ -13,9 +13,8 @@ use brdfc_core::{Source, Tally};
 use brdfc_environment::PrefilterError;
 use brdfc_environment::facts::EnvironmentFacts;
 use brdfc_importance::{ImportanceFacts, ImportanceRecipe, importance_samples};
-use brdfc_render::scene::Environment;
 use brdfc_source::InputError;
-use brdfc_source::radiance_image::{RadianceImage, open_radiance_image_observed};
+use brdfc_source::environment::open_environment_observed;
 use brdfc_source::read::ReadListener;
 use serde::{Deserialize, Serialize};
 use std::path::Path;
@@ -142,7 +141,7 @@ pub fn material_maps(
 /// Makes the requested maps of an environment. Returns the bytes of their files.
 ///
 /// # Errors
-/// Returns an error if the image cannot be read, or if the caller cancels.
+/// Returns an error if the environment cannot be read, or if the caller cancels.
 pub fn environment_maps(
     path: &Path,
     [wants_prefiltered, wants_bandwidth]: RequestedMaps,
@@ -150,12 +149,11 @@ pub fn environment_maps(
     progress: &dyn Progress,
 ) -> Result<(Vec<Vec<u8>>, EnvironmentMaps), JobError> {
     progress.stage(Stage::Read, 1)?;
-    let RadianceImage { width, height, pixels } = open_radiance_image_observed(path, listener)?;
-    let image = Environment { width, height, pixels };
+    let surroundings = Surroundings::from(open_environment_observed(path, listener)?);
     let mut files = Vec::new();
     let mut report = EnvironmentMaps::default();
     if wants_prefiltered {
-        let pack = prefiltered(&image, default_side(width), progress).map_err(|error| match error {
+        let pack = surroundings.prefiltered(surroundings.default_side(), progress).map_err(|error| match error {
             PrefilterError::Cancelled(cancelled) => cancelled.into(),
             PrefilterError::Invalid(error) => JobError::Input(InputError::format(path, error)),
         })?;
@@ -164,7 +162,8 @@ pub fn environment_maps(
     }
     if wants_bandwidth {
         progress.stage(Stage::BandwidthMap, 1)?;
-        let map = environment_map(&image.pixels, width, DEFAULT_EPSILON).map_err(JobError::Map)?;
+        let image = surroundings.into_image();
+        let map = environment_map(&image.pixels, image.width, DEFAULT_EPSILON).map_err(JobError::Map)?;
         files.push(map.to_bytes(true));
         report.bandwidth = files.last().map(|bytes| Packed::new(bytes, BandwidthFacts::new(&map)));
     }

@@ -1,6 +1,7 @@
 //! The `[render]` table of a manifest: settings of `brdfc render`. The renderer checks the names of scenes and parts.
 
 use super::place::{ManifestError, Place};
+use super::scene_section::ENVIRONMENTS;
 use super::shapes::{Key, Shape, key, required};
 use brdfc_core::words::format_number;
 use serde::Deserialize;
@@ -30,7 +31,8 @@ pub struct RenderSection {
     /// Path, relative to the manifest, of a flat BTF or the pack of an RTI capture that covers all parts instead of
     /// materials.
     pub asset: Option<String>,
-    /// Path, relative to the manifest, of a latitude-longitude EXR or HDR image that mirrors reflect.
+    /// Path, relative to the manifest, of a latitude-longitude image, a cube map or a prefiltered environment that mirrors
+    /// reflect.
     pub environment: Option<String>,
     /// Camera; absent values come from the built-in scene.
     #[serde(default)]
@@ -94,7 +96,7 @@ pub(super) const RENDER_KEYS: &[Key] = &[
     key("samples", Shape::WholeNumber, SAMPLES),
     key("exposure", Shape::Number, "above 0"),
     key("asset", Shape::Text, ASSETS),
-    key("environment", Shape::Text, "an .exr or .hdr file"),
+    key("environment", Shape::Text, ENVIRONMENTS),
     key("camera", Shape::Table(Cow::Borrowed(CAMERA_KEYS)), ""),
     key("lights", Shape::Tables(LIGHT_KEYS), ""),
     key("materials", Shape::NamedTexts, "part = \"material\""),

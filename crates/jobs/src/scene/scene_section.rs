@@ -10,12 +10,12 @@ use std::path::Path;
 pub const ENVIRONMENT: &str = "environment";
 
 /// Kinds of environments, for messages.
-pub(crate) const ENVIRONMENTS: &str = "an .exr or .hdr file";
+pub(crate) const ENVIRONMENTS: &str = "an .exr, .hdr or .ktx2 file";
 
 /// Returns true if a file has the extension of an environment.
 pub(crate) fn is_environment(file: &str) -> bool {
     let extension = Path::new(file).extension().and_then(|e| e.to_str()).unwrap_or("");
-    ["exr", "hdr"].iter().any(|known| extension.eq_ignore_ascii_case(known))
+    ["exr", "hdr", "ktx2"].iter().any(|known| extension.eq_ignore_ascii_case(known))
 }
 
 /// Settings of the whole scene.
@@ -26,8 +26,8 @@ pub struct SceneSection {
     pub name: Option<String>,
     /// `α` of the level of detail `l = N - clamp(log2(α d), 0, N)`, per unit of distance; 0.15 by default.
     pub distance_scale: Option<f64>,
-    /// Path, relative to the manifest, of a latitude-longitude image that lights the scene. Absent: no environment
-    /// lights it.
+    /// Path, relative to the manifest, of a latitude-longitude image, a cube map or a prefiltered environment that lights
+    /// the scene. Absent: no environment lights it.
     pub environment: Option<String>,
 }
 
