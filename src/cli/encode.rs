@@ -6,8 +6,11 @@ use super::output::{json_or, note, output_parser, print_report, refuse_unfit_out
 use super::progress::{Materials, label};
 use super::{Common, Error};
 use crate::table;
-use brdfc::encode::{GateResult, StageClock, StageTime, remarks};
+use brdfc::encode::{GateResult, OptionError, StageClock, StageTime, codec_names, remarks};
+use brdfc::lobes::CODEC;
+use brdfc::scene::near_miss;
 use brdfc::{Facts, Input, MaterialReport, Progress as _, Stage};
+use brdfc_terminal::words::one_of;
 use clap::Args;
 use serde::Serialize;
 use std::path::PathBuf;
@@ -61,7 +64,7 @@ pub(super) fn run(arguments: &Arguments, common: Common) -> Result<(), Error> {
     if let Some(options) = arguments.options.of_lobes() {
         return encode_lobes::run(arguments, options, common);
     }
-    let request = arguments.options.request().map_err(by_flags)?;
+    let request = arguments.options.request().map_err(|error| by_flags(with_lobes(error)))?;
     // An interrupt ends the process at once: the single output file is either complete or absent.
     let progress = Materials::new(1, false, common);
     let name = label(&arguments.output);
@@ -94,6 +97,18 @@ pub(super) fn run(arguments: &Arguments, common: Common) -> Result<(), Error> {
     let report = Report { version: 2, input: material.facts().clone(), report, gates: pack.gates().to_vec(), stages };
     print_report(common, &arguments.output, &json_or(common, &report, text))?;
     missed.map_or(Ok(()), Err)
+}
+
+/// Adds lobes, which only this command makes, to the codecs in the error of an unknown one.
+fn with_lobes(error: OptionError) -> OptionError {
+    if error.field != "codec" || error.found.is_empty() {
+        return error;
+    }
+    let names = codec_names().replace(" or ", ", ");
+    let known: Vec<&str> = names.split(", ").chain([CODEC]).collect();
+    let meant = near_miss(error.found.trim_matches('"'), &known)
+        .map_or(String::new(), |name| format!("; did you mean {name}?"));
+    OptionError::new("codec", error.found, format!("{}{meant}", one_of(&known)))
 }
 
 /// Names the command for folders in the error of a folder.

@@ -1,7 +1,7 @@
 //! `brdfc encode --codec lobes`: the lobes of one material.
 
 use super::encode::Arguments;
-use super::options::by_flags;
+use super::options::{by_flags, first_key, flag_of};
 use super::output::{json_or, note_repairs, print_report, write_file};
 use super::progress::{Materials, label};
 use super::{Common, Error};
@@ -49,10 +49,10 @@ impl Candidate {
 
 /// Resolves the recipe. With `--max-fetches` alone, the error is as small as possible.
 fn recipe(options: &EncodeOptions) -> Result<LobesRecipe, Error> {
-    let of_lobes = EncodeOptions { max_delta_e: None, max_fetches: None, codec: None, ..options.clone() };
-    if of_lobes != EncodeOptions::default() {
-        let text = "--codec lobes takes --max-delta-e and --max-fetches, and no other encoding options";
-        return Err(Error::usage(text));
+    let others = EncodeOptions { max_delta_e: None, max_fetches: None, codec: None, ..options.clone() };
+    if let Some(key) = first_key(&others) {
+        let text = "does not apply to --codec lobes, which takes --max-delta-e and --max-fetches";
+        return Err(Error::usage(format!("{} {text}", flag_of(key))));
     }
     brdfc::lobes::recipe(options.max_delta_e, options.max_fetches).map_err(by_flags)
 }

@@ -17,10 +17,10 @@ pub struct PackOptions {
 }
 
 impl PackOptions {
-    /// Returns true if any option is given.
+    /// Key of the first option that is given.
     #[cfg(feature = "render")]
-    pub fn any(&self) -> bool {
-        self.encode != EncodeOptions::default() || self.no_supercompression
+    pub fn first(&self) -> Option<&'static str> {
+        first_key(&self.encode).or(self.no_supercompression.then_some("no_supercompression"))
     }
 
     /// Options of lobes, if they are requested.
@@ -39,6 +39,18 @@ impl PackOptions {
         recipe.set_supercompress(self.supercompress());
         Ok((recipe, self.encode.fit_limits()?))
     }
+}
+
+/// Key of the first encoding option that is given.
+pub fn first_key(options: &EncodeOptions) -> Option<&'static str> {
+    let codec = options.codec.is_some().then_some("codec");
+    let others = [
+        ("levels", options.levels.is_some()),
+        ("max_fit_error", options.max_fit_error.is_some()),
+        ("trust_fit", options.trust_fit.is_some()),
+    ];
+    let of_others = others.into_iter().filter_map(|(key, is_given)| is_given.then_some(key));
+    codec.into_iter().chain(options.given()).chain(of_others).next()
 }
 
 /// Names options by their flags.

@@ -1,6 +1,6 @@
 //! `brdfc view`: writes a page that draws packs.
 
-use super::output::{print_report, refuse_unfit_output, remark, to_json, write_file};
+use super::output::{note, print_report, refuse_unfit_output, remark, to_json, write_file};
 use super::steps::Steps;
 use super::{Common, Error};
 use crate::inputs::refuse_stdin_twice;
@@ -44,8 +44,8 @@ pub struct Arguments {
     /// The page to write (.html or .htm), or - for stdout.
     #[arg(long, short, value_name = "VIEW.html", value_parser = super::output::output_parser())]
     output: PathBuf,
-    /// Environment that lights packs of lobes: a latitude-longitude image, .exr or .hdr, or a prefiltered environment,
-    /// .ktx2 (default: the sky of the scenes).
+    /// Environment that lights packs of lobes: a latitude-longitude image (.exr, .hdr), a cube map or a prefiltered
+    /// environment (.ktx2) (default: the sky of the scenes).
     #[arg(long, value_name = "FILE")]
     environment: Option<Input>,
     /// For builds, draw only the packs, without their sources.
@@ -125,6 +125,16 @@ pub(super) fn run(arguments: &Arguments, common: Common) -> Result<(), Error> {
         None => None,
     };
     let items = open_items(&arguments.inputs, ViewOptions { sources: !arguments.no_sources }, &steps)?;
+    if let [left, right, ..] = &items[..]
+        && !left.is_comparable(right)
+    {
+        let why = match left.needs_environment() == right.needs_environment() {
+            true => "they have no common surface",
+            false => "an environment lights lobes, and point lights light other materials",
+        };
+        let line = format!("not drawn next to {}, only if selected on the page: {why}", left.name);
+        note(common, &right.name, &line);
+    }
     let environment = match (given, items.iter().any(ViewItem::needs_environment)) {
         (None, true) => Some(ViewEnvironment::sky(&())?),
         (Some(_), false) => {

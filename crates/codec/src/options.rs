@@ -16,8 +16,9 @@ use brdfc_metrics::fraction::Fraction;
 #[serde(deny_unknown_fields)]
 pub struct EncodeOptions {
     /// Codec (default: auto): auto (the smallest table that meets the limits, plain or factored), table (16 KiB unless
-    /// there is a limit), factored (a table and a curve for narrow highlights, one more fetch), or wavelet (after
-    /// Claustres et al. 2007, ranked by visible error).
+    /// there is a limit), factored (a table and a curve for narrow highlights, one more fetch), wavelet (after
+    /// Claustres et al. 2007, ranked by visible error), or lobes (only for 'brdfc encode': look-ups in the light of an
+    /// environment).
     #[cfg_attr(feature = "clap", arg(long, value_name = "CODEC"))]
     pub codec: Option<String>,
     /// Maximum mean ΔE of renderings of the pack and its source, 1e-6 to 100, with 95 % below four times this limit

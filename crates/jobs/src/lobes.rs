@@ -1,7 +1,7 @@
 //! Lobes of materials: `brdfc encode --codec lobes`, and builds of scenes with an environment.
 
 use crate::Error;
-use crate::encode::OptionError;
+use crate::encode::{Budget, OptionError};
 use brdfc_core::Source;
 use brdfc_core::progress::{Cancelled, Progress, Stage};
 use brdfc_core::words::format_number;
@@ -25,11 +25,7 @@ const HELD_OUT: u64 = 100;
 /// # Errors
 /// Returns an error for a limit out of range.
 pub fn recipe(max_delta_e: Option<f64>, max_fetches: Option<u32>) -> Result<LobesRecipe, OptionError> {
-    if let Some(limit) = max_delta_e
-        && !(limit > 0.0 && limit.is_finite())
-    {
-        return Err(OptionError::new("max_delta_e", format_number(limit), "a number above 0"));
-    }
+    Budget::checked(max_delta_e, None, None, None, None)?;
     let by_default = max_fetches.is_none().then_some(DEFAULT_DELTA_E);
     let max_fetches = max_fetches.map_or(DEFAULT_FETCHES, |fetches| fetches as usize);
     if !(1..=MAX_LOBES).contains(&max_fetches) {

@@ -1,7 +1,7 @@
 //! Assets that cover a whole scene: a flat BTF or the pack of an RTI capture, given directly or by a manifest.
 
 use super::arguments::Arguments;
-use super::materials::Subject;
+use super::materials::{Subject, pack_flag};
 use super::{flat, lobes};
 use crate::{Error, output};
 use brdfc::Input;
@@ -109,12 +109,13 @@ pub(super) fn refuse_flags(arguments: &Arguments, asset: &Asset) -> Result<(), E
     refuse_environment(arguments, &asset.input)?;
     let is_flat = matches!(asset.kind, AssetKind::Flat);
     let (of_brdfs, of_both) = ("BRDFs", "BRDFs and packs of RTI captures");
+    let option = arguments.options.first().map(pack_flag);
     let flags = [
         (arguments.packs.is_some(), "--packs", of_brdfs),
         (arguments.table, "--table", of_brdfs),
         (arguments.lod.is_some(), "--lod", of_brdfs),
         (arguments.filter.is_some(), "--filter", of_brdfs),
-        (arguments.options.any(), "an encoding option", of_brdfs),
+        (option.is_some(), option.as_deref().unwrap_or_default(), of_brdfs),
         (arguments.contact.is_some(), "--contact", of_brdfs),
         (arguments.adaptive.adaptive, "--adaptive", of_brdfs),
         (is_flat && arguments.source.is_some(), "--source", of_both),

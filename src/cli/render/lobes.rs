@@ -3,7 +3,7 @@
 use super::arguments::Arguments;
 use super::asset::name_of;
 use super::light::{Light, Lit, fitted};
-use super::materials::Subject;
+use super::materials::{Subject, pack_flag};
 use super::{gpu, outputs, scene};
 use crate::output;
 use crate::{Common, Error};
@@ -48,6 +48,7 @@ pub(super) fn verification(
 /// Rejects flags that do not apply to renderings by lobes.
 pub(super) fn refuse_flags(arguments: &Arguments, input: &Input) -> Result<(), Error> {
     let of = "renderings with point lights";
+    let option = arguments.options.first().map(pack_flag);
     let flags = [
         (arguments.packs.is_some(), "--packs", of),
         (arguments.table, "--table", of),
@@ -55,7 +56,7 @@ pub(super) fn refuse_flags(arguments: &Arguments, input: &Input) -> Result<(), E
         (arguments.filter.is_some(), "--filter", of),
         (arguments.exact, "--exact", of),
         (arguments.repeat.is_some(), "--repeat", "flat BTFs"),
-        (arguments.options.any(), "an encoding option", of),
+        (option.is_some(), option.as_deref().unwrap_or_default(), of),
         (arguments.contact.is_some(), "--contact", of),
         (arguments.adaptive.adaptive, "--adaptive", "materials and packs of BRDFs"),
     ];

@@ -2,7 +2,6 @@
 
 use super::arguments::Arguments;
 use super::light::{Lit, fitted};
-use crate::inputs::refuse_stdin_twice;
 use crate::options::flag_of;
 use crate::output::{note, refuse_flags, remark};
 use crate::{Common, Error};
@@ -99,13 +98,13 @@ impl Prepared {
 pub(super) fn subject(arguments: &Arguments) -> Result<Subject, Error> {
     let input = &arguments.input;
     let kind = input.extension()?;
-    refuse_stdin_twice(&[("INPUT", Some(input)), ("--source", arguments.source.as_ref())])?;
     let (is_scene, is_pack) = (kind == "toml", kind == "ktx2");
     let of_encoded = "inputs that are encoded (a scene sets them in its manifest)";
+    let option = arguments.options.first().map(pack_flag);
     let flags = [
         (!is_scene && arguments.packs.is_some(), "--packs", "manifests"),
         (!is_pack && arguments.source.is_some(), "--source", "packs"),
-        ((is_pack || is_scene) && arguments.options.any(), "an encoding option", of_encoded),
+        ((is_pack || is_scene) && option.is_some(), option.as_deref().unwrap_or_default(), of_encoded),
         (is_pack && arguments.table && arguments.source.is_none(), "--table", "packs with a --source"),
     ];
     refuse_flags(input, &flags)?;
@@ -144,10 +143,12 @@ pub(super) fn subject(arguments: &Arguments) -> Result<Subject, Error> {
 
 /// Names options by their flags of `render`.
 fn pack_flags(error: impl Into<Error>) -> Error {
-    error.into().name_options(|key| match key {
-        "max_delta_e" => "--pack-delta-e".to_owned(),
-        key => flag_of(key),
-    })
+    error.into().name_options(pack_flag)
+}
+
+/// The flag of an encoding option's key in `render`.
+pub(super) fn pack_flag(key: &str) -> String {
+    if key == "max_delta_e" { "--pack-delta-e".to_owned() } else { flag_of(key) }
 }
 
 /// Opens the given folder of packs, or the default folder of a build.

@@ -191,7 +191,7 @@ fn errors_of_tables_and_lists_state_the_expected_type() {
             "33",
             "1 to 32 for lobes",
         ),
-        ("[defaults.lobes]\nmax_delta_e = 0", "line 2, defaults.lobes.max_delta_e", "0", "a number above 0"),
+        ("[defaults.lobes]\nmax_delta_e = 0", "line 2, defaults.lobes.max_delta_e", "0", "1e-6 to 100"),
         (
             "[defaults.lobes]\nmax_bytes = 8",
             "line 2, key in [defaults.lobes]",

@@ -39,8 +39,15 @@ fn limits_are_kept_or_reported() {
     std::fs::remove_file(folder.path().join("l.ktx2")).unwrap();
     for (more, code, expected) in [
         (&[GLOSSY, "--max-fetches", "33"][..], 2, "--max-fetches: found 33, expected 1 to 32 for lobes"),
-        (&[GLOSSY, "--max-delta-e", "0"], 2, "--max-delta-e: found 0, expected a number above 0"),
-        (&[GLOSSY, "--max-bytes", "2048"], 2, "--codec lobes takes --max-delta-e and --max-fetches"),
+        (&[GLOSSY, "--max-delta-e", "0"], 2, "--max-delta-e: found 0, expected 1e-6 to 100"),
+        (&[GLOSSY, "--max-delta-e", "1e9"], 2, "--max-delta-e: found 1e9, expected 1e-6 to 100"),
+        (
+            &[GLOSSY, "--max-bytes", "2048"],
+            2,
+            "--max-bytes does not apply to --codec lobes, which takes --max-delta-e and",
+        ),
+        (&[GLOSSY, "--levels", "0"], 2, "--levels does not apply to --codec lobes"),
+        (&[GLOSSY, "--trust-fit"], 2, "--trust-fit does not apply to --codec lobes"),
         (&["synth:gone"], 3, "synth:gone"),
     ] {
         let ran = run(more);
@@ -51,4 +58,18 @@ fn limits_are_kept_or_reported() {
     let ran = run(&[GLOSSY, "--max-fetches", "1", "--max-delta-e", "0.1"]);
     assert!(ran.code == 1 && ran.stderr.contains("--max-delta-e: found a ΔE of "), "{}", ran.stderr);
     assert_eq!(LobesPack::from_bytes(&folder.read("l.ktx2")).unwrap().fetches(), 1);
+}
+
+#[test]
+fn lobes_are_among_the_codecs() {
+    let folder = Folder::new();
+    let ran = folder.run(&["encode", GLOSSY, "--codec", "lobs", "-o", "l.ktx2"]);
+    let expected = "--codec: found \"lobs\", expected auto, table, factored, wavelet or lobes; did you mean lobes?";
+    assert!(ran.code == 2 && ran.stderr.contains(expected), "{}", ran.stderr);
+    let ran = folder.run(&["encode", "--help"]).succeeded();
+    let help = ran.stdout.split_whitespace().collect::<Vec<_>>().join(" ");
+    assert!(help.contains("or lobes (only for 'brdfc encode'"), "{help}");
+    // No other command takes them.
+    let ran = folder.run(&["build", GLOSSY, "--codec", "lobs", "--out", "packs"]);
+    assert!(ran.code == 2 && ran.stderr.contains("expected auto, table, factored or wavelet"), "{}", ran.stderr);
 }

@@ -103,7 +103,7 @@ mod tests {
         assert_eq!(resolved(of(None, Some(4)), none), Ok((None, 4)), "the smallest error of 4 look-ups");
         assert_eq!(resolved(of(None, Some(4)), of(Some(2.0), Some(8))), Ok((Some(2.0), 4)));
         assert_eq!(resolved(of(None, Some(33)), none), Err("max_fetches: found 33, expected 1 to 32 for lobes".into()));
-        assert_eq!(resolved(of(Some(0.0), None), none), Err("max_delta_e: found 0, expected a number above 0".into()));
+        assert_eq!(resolved(of(Some(0.0), None), none), Err("max_delta_e: found 0, expected 1e-6 to 100".into()));
     }
 
     #[test]

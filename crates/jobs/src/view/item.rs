@@ -79,6 +79,13 @@ impl ViewItem {
         matches!(self.drawn, Drawn::Lobes(_))
     }
 
+    /// True if the page compares both: on a common surface, under the same kind of light. Same as `comparable` of the page.
+    pub fn is_comparable(&self, other: &Self) -> bool {
+        let theirs = other.scenes();
+        self.needs_environment() == other.needs_environment()
+            && self.scenes().iter().any(|scene| theirs.contains(scene))
+    }
+
     /// Number of levels coarser than the finest, and the number of the finest level.
     pub(super) fn levels(&self) -> (u32, u32) {
         let of_mipmaps = |levels: u32| (levels.saturating_sub(1), 0);

@@ -104,3 +104,17 @@ fn an_environment_that_lights_nothing_is_refused() {
     let ran = folder.run(&["view", "l.ktx2", "--environment", "sky.html", "-o", "sky.html"]);
     assert!(ran.code == 2 && ran.stderr.contains("sky.html"), "{} {}", ran.code, ran.stderr);
 }
+
+/// Lobes and a table of one material are not side by side.
+#[test]
+fn a_note_says_what_is_not_compared() {
+    let folder = Folder::new();
+    folder.run(&["encode", "synth:lambert", "--codec", "lobes", "-o", "l.ktx2"]).succeeded();
+    folder.run(&["encode", "synth:lambert", "-o", "t.ktx2", "--max-bytes", "4096"]).succeeded();
+    let stderr = |packs: &[&str]| folder.run(&[&["view", "-o", "v.html"], packs].concat()).succeeded().stderr;
+    let expected = "note: t.ktx2: not drawn next to l.ktx2, only if selected on the page: an environment lights lobes";
+    assert!(stderr(&["l.ktx2", "t.ktx2"]).contains(expected), "{}", stderr(&["l.ktx2", "t.ktx2"]));
+    for alike in [&["l.ktx2"][..], &["l.ktx2", "l.ktx2", "t.ktx2"], &["t.ktx2", "synth:lambert"]] {
+        assert!(!stderr(alike).contains("not drawn"), "{}", stderr(alike));
+    }
+}
