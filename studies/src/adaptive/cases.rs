@@ -1,6 +1,6 @@
 //! Default materials, shapes, environments and sizes of the comparison.
 
-use brdfc_environment::training::TrainingEnvironment;
+use brdfc_environment::training::{KINDS, TrainingEnvironment};
 use brdfc_render::scene::{Environment, HeightMap, Scene, Surface};
 use brdfc_render::scenes::Builtin;
 use std::f64::consts::TAU;
@@ -48,13 +48,18 @@ fn bump_mapped_ball() -> Scene {
 
 /// Names and images of the default environments: the sky of the scenes, and the random ones.
 pub fn environments() -> Vec<(String, Environment)> {
-    let random = |(name, seed): &(&str, u64)| {
-        let light = TrainingEnvironment::new(*seed);
-        let image = Environment::of(ENVIRONMENT_WIDTH, ENVIRONMENT_WIDTH / 2, |d| light.radiance(d).map(|c| c as f32));
-        ((*name).to_owned(), image)
-    };
     let sky = ("sky".to_owned(), Builtin::Sphere.scene().environment);
-    std::iter::once(sky).chain(SEEDS.iter().map(random)).collect()
+    std::iter::once(sky).chain(SEEDS.iter().map(|(name, seed)| ((*name).to_owned(), random(*seed)))).collect()
+}
+
+/// Names and images of the environments that models are fitted in: the random ones that lobes are fitted to.
+pub fn training_environments() -> Vec<(String, Environment)> {
+    (0..KINDS).map(|seed| (format!("training {seed}"), random(seed))).collect()
+}
+
+fn random(seed: u64) -> Environment {
+    let light = TrainingEnvironment::new(seed);
+    Environment::of(ENVIRONMENT_WIDTH, ENVIRONMENT_WIDTH / 2, |d| light.radiance(d).map(|c| c as f32))
 }
 
 /// The first `most` combinations of numbers of material, shape and environment, in an order in which the first ones have

@@ -4,7 +4,6 @@
 use super::case::Case;
 use super::curve::{Cost, Point, Target, needed};
 use super::method::{Budget, Density, LookUps, Method, Prefiltered, Variant, draw};
-use super::split_sum::SplitSumMaterial;
 use brdfc_metrics::image::{PIXELS_PER_DEGREE, flip};
 use schemars::JsonSchema;
 use serde::Serialize;
@@ -104,7 +103,7 @@ fn of_method(case: &Case<'_>, prefiltered: Prefiltered<'_>, method: Method) -> M
         .map(|variant| {
             let budgets: Vec<Budget> = match method.parts() {
                 (_, LookUps::Lobes) => (0..prefiltered.lobes.len()).map(Budget::Pack).collect(),
-                (_, LookUps::SplitSum) => vec![Budget::Samples(SplitSumMaterial::FETCHES)],
+                (_, LookUps::SplitSum) => vec![Budget::Samples(prefiltered.split_sum.fetches())],
                 _ => doublings().map(Budget::Samples).collect(),
             };
             Curve { variant, points: points(case, prefiltered, method, variant, &budgets) }

@@ -9,18 +9,23 @@ mod comparison;
 mod curve;
 mod directions;
 mod fourier;
+mod least_squares;
+mod lit_balls;
 mod method;
 mod spectrum;
 mod split_sum;
 mod summary;
+#[cfg(test)]
+mod testing;
 
 pub use antialiasing::{AntialiasingRow, AntialiasingStudy, Exponents, antialiasing_study, exponents};
 pub use case::{Case, Lighting, StudyMaterial, TruthSamples};
-pub use cases::{MATERIALS, SIZES, combinations, environments, shapes};
+pub use cases::{MATERIALS, SIZES, combinations, environments, shapes, training_environments};
 pub use comparison::{CAUTIONS, CaseRow, Curve, FETCHES, MAX_SAMPLES, MethodRow, TARGETS, compare};
 pub use curve::{Cost, Point, Target, needed};
 pub use directions::{DIRECTIONS, DirectionsRow, DirectionsStudy, directions_study};
 pub use fourier::{FourierRow, Quantiles, fourier_check};
+pub use lit_balls::{Light, LitBalls, View};
 pub use method::{Budget, Density, LookUps, Method, Prefiltered, Variant, draw};
 pub use split_sum::{SplitSum, SplitSumMaterial};
 pub use summary::{MethodSummary, summary};

@@ -14,9 +14,9 @@ use brdfc_source::Input;
 use brdfc_source::radiance_image::open_radiance_image;
 use brdfc_studies::StudyResult;
 use brdfc_studies::adaptive::{
-    Case, CaseRow, Cost, FETCHES, Lighting, MATERIALS, MAX_SAMPLES, Method, MethodSummary, Prefiltered, SIZES,
-    SplitSumMaterial, StudyMaterial, TARGETS, Target, TruthSamples, combinations, compare, environments, shapes,
-    summary,
+    Case, CaseRow, Cost, FETCHES, Light, Lighting, LitBalls, MATERIALS, MAX_SAMPLES, Method, MethodSummary,
+    Prefiltered, SIZES, SplitSumMaterial, StudyMaterial, TARGETS, Target, TruthSamples, combinations, compare,
+    environments, shapes, summary, training_environments,
 };
 use brdfc_terminal::output::remark;
 use brdfc_terminal::table::plain;
@@ -42,14 +42,16 @@ pub(super) fn run(arguments: &Arguments, common: Common) -> Result<StudyResult, 
     let shapes = shapes();
     let cases = cases(arguments, inputs.len(), shapes.len());
     let lights = lights(arguments)?;
+    let training = training_environments().into_iter().map(light).collect::<Result<Vec<Light>, Error>>()?;
     let mut materials = Vec::new();
     // Cases of --small have few of the materials.
     let used = cases.iter().map(|(_, [material, ..])| material + 1).max().unwrap_or(0);
     for (name, source) in &inputs[..used] {
         let material = StudyMaterial::new(name.clone(), source.as_ref()).map_err(unpackable)?;
         let lobes = lobes(source.as_ref())?;
-        remark(common, &format!("{name}: samples, map and lobes, {:.0} s", started.elapsed().as_secs_f64()));
-        materials.push((material, lobes, SplitSumMaterial::new(source.as_ref())));
+        let split_sum = SplitSumMaterial::fitted(&LitBalls::new(&material, &training));
+        remark(common, &format!("{name}: samples, map, lobes and models, {:.0} s", started.elapsed().as_secs_f64()));
+        materials.push((material, lobes, split_sum));
     }
     let truth = arguments.truth.or(arguments.small.then_some(SMALL.0));
     let drawing = Instant::now();
@@ -57,10 +59,10 @@ pub(super) fn run(arguments: &Arguments, common: Common) -> Result<StudyResult, 
     let mut rows = Vec::new();
     for (number, (size, [material, shape, light])) in cases.iter().enumerate() {
         let ((material, lobes, fitted), (shape, scene)) = (&materials[*material], &shapes[*shape]);
-        let (environment, lighting, decoder) = &lights[*light];
+        let Light { name: environment, lighting, filtered } = &lights[*light];
         let frame = Frame { width: *size, height: *size, samples: 1 };
-        let light = FilteredLight { environment: decoder, scattered: true };
-        let split_sum = fitted.lit_by(decoder)?;
+        let light = FilteredLight { environment: filtered, scattered: true };
+        let split_sum = fitted.lit_by(filtered)?;
         let prefiltered = Prefiltered { light: &light, lobes, split_sum: &split_sum };
         rows.push(Case::with(material, scene, lighting, frame, TruthSamples::Halves(truth), |case| {
             compare(case, prefiltered, [&material.name, shape, environment])
@@ -88,7 +90,7 @@ fn cases(arguments: &Arguments, materials: usize, shapes: usize) -> Vec<Combinat
     }
 }
 
-fn lights(arguments: &Arguments) -> Result<Vec<(String, Lighting, EnvironmentDecoder)>, Error> {
+fn lights(arguments: &Arguments) -> Result<Vec<Light>, Error> {
     let images = match &arguments.environment {
         Some(path) => {
             let image = open_radiance_image(path)?;
@@ -96,11 +98,12 @@ fn lights(arguments: &Arguments) -> Result<Vec<(String, Lighting, EnvironmentDec
         }
         None => environments(),
     };
-    let light = |(name, image): (String, Environment)| {
-        let environment = EnvironmentDecoder::new(&prefilter_image(&image, None, &())?);
-        Ok((name, Lighting::new(image).map_err(unpackable)?, environment))
-    };
     images.into_iter().map(light).collect()
+}
+
+fn light((name, image): (String, Environment)) -> Result<Light, Error> {
+    let filtered = EnvironmentDecoder::new(&prefilter_image(&image, None, &())?);
+    Ok(Light { name, lighting: Lighting::new(image).map_err(unpackable)?, filtered })
 }
 
 /// Lobes of all numbers of look-ups.
