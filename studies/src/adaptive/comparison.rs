@@ -90,7 +90,9 @@ fn of_method(case: &Case<'_>, prefiltered: Prefiltered<'_>, method: Method) -> M
     // MAX_SAMPLES ends a curve; this bound is for renderings without surfaces.
     let doublings = || (0..12).map(|k| 1u32 << k);
     let variants: Vec<Variant> = match method.parts() {
-        (_, LookUps::Lobes | LookUps::SplitSum) | (Density::Level(_), LookUps::Samples) => vec![Variant::default()],
+        (_, LookUps::Lobes | LookUps::SplitSum | LookUps::Gaussians) | (Density::Level(_), LookUps::Samples) => {
+            vec![Variant::default()]
+        }
         (Density::Level(_), LookUps::FilteredSamples) => STARTS.map(|shared| Variant { shared, caution: None }).into(),
         (Density::Adaptive, look_ups) => {
             let starts = if look_ups == LookUps::Samples { &STARTS[..1] } else { &STARTS[..] };
@@ -103,6 +105,7 @@ fn of_method(case: &Case<'_>, prefiltered: Prefiltered<'_>, method: Method) -> M
         .map(|variant| {
             let budgets: Vec<Budget> = match method.parts() {
                 (_, LookUps::Lobes) => (0..prefiltered.lobes.len()).map(Budget::Pack).collect(),
+                (_, LookUps::Gaussians) => (0..prefiltered.gaussians.len()).map(Budget::Pack).collect(),
                 (_, LookUps::SplitSum) => vec![Budget::Samples(prefiltered.split_sum.fetches())],
                 _ => doublings().map(Budget::Samples).collect(),
             };

@@ -1,6 +1,7 @@
 //! Methods that shade surfaces under an environment: where they take samples, and the light that samples look up.
 
 use super::case::Case;
+use super::gaussians::Gaussians;
 use super::split_sum::SplitSum;
 use brdfc_formats::lobes::LobesPack;
 use brdfc_metrics::image::LinearImage;
@@ -21,6 +22,8 @@ pub enum LookUps {
     Lobes,
     /// A fitted model, in the irradiance and an environment that its lobe filters.
     SplitSum,
+    /// Spherical Gaussians, in the prefiltered environment.
+    Gaussians,
 }
 
 /// Pixels that are shaded. Others are interpolated from shaded ones on the same surface.
@@ -50,6 +53,8 @@ pub enum Method {
     QuarterFiltered,
     /// All pixels, the split sum of game engines.
     SplitSum,
+    /// All pixels, spherical Gaussians.
+    Gaussians,
     /// All pixels, lobes.
     Lobes,
     /// One of four pixels, lobes.
@@ -62,7 +67,7 @@ pub enum Method {
 
 impl Method {
     /// All methods, with their names.
-    pub const ALL: [(Self, &'static str); 11] = [
+    pub const ALL: [(Self, &'static str); 12] = [
         (Self::Forward, "forward"),
         (Self::Filtered, "filtered"),
         (Self::Half, "half"),
@@ -70,6 +75,7 @@ impl Method {
         (Self::HalfFiltered, "half, filt."),
         (Self::QuarterFiltered, "quarter, filt."),
         (Self::SplitSum, "split sum"),
+        (Self::Gaussians, "Gaussians"),
         (Self::Lobes, "lobes"),
         (Self::HalfLobes, "half, lobes"),
         (Self::Adaptive, "adaptive"),
@@ -90,6 +96,7 @@ impl Method {
             Self::HalfFiltered => (Density::Level(1), LookUps::FilteredSamples),
             Self::QuarterFiltered => (Density::Level(2), LookUps::FilteredSamples),
             Self::SplitSum => (Density::Level(0), LookUps::SplitSum),
+            Self::Gaussians => (Density::Level(0), LookUps::Gaussians),
             Self::Lobes => (Density::Level(0), LookUps::Lobes),
             Self::HalfLobes => (Density::Level(1), LookUps::Lobes),
             Self::Adaptive => (Density::Adaptive, LookUps::Samples),
@@ -107,6 +114,8 @@ pub struct Prefiltered<'a> {
     pub lobes: &'a [LobesPack],
     /// The split sum of a fitted model.
     pub split_sum: &'a SplitSum<'a>,
+    /// Spherical Gaussians of the material, from few to many.
+    pub gaussians: &'a [Gaussians],
 }
 
 /// Cost of a rendering.
@@ -114,7 +123,7 @@ pub struct Prefiltered<'a> {
 pub enum Budget {
     /// Samples of each shaded pixel; of adaptive shading the mean, see [`Settings::samples`].
     Samples(u32),
-    /// The lobes of a pack, by its number.
+    /// The lobes, or Gaussians, of this number in [`Prefiltered`].
     Pack(usize),
 }
 
@@ -128,6 +137,9 @@ pub struct Variant {
 }
 
 /// Draws a case; also returns the number of samples, or fetches, of all pixels.
+///
+/// # Panics
+/// Panics if there are no lobes, or Gaussians, of the budget's number.
 pub fn draw(
     case: &Case<'_>,
     prefiltered: Prefiltered<'_>,
@@ -138,19 +150,21 @@ pub fn draw(
     let (density, look_ups) = method.parts();
     let (scene, buffer) = (&case.adaptive, case.buffer);
     let light = FilteredLight { scattered: !variant.shared, ..*prefiltered.light };
-    let lobes = match budget {
-        Budget::Pack(pack) => prefiltered.lobes.get(pack),
-        Budget::Samples(_) => None,
-    };
-    let shader = |point: usize, count: u32| match (look_ups, lobes) {
+    let shader = |point: usize, count: u32| match (look_ups, budget) {
         (LookUps::FilteredSamples, _) => shade_point_filtered(scene, &light, buffer, point, count),
-        (LookUps::Lobes, Some(lobes)) => by_lobes(case, prefiltered, lobes, point),
+        (LookUps::Lobes, Budget::Pack(pack)) => by_lobes(case, prefiltered, &prefiltered.lobes[pack], point),
+        (LookUps::Gaussians, Budget::Pack(number)) => prefiltered.gaussians[number].radiance(
+            light.environment,
+            buffer.frame(point).normal,
+            buffer.to_viewer[point],
+        ),
         (LookUps::SplitSum, _) => prefiltered.split_sum.radiance(buffer.frame(point).normal, buffer.to_viewer[point]),
         _ => shade_point(scene, buffer, point, count),
     };
-    let count = match budget {
-        Budget::Pack(_) => lobes.map_or(0, |lobes| lobes.fetches() as u32),
-        Budget::Samples(count) => count,
+    let count = match (look_ups, budget) {
+        (LookUps::Gaussians, Budget::Pack(number)) => prefiltered.gaussians[number].fetches() as u32,
+        (_, Budget::Pack(pack)) => prefiltered.lobes[pack].fetches() as u32,
+        (_, Budget::Samples(count)) => count,
     };
     match density {
         Density::Level(level) => {

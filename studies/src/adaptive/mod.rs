@@ -9,6 +9,7 @@ mod comparison;
 mod curve;
 mod directions;
 mod fourier;
+mod gaussians;
 mod least_squares;
 mod lit_balls;
 mod method;
@@ -25,6 +26,7 @@ pub use comparison::{CAUTIONS, CaseRow, Curve, FETCHES, MAX_SAMPLES, MethodRow, 
 pub use curve::{Cost, Point, Target, needed};
 pub use directions::{DIRECTIONS, DirectionsRow, DirectionsStudy, directions_study};
 pub use fourier::{FourierRow, Quantiles, fourier_check};
+pub use gaussians::Gaussians;
 pub use lit_balls::{Light, LitBalls, View};
 pub use method::{Budget, Density, LookUps, Method, Prefiltered, Variant, draw};
 pub use split_sum::{SplitSum, SplitSumMaterial};

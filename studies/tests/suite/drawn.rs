@@ -170,7 +170,7 @@ fn the_study_of_shading_methods() {
     }
     let summary = report["summary"].as_array().unwrap();
     let wins: f64 = summary.iter().map(|method| number(&method["targets"][0]["fewest_samples"])).sum();
-    assert_eq!((summary.len(), wins), (11, 2.0), "{report}");
+    assert_eq!((summary.len(), wins), (12, 2.0), "{report}");
     // Anisotropic materials have lobes, too.
     let velvet = study("synth:velvet");
     for row in velvet["rows"].as_array().unwrap() {

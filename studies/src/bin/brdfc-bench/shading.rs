@@ -14,7 +14,7 @@ use brdfc_source::Input;
 use brdfc_source::radiance_image::open_radiance_image;
 use brdfc_studies::StudyResult;
 use brdfc_studies::adaptive::{
-    Case, CaseRow, Cost, FETCHES, Light, Lighting, LitBalls, MATERIALS, MAX_SAMPLES, Method, MethodSummary,
+    Case, CaseRow, Cost, FETCHES, Gaussians, Light, Lighting, LitBalls, MATERIALS, MAX_SAMPLES, Method, MethodSummary,
     Prefiltered, SIZES, SplitSumMaterial, StudyMaterial, TARGETS, Target, TruthSamples, combinations, compare,
     environments, shapes, summary, training_environments,
 };
@@ -49,21 +49,22 @@ pub(super) fn run(arguments: &Arguments, common: Common) -> Result<StudyResult, 
     for (name, source) in &inputs[..used] {
         let material = StudyMaterial::new(name.clone(), source.as_ref()).map_err(unpackable)?;
         let lobes = lobes(source.as_ref())?;
-        let split_sum = SplitSumMaterial::fitted(&LitBalls::new(&material, &training));
+        let balls = LitBalls::new(&material, &training);
+        let (split_sum, gaussians) = (SplitSumMaterial::fitted(&balls), Gaussians::fitted(&balls));
         remark(common, &format!("{name}: samples, map, lobes and models, {:.0} s", started.elapsed().as_secs_f64()));
-        materials.push((material, lobes, split_sum));
+        materials.push((material, lobes, split_sum, gaussians));
     }
     let truth = arguments.truth.or(arguments.small.then_some(SMALL.0));
     let drawing = Instant::now();
     let work = |cases: &[Combination]| cases.iter().map(|case| case.0 * case.0).sum::<usize>() as f64;
     let mut rows = Vec::new();
     for (number, (size, [material, shape, light])) in cases.iter().enumerate() {
-        let ((material, lobes, fitted), (shape, scene)) = (&materials[*material], &shapes[*shape]);
+        let ((material, lobes, fitted, gaussians), (shape, scene)) = (&materials[*material], &shapes[*shape]);
         let Light { name: environment, lighting, filtered } = &lights[*light];
         let frame = Frame { width: *size, height: *size, samples: 1 };
         let light = FilteredLight { environment: filtered, scattered: true };
         let split_sum = fitted.lit_by(filtered)?;
-        let prefiltered = Prefiltered { light: &light, lobes, split_sum: &split_sum };
+        let prefiltered = Prefiltered { light: &light, lobes, split_sum: &split_sum, gaussians };
         rows.push(Case::with(material, scene, lighting, frame, TruthSamples::Halves(truth), |case| {
             compare(case, prefiltered, [&material.name, shape, environment])
         }));
