@@ -69,14 +69,17 @@ pub enum Study {
     /// Time of a frame under point lights, and in an environment by lobes and by forward shading.
     FrameTime,
     /// Section 5 of Bagher et al. 2012: samples and time for the same PSNR, and for the same FLIP, under an environment, on
-    /// the CPU: forward shading, filtered importance sampling, half and quarter resolution, the split sum of engines, lobes,
-    /// adaptive shading; five materials, four shapes, three environments, three sizes. Takes 17 minutes without options.
+    /// the CPU: forward shading, filtered importance sampling, half and quarter resolution, the split sum of engines,
+    /// spherical Gaussians, lobes, adaptive shading; five materials, four shapes, three environments, three sizes. Also figures
+    /// 14 and 15: errors at equal time. Takes 20 minutes without options. With --out: a contact sheet of each case at equal time.
     Adaptive,
-    /// Figure 12 of Bagher et al. 2012: predicted pixel bandwidth against windowed Fourier transforms, on a sphere.
+    /// Figure 12 of Bagher et al. 2012: predicted pixel bandwidth against windowed Fourier transforms, and predicted variance
+    /// against that of samples, on a sphere. With --out: maps of all.
     PixelBandwidth,
     /// Figure 13 of Bagher et al. 2012: error with bandwidth averaged over 16 to 1024 directions.
     BandwidthDirections,
-    /// Figure 10 of Bagher et al. 2012: cost of adaptive shading with 1, 4 and 16 points per pixel.
+    /// Figure 10 of Bagher et al. 2012: cost of adaptive shading with 1, 4 and 16 points per pixel, and time by the number of
+    /// samples.
     Antialiasing,
 }
 

@@ -2,7 +2,7 @@
 //! simpler methods that compete with it.
 
 use super::case::Case;
-use super::curve::{Cost, Point, Target, needed};
+use super::curve::{Cost, Point, Target, error_within, needed};
 use super::method::{Budget, Density, LookUps, Method, Prefiltered, Variant, draw};
 use brdfc_metrics::image::{PIXELS_PER_DEGREE, flip};
 use schemars::JsonSchema;
@@ -56,6 +56,9 @@ pub struct MethodRow {
     pub needed: Vec<Option<Cost>>,
     /// Smallest error, in the unit of each target; null without renderings.
     pub best: Vec<Option<f64>>,
+    /// Smallest error within the time that adaptive shading needs for each target, in its unit (figures 14 and 15 of Bagher
+    /// et al. 2012); null if adaptive shading does not reach the target, and if the method takes longer.
+    pub at_equal_time: Vec<Option<f64>>,
     /// Renderings by cost, for each variant of the method.
     pub curves: Vec<Curve>,
 }
@@ -73,6 +76,21 @@ pub struct Curve {
 /// Draws a case by all methods. `names` are of the material, shape and environment.
 pub fn compare(case: &Case<'_>, prefiltered: Prefiltered<'_>, names: [&str; 3]) -> CaseRow {
     let [material, shape, environment] = names.map(str::to_owned);
+    let adaptive = of_method(case, prefiltered, Method::Adaptive, 0.0);
+    let times: Vec<Option<f64>> = adaptive.needed.iter().map(|cost| Some(cost.as_ref()?.seconds)).collect();
+    let last = times.iter().flatten().copied().fold(0.0, f64::max);
+    let of = |(method, _): &(Method, &str)| match method {
+        Method::Adaptive => adaptive.clone(),
+        method => of_method(case, prefiltered, *method, last),
+    };
+    let mut methods: Vec<MethodRow> = Method::ALL.iter().map(of).collect();
+    for of in &mut methods {
+        let within = |(target, seconds): (&Target, &Option<f64>)| {
+            let errors = of.curves.iter().filter_map(|curve| error_within(&curve.points, (*seconds)?, *target));
+            errors.max_by(|a, b| target.quality_of(*a).total_cmp(&target.quality_of(*b)))
+        };
+        of.at_equal_time = TARGETS.iter().zip(&times).map(within).collect();
+    }
     CaseRow {
         material,
         shape,
@@ -82,13 +100,23 @@ pub fn compare(case: &Case<'_>, prefiltered: Prefiltered<'_>, names: [&str; 3]) 
         truth_samples: case.truth_samples,
         truth_psnr: Some(case.truth_psnr).filter(|psnr| psnr.is_finite()),
         truth_flip: case.truth_flip,
-        methods: Method::ALL.iter().map(|(method, _)| of_method(case, prefiltered, *method)).collect(),
+        methods,
     }
 }
 
-fn of_method(case: &Case<'_>, prefiltered: Prefiltered<'_>, method: Method) -> MethodRow {
-    // MAX_SAMPLES ends a curve; this bound is for renderings without surfaces.
-    let doublings = || (0..12).map(|k| 1u32 << k);
+/// Budgets of a method, from small to large, until its curve ends.
+pub(super) fn budgets(method: Method, prefiltered: Prefiltered<'_>) -> Vec<Budget> {
+    match method.parts().1 {
+        LookUps::Lobes => (0..prefiltered.lobes.len()).map(Budget::Pack).collect(),
+        LookUps::Gaussians => (0..prefiltered.gaussians.len()).map(Budget::Pack).collect(),
+        LookUps::SplitSum => vec![Budget::Samples(prefiltered.split_sum.fetches())],
+        // MAX_SAMPLES ends a curve; this bound is for renderings without surfaces.
+        LookUps::Samples | LookUps::FilteredSamples => (0..12).map(|k| Budget::Samples(1 << k)).collect(),
+    }
+}
+
+/// Draws a case by a method; its curves reach a time in seconds if more samples allow it.
+fn of_method(case: &Case<'_>, prefiltered: Prefiltered<'_>, method: Method, until: f64) -> MethodRow {
     let variants: Vec<Variant> = match method.parts() {
         (_, LookUps::Lobes | LookUps::SplitSum | LookUps::Gaussians) | (Density::Level(_), LookUps::Samples) => {
             vec![Variant::default()]
@@ -100,33 +128,25 @@ fn of_method(case: &Case<'_>, prefiltered: Prefiltered<'_>, method: Method) -> M
             starts.iter().flat_map(variant).collect()
         }
     };
-    let curves: Vec<Curve> = variants
-        .into_iter()
-        .map(|variant| {
-            let budgets: Vec<Budget> = match method.parts() {
-                (_, LookUps::Lobes) => (0..prefiltered.lobes.len()).map(Budget::Pack).collect(),
-                (_, LookUps::Gaussians) => (0..prefiltered.gaussians.len()).map(Budget::Pack).collect(),
-                (_, LookUps::SplitSum) => vec![Budget::Samples(prefiltered.split_sum.fetches())],
-                _ => doublings().map(Budget::Samples).collect(),
-            };
-            Curve { variant, points: points(case, prefiltered, method, variant, &budgets) }
-        })
-        .collect();
+    let budgets = budgets(method, prefiltered);
+    let curve = |variant| Curve { variant, points: points(case, prefiltered, (method, variant), &budgets, until) };
+    let curves: Vec<Curve> = variants.into_iter().map(curve).collect();
     let least = |target: &Target| {
         let costs = curves.iter().filter_map(|curve| needed(&curve.points, *target));
         costs.min_by(|a, b| a.samples.total_cmp(&b.samples))
     };
     let best = |target: &Target| target.best(curves.iter().flat_map(|curve| &curve.points));
-    MethodRow { method, needed: TARGETS.iter().map(least).collect(), best: TARGETS.iter().map(best).collect(), curves }
+    let (needed, best) = (TARGETS.iter().map(least).collect(), TARGETS.iter().map(best).collect());
+    MethodRow { method, needed, best, at_equal_time: Vec::new(), curves }
 }
 
-/// Renderings with increasing budgets, until all targets are met or the error stays.
+/// Renderings with increasing budgets, until all targets are met and the time is over, or the error stays.
 fn points(
     case: &Case<'_>,
     prefiltered: Prefiltered<'_>,
-    method: Method,
-    variant: Variant,
+    (method, variant): (Method, Variant),
     budgets: &[Budget],
+    until: f64,
 ) -> Vec<Point> {
     let mut points: Vec<Point> = Vec::new();
     let mut idle = 0;
@@ -145,7 +165,8 @@ fn points(
         idle = if points.iter().all(improves) { 0 } else { idle + 1 };
         points.push(point);
         // Errors do not fall with every doubling, so one that does not is not the end.
-        if TARGETS.iter().all(|target| target.is_met(&point)) || (idle == 2 && !matches!(budget, Budget::Pack(_))) {
+        let met = TARGETS.iter().all(|target| target.is_met(&point)) && seconds >= until;
+        if met || (idle == 2 && !matches!(budget, Budget::Pack(_))) {
             break;
         }
     }

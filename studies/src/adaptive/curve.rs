@@ -28,17 +28,32 @@ pub enum Target {
 
 impl Target {
     /// Error of a rendering in units in which larger is better: dB, or the logarithm of the inverse of FLIP.
-    fn quality(self, point: &Point) -> f64 {
+    pub(super) fn quality(self, point: &Point) -> f64 {
         match self {
             Self::Psnr(_) => point.psnr,
             Self::Flip(_) => -point.flip.max(1e-9).ln(),
         }
     }
 
+    /// The error of a quality: the inverse of [`Self::quality`].
+    pub(super) fn error(self, quality: f64) -> f64 {
+        match self {
+            Self::Psnr(_) => quality,
+            Self::Flip(_) => (-quality).exp(),
+        }
+    }
+
+    /// The quality of an error.
+    pub(super) fn quality_of(self, error: f64) -> f64 {
+        match self {
+            Self::Psnr(_) => error,
+            Self::Flip(_) => -error.ln(),
+        }
+    }
+
     fn limit(self) -> f64 {
         match self {
-            Self::Psnr(psnr) => psnr,
-            Self::Flip(flip) => -flip.ln(),
+            Self::Psnr(limit) | Self::Flip(limit) => self.quality_of(limit),
         }
     }
 
@@ -55,6 +70,22 @@ impl Target {
             Self::Flip(_) => best.flip,
         })
     }
+}
+
+/// The smallest error of a method within a time, in the unit of the target: that of a rendering, or interpolated to the
+/// next one by the logarithm of time. `None` if its first rendering takes longer.
+pub fn error_within(curve: &[Point], seconds: f64, target: Target) -> Option<f64> {
+    let mut best: Option<f64> = None;
+    for (at, point) in curve.iter().enumerate().filter(|(_, point)| point.seconds <= seconds) {
+        let quality = target.quality(point);
+        let between = |next: &Point| {
+            let t = (seconds / point.seconds).ln() / (next.seconds / point.seconds).ln();
+            quality + t * (target.quality(next) - quality)
+        };
+        let next = curve.get(at + 1).filter(|next| next.seconds > seconds).map_or(quality, between);
+        best = Some(quality.max(next).max(best.unwrap_or(f64::NEG_INFINITY)));
+    }
+    best.map(|quality| target.error(quality))
 }
 
 /// Cost of a method at a target.
@@ -101,6 +132,20 @@ mod tests {
         assert_eq!(Target::Psnr(0.0).best(&curve), Some(20.0));
         assert_eq!(Target::Flip(0.0).best(&curve), Some(0.01));
         assert_eq!(Target::Psnr(0.0).best(&[]), None);
+    }
+
+    #[test]
+    fn errors_are_interpolated_by_time() {
+        let point = |n: f64| Point { samples: n, seconds: 0.1 * n, psnr: 10.0 * n.log10(), flip: 0.1 / n };
+        let curve: Vec<Point> = [1.0, 10.0, 100.0].map(point).to_vec();
+        let psnr = |seconds: f64| error_within(&curve, seconds, Target::Psnr(30.0));
+        assert!((psnr(0.1 * 10f64.powf(1.5)).unwrap() - 15.0).abs() < 1e-9);
+        assert!((error_within(&curve, 0.2, Target::Flip(0.1)).unwrap() - 0.05).abs() < 1e-9);
+        // Nothing is extrapolated: a longer time has the error of the last rendering.
+        assert_eq!((psnr(0.05), psnr(1e3)), (None, Some(20.0)));
+        // A rendering that is worse than a cheaper one does not count.
+        let curve = [point(1.0), Point { psnr: -5.0, ..point(2.0) }];
+        assert_eq!(error_within(&curve, 1.0, Target::Psnr(30.0)), Some(0.0));
     }
 
     /// Renderings whose error does not fall in order are taken in order of cost: the first one that meets the target counts.

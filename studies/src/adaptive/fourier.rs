@@ -1,16 +1,22 @@
 //! Comparison of predicted bandwidth with windowed Fourier transforms of the rendering (figure 12 of Bagher et al.
 //! 2012).
 
-use super::case::Case;
+use super::case::{Case, StudyMaterial};
 use super::spectrum::{WINDOW, window_bandwidths};
+use super::variance::{DeviationRow, compared as compared_deviations, sampled_deviations};
 use brdfc_metrics::image::luminance;
 use brdfc_readers::colour::encode_srgb;
-use brdfc_render::adaptive::predict;
+use brdfc_render::adaptive::{Prediction, Settings, draw, predict};
+use brdfc_render::rendering::{Panel, difference_panel, octave_map, sheet, to_panel};
 use schemars::JsonSchema;
 use serde::Serialize;
 
 /// Pixels between windows.
 const STRIDE: usize = 4;
+/// Mean samples per pixel of the figure's rendering.
+const BUDGET: f32 = 64.0;
+/// Octaves of the figure's maps below their maximum.
+const OCTAVES: f32 = 6.0;
 
 /// Comparison of predictions with the rendering.
 #[derive(Debug, Clone, PartialEq, Serialize, JsonSchema)]
@@ -29,6 +35,8 @@ pub struct FourierRow {
     pub rank_correlation: f64,
     /// Ratios of prediction and transform.
     pub ratios: Quantiles,
+    /// Predicted standard deviations of samples at the same pixels.
+    pub deviation: DeviationRow,
 }
 
 /// Quantiles of the ratios.
@@ -42,41 +50,98 @@ pub struct Quantiles {
     pub high: f64,
 }
 
-/// Compares at every window. The rendering is the ground truth as displayed.
-pub fn fourier_check(case: &Case<'_>, material: &str, shape: &str) -> FourierRow {
-    let prediction = predict(&case.adaptive, case.frame, case.buffer, &case.settings());
-    let (width, height) = (case.frame.width, case.frame.height);
-    let shown: Vec<f32> = case
-        .truth
-        .pixels
-        .iter()
-        .map(|pixel| {
-            luminance(pixel.map(|c| encode_srgb((f64::from(c) * case.exposure).clamp(0.0, 1.0)) as f32)) as f32
-        })
-        .collect();
-    let half = WINDOW / 2;
-    let is_surface = |[column, row]: &[usize; 2]| {
-        let all = |y: usize| (column - half..column + half).all(|x| case.buffer.part_at(y * width + x).is_some());
-        (row - half..row + half).all(all)
-    };
-    let rows = (half..=height.saturating_sub(half)).step_by(STRIDE);
-    let windows: Vec<[usize; 2]> = rows
-        .flat_map(|row| (half..=width.saturating_sub(half)).step_by(STRIDE).map(move |column| [column, row]))
-        .filter(is_surface)
-        .collect();
-    let reference = window_bandwidths(&shown, width, &windows);
-    let predicted: Vec<f32> = windows.iter().map(|[x, y]| prediction.bandwidth[y * width + x]).collect();
-    compared(&predicted, &reference, material, shape)
+impl Quantiles {
+    /// Quantiles of sorted values; 0 without any.
+    pub(super) fn of(sorted: &[f64]) -> Self {
+        let last = sorted.len().saturating_sub(1) as f64;
+        let quantile = |q: f64| sorted.get((q * last).round() as usize).copied().unwrap_or(0.0);
+        Self { low: quantile(0.05), median: quantile(0.5), high: quantile(0.95) }
+    }
 }
 
-fn compared(predicted: &[f32], reference: &[f32], material: &str, shape: &str) -> FourierRow {
+/// Predictions of a case and their references.
+pub struct FourierCheck {
+    prediction: Prediction,
+    /// Centres of the windows, `[column, row]`.
+    windows: Vec<[usize; 2]>,
+    /// Bandwidth of each window, cycles per pixel.
+    bandwidth: Vec<f32>,
+    /// Standard deviation of samples at each centre.
+    deviation: Vec<f32>,
+}
+
+impl FourierCheck {
+    /// Predicts, and computes the references at every window. The rendering is the ground truth as displayed.
+    pub fn new(case: &Case<'_>, material: &StudyMaterial<'_>) -> Self {
+        let prediction = predict(&case.adaptive, case.frame, case.buffer, &case.settings());
+        let (width, height) = (case.frame.width, case.frame.height);
+        let shown: Vec<f32> = case
+            .truth
+            .pixels
+            .iter()
+            .map(|pixel| {
+                luminance(pixel.map(|c| encode_srgb((f64::from(c) * case.exposure).clamp(0.0, 1.0)) as f32)) as f32
+            })
+            .collect();
+        let half = WINDOW / 2;
+        let is_surface = |[column, row]: &[usize; 2]| {
+            let all = |y: usize| (column - half..column + half).all(|x| case.buffer.part_at(y * width + x).is_some());
+            (row - half..row + half).all(all)
+        };
+        let rows = (half..=height.saturating_sub(half)).step_by(STRIDE);
+        let windows: Vec<[usize; 2]> = rows
+            .flat_map(|row| (half..=width.saturating_sub(half)).step_by(STRIDE).map(move |column| [column, row]))
+            .filter(is_surface)
+            .collect();
+        let bandwidth = window_bandwidths(&shown, width, &windows);
+        let pixels: Vec<usize> = windows.iter().map(|[x, y]| y * width + x).collect();
+        let deviation = sampled_deviations(case, material, &pixels);
+        Self { prediction, windows, bandwidth, deviation }
+    }
+
+    /// Compares predictions with references.
+    pub fn row(&self, case: &Case<'_>, material: &str, shape: &str) -> FourierRow {
+        let at_windows = |values: &[f32]| -> Vec<f32> {
+            self.windows.iter().map(|[x, y]| values[y * case.frame.width + x]).collect()
+        };
+        let deviation = compared_deviations(&at_windows(&self.prediction.deviation), &self.deviation);
+        compared(&at_windows(&self.prediction.bandwidth), &self.bandwidth, deviation, material, shape)
+    }
+
+    /// Figure 12, from left to right: predicted standard deviation of samples and that of samples, predicted bandwidth and
+    /// that of the rendering, adaptive shading, and its ΔE.
+    pub fn figure(&self, case: &Case<'_>) -> Panel {
+        let (width, height) = (case.frame.width, case.frame.height);
+        let map = |values: &[f32]| octave_map(values, width, height, OCTAVES);
+        let spread = |values: &[f32]| {
+            let mut all = vec![0.0; width * height];
+            for ([x, y], value) in self.windows.iter().zip(values) {
+                for (down, right) in (0..STRIDE).flat_map(|down| (0..STRIDE).map(move |right| (down, right))) {
+                    all[(y + down - STRIDE / 2) * width + x + right - STRIDE / 2] = *value;
+                }
+            }
+            map(&all)
+        };
+        let settings = Settings { samples: BUDGET, ..case.settings() };
+        let drawn = draw(&case.adaptive, case.frame, case.buffer, &settings).image;
+        sheet(&[
+            map(&self.prediction.deviation),
+            spread(&self.deviation),
+            map(&self.prediction.bandwidth),
+            spread(&self.bandwidth),
+            to_panel(&drawn, case.exposure),
+            difference_panel(&drawn, &case.truth, case.exposure),
+        ])
+    }
+}
+
+fn compared(predicted: &[f32], reference: &[f32], deviation: DeviationRow, material: &str, shape: &str) -> FourierRow {
     let mut ratios: Vec<f64> =
         predicted.iter().zip(reference).map(|(p, r)| f64::from(*p) / f64::from(r.max(1e-6))).collect();
     let rank_correlation = correlation(&ranks(predicted), &ranks(reference));
     ratios.sort_by(f64::total_cmp);
     let count = ratios.len().max(1) as f64;
     let share = |is: &dyn Fn(f64) -> bool| ratios.iter().filter(|ratio| is(**ratio)).count() as f64 / count;
-    let quantile = |q: f64| ratios.get((q * (count - 1.0)).round() as usize).copied().unwrap_or(0.0);
     FourierRow {
         material: material.to_owned(),
         shape: shape.to_owned(),
@@ -84,12 +149,13 @@ fn compared(predicted: &[f32], reference: &[f32], material: &str, shape: &str) -
         within_4: share(&|ratio| (0.25..=4.0).contains(&ratio)),
         too_low_by_2: share(&|ratio| ratio < 0.5),
         rank_correlation,
-        ratios: Quantiles { low: quantile(0.05), median: quantile(0.5), high: quantile(0.95) },
+        ratios: Quantiles::of(&ratios),
+        deviation,
     }
 }
 
 /// Ranks, averaged over equal values.
-fn ranks(values: &[f32]) -> Vec<f64> {
+pub(super) fn ranks(values: &[f32]) -> Vec<f64> {
     let mut order: Vec<usize> = (0..values.len()).collect();
     order.sort_by(|a, b| values[*a].total_cmp(&values[*b]));
     let mut ranks = vec![0.0; values.len()];
@@ -104,7 +170,7 @@ fn ranks(values: &[f32]) -> Vec<f64> {
 }
 
 /// Pearson's correlation of two series of the same length.
-fn correlation(a: &[f64], b: &[f64]) -> f64 {
+pub(super) fn correlation(a: &[f64], b: &[f64]) -> f64 {
     let count = a.len().max(1) as f64;
     let mean = |values: &[f64]| values.iter().sum::<f64>() / count;
     let (ma, mb) = (mean(a), mean(b));
@@ -121,7 +187,7 @@ fn correlation(a: &[f64], b: &[f64]) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::adaptive::{Lighting, StudyMaterial, TruthSamples};
+    use crate::adaptive::{Lighting, TruthSamples};
     use brdfc_core::address::parse_synth;
     use brdfc_formats::direction::{dot, normalize};
     use brdfc_render::adaptive::Start;
@@ -134,13 +200,14 @@ mod tests {
         let values = [0.3f32, 0.1, 0.2, 0.2, 0.9];
         assert_eq!(ranks(&values), [3.0, 0.0, 1.5, 1.5, 4.0]);
         let squared = values.map(|v| v * v);
-        let row = compared(&values, &squared, "", "");
+        let of = |a: &[f32], b: &[f32]| compared(a, b, compared_deviations(a, b), "", "");
+        let row = of(&values, &squared);
         assert!((row.rank_correlation - 1.0).abs() < 1e-12);
         assert_eq!((row.windows, row.within_4), (5, 0.4));
         // The control: the reversed order.
         let reversed = values.map(|v| -v);
         assert!((correlation(&ranks(&values), &ranks(&reversed)) + 1.0).abs() < 1e-12);
-        assert_eq!(compared(&[0.1, 0.1], &[0.3, 0.1], "", "").too_low_by_2, 0.5);
+        assert_eq!(of(&[0.1, 0.1], &[0.3, 0.1]).too_low_by_2, 0.5);
     }
 
     /// Light with the same amount of detail everywhere.
@@ -167,12 +234,14 @@ mod tests {
         let frame = Frame { width: 128, height: 128, samples: 1 };
         let truth = TruthSamples::Fixed(256, Start::Shared);
         Case::with(&material, &Builtin::Sphere.scene(), &lighting, frame, truth, |case| {
-            let row = fourier_check(case, "metal", "sphere");
+            let check = FourierCheck::new(case, &material);
+            let row = check.row(case, "metal", "sphere");
             assert!(row.windows > 100 && row.within_4 >= 0.9 && row.too_low_by_2 <= 0.05, "{row:?}");
             let mut flat = case.buffer.clone();
             let facing = flat.normal[64 * 128 + 64];
             flat.normal.iter_mut().for_each(|normal| *normal = facing);
-            let row = fourier_check(&Case { buffer: &flat, truth: case.truth.clone(), ..*case }, "metal", "sphere");
+            let case = Case { buffer: &flat, truth: case.truth.clone(), ..*case };
+            let row = FourierCheck::new(&case, &material).row(&case, "metal", "sphere");
             assert!(row.too_low_by_2 > 0.5, "{row:?}");
         });
     }

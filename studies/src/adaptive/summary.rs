@@ -31,6 +31,12 @@ pub struct TargetSummary {
     pub samples_gain: Option<f64>,
     /// The same factor for the time.
     pub seconds_gain: Option<f64>,
+    /// Number of cases with an error of this method at the time of adaptive shading, see [`MethodRow::at_equal_time`].
+    ///
+    /// [`MethodRow::at_equal_time`]: super::MethodRow::at_equal_time
+    pub within_time: usize,
+    /// Mean PSNR, or geometric mean of FLIP, of those cases; null without any.
+    pub at_equal_time: Option<f64>,
 }
 
 /// Summarises all methods.
@@ -64,7 +70,15 @@ fn at_target(rows: &[CaseRow], method: Method, target: usize) -> TargetSummary {
         let found: Vec<f64> = all.iter().filter_map(logarithm).collect();
         (!found.is_empty()).then(|| (found.iter().sum::<f64>() / found.len() as f64).exp())
     };
+    let of_method = |row: &'_ CaseRow| row.methods.iter().find(|of| of.method == method)?.at_equal_time[target];
+    let at_time: Vec<f64> = rows.iter().filter_map(of_method).collect();
+    let mean = |errors: &[f64]| {
+        let qualities = errors.iter().map(|error| TARGETS[target].quality_of(*error)).sum::<f64>();
+        (!errors.is_empty()).then(|| TARGETS[target].error(qualities / errors.len() as f64))
+    };
     TargetSummary {
+        within_time: at_time.len(),
+        at_equal_time: mean(&at_time),
         cases: all.len(),
         reached: all.iter().filter(|costs| costs.iter().any(|(of, _)| *of == method)).count(),
         fewest_samples: wins(|cost| cost.samples),
@@ -85,6 +99,7 @@ mod tests {
             // The time has the reversed order.
             needed: vec![samples.map(|samples| Cost { samples, seconds: 1.0 / samples }); TARGETS.len()],
             best: vec![None; TARGETS.len()],
+            at_equal_time: vec![samples.map(|samples| 30.0 - samples); TARGETS.len()],
             curves: Vec::new(),
         });
         CaseRow {
@@ -114,6 +129,8 @@ mod tests {
         assert_eq!((adaptive.cases, adaptive.reached, adaptive.fewest_samples, adaptive.fastest), (3, 3, 2, 1));
         assert!((adaptive.samples_gain.unwrap() - 1.0).abs() < 1e-12, "2 and 1/2: {adaptive:?}");
         assert!((of(Lobes).samples_gain.unwrap() - 3.0).abs() < 1e-12);
+        assert_eq!((adaptive.within_time, of(Forward).within_time), (3, 2));
+        assert!((of(Forward).at_equal_time.unwrap() - 21.5).abs() < 1e-12, "of 22 and 21 dB");
         // Simple methods are compared with the others: forward needs twice and three times as many as filtered.
         assert!((of(Forward).samples_gain.unwrap() - 1.0 / 6f64.sqrt()).abs() < 1e-12);
         assert_eq!(
@@ -124,6 +141,8 @@ mod tests {
                 fastest: 0,
                 samples_gain: None,
                 seconds_gain: None,
+                within_time: 0,
+                at_equal_time: None,
                 ..adaptive
             }
         );

@@ -113,8 +113,12 @@ fn studies_of_adaptive_shading() {
         assert!(text.contains("synth:ggx?alpha=0.2") && text.lines().count() > 3, "{text}");
         report["rows"].clone()
     };
-    let fourier = study("pixel-bandwidth", &[]);
+    let fourier = study("pixel-bandwidth", &["--out", "maps"]);
     assert!(fourier[0]["windows"].as_u64() > Some(3), "{fourier}");
+    assert!(fourier[0]["deviation"]["points"].as_u64() > Some(3), "{fourier}");
+    // Figure 12: six maps side by side.
+    let maps = image::open(folder.path().join("maps/bandwidth-synth-ggx-alpha-0.2.png")).unwrap();
+    assert!(maps.height() == 64 && maps.width() > 6 * 64, "{} x {}", maps.width(), maps.height());
     let directions = study("bandwidth-directions", &[]);
     let errors: Vec<f64> =
         directions[0]["rows"].as_array().unwrap().iter().map(|row| row["psnr"].as_f64().unwrap()).collect();
@@ -125,6 +129,9 @@ fn studies_of_adaptive_shading() {
     // Figure 10.
     for row in antialiasing.as_array().unwrap() {
         assert!(["shaded", "samples"].iter().all(|cost| row["exponents"][cost].as_f64().unwrap() < 0.7), "{row}");
+        let samples: Vec<u64> =
+            row["budgets"].as_array().unwrap().iter().map(|budget| budget["samples"].as_u64().unwrap()).collect();
+        assert!(samples.windows(2).all(|pair| pair[0] < pair[1]) && row["line"].is_object(), "{row}");
     }
     for (arguments, expected) in [
         (&["--study", "adaptive", "--pixels", "8"][..], "--pixels: found 8, expected 32 to 2048"),
@@ -142,7 +149,8 @@ fn the_study_of_shading_methods() {
     let folder = folder();
     sky(&folder, "sky.exr");
     let study = |material: &str| {
-        let arguments = ["--study", "adaptive", material, "--environment", "sky.exr", "--small", "--json"];
+        let arguments =
+            ["--study", "adaptive", material, "--environment", "sky.exr", "--small", "--json", "--out", "sheets"];
         let report = folder.run(&arguments).succeeded().json();
         conforms(&report);
         report
@@ -167,7 +175,18 @@ fn the_study_of_shading_methods() {
         // Filtered samples need fewer than others for the smaller PSNR.
         let samples = |name: &str| of(name)["needed"][0]["samples"].as_f64().unwrap_or(f64::INFINITY);
         assert!(samples("filtered") < samples("forward"), "{row}");
+        // Figure 14: at its own time, adaptive shading has the error, or a smaller one of another caution.
+        for (at, target) in [25.0, 30.0].into_iter().enumerate() {
+            let (needed, error) = (&of("adaptive")["needed"][at], &of("adaptive")["at_equal_time"][at]);
+            assert_eq!(needed.is_null(), error.is_null(), "{row}");
+            assert!(error.is_null() || number(error) > target - 1e-6, "{row}");
+        }
+        // More Gaussians are no worse for a lobe with tails.
+        let gaussians = of("gaussians")["curves"][0]["points"].as_array().unwrap();
+        let [first, last] = [&gaussians[0], &gaussians[gaussians.len() - 1]].map(|point| number(&point["psnr"]));
+        assert!(last > first - 0.5 && first > 20.0, "{gaussians:?}");
     }
+    assert!(std::fs::read_dir(folder.path().join("sheets")).unwrap().count() > 0);
     let summary = report["summary"].as_array().unwrap();
     let wins: f64 = summary.iter().map(|method| number(&method["targets"][0]["fewest_samples"])).sum();
     assert_eq!((summary.len(), wins), (12, 2.0), "{report}");
@@ -178,7 +197,9 @@ fn the_study_of_shading_methods() {
         assert!(!lobes["curves"][0]["points"].as_array().unwrap().is_empty(), "{lobes}");
     }
     let text = folder.run(&["--study", "adaptive", "synth:velvet", "--small"]).succeeded().stdout;
-    for expected in ["synth:velvet", "forward", "quarter, filt.", "FLIP 0.15", "gain in time"] {
+    for expected in
+        ["synth:velvet", "forward", "Gaussians", "quarter, filt.", "FLIP 0.15", "gain in time", "equal time"]
+    {
         assert!(text.contains(expected), "{expected}: {text}");
     }
 }

@@ -2,23 +2,26 @@
 
 use super::arguments::Arguments;
 use super::on_adapter;
+use super::structures::file_stem;
 use brdfc_core::Source;
 use brdfc_formats::FormatError;
 use brdfc_jobs::tabulated::tabulated;
 use brdfc_render::adaptive::Start;
+use brdfc_render::rendering::rgb_png;
 use brdfc_render::scene::{Environment, Frame};
 use brdfc_render::scenes::Builtin;
 use brdfc_source::Input;
 use brdfc_source::open::open;
 use brdfc_source::radiance_image::open_radiance_image;
 use brdfc_studies::adaptive::{
-    AntialiasingStudy, Case, DirectionsStudy, FourierRow, Lighting, StudyMaterial, TruthSamples, antialiasing_study,
-    directions_study, exponents, fourier_check,
+    AntialiasingStudy, Case, DirectionsStudy, FourierCheck, FourierRow, Lighting, StudyMaterial, TruthSamples,
+    antialiasing_study, directions_study,
 };
 use brdfc_studies::{Study, StudyResult};
-use brdfc_terminal::output::{note, remark};
+use brdfc_terminal::output::{make_folder, note, remark, write_file};
 use brdfc_terminal::table::{percent, plain};
 use brdfc_terminal::{Common, Error};
+use std::path::Path;
 use std::time::Instant;
 
 /// Shapes with smooth and bumpy parts.
@@ -53,7 +56,7 @@ pub(super) fn run(arguments: &Arguments, common: Common) -> Result<StudyResult, 
     for (number, (index, shape)) in (0..inputs.len()).flat_map(|i| shapes.iter().map(move |s| (i, *s))).enumerate() {
         let name = inputs[index].short_name();
         let material = StudyMaterial::new(name.clone(), sources[index].as_ref()).map_err(unpackable)?;
-        add(&mut result, &material, shape, &lighting, frame, truth);
+        add(&mut result, &material, shape, &lighting, frame, truth, arguments.out.as_deref())?;
         let seconds = started.elapsed().as_secs_f64();
         let left = seconds / (number + 1) as f64 * (all - number - 1) as f64;
         remark(
@@ -103,17 +106,23 @@ fn add(
     lighting: &Lighting,
     frame: Frame,
     truth: usize,
-) {
+    out: Option<&Path>,
+) -> Result<(), Error> {
     let (name, on) = (material.name.clone(), shape.name().to_owned());
     match result {
-        StudyResult::PixelBandwidth { rows } => rows.push(Case::with(
-            material,
-            &shape.scene(),
-            lighting,
-            frame,
-            TruthSamples::Fixed(truth, Start::Shared),
-            |case| fourier_check(case, &name, &on),
-        )),
+        StudyResult::PixelBandwidth { rows } => {
+            let truth = TruthSamples::Fixed(truth, Start::Shared);
+            let (row, figure) = Case::with(material, &shape.scene(), lighting, frame, truth, |case| {
+                let check = FourierCheck::new(case, material);
+                (check.row(case, &name, &on), out.map(|folder| (folder, check.figure(case))))
+            });
+            if let Some((folder, figure)) = figure {
+                make_folder(folder)?;
+                let name = file_stem(&format!("bandwidth-{name}"));
+                write_file(&folder.join(format!("{name}.png")), &rgb_png(&figure))?;
+            }
+            rows.push(row);
+        }
         StudyResult::BandwidthDirections { rows } => {
             let found = Case::with(
                 material,
@@ -126,11 +135,11 @@ fn add(
             rows.push(DirectionsStudy { material: name, shape: on, rows: found });
         }
         StudyResult::Antialiasing { rows } => {
-            let found = antialiasing_study(material, shape, lighting, frame, BUDGET);
-            rows.push(AntialiasingStudy { material: name, shape: on, exponents: exponents(&found), rows: found });
+            rows.push(antialiasing_study(material, shape, lighting, frame, BUDGET));
         }
         _ => unreachable!("studies of this file"),
     }
+    Ok(())
 }
 
 pub(super) fn fourier_text(rows: &[FourierRow]) -> String {
@@ -145,9 +154,24 @@ pub(super) fn fourier_text(rows: &[FourierRow]) -> String {
             cells
         })
         .collect();
+    let deviations: Vec<Vec<String>> = rows
+        .iter()
+        .map(|row| {
+            let found = &row.deviation;
+            let mut cells = vec![row.material.clone(), row.shape.clone(), found.points.to_string()];
+            cells.extend([percent(found.within_2), format!("{:.3}", found.rank_correlation)]);
+            let ratios = [found.ratios.low, found.ratios.median, found.ratios.high];
+            cells.extend(ratios.map(|ratio| format!("{ratio:.2}")));
+            cells
+        })
+        .collect();
+    let deviation = ["material", "shape", "points", "within 2", "rank correlation", "5 %", "median", "95 %"];
     plain(&header, &cells)
         + "\nPredicted pixel bandwidth over the root mean square of frequency in windows of 32 x 32 pixels of the ground truth as\n\
-           displayed. Target: within 4 on 90 %, too low by 2 on at most 5 %, correlation 0.7.\n"
+           displayed. Target: within 4 on 90 %, too low by 2 on at most 5 %, correlation 0.7.\n\n"
+        + &plain(&deviation, &deviations)
+        + "\nPredicted standard deviation of samples over that of 256 samples, as displayed. within 2: share of ratios within a\n\
+           factor 2 of the median; a common factor does not matter.\n"
 }
 
 pub(super) fn directions_text(rows: &[DirectionsStudy]) -> String {
@@ -193,5 +217,27 @@ pub(super) fn antialiasing_text(rows: &[AntialiasingStudy]) -> String {
         .collect();
     plain(&header, &cells)
         + "\nPoints per pixel; shaded pixels of all levels and samples of incident light. exponents: of shaded pixels, samples and\n\
-           time over points, from 1 to 16. Target: at most 0.7.\n"
+           time over points, from 1 to 16. Target: at most 0.7.\n\n"
+        + &budgets_text(rows)
+}
+
+fn budgets_text(rows: &[AntialiasingStudy]) -> String {
+    let header = ["material", "shape", "samples", "time", "line"];
+    let line = |study: &AntialiasingStudy| {
+        study.line.map_or(String::new(), |line| {
+            let [fixed, each] = [1e3 * line.seconds, 1e9 * line.seconds_per_sample];
+            format!("{fixed:.0} ms + {each:.0} ns per sample, within {}", percent(line.error))
+        })
+    };
+    let cells: Vec<Vec<String>> = rows
+        .iter()
+        .flat_map(|study| study.budgets.iter().enumerate().map(move |(at, row)| (study, at, row)))
+        .map(|(study, at, row)| {
+            let time = format!("{:.0} ms", 1e3 * row.seconds);
+            let line = if at + 1 == study.budgets.len() { line(study) } else { String::new() };
+            vec![study.material.clone(), study.shape.clone(), row.samples.to_string(), time, line]
+        })
+        .collect();
+    plain(&header, &cells)
+        + "\nTime by the number of samples, with one point per pixel, and the line through these times.\n"
 }

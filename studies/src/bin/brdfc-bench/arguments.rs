@@ -45,7 +45,7 @@ pub struct Arguments {
     #[arg(long, value_enum, default_value = "wavelet-brdf")]
     pub(super) study: Study,
     /// Write the frames of level-of-detail, the figure of codecs, pareto, relighting or btf, the figures of flat-btf,
-    /// contact sheets of relief, or the mesh and the rays of rays into this folder.
+    /// contact sheets of relief or adaptive, the maps of pixel-bandwidth, or the mesh and the rays of rays into this folder.
     #[arg(long, value_name = "DIR")]
     pub(super) out: Option<PathBuf>,
     /// Texels of the reference plane per side, 8 or more, for flat-btf (default: 128) and rays (default: 64); for
@@ -111,6 +111,8 @@ const WRITERS: &[Study] = &[
     Study::Relief,
     Study::Relighting,
     Study::Btf,
+    Study::Adaptive,
+    Study::PixelBandwidth,
 ];
 
 impl Arguments {

@@ -2,6 +2,7 @@
 
 use super::adaptive::{opened, pixels, unpackable};
 use super::arguments::Arguments;
+use super::structures::file_stem;
 use brdfc_core::Source;
 use brdfc_formats::environment::EnvironmentDecoder;
 use brdfc_formats::lobes::LobesPack;
@@ -9,6 +10,7 @@ use brdfc_jobs::environment::prefilter_image;
 use brdfc_jobs::lobes::encode_lobes;
 use brdfc_lobes::LobesRecipe;
 use brdfc_render::adaptive::FilteredLight;
+use brdfc_render::rendering::rgb_png;
 use brdfc_render::scene::{Environment, Frame};
 use brdfc_source::Input;
 use brdfc_source::radiance_image::open_radiance_image;
@@ -16,9 +18,9 @@ use brdfc_studies::StudyResult;
 use brdfc_studies::adaptive::{
     Case, CaseRow, Cost, FETCHES, Gaussians, Light, Lighting, LitBalls, MATERIALS, MAX_SAMPLES, Method, MethodSummary,
     Prefiltered, SIZES, SplitSumMaterial, StudyMaterial, TARGETS, Target, TruthSamples, combinations, compare,
-    environments, shapes, summary, training_environments,
+    environments, equal_time_sheet, shapes, summary, training_environments,
 };
-use brdfc_terminal::output::remark;
+use brdfc_terminal::output::{make_folder, remark, write_file};
 use brdfc_terminal::table::plain;
 use brdfc_terminal::{Common, Error};
 use std::time::Instant;
@@ -65,9 +67,17 @@ pub(super) fn run(arguments: &Arguments, common: Common) -> Result<StudyResult, 
         let light = FilteredLight { environment: filtered, scattered: true };
         let split_sum = fitted.lit_by(filtered)?;
         let prefiltered = Prefiltered { light: &light, lobes, split_sum: &split_sum, gaussians };
-        rows.push(Case::with(material, scene, lighting, frame, TruthSamples::Halves(truth), |case| {
-            compare(case, prefiltered, [&material.name, shape, environment])
-        }));
+        let (row, sheet) = Case::with(material, scene, lighting, frame, TruthSamples::Halves(truth), |case| {
+            let row = compare(case, prefiltered, [&material.name, shape, environment]);
+            let sheet = arguments.out.as_ref().and_then(|_| equal_time_sheet(case, prefiltered, &row));
+            (row, sheet)
+        });
+        if let (Some(folder), Some(sheet)) = (&arguments.out, sheet) {
+            make_folder(folder)?;
+            let name = file_stem(&format!("equal-time-{}-{shape}-{environment}-{size}", material.name));
+            write_file(&folder.join(format!("{name}.png")), &rgb_png(&sheet))?;
+        }
+        rows.push(row);
         let left = drawing.elapsed().as_secs_f64() * work(&cases[number + 1..]) / work(&cases[..=number]);
         let done =
             format!("{} of {}: {} on {shape}, {environment}, {size} pixels", number + 1, cases.len(), material.name);
@@ -181,7 +191,7 @@ fn short(value: f64) -> String {
 }
 
 fn summary_text(targets: &[Target], summary: &[MethodSummary]) -> String {
-    let header = ["error", "method", "reached", "fewest", "fastest", "gain", "gain in time"];
+    let header = ["error", "method", "reached", "fewest", "fastest", "gain", "gain in time", "equal time", "cases"];
     let name = |method: Method| Method::ALL.iter().find(|(of, _)| *of == method).map_or("", |(_, name)| *name);
     let factor = |gain: Option<f64>| gain.map_or("-".to_owned(), |gain| format!("{gain:.2}"));
     let line = |at: usize, of: &MethodSummary| {
@@ -194,6 +204,11 @@ fn summary_text(targets: &[Target], summary: &[MethodSummary]) -> String {
             found.fastest.to_string(),
             factor(found.samples_gain),
             factor(found.seconds_gain),
+            found.at_equal_time.map_or("-".to_owned(), |error| match targets[at] {
+                Target::Psnr(_) => format!("{error:.1} dB"),
+                Target::Flip(_) => format!("{error:.3}"),
+            }),
+            found.within_time.to_string(),
         ]
     };
     let lines: Vec<Vec<String>> =
@@ -202,7 +217,8 @@ fn summary_text(targets: &[Target], summary: &[MethodSummary]) -> String {
         + "\nreached: cases in which the method has the error, of those in which any method has it. fewest, fastest: cases in\n\
            which it needs the fewest samples, or the shortest time, of all. gain: factor of samples against the best of the\n\
            six methods from forward to quarter, filt. (other than itself), geometric mean over cases that both reach; below\n\
-           1 it loses. gain in time: the same factor of time.\n"
+           1 it loses. gain in time: the same factor of time. equal time: mean PSNR, or geometric mean of FLIP, at the time that\n\
+           adaptive shading needs for the error, over the cases in which it has the error and the method a rendering.\n"
 }
 
 /// Gains of methods by the size of the rendering, which decides most whether adaptive shading pays.
