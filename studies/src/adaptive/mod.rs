@@ -16,6 +16,7 @@ mod lit_balls;
 mod method;
 mod spectrum;
 mod split_sum;
+mod statistics;
 mod summary;
 #[cfg(test)]
 mod testing;
@@ -28,10 +29,11 @@ pub use comparison::{CAUTIONS, CaseRow, Curve, FETCHES, MAX_SAMPLES, MethodRow, 
 pub use curve::{Cost, Point, Target, error_within, needed};
 pub use directions::{DIRECTIONS, DirectionsRow, DirectionsStudy, directions_study};
 pub use equal_time::equal_time_sheet;
-pub use fourier::{FourierCheck, FourierRow, Quantiles};
+pub use fourier::{FourierCheck, FourierRow};
 pub use gaussians::Gaussians;
 pub use lit_balls::{Light, LitBalls, View};
 pub use method::{Budget, Density, LookUps, Method, Prefiltered, Variant, draw};
 pub use split_sum::{SplitSum, SplitSumMaterial};
+pub use statistics::Quantiles;
 pub use summary::{MethodSummary, summary};
 pub use variance::DeviationRow;

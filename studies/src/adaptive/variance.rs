@@ -1,7 +1,7 @@
 //! Comparison of predicted variance with the variance of samples (figure 12, a and b, of Bagher et al. 2012).
 
 use super::case::{Case, StudyMaterial};
-use super::fourier::{Quantiles, correlation, ranks};
+use super::statistics::{Quantiles, correlation, ranks};
 use brdfc_metrics::image::luminance;
 use brdfc_render::environment_light::integrand;
 use brdfc_render::lobe_sampler::{LobeSampler as _, MeasuredLobe, shift_of};
