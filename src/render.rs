@@ -10,14 +10,14 @@ pub use brdfc_formats::pwt::{PwtDecoder, PwtPack};
 pub use brdfc_formats::wavelet::{DEFAULT_DISTANCE_SCALE, Filter};
 pub use brdfc_gpu::verify::{Material, PackReflectance, Views, lobes_views, views};
 pub use brdfc_gpu::{AdapterChoice, AdaptiveRenderer, Decoding, Gpu, GpuError, SliceFilter, draw_flat_btf, draw_pwt};
-pub use brdfc_jobs::report::adaptive::{AdaptiveVerification, Shading};
+pub use brdfc_jobs::report::adaptive::{AdaptiveRates, AdaptiveVerification, Shading};
 pub use brdfc_jobs::report::contact::MaterialVerification;
 pub use brdfc_jobs::report::render::{PartMaterial, RenderingGates, Verification, nothing_shown};
 pub use brdfc_jobs::tabulated::{Tabulated, tabulated};
 pub use brdfc_metrics::image::{LinearImage, auto_exposure};
 pub use brdfc_render::adaptive::{
-    AdaptiveMaterial, AdaptiveRendering, AdaptiveScene, DistantLight, Lookups, Prediction, Settings, Start,
-    ground_truth,
+    AdaptiveMaterial, AdaptiveRendering, AdaptiveScene, DistantLight, Lookups, Prediction, RATE_TILES, RateImage,
+    Settings, Start, ground_truth,
 };
 pub use brdfc_render::contact_sheet::contact_sheet;
 pub use brdfc_render::flat::{FlatMaterial, draw_on_cpu as draw_flat_btf_on_cpu};
@@ -25,7 +25,7 @@ pub use brdfc_render::lobes::{IntegralMaterial, PrefilteredLight, draw_integral}
 pub use brdfc_render::pwt::{
     Photograph, PwtMaterial, distant_light, draw_on_cpu as draw_pwt_on_cpu, draw_photographs, image_scene,
 };
-pub use brdfc_render::rendering::{difference_panel, rgb_png, sheet, to_exr, to_panel, to_png};
+pub use brdfc_render::rendering::{difference_panel, rates_png, rgb_png, sheet, to_exr, to_panel, to_png};
 pub use brdfc_render::scene::{Environment, Frame, PointLight, Scene};
 pub use brdfc_render::scenes::Builtin;
 pub use brdfc_render::shade::Reflectance;

@@ -1,5 +1,6 @@
 //! Encoding of images: PNG for display, EXR for values.
 
+use crate::adaptive::RateImage;
 use brdfc_formats::FormatError;
 use brdfc_formats::bandwidth::BandwidthMap;
 use brdfc_metrics::image::{LinearImage, delta_e_map};
@@ -39,25 +40,35 @@ pub fn to_panel(image: &LinearImage, exposure: f64) -> Panel {
 
 /// PNG of [`to_panel`], marked as sRGB and with the exposure in a text chunk.
 pub fn to_png(image: &LinearImage, exposure: f64) -> Vec<u8> {
-    encode_png(&to_panel(image, exposure), Some(("Exposure", exposure.to_string())))
+    let panel = to_panel(image, exposure);
+    encode_png([panel.width, panel.height], png::ColorType::Rgb, &panel.rgb, Some(("Exposure", exposure.to_string())))
 }
 
 /// PNG of a panel.
 pub fn rgb_png(panel: &Panel) -> Vec<u8> {
-    encode_png(panel, None)
+    encode_png([panel.width, panel.height], png::ColorType::Rgb, &panel.rgb, None)
 }
 
-fn encode_png(panel: &Panel, text: Option<(&str, String)>) -> Vec<u8> {
+/// Greyscale PNG of a rate image, one 8-bit pixel per tile. Its values are numbers, not colours; a text chunk explains them.
+pub fn rates_png(rates: &RateImage) -> Vec<u8> {
+    let size = [rates.width, rates.height];
+    let text = format!("D3D12_SHADING_RATE of tiles of {0} x {0} pixels", rates.tile);
+    encode_png(size, png::ColorType::Grayscale, &rates.texels, Some(("Comment", text)))
+}
+
+fn encode_png(size: [usize; 2], colour: png::ColorType, data: &[u8], text: Option<(&str, String)>) -> Vec<u8> {
     let mut bytes = Vec::new();
-    let mut encoder = png::Encoder::new(&mut bytes, panel.width as u32, panel.height as u32);
-    encoder.set_color(png::ColorType::Rgb);
+    let mut encoder = png::Encoder::new(&mut bytes, size[0] as u32, size[1] as u32);
+    encoder.set_color(colour);
     encoder.set_depth(png::BitDepth::Eight);
-    encoder.set_source_srgb(png::SrgbRenderingIntent::Perceptual);
+    if colour == png::ColorType::Rgb {
+        encoder.set_source_srgb(png::SrgbRenderingIntent::Perceptual);
+    }
     if let Some((keyword, text)) = text {
         encoder.add_text_chunk(keyword.to_owned(), text).expect("a plain keyword");
     }
     let mut writer = encoder.write_header().expect("memory takes all bytes");
-    writer.write_image_data(&panel.rgb).expect("as many bytes as pixels need");
+    writer.write_image_data(data).expect("as many bytes as pixels need");
     writer.finish().expect("memory takes all bytes");
     bytes
 }

@@ -1,6 +1,6 @@
 //! `brdfc render --adaptive`: environment light, shaded where and as finely as predicted bandwidth requires.
 
-use super::adaptive_options::{ANTIALIAS, AdaptiveOptions, MAX_SAMPLES};
+use super::adaptive_options::{ANTIALIAS, AdaptiveOptions, MAX_SAMPLES, RATE_TILE};
 use super::arguments::Arguments;
 use super::materials::{self, Prepared, Subject};
 use super::{gpu, outputs, scene};
@@ -11,9 +11,9 @@ use brdfc::BrdfPack;
 use brdfc::bandwidth::{BandwidthFacts, BandwidthMap, DEFAULT_EPSILON};
 use brdfc::inspect::AnyPack as Pack;
 use brdfc::render::{
-    AdaptiveMaterial, AdaptiveRenderer, AdaptiveRendering, AdaptiveScene, AdaptiveVerification, DistantLight,
-    Environment, Frame, GpuError, LinearImage, PackReflectance, Reflectance, Settings, Shading, Start, auto_exposure,
-    environment_map, ground_truth, lookups, nothing_shown, prediction_png, tabulated,
+    AdaptiveMaterial, AdaptiveRates, AdaptiveRenderer, AdaptiveScene, AdaptiveVerification, DistantLight, Environment,
+    Frame, GpuError, LinearImage, PackReflectance, RATE_TILES, RateImage, Reflectance, Settings, Shading, Start,
+    auto_exposure, environment_map, ground_truth, lookups, nothing_shown, prediction_png, rates_png, tabulated,
 };
 use brdfc::scene::EnvironmentJob;
 use brdfc_terminal::words::format_number;
@@ -23,6 +23,9 @@ use std::time::Instant;
 /// Default samples per pixel of forward shading and of the ground truth.
 const FORWARD: u32 = 32;
 const TRUTH: usize = 256;
+
+/// Default side of the tiles of `--rates`.
+const TILE: u32 = 16;
 
 /// Report of `--adaptive --json`.
 #[derive(Debug, Serialize, schemars::JsonSchema)]
@@ -111,6 +114,10 @@ pub(super) fn run(arguments: &Arguments, common: Common) -> Result<(), Error> {
     let against = (&truth, exposure);
     let shaded = [rendering.samples(), rendering.shaded()];
     let of_forward = [surface_points * u64::from(count), surface_points];
+    let rates = arguments.adaptive.rates.as_ref().map(|_| {
+        let tile = arguments.adaptive.rate_tile.unwrap_or(TILE);
+        RateImage::new(&rendering.prediction.level, [frame.width, frame.height], settings.antialiasing_levels, tile)
+    });
     let verification = AdaptiveVerification {
         scene: setup.builtin.name().to_owned(),
         width: frame.width,
@@ -125,12 +132,19 @@ pub(super) fn run(arguments: &Arguments, common: Common) -> Result<(), Error> {
         adaptive: Shading::new(&rendering.image, shaded, surface_points, seconds, against),
         bandwidth_seconds,
         levels: rendering.levels.clone(),
+        rates: rates.as_ref().map(|rates| AdaptiveRates::new(rates, &truth, exposure)),
         forward: Shading::new(&forward, of_forward, surface_points, forward_seconds, against),
         truth_samples,
         truth_psnr,
         truth_seconds,
     };
-    write(arguments, &rendering, &truth, exposure, settings.antialiasing_levels)?;
+    outputs::write_images(arguments, &rendering.image, &truth, exposure)?;
+    if let Some(path) = &arguments.adaptive.maps {
+        write_file(path, &prediction_png(&rendering.prediction, [buffer.width, buffer.height]))?;
+    }
+    if let (Some(path), Some(rates)) = (&arguments.adaptive.rates, &rates) {
+        write_file(path, &rates_png(rates))?;
+    }
     if surface_points == 0 {
         note(common, &arguments.input, "no pixel shows a surface; check render.camera");
     }
@@ -168,6 +182,9 @@ fn settings(options: &AdaptiveOptions) -> Result<(Settings, u32), Error> {
     if ![1, 4, 16].contains(&antialias) {
         return usage("antialias", antialias.to_string(), ANTIALIAS);
     }
+    if let Some(tile) = options.rate_tile.filter(|tile| !RATE_TILES.contains(tile)) {
+        return usage("rate-tile", tile.to_string(), RATE_TILE);
+    }
     if let Some(limit) = options.min_psnr.filter(|limit| !limit.is_finite()) {
         return usage("min-psnr", limit.to_string(), "a number");
     }
@@ -200,21 +217,6 @@ fn environment(arguments: &Arguments, subject: &Subject, environment: &Environme
     }
     environment_map(&environment.pixels, environment.width, DEFAULT_EPSILON)
         .map_err(|error| Error::internal(format!("environment: {error}")))
-}
-
-fn write(
-    arguments: &Arguments,
-    rendering: &AdaptiveRendering,
-    truth: &LinearImage,
-    exposure: f64,
-    antialiasing_levels: u32,
-) -> Result<(), Error> {
-    outputs::write_images(arguments, &rendering.image, truth, exposure)?;
-    if let Some(path) = &arguments.adaptive.maps {
-        let size = [truth.width << antialiasing_levels, truth.height << antialiasing_levels];
-        write_file(path, &prediction_png(&rendering.prediction, size))?;
-    }
-    Ok(())
 }
 
 fn check(arguments: &Arguments, verification: &AdaptiveVerification, truth: &LinearImage) -> Result<(), Error> {
@@ -270,6 +272,28 @@ fn text(v: &AdaptiveVerification) -> String {
         [number.to_string(), level.pixels.to_string(), level.shaded.to_string(), level.samples.to_string()]
     });
     text += &plain(&["level", "pixels", "shaded", "samples"], levels);
+    if let Some(rates) = &v.rates {
+        let rows = rates.counts.map(|count| {
+            [
+                format!("{0} x {0}", count.side),
+                count.tiles.to_string(),
+                count.pixels.to_string(),
+                count.shaded.to_string(),
+            ]
+        });
+        text += &format!(
+            "\n{}\nrates: {} x {} tiles of {} x {} pixels, {} of the pixels shaded{}.\n",
+            plain(&["rate", "tiles", "pixels", "shaded"], rows),
+            rates.width,
+            rates.height,
+            rates.tile,
+            rates.tile,
+            percent(rates.shaded_share()),
+            rates
+                .psnr
+                .map_or(String::new(), |psnr| format!(", PSNR of the ground truth with these rates {psnr:.1} dB")),
+        );
+    }
     text += &format!(
         "\nbandwidth buffer: {:.3} s, {} of forward shading with {} samples. Ground truth: {} samples per point, \
          {:.1} s{}.\n",

@@ -9,6 +9,8 @@ use std::path::PathBuf;
 pub(super) const MAX_SAMPLES: u32 = 1024;
 /// Allowed points per pixel.
 pub(super) const ANTIALIAS: &str = "1, 4 or 16";
+/// Allowed sides of tiles of rates.
+pub(super) const RATE_TILE: &str = "8, 16 or 32";
 
 /// Flags of `--adaptive`.
 #[derive(Debug, Args)]
@@ -50,6 +52,13 @@ pub(super) struct AdaptiveOptions {
     /// and variance 16, up to the maximum of the rendering; levels run from the coarsest to the finest.
     #[arg(long, value_name = "IMAGE.png", requires = "adaptive")]
     pub(super) maps: Option<PathBuf>,
+    /// Write shading rates for variable rate shading, one grey pixel per tile: .png. Values are those of
+    /// D3D12_SHADING_RATE: 0, 5 or 10 for 1 x 1, 2 x 2 or 4 x 4 pixels.
+    #[arg(long, value_name = "IMAGE.png", requires = "adaptive")]
+    pub(super) rates: Option<PathBuf>,
+    /// Pixels per side of a tile of --rates, as the graphics hardware requires: 8, 16 or 32 (default: 16).
+    #[arg(long, value_name = "N", requires = "rates", value_parser = any_whole_number::<u32>(RATE_TILE))]
+    pub(super) rate_tile: Option<u32>,
     /// Fail with exit code 1 if the PSNR is below X dB, any finite number.
     #[arg(long, value_name = "X", requires = "adaptive")]
     pub(super) min_psnr: Option<f64>,

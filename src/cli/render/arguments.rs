@@ -58,7 +58,7 @@ pub struct Arguments {
     #[arg(
         long,
         value_name = "IMAGE.png",
-        conflicts_with_all = ["output", "reference", "difference", "sheet", "adaptive", "maps"]
+        conflicts_with_all = ["output", "reference", "difference", "sheet", "adaptive", "maps", "rates"]
     )]
     pub(super) contact: Option<PathBuf>,
     /// Scene (default: the scene of the manifest, or sphere; for the pack of an RTI capture a plane, seen from above).

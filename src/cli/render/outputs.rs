@@ -16,7 +16,7 @@ fn extension(path: &Path) -> String {
 }
 
 /// Flags of image files, with their values and allowed extensions.
-fn files(arguments: &Arguments) -> [(&'static str, &Option<PathBuf>, &'static [&'static str]); 6] {
+fn files(arguments: &Arguments) -> [(&'static str, &Option<PathBuf>, &'static [&'static str]); 7] {
     [
         ("--output", &arguments.output, &["png", "exr"]),
         ("--reference", &arguments.reference, &["png", "exr"]),
@@ -24,6 +24,7 @@ fn files(arguments: &Arguments) -> [(&'static str, &Option<PathBuf>, &'static [&
         ("--sheet", &arguments.sheet, &["png"]),
         ("--contact", &arguments.contact, &["png"]),
         ("--maps", &arguments.adaptive.maps, &["png"]),
+        ("--rates", &arguments.adaptive.rates, &["png"]),
     ]
 }
 

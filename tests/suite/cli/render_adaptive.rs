@@ -46,10 +46,43 @@ fn a_rendering_with_its_cost_its_error_and_its_maps() {
         let image = image::load_from_memory(&folder.read(name)).unwrap();
         assert_eq!((image.width(), image.height()), (width, 48), "{name}");
     }
+    assert!(report.get("rates").is_none(), "{report}");
     // The same numbers and renderings again.
     let again = drawn(&folder, "synth:ggx?alpha=0.3", &["--environment", "sky.exr", "-o", "f.png"]);
     assert_eq!((&again["adaptive"]["psnr"], &again["levels"]), (&adaptive["psnr"], &report["levels"]));
     assert_eq!(folder.read("a.png"), folder.read("f.png"));
+}
+
+/// Texels of the image, counts of the report, and a caution so high that no pixel may be coarse.
+#[test]
+fn rates_of_tiles() {
+    if !has_adapter() {
+        return;
+    }
+    let folder = Folder::new();
+    let rates = |more: &[&str], size: (u32, u32)| {
+        let report = drawn(&folder, "synth:ggx?alpha=0.3", &[&["--rates", "r.png"][..], more].concat());
+        let image = image::load_from_memory(&folder.read("r.png")).unwrap();
+        let image::DynamicImage::ImageLuma8(image) = image else { panic!("{:?}", image.color()) };
+        assert_eq!(image.dimensions(), size);
+        let rates = report["rates"].clone();
+        let mut sums = [0; 2];
+        for (count, texel) in rates["counts"].as_array().unwrap().iter().zip([0, 5, 10]) {
+            let tiles = image.pixels().filter(|pixel| pixel.0 == [texel]).count();
+            assert_eq!((&count["texel"], &count["tiles"]), (&texel.into(), &tiles.into()), "{rates}");
+            sums[0] += count["pixels"].as_u64().unwrap();
+            sums[1] += count["shaded"].as_u64().unwrap();
+        }
+        (sums, report["surface_points"].as_u64().unwrap(), rates["psnr"].as_f64())
+    };
+    let coarse = ["--caution", "0.05"];
+    let ([pixels, shaded], surface, psnr) = rates(&[&coarse[..], &["--rate-tile", "8"]].concat(), (8, 6));
+    assert!(pixels == surface && 2 * shaded < pixels && psnr.unwrap() > 20.0, "{pixels} {shaded} {surface} {psnr:?}");
+    // Larger tiles are finer; four points are still one pixel.
+    let ([_, larger], ..) = rates(&[&coarse[..], &["--antialias", "4"]].concat(), (4, 3));
+    assert!(larger >= shaded && larger < pixels, "{larger} {shaded} {pixels}");
+    let ([pixels, all], _, psnr) = rates(&["--caution", "1000"], (4, 3));
+    assert!(10 * all > 9 * pixels && psnr.is_none_or(|psnr| psnr > 40.0), "{all} {pixels} {psnr:?}");
 }
 
 #[test]
@@ -113,7 +146,9 @@ fn wrong_flags_are_named() {
         (&["--adaptive", "--forward", "0"], "--forward: found 0, expected 1 to 1024"),
         (&["--adaptive", "--samples", "2"], "--samples does not apply to --adaptive"),
         (&["--adaptive", "--bandwidth-directions", "0"], "--bandwidth-directions: found 0, expected 1 to 4096"),
+        (&["--adaptive", "--rates", "r.png", "--rate-tile", "12"], "--rate-tile: found 12, expected 8, 16 or 32"),
         (&["--budget", "4"], "--adaptive"),
+        (&["--rates", "r.png"], "--adaptive"),
         (&["--adaptive", "--maps", "maps.exr"], "--maps: found maps.exr, expected a name that ends in .png"),
     ] {
         let ran = folder.run(&[&lambert[..], more].concat());

@@ -3,7 +3,7 @@
 use super::render::PartMaterial;
 use brdfc_gpu::AdapterDescription;
 use brdfc_metrics::image::{LinearImage, PIXELS_PER_DEGREE, flip, signal_to_noise};
-use brdfc_render::adaptive::{LevelCount, Settings};
+use brdfc_render::adaptive::{LevelCount, RateCount, RateImage, Settings};
 use schemars::JsonSchema;
 use serde::Serialize;
 
@@ -36,6 +36,9 @@ pub struct AdaptiveVerification {
     pub bandwidth_seconds: f64,
     /// Counts of each level of the pyramid, finest first.
     pub levels: Vec<LevelCount>,
+    /// Rates for variable rate shading; absent without `--rates`.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub rates: Option<AdaptiveRates>,
     /// Cost and error of forward shading with the same number of samples for every point.
     pub forward: Shading,
     /// Samples per point of the ground truth.
@@ -67,6 +70,37 @@ impl From<&Settings> for AdaptiveSettings {
     fn from(settings: &Settings) -> Self {
         let Settings { directions, samples, caution, fewest, most, .. } = *settings;
         Self { directions, budget: samples, caution, fewest, most }
+    }
+}
+
+/// A rate image; see [`RateImage`].
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, JsonSchema)]
+pub struct AdaptiveRates {
+    /// Pixels per side of a tile.
+    pub tile: u32,
+    /// Tiles per row.
+    pub width: usize,
+    /// Rows of tiles.
+    pub height: usize,
+    /// Counts of the rates 1 x 1, 2 x 2 and 4 x 4.
+    pub counts: [RateCount; 3],
+    /// PSNR of the ground truth with these rates against itself, dB: what the rates cost if shading has no other error.
+    /// Absent if there is no difference.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub psnr: Option<f64>,
+}
+
+impl AdaptiveRates {
+    /// Measures a rate image by the ground truth.
+    pub fn new(image: &RateImage, truth: &LinearImage, exposure: f64) -> Self {
+        let psnr = signal_to_noise(&image.coarse(truth), truth, exposure).psnr;
+        Self { tile: image.tile, width: image.width, height: image.height, counts: image.counts, psnr }
+    }
+
+    /// Coarse pixels that show a surface over pixels that show one, 0 to 1.
+    pub fn shaded_share(&self) -> f64 {
+        let sum = |of: fn(&RateCount) -> u64| self.counts.iter().map(of).sum::<u64>();
+        sum(|count| count.shaded) as f64 / sum(|count| count.pixels).max(1) as f64
     }
 }
 
