@@ -1,8 +1,10 @@
-//! Comparison of predicted bandwidth with windowed Fourier transforms of the rendering (figure 12 of Bagher et al.
-//! 2012).
+//! Comparison of predicted bandwidth with windowed Fourier transforms of the rendering, and of predicted with measured variance
+//! (figure 12 of Bagher et al. 2012).
 
 use super::case::{Case, StudyMaterial};
-use super::spectrum::{WINDOW, window_bandwidths};
+use super::interpolation::shaded_share;
+use super::sample_counts::{SampleCounts, sample_counts};
+use super::spectrum::{WINDOW, WindowBandwidth, window_bandwidths};
 use super::statistics::{Quantiles, correlation, ranks};
 use super::variance::{DeviationRow, compared as compared_deviations, sampled_deviations};
 use brdfc_metrics::image::luminance;
@@ -16,6 +18,8 @@ use serde::Serialize;
 const STRIDE: usize = 4;
 /// Mean samples per pixel of the figure's rendering.
 const BUDGET: f32 = 64.0;
+/// PSNR of renderings whose levels follow the prediction or the transform, dB.
+const PSNR: f64 = 30.0;
 /// Octaves of the figure's maps below their maximum.
 const OCTAVES: f32 = 6.0;
 
@@ -34,10 +38,19 @@ pub struct FourierRow {
     pub too_low_by_2: f64,
     /// Spearman's rank correlation, -1 to 1.
     pub rank_correlation: f64,
+    /// The same with the transform's detail, for which the mean of a window counts as a frequency of 0.
+    pub rank_correlation_of_detail: f64,
+    /// Share of pixels to shade for 30 dB if levels follow the prediction, and shaded pixels have no error; null if that
+    /// is not reached.
+    pub shaded_by_prediction: Option<f64>,
+    /// The same if levels follow the transform instead.
+    pub shaded_by_transform: Option<f64>,
     /// Ratios of prediction and transform.
     pub ratios: Quantiles,
     /// Predicted standard deviations of samples at the same pixels.
     pub deviation: DeviationRow,
+    /// Numbers of samples that follow the prediction.
+    pub sample_counts: SampleCounts,
 }
 
 /// Predictions of a case and their references.
@@ -46,7 +59,9 @@ pub struct FourierCheck {
     /// Centres of the windows, `[column, row]`.
     windows: Vec<[usize; 2]>,
     /// Bandwidth of each window, cycles per pixel.
-    bandwidth: Vec<f32>,
+    bandwidth: Vec<WindowBandwidth>,
+    /// Bandwidth of each pixel, by the window around it; predicted where the window leaves the surface.
+    transformed: Vec<f32>,
     /// Standard deviation of samples at each centre.
     deviation: Vec<f32>,
 }
@@ -69,15 +84,20 @@ impl FourierCheck {
             let all = |y: usize| (column - half..column + half).all(|x| case.buffer.part_at(y * width + x).is_some());
             (row - half..row + half).all(all)
         };
-        let rows = (half..=height.saturating_sub(half)).step_by(STRIDE);
-        let windows: Vec<[usize; 2]> = rows
-            .flat_map(|row| (half..=width.saturating_sub(half)).step_by(STRIDE).map(move |column| [column, row]))
+        let rows = half..=height.saturating_sub(half);
+        let all: Vec<[usize; 2]> = rows
+            .flat_map(|row| (half..=width.saturating_sub(half)).map(move |column| [column, row]))
             .filter(is_surface)
             .collect();
-        let bandwidth = window_bandwidths(&shown, width, &windows);
+        let found = window_bandwidths(&shown, width, &all);
+        let mut transformed = prediction.bandwidth.clone();
+        all.iter().zip(&found).for_each(|([x, y], found)| transformed[y * width + x] = found.frequency);
+        let is_compared = |[x, y]: &[usize; 2]| (x - half).is_multiple_of(STRIDE) && (y - half).is_multiple_of(STRIDE);
+        let compared = all.into_iter().zip(found).filter(|(window, _)| is_compared(window));
+        let (windows, bandwidth): (Vec<[usize; 2]>, Vec<WindowBandwidth>) = compared.unzip();
         let pixels: Vec<usize> = windows.iter().map(|[x, y]| y * width + x).collect();
         let deviation = sampled_deviations(case, material, &pixels);
-        Self { prediction, windows, bandwidth, deviation }
+        Self { prediction, windows, bandwidth, transformed, deviation }
     }
 
     /// Compares predictions with references.
@@ -86,7 +106,12 @@ impl FourierCheck {
             self.windows.iter().map(|[x, y]| values[y * case.frame.width + x]).collect()
         };
         let deviation = compared_deviations(&at_windows(&self.prediction.deviation), &self.deviation);
-        compared(&at_windows(&self.prediction.bandwidth), &self.bandwidth, deviation, material, shape)
+        FourierRow {
+            shaded_by_prediction: shaded_share(case, &self.prediction.bandwidth, PSNR),
+            shaded_by_transform: shaded_share(case, &self.transformed, PSNR),
+            sample_counts: sample_counts(case, &self.prediction),
+            ..compared(&at_windows(&self.prediction.bandwidth), &self.bandwidth, deviation, material, shape)
+        }
     }
 
     /// Figure 12, from left to right: predicted standard deviation of samples and that of samples, predicted bandwidth and
@@ -109,17 +134,26 @@ impl FourierCheck {
             map(&self.prediction.deviation),
             spread(&self.deviation),
             map(&self.prediction.bandwidth),
-            spread(&self.bandwidth),
+            spread(&self.bandwidth.iter().map(|found| found.frequency).collect::<Vec<_>>()),
             to_panel(&drawn, case.exposure),
             difference_panel(&drawn, &case.truth, case.exposure),
         ])
     }
 }
 
-fn compared(predicted: &[f32], reference: &[f32], deviation: DeviationRow, material: &str, shape: &str) -> FourierRow {
+fn compared(
+    predicted: &[f32],
+    reference: &[WindowBandwidth],
+    deviation: DeviationRow,
+    material: &str,
+    shape: &str,
+) -> FourierRow {
+    let details: Vec<f32> = reference.iter().map(|found| found.detail).collect();
+    let reference: Vec<f32> = reference.iter().map(|found| found.frequency).collect();
     let mut ratios: Vec<f64> =
-        predicted.iter().zip(reference).map(|(p, r)| f64::from(*p) / f64::from(r.max(1e-6))).collect();
-    let rank_correlation = correlation(&ranks(predicted), &ranks(reference));
+        predicted.iter().zip(&reference).map(|(p, r)| f64::from(*p) / f64::from(r.max(1e-6))).collect();
+    let [rank_correlation, rank_correlation_of_detail] =
+        [&reference, &details].map(|values| correlation(&ranks(predicted), &ranks(values)));
     ratios.sort_by(f64::total_cmp);
     let count = ratios.len().max(1) as f64;
     let share = |is: &dyn Fn(f64) -> bool| ratios.iter().filter(|ratio| is(**ratio)).count() as f64 / count;
@@ -130,8 +164,12 @@ fn compared(predicted: &[f32], reference: &[f32], deviation: DeviationRow, mater
         within_4: share(&|ratio| (0.25..=4.0).contains(&ratio)),
         too_low_by_2: share(&|ratio| ratio < 0.5),
         rank_correlation,
+        rank_correlation_of_detail,
+        shaded_by_prediction: None,
+        shaded_by_transform: None,
         ratios: Quantiles::of(&ratios),
         deviation,
+        sample_counts: SampleCounts::default(),
     }
 }
 
@@ -150,15 +188,15 @@ mod tests {
     fn ranks_are_invariant_to_monotone_changes() {
         let values = [0.3f32, 0.1, 0.2, 0.2, 0.9];
         assert_eq!(ranks(&values), [3.0, 0.0, 1.5, 1.5, 4.0]);
-        let squared = values.map(|v| v * v);
-        let of = |a: &[f32], b: &[f32]| compared(a, b, compared_deviations(a, b), "", "");
-        let row = of(&values, &squared);
-        assert!((row.rank_correlation - 1.0).abs() < 1e-12);
+        let reference = |frequency: f32, detail: f32| WindowBandwidth { frequency, detail };
+        let of = |a: &[f32], b: &[WindowBandwidth]| compared(a, b, compared_deviations(a, a), "", "");
+        let row = of(&values, &values.map(|v| reference(v * v, -v)));
+        assert!((row.rank_correlation - 1.0).abs() < 1e-12 && (row.rank_correlation_of_detail + 1.0).abs() < 1e-12);
         assert_eq!((row.windows, row.within_4), (5, 0.4));
         // The control: the reversed order.
         let reversed = values.map(|v| -v);
         assert!((correlation(&ranks(&values), &ranks(&reversed)) + 1.0).abs() < 1e-12);
-        assert_eq!(of(&[0.1, 0.1], &[0.3, 0.1]).too_low_by_2, 0.5);
+        assert_eq!(of(&[0.1, 0.1], &[reference(0.3, 0.0), reference(0.1, 0.0)]).too_low_by_2, 0.5);
     }
 
     /// Light with the same amount of detail everywhere.
@@ -188,6 +226,10 @@ mod tests {
             let check = FourierCheck::new(case, &material);
             let row = check.row(case, "metal", "sphere");
             assert!(row.windows > 100 && row.within_4 >= 0.9 && row.too_low_by_2 <= 0.05, "{row:?}");
+            let share = row.shaded_by_prediction.unwrap();
+            assert!(share > 0.01 && share < 0.5, "{row:?}");
+            let SampleCounts { uniform, prediction, first_samples, both } = row.sample_counts;
+            assert!([uniform, prediction, first_samples, both].iter().all(|share| (0.1..=1.0).contains(share)), "{row:?}");
             let mut flat = case.buffer.clone();
             let facing = flat.normal[64 * 128 + 64];
             flat.normal.iter_mut().for_each(|normal| *normal = facing);
