@@ -229,7 +229,10 @@ mod tests {
             let share = row.shaded_by_prediction.unwrap();
             assert!(share > 0.01 && share < 0.5, "{row:?}");
             let SampleCounts { uniform, prediction, first_samples, both } = row.sample_counts;
-            assert!([uniform, prediction, first_samples, both].iter().all(|share| (0.1..=1.0).contains(share)), "{row:?}");
+            assert!(
+                [uniform, prediction, first_samples, both].iter().all(|share| (0.1..=1.0).contains(share)),
+                "{row:?}"
+            );
             let mut flat = case.buffer.clone();
             let facing = flat.normal[64 * 128 + 64];
             flat.normal.iter_mut().for_each(|normal| *normal = facing);
