@@ -107,6 +107,9 @@ impl CubeMap {
     }
 }
 
+/// A key and its value.
+type Pair<'a> = (&'a [u8], &'a [u8]);
+
 /// Fields of a KTX2 file that matter.
 struct Header {
     vk_format: u32,
@@ -163,7 +166,7 @@ impl Header {
     }
 
     /// Keys and values, without NUL bytes at the end of a value.
-    fn keys<'a>(&self, bytes: &'a [u8]) -> Result<Vec<(&'a [u8], &'a [u8])>, FormatError> {
+    fn keys<'a>(&self, bytes: &'a [u8]) -> Result<Vec<Pair<'a>>, FormatError> {
         let cut =
             |offset: u64| FormatError::at_byte(offset, "key/value data", "end of data", "a complete file").problem();
         let [offset, length] = self.keys.map(|word| word as usize);

@@ -52,7 +52,7 @@ fn all_formats_are_read_with_and_without_compression() {
 }
 
 #[test]
-fn packs_are_told_apart() {
+fn packs_are_recognised() {
     let mut texture = texture(TexelFormat::Rgba16Float, 4, &as_halves(&colours(4)));
     assert!(!is_pack(&texture.to_bytes(false)));
     texture.entries.insert("brdfc.environment".to_owned(), vec![1]);
