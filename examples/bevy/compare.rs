@@ -1,7 +1,8 @@
-//! Compares frames of Bevy with renderings of `brdfc render`, or puts images side by side.
+//! Compares frames of Bevy with renderings of `brdfc render`, puts images side by side, or adds the light of two images.
 //!
 //! usage: compare LIMIT EXPECTED.png FOUND.png [LIMIT EXPECTED.png FOUND.png...]
 //!        compare --row OUT.png IMAGE.png...
+//!        compare --sum OUT.png ONE.png OTHER.png
 //!
 //! LIMIT is the largest mean ΔE (CIE 1976) over the pixels of surfaces.
 
@@ -42,6 +43,11 @@ fn run(arguments: &[String]) -> Result<(), Failure> {
         let renderings = renderings.iter().map(|path| read(path)).collect::<Result<Vec<_>, _>>()?;
         return side_by_side(&renderings).save(out).map_err(|error| format!("{out}: {error}").into());
     }
+    if let [option, out, one, other] = arguments
+        && option == "--sum"
+    {
+        return sum(&read(one)?, &read(other)?).save(out).map_err(|error| format!("{out}: {error}").into());
+    }
     let (triples, []) = arguments.as_chunks::<3>() else { return Err("each limit has two renderings".into()) };
     if triples.is_empty() {
         return Err("no renderings are named".into());
@@ -54,9 +60,7 @@ fn run(arguments: &[String]) -> Result<(), Failure> {
     for Pair { limit, expected, name, found } in &pairs {
         let Difference { mean, p95, codes, pixels } =
             difference(expected, found).map_err(|error| format!("{name}: {error}"))?;
-        println!(
-            "{name}: mean ΔE {mean:.2}, 95 %: {p95:.2}, at most {codes} 8-bit levels apart, over {pixels} pixels"
-        );
+        println!("{name}: mean ΔE {mean:.2}, 95 %: {p95:.2}, at most {codes} 8-bit levels apart, over {pixels} pixels");
         if mean > *limit {
             return Err(format!("{name}: mean ΔE: found {mean:.3}, expected at most {limit}").into());
         }
@@ -115,12 +119,31 @@ fn delta_e(a: [f64; 3], b: [f64; 3]) -> f64 {
     a.iter().zip(b).map(|(a, b)| (a - b).powi(2)).sum::<f64>().sqrt()
 }
 
+/// The linear value of a code of sRGB.
+fn linear(code: u8) -> f64 {
+    let value = f64::from(code) / 255.0;
+    if value <= 0.04045 { value / 12.92 } else { ((value + 0.055) / 1.055).powf(2.4) }
+}
+
+/// The sum of the light of two images of one scene. Their background stays.
+fn sum(one: &RgbImage, other: &RgbImage) -> RgbImage {
+    let background = *one.get_pixel(0, 0);
+    let code = |value: f64| {
+        let value = if value <= 0.003_130_8 { 12.92 * value } else { 1.055 * value.powf(1.0 / 2.4) - 0.055 };
+        (255.0 * value.clamp(0.0, 1.0)).round() as u8
+    };
+    RgbImage::from_fn(one.width(), one.height(), |x, y| {
+        let (a, b) = (one.get_pixel(x, y), other.get_pixel(x, y));
+        if [a, b].iter().all(|pixel| **pixel == background) {
+            return background;
+        }
+        Rgb([0, 1, 2].map(|k| code(linear(a[k]) + linear(b[k]))))
+    })
+}
+
 /// L*a*b* (D65) of the codes of sRGB.
 fn lab(pixel: &Rgb<u8>) -> [f64; 3] {
-    let [r, g, b] = pixel.0.map(|code| {
-        let value = f64::from(code) / 255.0;
-        if value <= 0.04045 { value / 12.92 } else { ((value + 0.055) / 1.055).powf(2.4) }
-    });
+    let [r, g, b] = pixel.0.map(linear);
     // Shares of white.
     let x = (0.412_456 * r + 0.357_576 * g + 0.180_438 * b) / 0.950_470;
     let y = 0.212_673 * r + 0.715_152 * g + 0.072_175 * b;

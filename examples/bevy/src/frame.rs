@@ -15,9 +15,9 @@ const QUIET_FRAMES: u32 = 10;
 /// Timeout.
 const MAX_WAIT: Duration = Duration::from_secs(300);
 
-/// The material that must be loaded before the frame is drawn.
+/// The materials that must be loaded before the frame is drawn.
 #[derive(Resource)]
-pub struct Awaited(pub UntypedHandle);
+pub struct Awaited(pub Vec<UntypedHandle>);
 
 /// Image that the camera draws to.
 #[derive(Resource)]
@@ -74,13 +74,13 @@ fn draw_when_ready(
     time: Res<Time<Real>>,
     (awaited, target, arguments): (Res<Awaited>, Res<Target>, Res<Arguments>),
 ) {
-    if let LoadState::Failed(_) = assets.load_state(&awaited.0) {
+    if awaited.0.iter().any(|asset| matches!(assets.load_state(asset), LoadState::Failed(_))) {
         // Bevy has reported the error.
         exit.write(AppExit::error());
     } else if time.elapsed() > MAX_WAIT {
         eprintln!("error: no frame after {} seconds", MAX_WAIT.as_secs());
         exit.write(AppExit::error());
-    } else if !assets.is_loaded_with_dependencies(&awaited.0) {
+    } else if !awaited.0.iter().all(|asset| assets.is_loaded_with_dependencies(asset)) {
         progress.quiet_frames = 0;
     } else if progress.quiet_frames >= QUIET_FRAMES && !progress.asked {
         progress.asked = true;

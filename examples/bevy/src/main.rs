@@ -1,4 +1,4 @@
-//! A ball of measured reflectance under a point light, drawn by Bevy from a pack of `brdfc`.
+//! A ball of measured reflectance under a light or an environment, drawn by Bevy from packs of `brdfc`.
 
 mod frame;
 mod pack_material;
@@ -8,6 +8,7 @@ mod pack_shader;
 use bevy::asset::{AssetPath, UnapprovedPathMode};
 use bevy::camera::{Exposure, RenderTarget};
 use bevy::core_pipeline::tonemapping::{DebandDither, Tonemapping};
+use bevy::light::NotShadowCaster;
 use bevy::prelude::*;
 use pack_material::{PackMaterial, PackMaterialPlugin, PackSettings};
 use std::path::PathBuf;
@@ -15,21 +16,26 @@ use std::path::PathBuf;
 const USAGE: &str = "\
 usage: brdfc-bevy PACK.ktx2 [OPTION...]
 
-Draws a ball from a pack of a BRDF or a flat BTF: in a window (cargo feature 'window'), or one frame to a file.
+Draws a ball from a pack of a BRDF or a flat BTF, or from lobes: in a window (cargo feature 'window'), or one frame to a file.
 
   --frame OUT.png       write one frame to this file
   --size WIDTHxHEIGHT   size of the frame in pixels, each 1 to 8192 (default: 256x256)
   --samples N           samples per pixel at outlines, 1 or 4 (default: 4)
   --repeat N            tiles of a flat BTF per unit of uv, 1 to 1000 (default: 1)
-  --light KIND          point, spot or directional (default: point)
+  --light KIND          point, spot, directional or none (default: point)
+  --with PACK.ktx2      another pack of the ball's material, repeatable: lobes and a prefiltered environment
+  --intensity X         factor of the environment's radiance, 0 or more (default: 1)
+  --background E.ktx2   draw a prefiltered environment behind the ball
 ";
 
 /// Radiant intensity and position of the light, W/sr. It points at the origin; a directional light is as bright there.
 const INTENSITY: f32 = 60.0;
 const LIGHT: Vec3 = Vec3::new(-3.0, 3.0, 4.0);
-const EYE: Vec3 = Vec3::new(0.0, 0.6, 4.4);
-/// Vertical, in degrees.
-const FIELD_OF_VIEW: f32 = 30.0;
+/// The camera of the scene 'sphere' of `brdfc render`; the field of view is vertical, in degrees.
+const EYE: Vec3 = Vec3::new(0.0, 0.0, 4.6);
+const FIELD_OF_VIEW: f32 = 31.0;
+/// Radius of the sphere that shows the background.
+const BACKGROUND_RADIUS: f32 = 100.0;
 
 /// Kinds of lights.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -37,6 +43,7 @@ enum LightKind {
     Point,
     Spot,
     Directional,
+    None,
 }
 
 /// Command-line arguments.
@@ -48,6 +55,9 @@ struct Arguments {
     repeat: u32,
     samples: u32,
     light: LightKind,
+    with: Vec<PathBuf>,
+    intensity: f32,
+    background: Option<PathBuf>,
 }
 
 impl Arguments {
@@ -55,11 +65,22 @@ impl Arguments {
     fn parse(mut words: impl Iterator<Item = String>) -> Result<Option<Self>, String> {
         let (mut pack, mut frame, mut size) = (None, None, UVec2::splat(256));
         let (mut repeat, mut samples, mut light) = (1, 4, LightKind::Point);
+        let (mut with, mut intensity, mut background) = (Vec::new(), 1.0, None);
         while let Some(word) = words.next() {
             let mut value = || words.next().ok_or(format!("{word} needs a value"));
             match word.as_str() {
                 "--help" | "-h" => return Ok(None),
                 "--frame" => frame = Some(PathBuf::from(value()?)),
+                "--with" => with.push(PathBuf::from(value()?)),
+                "--background" => background = Some(PathBuf::from(value()?)),
+                "--intensity" => {
+                    let text = value()?;
+                    intensity = text
+                        .parse()
+                        .ok()
+                        .filter(|intensity: &f32| *intensity >= 0.0 && intensity.is_finite())
+                        .ok_or(format!("--intensity: found {text}, expected a number, 0 or more"))?;
+                }
                 "--size" => {
                     let text = value()?;
                     let sides =
@@ -89,7 +110,10 @@ impl Arguments {
                         "point" => LightKind::Point,
                         "spot" => LightKind::Spot,
                         "directional" => LightKind::Directional,
-                        other => return Err(format!("--light: found {other}, expected point, spot or directional")),
+                        "none" => LightKind::None,
+                        other => {
+                            return Err(format!("--light: found {other}, expected point, spot, directional or none"));
+                        }
                     };
                 }
                 _ if word.starts_with('-') => return Err(format!("unknown option {word}")),
@@ -97,7 +121,8 @@ impl Arguments {
                 _ => return Err(format!("a second pack: {word}")),
             }
         }
-        Ok(Some(Self { pack: pack.ok_or("no pack is given")?, frame, size, repeat, samples, light }))
+        let pack = pack.ok_or("no pack is given")?;
+        Ok(Some(Self { pack, frame, size, repeat, samples, light, with, intensity, background }))
     }
 }
 
@@ -152,12 +177,28 @@ fn set_up(
     // Anisotropic materials need tangents: along circles of latitude, after the poles of Bevy's ball are turned to top and bottom.
     let ball = Sphere::new(1.0).mesh().uv(144, 72).with_generated_tangents()?;
     let upright = Transform::from_rotation(Quat::from_rotation_x(-std::f32::consts::FRAC_PI_2));
-    let path = AssetPath::from_path_buf(std::path::absolute(&arguments.pack)?);
+    let path = |path: &PathBuf| std::path::absolute(path).map(AssetPath::from_path_buf);
     let repeat = Vec2::splat(arguments.repeat as f32);
-    let settings = move |settings: &mut PackSettings| settings.repeat = repeat;
-    let material: Handle<PackMaterial> = assets.load_builder().with_settings(settings).load(path);
+    let packs = arguments.with.iter().map(|pack| Ok(path(pack)?.to_string())).collect::<Result<Vec<String>>>()?;
+    let intensity = arguments.intensity;
+    let settings = move |settings: &mut PackSettings| {
+        settings.repeat = repeat;
+        settings.environment_intensity = intensity;
+        settings.packs.clone_from(&packs);
+    };
+    let material: Handle<PackMaterial> = assets.load_builder().with_settings(settings).load(path(&arguments.pack)?);
     commands.spawn((Mesh3d(meshes.add(ball)), MeshMaterial3d(material.clone()), upright));
-    commands.insert_resource(frame::Awaited(material.untyped()));
+    let mut awaited = vec![material.untyped()];
+    if let Some(environment) = &arguments.background {
+        let background: Handle<PackMaterial> = assets
+            .load_builder()
+            .with_settings(move |settings: &mut PackSettings| settings.environment_intensity = intensity)
+            .load(path(environment)?);
+        let around = meshes.add(Sphere::new(BACKGROUND_RADIUS).mesh().uv(32, 16));
+        commands.spawn((Mesh3d(around), MeshMaterial3d(background.clone()), NotShadowCaster));
+        awaited.push(background.untyped());
+    }
+    commands.insert_resource(frame::Awaited(awaited));
 
     // Bevy expects the flux over the whole sphere, also for spot lights.
     let (intensity, range) = (4.0 * std::f32::consts::PI * INTENSITY, 1000.0);
@@ -170,6 +211,7 @@ fn set_up(
         LightKind::Directional => {
             light.insert(DirectionalLight { illuminance: INTENSITY / LIGHT.length_squared(), ..default() })
         }
+        LightKind::None => &mut light,
     };
 
     let msaa = if arguments.samples == 1 { Msaa::Off } else { Msaa::Sample4 };
@@ -212,6 +254,8 @@ mod tests {
         let arguments = parsed("red.ktx2 --frame out.png --size 320x240").unwrap().unwrap();
         assert_eq!(arguments.size, UVec2::new(320, 240));
         assert_eq!(arguments.frame, Some("out.png".into()));
+        let arguments = parsed("red.ktx2 --with red.lobes.ktx2 --with sky.ktx2 --light none").unwrap().unwrap();
+        assert_eq!(arguments.with, [PathBuf::from("red.lobes.ktx2"), "sky.ktx2".into()]);
         assert_eq!(parsed("--help"), Ok(None));
         for (line, said) in [
             ("", "no pack is given"),
@@ -220,7 +264,8 @@ mod tests {
             ("a.ktx2 --size 0x5", "--size: found 0x5, expected WIDTHxHEIGHT, each 1 to 8192"),
             ("a.ktx2 --repeat 0", "--repeat: found 0, expected 1 to 1000"),
             ("a.ktx2 --samples 2", "--samples: found 2, expected 1 or 4"),
-            ("a.ktx2 --light sun", "--light: found sun, expected point, spot or directional"),
+            ("a.ktx2 --light sun", "--light: found sun, expected point, spot, directional or none"),
+            ("a.ktx2 --intensity -1", "--intensity: found -1, expected a number, 0 or more"),
             ("a.ktx2 --fast", "unknown option --fast"),
         ] {
             assert_eq!(parsed(line), Err(said.to_owned()));

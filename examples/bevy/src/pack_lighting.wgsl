@@ -1,7 +1,10 @@
-// Bevy's lights for a pack. Include it after a decoder and two functions:
+// Bevy's lights, and an environment, for packs. Include it after the decoders of environments and lobes, the variable
+// `pack_settings`, another decoder and two functions:
 //
 //     pack_level(uv)               // a level of detail, where control flow is uniform
 //     pack_reflected(surface, wi)  // f_r times the cosine of the incoming direction, 1/sr
+//
+// PACK_LOBES is defined if there are lobes and an environment, PACK_BACKGROUND if there is only an environment.
 
 #import bevy_pbr::{
     clustered_forward as clusters,
@@ -73,6 +76,14 @@ fn fragment(in: forward_io::VertexOutput, @builtin(front_facing) front: bool) ->
         radiance += share * reflected(surface, scene::lights.directional_lights[k].direction_to_light, irradiance);
     }
 
+#ifdef PACK_LOBES
+    radiance += from_environment(surface);
+#endif
+#ifdef PACK_BACKGROUND
+    let away = -pbr_functions::calculate_view(in.world_position, is_orthographic);
+    radiance = pack_settings.intensity * environment_radiance(turned(away), environment_parameters.sharpest);
+#endif
+
     // Fog, and tone mapping if the view has no HDR texture.
     var input = pbr_types::pbr_input_new();
     input.frag_coord = in.position;
@@ -120,6 +131,28 @@ fn reflected(surface: PackSurface, l: vec3<f32>, irradiance: vec3<f32>) -> vec3<
     }
     return pack_reflected(surface, wi) * irradiance;
 }
+
+// The direction in the frame of the environment, which is turned about the y axis.
+fn turned(direction: vec3<f32>) -> vec3<f32> {
+    let turn = pack_settings.turn;
+    return vec3<f32>(
+        turn.x * direction.x - turn.y * direction.z,
+        direction.y,
+        turn.y * direction.x + turn.x * direction.z,
+    );
+}
+
+#ifdef PACK_LOBES
+// Radiance that lobes reflect from the environment.
+fn from_environment(surface: PackSurface) -> vec3<f32> {
+    var radiance = vec3<f32>(0.0);
+    for (var k = 0u; k < lobes_count(); k += 1u) {
+        let lobe = lobes_lookup(surface.wo, k);
+        radiance += lobe.weight * environment_radiance(turned(surface.frame * lobe.direction), lobe.sharpness);
+    }
+    return pack_settings.intensity * radiance;
+}
+#endif
 
 // A point or spot light without its cone, treated as a point with any radius. Bevy's lights end at their range.
 fn from_near_light(surface: PackSurface, position: vec3<f32>, id: u32) -> vec3<f32> {

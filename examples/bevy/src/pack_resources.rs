@@ -4,15 +4,15 @@ use bevy::image::{ImageAddressMode, ImageSamplerDescriptor};
 use bevy::render::render_resource::*;
 use bevy::render::renderer::{RenderDevice, RenderQueue};
 use brdfc_formats::FormatError;
-use brdfc_formats::bindings::{Bindings, FrameBlock, Resource, Texels};
+use brdfc_formats::bindings::{Binding, FrameBlock, Resource, Texels};
 use serde::de::value::{Error, StrDeserializer};
 
-/// Uploads the resources of a pack, and makes a bind group of them by slots.
+/// Uploads the resources of packs, and makes a bind group of them by slots.
 ///
 /// # Errors
 /// Returns an error for a texture that the device cannot filter.
 pub fn upload(
-    bindings: Bindings<'_>,
+    bindings: Vec<Binding<'_>>,
     frame: FrameBlock,
     device: &RenderDevice,
     queue: &RenderQueue,
@@ -23,7 +23,7 @@ pub fn upload(
         (binding_types::uniform_buffer_sized(false, None), OwnedBindingResource::Buffer(buffer))
     };
     let (mut layout, mut resources) = (Vec::new(), Vec::new());
-    for binding in bindings.all {
+    for binding in bindings {
         let (ty, resource) = match binding.resource {
             Resource::Frame => block(&frame.to_bytes()),
             Resource::Uniform(bytes) => block(&bytes),
