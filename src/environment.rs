@@ -9,7 +9,6 @@ pub use brdfc_environment::facts::EnvironmentFacts;
 pub use brdfc_formats::environment::{EnvironmentDecoder, EnvironmentHeader, EnvironmentPack, MAX_SIDE, MIN_SIDE};
 pub use brdfc_jobs::environment::Surroundings;
 pub use brdfc_render::scene::Environment;
-pub use brdfc_source::environment::KINDS;
 
 use crate::{Error, Input, Progress};
 use brdfc_jobs::environment::prefilter_image;
@@ -30,6 +29,24 @@ pub fn open_surroundings(input: &Input) -> Result<Surroundings, Error> {
 /// Same as [`open_surroundings`].
 pub fn open_image(input: &Input) -> Result<Environment, Error> {
     Ok(open_surroundings(input)?.into_image())
+}
+
+/// Same as [`open`], next to the radiance that was prefiltered, as a latitude-longitude image; of a cube map, four faces wide.
+///
+/// # Errors
+/// Same as [`open`].
+pub fn open_with_image(input: &Input, progress: &dyn Progress) -> Result<(EnvironmentPack, Environment), Error> {
+    match open_environment(input)? {
+        EnvironmentFile::Pack(pack) => {
+            let image = Surroundings::from(EnvironmentFile::Pack(pack.clone())).into_image();
+            Ok((pack, image))
+        }
+        other => {
+            let surroundings = Surroundings::from(other);
+            let pack = surroundings.prefilter(None, progress).map_err(|error| error.prefixed(input))?;
+            Ok((pack, surroundings.into_image()))
+        }
+    }
 }
 
 /// Prefilters an image, on faces of `side` texels, by default as many as retain its detail.

@@ -34,7 +34,7 @@ pub struct FrameMaterial<'a> {
     pub lobes: LobesPack,
 }
 
-/// Times of a frame.
+/// Times of a frame, each with the way of the image to memory.
 #[derive(Debug, Clone, Serialize, JsonSchema)]
 pub struct FrameTimes {
     /// Adapter that drew the frames.
@@ -51,7 +51,7 @@ pub struct FrameTimes {
     pub points: f64,
     /// Seconds of a frame in the environment, by lobes.
     pub lobes: f64,
-    /// Seconds of forward shading in the environment, without the surfaces.
+    /// Seconds of forward shading in the environment, from a buffer of surfaces.
     pub forward: Vec<ForwardTime>,
 }
 
@@ -86,17 +86,18 @@ pub fn frame_times(
         level: None,
         distance_scale: DEFAULT_DISTANCE_SCALE,
     };
+    let frame = Frame { width, height, samples: 1 };
     let materials = &materials[..scene.parts.len()];
     let packs: Vec<&BrdfPack> = materials.iter().map(|material| &material.pack).collect();
     let renderer = Renderer::new(gpu)?;
-    let (loaded, target) = (renderer.load(scene, &packs, decoding)?, renderer.target(width, height)?);
-    let points = fastest(|| renderer.draw_sample(&loaded, &scene.camera, &target, [0, 0], 1))?;
+    let loaded = renderer.load(scene, &packs, decoding)?;
+    let points = fastest(|| renderer.draw(&loaded, &scene.camera, frame))?;
     progress("point lights");
 
     let lobes: Vec<Option<&LobesPack>> = materials.iter().map(|material| Some(&material.lobes)).collect();
     let renderer = LobesRenderer::new(gpu, lobes_scene_source(), light)?;
     let loaded = renderer.load(scene, &lobes)?;
-    let by_lobes = fastest(|| renderer.rasteriser().draw_sample(&loaded, &scene.camera, &target, [0, 0], 1))?;
+    let by_lobes = fastest(|| renderer.rasteriser().draw(&loaded, &scene.camera, frame))?;
     progress("lobes");
 
     let lookups = materials.iter().map(|material| Lookups::new(material.source).expect("default recipes"));
@@ -109,7 +110,7 @@ pub fn frame_times(
     let adaptive = AdaptiveScene { scene, light: &distant, materials: &adaptive };
     let renderer = AdaptiveRenderer::new(gpu)?;
     let loaded = renderer.load(&adaptive, &packs, decoding)?;
-    let g_buffer = renderer.g_buffer(&loaded, &scene.camera, Frame { width, height, samples: 1 }, 0)?;
+    let g_buffer = renderer.g_buffer(&loaded, &scene.camera, frame, 0)?;
     let buffer = renderer.read(&g_buffer)?;
     let surface = (0..buffer.part.len()).filter(|point| buffer.part_at(*point).is_some()).count();
     let mut forward = Vec::new();

@@ -47,14 +47,11 @@ impl Surroundings {
     pub fn into_image(self) -> Environment {
         match self {
             Self::Image(image) => image,
-            Self::Cube(cube) => {
-                let width = 4 * cube.side();
-                Environment::of(width, width / 2, |direction| cube.filtered(FacePoint::of(direction)))
-            }
+            Self::Cube(cube) => Environment::of_cube(cube.side(), |direction| cube.filtered(FacePoint::of(direction))),
         }
     }
 
-    /// Prefilters on faces of `side` texels, by default as many as retain the detail.
+    /// Prefilters on faces of `side` texels, by default as many as retain the detail, 64 to 512.
     ///
     /// # Errors
     /// Returns an error if the side is not a power of two from 8 to 2048, and if the work was cancelled.
@@ -66,7 +63,7 @@ impl Surroundings {
     pub(crate) fn default_side(&self) -> u32 {
         match self {
             Self::Image(image) => default_side(image.width),
-            // Four faces surround the equator, and have as many texels in the result.
+            // `default_side` expects the width of an image, half of which is the side.
             Self::Cube(cube) => default_side(2 * cube.side()),
         }
     }
@@ -116,4 +113,38 @@ fn prefiltered(image: &Environment, side: u32, progress: &dyn Progress) -> Resul
 /// side copies them; otherwise at least two across each, because look-ups are bilinear.
 fn samples_of_cube(from: usize, side: usize) -> usize {
     if from.is_multiple_of(side) { from / side } else { (2 * from).div_ceil(side).max(2) }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::f64::consts::{PI, TAU};
+
+    /// One bright texel in the middle, at an edge and at a corner of a face keeps its light in a latitude-longitude image.
+    #[test]
+    fn images_of_cube_maps_keep_the_light_of_a_texel() {
+        const SIDE: usize = 16;
+        for (column, row) in [(7, 8), (0, 7), (15, 8), (0, 0), (15, 15)] {
+            for face in [0, 2, 4] {
+                let mut texels = vec![[0.0; 3]; 6 * SIDE * SIDE];
+                texels[(face * SIDE + row) * SIDE + column] = [1000.0; 3];
+                let cube = FilteredCube::new(SIDE, &texels);
+                let radiance = |direction| cube.filtered(FacePoint::of(direction));
+                let light = |image: &Environment| {
+                    let Environment { width, height, pixels } = image;
+                    let of_row = |row: usize| (PI * (row as f64 + 0.5) / *height as f64).sin();
+                    let pixel = |(at, pixel): (usize, &[f32; 3])| f64::from(pixel[1]) * of_row(at / width);
+                    pixels.iter().enumerate().map(pixel).sum::<f64>() * TAU / *width as f64 * PI / *height as f64
+                };
+                let exact = light(&Environment::of(64 * SIDE, 32 * SIDE, radiance));
+                let found = light(&Surroundings::Cube(cube.clone()).into_image());
+                assert!((found / exact - 1.0).abs() < 0.03, "{face}, {column}, {row}: {found} {exact}");
+                // The control: one sample in each pixel misses the light of texels at edges.
+                if column == 0 && row == 7 {
+                    let sampled = light(&Environment::of(4 * SIDE, 2 * SIDE, radiance));
+                    assert!((sampled / exact - 1.0).abs() > 0.03, "{face}: {sampled} {exact}");
+                }
+            }
+        }
+    }
 }

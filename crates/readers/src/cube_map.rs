@@ -1,4 +1,5 @@
-//! Cube maps of radiance of any writer, `.ktx2`. Layout: `crates/readers/src/cube_map.md`.
+//! Cube maps of radiance of any writer, `.ktx2`. Layout: `crates/readers/src/cube_map.md`. The header is parsed here, because errors
+//! of the crate `ktx2` name no field.
 
 use brdfc_formats::FormatError;
 use brdfc_formats::container::{CUBE_FACES, MAX_EXTENT, half, rgb9e5, unpack_finest};
@@ -6,7 +7,7 @@ use brdfc_formats::cursor::Cursor;
 use brdfc_formats::memory;
 
 /// Names of the faces in the order of a file.
-pub const FACES: [&str; CUBE_FACES as usize] = ["+X", "-X", "+Y", "-Y", "+Z", "-Z"];
+const FACES: [&str; CUBE_FACES as usize] = ["+X", "-X", "+Y", "-Y", "+Z", "-Z"];
 
 const IDENTIFIER: &[u8] = b"\xabKTX 20\xbb\r\n\x1a\n";
 /// Rows run down and columns to the right, as the specification of KTX2 requires of cube maps.
@@ -154,7 +155,7 @@ impl Header {
     /// Texels along each side of a face, after all sizes are checked.
     fn side(&self) -> Result<u32, FormatError> {
         let side = self.sizes[0];
-        // Faces first: they tell cube maps from other textures.
+        // Faces first: other textures than cube maps have another number.
         for at in [4, 0, 1, 2, 3, 5] {
             let (field, allowed, text) = SIZES[at];
             if !allowed(self.sizes[at], side) {

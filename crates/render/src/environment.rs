@@ -8,14 +8,43 @@ use rayon::prelude::*;
 use std::f32::consts::PI;
 use std::f64::consts::TAU;
 
+/// Parts of a pixel along each side whose mean it is.
+const SUBSAMPLES: usize = 4;
+
+/// Unit direction of a position in an image, in pixels.
+fn direction([x, y]: [f64; 2], [width, height]: [usize; 2]) -> Vector {
+    let azimuth = TAU * x / width as f64;
+    let colatitude = std::f64::consts::PI * y / height as f64;
+    let sine = colatitude.sin();
+    [sine * azimuth.cos(), colatitude.cos(), sine * azimuth.sin()]
+}
+
 impl Environment {
     /// Image of a function of unit directions, at the centres of the pixels.
     pub fn of(width: usize, height: usize, radiance: impl Fn(Vector) -> [f32; 3] + Sync) -> Self {
         let pixel = |at: usize| {
-            let azimuth = TAU * ((at % width) as f64 + 0.5) / width as f64;
-            let colatitude = std::f64::consts::PI * ((at / width) as f64 + 0.5) / height as f64;
-            let sine = colatitude.sin();
-            radiance([sine * azimuth.cos(), colatitude.cos(), sine * azimuth.sin()])
+            let (column, row) = (at % width, at / width);
+            radiance(direction([column as f64 + 0.5, row as f64 + 0.5], [width, height]))
+        };
+        Self { width, height, pixels: (0..width * height).into_par_iter().map(pixel).collect() }
+    }
+
+    /// Image of the radiance of a cube map with faces of `side` texels, by unit direction; four faces wide. Pixels are means,
+    /// because texels near the edges of faces are smaller than pixels.
+    pub fn of_cube(side: usize, radiance: impl Fn(Vector) -> [f32; 3] + Sync) -> Self {
+        let (width, height) = (4 * side, 2 * side);
+        let pixel = |at: usize| {
+            let (mut sum, mut all) = ([0.0; 3], 0.0);
+            for part in 0..SUBSAMPLES * SUBSAMPLES {
+                let within = [part % SUBSAMPLES, part / SUBSAMPLES].map(|k| (k as f64 + 0.5) / SUBSAMPLES as f64);
+                let position = [(at % width) as f64 + within[0], (at / width) as f64 + within[1]];
+                // Solid angle of the part of a pixel, up to a factor.
+                let weight = (std::f64::consts::PI * position[1] / height as f64).sin();
+                let found = radiance(direction(position, [width, height]));
+                (0..3).for_each(|k| sum[k] += weight * f64::from(found[k]));
+                all += weight;
+            }
+            sum.map(|sum| (sum / all) as f32)
         };
         Self { width, height, pixels: (0..width * height).into_par_iter().map(pixel).collect() }
     }

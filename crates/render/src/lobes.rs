@@ -5,7 +5,7 @@ use super::environment_light::reflected;
 use super::environment_sampler::{EnvironmentSampler, FramedEnvironmentSampler};
 use super::lobe_sampler::{BalancedSampler, MeasuredLobe, shift_of};
 use super::sample_means::sample_means;
-use super::scene::{Environment, Frame, Scene};
+use super::scene::{Frame, Scene};
 use super::shade::{SourceReflectance, mirror_share};
 use super::shading_point::ShadingPoint;
 use super::trace::trace;
@@ -34,14 +34,6 @@ impl PrefilteredLight {
     /// The environment as engines load it.
     pub fn pack(&self) -> &EnvironmentPack {
         &self.pack
-    }
-
-    /// Latitude-longitude image of its unfiltered radiance, four faces wide.
-    pub fn unfiltered(&self) -> Environment {
-        let header = self.pack.header();
-        let (width, height) = (4 * header.side as usize, 2 * header.side as usize);
-        let sharpest = header.sharpest() as f32;
-        Environment::of(width, height, |direction| self.decoder.radiance(direction.map(|c| c as f32), sharpest))
     }
 }
 

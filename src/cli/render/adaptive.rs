@@ -289,9 +289,7 @@ fn text(v: &AdaptiveVerification) -> String {
             rates.tile,
             rates.tile,
             percent(rates.shaded_share()),
-            rates
-                .psnr
-                .map_or(String::new(), |psnr| format!(", PSNR of the ground truth with these rates {psnr:.1} dB")),
+            rates.psnr.map_or(String::new(), |psnr| format!(", PSNR with these rates at most {psnr:.1} dB")),
         );
     }
     text += &format!(

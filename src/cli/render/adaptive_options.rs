@@ -44,8 +44,8 @@ pub(super) struct AdaptiveOptions {
     /// Samples per point of forward shading, 1 to 1024 (default: 32).
     #[arg(long, value_name = "N", requires = "adaptive", value_parser = whole_number::<u32>(1..=MAX_SAMPLES.into()))]
     pub(super) forward: Option<u32>,
-    /// Samples per point of the ground truth on the CPU, 16 to 65536 (default: 256 per pixel; with --adaptive at least
-    /// twice the samples of --forward).
+    /// Directions per pixel of the reference on the CPU, 16 to 65536 (default: 256); with --adaptive samples per point
+    /// of the ground truth (default: 256 per pixel, at least twice the samples of --forward).
     #[arg(long, value_name = "N", value_parser = whole_number::<usize>(16..=65_536))]
     pub(super) truth: Option<usize>,
     /// Write bandwidth, levels and variance side by side, from dark to pale yellow: .png. Bandwidth covers 8 octaves

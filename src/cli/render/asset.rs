@@ -95,7 +95,7 @@ fn not_packed(input: &Input) -> Error {
 /// Rejects an environment for an input that no lobes are drawn of.
 pub(super) fn refuse_environment(arguments: &Arguments, input: &Input) -> Result<(), Error> {
     if arguments.by_lobes() {
-        let text = "--environment applies to materials, and with --adaptive to scenes";
+        let text = "--environment applies to materials and their scenes, not to flat BTFs and packs of RTI captures";
         return Err(Error::usage(format!("{input}: {text}")));
     }
     Ok(())

@@ -30,6 +30,9 @@ pub(super) fn run(
 ) -> Result<(), Error> {
     flat::refuse_flags(arguments)?;
     let subject = materials::subject(arguments)?;
+    if !subject.has_lobes() {
+        super::refuse_truth(arguments)?;
+    }
     let mut setup = scene::setup(arguments, &subject)?;
     let names = scene::materials_in_turn(arguments, &subject)?;
     let decoding = gpu::decoding(arguments, &subject);

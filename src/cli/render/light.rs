@@ -40,10 +40,9 @@ impl Light {
             // An image is the environment of the scene already.
             if is_cube_map(input)? {
                 let progress = Materials::new(1, false, common);
-                let pack = environment::open(input, progress.part("environment").as_ref())?;
-                let prefiltered = PrefilteredLight::new(pack);
-                scene.environment = prefiltered.unfiltered();
-                return Ok(Self { image: scene.environment.clone(), prefiltered });
+                let (pack, image) = environment::open_with_image(input, progress.part("environment").as_ref())?;
+                scene.environment = image.clone();
+                return Ok(Self { prefiltered: PrefilteredLight::new(pack), image });
             }
         } else if let Some(file) = subject.environment() {
             let surroundings = environment::open_surroundings(&Input::from(file.as_path()))?;
@@ -74,6 +73,13 @@ impl Light {
         common: Common,
     ) -> Result<Option<Self>, Error> {
         if !subject.has_lobes() {
+            if let Some(input) = arguments.adaptive.environment.as_ref().filter(|_| arguments.by_lobes()) {
+                note(common, input, "lights no material: their uses are lit by points, or have no lobes (maps)");
+                // Mirrors reflect it. An image is the environment of the scene already.
+                if is_cube_map(input)? {
+                    scene.environment = environment::open_image(input)?;
+                }
+            }
             return Ok(None);
         }
         Self::of(arguments, subject, scene, common).map(Some)
@@ -101,8 +107,8 @@ impl Light {
             let integrals = sources.map(|source| source.map(integral_material).transpose());
             let integrals = integrals.collect::<Result<Vec<_>, _>>()?;
             let integrals: Vec<_> = of_parts.iter().map(|part| integrals[*part].as_ref()).collect();
-            let by_default = TRUTH.div_ceil(setup.frame.samples * setup.frame.samples);
-            let samples = arguments.adaptive.truth.unwrap_or(by_default).next_multiple_of(16);
+            let of_pixel = arguments.adaptive.truth.unwrap_or(TRUTH);
+            let samples = of_pixel.div_ceil(setup.frame.samples * setup.frame.samples).next_multiple_of(16);
             let text = "the integral over the environment";
             remark(common, &format!("{text}: {samples} directions for each sample, on the CPU"));
             let scene = Scene { environment: self.image.clone(), ..setup.scene.clone() };

@@ -115,7 +115,7 @@ pub(super) fn budgets(method: Method, prefiltered: Prefiltered<'_>) -> Vec<Budge
     }
 }
 
-/// Draws a case by a method; its curves reach a time in seconds if more samples allow it.
+/// Draws a case by a method; its curves reach a time in seconds if more samples, at most [`MAX_SAMPLES`], allow it.
 fn of_method(case: &Case<'_>, prefiltered: Prefiltered<'_>, method: Method, until: f64) -> MethodRow {
     let variants: Vec<Variant> = match method.parts() {
         (_, LookUps::Lobes | LookUps::SplitSum | LookUps::Gaussians) | (Density::Level(_), LookUps::Samples) => {

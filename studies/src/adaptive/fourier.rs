@@ -226,13 +226,15 @@ mod tests {
             let check = FourierCheck::new(case, &material);
             let row = check.row(case, "metal", "sphere");
             assert!(row.windows > 100 && row.within_4 >= 0.9 && row.too_low_by_2 <= 0.05, "{row:?}");
-            let share = row.shaded_by_prediction.unwrap();
-            assert!(share > 0.01 && share < 0.5, "{row:?}");
-            let SampleCounts { uniform, prediction, first_samples, both } = row.sample_counts;
-            assert!(
-                [uniform, prediction, first_samples, both].iter().all(|share| (0.1..=1.0).contains(share)),
-                "{row:?}"
-            );
+            let [share, by_transform] = [row.shaded_by_prediction, row.shaded_by_transform].map(Option::unwrap);
+            assert!(share > 0.01 && share < 0.5 && by_transform > 0.01 && by_transform < 0.5, "{row:?}");
+            // The control: fine levels where the rendering is smooth.
+            let reversed: Vec<f32> = check.prediction.bandwidth.iter().map(|b| 0.01 / b.max(1e-3)).collect();
+            assert!(shaded_share(case, &reversed, PSNR).is_none_or(|reversed| reversed > 1.2 * share));
+            assert!(row.sample_counts.prediction > row.sample_counts.uniform, "{row:?}");
+            let mut other = check.prediction.clone();
+            other.deviation.iter_mut().for_each(|deviation| *deviation = 1.0 / deviation.max(1e-3));
+            assert!(sample_counts(case, &other).prediction < row.sample_counts.uniform, "{row:?}");
             let mut flat = case.buffer.clone();
             let facing = flat.normal[64 * 128 + 64];
             flat.normal.iter_mut().for_each(|normal| *normal = facing);

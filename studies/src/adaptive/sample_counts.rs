@@ -16,7 +16,7 @@ const FIRST: u32 = 4;
 /// Pixels around a pixel in each direction that are its neighbours.
 const AROUND: usize = 2;
 /// Spread below which a pixel counts as having this much.
-const LEAST: f32 = 1e-4;
+const MIN_SPREAD: f32 = 1e-4;
 
 /// Quality of numbers of samples in proportion to an estimate of the spread: the share of samples that would give the same
 /// sum of squared errors if the numbers were in proportion to the measured spread; 0 to 1.
@@ -42,7 +42,8 @@ pub(super) fn sample_counts(case: &Case<'_>, prediction: &Prediction) -> SampleC
         (0..case.buffer.part.len()).into_par_iter().map(|at| moments(case, at, 0..FIRST)).collect();
     let near: Vec<f32> = pixels.iter().map(|at| spread(around(case, &first, *at), white)).collect();
     let predicted: Vec<f32> = pixels.iter().map(|at| prediction.deviation[*at]).collect();
-    let both: Vec<f32> = near.iter().zip(&predicted).map(|(a, b)| (a.max(LEAST) * b.max(LEAST)).sqrt()).collect();
+    let both: Vec<f32> =
+        near.iter().zip(&predicted).map(|(a, b)| (a.max(MIN_SPREAD) * b.max(MIN_SPREAD)).sqrt()).collect();
     SampleCounts {
         uniform: efficiency(&vec![1.0; pixels.len()], &measured),
         prediction: efficiency(&predicted, &measured),
@@ -55,7 +56,7 @@ pub(super) fn sample_counts(case: &Case<'_>, prediction: &Prediction) -> SampleC
 fn efficiency(estimate: &[f32], measured: &[f32]) -> f64 {
     let (mut sum, mut of_estimate, mut errors) = (0.0, 0.0, 0.0);
     for (estimate, measured) in estimate.iter().zip(measured) {
-        let (estimate, measured) = (f64::from(estimate.max(LEAST)), f64::from(*measured));
+        let (estimate, measured) = (f64::from(estimate.max(MIN_SPREAD)), f64::from(*measured));
         sum += measured;
         of_estimate += estimate;
         errors += measured * measured / estimate;

@@ -141,6 +141,7 @@ fn what_does_not_apply_is_refused() {
         (&["l.ktx2", "--environment", "sky.exr", "--truth", "64"], 2, "--truth needs --adaptive"),
         (&["l.ktx2", "--adaptive", "--environment", "sky.exr"], 2, "--adaptive does not apply"),
         (&["s.toml", "--truth", "64"], 2, "--truth needs --adaptive, an environment in [scene]"),
+        (&["s.toml", "--environment", "none.ktx2"], 4, "none.ktx2: cannot read"),
         (&["s.toml", "--environment", "none.exr"], 4, "none.exr: cannot read"),
         (&["s.toml", "--environment", "t.ktx2"], 3, "t.ktx2: environment: found a table pack, expected"),
         (
@@ -152,4 +153,11 @@ fn what_does_not_apply_is_refused() {
         let ran = folder.run(&[&["render"], arguments, &["-o", "o.png"], &SMALL[..]].concat());
         assert!(ran.code == code && ran.stderr.contains(expected), "{arguments:?}: {} {}", ran.code, ran.stderr);
     }
+    let ran = folder.run(&["render", "s.toml", "--contact", "all.png", "--truth", "64"]);
+    assert!(ran.code == 2 && ran.stderr.contains("--truth needs --adaptive"), "{}", ran.stderr);
+    // Materials that points light have no lobes; an environment for them lights nothing.
+    folder
+        .write("p.toml", "[materials.a]\nsource = 'synth:lambert'\n[[uses]]\nmaterial = 'a'\nlighting = ['points']\n");
+    let ran = folder.run(&[&["render", "p.toml", "--environment", "sky.exr", "-o", "o.png"], &SMALL[..]].concat());
+    assert!(ran.code == 0 && ran.stderr.contains("sky.exr: lights no material"), "{} {}", ran.code, ran.stderr);
 }

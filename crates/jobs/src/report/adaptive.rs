@@ -84,7 +84,8 @@ pub struct AdaptiveRates {
     pub height: usize,
     /// Counts of the rates 1 x 1, 2 x 2 and 4 x 4.
     pub counts: [RateCount; 3],
-    /// PSNR of the ground truth with these rates against itself, dB: what the rates cost if shading has no other error.
+    /// PSNR of the ground truth with these rates against itself, dB, if each coarse pixel has the mean of its pixels: an upper
+    /// bound for shaders, which run at the centre of a coarse pixel.
     /// Absent if there is no difference.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub psnr: Option<f64>,

@@ -95,7 +95,8 @@ impl RateImage {
 }
 
 impl RateImage {
-    /// An image with these rates: each coarse pixel has the mean of its pixels that show a surface.
+    /// An image with these rates: each coarse pixel has the mean of its pixels that show a surface. A shader that runs at the centre
+    /// of coarse pixels has a larger error.
     ///
     /// # Panics
     /// If the image has more tiles.

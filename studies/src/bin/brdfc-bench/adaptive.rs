@@ -5,14 +5,15 @@ use super::on_adapter;
 use super::structures::file_stem;
 use brdfc_core::Source;
 use brdfc_formats::FormatError;
+use brdfc_jobs::environment::Surroundings;
 use brdfc_jobs::tabulated::tabulated;
 use brdfc_render::adaptive::Start;
 use brdfc_render::rendering::rgb_png;
 use brdfc_render::scene::{Environment, Frame};
 use brdfc_render::scenes::Builtin;
 use brdfc_source::Input;
+use brdfc_source::environment::open_environment;
 use brdfc_source::open::open;
-use brdfc_source::radiance_image::open_radiance_image;
 use brdfc_studies::adaptive::{
     AntialiasingStudy, Case, DirectionsStudy, FourierCheck, FourierRow, Lighting, StudyMaterial, TruthSamples,
     antialiasing_study, directions_study,
@@ -33,10 +34,7 @@ pub(super) fn run(arguments: &Arguments, common: Common) -> Result<StudyResult, 
     let side = pixels(arguments)?.unwrap_or(512);
     let truth = arguments.truth.unwrap_or(256);
     let environment = match &arguments.environment {
-        Some(path) => {
-            let image = open_radiance_image(path)?;
-            Environment { width: image.width, height: image.height, pixels: image.pixels }
-        }
+        Some(input) => environment(input)?,
         None => Builtin::BumpyBall.scene().environment,
     };
     let lighting = Lighting::new(environment).map_err(unpackable)?;
@@ -65,6 +63,11 @@ pub(super) fn run(arguments: &Arguments, common: Common) -> Result<StudyResult, 
         );
     }
     Ok(result)
+}
+
+/// Opens an environment as a latitude-longitude image.
+pub(super) fn environment(input: &Input) -> Result<Environment, Error> {
+    Ok(Surroundings::from(open_environment(input)?).into_image())
 }
 
 /// Pixels per side, if they are given.
@@ -191,8 +194,7 @@ pub(super) fn fourier_text(rows: &[FourierRow]) -> String {
     plain(&header, &cells)
         + "\nPredicted pixel bandwidth over the root mean square of frequency in windows of 32 x 32 pixels of the ground truth as\n\
            displayed. rank: correlation of both; of detail: with the mean of a window as a frequency of 0. shaded: pixels to shade\n\
-           for 30 dB, without noise, if levels follow the prediction, or the transform. Target: within 4 on 90 %, too low by 2 on\n\
-           at most 5 %, correlation 0.7.\n\n"
+           for 30 dB, without noise, if levels follow the prediction, or the transform.\n\n"
         + &plain(&deviation, &deviations)
         + "\nPredicted standard deviation of samples over that of 256 samples, as displayed. within 2: share of ratios within a\n\
            factor 2 of the median; a common factor does not matter.\n\n"
@@ -221,7 +223,7 @@ pub(super) fn directions_text(rows: &[DirectionsStudy]) -> String {
         .collect();
     plain(&header, &cells)
         + "\nRenderings for the same number of samples per surface pixel, with bandwidth averaged over increasing numbers of\n\
-           incident directions. bandwidth: time of the bandwidth buffer. Target: within 0.3 dB of each other.\n"
+           incident directions. bandwidth: time of the bandwidth buffer.\n"
 }
 
 pub(super) fn antialiasing_text(rows: &[AntialiasingStudy]) -> String {
@@ -245,7 +247,7 @@ pub(super) fn antialiasing_text(rows: &[AntialiasingStudy]) -> String {
         .collect();
     plain(&header, &cells)
         + "\nPoints per pixel; shaded pixels of all levels and samples of incident light. exponents: of shaded pixels, samples and\n\
-           time over points, from 1 to 16. Target: at most 0.7.\n\n"
+           time over points, from 1 to 16.\n\n"
         + &budgets_text(rows)
 }
 

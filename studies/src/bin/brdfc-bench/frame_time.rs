@@ -1,6 +1,6 @@
 //! The study of times of a frame.
 
-use super::adaptive::opened;
+use super::adaptive::{environment, opened};
 use super::arguments::Arguments;
 use super::on_adapter::{adapter, opened_adapter};
 use brdfc_jobs::encode::{PackRecipe, encode};
@@ -8,10 +8,8 @@ use brdfc_jobs::environment::prefilter_image;
 use brdfc_jobs::lobes::encode_lobes;
 use brdfc_lobes::LobesRecipe;
 use brdfc_render::lobes::PrefilteredLight;
-use brdfc_render::scene::Environment;
 use brdfc_render::scenes::Builtin;
 use brdfc_source::Input;
-use brdfc_source::radiance_image::open_radiance_image;
 use brdfc_studies::StudyResult;
 use brdfc_studies::frame_time::{FrameMaterial, FrameTimes, frame_times};
 use brdfc_table::recipe::TableRecipe;
@@ -37,9 +35,8 @@ pub(super) fn run(arguments: &Arguments, common: Common) -> Result<StudyResult, 
     let inputs = if arguments.inputs.is_empty() { &default[..] } else { &arguments.inputs };
     let gpu = opened_adapter(arguments)?;
     let mut scene = Builtin::Table.scene();
-    if let Some(path) = &arguments.environment {
-        let image = open_radiance_image(path)?;
-        scene.environment = Environment { width: image.width, height: image.height, pixels: image.pixels };
+    if let Some(input) = &arguments.environment {
+        scene.environment = environment(input)?;
     }
     let progress = |what: &str| remark(common, &format!("{what}, {:.0} s", started.elapsed().as_secs_f64()));
     let sources = inputs.iter().map(|input| opened(input, common)).collect::<Result<Vec<_>, Error>>()?;
@@ -69,8 +66,9 @@ pub(super) fn text(study: &FrameTimes) -> String {
     let [width, height] = study.size;
     plain(&["a frame", "time"], &rows)
         + &format!(
-            "\n{width} x {height} pixels of which {} show surfaces, one sample of each; the fastest of five runs. {}.\n\
-             Forward shading without the time of surfaces.\n",
+            "\n{width} x {height} pixels of which {} show surfaces, one sample of each; the fastest of five runs, with the way of the\n\
+             image to memory. {}.\n\
+             Forward shading starts from a buffer of surfaces, whose time is not included.\n",
             study.surface,
             adapter(&study.adapter)
         )

@@ -1,6 +1,6 @@
 //! The study of methods that shade under an environment.
 
-use super::adaptive::{opened, pixels, unpackable};
+use super::adaptive::{environment, opened, pixels, unpackable};
 use super::arguments::Arguments;
 use super::structures::file_stem;
 use brdfc_core::Source;
@@ -13,7 +13,6 @@ use brdfc_render::adaptive::FilteredLight;
 use brdfc_render::rendering::rgb_png;
 use brdfc_render::scene::{Environment, Frame};
 use brdfc_source::Input;
-use brdfc_source::radiance_image::open_radiance_image;
 use brdfc_studies::StudyResult;
 use brdfc_studies::adaptive::{
     Case, CaseRow, Cost, FETCHES, Gaussians, Light, Lighting, LitBalls, MATERIALS, MAX_SAMPLES, Method, MethodSummary,
@@ -103,10 +102,7 @@ fn cases(arguments: &Arguments, materials: usize, shapes: usize) -> Vec<Combinat
 
 fn lights(arguments: &Arguments) -> Result<Vec<Light>, Error> {
     let images = match &arguments.environment {
-        Some(path) => {
-            let image = open_radiance_image(path)?;
-            vec![(path.short_name(), Environment { width: image.width, height: image.height, pixels: image.pixels })]
-        }
+        Some(input) => vec![(input.short_name(), environment(input)?)],
         None => environments(),
     };
     images.into_iter().map(light).collect()

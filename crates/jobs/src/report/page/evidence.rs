@@ -1,6 +1,7 @@
 //! Renderings of a material's source and pack, and the directions at which both differ.
 
 use crate::Error;
+use crate::environment::Surroundings;
 use crate::tabulated::tabulated;
 use brdfc_core::PackSource;
 use brdfc_core::Source;
@@ -17,6 +18,7 @@ use brdfc_render::scenes::Builtin;
 use brdfc_render::shade::{Reflectance, SourceReflectance, Turned, shade};
 use brdfc_render::trace::trace;
 use brdfc_render::within::{outside, share_left_out, without};
+use brdfc_source::environment::EnvironmentFile;
 
 /// Pixels of a thumbnail, per side.
 pub const SIDE: usize = 96;
@@ -114,9 +116,9 @@ pub struct LitBall {
 impl LitBall {
     /// Unpacks the environment. The integral is over its finest level.
     pub fn new(environment: EnvironmentPack) -> Self {
-        let light = PrefilteredLight::new(environment);
-        let scene = Scene { environment: light.unfiltered(), ..Builtin::Sphere.scene() };
-        Self { light, scene }
+        let image = Surroundings::from(EnvironmentFile::Pack(environment.clone())).into_image();
+        let scene = Scene { environment: image, ..Builtin::Sphere.scene() };
+        Self { light: PrefilteredLight::new(environment), scene }
     }
 
     fn thumbnails(&self, lobes: &LobesPack, source: Option<&dyn Source>) -> Result<Thumbnails, Error> {
