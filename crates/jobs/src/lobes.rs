@@ -4,7 +4,7 @@ use crate::Error;
 use crate::encode::{Budget, OptionError};
 use brdfc_core::Source;
 use brdfc_core::progress::{Cancelled, Progress, Stage};
-use brdfc_core::words::format_number;
+use brdfc_core::words::{counted, format_number};
 use brdfc_environment::training::{KINDS, TrainingEnvironment};
 use brdfc_environment::{PrefilterError, prefilter};
 use brdfc_formats::environment::EnvironmentDecoder;
@@ -38,8 +38,8 @@ pub fn recipe(max_delta_e: Option<f64>, max_fetches: Option<u32>) -> Result<Lobe
 pub fn missed(encoded: &EncodedLobes, recipe: &LobesRecipe) -> Option<String> {
     let best = encoded.best();
     let limit = recipe.max_delta_e.filter(|_| !best.meets)?;
-    let (found, fetches, limit) = (best.error.mean, best.pack.fetches(), format_number(limit));
-    Some(format!("found a ΔE of {found:.2} with {fetches} look-ups, expected at most {limit}"))
+    let (found, fetches, limit) = (best.error.mean, counted(best.pack.fetches(), "look-up"), format_number(limit));
+    Some(format!("found a ΔE of {found:.2} with {fetches}, expected at most {limit}"))
 }
 
 /// Fits lobes to a material. All materials of a process share the environments.

@@ -43,7 +43,8 @@ pub(super) fn run(
     // One material at a time, because sources and packs of all materials may not fit into memory.
     for (number, name) in names.iter().enumerate() {
         let prepared = materials::prepare(arguments, &subject, std::slice::from_ref(name), common)?;
-        let views = lit_views(arguments, &setup, &gpu, (&prepared, &of_parts, decoding), light.as_ref(), common)?;
+        let views =
+            lit_views(arguments, &subject, &setup, &gpu, (&prepared, &of_parts, decoding), light.as_ref(), common)?;
         let bytes_on_gpu = prepared[0].gpu_bytes();
         let mut verification = setup.verification(&gpu, &views, |_| (name.clone(), bytes_on_gpu));
         verification.environment_bytes_on_gpu = light.as_ref().map(Light::gpu_bytes);

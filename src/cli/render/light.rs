@@ -6,6 +6,7 @@ use super::scene::{Setup, is_cube_map};
 use crate::output::{note, note_repairs, remark};
 use crate::progress::Materials;
 use crate::{Common, Error};
+use brdfc::encode::encode as encode_pack;
 use brdfc::environment::{self, EnvironmentPack};
 use brdfc::inspect::AnyPack as Pack;
 use brdfc::lobes::{LobesPack, LobesRecipe, encode};
@@ -14,7 +15,7 @@ use brdfc::render::{
     lobes_views, tabulated, views,
 };
 use brdfc::scene::EnvironmentJob;
-use brdfc::{Input, Progress as _, Source};
+use brdfc::{Input, PackRecipe, Progress as _, Source};
 use std::fmt::Display;
 
 /// Directions of the integral for each pixel, by default.
@@ -124,19 +125,37 @@ impl Light {
 /// parts' materials.
 pub(super) fn lit_views(
     arguments: &Arguments,
+    subject: &Subject,
     setup: &Setup,
     gpu: &Gpu,
     (prepared, of_parts, decoding): (&[Prepared], &[usize], Decoding),
     light: Option<&Light>,
     common: Common,
 ) -> Result<Views, Error> {
-    let materials: Vec<Material<'_>> = of_parts.iter().map(|part| prepared[*part].material()).collect();
+    let is_dark = |part: &&usize| !subject.is_lit_by_points(&prepared[**part].name);
+    let black = of_parts.iter().find(is_dark).map(|_| black()).transpose()?;
+    let under_points = |part: &usize| match &black {
+        Some(black) if is_dark(&part) => black.material(),
+        _ => prepared[*part].material(),
+    };
+    let materials: Vec<Material<'_>> = of_parts.iter().map(under_points).collect();
     let mut views = views(gpu, &setup.scene, setup.frame, &materials, decoding)?;
     let lit: Vec<Lit<'_>> = prepared.iter().map(Prepared::lit).collect();
+    for material in prepared.iter().filter(|material| light.is_some() && subject.lacks_lobes(&material.name)) {
+        note(common, &material.name, "the environment does not light it: maps of its uses have no lobes");
+    }
     if let Some(light) = light.filter(|_| lit.iter().any(|material| material.lobes.is_some())) {
         views.add_light(&light.views(arguments, setup, gpu, (&lit, of_parts), common)?);
     }
     Ok(views)
+}
+
+/// A material that reflects nothing, for parts that no point light lights.
+fn black() -> Result<Prepared, Error> {
+    let material = brdfc::open("synth:lambert?kd=0")?;
+    let pack = encode_pack(material.source(), &PackRecipe::default().without_measuring(), &())?.pack;
+    let source = Some(brdfc::inspect::open(&Input::from("synth:lambert?kd=0"), None)?.source);
+    Ok(Prepared { name: "black".to_owned(), pack, source, table: None, lobes: None, maps: Vec::new() })
 }
 
 /// Lobes and source of a material, if available.

@@ -10,7 +10,7 @@ use brdfc::encode::encoders::wavelet::recipe::Target;
 use brdfc::inspect::{AnyPack as Pack, PackKind, open};
 use brdfc::lobes::LobesPack;
 use brdfc::render::{Material, open_brdf_pack};
-use brdfc::scene::{EnvironmentJob, Job, Manifest, PackFolder, Use, plan, read_manifest};
+use brdfc::scene::{EnvironmentJob, Job, LOBES, Manifest, PackFolder, Use, part_name, plan, read_manifest};
 use brdfc::{BrdfPack, FitLimits, PackRecipe, Source, WaveletRecipe as Recipe};
 use std::path::{Path, PathBuf};
 
@@ -51,6 +51,19 @@ impl Subject {
     /// Returns true if an environment lights a material by its lobes.
     pub(super) fn has_lobes(&self) -> bool {
         matches!(self, Self::Scene { jobs, .. } if jobs.iter().any(|job| job.lobes.is_some()))
+    }
+
+    /// Returns true if point lights light a material.
+    pub(super) fn is_lit_by_points(&self, name: &str) -> bool {
+        let Self::Scene { jobs, .. } = self else { return true };
+        job_of(jobs, name).uses.iter().any(|(_, used)| used.is_lit_by_points())
+    }
+
+    /// Returns true if the environment lights a material, but its lobes are not requested.
+    pub(super) fn lacks_lobes(&self, name: &str) -> bool {
+        let Self::Scene { jobs, .. } = self else { return false };
+        let job = job_of(jobs, name);
+        job.needs.lit_by_environment && job.lobes.is_none()
     }
 
     /// Path of the environment of the manifest's scene.
@@ -122,10 +135,12 @@ pub(super) fn subject(arguments: &Arguments) -> Result<Subject, Error> {
                 all.scene.environment = Some(environment.to_string());
             }
             let plan = plan(&all, folder)?;
-            // Adaptive shading takes samples of the material instead of lobes.
-            let is_adaptive = arguments.adaptive.adaptive;
-            let lobes = |job: Job| Job { lobes: job.lobes.filter(|_| !is_adaptive), ..job };
-            let (jobs, environment) = (plan.jobs.into_iter().map(lobes).collect(), plan.environment);
+            // Adaptive shading looks maps up, and other renderings lobes.
+            let drawn = |job: Job| match arguments.adaptive.adaptive {
+                true => Job { lobes: None, ..job },
+                false => Job { maps: [false; 2], ..job },
+            };
+            let (jobs, environment) = (plan.jobs.into_iter().map(drawn).collect(), plan.environment);
             let packs = pack_folder(arguments)?.map(Box::new);
             Ok(Subject::Scene { path, text, manifest: Box::new(manifest), jobs, environment, packs })
         }
@@ -243,11 +258,14 @@ fn prepare_one(
     let (pack, lobes, maps, notes) = match (subject, &source) {
         (Subject::Scene { jobs, packs: Some(packs), .. }, _) => {
             let current = packs.material(job_of(jobs, name), &())?;
-            refuse_unchecked(arguments, &current.stale, &current.missing)?;
+            // A build makes no lobes for an environment of the command line.
+            let is_fitted = |file: &String| arguments.by_lobes() && *file == part_name(name, LOBES);
+            let missing: Vec<String> = current.missing.into_iter().filter(|file| !is_fitted(file)).collect();
+            refuse_unchecked(arguments, &current.stale, &missing)?;
             let stale = current.stale.iter().map(|file| {
                 format!("{file} is out of date, so the material was encoded again; run 'brdfc build' to update it")
             });
-            let missing = current.missing.iter().filter(|_| arguments.packs.is_some());
+            let missing = missing.iter().filter(|_| arguments.packs.is_some());
             let missing = missing.map(|file| format!("{file} is not in the folder: made for the rendering"));
             let closed = current.gates.iter().filter(|gate| !gate.passed).map(ToString::to_string);
             let notes = stale.chain(missing).chain(closed).chain(current.missed).collect();

@@ -137,7 +137,7 @@ fn gates(arguments: &Arguments) -> Result<RenderingGates, Error> {
 fn hint(arguments: &Arguments) -> &'static str {
     let extension = arguments.input.path().and_then(Path::extension);
     let of_manifest = extension.is_some_and(|extension| extension.eq_ignore_ascii_case("toml"));
-    if of_manifest { "; check render.camera and render.lights, or use an environment with --adaptive" } else { "" }
+    if of_manifest { "; check render.camera, render.lights and the environment" } else { "" }
 }
 
 /// Draws packs of BRDFs under point lights, and adds the light of an environment by their lobes.
@@ -156,7 +156,7 @@ fn of_brdfs(arguments: &Arguments, common: Common) -> Result<(Verification, View
     let of_parts: Vec<usize> = setup.names.iter().map(of_part).collect();
     let light = Light::of_scene(arguments, &subject, &mut setup.scene, common)?;
     let decoding = gpu::decoding(arguments, &subject);
-    let views = lit_views(arguments, &setup, &gpu, (&prepared, &of_parts, decoding), light.as_ref(), common)?;
+    let views = lit_views(arguments, &subject, &setup, &gpu, (&prepared, &of_parts, decoding), light.as_ref(), common)?;
     let of_part = |number: usize| {
         let material = &prepared[of_parts[number]];
         (material.name.clone(), material.gpu_bytes())

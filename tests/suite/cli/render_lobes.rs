@@ -115,6 +115,16 @@ fn the_environment_of_a_scene_lights_its_materials() {
     // The light of the command line lights a scene without one. Its lobes are fitted for the rendering.
     let (given, _) = draw("points.toml", &["--environment", "sky.exr"]);
     assert!((given / both - 1.0).abs() < 1e-3, "{given} {both}");
+    // A use that only the environment lights gets no light of points; one without lobes none of the environment.
+    let uses = |keys: &str| manifest(lit, "").replace("[[uses]]\n", &format!("[[uses]]\n{keys}\n"));
+    folder.write("only.toml", uses("lighting = ['environment']").as_bytes());
+    let (only, _) = draw("only.toml", &built);
+    assert!((only / sky - 1.0).abs() < 1e-6, "{only} {sky}");
+    folder.write("maps.toml", uses("maps = ['bandwidth']").as_bytes());
+    let ran = folder.run(&[&["render", "maps.toml", "-o", "maps.exr", "--quiet"], &SMALL[..]].concat()).succeeded();
+    assert!(ran.stderr.is_empty(), "{}", ran.stderr);
+    let ran = folder.run(&[&["render", "maps.toml", "-o", "maps.exr"], &SMALL[..]].concat()).succeeded();
+    assert!(ran.stderr.contains("note: a: the environment does not light it"), "{}", ran.stderr);
     let sheet = ["render", "both.toml", "--contact", "all.png", "--size", "32x32", "--samples", "1"];
     folder.run(&[&sheet[..], &built].concat()).succeeded();
     assert!(image::open(folder.path().join("all.png")).is_ok());

@@ -81,9 +81,18 @@ impl Use {
         elevations(self.view_elevation.as_ref())
     }
 
+    /// Returns true if point lights light the object.
+    pub fn is_lit_by_points(&self) -> bool {
+        self.is_lit_by(LIGHTING[0])
+    }
+
     /// Returns true if the environment of the scene, if any, lights the object.
     pub fn is_lit_by_environment(&self) -> bool {
-        self.lighting.as_ref().is_none_or(|lighting| lighting.get_ref().iter().any(|kind| kind == LIGHTING[1]))
+        self.is_lit_by(LIGHTING[1])
+    }
+
+    fn is_lit_by(&self, source: &str) -> bool {
+        self.lighting.as_ref().is_none_or(|lighting| lighting.get_ref().iter().any(|kind| kind == source))
     }
 
     /// Requested maps: one flag each for lobes, bandwidth and samples.

@@ -30,6 +30,9 @@ pub fn html(page: &Page) -> String {
             }
             @if !page.skipped.is_empty() { " Not used by the scene: " (page.skipped.join(", ")) "." }
         }
+        @if let Some(error) = page.environment.as_ref().and_then(|(entry, _)| entry.error.as_ref()) {
+            p.bad { "environment: " (error) }
+        }
         @if let Some(view) = &page.view {
             p { a href=(view.whole()) { "Open all packs in the viewer" } }
         }
