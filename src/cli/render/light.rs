@@ -152,10 +152,9 @@ pub(super) fn lit_views(
 
 /// A material that reflects nothing, for parts that no point light lights.
 fn black() -> Result<Prepared, Error> {
-    let material = brdfc::open("synth:lambert?kd=0")?;
-    let pack = encode_pack(material.source(), &PackRecipe::default().without_measuring(), &())?.pack;
-    let source = Some(brdfc::inspect::open(&Input::from("synth:lambert?kd=0"), None)?.source);
-    Ok(Prepared { name: "black".to_owned(), pack, source, table: None, lobes: None, maps: Vec::new() })
+    let source = brdfc::inspect::open("synth:lambert?kd=0", None)?.source;
+    let pack = encode_pack(source.as_ref(), &PackRecipe::default().without_measuring(), &())?.pack;
+    Ok(Prepared { name: "black".to_owned(), pack, source: Some(source), table: None, lobes: None, maps: Vec::new() })
 }
 
 /// Lobes and source of a material, if available.
