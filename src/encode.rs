@@ -5,7 +5,7 @@
 //! on the source ([`remarks`], [`repairs_summary`]).
 
 pub use brdfc_jobs::encode::{
-    BrdfRecipe, BrdfReport, CodecReport, EncodeError, EncodedPack, OptionError, Trial, codec_names, encode, encoders,
+    BrdfRecipe, BrdfReport, CodecReport, EncodeError, EncodedPack, OptionError, Trial, codecs, encode, encoders,
 };
 pub use brdfc_jobs::report::gate::GateResult;
 pub use brdfc_jobs::report::material::{StageTime, remarks, repairs_summary};

@@ -38,7 +38,7 @@ pub fn open_image(input: &Input) -> Result<Environment, Error> {
 pub fn open_with_image(input: &Input, progress: &dyn Progress) -> Result<(EnvironmentPack, Environment), Error> {
     match open_environment(input)? {
         EnvironmentFile::Pack(pack) => {
-            let image = Surroundings::from(EnvironmentFile::Pack(pack.clone())).into_image();
+            let image = Surroundings::from(&pack).into_image();
             Ok((pack, image))
         }
         other => {

@@ -6,7 +6,7 @@ use super::output::{json_or, note, output_parser, print_report, refuse_unfit_out
 use super::progress::{Materials, label};
 use super::{Common, Error};
 use crate::table;
-use brdfc::encode::{GateResult, OptionError, StageClock, StageTime, codec_names, remarks};
+use brdfc::encode::{GateResult, OptionError, StageClock, StageTime, codecs, remarks};
 use brdfc::lobes::CODEC;
 use brdfc::scene::near_miss;
 use brdfc::{Facts, Input, MaterialReport, Progress as _, Stage};
@@ -104,8 +104,7 @@ fn with_lobes(error: OptionError) -> OptionError {
     if error.field != "codec" || error.found.is_empty() {
         return error;
     }
-    let names = codec_names().replace(" or ", ", ");
-    let known: Vec<&str> = names.split(", ").chain([CODEC]).collect();
+    let known: Vec<&str> = codecs().chain([CODEC]).collect();
     let meant = near_miss(error.found.trim_matches('"'), &known)
         .map_or(String::new(), |name| format!("; did you mean {name}?"));
     OptionError::new("codec", error.found, format!("{}{meant}", one_of(&known)))

@@ -34,7 +34,7 @@ pub struct FrameMaterial<'a> {
     pub lobes: LobesPack,
 }
 
-/// Times of a frame, each with the way of the image to memory.
+/// Times of a frame, each until the image is read back.
 #[derive(Debug, Clone, Serialize, JsonSchema)]
 pub struct FrameTimes {
     /// Adapter that drew the frames.
@@ -97,7 +97,7 @@ pub fn frame_times(
     let lobes: Vec<Option<&LobesPack>> = materials.iter().map(|material| Some(&material.lobes)).collect();
     let renderer = LobesRenderer::new(gpu, lobes_scene_source(), light)?;
     let loaded = renderer.load(scene, &lobes)?;
-    let by_lobes = fastest(|| renderer.rasteriser().draw(&loaded, &scene.camera, frame))?;
+    let by_lobes = fastest(|| renderer.draw(&loaded, &scene.camera, frame))?;
     progress("lobes");
 
     let lookups = materials.iter().map(|material| Lookups::new(material.source).expect("default recipes"));

@@ -8,5 +8,5 @@ pub use brdfc_codec::{
     AveragingCost, BrdfRecipe, BrdfReport, Encode, EncodeError, Encoded, GridCache, Predicted, Trial,
 };
 pub use codecs::{CodecReport, EncodedPack, PackFacts, PackRecipe, encoders};
-pub use options::{codec_names, options_over};
+pub use options::{codec_names, codecs, options_over};
 pub use run::{encode, encode_cached};

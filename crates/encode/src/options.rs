@@ -71,7 +71,12 @@ fn join(asked: impl Iterator<Item = Choice>) -> String {
     one_of(&asked.map(|asked| asked.variant.name).collect::<Vec<_>>())
 }
 
-/// The names that `--codec` takes, as a list for people.
+/// The names that `--codec` takes.
+pub fn codecs() -> impl Iterator<Item = &'static str> {
+    Choice::all().map(|choice| choice.variant.name)
+}
+
+/// The same, as a list for people.
 pub fn codec_names() -> &'static str {
     static NAMES: LazyLock<String> = LazyLock::new(|| join(Choice::all()));
     &NAMES

@@ -23,5 +23,5 @@ pub use flat::{draw_flat_btf, draw_flat_btf_by, flat_scene_source};
 pub use load::LoadedScene;
 pub use lobes_scene::{LobesRenderer, draw_lobes, lobes_scene_source};
 pub use pwt_scene::{draw_pwt, draw_pwt_by, pwt_scene_source};
-pub use raster::{Rasteriser, Target, view_wgsl};
+pub use raster::{Target, view_wgsl};
 pub use surface::{ENVIRONMENT_WGSL, PERIODIC_WGSL, SURFACE_WGSL};

@@ -10,7 +10,7 @@ use brdfc_formats::environment::ENVIRONMENT_WGSL;
 use brdfc_formats::lobes::{Anchor, LOBES_WGSL, Lobe, LobesHeader, LobesPack};
 use brdfc_metrics::image::LinearImage;
 use brdfc_render::lobes::PrefilteredLight;
-use brdfc_render::scene::{Environment, Frame, Scene};
+use brdfc_render::scene::{Camera, Environment, Frame, Scene};
 use wgpu::{BindGroup, BindGroupLayout, ShaderStages};
 
 /// The complete shader: decoders, surfaces, scene.
@@ -65,9 +65,12 @@ impl<'a> LobesRenderer<'a> {
         load(gpu, &self.rasteriser.view_layout, scene, groups, [0; 2])
     }
 
-    /// The functions that draw.
-    pub fn rasteriser(&self) -> &Rasteriser<'a> {
-        &self.rasteriser
+    /// Draws a whole image, as [`Renderer::draw`](crate::Renderer::draw).
+    ///
+    /// # Errors
+    /// Returns an error for images beyond the adapter's limits; any error that the driver reports.
+    pub fn draw(&self, scene: &LoadedScene, camera: &Camera, frame: Frame) -> Result<LinearImage, GpuError> {
+        self.rasteriser.draw(scene, camera, frame)
     }
 }
 
@@ -87,7 +90,7 @@ pub fn draw_lobes(
     lobes: &[Option<&LobesPack>],
 ) -> Result<LinearImage, GpuError> {
     let renderer = LobesRenderer::new(gpu, lobes_scene_source(), light)?;
-    renderer.rasteriser().draw(&renderer.load(scene, lobes)?, &scene.camera, frame)
+    renderer.draw(&renderer.load(scene, lobes)?, &scene.camera, frame)
 }
 
 /// Bindings of both decoders.

@@ -29,7 +29,7 @@ const PIXEL: u64 = 16;
 const BAND_BYTES: u64 = 32 << 20;
 
 /// Compiled pipelines, one for each pass over the scene.
-pub struct Rasteriser<'g> {
+pub(super) struct Rasteriser<'g> {
     pub(super) gpu: &'g Gpu,
     passes: Vec<Pass>,
     pub(super) view_layout: BindGroupLayout,
@@ -157,7 +157,7 @@ impl<'g> Rasteriser<'g> {
     ///
     /// # Errors
     /// Returns an error for more pixels per side than the adapter's limit.
-    pub fn target(&self, width: usize, height: usize) -> Result<Target, GpuError> {
+    pub(super) fn target(&self, width: usize, height: usize) -> Result<Target, GpuError> {
         let most = self.gpu.device.limits().max_texture_dimension_2d as usize;
         if width > most || height > most {
             let text = format!("found {width} x {height} pixels, expected at most {most} per side on this adapter");
@@ -193,7 +193,7 @@ impl<'g> Rasteriser<'g> {
     ///
     /// # Errors
     /// Returns an error that the driver reports.
-    pub fn draw_sample(
+    pub(super) fn draw_sample(
         &self,
         scene: &LoadedScene,
         camera: &Camera,
@@ -248,7 +248,7 @@ impl<'g> Rasteriser<'g> {
     ///
     /// # Errors
     /// Images beyond the adapter's limits; any error that the driver reports.
-    pub fn draw(&self, scene: &LoadedScene, camera: &Camera, frame: Frame) -> Result<LinearImage, GpuError> {
+    pub(super) fn draw(&self, scene: &LoadedScene, camera: &Camera, frame: Frame) -> Result<LinearImage, GpuError> {
         let target = self.target(frame.width, frame.height)?;
         let mut sums = vec![[0.0f64; 4]; frame.width * frame.height];
         for row in 0..frame.samples {

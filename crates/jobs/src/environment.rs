@@ -26,11 +26,16 @@ impl From<EnvironmentFile> for Surroundings {
                 Self::Image(Environment { width, height, pixels })
             }
             EnvironmentFile::Cube(cube) => Self::Cube(FilteredCube::new(cube.side() as usize, cube.texels())),
-            EnvironmentFile::Pack(pack) => {
-                let texels: Vec<[f32; 3]> = pack.level(0).collect();
-                Self::Cube(FilteredCube::new(pack.header().side as usize, &texels))
-            }
+            EnvironmentFile::Pack(pack) => Self::from(&pack),
         }
+    }
+}
+
+impl From<&EnvironmentPack> for Surroundings {
+    /// The finest level, which is not filtered.
+    fn from(pack: &EnvironmentPack) -> Self {
+        let texels: Vec<[f32; 3]> = pack.level(0).collect();
+        Self::Cube(FilteredCube::new(pack.header().side as usize, &texels))
     }
 }
 

@@ -8,7 +8,7 @@ use rayon::prelude::*;
 use std::f32::consts::PI;
 use std::f64::consts::TAU;
 
-/// Parts of a pixel along each side whose mean it is.
+/// Samples along each side of a pixel, which gets their mean.
 const SUBSAMPLES: usize = 4;
 
 /// Unit direction of a position in an image, in pixels.

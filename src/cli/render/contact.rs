@@ -30,14 +30,14 @@ pub(super) fn run(
 ) -> Result<(), Error> {
     flat::refuse_flags(arguments)?;
     let subject = materials::subject(arguments)?;
-    if !subject.has_lobes() {
-        super::refuse_truth(arguments)?;
-    }
     let mut setup = scene::setup(arguments, &subject)?;
     let names = scene::materials_in_turn(arguments, &subject)?;
+    if !subject.has_lobes(&names) {
+        super::refuse_truth(arguments)?;
+    }
     let decoding = gpu::decoding(arguments, &subject);
     let gpu = gpu::open(arguments)?;
-    let light = Light::of_scene(arguments, &subject, &mut setup.scene, common)?;
+    let light = Light::of_scene(arguments, &subject, &names, &mut setup.scene, common)?;
     let of_parts = vec![0; setup.scene.parts.len()];
     let (mut cells, mut drawn) = (Vec::new(), Vec::new());
     // One material at a time, because sources and packs of all materials may not fit into memory.

@@ -37,11 +37,12 @@ impl Light {
         scene: &mut Scene,
         common: Common,
     ) -> Result<Self, Error> {
+        let progress = Materials::new(1, false, common);
+        let part = progress.part("environment");
         if let Some(input) = &arguments.adaptive.environment {
             // An image is the environment of the scene already.
             if is_cube_map(input)? {
-                let progress = Materials::new(1, false, common);
-                let (pack, image) = environment::open_with_image(input, progress.part("environment").as_ref())?;
+                let (pack, image) = environment::open_with_image(input, part.as_ref())?;
                 scene.environment = image.clone();
                 return Ok(Self { prefiltered: PrefilteredLight::new(pack), image });
             }
@@ -49,15 +50,11 @@ impl Light {
             let surroundings = environment::open_surroundings(&Input::from(file.as_path()))?;
             let pack = match built(subject)? {
                 Some(pack) => pack,
-                None => {
-                    let progress = Materials::new(1, false, common);
-                    surroundings.prefilter(None, progress.part("environment").as_ref())?
-                }
+                None => surroundings.prefilter(None, part.as_ref())?,
             };
             return Ok(Self { prefiltered: PrefilteredLight::new(pack), image: surroundings.into_image() });
         }
-        let progress = Materials::new(1, false, common);
-        let pack = environment::prefilter(&scene.environment, None, progress.part("environment").as_ref())?;
+        let pack = environment::prefilter(&scene.environment, None, part.as_ref())?;
         Ok(Self { prefiltered: PrefilteredLight::new(pack), image: scene.environment.clone() })
     }
 
@@ -66,14 +63,15 @@ impl Light {
         self.prefiltered.pack().gpu_bytes()
     }
 
-    /// Resolves the light of a scene, if it lights a material by its lobes.
+    /// Resolves the light of a scene, if it lights one of the drawn materials by its lobes.
     pub(super) fn of_scene(
         arguments: &Arguments,
         subject: &Subject,
+        names: &[String],
         scene: &mut Scene,
         common: Common,
     ) -> Result<Option<Self>, Error> {
-        if !subject.has_lobes() {
+        if !subject.has_lobes(names) {
             if let Some(input) = arguments.adaptive.environment.as_ref().filter(|_| arguments.by_lobes()) {
                 note(common, input, "lights no material: their uses are lit by points, or have no lobes (maps)");
                 // Mirrors reflect it. An image is the environment of the scene already.

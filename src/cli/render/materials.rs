@@ -48,9 +48,10 @@ impl Subject {
         }
     }
 
-    /// Returns true if an environment lights a material by its lobes.
-    pub(super) fn has_lobes(&self) -> bool {
-        matches!(self, Self::Scene { jobs, .. } if jobs.iter().any(|job| job.lobes.is_some()))
+    /// Returns true if an environment lights one of these materials by its lobes.
+    pub(super) fn has_lobes(&self, names: &[String]) -> bool {
+        let Self::Scene { jobs, .. } = self else { return false };
+        names.iter().any(|name| job_of(jobs, name).lobes.is_some())
     }
 
     /// Returns true if point lights light a material.

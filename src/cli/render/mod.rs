@@ -144,17 +144,17 @@ fn hint(arguments: &Arguments) -> &'static str {
 fn of_brdfs(arguments: &Arguments, common: Common) -> Result<(Verification, Views), Error> {
     flat::refuse_flags(arguments)?;
     let subject = materials::subject(arguments)?;
-    if !subject.has_lobes() {
+    let mut setup = scene::setup(arguments, &subject)?;
+    if !subject.has_lobes(&setup.names) {
         refuse_truth(arguments)?;
     }
-    let mut setup = scene::setup(arguments, &subject)?;
     // Open the adapter first: without one, encoding would be wasted.
     let gpu = gpu::open(arguments)?;
     let prepared = materials::prepare(arguments, &subject, &setup.names, common)?;
 
     let of_part = |name: &String| prepared.iter().position(|p| p.name == *name).expect("every name was prepared");
     let of_parts: Vec<usize> = setup.names.iter().map(of_part).collect();
-    let light = Light::of_scene(arguments, &subject, &mut setup.scene, common)?;
+    let light = Light::of_scene(arguments, &subject, &setup.names, &mut setup.scene, common)?;
     let decoding = gpu::decoding(arguments, &subject);
     let views = lit_views(arguments, &subject, &setup, &gpu, (&prepared, &of_parts, decoding), light.as_ref(), common)?;
     let of_part = |number: usize| {

@@ -95,8 +95,8 @@ impl<'a> LitBalls<'a> {
     }
 }
 
-/// Visible change per change of a channel of an exposed colour: the length of the derivative of L*a*b*, as in the fit of
-/// lobes. Above white, it falls as below: by the power of 2/3.
+/// Visible change per change of a channel of an exposed colour: the length of the derivative of L*a*b*. The fit of
+/// lobes has a smooth approximation of it. Above white, it falls as below: by the power of 2/3.
 fn visibility(colour: [f32; 3]) -> [f32; 3] {
     const STEP: f32 = 1e-3;
     const WHITE: f32 = 1.0 - STEP;

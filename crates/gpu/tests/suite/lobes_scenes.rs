@@ -83,7 +83,7 @@ fn shader_and_cpu_draw_the_same_renderings() {
             let source = source.replace(old, new);
             let renderer = LobesRenderer::new(gpu, source, &light).unwrap();
             let loaded = renderer.load(&scene, &[Some(&lobes)]).unwrap();
-            let changed = renderer.rasteriser().draw(&loaded, &scene.camera, FRAME).unwrap();
+            let changed = renderer.draw(&loaded, &scene.camera, FRAME).unwrap();
             assert!(mean_delta_e(&changed, &cpu) > 0.3, "{}: {new}", builtin.name());
         }
     }

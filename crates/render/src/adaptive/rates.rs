@@ -92,9 +92,7 @@ impl RateImage {
         }
         Self { tile, width: columns, height: rows, texels, counts }
     }
-}
 
-impl RateImage {
     /// An image with these rates: each coarse pixel has the mean of its pixels that show a surface. A shader that runs at the centre
     /// of coarse pixels has a larger error.
     ///

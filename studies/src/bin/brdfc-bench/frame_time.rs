@@ -66,8 +66,8 @@ pub(super) fn text(study: &FrameTimes) -> String {
     let [width, height] = study.size;
     plain(&["a frame", "time"], &rows)
         + &format!(
-            "\n{width} x {height} pixels of which {} show surfaces, one sample of each; the fastest of five runs, with the way of the\n\
-             image to memory. {}.\n\
+            "\n{width} x {height} pixels of which {} show surfaces, one sample of each; the fastest of five runs, until the\n\
+             image is read back. {}.\n\
              Forward shading starts from a buffer of surfaces, whose time is not included.\n",
             study.surface,
             adapter(&study.adapter)

@@ -18,7 +18,6 @@ use brdfc_render::scenes::Builtin;
 use brdfc_render::shade::{Reflectance, SourceReflectance, Turned, shade};
 use brdfc_render::trace::trace;
 use brdfc_render::within::{outside, share_left_out, without};
-use brdfc_source::environment::EnvironmentFile;
 
 /// Pixels of a thumbnail, per side.
 pub const SIDE: usize = 96;
@@ -60,7 +59,7 @@ pub struct Evidence {
 }
 
 /// Draws and compares a pack and its source, and leaves out directions that the pack does not cover. Both renderings of a scene
-/// have the exposure of the source's rendering. `lit` are lobes of the material, and a scene with the light that they look up.
+/// have the exposure of the source's rendering. `lit` are lobes of the material, and a ball in the light that they look up.
 ///
 /// # Errors
 /// Returns an error if the lobes of the source cannot be tabulated.
@@ -116,7 +115,7 @@ pub struct LitBall {
 impl LitBall {
     /// Unpacks the environment. The integral is over its finest level.
     pub fn new(environment: EnvironmentPack) -> Self {
-        let image = Surroundings::from(EnvironmentFile::Pack(environment.clone())).into_image();
+        let image = Surroundings::from(&environment).into_image();
         let scene = Scene { environment: image, ..Builtin::Sphere.scene() };
         Self { light: PrefilteredLight::new(environment), scene }
     }

@@ -13,7 +13,6 @@ use crate::scene::run::{kind_of, opened_with_digest};
 use crate::write::folder_of;
 use brdfc_core::Source;
 use brdfc_core::progress::Progress;
-use brdfc_formats::lobes::LobesPack;
 use brdfc_formats::{BrdfPack, Pack};
 use brdfc_source::Input;
 use rayon::prelude::*;
@@ -117,7 +116,8 @@ pub fn gather(reports: Reports, tolerance: f64, progress: &dyn Progress) -> Resu
     let notes = notes(folder);
     let is_compared = old.is_some();
     let regressions = old.map_or(Vec::new(), |old| regressions(&report, &old, tolerance));
-    let ball = lit_ball(folder, report.environment.as_ref())?;
+    let (environment, ball) = report.environment.map(|entry| environment(folder, entry)).transpose()?.unzip();
+    let ball = ball.flatten();
     let drawn = |entry: MaterialEntry| {
         progress.check()?;
         let note = notes.get(&entry.material).cloned().unwrap_or_default();
@@ -128,7 +128,6 @@ pub fn gather(reports: Reports, tolerance: f64, progress: &dyn Progress) -> Resu
         material
     };
     let materials = report.materials.into_par_iter().map(drawn).collect::<Result<_, Error>>()?;
-    let environment = report.environment.map(|entry| environment(folder, entry)).transpose()?;
     Ok(Page {
         scene: report.scene,
         materials,
@@ -151,9 +150,15 @@ fn material(
     };
     let pack = brdf_pack(folder, &entry, name)?;
     let source = source_of(&note);
-    let maps = [&entry.lobes, &entry.bandwidth, &entry.samples].into_iter().flatten();
-    let maps = maps.map(|name| map_part(folder, &entry.files, name)).collect::<Result<_, _>>()?;
-    let lobes = entry.lobes.as_ref().map(|name| lobes_pack(folder, &entry, name)).transpose()?;
+    let names = [&entry.lobes, &entry.bandwidth, &entry.samples].into_iter().flatten();
+    let (mut maps, mut lobes) = (Vec::new(), None);
+    for name in names {
+        let (pack, bytes) = listed_pack(folder, &entry.files, name)?;
+        maps.push(map_part(folder, name, &pack, bytes)?);
+        if let Pack::Lobes(pack) = pack {
+            lobes = Some(pack);
+        }
+    }
     let of_source = source.as_ref().ok().map(|source| source.as_ref() as &dyn Source);
     let evidence = evidence(&pack, of_source, lobes.as_ref().zip(ball))?;
     Ok(PageMaterial { entry, note, evidence: Some(evidence), maps, without_source: source.err() })
@@ -161,26 +166,8 @@ fn material(
 
 /// Reads the pack of a material and checks it against the report.
 fn brdf_pack(folder: &Path, entry: &MaterialEntry, name: &str) -> Result<BrdfPack, Error> {
-    let pack = listed_pack(folder, &entry.files, name)?;
+    let (pack, _) = listed_pack(folder, &entry.files, name)?;
     BrdfPack::try_from(pack).map_err(|kind| wrong_kind(&folder.join(name), kind))
-}
-
-fn lobes_pack(folder: &Path, entry: &MaterialEntry, name: &str) -> Result<LobesPack, Error> {
-    match listed_pack(folder, &entry.files, name)? {
-        Pack::Lobes(pack) => Ok(pack),
-        other => Err(wrong_kind(&folder.join(name), other.kind())),
-    }
-}
-
-/// A ball in the environment that lobes look up, if the build made one.
-fn lit_ball(folder: &Path, environment: Option<&EnvironmentEntry>) -> Result<Option<LitBall>, Error> {
-    let Some((entry, name)) = environment.and_then(|entry| Some((entry, entry.prefiltered.as_ref()?))) else {
-        return Ok(None);
-    };
-    match listed_pack(folder, &entry.files, name)? {
-        Pack::Environment(pack) => Ok(Some(LitBall::new(pack))),
-        other => Err(wrong_kind(&folder.join(name), other.kind())),
-    }
 }
 
 /// Opens the source of a material, if it still exists.
@@ -200,7 +187,18 @@ pub fn source_of(note: &BuiltNote) -> Result<Box<dyn Source>, String> {
     }
 }
 
-fn environment(folder: &Path, entry: EnvironmentEntry) -> Result<(EnvironmentEntry, Vec<PagePart>), Error> {
-    let parts = entry.files.iter().map(|file| map_part(folder, &entry.files, &file.file)).collect::<Result<_, _>>()?;
-    Ok((entry, parts))
+/// An environment with its files.
+type PageEnvironment = (EnvironmentEntry, Vec<PagePart>);
+
+/// Reads the files of an environment, and makes a ball in it if lobes look it up.
+fn environment(folder: &Path, entry: EnvironmentEntry) -> Result<(PageEnvironment, Option<LitBall>), Error> {
+    let (mut parts, mut ball) = (Vec::new(), None);
+    for file in &entry.files {
+        let (pack, bytes) = listed_pack(folder, &entry.files, &file.file)?;
+        parts.push(map_part(folder, &file.file, &pack, bytes)?);
+        if let Pack::Environment(pack) = pack {
+            ball = Some(LitBall::new(pack));
+        }
+    }
+    Ok(((entry, parts), ball))
 }

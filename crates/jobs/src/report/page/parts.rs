@@ -29,27 +29,19 @@ pub struct PagePart {
     pub image: Option<Panel>,
 }
 
-/// Reads a file that a report lists.
+/// Reads a pack that a report lists, and the bytes of its file.
 ///
 /// # Errors
-/// Returns an error if the file cannot be read or differs from the listed one.
-fn listed_file(folder: &Path, listed: &[FileEntry], name: &str) -> Result<Vec<u8>, Error> {
+/// Returns an error if the file cannot be read, is no pack or differs from the listed one.
+pub(super) fn listed_pack(folder: &Path, listed: &[FileEntry], name: &str) -> Result<(Pack, u64), Error> {
     let path = folder.join(name);
     let bytes = read_file(&path, MAX_FILE_BYTES)?;
     let entry = listed.iter().find(|file| file.file == name);
     if entry.is_some_and(|file| file.blake3 != Digest::of(&bytes)) {
         return Err(wrong_file(&path, "changed since the build"));
     }
-    Ok(bytes)
-}
-
-/// Reads a pack that a report lists.
-///
-/// # Errors
-/// Returns an error if the file cannot be read, is no pack or differs from the listed one.
-pub(super) fn listed_pack(folder: &Path, listed: &[FileEntry], name: &str) -> Result<Pack, Error> {
-    let bytes = listed_file(folder, listed, name)?;
-    Pack::from_bytes(&bytes).map_err(|error| wrong_file(&folder.join(name), error))
+    let pack = Pack::from_bytes(&bytes).map_err(|error| wrong_file(&path, error))?;
+    Ok((pack, bytes.len() as u64))
 }
 
 /// Error about a file that differs from the report.
@@ -62,30 +54,31 @@ pub(super) fn wrong_kind(path: &Path, kind: PackKind) -> Error {
     wrong_file(path, format!("found {}, expected the pack that report.json lists", kind.summary()))
 }
 
-/// Reads lobes, a bandwidth map, importance samples or a prefiltered environment.
-pub(super) fn map_part(folder: &Path, listed: &[FileEntry], name: &str) -> Result<PagePart, Error> {
-    let bytes = listed_file(folder, listed, name)?;
-    let path = folder.join(name);
-    let (bytes_on_gpu, summary, image) = match Pack::from_bytes(&bytes).map_err(|error| wrong_file(&path, error))? {
+/// Describes lobes, a bandwidth map, importance samples or a prefiltered environment.
+///
+/// # Errors
+/// Returns an error for other packs.
+pub(super) fn map_part(folder: &Path, name: &str, pack: &Pack, bytes_on_disk: u64) -> Result<PagePart, Error> {
+    let (bytes_on_gpu, summary, image) = match pack {
         Pack::Bandwidth(map) => {
-            let facts = BandwidthFacts::new(&map);
-            (facts.gpu_bytes, bandwidth_summary(&facts), Some(bandwidth_panel(&map)))
+            let facts = BandwidthFacts::new(map);
+            (facts.gpu_bytes, bandwidth_summary(&facts), Some(bandwidth_panel(map)))
         }
         Pack::Importance(pack) => {
-            let facts = ImportanceFacts::new(&pack);
+            let facts = ImportanceFacts::new(pack);
             (facts.gpu_bytes, samples_summary(&facts), None)
         }
         Pack::Lobes(pack) => {
-            let facts = LobesFacts::new(&pack);
+            let facts = LobesFacts::new(pack);
             (facts.gpu_bytes, lobes_summary(&facts), None)
         }
         Pack::Environment(pack) => {
-            let facts = EnvironmentFacts::new(&pack);
+            let facts = EnvironmentFacts::new(pack);
             (facts.gpu_bytes, environment_summary(&facts), None)
         }
-        other => return Err(wrong_kind(&path, other.kind())),
+        other => return Err(wrong_kind(&folder.join(name), other.kind())),
     };
-    Ok(PagePart { file: name.to_owned(), bytes_on_disk: bytes.len() as u64, bytes_on_gpu, summary, image })
+    Ok(PagePart { file: name.to_owned(), bytes_on_disk, bytes_on_gpu, summary, image })
 }
 
 fn bandwidth_summary(facts: &BandwidthFacts) -> String {
