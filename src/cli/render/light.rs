@@ -71,8 +71,15 @@ impl Light {
         scene: &mut Scene,
         common: Common,
     ) -> Result<Option<Self>, Error> {
-        if !subject.has_lobes(names) {
-            if let Some(input) = arguments.adaptive.environment.as_ref().filter(|_| arguments.by_lobes()) {
+        let given = arguments.adaptive.environment.as_ref().filter(|_| arguments.by_lobes());
+        let is_lit = subject.has_lobes(names);
+        if is_lit || (given.is_none() && subject.environment().is_some()) {
+            for name in names.iter().filter(|name| subject.lacks_lobes(name)) {
+                note(common, name, "the environment does not light it: maps of its uses have no lobes");
+            }
+        }
+        if !is_lit {
+            if let Some(input) = given {
                 note(common, input, "lights no material: their uses are lit by points, or have no lobes (maps)");
                 // Mirrors reflect it. An image is the environment of the scene already.
                 if is_cube_map(input)? {
@@ -139,9 +146,6 @@ pub(super) fn lit_views(
     let materials: Vec<Material<'_>> = of_parts.iter().map(under_points).collect();
     let mut views = views(gpu, &setup.scene, setup.frame, &materials, decoding)?;
     let lit: Vec<Lit<'_>> = prepared.iter().map(Prepared::lit).collect();
-    for material in prepared.iter().filter(|material| light.is_some() && subject.lacks_lobes(&material.name)) {
-        note(common, &material.name, "the environment does not light it: maps of its uses have no lobes");
-    }
     if let Some(light) = light.filter(|_| lit.iter().any(|material| material.lobes.is_some())) {
         views.add_light(&light.views(arguments, setup, gpu, (&lit, of_parts), common)?);
     }
