@@ -8,6 +8,6 @@ pub use brdfc_jobs::pwt::{
 };
 pub use brdfc_pwt::measure::StackErrors;
 pub use brdfc_pwt::ptm::MapModel;
-pub use brdfc_pwt::{DomainName, LightSamples, PwtRecipe, Target, Wavelet};
+pub use brdfc_pwt::{DomainName, LightSamples, PwtRecipe, PwtTextureFacts, Target, Wavelet};
 pub use brdfc_readers::ptm::Ptm;
 pub use brdfc_source::ptm::EXTENSION as PTM;

@@ -5,7 +5,7 @@ use super::{Common, Error};
 use crate::table;
 use brdfc::relight::{
     DomainName, LevelReport, LightCoordinates, LightInput, MapModel, Missed, PTM, Ptm, PwtRecipe, PwtReport,
-    StackErrors, Target, Wavelet, any_above_white, make, make_map, recipe_of_map,
+    PwtTextureFacts, StackErrors, Target, Wavelet, any_above_white, make, make_map, recipe_of_map,
 };
 use brdfc::{ErrorKind, Input};
 use brdfc_terminal::usage::share;
@@ -21,7 +21,8 @@ use std::time::Instant;
 ///
 /// INPUT is a folder of photographs with a list of lights (.lp), the list itself, one view of a BTF (a folder of images
 /// or a .btf file) or of a flat BTF, or a polynomial texture map (.ptm). By default, cross-validation at held-out
-/// lights selects coordinates, degree, smoothness and scale, and each term gets the resolution that it needs. If the
+/// lights selects the terms of the light, which are polynomials or learned from the photographs, their number, smoothness and
+/// scale, and each term gets the resolution that it needs. If the
 /// output is a .ptm, the program fits a polynomial texture map instead, for viewers that do not read packs.
 #[derive(Debug, Args)]
 #[command(after_help = "\
@@ -29,6 +30,7 @@ Examples:
   brdfc pwt icon -o icon.ktx2
   brdfc pwt icon -o icon.ktx2 --max-bytes 256KiB
   brdfc pwt icon/dirs.lp -o icon.ktx2 --quality 28 --hold-out 8
+  brdfc pwt icon -o icon.ktx2 --terms learned --max-fetches 6
   brdfc pwt icon -o icon.ptm --model lrgb
   brdfc pwt old.ptm -o old.ktx2
   brdfc pwt button -o button-view.ktx2 --view 12")]
@@ -59,14 +61,18 @@ pub struct Arguments {
     /// Treat the images as tiles that repeat, like the images of BTFs.
     #[arg(long)]
     tile: bool,
-    /// Coordinates of the light in which the terms are polynomials: the paraboloid, its x and y, or harmonics of the
-    /// hemisphere (default: the best).
+    /// Terms of the light: polynomials in the coordinates of the paraboloid or in x and y, harmonics of the hemisphere, or terms
+    /// that are learned from the photographs (default: the best).
     #[arg(long, value_name = "NAME", value_parser = names(&LightCoordinates::ALL, LightCoordinates::name))]
-    coordinates: Option<LightCoordinates>,
-    /// Highest degree, 0 to 5 (default: the best).
-    #[arg(long, value_name = "D", value_parser = any_whole_number::<u32>("0 to 5"))]
+    terms: Option<LightCoordinates>,
+    /// Highest degree of polynomials, 0 to 5, or number of learned terms, 1 to 35 (default: the best). Without --terms it is that
+    /// of polynomials.
+    #[arg(long, value_name = "D", value_parser = any_whole_number::<u32>("0 to 35"))]
     degree: Option<u32>,
-    /// Smoothness of the fit between the lights: a ridge penalty, 0 to 1000000 (default: the best).
+    /// Maximum number of texture fetches per pixel, 1 to 32 (default: any).
+    #[arg(long, value_name = "N", value_parser = any_whole_number::<u32>("1 to 32"))]
+    max_fetches: Option<u32>,
+    /// Smoothness of polynomials between the lights: a ridge penalty, 0 to 1000000 (default: the best).
     #[arg(long, value_name = "L")]
     ridge: Option<f64>,
     /// Scale of the fitted values (default: the best).
@@ -166,13 +172,14 @@ fn recipe(arguments: &Arguments) -> Result<PwtRecipe, Error> {
         arguments.loss.map(Target::Loss),
     ];
     let recipe = PwtRecipe {
-        coordinates: arguments.coordinates,
+        coordinates: arguments.terms,
         degree: arguments.degree,
         ridge: arguments.ridge,
         domain: arguments.domain,
         wavelet: arguments.wavelet.unwrap_or(default.wavelet),
         depth: arguments.levels,
         packets: arguments.packets.unwrap_or(default.packets),
+        max_fetches: arguments.max_fetches,
         target: targets.into_iter().flatten().next().unwrap_or(default.target),
     };
     recipe.check().map_err(|error| {
@@ -195,8 +202,9 @@ fn refuse_flags_of_packs(arguments: &Arguments) -> Result<(), Error> {
         (arguments.energy.is_some(), "--energy"),
         (arguments.loss.is_some(), "--loss"),
         (arguments.tile, "--tile"),
-        (arguments.coordinates.is_some(), "--coordinates"),
+        (arguments.terms.is_some(), "--terms"),
         (arguments.degree.is_some(), "--degree"),
+        (arguments.max_fetches.is_some(), "--max-fetches"),
         (arguments.ridge.is_some(), "--ridge"),
         (arguments.domain.is_some(), "--domain"),
         (arguments.wavelet.is_some(), "--wavelet"),
@@ -321,12 +329,12 @@ fn summary(report: &PwtReport, seconds: Seconds) -> String {
             c.domain.name().to_owned(),
             c.coordinates.name().to_owned(),
             c.degree.to_string(),
-            format!("{:e}", c.ridge),
+            if c.ridge == 0.0 { "-".to_owned() } else { format!("{:e}", c.ridge) },
             format!("{:.2}", c.psnr),
             decimals(c.held_out_psnr),
         ]
     });
-    let mut text = table::plain(&["scale", "coordinates", "degree", "ridge", "dB", "dB held out"], tried);
+    let mut text = table::plain(&["scale", "terms", "degree", "ridge", "dB", "dB held out"], tried);
     text.push('\n');
     let level = |level: &LevelReport| {
         let textures = report.textures.iter().find(|texture| texture.level == level.level);
@@ -339,8 +347,15 @@ fn summary(report: &PwtReport, seconds: Seconds) -> String {
             textures.map_or("-".to_owned(), |t| format!("{} x {}", t.layers, t.channels)),
         ]
     };
-    let header = ["level", "subbands", "energy", "degree", "texels", "layers x channels"];
-    text.push_str(&table::plain(&header, report.levels.iter().map(level)));
+    if report.levels.is_empty() {
+        let texture = |t: &PwtTextureFacts| {
+            [t.level.to_string(), format!("{} x {}", t.size[0], t.size[1]), format!("{} x {}", t.layers, t.channels)]
+        };
+        text.push_str(&table::plain(&["level", "texels", "layers x channels"], report.textures.iter().map(texture)));
+    } else {
+        let header = ["level", "subbands", "energy", "degree", "texels", "layers x channels"];
+        text.push_str(&table::plain(&header, report.levels.iter().map(level)));
+    }
     text.push('\n');
     let held = report.held_out.as_ref();
     let row = vec![

@@ -6,10 +6,11 @@ use brdfc_formats::bindings::{FRAME_SLOT, FrameBlock};
 use brdfc_formats::pwt::{MAX_TEXTURES, PwtPack};
 use wgpu::{BindGroup, ShaderStages};
 
-/// Layout of group 1. The sampler follows the last texture.
+/// Layout of group 1. The sampler follows the last texture; the light map has a sampler of its own.
 pub fn slots(gpu: &Gpu, stages: ShaderStages) -> Slots {
     let types = [UNIFORM].into_iter().chain([LAYERS; MAX_TEXTURES]).chain([SAMPLER]);
-    let types = [(FRAME_SLOT, UNIFORM)].into_iter().chain((9..).zip(types));
+    let map = [(43, LAYERS), (44, SAMPLER)];
+    let types = [(FRAME_SLOT, UNIFORM)].into_iter().chain((9..).zip(types)).chain(map);
     Slots::new(gpu, "polynomial wavelet tree", stages, types)
 }
 

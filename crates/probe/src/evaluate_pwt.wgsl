@@ -7,7 +7,7 @@ struct PwtQuery {
 }
 
 struct PwtAnswer {
-    channels: vec4<f32>, // and the fetch count if the source is instrumented
+    sum: vec4<f32>, // and the fetch count if the source is instrumented
     value: vec4<f32>,
 }
 
@@ -23,9 +23,9 @@ fn compute(at: u32) {
     let level = queries[at].place.z;
     let light = queries[at].light.xyz;
     var weights = pwt_weights(light);
-    let channels = pwt_channels(uv, level, &weights);
+    let sum = pwt_sum(uv, level, &weights);
     let counted = fetches();
     let value = pwt_value(uv, level, light);
-    answers[at] = PwtAnswer(vec4<f32>(channels, counted), vec4<f32>(value, 0.0));
+    answers[at] = PwtAnswer(vec4<f32>(sum, counted), vec4<f32>(value, 0.0));
 }
 

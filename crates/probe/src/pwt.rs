@@ -28,11 +28,11 @@ pub struct PwtQuery {
 /// Result of the shader for a query.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct PwtAnswer {
-    /// Channels in the domain of the pack.
-    pub channels: [f32; 3],
+    /// RGB in the domain of the pack.
+    pub sum: [f32; 3],
     /// Linear RGB.
     pub value: [f32; 3],
-    /// Fetches of the channels if the entry point is instrumented, otherwise 0.
+    /// Fetches of the sum if the entry point is instrumented, otherwise 0.
     pub fetches: f32,
 }
 
@@ -75,7 +75,7 @@ impl<'g> PwtEvaluator<'g> {
         Ok(LoadedPwt { group: pwt_textures::upload(self.pipeline.gpu(), &self.slots, pack, frame)? })
     }
 
-    /// Evaluates and reads back, in the order of `queries`. Channels below the horizon are extrapolated.
+    /// Evaluates and reads back, in the order of `queries`. Sums below the horizon are extrapolated.
     ///
     /// # Errors
     /// Returns an error that the driver reports.
@@ -86,7 +86,7 @@ impl<'g> PwtEvaluator<'g> {
             let items = self.pipeline.load(&words, chunk.len(), 32, [0; 2])?;
             let answers: Vec<[f32; 8]> = self.pipeline.answers(&items, &loaded.group)?;
             all.extend(answers.into_iter().map(|w| PwtAnswer {
-                channels: [w[0], w[1], w[2]],
+                sum: [w[0], w[1], w[2]],
                 value: [w[4], w[5], w[6]],
                 fetches: w[3],
             }));

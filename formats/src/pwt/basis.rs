@@ -1,4 +1,5 @@
-//! Basis functions of the light direction: polynomials of degree 0 to 5. A texel is a weighted sum of them.
+//! Basis functions of the light direction: polynomials of degree 0 to 5, or functions learned from photographs. A texel is a
+//! weighted sum of them.
 //!
 //! All steps are f32 operations in a fixed order, the same as in `formats/src/pwt/pwt.wgsl`.
 
@@ -13,11 +14,15 @@ pub enum LightCoordinates {
     Projected,
     /// Hemispherical harmonics (Gautron, Křivánek, Pattanaik and Bouatouch 2004).
     Hemisphere,
+    /// The paraboloid, as coordinates of a [`LightMap`](super::LightMap) of terms that are learned from photographs.
+    Learned,
 }
 
 impl LightCoordinates {
     /// All variants, indexed by their number in files.
-    pub const ALL: [Self; 3] = [Self::Paraboloid, Self::Projected, Self::Hemisphere];
+    pub const ALL: [Self; 4] = [Self::Paraboloid, Self::Projected, Self::Hemisphere, Self::Learned];
+    /// The variants with polynomials.
+    pub const POLYNOMIAL: [Self; 3] = [Self::Paraboloid, Self::Projected, Self::Hemisphere];
 
     /// Name for command line and files.
     pub fn name(self) -> &'static str {
@@ -25,7 +30,13 @@ impl LightCoordinates {
             Self::Paraboloid => "paraboloid",
             Self::Projected => "projected",
             Self::Hemisphere => "hemisphere",
+            Self::Learned => "learned",
         }
+    }
+
+    /// Highest degree: [`MAX_DEGREE`], or the largest number of learned terms beside the first.
+    pub fn max_degree(self) -> u32 {
+        if self == Self::Learned { MAX_TERMS as u32 - 1 } else { MAX_DEGREE }
     }
 }
 
@@ -39,7 +50,8 @@ pub const MAX_TERMS: usize = 36;
 pub struct LightBasis {
     /// Coordinates of the light direction.
     pub coordinates: LightCoordinates,
-    /// Highest degree, 0 to [`MAX_DEGREE`].
+    /// Highest degree, 0 to [`MAX_DEGREE`]; the number of learned terms beside the first, up to
+    /// [`LightCoordinates::max_degree`].
     pub degree: u32,
 }
 
@@ -47,7 +59,11 @@ impl LightBasis {
     /// Number of terms of all degrees.
     pub fn terms(self) -> usize {
         let n = self.degree as usize + 1;
-        if self.coordinates == LightCoordinates::Hemisphere { n * n } else { n * (n + 1) / 2 }
+        match self.coordinates {
+            LightCoordinates::Hemisphere => n * n,
+            LightCoordinates::Learned => n,
+            _ => n * (n + 1) / 2,
+        }
     }
 
     /// Degree of a term.
@@ -55,7 +71,8 @@ impl LightBasis {
         (0..self.degree).find(|degree| term < Self { degree: *degree, ..self }.terms()).unwrap_or(self.degree)
     }
 
-    /// All terms for a unit vector to the light, above the horizon; 0 after the last one.
+    /// All terms for a unit vector to the light, above the horizon; 0 after the last one. Learned terms are those of a
+    /// [`LightMap`](super::LightMap), and 0 here.
     ///
     /// Terms of degree `d`: `u^d, u^(d-1) v, …, v^d`; or the harmonics `l = d`, `m = -d` to `d`, without normalisation:
     /// `P_d^|m|(2z - 1)` times `cos(mφ)` or, for negative m, `sin(|m|φ)`.
@@ -64,7 +81,11 @@ impl LightBasis {
         let mut terms = [0.0; MAX_TERMS];
         match self.coordinates {
             LightCoordinates::Hemisphere => self.harmonics(x, y, z.max(0.0), &mut terms),
-            LightCoordinates::Paraboloid => self.powers(x / (1.0 + z), y / (1.0 + z), &mut terms),
+            LightCoordinates::Paraboloid => {
+                let [u, v] = paraboloid(light);
+                self.powers(u, v, &mut terms);
+            }
+            LightCoordinates::Learned => {}
             LightCoordinates::Projected => self.powers(x, y, &mut terms),
         }
         terms
@@ -113,6 +134,11 @@ impl LightBasis {
     }
 }
 
+/// Paraboloid coordinates of a light, -1 to 1 above the horizon.
+pub(super) fn paraboloid([x, y, z]: [f32; 3]) -> [f32; 2] {
+    [x / (1.0 + z), y / (1.0 + z)]
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -130,7 +156,7 @@ mod tests {
 
     #[test]
     fn terms_are_ordered_by_degree() {
-        for coordinates in LightCoordinates::ALL {
+        for coordinates in LightCoordinates::POLYNOMIAL {
             let full = LightBasis { coordinates, degree: MAX_DEGREE };
             assert!(full.terms() <= MAX_TERMS);
             for degree in 0..=MAX_DEGREE {

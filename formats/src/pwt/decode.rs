@@ -1,6 +1,6 @@
 //! CPU decoder, the reference for shaders: f32 operations in a fixed order without fused operations.
 
-use super::basis::MAX_TERMS;
+use super::header::Weights;
 use super::pack::PwtPack;
 use crate::tap::Tap;
 use std::ops::Range;
@@ -36,18 +36,21 @@ impl PwtDecoder {
         if light[2] <= 0.0 {
             return [0.0; 3];
         }
-        self.linear(self.channels(uv, level, &self.pack.header().weights(light)))
+        let mut sum = self.sum(uv, level, &self.pack.header().weights(light));
+        self.pack.header().domain.decode_each(&mut sum);
+        sum
     }
 
-    /// Channels at a point, in the domain of the pack: sums over terms with weights from [`super::PwtHeader::weights`].
-    pub fn channels(&self, uv: [f32; 2], level: f32, weights: &[f32; MAX_TERMS]) -> [f32; 3] {
+    /// RGB at a point, in the domain of the pack: the sum over terms with weights from [`super::PwtHeader::weights`].
+    pub fn sum(&self, uv: [f32; 2], level: f32, weights: &Weights) -> [f32; 3] {
         let header = self.pack.header();
         let mut uv = uv;
         for axis in 0..2 {
             uv[axis] = if header.repeats { uv[axis] - uv[axis].floor() } else { uv[axis].clamp(0.0, 1.0) };
             uv[axis] *= header.size[axis] as f32 / header.extent[axis] as f32;
         }
-        let mut channels = [0.0f32; 3];
+        let mut sum = header.constant(weights);
+        let mut weights = header.component_weights(weights).into_iter();
         for (index, texture) in header.textures.iter().enumerate() {
             let last = (self.pack.levels_of(index) - 1) as f32;
             let own = (level - texture.level as f32).clamp(0.0, last);
@@ -61,34 +64,11 @@ impl PwtDecoder {
                     texel += blend * (self.sample(index, k, finer as u32 + 1, coarse) - texel);
                 }
                 let value = component.low + component.scale * texel;
-                channels[component.channel as usize] += weights[component.term as usize] * value;
+                let weight = weights.next().expect("one for each component");
+                (0..3).for_each(|c| sum[c] += weight[c] * value);
             }
         }
-        channels
-    }
-
-    /// Converts channels to linear RGB.
-    pub fn linear(&self, channels: [f32; 3]) -> [f32; 3] {
-        let header = self.pack.header();
-        let [a, b, c] = channels;
-        let mut colour = [0, 1, 2].map(|k| {
-            let [red, green, blue] = header.colour.map(|axis| axis[k]);
-            a * red + b * green + c * blue
-        });
-        header.domain.decode_each(&mut colour);
-        colour
-    }
-
-    fn linear_each(&self, channels: &[Vec<f32>; 3]) -> [Vec<f32>; 3] {
-        let header = self.pack.header();
-        let [a, b, c] = channels;
-        [0, 1, 2].map(|k| {
-            let [red, green, blue] = header.colour.map(|axis| axis[k]);
-            let sum = |((a, b), c): ((&f32, &f32), &f32)| a * red + b * green + c * blue;
-            let mut values: Vec<f32> = a.iter().zip(b).zip(c).map(sum).collect();
-            header.domain.decode_each(&mut values);
-            values
-        })
+        sum
     }
 
     /// Memory that [`Self::unpacked`] needs, bytes. Small files can need much: an image of 8192 x 8192 texels with a
@@ -101,7 +81,7 @@ impl PwtDecoder {
     }
 
     /// Decompresses a mipmap level of the image, 0 to [`super::PwtHeader::levels`], with all terms at its resolution,
-    /// for drawing whole images. Larger levels give the coarsest. Values equal [`Self::channels`] at texel centres.
+    /// for drawing whole images. Larger levels give the coarsest. Values equal [`Self::sum`] at texel centres.
     pub fn unpacked(&self, level: u32) -> UnpackedLevel<'_> {
         let height = self.pack.header().size[1].div_ceil(1 << level.min(self.pack.header().levels));
         self.unpacked_rows(level, 0..height as usize)
@@ -132,7 +112,7 @@ impl PwtDecoder {
             for (k, component) in texture.components.iter().enumerate() {
                 let filtered = self.filtered(index, k, own, &columns, &rows);
                 let values = filtered.into_iter().map(|texel| component.low + component.scale * texel).collect();
-                planes.push((component.channel as usize, component.term as usize, values));
+                planes.push(values);
             }
         }
         UnpackedLevel { decoder: self, left_out, size: size.map(|side| side as usize), planes }
@@ -203,8 +183,8 @@ pub struct UnpackedLevel<'a> {
     left_out: usize,
     /// Columns, and rows that are held.
     size: [usize; 2],
-    /// Channel, term, and a value per texel of the image.
-    planes: Vec<(usize, usize, Vec<f32>)>,
+    /// For each component, a value per texel of the image.
+    planes: Vec<Vec<f32>>,
 }
 
 impl UnpackedLevel<'_> {
@@ -217,20 +197,22 @@ impl UnpackedLevel<'_> {
     ///
     /// # Panics
     /// Panics if the rows are not held.
-    pub fn rows(&self, rows: Range<usize>, weights: &[f32; MAX_TERMS]) -> Vec<[f32; 3]> {
+    pub fn rows(&self, rows: Range<usize>, weights: &Weights) -> Vec<[f32; 3]> {
+        let header = self.decoder.pack.header();
         let width = self.size[0];
+        let (constant, weights) = (header.constant(weights), header.component_weights(weights));
         let mut rendering = Vec::with_capacity(rows.len() * width);
-        let mut channels = [vec![0.0f32; width], vec![0.0; width], vec![0.0; width]];
+        let mut sums = [vec![0.0f32; width], vec![0.0; width], vec![0.0; width]];
         for row in rows.start - self.left_out..rows.end - self.left_out {
-            channels.iter_mut().for_each(|channel| channel.fill(0.0));
-            for (channel, term, values) in &self.planes {
-                let weight = weights[*term];
-                for (sum, value) in channels[*channel].iter_mut().zip(&values[row * width..][..width]) {
-                    *sum += weight * value;
+            sums.iter_mut().zip(constant).for_each(|(sum, constant)| sum.fill(constant));
+            for (values, weight) in self.planes.iter().zip(&weights) {
+                let values = &values[row * width..][..width];
+                for (sums, weight) in sums.iter_mut().zip(weight).filter(|(_, weight)| **weight != 0.0) {
+                    sums.iter_mut().zip(values).for_each(|(sum, value)| *sum += weight * value);
                 }
             }
-            let colours = self.decoder.linear_each(&channels);
-            rendering.extend((0..width).map(|x| [colours[0][x], colours[1][x], colours[2][x]]));
+            sums.iter_mut().for_each(|sums| header.domain.decode_each(sums));
+            rendering.extend((0..width).map(|x| [sums[0][x], sums[1][x], sums[2][x]]));
         }
         rendering
     }

@@ -1,7 +1,8 @@
 //! Header of a pack, the value of the key `brdfc.pwt`.
 
-use super::basis::{LightBasis, LightCoordinates, MAX_DEGREE, MAX_TERMS};
+use super::basis::{LightBasis, LightCoordinates, MAX_TERMS};
 use super::domain::Domain;
+use super::light_map::{LightMap, MAP_SIDES};
 use crate::FormatError;
 use crate::cursor::Cursor;
 use crate::error::Place;
@@ -20,7 +21,10 @@ pub const MAX_COMPONENTS: usize = 128;
 pub const MAX_LEVEL: u32 = 12;
 
 const VERSION: u32 = 1;
-const FIXED_BYTES: usize = 4 * (11 + 1 + 9 + 4);
+const FIXED_BYTES: usize = 4 * (11 + 1 + 9 + 4 + 1);
+
+/// Weight of each term under a light, in red, green and blue; 0 after the last one.
+pub type Weights = [[f32; 3]; MAX_TERMS];
 
 /// Meaning of one texel component: `low + scale texel`, multiplied by the weight of a term, is added to a channel.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -90,8 +94,11 @@ pub struct PwtHeader {
     pub domain: Domain,
     /// Red, green and blue of each channel.
     pub colour: [[f32; 3]; 3],
-    /// Orthonormalises terms over the lights: weight `k` is `Σ_{j ≤ k} triangle[k (k + 1) / 2 + j] term_j`.
+    /// Orthonormalises polynomials over the lights: weight `k` is `Σ_{j ≤ k} triangle[k (k + 1) / 2 + j] term_j`. Empty for
+    /// learned terms.
     pub triangle: Vec<f32>,
+    /// Learned terms; `None` for polynomials. Term 0 has the value 1 in every texel and needs no component.
+    pub light_map: Option<LightMap>,
     /// Textures, the finest first. At least one.
     pub textures: Vec<TextureHeader>,
     /// Errors measured by the encoder.
@@ -115,17 +122,34 @@ fn finite(field: &str, numbers: impl IntoIterator<Item = f32>) -> Result<(), For
 
 impl PwtHeader {
     /// Weights of all terms for a light. `light` is a unit vector to it.
-    pub fn weights(&self, light: [f32; 3]) -> [f32; MAX_TERMS] {
+    pub fn weights(&self, light: [f32; 3]) -> Weights {
+        let mut weights = [[0.0; 3]; MAX_TERMS];
+        if let Some(map) = &self.light_map {
+            weights.iter_mut().take(map.terms()).enumerate().for_each(|(k, weight)| *weight = map.value(k, light));
+            return weights;
+        }
         let terms = self.basis.evaluate(light);
-        let mut weights = [0.0; MAX_TERMS];
         let mut row = 0;
         for k in 0..self.basis.terms() {
-            for j in 0..=k {
-                weights[k] += self.triangle[row + j] * terms[j];
-            }
+            let weight: f32 = (0..=k).map(|j| self.triangle[row + j] * terms[j]).sum();
+            weights[k] = [weight; 3];
             row += k + 1;
         }
         weights
+    }
+
+    /// Weight of every component, in red, green and blue: that of its term, times the colour of its channel.
+    pub fn component_weights(&self, weights: &Weights) -> Vec<[f32; 3]> {
+        let of = |component: &Component| {
+            let (colour, weight) = (self.colour[component.channel as usize], weights[component.term as usize]);
+            [0, 1, 2].map(|c| colour[c] * weight[c])
+        };
+        self.components().map(of).collect()
+    }
+
+    /// Value of a texel whose components are all 0, in the domain.
+    pub fn constant(&self, weights: &Weights) -> [f32; 3] {
+        if self.light_map.is_some() { weights[0] } else { [0.0; 3] }
     }
 
     /// Components of all layers of all textures.
@@ -133,7 +157,7 @@ impl PwtHeader {
         self.textures.iter().flat_map(|texture| &texture.components)
     }
 
-    /// Texture fetches of one look-up, one per layer.
+    /// Texture fetches of one look-up, one per layer. Learned terms take as many more as there are terms, once for each light.
     pub fn fetches(&self) -> u32 {
         self.textures.iter().map(TextureHeader::layers).sum()
     }
@@ -159,16 +183,23 @@ impl PwtHeader {
             let allowed = format!("multiples of {}, as levels requires", 1 << self.levels);
             return Err(rejected("extent", format!("{width} x {height}"), allowed));
         }
-        check_range("degree", self.basis.degree, 0..=MAX_DEGREE)?;
+        check_range("degree", self.basis.degree, 0..=self.basis.coordinates.max_degree())?;
         if let Domain::Logarithm { epsilon } = self.domain
             && !(epsilon.is_normal() && epsilon > 0.0)
         {
             return Err(rejected("epsilon", epsilon, "a positive normal number"));
         }
         let terms = self.basis.terms();
-        if self.triangle.len() != terms * (terms + 1) / 2 {
-            let allowed = format!("{}, as degree requires", terms * (terms + 1) / 2);
+        let numbers = triangle_numbers(self.basis);
+        if self.triangle.len() != numbers {
+            let allowed = format!("{numbers}, as degree requires");
             return Err(rejected("triangle", format!("{} numbers", self.triangle.len()), allowed));
+        }
+        let expected = if self.basis.coordinates == LightCoordinates::Learned { terms } else { 0 };
+        let found = self.light_map.as_ref().map_or(0, LightMap::terms);
+        if found != expected {
+            let allowed = format!("{expected}, as coordinates and degree require");
+            return Err(rejected("terms of the light map", found, allowed));
         }
         finite("triangle", self.triangle.iter().copied())?;
         finite("colour", self.colour.iter().flatten().copied())?;
@@ -230,6 +261,7 @@ impl PwtHeader {
         words.extend(self.colour.iter().flatten().map(|c| c.to_bits()));
         let PwtErrors { lights, psnr, held_out_psnr, delta_e } = self.errors;
         words.extend([lights, psnr.to_bits(), held_out_psnr.to_bits(), delta_e.to_bits()]);
+        words.push(self.light_map.as_ref().map_or(0, LightMap::side));
         words.extend(self.triangle.iter().map(|c| c.to_bits()));
         for texture in &self.textures {
             words.extend([texture.level, texture.channels, texture.components.len() as u32]);
@@ -240,19 +272,30 @@ impl PwtHeader {
         words.into_iter().flat_map(u32::to_le_bytes).collect()
     }
 
-    /// Reads the value of [`PWT_ENTRY`].
-    pub(super) fn from_bytes(bytes: &[u8]) -> Result<Self, FormatError> {
+    /// Reads the value of [`PWT_ENTRY`]. `map` reads the light map of a side.
+    pub(super) fn from_bytes(
+        bytes: &[u8],
+        map: impl FnOnce(u32, usize) -> Result<LightMap, FormatError>,
+    ) -> Result<Self, FormatError> {
         // Offsets within a value are not offsets in the file.
         let named = |error: FormatError| match error.place {
             Place::Whole => error,
             _ => FormatError { place: Place::Whole, field: format!("{PWT_ENTRY} {}", error.field).into(), ..error },
         };
-        let header = Self::read(bytes).map_err(named)?;
+        let (mut header, side) = Self::read(bytes).map_err(named)?;
+        let is_learned = header.basis.coordinates == LightCoordinates::Learned;
+        if is_learned {
+            check_range("side of the light map", side, MAP_SIDES)?;
+            header.light_map = Some(map(side, header.basis.terms())?);
+        } else if side != 0 {
+            return Err(rejected("side of the light map", side, "0 without learned terms"));
+        }
         header.check()?;
         Ok(header)
     }
 
-    fn read(bytes: &[u8]) -> Result<Self, FormatError> {
+    /// Header without its light map, and the side of the map.
+    fn read(bytes: &[u8]) -> Result<(Self, u32), FormatError> {
         if bytes.len() < FIXED_BYTES {
             return Err(rejected("length", format!("{} bytes", bytes.len()), format!("{FIXED_BYTES} bytes or more")));
         }
@@ -274,7 +317,7 @@ impl PwtHeader {
             .ok_or_else(|| rejected("coordinates", coordinates, format!("0 to {}", LightCoordinates::ALL.len() - 1)))?;
         let degree = cursor.u32("degree")?;
         // Checked before the number of terms is derived from it.
-        check_range("degree", degree, 0..=MAX_DEGREE)?;
+        check_range("degree", degree, 0..=coordinates.max_degree())?;
         let basis = LightBasis { coordinates, degree };
         let domain = cursor.u32("domain")?;
         let textures = cursor.u32("textures")?;
@@ -295,15 +338,23 @@ impl PwtHeader {
             held_out_psnr: cursor.f32("held-out psnr")?,
             delta_e: cursor.f32("delta E")?,
         };
-        let terms = basis.terms();
-        let triangle = (0..terms * (terms + 1) / 2).map(|_| cursor.f32("triangle")).collect::<Result<_, _>>()?;
+        let side = cursor.u32("side of the light map")?;
+        let triangle = (0..triangle_numbers(basis)).map(|_| cursor.f32("triangle")).collect::<Result<_, _>>()?;
         let textures = (0..textures).map(|_| read_texture(&mut cursor)).collect::<Result<_, _>>()?;
         if cursor.remaining() > 0 {
             let allowed = format!("{} bytes, as its fields say", cursor.position());
             return Err(rejected("length", format!("{} bytes", bytes.len()), allowed));
         }
-        Ok(Self { size, extent, repeats, levels, basis, domain, colour, triangle, textures, errors })
+        let light_map = None;
+        let header =
+            Self { size, extent, repeats, levels, basis, domain, colour, triangle, light_map, textures, errors };
+        Ok((header, side))
     }
+}
+
+/// Numbers of the triangle of a basis.
+fn triangle_numbers(basis: LightBasis) -> usize {
+    if basis.coordinates == LightCoordinates::Learned { 0 } else { basis.terms() * (basis.terms() + 1) / 2 }
 }
 
 fn read_texture(cursor: &mut Cursor<'_>) -> Result<TextureHeader, FormatError> {

@@ -1,14 +1,15 @@
 //! Polynomial wavelet trees (Baril, Boubekeur, Gioia and Schlick 2008, "Polynomial wavelet trees for bidirectional
 //! texture functions"): an image under any light from above. Byte layout: `spec.md` in this folder.
 //!
-//! Each texel is a polynomial of the light direction. Its coefficients are stored in mipmapped textures; coefficients
-//! without fine detail have no fine levels.
+//! Each texel is a polynomial of the light direction, or a sum of functions learned from photographs. Its coefficients are
+//! stored in mipmapped textures; coefficients without fine detail have no fine levels.
 
 mod basis;
 mod decode;
 pub(crate) mod descriptor;
 mod domain;
 mod header;
+mod light_map;
 mod pack;
 pub mod shader;
 
@@ -17,5 +18,7 @@ pub use decode::{PwtDecoder, UnpackedLevel};
 pub use domain::{Domain, LARGEST};
 pub use header::{
     Component, MAX_COMPONENTS, MAX_LEVEL, MAX_SIDE, MAX_TEXTURES, PWT_ENTRY, PwtErrors, PwtHeader, TextureHeader,
+    Weights,
 };
+pub use light_map::{LightMap, MAP_SIDES};
 pub use pack::PwtPack;

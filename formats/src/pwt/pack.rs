@@ -1,9 +1,10 @@
 //! Pack in memory, and its file.
 
 use super::header::{MAX_TEXTURES, PWT_ENTRY, PwtErrors, PwtHeader, TextureHeader};
+use super::light_map::LightMap;
 use crate::FormatError;
 use crate::bindings::PackFile;
-use crate::container::entries::entry;
+use crate::container::entries::{check_texels, entry};
 use crate::container::{Extent, MAX_TEXEL_BYTES, TexelFormat, Texture};
 use std::collections::BTreeMap;
 
@@ -17,6 +18,15 @@ pub struct PwtPack {
 
 /// Bindings of the textures. A pack uses the first ones.
 pub(super) const TEXTURES: [&str; MAX_TEXTURES] = ["pwt_texture_0", "pwt_texture_1", "pwt_texture_2", "pwt_texture_3"];
+
+/// Binding of the learned terms.
+pub(super) const LIGHT_MAP: &str = "pwt_light_map";
+pub(super) const LIGHT_MAP_FORMAT: TexelFormat = TexelFormat::Rgba16Float;
+
+/// Size of the texture of a light map.
+pub(super) fn map_extent(side: u32, terms: usize) -> Extent {
+    Extent::D2Array([side, side, terms as u32])
+}
 
 impl TextureHeader {
     /// Format of each texel, by the number of channels.
@@ -81,9 +91,10 @@ impl PwtPack {
         self.header.levels - self.header.textures[texture].level + 1
     }
 
-    /// GPU memory of all levels, bytes.
+    /// GPU memory of all levels and of the light map, bytes.
     pub fn gpu_bytes(&self) -> u64 {
-        (0..self.texels.len()).map(|texture| self.texture_bytes(texture)).sum()
+        let map = self.header.light_map.as_ref().map_or(0, LightMap::gpu_bytes);
+        (0..self.texels.len()).map(|texture| self.texture_bytes(texture)).sum::<u64>() + map
     }
 
     /// Size and layers of a texture.
@@ -117,7 +128,13 @@ impl PwtPack {
     /// Returns an error if the file violates `formats/src/pwt/spec.md`.
     pub fn from_file(mut file: PackFile) -> Result<Self, FormatError> {
         let own = file.take_own();
-        let header = PwtHeader::from_bytes(entry(&own, PWT_ENTRY, "a polynomial wavelet tree")?)?;
+        let map = file.take_texture(LIGHT_MAP);
+        let header = PwtHeader::from_bytes(entry(&own, PWT_ENTRY, "a polynomial wavelet tree")?, |side, terms| {
+            let missing = || FormatError::whole(LIGHT_MAP, "no texels", "the light map of learned terms").problem();
+            let map = map.ok_or_else(missing)?;
+            check_texels(&map, LIGHT_MAP, map_extent(side, terms), LIGHT_MAP_FORMAT, PWT_ENTRY)?;
+            LightMap::from_bytes(side, &map.texels)
+        })?;
         let expected = Self { texels: Vec::new(), header };
         expected.check_bytes()?;
         let others = TEXTURES[1..].iter().map_while(|name| file.take_texture(name));

@@ -5,13 +5,13 @@ struct PwtParameters {
     size: vec2<f32>,          // columns and rows of the image
     extent: vec2<f32>,        // columns and rows of texels
     repeats: u32,             // 1: a tile
-    coordinates: u32,         // coordinates of the light: 0 paraboloid, 1 projected, 2 hemisphere
+    coordinates: u32,         // coordinates of the light: 0 paraboloid, 1 projected, 2 hemisphere, 3 learned
     degree: u32,
     domain: u32,              // 0 linear, 1 display, 2 cube root, 3 logarithm
     epsilon: f32,
     textures: u32,
     levels: u32,              // coarsest mipmap level
-    reserved: u32,
+    map_side: u32,            // texels per side of the light map; 0 without learned terms
     first_level: vec4<u32>,   // per texture, number of times that the image was halved
     layers: vec4<u32>,        // per texture
     channels: vec4<u32>,      // per texture
@@ -28,6 +28,9 @@ struct PwtParameters {
 @group(1) @binding(13) var pwt_texture_3: texture_2d_array<f32>; // fourth texture, or any
 @group(1) @binding(14) var pwt_sampler: sampler; // linear within and between levels; repeat for tiles, otherwise clamp
 
+@group(1) @binding(43) var pwt_light_map: texture_2d_array<f32>; // RGB of each learned term over the paraboloid, or any
+@group(1) @binding(44) var pwt_light_map_sampler: sampler; // linear, clamp
+
 const PWT_LARGEST: f32 = 65504.0;
 
 // Linear RGB at a point of the image, 0 to 1 across it and down from its top. Level 0 is full resolution. `wi` is a
@@ -37,7 +40,7 @@ fn pwt_value(uv: vec2<f32>, level: f32, wi: vec3<f32>) -> vec3<f32> {
         return vec3<f32>(0.0);
     }
     var weights = pwt_weights(wi);
-    return pwt_linear(pwt_channels(uv, level, &weights));
+    return pwt_linear(pwt_sum(uv, level, &weights));
 }
 
 // Mipmap level of a pixel, from the differences of uv to its neighbours.
@@ -47,10 +50,17 @@ fn pwt_mipmap_level(right: vec2<f32>, below: vec2<f32>) -> f32 {
     return max(0.5 * log2(max(max(dot(across, across), dot(down, down)), 1e-20)), 0.0);
 }
 
-// Weights of all terms under a light. For distant lights they are the same everywhere, so once per light is enough.
-fn pwt_weights(wi: vec3<f32>) -> array<f32, 36> {
+// Weights of all terms under a light, in red, green and blue. For distant lights they are the same everywhere, so once per
+// light is enough.
+fn pwt_weights(wi: vec3<f32>) -> array<vec3<f32>, 36> {
+    var weights: array<vec3<f32>, 36>;
+    if pwt.coordinates == 3u {
+        for (var k = 0u; k <= pwt.degree; k++) {
+            weights[k] = pwt_learned(k, wi.xy / (1.0 + wi.z) * 0.5 + 0.5);
+        }
+        return weights;
+    }
     var terms = pwt_evaluate(wi);
-    var weights: array<f32, 36>;
     let n = pwt.degree + 1u;
     let count = select(n * (n + 1u) / 2u, n * n, pwt.coordinates == 2u);
     var at = 0u;
@@ -60,12 +70,32 @@ fn pwt_weights(wi: vec3<f32>) -> array<f32, 36> {
             weight += pwt.triangle[at / 4u][at % 4u] * terms[j];
             at++;
         }
-        weights[k] = weight;
+        weights[k] = vec3<f32>(weight);
     }
     return weights;
 }
 
-// All terms of the light.
+// A learned term at a place of the light map, 0 to 1.
+fn pwt_learned(term: u32, at: vec2<f32>) -> vec3<f32> {
+    if brdfc_frame.sampler_filters == 1u {
+        return textureSampleLevel(pwt_light_map, pwt_light_map_sampler, at, term, 0.0).rgb;
+    }
+    let last = vec2<i32>(i32(pwt.map_side) - 1);
+    let position = at * f32(pwt.map_side) - 0.5;
+    let lower = floor(position);
+    let weight = position - lower;
+    let first = clamp(vec2<i32>(lower), vec2<i32>(0), last);
+    let next = clamp(vec2<i32>(lower) + 1, vec2<i32>(0), last);
+    let a = textureLoad(pwt_light_map, first, term, 0).rgb;
+    let b = textureLoad(pwt_light_map, vec2<i32>(next.x, first.y), term, 0).rgb;
+    let c = textureLoad(pwt_light_map, vec2<i32>(first.x, next.y), term, 0).rgb;
+    let d = textureLoad(pwt_light_map, next, term, 0).rgb;
+    let upper = a + weight.x * (b - a);
+    let under = c + weight.x * (d - c);
+    return upper + weight.y * (under - upper);
+}
+
+// All polynomials of the light.
 fn pwt_evaluate(wi: vec3<f32>) -> array<f32, 36> {
     if pwt.coordinates == 2u {
         return pwt_harmonics(wi.x, wi.y, max(wi.z, 0.0));
@@ -126,11 +156,12 @@ fn pwt_harmonics(x: f32, y: f32, z: f32) -> array<f32, 36> {
     return terms;
 }
 
-// Channels at a point, in the domain of the pack: one fetch per layer if the sampler filters.
-fn pwt_channels(uv: vec2<f32>, level: f32, weights: ptr<function, array<f32, 36>>) -> vec3<f32> {
+// RGB at a point, in the domain of the pack: one fetch per layer if the sampler filters.
+fn pwt_sum(uv: vec2<f32>, level: f32, weights: ptr<function, array<vec3<f32>, 36>>) -> vec3<f32> {
     let within = select(clamp(uv, vec2<f32>(0.0), vec2<f32>(1.0)), uv - floor(uv), pwt.repeats == 1u);
     let at = within * (pwt.size / pwt.extent);
-    var channels = vec3<f32>(0.0);
+    // The first learned term is 1 in every texel.
+    var sum = select(vec3<f32>(0.0), (*weights)[0], pwt.coordinates == 3u);
     var first = 0u;
     for (var index = 0u; index < pwt.textures; index++) {
         let base = pwt.first_level[index];
@@ -140,12 +171,12 @@ fn pwt_channels(uv: vec2<f32>, level: f32, weights: ptr<function, array<f32, 36>
             for (var k = 0u; k < pwt.channels[index]; k++) {
                 let component = pwt.components[first];
                 let value = component.w + component.z * texel[k];
-                channels[u32(component.x)] += (*weights)[u32(component.y)] * value;
+                sum += pwt.colour[u32(component.x)].rgb * (*weights)[u32(component.y)] * value;
                 first++;
             }
         }
     }
-    return channels;
+    return sum;
 }
 
 fn pwt_sample(index: u32, layer: u32, at: vec2<f32>, own: f32) -> vec4<f32> {
@@ -199,9 +230,8 @@ fn pwt_load(index: u32, layer: u32, texel: vec2<i32>, level: u32) -> vec4<f32> {
     }
 }
 
-// Converts channels to linear RGB.
-fn pwt_linear(channels: vec3<f32>) -> vec3<f32> {
-    let value = channels.x * pwt.colour[0].rgb + channels.y * pwt.colour[1].rgb + channels.z * pwt.colour[2].rgb;
+// Converts a value from the domain of the pack to linear RGB.
+fn pwt_linear(value: vec3<f32>) -> vec3<f32> {
     var linear = value;
     switch pwt.domain {
         case 0u: {}

@@ -1,14 +1,15 @@
 //! Shader side of polynomial wavelet trees: `formats/src/pwt/pwt.wgsl` and its uniform block.
 
 use super::header::{MAX_COMPONENTS, MAX_TEXTURES, TextureHeader};
-use super::pack::{PwtPack, TEXTURES};
+use super::light_map::LightMap;
+use super::pack::{LIGHT_MAP, LIGHT_MAP_FORMAT, PwtPack, TEXTURES, map_extent};
 use crate::bindings::{Binding, Bindings, Texels};
 use crate::container::{Extent, TexelFormat};
 
 /// Name of the decoder and version of its bindings.
 pub(super) const DECODER: (&str, u32) = ("pwt", 1);
 
-/// WGSL decoder. It declares a uniform block, four textures and a sampler in bind group 1; see the file.
+/// WGSL decoder. It declares a uniform block, five textures and two samplers in bind group 1; see the file.
 pub const PWT_WGSL: &str = concat!(include_str!("../bindings/frame.wgsl"), include_str!("pwt.wgsl"));
 
 /// Maximum error of hardware filtering against exact weights, in units of the largest difference of neighbouring
@@ -34,7 +35,8 @@ impl PwtParameters {
         let coordinates = header.basis.coordinates as u32;
         let mut words = vec![size[0], size[1], extent[0], extent[1]];
         words.extend([u32::from(header.repeats), coordinates, header.basis.degree, domain]);
-        words.extend([epsilon.to_bits(), header.textures.len() as u32, header.levels, 0]);
+        let side = header.light_map.as_ref().map_or(0, LightMap::side);
+        words.extend([epsilon.to_bits(), header.textures.len() as u32, header.levels, side]);
         let of_textures: [fn(&TextureHeader) -> u32; 3] = [|t| t.level, TextureHeader::layers, |t| t.channels];
         for number in of_textures {
             words.extend((0..MAX_TEXTURES).map(|k| header.textures.get(k).map_or(0, number)));
@@ -60,6 +62,7 @@ impl PwtPack {
         /// Slot of the first texture; the uniform block precedes it.
         const FIRST_TEXTURE: u32 = 10;
         const SAMPLER: &str = "pwt_sampler";
+        const MAP_SAMPLER: &str = "pwt_light_map_sampler";
         let texels = |index: usize| {
             let Some(header) = self.header().textures.get(index) else {
                 return Texels::empty(TexelFormat::R8Unorm, Extent::D2Array([1; 3]));
@@ -74,6 +77,11 @@ impl PwtPack {
             .map(|(index, name)| Binding::texture(FIRST_TEXTURE + index as u32, name, texels(index).sampled(SAMPLER)));
         let first = [Binding::frame(), Binding::uniform(FIRST_TEXTURE - 1, "pwt", PwtParameters::to_bytes(self))];
         let sampler = Binding::sampler(FIRST_TEXTURE + MAX_TEXTURES as u32, SAMPLER, self.header().repeats);
-        Bindings::new(DECODER.0, DECODER.1, first.into_iter().chain(textures).chain([sampler]))
+        let map = match &self.header().light_map {
+            Some(map) => Texels::new(LIGHT_MAP_FORMAT, map_extent(map.side(), map.terms()), map.to_bytes()),
+            None => Texels::empty(LIGHT_MAP_FORMAT, Extent::D2Array([1; 3])),
+        };
+        let map = [Binding::texture(43, LIGHT_MAP, map.sampled(MAP_SAMPLER)), Binding::sampler(44, MAP_SAMPLER, false)];
+        Bindings::new(DECODER.0, DECODER.1, first.into_iter().chain(textures).chain([sampler]).chain(map))
     }
 }

@@ -2,7 +2,7 @@
 
 use brdfc_formats::Pack;
 use brdfc_formats::pwt::{
-    Component, Domain, LightBasis, LightCoordinates, MAX_TERMS, PwtDecoder, PwtHeader, PwtPack, TextureHeader,
+    Component, Domain, LightBasis, LightCoordinates, LightMap, MAX_TERMS, PwtDecoder, PwtHeader, PwtPack, TextureHeader,
 };
 use brdfc_testing::codecs::pwt::{packs, plain, random, single};
 use proptest::prelude::*;
@@ -28,7 +28,9 @@ fn files_round_trip() {
             assert_eq!(Pack::from_bytes(&bytes).unwrap(), Pack::Pwt(pack.clone()), "{name}");
         }
         let lengths = (0..pack.header().textures.len()).map(|texture| pack.texels(texture).len() as u64);
-        assert_eq!(pack.gpu_bytes(), lengths.sum::<u64>(), "{name}");
+        // Half floats in four channels, for every term.
+        let map = pack.header().light_map.as_ref().map_or(0, |map| 8 * 16 * map.terms() as u64);
+        assert_eq!(pack.gpu_bytes(), lengths.sum::<u64>() + map, "{name}");
     }
 }
 
@@ -136,7 +138,8 @@ fn weights_of_all_terms() {
     assert_eq!((header.triangle.len(), header.fetches()), (666, 9));
     let light = [0.48, 0.36, 0.8];
     let weights = header.weights(light);
-    assert_eq!(weights, basis.evaluate(light));
+    assert_eq!(weights, basis.evaluate(light).map(|term| [term; 3]));
+    let weights = weights.map(|[weight, ..]| weight);
     let t = 0.6f32; // 2z - 1
     for (term, expected) in [
         (0, 1.0),
@@ -159,6 +162,33 @@ fn weights_of_all_terms() {
     let decoder = decoder(header, vec![vec![0; 36]]);
     let expected = (2.0 + weights[35]).max(0.0);
     assert!((grey_under(&decoder, light) - expected).abs() < 1e-5);
+}
+
+/// Known answer: term 0 alone without a texel, and a component of another term.
+#[test]
+fn learned_terms_are_coloured() {
+    let basis = LightBasis { coordinates: LightCoordinates::Learned, degree: 1 };
+    let map = [vec![[0.5, 0.25, 0.125]; 16], vec![[0.25, -0.5, 0.0]; 16]].concat();
+    let light_map = Some(LightMap::new(4, &map).unwrap());
+    let header = PwtHeader { light_map, textures: vec![single(0, 1, 1.0, 0.2)], ..plain([1, 1], [1, 1], 0, basis) };
+    assert_eq!((header.triangle.len(), header.weights(UP)[2]), (0, [0.0; 3]));
+    let decoder = decoder(header.clone(), vec![vec![51]]);
+    let found = decoder.value([0.5; 2], 0.0, UP);
+    // The component is 0.2 + 51 / 255.
+    for (found, expected) in found.into_iter().zip([0.6, 0.05, 0.125]) {
+        assert!((found - expected).abs() < 1e-6, "{found} {expected}");
+    }
+    for (wrong, expected) in [
+        (PwtHeader { light_map: None, ..header.clone() }, "terms of the light map: found 0, expected 2"),
+        (
+            PwtHeader { basis: LightBasis { degree: 36, ..basis }, ..header.clone() },
+            "degree: found 36, expected 0 to 35",
+        ),
+        (PwtHeader { basis: linear(0), triangle: vec![1.0], ..header }, "terms of the light map: found 2, expected 0"),
+    ] {
+        let error = PwtPack::new(wrong, vec![vec![51]]).unwrap_err().to_string();
+        assert!(error.contains(expected), "{error}");
+    }
 }
 
 fn grey_under(decoder: &PwtDecoder, light: [f32; 3]) -> f32 {
@@ -216,7 +246,7 @@ fn unpacked_levels_are_the_look_ups() {
                 let expected = decoder.value(uv, level as f32, light);
                 if header.size.iter().all(|side| side.is_power_of_two()) {
                     assert_eq!(found.map(f32::to_bits), expected.map(f32::to_bits), "{name} {level} {k}");
-                    assert_eq!(decoder.linear(decoder.channels(uv, level as f32, &weights)), expected);
+                    assert_eq!(decoder.sum(uv, level as f32, &weights).map(|sum| header.domain.decode(sum)), expected);
                     exact += 1;
                 }
                 let close = |(a, b): (&f32, &f32)| (a - b).abs() <= 1e-4 * (1.0 + b.abs());
@@ -237,7 +267,8 @@ fn any_weights_give_numbers() {
     for (name, pack) in packs() {
         let decoder = PwtDecoder::new(pack);
         for weight in [f32::NAN, f32::INFINITY, f32::MAX, f32::MIN] {
-            let value = decoder.linear(decoder.channels([0.3, 0.7], 0.4, &[weight; MAX_TERMS]));
+            let sum = decoder.sum([0.3, 0.7], 0.4, &[[weight; 3]; MAX_TERMS]);
+            let value = sum.map(|sum| decoder.pack().header().domain.decode(sum));
             assert!(value.iter().all(|c| (0.0..=65504.0).contains(c)), "{name} {weight}: {value:?}");
         }
     }
@@ -260,7 +291,7 @@ proptest! {
         let step = 1 << levels;
         let extent = size.map(|side| side.next_multiple_of(step));
         let size = if repeats { extent } else { size };
-        let basis = LightBasis { coordinates: LightCoordinates::ALL[coordinates], degree };
+        let basis = LightBasis { coordinates: LightCoordinates::POLYNOMIAL[coordinates], degree };
         let header = plain(size, extent, levels, basis);
         let [scale, low] = numbers;
         let last = basis.terms() as u32 - 1;

@@ -18,7 +18,7 @@ fn it_validates() {
 
 #[test]
 fn a_mistake_does_not_validate() {
-    let source = PWT_WGSL.replace("var channels = vec3<f32>(0.0);", "var channels = 0u;");
+    let source = PWT_WGSL.replace("var linear = value;", "var linear = 0u;");
     assert!(source != PWT_WGSL);
     let valid = naga::front::wgsl::parse_str(&source)
         .is_ok_and(|module| Validator::new(ValidationFlags::all(), Capabilities::empty()).validate(&module).is_ok());
@@ -61,7 +61,7 @@ fn the_uniform_block_matches_rust() {
                 "epsilon" => bits(&[epsilon]),
                 "textures" => vec![header.textures.len() as u32],
                 "levels" => vec![header.levels],
-                "reserved" => vec![0],
+                "map_side" => vec![header.light_map.as_ref().map_or(0, |map| map.side())],
                 "first_level" => of(&|k| header.textures[k].level),
                 "layers" => of(&|k| header.textures[k].layers()),
                 "channels" => of(&|k| header.textures[k].channels),
@@ -87,5 +87,5 @@ fn arrays_hold_the_largest_pack() {
         PWT_WGSL.contains(&format!("triangle: array<vec4<f32>, {}>", (MAX_TERMS * (MAX_TERMS + 1) / 2).div_ceil(4)))
     );
     assert!(PWT_WGSL.contains(&format!("components: array<vec4<f32>, {MAX_COMPONENTS}>")));
-    assert_eq!(PWT_WGSL.matches("texture_2d_array<f32>").count(), MAX_TEXTURES);
+    assert_eq!(PWT_WGSL.matches("texture_2d_array<f32>").count(), MAX_TEXTURES + 1, "and the light map");
 }

@@ -97,7 +97,7 @@ impl<'a> View<'a> {
         let recipe = PwtRecipe {
             coordinates: Some(chosen.coordinates),
             degree: Some(chosen.degree),
-            ridge: Some(chosen.ridge),
+            ridge: (chosen.coordinates != LightCoordinates::Learned).then_some(chosen.ridge),
             domain: Some(chosen.domain),
             target: Target::DeltaE(delta_e),
             ..PwtRecipe::default()

@@ -1,75 +1,124 @@
-//! Arranges terms at their levels as textures of 8 bits.
+//! Arranges terms at their levels as textures of four channels: one fetch per layer.
 
-use crate::levels::{BASES, StepUp, TermImages, range};
+use crate::levels::{BASES, TermImages, range};
 use brdfc_formats::FormatError;
-use brdfc_formats::pwt::{Component, PwtHeader, PwtPack, TextureHeader};
+use brdfc_formats::pwt::{Component, MAX_COMPONENTS, PwtHeader, PwtPack, TextureHeader};
 
-/// Share of all bytes that may be spent on padding texels to four channels, which saves fetches.
-const SPENT_ON_FETCHES: f64 = 0.05;
+/// Components per texel.
+const CHANNELS: usize = 4;
 
-/// Terms that begin at each level, as indices of [`TermImages`], and the number of channels per texel.
+/// Terms in layers, and the error that they leave.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Arrangement {
-    textures: Vec<(u32, u32, Vec<Option<usize>>)>,
+    /// Number of layers that begin at each level.
+    layers: [usize; BASES as usize],
+    /// Level and term of each used channel, by level; terms are indices of [`TermImages`].
+    terms: Vec<(u32, usize)>,
+    /// Error of all terms: weighted squares.
+    pub error: f64,
 }
 
-/// Arranges the result of the first `count` steps. Texels have 1, 2 or 4 channels; channels that would be empty hold
-/// the terms that would come next.
-pub fn arrange(images: &[TermImages], steps: &[StepUp], count: usize) -> Arrangement {
-    let mut bases: Vec<Option<u32>> = vec![None; images.len()];
-    steps[..count].iter().for_each(|step| bases[step.image] = Some(step.base));
-    let size = |base: u32| 0.25f64.powi(base as i32);
-    let total: f64 = bases.iter().flatten().map(|base| size(*base)).sum();
-    let mut textures = Vec::new();
-    for level in 0..BASES {
-        let mut here: Vec<usize> = (0..images.len()).filter(|k| bases[*k] == Some(level)).collect();
-        if here.is_empty() {
-            continue;
-        }
-        let spare = |channels: usize| here.len().next_multiple_of(channels) - here.len();
-        let fits = |channels: &usize| spare(*channels) as f64 * size(level) <= SPENT_ON_FETCHES * total;
-        let channels = [4, 2].into_iter().find(fits).unwrap_or(1);
-        let mut free = spare(channels);
-        // Move coarser terms up, first the term that reduces the error most.
-        while free > 0 {
-            let gain = |k: &usize| {
-                let errors = &images[*k].errors;
-                errors[bases[*k].map_or(errors.len() - 1, |base| base as usize)] - errors[level as usize]
-            };
-            let coarser = (0..images.len()).filter(|k| {
-                (level as usize) < images[*k].errors.len() - 1 && bases[*k].is_none_or(|base| base > level)
-            });
-            let Some(next) = coarser.max_by(|a, b| gain(a).total_cmp(&gain(b)).then(b.cmp(a))) else { break };
-            if gain(&next) <= 0.0 {
-                break;
-            }
-            bases[next] = Some(level);
-            here.push(next);
-            free -= 1;
-        }
-        here.sort_by_key(|k| (images[*k].channel, images[*k].term));
-        let mut slots: Vec<Option<usize>> = here.into_iter().map(Some).collect();
-        slots.resize(slots.len().next_multiple_of(channels), None);
-        textures.push((level, channels as u32, slots));
+/// Limits of arrangements.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Limits {
+    /// Columns and rows at full resolution.
+    pub extent: [u32; 2],
+    /// Coarsest mipmap level.
+    pub depth: u32,
+    /// Maximum number of layers.
+    pub layers: usize,
+    /// Maximum bytes on a GPU, all levels included.
+    pub bytes: u64,
+}
+
+impl Limits {
+    /// Bytes of a layer that begins at a level.
+    fn layer(&self, level: usize) -> u64 {
+        let texels = |level: u32| u64::from(self.extent[0] >> level) * u64::from(self.extent[1] >> level);
+        CHANNELS as u64 * (level as u32..=self.depth).map(texels).sum::<u64>()
     }
-    Arrangement { textures }
+
+    fn bytes(&self, layers: &[usize]) -> u64 {
+        layers.iter().enumerate().map(|(level, count)| *count as u64 * self.layer(level)).sum()
+    }
+}
+
+/// Arrangements of increasing size, from none to all that fit the limits. Each adds a layer or begins one at a finer level:
+/// the change that reduces the error most per byte.
+pub fn arrangements(images: &[TermImages], limits: &Limits) -> Vec<Arrangement> {
+    let bases = (BASES.min(limits.depth + 1)) as usize;
+    let most = limits.layers.min(MAX_COMPONENTS / CHANNELS).min(images.len().div_ceil(CHANNELS));
+    let mut path = vec![Arrangement::of(images, [0; BASES as usize])];
+    loop {
+        let last = &path[path.len() - 1];
+        let mut changes = Vec::new();
+        for level in 0..bases {
+            let more = |from: Option<usize>| {
+                let mut layers = last.layers;
+                from.iter().for_each(|from| layers[*from] -= 1);
+                layers[level] += 1;
+                layers
+            };
+            if last.layers.iter().sum::<usize>() < most {
+                changes.push(more(None));
+            }
+            changes.extend((level + 1..bases).filter(|from| last.layers[*from] > 0).map(|from| more(Some(from))));
+        }
+        let before = limits.bytes(&last.layers);
+        let fitting = changes.into_iter().filter(|layers| limits.bytes(layers) <= limits.bytes);
+        let gains = fitting.map(|layers| {
+            let next = Arrangement::of(images, layers);
+            ((last.error - next.error) / (limits.bytes(&layers) - before) as f64, next)
+        });
+        match gains.reduce(|best, other| if other.0 > best.0 { other } else { best }) {
+            Some((gain, next)) if gain > 0.0 => path.push(next),
+            _ => return path,
+        }
+    }
 }
 
 impl Arrangement {
-    /// All terms from one level on, in four channels per texel.
+    /// All terms from one level on.
     pub fn all_from(images: &[TermImages], level: u32) -> Self {
-        let mut slots: Vec<Option<usize>> = (0..images.len()).map(Some).collect();
-        slots.resize(slots.len().next_multiple_of(4), None);
-        Self { textures: vec![(level, 4, slots)] }
+        let mut layers = [0; BASES as usize];
+        layers[level as usize] = images.len().div_ceil(CHANNELS);
+        let terms = (0..images.len()).map(|image| (level, image)).collect();
+        Self { layers, terms, error: images.iter().map(|image| image.errors[level as usize]).sum() }
     }
 
-    /// Bytes on a GPU for an image of these sides, all levels included.
-    pub fn bytes(&self, extent: [u32; 2], depth: u32) -> u64 {
-        let texels = |level: u32| u64::from(extent[0] >> level) * u64::from(extent[1] >> level);
-        let of = |(level, _, slots): &(u32, u32, Vec<Option<usize>>)| {
-            slots.len() as u64 * (*level..=depth).map(texels).sum::<u64>()
-        };
-        self.textures.iter().map(of).sum()
+    /// The terms that profit most from each layer. Terms that are not stored at all lose least.
+    fn of(images: &[TermImages], layers: [usize; BASES as usize]) -> Self {
+        let used: Vec<usize> = (0..layers.len()).filter(|level| layers[*level] > 0).collect();
+        let none = |image: usize| images[image].errors[images[image].errors.len() - 1];
+        let mut error: f64 = (0..images.len()).map(none).sum();
+        let mut terms: Vec<(u32, usize)> = Vec::new();
+        if let Some(coarsest) = used.last() {
+            let mut left: Vec<usize> = (0..images.len()).collect();
+            let gain = |image: usize, from: Option<usize>, to: usize| {
+                from.map_or(none(image), |from| images[image].errors[from]) - images[image].errors[to]
+            };
+            let sort = |left: &mut Vec<usize>, from: Option<usize>, to: usize| {
+                left.sort_by(|a, b| gain(*b, from, to).total_cmp(&gain(*a, from, to)).then(a.cmp(b)));
+            };
+            sort(&mut left, None, *coarsest);
+            left.truncate(CHANNELS * used.iter().map(|level| layers[*level]).sum::<usize>());
+            for (k, level) in used.iter().enumerate() {
+                sort(&mut left, used.get(k + 1).copied(), *level);
+                let rest = left.split_off((CHANNELS * layers[*level]).min(left.len()));
+                left.sort_unstable();
+                terms.extend(left.into_iter().map(|image| (*level as u32, image)));
+                left = rest;
+            }
+        }
+        for (level, image) in &terms {
+            error -= none(*image) - images[*image].errors[*level as usize];
+        }
+        Self { layers, terms, error: error.max(0.0) }
+    }
+
+    /// Bytes on a GPU, all levels included.
+    pub fn bytes(&self, limits: &Limits) -> u64 {
+        limits.bytes(&self.layers)
     }
 
     /// Builds the pack. Uses all of the header except the textures.
@@ -79,17 +128,18 @@ impl Arrangement {
     pub fn pack(&self, images: &[TermImages], mut header: PwtHeader) -> Result<PwtPack, FormatError> {
         let mut texels = Vec::new();
         header.textures.clear();
-        for (level, channels, slots) in &self.textures {
-            let components: Vec<Component> = slots
-                .iter()
-                .map(|slot| {
-                    let Some(image) = slot.map(|k| &images[k]) else { return Component::NONE };
-                    let (low, high) = range(&image.levels[*level as usize..]);
-                    Component { channel: image.channel as u32, term: image.term as u32, scale: high - low, low }
-                })
-                .collect();
-            texels.push(texels_of(images, *level, *channels as usize, slots, &components));
-            header.textures.push(TextureHeader { level: *level, channels: *channels, components });
+        for (level, count) in (0..).zip(self.layers).filter(|(_, count)| *count > 0) {
+            let here = self.terms.iter().filter(|(at, _)| *at == level).map(|(_, image)| Some(*image));
+            let mut slots: Vec<Option<usize>> = here.collect();
+            slots.resize(CHANNELS * count, None);
+            let component = |slot: &Option<usize>| {
+                let Some(image) = slot.map(|k| &images[k]) else { return Component::NONE };
+                let (low, high) = range(&image.levels[level as usize..]);
+                Component { channel: image.channel as u32, term: image.term as u32, scale: high - low, low }
+            };
+            let components: Vec<Component> = slots.iter().map(component).collect();
+            texels.push(texels_of(images, level, &slots, &components));
+            header.textures.push(TextureHeader { level, channels: CHANNELS as u32, components });
         }
         if header.textures.is_empty() {
             // No term is worth a byte: the pack shows 0 of the domain, which is black except for logarithms.
@@ -102,24 +152,18 @@ impl Arrangement {
 }
 
 /// Texels of a texture: all mipmap levels, layer by layer.
-fn texels_of(
-    images: &[TermImages],
-    level: u32,
-    channels: usize,
-    slots: &[Option<usize>],
-    components: &[Component],
-) -> Vec<u8> {
+fn texels_of(images: &[TermImages], level: u32, slots: &[Option<usize>], components: &[Component]) -> Vec<u8> {
     let depth = images.first().map_or(0, |image| image.levels.len());
     let mut texels = Vec::new();
     for own in level as usize..depth {
-        for (slots, components) in slots.chunks_exact(channels).zip(components.chunks_exact(channels)) {
+        for (slots, components) in slots.chunks_exact(CHANNELS).zip(components.chunks_exact(CHANNELS)) {
             let start = texels.len();
             let count = images[0].levels[own].values.len();
-            texels.resize(start + count * channels, 0);
+            texels.resize(start + count * CHANNELS, 0);
             for (k, (slot, component)) in slots.iter().zip(components).enumerate() {
                 let Some(image) = slot.map(|k| &images[k]) else { continue };
                 let inverse = if component.scale > 0.0 { 255.0 / component.scale } else { 0.0 };
-                let targets = texels[start + k..].iter_mut().step_by(channels);
+                let targets = texels[start + k..].iter_mut().step_by(CHANNELS);
                 for (target, value) in targets.zip(&image.levels[own].values) {
                     *target = ((value - component.low) * inverse).round() as u8;
                 }

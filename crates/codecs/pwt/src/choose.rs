@@ -1,16 +1,22 @@
 //! Chooses domain, coordinates, degree and ridge by leave-one-out cross-validation over the lights, on texels spread
 //! over the image.
 
+use crate::choose_learned::{LearnedCandidate, tried as tried_learned};
 use crate::design::{Design, RIDGES};
+use crate::kriging::rows;
 use crate::recipe::{DomainName, PwtRecipe};
 use crate::stack::LightSamples;
 use brdfc_formats::pwt::{Domain, LightBasis, LightCoordinates, MAX_DEGREE};
+use nalgebra::DMatrix;
 use rayon::prelude::*;
 
 /// Number of texels used.
 const TEXELS: usize = 512;
 /// Candidates for `ε` of logarithms, as shares of the mean value.
 const EPSILONS: [f64; 4] = [0.01, 0.03, 0.1, 0.3];
+
+/// PSNR at lights that are left out that polynomials must gain over learned terms, dB.
+const FAVOURED: f64 = 0.3;
 
 /// A candidate and its errors.
 #[derive(Debug, Clone, Copy, PartialEq, serde::Serialize, serde::Deserialize, schemars::JsonSchema)]
@@ -21,9 +27,9 @@ pub struct Candidate {
     pub epsilon: f32,
     /// Coordinates of the polynomials.
     pub coordinates: LightCoordinates,
-    /// Highest degree of the polynomials.
+    /// Highest degree of the polynomials, or the number of learned terms.
     pub degree: u32,
-    /// Ridge `λ`, the weight of the penalty on roughness.
+    /// Ridge `λ`, the weight of the penalty on roughness; 0 for learned terms.
     pub ridge: f64,
     /// PSNR of sRGB-encoded values at the fitted lights, dB.
     pub psnr: f64,
@@ -32,10 +38,36 @@ pub struct Candidate {
     pub held_out_psnr: Option<f64>,
 }
 
-/// The best candidate of each pair of domain and coordinates, the best of all first.
-pub fn choose(samples: &LightSamples, recipe: &PwtRecipe) -> Vec<Candidate> {
+/// What was chosen.
+pub struct Choice {
+    /// The best candidate of each pair of domain and coordinates, the chosen one first.
+    pub candidates: Vec<Candidate>,
+    /// The best candidate with learned terms, if it is the best of all.
+    pub(crate) learned: Option<LearnedCandidate>,
+}
+
+/// Chooses among polynomials and learned terms.
+pub fn choose(samples: &LightSamples, recipe: &PwtRecipe) -> Choice {
     let texels = Texels::new(samples);
-    let coordinates: Vec<LightCoordinates> = recipe.coordinates.map_or(LightCoordinates::ALL.to_vec(), |one| vec![one]);
+    let polynomials = match recipe.coordinates {
+        Some(LightCoordinates::Learned) => Vec::new(),
+        _ => best_of_each(polynomials(&texels, samples, recipe)),
+    };
+    let learned = tried_learned(&texels, samples, recipe);
+    let of_both = learned.iter().map(|learned| learned.candidate).chain(polynomials.iter().copied());
+    let mut candidates = best_of_each(of_both.collect());
+    let least = polynomials.first().map_or(f64::NEG_INFINITY, Candidate::merit);
+    // Learned terms take fewer fetches than polynomials.
+    let chosen = learned.into_iter().next().filter(|learned| learned.candidate.merit() >= least - FAVOURED);
+    let first = chosen.as_ref().map_or(candidates[0], |chosen| chosen.candidate);
+    candidates.retain(|other| (other.domain, other.coordinates) != (first.domain, first.coordinates));
+    candidates.insert(0, first);
+    Choice { candidates, learned: chosen }
+}
+
+/// Candidates of polynomials.
+fn polynomials(texels: &Texels, samples: &LightSamples, recipe: &PwtRecipe) -> Vec<Candidate> {
+    let coordinates = recipe.coordinates.map_or(LightCoordinates::POLYNOMIAL.to_vec(), |one| vec![one]);
     let ridges: Vec<f64> = recipe.ridge.map_or(RIDGES.to_vec(), |one| vec![one]);
     let first = recipe.domain.unwrap_or(DomainName::Display);
     // First coordinates and ridge in one domain; then all domains, with ridges near the best one.
@@ -47,6 +79,11 @@ pub fn choose(samples: &LightSamples, recipe: &PwtRecipe) -> Vec<Candidate> {
         let others: Vec<DomainName> = DomainName::ALL.into_iter().filter(|domain| *domain != first).collect();
         found.extend(texels.tried(samples, recipe, &others, &[best.coordinates], &ridges));
     }
+    found
+}
+
+/// The best candidate of each pair of domain and coordinates, the best of all first.
+fn best_of_each(mut found: Vec<Candidate>) -> Vec<Candidate> {
     let mut selected: Vec<Candidate> = Vec::new();
     found.sort_by(|a, b| b.merit().total_cmp(&a.merit()));
     for candidate in found {
@@ -85,11 +122,11 @@ impl Candidate {
 }
 
 /// Sample of texels under all lights.
-struct Texels {
+pub(crate) struct Texels {
     /// Linear values of each light: red, green and blue of each texel.
-    values: Vec<Vec<f32>>,
+    pub(crate) values: Vec<Vec<f32>>,
     /// The same values sRGB-encoded, 0 to 1.
-    codes: Vec<Vec<f32>>,
+    pub(crate) codes: Vec<Vec<f32>>,
     mean: f64,
 }
 
@@ -106,7 +143,14 @@ impl Texels {
         Self { values, codes, mean }
     }
 
-    fn domains(&self, name: DomainName) -> Vec<Domain> {
+    /// Values in a domain: a row for each light.
+    pub(crate) fn encoded(&self, domain: Domain) -> DMatrix<f64> {
+        let mut values = self.values.clone();
+        values.iter_mut().for_each(|values| domain.encode_each(values));
+        rows(&values)
+    }
+
+    pub(crate) fn domains(&self, name: DomainName) -> Vec<Domain> {
         match name {
             DomainName::Linear => vec![Domain::Linear],
             DomainName::Display => vec![Domain::Display],

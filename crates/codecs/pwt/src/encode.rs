@@ -1,19 +1,21 @@
 //! Encodes images of one view under known lights as a pack. Each step has its own file; this one sequences them.
 
-use crate::assemble::{Arrangement, arrange};
+use crate::assemble::{Arrangement, Limits, arrangements};
 use crate::choose::{Candidate, choose, to_srgb};
+use crate::choose_learned::LearnedCandidate;
 use crate::degrees::{SubbandDegree, degrees};
 use crate::design::Design;
 use crate::fit;
 use crate::image::Plane;
-use crate::levels::{StepUp, TermImages, steps, term_images};
+use crate::levels::{TermImages, term_images};
 use crate::lifting::Border;
 use crate::measure::{StackErrors, stack_errors};
+use crate::project;
 use crate::recipe::{DomainName, PwtRecipe, Target};
 use crate::stack::LightSamples;
 use crate::tree::{PacketTree, Transform};
 use brdfc_formats::FormatError;
-use brdfc_formats::pwt::{Domain, LightBasis, PwtDecoder, PwtErrors, PwtHeader, PwtPack};
+use brdfc_formats::pwt::{Domain, LightBasis, LightMap, PwtDecoder, PwtErrors, PwtHeader, PwtPack};
 use nalgebra::Matrix3;
 use rayon::prelude::*;
 
@@ -35,9 +37,9 @@ pub struct PwtEncoded {
     pub pack: PwtPack,
     /// The best of each pair of domain and coordinates; the first was used.
     pub candidates: Vec<Candidate>,
-    /// Condition number of the normal equations.
-    pub condition: f64,
-    /// Degrees of the subbands of each channel.
+    /// Condition number of the normal equations of polynomials; `None` for learned terms.
+    pub condition: Option<f64>,
+    /// Degrees of the subbands of each channel; empty for learned terms.
     pub subbands: [Vec<SubbandDegree>; 3],
     /// Errors of the pack at rows spread over the photographs, about two million texels in all.
     pub errors: StackErrors,
@@ -54,23 +56,57 @@ pub fn encode(samples: &LightSamples, recipe: &PwtRecipe) -> Result<PwtEncoded, 
     samples.check()?;
     recipe.check()?;
     let depth = depth(samples, recipe)?;
-    let candidates = choose(samples, recipe);
-    let candidate = candidates[0];
+    let choice = choose(samples, recipe);
+    let candidate = choice.candidates[0];
     let domain = candidate.domain();
-    let design = Design::new(candidate.basis(), &samples.lights, candidate.ridge);
-
     let extent = samples.size.map(|side| if samples.repeats { side } else { side.next_multiple_of(1 << depth) });
+    let border = if samples.repeats { Border::Periodic } else { Border::Mirrored };
+    let transform = Transform { wavelet: recipe.wavelet, border, depth };
+    let weights = texel_weights(samples, domain, extent);
+    let fitted = match &choice.learned {
+        Some(learned) => learned_terms(samples, learned, transform, &weights),
+        None => polynomials(samples, candidate, transform, recipe.packets, &weights),
+    };
+    let header = fitted.header(samples, domain, extent, depth);
+    let map_bytes = header.light_map.as_ref().map_or(0, LightMap::gpu_bytes);
+    let bytes = if let Target::Bytes(bytes) = recipe.target { bytes } else { u64::MAX };
+    let layers = recipe.max_fetches.unwrap_or(PwtRecipe::MAX_FETCHES) as usize;
+    let limits = Limits { extent: header.extent, depth, layers, bytes: bytes.saturating_sub(map_bytes) };
+    let path = arrangements(&fitted.images, &limits);
+    let search = Search { samples, images: &fitted.images, path, header, candidate };
+    let (pack, errors, met) = search.run(recipe.target)?;
+    let Fitted { condition, subbands, .. } = fitted;
+    Ok(PwtEncoded { pack, candidates: choice.candidates, condition, subbands, errors, met })
+}
+
+/// Terms fitted to photographs.
+struct Fitted {
+    images: Vec<TermImages>,
+    basis: LightBasis,
+    colour: [[f32; 3]; 3],
+    triangle: Vec<f32>,
+    light_map: Option<LightMap>,
+    condition: Option<f64>,
+    subbands: [Vec<SubbandDegree>; 3],
+}
+
+/// Fits polynomials to principal colours.
+fn polynomials(
+    samples: &LightSamples,
+    candidate: Candidate,
+    transform: Transform,
+    packets: u32,
+    weights: &Plane,
+) -> Fitted {
+    let (domain, extent) = (candidate.domain(), weights.size);
+    let design = Design::new(candidate.basis(), &samples.lights, candidate.ridge);
     let colour = colour_axes(samples, domain);
     let channels = channels(samples, domain, &colour, extent);
-    let weights = texel_weights(samples, domain, extent);
     let coefficients = channels.each_ref().map(|values| fit::coefficients(&design, values));
     let plane = |values: Vec<f32>| Plane { size: extent, values };
     let mut coefficients = coefficients.map(|terms| terms.into_iter().map(plane).collect::<Vec<_>>());
-
-    let border = if samples.repeats { Border::Periodic } else { Border::Mirrored };
-    let transform = Transform { wavelet: recipe.wavelet, border, depth };
     let guides = &coefficients[0][..GUIDES.min(coefficients[0].len())];
-    let tree = PacketTree::best(transform, guides, guide_step(guides), recipe.packets);
+    let tree = PacketTree::best(transform, guides, guide_step(guides), packets);
     let defined = defined_plane(samples, extent);
     let subbands =
         channels.map(|values| degrees(&design, &tree, values.into_iter().map(plane).collect(), defined.as_ref()));
@@ -83,14 +119,68 @@ pub fn encode(samples: &LightSamples, recipe: &PwtRecipe) -> Result<PwtEncoded, 
             }
         });
     }
-    let images = term_images(&tree, &coefficients, &weights, samples.repeats);
-    drop(coefficients);
-
-    let header = header(samples, &design, domain, colour, extent, depth);
-    let search = Search { samples, images: &images, steps: steps(&images), header, candidate };
-    let (pack, errors, met) = search.run(recipe.target)?;
-    Ok(PwtEncoded { pack, candidates, condition: design.condition, subbands, errors, met })
+    let images = term_images(&tree, &coefficients, weights, samples.repeats);
+    let triangle = design.triangle.iter().map(|c| *c as f32).collect();
+    Fitted {
+        images,
+        basis: design.basis,
+        colour,
+        triangle,
+        light_map: None,
+        condition: Some(design.condition),
+        subbands,
+    }
 }
+
+/// Learns terms, and projects photographs on them.
+fn learned_terms(
+    samples: &LightSamples,
+    candidate: &LearnedCandidate,
+    transform: Transform,
+    weights: &Plane,
+) -> Fitted {
+    let learned = candidate.learn(samples);
+    let (domain, extent) = (candidate.candidate.domain(), weights.size);
+    let channels = |light: usize| padded_channels(&samples.images[light], samples.size, domain, &RGB, extent);
+    let planes = project::coefficients(&learned, samples.lights.len(), weights.values.len(), channels);
+    let image = |(k, values): (usize, Vec<f32>)| {
+        let plane = Plane { size: extent, values };
+        TermImages::of_plane((0, k + 1), transform, plane, weights, samples.repeats)
+    };
+    let images = planes.into_par_iter().enumerate().map(image).collect();
+    let degree = learned.map.terms() as u32 - 1;
+    Fitted {
+        images,
+        basis: LightBasis { coordinates: candidate.candidate.coordinates, degree },
+        colour: [[1.0; 3], [0.0; 3], [0.0; 3]],
+        triangle: Vec::new(),
+        light_map: Some(learned.map),
+        condition: None,
+        subbands: [const { Vec::new() }; 3],
+    }
+}
+
+impl Fitted {
+    /// Header without textures and errors.
+    fn header(&self, samples: &LightSamples, domain: Domain, extent: [usize; 2], levels: u32) -> PwtHeader {
+        PwtHeader {
+            size: samples.size.map(|side| side as u32),
+            extent: extent.map(|side| side as u32),
+            repeats: samples.repeats,
+            levels,
+            basis: self.basis,
+            domain,
+            colour: self.colour,
+            triangle: self.triangle.clone(),
+            light_map: self.light_map.clone(),
+            textures: Vec::new(),
+            errors: PwtErrors { lights: 0, psnr: 0.0, held_out_psnr: 0.0, delta_e: 0.0 },
+        }
+    }
+}
+
+/// Red, green and blue as colours of channels.
+const RGB: [[f32; 3]; 3] = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
 
 /// Encodes all terms of a basis for red, green and blue, from one level on, fitted to sRGB-encoded values and rounded
 /// to 8 bits: a pack without trees, such as hemispherical harmonics of order 3, for comparison. The ridge is chosen as
@@ -110,44 +200,29 @@ pub fn plain(samples: &LightSamples, basis: LightBasis, level: u32) -> Result<Pw
     };
     let depth = depth(samples, &recipe)?;
     FormatError::check_range("level", level, 0..=depth)?;
-    let candidate = choose(samples, &recipe)[0];
+    let candidate = choose(samples, &recipe).candidates[0];
     let design = Design::new(basis, &samples.lights, candidate.ridge);
     let extent = samples.size.map(|side| if samples.repeats { side } else { side.next_multiple_of(1 << depth) });
-    let colour = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
     let border = if samples.repeats { Border::Periodic } else { Border::Mirrored };
     let tree = PacketTree::pyramid(Transform { wavelet: recipe.wavelet, border, depth }, extent);
-    let coefficients = channels(samples, Domain::Display, &colour, extent).map(|values| {
+    let coefficients = channels(samples, Domain::Display, &RGB, extent).map(|values| {
         let terms = fit::coefficients(&design, &values).into_iter();
         let mut planes: Vec<Plane> = terms.map(|values| Plane { size: extent, values }).collect();
         planes.par_iter_mut().for_each(|plane| tree.analyse(plane));
         planes
     });
     let images = term_images(&tree, &coefficients, &Plane::zeros(extent), samples.repeats);
-    Arrangement::all_from(&images, level)
-        .pack(&images, header(samples, &design, Domain::Display, colour, extent, depth))
-}
-
-/// Builds a header without textures and errors.
-fn header(
-    samples: &LightSamples,
-    design: &Design,
-    domain: Domain,
-    colour: [[f32; 3]; 3],
-    extent: [usize; 2],
-    depth: u32,
-) -> PwtHeader {
-    PwtHeader {
-        size: samples.size.map(|side| side as u32),
-        extent: extent.map(|side| side as u32),
-        repeats: samples.repeats,
-        levels: depth,
+    let fitted = Fitted {
+        images,
         basis: design.basis,
-        domain,
-        colour,
+        colour: RGB,
         triangle: design.triangle.iter().map(|c| *c as f32).collect(),
-        textures: Vec::new(),
-        errors: PwtErrors { lights: 0, psnr: 0.0, held_out_psnr: 0.0, delta_e: 0.0 },
-    }
+        light_map: None,
+        condition: Some(design.condition),
+        subbands: [const { Vec::new() }; 3],
+    };
+    Arrangement::all_from(&fitted.images, level)
+        .pack(&fitted.images, fitted.header(samples, Domain::Display, extent, depth))
 }
 
 fn depth(samples: &LightSamples, recipe: &PwtRecipe) -> Result<u32, FormatError> {
@@ -196,27 +271,35 @@ fn colour_axes(samples: &LightSamples, domain: Domain) -> [[f32; 3]; 3] {
     })
 }
 
-/// Channels of every photograph, padded to the extent of the pack by mirroring.
-fn channels(samples: &LightSamples, domain: Domain, colour: &[[f32; 3]; 3], extent: [usize; 2]) -> [Vec<Vec<f32>>; 3] {
-    let [width, height] = samples.size;
+/// Channels of a photograph, padded to the extent of the pack by mirroring.
+fn padded_channels(
+    image: &[[f32; 3]],
+    [width, height]: [usize; 2],
+    domain: Domain,
+    colour: &[[f32; 3]; 3],
+    extent: [usize; 2],
+) -> [Vec<f32>; 3] {
     let mirrored = |k: usize, side: usize| {
         let at = k % (2 * side);
         if at < side { at } else { 2 * side - 1 - at }
     };
-    let of_rendering = |rendering: &Vec<[f32; 3]>| -> [Vec<f32>; 3] {
-        let mut planes = [0, 1, 2].map(|_| Vec::with_capacity(extent[0] * extent[1]));
-        for y in 0..extent[1] {
-            let row = &rendering[mirrored(y, height) * width..][..width];
-            let mut encoded = row.to_vec();
-            domain.encode_each(encoded.as_flattened_mut());
-            for (plane, axis) in planes.iter_mut().zip(colour) {
-                let project = |v: &[f32; 3]| v[0] * axis[0] + v[1] * axis[1] + v[2] * axis[2];
-                plane.extend((0..extent[0]).map(|x| project(&encoded[mirrored(x, width)])));
-            }
+    let mut planes = [0, 1, 2].map(|_| Vec::with_capacity(extent[0] * extent[1]));
+    for y in 0..extent[1] {
+        let row = &image[mirrored(y, height) * width..][..width];
+        let mut encoded = row.to_vec();
+        domain.encode_each(encoded.as_flattened_mut());
+        for (plane, axis) in planes.iter_mut().zip(colour) {
+            let project = |v: &[f32; 3]| v[0] * axis[0] + v[1] * axis[1] + v[2] * axis[2];
+            plane.extend((0..extent[0]).map(|x| project(&encoded[mirrored(x, width)])));
         }
-        planes
-    };
-    let all: Vec<[Vec<f32>; 3]> = samples.images.par_iter().map(of_rendering).collect();
+    }
+    planes
+}
+
+/// [`padded_channels`] of every photograph, channel by channel.
+fn channels(samples: &LightSamples, domain: Domain, colour: &[[f32; 3]; 3], extent: [usize; 2]) -> [Vec<Vec<f32>>; 3] {
+    let of_image = |image: &Vec<[f32; 3]>| padded_channels(image, samples.size, domain, colour, extent);
+    let all: Vec<[Vec<f32>; 3]> = samples.images.par_iter().map(of_image).collect();
     let mut channels = [Vec::new(), Vec::new(), Vec::new()];
     for planes in all {
         channels.iter_mut().zip(planes).for_each(|(channel, plane)| channel.push(plane));
@@ -275,41 +358,35 @@ fn guide_step(guides: &[Plane]) -> f32 {
 struct Search<'a> {
     samples: &'a LightSamples,
     images: &'a [TermImages],
-    steps: Vec<StepUp>,
+    /// Arrangements of increasing size.
+    path: Vec<Arrangement>,
     header: PwtHeader,
     candidate: Candidate,
 }
 
 impl Search<'_> {
     fn run(self, target: Target) -> Result<(PwtPack, StackErrors, bool), FormatError> {
-        let last = self.steps.len();
+        let last = self.path.len() - 1;
+        let first_below = |error: f64| self.path.iter().position(|arrangement| arrangement.error <= error);
         match target {
+            // The path ends there.
             Target::Bytes(bytes) => {
-                let fits = |count: usize| self.bytes(&self.arranged(count)) <= bytes;
-                let (mut low, mut high) = (0, last + 1);
-                while high - low > 1 {
-                    let middle = low.midpoint(high);
-                    if fits(middle) { low = middle } else { high = middle }
-                }
-                let count = low;
-                let (pack, errors) = self.made(count)?;
+                let (pack, errors) = self.made(last)?;
                 let met = pack.gpu_bytes() <= bytes;
                 Ok((pack, errors, met))
             }
             Target::Energy(share) => {
-                let none = self.left(0);
-                let count = (0..=last).find(|count| self.left(*count) <= (1.0 - share) * none);
-                let (pack, errors) = self.made(count.unwrap_or(last))?;
-                Ok((pack, errors, count.is_some()))
+                let found = first_below((1.0 - share) * self.path[0].error);
+                let (pack, errors) = self.made(found.unwrap_or(last))?;
+                Ok((pack, errors, found.is_some()))
             }
             Target::Loss(loss) => {
                 // Truncation adds to the error at held-out lights.
                 let unseen = self.candidate.held_out_psnr.unwrap_or(self.candidate.psnr);
                 let unseen = 10f64.powf(-unseen / 10.0);
                 let numbers = (3 * self.samples.defined_texels() * self.samples.lights.len()) as f64;
-                let allowed = (10f64.powf(loss / 10.0) - 1.0) * unseen * numbers + self.left(last);
-                let count = (0..=last).find(|count| self.left(*count) <= allowed).unwrap_or(last);
-                let (pack, errors) = self.made(count)?;
+                let allowed = (10f64.powf(loss / 10.0) - 1.0) * unseen * numbers + self.path[last].error;
+                let (pack, errors) = self.made(first_below(allowed).unwrap_or(last))?;
                 Ok((pack, errors, true))
             }
             Target::Quality(psnr) => self.measured(|errors| errors.psnr >= psnr),
@@ -317,10 +394,10 @@ impl Search<'_> {
         }
     }
 
-    /// Finds approximately the fewest steps whose pack passes, by bisection with up to [`TRIALS`] packs; all steps if
+    /// Finds approximately the smallest arrangement whose pack passes, by bisection with up to [`TRIALS`] packs; the largest if
     /// none passes.
     fn measured(&self, passes: impl Fn(&StackErrors) -> bool) -> Result<(PwtPack, StackErrors, bool), FormatError> {
-        let (mut low, mut high) = (0, self.steps.len());
+        let (mut low, mut high) = (0, self.path.len() - 1);
         let mut best = self.made(high)?;
         if !passes(&best.1) {
             return Ok((best.0, best.1, false));
@@ -340,25 +417,9 @@ impl Search<'_> {
         Ok((best.0, best.1, true))
     }
 
-    /// Weighted error after some steps.
-    fn left(&self, count: usize) -> f64 {
-        match count.checked_sub(1) {
-            Some(step) => self.steps[step].error,
-            None => self.images.iter().map(|image| image.errors[image.errors.len() - 1]).sum(),
-        }
-    }
-
-    fn arranged(&self, count: usize) -> Arrangement {
-        arrange(self.images, &self.steps, count)
-    }
-
-    fn bytes(&self, arrangement: &Arrangement) -> u64 {
-        arrangement.bytes(self.header.extent, self.header.levels)
-    }
-
-    /// Builds and measures the pack of some steps.
-    fn made(&self, count: usize) -> Result<(PwtPack, StackErrors), FormatError> {
-        let pack = self.arranged(count).pack(self.images, self.header.clone())?;
+    /// Builds and measures the pack of an arrangement.
+    fn made(&self, at: usize) -> Result<(PwtPack, StackErrors), FormatError> {
+        let pack = self.path[at].pack(self.images, self.header.clone())?;
         let decoder = PwtDecoder::new(pack);
         let all = self.samples.size[0] * self.samples.size[1] * self.samples.lights.len();
         let errors = stack_errors(&decoder, self.samples, all.div_ceil(COMPARED));

@@ -11,9 +11,9 @@ pub struct PwtFacts {
     pub repeats: bool,
     /// Coarsest mipmap level, counted from the resolution of the image.
     pub levels: u32,
-    /// Coordinates of the light that its terms are polynomials of.
+    /// Coordinates of the light that its terms are polynomials of, or learned terms.
     pub coordinates: LightCoordinates,
-    /// Highest degree of the polynomials.
+    /// Highest degree of the polynomials, or the number of learned terms.
     pub degree: u32,
     /// Scale in which terms are summed: linear, display, cube-root or log.
     pub domain: String,
@@ -80,6 +80,10 @@ impl PwtFacts {
             log if log == (Domain::Logarithm { epsilon: 1.0 }).name() => format!("{log}, epsilon {:.4}", self.epsilon),
             other => other.to_owned(),
         };
+        let light = match coordinates {
+            LightCoordinates::Learned => format!("{degree} learned terms"),
+            polynomial => format!("{} coordinates, degree {degree}", polynomial.name()),
+        };
         let PwtErrors { lights, psnr, held_out_psnr, delta_e } = self.errors;
         let errors = match lights {
             0 => "not measured".to_owned(),
@@ -88,7 +92,7 @@ impl PwtFacts {
         let mut lines = vec![
             ("kind", "polynomial wavelet tree: one view under any light".to_owned()),
             ("pixels", format!("{width} x {height}{tile}, levels 0 to {levels}")),
-            ("light", format!("{} coordinates, degree {degree}", coordinates.name())),
+            ("light", light),
             ("domain", domain),
             ("textures", self.textures.iter().map(of_texture).collect::<Vec<_>>().join("; ")),
             ("fetches", self.fetches.to_string()),

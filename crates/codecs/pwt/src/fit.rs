@@ -36,10 +36,16 @@ pub fn coefficients(design: &Design, values: &[Vec<f32>]) -> Vec<Vec<f32>> {
 
 /// `c = a b` of row-major matrices: `m x k` by `k x n`.
 pub fn multiply(m: usize, k: usize, n: usize, a: &[f32], b: &[f32], c: &mut [f32]) {
+    c.fill(0.0);
+    multiply_add(m, k, n, a, b, c);
+}
+
+/// Adds `a b` to `c`, as in [`multiply`].
+pub fn multiply_add(m: usize, k: usize, n: usize, a: &[f32], b: &[f32], c: &mut [f32]) {
     let view = |rows, columns, data| nalgebra::DMatrixView::from_slice(data, columns, rows);
     // In column-major order these are the transposes: c^T = b^T a^T.
     let mut out = nalgebra::DMatrixViewMut::from_slice(c, n, m);
-    out.gemm(1.0, &view(k, n, b), &view(m, k, a), 0.0);
+    out.gemm(1.0, &view(k, n, b), &view(m, k, a), 1.0);
 }
 
 #[cfg(test)]

@@ -2,7 +2,8 @@
 //! Its finest level is chosen by the reduction of the error per byte.
 
 use crate::image::Plane;
-use crate::tree::PacketTree;
+use crate::lifting::Wavelet;
+use crate::tree::{PacketTree, Transform};
 use brdfc_formats::tap::Tap;
 use rayon::prelude::*;
 
@@ -32,8 +33,34 @@ impl TermImages {
         weights: &Plane,
         repeats: bool,
     ) -> Self {
-        let depth = tree.transform().depth;
-        let levels: Vec<Plane> = (0..=depth).map(|level| tree.truncated(coefficients, level)).collect();
+        let levels = (0..=tree.transform().depth).map(|level| tree.truncated(coefficients, level)).collect();
+        Self::of_levels((channel, term), levels, weights, repeats)
+    }
+
+    /// Creates the images of a term whose tree has all details. `plane` is not transformed.
+    pub fn of_plane(
+        (channel, term): (usize, usize),
+        transform: Transform,
+        plane: Plane,
+        weights: &Plane,
+        repeats: bool,
+    ) -> Self {
+        let mut levels = vec![plane];
+        if transform.wavelet == Wavelet::Haar {
+            for level in 0..transform.depth as usize {
+                levels.push(levels[level].means(1));
+            }
+        } else {
+            let tree = PacketTree::pyramid(transform, levels[0].size);
+            let mut coefficients = levels[0].clone();
+            tree.analyse(&mut coefficients);
+            levels.extend((1..=transform.depth).map(|level| tree.truncated(&coefficients, level)));
+        }
+        Self::of_levels((channel, term), levels, weights, repeats)
+    }
+
+    fn of_levels((channel, term): (usize, usize), levels: Vec<Plane>, weights: &Plane, repeats: bool) -> Self {
+        let depth = levels.len() as u32 - 1;
         let whole = &levels[0];
         let squares = |other: &[f32]| -> f64 {
             let pairs = whole.values.iter().zip(other).zip(&weights.values);
@@ -107,41 +134,4 @@ pub fn magnified(plane: &Plane, level: u32, repeats: bool) -> Plane {
         }
     }
     Plane { size, values }
-}
-
-/// One step of the search: a term that begins at a finer level.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct StepUp {
-    /// Index of the term.
-    pub image: usize,
-    /// Level at which it now begins.
-    pub base: u32,
-    /// Error after this step: weighted squares.
-    pub error: f64,
-}
-
-/// All steps that reduce the error, in decreasing order of the reduction per byte.
-pub fn steps(images: &[TermImages]) -> Vec<StepUp> {
-    let mut error: f64 = images.iter().map(|image| image.errors[image.errors.len() - 1]).sum();
-    let mut queue: Vec<(f64, usize, u32, f64)> = Vec::new();
-    for (index, image) in images.iter().enumerate() {
-        // Lower convex hull of error over bytes: each step gains less per byte than the previous one.
-        let none = image.errors.len() - 1;
-        let bytes = |base: usize| if base == none { 0.0 } else { 0.25f64.powi(base as i32) };
-        let mut at = none;
-        while at > 0 {
-            let gain = |to: &usize| (image.errors[at] - image.errors[*to]) / (bytes(*to) - bytes(at));
-            let Some(to) = (0..at).max_by(|a, b| gain(a).total_cmp(&gain(b))).filter(|to| gain(to) > 0.0) else {
-                break;
-            };
-            queue.push((gain(&to), index, to as u32, image.errors[at] - image.errors[to]));
-            at = to;
-        }
-    }
-    queue.sort_by(|a, b| b.0.total_cmp(&a.0).then(a.1.cmp(&b.1)).then(b.2.cmp(&a.2)));
-    let step = |(_, image, base, gain): (f64, usize, u32, f64)| {
-        error -= gain;
-        StepUp { image, base, error: error.max(0.0) }
-    };
-    queue.into_iter().map(step).collect()
 }

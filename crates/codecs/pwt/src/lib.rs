@@ -5,15 +5,20 @@
 
 pub mod assemble;
 pub mod choose;
+mod choose_learned;
+mod components;
 pub mod degrees;
 pub mod design;
 mod encode;
 mod facts;
 pub mod fit;
 pub mod image;
+mod kriging;
+mod learned;
 pub mod levels;
 mod lifting;
 pub mod measure;
+mod project;
 pub mod ptm;
 mod recipe;
 mod stack;

@@ -54,7 +54,7 @@ pub enum Target {
 pub struct PwtRecipe {
     /// Coordinates of the polynomials.
     pub coordinates: Option<LightCoordinates>,
-    /// Highest degree of the polynomials.
+    /// Highest degree of the polynomials, or the number of learned terms.
     pub degree: Option<u32>,
     /// `λ` of the penalty on roughness.
     pub ridge: Option<f64>,
@@ -66,6 +66,8 @@ pub struct PwtRecipe {
     pub depth: Option<u32>,
     /// Number of further splits of details.
     pub packets: u32,
+    /// Maximum number of texture fetches of a look-up; `None` for any.
+    pub max_fetches: Option<u32>,
     /// Target of the pack, such as a PSNR or a number of bytes.
     pub target: Target,
 }
@@ -80,6 +82,7 @@ impl Default for PwtRecipe {
             wavelet: Wavelet::Haar,
             depth: None,
             packets: 1,
+            max_fetches: None,
             target: Target::Loss(0.3),
         }
     }
@@ -90,13 +93,26 @@ impl PwtRecipe {
     pub const MAX_DEPTH: u32 = 8;
     /// Maximum number of further splits.
     pub const MAX_PACKETS: u32 = 4;
+    /// Maximum number of fetches.
+    pub const MAX_FETCHES: u32 = brdfc_formats::pwt::MAX_COMPONENTS as u32 / 4;
+
+    /// Maximum number of learned terms, beside the mean.
+    pub(crate) fn most_learned(&self) -> usize {
+        let of_fetches = 4 * self.max_fetches.unwrap_or(Self::MAX_FETCHES);
+        self.degree.unwrap_or(of_fetches).min(LightCoordinates::Learned.max_degree()) as usize
+    }
 
     /// Checks ranges.
     ///
     /// # Errors
     /// Returns an error that names the setting that is out of range.
     pub fn check(&self) -> Result<(), FormatError> {
-        FormatError::check_range("degree", self.degree.unwrap_or_default(), 0..=MAX_DEGREE)?;
+        let (least, most) = match self.coordinates {
+            Some(LightCoordinates::Learned) => (1, LightCoordinates::Learned.max_degree()),
+            _ => (0, MAX_DEGREE),
+        };
+        FormatError::check_range("degree", self.degree.unwrap_or(least), least..=most)?;
+        FormatError::check_range("max-fetches", self.max_fetches.unwrap_or(1), 1..=Self::MAX_FETCHES)?;
         FormatError::check_range("ridge", self.ridge.unwrap_or_default(), 0.0..=1e6)?;
         FormatError::check_range("levels", self.depth.unwrap_or_default(), 0..=Self::MAX_DEPTH)?;
         FormatError::check_range("packets", self.packets, 0..=Self::MAX_PACKETS)?;

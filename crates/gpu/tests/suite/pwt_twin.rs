@@ -3,7 +3,7 @@
 use brdfc_formats::bindings::FrameBlock;
 use brdfc_formats::pwt::shader::{PWT_FILTER_PRECISION, PWT_WGSL};
 use brdfc_formats::pwt::{
-    Component, Domain, LightBasis, LightCoordinates, PwtDecoder, PwtErrors, PwtHeader, PwtPack, TextureHeader,
+    Component, Domain, LightBasis, LightCoordinates, LightMap, PwtDecoder, PwtErrors, PwtHeader, PwtPack, TextureHeader,
 };
 use brdfc_probe::{EVALUATE_PWT_WGSL, PwtAnswer, PwtEvaluator, PwtQuery};
 use brdfc_testing::packs::Numbers;
@@ -44,7 +44,8 @@ fn pack(shape: Shape, basis: LightBasis, domain: Domain, seed: u64) -> PwtPack {
     let mut numbers = Numbers::new(seed);
     let terms = basis.terms();
     let mut triangle = Vec::new();
-    for k in 0..terms {
+    let is_learned = basis.coordinates == LightCoordinates::Learned;
+    for k in 0..if is_learned { 0 } else { terms } {
         triangle.extend((0..=k).map(|j| if j == k { 1.0 } else { numbers.between(-0.1, 0.1) as f32 }));
     }
     let mut textures = Vec::new();
@@ -53,7 +54,7 @@ fn pack(shape: Shape, basis: LightBasis, domain: Domain, seed: u64) -> PwtPack {
         let components = (0..channels * layers).map(|_| {
             next += 1;
             Component {
-                channel: next % 3,
+                channel: if is_learned { 0 } else { next % 3 },
                 term: next * 5 % terms as u32,
                 scale: numbers.between(0.02, 0.1) as f32,
                 low: numbers.between(-0.03, 0.03) as f32,
@@ -70,6 +71,7 @@ fn pack(shape: Shape, basis: LightBasis, domain: Domain, seed: u64) -> PwtPack {
         domain,
         colour: [[0.6, 0.5, 0.4], [0.3, -0.1, -0.2], [0.05, -0.1, 0.1]],
         triangle,
+        light_map: is_learned.then(|| light_map(terms, &mut numbers)),
         textures,
         errors: PwtErrors { lights: 0, psnr: 0.0, held_out_psnr: 0.0, delta_e: 0.0 },
     };
@@ -80,6 +82,12 @@ fn pack(shape: Shape, basis: LightBasis, domain: Domain, seed: u64) -> PwtPack {
     });
     let texels = texels.collect();
     PwtPack::new(header, texels).unwrap()
+}
+
+/// A map of random numbers.
+fn light_map(terms: usize, numbers: &mut Numbers) -> LightMap {
+    let texels: Vec<[f32; 3]> = (0..terms * 64).map(|_| [0; 3].map(|_| numbers.between(-0.5, 1.0) as f32)).collect();
+    LightMap::new(8, &texels).unwrap()
 }
 
 /// Every coordinate with every domain; degree 5 and others; alternating shapes.
@@ -142,7 +150,7 @@ fn answers(
 /// Differences between answers and the decoder's.
 #[derive(Debug, Default, Clone, Copy)]
 struct Difference {
-    /// Number of channels whose bits differ.
+    /// Number of sums whose bits differ.
     other_bits: usize,
     /// Largest relative error of a linear value; values below 1e-3 count as 1e-3.
     value: f32,
@@ -152,8 +160,8 @@ fn difference(decoder: &PwtDecoder, answers: &[(PwtQuery, PwtAnswer)]) -> Differ
     let mut found = Difference::default();
     for (query, answer) in answers {
         let weights = decoder.pack().header().weights(query.light);
-        let channels = decoder.channels(query.uv, query.level, &weights);
-        for (a, b) in channels.iter().zip(answer.channels) {
+        let sum = decoder.sum(query.uv, query.level, &weights);
+        for (a, b) in sum.iter().zip(answer.sum) {
             found.other_bits += usize::from(a.to_bits() != b.to_bits());
         }
         let value = decoder.value(query.uv, query.level, query.light);
@@ -165,7 +173,7 @@ fn difference(decoder: &PwtDecoder, answers: &[(PwtQuery, PwtAnswer)]) -> Differ
 }
 
 #[test]
-fn exact_filtering_gives_the_channels_of_the_cpu_decoder() {
+fn exact_filtering_gives_the_sums_of_the_cpu_decoder() {
     let Some(gpu) = crate::common::gpu() else { return };
     let evaluator = PwtEvaluator::new(gpu).unwrap();
     for decoder in packs() {
@@ -182,28 +190,34 @@ fn exact_filtering_gives_the_channels_of_the_cpu_decoder() {
     }
 }
 
-/// Error bound of the sampler for each channel: the weight of each number, times the precision along both axes, and
+/// Error bound of the sampler for red, green and blue: the weight of each number, times the precision along both axes, and
 /// between levels. Neighbouring texels differ by up to 1.
 fn filter_bound(decoder: &PwtDecoder, query: &PwtQuery) -> [f32; 3] {
     let header = decoder.pack().header();
     let weights = header.weights(query.light);
     let mut bounds = [1e-5; 3];
-    for component in header.components() {
-        let weight = (weights[component.term as usize] * component.scale).abs();
-        bounds[component.channel as usize] += 3.0 * PWT_FILTER_PRECISION * weight;
+    // Texels of the light map differ by up to 1.5, along two axes.
+    let of_map = if header.light_map.is_some() { 2.0 * 1.5 * PWT_FILTER_PRECISION } else { 0.0 };
+    bounds.iter_mut().for_each(|bound| *bound += of_map);
+    for (component, weight) in header.components().zip(header.component_weights(&weights)) {
+        let colour = header.colour[component.channel as usize];
+        let largest = component.low.abs().max((component.low + component.scale).abs());
+        for ((bound, weight), colour) in bounds.iter_mut().zip(weight).zip(colour) {
+            *bound += 3.0 * PWT_FILTER_PRECISION * (weight * component.scale).abs() + of_map * (colour * largest).abs();
+        }
     }
     bounds
 }
 
-/// The largest error of a channel, as a share of its bound.
+/// The largest error of a sum, as a share of its bound.
 fn share_of_bound(decoder: &PwtDecoder, answers: &[(PwtQuery, PwtAnswer)]) -> f32 {
     let mut largest = 0.0f32;
     for (query, answer) in answers {
         let weights = decoder.pack().header().weights(query.light);
-        let channels = decoder.channels(query.uv, query.level, &weights);
+        let sum = decoder.sum(query.uv, query.level, &weights);
         let bounds = filter_bound(decoder, query);
         for k in 0..3 {
-            largest = largest.max((channels[k] - answer.channels[k]).abs() / bounds[k]);
+            largest = largest.max((sum[k] - answer.sum[k]).abs() / bounds[k]);
         }
     }
     largest
@@ -249,7 +263,8 @@ fn the_sampler_fetches_once_per_layer() {
     let Some(gpu) = crate::common::gpu() else { return };
     let counted = PWT_WGSL.replace("{ return texture", "{ fetch_count += 1u; return texture");
     assert_eq!(counted.matches("fetch_count").count(), 8, "four textures, two filters");
-    assert_eq!(PWT_WGSL.matches("textureLoad(").count() + PWT_WGSL.matches("textureSampleLevel(").count(), 8);
+    let all = PWT_WGSL.matches("textureLoad(").count() + PWT_WGSL.matches("textureSampleLevel(").count();
+    assert_eq!(all, 8 + 5, "those of the light map are made once for each light");
     let counted = format!("var<private> fetch_count: u32 = 0u;\n{counted}");
     let entry_point = EVALUATE_PWT_WGSL.replace("return 0.0;", "return f32(fetch_count);");
     assert_ne!(entry_point, EVALUATE_PWT_WGSL);
@@ -269,7 +284,7 @@ fn the_sampler_fetches_once_per_layer() {
 }
 
 /// Steps of the shader and small changes of them, each of which one of the packs must detect.
-const CHANGES: [(usize, &str, &str); 22] = [
+const CHANGES: [(usize, &str, &str); 26] = [
     (0, "if wi.z <= 0.0 {", "if wi.z <= -1.0 {"),
     (10, "select(n * (n + 1u) / 2u, n * n,", "select(n * (n + 1u) / 2u, n * n - 1u,"),
     (0, "pwt.triangle[at / 4u][at % 4u]", "pwt.triangle[at / 4u][at % 3u]"),
@@ -292,6 +307,14 @@ const CHANGES: [(usize, &str, &str); 22] = [
     (1, "vec3<f32>(2.4)", "vec3<f32>(2.41)"),
     (1, "value <= vec3<f32>(0.04045)", "value <= vec3<f32>(0.06)"),
     (3, "- pwt.epsilon;", "- 1.01 * pwt.epsilon;"),
+    (12, "wi.xy / (1.0 + wi.z) * 0.5 + 0.5", "wi.xy * 0.5 + 0.5"),
+    (12, "(*weights)[0], pwt.coordinates == 3u", "(*weights)[0], pwt.coordinates == 4u"),
+    (12, "at * f32(pwt.map_side) - 0.5", "at * f32(pwt.map_side) - 0.499"),
+    (
+        12,
+        "let upper = a + weight.x * (b - a);\n    let under = c + weight.x * (d - c);\n    return upper + weight.y * (under - upper);\n}\n\n// All",
+        "return a;\n}\n\n// All",
+    ),
 ];
 
 /// The negative control: every change above is detected.

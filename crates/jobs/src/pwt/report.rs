@@ -28,17 +28,17 @@ pub struct PwtReport {
     pub lights: usize,
     /// Coordinates of the light in which the terms are polynomials.
     pub coordinates: LightCoordinates,
-    /// Highest degree of the polynomials.
+    /// Highest degree of the polynomials, or the number of learned terms.
     pub degree: u32,
-    /// Ridge parameter, which keeps the fit smooth between lights.
+    /// Ridge parameter, which keeps the fit of polynomials smooth between lights; 0 for learned terms.
     pub ridge: f64,
     /// Scale of the fitted values.
     pub domain: &'static str,
-    /// Condition number of the normal equations.
-    pub condition: f64,
+    /// Condition number of the normal equations; null for learned terms.
+    pub condition: Option<f64>,
     /// The best candidate of each domain and coordinates, the selected one first.
     pub tried: Vec<Candidate>,
-    /// Levels of detail, the finest first.
+    /// Levels of detail of polynomials, the finest first; none for learned terms, which keep all details.
     pub levels: Vec<LevelReport>,
     /// Textures, the finest first.
     pub textures: Vec<PwtTextureFacts>,
@@ -90,7 +90,7 @@ impl PwtReport {
             domain: header.domain.name(),
             condition: encoded.condition,
             tried: encoded.candidates.clone(),
-            levels: (0..=header.levels).map(level).collect(),
+            levels: if encoded.condition.is_some() { (0..=header.levels).map(level).collect() } else { Vec::new() },
             textures: facts.textures,
             fetches: facts.fetches,
             bytes_on_gpu: facts.gpu_bytes,

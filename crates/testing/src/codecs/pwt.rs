@@ -11,7 +11,7 @@ use crate::golden::values::{Values, directions, of_columns, points, single as as
 use crate::packs::{Numbers, unit_vector};
 use crate::sampler::{ROUNDING, SAMPLED, STEP, SamplerCase};
 use brdfc_formats::pwt::{
-    Component, Domain, LightBasis, LightCoordinates, PWT_ENTRY, PwtDecoder, PwtErrors, PwtHeader, PwtPack,
+    Component, Domain, LightBasis, LightCoordinates, LightMap, PWT_ENTRY, PwtDecoder, PwtErrors, PwtHeader, PwtPack,
     TextureHeader,
 };
 use brdfc_formats::{Pack, PackKind};
@@ -19,7 +19,8 @@ use brdfc_formats::{Pack, PackKind};
 /// A header that repeats if `extent` is its size and `repeats` is set: grey of channel 0, weights equal to the terms,
 /// no textures yet.
 pub fn plain(size: [u32; 2], extent: [u32; 2], levels: u32, basis: LightBasis) -> PwtHeader {
-    let triangle = (0..basis.terms()).flat_map(|k| (0..=k).map(move |j| if j == k { 1.0 } else { 0.0 })).collect();
+    let polynomial = if basis.coordinates == LightCoordinates::Learned { 0 } else { basis.terms() };
+    let triangle = (0..polynomial).flat_map(|k| (0..=k).map(move |j| if j == k { 1.0 } else { 0.0 })).collect();
     PwtHeader {
         size,
         extent,
@@ -29,6 +30,7 @@ pub fn plain(size: [u32; 2], extent: [u32; 2], levels: u32, basis: LightBasis) -
         domain: Domain::Linear,
         colour: [[1.0; 3], [0.0; 3], [0.0; 3]],
         triangle,
+        light_map: None,
         textures: Vec::new(),
         errors: PwtErrors { lights: 0, psnr: 0.0, held_out_psnr: 0.0, delta_e: 0.0 },
     }
@@ -90,16 +92,34 @@ pub fn packs() -> Vec<(&'static str, PwtPack)> {
     let odd = plain([5, 3], [8, 4], 2, basis(LightCoordinates::Hemisphere, 5));
     let coarse = plain([6, 7], [8, 8], 3, basis(LightCoordinates::Paraboloid, 1));
     let one = plain([1, 1], [1, 1], 0, basis(LightCoordinates::Paraboloid, 0));
+    let of_map = plain([7, 4], [8, 4], 1, basis(LightCoordinates::Learned, 5));
     [
         ("tile-projected-linear", any(tile, Domain::Linear, &[[0, 4, 1], [1, 2, 3], [2, 1, 5]], 1)),
         ("odd-hemisphere-display", any(odd, Domain::Display, &[[0, 1, 2], [2, 4, 27]], 2)),
         ("coarse-paraboloid-log", any(coarse, Domain::Logarithm { epsilon: 0.02 }, &[[1, 2, 4]], 3)),
         ("one-texel-cube-root", any(one, Domain::CubeRoot, &[[0, 4, 1]], 4)),
+        ("image-learned-display", learned(any(of_map, Domain::Display, &[[0, 4, 1], [1, 4, 1]], 5), 9)),
     ]
     .into_iter()
     .zip(5..)
     .map(|((name, header), seed)| (name, random(header, seed)))
     .collect()
+}
+
+/// Largest difference of the texels of [`learned`].
+const MAP_RANGE: f32 = 0.6;
+
+/// A header of learned terms: a map of random numbers, and the texels' components for all channels.
+fn learned(header: PwtHeader, seed: u64) -> PwtHeader {
+    const SIDE: u32 = 4;
+    let mut numbers = Numbers::new(seed);
+    let mut number = || numbers.between(-0.5, 0.5) as f32 * MAP_RANGE;
+    let texels: Vec<[f32; 3]> =
+        (0..header.basis.terms() * (SIDE * SIDE) as usize).map(|_| [number(), number(), number()]).collect();
+    let mut textures = header.textures;
+    textures.iter_mut().flat_map(|texture| &mut texture.components).for_each(|component| component.channel = 0);
+    let light_map = Some(LightMap::new(SIDE, &texels).expect("numbers in range"));
+    PwtHeader { light_map, textures, colour: [[1.0; 3], [0.0; 3], [0.0; 3]], ..header }
 }
 
 /// The example of the layout's page: two terms of a tile of 2 x 2 texels, one of them coarse.
@@ -126,18 +146,20 @@ fn queries() -> Vec<Query> {
 fn bound(decoder: &PwtDecoder, [a, b, _]: &Query) -> [f64; 4] {
     let header = decoder.pack().header();
     let weights = header.weights([b[0], b[1], b[2]]);
-    let channels = decoder.channels([a[0], a[1]], a[2], &weights);
+    let sum = decoder.sum([a[0], a[1]], a[2], &weights);
     let mut off = [0.0f32; 3];
-    for component in header.components() {
-        let weight = (weights[component.term as usize] * component.scale).abs();
-        off[component.channel as usize] += 3.0 * STEP * weight;
+    // Weights of learned terms are filtered, too: by two axes, between texels of a small map.
+    let of_map = if header.light_map.is_some() { 2.0 * STEP * MAP_RANGE } else { 0.0 };
+    off.iter_mut().for_each(|off| *off += of_map);
+    for (component, weight) in header.components().zip(header.component_weights(&weights)) {
+        let largest = component.low.abs().max((component.low + component.scale).abs());
+        for (off, weight) in off.iter_mut().zip(weight) {
+            *off += 3.0 * STEP * weight.abs() * component.scale.abs() + of_map * largest;
+        }
     }
     let colour = |k: usize| {
-        let of_axes = |numbers: [f32; 3], share: fn(f32) -> f32| -> f32 {
-            header.colour.iter().zip(numbers).map(|(axis, number)| share(axis[k]) * number).sum()
-        };
-        let (value, off) = (of_axes(channels, |share| share), of_axes(off, f32::abs));
-        let [low, here, high] = [value - off, value, value + off].map(|value| f64::from(header.domain.decode(value)));
+        let [low, here, high] =
+            [sum[k] - off[k], sum[k], sum[k] + off[k]].map(|value| f64::from(header.domain.decode(value)));
         (high - here).max(here - low) + ROUNDING * (here + 1e-2)
     };
     [colour(0), colour(1), colour(2), 1e-6]
@@ -207,10 +229,10 @@ impl TestedCodec for Pwt {
         for light in directions().map(as_f32) {
             let weights = header.weights(light);
             // Below the horizon they are finite, too, except at the pole.
-            numbers.add(weights);
+            numbers.add(weights.into_iter().flatten());
             for (k, uv) in points().enumerate().step_by(3) {
                 let level = 0.3 * (k % 12) as f32;
-                numbers.add(decoder.channels(uv, level, &weights));
+                numbers.add(decoder.sum(uv, level, &weights));
                 numbers.add(decoder.value(uv, level, light));
             }
         }

@@ -1,9 +1,9 @@
 //! Tests the arrangement of terms at their levels, and the resulting textures.
 
 use brdfc_formats::pwt::{LightBasis, LightCoordinates, PwtHeader, PwtPack};
-use brdfc_pwt::assemble::arrange;
+use brdfc_pwt::assemble::{Limits, arrangements};
 use brdfc_pwt::image::Plane;
-use brdfc_pwt::levels::{StepUp, TermImages, magnified, range, steps, term_images};
+use brdfc_pwt::levels::{TermImages, magnified, range, term_images};
 use brdfc_pwt::tree::{PacketTree, Transform};
 use brdfc_pwt::{Border, Wavelet};
 use brdfc_testing::codecs::pwt::plain;
@@ -24,13 +24,26 @@ fn term(term: usize, errors: &[f64]) -> TermImages {
     TermImages { channel: 0, term, levels: Vec::new(), errors: errors.to_vec() }
 }
 
+fn limits(layers: usize, bytes: u64) -> Limits {
+    Limits { extent: [2, 2], depth: 1, layers, bytes }
+}
+
 #[test]
-fn steps_gain_most_per_byte_first() {
-    // Level 1 takes a quarter of the bytes. The first term gains 8 for ¼, then 1 for ¾. The second gains 4 for 1 in one
-    // step: its level 1, which would gain ½ for ¼, is skipped. The third gains nothing.
-    let images = [term(0, &[0.0, 1.0, 9.0]), term(1, &[0.0, 3.5, 4.0]), term(2, &[2.0, 2.0, 2.0])];
-    let step = |image, base, error| StepUp { image, base, error };
-    assert_eq!(steps(&images), [step(0, 1, 7.0), step(1, 0, 3.0), step(0, 0, 2.0)]);
+fn changes_gain_most_per_byte_first() {
+    // A layer has 4 channels: 4 bytes at level 1, and 16 more at level 0. Eight terms gain 8 together at level 1, four of them
+    // another 12 at level 0; the ninth gains nothing.
+    let strong = (0..4).map(|k| term(k, &[1.0, 4.0, 5.0]));
+    let weak = (4..8).map(|k| term(k, &[1.0, 1.0, 2.0]));
+    let images: Vec<TermImages> = strong.chain(weak).chain([term(8, &[2.0, 2.0, 2.0])]).collect();
+    let found = |limits: &Limits| -> Vec<(u64, f64)> {
+        let path = arrangements(&images, limits);
+        path.iter().map(|arrangement| (arrangement.bytes(limits), arrangement.error)).collect()
+    };
+    assert_eq!(found(&limits(9, 1000)), [(0, 30.0), (4, 26.0), (8, 22.0), (24, 10.0)]);
+    // Limits of layers and of bytes.
+    assert_eq!(found(&limits(1, 1000)), [(0, 30.0), (4, 26.0), (20, 14.0)]);
+    assert_eq!(found(&limits(9, 19)), [(0, 30.0), (4, 26.0), (8, 22.0)]);
+    assert_eq!(found(&limits(9, 3)), [(0, 30.0)]);
 }
 
 fn random(size: [usize; 2], scale: f64, numbers: &mut Numbers) -> Plane {
@@ -67,14 +80,14 @@ fn mipmaps_are_the_truncated_tree() {
     for wavelet in Wavelet::ALL {
         for border in [Border::Periodic, Border::Mirrored] {
             let (tree, coefficients, images) = terms(Transform { wavelet, border, depth: 3 });
-            let steps = steps(&images);
-            assert!(steps.len() >= 9);
+            let header = header(3, border == Border::Periodic);
+            let limits = Limits { extent: header.extent, depth: 3, layers: 9, bytes: u64::MAX };
+            let path = arrangements(&images, &limits);
+            assert!(path.len() >= 4);
             let mut seen = 0;
-            for count in [1, steps.len() / 2, steps.len()] {
-                let arrangement = arrange(&images, &steps, count);
-                let header = header(3, border == Border::Periodic);
-                let bytes = arrangement.bytes(header.extent, header.levels);
-                let pack = arrangement.pack(&images, header).unwrap();
+            for arrangement in [&path[1], &path[path.len() / 2], &path[path.len() - 1]] {
+                let bytes = arrangement.bytes(&limits);
+                let pack = arrangement.pack(&images, header.clone()).unwrap();
                 assert_eq!(pack.gpu_bytes(), bytes);
                 seen += check(&pack, &tree, &coefficients);
             }
@@ -109,20 +122,20 @@ fn check(pack: &PwtPack, tree: &PacketTree, coefficients: &[Vec<Plane>; 3]) -> u
 #[test]
 fn an_empty_arrangement_is_a_pack() {
     let (_, _, images) = terms(Transform { wavelet: Wavelet::Haar, border: Border::Periodic, depth: 2 });
-    let steps = steps(&images);
-    let pack = arrange(&images, &steps, 0).pack(&images, header(2, true)).unwrap();
-    assert_eq!((pack.gpu_bytes(), pack.header().fetches()), (4 * 8, 1));
+    let limits = Limits { extent: [16, 32], depth: 2, layers: 0, bytes: u64::MAX };
+    let path = arrangements(&images, &limits);
+    let pack = path[0].pack(&images, header(2, true)).unwrap();
+    assert_eq!((path.len(), pack.gpu_bytes(), pack.header().fetches()), (1, 4 * 8, 1));
 }
 
-/// Texels have 4, 2 or 1 channels: the largest number for which padding is cheap.
+/// A layer takes the terms that profit most; channels without a term are unused.
 #[test]
-fn texels_are_filled_where_that_is_cheap() {
+fn noise_needs_its_finest_level() {
     let (_, _, images) = terms(Transform { wavelet: Wavelet::Haar, border: Border::Periodic, depth: 2 });
-    for (count, channels, layers) in [(9, 1, 9), (8, 4, 2), (6, 2, 3)] {
-        let images = &images[..count];
-        let steps = steps(images);
-        let pack = arrange(images, &steps, steps.len()).pack(images, header(2, true)).unwrap();
-        let [texture] = &pack.header().textures[..] else { panic!("noise needs its finest level") };
-        assert_eq!((texture.level, texture.channels, texture.layers()), (0, channels, layers), "{count}");
-    }
+    let limits = Limits { extent: [16, 32], depth: 2, layers: 9, bytes: u64::MAX };
+    let path = arrangements(&images, &limits);
+    let pack = path[path.len() - 1].pack(&images, header(2, true)).unwrap();
+    let [texture] = &pack.header().textures[..] else { panic!("one level") };
+    assert_eq!((texture.level, texture.channels, texture.layers()), (0, 4, 3));
+    assert_eq!(texture.components.iter().filter(|component| component.scale == 0.0).count(), 3);
 }

@@ -1,7 +1,7 @@
 //! Encodes generated RTI captures and compares the bytes, and the decoded values, with the codec's list: see
 //! docs/goldens.md.
 
-use super::stacks::{lambert, polynomial, spiral};
+use super::stacks::{lambert, polynomial, shiny, spiral};
 use brdfc_formats::pwt::LightCoordinates;
 use brdfc_pwt::{DomainName, LightSamples, PwtRecipe, Target, Wavelet, encode};
 use brdfc_testing::golden::encodes::{Packs, check_encodes};
@@ -20,12 +20,15 @@ fn polynomial_wavelet_trees() {
         wavelet: Wavelet::Cdf97,
         depth: Some(3),
         packets: 2,
+        max_fetches: None,
         target: Target::Energy(0.99),
     };
     let logarithm = PwtRecipe { domain: Some(DomainName::Log), wavelet: Wavelet::Daubechies4, ..default };
+    let learned = PwtRecipe { coordinates: Some(LightCoordinates::Learned), degree: Some(4), ..default };
     let lights = spiral(20);
     let packs = [
         ("lambert-default", pack(&lambert([13, 10], lights.clone(), false), default)),
+        ("shiny-learned", pack(&shiny([20, 14], lights.clone()), learned)),
         ("lambert-tile-hemisphere-cube-root", pack(&lambert([16, 16], lights.clone(), true), hemisphere)),
         (
             "lambert-log-bytes",

@@ -56,3 +56,16 @@ pub fn lambert(size: [usize; 2], lights: Vec<[f32; 3]>, repeats: bool) -> LightS
         [red * shade, 0.5 * shade, 0.4 * shade]
     })
 }
+
+/// A relief with a highlight around the mirror direction of a viewer above.
+pub fn shiny(size: [usize; 2], lights: Vec<[f32; 3]>) -> LightSamples {
+    stack(size, lights, false, |at, [x, y, z]| {
+        let [p, q] = slopes(at, size);
+        let length = (p * p + q * q + 1.0).sqrt();
+        let half = (x * x + y * y + (z + 1.0) * (z + 1.0)).sqrt();
+        let cosine = ((p * x + q * y + z) / length).max(0.0);
+        let squared = ((p * x + q * y + z + 1.0) / (length * half)).max(0.0).powi(2);
+        let gloss = 0.5 * squared.powi(32);
+        [0.4, 0.3, 0.2].map(|colour| colour * cosine + gloss)
+    })
+}

@@ -1,0 +1,179 @@
+//! Chooses domain, interpolation and number of learned terms by leave-one-out cross-validation over the lights.
+
+use crate::choose::{Candidate, Texels, decibels, squares, to_srgb};
+use crate::components::Components;
+use crate::kriging::{Interpolation, Shortlist, rows};
+use crate::learned::{Learned, map_side};
+use crate::recipe::{DomainName, PwtRecipe, Target};
+use crate::stack::LightSamples;
+use brdfc_formats::pwt::{Domain, LightCoordinates, LightMap};
+use nalgebra::DMatrix;
+use rayon::prelude::*;
+
+/// Number of texels from which components are computed.
+const LEARNED_FROM: usize = 4096;
+/// Typical number of fetches.
+const FETCHES: u32 = 3;
+/// Minimum number of lights, unless learned terms are requested.
+const MIN_LIGHTS: usize = 6;
+/// Numbers of terms that are tried are multiples of the texels' channels.
+const STEP: usize = 4;
+/// Number of terms with which domains are compared: three fetches.
+const COMPARED: usize = 12;
+/// PSNR at lights that are left out that more terms than [`COMPARED`] must gain, dB, if the target is not a size or an error.
+const SPARED: f64 = 0.15;
+
+/// A candidate with learned terms.
+pub struct LearnedCandidate {
+    /// Its errors.
+    pub candidate: Candidate,
+    /// The interpolation between the lights.
+    pub interpolation: Interpolation,
+}
+
+/// Maximum number of terms, for which the map takes at most half of the pack, unless learned terms are requested.
+fn most_terms(samples: &LightSamples, recipe: &PwtRecipe) -> usize {
+    let [width, height] = samples.size.map(|side| side as u64);
+    let fetches = u64::from(recipe.max_fetches.unwrap_or(FETCHES));
+    // Four channels per fetch, and a third more for mipmaps.
+    let whole = 16 * width * height * fetches / 3;
+    let is_requested = recipe.coordinates == Some(LightCoordinates::Learned);
+    let budget = match recipe.target {
+        Target::Bytes(bytes) if is_requested => bytes,
+        _ if is_requested => return recipe.most_learned(),
+        Target::Bytes(bytes) => bytes.min(whole),
+        _ => whole,
+    };
+    let of_map = budget / 2 / LightMap::bytes_of(map_side(samples.lights.len()), 1);
+    recipe.most_learned().min(of_map.saturating_sub(1) as usize)
+}
+
+/// The best candidate of each domain, the chosen one first; none for too few lights, or if the map would be larger than the
+/// textures.
+pub fn tried(texels: &Texels, samples: &LightSamples, recipe: &PwtRecipe) -> Vec<LearnedCandidate> {
+    let lights = &samples.lights[..];
+    let is_requested = recipe.coordinates == Some(LightCoordinates::Learned);
+    // A degree or a ridge is that of polynomials.
+    let of_polynomials = recipe.coordinates.is_some() || recipe.degree.is_some() || recipe.ridge.is_some();
+    let most = most_terms(samples, recipe);
+    if !is_requested && (of_polynomials || lights.len() < MIN_LIGHTS || most == 0) {
+        return Vec::new();
+    }
+    let most = recipe.degree.map_or(most.max(1), |degree| degree as usize);
+    let shortlist = Shortlist::new(lights, &texels.encoded(Domain::Display));
+    let names = recipe.domain.map_or(DomainName::ALL.to_vec(), |one| vec![one]);
+    let domains = names.iter().flat_map(|name| texels.domains(*name).into_iter().map(|domain| (*name, domain)));
+    let domains: Vec<(DomainName, Domain)> = domains.collect();
+    let one = |(name, domain): &(DomainName, Domain)| Trial::new(texels, (*name, *domain), &shortlist);
+    let trials: Vec<Trial<'_>> = domains.par_iter().map(one).collect();
+    let few = |trial: &Trial<'_>| trial.by_terms(most.min(COMPARED)).pop().map(|errors| trial.candidate(errors));
+    let mut found: Vec<LearnedCandidate> = trials.par_iter().filter_map(few).collect();
+    let merit = |errors: &Errors| errors.held_out_psnr.unwrap_or(errors.psnr);
+    let best = (0..found.len()).max_by(|a, b| found[*a].merit().total_cmp(&found[*b].merit()).then(b.cmp(a)));
+    if let Some(best) = best {
+        let by_terms = trials[best].by_terms(most);
+        let largest = by_terms.iter().map(merit).fold(f64::NEG_INFINITY, f64::max);
+        // A size or an error is reached best with all terms that do no harm.
+        let spared = if matches!(recipe.target, Target::Loss(_) | Target::Energy(_)) { SPARED } else { 0.0 };
+        let mut enough = by_terms.iter().filter(|errors| merit(errors) >= largest - spared);
+        let chosen = match recipe.degree {
+            Some(_) => by_terms.last(),
+            None => enough.clone().find(|errors| errors.terms >= COMPARED).or_else(|| enough.next_back()),
+        };
+        if let Some(errors) = chosen {
+            found.remove(best);
+            found.insert(0, trials[best].candidate(*errors));
+        }
+    }
+    found
+}
+
+/// Errors with a number of terms.
+#[derive(Debug, Clone, Copy)]
+struct Errors {
+    terms: usize,
+    /// PSNR at the fitted lights.
+    psnr: f64,
+    /// PSNR at lights that are left out, if available.
+    held_out_psnr: Option<f64>,
+}
+
+/// A domain, and the interpolation for it.
+struct Trial<'a> {
+    texels: &'a Texels,
+    domain: (DomainName, Domain),
+    values: DMatrix<f64>,
+    interpolation: Interpolation,
+    /// Matrix of errors at lights that are left out.
+    errors: Option<DMatrix<f64>>,
+}
+
+impl<'a> Trial<'a> {
+    fn new(texels: &'a Texels, domain: (DomainName, Domain), shortlist: &Shortlist) -> Self {
+        let values = texels.encoded(domain.1);
+        let combined = shortlist.combined(&values);
+        let (interpolation, errors) =
+            combined.map_or((Interpolation::default(), None), |(found, errors)| (found, Some(errors)));
+        Self { texels, domain, values, interpolation, errors }
+    }
+
+    /// Errors with 4, 8, … principal components, up to `most`.
+    fn by_terms(&self, most: usize) -> Vec<Errors> {
+        let (lights, columns) = self.values.shape();
+        let entries = DMatrix::from_column_slice(3 * lights, columns / 3, self.values.as_slice());
+        let components = Components::new(&entries, most);
+        let coefficients = components.coefficients(&entries);
+        let mut sum = entries;
+        sum.column_iter_mut().for_each(|mut column| column.copy_from(&components.mean));
+        let psnr = |matrix: &DMatrix<f64>| {
+            let of_light = |light: usize| {
+                let row: Vec<f32> = matrix.row(light).iter().map(|value| *value as f32).collect();
+                squares(&to_srgb(self.domain.1, row), &self.texels.codes[light])
+            };
+            let all: Vec<f64> = (0..lights).into_par_iter().map(of_light).collect();
+            decibels(all.iter().sum::<f64>() / (lights * columns).max(1) as f64)
+        };
+        let found = components.axes.ncols();
+        let mut by_terms = Vec::new();
+        let mut first = 0;
+        // Once, if there are no components.
+        while by_terms.is_empty() || first < found {
+            let count = STEP.min(found - first);
+            sum += components.axes.columns(first, count) * coefficients.rows(first, count);
+            first += count;
+            let shown = DMatrix::from_column_slice(lights, columns, sum.as_slice());
+            let held_out_psnr = self.errors.as_ref().map(|errors| psnr(&(&shown - errors * &shown)));
+            by_terms.push(Errors { terms: first.max(1), psnr: psnr(&shown), held_out_psnr });
+        }
+        by_terms
+    }
+
+    fn candidate(&self, Errors { terms, psnr, held_out_psnr }: Errors) -> LearnedCandidate {
+        let (domain, interpolation) = (self.domain.0, self.interpolation.clone());
+        let (epsilon, coordinates) = (self.domain.1.code().1, LightCoordinates::Learned);
+        let candidate =
+            Candidate { domain, epsilon, coordinates, degree: terms as u32, ridge: 0.0, psnr, held_out_psnr };
+        LearnedCandidate { candidate, interpolation }
+    }
+}
+
+impl LearnedCandidate {
+    fn merit(&self) -> f64 {
+        self.candidate.held_out_psnr.unwrap_or(self.candidate.psnr)
+    }
+
+    /// Learns the terms.
+    pub fn learn(&self, samples: &LightSamples) -> Learned {
+        let at = samples.spread_texels(LEARNED_FROM);
+        let domain = self.candidate.domain();
+        let of_light = |image: &Vec<[f32; 3]>| -> Vec<f32> {
+            let mut values: Vec<f32> = at.iter().flat_map(|texel| image[*texel]).collect();
+            domain.encode_each(&mut values);
+            values
+        };
+        let values: Vec<Vec<f32>> = samples.images.par_iter().map(of_light).collect();
+        let entries = DMatrix::from_column_slice(3 * values.len(), at.len(), rows(&values).as_slice());
+        let components = Components::new(&entries, self.candidate.degree as usize);
+        Learned::new(&components, &self.interpolation, &samples.lights)
+    }
+}
