@@ -1,6 +1,8 @@
 //! `brdfc pwt`: one pack from photographs under known lights, for relighting.
 
-use super::output::{json_or, note, output_parser, print_report, refuse_flags, refuse_unfit_output, write_file};
+mod images;
+
+use super::output::{json_or, note, output_parser, print, print_report, refuse_flags, refuse_unfit_output, write_file};
 use super::{Common, Error};
 use crate::table;
 use brdfc::relight::{
@@ -12,8 +14,9 @@ use brdfc_terminal::usage::share;
 use brdfc_terminal::values::{any_whole_number, bytes_from_text, one_of};
 use clap::Args;
 use clap::builder::{PossibleValuesParser, TypedValueParser};
+use images::{ImageOutputs, ImageReports};
 use serde::Serialize;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::time::Instant;
 
 /// Encode photographs of one view under known lights as a pack that can be relit from any direction, a polynomial
@@ -21,9 +24,10 @@ use std::time::Instant;
 ///
 /// INPUT is a folder of photographs with a list of lights (.lp), the list itself, one view of a BTF (a folder of images
 /// or a .btf file) or of a flat BTF, or a polynomial texture map (.ptm). By default, cross-validation at held-out
-/// lights selects the terms of the light, which are polynomials or learned from the photographs, their number, smoothness and
-/// scale, and each term gets the resolution that it needs. If the
-/// output is a .ptm, the program fits a polynomial texture map instead, for viewers that do not read packs.
+/// lights selects the terms of the light, which are polynomials or learned from the photographs, their number, smoothness
+/// and scale, and each term gets the resolution that it needs. If the output is a .ptm, the program fits a polynomial
+/// texture map instead, for viewers that do not read packs. --normals, --albedo and --web write images for other programs,
+/// with a pack or without.
 #[derive(Debug, Args)]
 #[command(after_help = "\
 Examples:
@@ -33,13 +37,24 @@ Examples:
   brdfc pwt icon -o icon.ktx2 --terms learned --max-fetches 6
   brdfc pwt icon -o icon.ptm --model lrgb
   brdfc pwt old.ptm -o old.ktx2
+  brdfc pwt icon --normals normals.png --albedo albedo.png
+  brdfc pwt icon -o icon.ktx2 --web icon-web
   brdfc pwt button -o button-view.ktx2 --view 12")]
 pub struct Arguments {
     /// Photographs and lights, a BTF, a .ptm or a pack.
     input: Input,
-    /// The pack (.ktx2) or polynomial texture map (.ptm) to write, or - for a pack on stdout.
-    #[arg(long, short, value_name = "PACK.ktx2|MAP.ptm", value_parser = output_parser())]
-    output: PathBuf,
+    /// The pack (.ktx2) or polynomial texture map (.ptm) to write, or - for a pack on stdout; optional with --normals,
+    /// --albedo or --web.
+    #[arg(
+        long,
+        short,
+        value_name = "PACK.ktx2|MAP.ptm",
+        value_parser = output_parser(),
+        required_unless_present_any = ["normals", "albedo", "web"],
+    )]
+    output: Option<PathBuf>,
+    #[command(flatten)]
+    images: ImageOutputs,
     /// Minimum PSNR of 8-bit sRGB levels, 0 to 200 dB.
     #[arg(long, value_name = "DB", group = "target")]
     quality: Option<f64>,
@@ -128,6 +143,8 @@ pub struct Report {
     version: u32,
     #[serde(flatten)]
     made: Made,
+    #[serde(flatten)]
+    images: ImageReports,
     /// Seconds per stage.
     seconds: Seconds,
 }
@@ -151,6 +168,8 @@ enum Made {
         #[serde(flatten)]
         errors: StackErrors,
     },
+    /// Only normals, albedo or images for web viewers.
+    Images,
 }
 
 /// Seconds per stage.
@@ -193,8 +212,8 @@ fn recipe(arguments: &Arguments) -> Result<PwtRecipe, Error> {
     Ok(recipe)
 }
 
-/// Rejects options that do not apply to a polynomial texture map.
-fn refuse_flags_of_packs(arguments: &Arguments) -> Result<(), Error> {
+/// Rejects options that do not apply to outputs other than packs.
+fn refuse_flags_of_packs(arguments: &Arguments, found: &str) -> Result<(), Error> {
     let given = [
         (arguments.quality.is_some(), "--quality"),
         (arguments.max_delta_e.is_some(), "--max-delta-e"),
@@ -210,29 +229,38 @@ fn refuse_flags_of_packs(arguments: &Arguments) -> Result<(), Error> {
         (arguments.wavelet.is_some(), "--wavelet"),
         (arguments.levels.is_some(), "--levels"),
         (arguments.packets.is_some(), "--packets"),
-        (arguments.hold_out != 0, "--hold-out"),
+        (arguments.hold_out != 0 && (arguments.output.is_some() || arguments.images.web.is_none()), "--hold-out"),
         (arguments.no_supercompression, "--no-supercompression"),
     ];
-    refuse_flags("an output .ptm", &given.map(|(given, flag)| (given, flag, "packs")))
+    refuse_flags(found, &given.map(|(given, flag)| (given, flag, "packs")))
 }
 
 pub(super) fn run(arguments: &Arguments, common: Common) -> Result<(), Error> {
     let recipe = recipe(arguments)?;
-    let is_map = arguments.output.extension().is_some_and(|extension| extension.eq_ignore_ascii_case(PTM));
+    let output = arguments.output.as_deref();
+    let is_map = output.and_then(Path::extension).is_some_and(|extension| extension.eq_ignore_ascii_case(PTM));
     if is_map {
-        refuse_flags_of_packs(arguments)?;
+        refuse_flags_of_packs(arguments, "an output .ptm")?;
     }
-    refuse_unfit_output(&arguments.output, &["ktx2", PTM], arguments.input.path().as_slice())?;
+    let inputs = arguments.input.path();
+    let inputs = inputs.as_slice();
+    match output {
+        Some(output) => refuse_unfit_output(output, &["ktx2", PTM], inputs)?,
+        None => refuse_flags_of_packs(arguments, "normals, albedo and images for web viewers")?,
+    }
+    arguments.images.check(output, inputs)?;
     refuse_flags("a pack", &[(!is_map && arguments.model.is_some(), "--model", "an output .ptm")])?;
     let start = Instant::now();
     let input = LightInput::open(&arguments.input, arguments.view)?;
-    let of_map = matches!(input, LightInput::Map(_));
-    if matches!(input, LightInput::Pack(_)) && !is_map {
+    if matches!(input, LightInput::Pack(_)) && output.is_some() && !is_map {
         let text = format!("{}: already a pack; choose an --output that ends in .ptm", arguments.input);
         return Err(Error::usage(text));
     }
     let photographs = matches!(input, LightInput::Photographs(_));
     let count = if let LightInput::Photographs(samples) = &input { samples.lights.len() } else { 0 };
+    let only_images = matches!(input, LightInput::Map(_)) && output.is_none();
+    refuse_flags("a .ptm as input", &[(only_images && arguments.hold_out != 0, "--hold-out", "photographs")])?;
+    let given = if let LightInput::Map(map) = &input { Some(map.clone()) } else { None };
     let mut samples = input.into_samples();
     if samples.lights.len() < count {
         let lights = samples.lights.len();
@@ -245,31 +273,37 @@ pub(super) fn run(arguments: &Arguments, common: Common) -> Result<(), Error> {
     samples.repeats |= arguments.tile;
     let read = start.elapsed().as_secs_f64();
     let start = Instant::now();
-    if is_map {
-        let model = arguments.model.unwrap_or(MapModel::Rgb);
-        let (map, errors) = make_map(&samples, model).map_err(|error| of_input(&arguments.input, error))?;
-        return write_map(
-            arguments,
-            common,
-            &map,
-            (model, errors),
-            Seconds { read, encode: start.elapsed().as_secs_f64() },
-        );
+    let model = arguments.model.unwrap_or(MapModel::Rgb);
+    let made = is_map.then(|| make_map(&samples, model)).transpose();
+    let made = made.map_err(|error| of_input(&arguments.input, error))?;
+    let map = made.as_ref().map(|(map, _)| map).or(given.as_ref());
+    let images = arguments
+        .images
+        .write(&samples, map, (arguments.hold_out, arguments.seed), inputs)
+        .map_err(|error| of_input(&arguments.input, error))?;
+    let Some(output) = output else {
+        let seconds = Seconds { read, encode: start.elapsed().as_secs_f64() };
+        let text = images.summary();
+        return print(&json_or(common, &Report { version: 1, made: Made::Images, images, seconds }, text));
+    };
+    if let Some((map, errors)) = made {
+        let seconds = Seconds { read, encode: start.elapsed().as_secs_f64() };
+        return write_map(output, common, &map, (model, errors), images, seconds);
     }
-    let recipe = if of_map { recipe_of_map(recipe) } else { recipe };
+    let recipe = if given.is_some() { recipe_of_map(recipe) } else { recipe };
     let made = make(&samples, &recipe, arguments.hold_out, arguments.seed)
         .map_err(|error| of_input(&arguments.input, error))?;
     let seconds = Seconds { read, encode: start.elapsed().as_secs_f64() };
     let bytes = made.encoded.pack.to_bytes(!arguments.no_supercompression);
-    write_file(&arguments.output, &bytes)?;
+    write_file(output, &bytes)?;
     let report = PwtReport::new(&made, recipe.target, bytes.len());
     let missed = made.missed(recipe.target).map(|why| missed(&recipe, &report, &why));
     if !report.met {
         note(common, &arguments.input, "no pack meets the target; wrote the best pack");
     }
-    let text = summary(&report, seconds);
-    let report = Report { version: 1, made: Made::Pwt(report), seconds };
-    print_report(common, &arguments.output, &json_or(common, &report, text))?;
+    let text = summary(&report, seconds) + &images.summary();
+    let report = Report { version: 1, made: Made::Pwt(report), images, seconds };
+    print_report(common, output, &json_or(common, &report, text))?;
     missed.map_or(Ok(()), |text| Err(Error::check(text)))
 }
 
@@ -301,14 +335,15 @@ fn missed(recipe: &PwtRecipe, report: &PwtReport, why: &Missed) -> String {
 }
 
 fn write_map(
-    arguments: &Arguments,
+    output: &Path,
     common: Common,
     map: &Ptm,
     (model, errors): (MapModel, StackErrors),
+    images: ImageReports,
     seconds: Seconds,
 ) -> Result<(), Error> {
     let bytes = map.to_bytes();
-    write_file(&arguments.output, &bytes)?;
+    write_file(output, &bytes)?;
     let made = Made::Ptm { model, size: map.size(), bytes_on_disk: bytes.len(), errors };
     let [width, height] = map.size();
     let row = vec![
@@ -318,8 +353,8 @@ fn write_map(
         format!("{:.2}", errors.psnr),
         format!("{:.2}", errors.delta_e),
     ];
-    let text = table::plain(&["pixels", "layout", "bytes", "dB", "mean ΔE"], &[row]);
-    print_report(common, &arguments.output, &json_or(common, &Report { version: 1, made, seconds }, text))
+    let text = table::plain(&["pixels", "layout", "bytes", "dB", "mean ΔE"], &[row]) + &images.summary();
+    print_report(common, output, &json_or(common, &Report { version: 1, made, images, seconds }, text))
 }
 
 fn summary(report: &PwtReport, seconds: Seconds) -> String {

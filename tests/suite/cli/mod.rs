@@ -19,6 +19,7 @@ mod nothing;
 mod output;
 mod output_folder;
 mod pwt;
+mod pwt_images;
 #[cfg(feature = "render")]
 mod render;
 #[cfg(feature = "render")]

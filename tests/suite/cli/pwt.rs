@@ -10,7 +10,7 @@ use brdfc_pwt::ptm::spread_lights;
 const SIZE: [usize; 2] = [45, 38];
 
 /// A bumpy, glossy surface under 40 lights, in `stack`.
-fn stack() -> Folder {
+pub(super) fn stack() -> Folder {
     let folder = Folder::new();
     let lights = spread_lights(40);
     let pixels = |light: usize| -> Vec<[f32; 3]> {

@@ -131,7 +131,7 @@ pub(crate) struct Texels {
 }
 
 impl Texels {
-    fn new(samples: &LightSamples) -> Self {
+    pub(crate) fn new(samples: &LightSamples) -> Self {
         let at = samples.spread_texels(TEXELS);
         let of_light = |image: &Vec<[f32; 3]>| -> Vec<f32> {
             at.iter().flat_map(|texel| image[*texel]).map(|value| value.max(0.0)).collect()

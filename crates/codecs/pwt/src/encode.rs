@@ -180,7 +180,7 @@ impl Fitted {
 }
 
 /// Red, green and blue as colours of channels.
-const RGB: [[f32; 3]; 3] = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
+pub(crate) const RGB: [[f32; 3]; 3] = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
 
 /// Encodes all terms of a basis for red, green and blue, from one level on, fitted to sRGB-encoded values and rounded
 /// to 8 bits: a pack without trees, such as hemispherical harmonics of order 3, for comparison. The ridge is chosen as
@@ -272,7 +272,7 @@ fn colour_axes(samples: &LightSamples, domain: Domain) -> [[f32; 3]; 3] {
 }
 
 /// Channels of a photograph, padded to the extent of the pack by mirroring.
-fn padded_channels(
+pub(crate) fn padded_channels(
     image: &[[f32; 3]],
     [width, height]: [usize; 2],
     domain: Domain,

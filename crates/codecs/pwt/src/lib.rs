@@ -18,11 +18,14 @@ mod learned;
 pub mod levels;
 mod lifting;
 pub mod measure;
+pub mod normals;
 mod project;
 pub mod ptm;
 mod recipe;
 mod stack;
+pub mod terms;
 pub mod tree;
+pub mod web;
 
 pub use encode::{PwtEncoded, encode, plain};
 pub use facts::{PwtFacts, PwtTextureFacts};

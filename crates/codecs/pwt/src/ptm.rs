@@ -116,7 +116,7 @@ pub fn fit_map(samples: &LightSamples, model: MapModel) -> Result<Ptm, FormatErr
 }
 
 /// sRGB-encoded values, 0 to 1.
-fn codes(image: &[[f32; 3]]) -> Vec<[f32; 3]> {
+pub(crate) fn codes(image: &[[f32; 3]]) -> Vec<[f32; 3]> {
     let mut codes = image.to_vec();
     codes.as_flattened_mut().iter_mut().for_each(|value| *value = value.clamp(0.0, 1.0));
     Domain::Display.encode_each(codes.as_flattened_mut());

@@ -71,20 +71,25 @@ pub fn make(samples: &LightSamples, recipe: &PwtRecipe, hold_out: usize, seed: u
         let encoded = encode(samples, recipe).map_err(wrong)?;
         return Ok(PwtMade { encoded, held_out: None, lights: samples.lights.len() });
     }
-    if hold_out >= samples.lights.len() {
-        let allowed = format!("0 to {}, as at least one light must be fitted", samples.lights.len().saturating_sub(1));
-        return Err(Error::wrong_usage("--hold-out", hold_out, allowed));
-    }
-    let left_out = &permutation(samples.lights.len(), seed)[..hold_out];
-    let encoded = encode(&samples.without(left_out), recipe).map_err(wrong)?;
+    let left_out = held_out_lights(samples, hold_out, seed)?;
+    let encoded = encode(&samples.without(&left_out), recipe).map_err(wrong)?;
     let rest: Vec<usize> = (0..samples.lights.len()).filter(|light| !left_out.contains(light)).collect();
     let errors = stack_errors(&PwtDecoder::new(encoded.pack.clone()), &samples.without(&rest), 1);
-    let held_out = HeldOut { lights: left_out.to_vec(), psnr: errors.psnr, delta_e: errors.delta_e };
+    let held_out = HeldOut { lights: left_out, psnr: errors.psnr, delta_e: errors.delta_e };
     Ok(PwtMade { encoded, held_out: Some(held_out), lights: rest.len() })
 }
 
+/// The lights that a seeded permutation holds out.
+pub(super) fn held_out_lights(samples: &LightSamples, hold_out: usize, seed: u64) -> Result<Vec<usize>, Error> {
+    if hold_out > 0 && hold_out >= samples.lights.len() {
+        let allowed = format!("0 to {}, as at least one light must be fitted", samples.lights.len().saturating_sub(1));
+        return Err(Error::wrong_usage("--hold-out", hold_out, allowed));
+    }
+    Ok(permutation(samples.lights.len(), seed)[..hold_out].to_vec())
+}
+
 /// Error about photographs out of range, or about more levels than their size allows.
-fn wrong(error: FormatError) -> Error {
+pub(super) fn wrong(error: FormatError) -> Error {
     match error.field.as_ref() {
         "levels" => Error::wrong_usage("--levels", error.found, error.allowed),
         _ => Error::input(error),

@@ -1,0 +1,308 @@
+//! Photometric stereo (Woodham 1980): normal and albedo of every pixel, without the observations that shadows or gloss
+//! spoil.
+//!
+//! Lambert's law with attached shadows, `I_i = ρ max(n · l_i, 0)`, is fitted to luminance by least absolute deviations:
+//! `g = ρ n` minimises `Σ_i |I_i - max(g · l_i, 0)|`. A deviation counts by its size and not by its square, so a
+//! minority of lights in highlights or cast shadows changes little. Reweighted least squares finds `g`: it starts from
+//! plain least squares, then weights every light by the inverse of its residual, first all lights (a convex problem),
+//! then only those in front of the surface.
+
+use crate::stack::LightSamples;
+use brdfc_formats::FormatError;
+use brdfc_metrics::image::luminance;
+use nalgebra::Matrix3;
+use rayon::prelude::*;
+
+/// Pixels that are solved at once, for vector instructions.
+const LANES: usize = 8;
+/// Reweightings with all lights, and again without attached shadows.
+const ROUNDS: usize = 15;
+/// Residual below which weights stay constant, as a share of the albedo: about the noise of 8-bit photographs.
+const NOISE: f32 = 3e-3;
+/// Mean square of the distances of lights (as points of the unit sphere) from a plane through the surface below which
+/// the lights do not determine a normal: 0.6 degrees.
+const MIN_SPREAD: f64 = 1e-4;
+/// The same for the lights of one pixel, as a share of the largest: other pixels retain the fit to more lights.
+const MIN_DETERMINANT: f64 = 1e-5;
+/// Residual from which an observation counts as an outlier in reports, as a share of the albedo.
+const OUTLIER: f32 = 0.1;
+
+/// One number per lane.
+type Lanes = [f32; LANES];
+
+/// Normals and albedo of a rendering, row by row from the top.
+#[derive(Debug, Clone, PartialEq)]
+pub struct SurfaceMaps {
+    /// Columns and rows.
+    pub size: [usize; 2],
+    /// Unit vectors: x to the right, y up, z to the viewer, not negative. Black pixels have (0, 0, 1).
+    pub normals: Vec<[f32; 3]>,
+    /// Linear RGB, 0 or more; 1 is a white diffuser that a light faces.
+    pub albedo: Vec<[f32; 3]>,
+    /// Share of the observations that differ from Lambert's law by more than a tenth of the albedo: shadows, gloss and
+    /// interreflections.
+    pub outliers: f64,
+}
+
+impl SurfaceMaps {
+    /// Normals as 8-bit levels of RGB, `255 (n / 2 + 1 / 2)`: y up, as in OpenGL.
+    pub fn normal_levels(&self) -> Vec<u8> {
+        let level = |c: &f32| (255.0 * (0.5 * c + 0.5)).round() as u8;
+        self.normals.as_flattened().iter().map(level).collect()
+    }
+}
+
+/// Computes normals and albedo.
+///
+/// # Errors
+/// Returns an error if images are out of range, and for fewer than three lights or lights in one plane through the
+/// surface, which do not determine normals.
+pub fn surface_maps(samples: &LightSamples) -> Result<SurfaceMaps, FormatError> {
+    samples.check()?;
+    let lights = &samples.lights;
+    let mut spread = Matrix3::zeros();
+    for light in lights {
+        let light = nalgebra::Vector3::from(light.map(f64::from));
+        spread += light * light.transpose() / lights.len() as f64;
+    }
+    let allowed = "3 or more, not all in one plane through the surface, to determine normals";
+    if lights.len() < 3 {
+        return Err(FormatError::whole("lights", lights.len().to_string(), allowed));
+    }
+    if spread.symmetric_eigenvalues().min() < MIN_SPREAD {
+        return Err(FormatError::whole("lights", format!("{} in one plane", lights.len()), allowed));
+    }
+    let width = samples.size[0];
+    let rows: Vec<Row> = (0..samples.size[1]).into_par_iter().map(|row| solve_row(samples, row * width)).collect();
+    let outliers: usize = rows.iter().map(|row| row.outliers).sum();
+    let observations = (width * samples.size[1] * lights.len()) as f64;
+    let (normals, albedo) = rows.into_iter().flat_map(|row| row.pixels).unzip();
+    Ok(SurfaceMaps { size: samples.size, normals, albedo, outliers: outliers as f64 / observations })
+}
+
+/// One row of pixels.
+struct Row {
+    /// Normal and albedo of each pixel.
+    pixels: Vec<([f32; 3], [f32; 3])>,
+    /// Number of outliers.
+    outliers: usize,
+}
+
+/// Solves the row that starts at a pixel.
+fn solve_row(samples: &LightSamples, first: usize) -> Row {
+    let width = samples.size[0];
+    let mut row = Row { pixels: Vec::with_capacity(width), outliers: 0 };
+    for start in (first..first + width).step_by(LANES) {
+        let count = LANES.min(first + width - start);
+        let luminances: Vec<Lanes> = samples
+            .images
+            .iter()
+            .map(|image| {
+                std::array::from_fn(|lane| if lane < count { luminance(image[start + lane]) as f32 } else { 0.0 })
+            })
+            .collect();
+        let scaled = solve(&samples.lights, &luminances);
+        for lane in 0..count {
+            let g = scaled.map(|c| c[lane]);
+            let (normal, albedo) = finished(samples, start + lane, g);
+            let floor = OUTLIER * length(g);
+            let is_outlier = |(light, values): (&[f32; 3], &Lanes)| (values[lane] - lit(g, *light)).abs() > floor;
+            row.outliers += samples.lights.iter().zip(&luminances).filter(|pair| is_outlier(*pair)).count();
+            row.pixels.push((normal, albedo));
+        }
+    }
+    row
+}
+
+fn length(g: [f32; 3]) -> f32 {
+    g.iter().map(|c| c * c).sum::<f32>().sqrt()
+}
+
+/// Luminance by Lambert's law.
+fn lit(g: [f32; 3], light: [f32; 3]) -> f32 {
+    g.iter().zip(light).map(|(a, b)| a * b).sum::<f32>().max(0.0)
+}
+
+/// Fits `g` of each lane.
+fn solve(lights: &[[f32; 3]], luminances: &[Lanes]) -> [Lanes; 3] {
+    let mut g = [[0.0; LANES]; 3];
+    for round in 0..=2 * ROUNDS {
+        let floor: Lanes = match round {
+            // Equal weights.
+            0 => [1.0e6; LANES],
+            _ => std::array::from_fn(|lane| NOISE * length(g.map(|c| c[lane])) + 1e-6),
+        };
+        let horizon = if round > ROUNDS { 0.0 } else { f32::MIN };
+        let sums = equations(lights, luminances, &g, &floor, horizon);
+        for lane in 0..LANES {
+            let [a, b, c, d, e, f, x, y, z] = sums.map(|sum| f64::from(sum[lane]));
+            let matrix = Matrix3::new(a, b, c, b, d, e, c, e, f);
+            let least = MIN_DETERMINANT * (matrix.trace() / 3.0).powi(3);
+            if matrix.determinant() > least
+                && let Some(inverse) = matrix.try_inverse()
+            {
+                let found = inverse * nalgebra::Vector3::new(x, y, z);
+                (0..3).for_each(|axis| g[axis][lane] = found[axis] as f32);
+            }
+        }
+    }
+    g
+}
+
+/// Weighted normal equations of each lane: the upper triangle of `Σ w l l^T`, then `Σ w I l`, with `w = 1 / max(|I - g
+/// · l|, floor)`. Lights with `g · l` below the horizon do not count.
+fn equations(lights: &[[f32; 3]], luminances: &[Lanes], g: &[Lanes; 3], floor: &Lanes, horizon: f32) -> [Lanes; 9] {
+    let mut sums = [[0.0; LANES]; 9];
+    for ([x, y, z], values) in lights.iter().zip(luminances) {
+        let products = [x * x, x * y, x * z, y * y, y * z, z * z];
+        for lane in 0..LANES {
+            let expected = g[0][lane] * x + g[1][lane] * y + g[2][lane] * z;
+            let weight = 1.0 / (values[lane] - expected).abs().max(floor[lane]);
+            let weight = if expected > horizon { weight } else { 0.0 };
+            (0..6).for_each(|k| sums[k][lane] += weight * products[k]);
+            let value = weight * values[lane];
+            sums[6][lane] += value * x;
+            sums[7][lane] += value * y;
+            sums[8][lane] += value * z;
+        }
+    }
+    sums
+}
+
+/// Normal of `g`, and the albedo of each channel: the fit with the weights of luminance.
+fn finished(samples: &LightSamples, pixel: usize, g: [f32; 3]) -> ([f32; 3], [f32; 3]) {
+    // Surfaces that face away are not visible: noise at a grazing angle, or no Lambertian surface at all.
+    let facing = [g[0], g[1], g[2].max(0.0)];
+    let size = length(facing);
+    if size < 1e-6 {
+        return ([0.0, 0.0, 1.0], [0.0; 3]);
+    }
+    let normal = facing.map(|c| c / size);
+    let floor = NOISE * length(g) + 1e-6;
+    let (mut sums, mut squares) = ([0.0; 3], 0.0);
+    for (light, image) in samples.lights.iter().zip(&samples.images) {
+        let cosine = lit(normal, *light);
+        let weight = 1.0 / (luminance(image[pixel]) as f32 - lit(g, *light)).abs().max(floor);
+        (0..3).for_each(|c| sums[c] += weight * cosine * image[pixel][c]);
+        squares += weight * cosine * cosine;
+    }
+    (normal, sums.map(|sum| if squares > 0.0 { (sum / squares).max(0.0) } else { 0.0 }))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::ptm::spread_lights;
+
+    const SIDE: usize = 41;
+
+    /// Normal of a sphere that fills an image; y goes up.
+    fn normal(pixel: usize) -> [f32; 3] {
+        let at = |k: usize| 1.9 * ((k as f32 + 0.5) / SIDE as f32) - 0.95;
+        let [x, y] = [at(pixel % SIDE), -at(pixel / SIDE)];
+        let square = x * x + y * y;
+        let z = (1.0 - square).max(0.04).sqrt();
+        let size = (square + z * z).sqrt();
+        [x / size, y / size, z / size]
+    }
+
+    /// Images of the sphere: `shade` returns light by normal, light, index of light and cosine.
+    fn sphere(lights: Vec<[f32; 3]>, shade: impl Fn([f32; 3], [f32; 3], usize, f32) -> f32) -> LightSamples {
+        let image = |(index, light): (usize, &[f32; 3])| -> Vec<[f32; 3]> {
+            let pixel = |pixel: usize| {
+                let n = normal(pixel);
+                let value = shade(n, *light, index, lit(n, *light));
+                [0.8 * value, 0.5 * value, 0.2 * value]
+            };
+            (0..SIDE * SIDE).map(pixel).collect()
+        };
+        let images = lights.iter().enumerate().map(image).collect();
+        LightSamples { size: [SIDE, SIDE], lights, images, repeats: false, defined: None }
+    }
+
+    /// Mean angle to the sphere's normals, degrees.
+    fn error(normals: &[[f32; 3]]) -> f64 {
+        let angle = |(pixel, found): (usize, &[f32; 3])| {
+            let cosine: f32 = normal(pixel).iter().zip(found).map(|(a, b)| a * b).sum();
+            f64::from(cosine.clamp(-1.0, 1.0).acos().to_degrees())
+        };
+        normals.iter().enumerate().map(angle).sum::<f64>() / normals.len() as f64
+    }
+
+    /// Normals by plain least squares.
+    fn least_squares(samples: &LightSamples) -> Vec<[f32; 3]> {
+        let matrix = nalgebra::DMatrix::from_fn(samples.lights.len(), 3, |i, k| samples.lights[i][k]);
+        let inverse = matrix.pseudo_inverse(1e-6).unwrap();
+        let pixel = |pixel: usize| {
+            let values = samples.images.iter().map(|image| luminance(image[pixel]) as f32);
+            let g = &inverse * nalgebra::DVector::from_iterator(samples.lights.len(), values);
+            let size = g.norm();
+            [g[0] / size, g[1] / size, g[2] / size]
+        };
+        (0..SIDE * SIDE).map(pixel).collect()
+    }
+
+    /// Known answer; the negative control is plain least squares, which attached shadows spoil.
+    #[test]
+    fn a_lambertian_sphere_is_recovered_to_8_bits() {
+        let samples = sphere(spread_lights(40), |_, _, _, cosine| cosine);
+        let maps = surface_maps(&samples).unwrap();
+        let expected = SurfaceMaps { normals: (0..SIDE * SIDE).map(normal).collect(), ..maps.clone() };
+        let differences = maps.normal_levels().into_iter().zip(expected.normal_levels()).map(|(a, b)| a.abs_diff(b));
+        assert!(differences.max() <= Some(1));
+        for albedo in &maps.albedo {
+            assert!(albedo.iter().zip([0.8, 0.5, 0.2]).all(|(a, b)| (a - b).abs() < 2e-3), "{albedo:?}");
+        }
+        assert!(maps.outliers < 1e-3, "{}", maps.outliers);
+        assert!(error(&maps.normals) < 0.1 && error(&least_squares(&samples)) > 1.0);
+    }
+
+    #[test]
+    fn highlights_and_cast_shadows_change_little() {
+        let samples = sphere(spread_lights(60), |n, light, index, cosine| {
+            let half = [light[0], light[1], light[2] + 1.0];
+            let gloss = (lit(n, half) / length(half)).powi(60);
+            // One light in seven is blocked, another one for each region.
+            let is_blocked = (index + (4.0 * n[0] + 4.0) as usize).is_multiple_of(7);
+            if is_blocked { 0.0 } else { cosine + 2.0 * gloss * cosine.min(1.0) }
+        });
+        let maps = surface_maps(&samples).unwrap();
+        let (robust, plain) = (error(&maps.normals), error(&least_squares(&samples)));
+        println!("mean error: {robust:.2} degrees, plain least squares {plain:.2}");
+        assert!(robust < 0.6 && plain > 5.0 * robust, "{robust} {plain}");
+        assert!(maps.outliers > 0.1, "{}", maps.outliers);
+    }
+
+    /// Three lights in front of every pixel are enough.
+    #[test]
+    fn three_lights_determine_normals() {
+        let lights = vec![[0.6, 0.0, 0.8], [-0.3, 0.52, 0.8], [-0.3, -0.52, 0.8]];
+        let lights: Vec<[f32; 3]> = lights.into_iter().map(|l: [f32; 3]| l.map(|c| c / length(l))).collect();
+        let samples =
+            sphere(lights.clone(), |n, light, _, _| 0.5 * (n[0] * light[0] + n[1] * light[1] + n[2] * light[2]));
+        assert!(error(&surface_maps(&samples).unwrap().normals) < 0.1);
+        for wrong in
+            [vec![lights[0], lights[1]], vec![[0.6, 0.0, 0.8], [0.0, 0.0, 1.0], [-0.6, 0.0, 0.8], [-0.8, 0.0, 0.6]]]
+        {
+            let count = wrong.len();
+            let error = surface_maps(&sphere(wrong, |_, _, _, cosine| cosine)).unwrap_err();
+            assert!(error.field == "lights" && error.found.starts_with(&count.to_string()), "{error}");
+        }
+    }
+
+    #[test]
+    fn black_pixels_face_the_viewer() {
+        let maps = surface_maps(&sphere(spread_lights(10), |_, _, _, _| 0.0)).unwrap();
+        assert!(maps.normals.iter().all(|n| *n == [0.0, 0.0, 1.0]) && maps.albedo.iter().all(|a| *a == [0.0; 3]));
+    }
+
+    #[test]
+    fn threads_change_nothing() {
+        let samples = sphere(spread_lights(20), |n, _, _, cosine| cosine * (1.0 + n[0]));
+        let on = |threads| {
+            let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
+            pool.install(|| surface_maps(&samples).unwrap())
+        };
+        assert_eq!(on(1), on(3));
+    }
+}

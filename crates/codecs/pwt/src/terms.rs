@@ -1,0 +1,40 @@
+//! Learned terms as plain images, for formats without a tree.
+
+use crate::choose::Texels;
+use crate::choose_learned::tried;
+use crate::encode::padded_channels;
+use crate::project;
+use crate::recipe::{DomainName, PwtRecipe};
+use crate::stack::LightSamples;
+use brdfc_formats::FormatError;
+use brdfc_formats::pwt::{LightCoordinates, LightMap};
+
+/// Learned terms of photographs.
+pub struct LearnedTerms {
+    /// Terms of the light, the mean first.
+    pub map: LightMap,
+    /// Coefficients of each further term, row by row from the top.
+    pub planes: Vec<Vec<f32>>,
+}
+
+/// Learns at most `count` terms of sRGB-encoded values, beside the mean.
+///
+/// # Errors
+/// Returns an error if images or `count` are out of range.
+pub fn learned_terms(samples: &LightSamples, count: u32) -> Result<LearnedTerms, FormatError> {
+    let recipe = PwtRecipe {
+        coordinates: Some(LightCoordinates::Learned),
+        degree: Some(count),
+        domain: Some(DomainName::Display),
+        ..PwtRecipe::default()
+    };
+    samples.check()?;
+    recipe.check()?;
+    let candidate = tried(&Texels::new(samples), samples, &recipe).swap_remove(0);
+    let (learned, domain) = (candidate.learn(samples), candidate.candidate.domain());
+    let channels =
+        |light: usize| padded_channels(&samples.images[light], samples.size, domain, &crate::encode::RGB, samples.size);
+    let texels = samples.size[0] * samples.size[1];
+    let planes = project::coefficients(&learned, samples.lights.len(), texels, channels);
+    Ok(LearnedTerms { map: learned.map, planes })
+}

@@ -1,0 +1,45 @@
+//! Normals and albedo as images.
+
+use super::make::wrong;
+use crate::error::Error;
+use brdfc_pwt::LightSamples;
+use brdfc_pwt::normals::{SurfaceMaps, surface_maps};
+use brdfc_readers::colour::encode_srgb_byte;
+use brdfc_render::rendering::{Panel, rgb_png};
+use serde::Serialize;
+
+/// Report of normals and albedo.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, schemars::JsonSchema)]
+pub struct SurfaceReport {
+    /// Columns and rows.
+    pub size: [usize; 2],
+    /// Number of lights.
+    pub lights: usize,
+    /// Share of the observations that differ from Lambert's law by more than a tenth of the albedo, such as shadows and
+    /// highlights.
+    pub outliers: f64,
+}
+
+/// Computes normals and albedo from photographs.
+///
+/// # Errors
+/// Returns an error if photographs are out of range, or if the lights do not determine normals.
+pub fn make_surface(samples: &LightSamples) -> Result<(SurfaceMaps, SurfaceReport), Error> {
+    let maps = surface_maps(samples).map_err(wrong)?;
+    let report = SurfaceReport { size: maps.size, lights: samples.lights.len(), outliers: maps.outliers };
+    Ok((maps, report))
+}
+
+/// Normals as a PNG of 8-bit RGB, `255 (n / 2 + 1 / 2)`: x to the right, y up, z to the viewer.
+pub fn normals_png(maps: &SurfaceMaps) -> Vec<u8> {
+    png(maps.size, maps.normal_levels())
+}
+
+/// Albedo as a PNG of sRGB levels; values above 1 are clipped.
+pub fn albedo_png(maps: &SurfaceMaps) -> Vec<u8> {
+    png(maps.size, maps.albedo.as_flattened().iter().map(|value| encode_srgb_byte(f64::from(*value))).collect())
+}
+
+fn png([width, height]: [usize; 2], rgb: Vec<u8>) -> Vec<u8> {
+    rgb_png(&Panel { width, height, rgb })
+}
