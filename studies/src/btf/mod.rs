@@ -10,6 +10,7 @@ mod joint;
 mod lights;
 mod per_view;
 mod rows;
+mod steps;
 mod study;
 
 pub use drawing::drawing;

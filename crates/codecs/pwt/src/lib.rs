@@ -6,7 +6,7 @@
 pub mod assemble;
 pub mod choose;
 mod choose_learned;
-mod components;
+pub mod components;
 pub mod degrees;
 pub mod design;
 mod encode;

@@ -15,8 +15,10 @@ pub struct StackErrors {
     pub lights: usize,
     /// Texels compared per photograph: defined ones.
     pub texels: usize,
-    /// PSNR of sRGB-encoded values, dB.
+    /// PSNR of all sRGB-encoded values, dB.
     pub psnr: f64,
+    /// Mean of the PSNR of each photograph, dB.
+    pub image_psnr: f64,
     /// Mean ΔE (CIE76).
     pub delta_e: f64,
     /// Share of the photographs' texels that are neither black nor white.
@@ -69,6 +71,12 @@ pub fn photograph_sums(found: &[[f32; 3]], expected: &[[f32; 3]]) -> PhotographS
     }
 }
 
+impl PhotographSums {
+    fn psnr(&self) -> f64 {
+        decibels(self.squares / (3.0 * self.shown.of.max(1) as f64))
+    }
+}
+
 impl std::ops::AddAssign for PhotographSums {
     fn add_assign(&mut self, other: Self) {
         self.shown += other.shown;
@@ -96,6 +104,7 @@ impl StackErrors {
             lights: sums.len(),
             texels: sums.first().map_or(0, |sums| sums.shown.of),
             psnr: decibels(all.squares / (3.0 * count)),
+            image_psnr: sums.iter().map(PhotographSums::psnr).sum::<f64>() / sums.len().max(1) as f64,
             delta_e: all.distances / count,
             shown: all.shown.share(),
             contrast: all.shown.contrast(),
