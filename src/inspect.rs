@@ -16,6 +16,7 @@ pub use brdfc_source::flat_btf::{flat_btf_file, open_flat_btf};
 pub use brdfc_source::open::{Opened, known_files, open, opened};
 pub use brdfc_source::pack::open_pack;
 pub use brdfc_source::ptm::{self, PtmFacts, open_ptm};
+pub use brdfc_source::rti::{self, RtiFacts, open_rti};
 pub use brdfc_source::rti_capture::{self, RtiCapture, RtiCaptureFacts, is_rti_capture};
 
 use crate::{Error, FormatError, Input, InputError};

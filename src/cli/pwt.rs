@@ -23,7 +23,7 @@ use std::time::Instant;
 /// wavelet tree.
 ///
 /// INPUT is a folder of photographs with a list of lights (.lp), the list itself, one view of a BTF (a folder of images
-/// or a .btf file) or of a flat BTF, or a polynomial texture map (.ptm). By default, cross-validation at held-out
+/// or a .btf file) or of a flat BTF, or a file of an RTI viewer (.ptm, .rti). By default, cross-validation at held-out
 /// lights selects the terms of the light, which are polynomials or learned from the photographs, their number, smoothness
 /// and scale, and each term gets the resolution that it needs. If the output is a .ptm, the program fits a polynomial
 /// texture map instead, for viewers that do not read packs. --normals, --albedo and --web write images for other programs,
@@ -36,12 +36,12 @@ Examples:
   brdfc pwt icon/dirs.lp -o icon.ktx2 --quality 28 --hold-out 8
   brdfc pwt icon -o icon.ktx2 --terms learned --max-fetches 6
   brdfc pwt icon -o icon.ptm --model lrgb
-  brdfc pwt old.ptm -o old.ktx2
+  brdfc pwt old.rti -o old.ktx2
   brdfc pwt icon --normals normals.png --albedo albedo.png
   brdfc pwt icon -o icon.ktx2 --web icon-web
   brdfc pwt button -o button-view.ktx2 --view 12")]
 pub struct Arguments {
-    /// Photographs and lights, a BTF, a .ptm or a pack.
+    /// Photographs and lights, a BTF, a .ptm, a .rti or a pack.
     input: Input,
     /// The pack (.ktx2) or polynomial texture map (.ptm) to write, or - for a pack on stdout; optional with --normals,
     /// --albedo or --web.
@@ -252,15 +252,17 @@ pub(super) fn run(arguments: &Arguments, common: Common) -> Result<(), Error> {
     refuse_flags("a pack", &[(!is_map && arguments.model.is_some(), "--model", "an output .ptm")])?;
     let start = Instant::now();
     let input = LightInput::open(&arguments.input, arguments.view)?;
+    let basis = input.basis();
     if matches!(input, LightInput::Pack(_)) && output.is_some() && !is_map {
         let text = format!("{}: already a pack; choose an --output that ends in .ptm", arguments.input);
         return Err(Error::usage(text));
     }
-    let photographs = matches!(input, LightInput::Photographs(_));
-    let count = if let LightInput::Photographs(samples) = &input { samples.lights.len() } else { 0 };
-    let only_images = matches!(input, LightInput::Map(_)) && output.is_none();
-    refuse_flags("a .ptm as input", &[(only_images && arguments.hold_out != 0, "--hold-out", "photographs")])?;
-    let given = if let LightInput::Map(map) = &input { Some(map.clone()) } else { None };
+    let photographs = matches!(input, LightInput::Photographs(..));
+    let count = if let LightInput::Photographs(samples, _) = &input { samples.lights.len() } else { 0 };
+    let only_images = basis.is_some() && output.is_none();
+    refuse_flags("a .ptm or .rti as input", &[(only_images && arguments.hold_out != 0, "--hold-out", "photographs")])?;
+    let given = if let LightInput::Map(map) = &input { map.as_polynomials().cloned() } else { None };
+    input.notes().iter().for_each(|line| note(common, &arguments.input, line));
     let mut samples = input.into_samples();
     if samples.lights.len() < count {
         let lights = samples.lights.len();
@@ -290,7 +292,7 @@ pub(super) fn run(arguments: &Arguments, common: Common) -> Result<(), Error> {
         let seconds = Seconds { read, encode: start.elapsed().as_secs_f64() };
         return write_map(output, common, &map, (model, errors), images, seconds);
     }
-    let recipe = if given.is_some() { recipe_of_map(recipe) } else { recipe };
+    let recipe = basis.map_or(recipe, |basis| recipe_of_map(recipe, basis));
     let made = make(&samples, &recipe, arguments.hold_out, arguments.seed)
         .map_err(|error| of_input(&arguments.input, error))?;
     let seconds = Seconds { read, encode: start.elapsed().as_secs_f64() };

@@ -2,7 +2,7 @@
 
 use super::btf_stack::{StackFormat, write_pixels};
 use super::write::write_atomic;
-use brdfc_readers::rti_capture::LightPositions;
+use brdfc_readers::rti_capture::{LightPositions, is_above};
 use std::io::{Error, ErrorKind};
 use std::path::{Path, PathBuf};
 
@@ -27,7 +27,11 @@ pub fn write_rti_capture(
 ) -> std::io::Result<PathBuf> {
     let names: Vec<String> = (0..lights.len()).map(|light| format!("{light:04}.{}", format.extension())).collect();
     let text = LightPositions::to_text(&names, lights);
-    LightPositions::parse(&text).map_err(|error| Error::new(ErrorKind::InvalidInput, error))?;
+    let list = LightPositions::parse(&text).map_err(|error| Error::new(ErrorKind::InvalidInput, error))?;
+    if let Some(light) = list.directions.iter().position(|direction| !is_above(direction)) {
+        let text = format!("light {light}: {:?} is at or below the horizon; expected z greater than 0", lights[light]);
+        return Err(Error::new(ErrorKind::InvalidInput, text));
+    }
     for (light, name) in names.iter().enumerate() {
         write_pixels(&folder.join(name), &image(light), size, format)?;
     }

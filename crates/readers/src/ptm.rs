@@ -1,8 +1,13 @@
 //! Polynomial texture maps, `.ptm`: pixels as polynomials in the light's direction. Layout:
 //! `crates/readers/src/ptm.md`.
 
-use super::scan::{number, quoted};
+mod compressed;
+
+pub use compressed::DecodeJpeg;
+
 use crate::file_kind::{Begins, FileKind};
+use crate::scan::quoted;
+use crate::words::{MAX_SIZE, Words, pixel_count};
 use brdfc_formats::{FormatError, memory};
 
 /// Polynomial texture maps: the file begins with their version.
@@ -12,8 +17,6 @@ pub static KIND: FileKind = FileKind {
     begins: Begins::With(&[b"PTM_1."]),
 };
 
-/// Maximum width and height, pixels.
-pub const MAX_SIZE: u32 = 1 << 16;
 /// Number of coefficients of a polynomial: of u², v², uv, u, v and 1, in this order.
 pub const TERMS: usize = 6;
 /// Version at the beginning of files.
@@ -21,6 +24,8 @@ pub const VERSION: &str = "PTM_1.2";
 
 const RGB: &str = "PTM_FORMAT_RGB";
 const LRGB: &str = "PTM_FORMAT_LRGB";
+const JPEG_RGB: &str = "PTM_FORMAT_JPEG_RGB";
+const JPEG_LRGB: &str = "PTM_FORMAT_JPEG_LRGB";
 /// Largest magnitude of a bias that quantisation chooses.
 const MAX_BIAS: f64 = (1u32 << 30) as f64;
 
@@ -31,6 +36,7 @@ pub struct Ptm {
     scale: [f32; TERMS],
     bias: [i32; TERMS],
     model: PtmModel,
+    is_compressed: bool,
 }
 
 /// The bytes of all pixels, row by row from the top, left to right.
@@ -54,6 +60,22 @@ impl PtmModel {
             Self::Rgb(_) => RGB,
             Self::Lrgb { .. } => LRGB,
         }
+    }
+
+    /// Collects bytes by plane, a coefficient or a colour, and by pixel; rows run from the bottom.
+    fn of_planes(is_rgb: bool, size: [u32; 2], byte: impl Fn(usize, usize) -> u8) -> Result<Self, FormatError> {
+        let (width, count) = (size[0] as usize, pixel_count(size)? as usize);
+        let pixels = || from_top(width, count);
+        let terms = |first: usize, at: usize| std::array::from_fn(|term| byte(first + term, at));
+        if is_rgb {
+            let mut all = memory::reserved("pixels", count)?;
+            all.extend(pixels().map(|at| [0, TERMS, 2 * TERMS].map(|first| terms(first, at))));
+            return Ok(Self::Rgb(all));
+        }
+        let (mut luminance, mut colour) = (memory::reserved("pixels", count)?, memory::reserved("pixels", count)?);
+        luminance.extend(pixels().map(|at| terms(0, at)));
+        colour.extend(pixels().map(|at| [0, 1, 2].map(|channel| byte(TERMS + channel, at))));
+        Ok(Self::Lrgb { luminance, colour })
     }
 }
 
@@ -82,7 +104,7 @@ impl Ptm {
         if let Some(scale) = scale.into_iter().find(|scale| !is_scale(*scale)) {
             return Err(FormatError::whole("scale", scale.to_string(), SCALES));
         }
-        Ok(Self { size, scale, bias, model })
+        Ok(Self { size, scale, bias, model, is_compressed: false })
     }
 
     /// Quantises coefficients of u², v², uv, u, v and 1 for each channel of each pixel, in 8-bit levels. Pixels are row
@@ -135,6 +157,15 @@ impl Ptm {
         &self.model
     }
 
+    /// Name of the format of the file from which the map was read, or to which it would be written.
+    pub fn format(&self) -> &'static str {
+        match (self.is_compressed, self.model.name()) {
+            (false, name) => name,
+            (true, RGB) => JPEG_RGB,
+            (true, _) => JPEG_LRGB,
+        }
+    }
+
     /// Coefficients that the bytes represent.
     pub fn coefficients(&self, bytes: [u8; TERMS]) -> [f64; TERMS] {
         std::array::from_fn(|term| (f64::from(bytes[term]) - f64::from(self.bias[term])) * f64::from(self.scale[term]))
@@ -169,61 +200,60 @@ impl Ptm {
         }
     }
 
-    /// Parses a file.
+    /// Parses a file. `decode` decodes the planes of compressed maps.
     ///
     /// # Errors
-    /// Returns an error for another version or format, sizes, scales and biases out of range, a truncated header, and a
-    /// file that is shorter or longer than its header declares.
-    pub fn from_bytes(bytes: &[u8]) -> Result<Self, FormatError> {
-        let mut header = Header { bytes, at: 0, line: 1 };
+    /// Returns an error for another version or format, sizes, scales and biases out of range, a truncated header, a
+    /// file that is shorter or longer than its header declares, and planes that cannot be decoded.
+    pub fn from_bytes(bytes: &[u8], decode: DecodeJpeg<'_>) -> Result<Self, FormatError> {
+        let mut header = Words { bytes, at: 0, line: 1, whole: "a header of 16 words" };
         let version = header.word("version")?;
         if version != VERSION {
             return Err(header.wrong("version", quoted(version), VERSION));
         }
         let format = header.word("format")?;
-        if format != RGB && format != LRGB {
-            let found = if format.starts_with("PTM_FORMAT_") {
-                format!("the unsupported {}", quoted(format))
-            } else {
-                quoted(format)
-            };
-            return Err(header.wrong("format", found, format!("{RGB} or {LRGB}")));
+        if ![RGB, LRGB, JPEG_RGB, JPEG_LRGB].contains(&format) {
+            let known = format.starts_with("PTM_FORMAT_");
+            let found = if known { format!("the unsupported {}", quoted(format)) } else { quoted(format) };
+            return Err(header.wrong("format", found, format!("{RGB}, {LRGB}, {JPEG_RGB} or {JPEG_LRGB}")));
         }
-        let size = [header.side("width")?, header.side("height")?];
+        let size = [header.digits("width", 1..=MAX_SIZE)?, header.digits("height", 1..=MAX_SIZE)?];
         let (mut scale, mut bias) = ([0.0; TERMS], [0; TERMS]);
         for scale in &mut scale {
-            *scale = header.scale()?;
+            *scale = scale_of(&mut header)?;
         }
         for bias in &mut bias {
-            *bias = header.bias()?;
+            *bias = header.whole_number("bias")?;
         }
-        let pixels = header.end()?;
-        let count = pixel_count(size)?;
-        let per_pixel = if format == RGB { 3 * TERMS } else { TERMS + 3 };
-        // At most 2^32 pixels of 18 bytes.
-        if pixels.len() as u64 != count * per_pixel as u64 {
-            let found = format!("{} bytes after the header", pixels.len());
-            let allowed = format!("{} for {} x {} pixels", count * per_pixel as u64, size[0], size[1]);
-            return Err(FormatError::whole("file length", found, allowed));
-        }
-        let (count, width) = (count as usize, size[0] as usize);
-        let model = if format == RGB {
-            let block = count * TERMS;
-            let mut all = memory::reserved("pixels", count)?;
-            let channels = [0, 1, 2].map(|channel| pixels[channel * block..][..block].as_chunks::<TERMS>().0);
-            all.extend(from_top(width, count).map(|at| channels.map(|channel| channel[at])));
-            PtmModel::Rgb(all)
+        let (is_rgb, is_compressed) = ([RGB, JPEG_RGB].contains(&format), [JPEG_RGB, JPEG_LRGB].contains(&format));
+        let model = if is_compressed {
+            let planes = if is_rgb {
+                compressed::planes::<18>(header, size, decode)?
+            } else {
+                compressed::planes::<9>(header, size, decode)?
+            };
+            PtmModel::of_planes(is_rgb, size, |plane, pixel| planes[plane][pixel])?
         } else {
-            let (coefficients, colours) = pixels.split_at(count * TERMS);
-            let (mut luminance, mut colour) = (memory::reserved("pixels", count)?, memory::reserved("pixels", count)?);
-            luminance.extend(from_top(width, count).map(|at| coefficients.as_chunks::<TERMS>().0[at]));
-            colour.extend(from_top(width, count).map(|at| colours.as_chunks::<3>().0[at]));
-            PtmModel::Lrgb { luminance, colour }
+            let pixels = header.end("the biases")?;
+            let count = pixel_count(size)?;
+            let per_pixel = if is_rgb { 3 * TERMS } else { TERMS + 3 };
+            // At most 2^32 pixels of 18 bytes.
+            if pixels.len() as u64 != count * per_pixel as u64 {
+                let found = format!("{} bytes after the header", pixels.len());
+                let allowed = format!("{} for {} x {} pixels", count * per_pixel as u64, size[0], size[1]);
+                return Err(FormatError::whole("file length", found, allowed));
+            }
+            // A block for each channel, or one for luminance and one for colour.
+            let stride = |block: usize| if is_rgb || block == 0 { TERMS } else { 3 };
+            PtmModel::of_planes(is_rgb, size, |plane, pixel| {
+                let block = plane / TERMS;
+                pixels[block * TERMS * count as usize + pixel * stride(block) + plane % TERMS]
+            })?
         };
-        Self::new(size, scale, bias, model)
+        Ok(Self { is_compressed, ..Self::new(size, scale, bias, model)? })
     }
 
-    /// Bytes of a file.
+    /// Bytes of an uncompressed file.
     pub fn to_bytes(&self) -> Vec<u8> {
         let [width, height] = self.size;
         let words = |numbers: Vec<String>| numbers.join(" ");
@@ -252,81 +282,16 @@ fn from_top(width: usize, count: usize) -> impl Iterator<Item = usize> {
     (0..count / width).rev().flat_map(move |row| row * width..(row + 1) * width)
 }
 
-fn pixel_count(size: [u32; 2]) -> Result<u64, FormatError> {
-    for (side, field) in size.into_iter().zip(["width", "height"]) {
-        FormatError::check_range(field, side, 1..=MAX_SIZE)?;
-    }
-    Ok(u64::from(size[0]) * u64::from(size[1]))
+fn scale_of(header: &mut Words<'_>) -> Result<f32, FormatError> {
+    let word = header.word("scale")?;
+    let scale = word.parse::<f32>().ok().filter(|scale| is_scale(*scale));
+    scale.ok_or_else(|| header.wrong("scale", quoted(word), SCALES))
 }
 
 const SCALES: &str = "a finite number that is not 0";
 
 fn is_scale(scale: f32) -> bool {
     scale.is_finite() && scale != 0.0
-}
-
-/// Words of the text before the pixels.
-struct Header<'a> {
-    bytes: &'a [u8],
-    at: usize,
-    line: u64,
-}
-
-impl<'a> Header<'a> {
-    /// Longest word, bytes. No header has longer ones.
-    const LONGEST: usize = 256;
-
-    fn word(&mut self, field: &'static str) -> Result<&'a str, FormatError> {
-        while let Some(byte) = self.bytes.get(self.at).filter(|byte| byte.is_ascii_whitespace()) {
-            self.line += u64::from(*byte == b'\n');
-            self.at += 1;
-        }
-        let rest = &self.bytes[self.at..];
-        let word = rest.split(u8::is_ascii_whitespace).next().unwrap_or_default();
-        if word.is_empty() {
-            return Err(self.wrong(field, "end of data", "a header of 16 words").problem());
-        }
-        self.at += word.len();
-        let text = std::str::from_utf8(&word[..word.len().min(Self::LONGEST)]).ok();
-        let text = text.filter(|text| text.len() == word.len() && text.bytes().all(|byte| byte.is_ascii_graphic()));
-        text.ok_or_else(|| self.wrong(field, "no text", "a word of ASCII characters").problem())
-    }
-
-    fn side(&mut self, field: &'static str) -> Result<u32, FormatError> {
-        let word = self.word(field)?;
-        let side = word.parse::<u32>().ok().filter(|side| (1..=MAX_SIZE).contains(side));
-        side.ok_or_else(|| self.wrong(field, quoted(word), format!("1 to {MAX_SIZE}")))
-    }
-
-    fn scale(&mut self) -> Result<f32, FormatError> {
-        let word = self.word("scale")?;
-        let scale = word.parse::<f32>().ok().filter(|scale| is_scale(*scale));
-        scale.ok_or_else(|| self.wrong("scale", quoted(word), SCALES))
-    }
-
-    /// Parses a bias. Some programs write whole numbers with decimals.
-    fn bias(&mut self) -> Result<i32, FormatError> {
-        let word = self.word("bias")?;
-        let value = number(word, self.line, "bias")?;
-        let whole = value.fract() == 0.0 && (f64::from(i32::MIN)..=f64::from(i32::MAX)).contains(&value);
-        if whole { Ok(value as i32) } else { Err(self.wrong("bias", quoted(word), "a whole number of 32 bits")) }
-    }
-
-    /// Pixels after the line end that follows the last word.
-    fn end(mut self) -> Result<&'a [u8], FormatError> {
-        while self.bytes.get(self.at).is_some_and(|byte| matches!(byte, b' ' | b'\t' | b'\r')) {
-            self.at += 1;
-        }
-        match self.bytes[self.at..].split_first() {
-            Some((b'\n', pixels)) => Ok(pixels),
-            Some((byte, _)) => Err(self.wrong("header", format!("byte {byte:#04x}"), "a line end after the biases")),
-            None => Err(self.wrong("header", "end of data", "a line end after the biases").problem()),
-        }
-    }
-
-    fn wrong(&self, field: &'static str, found: impl Into<String>, allowed: impl Into<String>) -> FormatError {
-        FormatError::at_line(self.line, field, found, allowed)
-    }
 }
 
 /// Scale and bias of each term.

@@ -2,17 +2,18 @@
 
 use crate::file_kind::{Begins, FileKind, begins_with};
 use crate::meso::{obj, ply};
-use crate::{alta, merl, ptm, rgl, rti_capture, scan, scan_csv, ubo_btf};
+use crate::{alta, merl, ptm, rgl, rti, rti_capture, scan, scan_csv, ubo_btf};
 
 /// Number of bytes from the start of a file that are enough to recognise it.
 pub const START_BYTES: usize = 4096;
 
 /// All recognised kinds of files. The first match counts.
-static KINDS: [&FileKind; 25] = [
+static KINDS: [&FileKind; 26] = [
     &merl::KIND,
     &rgl::KIND,
     &ubo_btf::KIND,
     &ptm::KIND,
+    &rti::KIND,
     &ply::KIND,
     &KTX2,
     &PNG,
@@ -63,10 +64,10 @@ static HDR: FileKind = FileKind {
     extensions: &["hdr"],
     begins: Begins::With(&[b"#?RADIANCE", b"#?RGBE", b"#?RADIANCE\nFORMAT=32-bit_rle_rgbe\n"]),
 };
-/// TIFF, which no reader supports.
+/// TIFF.
 static TIFF: FileKind = FileKind {
-    description: "a TIFF image",
-    extensions: &[],
+    description: "a TIFF image (.tif)",
+    extensions: &["tif", "tiff"],
     begins: Begins::With(&[b"II*\0", b"MM\0*", b"II*\0\x08\0\0\0"]),
 };
 /// A ZIP archive.
@@ -177,6 +178,7 @@ mod tests {
             (b"# pairs\nname,wi_x,wi_y,wi_z,wo_x,wo_y,wo_z\n", &scan_csv::KIND),
             (b"theta_i,phi_i,theta_o,phi_o,r,g,b\n", &scan_csv::KIND),
             (b"#DIM 3 1\n#PARAM_IN RUSIN_TH_TD_PD\n0 0 0 1\n", &alta::KIND),
+            (b"#HSH1.2\r\n3\r\n320 470 3\r\n9 2 1\r\n\xff", &rti::KIND),
             (b"PTM_1.2\nPTM_FORMAT_RGB\n\xff", &ptm::KIND),
             (b"\n2\r\nphoto 1.jpg 0 0.5 1\r\n", &rti_capture::KIND),
             (b"2\n1 0 0.5 1\n", &scan::KIND),

@@ -17,12 +17,15 @@ pub const MAX_LIGHTS: usize = 4096;
 /// The images of a capture with the directions to their lights, in the order of the file.
 #[derive(Debug, Clone, PartialEq)]
 pub struct LightPositions {
-    /// Name of each image as in the file.
+    /// Name of each image as in the file, without quotation marks around it.
     pub names: Vec<String>,
-    /// Unit vectors to the lights, z > 0: x to the right of the images, y up, z to the viewer.
+    /// Unit vectors to the lights: x to the right of the images, y up, z to the viewer. Those with z of at most 0 are
+    /// behind the plane of the images, but not all are.
     pub directions: Vec<[f32; 3]>,
     /// Line of each light, counted from 1.
     pub lines: Vec<u64>,
+    /// Number of lights that the file states, if it does.
+    pub stated: Option<usize>,
 }
 
 impl LightPositions {
@@ -34,37 +37,47 @@ impl LightPositions {
         Self::parse(text::checked(bytes)?)
     }
 
-    /// Parses the text of a file: the number of lights, then a line `NAME X Y Z` for each.
+    /// Parses the text of a file: the number of lights, which may be missing or wrong, then a line `NAME X Y Z` for
+    /// each.
     ///
     /// # Errors
-    /// Returns an error for no lights, more than [`MAX_LIGHTS`], another number than declared, a line that is not a
-    /// name and three finite numbers, vectors of length 0 or at or below the horizon, and an image that is named twice.
+    /// Returns an error for no lights, more than [`MAX_LIGHTS`], a line that is not a name and three finite numbers,
+    /// vectors of length 0, no light above the horizon, and an image that is named twice.
     pub fn parse(text: &str) -> Result<Self, FormatError> {
-        let mut lines = (1u64..).zip(text.lines()).filter(|(_, content)| !content.trim().is_empty());
-        let (first, stated) = lines.next().ok_or_else(|| {
+        let mut lines = (1u64..).zip(text.lines()).filter(|(_, content)| !content.trim().is_empty()).peekable();
+        let (first, content) = *lines.peek().ok_or_else(|| {
             let allowed = "the number of lights, then a line for each light";
             FormatError::whole("number of lights", "empty file", allowed).problem()
         })?;
-        let count = light_count(stated.trim(), first)?;
-        let (mut names, mut directions, mut numbers) = (Vec::new(), Vec::new(), Vec::new());
+        let stated = if light(content, first).is_ok() { None } else { Some(light_count(content.trim(), first)?) };
+        let mut list = Self { names: Vec::new(), directions: Vec::new(), lines: Vec::new(), stated };
         let mut seen = BTreeMap::new();
-        for (line, content) in lines.by_ref().take(count) {
+        for (line, content) in lines.skip(usize::from(stated.is_some())) {
+            if list.names.len() == MAX_LIGHTS {
+                let allowed = format!("at most {MAX_LIGHTS} lights");
+                return Err(FormatError::at_line(line, "light", "too many lights", allowed).problem());
+            }
             let (name, direction) = light(content, line)?;
             // Names may contain either separator.
             if let Some(before) = seen.insert(name.replace('\\', "/"), line) {
                 let found = format!("{} is already on line {before}", quoted(name));
                 return Err(FormatError::at_line(line, "image", found, "each image once").problem());
             }
-            names.push(name.to_owned());
-            directions.push(direction);
-            numbers.push(line);
+            list.names.push(name.to_owned());
+            list.directions.push(direction);
+            list.lines.push(line);
         }
-        let found = directions.len() + lines.count();
-        if found != count {
-            let allowed = format!("{found}, the number of lines that follow");
-            return Err(FormatError::at_line(first, "number of lights", count.to_string(), allowed));
+        let Some(line) = list.lines.first() else {
+            return Err(
+                FormatError::at_line(first, "lights", "no lines after the first", "a line for each light").problem()
+            );
+        };
+        if !list.directions.iter().any(is_above) {
+            let [x, y, z] = list.directions[0];
+            let found = format!("{x} {y} {z} is at or below the horizon, like all lights of the list");
+            return Err(FormatError::at_line(*line, "direction", found, "z greater than 0").problem());
         }
-        Ok(Self { names, directions, lines: numbers })
+        Ok(list)
     }
 
     /// Formats a list of these names and directions; its `lines` are not needed.
@@ -90,7 +103,7 @@ fn light_count(word: &str, line: u64) -> Result<usize, FormatError> {
     }
 }
 
-/// Name and unit vector of a line. The name is everything before the last three words.
+/// Name and unit vector of a line. The name is everything before the last three words, with or without quotation marks.
 fn light(content: &str, line: u64) -> Result<(&str, [f32; 3]), FormatError> {
     let mut rest = content.trim();
     let mut tokens = [""; 3];
@@ -109,23 +122,24 @@ fn light(content: &str, line: u64) -> Result<(&str, [f32; 3]), FormatError> {
     for ((component, word), field) in vector.iter_mut().zip(tokens).zip(["x", "y", "z"]) {
         *component = number(word, line, field)?;
     }
-    Ok((rest, unit(vector, line)?))
+    let name = rest.strip_prefix('"').and_then(|name| name.strip_suffix('"')).filter(|name| !name.is_empty());
+    Ok((name.unwrap_or(rest), unit(vector, line)?))
 }
 
 fn unit(vector: [f64; 3], line: u64) -> Result<[f32; 3], FormatError> {
-    let wrong = |found: &str, allowed| Err(FormatError::at_line(line, "direction", found, allowed).problem());
     let largest = vector.iter().fold(0.0f64, |largest, c| largest.max(c.abs()));
     if largest == 0.0 {
-        return wrong("vector of length 0", "any other length");
+        return Err(FormatError::at_line(line, "direction", "vector of length 0", "any other length").problem());
     }
     // Squares of unscaled vectors may overflow or underflow.
     let scaled = vector.map(|c| c / largest);
     let length = scaled.iter().map(|c| c * c).sum::<f64>().sqrt();
-    let direction = scaled.map(|c| (c / length) as f32);
-    if direction[2] > 0.0 {
-        return Ok(direction);
-    }
-    wrong(&format!("{} {} {} is at or below the horizon", vector[0], vector[1], vector[2]), "z greater than 0")
+    Ok(scaled.map(|c| (c / length) as f32))
+}
+
+/// Returns true if a light is in front of the plane of the images.
+pub fn is_above(direction: &[f32; 3]) -> bool {
+    direction[2] > 0.0
 }
 
 /// Returns true if text begins like a list of lights: a number alone, then a name and three numbers.
@@ -177,20 +191,20 @@ mod tests {
             ("-1\n", "line 1, number of lights: found \"-1\""),
             ("+1\na 0 0 1", "line 1, number of lights: found \"+1\""),
             ("1.0\na 0 0 1", "line 1, number of lights: found \"1.0\""),
-            ("a.jpg 0 0 1\n", "line 1, number of lights: found \"a.jpg 0 0 1\""),
-            ("2\na 0 0 1\n\n", "line 1, number of lights: found 2, expected 1, the number of lines that follow"),
-            (
-                "\n1\na 0 0 1\nb 0 0 1\nc",
-                "line 2, number of lights: found 1, expected 3, the number of lines that follow",
-            ),
+            ("a.jpg 0 0\n", "line 1, number of lights: found \"a.jpg 0 0\""),
+            ("2\n\n", "line 1, lights: no lines after the first; expected a line for each light"),
+            ("1\na 0 0 1\nb 0 0 1\nc", "line 4, light: found \"c\", expected the name of an image, then x y z"),
             ("1\n0 0 1\n", "line 2, light: found \"0 0 1\", expected the name of an image, then x y z"),
             ("1\na 0 zero 1\n", "line 2, y: found \"zero\", expected a finite number"),
             ("1\na 0 0 inf\n", "line 2, z: found \"inf\""),
             ("1\na NaN 0 1\n", "line 2, x: found \"NaN\""),
             ("1\n\na 0 -0 0\n", "line 3, direction: vector of length 0"),
-            ("1\na 0 1 0\n", "line 2, direction: 0 1 0 is at or below the horizon; expected z greater than 0"),
-            ("1\na 0 1 -0.1\n", "line 2, direction: 0 1 -0.1 is at or below"),
-            ("1\na 0 1 1e-50\n", "line 2, direction: 0 1 0.0000"),
+            (
+                "1\na 0 1 0\n",
+                "line 2, direction: 0 1 0 is at or below the horizon, like all lights of the list; expected z greater than 0",
+            ),
+            ("2\na 0 3 -4\nb 0 1 0", "line 2, direction: 0 0.6 -0.8 is at or below the horizon, like all lights"),
+            ("1\na 0 1 1e-50\n", "line 2, direction: 0 1 0 is at or below"),
             ("2\na 0 0 1\n a 0 1 1\n", "line 3, image: \"a\" is already on line 2; expected each image once"),
             ("2\na\\b.c 0 0 1\na/b.c 0 1 1\n", "line 3, image: \"a/b.c\" is already on line 2"),
         ] {
@@ -201,6 +215,24 @@ mod tests {
         assert!(message_of(b"1\n\0").starts_with("line 2, text: NUL byte"));
         let most = (0..MAX_LIGHTS).fold(format!("{MAX_LIGHTS}\n"), |text, k| text + &format!("{k} 0 {k} 1\n"));
         assert_eq!(LightPositions::parse(&most).unwrap().names.len(), MAX_LIGHTS);
+        let more = format!("{most}one more 0 0 1\n");
+        assert!(message(&more).starts_with("line 4098, light: too many lights; expected at most 4096 lights"));
+    }
+
+    /// Lists as people have them: another number than stated or none, lights behind the plane, quotation marks.
+    #[test]
+    fn lists_that_are_not_quite_right() {
+        let read = |text: &str| LightPositions::parse(text).unwrap();
+        let three = "a.png 0 0 1\nb.png 0.6 0 0.8\nc.png 0 1 -0.0002\n";
+        for stated in [Some(2), Some(3), Some(9), None] {
+            let text = stated.map_or(String::new(), |count| format!("{count}  \n")) + three;
+            let list = read(&text);
+            assert_eq!((list.stated, list.names.len()), (stated, 3), "{text}");
+            assert_eq!(list.directions.iter().map(is_above).collect::<Vec<_>>(), [true, true, false]);
+            assert_eq!(list.lines[0], if stated.is_some() { 2 } else { 1 });
+        }
+        let list = read("3\n\"a b.png\" 0 0 1\n\" 0 0 1\n\"\" 1 0 1\n");
+        assert_eq!(list.names, ["a b.png", "\"", "\"\""]);
     }
 
     proptest! {
@@ -220,7 +252,7 @@ mod tests {
         #[test]
         fn nothing_panics(text in "[0-9a. \n-]{0,60}") {
             if let Ok(read) = LightPositions::parse(&text) {
-                prop_assert!(read.directions.iter().all(|d| d[2] > 0.0));
+                prop_assert!(read.directions.iter().any(is_above));
             }
         }
     }

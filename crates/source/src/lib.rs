@@ -20,11 +20,13 @@ pub mod ptm;
 pub mod radiance_image;
 pub mod read;
 pub mod rgl;
+pub mod rti;
 pub mod rti_capture;
 pub mod scan;
 pub mod simulate;
 pub mod tile_image;
 pub mod ubo_btf;
+pub mod viewer_file;
 
 pub use error::InputError;
 pub use input::{Input, StandardInput};

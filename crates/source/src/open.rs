@@ -11,7 +11,7 @@ use super::rgl::{self, RglFacts};
 use super::rti_capture::{self, is_rti_capture};
 use super::scan::{self, ScanFacts};
 use super::ubo_btf::is_ubo_btf;
-use super::{format, pack, ptm};
+use super::{format, pack, ptm, rti};
 use brdfc_core::address;
 use brdfc_core::words::one_of;
 use brdfc_encode::PackFacts;
@@ -159,6 +159,7 @@ pub fn open_file_observed(
     match extension.as_str() {
         rti_capture::EXTENSION => return Err(input_file.wrong(without_brdf("an RTI capture"))),
         ptm::EXTENSION => return Err(input_file.wrong(without_brdf("a polynomial texture map"))),
+        rti::EXTENSION => return Err(input_file.wrong(without_brdf("an RTI file"))),
         _ => {}
     }
     // The extension is checked before more than the start is read.

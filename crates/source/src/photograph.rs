@@ -1,4 +1,4 @@
-//! Photographs: PNG, JPEG and EXR images of a BTF stack or RTI capture as linear RGB.
+//! Photographs: PNG, JPEG, TIFF and EXR images of a BTF stack or RTI capture as linear RGB.
 
 use crate::InputError;
 use crate::exr_header::exr_headers;
@@ -11,9 +11,9 @@ use std::path::{Path, PathBuf};
 use std::sync::LazyLock;
 
 /// Maximum width and height of an image, pixels.
-pub const MAX_SIZE: u32 = 4096;
+pub const MAX_SIZE: u32 = 8192;
 /// Maximum memory of decoding an image, bytes: four f32 per pixel of the largest, twice.
-const MAX_DECODER_BYTES: u64 = 1 << 30;
+const MAX_DECODER_BYTES: u64 = 2 << 30;
 
 /// Linear value of each 8-bit sRGB level.
 static LINEAR_8: LazyLock<[f32; 256]> =
@@ -30,7 +30,8 @@ pub type Image = FileImage<3>;
 impl Image {
     /// Reads an image of `size`, width and height in pixels.
     ///
-    /// PNG and JPEG hold sRGB values, and their colour profiles are ignored; EXR holds linear values. Alpha is ignored.
+    /// PNG, JPEG and TIFF hold sRGB values, and their colour profiles are ignored; EXR and TIFF with floats hold linear
+    /// values. Alpha is ignored.
     ///
     /// # Errors
     /// Returns an error for a file that cannot be read or decoded, or has another size, and for values that are not
@@ -74,7 +75,7 @@ fn linear(decoded: DynamicImage) -> Vec<[f32; 3]> {
         DynamicImage::ImageLumaA16(image) => texels(&image, sixteen),
         DynamicImage::ImageRgb16(image) => texels(&image, sixteen),
         DynamicImage::ImageRgba16(image) => texels(&image, sixteen),
-        // Only EXR has floats.
+        // Only EXR and TIFF have floats.
         _ => decoded.into_rgb32f().pixels().map(|pixel| pixel.0).collect(),
     }
 }
@@ -96,7 +97,7 @@ fn texels<P: image::Pixel>(
 /// Common width and height of all images, from their headers: 0 without images.
 ///
 /// # Errors
-/// Returns an error for files that cannot be read or are not PNG, JPEG or EXR, and for images of different sizes or
+/// Returns an error for files that cannot be read or are not PNG, JPEG, TIFF or EXR, and for images of different sizes or
 /// with more than [`MAX_SIZE`] pixels along a side. `first` names the first image in errors.
 pub(crate) fn common_size(paths: &[PathBuf], first: &str) -> Result<[u32; 2], InputError> {
     let mut size = None;
@@ -116,9 +117,9 @@ fn reader(path: &Path) -> Result<ImageReader<std::io::BufReader<std::fs::File>>,
     let reader = ImageReader::open(path).and_then(ImageReader::with_guessed_format);
     let reader = reader.map_err(|error| InputError::io(path, error))?;
     match reader.format() {
-        Some(ImageFormat::Png | ImageFormat::Jpeg | ImageFormat::OpenExr) => Ok(reader),
+        Some(ImageFormat::Png | ImageFormat::Jpeg | ImageFormat::Tiff | ImageFormat::OpenExr) => Ok(reader),
         _ => {
-            let error = FormatError::whole("image", "unknown format", "PNG, JPEG or EXR").problem();
+            let error = FormatError::whole("image", "unknown format", "PNG, JPEG, TIFF or EXR").problem();
             Err(InputError::format(path, error))
         }
     }
@@ -127,7 +128,7 @@ fn reader(path: &Path) -> Result<ImageReader<std::io::BufReader<std::fs::File>>,
 /// Checks block sizes, because the decoder does not limit the memory of a block.
 fn check_exr(path: &Path) -> Result<(), InputError> {
     let file = std::fs::File::open(path).map_err(|error| InputError::io(path, error))?;
-    let headers = exr_headers(std::io::BufReader::new(file), "a complete PNG, JPEG or EXR image");
+    let headers = exr_headers(std::io::BufReader::new(file), "a complete PNG, JPEG, TIFF or EXR image");
     headers.map(drop).map_err(|error| InputError::format(path, error))
 }
 
@@ -154,7 +155,7 @@ fn image_error(path: &Path, error: ImageError) -> InputError {
             InputError::format(path, error.problem())
         }
         error => {
-            let error = FormatError::whole("image", error.to_string(), "a complete PNG, JPEG or EXR image");
+            let error = FormatError::whole("image", error.to_string(), "a complete PNG, JPEG, TIFF or EXR image");
             InputError::format(path, error.problem())
         }
     }

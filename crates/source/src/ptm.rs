@@ -2,7 +2,11 @@
 
 use crate::input::InputFile;
 use crate::{Input, InputError};
+use brdfc_formats::memory::filled;
 use brdfc_readers::ptm::{Ptm, TERMS};
+use image::codecs::jpeg::JpegDecoder;
+use image::{ColorType, ImageDecoder};
+use std::io::Cursor;
 
 /// Extension of the files.
 pub const EXTENSION: &str = "ptm";
@@ -12,13 +16,28 @@ pub const EXTENSION: &str = "ptm";
 /// # Errors
 /// Returns an error for files that cannot be read or that [`Ptm::from_bytes`] rejects.
 pub fn open_ptm(input: &Input) -> Result<Ptm, InputError> {
-    InputFile::of(input, &mut ())?.parse(Ptm::from_bytes)
+    InputFile::of(input, &mut ())?.parse(|bytes| Ptm::from_bytes(bytes, &decoded))
+}
+
+/// Decodes a plane of a compressed map, which must have this width and height.
+fn decoded(jpeg: &[u8], size: [u32; 2]) -> Result<Vec<u8>, String> {
+    let decoder = JpegDecoder::new(Cursor::new(jpeg)).map_err(|error| error.to_string())?;
+    let (width, height) = decoder.dimensions();
+    if [width, height] != size {
+        return Err(format!("{width} x {height} pixels"));
+    }
+    if decoder.color_type() != ColorType::L8 {
+        return Err("colours".to_owned());
+    }
+    let mut samples = filled("pixels", width as usize * height as usize, 0).map_err(|error| error.to_string())?;
+    decoder.read_image(&mut samples).map_err(|error| error.to_string())?;
+    Ok(samples)
 }
 
 /// Facts about a polynomial texture map.
 #[derive(Debug, Clone, PartialEq, serde::Serialize, schemars::JsonSchema)]
 pub struct PtmFacts {
-    /// Format in the file: `PTM_FORMAT_RGB` or `PTM_FORMAT_LRGB`.
+    /// Format in the file: `PTM_FORMAT_RGB` or `PTM_FORMAT_LRGB`, or compressed, such as `PTM_FORMAT_JPEG_LRGB`.
     pub format: String,
     /// Width and height, pixels.
     pub size: [u32; 2],
@@ -31,7 +50,7 @@ pub struct PtmFacts {
 impl PtmFacts {
     /// Facts about a map.
     pub fn new(ptm: &Ptm) -> Self {
-        Self { format: ptm.model().name().to_owned(), size: ptm.size(), scale: ptm.scale(), bias: ptm.bias() }
+        Self { format: ptm.format().to_owned(), size: ptm.size(), scale: ptm.scale(), bias: ptm.bias() }
     }
 
     /// Lines for people: names and values.

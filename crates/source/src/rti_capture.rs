@@ -4,8 +4,9 @@ use crate::InputError;
 use crate::misnamed::wrong_contents;
 use crate::photograph::{Image, common_size};
 use crate::read::{MAX_TEXT_BYTES, extension_of, read_file};
+use brdfc_core::words::{counted, join_truncated};
 use brdfc_formats::FormatError;
-use brdfc_readers::rti_capture::LightPositions;
+use brdfc_readers::rti_capture::{LightPositions, is_above};
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};
 
@@ -13,6 +14,8 @@ use std::path::{Path, PathBuf};
 pub const EXTENSION: &str = "lp";
 /// Maximum number of files of a folder that are read.
 const MAX_ENTRIES: usize = 1 << 20;
+/// Number of lights that a note names.
+const MAX_NAMED: usize = 3;
 
 /// An RTI capture: photographs of one view and of one size, each under one distant light.
 #[derive(Debug, Clone)]
@@ -20,22 +23,32 @@ pub struct RtiCapture {
     directions: Vec<[f32; 3]>,
     files: Vec<PathBuf>,
     size: [usize; 2],
+    notes: Vec<String>,
 }
 
 impl RtiCapture {
     /// Opens an `.lp` file, or a folder that has exactly one `.lp` file.
     ///
-    /// Reads the header of every image, and no pixels.
+    /// Reads the header of every image, and no pixels. Leaves out lights whose image is missing, and lights behind the
+    /// plane of the images; [`Self::notes`] name them.
     ///
     /// # Errors
     /// Returns an error for unreadable files, lists that [`LightPositions::from_bytes`] rejects, no list or several,
-    /// missing images, the same image twice, files that are not PNG, JPEG or EXR, and images of different sizes or with
+    /// no image of a light above the horizon, the same image twice, files that are not PNG, JPEG, TIFF or EXR, and images of different sizes or with
     /// more than [`MAX_SIZE`](crate::photograph::MAX_SIZE) pixels along a side.
     pub fn open(path: &Path) -> Result<Self, InputError> {
         let (list, lights) = read_list(path)?;
-        let files = files(&list, &lights)?;
-        let size = common_size(&files, &lights.names[0])?;
-        Ok(Self { directions: lights.directions, files, size: size.map(|n| n as usize) })
+        let (files, notes) = files(&list, &lights)?;
+        let first = files.first().map_or("", |(light, _)| &lights.names[*light]);
+        let directions = files.iter().map(|(light, _)| lights.directions[*light]).collect();
+        let files: Vec<PathBuf> = files.into_iter().map(|(_, file)| file).collect();
+        let size = common_size(&files, first)?;
+        Ok(Self { directions, files, size: size.map(|n| n as usize), notes })
+    }
+
+    /// Differences between the list and the capture: lights that are left out, and a number that does not fit.
+    pub fn notes(&self) -> &[String] {
+        &self.notes
     }
 
     /// Unit vectors to the lights, z > 0: x to the right of the images, y up, z to the viewer.
@@ -64,7 +77,8 @@ impl RtiCapture {
 
     /// Reads the image of a light, without caching it.
     ///
-    /// PNG and JPEG hold sRGB values, and their colour profiles are ignored; EXR holds linear values. Alpha is ignored.
+    /// PNG, JPEG and TIFF hold sRGB values, and their colour profiles are ignored; EXR and TIFF with floats hold linear
+    /// values. Alpha is ignored.
     ///
     /// # Errors
     /// Returns an error for an index out of range, a file that cannot be read or decoded or has changed its size, and
@@ -92,6 +106,7 @@ impl RtiCapture {
             polar_angles: [least, most].map(|angle| (angle * 1e3).round() / 1e3),
             size: self.size,
             extensions: extensions.into_iter().collect(),
+            notes: self.notes.clone(),
         }
     }
 }
@@ -107,19 +122,23 @@ pub struct RtiCaptureFacts {
     pub size: [usize; 2],
     /// Extensions of the images, in lower case, without duplicates.
     pub extensions: Vec<String>,
+    /// Differences between the list and the capture, such as lights without an image.
+    pub notes: Vec<String>,
 }
 
 impl RtiCaptureFacts {
     /// Lines for people: names and values.
     pub fn summary(&self) -> Vec<(&'static str, String)> {
-        let Self { lights, polar_angles: [least, most], size: [width, height], extensions } = self;
-        vec![
+        let Self { lights, polar_angles: [least, most], size: [width, height], extensions, notes } = self;
+        let mut lines = vec![
             ("kind", "RTI capture: photographs of one view under known lights".to_owned()),
             ("lights", lights.to_string()),
             ("angles to the view", format!("{least} to {most} degrees")),
             ("images", format!(".{}", extensions.join(", ."))),
             ("pixels", format!("{width} x {height}")),
-        ]
+        ];
+        lines.extend(notes.iter().map(|note| ("note", note.clone())));
+        lines
     }
 }
 
@@ -179,28 +198,46 @@ fn the_list(folder: &Path) -> Result<PathBuf, InputError> {
     Err(InputError::format(folder, error))
 }
 
-/// The image of each light.
-fn files(list: &Path, lights: &LightPositions) -> Result<Vec<PathBuf>, InputError> {
+/// Lights with an image, and notes about others.
+type Found = (Vec<(usize, PathBuf)>, Vec<String>);
+
+/// Finds the image of each light above the horizon, and describes the other lights.
+fn files(list: &Path, lights: &LightPositions) -> Result<Found, InputError> {
     let folder = list.parent().unwrap_or(Path::new(""));
-    let mut files = Vec::new();
+    let (mut files, mut missing, mut behind) = (Vec::new(), Vec::new(), Vec::new());
     let mut seen = BTreeMap::new();
-    for (name, line) in lights.names.iter().zip(&lights.lines) {
-        let wrong = |found: String, allowed: &str| {
-            InputError::format(list, FormatError::at_line(*line, "image", found, allowed).problem())
-        };
+    for (light, (name, line)) in lights.names.iter().zip(&lights.lines).enumerate() {
+        let named = || format!("{name} (line {line})");
         let Some(file) = find(folder, name) else {
-            return Err(wrong(
-                format!("{name:?} does not exist"),
-                "a path relative to this file, or a file next to it",
-            ));
+            missing.push(named());
+            continue;
         };
         let whole = file.canonicalize().map_err(|error| InputError::io(&file, error))?;
         if let Some(before) = seen.insert(whole, line) {
-            return Err(wrong(format!("{name:?} is already on line {before}"), "each image once"));
+            let found = format!("{name:?} is already on line {before}");
+            let error = FormatError::at_line(*line, "image", found, "each image once").problem();
+            return Err(InputError::format(list, error));
         }
-        files.push(file);
+        if is_above(&lights.directions[light]) {
+            files.push((light, file));
+        } else {
+            behind.push(named());
+        }
     }
-    Ok(files)
+    if files.is_empty() {
+        let found = format!("{:?} does not exist, like all images of lights above the horizon", lights.names[0]);
+        let allowed = "a path relative to this file, or a file next to it";
+        return Err(InputError::format(list, FormatError::at_line(lights.lines[0], "image", found, allowed).problem()));
+    }
+    let stated = lights.stated.filter(|stated| *stated != lights.names.len());
+    let stated =
+        stated.map(|stated| format!("the list states {} and has {}", counted(stated, "light"), lights.names.len()));
+    let left_out = |names: &[String], why: &str| {
+        let named = join_truncated(names, MAX_NAMED);
+        (!names.is_empty()).then(|| format!("left out {}, {why}: {named}", counted(names.len(), "light")))
+    };
+    let others = [left_out(&missing, "without an image"), left_out(&behind, "at or below the horizon")];
+    Ok((files, stated.into_iter().chain(others.into_iter().flatten()).collect()))
 }
 
 /// Finds a file by name: relative to `folder`, or else by its last component alone.

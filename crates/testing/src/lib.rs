@@ -9,6 +9,7 @@ pub mod codecs;
 pub mod engines;
 pub mod golden;
 pub mod gradient;
+pub mod light_maps;
 pub mod packs;
 pub mod pages;
 pub mod program;

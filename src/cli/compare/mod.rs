@@ -4,7 +4,7 @@ mod flat;
 
 use self::flat::FlatReport;
 use super::inputs::refuse_stdin_twice;
-use super::output::{json_or, print, refuse_flags, remark};
+use super::output::{json_or, note, print, refuse_flags, remark};
 use super::{Common, Error};
 use crate::table;
 use brdfc::compare::{
@@ -20,8 +20,8 @@ use std::path::Path;
 ///
 /// Both may be any source or pack. The exit code is 1 if --max-error or --max-delta-e is exceeded.
 ///
-/// If A is an RTI capture (a folder with an .lp, or the list itself), B is the pack or .ptm that 'brdfc pwt' made from
-/// it, or another capture with the same lights. The program compares them photograph by photograph, in 8-bit sRGB
+/// If A is an RTI capture (a folder with an .lp, or the list itself), B is a pack, .ptm or .rti made from it, or another
+/// capture with the same lights. The program compares them photograph by photograph, in 8-bit sRGB
 /// levels and as ΔE.
 ///
 /// If A is a flat BTF (the file that 'brdfc flatten' wrote, or its folder), B is another flat BTF of the same surface,
@@ -170,7 +170,8 @@ fn print_compared(common: Common, compared: Compared, text: String) -> Result<()
 fn photographs(arguments: &Arguments, reference: &Path, common: Common) -> Result<(), Error> {
     arguments.refuse_flags_of_reflectances("an RTI capture")?;
     let comparison = brdfc::compare::photographs(reference, &arguments.b)?;
-    let PhotographComparison { errors, photographs } = &comparison;
+    let PhotographComparison { errors, photographs, notes } = &comparison;
+    notes.iter().for_each(|line| note(common, &arguments.a, line));
     let (found, nothing) = (errors.delta_e, errors.nothing_shown());
     let worst = photographs.iter().max_by(|a, b| a.delta_e.total_cmp(&b.delta_e));
     let [x, y, z] = worst.map_or([0.0; 3], |worst| worst.light);

@@ -9,9 +9,9 @@ use super::{Common, Error, bandwidth, encode_lobes, environment, flatten};
 use crate::table::bytes;
 use brdfc::environment::EnvironmentFacts;
 use brdfc::inspect::{
-    AnyPack as Pack, DeviceNeeds, ImportanceFacts, Opened, PtmFacts, PwtFacts, RtiCapture, RtiCaptureFacts, STRUCTURES,
-    SYNTH_PREFIX, SurfaceFacts, Symmetry, describe_surface, flat_btf_file, is_rti_capture, open, open_asset, open_pack,
-    open_ptm, opened, ptm, rti_capture, split_query, surface,
+    AnyPack as Pack, DeviceNeeds, ImportanceFacts, Opened, PtmFacts, PwtFacts, RtiCapture, RtiCaptureFacts, RtiFacts,
+    STRUCTURES, SYNTH_PREFIX, SurfaceFacts, Symmetry, describe_surface, flat_btf_file, is_rti_capture, open,
+    open_asset, open_pack, open_ptm, open_rti, opened, ptm, rti, rti_capture, split_query, surface,
 };
 use brdfc::lobes::LobesFacts;
 use brdfc::{BrdfPack, Facts, FormatError, Input, InputError};
@@ -35,7 +35,7 @@ Examples:
   brdfc info red.ktx2 --files --json")]
 pub struct Arguments {
     /// A path, synth:MODEL?param=value&... or synth:STRUCTURE?...; a flat BTF or its folder; a mesh, a height map, a folder of
-    /// images or a .btf file for 'brdfc flatten'; an RTI capture, as its .lp or its folder; a .ptm; or - for stdin.
+    /// images or a .btf file for 'brdfc flatten'; an RTI capture, as its .lp or its folder; a .ptm or .rti; or - for stdin.
     input: Input,
     /// For a pack: list texels, sizes and metadata keys of the KTX2 file and its images. With --json, also print the metadata in
     /// Base64 and the required features of a device. Loaders of ordinary KTX2 files drop this metadata.
@@ -86,6 +86,8 @@ enum Other {
     RtiCapture(RtiCaptureFacts),
     /// A polynomial texture map.
     Ptm(PtmFacts),
+    /// An RTI file of hemispherical harmonics.
+    Rti(RtiFacts),
     /// A polynomial wavelet tree.
     PwtPack(PwtFacts),
 }
@@ -162,6 +164,7 @@ fn relightable(input: &Input) -> Result<Option<Other>, InputError> {
     }
     match input.extension()?.as_str() {
         ptm::EXTENSION => Ok(Some(Other::Ptm(PtmFacts::new(&open_ptm(input)?)))),
+        rti::EXTENSION => Ok(Some(Other::Rti(RtiFacts::new(&open_rti(input)?)))),
         rti_capture::EXTENSION if input.is_stdin() => {
             let path = "the path of the list, because the images are in its folder";
             let error = FormatError::whole("input", "the lights of an RTI capture", path);
@@ -216,6 +219,7 @@ fn contents_lines(contents: &Contents) -> Vec<(&'static str, String)> {
         Contents::Other(Other::Lobes(facts)) => encode_lobes::lines(facts),
         Contents::Other(Other::RtiCapture(facts)) => facts.summary(),
         Contents::Other(Other::Ptm(facts)) => facts.summary(),
+        Contents::Other(Other::Rti(facts)) => facts.summary(),
         Contents::Other(Other::PwtPack(facts)) => pwt_lines(facts),
     }
 }

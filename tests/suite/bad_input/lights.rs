@@ -2,12 +2,20 @@
 
 use super::refused;
 use crate::common::cli::Folder;
+use brdfc_testing::viewer_files::rti;
 
 const HEADER: &str = "PTM_1.2\nPTM_FORMAT_RGB\n1 1\n2 2 2 2 2 0.5 160 160 160 127 127 0\n";
 
 fn png(width: u32) -> Vec<u8> {
     let mut png = std::io::Cursor::new(Vec::new());
     image::GrayImage::new(width, 4).write_to(&mut png, image::ImageFormat::Png).unwrap();
+    png.into_inner()
+}
+
+/// An image of one grey.
+fn grey_png(level: u8) -> Vec<u8> {
+    let mut png = std::io::Cursor::new(Vec::new());
+    image::GrayImage::from_pixel(4, 4, image::Luma([level])).write_to(&mut png, image::ImageFormat::Png).unwrap();
     png.into_inner()
 }
 
@@ -26,10 +34,12 @@ fn stacks_that_are_broken() {
     stack([4, 4], list).run(&["info", "s"]).succeeded();
     for (widths, list, expected) in [
         ([4, 5], list, "b.png: image size: found 5 x 4, expected 4 x 4, the size of a.png"),
-        ([4, 4], "2\na.png 0 0 1\nc.png 0 1 1", "l.lp: line 3, image: \"c.png\" does not exist; expected "),
-        ([4, 4], "3\na.png 0 0 1\nb.png 0 1 1", "l.lp: line 1, number of lights: found 3, expected 2, "),
+        ([4, 4], "2\nc.png 0 0 1\nd.png 0 1 1", "l.lp: line 2, image: \"c.png\" does not exist, like all images"),
+        ([4, 4], "2\na.png 0 0 -1\nd.png 0 1 1", "l.lp: line 2, image: \"a.png\" does not exist, like all images"),
+        ([4, 4], "3\n", "l.lp: line 1, lights: no lines after the first; expected "),
+        ([4, 4], "2\na.png 0 0 1\na.png 0 1 1", "l.lp: line 3, image: \"a.png\" is already on line 2; expected "),
         ([4, 4], "1\na.png 0 0 0", "l.lp: line 2, direction: vector of length 0; expected "),
-        ([4, 4], "1\na.png 0 1 0", "l.lp: line 2, direction: 0 1 0 is at or below the horizon; expected "),
+        ([4, 4], "1\na.png 0 1 0", "l.lp: line 2, direction: 0 1 0 is at or below the horizon, like all "),
         ([4, 4], "1\na.png 0 nan 1", "l.lp: line 2, y: found \"nan\", expected a finite number"),
         ([4, 4], "", "l.lp: number of lights: empty file; expected "),
         ([4, 4], "1\0", "l.lp: line 1, text: NUL byte"),
@@ -48,6 +58,117 @@ fn stacks_that_are_broken() {
     );
 }
 
+/// Captures that differ from their list: the capture is read, and notes say what was left out.
+#[test]
+fn stacks_that_differ_from_their_list() {
+    // As in a published capture: the list states 47, has 48 rows, and there are 47 photographs.
+    let folder = Folder::new();
+    let mut list = "47\n".to_owned();
+    for light in 0..48 {
+        let angle = 0.13 * light as f32;
+        list += &format!("photo {light}.png {} {} {}\n", angle.sin(), angle.cos(), 0.5 + 0.02 * light as f32);
+        if light != 31 {
+            folder.write(&format!("s/photo {light}.png"), grey_png(40 + light));
+        }
+    }
+    folder.write("s/l.lp", &list);
+    let notes = ["the list states 47 lights and has 48", "left out 1 light, without an image: photo 31.png (line 33)"];
+    let ran = folder.run(&["pwt", "s", "-o", "p.ktx2", "--json"]).succeeded();
+    assert_eq!(ran.json()["lights"], 47);
+    assert!(notes.iter().all(|note| ran.stderr.contains(&format!("note: s: {note}\n"))), "{}", ran.stderr);
+    let ran = folder.run(&["compare", "s", "p.ktx2"]).succeeded();
+    assert!(notes.iter().all(|note| ran.stderr.contains(&format!("note: s: {note}\n"))), "{}", ran.stderr);
+    let report = folder.run(&["info", "s", "--json"]).succeeded().json();
+    assert_eq!((&report["lights"], &report["notes"]), (&47.into(), &serde_json::json!(notes)));
+    assert!(folder.run(&["info", "s"]).succeeded().stdout.contains(notes[0]));
+    assert!(!folder.run(&["pwt", "s", "-o", "p.ktx2", "--quiet"]).succeeded().stderr.contains("note"));
+    // Negative control: a list that fits has no note.
+    folder.write("s/photo 31.png", grey_png(71));
+    folder.write("s/l.lp", list.replacen("47", "48", 1));
+    let ran = folder.run(&["pwt", "s", "-o", "p.ktx2"]).succeeded();
+    assert!(!ran.stderr.contains("note"), "{}", ran.stderr);
+    // Lights behind the plane, among them some of HP's own example, and photographs with nothing to fit.
+    folder.write("s/photo 0.png", grey_png(0));
+    folder.write("s/photo 1.png", grey_png(255));
+    let behind = list.replacen("47", "48", 1) + "photo 48.png 0.8 0.6 -0.000204\n";
+    folder.write("s/l.lp", behind.replacen("48", "49", 1));
+    folder.write("s/photo 48.png", grey_png(9));
+    let ran = folder.run(&["pwt", "s", "-o", "p.ktx2"]).succeeded();
+    for note in [
+        "left out 1 light, at or below the horizon: photo 48.png (line 50)",
+        "1 of 48 photographs: black everywhere",
+        "1 of 48 photographs: white everywhere",
+    ] {
+        assert!(ran.stderr.contains(&format!("note: s: {note}\n")), "{}", ran.stderr);
+    }
+    let dark = stack([4, 4], "2\na.png 0 0 1\nb.png 0 1 1\n");
+    let ran = dark.run(&["pwt", "s", "-o", "p.ktx2"]).succeeded();
+    assert!(ran.stderr.contains("note: s: 2 photographs: black everywhere\n"), "{}", ran.stderr);
+    let ran = dark.run(&["pwt", "s", "-o", "p.ktx2", "--quality", "20"]);
+    assert!(ran.code == 1 && ran.stderr.contains("neither black nor white"), "{}", ran.stderr);
+}
+
+/// The most lights that a list may have, and one more.
+#[test]
+fn as_many_lights_as_a_list_may_have() {
+    let folder = Folder::new();
+    let rows = |count: usize| -> String {
+        let row = |light: usize| {
+            let (r, angle) = ((light as f32 / 4200.0).sqrt(), 2.4 * light as f32);
+            format!("{light}.png {} {} {}\n", r * angle.cos(), r * angle.sin(), (1.0 - r * r).sqrt())
+        };
+        (0..count).map(row).collect()
+    };
+    for light in 0..4096 {
+        folder.write(&format!("s/{light}.png"), grey_png((light % 200) as u8));
+    }
+    folder.write("s/l.lp", format!("4096\n{}", rows(4096)));
+    let ran = folder.run(&["pwt", "s", "-o", "p.ktx2", "--json"]).succeeded();
+    assert_eq!(ran.json()["lights"], 4096);
+    folder.write("s/l.lp", format!("4097\n{}", rows(4097)));
+    refused(
+        &folder,
+        &["pwt", "s", "-o", "p.ktx2"],
+        3,
+        &["l.lp: line 1, number of lights: found 4097, expected 1 to 4096"],
+    );
+    folder.write("s/l.lp", rows(4097));
+    refused(&folder, &["pwt", "s", "-o", "p.ktx2"], 3, &["l.lp: line 4097, light: too many lights; expected at most"]);
+}
+
+#[test]
+fn files_of_harmonics_that_are_broken() {
+    let folder = Folder::new();
+    let whole = rti([2, 1], &[1.0; 9], &[0.0; 9], &[100; 54]);
+    folder.write("a.rti", &whole);
+    folder.run(&["info", "a.rti"]).succeeded();
+    folder.run(&["pwt", "a.rti", "-o", "p.ktx2"]).succeeded();
+    let text = |old: &str, new: &str| {
+        let at = whole.windows(old.len()).position(|bytes| bytes == old.as_bytes()).unwrap();
+        [&whole[..at], new.as_bytes(), &whole[at + old.len()..]].concat()
+    };
+    for (bytes, expected) in [
+        (Vec::new(), "line 1, type: end of data; expected a header of 7 numbers"),
+        (png(4), "it looks like a PNG image (.png)"),
+        (whole[..whole.len() - 1].to_vec(), "file length: found 125 bytes after the header, expected 126: 9 scales"),
+        (whole[..40].to_vec(), "file length: found "),
+        (text("9 2 1", "10 2 1"), "line 4, terms: found \"10\", expected 4, 9 or 16"),
+        (text("9 2 1", "4 2 1"), "file length: found 126 bytes after the header, expected 56: 4 scales"),
+        (text("9 2 1", "9 1 1"), "line 4, basis type: found 1 (LRGB), expected 2 (RGB)"),
+        (text("\n3\r", "\n4\r"), "line 2, type: found 4 (adaptive basis functions), expected 3"),
+        (text("2 1 3", "0 1 3"), "line 3, width: found \"0\", expected 1 to 65536"),
+        (text("2 1 3", "9999 9999 3"), "expected 2699460099: 9 scales"),
+    ] {
+        folder.write("a.rti", bytes);
+        for command in [&["info", "a.rti"][..], &["pwt", "a.rti", "-o", "q.ktx2"]] {
+            refused(&folder, command, 3, &["brdfc: a.rti: ", expected]);
+        }
+    }
+    folder.write("a.ptm", &whole);
+    refused(&folder, &["info", "a.ptm"], 3, &["it looks like an RTI file of hemispherical harmonics (.rti)"]);
+    assert!(!folder.path().join("q.ktx2").exists());
+}
+
 #[test]
 fn maps_that_are_broken() {
     let folder = Folder::new();
@@ -64,11 +185,13 @@ fn maps_that_are_broken() {
         &whole[..whole.len() - 1],
         "file length: found 17 bytes after the header, expected 18 for 1 x 1 pixels",
     );
+    for format in ["PTM_FORMAT_JPEGLS_RGB", "PTM_FORMAT_LUM"] {
+        let expected =
+            format!("format: found the unsupported \"{format}\", expected PTM_FORMAT_RGB, PTM_FORMAT_LRGB, ");
+        check_message(HEADER.replace("PTM_FORMAT_RGB", format).as_bytes(), &expected);
+    }
     let jpeg = HEADER.replace("PTM_FORMAT_RGB", "PTM_FORMAT_JPEG_RGB");
-    check_message(
-        jpeg.as_bytes(),
-        "format: found the unsupported \"PTM_FORMAT_JPEG_RGB\", expected PTM_FORMAT_RGB or PTM_FORMAT_LRGB",
-    );
+    check_message(jpeg.as_bytes(), "line 5, compression parameter: end of data; expected a header of 143 words");
     folder.write("a.binary", &whole);
     refused(&folder, &["info", "a.binary"], 3, &["it looks like a polynomial texture map (.ptm)"]);
 }
@@ -77,9 +200,13 @@ fn maps_that_are_broken() {
 fn neither_is_a_brdf() {
     let folder = stack([4, 4], "2\na.png 0 0 1\nb.png 0 1 1\n");
     folder.write("s/icon.ptm", [HEADER.as_bytes(), &[127; 18]].concat());
-    for (input, what) in
-        [("s", "an RTI capture"), ("s/l.lp", "an RTI capture"), ("s/icon.ptm", "a polynomial texture map")]
-    {
+    folder.write("s/icon.rti", rti([1, 1], &[1.0; 4], &[0.0; 4], &[9; 12]));
+    for (input, what) in [
+        ("s", "an RTI capture"),
+        ("s/l.lp", "an RTI capture"),
+        ("s/icon.ptm", "a polynomial texture map"),
+        ("s/icon.rti", "an RTI file"),
+    ] {
         let found =
             format!("brdfc: {input}: input: {what} has no BRDF, only images of one view under many lights; expected");
         refused(&folder, &["encode", input, "-o", "p.ktx2"], 3, &[found.as_str(), ".binary (MERL)", "'brdfc info'"]);

@@ -217,7 +217,7 @@ fn images_of_a_stack_that_declare_too_much() {
         &folder,
         &["flatten", "s", "-o", "out"],
         3,
-        &["image size: too many pixels for the decoder; expected 1 to 4096"],
+        &["image size: too many pixels for the decoder; expected 1 to 8192"],
     );
     assert!(!message.contains("emory"), "{message}");
 }

@@ -1,11 +1,12 @@
 //! Polynomial texture maps (Malzbender, Gelb and Wolters 2001): the format of viewers for reflectance transformation
-//! imaging, and the baseline for trees.
+//! imaging, and the baseline for trees. Also renderings of such maps and of other files of these viewers.
 
 use crate::stack::LightSamples;
 use brdfc_formats::FormatError;
 use brdfc_formats::pwt::Domain;
 use brdfc_readers::colour::decode_srgb;
 use brdfc_readers::ptm::{Ptm, TERMS, terms};
+use brdfc_readers::viewer_file::ViewerFile;
 use nalgebra::DMatrix;
 use rayon::prelude::*;
 use std::ops::Range;
@@ -25,21 +26,25 @@ pub fn spread_lights(count: usize) -> Vec<[f32; 3]> {
 }
 
 /// Images that a map shows under some lights.
-pub fn images_of(map: &Ptm, lights: Vec<[f32; 3]>) -> LightSamples {
-    let size = map.size().map(|side| side as usize);
-    let images = lights.par_iter().map(|light| image_rows(map, *light, 0..size[1])).collect();
-    LightSamples { size, lights, images, repeats: false, defined: None }
+pub fn images_of(map: &dyn ViewerFile, lights: Vec<[f32; 3]>) -> LightSamples {
+    let rows = 0..map.size()[1] as usize;
+    samples(map, lights, |light| image_rows(map, light, rows.clone()))
 }
 
-/// Unclamped values of a map's polynomials under some lights, including above white and below black. The polynomials
-/// can be recovered from them.
-pub fn samples_of(map: &Ptm, lights: Vec<[f32; 3]>) -> LightSamples {
+/// Unclamped values of a map's functions under some lights, including above white and below black. The functions can
+/// be recovered from them.
+pub fn samples_of(map: &dyn ViewerFile, lights: Vec<[f32; 3]>) -> LightSamples {
+    let rows = 0..map.size()[1] as usize;
+    samples(map, lights, |light| linear_rows(map, light, rows.clone(), |level| level))
+}
+
+fn samples(
+    map: &dyn ViewerFile,
+    lights: Vec<[f32; 3]>,
+    image: impl Fn([f32; 3]) -> Vec<[f32; 3]> + Sync,
+) -> LightSamples {
     let size = map.size().map(|side| side as usize);
-    let linear = |code: f64| decode_srgb(code / 255.0) as f32;
-    let image = |[x, y, _]: &[f32; 3]| -> Vec<[f32; 3]> {
-        (0..size[0] * size[1]).map(|pixel| map.polynomials(pixel, [*x, *y]).map(linear)).collect()
-    };
-    let images = lights.par_iter().map(image).collect();
+    let images = lights.par_iter().map(|light| image(*light)).collect();
     LightSamples { size, lights, images, repeats: false, defined: None }
 }
 
@@ -47,10 +52,14 @@ pub fn samples_of(map: &Ptm, lights: Vec<[f32; 3]>) -> LightSamples {
 ///
 /// # Panics
 /// Panics if the map has no such rows.
-pub fn image_rows(map: &Ptm, [x, y, _]: [f32; 3], rows: Range<usize>) -> Vec<[f32; 3]> {
-    let width = map.size()[0] as usize;
-    let linear = |code: f32| decode_srgb(f64::from(code) / 255.0) as f32;
-    (rows.start * width..rows.end * width).map(|pixel| map.value(pixel, [x, y]).map(linear)).collect()
+pub fn image_rows(map: &dyn ViewerFile, light: [f32; 3], rows: Range<usize>) -> Vec<[f32; 3]> {
+    linear_rows(map, light, rows, |level| level.clamp(0.0, 255.0))
+}
+
+fn linear_rows(map: &dyn ViewerFile, light: [f32; 3], rows: Range<usize>, shown: impl Fn(f64) -> f64) -> Vec<[f32; 3]> {
+    let (width, levels) = (map.size()[0] as usize, map.under(light));
+    let linear = |level: f64| decode_srgb(shown(level) / 255.0) as f32;
+    (rows.start * width..rows.end * width).map(|pixel| levels(pixel).map(linear)).collect()
 }
 
 /// Layout of a map.

@@ -6,10 +6,11 @@ use brdfc_formats::pwt::PwtDecoder;
 use brdfc_formats::{FormatError, Pack};
 use brdfc_pwt::measure::{PhotographSums, StackErrors, photograph_sums};
 use brdfc_pwt::ptm::image_rows;
-use brdfc_readers::ptm::Ptm;
+use brdfc_readers::viewer_file::ViewerFile;
 use brdfc_source::pack::open_pack;
 use brdfc_source::rti_capture::{RtiCapture, is_rti_capture};
-use brdfc_source::{Input, InputError, ptm};
+use brdfc_source::viewer_file::open_viewer_file;
+use brdfc_source::{Input, InputError};
 use rayon::prelude::*;
 use std::ops::Range;
 use std::path::Path;
@@ -20,7 +21,7 @@ const BAND: usize = 64;
 const SAME_LIGHT: f32 = 1e-4;
 
 /// Inputs that can be compared with photographs.
-const ALLOWED: &str = "a pack of 'brdfc pwt', a .ptm or an RTI capture";
+const ALLOWED: &str = "a pack of 'brdfc pwt', a .ptm, a .rti or an RTI capture";
 
 /// Errors of an input against photographs.
 #[derive(Debug, Clone, serde::Serialize, schemars::JsonSchema)]
@@ -30,6 +31,9 @@ pub struct PhotographComparison {
     pub errors: StackErrors,
     /// Errors of each photograph.
     pub photographs: Vec<PhotographErrors>,
+    /// Differences between the list of lights of the reference and its photographs.
+    #[serde(skip)]
+    pub notes: Vec<String>,
 }
 
 /// Errors of one photograph.
@@ -46,7 +50,7 @@ pub struct PhotographErrors {
 /// An input that can be rendered under the lights of the reference.
 enum Compared {
     Pack(Box<PwtDecoder>),
-    Map(Ptm),
+    Map(Box<dyn ViewerFile>),
     Stack(RtiCapture),
 }
 
@@ -78,7 +82,8 @@ pub fn compare_photographs(reference: &Path, input: &Input) -> Result<Photograph
         let StackErrors { psnr, delta_e, .. } = StackErrors::of_photographs(std::slice::from_ref(sums));
         PhotographErrors { light: *light, psnr, delta_e }
     });
-    Ok(PhotographComparison { errors: StackErrors::of_photographs(&sums), photographs: each.collect() })
+    let (errors, photographs) = (StackErrors::of_photographs(&sums), each.collect());
+    Ok(PhotographComparison { errors, photographs, notes: stack.notes().to_vec() })
 }
 
 impl Compared {
@@ -88,10 +93,12 @@ impl Compared {
                 Pack::Pwt(pack) => Self::Pack(Box::new(PwtDecoder::new(pack))),
                 other => return Err(refused(input, "pack", other.kind().summary(), ALLOWED)),
             },
-            ptm::EXTENSION => Self::Map(ptm::open_ptm(input)?),
-            _ => match input.path().filter(|path| is_rti_capture(path)) {
-                Some(path) => Self::Stack(RtiCapture::open(path)?),
-                None => return Err(Error::input(format!("{input}: unknown kind of input; expected {ALLOWED}"))),
+            _ => match (open_viewer_file(input)?, input.path().filter(|path| is_rti_capture(path))) {
+                (Some(map), _) => Self::Map(map),
+                (None, Some(path)) => Self::Stack(RtiCapture::open(path)?),
+                (None, None) => {
+                    return Err(Error::input(format!("{input}: unknown kind of input; expected {ALLOWED}")));
+                }
             },
         };
         let found = match &shown {
@@ -118,7 +125,7 @@ impl Compared {
                 let weights = decoder.pack().header().weights(light);
                 decoder.unpacked_rows(0, rows.clone()).rows(rows, &weights)
             }
-            Self::Map(map) => image_rows(map, light, rows),
+            Self::Map(map) => image_rows(map.as_ref(), light, rows),
             Self::Stack(_) => Vec::new(),
         }
     }

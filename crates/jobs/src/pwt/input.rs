@@ -1,38 +1,43 @@
-//! Opens inputs of polynomial wavelet trees: photographs under known lights, one view of a BTF, a polynomial texture map, or an
+//! Opens inputs of polynomial wavelet trees: photographs under known lights, one view of a BTF, a file of an RTI viewer, or an
 //! existing tree.
 
 use crate::error::Error;
+use brdfc_core::words::counted_of;
 use brdfc_formats::direction::Vector;
 use brdfc_formats::flat_btf::unit_vectors;
-use brdfc_formats::pwt::{PwtDecoder, PwtPack};
+use brdfc_formats::pwt::{LightBasis, PwtDecoder, PwtPack};
 use brdfc_formats::{FormatError, Pack};
 use brdfc_pwt::LightSamples;
 use brdfc_pwt::measure::images_of_pack;
 use brdfc_pwt::ptm::{samples_of, spread_lights};
-use brdfc_readers::ptm::Ptm;
+use brdfc_readers::viewer_file::ViewerFile;
 use brdfc_source::btf_stack::has_images;
 use brdfc_source::flat_btf::{flat_btf_file, flat_view as decoded_view, open_flat_btf};
 use brdfc_source::ordinary_btf::OrdinaryBtf;
 use brdfc_source::photograph::Image;
 use brdfc_source::rti_capture::{RtiCapture, is_rti_capture};
-use brdfc_source::{Input, InputError, ptm};
+use brdfc_source::viewer_file::{self, open_viewer_file};
+use brdfc_source::{Input, InputError};
 use rayon::prelude::*;
 use std::path::Path;
 
 /// Number of lights under which a map or a pack is rendered to be fitted again.
 const SPREAD: usize = 96;
+/// Number of lights for each term of a large map: more than enough to recover its functions.
+const LIGHTS_PER_TERM: usize = 4;
 /// Maximum numbers in all photographs together: 6 GiB.
 const MAX_NUMBERS: u64 = 3 << 29;
 
 /// Inputs that are accepted.
-const ALLOWED: &str = "a folder with a list of lights (.lp), the list, a BTF, a flat BTF, a .ptm or a pack (.ktx2)";
+const ALLOWED: &str =
+    "a folder with a list of lights (.lp), the list, a BTF, a flat BTF, a .ptm, a .rti or a pack (.ktx2)";
 
 /// An input that was read.
 pub enum LightInput {
-    /// Photographs with their lights.
-    Photographs(LightSamples),
-    /// A polynomial texture map.
-    Map(Ptm),
+    /// Photographs with their lights, and differences between the list of lights and the photographs.
+    Photographs(LightSamples, Vec<String>),
+    /// A file of an RTI viewer.
+    Map(Box<dyn ViewerFile>),
     /// A pack of a polynomial wavelet tree.
     Pack(PwtPack),
 }
@@ -45,32 +50,34 @@ impl LightInput {
     /// limit.
     pub fn open(input: &Input, view: Option<usize>) -> Result<Self, Error> {
         let extension = input.extension()?;
-        if view.is_some() && (["ktx2", ptm::EXTENSION].contains(&extension.as_str())) {
+        if view.is_some() && (extension == "ktx2" || viewer_file::EXTENSIONS.contains(&extension.as_str())) {
             return Err(Error::usage("--view does not apply to inputs with one view, only to BTFs"));
         }
-        if extension == ptm::EXTENSION {
-            let map = ptm::open_ptm(input)?;
-            check_spread(input, map.size())?;
+        if let Some(map) = open_viewer_file(input)? {
+            check_spread(input, map.size(), lights_of(map.as_ref()))?;
             return Ok(Self::Map(map));
         }
         if extension == "ktx2" {
             return match brdfc_source::pack::open_pack(input)? {
                 Pack::Pwt(pack) => {
                     // A small file may hold a large image.
-                    check_spread(input, pack.header().size)?;
+                    check_spread(input, pack.header().size, SPREAD)?;
                     Ok(Self::Pack(pack))
                 }
                 other => Err(refused(input, "pack", other.kind().summary(), "a polynomial wavelet tree")),
             };
         }
         let Some(path) = input.path() else {
-            return Err(Error::input(format!("{input}: not a file; expected an RTI capture, a BTF, a .ptm or a pack")));
+            return Err(Error::input(format!(
+                "{input}: not a file; expected an RTI capture, a BTF, a .ptm, a .rti or a pack"
+            )));
         };
         if is_rti_capture(path) {
             if view.is_some() {
                 return Err(Error::usage("--view does not apply to RTI captures, only to BTFs"));
             }
-            return Ok(Self::Photographs(photographs(path)?));
+            let (samples, notes) = photographs(path)?;
+            return Ok(Self::Photographs(samples, notes));
         }
         if path.is_file() && extension != "json" && !OrdinaryBtf::is_one(path) {
             if extension.is_empty() {
@@ -80,20 +87,31 @@ impl LightInput {
         }
         // The folder of a flat BTF may also hold renderings.
         if flat_btf_file(path)?.is_some() {
-            return Ok(Self::Photographs(flat_view(path, view.unwrap_or(0))?));
+            return Ok(Self::Photographs(flat_view(path, view.unwrap_or(0))?, Vec::new()));
         }
         if OrdinaryBtf::is_one(path) && (path.is_file() || has_images(path)) {
-            return Ok(Self::Photographs(one_view(path, view.unwrap_or(0))?));
+            return Ok(Self::Photographs(one_view(path, view.unwrap_or(0))?, Vec::new()));
         }
         std::fs::metadata(path).map_err(|error| InputError::Io { name: input.to_string(), error })?;
         Err(Error::input(format!("{input}: unknown kind of input; expected {ALLOWED}")))
     }
 
+    /// Terms of the functions of a file of an RTI viewer.
+    pub fn basis(&self) -> Option<LightBasis> {
+        if let Self::Map(map) = self { Some(map.basis()) } else { None }
+    }
+
+    /// Notes about photographs: what was left out, and what has nothing to fit.
+    pub fn notes(&self) -> Vec<String> {
+        let Self::Photographs(samples, notes) = self else { return Vec::new() };
+        notes.iter().cloned().chain(exposure_notes(samples)).collect()
+    }
+
     /// Photographs, averaged per light, or renderings of a map or a pack under many lights.
     pub fn into_samples(self) -> LightSamples {
         match self {
-            Self::Photographs(samples) => samples.averaged(),
-            Self::Map(map) => samples_of(&map, spread_lights(SPREAD)),
+            Self::Photographs(samples, _) => samples.averaged(),
+            Self::Map(map) => samples_of(map.as_ref(), spread_lights(lights_of(map.as_ref()))),
             Self::Pack(pack) => images_of_pack(&PwtDecoder::new(pack), spread_lights(SPREAD)),
         }
     }
@@ -103,6 +121,16 @@ impl LightInput {
 pub fn any_above_white(samples: &LightSamples) -> bool {
     let is_bright = |photograph: &Vec<[f32; 3]>| photograph.as_flattened().iter().any(|value| *value > 1.0);
     samples.images.par_iter().any(is_bright)
+}
+
+/// Notes about photographs that are black or white everywhere.
+fn exposure_notes(samples: &LightSamples) -> impl Iterator<Item = String> {
+    let all = samples.images.len();
+    [(0.0..=0.0, "black"), (1.0..=f32::INFINITY, "white")].into_iter().filter_map(move |(values, name)| {
+        let uniform = |image: &&Vec<[f32; 3]>| image.as_flattened().iter().all(|value| values.contains(value));
+        let count = samples.images.par_iter().filter(uniform).count();
+        (count > 0).then(|| format!("{}: {name} everywhere", counted_of(count, all, "photograph")))
+    })
 }
 
 pub(super) fn refused(input: &impl std::fmt::Display, field: &'static str, found: &str, allowed: &str) -> Error {
@@ -120,15 +148,21 @@ fn check_amount(input: &impl std::fmt::Display, size: [usize; 2], lights: usize)
     Err(refused(input, "photographs", &found, &allowed))
 }
 
-/// Checks the size of a map or a pack, which is rendered under [`SPREAD`] lights and fitted again.
-fn check_spread(input: &impl std::fmt::Display, size: [u32; 2]) -> Result<(), Error> {
+/// Number of lights under which a map is rendered: fewer if it is large.
+fn lights_of(map: &dyn ViewerFile) -> usize {
+    let pixels: u64 = map.size().map(u64::from).iter().product();
+    if 3 * pixels * SPREAD as u64 <= MAX_NUMBERS { SPREAD } else { LIGHTS_PER_TERM * map.basis().terms() }
+}
+
+/// Checks the size of a map or a pack, which is rendered under some lights and fitted again.
+fn check_spread(input: &impl std::fmt::Display, size: [u32; 2], lights: usize) -> Result<(), Error> {
     let pixels: u64 = size.map(u64::from).iter().product();
-    let most = MAX_NUMBERS / 3 / SPREAD as u64;
+    let most = MAX_NUMBERS / 3 / lights as u64;
     if pixels <= most {
         return Ok(());
     }
     let found = format!("{} x {} pixels", size[0], size[1]);
-    let allowed = format!("at most {most} in all, which are rendered under {SPREAD} lights");
+    let allowed = format!("at most {most} in all, which are rendered under {lights} lights");
     Err(refused(input, "size", &found, &allowed))
 }
 
@@ -146,11 +180,12 @@ fn decoded(
 }
 
 /// Decodes all photographs of an RTI capture in parallel.
-fn photographs(path: &Path) -> Result<LightSamples, Error> {
+fn photographs(path: &Path) -> Result<(LightSamples, Vec<String>), Error> {
     let stack = RtiCapture::open(path)?;
     check_amount(&path.display(), stack.size(), stack.len())?;
     let images = decoded(stack.len(), |light| stack.image(light))?;
-    Ok(LightSamples { size: stack.size(), lights: stack.lights().to_vec(), images, repeats: false, defined: None })
+    let (size, lights) = (stack.size(), stack.lights().to_vec());
+    Ok((LightSamples { size, lights, images, repeats: false, defined: None }, stack.notes().to_vec()))
 }
 
 fn one_view(path: &Path, view: usize) -> Result<LightSamples, Error> {

@@ -2,7 +2,7 @@
 
 use crate::error::Error;
 use brdfc_formats::FormatError;
-use brdfc_formats::pwt::{LightCoordinates, PwtDecoder};
+use brdfc_formats::pwt::{LightBasis, PwtDecoder};
 use brdfc_pwt::measure::{StackErrors, image_errors, stack_errors};
 use brdfc_pwt::ptm::{MapModel, fit_map, images_of};
 use brdfc_pwt::{DomainName, LightSamples, PwtEncoded, PwtRecipe, Target, encode};
@@ -106,11 +106,11 @@ pub fn permutation(count: usize, seed: u64) -> Vec<usize> {
     order
 }
 
-/// Defaults of a recipe for polynomial texture maps: their own terms and scale.
-pub fn recipe_of_map(recipe: PwtRecipe) -> PwtRecipe {
+/// Defaults of a recipe for a file of an RTI viewer: its own terms and scale.
+pub fn recipe_of_map(recipe: PwtRecipe, basis: LightBasis) -> PwtRecipe {
     PwtRecipe {
-        coordinates: recipe.coordinates.or(Some(LightCoordinates::Projected)),
-        degree: recipe.degree.or(Some(2)),
+        coordinates: recipe.coordinates.or(Some(basis.coordinates)),
+        degree: recipe.degree.or(Some(basis.degree)),
         domain: recipe.domain.or(Some(DomainName::Display)),
         ridge: recipe.ridge.or(Some(1e-9)),
         ..recipe

@@ -135,12 +135,12 @@ fn images_of_two_sizes() {
 fn images_that_are_too_large_broken_or_of_another_kind() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("tl000 pl000 tv000 pv000.png");
-    image::GrayImage::new(4097, 1).save(&path).unwrap();
-    assert!(open_error(folder.path()).contains("found 4097 x 1, expected 1 to 4096"));
+    image::GrayImage::new(8193, 1).save(&path).unwrap();
+    assert!(open_error(folder.path()).contains("found 8193 x 1, expected 1 to 8192"));
     std::fs::write(&path, b"GIF89a\x01\x00\x01\x00").unwrap();
-    assert!(open_error(folder.path()).contains("PNG, JPEG or EXR"));
+    assert!(open_error(folder.path()).contains("PNG, JPEG, TIFF or EXR"));
     std::fs::write(&path, b"").unwrap();
-    assert!(open_error(folder.path()).contains("PNG, JPEG or EXR"));
+    assert!(open_error(folder.path()).contains("PNG, JPEG, TIFF or EXR"));
     image::RgbImage::from_fn(64, 64, |x, y| image::Rgb([(x * y) as u8, x as u8, y as u8])).save(&path).unwrap();
     let whole = std::fs::read(&path).unwrap();
     // The header is intact, so only decoding fails.

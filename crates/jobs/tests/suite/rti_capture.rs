@@ -89,6 +89,7 @@ fn invalid_captures_are_not_written() {
     };
     assert!(write(&[], 4).contains("number of lights: found 0"));
     assert!(write(&[[0.0, 1.0, 0.0]], 4).contains("at or below the horizon"));
+    assert!(write(&[LIGHTS[0], [0.0, 1.0, 0.0]], 4).contains("light 1: [0.0, 1.0, 0.0] is at or below the horizon"));
     assert!(write(&[[0.0, f32::NAN, 1.0]], 4).contains("found \"NaN\""));
     assert_eq!(write(&LIGHTS, 3), "3 pixels for an image of 2 x 2");
     assert_eq!(std::fs::read_dir(folder.path()).unwrap().count(), 0);
@@ -98,29 +99,79 @@ fn invalid_captures_are_not_written() {
 #[test]
 fn eight_and_sixteen_bits_and_grey_and_jpeg() {
     let folder = tempfile::tempdir().unwrap();
-    let names = ["a 8.png", "16.png", "grey.png", "grey16.png", "alpha.png", "rgb.jpg", "grey.jpeg"];
+    let names = [
+        "a 8.png",
+        "16.png",
+        "8.tif",
+        "16.tiff",
+        "grey.png",
+        "grey16.png",
+        "grey16.tif",
+        "alpha.png",
+        "rgb.jpg",
+        "grey.jpeg",
+    ];
     stack_of(folder.path(), &names, |path, k| {
         let image: image::DynamicImage = match k {
-            0 => image::RgbImage::from_pixel(8, 8, image::Rgb([255, 188, 10])).into(),
-            1 => image::ImageBuffer::from_pixel(8, 8, image::Rgb([65535u16, 188 * 257, 10 * 257])).into(),
-            2 => image::GrayImage::from_pixel(8, 8, image::Luma([188])).into(),
-            3 => image::ImageBuffer::from_pixel(8, 8, image::Luma([188u16 * 257])).into(),
-            4 => image::ImageBuffer::from_pixel(8, 8, image::LumaA([188u8, 3])).into(),
-            5 => image::RgbImage::from_pixel(8, 8, image::Rgb([188; 3])).into(),
+            0 | 2 => image::RgbImage::from_pixel(8, 8, image::Rgb([255, 188, 10])).into(),
+            1 | 3 => image::ImageBuffer::from_pixel(8, 8, image::Rgb([65535u16, 188 * 257, 10 * 257])).into(),
+            4 => image::GrayImage::from_pixel(8, 8, image::Luma([188])).into(),
+            5 | 6 => image::ImageBuffer::from_pixel(8, 8, image::Luma([188u16 * 257])).into(),
+            7 => image::ImageBuffer::from_pixel(8, 8, image::LumaA([188u8, 3])).into(),
+            8 => image::RgbImage::from_pixel(8, 8, image::Rgb([188; 3])).into(),
             _ => image::GrayImage::from_pixel(8, 8, image::Luma([188])).into(),
         };
         image.save(path).unwrap();
     });
     let stack = RtiCapture::open(folder.path()).unwrap();
     for (light, name) in names.iter().enumerate() {
-        let expected = if light < 2 { [1.0, 0.502_886_5, 0.003_035_27] } else { [0.502_886_5; 3] };
+        let expected = if light < 4 { [1.0, 0.502_886_5, 0.003_035_27] } else { [0.502_886_5; 3] };
         let image = stack.image(light).unwrap();
         assert_eq!(image.pixels.len(), 64);
-        let within = if light < 5 { 1e-6 } else { 0.02 };
+        let within = if light < 8 { 1e-6 } else { 0.02 };
         for (found, expected) in image.pixels.iter().flat_map(|pixel| pixel.iter().zip(expected)) {
             assert!((found - expected).abs() < within, "{name}: {found} {expected}");
         }
     }
+}
+
+/// Pixels and directory of an image of 3 x 2, compressed by LZW and by Deflate.
+const COMPRESSED_TIFF: [&str; 2] = [
+    "49492a0018000000803fd780a052f1ff028241a11057fc040a00000103000100000003000000010103000100000002000000020103000300\
+     0000960000000301030001000000050000000601030001000000020000001101040001000000080000001501030001000000030000001601\
+     030001000000020000001701040001000000100000001c010300010000000100000000000000080008000800",
+    "49492a001a000000789cfbbf878b6bcfffff48240064ef0a9f000a0000010300010000000300000001010300010000000200000002010300\
+     03000000980000000301030001000000080000000601030001000000020000001101040001000000080000001501030001000000030000\
+     001601030001000000020000001701040001000000110000001c010300010000000100000000000000080008000800",
+];
+
+#[test]
+fn tiff_is_compressed_or_cut() {
+    let folder = tempfile::tempdir().unwrap();
+    let bytes = |hex: &str| -> Vec<u8> {
+        let digits = hex.as_bytes().chunks(2);
+        digits.map(|two| u8::from_str_radix(std::str::from_utf8(two).unwrap(), 16).unwrap()).collect()
+    };
+    stack_of(folder.path(), &["lzw.tif", "deflate.TIFF"], |path, k| {
+        std::fs::write(path, bytes(COMPRESSED_TIFF[k])).unwrap();
+    });
+    let stack = RtiCapture::open(folder.path()).unwrap();
+    let [a, b] = [[1.0, 0.502_886_5, 0.003_035_27], [0.003_035_27, 0.502_886_5, 1.0]];
+    for light in 0..2 {
+        let image = stack.image(light).unwrap();
+        for (found, expected) in image.pixels.iter().flatten().zip([a, b, a, b, a, b].as_flattened()) {
+            assert!((found - expected).abs() < 1e-6, "{light}: {:?}", image.pixels);
+        }
+    }
+    let whole = bytes(COMPRESSED_TIFF[0]);
+    let mut refused = 0;
+    for length in 0..whole.len() {
+        std::fs::write(folder.path().join("lzw.tif"), &whole[..length]).unwrap();
+        let read = RtiCapture::open(folder.path()).and_then(|stack| stack.image(0));
+        assert!(matches!(read, Ok(_) | Err(InputError::Format { .. })), "{length}");
+        refused += usize::from(read.is_err());
+    }
+    assert!(refused > 140, "{refused} of {}", whole.len());
 }
 
 #[test]
@@ -141,8 +192,14 @@ fn names_may_have_folders_that_exist_or_not() {
         error(&list).ends_with("x.lp: line 4, image: \"gone/b.png\" is already on line 3; expected each image once")
     );
     std::fs::write(&list, "2\nb.png 0 0 1\nin/b.jpg 1 1 1\n").unwrap();
-    let expected =
-        "x.lp: line 3, image: \"in/b.jpg\" does not exist; expected a path relative to this file, or a file next to it";
+    let stack = RtiCapture::open(&list).unwrap();
+    assert_eq!(
+        (stack.len(), stack.notes()),
+        (1, &["left out 1 light, without an image: in/b.jpg (line 3)".to_owned()][..])
+    );
+    std::fs::write(&list, "1\nin/b.jpg 1 1 1\n").unwrap();
+    let expected = "x.lp: line 2, image: \"in/b.jpg\" does not exist, like all images of lights above the horizon; \
+                    expected a path relative to this file, or a file next to it";
     assert!(error(&list).ends_with(expected), "{}", error(&list));
 }
 
@@ -153,16 +210,16 @@ fn images_of_two_sizes_too_large_or_broken() {
     stack_of(folder.path(), &["a.png", "b.jpg"], |path, _| grey(path));
     save(2, 4);
     assert!(error(folder.path()).ends_with("b.jpg: image size: found 2 x 4, expected 4 x 2, the size of a.png"));
-    save(4097, 1);
-    assert!(error(folder.path()).ends_with("b.jpg: image size: found 4097 x 1, expected 1 to 4096 along each side"));
+    save(8193, 1);
+    assert!(error(folder.path()).ends_with("b.jpg: image size: found 8193 x 1, expected 1 to 8192 along each side"));
     std::fs::write(folder.path().join("b.jpg"), "no image").unwrap();
     let text = error(folder.path());
     assert!(
-        text.contains("b.jpg: image: ") && text.ends_with("; expected a complete PNG, JPEG or EXR image"),
+        text.contains("b.jpg: image: ") && text.ends_with("; expected a complete PNG, JPEG, TIFF or EXR image"),
         "{text}"
     );
     std::fs::write(folder.path().join("b.jpg"), b"GIF89a\x01\x00\x01\x00").unwrap();
-    assert!(error(folder.path()).ends_with("b.jpg: image: unknown format; expected PNG, JPEG or EXR"));
+    assert!(error(folder.path()).ends_with("b.jpg: image: unknown format; expected PNG, JPEG, TIFF or EXR"));
     // Every cut of a JPEG is an error or an image, when it is opened or when it is read.
     let noise = image::RgbImage::from_fn(4, 2, |x, y| image::Rgb([(x * 60) as u8, (y * 99) as u8, 7]));
     noise.save(folder.path().join("b.jpg")).unwrap();
@@ -196,7 +253,7 @@ fn lists_that_are_none_or_several() {
     assert!(
         error_of(b"1\na.png 0 0 0").ends_with("b.lp: line 2, direction: vector of length 0; expected any other length")
     );
-    assert!(error_of(b"2\na.png 0 0 1").contains("b.lp: line 1, number of lights: found 2, expected 1"));
+    assert!(error_of(b"2\n").contains("b.lp: line 1, lights: no lines after the first"));
     assert!(
         error_of(b"\x89PNG\r\n\x1a\n\0").ends_with("UTF-8; it looks like a PNG image (.png)")
             || error_of(b"\0").contains("NUL")

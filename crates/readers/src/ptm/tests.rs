@@ -13,13 +13,18 @@ fn lrgb(header: &str) -> Vec<u8> {
     bytes
 }
 
+/// Reads a file whose planes are not compressed.
+fn read(bytes: &[u8]) -> Result<Ptm, FormatError> {
+    Ptm::from_bytes(bytes, &|plane, _| Ok(plane.to_vec()))
+}
+
 fn message(bytes: &[u8]) -> String {
-    Ptm::from_bytes(bytes).unwrap_err().to_string()
+    read(bytes).unwrap_err().to_string()
 }
 
 #[test]
 fn rows_run_from_the_bottom_and_colours_follow_all_coefficients() {
-    let ptm = Ptm::from_bytes(&lrgb(HEADER)).unwrap();
+    let ptm = read(&lrgb(HEADER)).unwrap();
     assert_eq!((ptm.size(), ptm.scale()[5], ptm.bias()), ([2, 2], 0.5, [160, 160, 160, 127, 127, 0]));
     let PtmModel::Lrgb { luminance, colour } = ptm.model() else { panic!("{ptm:?}") };
     assert_eq!(luminance.iter().map(|bytes| bytes[5]).collect::<Vec<_>>(), [102, 103, 100, 101]);
@@ -57,7 +62,7 @@ fn the_luminance_is_not_clamped_before_it_meets_a_colour() {
 fn channels_are_in_blocks() {
     let mut bytes = b"PTM_1.2\nPTM_FORMAT_RGB\n2 1\n1 1 1 1 1 1 0 0 0 0 0 0\n".to_vec();
     bytes.extend(0..36);
-    let ptm = Ptm::from_bytes(&bytes).unwrap();
+    let ptm = read(&bytes).unwrap();
     let PtmModel::Rgb(pixels) = ptm.model() else { panic!("{ptm:?}") };
     assert_eq!(pixels[1], [[6, 7, 8, 9, 10, 11], [18, 19, 20, 21, 22, 23], [30, 31, 32, 33, 34, 35]]);
     assert_eq!(ptm.value(1, [0.0, 0.0]), [11.0, 23.0, 35.0]);
@@ -65,13 +70,13 @@ fn channels_are_in_blocks() {
 
 #[test]
 fn headers_have_line_ends_where_they_like() {
-    let expected = Ptm::from_bytes(&lrgb(HEADER)).unwrap();
+    let expected = read(&lrgb(HEADER)).unwrap();
     for header in [
         "PTM_1.2\nPTM_FORMAT_LRGB\n2 2\n2 2 2 2 2 0.5 160 160 160 127 127 0\n",
         "PTM_1.2 \nPTM_FORMAT_LRGB \n2\n2\n2.0 2.0 2.0 2e0 2.0 0.5 \n160 160 160 127 127 0 \n",
         "PTM_1.2\r\nPTM_FORMAT_LRGB\r\n2\r\n2\r\n2 2 2 2 2 0.5\r\n160.0 160 160 127 127 -0\r\n",
     ] {
-        assert_eq!(Ptm::from_bytes(&lrgb(header)).as_ref(), Ok(&expected), "{header}");
+        assert_eq!(read(&lrgb(header)).as_ref(), Ok(&expected), "{header}");
     }
     // One line end belongs to the header, further ones are pixels.
     assert!(
@@ -87,8 +92,9 @@ fn headers_that_are_wrong() {
         ("PTM_1.2", "PTM_1.1", "line 1, version: found \"PTM_1.1\", expected PTM_1.2"),
         (
             "PTM_FORMAT_LRGB",
-            "PTM_FORMAT_JPEG_RGB",
-            "line 2, format: found the unsupported \"PTM_FORMAT_JPEG_RGB\", expected PTM_FORMAT_RGB or PTM_FORMAT_LRGB",
+            "PTM_FORMAT_JPEGLS_LRGB",
+            "line 2, format: found the unsupported \"PTM_FORMAT_JPEGLS_LRGB\", expected PTM_FORMAT_RGB, PTM_FORMAT_LRGB, \
+             PTM_FORMAT_JPEG_RGB or PTM_FORMAT_JPEG_LRGB",
         ),
         ("PTM_FORMAT_LRGB", "RGB", "line 2, format: found \"RGB\", expected PTM_FORMAT_RGB"),
         ("\n2\n2\n", "\n0\n2\n", "line 3, width: found \"0\", expected 1 to 65536"),
@@ -116,11 +122,81 @@ fn headers_that_are_wrong() {
 fn files_that_are_cut_or_longer() {
     for bytes in [lrgb(HEADER), Ptm::from_coefficients_rgb([2, 1], &[[[0.5; 6]; 3]; 2]).unwrap().to_bytes()] {
         for length in 0..bytes.len() {
-            assert!(Ptm::from_bytes(&bytes[..length]).is_err(), "{length} of {}", bytes.len());
+            assert!(read(&bytes[..length]).is_err(), "{length} of {}", bytes.len());
         }
-        assert!(Ptm::from_bytes(&[&bytes[..], &[0]].concat()).is_err());
-        assert!(Ptm::from_bytes(&bytes).is_ok());
+        assert!(read(&[&bytes[..], &[0]].concat()).is_err());
+        assert!(read(&bytes).is_ok());
     }
+}
+
+/// Words of a compressed header, and planes of two pixels, the lower one first, which are not compressed.
+fn compressed(change: impl Fn(&mut [Vec<i64>; 7])) -> Vec<u8> {
+    let mut words = [vec![0; 9], vec![0; 9], vec![0; 9], (0..9).collect(), vec![-1; 9], vec![2; 9], vec![0; 9]];
+    change(&mut words);
+    let lines: String =
+        words.iter().map(|words| words.iter().map(i64::to_string).collect::<Vec<_>>().join(" ") + "\n").collect();
+    let header = format!("PTM_1.2\nPTM_FORMAT_JPEG_LRGB\n1\n2\n1 1 1 1 1 1\n0 0 0 0 0 0\n90\n{lines}");
+    let mut bytes = header.into_bytes();
+    for plane in 0..9u8 {
+        bytes.extend([10 * plane, 10 * plane + 1]);
+        // The upper pixel of the plane is 7.
+        bytes.extend([0, 0, 0, 1, 7].repeat((words[6][usize::from(plane)] / 5).max(0) as usize));
+    }
+    bytes
+}
+
+fn planes(bytes: &[u8]) -> Vec<[u8; 9]> {
+    let ptm = read(bytes).unwrap();
+    let PtmModel::Lrgb { luminance, colour } = ptm.model() else { panic!("{ptm:?}") };
+    let joined = luminance.iter().zip(colour).map(|(a, b)| [&a[..], b].concat().try_into().unwrap());
+    joined.collect()
+}
+
+#[test]
+fn planes_are_predicted_inverted_and_corrected() {
+    let plain = planes(&compressed(|_| ()));
+    assert_eq!(plain, [[1, 11, 21, 31, 41, 51, 61, 71, 81], [0, 10, 20, 30, 40, 50, 60, 70, 80]]);
+    // Plane 1 is predicted from plane 8, which is decoded first, and plane 2 from the inverse of the corrected plane 1.
+    let predicted = planes(&compressed(|words| {
+        words[0][2] = 1;
+        words[3] = vec![3, 1, 2, 0, 4, 5, 6, 7, 8];
+        words[3].swap(8, 3);
+        (words[4][1], words[4][2]) = (8, 1);
+        words[6][1] = 5;
+    }));
+    let wrapped = |sample: u8, other: u8| sample.wrapping_add(other).wrapping_sub(128);
+    assert_eq!(predicted[0][1..3], [7, wrapped(21, 255 - 7)]);
+    assert_eq!(predicted[1][1..3], [wrapped(10, 80), wrapped(20, 255 - wrapped(10, 80))]);
+    assert_eq!((predicted[0][0], predicted[0][8]), (1, 81), "others stay");
+    let all = compressed(|_| ());
+    assert!((0..all.len()).all(|length| read(&all[..length]).is_err()));
+}
+
+#[test]
+fn planes_that_are_wrong() {
+    let of = |change: &dyn Fn(&mut [Vec<i64>; 7])| message(&compressed(change));
+    for (found, expected) in [
+        (of(&|w| w[0][3] = 2), "line 8, transform: found 2 (motion compensation), expected 0 or 1 (inversion)"),
+        (of(&|w| w[0][3] = 9), "line 8, transform: found \"9\""),
+        (of(&|w| w[2][0] = 1), "line 10, motion vector: found \"1\", expected 0 to 0"),
+        (of(&|w| w[3][1] = 0), "line 11, order: found 0, expected each number once"),
+        (of(&|w| w[3][1] = 9), "line 11, order: found \"9\", expected 0 to 8"),
+        (of(&|w| w[4][1] = 2), "line 12, reference plane: found 2, expected a plane decoded before, or -1"),
+        (of(&|w| w[4][1] = 1), "line 12, reference plane: found 1"),
+        (of(&|w| w[4][1] = -2), "line 12, reference plane: found -2"),
+        (of(&|w| w[5][1] = -2), "line 13, compressed size: found \"-2\""),
+        (of(&|w| w[5][1] = 3), "file length: found 18 bytes after the header, expected 19, the sizes of 9 planes"),
+        (of(&|w| w[5][..2].copy_from_slice(&[1, 3])), "plane 0: 1 pixels; expected a grey JPEG of 1 x 2 pixels"),
+        (of(&|w| w[6][1] = 4), "line 14, size of corrections: found 4, expected a multiple of 5"),
+    ] {
+        assert!(found.starts_with(expected), "{found}");
+    }
+    let mut outside = compressed(|words| words[6][8] = 5);
+    let last = outside.len() - 2;
+    outside[last] = 2;
+    assert_eq!(message(&outside), "correction of plane 8: found pixel 2, expected less than 2");
+    let large = String::from_utf8(compressed(|_| ())).unwrap().replacen("\n1\n2\n", "\n65536\n65536\n", 1);
+    assert!(message(large.as_bytes()).starts_with("size: found 65536 x 65536, expected at most 134217728 pixels"));
 }
 
 #[test]
@@ -176,7 +252,7 @@ proptest! {
         let ptm = Ptm::from_coefficients_rgb([2, 3], &pixels).unwrap();
         let PtmModel::Rgb(bytes) = ptm.model() else { panic!("{ptm:?}") };
         check(&ptm, pixels.as_flattened(), bytes.as_flattened())?;
-        prop_assert_eq!(Ptm::from_bytes(&ptm.to_bytes()), Ok(ptm));
+        prop_assert_eq!(read(&ptm.to_bytes()), Ok(ptm));
     }
 
     #[test]
@@ -185,20 +261,21 @@ proptest! {
         colour in prop::collection::vec(prop::array::uniform3(any::<u8>()), 6),
     ) {
         let ptm = Ptm::from_coefficients_lrgb([3, 2], &luminance, &colour).unwrap();
-        let PtmModel::Lrgb { luminance: bytes, colour: read } = ptm.model() else { panic!("{ptm:?}") };
+        let PtmModel::Lrgb { luminance: bytes, colour: colours } = ptm.model() else { panic!("{ptm:?}") };
         check(&ptm, &luminance, bytes)?;
-        prop_assert_eq!(read, &colour);
-        prop_assert_eq!(Ptm::from_bytes(&ptm.to_bytes()), Ok(ptm));
+        prop_assert_eq!(colours, &colour);
+        prop_assert_eq!(read(&ptm.to_bytes()), Ok(ptm));
     }
 
     #[test]
-    fn changed_bytes_do_not_panic(at in 0usize..100, to in any::<u8>(), light in prop::array::uniform2(-1f32..1.0)) {
-        let mut bytes = lrgb(HEADER);
-        let at = at % bytes.len();
-        bytes[at] = to;
-        if let Ok(ptm) = Ptm::from_bytes(&bytes) {
-            let value = ptm.value(0, light);
-            prop_assert!(value.iter().all(|v| (0.0..=255.0).contains(v)), "{:?}", value);
+    fn changed_bytes_do_not_panic(at in 0usize..300, to in any::<u8>(), light in prop::array::uniform2(-1f32..1.0)) {
+        for mut bytes in [lrgb(HEADER), compressed(|words| words[6][4] = 5)] {
+            let at = at % bytes.len();
+            bytes[at] = to;
+            if let Ok(ptm) = read(&bytes) {
+                let value = ptm.value(0, light);
+                prop_assert!(value.iter().all(|v| (0.0..=255.0).contains(v)), "{:?}", value);
+            }
         }
     }
 }
@@ -210,7 +287,7 @@ fn the_page_is_right() {
     let rows = page.split("```text\n").last().unwrap().split("```").next().unwrap();
     let hex = rows.lines().flat_map(|row| row[10..58].split_whitespace());
     let bytes: Vec<u8> = hex.map(|byte| u8::from_str_radix(byte, 16).unwrap()).collect();
-    let ptm = Ptm::from_bytes(&bytes).unwrap();
+    let ptm = read(&bytes).unwrap();
     let close = |at, expected: [f32; 3]| {
         let value = ptm.value(at, [0.1, 0.2]);
         value.iter().zip(expected).all(|(value, expected)| (value - expected).abs() < 0.05)
