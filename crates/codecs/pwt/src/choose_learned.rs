@@ -20,8 +20,8 @@ const MIN_LIGHTS: usize = 6;
 const STEP: usize = 4;
 /// Number of terms with which domains are compared: three fetches.
 const COMPARED: usize = 12;
-/// PSNR at lights that are left out that more terms than [`COMPARED`] must gain, dB, if the target is not a size or an error.
-const SPARED: f64 = 0.15;
+/// PSNR at lights that are left out that counts as equal, dB.
+const EQUAL: f64 = 0.15;
 
 /// A candidate with learned terms.
 pub struct LearnedCandidate {
@@ -73,12 +73,15 @@ pub fn tried(texels: &Texels, samples: &LightSamples, recipe: &PwtRecipe) -> Vec
     if let Some(best) = best {
         let by_terms = trials[best].by_terms(most);
         let largest = by_terms.iter().map(merit).fold(f64::NEG_INFINITY, f64::max);
-        // A size or an error is reached best with all terms that do no harm.
-        let spared = if matches!(recipe.target, Target::Loss(_) | Target::Energy(_)) { SPARED } else { 0.0 };
-        let mut enough = by_terms.iter().filter(|errors| merit(errors) >= largest - spared);
-        let chosen = match recipe.degree {
-            Some(_) => by_terms.last(),
-            None => enough.clone().find(|errors| errors.terms >= COMPARED).or_else(|| enough.next_back()),
+        let mut enough = by_terms.iter().filter(|errors| merit(errors) >= largest - EQUAL);
+        let chosen = match (recipe.degree, recipe.target) {
+            (Some(_), _) => by_terms.last(),
+            // Three fetches are enough if more gain nothing.
+            (None, Target::Loss(_) | Target::Energy(_)) => {
+                enough.clone().find(|errors| errors.terms >= COMPARED).or_else(|| enough.next_back())
+            }
+            // More terms are closer at the fitted lights.
+            (None, Target::Bytes(_) | Target::Quality(_) | Target::DeltaE(_)) => enough.next_back(),
         };
         if let Some(errors) = chosen {
             found.remove(best);
