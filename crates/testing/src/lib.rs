@@ -9,7 +9,6 @@ pub mod codecs;
 pub mod engines;
 pub mod golden;
 pub mod gradient;
-pub mod light_maps;
 pub mod packs;
 pub mod pages;
 pub mod program;
@@ -17,6 +16,7 @@ pub mod sampler;
 #[cfg(feature = "schema")]
 pub mod schema;
 pub mod tensor;
+pub mod viewer_files;
 pub mod wrapped;
 
 use std::path::{Path, PathBuf};

@@ -127,7 +127,7 @@ fn the_same_bytes_on_any_number_of_threads() {
 #[test]
 fn what_is_asked_for_is_taken() {
     let folder = stack();
-    let options = ["--coordinates", "paraboloid", "--degree", "3", "--domain", "cube-root", "--ridge", "1e-5"];
+    let options = ["--terms", "paraboloid", "--degree", "3", "--domain", "cube-root", "--ridge", "1e-5"];
     let more = ["--wavelet", "cdf97", "--levels", "3", "--packets", "0", "--tile"];
     // Sides of a tile are halved exactly.
     let refused = folder.run(&[&["pwt", "stack", "-o", "p.ktx2"][..], &options, &more].concat());

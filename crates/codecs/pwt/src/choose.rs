@@ -1,7 +1,7 @@
 //! Chooses domain, coordinates, degree and ridge by leave-one-out cross-validation over the lights, on texels spread
 //! over the image.
 
-use crate::choose_learned::{LearnedCandidate, tried as tried_learned};
+use crate::choose_learned::{LearnedCandidate, MOST_LIGHTS, tried as tried_learned};
 use crate::design::{Design, RIDGES};
 use crate::kriging::rows;
 use crate::recipe::{DomainName, PwtRecipe};
@@ -9,6 +9,7 @@ use crate::stack::LightSamples;
 use brdfc_formats::pwt::{Domain, LightBasis, LightCoordinates, MAX_DEGREE};
 use nalgebra::DMatrix;
 use rayon::prelude::*;
+use std::borrow::Cow;
 
 /// Number of texels used.
 const TEXELS: usize = 512;
@@ -53,7 +54,11 @@ pub fn choose(samples: &LightSamples, recipe: &PwtRecipe) -> Choice {
         Some(LightCoordinates::Learned) => Vec::new(),
         _ => best_of_each(polynomials(&texels, samples, recipe)),
     };
-    let learned = tried_learned(&texels, samples, recipe);
+    let few = samples.at_most(MOST_LIGHTS);
+    let learned = match &few {
+        Cow::Borrowed(samples) => tried_learned(&texels, samples, recipe),
+        Cow::Owned(few) => tried_learned(&Texels::new(few), few, recipe),
+    };
     let of_both = learned.iter().map(|learned| learned.candidate).chain(polynomials.iter().copied());
     let mut candidates = best_of_each(of_both.collect());
     let least = polynomials.first().map_or(f64::NEG_INFINITY, Candidate::merit);

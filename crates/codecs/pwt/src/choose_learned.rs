@@ -10,8 +10,12 @@ use brdfc_formats::pwt::{Domain, LightCoordinates, LightMap};
 use nalgebra::DMatrix;
 use rayon::prelude::*;
 
-/// Number of texels from which components are computed.
-const LEARNED_FROM: usize = 4096;
+/// Maximum number of lights that terms are learned from; more are averaged in groups.
+pub const MOST_LIGHTS: usize = 400;
+/// Maximum number of texels from which components are computed.
+const LEARNED_FROM: usize = 8192;
+/// Maximum numbers of these texels under all lights.
+const NUMBERS: usize = 1 << 21;
 /// Typical number of fetches.
 const FETCHES: u32 = 3;
 /// Minimum number of lights, unless learned terms are requested.
@@ -167,7 +171,7 @@ impl LearnedCandidate {
 
     /// Learns the terms.
     pub fn learn(&self, samples: &LightSamples) -> Learned {
-        let at = samples.spread_texels(LEARNED_FROM);
+        let at = samples.spread_texels(LEARNED_FROM.min(NUMBERS / (3 * samples.lights.len())));
         let domain = self.candidate.domain();
         let of_light = |image: &Vec<[f32; 3]>| -> Vec<f32> {
             let mut values: Vec<f32> = at.iter().flat_map(|texel| image[*texel]).collect();

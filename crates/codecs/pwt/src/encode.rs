@@ -2,7 +2,7 @@
 
 use crate::assemble::{Arrangement, Limits, arrangements};
 use crate::choose::{Candidate, choose, to_srgb};
-use crate::choose_learned::LearnedCandidate;
+use crate::choose_learned::{LearnedCandidate, MOST_LIGHTS};
 use crate::degrees::{SubbandDegree, degrees};
 use crate::design::Design;
 use crate::fit;
@@ -139,6 +139,7 @@ fn learned_terms(
     transform: Transform,
     weights: &Plane,
 ) -> Fitted {
+    let samples = &*samples.at_most(MOST_LIGHTS);
     let learned = candidate.learn(samples);
     let (domain, extent) = (candidate.candidate.domain(), weights.size);
     let channels = |light: usize| padded_channels(&samples.images[light], samples.size, domain, &RGB, extent);

@@ -8,8 +8,9 @@
 use nalgebra::{DMatrix, DMatrixView};
 use rayon::prelude::*;
 
-/// Maximum number of covariance functions that are combined.
+/// Number of covariance functions that are combined, for up to [`COMPARED`] lights; fewer for more.
 const COMBINED: usize = 24;
+const LEAST_COMBINED: usize = 4;
 /// Maximum number of lights by which covariance functions are compared before they are combined.
 const COMPARED: usize = 96;
 /// Steps of the combination.
@@ -164,7 +165,7 @@ impl Shortlist {
         let mut found: Vec<_> =
             tried.into_iter().filter_map(|(c, e, s)| Some((c, e?, s.filter(|s| s.is_finite())?))).collect();
         found.sort_by(|a, b| a.2.total_cmp(&b.2));
-        found.truncate(COMBINED);
+        found.truncate((COMBINED * COMPARED / lights.len().max(COMPARED)).max(LEAST_COMBINED));
         let of_all = |(covariance, errors, _): (Covariance, DMatrix<f64>, f64)| {
             let errors = if stride == 1 { Some(errors) } else { covariance.left_out(lights) };
             Some((covariance, errors?))

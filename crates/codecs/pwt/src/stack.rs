@@ -1,6 +1,7 @@
 //! Input of the encoder: images of one view under known lights.
 
 use brdfc_formats::FormatError;
+use std::borrow::Cow;
 
 /// Range of the number of lights.
 pub const LIGHTS: std::ops::RangeInclusive<usize> = 1..=4096;
@@ -109,22 +110,45 @@ impl LightSamples {
 
     /// Averages images under the same light, so that cross-validation does not predict an image from its copy.
     #[must_use]
-    pub fn averaged(mut self) -> Self {
+    pub fn averaged(self) -> Self {
+        let groups = self.groups(SAME_LIGHT);
+        if groups.len() == self.lights.len() { self } else { self.of_groups(&groups) }
+    }
+
+    /// Averages images under near lights, until at most `most` lights are left.
+    pub fn at_most(&self, most: usize) -> Cow<'_, Self> {
+        if self.lights.len() <= most {
+            return Cow::Borrowed(self);
+        }
+        // A fraction of the distance of evenly spread lights.
+        let mut near = 1.0 / (most.max(1) as f32).sqrt();
+        loop {
+            let groups = self.groups(near);
+            if groups.len() <= most.max(1) {
+                return Cow::Owned(self.of_groups(&groups));
+            }
+            near *= 1.2;
+        }
+    }
+
+    /// Groups of lights: each joins the first group whose first light is near along all axes.
+    fn groups(&self, near: f32) -> Vec<Vec<usize>> {
         let mut groups: Vec<Vec<usize>> = Vec::new();
         for (k, light) in self.lights.iter().enumerate() {
-            let same = |group: &&mut Vec<usize>| {
-                light.iter().zip(&self.lights[group[0]]).all(|(a, b)| (a - b).abs() <= SAME_LIGHT)
-            };
-            match groups.iter_mut().find(same) {
+            let is_near =
+                |group: &&mut Vec<usize>| light.iter().zip(&self.lights[group[0]]).all(|(a, b)| (a - b).abs() <= near);
+            match groups.iter_mut().find(is_near) {
                 Some(group) => group.push(k),
                 None => groups.push(vec![k]),
             }
         }
-        if groups.len() == self.lights.len() {
-            return self;
-        }
+        groups
+    }
+
+    /// Means of the images and lights of groups.
+    fn of_groups(&self, groups: &[Vec<usize>]) -> Self {
         let mean = |group: &Vec<usize>| {
-            let mut image = std::mem::take(&mut self.images[group[0]]);
+            let mut image = self.images[group[0]].clone();
             for other in &group[1..] {
                 image.as_flattened_mut().iter_mut().zip(self.images[*other].as_flattened()).for_each(|(a, b)| *a += b);
             }
@@ -132,9 +156,18 @@ impl LightSamples {
             image.as_flattened_mut().iter_mut().for_each(|value| *value /= count);
             image
         };
-        self.images = groups.iter().map(mean).collect();
-        self.lights = groups.iter().map(|group| self.lights[group[0]]).collect();
-        self
+        let light = |group: &Vec<usize>| {
+            let sum = group.iter().fold([0.0; 3], |sum, k| [0, 1, 2].map(|c| sum[c] + self.lights[*k][c]));
+            let length = sum.iter().map(|c| c * c).sum::<f32>().sqrt();
+            if group.len() == 1 { self.lights[group[0]] } else { sum.map(|c| c / length) }
+        };
+        Self {
+            size: self.size,
+            lights: groups.iter().map(light).collect(),
+            images: groups.iter().map(mean).collect(),
+            repeats: self.repeats,
+            defined: self.defined.clone(),
+        }
     }
 
     /// The images without some of the lights.

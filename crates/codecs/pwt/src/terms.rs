@@ -1,7 +1,7 @@
 //! Learned terms as plain images, for formats without a tree.
 
 use crate::choose::Texels;
-use crate::choose_learned::tried;
+use crate::choose_learned::{MOST_LIGHTS, tried};
 use crate::encode::padded_channels;
 use crate::project;
 use crate::recipe::{DomainName, PwtRecipe};
@@ -29,6 +29,7 @@ pub fn learned_terms(samples: &LightSamples, count: u32) -> Result<LearnedTerms,
         ..PwtRecipe::default()
     };
     samples.check()?;
+    let samples = &*samples.at_most(MOST_LIGHTS);
     recipe.check()?;
     let candidate = tried(&Texels::new(samples), samples, &recipe).swap_remove(0);
     let (learned, domain) = (candidate.learn(samples), candidate.candidate.domain());

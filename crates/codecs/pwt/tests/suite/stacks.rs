@@ -69,3 +69,19 @@ pub fn shiny(size: [usize; 2], lights: Vec<[f32; 3]>) -> LightSamples {
         [0.4, 0.3, 0.2].map(|colour| colour * cosine + gloss)
     })
 }
+
+/// Near lights are averaged until few enough are left, and lights that are few enough stay.
+#[test]
+fn near_lights_are_averaged() {
+    let samples = lambert([4, 4], spiral(300), false);
+    assert_eq!(*samples.at_most(300), samples);
+    for most in [1, 7, 100] {
+        let few = samples.at_most(most);
+        assert!((most.div_ceil(4)..=most).contains(&few.lights.len()), "{most}: {}", few.lights.len());
+        few.check().unwrap();
+    }
+    // The mean of all photographs.
+    let one = samples.at_most(1);
+    let mean = samples.images.iter().map(|image| image[5][0]).sum::<f32>() / 300.0;
+    assert!((one.images[0][5][0] - mean).abs() < 1e-4);
+}
