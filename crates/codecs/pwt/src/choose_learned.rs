@@ -24,8 +24,9 @@ const MIN_LIGHTS: usize = 6;
 const STEP: usize = 4;
 /// Number of terms with which domains are compared: three fetches.
 const COMPARED: usize = 12;
-/// PSNR at lights that are left out that counts as equal, dB.
-const EQUAL: f64 = 0.15;
+/// PSNR at lights that are left out that counts as equal, dB, for the default and where a size or an error is requested: there,
+/// more terms are closer at the fitted lights.
+const EQUAL: [f64; 2] = [0.15, 0.5];
 
 /// A candidate with learned terms.
 pub struct LearnedCandidate {
@@ -77,16 +78,12 @@ pub fn tried(texels: &Texels, samples: &LightSamples, recipe: &PwtRecipe) -> Vec
     if let Some(best) = best {
         let by_terms = trials[best].by_terms(most);
         let largest = by_terms.iter().map(merit).fold(f64::NEG_INFINITY, f64::max);
-        let mut enough = by_terms.iter().filter(|errors| merit(errors) >= largest - EQUAL);
-        let chosen = match (recipe.degree, recipe.target) {
-            (Some(_), _) => by_terms.last(),
-            // Three fetches are enough if more gain nothing.
-            (None, Target::Loss(_) | Target::Energy(_)) => {
-                enough.clone().find(|errors| errors.terms >= COMPARED).or_else(|| enough.next_back())
-            }
-            // More terms are closer at the fitted lights.
-            (None, Target::Bytes(_) | Target::Quality(_) | Target::DeltaE(_)) => enough.next_back(),
-        };
+        let is_default = matches!(recipe.target, Target::Loss(_) | Target::Energy(_));
+        let equal = EQUAL[usize::from(!is_default)];
+        let mut enough = by_terms.iter().filter(|errors| merit(errors) >= largest - equal);
+        // Three fetches are enough if more gain nothing.
+        let few = enough.clone().find(|errors| is_default && errors.terms >= COMPARED);
+        let chosen = if recipe.degree.is_some() { by_terms.last() } else { few.or_else(|| enough.next_back()) };
         if let Some(errors) = chosen {
             found.remove(best);
             found.insert(0, trials[best].candidate(*errors));
