@@ -18,7 +18,7 @@ use brdfc_formats::direction::Vector;
 use brdfc_formats::direction_set::DirectionSet;
 use brdfc_formats::flat_btf::{FlatBtfDecoder, FlatBtfFile, MacroSurface, SampledDirections};
 use brdfc_metrics::lab::{distance_squared, lab};
-use brdfc_pwt::choose::decibels;
+use brdfc_pwt::candidates::decibels;
 use brdfc_readers::colour::encode_srgb;
 use rayon::prelude::*;
 use schemars::JsonSchema;

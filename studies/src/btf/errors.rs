@@ -3,7 +3,7 @@
 use super::lights::Lights;
 use brdfc_formats::pwt::Domain;
 use brdfc_metrics::lab::{distance_squared, lab};
-use brdfc_pwt::choose::decibels;
+use brdfc_pwt::candidates::decibels;
 use rayon::prelude::*;
 
 /// Sums over texels and lights.

@@ -8,7 +8,7 @@ use super::lights::Lights;
 use super::rows::Tally;
 use super::steps::{StepUp, steps};
 use brdfc_formats::pwt::{Domain, LightBasis, LightCoordinates};
-use brdfc_pwt::choose::Candidate;
+use brdfc_pwt::candidates::Candidate;
 use brdfc_pwt::design::Design;
 use brdfc_pwt::image::Plane;
 use brdfc_pwt::levels::{BASES, TermImages, magnified, range, term_images};

@@ -6,7 +6,7 @@ use super::lights::Lights;
 use super::rows::Tally;
 use brdfc_formats::FormatError;
 use brdfc_formats::pwt::{LightBasis, LightCoordinates, PwtDecoder, PwtPack};
-use brdfc_pwt::choose::Candidate;
+use brdfc_pwt::candidates::Candidate;
 use brdfc_pwt::measure::images_of_pack;
 use brdfc_pwt::ptm::{MapModel, fit_map, images_of};
 use brdfc_pwt::{LightSamples, PwtRecipe, Target, encode, plain};

@@ -14,7 +14,7 @@ use brdfc_flat_btf::structures::Structure;
 use brdfc_formats::FormatError;
 use brdfc_formats::direction_set::DirectionSet;
 use brdfc_jobs::pwt::permutation;
-use brdfc_pwt::choose::Candidate;
+use brdfc_pwt::candidates::Candidate;
 
 /// Number of held-out lights of sets that have enough of them, and the seed of the permutation that selects them.
 const HELD_OUT: usize = 8;

@@ -1,6 +1,6 @@
 //! Chooses domain, interpolation and number of learned terms by leave-one-out cross-validation over the lights.
 
-use crate::choose::{Candidate, Texels, decibels, squares, to_srgb};
+use crate::candidates::{Candidate, Texels, decibels, squares, to_srgb};
 use crate::components::Components;
 use crate::kriging::{Interpolation, Shortlist, rows};
 use crate::learned::{Learned, map_side};

@@ -1,7 +1,8 @@
 //! Encodes images of one view under known lights as a pack. Each step has its own file; this one sequences them.
 
 use crate::assemble::{Arrangement, Limits, arrangements};
-use crate::choose::{Candidate, choose, to_srgb};
+use crate::candidates::{Candidate, to_srgb};
+use crate::choose::choose;
 use crate::choose_learned::{LearnedCandidate, MOST_LIGHTS};
 use crate::degrees::{SubbandDegree, degrees};
 use crate::design::Design;

@@ -4,6 +4,7 @@
 //! Baril, Boubekeur, Gioia and Schlick 2008, "Polynomial wavelet trees for bidirectional texture functions".
 
 pub mod assemble;
+pub mod candidates;
 pub mod choose;
 mod choose_learned;
 pub mod components;

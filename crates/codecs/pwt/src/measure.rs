@@ -1,6 +1,6 @@
 //! Errors of a pack against the photographs, decoded as in shaders.
 
-use crate::choose::{decibels, squares, to_srgb};
+use crate::candidates::{decibels, squares, to_srgb};
 use crate::stack::LightSamples;
 use brdfc_formats::pwt::{Domain, PwtDecoder};
 use brdfc_metrics::lab::{distance_squared, lab};

@@ -96,7 +96,7 @@ impl PwtRecipe {
     /// Maximum number of fetches.
     pub const MAX_FETCHES: u32 = brdfc_formats::pwt::MAX_COMPONENTS as u32 / 4;
 
-    /// Maximum number of learned terms, beside the mean.
+    /// Maximum number of learned terms, without the mean.
     pub(crate) fn most_learned(&self) -> usize {
         let of_fetches = 4 * self.max_fetches.unwrap_or(Self::MAX_FETCHES);
         self.degree.unwrap_or(of_fetches).min(LightCoordinates::Learned.max_degree()) as usize

@@ -157,9 +157,13 @@ impl LightSamples {
             image
         };
         let light = |group: &Vec<usize>| {
+            let first = self.lights[group[0]];
+            if group.iter().all(|k| self.lights[*k] == first) {
+                return first;
+            }
             let sum = group.iter().fold([0.0; 3], |sum, k| [0, 1, 2].map(|c| sum[c] + self.lights[*k][c]));
             let length = sum.iter().map(|c| c * c).sum::<f32>().sqrt();
-            if group.len() == 1 { self.lights[group[0]] } else { sum.map(|c| c / length) }
+            sum.map(|c| c / length)
         };
         Self {
             size: self.size,

@@ -1,6 +1,6 @@
 //! Learned terms as plain images, for formats without a tree.
 
-use crate::choose::Texels;
+use crate::candidates::Texels;
 use crate::choose_learned::{MOST_LIGHTS, tried};
 use crate::encode::padded_channels;
 use crate::project;
@@ -17,7 +17,7 @@ pub struct LearnedTerms {
     pub planes: Vec<Vec<f32>>,
 }
 
-/// Learns at most `count` terms of sRGB-encoded values, beside the mean.
+/// Learns at most `count` terms of sRGB-encoded values, without the mean.
 ///
 /// # Errors
 /// Returns an error if images or `count` are out of range.

@@ -2,7 +2,7 @@
 
 use super::make::{HeldOut, PwtMade};
 use brdfc_formats::pwt::LightCoordinates;
-use brdfc_pwt::choose::Candidate;
+use brdfc_pwt::candidates::Candidate;
 use brdfc_pwt::{PwtFacts, PwtTextureFacts, Target};
 use serde::Serialize;
 

@@ -2,7 +2,8 @@
 
 use super::stacks::{polynomial, spiral};
 use brdfc_formats::pwt::{LightBasis, LightCoordinates};
-use brdfc_pwt::choose::{choose, decibels};
+use brdfc_pwt::candidates::decibels;
+use brdfc_pwt::choose::choose;
 use brdfc_pwt::degrees::degrees;
 use brdfc_pwt::design::Design;
 use brdfc_pwt::image::Plane;

@@ -1,0 +1,123 @@
+//! Candidates for the terms of the light, and the texels on which they are compared.
+
+use crate::kriging::rows;
+use crate::recipe::DomainName;
+use crate::stack::LightSamples;
+use brdfc_formats::pwt::{Domain, LightBasis, LightCoordinates};
+use nalgebra::DMatrix;
+use rayon::prelude::*;
+
+/// Number of texels used.
+const TEXELS: usize = 512;
+/// Candidates for `ε` of logarithms, as shares of the mean value.
+const EPSILONS: [f64; 4] = [0.01, 0.03, 0.1, 0.3];
+
+/// A candidate and its errors.
+#[derive(Debug, Clone, Copy, PartialEq, serde::Serialize, serde::Deserialize, schemars::JsonSchema)]
+pub struct Candidate {
+    /// Domain of the values.
+    pub domain: DomainName,
+    /// `ε` of logarithms, else 0.
+    pub epsilon: f32,
+    /// Coordinates of the polynomials.
+    pub coordinates: LightCoordinates,
+    /// Highest degree of the polynomials, or the number of learned terms.
+    pub degree: u32,
+    /// Ridge `λ`, the weight of the penalty on roughness; 0 for learned terms.
+    pub ridge: f64,
+    /// PSNR of sRGB-encoded values at the fitted lights, dB.
+    pub psnr: f64,
+    /// The same in leave-one-out cross-validation over the lights; `None` if there are too few lights. Both values are
+    /// for 512 texels, before pruning and rounding.
+    pub held_out_psnr: Option<f64>,
+}
+
+impl Candidate {
+    /// Domain of the candidate.
+    pub fn domain(&self) -> Domain {
+        match self.domain {
+            DomainName::Linear => Domain::Linear,
+            DomainName::Display => Domain::Display,
+            DomainName::CubeRoot => Domain::CubeRoot,
+            DomainName::Log => Domain::Logarithm { epsilon: self.epsilon },
+        }
+    }
+
+    /// Rank of the candidate; lowest if it has no cross-validation.
+    pub(crate) fn merit(&self) -> f64 {
+        self.held_out_psnr.unwrap_or(f64::NEG_INFINITY)
+    }
+
+    /// Terms of the candidate.
+    pub fn basis(&self) -> LightBasis {
+        LightBasis { coordinates: self.coordinates, degree: self.degree }
+    }
+}
+
+/// Sample of texels under all lights.
+pub(crate) struct Texels {
+    /// Linear values of each light: red, green and blue of each texel.
+    pub(crate) values: Vec<Vec<f32>>,
+    /// The same values sRGB-encoded, 0 to 1.
+    pub(crate) codes: Vec<Vec<f32>>,
+    mean: f64,
+}
+
+impl Texels {
+    pub(crate) fn new(samples: &LightSamples) -> Self {
+        let at = samples.spread_texels(TEXELS);
+        let of_light = |image: &Vec<[f32; 3]>| -> Vec<f32> {
+            at.iter().flat_map(|texel| image[*texel]).map(|value| value.max(0.0)).collect()
+        };
+        let values: Vec<Vec<f32>> = samples.images.par_iter().map(of_light).collect();
+        let codes = values.iter().map(|values| to_srgb(Domain::Linear, values.clone())).collect();
+        let numbers = values.iter().map(Vec::len).sum::<usize>().max(1);
+        let mean = values.iter().flatten().map(|v| f64::from(*v)).sum::<f64>() / numbers as f64;
+        Self { values, codes, mean }
+    }
+
+    /// Values in a domain: a row for each light.
+    pub(crate) fn encoded(&self, domain: Domain) -> DMatrix<f64> {
+        let mut values = self.values.clone();
+        values.iter_mut().for_each(|values| domain.encode_each(values));
+        rows(&values)
+    }
+
+    pub(crate) fn domains(&self, name: DomainName) -> Vec<Domain> {
+        match name {
+            DomainName::Linear => vec![Domain::Linear],
+            DomainName::Display => vec![Domain::Display],
+            DomainName::CubeRoot => vec![Domain::CubeRoot],
+            DomainName::Log => {
+                let epsilon = |share: f64| (share * self.mean).max(1e-6) as f32;
+                EPSILONS.iter().map(|share| Domain::Logarithm { epsilon: epsilon(*share) }).collect()
+            }
+        }
+    }
+}
+
+/// Converts values in a domain to sRGB encoding, 0 to 1.
+pub(crate) fn to_srgb(domain: Domain, mut values: Vec<f32>) -> Vec<f32> {
+    if domain == Domain::Display {
+        values.iter_mut().for_each(|value| *value = value.clamp(0.0, 1.0));
+        return values;
+    }
+    domain.decode_each(&mut values);
+    values.iter_mut().for_each(|value| *value = value.min(1.0));
+    Domain::Display.encode_each(&mut values);
+    values
+}
+
+/// Sum of squared differences.
+pub(crate) fn squares(a: &[f32], b: &[f32]) -> f64 {
+    a.iter().zip(b).map(|(a, b)| f64::from((a - b) * (a - b))).sum()
+}
+
+/// PSNR for a mean squared error of values from 0 to 1, dB. Errors below rounding to 16 bits
+/// count as that; NaN counts as the largest error.
+pub fn decibels(mean_square: f64) -> f64 {
+    if mean_square.is_nan() {
+        return 0.0;
+    }
+    -10.0 * mean_square.max(1.0 / 65536.0 / 65536.0).log10()
+}
