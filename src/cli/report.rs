@@ -127,7 +127,7 @@ fn is_html(path: &Path) -> bool {
 /// Writes the page of `--view`.
 fn write_view(arguments: &Arguments, progress: &dyn Progress) -> Result<Option<ViewLink>, Error> {
     let Some(path) = &arguments.view else { return Ok(None) };
-    let items = open_items(&[Input::from(&arguments.folder)], ViewOptions { sources: true }, progress)?;
+    let items = open_items(&[Input::from(&arguments.folder)], ViewOptions::default(), progress)?;
     let name = path.file_name().unwrap_or_default().to_string_lossy();
     write_file(path, view_page(&items, None)?.html.as_bytes())?;
     Ok(Some(ViewLink::new(&name, items.into_iter().map(|item| item.name))))

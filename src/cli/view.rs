@@ -8,6 +8,7 @@ use crate::table;
 use brdfc::Input;
 use brdfc::environment;
 use brdfc::view::{ViewEnvironment, ViewItem, ViewOptions, open_items, view_page};
+use brdfc_terminal::values::bytes_from_text;
 use clap::Args;
 use serde::Serialize;
 use std::path::{Path, PathBuf};
@@ -16,15 +17,19 @@ use std::sync::atomic::AtomicBool;
 /// Write a page that draws packs, for viewing them in a browser with any rotation, light and comparison.
 ///
 /// The page is a single HTML file that needs no network and no server. It draws with WebGPU or WebGL 2, using the
-/// decoders of engines, on a ball, a cloth, a teapot or a plane; it draws packs of 'brdfc pwt' as an image under a
-/// moving light. With two materials it splits the screen and displays their difference (ΔE) under the pointer and over
+/// decoders of engines, on a ball, a cloth, a teapot or a plane. With two materials it splits the screen and displays their difference (ΔE) under the pointer and over
 /// the view. It draws materials that are not packs, such as the source of a pack, from a table of 128 KiB, and displays
 /// the error of that table.
+///
+/// It draws packs of 'brdfc pwt' as a flat image, under up to three lights that the mouse moves. With the photographs (the
+/// folder or the .lp of an RTI capture) next to the pack, it shows those that are nearest to the lights. It stores
+/// photographs as JPEG files of at most 1024 pixels a side, smaller or fewer if they exceed --max-photographs.
 ///
 /// An environment lights packs of lobes, and is visible behind them. Dragging with Shift or the right button turns it.
 ///
 /// The address of the page may set options after a #, separated by &: scene=cloth, left=NAME, right=NAME, mode=split,
-/// one or difference, coarser=1, light=90 (degrees by which lights and environment are turned), api=webgl2 or webgpu,
+/// one or difference, coarser=1, light=90 (degrees by which lights and environment are turned), light=0.5,0.3 (x and
+/// y of the unit vector to the light of an image; more lights after semicolons), api=webgl2 or webgpu,
 /// embed (only the rendering).
 #[derive(Debug, Args)]
 #[command(after_help = "\
@@ -35,9 +40,10 @@ Examples:
   brdfc view red.lobes.ktx2 --environment museum.exr -o red.html
   brdfc view packs -o all.html                         the packs of a build, with sources
   brdfc view button -o button.html                     a flat BTF
-  brdfc view icon.ktx2 -o icon.html                    photographs under any light")]
+  brdfc view icon.ktx2 -o icon.html                    photographs under any light
+  brdfc view icon.ktx2 icon --normals -o icon.html     next to the photographs, with normals")]
 pub struct Arguments {
-    /// Packs, lobes, flat BTFs (their file or folder), folders of builds, or materials: paths, - for stdin, or
+    /// Packs, lobes, flat BTFs (their file or folder), RTI captures (their folder or .lp), folders of builds, or materials: paths, - for stdin, or
     /// synth:MODEL?param=value&... The first one is on the left, the second one on the right.
     #[arg(required = true, value_name = "PACK")]
     inputs: Vec<Input>,
@@ -51,6 +57,12 @@ pub struct Arguments {
     /// For builds, draw only the packs, without their sources.
     #[arg(long)]
     no_sources: bool,
+    /// Add the normals of the first RTI capture, or else of the first pack of 'brdfc pwt', as colours.
+    #[arg(long)]
+    normals: bool,
+    /// Maximum bytes of the photographs of an RTI capture in the page: a number, optionally with KiB or MiB.
+    #[arg(long, value_name = "BYTES", default_value = "8MiB", value_parser = bytes_from_text)]
+    max_photographs: u64,
 }
 
 /// Report of `--json`.
@@ -75,12 +87,28 @@ pub struct Report {
 struct Item {
     /// Name on the page.
     name: String,
-    /// Decoder, by its name in `brdfc shader`.
+    /// Decoder, by its name in `brdfc shader`; 'photographs' for those and normals.
     decoder: &'static str,
     /// Bytes of its textures on a GPU.
     bytes_on_gpu: u64,
     /// Description on the page.
     facts: String,
+    /// Photographs or normals in the page, if it is an RTI capture.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    photographs: Option<PhotographsReport>,
+}
+
+/// Photographs in the page.
+#[derive(Debug, Serialize, schemars::JsonSchema)]
+struct PhotographsReport {
+    /// Columns and rows.
+    size: [usize; 2],
+    /// Number in the page.
+    count: usize,
+    /// Number that was left out.
+    left_out: usize,
+    /// Bytes in the page, as Base64.
+    bytes: u64,
 }
 
 /// The environment of the page.
@@ -102,9 +130,15 @@ impl Item {
     fn new(item: &ViewItem) -> Self {
         Self {
             name: item.name.clone(),
-            decoder: item.decoder().name(),
+            decoder: item.decoder_name(),
             bytes_on_gpu: item.gpu_bytes(),
             facts: item.facts.clone(),
+            photographs: item.photographs().map(|them| PhotographsReport {
+                size: them.size,
+                count: them.all.len(),
+                left_out: them.total - them.all.len(),
+                bytes: them.bytes(),
+            }),
         }
     }
 }
@@ -124,7 +158,17 @@ pub(super) fn run(arguments: &Arguments, common: Common) -> Result<(), Error> {
         Some(input) => Some(ViewEnvironment { name: input.short_name(), pack: environment::open(input, &steps)? }),
         None => None,
     };
-    let items = open_items(&arguments.inputs, ViewOptions { sources: !arguments.no_sources }, &steps)?;
+    let options = ViewOptions {
+        sources: !arguments.no_sources,
+        normals: arguments.normals,
+        photograph_bytes: arguments.max_photographs,
+    };
+    let items = open_items(&arguments.inputs, options, &steps)?;
+    for item in &items {
+        if let Some(text) = item.photographs().and_then(|them| them.left_out()) {
+            note(common, &item.name, &text);
+        }
+    }
     if let [left, right, ..] = &items[..]
         && !left.is_comparable(right)
     {

@@ -14,4 +14,5 @@ pub use input::{LightInput, any_above_white};
 pub use make::{HeldOut, Missed, PwtMade, make, make_map, permutation, recipe_of_map};
 pub use report::{LevelReport, PwtReport};
 pub use surface::{SurfaceReport, albedo_png, make_surface, normals_png};
+pub(crate) use web::jpeg;
 pub use web::{WebExport, WebReport, make_web, make_web_of_map};

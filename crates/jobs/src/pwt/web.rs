@@ -79,8 +79,9 @@ pub fn make_web_of_map(map: &Ptm, samples: &LightSamples) -> WebExport {
 
 /// Compresses the planes, and measures errors against the photographs.
 fn compressed(mut web: WebImage, samples: &LightSamples) -> WebExport {
-    let named =
-        |(k, plane): (usize, &Vec<u8>)| (format!("plane_{k}.jpg"), jpeg(plane, web.info.width, web.info.height));
+    let named = |(k, plane): (usize, &Vec<u8>)| {
+        (format!("plane_{k}.jpg"), jpeg(plane, web.info.width, web.info.height, QUALITY))
+    };
     let mut files: Vec<(String, Vec<u8>)> = web.planes.par_iter().enumerate().map(named).collect();
     let decoded = |(_, bytes): &(String, Vec<u8>)| {
         image::load_from_memory(bytes).expect("an image that was just encoded").into_rgb8().into_raw()
@@ -88,7 +89,7 @@ fn compressed(mut web: WebImage, samples: &LightSamples) -> WebExport {
     web.planes = files.par_iter().map(decoded).collect();
     // Viewers use normals, if there are any, for diffuse and specular shading.
     if let Ok(maps) = surface_maps(samples) {
-        files.push(("normals.jpg".to_owned(), jpeg(&maps.normal_levels(), web.info.width, web.info.height)));
+        files.push(("normals.jpg".to_owned(), jpeg(&maps.normal_levels(), web.info.width, web.info.height, QUALITY)));
     }
     files.push((INFO.to_owned(), serde_json::to_vec(&web.info).expect("numbers and names")));
     let errors = errors_at(&web, samples);
@@ -118,10 +119,10 @@ fn errors_at(web: &WebImage, samples: &LightSamples) -> StackErrors {
 }
 
 /// RGB levels as a JPEG file, without subsampling.
-fn jpeg(rgb: &[u8], width: usize, height: usize) -> Vec<u8> {
+pub(crate) fn jpeg(rgb: &[u8], width: usize, height: usize, quality: u8) -> Vec<u8> {
     let mut bytes = Vec::new();
     let [width, height] = [width, height].map(|side| side as u32);
-    let encoder = JpegEncoder::new_with_quality(&mut bytes, QUALITY);
+    let encoder = JpegEncoder::new_with_quality(&mut bytes, quality);
     let encoded = image::ImageEncoder::write_image(encoder, rgb, width, height, image::ExtendedColorType::Rgb8);
     encoded.expect("sides below 65536, and writing to memory");
     bytes

@@ -4,6 +4,9 @@ use super::environment::ViewEnvironment;
 use super::item::ViewItem;
 use super::mesh::PackedMesh;
 use super::packed::packed;
+use super::photographs::Photograph;
+use base64::Engine as _;
+use base64::engine::general_purpose::STANDARD;
 use brdfc_formats::PackKind;
 use brdfc_formats::bindings::{Binding, FrameBlock, Resource, Texels};
 use brdfc_formats::container::TexelFormat;
@@ -41,12 +44,15 @@ impl Programs {
 
 /// A scene.
 #[derive(Debug, Serialize)]
+#[serde(rename_all = "camelCase")]
 pub(super) struct PageScene {
     pub name: String,
     pub camera: Camera,
     pub lights: Vec<PointLight>,
     pub background: [f32; 3],
     pub mesh: PackedMesh,
+    /// Halves of the width and height of an image, the larger 1; `None` on other surfaces. Lights of images are distant.
+    pub half_sides: Option<[f64; 2]>,
 }
 
 /// An environment. Its name, facts and decoder are as in [`PageItem`].
@@ -83,6 +89,8 @@ pub(super) struct PageItem {
     decoder: &'static str,
     /// Its own resources; shaders of items that need the environment also bind those of the environment.
     resources: Vec<PageResource>,
+    /// Images instead of resources: photographs with their lights, or normals.
+    photographs: Vec<PagePhotograph>,
     needs_environment: bool,
     /// Names of scenes.
     scenes: Vec<String>,
@@ -112,8 +120,9 @@ impl PageItem {
         Self {
             name: item.name.clone(),
             facts: item.facts.clone(),
-            decoder: item.decoder().name(),
+            decoder: item.decoder_name(),
             resources: bindings.all.into_iter().map(PageResource::new).collect(),
+            photographs: item.photographs().iter().flat_map(|it| &it.all).map(PagePhotograph::new).collect(),
             needs_environment: item.needs_environment(),
             scenes: scenes.iter().map(|scene| scene.name()).collect(),
             repeats: scenes.iter().map(|scene| (scene.name(), item.repeat(*scene))).collect(),
@@ -133,7 +142,24 @@ impl PageItem {
     /// Bytes of its data in the page.
     pub(super) fn bytes(&self) -> usize {
         let reliefs: usize = self.reliefs.values().map(PackedMesh::bytes).sum();
-        reliefs + self.resources.iter().map(|resource| resource.bytes()).sum::<usize>()
+        let photographs: usize = self.photographs.iter().map(|photograph| photograph.data.len()).sum();
+        reliefs + photographs + self.resources.iter().map(|resource| resource.bytes()).sum::<usize>()
+    }
+}
+
+/// A photograph under a known light, or an image that does not depend on the light.
+#[derive(Debug, Serialize)]
+struct PagePhotograph {
+    name: String,
+    light: Option<[f32; 3]>,
+    /// A JPEG file as Base64.
+    data: String,
+}
+
+impl PagePhotograph {
+    fn new(photograph: &Photograph) -> Self {
+        let Photograph { name, light, jpeg } = photograph;
+        Self { name: name.clone(), light: *light, data: STANDARD.encode(jpeg) }
     }
 }
 

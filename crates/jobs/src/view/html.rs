@@ -27,6 +27,9 @@ p { margin: 0 0 0.6rem; } .soft { color: var(--soft); font-size: 0.85rem; }
 .scale { display: inline-block; width: 9rem; height: 0.7rem; border: 1px solid var(--faint);
   background: linear-gradient(90deg, var(--ramp)); }
 button { font: inherit; padding: 0.2rem 0.7rem; }
+#disc { display: block; width: 12rem; max-width: 100%; margin: 0 auto 0.4rem; touch-action: none; cursor: crosshair; }
+.rim { fill: #1c1c1c; stroke: var(--soft); stroke-width: 0.01; } .dot { fill: #999; } .dot.used { fill: #6cf; }
+.handle { fill: #fd6; fill-opacity: 0.55; stroke: #fff; stroke-width: 0.012; } .handle.chosen { fill-opacity: 1; }
 [hidden] { display: none !important; }
 @media (max-width: 46rem) { body { grid-template-columns: 1fr; grid-template-rows: minmax(18rem, 60vh) auto; height: auto; }
   form { border-left: 0; } }
@@ -62,7 +65,7 @@ fn controls(title: &str, data: &PageData) -> Markup {
     html! {
         form #controls autocomplete="off" {
             h1 { (title) }
-            label {
+            label #surfaces {
                 "Surface"
                 select name="scene" { @for scene in &data.scenes { option value=(scene.name) { (scene.name) } } }
             }
@@ -76,6 +79,7 @@ fn controls(title: &str, data: &PageData) -> Markup {
             p #scale .soft { "ΔE 0 " span.scale {} " " (brdfc_render::rendering::DELTA_E_FULL_SCALE) }
             p #whole { "Drawing …" }
             p #here .soft {}
+            (lights())
             div #levels {
                 label { input type="checkbox" name="follows"; " level of detail from the distance, as in an engine" }
                 label { input type="range" name="coarser" min="0" step="0.1" aria-label="Levels coarser than the finest"; span #coarser-shown .soft {} }
@@ -88,7 +92,7 @@ fn controls(title: &str, data: &PageData) -> Markup {
                 label { input type="checkbox" name="behind" checked; " environment as background" }
             }
             label { "Exposure" input type="range" name="stops" min="-4" max="4" step="0.1"; }
-            fieldset {
+            fieldset #drags {
                 "Dragging moves the "
                 label { input type="radio" name="drags" value="view" checked; " surface" }
                 label { input type="radio" name="drags" value="light"; " light" }
@@ -97,16 +101,33 @@ fn controls(title: &str, data: &PageData) -> Markup {
                 button type="button" #again { "Reset" } " "
                 button type="button" #save { "Save as PNG" }
             }
-            p.soft {
+            p #turning .soft {
                 "Drag with Shift or the right button to move the light. Zoom with the wheel, two fingers, + or -. Arrow keys turn \
                  the surface; with Shift they move the light."
                 @if data.environment.is_some() {
                     " The light of lobes is their environment, which turns about the vertical."
                 }
             }
+            p #images .soft hidden {
+                "Drag, or use the arrow keys, to move the light; with Shift or the right button, the image. Keys 1 to 3 select a \
+                 light. A click on a dot of the disc selects the light of that photograph. Zoom with the wheel, two fingers, + or -."
+            }
             div #facts {}
             @if several { p.soft { "ΔE is the CIE76 difference of the displayed colours; about 1 is just visible." } }
             p.soft { "Drawn with " span #api { "…" } }
+        }
+    }
+}
+
+/// Lights of images.
+fn lights() -> Markup {
+    html! {
+        fieldset #lights hidden {
+            svg #disc viewBox="-1.1 -1.1 2.2 2.2" role="img" aria-label="Directions of the lights, seen from above" {}
+            p #light .soft {}
+            label { "Brightness of the light" input #brightness type="range" min="0" max="2" step="0.01"; }
+            button type="button" #add { "Add a light" } " "
+            button type="button" #remove { "Remove" }
         }
     }
 }

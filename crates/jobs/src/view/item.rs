@@ -1,6 +1,8 @@
 //! Materials of a page.
 
 use super::mesh::PackedMesh;
+use super::photographs::Photographs;
+use super::shaders::PHOTOGRAPHS;
 use brdfc_formats::BrdfPack;
 use brdfc_formats::PackKind;
 use brdfc_formats::bindings::Bindings;
@@ -41,17 +43,25 @@ pub enum Drawn {
     Lobes(LobesPack),
     /// A polynomial wavelet tree.
     Pwt(Box<PwtPack>),
+    /// Photographs under known lights, or normals.
+    Photographs(Photographs),
 }
 
 impl ViewItem {
-    /// Kind of its pack.
-    pub fn decoder(&self) -> PackKind {
-        match &self.drawn {
+    /// Name of its decoder in `brdfc shader`; `photographs` for those, which have none.
+    pub fn decoder_name(&self) -> &'static str {
+        self.decoder().map_or(PHOTOGRAPHS, PackKind::name)
+    }
+
+    /// Kind of its pack; `None` for photographs.
+    pub fn decoder(&self) -> Option<PackKind> {
+        Some(match &self.drawn {
             Drawn::Brdf(pack) => pack.kind(),
             Drawn::FlatBtf(..) => PackKind::FlatBtf,
             Drawn::Lobes(_) => PackKind::Lobes,
             Drawn::Pwt(_) => PackKind::Pwt,
-        }
+            Drawn::Photographs(_) => return None,
+        })
     }
 
     /// Bindings of its shader.
@@ -61,6 +71,7 @@ impl ViewItem {
             Drawn::FlatBtf(decoder, directions) => decoder.bindings(directions.as_ref()),
             Drawn::Lobes(pack) => pack.bindings(),
             Drawn::Pwt(pack) => pack.bindings(),
+            Drawn::Photographs(_) => Bindings { decoder: PHOTOGRAPHS.into(), version: 1, all: Vec::new() },
         }
     }
 
@@ -71,7 +82,14 @@ impl ViewItem {
             Drawn::FlatBtf(..) => self.bindings().gpu_bytes(),
             Drawn::Lobes(pack) => pack.gpu_bytes(),
             Drawn::Pwt(pack) => pack.gpu_bytes(),
+            // One photograph with mipmaps.
+            Drawn::Photographs(them) => (them.size[0] * them.size[1]) as u64 * 4 * 4 / 3,
         }
+    }
+
+    /// Its photographs, if it has them instead of a pack.
+    pub fn photographs(&self) -> Option<&Photographs> {
+        if let Drawn::Photographs(them) = &self.drawn { Some(them) } else { None }
     }
 
     /// True if the environment of the page lights it; point lights light the others.
@@ -92,7 +110,7 @@ impl ViewItem {
         match &self.drawn {
             Drawn::Brdf(pack) => (pack.levels(), pack.levels()),
             Drawn::FlatBtf(decoder, _) => of_mipmaps(decoder.parts().reflectance.header().levels),
-            Drawn::Lobes(_) => (0, 0),
+            Drawn::Lobes(_) | Drawn::Photographs(_) => (0, 0),
             Drawn::Pwt(pack) => {
                 let textures = pack.header().textures.len();
                 of_mipmaps((0..textures).map(|index| pack.levels_of(index)).max().unwrap_or(1))
@@ -104,7 +122,7 @@ impl ViewItem {
     pub(super) fn directions(&self) -> DirectionRange {
         match &self.drawn {
             Drawn::Brdf(pack) => pack.directions(),
-            Drawn::FlatBtf(..) | Drawn::Lobes(_) | Drawn::Pwt(_) => {
+            Drawn::FlatBtf(..) | Drawn::Lobes(_) | Drawn::Pwt(_) | Drawn::Photographs(_) => {
                 DirectionRange { light: Elevations::ALL, view: Elevations::ALL }
             }
         }
@@ -116,6 +134,7 @@ impl ViewItem {
             Drawn::Brdf(_) | Drawn::Lobes(_) => BRDF_SCENES.map(ItemScene::Builtin).to_vec(),
             Drawn::FlatBtf(..) => FLAT_BTF_SCENES.map(ItemScene::Builtin).to_vec(),
             Drawn::Pwt(pack) => vec![ItemScene::Image(pack.header().size)],
+            Drawn::Photographs(them) => vec![ItemScene::Image(them.full_size.map(|side| side as u32))],
         }
     }
 

@@ -11,6 +11,7 @@ mod item;
 mod mesh;
 mod open;
 mod packed;
+mod photographs;
 mod scenes;
 mod script;
 mod shaders;
@@ -18,6 +19,7 @@ mod shaders;
 pub use environment::ViewEnvironment;
 pub use item::{Drawn, ViewItem};
 pub use open::{ViewOptions, open_items};
+pub use photographs::{Photograph, Photographs};
 pub use shaders::PageShader;
 
 use crate::error::Error;
@@ -56,7 +58,7 @@ pub fn view_page(items: &[ViewItem], environment: Option<&ViewEnvironment>) -> R
     let mut programs = BTreeMap::new();
     for (item, listed) in items.iter().zip(&listed) {
         for exact in if listed.wide { &[false, true][..] } else { &[false] } {
-            let shader = PageShader::drawing(item.decoder(), *exact);
+            let shader = PageShader::of_item(item, *exact);
             programs.entry(shader.name.clone()).or_insert_with(|| shader.program());
         }
     }
@@ -82,7 +84,10 @@ pub fn view_page(items: &[ViewItem], environment: Option<&ViewEnvironment>) -> R
 }
 
 fn title(items: &[ViewItem]) -> String {
-    match items {
+    // Photographs and normals accompany a pack.
+    let packs: Vec<&ViewItem> = items.iter().filter(|item| item.photographs().is_none()).collect();
+    match &packs[..] {
+        [] => items.first().map_or_else(String::new, |item| item.name.clone()),
         [one] => one.name.clone(),
         [first, second] => format!("{} and {}", first.name, second.name),
         many => format!("{} materials", many.len()),

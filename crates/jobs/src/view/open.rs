@@ -1,6 +1,7 @@
 //! Opens the inputs of a page.
 
 use super::item::{Drawn, ViewItem};
+use super::photographs::Photographs;
 use crate::encode::EncodeError;
 use crate::error::Error;
 use crate::report::page::{Reports, is_flat_btf, source_name, source_of};
@@ -22,7 +23,7 @@ use brdfc_table::recipe::{Size, TableRecipe};
 use std::path::Path;
 
 /// Inputs that can be drawn.
-const ALLOWED: &str = "a pack of a BRDF, lobes, a flat BTF, a pack of 'brdfc pwt', the folder \
+const ALLOWED: &str = "a pack of a BRDF, lobes, a flat BTF, a pack of 'brdfc pwt', an RTI capture, the folder \
                        of a build, or a material; name several one by one";
 /// Expected input next to an environment, which is no input of its own.
 const LIGHTS_LOBES: &str = "a pack of lobes, which '--environment' lights with this file";
@@ -52,9 +53,19 @@ fn refused(name: &str, found: impl Into<String>, allowed: &'static str) -> Error
 pub struct ViewOptions {
     /// True to draw the sources of builds' packs, too, if they still exist.
     pub sources: bool,
+    /// True to add the normals of the first RTI capture, or else of the first pack of `brdfc pwt`.
+    pub normals: bool,
+    /// Maximum bytes of the photographs of each RTI capture in the page.
+    pub photograph_bytes: u64,
 }
 
-/// Reads inputs: packs, the packs of builds with their sources, and sources as table packs.
+impl Default for ViewOptions {
+    fn default() -> Self {
+        Self { sources: true, normals: false, photograph_bytes: 8 << 20 }
+    }
+}
+
+/// Reads inputs: packs, photographs, the packs of builds with their sources, and sources as table packs.
 ///
 /// # Errors
 /// Returns an error if an input cannot be read, is invalid or cannot be drawn, or if cancelled.
@@ -64,12 +75,23 @@ pub fn open_items(inputs: &[Input], options: ViewOptions, progress: &dyn Progres
         progress.check()?;
         let opened = match input.path().and_then(build_folder) {
             Some(folder) => of_build(folder, options, progress)?,
-            None => vec![of_input(input, progress)?],
+            None => vec![of_input(input, options, progress)?],
         };
         for mut item in opened {
             item.name = unique_name(&items, item.name);
             items.push(item);
         }
+    }
+    if options.normals {
+        let is_pack = |item: &&ViewItem| matches!(item.drawn, Drawn::Pwt(_));
+        let capture = inputs.iter().find(|input| input.path().is_some_and(is_rti_capture));
+        let of_pack =
+            || items.iter().find(is_pack).and_then(|item| inputs.iter().find(|it| it.short_name() == item.name));
+        let Some(input) = capture.or_else(of_pack) else {
+            return Err(Error::usage("--normals: found no RTI capture and no pack of 'brdfc pwt', expected one"));
+        };
+        let name = unique_name(&items, format!("{}, normals", input.short_name()));
+        items.push(of_photographs(name, Photographs::normals(input)?));
     }
     Ok(items)
 }
@@ -97,15 +119,15 @@ fn unique_name(items: &[ViewItem], name: String) -> String {
     numbered.into_iter().find(|name| !is_taken(name)).expect("numbers do not end")
 }
 
-fn of_input(input: &Input, progress: &dyn Progress) -> Result<ViewItem, Error> {
+fn of_input(input: &Input, options: ViewOptions, progress: &dyn Progress) -> Result<ViewItem, Error> {
     let name = input.short_name();
     if let Some(path) = input.path() {
         if is_flat_btf(path) {
             return of_flat_btf(name, path);
         }
         if is_rti_capture(path) {
-            let allowed = "a pack of it, made by 'brdfc pwt'";
-            return Err(refused(&input.to_string(), "an RTI capture", allowed));
+            let them = Photographs::of_capture(path, options.photograph_bytes, progress)?;
+            return Ok(of_photographs(name, them));
         }
         if path.is_dir() {
             let found = if has_packs(path) { "a folder of packs without the report of a build" } else { "a folder" };
@@ -136,6 +158,10 @@ fn of_input(input: &Input, progress: &dyn Progress) -> Result<ViewItem, Error> {
             Err(kind) => Err(refused(&input.to_string(), kind.summary(), ALLOWED)),
         },
     }
+}
+
+fn of_photographs(name: String, photographs: Photographs) -> ViewItem {
+    ViewItem { name, facts: photographs.facts(), drawn: Drawn::Photographs(photographs) }
 }
 
 fn of_brdf(name: String, pack: BrdfPack) -> ViewItem {

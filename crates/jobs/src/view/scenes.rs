@@ -23,5 +23,13 @@ fn page_scene(of: ItemScene) -> PageScene {
     };
     let [part] = &scene.parts[..] else { unreachable!("scenes of pages have one part") };
     let mesh = PackedMesh::new(&part.mesh);
-    PageScene { name: of.name(), camera: scene.camera, lights: scene.lights, background: scene.background, mesh }
+    let half_sides = match of {
+        ItemScene::Builtin(_) => None,
+        ItemScene::Image([width, height]) => {
+            let longer = f64::from(width.max(height));
+            Some([f64::from(width) / longer, f64::from(height) / longer])
+        }
+    };
+    let brdfc_render::scene::Scene { camera, lights, background, .. } = scene;
+    PageScene { name: of.name(), camera, lights, background, mesh, half_sides }
 }

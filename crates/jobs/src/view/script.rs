@@ -1,12 +1,14 @@
 //! The script of a page: modules in a single scope.
 
 /// Modules, each after its imports. The modules in the folder `shared` are also part of the web package.
-const MODULES: [&str; 12] = [
+const MODULES: [&str; 14] = [
     include_str!("shared/levels.js"),
     include_str!("page/state.js"),
     include_str!("page/data.js"),
     include_str!("page/colour.js"),
     include_str!("page/camera.js"),
+    include_str!("page/photographs.js"),
+    include_str!("page/lights.js"),
     include_str!("shared/upload_webgl.js"),
     include_str!("page/webgl.js"),
     include_str!("shared/upload_webgpu.js"),

@@ -1,5 +1,6 @@
 //! Shaders of pages: WGSL assembled from parts, and its GLSL ES 3.00 translation from `programs.json`.
 
+use super::item::ViewItem;
 use brdfc_formats::PackKind;
 use brdfc_formats::environment::ENVIRONMENT_WGSL;
 use brdfc_render::flat::COVER_WGSL;
@@ -9,6 +10,8 @@ use std::sync::OnceLock;
 
 /// Parameters of a rendering.
 const VIEW_WGSL: &str = include_str!("shaders/view.wgsl");
+/// Name of the shader that draws photographs.
+pub(super) const PHOTOGRAPHS: &str = "photographs";
 /// Name of the shader that displays renderings.
 const SHOW: &str = "show";
 
@@ -36,7 +39,7 @@ impl PageShader {
             [false, true].into_iter().take(1 + usize::from(may_be_wide)).map(move |exact| Self::drawing(kind, exact))
         };
         let drawn = PackKind::ALL.into_iter().filter(|kind| drawing_wgsl(*kind, false).is_some());
-        drawn.flat_map(of_kind).chain([Self::behind(), Self::showing()]).collect()
+        drawn.flat_map(of_kind).chain([Self::photographs(), Self::behind(), Self::showing()]).collect()
     }
 
     /// The shader that draws a kind of pack. With `exact`, the shader filters instead of a sampler. Each variant is a separate
@@ -46,17 +49,27 @@ impl PageShader {
     /// Panics for kinds of packs that pages do not draw.
     pub(super) fn drawing(decoder: PackKind, exact: bool) -> Self {
         let of_kind = drawing_wgsl(decoder, exact).expect("only packs that pages draw become items");
-        let (frame, corner) = (brdfc_render::shading_point::SHADING_POINT_WGSL, brdfc_render::camera::CORNER_WGSL);
         // Decoders come with what they need: the surfaces that flat BTFs cover, the environment that lights lobes.
         let needed = match decoder {
             PackKind::FlatBtf => COVER_WGSL,
             PackKind::Lobes => ENVIRONMENT_WGSL,
             _ => "",
         };
-        let shade = include_str!("shaders/shade.wgsl");
-        let wgsl = [needed, &(decoder.descriptor().wgsl)(), &of_kind, frame, corner, VIEW_WGSL, shade].join("\n");
+        let wgsl = assembled(&[needed, &(decoder.descriptor().wgsl)(), &of_kind]);
         let name = if exact { format!("{}, exact", decoder.name()) } else { decoder.name().to_owned() };
         Self { name, wgsl, vertex: "project", fragment: "shade" }
+    }
+
+    /// The shader that draws a material.
+    pub(super) fn of_item(item: &ViewItem, exact: bool) -> Self {
+        item.decoder().map_or_else(Self::photographs, |decoder| Self::drawing(decoder, exact))
+    }
+
+    /// The shader that draws photographs.
+    fn photographs() -> Self {
+        let photographs = include_str!("shaders/photographs.wgsl");
+        let wgsl = assembled(&[photographs, NO_ENVIRONMENT]);
+        Self { name: PHOTOGRAPHS.to_owned(), wgsl, vertex: "project", fragment: "shade" }
     }
 
     /// The shader that draws the environment behind materials.
@@ -90,6 +103,12 @@ impl PageShader {
         let lacking = || panic!("{} lacks {}: ./scripts/bless", Self::FILE, self.name);
         Program::new(&self.wgsl, all.get(&self.name).unwrap_or_else(lacking))
     }
+}
+
+/// WGSL that draws a mesh, after a decoder and the functions of its kind.
+fn assembled(of_kind: &[&str]) -> String {
+    let (frame, corner) = (brdfc_render::shading_point::SHADING_POINT_WGSL, brdfc_render::camera::CORNER_WGSL);
+    [of_kind, &[frame, corner, VIEW_WGSL, include_str!("shaders/shade.wgsl")]].concat().join("\n")
 }
 
 /// WGSL that places, evaluates and filters a kind of pack on a page; `None` for kinds that pages do not draw.

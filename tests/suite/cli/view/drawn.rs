@@ -23,7 +23,7 @@ pub(super) struct Seen {
     /// As coarse as the first rendering, with its exposure.
     firsts: Vec<LinearImage>,
     pub(super) exposures: Vec<f64>,
-    measured: Vec<Value>,
+    pub(super) measured: Vec<Value>,
 }
 
 pub(super) fn seen(page: &str, size: [usize; 2], api: &str, changes: &[Value]) -> Option<Seen> {
@@ -75,7 +75,7 @@ addEventListener('unhandledrejection', ({ reason }) => say(`error: ${reason?.nam
     })
 }
 
-fn linear(png: &[u8]) -> LinearImage {
+pub(super) fn linear(png: &[u8]) -> LinearImage {
     let image = image::load_from_memory(png).unwrap().to_rgb8();
     let pixels = image.pixels().map(|pixel| pixel.0.map(|code| decode_srgb(f64::from(code) / 255.0) as f32)).collect();
     let (width, height) = (image.width() as usize, image.height() as usize);
@@ -100,16 +100,20 @@ impl<'a> Renders<'a> {
             let size = format!("{width}x{height}");
             let words = [&["render"], arguments, &["--size", &size, "-o", "expected.png"]].concat();
             self.folder.run(&words).succeeded();
-            let mut expected = linear(&self.folder.read("expected.png"));
-            let background = expected.pixels[0];
-            expected.coverage = expected.pixels.iter().map(|pixel| f32::from(u8::from(*pixel != background))).collect();
-            assert!(expected.coverage.iter().sum::<f32>() > (width * height / 8) as f32);
-            expected
+            linear(&self.folder.read("expected.png"))
         };
-        let expected = self.known.entry(arguments.join(" ")).or_insert_with(draw);
-        let shown = LinearImage { coverage: vec![0.0; rendering.pixels.len()], ..rendering.clone() };
-        compare_images(&shown, expected, 1.0)
+        against_image(rendering, self.known.entry(arguments.join(" ")).or_insert_with(draw))
     }
+}
+
+/// Compares a page's rendering with an image, where that shows anything but its background.
+pub(super) fn against_image(rendering: &LinearImage, expected: &LinearImage) -> ImageDifference {
+    let background = expected.pixels[0];
+    let coverage: Vec<f32> = expected.pixels.iter().map(|pixel| f32::from(u8::from(*pixel != background))).collect();
+    assert!(coverage.iter().sum::<f32>() > (coverage.len() / 8) as f32);
+    let expected = LinearImage { coverage, ..expected.clone() };
+    let shown = LinearImage { coverage: vec![0.0; rendering.pixels.len()], ..rendering.clone() };
+    compare_images(&shown, &expected, 1.0)
 }
 
 pub(super) const APIS: [(&str, &str); 2] = [("webgl2", "WebGL 2"), ("webgpu", "WebGPU")];

@@ -37,20 +37,55 @@ function around(camera, v, { yaw, pitch }) {
     return turned(turned(v, basis(camera).right, -pitch), UP, yaw);
 }
 
+/** Distance of lights of images, in halves of the image's longer side: their direction and brightness are the same everywhere. */
+const DISTANT = 10000;
+/** Share of the view that an image fills along one of its sides. */
+const FILLED = 0.98;
+
+/** Half the height of the view of an image, in scene units. `aspect` is width over height. */
+export function halfHeight({ halfSides: [width, height] }, zoom, aspect) {
+    return Math.max(height, width / aspect) / (FILLED * zoom);
+}
+
+/** A point light of the scene from a distant light of the image. */
+function distantLight({ direction: [x, y, z], brightness }) {
+    const intensity = Math.PI * DISTANT * DISTANT * brightness;
+    return { position: [x, z, -y].map((c) => c * DISTANT), intensity: [intensity, intensity, intensity] };
+}
+
+/** The camera of an image, moved so that the image fills the view. */
+function imageCamera(scene, { pan, zoom }, aspect) {
+    const { camera } = scene;
+    const tangent = Math.tan((camera.fieldOfView * Math.PI) / 360) / Math.min(aspect, 1);
+    const target = [pan[0], 0, pan[1]];
+    return { ...camera, target, eye: [pan[0], halfHeight(scene, zoom, aspect) / tangent, pan[1]] };
+}
+
+/** Lights of a material. An image without a light is as bright under any. */
+function lightsOf(scene, item, view) {
+    if (item.needsEnvironment) {
+        return [];
+    }
+    const isUnlit = item.photographs?.[0]?.light === null;
+    const distant = isUnlit ? [{ direction: [0, 0, 1], brightness: 1 }] : view.lights;
+    return scene.halfSides ? distant.map(distantLight) : scene.lights;
+}
+
 /**
  * Writes the uniform block of a rendering, with the layout of `View` in view.wgsl.
  *
  * @param scene the page's scene
  * @param item the page's material
- * @param view `turn`, `light`: { yaw, pitch }, `zoom`, `coarser`, `samples`
+ * @param view `turn`, `light`: { yaw, pitch }, `lights` and `pan` of images, `zoom`, `coarser`, `samples`
  * @param {number} aspect width over height
  */
 export function viewBlock(scene, item, view, aspect) {
-    const { camera } = scene;
-    const lights = item.needsEnvironment ? [] : scene.lights;
+    const isImage = scene.halfSides !== null;
+    const camera = isImage ? imageCamera(scene, view, aspect) : scene.camera;
+    const lights = lightsOf(scene, item, view);
     const place = (point, turn, scale) =>
         plus(camera.target, around(camera, minus(point, camera.target), turn).map((c) => c * scale));
-    const eye = place(camera.eye, view.turn, 1 / view.zoom);
+    const eye = place(camera.eye, view.turn, isImage ? 1 : 1 / view.zoom);
     const { right, up, forward } = basis({ ...camera, eye, up: around(camera, camera.up, view.turn) });
     // Tall, narrow views show the same width as square ones.
     const half = Math.tan((camera.fieldOfView * Math.PI) / 360) / Math.min(aspect, 1);
@@ -69,7 +104,7 @@ export function viewBlock(scene, item, view, aspect) {
     floats.set([view.coarser === null ? -1 : level, Math.log2(view.samples), item.repeats[scene.name] ?? 1], 22);
     words.set([lights.length], 25);
     lights.forEach(({ position, intensity }, k) => {
-        floats.set(place(position, view.light, 1), 28 + 8 * k);
+        floats.set(isImage ? position : place(position, view.light, 1), 28 + 8 * k);
         floats.set(intensity, 32 + 8 * k);
     });
     return new Uint8Array(block);

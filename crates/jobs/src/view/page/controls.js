@@ -1,11 +1,15 @@
 // Controls: they display the state, and change it with the pointer and the keyboard.
 
-import { raised } from './camera.js';
-import { comparable, page, radians, scene, state, still } from './state.js';
+import { halfHeight, raised } from './camera.js';
+import { chooseLight, listenToLights, moveLight, updateLights } from './lights.js';
+import { comparable, freshLights, isImage, page, radians, scene, state, still } from './state.js';
 
 /** Radians per dragged pixel, and per key press. */
 const DRAG = 0.008;
 const PRESS = 0.08;
+/** Distances on the disc of lights per dragged pixel, and per key press. */
+const LIGHT_DRAG = 0.005;
+const LIGHT_PRESS = 0.04;
 
 export const find = (id) => document.getElementById(id);
 export const stage = find('stage');
@@ -41,6 +45,13 @@ export function updateControls() {
     find('environment').hidden = !isLit;
     controls.elements.behind.checked = state.behind;
     updateRotation();
+    const isFlat = isImage();
+    find('lights').hidden = !isFlat;
+    ['surfaces', 'drags', 'turning'].forEach((id) => { find(id).hidden = isFlat; });
+    find('images').hidden = !isFlat;
+    if (isFlat) {
+        updateLights();
+    }
     const described = [...items, isLit ? page.environment : undefined].filter(Boolean);
     find('facts').replaceChildren(...described.map(({ name, facts }) => {
         const [head, text] = [document.createElement('strong'), document.createElement('p')];
@@ -88,6 +99,7 @@ export function listen({ set, move, point, again, save }) {
     controls.addEventListener('submit', (event) => event.preventDefault());
     find('again').addEventListener('click', again);
     find('save').addEventListener('click', save);
+    listenToLights(move);
     onPointer(point, move);
     onKeys(move);
 }
@@ -99,8 +111,16 @@ function turn(which, yaw, pitch) {
     updateRotation();
 }
 
+/** Moves an image with the pointer, by pixels. */
+function pan(x, y) {
+    const { clientWidth, clientHeight } = stage;
+    const pixel = (2 * halfHeight(scene(), state.zoom, clientWidth / clientHeight)) / clientHeight;
+    const limit = (k, by) => Math.max(-1, Math.min(1, state.pan[k] - by * pixel));
+    state.pan = [limit(0, x), limit(1, y)];
+}
+
 function zoom(factor) {
-    state.zoom = Math.max(0.25, Math.min(8, state.zoom * factor));
+    state.zoom = Math.max(0.25, Math.min(isImage() ? 64 : 8, state.zoom * factor));
 }
 
 /** Listens on the stage, because the canvas may be replaced, and ignores events of other elements on it. */
@@ -142,7 +162,13 @@ function onPointer(point, move) {
             zoom(spread() / apart);
         } else {
             const [x, y] = [event.clientX - before[0], event.clientY - before[1]];
-            const isLight = event.shiftKey || event.buttons === 2 || controls.elements.drags.value === 'light';
+            const isOther = event.shiftKey || event.buttons === 2;
+            if (isImage()) {
+                (isOther ? () => pan(x, y) : () => moveLight(LIGHT_DRAG * x, -LIGHT_DRAG * y))();
+                move();
+                return;
+            }
+            const isLight = isOther || controls.elements.drags.value === 'light';
             // The surface and the light follow the pointer.
             turn(isLight ? 'light' : 'turn', (isLight ? 1 : -1) * DRAG * x, (isLight ? -1 : 1) * DRAG * y);
         }
@@ -165,15 +191,23 @@ function onKeys(move) {
         const steps = { ArrowLeft: [-1, 0], ArrowRight: [1, 0], ArrowUp: [0, 1], ArrowDown: [0, -1] }[event.key];
         if (steps) {
             event.preventDefault();
+            if (isImage()) {
+                const [x, y] = steps;
+                (event.shiftKey ? () => pan(-20 * x, 20 * y) : () => moveLight(LIGHT_PRESS * x, LIGHT_PRESS * y))();
+                move();
+                return;
+            }
             const way = which === 'turn' ? -PRESS : PRESS;
             turn(which, way * steps[0], way * steps[1]);
             move();
         } else if (event.key === '+' || event.key === '-') {
             zoom(event.key === '+' ? 1.1 : 1 / 1.1);
             move();
+        } else if (isImage() && ['1', '2', '3'].includes(event.key)) {
+            chooseLight(Number(event.key) - 1);
         }
     });
 }
 
 /** State that "Reset" sets. */
-export const FRESH = () => ({ turn: still(), light: still(), behind: true, zoom: 1, coarser: null, stops: 0 });
+export const FRESH = () => ({ turn: still(), light: still(), behind: true, zoom: 1, coarser: null, stops: 0, lights: freshLights(), chosen: 0, pan: [0, 0] });

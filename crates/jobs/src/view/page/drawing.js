@@ -3,7 +3,9 @@
 import { viewBlock } from './camera.js';
 import { autoExposure, differences } from './colour.js';
 import { contentsOf, CORNER, meshOf, once, unpacked } from './data.js';
-import { isPair, page, scene, state } from './state.js';
+import { nearest } from './lights.js';
+import { photographContents } from './photographs.js';
+import { isImage, isPair, page, scene, state } from './state.js';
 import { BEHIND, BYTES, FLOATS, WebGl } from './webgl.js';
 import { featuresOf, WebGpu } from './webgpu.js';
 
@@ -16,11 +18,15 @@ export const COARSE = 1;
 const [RENDERINGS, COLOURS, DELTA_E, RADIANCE] = [0, 1, 2, 3];
 /** Minimum pixels that determine the exposure of a coarse rendering; a fine one follows. */
 const ENOUGH = 50_000;
+/** Maximum number of decoded photographs. */
+const MAX_DECODED = 12;
 
 export class Drawing {
     /** Unpacked data that is not uploaded yet, and uploaded programs, meshes and materials, by name or number. */
     #waiting = new Map();
     #made = new Map();
+    /** Contents of decoded photographs by item and number, the latest last. */
+    #decoded = new Map();
     /** Exposure of the selected materials and surface: `factor` to the display's range, once known, and `isExact` if from a fine rendering. */
     #exposed = {};
     /** Exposure of the last rendering. */
@@ -85,7 +91,7 @@ export class Drawing {
         // The state may change while this waits.
         const [view, surface, drawn, exposed] = [{ ...state, samples }, scene(), this.#drawn(), this.#exposed];
         const items = drawn.map((number) => page.items[number]);
-        const both = items.map((item) => Promise.all([this.#material(item), this.#mesh(surface, item)]));
+        const both = items.map((item) => Promise.all([this.#material(item, view.lights), this.#mesh(surface, item)]));
         const behind = this.#environments() === 0 ? [] : await Promise.all([this.#material(page.environment), this.#triangle()]);
         const block = (item) => viewBlock(surface, item, view, this.canvas.width / this.canvas.height);
         (await Promise.all(both)).forEach(([material, shape], which) => {
@@ -101,7 +107,10 @@ export class Drawing {
     /** Finds the exposure of the last rendering, unless it is known. */
     async expose(samples) {
         const mine = this.#drawnExposed;
-        if (mine.factor === undefined || (!mine.isExact && samples === FINE)) {
+        if (isImage()) {
+            // The display's white is that of the photographs.
+            Object.assign(mine, { factor: 1, isExact: true });
+        } else if (mine.factor === undefined || (!mine.isExact && samples === FINE)) {
             // From the right rendering, which is the reference of the left one.
             const { width, height } = this.canvas;
             const step = samples === FINE ? 1 : Math.max(Math.floor(Math.sqrt((width * height) / ENOUGH)), 1);
@@ -193,8 +202,30 @@ export class Drawing {
         return this.#uploaded(`program ${name}`, async () => this.backend.program((await this.programs).of[name]));
     }
 
+    /** The contents of a photograph; the latest stay decoded. */
+    #photograph(item, number) {
+        const key = `${keyOf(item)} ${number}`;
+        const found = this.#decoded.get(key) ?? photographContents(item.photographs[number]);
+        this.#decoded.delete(key);
+        this.#decoded.set(key, found);
+        if (this.#decoded.size > MAX_DECODED) {
+            this.#decoded.delete(this.#decoded.keys().next().value);
+        }
+        return found;
+    }
+
+    /** The photographs that are nearest to these lights, as a material with three textures. */
+    async #photographed(item, lights) {
+        const numbers = nearest(item, lights);
+        const [program, ...all] = await Promise.all([this.#program(item), ...numbers.map((number) => this.#photograph(item, number))]);
+        return this.backend.material(program, [0, 1, 2].map((binding) => ({ binding, contents: all[binding] ?? all[0] })));
+    }
+
     /** An uploaded material of the page, or its environment. */
-    #material(item) {
+    #material(item, lights) {
+        if (item.photographs?.length > 0) {
+            return this.#photographed(item, lights);
+        }
         return this.#uploaded(keyOf(item), async () => {
             const [program, bound] = await Promise.all([this.#program(item), this.#contents(item)]);
             // Other materials need the contents of the environment.
@@ -231,6 +262,9 @@ export class Drawing {
 
     /** The unpacked resources of a material, with those of the environment that lights it. */
     async #contents(item) {
+        if (item.photographs?.length > 0) {
+            return nearest(item, state.lights).map((number) => this.#photograph(item, number));
+        }
         const each = async (resource) => ({ binding: resource.binding, contents: await contentsOf(resource) });
         const own = this.#unpacked(keyOf(item), () => Promise.all(item.resources.map(each)));
         return item.needsEnvironment ? [...await this.#contents(page.environment), ...await own] : own;

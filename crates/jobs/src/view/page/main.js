@@ -2,7 +2,7 @@
 
 import { find, FRESH, listen, stage, updateControls } from './controls.js';
 import { COARSE, Drawing, FINE } from './drawing.js';
-import { fromAddress, isPair, page, state, take } from './state.js';
+import { fromAddress, isCompared, page, state, take } from './state.js';
 
 /** Milliseconds at rest after which a fine rendering is drawn. */
 const REST = 150;
@@ -97,7 +97,7 @@ function set(changes, moves = false) {
 /** Measures and displays the difference of both fine renderings. */
 async function measure() {
     whole.textContent = '';
-    if (!isPair()) {
+    if (!isCompared()) {
         here.textContent = '';
         return undefined;
     }
@@ -113,8 +113,8 @@ async function measure() {
 
 async function underPointer() {
     isPointed = false;
-    if (!isPair() || !pointer || !isMeasured) {
-        here.textContent = isPair() ? 'Point at the rendering to read ΔE there.' : '';
+    if (!isCompared() || !pointer || !isMeasured) {
+        here.textContent = isCompared() ? 'Point at the rendering to read ΔE there.' : '';
         return;
     }
     const pixel = [canvas.width, canvas.height].map((count, k) => Math.max(Math.min(Math.floor(pointer[k] * count), count - 1), 0));

@@ -5,6 +5,14 @@ export const page = JSON.parse(document.getElementById('data').textContent);
 export const still = () => ({ yaw: 0, pitch: 0 });
 export const radians = (degrees) => (degrees * Math.PI) / 180;
 
+/** A distant light of an image: its unit vector, from x to the right and y up. */
+export const imageLight = (x, y) => ({ direction: [x, y, Math.sqrt(Math.max(1 - x * x - y * y, 0))] });
+/** Light of images at first: from the upper left, turned by an angle about the vertical. */
+export function freshLights(yaw = 0) {
+    const [[x, y], [c, s]] = [[-0.48, 0.48], [Math.cos(yaw), Math.sin(yaw)]];
+    return [{ ...imageLight(x * c - y * s, y * c + x * s), brightness: 1 }];
+}
+
 export const state = {
     scene: page.items[0].scenes[0],
     left: 0,
@@ -20,10 +28,19 @@ export const state = {
     /** True to show the environment behind materials that it lights. */
     behind: true,
     zoom: 1,
+    /** Lights of images, the number of the one that controls move, and the middle of the view on the image. */
+    lights: freshLights(),
+    chosen: 0,
+    pan: [0, 0],
 };
 
 export const scene = () => page.scenes.find(({ name }) => name === state.scene);
+/** True if the surface is a flat image under distant lights. */
+export const isImage = () => scene().halfSides !== null;
 export const isPair = () => state.right >= 0;
+
+/** True if the difference of the selected pair is that of colours; normals have none. */
+export const isCompared = () => isPair() && [state.left, state.right].every((number) => page.items[number].photographs[0]?.light !== null);
 
 /** True if two materials can be compared: on a common surface, under the same kind of light. */
 export function comparable(a, b) {
@@ -43,12 +60,12 @@ export function take(changes) {
         state.scene = page.scenes.find(({ name }) => isOnBoth(name)).name;
     }
     if (state.scene !== before.scene) {
-        Object.assign(state, { turn: still(), light: changes.light ?? still(), zoom: 1 });
+        Object.assign(state, { turn: still(), light: changes.light ?? still(), zoom: 1, pan: [0, 0] });
     }
     return ['scene', 'left', 'right'].some((key) => state[key] !== before[key]);
 }
 
-/** Reads changes from the fragment of the address: scene, left and right by name, mode, coarser, light. */
+/** Reads changes from the fragment of the address: scene, left and right by name, mode, coarser, light (degrees, or x,y;x,y). */
 export function fromAddress() {
     const number = (name) => page.items.findIndex((item) => item.name === name);
     let changes = {};
@@ -66,6 +83,13 @@ export function fromAddress() {
             changes.coarser = Math.min(Number(value), Math.max(...page.items.map(({ levels }) => levels)));
         } else if (key === 'light' && Number.isFinite(Number(value))) {
             changes.light = { yaw: radians(Number(value)), pitch: 0 };
+            changes.lights = freshLights(changes.light.yaw);
+        } else if (key === 'light') {
+            const places = value.split(';').slice(0, 3).map((text) => text.split(',').map(Number));
+            if (places.every((place) => place.length === 2 && Math.hypot(...place) < 1)) {
+                changes.lights = places.map(([x, y]) => ({ ...imageLight(x, y), brightness: 1 }));
+                changes.chosen = 0;
+            }
         }
     }
     return changes;
