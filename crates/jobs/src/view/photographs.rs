@@ -83,8 +83,8 @@ impl Photographs {
             }
         }
         if all.is_empty() {
-            let text = format!("{}, at least the {} of one photograph", bytes(limit), bytes(used));
-            return Err(Error::usage(format!("--max-photographs: found {text} expected")));
+            let allowed = format!("at least {} for one photograph", bytes(used));
+            return Err(Error::wrong_usage("--max-photographs", bytes(limit), allowed));
         }
         all.sort_by_key(|(light, _)| *light);
         let all = all.into_iter().map(|(_, photograph)| photograph).collect();

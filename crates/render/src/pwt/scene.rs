@@ -8,8 +8,8 @@ use std::f64::consts::PI;
 const FIELD_OF_VIEW: f64 = 30.0;
 /// Share of the frame that the image fills.
 const FILLED: f64 = 0.98;
-/// Distance of the light, in halves of the image's longer side: about parallel.
-const DISTANCE: f64 = 50.0;
+/// Distance of the light, in halves of the image's longer side: its direction and brightness are the same everywhere.
+const DISTANCE: f64 = 1e4;
 /// Direction of the light in the frame of the image: from the upper left.
 const LIGHT: [f64; 3] = [-0.48, 0.48, 0.734];
 

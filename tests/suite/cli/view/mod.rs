@@ -71,7 +71,7 @@ fn what_cannot_be_drawn_is_refused() {
         ("it.samples.ktx2", 3, "it.samples.ktx2: input: found an importance-sample pack, expected a pack of a BRDF"),
         ("empty", 3, "empty: input: found a folder, expected "),
         ("many", 3, "many: input: found a folder of packs without the report of a build, expected "),
-        ("stack", 4, "x.png"),
+        ("stack", 3, "\"x.png\" does not exist"),
         ("none.ktx2", 4, "none.ktx2: cannot read"),
         ("synth:nothing", 3, "synth:nothing"),
     ] {

@@ -30,10 +30,7 @@ fn photographs_are_reduced_to_the_limit() {
     assert!(used <= bytes / 2 && (15..25).contains(&count), "{count} of {used} bytes");
     assert_eq!(page.matches(".png\",\"light\"").count() as u64, count);
     let none = view(&["--max-photographs", "100"]);
-    assert!(
-        none.code == 2 && none.stderr.contains("--max-photographs: found 100 bytes, expected at least"),
-        "{none:?}"
-    );
+    assert!(none.code == 2 && none.stderr.contains("--max-photographs: found 100 B, expected at least"), "{none:?}");
 }
 
 #[test]

@@ -37,8 +37,6 @@ function around(camera, v, { yaw, pitch }) {
     return turned(turned(v, basis(camera).right, -pitch), UP, yaw);
 }
 
-/** Distance of lights of images, in halves of the image's longer side: their direction and brightness are the same everywhere. */
-const DISTANT = 10000;
 /** Share of the view that an image fills along one of its sides. */
 const FILLED = 0.98;
 
@@ -47,10 +45,10 @@ export function halfHeight({ halfSides: [width, height] }, zoom, aspect) {
     return Math.max(height, width / aspect) / (FILLED * zoom);
 }
 
-/** A point light of the scene from a distant light of the image. */
-function distantLight({ direction: [x, y, z], brightness }) {
-    const intensity = Math.PI * DISTANT * DISTANT * brightness;
-    return { position: [x, z, -y].map((c) => c * DISTANT), intensity: [intensity, intensity, intensity] };
+/** A point light as far away and, at brightness 1, as bright as the light of the scene of an image. */
+function distantLight({ lights: [far] }, { direction: [x, y, z], brightness }) {
+    const distance = Math.hypot(...far.position);
+    return { position: [x, z, -y].map((c) => c * distance), intensity: far.intensity.map((c) => c * brightness) };
 }
 
 /** The camera of an image, moved so that the image fills the view. */
@@ -68,7 +66,7 @@ function lightsOf(scene, item, view) {
     }
     const isUnlit = item.photographs?.[0]?.light === null;
     const distant = isUnlit ? [{ direction: [0, 0, 1], brightness: 1 }] : view.lights;
-    return scene.halfSides ? distant.map(distantLight) : scene.lights;
+    return scene.halfSides ? distant.map((light) => distantLight(scene, light)) : scene.lights;
 }
 
 /**

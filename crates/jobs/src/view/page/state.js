@@ -7,9 +7,12 @@ export const radians = (degrees) => (degrees * Math.PI) / 180;
 
 /** A distant light of an image: its unit vector, from x to the right and y up. */
 export const imageLight = (x, y) => ({ direction: [x, y, Math.sqrt(Math.max(1 - x * x - y * y, 0))] });
-/** Light of images at first: from the upper left, turned by an angle about the vertical. */
+/** Light of images at first, that of their scene, turned by an angle about the vertical. */
 export function freshLights(yaw = 0) {
-    const [[x, y], [c, s]] = [[-0.48, 0.48], [Math.cos(yaw), Math.sin(yaw)]];
+    const { position } = page.scenes.find(({ halfSides }) => halfSides)?.lights[0] ?? { position: [0, 1, 0] };
+    const distance = Math.hypot(...position);
+    const [x, y] = [position[0] / distance, -position[2] / distance];
+    const [c, s] = [Math.cos(yaw), Math.sin(yaw)];
     return [{ ...imageLight(x * c - y * s, y * c + x * s), brightness: 1 }];
 }
 
