@@ -31,7 +31,7 @@ impl LightMap {
             let allowed = format!("a positive multiple of {of_term}");
             return Err(FormatError::whole("texels of the light map", texels.len().to_string(), allowed));
         }
-        if let Some(texel) = texels.iter().find(|texel| texel.iter().any(|c| !(c.abs() <= half::MAX))) {
+        if let Some(texel) = texels.iter().find(|texel| texel.iter().any(|c| !c.is_finite() || c.abs() > half::MAX)) {
             let allowed = format!("-{0} to {0}", half::MAX);
             return Err(FormatError::whole("texel of the light map", format!("{texel:?}"), allowed));
         }

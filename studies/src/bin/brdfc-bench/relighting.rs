@@ -87,7 +87,7 @@ fn table(rows: &[RelightingRow]) -> String {
             format!("{:.1}", 1e3 * row.image_seconds),
         ]
     };
-    plain(&HEADER, &rows.iter().map(cells).collect::<Vec<_>>())
+    plain(&HEADER, rows.iter().map(cells).collect::<Vec<_>>())
 }
 
 pub(super) fn text(study: &RelightingStudy) -> String {
@@ -127,6 +127,6 @@ fn differences(study: &RelightingStudy) -> String {
     let header: Vec<&str> = header.iter().map(String::as_str).collect();
     format!(
         "{TREE} against the better of both interpolations of components at equal bytes, dB\n\n{}",
-        plain(&header, &rows.collect::<Vec<_>>())
+        plain(&header, rows.collect::<Vec<_>>())
     )
 }
