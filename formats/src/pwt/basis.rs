@@ -34,7 +34,7 @@ impl LightCoordinates {
         }
     }
 
-    /// Highest degree: [`MAX_DEGREE`], or the largest number of learned terms beside the first.
+    /// Highest degree: [`MAX_DEGREE`], or the largest number of learned terms after the first.
     pub fn max_degree(self) -> u32 {
         if self == Self::Learned { MAX_TERMS as u32 - 1 } else { MAX_DEGREE }
     }
@@ -50,7 +50,7 @@ pub const MAX_TERMS: usize = 36;
 pub struct LightBasis {
     /// Coordinates of the light direction.
     pub coordinates: LightCoordinates,
-    /// Highest degree, 0 to [`MAX_DEGREE`]; the number of learned terms beside the first, up to
+    /// Highest degree, 0 to [`MAX_DEGREE`]; the number of learned terms after the first, up to
     /// [`LightCoordinates::max_degree`].
     pub degree: u32,
 }

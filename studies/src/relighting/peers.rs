@@ -1,5 +1,5 @@
-//! What people relight with today: principal components of photographs over lights and channels in 8 bits, with functions of
-//! the light that are interpolated between the lights, as the `relight` program of CNR-ISTI does.
+//! Methods that people relight with today: principal components of photographs over lights and channels in 8 bits, with
+//! functions of the light that are interpolated between the lights, as the `relight` program of CNR-ISTI does.
 
 use brdfc_formats::pwt::Domain;
 use brdfc_pwt::LightSamples;

@@ -2,7 +2,6 @@
 
 use super::mesh::PackedMesh;
 use super::photographs::Photographs;
-use super::shaders::PHOTOGRAPHS;
 use brdfc_formats::BrdfPack;
 use brdfc_formats::PackKind;
 use brdfc_formats::bindings::Bindings;
@@ -12,6 +11,9 @@ use brdfc_formats::lobes::LobesPack;
 use brdfc_formats::pwt::PwtPack;
 use brdfc_render::flat::covered;
 use brdfc_render::scenes::Builtin;
+
+/// Name of the shader that draws photographs.
+pub(super) const PHOTOGRAPHS: &str = "photographs";
 
 /// Default scene of BRDFs.
 pub(super) const DEFAULT_SCENE: Builtin = Builtin::Sphere;

@@ -1,6 +1,6 @@
 //! Shaders of pages: WGSL assembled from parts, and its GLSL ES 3.00 translation from `programs.json`.
 
-use super::item::ViewItem;
+use super::item::{PHOTOGRAPHS, ViewItem};
 use brdfc_formats::PackKind;
 use brdfc_formats::environment::ENVIRONMENT_WGSL;
 use brdfc_render::flat::COVER_WGSL;
@@ -10,8 +10,6 @@ use std::sync::OnceLock;
 
 /// Parameters of a rendering.
 const VIEW_WGSL: &str = include_str!("shaders/view.wgsl");
-/// Name of the shader that draws photographs.
-pub(super) const PHOTOGRAPHS: &str = "photographs";
 /// Name of the shader that displays renderings.
 const SHOW: &str = "show";
 
