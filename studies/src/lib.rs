@@ -45,8 +45,9 @@ pub enum Study {
     /// Flat BTFs of images and the surface that explains their parallax, and of materials: PSNR over all views and
     /// lights, and bytes, to compare with neural BTFs. Takes minutes for each of synth:button, folds, knit and sponge (the default).
     MeasuredBtf,
-    /// Figure 1 (b) of Baril et al. 2008: photographs under known lights as polynomial texture maps, hemispherical
-    /// harmonics and polynomial wavelet trees, at fitted and at held-out lights. With --out: relighting.png.
+    /// Figure 1 (b) of Baril et al. 2008: photographs under known lights as polynomial texture maps, hemispherical harmonics,
+    /// interpolated principal components and polynomial wavelet trees, at fitted and at held-out lights. Inputs are captures, or
+    /// folders with a Dome to fit and a Test. With --out: relighting.png.
     Relighting,
     /// Methods to store the BTF of a structure, ordinary and flat: polynomial texture maps, hemispherical harmonics,
     /// polynomial wavelet trees, factors; bytes, fetches, errors at fitted and at held-out lights. Takes minutes for
