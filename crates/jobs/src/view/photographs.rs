@@ -186,7 +186,7 @@ mod tests {
     #[test]
     fn lights_are_taken_far_apart() {
         let lights = [[0.6, 0.0, 0.8], [0.61, 0.0, 0.79], [0.0, 0.0, 1.0], [-0.8, 0.0, 0.6], [0.0, 0.0, 1.0]];
-        assert_eq!(spread(&lights), [2, 3, 1, 0, 4]);
+        assert_eq!(spread(&lights), [4, 3, 1, 0, 2]);
         assert_eq!((within([4000, 3000], 1024), within([300, 200], 1024)), ([1024, 768], [300, 200]));
     }
 }
