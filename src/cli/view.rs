@@ -17,8 +17,8 @@ use std::sync::atomic::AtomicBool;
 /// Write a page that draws packs, for viewing them in a browser with any rotation, light and comparison.
 ///
 /// The page is a single HTML file that needs no network and no server. It draws with WebGPU or WebGL 2, using the
-/// decoders of engines, on a ball, a cloth, a teapot or a plane. With two materials it splits the screen and displays their difference (ΔE) under the pointer and over
-/// the view. It draws materials that are not packs, such as the source of a pack, from a table of 128 KiB, and displays
+/// decoders of engines, on a ball, a cloth, a teapot or a plane. With two materials it splits the screen and displays
+/// their difference (ΔE) under the pointer and over the view. It draws materials that are not packs, such as the source of a pack, from a table of 128 KiB, and displays
 /// the error of that table.
 ///
 /// It draws packs of 'brdfc pwt' as a flat image, under up to three lights that the mouse moves. With the photographs (the
@@ -43,8 +43,8 @@ Examples:
   brdfc view icon.ktx2 -o icon.html                    photographs under any light
   brdfc view icon.ktx2 icon --normals -o icon.html     next to the photographs, with normals")]
 pub struct Arguments {
-    /// Packs, lobes, flat BTFs (their file or folder), RTI captures (their folder or .lp), folders of builds, or materials: paths, - for stdin, or
-    /// synth:MODEL?param=value&... The first one is on the left, the second one on the right.
+    /// Packs, lobes, flat BTFs (their file or folder), RTI captures (their folder or .lp), folders of builds, or
+    /// materials: paths, - for stdin, or synth:MODEL?param=value&... The first one is on the left, the second one on the right.
     #[arg(required = true, value_name = "PACK")]
     inputs: Vec<Input>,
     /// The page to write (.html or .htm), or - for stdout.

@@ -34,8 +34,8 @@ impl RtiCapture {
     ///
     /// # Errors
     /// Returns an error for unreadable files, lists that [`LightPositions::from_bytes`] rejects, no list or several,
-    /// no image of a light above the horizon, the same image twice, files that are not PNG, JPEG, TIFF or EXR, and images of different sizes or with
-    /// more than [`MAX_SIZE`](crate::photograph::MAX_SIZE) pixels along a side.
+    /// no image of a light above the horizon, the same image twice, files that are not PNG, JPEG, TIFF or EXR, and
+    /// images of different sizes or with more than [`MAX_SIZE`](crate::photograph::MAX_SIZE) pixels along a side.
     pub fn open(path: &Path) -> Result<Self, InputError> {
         let (list, lights) = read_list(path)?;
         let (files, notes) = files(&list, &lights)?;

@@ -50,7 +50,7 @@ impl PwtDecoder {
             uv[axis] *= header.size[axis] as f32 / header.extent[axis] as f32;
         }
         let mut sum = header.constant(weights);
-        let mut weights = header.component_weights(weights).into_iter();
+        let mut weights = header.component_weights(weights);
         for (index, texture) in header.textures.iter().enumerate() {
             let last = (self.pack.levels_of(index) - 1) as f32;
             let own = (level - texture.level as f32).clamp(0.0, last);
@@ -200,7 +200,7 @@ impl UnpackedLevel<'_> {
     pub fn rows(&self, rows: Range<usize>, weights: &Weights) -> Vec<[f32; 3]> {
         let header = self.decoder.pack.header();
         let width = self.size[0];
-        let (constant, weights) = (header.constant(weights), header.component_weights(weights));
+        let (constant, weights) = (header.constant(weights), header.component_weights(weights).collect::<Vec<_>>());
         let mut rendering = Vec::with_capacity(rows.len() * width);
         let mut sums = [vec![0.0f32; width], vec![0.0; width], vec![0.0; width]];
         for row in rows.start - self.left_out..rows.end - self.left_out {

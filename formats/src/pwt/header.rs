@@ -139,12 +139,11 @@ impl PwtHeader {
     }
 
     /// Weight of every component, in red, green and blue: that of its term, times the colour of its channel.
-    pub fn component_weights(&self, weights: &Weights) -> Vec<[f32; 3]> {
-        let of = |component: &Component| {
+    pub fn component_weights<'a>(&'a self, weights: &'a Weights) -> impl Iterator<Item = [f32; 3]> + 'a {
+        self.components().map(|component| {
             let (colour, weight) = (self.colour[component.channel as usize], weights[component.term as usize]);
             [0, 1, 2].map(|c| colour[c] * weight[c])
-        };
-        self.components().map(of).collect()
+        })
     }
 
     /// Value of a texel whose components are all 0, in the domain.

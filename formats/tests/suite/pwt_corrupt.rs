@@ -138,6 +138,24 @@ fn errors_name_the_field() {
     assert_eq!(longer.to_string(), "brdfc.pwt length: found 185 bytes, expected 184 bytes, as its fields say");
 }
 
+/// Learned terms need their map, of the side that the header has.
+#[test]
+fn the_light_map_follows_from_the_header() {
+    const MAP: &str = "brdfc.image.pwt_light_map";
+    let all = packs();
+    let (_, pack) = all.iter().find(|(name, _)| *name == "image-learned-display").unwrap();
+    let missing = changed(pack, |entries| drop(entries.remove(MAP))).to_string();
+    assert!(missing.starts_with(MAP), "{missing}");
+    for (side, expected) in [
+        (0, "brdfc.pwt side of the light map: found 0, expected 4 to 64"),
+        (65, "brdfc.pwt side of the light map: found 65, expected 4 to 64"),
+        (8, "pwt_light_map: found 6 layers of 4 x 4 texels of Rgba16Float, expected 6 layers of 8 x 8"),
+    ] {
+        let error = changed(pack, |entries| entries.get_mut(PWT_ENTRY).unwrap()[100] = side).to_string();
+        assert!(error.starts_with(expected), "{error}");
+    }
+}
+
 #[test]
 fn textures_follow_from_the_header() {
     let second = file(&example()).entries[SECOND].clone();

@@ -1,10 +1,8 @@
 //! Candidates for the terms of the light, and the texels on which they are compared.
 
-use crate::kriging::rows;
 use crate::recipe::DomainName;
 use crate::stack::LightSamples;
 use brdfc_formats::pwt::{Domain, LightBasis, LightCoordinates};
-use nalgebra::DMatrix;
 use rayon::prelude::*;
 
 /// Number of texels used.
@@ -19,7 +17,7 @@ pub struct Candidate {
     pub domain: DomainName,
     /// `ε` of logarithms, else 0.
     pub epsilon: f32,
-    /// Coordinates of the polynomials.
+    /// Coordinates of the polynomials, or learned terms.
     pub coordinates: LightCoordinates,
     /// Highest degree of the polynomials, or the number of learned terms.
     pub degree: u32,
@@ -76,11 +74,11 @@ impl Texels {
         Self { values, codes, mean }
     }
 
-    /// Values in a domain: a row for each light.
-    pub(crate) fn encoded(&self, domain: Domain) -> DMatrix<f64> {
+    /// Values of each light in a domain.
+    pub(crate) fn encoded(&self, domain: Domain) -> Vec<Vec<f32>> {
         let mut values = self.values.clone();
         values.iter_mut().for_each(|values| domain.encode_each(values));
-        rows(&values)
+        values
     }
 
     pub(crate) fn domains(&self, name: DomainName) -> Vec<Domain> {

@@ -2,7 +2,7 @@
 //! over the image.
 
 use crate::candidates::{Candidate, Texels, decibels, squares, to_srgb};
-use crate::choose_learned::{LearnedCandidate, MOST_LIGHTS, tried as tried_learned};
+use crate::choose_learned::{LearnedCandidate, MOST_LIGHTS, may_learn, tried as tried_learned};
 use crate::design::{Design, RIDGES};
 use crate::recipe::{DomainName, PwtRecipe};
 use crate::stack::LightSamples;
@@ -14,24 +14,25 @@ use std::borrow::Cow;
 const FAVOURED: f64 = 0.3;
 
 /// The choice, and what it was chosen from.
-pub struct Choice {
+pub struct Choice<'a> {
     /// The best candidate of each pair of domain and coordinates, the chosen one first.
     pub candidates: Vec<Candidate>,
-    /// The best candidate with learned terms, if it is the best of all.
-    pub(crate) learned: Option<LearnedCandidate>,
+    /// The chosen candidate, if its terms are learned, with the images to learn from.
+    pub(crate) learned: Option<(LearnedCandidate, Cow<'a, LightSamples>)>,
 }
 
 /// Chooses among polynomials and learned terms.
-pub fn choose(samples: &LightSamples, recipe: &PwtRecipe) -> Choice {
+pub fn choose<'a>(samples: &'a LightSamples, recipe: &PwtRecipe) -> Choice<'a> {
     let texels = Texels::new(samples);
     let polynomials = match recipe.coordinates {
         Some(LightCoordinates::Learned) => Vec::new(),
         _ => best_of_each(polynomials(&texels, samples, recipe)),
     };
-    let few = samples.at_most(MOST_LIGHTS);
+    let few = may_learn(samples, recipe).then(|| samples.at_most(MOST_LIGHTS));
     let learned = match &few {
-        Cow::Borrowed(samples) => tried_learned(&texels, samples, recipe),
-        Cow::Owned(few) => tried_learned(&Texels::new(few), few, recipe),
+        None => Vec::new(),
+        Some(Cow::Borrowed(samples)) => tried_learned(&texels, samples, recipe),
+        Some(Cow::Owned(few)) => tried_learned(&Texels::new(few), few, recipe),
     };
     let of_both = learned.iter().map(|learned| learned.candidate).chain(polynomials.iter().copied());
     let mut candidates = best_of_each(of_both.collect());
@@ -41,7 +42,7 @@ pub fn choose(samples: &LightSamples, recipe: &PwtRecipe) -> Choice {
     let first = chosen.as_ref().map_or(candidates[0], |chosen| chosen.candidate);
     candidates.retain(|other| (other.domain, other.coordinates) != (first.domain, first.coordinates));
     candidates.insert(0, first);
-    Choice { candidates, learned: chosen }
+    Choice { candidates, learned: chosen.zip(few) }
 }
 
 /// Candidates of polynomials.
@@ -88,11 +89,7 @@ impl Texels {
         ridges: &[f64],
     ) -> Vec<Candidate> {
         let domains = names.iter().flat_map(|name| self.domains(*name).into_iter().map(|domain| (*name, domain)));
-        let encoded = |(name, domain): (DomainName, Domain)| {
-            let mut values = self.values.clone();
-            values.iter_mut().for_each(|values| domain.encode_each(values));
-            (name, domain, values)
-        };
+        let encoded = |(name, domain)| (name, domain, self.encoded(domain));
         let encoded: Vec<(DomainName, Domain, Vec<Vec<f32>>)> = domains.map(encoded).collect();
         let designs = || coordinates.iter().flat_map(|c| ridges.iter().map(move |ridge| (*c, *ridge)));
         let trials: Vec<_> = encoded.iter().flat_map(|values| designs().map(move |design| (values, design))).collect();

@@ -53,43 +53,45 @@ fn most_terms(samples: &LightSamples, recipe: &PwtRecipe) -> usize {
     recipe.most_learned().min(of_map.saturating_sub(1) as usize)
 }
 
-/// The best candidate of each domain, the chosen one first; none for too few lights, or if the map would be larger than the
-/// textures.
-pub fn tried(texels: &Texels, samples: &LightSamples, recipe: &PwtRecipe) -> Vec<LearnedCandidate> {
-    let lights = &samples.lights[..];
-    let is_requested = recipe.coordinates == Some(LightCoordinates::Learned);
+/// Returns true if learned terms are requested, or if they are possible and polynomials are not requested.
+pub fn may_learn(samples: &LightSamples, recipe: &PwtRecipe) -> bool {
     // A degree or a ridge is that of polynomials.
     let of_polynomials = recipe.coordinates.is_some() || recipe.degree.is_some() || recipe.ridge.is_some();
-    let most = most_terms(samples, recipe);
-    if !is_requested && (of_polynomials || lights.len() < MIN_LIGHTS || most == 0) {
-        return Vec::new();
-    }
-    let most = recipe.degree.map_or(most.max(1), |degree| degree as usize);
-    let shortlist = Shortlist::new(lights, &texels.encoded(Domain::Display));
+    let is_possible = samples.lights.len() >= MIN_LIGHTS && most_terms(samples, recipe) > 0;
+    recipe.coordinates == Some(LightCoordinates::Learned) || (is_possible && !of_polynomials)
+}
+
+/// The best candidate of each domain, the chosen one first.
+pub fn tried(texels: &Texels, samples: &LightSamples, recipe: &PwtRecipe) -> Vec<LearnedCandidate> {
+    let most = recipe.degree.map_or(most_terms(samples, recipe).max(1), |degree| degree as usize);
+    let shortlist = Shortlist::new(&samples.lights, &rows(&texels.encoded(Domain::Display)));
     let names = recipe.domain.map_or(DomainName::ALL.to_vec(), |one| vec![one]);
     let domains = names.iter().flat_map(|name| texels.domains(*name).into_iter().map(|domain| (*name, domain)));
     let domains: Vec<(DomainName, Domain)> = domains.collect();
-    let one = |(name, domain): &(DomainName, Domain)| Trial::new(texels, (*name, *domain), &shortlist);
+    let one = |domain: &(DomainName, Domain)| Trial::new(texels, *domain, &shortlist);
     let trials: Vec<Trial<'_>> = domains.par_iter().map(one).collect();
-    let few = |trial: &Trial<'_>| trial.by_terms(most.min(COMPARED)).pop().map(|errors| trial.candidate(errors));
-    let mut found: Vec<LearnedCandidate> = trials.par_iter().filter_map(few).collect();
-    let merit = |errors: &Errors| errors.held_out_psnr.unwrap_or(errors.psnr);
-    let best = (0..found.len()).max_by(|a, b| found[*a].merit().total_cmp(&found[*b].merit()).then(b.cmp(a)));
-    if let Some(best) = best {
-        let by_terms = trials[best].by_terms(most);
-        let largest = by_terms.iter().map(merit).fold(f64::NEG_INFINITY, f64::max);
-        let is_default = matches!(recipe.target, Target::Loss(_) | Target::Energy(_));
-        let equal = EQUAL[usize::from(!is_default)];
-        let mut enough = by_terms.iter().filter(|errors| merit(errors) >= largest - equal);
-        // Three fetches are enough if more gain nothing.
-        let few = enough.clone().find(|errors| is_default && errors.terms >= COMPARED);
-        let chosen = if recipe.degree.is_some() { by_terms.last() } else { few.or_else(|| enough.next_back()) };
-        if let Some(errors) = chosen {
-            found.remove(best);
-            found.insert(0, trials[best].candidate(*errors));
-        }
+    let with_few = |trial: &Trial<'_>| *trial.by_terms(most.min(COMPARED)).last().expect("one or more");
+    let errors: Vec<Errors> = trials.par_iter().map(with_few).collect();
+    let best = (0..trials.len()).max_by(|a, b| errors[*a].merit().total_cmp(&errors[*b].merit()).then(b.cmp(a)));
+    let best = best.expect("one or more domains");
+    let chosen = chosen(&trials[best].by_terms(most), recipe);
+    let others = (0..trials.len()).filter(|k| *k != best).map(|k| trials[k].candidate(errors[k]));
+    [trials[best].candidate(chosen)].into_iter().chain(others).collect()
+}
+
+/// Chooses a number of terms.
+fn chosen(by_terms: &[Errors], recipe: &PwtRecipe) -> Errors {
+    let most = *by_terms.last().expect("one or more");
+    if recipe.degree.is_some() {
+        return most;
     }
-    found
+    let largest = by_terms.iter().map(Errors::merit).fold(f64::NEG_INFINITY, f64::max);
+    let is_default = matches!(recipe.target, Target::Loss(_) | Target::Energy(_));
+    let equal = EQUAL[usize::from(!is_default)];
+    let mut enough = by_terms.iter().filter(|errors| errors.merit() >= largest - equal);
+    // Three fetches are enough if more gain nothing.
+    let few = enough.clone().find(|errors| is_default && errors.terms >= COMPARED);
+    few.or_else(|| enough.next_back()).copied().unwrap_or(most)
 }
 
 /// Errors with a number of terms.
@@ -100,6 +102,12 @@ struct Errors {
     psnr: f64,
     /// PSNR at lights that are left out, if available.
     held_out_psnr: Option<f64>,
+}
+
+impl Errors {
+    fn merit(&self) -> f64 {
+        self.held_out_psnr.unwrap_or(self.psnr)
+    }
 }
 
 /// A domain, and the interpolation for it.
@@ -114,7 +122,7 @@ struct Trial<'a> {
 
 impl<'a> Trial<'a> {
     fn new(texels: &'a Texels, domain: (DomainName, Domain), shortlist: &Shortlist) -> Self {
-        let values = texels.encoded(domain.1);
+        let values = rows(&texels.encoded(domain.1));
         let combined = shortlist.combined(&values);
         let (interpolation, errors) =
             combined.map_or((Interpolation::default(), None), |(found, errors)| (found, Some(errors)));
@@ -162,10 +170,6 @@ impl<'a> Trial<'a> {
 }
 
 impl LearnedCandidate {
-    fn merit(&self) -> f64 {
-        self.candidate.held_out_psnr.unwrap_or(self.candidate.psnr)
-    }
-
     /// Learns the terms.
     pub fn learn(&self, samples: &LightSamples) -> Learned {
         let at = samples.spread_texels(LEARNED_FROM.min(NUMBERS / (3 * samples.lights.len())));

@@ -3,7 +3,7 @@
 use crate::assemble::{Arrangement, Limits, arrangements};
 use crate::candidates::{Candidate, to_srgb};
 use crate::choose::choose;
-use crate::choose_learned::{LearnedCandidate, MOST_LIGHTS};
+use crate::choose_learned::LearnedCandidate;
 use crate::degrees::{SubbandDegree, degrees};
 use crate::design::Design;
 use crate::fit;
@@ -65,8 +65,8 @@ pub fn encode(samples: &LightSamples, recipe: &PwtRecipe) -> Result<PwtEncoded, 
     let transform = Transform { wavelet: recipe.wavelet, border, depth };
     let weights = texel_weights(samples, domain, extent);
     let fitted = match &choice.learned {
-        Some(learned) => learned_terms(samples, learned, transform, &weights),
-        None => polynomials(samples, candidate, transform, recipe.packets, &weights),
+        Some((learned, few)) => fit_learned(few, learned, transform, &weights),
+        None => fit_polynomials(samples, candidate, transform, recipe.packets, &weights),
     };
     let header = fitted.header(samples, domain, extent, depth);
     let map_bytes = header.light_map.as_ref().map_or(0, LightMap::gpu_bytes);
@@ -92,7 +92,7 @@ struct Fitted {
 }
 
 /// Fits polynomials to principal colours.
-fn polynomials(
+fn fit_polynomials(
     samples: &LightSamples,
     candidate: Candidate,
     transform: Transform,
@@ -134,13 +134,7 @@ fn polynomials(
 }
 
 /// Learns terms, and projects photographs on them.
-fn learned_terms(
-    samples: &LightSamples,
-    candidate: &LearnedCandidate,
-    transform: Transform,
-    weights: &Plane,
-) -> Fitted {
-    let samples = &*samples.at_most(MOST_LIGHTS);
+fn fit_learned(samples: &LightSamples, candidate: &LearnedCandidate, transform: Transform, weights: &Plane) -> Fitted {
     let learned = candidate.learn(samples);
     let (domain, extent) = (candidate.candidate.domain(), weights.size);
     let channels = |light: usize| padded_channels(&samples.images[light], samples.size, domain, &RGB, extent);

@@ -21,7 +21,7 @@ pub struct PwtFacts {
     pub epsilon: f32,
     /// The textures, finest first.
     pub textures: Vec<PwtTextureFacts>,
-    /// Texture fetches per look-up.
+    /// Texture fetches per look-up; learned terms take `degree + 1` more for each light.
     pub fetches: u32,
     /// Bytes on a GPU, all levels included.
     pub gpu_bytes: u64,
@@ -80,9 +80,11 @@ impl PwtFacts {
             log if log == (Domain::Logarithm { epsilon: 1.0 }).name() => format!("{log}, epsilon {:.4}", self.epsilon),
             other => other.to_owned(),
         };
-        let light = match coordinates {
-            LightCoordinates::Learned => format!("{degree} learned terms"),
-            polynomial => format!("{} coordinates, degree {degree}", polynomial.name()),
+        let (light, fetches) = match coordinates {
+            LightCoordinates::Learned => {
+                (format!("{degree} learned terms"), format!("{}, and {} for each light", self.fetches, degree + 1))
+            }
+            polynomial => (format!("{} coordinates, degree {degree}", polynomial.name()), self.fetches.to_string()),
         };
         let PwtErrors { lights, psnr, held_out_psnr, delta_e } = self.errors;
         let errors = match lights {
@@ -95,7 +97,7 @@ impl PwtFacts {
             ("light", light),
             ("domain", domain),
             ("textures", self.textures.iter().map(of_texture).collect::<Vec<_>>().join("; ")),
-            ("fetches", self.fetches.to_string()),
+            ("fetches", fetches),
             ("errors", errors),
         ];
         if lights > 0 && held_out_psnr != 0.0 {

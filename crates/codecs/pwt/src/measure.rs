@@ -103,7 +103,7 @@ impl StackErrors {
         Self {
             lights: sums.len(),
             texels: sums.first().map_or(0, |sums| sums.shown.of),
-            psnr: decibels(all.squares / (3.0 * count)),
+            psnr: all.psnr(),
             image_psnr: sums.iter().map(PhotographSums::psnr).sum::<f64>() / sums.len().max(1) as f64,
             delta_e: all.distances / count,
             shown: all.shown.share(),

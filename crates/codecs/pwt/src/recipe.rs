@@ -52,7 +52,7 @@ pub enum Target {
 /// Settings of a pack. Settings that are `None` are chosen by measurement.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct PwtRecipe {
-    /// Coordinates of the polynomials.
+    /// Coordinates of the polynomials, or learned terms.
     pub coordinates: Option<LightCoordinates>,
     /// Highest degree of the polynomials, or the number of learned terms.
     pub degree: Option<u32>,

@@ -110,9 +110,13 @@ impl LightSamples {
 
     /// Averages images under the same light, so that cross-validation does not predict an image from its copy.
     #[must_use]
-    pub fn averaged(self) -> Self {
+    pub fn averaged(mut self) -> Self {
         let groups = self.groups(SAME_LIGHT);
-        if groups.len() == self.lights.len() { self } else { self.of_groups(&groups) }
+        if groups.len() == self.lights.len() {
+            return self;
+        }
+        let firsts = groups.iter().map(|group| std::mem::take(&mut self.images[group[0]])).collect();
+        self.of_groups(&groups, firsts)
     }
 
     /// Averages images under near lights, until at most `most` lights are left.
@@ -125,7 +129,8 @@ impl LightSamples {
         loop {
             let groups = self.groups(near);
             if groups.len() <= most.max(1) {
-                return Cow::Owned(self.of_groups(&groups));
+                let firsts = groups.iter().map(|group| self.images[group[0]].clone()).collect();
+                return Cow::Owned(self.of_groups(&groups, firsts));
             }
             near *= 1.2;
         }
@@ -145,10 +150,9 @@ impl LightSamples {
         groups
     }
 
-    /// Means of the images and lights of groups.
-    fn of_groups(&self, groups: &[Vec<usize>]) -> Self {
-        let mean = |group: &Vec<usize>| {
-            let mut image = self.images[group[0]].clone();
+    /// Means of the images and lights of groups. `firsts` are the first images of the groups.
+    fn of_groups(&self, groups: &[Vec<usize>], firsts: Vec<Vec<[f32; 3]>>) -> Self {
+        let mean = |(group, mut image): (&Vec<usize>, Vec<[f32; 3]>)| {
             for other in &group[1..] {
                 image.as_flattened_mut().iter_mut().zip(self.images[*other].as_flattened()).for_each(|(a, b)| *a += b);
             }
@@ -168,7 +172,7 @@ impl LightSamples {
         Self {
             size: self.size,
             lights: groups.iter().map(light).collect(),
-            images: groups.iter().map(mean).collect(),
+            images: groups.iter().zip(firsts).map(mean).collect(),
             repeats: self.repeats,
             defined: self.defined.clone(),
         }

@@ -90,7 +90,7 @@ pub struct WebMaterial {
     pub range: Vec<f32>,
     /// Difference between bytes 255 and 0 of each coefficient.
     pub scale: Vec<f32>,
-    /// The byte that stands for 0, over 255, of each coefficient.
+    /// The byte that represents 0, over 255, of each coefficient.
     pub bias: Vec<f32>,
 }
 

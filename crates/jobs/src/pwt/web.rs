@@ -115,7 +115,8 @@ fn errors_at(web: &WebImage, samples: &LightSamples) -> StackErrors {
         image
     };
     let images = samples.lights.par_iter().map(image).collect();
-    image_errors(&LightSamples { images, defined: None, ..samples.without(&[]) }, samples)
+    let (size, lights) = (samples.size, samples.lights.clone());
+    image_errors(&LightSamples { size, lights, images, repeats: samples.repeats, defined: None }, samples)
 }
 
 /// RGB levels as a JPEG file, without subsampling.

@@ -10,6 +10,8 @@ const PRESS = 0.08;
 /** Distances on the disc of lights per dragged pixel, and per key press. */
 const LIGHT_DRAG = 0.005;
 const LIGHT_PRESS = 0.04;
+/** Pixels by which a key press moves an image. */
+const PAN_PRESS = 20;
 
 export const find = (id) => document.getElementById(id);
 export const stage = find('stage');
@@ -164,13 +166,16 @@ function onPointer(point, move) {
             const [x, y] = [event.clientX - before[0], event.clientY - before[1]];
             const isOther = event.shiftKey || event.buttons === 2;
             if (isImage()) {
-                (isOther ? () => pan(x, y) : () => moveLight(LIGHT_DRAG * x, -LIGHT_DRAG * y))();
-                move();
-                return;
+                if (isOther) {
+                    pan(x, y);
+                } else {
+                    moveLight(LIGHT_DRAG * x, -LIGHT_DRAG * y);
+                }
+            } else {
+                const isLight = isOther || controls.elements.drags.value === 'light';
+                // The surface and the light follow the pointer.
+                turn(isLight ? 'light' : 'turn', (isLight ? 1 : -1) * DRAG * x, (isLight ? -1 : 1) * DRAG * y);
             }
-            const isLight = isOther || controls.elements.drags.value === 'light';
-            // The surface and the light follow the pointer.
-            turn(isLight ? 'light' : 'turn', (isLight ? 1 : -1) * DRAG * x, (isLight ? -1 : 1) * DRAG * y);
         }
         move();
     });
@@ -193,12 +198,15 @@ function onKeys(move) {
             event.preventDefault();
             if (isImage()) {
                 const [x, y] = steps;
-                (event.shiftKey ? () => pan(-20 * x, 20 * y) : () => moveLight(LIGHT_PRESS * x, LIGHT_PRESS * y))();
-                move();
-                return;
+                if (event.shiftKey) {
+                    pan(-PAN_PRESS * x, PAN_PRESS * y);
+                } else {
+                    moveLight(LIGHT_PRESS * x, LIGHT_PRESS * y);
+                }
+            } else {
+                const way = which === 'turn' ? -PRESS : PRESS;
+                turn(which, way * steps[0], way * steps[1]);
             }
-            const way = which === 'turn' ? -PRESS : PRESS;
-            turn(which, way * steps[0], way * steps[1]);
             move();
         } else if (event.key === '+' || event.key === '-') {
             zoom(event.key === '+' ? 1.1 : 1 / 1.1);
@@ -210,4 +218,14 @@ function onKeys(move) {
 }
 
 /** State that "Reset" sets. */
-export const FRESH = () => ({ turn: still(), light: still(), behind: true, zoom: 1, coarser: null, stops: 0, lights: freshLights(), chosen: 0, pan: [0, 0] });
+export const FRESH = () => ({
+    turn: still(),
+    light: still(),
+    behind: true,
+    zoom: 1,
+    coarser: null,
+    stops: 0,
+    lights: freshLights(),
+    chosen: 0,
+    pan: [0, 0],
+});
