@@ -30,7 +30,7 @@ fn limits(layers: usize, bytes: u64) -> Limits {
 
 #[test]
 fn changes_gain_most_per_byte_first() {
-    // A layer has 4 channels: 4 bytes at level 1, and 16 more at level 0. Eight terms gain 8 together at level 1, four of them
+    // A channel takes 1 byte at level 1, and 4 more at level 0. Eight terms gain 8 together at level 1, four of them
     // another 12 at level 0; the ninth gains nothing.
     let strong = (0..4).map(|k| term(k, &[1.0, 4.0, 5.0]));
     let weak = (4..8).map(|k| term(k, &[1.0, 1.0, 2.0]));
@@ -39,11 +39,24 @@ fn changes_gain_most_per_byte_first() {
         let path = arrangements(&images, limits);
         path.iter().map(|arrangement| (arrangement.bytes(limits), arrangement.error)).collect()
     };
-    assert_eq!(found(&limits(9, 1000)), [(0, 30.0), (4, 26.0), (8, 22.0), (24, 10.0)]);
+    assert_eq!(found(&limits(9, 1000)), [(0, 30.0), (1, 29.0), (2, 28.0), (4, 26.0), (8, 22.0), (24, 10.0)]);
     // Limits of layers and of bytes.
-    assert_eq!(found(&limits(1, 1000)), [(0, 30.0), (4, 26.0), (20, 14.0)]);
-    assert_eq!(found(&limits(9, 19)), [(0, 30.0), (4, 26.0), (8, 22.0)]);
-    assert_eq!(found(&limits(9, 3)), [(0, 30.0)]);
+    assert_eq!(found(&limits(1, 1000)), [(0, 30.0), (1, 29.0), (2, 28.0), (4, 26.0), (20, 14.0)]);
+    assert_eq!(
+        found(&limits(9, 19)),
+        [(0, 30.0), (1, 29.0), (2, 28.0), (4, 26.0), (8, 22.0), (13, 19.0), (14, 18.0), (18, 16.0)]
+    );
+    assert_eq!(found(&limits(9, 3)), [(0, 30.0), (1, 29.0), (2, 28.0)]);
+}
+
+/// One sharp term among smooth ones begins at level 0 alone, where a whole layer does not fit.
+#[test]
+fn a_sharp_term_has_a_layer_of_its_own() {
+    let images: Vec<TermImages> = (0..9).map(|k| term(k, &[0.0, if k == 3 { 5.0 } else { 0.25 }, 9.0])).collect();
+    let path = arrangements(&images, &limits(3, 14));
+    let last = &path[path.len() - 1];
+    // 5 bytes for the sharp one and 8 for a layer of the others.
+    assert_eq!((last.bytes(&limits(3, 14)), last.error), (13, 8.0 * 0.25));
 }
 
 fn random(size: [usize; 2], scale: f64, numbers: &mut Numbers) -> Plane {
