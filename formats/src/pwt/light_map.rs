@@ -19,6 +19,9 @@ pub struct LightMap {
 }
 
 impl LightMap {
+    /// Largest value of a texel.
+    pub const LARGEST: f32 = half::MAX;
+
     /// Creates a map from the texels of all terms, row by row. Rounds them to half floats.
     ///
     /// # Errors

@@ -23,17 +23,15 @@ pub struct Choice<'a> {
 
 /// Chooses among polynomials and learned terms.
 pub fn choose<'a>(samples: &'a LightSamples, recipe: &PwtRecipe) -> Choice<'a> {
-    let texels = Texels::new(samples);
+    let may_learn = may_learn(samples, recipe);
+    // Of many lights, both kinds see the same averages.
+    let few = if may_learn { samples.at_most(MOST_LIGHTS) } else { Cow::Borrowed(samples) };
+    let texels = Texels::new(&few);
     let polynomials = match recipe.coordinates {
         Some(LightCoordinates::Learned) => Vec::new(),
-        _ => best_of_each(polynomials(&texels, samples, recipe)),
+        _ => best_of_each(polynomials(&texels, &few, recipe)),
     };
-    let few = may_learn(samples, recipe).then(|| samples.at_most(MOST_LIGHTS));
-    let learned = match &few {
-        None => Vec::new(),
-        Some(Cow::Borrowed(samples)) => tried_learned(&texels, samples, recipe),
-        Some(Cow::Owned(few)) => tried_learned(&Texels::new(few), few, recipe),
-    };
+    let learned = if may_learn { tried_learned(&texels, &few, recipe) } else { Vec::new() };
     let of_both = learned.iter().map(|learned| learned.candidate).chain(polynomials.iter().copied());
     let mut candidates = best_of_each(of_both.collect());
     let least = polynomials.first().map_or(f64::NEG_INFINITY, Candidate::merit);
@@ -42,7 +40,7 @@ pub fn choose<'a>(samples: &'a LightSamples, recipe: &PwtRecipe) -> Choice<'a> {
     let first = chosen.as_ref().map_or(candidates[0], |chosen| chosen.candidate);
     candidates.retain(|other| (other.domain, other.coordinates) != (first.domain, first.coordinates));
     candidates.insert(0, first);
-    Choice { candidates, learned: chosen.zip(few) }
+    Choice { candidates, learned: chosen.map(|chosen| (chosen, few)) }
 }
 
 /// Candidates of polynomials.

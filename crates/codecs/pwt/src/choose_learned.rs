@@ -3,7 +3,7 @@
 use crate::candidates::{Candidate, Texels, decibels, squares, to_srgb};
 use crate::components::Components;
 use crate::kriging::{Interpolation, Shortlist, rows};
-use crate::learned::{Learned, map_side};
+use crate::learned::{Learned, left_out, map_side};
 use crate::recipe::{DomainName, PwtRecipe, Target};
 use crate::stack::LightSamples;
 use brdfc_formats::pwt::{Domain, LightCoordinates, LightMap};
@@ -23,7 +23,7 @@ const MIN_LIGHTS: usize = 6;
 /// Numbers of terms that are tried are multiples of the texels' channels.
 const STEP: usize = 4;
 /// Number of terms with which domains are compared: three fetches.
-const COMPARED: usize = 12;
+const COMPARED_TERMS: usize = 12;
 /// PSNR at lights that are left out that counts as equal, dB, for the default and where a size or an error is requested: there,
 /// more terms are closer at the fitted lights.
 const EQUAL: [f64; 2] = [0.15, 0.5];
@@ -70,12 +70,17 @@ pub fn tried(texels: &Texels, samples: &LightSamples, recipe: &PwtRecipe) -> Vec
     let domains: Vec<(DomainName, Domain)> = domains.collect();
     let one = |domain: &(DomainName, Domain)| Trial::new(texels, *domain, &shortlist);
     let trials: Vec<Trial<'_>> = domains.par_iter().map(one).collect();
-    let with_few = |trial: &Trial<'_>| *trial.by_terms(most.min(COMPARED)).last().expect("one or more");
-    let errors: Vec<Errors> = trials.par_iter().map(with_few).collect();
-    let best = (0..trials.len()).max_by(|a, b| errors[*a].merit().total_cmp(&errors[*b].merit()).then(b.cmp(a)));
+    let with_few = |trial: &Trial<'_>| trial.by_terms(most.min(COMPARED_TERMS));
+    let mut errors: Vec<Vec<Errors>> = trials.par_iter().map(with_few).collect();
+    let last = |errors: &Vec<Errors>| *errors.last().expect("one or more");
+    let merits: Vec<f64> = errors.iter().map(|errors| last(errors).merit()).collect();
+    let best = (0..trials.len()).max_by(|a, b| merits[*a].total_cmp(&merits[*b]).then(b.cmp(a)));
     let best = best.expect("one or more domains");
-    let chosen = chosen(&trials[best].by_terms(most), recipe);
-    let others = (0..trials.len()).filter(|k| *k != best).map(|k| trials[k].candidate(errors[k]));
+    if most > COMPARED_TERMS {
+        errors[best] = trials[best].by_terms(most);
+    }
+    let chosen = chosen(&errors[best], recipe);
+    let others = (0..trials.len()).filter(|k| *k != best).map(|k| trials[k].candidate(last(&errors[k])));
     [trials[best].candidate(chosen)].into_iter().chain(others).collect()
 }
 
@@ -90,7 +95,7 @@ fn chosen(by_terms: &[Errors], recipe: &PwtRecipe) -> Errors {
     let equal = EQUAL[usize::from(!is_default)];
     let mut enough = by_terms.iter().filter(|errors| errors.merit() >= largest - equal);
     // Three fetches are enough if more gain nothing.
-    let few = enough.clone().find(|errors| is_default && errors.terms >= COMPARED);
+    let few = enough.clone().find(|errors| is_default && errors.terms >= COMPARED_TERMS);
     few.or_else(|| enough.next_back()).copied().unwrap_or(most)
 }
 
@@ -116,17 +121,13 @@ struct Trial<'a> {
     domain: (DomainName, Domain),
     values: DMatrix<f64>,
     interpolation: Interpolation,
-    /// Matrix of errors at lights that are left out.
-    errors: Option<DMatrix<f64>>,
 }
 
 impl<'a> Trial<'a> {
     fn new(texels: &'a Texels, domain: (DomainName, Domain), shortlist: &Shortlist) -> Self {
         let values = rows(&texels.encoded(domain.1));
-        let combined = shortlist.combined(&values);
-        let (interpolation, errors) =
-            combined.map_or((Interpolation::default(), None), |(found, errors)| (found, Some(errors)));
-        Self { texels, domain, values, interpolation, errors }
+        let interpolation = shortlist.combined(&values).unwrap_or_default();
+        Self { texels, domain, values, interpolation }
     }
 
     /// Errors with 4, 8, … principal components, up to `most`.
@@ -135,29 +136,34 @@ impl<'a> Trial<'a> {
         let entries = DMatrix::from_column_slice(3 * lights, columns / 3, self.values.as_slice());
         let components = Components::new(&entries, most);
         let coefficients = components.coefficients(&entries);
-        let mut sum = entries;
-        sum.column_iter_mut().for_each(|mut column| column.copy_from(&components.mean));
-        let psnr = |matrix: &DMatrix<f64>| {
+        let unseen = left_out(&components, &self.interpolation).map(|unseen| self.psnrs(&unseen, &coefficients));
+        let errors = |(k, psnr): (usize, f64)| Errors {
+            terms: (STEP * (k + 1)).min(components.axes.ncols()).max(1),
+            psnr,
+            held_out_psnr: unseen.as_ref().map(|unseen| unseen[k]),
+        };
+        self.psnrs(&components, &coefficients).into_iter().enumerate().map(errors).collect()
+    }
+
+    /// PSNR with 4, 8, … components, shown as those of `shown`; once, if there are none.
+    fn psnrs(&self, shown: &Components, coefficients: &DMatrix<f64>) -> Vec<f64> {
+        let (lights, columns) = self.values.shape();
+        let mut sum = DMatrix::from_fn(3 * lights, columns / 3, |entry, _| shown.mean[entry]);
+        let psnr = |sum: &DMatrix<f64>| {
             let of_light = |light: usize| {
-                let row: Vec<f32> = matrix.row(light).iter().map(|value| *value as f32).collect();
+                let row: Vec<f32> = (0..columns).map(|k| sum.as_slice()[light + lights * k] as f32).collect();
                 squares(&to_srgb(self.domain.1, row), &self.texels.codes[light])
             };
             let all: Vec<f64> = (0..lights).into_par_iter().map(of_light).collect();
             decibels(all.iter().sum::<f64>() / (lights * columns).max(1) as f64)
         };
-        let found = components.axes.ncols();
-        let mut by_terms = Vec::new();
-        let mut first = 0;
-        // Once, if there are no components.
-        while by_terms.is_empty() || first < found {
+        let found = shown.axes.ncols();
+        let with_more = |first: usize| {
             let count = STEP.min(found - first);
-            sum += components.axes.columns(first, count) * coefficients.rows(first, count);
-            first += count;
-            let shown = DMatrix::from_column_slice(lights, columns, sum.as_slice());
-            let held_out_psnr = self.errors.as_ref().map(|errors| psnr(&(&shown - errors * &shown)));
-            by_terms.push(Errors { terms: first.max(1), psnr: psnr(&shown), held_out_psnr });
-        }
-        by_terms
+            sum += shown.axes.columns(first, count) * coefficients.rows(first, count);
+            psnr(&sum)
+        };
+        (0..found.max(1)).step_by(STEP).map(with_more).collect()
     }
 
     fn candidate(&self, Errors { terms, psnr, held_out_psnr }: Errors) -> LearnedCandidate {

@@ -25,7 +25,7 @@ const VALUES: usize = 1 << 16;
 /// Default levels of a tree, if the sides allow them.
 const DEPTH: u32 = 5;
 /// Approximate number of texels of all photographs that are compared at the end.
-const COMPARED: usize = 1 << 21;
+const COMPARED_TEXELS: usize = 1 << 21;
 /// Planes, of lower terms, by which packets are chosen.
 const GUIDES: usize = 4;
 /// Maximum number of packs that a search for a measured target builds.
@@ -74,7 +74,8 @@ pub fn encode(samples: &LightSamples, recipe: &PwtRecipe) -> Result<PwtEncoded, 
     let layers = recipe.max_fetches.unwrap_or(PwtRecipe::MAX_FETCHES) as usize;
     let limits = Limits { extent: header.extent, depth, layers, bytes: bytes.saturating_sub(map_bytes) };
     let path = arrangements(&fitted.images, &limits);
-    let search = Search { samples, images: &fitted.images, path, header, candidate };
+    let lights = choice.learned.as_ref().map_or(samples, |(_, few)| few).lights.len();
+    let search = Search { samples, lights, images: &fitted.images, path, header, candidate };
     let (pack, errors, met) = search.run(recipe.target)?;
     let Fitted { condition, subbands, .. } = fitted;
     Ok(PwtEncoded { pack, candidates: choice.candidates, condition, subbands, errors, met })
@@ -353,8 +354,10 @@ fn guide_step(guides: &[Plane]) -> f32 {
 /// Search for the smallest pack that meets a target.
 struct Search<'a> {
     samples: &'a LightSamples,
+    /// Number of lights that terms were fitted to; terms are orthonormal over them.
+    lights: usize,
     images: &'a [TermImages],
-    /// Arrangements of increasing size.
+    /// Arrangements of decreasing error.
     path: Vec<Arrangement>,
     header: PwtHeader,
     candidate: Candidate,
@@ -380,7 +383,7 @@ impl Search<'_> {
                 // Truncation adds to the error at held-out lights.
                 let unseen = self.candidate.held_out_psnr.unwrap_or(self.candidate.psnr);
                 let unseen = 10f64.powf(-unseen / 10.0);
-                let numbers = (3 * self.samples.defined_texels() * self.samples.lights.len()) as f64;
+                let numbers = (3 * self.samples.defined_texels() * self.lights) as f64;
                 let allowed = (10f64.powf(loss / 10.0) - 1.0) * unseen * numbers + self.path[last].error;
                 let (pack, errors) = self.made(first_below(allowed).unwrap_or(last))?;
                 Ok((pack, errors, true))
@@ -418,7 +421,7 @@ impl Search<'_> {
         let pack = self.path[at].pack(self.images, self.header.clone())?;
         let decoder = PwtDecoder::new(pack);
         let all = self.samples.size[0] * self.samples.size[1] * self.samples.lights.len();
-        let errors = stack_errors(&decoder, self.samples, all.div_ceil(COMPARED));
+        let errors = stack_errors(&decoder, self.samples, all.div_ceil(COMPARED_TEXELS));
         let measured = PwtErrors {
             lights: errors.lights as u32,
             psnr: errors.psnr as f32,

@@ -14,34 +14,34 @@ pub fn coefficients(design: &Design, values: &[Vec<f32>]) -> Vec<Vec<f32>> {
     // Row by row: terms x lights.
     let weights: Vec<f32> = (0..terms).flat_map(|k| (0..lights).map(move |i| design.row(i)[k] as f32)).collect();
     let mut planes = vec![vec![0.0f32; count]; terms];
-    // For each strip, its part of every plane.
-    let mut strips: Vec<Vec<&mut [f32]>> = (0..count.div_ceil(STRIP)).map(|_| Vec::with_capacity(terms)).collect();
-    for plane in &mut planes {
-        strips.iter_mut().zip(plane.chunks_mut(STRIP)).for_each(|(strip, part)| strip.push(part));
-    }
-    let buffers = || (Vec::with_capacity(lights * STRIP), Vec::with_capacity(terms * STRIP));
-    strips.into_par_iter().enumerate().for_each_init(buffers, |(gathered, product), (strip, parts)| {
-        let range = strip * STRIP..((strip + 1) * STRIP).min(count);
-        gathered.clear();
-        values.iter().for_each(|light| gathered.extend_from_slice(&light[range.clone()]));
-        product.clear();
-        product.resize(terms * range.len(), 0.0);
-        multiply(terms, lights, range.len(), &weights, gathered, product);
-        for (part, row) in parts.into_iter().zip(product.chunks_exact(range.len())) {
-            part.copy_from_slice(row);
-        }
-    });
+    accumulate(&mut planes, &weights, &values.iter().map(Vec::as_slice).collect::<Vec<_>>());
     planes
 }
 
-/// `c = a b` of row-major matrices: `m x k` by `k x n`.
-pub fn multiply(m: usize, k: usize, n: usize, a: &[f32], b: &[f32], c: &mut [f32]) {
-    c.fill(0.0);
-    multiply_add(m, k, n, a, b, c);
+/// Adds a matrix product to planes. `factors` are row by row, a row for each plane and a column for each of `values`.
+pub fn accumulate(planes: &mut [Vec<f32>], factors: &[f32], values: &[&[f32]]) {
+    let (terms, count) = (planes.len(), values.first().map_or(0, |values| values.len()));
+    // For each strip, its part of every plane.
+    let mut strips: Vec<Vec<&mut [f32]>> = (0..count.div_ceil(STRIP)).map(|_| Vec::with_capacity(terms)).collect();
+    for plane in planes {
+        strips.iter_mut().zip(plane.chunks_mut(STRIP)).for_each(|(strip, part)| strip.push(part));
+    }
+    let buffers = || (Vec::new(), Vec::new());
+    strips.into_par_iter().enumerate().for_each_init(buffers, |(gathered, sums), (strip, parts)| {
+        let range = strip * STRIP..((strip + 1) * STRIP).min(count);
+        gathered.clear();
+        values.iter().for_each(|values| gathered.extend_from_slice(&values[range.clone()]));
+        sums.clear();
+        parts.iter().for_each(|part| sums.extend_from_slice(part));
+        multiply_add(terms, values.len(), range.len(), factors, gathered, sums);
+        for (part, row) in parts.into_iter().zip(sums.chunks_exact(range.len())) {
+            part.copy_from_slice(row);
+        }
+    });
 }
 
-/// Adds `a b` to `c`, as in [`multiply`].
-pub fn multiply_add(m: usize, k: usize, n: usize, a: &[f32], b: &[f32], c: &mut [f32]) {
+/// Adds `a b` to `c`: row-major matrices, `m x k` by `k x n`.
+fn multiply_add(m: usize, k: usize, n: usize, a: &[f32], b: &[f32], c: &mut [f32]) {
     let view = |rows, columns, data| nalgebra::DMatrixView::from_slice(data, columns, rows);
     // In column-major order these are the transposes: c^T = b^T a^T.
     let mut out = nalgebra::DMatrixViewMut::from_slice(c, n, m);
@@ -54,8 +54,8 @@ mod tests {
 
     #[test]
     fn products_of_known_matrices() {
-        let mut c = [0.0; 6];
-        multiply(2, 2, 3, &[1.0, 2.0, 3.0, 4.0], &[1.0, 0.0, 2.0, 0.0, 1.0, 3.0], &mut c);
-        assert_eq!(c, [1.0, 2.0, 8.0, 3.0, 4.0, 18.0]);
+        let mut c = [0.0, 0.0, 0.0, 0.0, 0.0, 0.5];
+        multiply_add(2, 2, 3, &[1.0, 2.0, 3.0, 4.0], &[1.0, 0.0, 2.0, 0.0, 1.0, 3.0], &mut c);
+        assert_eq!(c, [1.0, 2.0, 8.0, 3.0, 4.0, 18.5]);
     }
 }

@@ -8,11 +8,11 @@
 use nalgebra::{DMatrix, DMatrixView};
 use rayon::prelude::*;
 
-/// Number of covariance functions that are combined, for up to [`COMPARED`] lights; fewer for more.
+/// Number of covariance functions that are combined, for up to [`COMPARED_LIGHTS`] lights; fewer for more.
 const COMBINED: usize = 24;
 const LEAST_COMBINED: usize = 4;
 /// Maximum number of lights by which covariance functions are compared before they are combined.
-const COMPARED: usize = 96;
+const COMPARED_LIGHTS: usize = 96;
 /// Steps of the combination.
 const STEPS: usize = 400;
 /// Covariance functions whose weight is below this share are left out.
@@ -132,6 +132,9 @@ impl Covariance {
 #[derive(Debug, Clone, PartialEq)]
 pub struct Interpolation {
     parts: Vec<(f64, Covariance)>,
+    /// Matrix from the values at all lights to the errors of predictions of each light from the others; `None` if no light can be
+    /// left out.
+    pub left_out: Option<DMatrix<f64>>,
 }
 
 impl Default for Interpolation {
@@ -139,7 +142,7 @@ impl Default for Interpolation {
     fn default() -> Self {
         let covariance =
             Covariance { shape: Shape::Matern5, paraboloid: false, range: 1.2, nugget: 1e-3, linear_trend: false };
-        Self { parts: vec![(1.0, covariance)] }
+        Self { parts: vec![(1.0, covariance)], left_out: None }
     }
 }
 
@@ -151,7 +154,7 @@ pub struct Shortlist {
 impl Shortlist {
     /// Compares all covariance functions on values: rows are lights. Uses only some lights of many.
     pub fn new(lights: &[[f32; 3]], values: &DMatrix<f64>) -> Self {
-        let stride = lights.len().div_ceil(COMPARED).max(1);
+        let stride = lights.len().div_ceil(COMPARED_LIGHTS).max(1);
         let some: Vec<usize> = (0..lights.len()).step_by(stride).collect();
         let few: Vec<[f32; 3]> = some.iter().map(|light| lights[*light]).collect();
         let products = values.select_rows(&some);
@@ -165,7 +168,7 @@ impl Shortlist {
         let mut found: Vec<_> =
             tried.into_iter().filter_map(|(c, e, s)| Some((c, e?, s.filter(|s| s.is_finite())?))).collect();
         found.sort_by(|a, b| a.2.total_cmp(&b.2));
-        found.truncate((COMBINED * COMPARED / lights.len().max(COMPARED)).max(LEAST_COMBINED));
+        found.truncate((COMBINED * COMPARED_LIGHTS / lights.len().max(COMPARED_LIGHTS)).max(LEAST_COMBINED));
         let of_all = |(covariance, errors, _): (Covariance, DMatrix<f64>, f64)| {
             let errors = if stride == 1 { Some(errors) } else { covariance.left_out(lights) };
             Some((covariance, errors?))
@@ -173,9 +176,8 @@ impl Shortlist {
         Self { covariances: found.into_par_iter().filter_map(of_all).collect() }
     }
 
-    /// The combination with the smallest squared error on values, and its matrix of errors at lights that are left out; `None`
-    /// if no light can be left out.
-    pub fn combined(&self, values: &DMatrix<f64>) -> Option<(Interpolation, DMatrix<f64>)> {
+    /// The combination with the smallest squared error on values at lights that are left out; `None` if none can be.
+    pub fn combined(&self, values: &DMatrix<f64>) -> Option<Interpolation> {
         let products = values * values.transpose();
         let count = self.covariances.len();
         let seen: Vec<DMatrix<f64>> = self.covariances.iter().map(|(_, errors)| errors * &products).collect();
@@ -186,7 +188,7 @@ impl Shortlist {
         let parts = kept().map(|(weight, (covariance, _))| (weight / whole, *covariance)).collect();
         let mut errors = DMatrix::zeros(products.nrows(), products.ncols());
         kept().for_each(|(weight, (_, of_one))| errors += of_one * (weight / whole));
-        Some((Interpolation { parts }, errors))
+        Some(Interpolation { parts, left_out: Some(errors) })
     }
 }
 
@@ -258,10 +260,6 @@ mod tests {
         })
     }
 
-    fn chosen(lights: &[[f32; 3]], values: &DMatrix<f64>) -> (Interpolation, DMatrix<f64>) {
-        Shortlist::new(lights, values).combined(values).unwrap()
-    }
-
     /// Errors at lights that are left out are those of a fit without each light.
     #[test]
     fn left_out_errors_are_those_of_fits_without_a_light() {
@@ -286,7 +284,7 @@ mod tests {
         let lights = spread_lights(60);
         let between: Vec<[f32; 3]> = spread_lights(37).into_iter().filter(|light| light[2] > 0.3).collect();
         let (known, expected) = (values(&lights, 0.0), values(&between, 0.0));
-        let (interpolation, _) = chosen(&lights, &known);
+        let interpolation = Shortlist::new(&lights, &known).combined(&known).unwrap();
         let error = |lights: &[[f32; 3]]| {
             (interpolation.predictions(lights, &between) * &known - &expected).norm() / expected.norm()
         };
@@ -304,8 +302,7 @@ mod tests {
         let lights = spread_lights(60);
         let noisy = values(&lights, 0.5);
         let shortlist = Shortlist::new(&lights, &noisy);
-        let (_, errors) = shortlist.combined(&noisy).unwrap();
-        let combined = (errors * &noisy).norm();
+        let combined = (shortlist.combined(&noisy).unwrap().left_out.unwrap() * &noisy).norm();
         let parts = shortlist.covariances.iter().map(|(_, errors)| (errors * &noisy).norm());
         let best = parts.fold(f64::INFINITY, f64::min);
         assert!(combined <= best * (1.0 + 1e-9), "{combined} {best}");
@@ -317,12 +314,9 @@ mod tests {
     fn few_lights_have_an_interpolation() {
         for lights in [spread_lights(1), spread_lights(2), vec![[0.6, 0.0, 0.8], [0.0, 0.0, 1.0], [-0.6, 0.0, 0.8]]] {
             let known = values(&lights, 0.0);
-            let found = chosen_or_default(&lights, &known).predictions(&lights, &spread_lights(5)) * &known;
+            let interpolation = Shortlist::new(&lights, &known).combined(&known).unwrap_or_default();
+            let found = interpolation.predictions(&lights, &spread_lights(5)) * &known;
             assert!(found.iter().all(|value| value.is_finite()));
         }
-    }
-
-    fn chosen_or_default(lights: &[[f32; 3]], values: &DMatrix<f64>) -> Interpolation {
-        Shortlist::new(lights, values).combined(values).map_or_else(Interpolation::default, |(found, _)| found)
     }
 }

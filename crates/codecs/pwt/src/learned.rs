@@ -4,7 +4,7 @@
 use crate::components::Components;
 use crate::kriging::Interpolation;
 use brdfc_formats::pwt::{LightMap, MAP_SIDES};
-use nalgebra::DMatrix;
+use nalgebra::{DMatrix, DVector};
 use std::f64::consts::PI;
 
 /// Texels of the map per mean distance of two lights.
@@ -31,6 +31,37 @@ fn at_lights(components: &Components) -> DMatrix<f64> {
     DMatrix::from_iterator(entries / 3, 3 * terms, numbers)
 }
 
+/// Predictions of each light of `known` from the others, and the share of each term's prediction that is used between the lights:
+/// the slope of the regression of its values on the predictions, 0 to 1. Shadows and highlights of weak terms move from light to
+/// light; with their share, terms that others do not predict are seen at their lights only, and more terms do no harm elsewhere.
+fn predicted(known: &DMatrix<f64>, errors: &DMatrix<f64>) -> (DMatrix<f64>, Vec<f64>) {
+    let predicted = known - errors * known;
+    let share = |term: usize| {
+        let (of_term, known) = (predicted.columns(3 * term, 3), known.columns(3 * term, 3));
+        let slope = of_term.dot(&known) / of_term.norm_squared();
+        // The mean is no deviation from anything.
+        if term == 0 || slope.is_nan() { 1.0 } else { slope.clamp(0.0, 1.0) }
+    };
+    let shares = (0..known.ncols() / 3).map(share).collect();
+    (predicted, shares)
+}
+
+/// Mean and components as they are seen under each light if it is left out of the interpolation; `None` if none can be.
+pub fn left_out(components: &Components, interpolation: &Interpolation) -> Option<Components> {
+    let (mut seen, shares) = predicted(&at_lights(components), interpolation.left_out.as_ref()?);
+    scale_terms(&mut seen, &shares);
+    let (entries, terms) = (components.axes.nrows(), components.axes.ncols());
+    let (mean, axes) = seen.as_slice().split_at(entries);
+    Some(Components { mean: DVector::from_column_slice(mean), axes: DMatrix::from_column_slice(entries, terms, axes) })
+}
+
+/// Multiplies each term, three columns, by its share.
+fn scale_terms(values: &mut DMatrix<f64>, shares: &[f64]) {
+    for (term, share) in shares.iter().enumerate() {
+        values.columns_mut(3 * term, 3).scale_mut(*share);
+    }
+}
+
 /// Mean distance of two neighbouring lights in paraboloid coordinates, if they are evenly spread.
 fn spacing(lights: usize) -> f64 {
     0.9 * (PI / lights.max(1) as f64).sqrt()
@@ -49,12 +80,13 @@ impl Learned {
         let known = at_lights(components);
         let directions = LightMap::directions(side);
         let mut map = interpolation.predictions(lights, &directions) * &known;
-        // Far from all lights a trend is no knowledge.
-        for (mut texels, known) in map.column_iter_mut().zip(known.column_iter()) {
-            let (low, high) = (known.min(), known.max());
-            texels.iter_mut().for_each(|texel| *texel = texel.clamp(2.0 * low - high, 2.0 * high - low));
+        if let Some(errors) = &interpolation.left_out {
+            scale_terms(&mut map, &predicted(&known, errors).1);
         }
+        limit(&mut map, &known);
         correct(&mut map, &known, lights, side);
+        // Corrections of near lights can overshoot.
+        limit(&mut map, &known);
         let texels: Vec<[f32; 3]> = (0..known.ncols() / 3)
             .flat_map(|term| (0..map.nrows()).map(move |texel| (term, texel)))
             .map(|(term, texel)| [0, 1, 2].map(|channel| map[(texel, 3 * term + channel)] as f32))
@@ -62,6 +94,16 @@ impl Learned {
         let map = LightMap::new(side, &texels).expect("a side in range, and clamped values");
         let (factors, offsets) = projection(&map, lights);
         Self { map, factors, offsets }
+    }
+}
+
+/// Limits a map to twice the range of the known values, and to half floats: far from all lights a trend is no knowledge.
+fn limit(map: &mut DMatrix<f64>, known: &DMatrix<f64>) {
+    let largest = f64::from(LightMap::LARGEST);
+    for (mut texels, known) in map.column_iter_mut().zip(known.column_iter()) {
+        let (low, high) = (known.min(), known.max());
+        let (least, most) = ((2.0 * low - high).max(-largest), (2.0 * high - low).min(largest));
+        texels.iter_mut().for_each(|texel| *texel = texel.max(least).min(most));
     }
 }
 
@@ -132,7 +174,7 @@ mod tests {
         let lights = spread_lights(50);
         let values: Vec<Vec<f32>> = lights.iter().map(|light| colours(*light)).collect();
         let matrix = rows(&values);
-        let (interpolation, _) = Shortlist::new(&lights, &matrix).combined(&matrix).unwrap();
+        let interpolation = Shortlist::new(&lights, &matrix).combined(&matrix).unwrap();
         let entries = DMatrix::from_column_slice(150, 60, matrix.as_slice());
         let components = Components::new(&entries, 24);
         let learned = Learned::new(&components, &interpolation, &lights);
@@ -155,6 +197,49 @@ mod tests {
         let at = lights.iter().map(|light| worst(*light)).fold(0.0, f32::max);
         let between = spread_lights(23).into_iter().filter(|light| light[2] > 0.4).map(worst).fold(0.0, f32::max);
         assert!(at < 4e-3 && between < 0.05, "{at} {between}");
+    }
+
+    /// A term that other lights predict keeps its share; one that changes sign from light to light is seen at its lights only, because
+    /// predictions of it are worse than none.
+    #[test]
+    fn terms_that_are_not_predicted_do_no_harm() {
+        let lights = spread_lights(40);
+        let smooth = |k: usize| f64::from(lights[k][0]);
+        let rough = |k: usize| if k.is_multiple_of(2) { 0.02 } else { -0.02 };
+        let texel = |k: usize, i: usize| 1.0 + smooth(k) * (i as f64).sin() + rough(k) * (1.7 * i as f64).cos();
+        let matrix = DMatrix::from_fn(40, 90, |k, i| texel(k, i / 3));
+        let interpolation = Shortlist::new(&lights, &matrix).combined(&matrix).unwrap();
+        let entries = DMatrix::from_column_slice(120, 30, matrix.as_slice());
+        let components = Components::new(&entries, 2);
+        let known = at_lights(&components);
+        let (seen, shares) = predicted(&known, interpolation.left_out.as_ref().unwrap());
+        assert!(shares[0] == 1.0 && shares[1] > 0.95 && shares[2] < 0.3, "{shares:?}");
+        // Whole, the prediction of the second is further from its values than 0 is.
+        let (seen, known) = (seen.columns(6, 3), known.columns(6, 3));
+        let off = |share: f64| (seen * share - known).norm() / known.norm();
+        assert!(off(shares[2]) <= 1.0 && off(1.0) > 1.05, "{} {}", off(shares[2]), off(1.0));
+    }
+
+    /// Values of linear photographs near the largest half float, and lights so near to each other that corrections overshoot.
+    #[test]
+    fn maps_stay_in_range() {
+        let on_arc = |k: usize| {
+            let (s, c) = (0.3 + 0.02 * k as f32).sin_cos();
+            [s, 0.0, c]
+        };
+        let lights: Vec<[f32; 3]> = (0..60).map(on_arc).collect();
+        let matrix =
+            DMatrix::from_fn(60, 90, |k, i| if (k * 7 + i * 3) % 5 == 0 { 60_000.0 } else { 100.0 * i as f64 });
+        let interpolation = Shortlist::new(&lights, &matrix).combined(&matrix).unwrap_or_default();
+        let entries = DMatrix::from_column_slice(180, 30, matrix.as_slice());
+        let components = Components::new(&entries, 20);
+        let learned = Learned::new(&components, &interpolation, &lights);
+        let known = at_lights(&components);
+        let (low, high) = (known.columns(0, 3).min(), known.columns(0, 3).max());
+        for light in spread_lights(50) {
+            let value = f64::from(learned.map.value(0, light)[0]);
+            assert!((2.0 * low - high - 40.0..=2.0 * high - low + 40.0).contains(&value), "{value} {low} {high}");
+        }
     }
 
     #[test]

@@ -2,7 +2,7 @@
 
 use super::stacks::{lambert, polynomial, shiny, spiral};
 use brdfc_formats::pwt::{LightCoordinates, PwtDecoder, PwtPack};
-use brdfc_pwt::measure::stack_errors;
+use brdfc_pwt::measure::{image_errors, stack_errors};
 use brdfc_pwt::ptm::{images_of, samples_of, spread_lights};
 use brdfc_pwt::{DomainName, LightSamples, PwtEncoded, PwtRecipe, Target, Wavelet, encode};
 use brdfc_readers::ptm::Ptm;
@@ -106,11 +106,26 @@ fn highlights_are_learned() {
 fn learned_terms_of_poor_lights() {
     let unseen = lambert([24, 24], spiral(23), false);
     for lights in [spiral(1), spiral(2), spiral(3), vec![[0.0, 0.6, 0.8]; 6]] {
-        let made = made(&lambert([24, 24], lights, false), learned());
+        let samples = lambert([24, 24], lights, false);
+        let made = made(&samples, learned());
         assert!(made.errors.psnr > 25.0, "{:?}", made.errors);
         let errors = stack_errors(&PwtDecoder::new(made.pack), &unseen, 1);
-        assert!(errors.psnr > 8.0, "{errors:?}");
+        let mean = LightSamples { images: vec![samples.at_most(1).images[0].clone(); 23], ..unseen.clone() };
+        let expected = image_errors(&mean, &unseen);
+        assert!(errors.psnr > expected.psnr - 0.5, "{errors:?} {expected:?}");
     }
+}
+
+/// Learned terms of many lights are those of averaged photographs, and what is dropped is no more than requested.
+#[test]
+fn many_lights_are_averaged() {
+    let samples = shiny([48, 48], spiral(430));
+    let [whole, less] = [0.0, 2.0].map(|loss| made(&samples, PwtRecipe { target: Target::Loss(loss), ..learned() }));
+    assert_eq!(less.pack.header().errors.lights, 430);
+    let [least, left] = [&whole, &less].map(|made| 10f64.powf(-made.errors.psnr / 10.0));
+    let unseen = 10f64.powf(-less.candidates[0].held_out_psnr.unwrap() / 10.0);
+    assert!(left - least < 1.1 * (10f64.powf(0.2) - 1.0) * unseen, "{least} {left} {unseen}");
+    assert!(less.pack.gpu_bytes() < whole.pack.gpu_bytes());
 }
 
 #[test]
