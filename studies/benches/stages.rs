@@ -252,7 +252,7 @@ fn relighting(criterion: &mut Criterion) {
     let values: Vec<Vec<f32>> = images.iter().map(|image| image.iter().map(|c| c[0]).collect()).collect();
     let basis = LightBasis { coordinates: LightCoordinates::Hemisphere, degree: 5 };
     let design = Design::new(basis, &lights, 1e-4);
-    let samples = LightSamples { size: [SIDE, SIDE], lights: lights.clone(), images, repeats: false, defined: None };
+    let samples = LightSamples::new([SIDE, SIDE], lights.clone(), images);
     let mut group = criterion.benchmark_group("relighting");
     group.throughput(Throughput::Elements((SIDE * SIDE * LIGHTS) as u64));
     group.bench_function("factorisation", |b| b.iter(|| Design::new(basis, black_box(&lights), 1e-4)));
@@ -267,7 +267,7 @@ fn relighting(criterion: &mut Criterion) {
             let (left, right) = product.split_at_mut(design.terms() * half);
             let (first, second) = flat.split_at(LIGHTS * half);
             let bare = |values: &[f32], out: &mut [f32]| {
-                fit::multiply(design.terms(), LIGHTS, half, black_box(&weights), values, out);
+                fit::multiply_add(design.terms(), LIGHTS, half, black_box(&weights), values, out);
             };
             rayon::join(|| bare(first, left), || bare(second, right));
         });

@@ -101,7 +101,7 @@ pub(crate) fn images_of(folder: &Path) -> Vec<PathBuf> {
 
 fn size_of(folder: &Path, files: &[String]) -> Result<[u32; 2], InputError> {
     let paths: Vec<PathBuf> = files.iter().map(|file| folder.join(file)).collect();
-    common_size(&paths, files.first().map_or("", String::as_str))
+    common_size(&paths, files.first().map_or("", String::as_str)).map(|(size, _)| size)
 }
 
 /// Lists the files below `folder`, with `/` between folders, after `prefix`.

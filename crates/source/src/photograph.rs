@@ -1,26 +1,18 @@
-//! Photographs: PNG, JPEG, TIFF and EXR images of a BTF stack or RTI capture as linear RGB.
+//! Photographs: PNG, JPEG, TIFF and EXR images of a BTF stack or RTI capture.
 
 use crate::InputError;
 use crate::exr_header::exr_headers;
 use crate::tile_image::FileImage;
 use brdfc_formats::FormatError;
-use brdfc_readers::colour::decode_srgb;
-use image::{DynamicImage, ImageError, ImageFormat, ImageReader};
+use brdfc_readers::pixels::Pixels;
+use image::{DynamicImage, ImageDecoder as _, ImageError, ImageFormat, ImageReader};
 use std::io::ErrorKind;
 use std::path::{Path, PathBuf};
-use std::sync::LazyLock;
 
 /// Maximum width and height of an image, pixels.
 pub const MAX_SIZE: u32 = 8192;
 /// Maximum memory of decoding an image, bytes: four f32 per pixel of the largest, twice.
 const MAX_DECODER_BYTES: u64 = 2 << 30;
-
-/// Linear value of each 8-bit sRGB level.
-static LINEAR_8: LazyLock<[f32; 256]> =
-    LazyLock::new(|| std::array::from_fn(|code| decode_srgb(code as f64 / 255.0) as f32));
-/// Linear value of each 16-bit sRGB level.
-static LINEAR_16: LazyLock<Vec<f32>> =
-    LazyLock::new(|| (0..=u16::MAX).map(|code| decode_srgb(f64::from(code) / 65535.0) as f32).collect());
 
 /// A photograph: linear RGB (Rec. 709 primaries), 1 is the full scale of integer formats.
 ///
@@ -36,73 +28,79 @@ impl Image {
     /// # Errors
     /// Returns an error for a file that cannot be read or decoded, or has another size, and for values that are not
     /// finite.
-    pub(crate) fn read(path: &Path, size: [usize; 2]) -> Result<Self, InputError> {
-        let mut reader = reader(path)?;
-        if reader.format() == Some(ImageFormat::OpenExr) {
-            check_exr(path)?;
-        }
-        let mut limits = image::Limits::default();
-        limits.max_image_width = Some(MAX_SIZE);
-        limits.max_image_height = Some(MAX_SIZE);
-        limits.max_alloc = Some(MAX_DECODER_BYTES);
-        reader.limits(limits);
-        let decoded = reader.decode().map_err(|error| image_error(path, error))?;
-        let [width, height] = size;
-        if [decoded.width() as usize, decoded.height() as usize] != size {
-            let found = format!("{} x {}", decoded.width(), decoded.height());
-            let error =
-                FormatError::whole("image size", found, format!("{width} x {height}, the size when it was opened"));
-            return Err(InputError::format(path, error));
-        }
-        let pixels = linear(decoded);
-        if let Some(at) = pixels.iter().position(|pixel| !pixel.iter().all(|c| c.is_finite())) {
-            let found = format!("{:?} at ({}, {})", pixels[at], at % width, at / width);
-            return Err(InputError::format(path, FormatError::whole("pixel", found, "finite values")));
-        }
+    pub(crate) fn read(path: &Path, [width, height]: [usize; 2]) -> Result<Self, InputError> {
+        let pixels = read_pixels(path, [width, height])?.into_linear();
         Ok(Self { width, height, pixels })
     }
 }
 
-fn linear(decoded: DynamicImage) -> Vec<[f32; 3]> {
-    let eight = |code: u8| LINEAR_8[usize::from(code)];
-    let sixteen = |code: u16| LINEAR_16[usize::from(code)];
+/// Reads the pixels of an image, as [`Image::read`] does.
+///
+/// # Errors
+/// Returns the errors of [`Image::read`].
+pub(crate) fn read_pixels(path: &Path, size: [usize; 2]) -> Result<Pixels, InputError> {
+    let mut reader = reader(path)?;
+    if reader.format() == Some(ImageFormat::OpenExr) {
+        check_exr(path)?;
+    }
+    let mut limits = image::Limits::default();
+    limits.max_image_width = Some(MAX_SIZE);
+    limits.max_image_height = Some(MAX_SIZE);
+    limits.max_alloc = Some(MAX_DECODER_BYTES);
+    reader.limits(limits);
+    let decoded = reader.decode().map_err(|error| image_error(path, error))?;
+    let [width, height] = size;
+    if [decoded.width() as usize, decoded.height() as usize] != size {
+        let found = format!("{} x {}", decoded.width(), decoded.height());
+        let error = FormatError::whole("image size", found, format!("{width} x {height}, the size when it was opened"));
+        return Err(InputError::format(path, error));
+    }
+    let pixels = pixels_of(decoded);
+    if let Pixels::Linear(pixels) = &pixels
+        && let Some(at) = pixels.iter().position(|pixel| !pixel.iter().all(|c| c.is_finite()))
+    {
+        let found = format!("{:?} at ({}, {})", pixels[at], at % width, at / width);
+        return Err(InputError::format(path, FormatError::whole("pixel", found, "finite values")));
+    }
+    Ok(pixels)
+}
+
+fn pixels_of(decoded: DynamicImage) -> Pixels {
     match decoded {
-        DynamicImage::ImageLuma8(image) => texels(&image, eight),
-        DynamicImage::ImageLumaA8(image) => texels(&image, eight),
-        DynamicImage::ImageRgb8(image) => texels(&image, eight),
-        DynamicImage::ImageRgba8(image) => texels(&image, eight),
-        DynamicImage::ImageLuma16(image) => texels(&image, sixteen),
-        DynamicImage::ImageLumaA16(image) => texels(&image, sixteen),
-        DynamicImage::ImageRgb16(image) => texels(&image, sixteen),
-        DynamicImage::ImageRgba16(image) => texels(&image, sixteen),
+        DynamicImage::ImageLuma8(image) => Pixels::Levels8(colours(image)),
+        DynamicImage::ImageLumaA8(image) => Pixels::Levels8(colours(image)),
+        DynamicImage::ImageRgb8(image) => Pixels::Levels8(colours(image)),
+        DynamicImage::ImageRgba8(image) => Pixels::Levels8(colours(image)),
+        DynamicImage::ImageLuma16(image) => Pixels::Levels16(colours(image)),
+        DynamicImage::ImageLumaA16(image) => Pixels::Levels16(colours(image)),
+        DynamicImage::ImageRgb16(image) => Pixels::Levels16(colours(image)),
+        DynamicImage::ImageRgba16(image) => Pixels::Levels16(colours(image)),
         // Only EXR and TIFF have floats.
-        _ => decoded.into_rgb32f().pixels().map(|pixel| pixel.0).collect(),
+        _ => Pixels::Linear(decoded.into_rgb32f().pixels().map(|pixel| pixel.0).collect()),
     }
 }
 
 /// Grey or RGB, without alpha.
-fn texels<P: image::Pixel>(
-    image: &image::ImageBuffer<P, Vec<P::Subpixel>>,
-    linear: impl Fn(P::Subpixel) -> f32,
-) -> Vec<[f32; 3]> {
+fn colours<P: image::Pixel>(image: image::ImageBuffer<P, Vec<P::Subpixel>>) -> Vec<[P::Subpixel; 3]> {
     let channels = usize::from(P::CHANNEL_COUNT);
     let texels = image.as_raw().chunks_exact(channels);
     if channels < 3 {
-        texels.map(|texel| [linear(texel[0]); 3]).collect()
+        texels.map(|texel| [texel[0]; 3]).collect()
     } else {
-        texels.map(|texel| [linear(texel[0]), linear(texel[1]), linear(texel[2])]).collect()
+        texels.map(|texel| [texel[0], texel[1], texel[2]]).collect()
     }
 }
 
-/// Common width and height of all images, from their headers: 0 without images.
+/// Common width and height of all images, from their headers, 0 without images; and the bytes of all [`Pixels`].
 ///
 /// # Errors
 /// Returns an error for files that cannot be read or are not PNG, JPEG, TIFF or EXR, and for images of different sizes or
 /// with more than [`MAX_SIZE`] pixels along a side. `first` names the first image in errors.
-pub(crate) fn common_size(paths: &[PathBuf], first: &str) -> Result<[u32; 2], InputError> {
-    let mut size = None;
+pub(crate) fn common_size(paths: &[PathBuf], first: &str) -> Result<([u32; 2], u64), InputError> {
+    let (mut size, mut bytes) = (None, 0);
     for path in paths {
-        let found = image_size(path)?;
+        let (found, of_channel) = header(path)?;
+        bytes += 3 * of_channel * u64::from(found[0]) * u64::from(found[1]);
         let [width, height] = *size.get_or_insert(found);
         if found != [width, height] {
             let allowed = format!("{width} x {height}, the size of {first}");
@@ -110,7 +108,7 @@ pub(crate) fn common_size(paths: &[PathBuf], first: &str) -> Result<[u32; 2], In
             return Err(InputError::format(path, error));
         }
     }
-    Ok(size.unwrap_or_default())
+    Ok((size.unwrap_or_default(), bytes))
 }
 
 fn reader(path: &Path) -> Result<ImageReader<std::io::BufReader<std::fs::File>>, InputError> {
@@ -132,10 +130,13 @@ fn check_exr(path: &Path) -> Result<(), InputError> {
     headers.map(drop).map_err(|error| InputError::format(path, error))
 }
 
-fn image_size(path: &Path) -> Result<[u32; 2], InputError> {
-    let (width, height) = reader(path)?.into_dimensions().map_err(|error| image_error(path, error))?;
+/// Width, height and bytes per channel.
+fn header(path: &Path) -> Result<([u32; 2], u64), InputError> {
+    let decoder = reader(path)?.into_decoder().map_err(|error| image_error(path, error))?;
+    let (width, height) = decoder.dimensions();
     if (1..=MAX_SIZE).contains(&width) && (1..=MAX_SIZE).contains(&height) {
-        return Ok([width, height]);
+        let colour = decoder.color_type();
+        return Ok(([width, height], u64::from(colour.bytes_per_pixel() / colour.channel_count())));
     }
     let allowed = format!("1 to {MAX_SIZE} along each side");
     Err(InputError::format(path, FormatError::whole("image size", format!("{width} x {height}"), allowed)))
@@ -157,18 +158,6 @@ fn image_error(path: &Path, error: ImageError) -> InputError {
         error => {
             let error = FormatError::whole("image", error.to_string(), "a complete PNG, JPEG, TIFF or EXR image");
             InputError::format(path, error.problem())
-        }
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn known_codes() {
-        for (code, linear) in [(0.0, 0.0), (1.0, 1.0), (188.0 / 255.0, 0.502_886_5), (10.0 / 255.0, 0.003_035_27)] {
-            assert!((decode_srgb(code) - linear).abs() < 1e-7, "{code}");
         }
     }
 }

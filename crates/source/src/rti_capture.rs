@@ -2,10 +2,11 @@
 
 use crate::InputError;
 use crate::misnamed::wrong_contents;
-use crate::photograph::{Image, common_size};
+use crate::photograph::{Image, common_size, read_pixels};
 use crate::read::{MAX_TEXT_BYTES, extension_of, read_file};
 use brdfc_core::words::{counted, join_truncated};
 use brdfc_formats::FormatError;
+use brdfc_readers::pixels::Pixels;
 use brdfc_readers::rti_capture::{LightPositions, is_above};
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};
@@ -23,6 +24,7 @@ pub struct RtiCapture {
     directions: Vec<[f32; 3]>,
     files: Vec<PathBuf>,
     size: [usize; 2],
+    bytes: u64,
     notes: Vec<String>,
 }
 
@@ -42,8 +44,8 @@ impl RtiCapture {
         let first = files.first().map_or("", |(light, _)| &lights.names[*light]);
         let directions = files.iter().map(|(light, _)| lights.directions[*light]).collect();
         let files: Vec<PathBuf> = files.into_iter().map(|(_, file)| file).collect();
-        let size = common_size(&files, first)?;
-        Ok(Self { directions, files, size: size.map(|n| n as usize), notes })
+        let (size, bytes) = common_size(&files, first)?;
+        Ok(Self { directions, files, size: size.map(|n| n as usize), bytes, notes })
     }
 
     /// Differences between the list and the capture: lights that are left out, and a number that does not fit.
@@ -61,6 +63,11 @@ impl RtiCapture {
         self.size
     }
 
+    /// Bytes of the pixels of all images, as [`Self::pixels`] returns them.
+    pub fn bytes(&self) -> u64 {
+        self.bytes
+    }
+
     /// Number of lights and images: at least one.
     #[allow(clippy::len_without_is_empty)]
     pub fn len(&self) -> usize {
@@ -75,6 +82,15 @@ impl RtiCapture {
         &self.files[light]
     }
 
+    /// Reads the image of a light as linear values, without caching it.
+    ///
+    /// # Errors
+    /// Returns the errors of [`Self::pixels`].
+    pub fn image(&self, light: usize) -> Result<Image, InputError> {
+        let [width, height] = self.size;
+        Ok(Image { width, height, pixels: self.pixels(light)?.into_linear() })
+    }
+
     /// Reads the image of a light, without caching it.
     ///
     /// PNG, JPEG and TIFF hold sRGB values, and their colour profiles are ignored; EXR and TIFF with floats hold linear
@@ -83,12 +99,12 @@ impl RtiCapture {
     /// # Errors
     /// Returns an error for an index out of range, a file that cannot be read or decoded or has changed its size, and
     /// values that are not finite.
-    pub fn image(&self, light: usize) -> Result<Image, InputError> {
+    pub fn pixels(&self, light: usize) -> Result<Pixels, InputError> {
         let Some(file) = self.files.get(light) else {
             let error = FormatError::whole("light", light.to_string(), format!("less than {}", self.len()));
             return Err(InputError::format(self.files[0].parent().unwrap_or(Path::new("")), error));
         };
-        Image::read(file, self.size)
+        read_pixels(file, self.size)
     }
 
     /// Facts about the capture.

@@ -107,7 +107,7 @@ impl Asset {
         LightSamples {
             size: [self.size; 2],
             lights: lights.fitted_directions(),
-            images: lights.fitted.iter().map(|light| images[*light].clone()).collect(),
+            images: lights.fitted.iter().map(|light| images[*light].clone().into()).collect(),
             repeats: true,
             defined: self.mask(view).filter(|mask| mask.contains(&true)).map(<[bool]>::to_vec),
         }

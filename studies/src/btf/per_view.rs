@@ -83,7 +83,7 @@ impl<'a> View<'a> {
         let start = Instant::now();
         let map = fit_map(&self.samples, model)?;
         let seconds = start.elapsed().as_secs_f64();
-        let shown = images_of(&map, self.lights.directions.clone()).images;
+        let shown = images_of(&map, self.lights.directions.clone()).into_linear();
         let (bytes, fetches) = cost(model);
         let bytes = bytes * texels_with_mipmaps(self.samples.size[0]);
         Ok(self.tally(&shown, bytes, BLENDED_VIEWS * fetches, seconds))
@@ -110,13 +110,13 @@ impl<'a> View<'a> {
     /// The values themselves, blended for held-out lights as in a renderer.
     fn uncompressed(&self) -> Tally {
         let bytes = 4 * self.samples.lights.len() as u64 * texels_with_mipmaps(self.samples.size[0]);
-        let shown = self.lights.completed(self.samples.images.clone());
+        let shown = self.lights.completed(self.samples.clone().into_linear());
         self.tally(&shown, bytes, BLENDED_VIEWS * BLENDED_LIGHTS, 0.0)
     }
 
     fn packed(&self, pack: PwtPack, seconds: f64) -> Tally {
         let (bytes, fetches) = (pack.gpu_bytes(), f64::from(pack.header().fetches()));
-        let shown = images_of_pack(&PwtDecoder::new(pack), self.lights.directions.clone()).images;
+        let shown = images_of_pack(&PwtDecoder::new(pack), self.lights.directions.clone()).into_linear();
         self.tally(&shown, bytes, BLENDED_VIEWS * fetches, seconds)
     }
 

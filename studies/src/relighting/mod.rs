@@ -304,8 +304,10 @@ pub fn relit(samples: &LightSamples, held_out: usize) -> Result<LinearImage, For
     let tree = encode(&fitted, &PwtRecipe { target: Target::Bytes(bytes), ..PwtRecipe::default() })?.pack;
     let tree = images_of_pack(&PwtDecoder::new(tree), photograph.lights.clone());
     let width = samples.size[0];
-    let rows = photograph.images[0].chunks(width).zip(map.images[0].chunks(width)).zip(tree.images[0].chunks(width));
-    let pixels: Vec<[f32; 3]> = rows.flat_map(|((a, b), c)| [a, b, c].concat()).collect();
+    let row = |row: usize| {
+        [&photograph, &map, &tree].map(|shown| shown.images[0].linear(row * width..(row + 1) * width)).concat()
+    };
+    let pixels: Vec<[f32; 3]> = (0..samples.size[1]).flat_map(row).collect();
     let (width, height) = (3 * width, samples.size[1]);
     Ok(LinearImage { pixels, coverage: vec![1.0; width * height], ..LinearImage::black(width, height) })
 }

@@ -4,6 +4,7 @@
 use brdfc_formats::pwt::Domain;
 use brdfc_pwt::LightSamples;
 use brdfc_pwt::components::Components;
+use brdfc_readers::pixels::Pixels;
 use nalgebra::DMatrix;
 use rayon::prelude::*;
 
@@ -85,8 +86,8 @@ impl PrincipalComponents {
     /// Computes `count` components. The interpolation has the smallest error at lights that are left out.
     pub(super) fn new(samples: &LightSamples, count: usize, between: Between) -> Self {
         let lights = &samples.lights;
-        let codes = |image: &Vec<[f32; 3]>| {
-            let mut codes = image.clone();
+        let codes = |image: &Pixels| {
+            let mut codes = image.clone().into_linear();
             Domain::Display.encode_each(codes.as_flattened_mut());
             codes
         };
@@ -136,8 +137,8 @@ impl PrincipalComponents {
             Domain::Display.decode_each(image.as_flattened_mut());
             image
         };
-        let images = lights.par_iter().map(image).collect();
-        LightSamples { size: self.size, lights, images, repeats: false, defined: None }
+        let images: Vec<_> = lights.par_iter().map(image).collect();
+        LightSamples::new(self.size, lights, images)
     }
 }
 

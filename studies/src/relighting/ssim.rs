@@ -2,6 +2,7 @@
 
 use brdfc_formats::pwt::Domain;
 use brdfc_pwt::LightSamples;
+use brdfc_readers::pixels::Pixels;
 use rayon::prelude::*;
 
 /// Standard deviation of the window, pixels.
@@ -12,7 +13,8 @@ const REACH: isize = 5;
 /// Mean over the photographs, at their sRGB-encoded grey levels.
 pub(super) fn similarity(found: &LightSamples, expected: &LightSamples) -> f64 {
     let size = expected.size;
-    let of = |(a, b): (&Vec<[f32; 3]>, &Vec<[f32; 3]>)| of_images(&grey(a), &grey(b), size);
+    let grey = |image: &Pixels| grey(&image.linear(0..image.len()));
+    let of = |(a, b): (&Pixels, &Pixels)| of_images(&grey(a), &grey(b), size);
     let all: Vec<f64> = found.images.par_iter().zip(&expected.images).map(of).collect();
     all.iter().sum::<f64>() / all.len() as f64
 }

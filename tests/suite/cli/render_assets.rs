@@ -30,8 +30,8 @@ fn samples() -> LightSamples {
         };
         (0..SIZE[0] * SIZE[1]).map(pixel).collect()
     };
-    let images = lights.iter().map(rendering).collect();
-    LightSamples { size: SIZE, lights, images, repeats: false, defined: None }
+    let images: Vec<Vec<[f32; 3]>> = lights.iter().map(rendering).collect();
+    LightSamples::new(SIZE, lights, images)
 }
 
 /// A folder with the RTI capture `stack` and its pack `relief.ktx2`.
@@ -40,7 +40,10 @@ fn folder() -> Folder {
     let samples = samples();
     let stack = folder.path().join("stack");
     std::fs::create_dir(&stack).unwrap();
-    write_rti_capture(&stack, &samples.lights, SIZE, StackFormat::Exr, |light| samples.images[light].clone()).unwrap();
+    write_rti_capture(&stack, &samples.lights, SIZE, StackFormat::Exr, |light| {
+        samples.images[light].clone().into_linear()
+    })
+    .unwrap();
     folder.write("relief.ktx2", encode(&samples, &PwtRecipe::default()).unwrap().pack.to_bytes(true));
     folder
 }

@@ -3,6 +3,7 @@
 use crate::recipe::DomainName;
 use crate::stack::LightSamples;
 use brdfc_formats::pwt::{Domain, LightBasis, LightCoordinates};
+use brdfc_readers::pixels::Pixels;
 use rayon::prelude::*;
 
 /// Number of texels used.
@@ -64,8 +65,8 @@ pub(crate) struct Texels {
 impl Texels {
     pub(crate) fn new(samples: &LightSamples) -> Self {
         let at = samples.spread_texels(TEXELS);
-        let of_light = |image: &Vec<[f32; 3]>| -> Vec<f32> {
-            at.iter().flat_map(|texel| image[*texel]).map(|value| value.max(0.0)).collect()
+        let of_light = |image: &Pixels| -> Vec<f32> {
+            at.iter().flat_map(|texel| image.pixel(*texel)).map(|value| value.max(0.0)).collect()
         };
         let values: Vec<Vec<f32>> = samples.images.par_iter().map(of_light).collect();
         let codes = values.iter().map(|values| to_srgb(Domain::Linear, values.clone())).collect();

@@ -7,6 +7,7 @@ use crate::learned::{Learned, left_out, map_side};
 use crate::recipe::{DomainName, PwtRecipe, Target};
 use crate::stack::LightSamples;
 use brdfc_formats::pwt::{Domain, LightCoordinates, LightMap};
+use brdfc_readers::pixels::Pixels;
 use nalgebra::DMatrix;
 use rayon::prelude::*;
 
@@ -180,8 +181,8 @@ impl LearnedCandidate {
     pub fn learn(&self, samples: &LightSamples) -> Learned {
         let at = samples.spread_texels(LEARNED_FROM.min(NUMBERS / (3 * samples.lights.len())));
         let domain = self.candidate.domain();
-        let of_light = |image: &Vec<[f32; 3]>| -> Vec<f32> {
-            let mut values: Vec<f32> = at.iter().flat_map(|texel| image[*texel]).collect();
+        let of_light = |image: &Pixels| -> Vec<f32> {
+            let mut values: Vec<f32> = at.iter().flat_map(|texel| image.pixel(*texel)).collect();
             domain.encode_each(&mut values);
             values
         };

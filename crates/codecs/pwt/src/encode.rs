@@ -6,6 +6,7 @@ use crate::choose::choose;
 use crate::choose_learned::LearnedCandidate;
 use crate::degrees::{SubbandDegree, degrees};
 use crate::design::Design;
+use crate::encoded::Padded;
 use crate::fit;
 use crate::image::Plane;
 use crate::levels::{TermImages, term_images};
@@ -17,6 +18,7 @@ use crate::stack::LightSamples;
 use crate::tree::{PacketTree, Transform};
 use brdfc_formats::FormatError;
 use brdfc_formats::pwt::{Domain, LightBasis, LightMap, PwtDecoder, PwtErrors, PwtHeader, PwtPack};
+use brdfc_readers::pixels::Pixels;
 use nalgebra::Matrix3;
 use rayon::prelude::*;
 
@@ -138,8 +140,7 @@ fn fit_polynomials(
 fn fit_learned(samples: &LightSamples, candidate: &LearnedCandidate, transform: Transform, weights: &Plane) -> Fitted {
     let learned = candidate.learn(samples);
     let (domain, extent) = (candidate.candidate.domain(), weights.size);
-    let channels = |light: usize| padded_channels(&samples.images[light], samples.size, domain, &RGB, extent);
-    let planes = project::coefficients(&learned, samples.lights.len(), weights.values.len(), channels);
+    let planes = project::coefficients(&learned, &Padded::new(samples, domain, extent));
     let image = |(k, values): (usize, Vec<f32>)| {
         let plane = Plane { size: extent, values };
         TermImages::of_plane((0, k + 1), transform, plane, weights, samples.repeats)
@@ -177,7 +178,7 @@ impl Fitted {
 }
 
 /// Red, green and blue as colours of channels.
-pub(crate) const RGB: [[f32; 3]; 3] = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
+const RGB: [[f32; 3]; 3] = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
 
 /// Encodes all terms of a basis for red, green and blue, from one level on, fitted to sRGB-encoded values and rounded
 /// to 8 bits: a pack without trees, such as hemispherical harmonics of order 3, for comparison. The ridge is chosen as
@@ -240,7 +241,7 @@ fn depth(samples: &LightSamples, recipe: &PwtRecipe) -> Result<u32, FormatError>
 /// Some texels of all photographs, in a domain.
 fn some_values(samples: &LightSamples, domain: Domain) -> impl Iterator<Item = [f32; 3]> {
     let texels = samples.spread_texels(VALUES.div_ceil(samples.lights.len()));
-    let values = samples.images.iter().flat_map(move |rendering| texels.clone().into_iter().map(|at| rendering[at]));
+    let values = samples.images.iter().flat_map(move |image| texels.clone().into_iter().map(|at| image.pixel(at)));
     values.map(move |value| value.map(|c| domain.encode(c)))
 }
 
@@ -268,35 +269,19 @@ fn colour_axes(samples: &LightSamples, domain: Domain) -> [[f32; 3]; 3] {
     })
 }
 
-/// Channels of a photograph, padded to the extent of the pack by mirroring.
-pub(crate) fn padded_channels(
-    image: &[[f32; 3]],
-    [width, height]: [usize; 2],
-    domain: Domain,
-    colour: &[[f32; 3]; 3],
-    extent: [usize; 2],
-) -> [Vec<f32>; 3] {
-    let mirrored = |k: usize, side: usize| {
-        let at = k % (2 * side);
-        if at < side { at } else { 2 * side - 1 - at }
-    };
-    let mut planes = [0, 1, 2].map(|_| Vec::with_capacity(extent[0] * extent[1]));
-    for y in 0..extent[1] {
-        let row = &image[mirrored(y, height) * width..][..width];
-        let mut encoded = row.to_vec();
-        domain.encode_each(encoded.as_flattened_mut());
-        for (plane, axis) in planes.iter_mut().zip(colour) {
-            let project = |v: &[f32; 3]| v[0] * axis[0] + v[1] * axis[1] + v[2] * axis[2];
-            plane.extend((0..extent[0]).map(|x| project(&encoded[mirrored(x, width)])));
-        }
-    }
-    planes
-}
-
-/// [`padded_channels`] of every photograph, channel by channel.
+/// Channels of every photograph, padded to the extent of the pack, channel by channel.
 fn channels(samples: &LightSamples, domain: Domain, colour: &[[f32; 3]; 3], extent: [usize; 2]) -> [Vec<Vec<f32>>; 3] {
-    let of_image = |image: &Vec<[f32; 3]>| padded_channels(image, samples.size, domain, colour, extent);
-    let all: Vec<[Vec<f32>; 3]> = samples.images.par_iter().map(of_image).collect();
+    let padded = Padded::new(samples, domain, extent);
+    let of_light = |light: usize| {
+        let mut planes = [0, 1, 2].map(|_| Vec::with_capacity(extent[0] * extent[1]));
+        for row in (0..extent[1]).map(|row| padded.row(light, row)) {
+            for (plane, axis) in planes.iter_mut().zip(colour) {
+                plane.extend(row.iter().map(|v| v[0] * axis[0] + v[1] * axis[1] + v[2] * axis[2]));
+            }
+        }
+        planes
+    };
+    let all: Vec<[Vec<f32>; 3]> = (0..samples.lights.len()).into_par_iter().map(of_light).collect();
     let mut channels = [Vec::new(), Vec::new(), Vec::new()];
     for planes in all {
         channels.iter_mut().zip(planes).for_each(|(channel, plane)| channel.push(plane));
@@ -311,12 +296,12 @@ fn texel_weights(samples: &LightSamples, domain: Domain, extent: [usize; 2]) -> 
     const IMAGES: usize = 8;
     let [width, height] = samples.size;
     let stride = samples.images.len().div_ceil(IMAGES);
-    let some: Vec<&Vec<[f32; 3]>> = samples.images.iter().step_by(stride).collect();
+    let some: Vec<&Pixels> = samples.images.iter().step_by(stride).collect();
     let mut weights = Plane::zeros(extent);
     weights.values.par_chunks_exact_mut(extent[0]).take(height).enumerate().for_each(|(y, weights)| {
-        for rendering in &some {
+        for image in &some {
             // The middle channel, which is nearly luminance.
-            let row = &rendering[y * width..][..width];
+            let row = image.linear(y * width..(y + 1) * width);
             let mut encoded: Vec<f32> = row.iter().map(|value| value[1].clamp(0.0, 1.0)).collect();
             domain.encode_each(&mut encoded);
             let stepped = encoded.iter().map(|value| value + STEP).collect();

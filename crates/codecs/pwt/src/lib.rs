@@ -11,6 +11,7 @@ pub mod components;
 pub mod degrees;
 pub mod design;
 mod encode;
+mod encoded;
 mod facts;
 pub mod fit;
 pub mod image;

@@ -2,9 +2,10 @@
 
 use crate::candidates::{decibels, squares, to_srgb};
 use crate::stack::LightSamples;
-use brdfc_formats::pwt::{Domain, PwtDecoder};
+use brdfc_formats::pwt::{Domain, PwtDecoder, Weights};
 use brdfc_metrics::lab::{distance_squared, lab};
 use brdfc_metrics::shown::{MIN_CONTRAST, MIN_SHOWN, Shown};
+use brdfc_readers::pixels::Pixels;
 use rayon::prelude::*;
 use std::borrow::Cow;
 
@@ -30,11 +31,11 @@ pub struct StackErrors {
 /// Errors of a pack at its finest level against photographs, which may differ from the photographs of the fit. Compares
 /// every `stride`-th row.
 pub fn stack_errors(decoder: &PwtDecoder, samples: &LightSamples, stride: usize) -> StackErrors {
-    let unpacked = decoder.unpacked(0);
-    let sums = sums(samples, stride, |light| {
-        let weights = decoder.pack().header().weights(samples.lights[light]);
-        let unpacked = &unpacked;
-        move |row| Cow::Owned(unpacked.rows(row..row + 1, &weights))
+    let weights: Vec<Weights> = samples.lights.iter().map(|light| decoder.pack().header().weights(*light)).collect();
+    let sums = sums(samples, stride, |row| {
+        let unpacked = decoder.unpacked_rows(0, row..row + 1);
+        let weights = &weights;
+        move |light: usize| Cow::Owned(unpacked.rows(row..row + 1, &weights[light]))
     });
     StackErrors::of_photographs(&sums)
 }
@@ -42,8 +43,8 @@ pub fn stack_errors(decoder: &PwtDecoder, samples: &LightSamples, stride: usize)
 /// Errors of images against photographs of the same size under the same lights.
 pub fn image_errors(images: &LightSamples, samples: &LightSamples) -> StackErrors {
     let width = samples.size[0];
-    let rows = |light: usize| move |row: usize| Cow::Borrowed(&images.images[light][row * width..][..width]);
-    StackErrors::of_photographs(&sums(samples, 1, rows))
+    let row = |row: usize| move |light: usize| images.images[light].linear(row * width..(row + 1) * width);
+    StackErrors::of_photographs(&sums(samples, 1, row))
 }
 
 /// Sums over one photograph, from which [`StackErrors::of_photographs`] are computed.
@@ -90,8 +91,8 @@ pub fn images_of_pack(decoder: &PwtDecoder, lights: Vec<[f32; 3]>) -> LightSampl
     let unpacked = decoder.unpacked(0);
     let header = decoder.pack().header();
     let image = |light: &[f32; 3]| unpacked.rows(0..unpacked.size()[1], &header.weights(*light));
-    let images = lights.par_iter().map(image).collect();
-    LightSamples { size: unpacked.size(), images, lights, repeats: header.repeats, defined: None }
+    let images: Vec<_> = lights.par_iter().map(image).collect();
+    LightSamples { repeats: header.repeats, ..LightSamples::new(unpacked.size(), lights, images) }
 }
 
 impl StackErrors {
@@ -123,26 +124,30 @@ impl StackErrors {
     }
 }
 
-/// Sums of each photograph, over every `stride`-th row that has defined texels. `rows` returns the rows of the image of
-/// a light.
-fn sums<'a, R>(samples: &LightSamples, stride: usize, rows: impl Fn(usize) -> R + Sync) -> Vec<PhotographSums>
+/// Sums of each photograph, over every `stride`-th row that has defined texels. `images` returns the rows of all images: colours by
+/// light.
+fn sums<'a, R>(samples: &LightSamples, stride: usize, images: impl Fn(usize) -> R + Sync) -> Vec<PhotographSums>
 where
     R: Fn(usize) -> Cow<'a, [[f32; 3]]>,
 {
     let width = samples.size[0];
     let is_seen = |row: &usize| (row * width..(row + 1) * width).any(|texel| samples.is_defined(texel));
     let compared: Vec<usize> = (0..samples.size[1]).filter(is_seen).step_by(stride.max(1)).collect();
-    let of_light = |light: usize| -> PhotographSums {
-        let found = rows(light);
-        let mut sums = PhotographSums::default();
-        for row in compared.iter().copied() {
-            let masked = |colours: &[[f32; 3]]| -> Vec<[f32; 3]> {
-                let defined = |(x, colour): (usize, &[f32; 3])| samples.is_defined(row * width + x).then_some(*colour);
-                colours.iter().enumerate().filter_map(defined).collect()
-            };
-            sums += photograph_sums(&masked(&found(row)), &masked(&samples.images[light][row * width..][..width]));
-        }
-        sums
+    let of_row = |row: &usize| -> Vec<PhotographSums> {
+        let (found, first) = (images(*row), row * width);
+        let masked = |colours: &[[f32; 3]]| -> Vec<[f32; 3]> {
+            let defined = |(x, colour): (usize, &[f32; 3])| samples.is_defined(first + x).then_some(*colour);
+            colours.iter().enumerate().filter_map(defined).collect()
+        };
+        let of_light = |(light, image): (usize, &Pixels)| {
+            photograph_sums(&masked(&found(light)), &masked(&image.linear(first..first + width)))
+        };
+        samples.images.iter().enumerate().map(of_light).collect()
     };
-    (0..samples.lights.len()).into_par_iter().map(of_light).collect()
+    let rows: Vec<Vec<PhotographSums>> = compared.par_iter().map(of_row).collect();
+    let mut sums = vec![PhotographSums::default(); samples.lights.len()];
+    for row in rows {
+        sums.iter_mut().zip(row).for_each(|(sum, row)| *sum += row);
+    }
+    sums
 }

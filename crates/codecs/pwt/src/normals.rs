@@ -98,7 +98,7 @@ fn solve_row(samples: &LightSamples, first: usize) -> Row {
             .images
             .iter()
             .map(|image| {
-                std::array::from_fn(|lane| if lane < count { luminance(image[start + lane]) as f32 } else { 0.0 })
+                std::array::from_fn(|lane| if lane < count { luminance(image.pixel(start + lane)) as f32 } else { 0.0 })
             })
             .collect();
         let scaled = solve(&samples.lights, &luminances);
@@ -182,8 +182,9 @@ fn finished(samples: &LightSamples, pixel: usize, g: [f32; 3]) -> ([f32; 3], [f3
     let (mut sums, mut squares) = ([0.0; 3], 0.0);
     for (light, image) in samples.lights.iter().zip(&samples.images) {
         let cosine = lit(normal, *light);
-        let weight = 1.0 / (luminance(image[pixel]) as f32 - lit(g, *light)).abs().max(floor);
-        (0..3).for_each(|c| sums[c] += weight * cosine * image[pixel][c]);
+        let colour = image.pixel(pixel);
+        let weight = 1.0 / (luminance(colour) as f32 - lit(g, *light)).abs().max(floor);
+        (0..3).for_each(|c| sums[c] += weight * cosine * colour[c]);
         squares += weight * cosine * cosine;
     }
     (normal, sums.map(|sum| if squares > 0.0 { (sum / squares).max(0.0) } else { 0.0 }))
@@ -216,8 +217,8 @@ mod tests {
             };
             (0..SIDE * SIDE).map(pixel).collect()
         };
-        let images = lights.iter().enumerate().map(image).collect();
-        LightSamples { size: [SIDE, SIDE], lights, images, repeats: false, defined: None }
+        let images: Vec<_> = lights.iter().enumerate().map(image).collect();
+        LightSamples::new([SIDE, SIDE], lights, images)
     }
 
     /// Mean angle to the sphere's normals, degrees.
@@ -234,7 +235,7 @@ mod tests {
         let matrix = nalgebra::DMatrix::from_fn(samples.lights.len(), 3, |i, k| samples.lights[i][k]);
         let inverse = matrix.pseudo_inverse(1e-6).unwrap();
         let pixel = |pixel: usize| {
-            let values = samples.images.iter().map(|image| luminance(image[pixel]) as f32);
+            let values = samples.images.iter().map(|image| luminance(image.pixel(pixel)) as f32);
             let g = &inverse * nalgebra::DVector::from_iterator(samples.lights.len(), values);
             let size = g.norm();
             [g[0] / size, g[1] / size, g[2] / size]

@@ -1,26 +1,24 @@
-//! Coefficients of learned terms: photographs, a few at a time, times a matrix.
+//! Coefficients of learned terms: photographs times a matrix.
 
-use crate::fit::accumulate;
+use crate::encoded::Padded;
+use crate::fit::multiply_strips;
 use crate::learned::Learned;
-use rayon::prelude::*;
 
-/// Photographs whose values are held at once.
-const AT_ONCE: usize = 8;
-/// Coefficients of each component for all texels. `channels` gives red, green and blue of a photograph in the domain.
-pub fn coefficients(
-    learned: &Learned,
-    lights: usize,
-    texels: usize,
-    channels: impl Fn(usize) -> [Vec<f32>; 3] + Sync,
-) -> Vec<Vec<f32>> {
-    let mut planes: Vec<Vec<f32>> = learned.offsets.iter().map(|offset| vec![*offset; texels]).collect();
-    let all: Vec<usize> = (0..lights).collect();
-    for some in all.chunks(AT_ONCE) {
-        let values: Vec<[Vec<f32>; 3]> = some.par_iter().map(|light| channels(*light)).collect();
-        // Row by row: components x values.
-        let range = 3 * some[0]..3 * (some[0] + some.len());
-        let factors: Vec<f32> = learned.factors.iter().flat_map(|factors| &factors[range.clone()]).copied().collect();
-        accumulate(&mut planes, &factors, &values.iter().flatten().map(Vec::as_slice).collect::<Vec<_>>());
-    }
+/// Approximate number of texels of a strip of rows.
+const STRIP: usize = 1 << 11;
+
+/// Coefficients of each component for all texels of padded photographs.
+pub fn coefficients(learned: &Learned, photographs: &Padded<'_>) -> Vec<Vec<f32>> {
+    let [width, height] = photographs.extent;
+    let lights = photographs.samples.lights.len();
+    let mut planes: Vec<Vec<f32>> = learned.offsets.iter().map(|offset| vec![*offset; width * height]).collect();
+    let strip = width * STRIP.div_ceil(width);
+    multiply_strips(&mut planes, strip, &learned.factors.concat(), 3 * lights, |texels, values| {
+        for light in 0..lights {
+            let rows = (texels.start / width..texels.end / width).map(|row| photographs.row(light, row));
+            let colours = rows.collect::<Vec<_>>().concat();
+            (0..3).for_each(|channel| values.extend(colours.iter().map(|colour| colour[channel])));
+        }
+    });
     planes
 }

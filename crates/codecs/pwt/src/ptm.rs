@@ -44,8 +44,8 @@ fn samples(
     image: impl Fn([f32; 3]) -> Vec<[f32; 3]> + Sync,
 ) -> LightSamples {
     let size = map.size().map(|side| side as usize);
-    let images = lights.par_iter().map(|light| image(*light)).collect();
-    LightSamples { size, lights, images, repeats: false, defined: None }
+    let images: Vec<Vec<[f32; 3]>> = lights.par_iter().map(|light| image(*light)).collect();
+    LightSamples::new(size, lights, images)
 }
 
 /// Linear RGB of some rows of a map under a light.
@@ -86,7 +86,7 @@ pub fn fit_map(samples: &LightSamples, model: MapModel) -> Result<Ptm, FormatErr
     });
     let singular = SINGULAR * matrix.singular_values().max();
     let inverse = matrix.pseudo_inverse(singular).expect("the bound is positive");
-    let codes: Vec<Vec<[f32; 3]>> = samples.images.par_iter().map(|image| codes(image)).collect();
+    let codes: Vec<Vec<[f32; 3]>> = samples.images.par_iter().map(|image| codes(&image.linear(0..count))).collect();
     let fitted = |values: &dyn Fn(usize) -> f64| -> [f32; TERMS] {
         let mut coefficients = [0.0f64; TERMS];
         for light in 0..codes.len() {

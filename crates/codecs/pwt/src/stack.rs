@@ -1,6 +1,7 @@
 //! Input of the encoder: images of one view under known lights.
 
 use brdfc_formats::FormatError;
+use brdfc_readers::pixels::Pixels;
 use std::borrow::Cow;
 
 /// Range of the number of lights.
@@ -16,8 +17,8 @@ pub struct LightSamples {
     pub size: [usize; 2],
     /// Unit vectors to the lights, above the horizon.
     pub lights: Vec<[f32; 3]>,
-    /// Linear RGB of each image, row by row from the top; 1 is white. Only polynomials have values below 0.
-    pub images: Vec<Vec<[f32; 3]>>,
+    /// RGB of each image, row by row from the top; 1 is white. Only polynomials have values below 0.
+    pub images: Vec<Pixels>,
     /// True if the images are tiles that repeat.
     pub repeats: bool,
     /// Mask of defined texels, row by row; `None` if all are defined. Other texels hold filled values: they are fitted,
@@ -26,6 +27,12 @@ pub struct LightSamples {
 }
 
 impl LightSamples {
+    /// Images that do not repeat and whose texels are all defined.
+    pub fn new(size: [usize; 2], lights: Vec<[f32; 3]>, images: Vec<impl Into<Pixels>>) -> Self {
+        let images = images.into_iter().map(Into::into).collect();
+        Self { size, lights, images, repeats: false, defined: None }
+    }
+
     /// Checks the input.
     ///
     /// # Errors
@@ -57,7 +64,9 @@ impl LightSamples {
                 let allowed = "a unit vector above the horizon".to_owned();
                 return refused(format!("light {k}"), format!("{light:?}"), allowed);
             }
-            if let Some(at) = image.iter().position(|pixel| !pixel.iter().all(|c| c.is_finite())) {
+            if let Pixels::Linear(image) = image
+                && let Some(at) = image.iter().position(|pixel| !pixel.iter().all(|c| c.is_finite()))
+            {
                 let found = format!("{:?} at ({}, {})", image[at], at % width, at / width);
                 return refused(format!("image {k}"), found, "finite values".to_owned());
             }
@@ -72,6 +81,11 @@ impl LightSamples {
             }
         }
         Ok(())
+    }
+
+    /// Linear values of all images.
+    pub fn into_linear(self) -> Vec<Vec<[f32; 3]>> {
+        self.images.into_iter().map(Pixels::into_linear).collect()
     }
 
     /// Returns true if a texel is defined.
@@ -102,8 +116,7 @@ impl LightSamples {
         let size = self.size.map(|side| if side < multiple { side } else { side - side % multiple });
         let first = [(width - size[0]) / 2, (height - size[1]) / 2];
         let at = |y: usize| (first[1] + y) * width + first[0]..(first[1] + y) * width + first[0] + size[0];
-        let rows = |image: &Vec<[f32; 3]>| (0..size[1]).flat_map(|y| &image[at(y)]).copied().collect();
-        let images = self.images.iter().map(rows).collect();
+        let images = self.images.iter().map(|image| image.parts((0..size[1]).map(at))).collect();
         let defined = self.defined.as_ref().map(|mask| (0..size[1]).flat_map(|y| &mask[at(y)]).copied().collect());
         Self { size, lights: self.lights.clone(), images, repeats: self.repeats, defined }
     }
@@ -115,7 +128,8 @@ impl LightSamples {
         if groups.len() == self.lights.len() {
             return self;
         }
-        let firsts = groups.iter().map(|group| std::mem::take(&mut self.images[group[0]])).collect();
+        let mut taken = |group: &Vec<usize>| std::mem::replace(&mut self.images[group[0]], Pixels::Linear(Vec::new()));
+        let firsts = groups.iter().map(&mut taken).collect();
         self.of_groups(&groups, firsts)
     }
 
@@ -151,13 +165,18 @@ impl LightSamples {
     }
 
     /// Means of the images and lights of groups. `firsts` are the first images of the groups.
-    fn of_groups(&self, groups: &[Vec<usize>], firsts: Vec<Vec<[f32; 3]>>) -> Self {
-        let mean = |(group, mut image): (&Vec<usize>, Vec<[f32; 3]>)| {
+    fn of_groups(&self, groups: &[Vec<usize>], firsts: Vec<Pixels>) -> Self {
+        let mean = |(group, mut image): (&Vec<usize>, Pixels)| {
+            if group.len() == 1 {
+                return image;
+            }
+            let sums = image.to_mut().as_flattened_mut();
             for other in &group[1..] {
-                image.as_flattened_mut().iter_mut().zip(self.images[*other].as_flattened()).for_each(|(a, b)| *a += b);
+                let other = self.images[*other].linear(0..self.size[0] * self.size[1]);
+                sums.iter_mut().zip(other.as_flattened()).for_each(|(a, b)| *a += b);
             }
             let count = group.len() as f32;
-            image.as_flattened_mut().iter_mut().for_each(|value| *value /= count);
+            sums.iter_mut().for_each(|value| *value /= count);
             image
         };
         let light = |group: &Vec<usize>| {

@@ -2,7 +2,7 @@
 
 use crate::candidates::Texels;
 use crate::choose_learned::{MOST_LIGHTS, tried};
-use crate::encode::padded_channels;
+use crate::encoded::Padded;
 use crate::project;
 use crate::recipe::{DomainName, PwtRecipe};
 use crate::stack::LightSamples;
@@ -33,9 +33,6 @@ pub fn learned_terms(samples: &LightSamples, count: u32) -> Result<LearnedTerms,
     recipe.check()?;
     let candidate = tried(&Texels::new(samples), samples, &recipe).swap_remove(0);
     let (learned, domain) = (candidate.learn(samples), candidate.candidate.domain());
-    let channels =
-        |light: usize| padded_channels(&samples.images[light], samples.size, domain, &crate::encode::RGB, samples.size);
-    let texels = samples.size[0] * samples.size[1];
-    let planes = project::coefficients(&learned, samples.lights.len(), texels, channels);
+    let planes = project::coefficients(&learned, &Padded::new(samples, domain, samples.size));
     Ok(LearnedTerms { map: learned.map, planes })
 }

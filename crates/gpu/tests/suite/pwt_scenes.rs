@@ -34,8 +34,8 @@ static SAMPLES: LazyLock<LightSamples> = LazyLock::new(|| {
         };
         (0..SIZE[0] * SIZE[1]).map(pixel).collect()
     };
-    let images = lights.iter().map(rendering).collect();
-    LightSamples { size: SIZE, lights, images, repeats: false, defined: None }
+    let images: Vec<Vec<[f32; 3]>> = lights.iter().map(rendering).collect();
+    LightSamples::new(SIZE, lights, images)
 });
 
 static PACK: LazyLock<PwtPack> = LazyLock::new(|| encode(&SAMPLES, &PwtRecipe::default()).unwrap().pack);
@@ -80,7 +80,7 @@ fn a_pack_looks_like_the_photograph_of_its_light() {
     let material = material();
     let drawn = |light: usize, photograph: usize, scene: &mut Scene| {
         scene.lights = vec![distant_light(SAMPLES.lights[light].map(f64::from))];
-        let reference = Photograph::new(SIZE, SAMPLES.images[photograph].clone(), false);
+        let reference = Photograph::new(SIZE, SAMPLES.images[photograph].clone().into_linear(), false);
         let reference = draw_photographs(scene, FRAME, &[reference], 1);
         mean_delta_e(&draw_on_cpu(scene, FRAME, &material), &reference)
     };

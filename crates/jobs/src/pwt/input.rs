@@ -10,11 +10,11 @@ use brdfc_formats::{FormatError, Pack};
 use brdfc_pwt::LightSamples;
 use brdfc_pwt::measure::images_of_pack;
 use brdfc_pwt::ptm::{samples_of, spread_lights};
+use brdfc_readers::pixels::Pixels;
 use brdfc_readers::viewer_file::ViewerFile;
 use brdfc_source::btf_stack::has_images;
 use brdfc_source::flat_btf::{flat_btf_file, flat_view as decoded_view, open_flat_btf};
 use brdfc_source::ordinary_btf::OrdinaryBtf;
-use brdfc_source::photograph::Image;
 use brdfc_source::rti_capture::{RtiCapture, is_rti_capture};
 use brdfc_source::viewer_file::{self, open_viewer_file};
 use brdfc_source::{Input, InputError};
@@ -25,8 +25,10 @@ use std::path::Path;
 const SPREAD: usize = 96;
 /// Number of lights for each term of a large map: more than enough to recover its functions.
 const LIGHTS_PER_TERM: usize = 4;
-/// Maximum numbers in all photographs together: 6 GiB.
-const MAX_NUMBERS: u64 = 3 << 29;
+/// Maximum bytes of all photographs together: 6 GiB.
+const MAX_BYTES: u64 = 6 << 30;
+/// Bytes of a pixel of linear values.
+const LINEAR: u64 = 12;
 
 /// Inputs that are accepted.
 const ALLOWED: &str =
@@ -119,7 +121,11 @@ impl LightInput {
 
 /// Returns true if a photograph has values above 1 (white), which errors in dB count as 1.
 pub fn any_above_white(samples: &LightSamples) -> bool {
-    let is_bright = |photograph: &Vec<[f32; 3]>| photograph.as_flattened().iter().any(|value| *value > 1.0);
+    // Levels end at white.
+    let is_bright = |photograph: &Pixels| match photograph {
+        Pixels::Linear(values) => values.as_flattened().iter().any(|value| *value > 1.0),
+        Pixels::Levels8(_) | Pixels::Levels16(_) => false,
+    };
     samples.images.par_iter().any(is_bright)
 }
 
@@ -127,7 +133,7 @@ pub fn any_above_white(samples: &LightSamples) -> bool {
 fn exposure_notes(samples: &LightSamples) -> impl Iterator<Item = String> {
     let all = samples.images.len();
     [(0.0..=0.0, "black"), (1.0..=f32::INFINITY, "white")].into_iter().filter_map(move |(values, name)| {
-        let uniform = |image: &&Vec<[f32; 3]>| image.as_flattened().iter().all(|value| values.contains(value));
+        let uniform = |image: &&Pixels| (0..image.len()).all(|at| image.pixel(at).iter().all(|c| values.contains(c)));
         let count = samples.images.par_iter().filter(uniform).count();
         (count > 0).then(|| format!("{}: {name} everywhere", counted_of(count, all, "photograph")))
     })
@@ -138,26 +144,31 @@ pub(super) fn refused(input: &impl std::fmt::Display, field: &'static str, found
     InputError::Format { name: input.to_string(), error }.into()
 }
 
-fn check_amount(input: &impl std::fmt::Display, size: [usize; 2], lights: usize) -> Result<(), Error> {
-    let numbers = size.map(|side| side as u64).into_iter().product::<u64>() * 3 * lights as u64;
-    if numbers <= MAX_NUMBERS {
+fn check_amount(input: &impl std::fmt::Display, size: [usize; 2], lights: usize, bytes: u64) -> Result<(), Error> {
+    if bytes <= MAX_BYTES {
         return Ok(());
     }
-    let found = format!("{lights} of {} x {} pixels", size[0], size[1]);
-    let allowed = format!("at most {} million pixels in all", MAX_NUMBERS / 3_000_000);
-    Err(refused(input, "photographs", &found, &allowed))
+    let gib = |bytes: u64| bytes as f64 / f64::from(1 << 30);
+    let found = format!("{lights} of {} x {} pixels, {:.1} GiB", size[0], size[1], gib(bytes));
+    Err(refused(input, "photographs", &found, &format!("at most {} GiB in all", gib(MAX_BYTES))))
+}
+
+/// [`check_amount`] of images with linear values.
+fn check_linear(input: &impl std::fmt::Display, size: [usize; 2], lights: usize) -> Result<(), Error> {
+    let pixels: u64 = size.map(|side| side as u64).iter().product();
+    check_amount(input, size, lights, LINEAR * pixels * lights as u64)
 }
 
 /// Number of lights under which a map is rendered: fewer if it is large.
 fn lights_of(map: &dyn ViewerFile) -> usize {
     let pixels: u64 = map.size().map(u64::from).iter().product();
-    if 3 * pixels * SPREAD as u64 <= MAX_NUMBERS { SPREAD } else { LIGHTS_PER_TERM * map.basis().terms() }
+    if LINEAR * pixels * SPREAD as u64 <= MAX_BYTES { SPREAD } else { LIGHTS_PER_TERM * map.basis().terms() }
 }
 
 /// Checks the size of a map or a pack, which is rendered under some lights and fitted again.
 fn check_spread(input: &impl std::fmt::Display, size: [u32; 2], lights: usize) -> Result<(), Error> {
     let pixels: u64 = size.map(u64::from).iter().product();
-    let most = MAX_NUMBERS / 3 / lights as u64;
+    let most = MAX_BYTES / LINEAR / lights as u64;
     if pixels <= most {
         return Ok(());
     }
@@ -166,35 +177,37 @@ fn check_spread(input: &impl std::fmt::Display, size: [u32; 2], lights: usize) -
     Err(refused(input, "size", &found, &allowed))
 }
 
-/// Decodes `count` photographs to linear RGB in parallel. Returns the first error. Negative values are noise and become 0.
+/// Decodes `count` photographs in parallel. Returns the first error. Negative values are noise and become 0.
 fn decoded(
     count: usize,
-    image: impl Fn(usize) -> Result<Image, InputError> + Sync + Send,
-) -> Result<Vec<Vec<[f32; 3]>>, InputError> {
-    let images: Vec<Result<Image, _>> = (0..count).into_par_iter().map(image).collect();
-    let not_negative = |mut image: Image| {
-        image.pixels.as_flattened_mut().iter_mut().for_each(|value| *value = value.max(0.0));
-        image.pixels
+    image: impl Fn(usize) -> Result<Pixels, InputError> + Sync + Send,
+) -> Result<Vec<Pixels>, InputError> {
+    let not_negative = |mut image: Pixels| {
+        if let Pixels::Linear(values) = &mut image {
+            values.as_flattened_mut().iter_mut().for_each(|value| *value = value.max(0.0));
+        }
+        image
     };
-    images.into_iter().map(|image| image.map(not_negative)).collect()
+    let images: Vec<Result<Pixels, _>> =
+        (0..count).into_par_iter().map(|light| image(light).map(not_negative)).collect();
+    images.into_iter().collect()
 }
 
 /// Decodes all photographs of an RTI capture in parallel.
 fn photographs(path: &Path) -> Result<(LightSamples, Vec<String>), Error> {
     let stack = RtiCapture::open(path)?;
-    check_amount(&path.display(), stack.size(), stack.len())?;
-    let images = decoded(stack.len(), |light| stack.image(light))?;
-    let (size, lights) = (stack.size(), stack.lights().to_vec());
-    Ok((LightSamples { size, lights, images, repeats: false, defined: None }, stack.notes().to_vec()))
+    check_amount(&path.display(), stack.size(), stack.len(), stack.bytes())?;
+    let images = decoded(stack.len(), |light| stack.pixels(light))?;
+    Ok((LightSamples::new(stack.size(), stack.lights().to_vec(), images), stack.notes().to_vec()))
 }
 
 fn one_view(path: &Path, view: usize) -> Result<LightSamples, Error> {
     let btf = OrdinaryBtf::open(path)?;
     check_view(view, btf.views().len())?;
     let lights: Vec<[f32; 3]> = btf.lights().directions().into_iter().map(single).collect();
-    check_amount(&path.display(), btf.size(), lights.len())?;
-    let images = decoded(lights.len(), |light| btf.image(view, light))?;
-    Ok(LightSamples { size: btf.size(), lights, images, repeats: true, defined: None })
+    check_linear(&path.display(), btf.size(), lights.len())?;
+    let images = decoded(lights.len(), |light| btf.image(view, light).map(|image| image.pixels.into()))?;
+    Ok(LightSamples { repeats: true, ..LightSamples::new(btf.size(), lights, images) })
 }
 
 /// A view of a flat BTF with components. Rows of flat BTFs go up, rows of images go down.
@@ -207,13 +220,13 @@ fn flat_view(path: &Path, view: usize) -> Result<LightSamples, Error> {
     let header = view.header();
     let side = header.size as usize;
     let lights = unit_vectors(&header.lights);
-    check_amount(&path.display(), [side, side], header.lights.len())?;
+    check_linear(&path.display(), [side, side], header.lights.len())?;
     let decoded = |light: usize| {
         let rows = view.light(light as u32).chunks_exact(side).rev();
         rows.flatten().map(|texel| brdfc_formats::container::rgb9e5::decode(*texel)).collect()
     };
-    let images = (0..header.lights.len()).into_par_iter().map(decoded).collect();
-    Ok(LightSamples { size: [side, side], lights, images, repeats: true, defined: None })
+    let images: Vec<Vec<[f32; 3]>> = (0..header.lights.len()).into_par_iter().map(decoded).collect();
+    Ok(LightSamples { repeats: true, ..LightSamples::new([side, side], lights, images) })
 }
 
 fn single(direction: Vector) -> [f32; 3] {

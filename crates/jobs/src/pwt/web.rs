@@ -114,9 +114,8 @@ fn errors_at(web: &WebImage, samples: &LightSamples) -> StackErrors {
         Domain::Display.decode_each(values);
         image
     };
-    let images = samples.lights.par_iter().map(image).collect();
-    let (size, lights) = (samples.size, samples.lights.clone());
-    image_errors(&LightSamples { size, lights, images, repeats: samples.repeats, defined: None }, samples)
+    let images: Vec<_> = samples.lights.par_iter().map(image).collect();
+    image_errors(&LightSamples::new(samples.size, samples.lights.clone(), images), samples)
 }
 
 /// RGB levels as a JPEG file, without subsampling.

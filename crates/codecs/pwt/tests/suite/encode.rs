@@ -219,8 +219,8 @@ fn maps_that_clip() {
     let clamped_renderings = images_of(&map, spiral(30));
     let errors = stack_errors(&decoder, &clamped_renderings, 1);
     assert!(errors.psnr > 38.0, "{errors:?}");
-    let codes = clamped_renderings.images.iter().flatten().flatten();
-    assert!(codes.clone().any(|c| *c >= 1.0) && codes.clone().any(|c| *c <= 0.0), "it clips at both ends");
+    let codes = clamped_renderings.images.iter().flat_map(|image| image.linear(0..image.len()).into_owned()).flatten();
+    assert!(codes.clone().any(|c| c >= 1.0) && codes.clone().any(|c| c <= 0.0), "it clips at both ends");
     // The negative control: clamped values are no polynomial.
     let clamped = images_of(&map, spread_lights(96));
     let wrong = stack_errors(&PwtDecoder::new(made(&clamped, recipe).pack), &clamped_renderings, 1);
@@ -251,13 +251,13 @@ fn sizes_of_all_kinds() {
 fn stacks_without_detail() {
     for value in [0.0, 0.25] {
         let mut samples = polynomial([8, 8], spiral(9), false);
-        samples.images.iter_mut().flatten().for_each(|pixel| *pixel = [value; 3]);
+        samples.images.iter_mut().for_each(|image| image.to_mut().fill([value; 3]));
         let made = made(&samples, with(Target::Quality(40.0)));
         assert!(made.met && made.pack.gpu_bytes() <= 8 * 64, "{value}: {:?}", made.errors);
     }
     // Values out of range do not cause a panic.
     let mut samples = polynomial([4, 4], spiral(9), false);
-    samples.images[2][5] = [3e38, -3e38, 0.0];
+    samples.images[2].to_mut()[5] = [3e38, -3e38, 0.0];
     for domain in DomainName::ALL {
         let recipe = PwtRecipe { domain: Some(domain), ..PwtRecipe::default() };
         match encode(&samples, &recipe) {
@@ -295,7 +295,7 @@ fn values_out_of_range_are_named() {
     assert_eq!(changed(|s| (s.lights, s.images) = Default::default()), "lights: found 0, expected 1 to 4096");
     assert_eq!(changed(|s| s.lights[1][2] = -0.5).split(':').next(), Some("light 1"));
     assert_eq!(changed(|s| s.images.truncate(2)), "images: found 2, expected 3, one per light");
-    assert_eq!(changed(|s| s.images[2].truncate(15)), "image 2: found 15 pixels, expected 4 x 4");
-    assert!(changed(|s| s.images[0][6][1] = f32::NAN).starts_with("image 0: found ["));
+    assert_eq!(changed(|s| s.images[2].to_mut().truncate(15)), "image 2: found 15 pixels, expected 4 x 4");
+    assert!(changed(|s| s.images[0].to_mut()[6][1] = f32::NAN).starts_with("image 0: found ["));
     assert!(changed(|s| s.size = [0, 4]).starts_with("size: found 0 x 4"));
 }

@@ -20,7 +20,7 @@ fn grey(code: f32) -> PwtDecoder {
 fn stack(code: f32) -> LightSamples {
     let mut samples = polynomial([4, 3], spiral(5), false);
     let value = Domain::Display.decode(code);
-    samples.images.iter_mut().flatten().for_each(|pixel| *pixel = [value; 3]);
+    samples.images.iter_mut().for_each(|image| image.to_mut().fill([value; 3]));
     samples
 }
 
@@ -34,7 +34,7 @@ fn errors_of_known_renderings() {
     assert!((off.psnr - 20.0).abs() < 1e-3 && off.delta_e > 5.0, "{off:?}");
     // One of 60 pixels alone: 10 log10(60) better.
     let mut samples = stack(0.5);
-    samples.images[3][7] = [Domain::Display.decode(0.6); 3];
+    samples.images[3].to_mut()[7] = [Domain::Display.decode(0.6); 3];
     let one = stack_errors(&grey(0.5), &samples, 1);
     assert!((one.psnr - 20.0 - 10.0 * 60f64.log10()).abs() < 1e-2, "{one:?}");
     // The pixel is in row 1, which every second row leaves out.
@@ -52,7 +52,7 @@ fn undefined_texels_count_nothing() {
     let mut masked = clean.clone();
     for (light, image) in masked.images.iter_mut().enumerate() {
         let garbage = |texel: usize| ((texel * 7919 + light * 104_729) % 1009) as f32 / 1009.0;
-        let texels = image.iter_mut().enumerate().filter(|(texel, _)| hole(*texel));
+        let texels = image.to_mut().iter_mut().enumerate().filter(|(texel, _)| hole(*texel));
         texels.for_each(|(texel, value)| *value = [garbage(texel); 3]);
     }
     let unmasked = masked.clone();

@@ -34,8 +34,8 @@ fn stack(
 ) -> LightSamples {
     let at = |k: usize| [k % size[0], k / size[0]];
     let image = |light: &[f32; 3]| (0..size[0] * size[1]).map(|k| value(at(k), *light)).collect();
-    let images = lights.iter().map(image).collect();
-    LightSamples { size, lights, images, repeats, defined: None }
+    let images: Vec<Vec<[f32; 3]>> = lights.iter().map(image).collect();
+    LightSamples { repeats, ..LightSamples::new(size, lights, images) }
 }
 
 /// A relief whose values are polynomials of degree 1 in `x` and `y` of the light.
@@ -82,6 +82,6 @@ fn near_lights_are_averaged() {
     }
     // The mean of all photographs.
     let one = samples.at_most(1);
-    let mean = samples.images.iter().map(|image| image[5][0]).sum::<f32>() / 300.0;
-    assert!((one.images[0][5][0] - mean).abs() < 1e-4);
+    let mean = samples.images.iter().map(|image| image.pixel(5)[0]).sum::<f32>() / 300.0;
+    assert!((one.images[0].pixel(5)[0] - mean).abs() < 1e-4);
 }
