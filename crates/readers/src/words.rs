@@ -49,7 +49,9 @@ impl<'a> Words<'a> {
         range: std::ops::RangeInclusive<u32>,
     ) -> Result<u32, FormatError> {
         let word = self.word(field)?;
-        let number = word.parse::<u32>().ok().filter(|number| range.contains(number));
+        // Parsing accepts a sign.
+        let is_digits = word.bytes().all(|byte| byte.is_ascii_digit());
+        let number = word.parse::<u32>().ok().filter(|number| is_digits && range.contains(number));
         number.ok_or_else(|| self.wrong(field, quoted(word), format!("{} to {}", range.start(), range.end())))
     }
 

@@ -99,6 +99,7 @@ fn headers_that_are_wrong() {
         ("PTM_FORMAT_LRGB", "RGB", "line 2, format: found \"RGB\", expected PTM_FORMAT_RGB"),
         ("\n2\n2\n", "\n0\n2\n", "line 3, width: found \"0\", expected 1 to 65536"),
         ("\n2\n2\n", "\n2\n-2\n", "line 4, height: found \"-2\""),
+        ("\n2\n2\n", "\n+2\n2\n", "line 3, width: found \"+2\", expected 1 to 65536"),
         ("\n2\n2\n", "\n65537 2\n", "line 3, width: found \"65537\""),
         ("\n2\n2\n", "\n65536\n65536\n", "file length: found 36 bytes after the header, expected 38654705664"),
         ("\n2\n2\n", "\n2\n99999999999\n", "line 4, height: found \"99999999999\""),

@@ -75,6 +75,7 @@ fn headers_that_are_wrong() {
         ("\n3", "\n1", "line 2, type: found 1 (polynomials), expected 3"),
         ("\n3", "\n77", "line 2, type: found \"77\", expected 3"),
         ("2 1 3", "0 1 3", "line 3, width: found \"0\", expected 1 to 65536"),
+        ("2 1 3", "2 +1 3", "line 3, height: found \"+1\", expected 1 to 65536"),
         ("2 1 3", "2 65537 3", "line 3, height: found \"65537\""),
         ("2 1 3", "2 1 1", "line 3, colours: found \"1\", expected 3"),
         ("4 2 1", "5 2 1", "line 4, terms: found \"5\", expected 4, 9 or 16, or 1 or 2 for 4 or 9"),
