@@ -111,11 +111,10 @@ impl LightMap {
     /// Reads the texels of [`Self::to_bytes`].
     pub(super) fn from_bytes(side: u32, bytes: &[u8]) -> Result<Self, FormatError> {
         let halves = bytes.as_chunks::<8>().0;
-        if let Some(texel) = halves.iter().find(|texel| texel[6..] != [0; 2]) {
-            let found = u16::from_le_bytes([texel[6], texel[7]]);
-            return Err(FormatError::whole("fourth component of the light map", found.to_string(), "0"));
-        }
         let number = |texel: &[u8; 8], c: usize| half::decode(u16::from_le_bytes([texel[2 * c], texel[2 * c + 1]]));
+        if let Some(texel) = halves.iter().find(|texel| texel[6..] != [0; 2]) {
+            return Err(FormatError::whole("fourth component of the light map", number(texel, 3).to_string(), "+0"));
+        }
         let texels: Vec<[f32; 3]> = halves.iter().map(|texel| [0, 1, 2].map(|c| number(texel, c))).collect();
         Self::new(side, &texels)
     }
@@ -167,7 +166,8 @@ mod tests {
             assert!(LightMap::new(side, &texels).is_err());
         }
         let mut bytes = LightMap::new(4, &[[1.0; 3]; 16]).unwrap().to_bytes();
-        bytes[6] = 1;
-        assert!(LightMap::from_bytes(4, &bytes).is_err());
+        bytes[7] = 0x80;
+        let error = LightMap::from_bytes(4, &bytes).unwrap_err().to_string();
+        assert_eq!(error, "fourth component of the light map: found -0, expected +0");
     }
 }
