@@ -241,9 +241,12 @@ fn files(list: &Path, lights: &LightPositions) -> Result<Found, InputError> {
         }
     }
     if files.is_empty() {
-        let found = format!("{:?} does not exist, like all images of lights above the horizon", lights.names[0]);
+        // Lists have a light above the horizon, and its image is missing.
+        let light = lights.directions.iter().position(is_above).unwrap_or(0);
+        let found = format!("{:?} does not exist, like all images of lights above the horizon", lights.names[light]);
         let allowed = "a path relative to this file, or a file next to it";
-        return Err(InputError::format(list, FormatError::at_line(lights.lines[0], "image", found, allowed).problem()));
+        let error = FormatError::at_line(lights.lines[light], "image", found, allowed);
+        return Err(InputError::format(list, error.problem()));
     }
     let stated = lights.stated.filter(|stated| *stated != lights.names.len());
     let stated =

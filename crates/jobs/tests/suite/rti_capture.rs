@@ -201,6 +201,10 @@ fn names_may_have_folders_that_exist_or_not() {
     let expected = "x.lp: line 2, image: \"in/b.jpg\" does not exist, like all images of lights above the horizon; \
                     expected a path relative to this file, or a file next to it";
     assert!(error(&list).ends_with(expected), "{}", error(&list));
+    // The image of a light below the horizon exists, but nothing needs it.
+    std::fs::write(&list, "3\nb.png 0 0 -1\ngone.png 0 1 -1\nin/b.jpg 1 1 1\n").unwrap();
+    let expected = expected.replace("line 2", "line 4");
+    assert!(error(&list).ends_with(&expected), "{}", error(&list));
 }
 
 #[test]
