@@ -156,7 +156,8 @@ impl PwtHeader {
         self.textures.iter().flat_map(|texture| &texture.components)
     }
 
-    /// Texture fetches of one look-up, one per layer. Learned terms take as many more as there are terms, once for each light.
+    /// Texture fetches of one look-up, one per layer. Learned terms take as many more as the basis has terms,
+    /// including the mean, for each light.
     pub fn fetches(&self) -> u32 {
         self.textures.iter().map(TextureHeader::layers).sum()
     }

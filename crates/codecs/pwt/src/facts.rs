@@ -11,9 +11,9 @@ pub struct PwtFacts {
     pub repeats: bool,
     /// Coarsest mipmap level, counted from the resolution of the image.
     pub levels: u32,
-    /// Coordinates of the light that its terms are polynomials of, or learned terms.
+    /// Terms of the light: polynomials of these coordinates, or learned terms.
     pub coordinates: LightCoordinates,
-    /// Highest degree of the polynomials, or the number of learned terms.
+    /// Highest degree of the polynomials, or the number of learned terms without their mean.
     pub degree: u32,
     /// Scale in which terms are summed: linear, display, cube-root or log.
     pub domain: String,
@@ -21,7 +21,7 @@ pub struct PwtFacts {
     pub epsilon: f32,
     /// The textures, finest first.
     pub textures: Vec<PwtTextureFacts>,
-    /// Texture fetches per look-up; learned terms take `degree + 1` more for each light.
+    /// Texture fetches per look-up; learned terms take `degree + 1` more for each light, for the mean and each term.
     pub fetches: u32,
     /// Bytes on a GPU, all levels included.
     pub gpu_bytes: u64,
@@ -82,7 +82,8 @@ impl PwtFacts {
         };
         let (light, fetches) = match coordinates {
             LightCoordinates::Learned => {
-                (format!("{degree} learned terms"), format!("{}, and {} for each light", self.fetches, degree + 1))
+                let fetches = format!("{}, and {} for each light (mean and terms)", self.fetches, degree + 1);
+                (format!("a mean and {degree} learned term{}", if *degree == 1 { "" } else { "s" }), fetches)
             }
             polynomial => (format!("{} coordinates, degree {degree}", polynomial.name()), self.fetches.to_string()),
         };
@@ -133,5 +134,10 @@ mod tests {
         let log = PwtFacts::new(&log);
         assert!(words(&log).contains("log, epsilon 0.0200") && !words(&log).contains("tile"), "{}", words(&log));
         assert!(words(&log).contains("level 1: 4 x 4, 4 layers x 2 channels"), "{}", words(&log));
+        let (_, learned) = packs().swap_remove(4);
+        let fetches = learned.header().light_map.as_ref().unwrap().terms();
+        let learned = words(&PwtFacts::new(&learned));
+        assert!(learned.contains("a mean and 5 learned terms") && fetches == 6, "{learned}");
+        assert!(learned.contains(&format!("2, and {fetches} for each light (mean and terms)")), "{learned}");
     }
 }

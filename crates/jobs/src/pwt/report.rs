@@ -26,9 +26,9 @@ pub struct PwtReport {
     pub size: [u32; 2],
     /// Number of lights that were fitted.
     pub lights: usize,
-    /// Coordinates of the light in which the terms are polynomials.
+    /// Terms of the light: polynomials of these coordinates, or learned terms.
     pub coordinates: LightCoordinates,
-    /// Highest degree of the polynomials, or the number of learned terms.
+    /// Highest degree of the polynomials, or the number of learned terms without their mean.
     pub degree: u32,
     /// Ridge parameter, which keeps the fit of polynomials smooth between lights; 0 for learned terms.
     pub ridge: f64,
@@ -42,7 +42,7 @@ pub struct PwtReport {
     pub levels: Vec<LevelReport>,
     /// Textures, the finest first.
     pub textures: Vec<PwtTextureFacts>,
-    /// Texture fetches per pixel.
+    /// Texture fetches per pixel; learned terms take `degree + 1` more for each light, for the mean and each term.
     pub fetches: u32,
     /// Bytes on a GPU, mipmaps included.
     pub bytes_on_gpu: u64,
