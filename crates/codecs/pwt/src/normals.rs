@@ -35,11 +35,11 @@ type Lanes = [f32; LANES];
 pub struct SurfaceMaps {
     /// Columns and rows.
     pub size: [usize; 2],
-    /// Unit vectors: x to the right, y up, z to the viewer, not negative. Black pixels have (0, 0, 1).
+    /// Unit vectors: x to the right, y up, z to the viewer, not negative. Black and undefined pixels have (0, 0, 1).
     pub normals: Vec<[f32; 3]>,
-    /// Linear RGB, 0 or more; 1 is a white diffuser that a light faces.
+    /// Linear RGB, 0 or more; 1 is a white diffuser that a light faces. Undefined pixels are black.
     pub albedo: Vec<[f32; 3]>,
-    /// Share of the observations that differ from Lambert's law by more than a tenth of the albedo: shadows, gloss and
+    /// Share of the observations of defined pixels that differ from Lambert's law by more than a tenth of the albedo: shadows, gloss and
     /// interreflections.
     pub outliers: f64,
 }
@@ -75,7 +75,7 @@ pub fn surface_maps(samples: &LightSamples) -> Result<SurfaceMaps, FormatError> 
     let width = samples.size[0];
     let rows: Vec<Row> = (0..samples.size[1]).into_par_iter().map(|row| solve_row(samples, row * width)).collect();
     let outliers: usize = rows.iter().map(|row| row.outliers).sum();
-    let observations = (width * samples.size[1] * lights.len()) as f64;
+    let observations = (samples.defined_texels() * lights.len()) as f64;
     let (normals, albedo) = rows.into_iter().flat_map(|row| row.pixels).unzip();
     Ok(SurfaceMaps { size: samples.size, normals, albedo, outliers: outliers as f64 / observations })
 }
@@ -94,11 +94,12 @@ fn solve_row(samples: &LightSamples, first: usize) -> Row {
     let mut row = Row { pixels: Vec::with_capacity(width), outliers: 0 };
     for start in (first..first + width).step_by(LANES) {
         let count = LANES.min(first + width - start);
+        let is_defined = |lane: usize| lane < count && samples.is_defined(start + lane);
         let luminances: Vec<Lanes> = samples
             .images
             .iter()
             .map(|image| {
-                std::array::from_fn(|lane| if lane < count { luminance(image.pixel(start + lane)) as f32 } else { 0.0 })
+                std::array::from_fn(|lane| if is_defined(lane) { luminance(image.pixel(start + lane)) as f32 } else { 0.0 })
             })
             .collect();
         let scaled = solve(&samples.lights, &luminances);
@@ -295,6 +296,26 @@ mod tests {
     fn black_pixels_face_the_viewer() {
         let maps = surface_maps(&sphere(spread_lights(10), |_, _, _, _| 0.0)).unwrap();
         assert!(maps.normals.iter().all(|n| *n == [0.0, 0.0, 1.0]) && maps.albedo.iter().all(|a| *a == [0.0; 3]));
+    }
+
+    /// Filled values of undefined pixels would be outliers; without a mask they are.
+    #[test]
+    fn undefined_pixels_do_not_count() {
+        let mut samples = sphere(spread_lights(20), |_, _, index, cosine| if index % 2 == 0 { 1.0 } else { cosine });
+        let whole = sphere(spread_lights(20), |_, _, _, cosine| cosine);
+        let defined: Vec<bool> = (0..SIDE * SIDE).map(|pixel| pixel % 3 > 0).collect();
+        for (filled, known) in samples.images.iter_mut().zip(&whole.images) {
+            filled.iter_mut().zip(known).zip(&defined).filter(|(_, defined)| **defined).for_each(|((a, b), _)| *a = *b);
+        }
+        let filled = surface_maps(&samples).unwrap();
+        samples.defined = Some(defined.clone());
+        let (masked, expected) = (surface_maps(&samples).unwrap(), surface_maps(&whole).unwrap());
+        for (pixel, defined) in defined.into_iter().enumerate() {
+            let found = (masked.normals[pixel], masked.albedo[pixel]);
+            let known = (expected.normals[pixel], expected.albedo[pixel]);
+            assert_eq!(found, if defined { known } else { ([0.0, 0.0, 1.0], [0.0; 3]) });
+        }
+        assert!(filled.outliers > 0.1 && masked.outliers < 1e-3, "{} {}", filled.outliers, masked.outliers);
     }
 
     #[test]
