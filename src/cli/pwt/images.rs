@@ -73,7 +73,7 @@ impl ImageOutputs {
         }
         if let Some(folder) = &self.web {
             let WebExport { files, report, .. } = match map {
-                Some(map) => make_web_of_map(map, samples),
+                Some(map) => make_web_of_map(map, samples)?,
                 None => make_web(samples, hold_out, seed)?,
             };
             for (name, _) in &files {

@@ -8,6 +8,7 @@ use brdfc_jobs::rti_capture::write_rti_capture;
 use brdfc_pwt::ptm::spread_lights;
 use brdfc_pwt::web::{WebImage, WebInfo};
 use brdfc_readers::colour::encode_srgb_byte;
+use brdfc_readers::ptm::Ptm;
 use brdfc_testing::browser::{File, result_of_page};
 use std::path::{Path, PathBuf};
 
@@ -101,6 +102,20 @@ fn outputs_are_checked_before_work() {
     let list = String::from_utf8(folder.read("matte/dirs.lp")).unwrap();
     folder.write("matte/dirs.lp", list.replace("0000.png", "plane_0.jpg"));
     refused(&["--web", "matte"], "--web: would overwrite the input matte/plane_0.jpg");
+}
+
+/// JPEG files hold one column less than a map may have.
+#[test]
+fn maps_that_are_too_large_for_jpeg_files_are_refused() {
+    let folder = Folder::new();
+    for (width, code) in [(65_535, 0), (65_536, 3)] {
+        let map = Ptm::from_coefficients_rgb([width, 1], &vec![[[0.0, 0.0, 0.0, 0.0, 0.0, 99.0]; 3]; width as usize]);
+        folder.write("wide.ptm", map.unwrap().to_bytes());
+        let ran = folder.run(&["pwt", "wide.ptm", "--web", "web"]);
+        assert_eq!(ran.code, code, "{ran:?}");
+        let text = "wide.ptm: size: found 65536 x 1, expected at most 65535 along each side, the limit of JPEG files";
+        assert_eq!(ran.stderr.contains(text), code == 3, "{ran:?}");
+    }
 }
 
 /// The exported image as our decoder reads it.

@@ -2,6 +2,7 @@
 
 use super::make::{HeldOut, held_out_lights, wrong};
 use crate::error::Error;
+use brdfc_formats::FormatError;
 use brdfc_formats::pwt::Domain;
 use brdfc_pwt::LightSamples;
 use brdfc_pwt::measure::{StackErrors, image_errors};
@@ -17,6 +18,8 @@ use serde::Serialize;
 const COUNT: u32 = 9;
 /// Quality of the JPEG files.
 const QUALITY: u8 = 95;
+/// Maximum pixels along a side of a JPEG file.
+const MAX_JPEG_SIDE: u32 = 65_535;
 /// Description of the image.
 const INFO: &str = "info.json";
 
@@ -73,8 +76,16 @@ pub fn make_web(samples: &LightSamples, hold_out: usize, seed: u64) -> Result<We
 
 /// Makes a relightable image for web viewers with the polynomials of a map. `samples` are the photographs or renderings
 /// with which it is compared.
-pub fn make_web_of_map(map: &Ptm, samples: &LightSamples) -> WebExport {
-    compressed(WebImage::of_map(map, QUALITY), samples)
+///
+/// # Errors
+/// Returns an error for a map that is too large for JPEG files.
+pub fn make_web_of_map(map: &Ptm, samples: &LightSamples) -> Result<WebExport, Error> {
+    let [width, height] = map.size();
+    if width.max(height) > MAX_JPEG_SIDE {
+        let allowed = format!("at most {MAX_JPEG_SIDE} along each side, the limit of JPEG files");
+        return Err(wrong(FormatError::whole("size", format!("{width} x {height}"), allowed)));
+    }
+    Ok(compressed(WebImage::of_map(map, QUALITY), samples))
 }
 
 /// Compresses the planes, and measures errors against the photographs.
