@@ -65,16 +65,23 @@ impl ImageOutputs {
         inputs: &[&Path],
     ) -> Result<ImageReports, Error> {
         let mut reports = ImageReports::default();
-        if self.normals.is_some() || self.albedo.is_some() {
-            let (maps, report) = make_surface(samples)?;
-            self.normals.as_ref().map_or(Ok(()), |path| write_file(path, &normals_png(&maps)))?;
-            self.albedo.as_ref().map_or(Ok(()), |path| write_file(path, &albedo_png(&maps)))?;
-            reports.surface = Some(report);
+        let images = self.normals.is_some() || self.albedo.is_some();
+        let surface = match self.web {
+            _ if images => Some(make_surface(samples)?),
+            // Web viewers do not need normals.
+            Some(_) => make_surface(samples).ok(),
+            None => None,
+        };
+        if let Some((maps, report)) = surface.as_ref().filter(|_| images) {
+            self.normals.as_ref().map_or(Ok(()), |path| write_file(path, &normals_png(maps)))?;
+            self.albedo.as_ref().map_or(Ok(()), |path| write_file(path, &albedo_png(maps)))?;
+            reports.surface = Some(*report);
         }
+        let maps = surface.as_ref().map(|(maps, _)| maps);
         if let Some(folder) = &self.web {
             let WebExport { files, report, .. } = match map {
-                Some(map) => make_web_of_map(map, samples)?,
-                None => make_web(samples, hold_out, seed)?,
+                Some(map) => make_web_of_map(map, samples, maps)?,
+                None => make_web(samples, maps, hold_out, seed)?,
             };
             for (name, _) in &files {
                 refuse_overwriting("--web", &folder.join(name), inputs)?;

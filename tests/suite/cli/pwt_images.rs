@@ -159,6 +159,26 @@ fn images_for_web_viewers_have_small_errors_at_unseen_lights() {
     assert!(bytes[0] == bytes[1]);
 }
 
+/// `normals.jpg` is made of all photographs, like the normals of `--normals`, which are computed once for both.
+#[test]
+fn normals_for_web_viewers_are_those_of_all_photographs() {
+    let folder = matte(&spread_lights(8));
+    let normals = |more: &[&str]| {
+        let arguments = ["pwt", "matte", "--web", "web", "--json"];
+        let report = folder.run(&[&arguments[..], more].concat()).succeeded().json();
+        assert_eq!(report["surface"].is_null(), !more.contains(&"--normals"), "{report}");
+        folder.read("web/normals.jpg")
+    };
+    let all = normals(&[]);
+    assert!(difference(&rgb(&folder, "web/normals.jpg"), normal) < 2.0);
+    assert!(normals(&["--normals", "n.png"]) == all && normals(&["--hold-out", "5"]) == all);
+    // Lights in one plane determine no normals: an error only if they are requested.
+    let folder = matte(&[[0.6, 0.0, 0.8], [0.0, 0.0, 1.0], [-0.6, 0.0, 0.8], [-0.8, 0.0, 0.6]]);
+    folder.run(&["pwt", "matte", "--web", "web"]).succeeded();
+    assert!(!folder.path().join("web/normals.jpg").exists() && folder.path().join("web/info.json").exists());
+    assert_eq!(folder.run(&["pwt", "matte", "--web", "web", "--albedo", "a.png"]).code, 3);
+}
+
 /// OpenLIME as one module.
 fn openlime() -> Option<Vec<u8>> {
     let installed = || brdfc_testing::repository().join("tests/openlime/node_modules/openlime/dist/js/openlime.esm.js");

@@ -6,7 +6,7 @@ use brdfc_formats::FormatError;
 use brdfc_formats::pwt::Domain;
 use brdfc_pwt::LightSamples;
 use brdfc_pwt::measure::{StackErrors, image_errors};
-use brdfc_pwt::normals::surface_maps;
+use brdfc_pwt::normals::SurfaceMaps;
 use brdfc_pwt::terms::{LearnedTerms, learned_terms};
 use brdfc_pwt::web::{Components, WebBasis, WebImage};
 use brdfc_readers::ptm::Ptm;
@@ -55,17 +55,23 @@ pub struct WebReport {
     pub held_out: Option<HeldOut>,
 }
 
-/// Makes a relightable image for web viewers. Holds out `hold_out` photographs as [`make`](super::make()) does.
+/// Makes a relightable image for web viewers. Holds out `hold_out` photographs as [`make`](super::make()) does. `surface` are
+/// the normals of all photographs, if their lights determine them.
 ///
 /// # Errors
 /// Returns an error if photographs are out of range, or if no light is left to fit.
-pub fn make_web(samples: &LightSamples, hold_out: usize, seed: u64) -> Result<WebExport, Error> {
+pub fn make_web(
+    samples: &LightSamples,
+    surface: Option<&SurfaceMaps>,
+    hold_out: usize,
+    seed: u64,
+) -> Result<WebExport, Error> {
     let left_out = held_out_lights(samples, hold_out, seed)?;
     let fitted = samples.without(&left_out);
     let LearnedTerms { map, planes } = learned_terms(&fitted, COUNT).map_err(wrong)?;
     let basis = |light: [f32; 3]| (0..map.terms()).map(|term| map.value(term, light)).collect();
     let web = WebImage::new(&Components { size: fitted.size, planes, basis: &basis, lights: &fitted.lights }, QUALITY);
-    let mut made = compressed(web, &fitted);
+    let mut made = compressed(web, &fitted, surface);
     made.report.held_out = (!left_out.is_empty()).then(|| {
         let rest: Vec<usize> = (0..samples.lights.len()).filter(|light| !left_out.contains(light)).collect();
         let errors = errors_at(&made.web, &samples.without(&rest));
@@ -75,21 +81,21 @@ pub fn make_web(samples: &LightSamples, hold_out: usize, seed: u64) -> Result<We
 }
 
 /// Makes a relightable image for web viewers with the polynomials of a map. `samples` are the photographs or renderings
-/// with which it is compared.
+/// with which it is compared, and `surface` are their normals, if their lights determine them.
 ///
 /// # Errors
 /// Returns an error for a map that is too large for JPEG files.
-pub fn make_web_of_map(map: &Ptm, samples: &LightSamples) -> Result<WebExport, Error> {
+pub fn make_web_of_map(map: &Ptm, samples: &LightSamples, surface: Option<&SurfaceMaps>) -> Result<WebExport, Error> {
     let [width, height] = map.size();
     if width.max(height) > MAX_JPEG_SIDE {
         let allowed = format!("at most {MAX_JPEG_SIDE} along each side, the limit of JPEG files");
         return Err(wrong(FormatError::whole("size", format!("{width} x {height}"), allowed)));
     }
-    Ok(compressed(WebImage::of_map(map, QUALITY), samples))
+    Ok(compressed(WebImage::of_map(map, QUALITY), samples, surface))
 }
 
 /// Compresses the planes, and measures errors against the photographs.
-fn compressed(mut web: WebImage, samples: &LightSamples) -> WebExport {
+fn compressed(mut web: WebImage, samples: &LightSamples, surface: Option<&SurfaceMaps>) -> WebExport {
     let named = |(k, plane): (usize, &Vec<u8>)| {
         (format!("plane_{k}.jpg"), jpeg(plane, web.info.width, web.info.height, QUALITY))
     };
@@ -99,7 +105,7 @@ fn compressed(mut web: WebImage, samples: &LightSamples) -> WebExport {
     };
     web.planes = files.par_iter().map(decoded).collect();
     // Viewers use normals, if there are any, for diffuse and specular shading.
-    if let Ok(maps) = surface_maps(samples) {
+    if let Some(maps) = surface {
         files.push(("normals.jpg".to_owned(), jpeg(&maps.normal_levels(), web.info.width, web.info.height, QUALITY)));
     }
     files.push((INFO.to_owned(), serde_json::to_vec(&web.info).expect("numbers and names")));
