@@ -71,6 +71,7 @@ impl Default for ViewOptions {
 /// Returns an error if an input cannot be read, is invalid or cannot be drawn, or if cancelled.
 pub fn open_items(inputs: &[Input], options: ViewOptions, progress: &dyn Progress) -> Result<Vec<ViewItem>, Error> {
     let mut items: Vec<ViewItem> = Vec::new();
+    let (mut capture, mut pack) = (None, None);
     for input in inputs {
         progress.check()?;
         let opened = match input.path().and_then(build_folder) {
@@ -78,16 +79,17 @@ pub fn open_items(inputs: &[Input], options: ViewOptions, progress: &dyn Progres
             None => vec![of_input(input, options, progress)?],
         };
         for mut item in opened {
+            match item.drawn {
+                Drawn::Photographs(_) => capture = capture.or(Some(input)),
+                Drawn::Pwt(_) => pack = pack.or(Some(input)),
+                _ => {}
+            }
             item.name = unique_name(&items, item.name);
             items.push(item);
         }
     }
     if options.normals {
-        let is_pack = |item: &&ViewItem| matches!(item.drawn, Drawn::Pwt(_));
-        let capture = inputs.iter().find(|input| input.path().is_some_and(is_rti_capture));
-        let of_pack =
-            || items.iter().find(is_pack).and_then(|item| inputs.iter().find(|it| it.short_name() == item.name));
-        let Some(input) = capture.or_else(of_pack) else {
+        let Some(input) = capture.or(pack) else {
             return Err(Error::usage("--normals: found no RTI capture and no pack of 'brdfc pwt', expected one"));
         };
         let name = unique_name(&items, format!("{}, normals", input.short_name()));

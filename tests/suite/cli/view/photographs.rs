@@ -73,6 +73,15 @@ fn normals_are_those_of_pwt() {
     // From the pack alone; and nothing else has normals.
     let alone = folder.run(&["view", "p.ktx2", "--normals", "-o", "v.html", "--json"]).succeeded().json();
     assert_eq!(alone["items"][1]["name"], "p.ktx2, normals");
+    // Inputs of one name: the first one is another kind of pack.
+    std::fs::create_dir(folder.path().join("other")).unwrap();
+    folder.run(&["encode", "synth:lambert?kd=0.5", "-o", "other/p.ktx2"]).succeeded();
+    let report =
+        folder.run(&["view", "other/p.ktx2", "p.ktx2", "--normals", "-o", "w.html", "--json"]).succeeded().json();
+    assert_eq!(
+        (&report["items"][1]["decoder"], &report["items"][2]["name"]),
+        (&"pwt".into(), &"p.ktx2, normals".into())
+    );
     let ran = folder.run(&["view", "synth:lambert?kd=0.5", "--normals", "-o", "v.html"]);
     assert!(ran.code == 2 && ran.stderr.contains("--normals: found no RTI capture"), "{ran:?}");
 }
