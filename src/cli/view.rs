@@ -165,7 +165,8 @@ pub(super) fn run(arguments: &Arguments, common: Common) -> Result<(), Error> {
     };
     let items = open_items(&arguments.inputs, options, &steps)?;
     for item in &items {
-        if let Some(text) = item.photographs().and_then(|them| them.left_out()) {
+        let Some(them) = item.photographs() else { continue };
+        for text in them.notes.iter().cloned().chain(them.left_out()) {
             note(common, &item.name, &text);
         }
     }

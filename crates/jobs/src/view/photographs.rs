@@ -37,6 +37,8 @@ pub struct Photographs {
     pub total: usize,
     /// The images in the page.
     pub all: Vec<Photograph>,
+    /// Differences between the list of lights and the capture, such as lights without an image.
+    pub notes: Vec<String>,
 }
 
 /// An image of a page.
@@ -88,7 +90,8 @@ impl Photographs {
         }
         all.sort_by_key(|(light, _)| *light);
         let all = all.into_iter().map(|(_, photograph)| photograph).collect();
-        Ok(Self { full_size, size: within(full_size, side), total: order.len(), all })
+        let notes = capture.notes().to_vec();
+        Ok(Self { full_size, size: within(full_size, side), total: order.len(), all, notes })
     }
 
     /// Normals of photographs or of a pack, as colours.
@@ -103,7 +106,7 @@ impl Photographs {
         let levels = resize(&levels, size[0] as u32, size[1] as u32, FilterType::Triangle).into_raw();
         let jpeg = jpeg(&levels, size[0], size[1], QUALITY_OF_NORMALS);
         let all = vec![Photograph { name: "normals".to_owned(), light: None, jpeg }];
-        Ok(Self { full_size: maps.size, size, total: 1, all })
+        Ok(Self { full_size: maps.size, size, total: 1, all, notes: Vec::new() })
     }
 
     /// Bytes in the page, as Base64.

@@ -33,6 +33,26 @@ fn photographs_are_reduced_to_the_limit() {
     assert!(none.code == 2 && none.stderr.contains("--max-photographs: found 100 B, expected at least"), "{none:?}");
 }
 
+/// Notes about a capture are those of `brdfc pwt`; a complete capture has none.
+#[test]
+fn lights_that_are_left_out_are_noted() {
+    let folder = stack();
+    let notes = |arguments: &[&str]| -> Vec<String> {
+        let ran = folder.run(&[arguments, &["stack"]].concat()).succeeded();
+        ran.stderr.lines().filter(|line| line.starts_with("note: ")).map(str::to_owned).collect()
+    };
+    let (view, pwt) = (["view", "-o", "v.html", "--normals"], ["pwt", "--normals", "n.png"]);
+    assert_eq!(notes(&view), [""; 0]);
+    let list = folder.text("stack/dirs.lp");
+    let second = list.lines().nth(2).unwrap();
+    folder.write("stack/dirs.lp", list.replace(second, "0001.png 0 0.6 -0.8"));
+    std::fs::remove_file(folder.path().join("stack/0004.png")).unwrap();
+    let found = notes(&view);
+    assert_eq!(found, notes(&pwt));
+    let expected = ["without an image: 0004.png (line 6)", "at or below the horizon: 0001.png (line 3)"];
+    assert_eq!(found, expected.map(|text| format!("note: stack: left out 1 light, {text}")));
+}
+
 #[test]
 fn large_photographs_become_smaller_before_fewer() {
     let folder = Folder::new();
