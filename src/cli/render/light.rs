@@ -1,7 +1,7 @@
 //! Light of an environment, which lobes look up.
 
 use super::arguments::Arguments;
-use super::materials::{Prepared, Subject};
+use super::materials::{Prepared, Subject, distinct};
 use super::scene::{Setup, is_cube_map};
 use crate::output::{note, note_repairs, remark};
 use crate::progress::Materials;
@@ -74,7 +74,7 @@ impl Light {
         let given = arguments.adaptive.environment.as_ref().filter(|_| arguments.by_lobes());
         let is_lit = subject.has_lobes(names);
         if is_lit || (given.is_none() && subject.environment().is_some()) {
-            for name in names.iter().filter(|name| subject.lacks_lobes(name)) {
+            for name in distinct(names).into_iter().filter(|name| subject.lacks_lobes(name)) {
                 note(common, name, "the environment does not light it: maps of its uses have no lobes");
             }
         }

@@ -193,6 +193,12 @@ fn with_all_uses(manifest: &Manifest) -> Manifest {
     all
 }
 
+/// Names without repetitions, in order of their first occurrence. Several parts of a scene may have one material.
+pub(super) fn distinct(names: &[String]) -> Vec<&String> {
+    let is_first = |(at, name): &(usize, &String)| !names[..*at].contains(name);
+    names.iter().enumerate().filter(is_first).map(|(_, name)| name).collect()
+}
+
 /// Opens and encodes the named materials, each once.
 pub(super) fn prepare(
     arguments: &Arguments,
@@ -200,12 +206,7 @@ pub(super) fn prepare(
     names: &[String],
     common: Common,
 ) -> Result<Vec<Prepared>, Error> {
-    let mut distinct: Vec<&String> = Vec::new();
-    for name in names {
-        if !distinct.contains(&name) {
-            distinct.push(name);
-        }
-    }
+    let distinct = distinct(names);
     distinct
         .iter()
         .enumerate()
