@@ -1,7 +1,7 @@
 //! `brdfc report`.
 
 use super::schemas::conforms;
-use crate::common::cli::{Folder, inputs};
+use crate::common::cli::{Folder, inputs, with_checksum};
 
 /// Three materials: one cannot be read, and one misses its limit.
 fn folder() -> Folder {
@@ -192,6 +192,27 @@ fn lobes_and_maps_of_a_lit_scene_have_figures() {
     ] {
         assert!(page.contains(words), "{words}");
     }
+    // A report that names files of other kinds.
+    let whole = folder.text("packs/report.json");
+    for (key, name, other, kinds) in [
+        ("lobes", "paint.lobes", "paint.bandwidth", "a bandwidth map, expected lobes of a BRDF"),
+        ("samples", "paint.samples", "paint.lobes", "lobes of a BRDF, expected an importance-sample pack"),
+        (
+            "prefiltered",
+            "environment.prefiltered",
+            "environment.bandwidth",
+            "a bandwidth map, expected a prefiltered environment",
+        ),
+    ] {
+        let named = |name: &str| format!("\"{key}\": \"{name}.ktx2\"");
+        let changed = whole.replace(&named(name), &named(other));
+        assert_ne!(changed, whole);
+        folder.write("packs/report.json", with_checksum(&changed));
+        let ran = folder.run(&["report", "packs", "-o", "other.html"]);
+        let words = format!("packs/{other}.ktx2: found {kinds}, as report.json lists; run 'brdfc build'");
+        assert!(ran.code == 3 && ran.stderr.contains(&words), "{} {}", ran.code, ran.stderr);
+    }
+    folder.write("packs/report.json", whole);
     let samples = folder.path().join("packs/paint.samples.ktx2");
     std::fs::copy(folder.path().join("packs/paint.bandwidth.ktx2"), samples).unwrap();
     let ran = folder.run(&["report", "packs", "-o", "other.html"]);

@@ -13,7 +13,7 @@ use crate::scene::run::{kind_of, opened_with_digest};
 use crate::write::folder_of;
 use brdfc_core::Source;
 use brdfc_core::progress::Progress;
-use brdfc_formats::{BrdfPack, Pack};
+use brdfc_formats::{BrdfPack, Pack, PackKind};
 use brdfc_source::Input;
 use rayon::prelude::*;
 use std::fs::File;
@@ -150,11 +150,16 @@ fn material(
     };
     let pack = brdf_pack(folder, &entry, name)?;
     let source = source_of(&note);
-    let names = [&entry.lobes, &entry.bandwidth, &entry.samples].into_iter().flatten();
+    let names = [
+        (&entry.lobes, PackKind::Lobes),
+        (&entry.bandwidth, PackKind::Bandwidth),
+        (&entry.samples, PackKind::Importance),
+    ];
     let (mut maps, mut lobes) = (Vec::new(), None);
-    for name in names {
-        let (pack, bytes) = listed_pack(folder, &entry.files, name)?;
-        maps.push(map_part(folder, name, &pack, bytes)?);
+    for (name, kind) in names {
+        let Some(name) = name else { continue };
+        let (pack, part) = map_part(folder, &entry.files, name, kind)?;
+        maps.push(part);
         if let Pack::Lobes(pack) = pack {
             lobes = Some(pack);
         }
@@ -167,7 +172,7 @@ fn material(
 /// Reads the pack of a material and checks it against the report.
 fn brdf_pack(folder: &Path, entry: &MaterialEntry, name: &str) -> Result<BrdfPack, Error> {
     let (pack, _) = listed_pack(folder, &entry.files, name)?;
-    BrdfPack::try_from(pack).map_err(|kind| wrong_kind(&folder.join(name), kind))
+    BrdfPack::try_from(pack).map_err(|kind| wrong_kind(&folder.join(name), kind, "a pack of a BRDF"))
 }
 
 /// Opens the source of a material, if it still exists.
@@ -193,9 +198,11 @@ type PageEnvironment = (EnvironmentEntry, Vec<PagePart>);
 /// Reads the files of an environment, and makes a ball in it if lobes look it up.
 fn environment(folder: &Path, entry: EnvironmentEntry) -> Result<(PageEnvironment, Option<LitBall>), Error> {
     let (mut parts, mut ball) = (Vec::new(), None);
-    for file in &entry.files {
-        let (pack, bytes) = listed_pack(folder, &entry.files, &file.file)?;
-        parts.push(map_part(folder, &file.file, &pack, bytes)?);
+    for (name, kind) in [(&entry.prefiltered, PackKind::Environment), (&entry.bandwidth, PackKind::Bandwidth)] {
+        // A planned environment has names without files.
+        let Some(name) = name.as_ref().filter(|_| !entry.files.is_empty()) else { continue };
+        let (pack, part) = map_part(folder, &entry.files, name, kind)?;
+        parts.push(part);
         if let Pack::Environment(pack) = pack {
             ball = Some(LitBall::new(pack));
         }

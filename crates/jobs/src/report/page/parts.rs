@@ -50,16 +50,24 @@ fn wrong_file(path: &Path, what: impl Display) -> Error {
 }
 
 /// Error about a pack of another kind than the report lists.
-pub(super) fn wrong_kind(path: &Path, kind: PackKind) -> Error {
-    wrong_file(path, format!("found {}, expected the pack that report.json lists", kind.summary()))
+pub(super) fn wrong_kind(path: &Path, found: PackKind, expected: &str) -> Error {
+    wrong_file(path, format!("found {}, expected {expected}, as report.json lists", found.summary()))
 }
 
-/// Describes lobes, a bandwidth map, importance samples or a prefiltered environment.
+/// Reads and describes lobes, a bandwidth map, importance samples or a prefiltered environment that a report lists.
 ///
 /// # Errors
-/// Returns an error for other packs.
-pub(super) fn map_part(folder: &Path, name: &str, pack: &Pack, bytes_on_disk: u64) -> Result<PagePart, Error> {
-    let (bytes_on_gpu, summary, image) = match pack {
+/// Same as [`listed_pack`]. Also returns an error for a pack of another kind.
+pub(super) fn map_part(
+    folder: &Path,
+    listed: &[FileEntry],
+    name: &str,
+    kind: PackKind,
+) -> Result<(Pack, PagePart), Error> {
+    let (pack, bytes_on_disk) = listed_pack(folder, listed, name)?;
+    let wrong = || wrong_kind(&folder.join(name), pack.kind(), kind.summary());
+    let (bytes_on_gpu, summary, image) = match &pack {
+        other if other.kind() != kind => return Err(wrong()),
         Pack::Bandwidth(map) => {
             let facts = BandwidthFacts::new(map);
             (facts.gpu_bytes, bandwidth_summary(&facts), Some(bandwidth_panel(map)))
@@ -76,9 +84,9 @@ pub(super) fn map_part(folder: &Path, name: &str, pack: &Pack, bytes_on_disk: u6
             let facts = EnvironmentFacts::new(pack);
             (facts.gpu_bytes, environment_summary(&facts), None)
         }
-        other => return Err(wrong_kind(&folder.join(name), other.kind())),
+        _ => return Err(wrong()),
     };
-    Ok(PagePart { file: name.to_owned(), bytes_on_disk, bytes_on_gpu, summary, image })
+    Ok((pack, PagePart { file: name.to_owned(), bytes_on_disk, bytes_on_gpu, summary, image }))
 }
 
 fn bandwidth_summary(facts: &BandwidthFacts) -> String {
