@@ -6,12 +6,15 @@ use crate::choose_learned::{LearnedCandidate, MOST_LIGHTS, may_learn, tried as t
 use crate::design::{Design, RIDGES};
 use crate::recipe::{DomainName, PwtRecipe};
 use crate::stack::LightSamples;
+use brdfc_formats::FormatError;
 use brdfc_formats::pwt::{Domain, LightBasis, LightCoordinates, MAX_DEGREE};
 use rayon::prelude::*;
 use std::borrow::Cow;
 
 /// PSNR at lights that are left out that polynomials must gain over learned terms, dB.
 const FAVOURED: f64 = 0.3;
+/// Maximum numbers in photographs that polynomials are fitted to, as all are in memory as floats: 6 GiB.
+const MOST_NUMBERS: usize = 3 << 29;
 
 /// The choice, and what it was chosen from.
 pub struct Choice<'a> {
@@ -21,14 +24,25 @@ pub struct Choice<'a> {
     pub(crate) learned: Option<(LearnedCandidate, Cow<'a, LightSamples>)>,
 }
 
-/// Chooses among polynomials and learned terms.
-pub fn choose<'a>(samples: &'a LightSamples, recipe: &PwtRecipe) -> Choice<'a> {
+/// Chooses among polynomials and learned terms; among learned terms alone if photographs are too large for polynomials.
+///
+/// # Errors
+/// Returns an error if photographs are too large for polynomials, and terms cannot be learned from them.
+pub fn choose<'a>(samples: &'a LightSamples, recipe: &PwtRecipe) -> Result<Choice<'a>, FormatError> {
     let may_learn = may_learn(samples, recipe);
+    let [width, height] = samples.size;
+    let is_large = 3 * width * height * samples.lights.len() > MOST_NUMBERS;
+    if is_large && !may_learn {
+        let found = format!("{} of {width} x {height} pixels", samples.lights.len());
+        let allowed = format!("at most {} million pixels in all for polynomials", MOST_NUMBERS / 3_000_000);
+        return Err(FormatError::whole("photographs", found, allowed));
+    }
     // Of many lights, both kinds see the same averages.
     let few = if may_learn { samples.at_most(MOST_LIGHTS) } else { Cow::Borrowed(samples) };
     let texels = Texels::new(&few);
     let polynomials = match recipe.coordinates {
         Some(LightCoordinates::Learned) => Vec::new(),
+        _ if is_large => Vec::new(),
         _ => best_of_each(polynomials(&texels, &few, recipe)),
     };
     let learned = if may_learn { tried_learned(&texels, &few, recipe) } else { Vec::new() };
@@ -40,7 +54,7 @@ pub fn choose<'a>(samples: &'a LightSamples, recipe: &PwtRecipe) -> Choice<'a> {
     let first = chosen.as_ref().map_or(candidates[0], |chosen| chosen.candidate);
     candidates.retain(|other| (other.domain, other.coordinates) != (first.domain, first.coordinates));
     candidates.insert(0, first);
-    Choice { candidates, learned: chosen.map(|chosen| (chosen, few)) }
+    Ok(Choice { candidates, learned: chosen.map(|chosen| (chosen, few)) })
 }
 
 /// Candidates of polynomials.

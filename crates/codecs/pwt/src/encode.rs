@@ -59,7 +59,7 @@ pub fn encode(samples: &LightSamples, recipe: &PwtRecipe) -> Result<PwtEncoded, 
     samples.check()?;
     recipe.check()?;
     let depth = depth(samples, recipe)?;
-    let choice = choose(samples, recipe);
+    let choice = choose(samples, recipe)?;
     let candidate = choice.candidates[0];
     let domain = candidate.domain();
     let extent = samples.size.map(|side| if samples.repeats { side } else { side.next_multiple_of(1 << depth) });
@@ -198,7 +198,7 @@ pub fn plain(samples: &LightSamples, basis: LightBasis, level: u32) -> Result<Pw
     };
     let depth = depth(samples, &recipe)?;
     FormatError::check_range("level", level, 0..=depth)?;
-    let candidate = choose(samples, &recipe).candidates[0];
+    let candidate = choose(samples, &recipe)?.candidates[0];
     let design = Design::new(basis, &samples.lights, candidate.ridge);
     let extent = samples.size.map(|side| if samples.repeats { side } else { side.next_multiple_of(1 << depth) });
     let border = if samples.repeats { Border::Periodic } else { Border::Mirrored };

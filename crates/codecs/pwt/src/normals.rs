@@ -305,7 +305,7 @@ mod tests {
         let whole = sphere(spread_lights(20), |_, _, _, cosine| cosine);
         let defined: Vec<bool> = (0..SIDE * SIDE).map(|pixel| pixel % 3 > 0).collect();
         for (filled, known) in samples.images.iter_mut().zip(&whole.images) {
-            filled.iter_mut().zip(known).zip(&defined).filter(|(_, defined)| **defined).for_each(|((a, b), _)| *a = *b);
+            filled.to_mut().iter_mut().zip(known.linear(0..known.len()).iter()).zip(&defined).filter(|(_, defined)| **defined).for_each(|((a, b), _)| *a = *b);
         }
         let filled = surface_maps(&samples).unwrap();
         samples.defined = Some(defined.clone());
