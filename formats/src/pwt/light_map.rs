@@ -52,6 +52,11 @@ impl LightMap {
         self.texels.len() / (self.side * self.side) as usize
     }
 
+    /// Leaves out all but the first terms.
+    pub fn truncate(&mut self, terms: usize) {
+        self.texels.truncate(terms * (self.side * self.side) as usize);
+    }
+
     /// Bytes on a GPU.
     pub fn gpu_bytes(&self) -> u64 {
         Self::bytes_of(self.side, self.terms())

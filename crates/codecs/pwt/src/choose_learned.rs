@@ -25,9 +25,8 @@ const MIN_LIGHTS: usize = 6;
 const STEP: usize = 4;
 /// Number of terms with which domains are compared: three fetches.
 const COMPARED_TERMS: usize = 12;
-/// PSNR at lights that are left out that counts as equal, dB, for the default and where a size or an error is requested: there,
-/// more terms are closer at the fitted lights.
-const EQUAL: [f64; 2] = [0.15, 0.5];
+/// PSNR at lights that are left out that counts as equal, dB.
+const EQUAL: f64 = 0.3;
 
 /// A candidate with learned terms.
 pub struct LearnedCandidate {
@@ -93,9 +92,8 @@ fn chosen(by_terms: &[Errors], recipe: &PwtRecipe) -> Errors {
     }
     let largest = by_terms.iter().map(Errors::merit).fold(f64::NEG_INFINITY, f64::max);
     let is_default = matches!(recipe.target, Target::Loss(_) | Target::Energy(_));
-    let equal = EQUAL[usize::from(!is_default)];
-    let mut enough = by_terms.iter().filter(|errors| errors.merit() >= largest - equal);
-    // Three fetches are enough if more gain nothing.
+    let mut enough = by_terms.iter().filter(|errors| errors.merit() >= largest - EQUAL);
+    // Three fetches are enough if more gain nothing. Where a size or an error is requested, more terms are closer at the fitted lights.
     let few = enough.clone().find(|errors| is_default && errors.terms >= COMPARED_TERMS);
     few.or_else(|| enough.next_back()).copied().unwrap_or(most)
 }

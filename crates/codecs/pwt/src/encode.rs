@@ -1,6 +1,6 @@
 //! Encodes images of one view under known lights as a pack. Each step has its own file; this one sequences them.
 
-use crate::assemble::{Arrangement, Limits, arrangements};
+use crate::assemble::Arrangement;
 use crate::candidates::{Candidate, to_srgb};
 use crate::choose::choose;
 use crate::choose_learned::LearnedCandidate;
@@ -11,13 +11,14 @@ use crate::fit;
 use crate::image::Plane;
 use crate::levels::{TermImages, term_images};
 use crate::lifting::Border;
-use crate::measure::{StackErrors, stack_errors};
+use crate::measure::StackErrors;
 use crate::project;
-use crate::recipe::{DomainName, PwtRecipe, Target};
+use crate::recipe::{DomainName, PwtRecipe};
+use crate::search::Search;
 use crate::stack::LightSamples;
 use crate::tree::{PacketTree, Transform};
 use brdfc_formats::FormatError;
-use brdfc_formats::pwt::{Domain, LightBasis, LightMap, PwtDecoder, PwtErrors, PwtHeader, PwtPack};
+use brdfc_formats::pwt::{Domain, LightBasis, LightMap, PwtErrors, PwtHeader, PwtPack};
 use brdfc_readers::pixels::Pixels;
 use nalgebra::Matrix3;
 use rayon::prelude::*;
@@ -26,12 +27,8 @@ use rayon::prelude::*;
 const VALUES: usize = 1 << 16;
 /// Default levels of a tree, if the sides allow them.
 const DEPTH: u32 = 5;
-/// Approximate number of texels of all photographs that are compared at the end.
-const COMPARED_TEXELS: usize = 1 << 21;
 /// Planes, of lower terms, by which packets are chosen.
 const GUIDES: usize = 4;
-/// Maximum number of packs that a search for a measured target builds.
-const TRIALS: usize = 8;
 
 /// A pack, and the results of its encoding.
 #[derive(Debug, Clone)]
@@ -71,14 +68,9 @@ pub fn encode(samples: &LightSamples, recipe: &PwtRecipe) -> Result<PwtEncoded, 
         None => fit_polynomials(samples, candidate, transform, recipe.packets, &weights),
     };
     let header = fitted.header(samples, domain, extent, depth);
-    let map_bytes = header.light_map.as_ref().map_or(0, LightMap::gpu_bytes);
-    let bytes = if let Target::Bytes(bytes) = recipe.target { bytes } else { u64::MAX };
-    let layers = recipe.max_fetches.unwrap_or(PwtRecipe::MAX_FETCHES) as usize;
-    let limits = Limits { extent: header.extent, depth, layers, bytes: bytes.saturating_sub(map_bytes) };
-    let path = arrangements(&fitted.images, &limits);
     let lights = choice.learned.as_ref().map_or(samples, |(_, few)| few).lights.len();
-    let search = Search { samples, lights, images: &fitted.images, path, header, candidate };
-    let (pack, errors, met) = search.run(recipe.target)?;
+    let (pack, errors, met) =
+        Search::new(samples, lights, &fitted.images, header, candidate, recipe).run(recipe.target)?;
     let Fitted { condition, subbands, .. } = fitted;
     Ok(PwtEncoded { pack, candidates: choice.candidates, condition, subbands, errors, met })
 }
@@ -334,85 +326,4 @@ fn guide_step(guides: &[Plane]) -> f32 {
     let mean = mean_of(&|value| value);
     let variance = mean_of(&|value| (value - mean).powi(2));
     (0.01 * variance.sqrt()).max(1e-9) as f32
-}
-
-/// Search for the smallest pack that meets a target.
-struct Search<'a> {
-    samples: &'a LightSamples,
-    /// Number of lights that terms were fitted to; terms are orthonormal over them.
-    lights: usize,
-    images: &'a [TermImages],
-    /// Arrangements of decreasing error.
-    path: Vec<Arrangement>,
-    header: PwtHeader,
-    candidate: Candidate,
-}
-
-impl Search<'_> {
-    fn run(self, target: Target) -> Result<(PwtPack, StackErrors, bool), FormatError> {
-        let last = self.path.len() - 1;
-        let first_below = |error: f64| self.path.iter().position(|arrangement| arrangement.error <= error);
-        match target {
-            // The path ends there.
-            Target::Bytes(bytes) => {
-                let (pack, errors) = self.made(last)?;
-                let met = pack.gpu_bytes() <= bytes;
-                Ok((pack, errors, met))
-            }
-            Target::Energy(share) => {
-                let found = first_below((1.0 - share) * self.path[0].error);
-                let (pack, errors) = self.made(found.unwrap_or(last))?;
-                Ok((pack, errors, found.is_some()))
-            }
-            Target::Loss(loss) => {
-                // Truncation adds to the error at held-out lights.
-                let unseen = self.candidate.held_out_psnr.unwrap_or(self.candidate.psnr);
-                let unseen = 10f64.powf(-unseen / 10.0);
-                let numbers = (3 * self.samples.defined_texels() * self.lights) as f64;
-                let allowed = (10f64.powf(loss / 10.0) - 1.0) * unseen * numbers + self.path[last].error;
-                let (pack, errors) = self.made(first_below(allowed).unwrap_or(last))?;
-                Ok((pack, errors, true))
-            }
-            Target::Quality(psnr) => self.measured(|errors| errors.psnr >= psnr),
-            Target::DeltaE(delta_e) => self.measured(|errors| errors.delta_e <= delta_e),
-        }
-    }
-
-    /// Finds approximately the smallest arrangement whose pack passes, by bisection with up to [`TRIALS`] packs; the largest if
-    /// none passes.
-    fn measured(&self, passes: impl Fn(&StackErrors) -> bool) -> Result<(PwtPack, StackErrors, bool), FormatError> {
-        let (mut low, mut high) = (0, self.path.len() - 1);
-        let mut best = self.made(high)?;
-        if !passes(&best.1) {
-            return Ok((best.0, best.1, false));
-        }
-        for _ in 0..TRIALS {
-            if high - low <= 1 {
-                break;
-            }
-            let middle = low + (high - low).div_ceil(2);
-            let made = self.made(middle)?;
-            if passes(&made.1) {
-                (high, best) = (middle, made);
-            } else {
-                low = middle;
-            }
-        }
-        Ok((best.0, best.1, true))
-    }
-
-    /// Builds and measures the pack of an arrangement.
-    fn made(&self, at: usize) -> Result<(PwtPack, StackErrors), FormatError> {
-        let pack = self.path[at].pack(self.images, self.header.clone())?;
-        let decoder = PwtDecoder::new(pack);
-        let all = self.samples.size[0] * self.samples.size[1] * self.samples.lights.len();
-        let errors = stack_errors(&decoder, self.samples, all.div_ceil(COMPARED_TEXELS));
-        let measured = PwtErrors {
-            lights: errors.lights as u32,
-            psnr: errors.psnr as f32,
-            held_out_psnr: self.candidate.held_out_psnr.unwrap_or(0.0) as f32,
-            delta_e: errors.delta_e as f32,
-        };
-        Ok((decoder.into_pack().with_errors(measured), errors))
-    }
 }

@@ -27,14 +27,41 @@ enum Shape {
     Matern3,
     Matern5,
     Gaussian,
+    /// Polynomials of unit vectors: `((1 + a · b) / 2)^degree`, which is a function of the distance, too.
+    Polynomial(i32),
+}
+
+/// Coordinates in which covariance functions see lights.
+#[derive(Debug, Clone, Copy, PartialEq)]
+enum Place {
+    /// On the paraboloid.
+    Paraboloid,
+    /// Unit vectors.
+    Direction,
+    /// The sphere of hemispherical harmonics, on which the whole horizon is one point.
+    Hemisphere,
+}
+
+impl Place {
+    fn of(self, light: [f32; 3]) -> [f64; 3] {
+        let [x, y, z] = light.map(f64::from);
+        match self {
+            Self::Paraboloid => [x / (1.0 + z), y / (1.0 + z), 0.0],
+            Self::Direction => [x, y, z],
+            Self::Hemisphere => {
+                let z = z.max(0.0);
+                let scale = 2.0 * (z / (1.0 + z)).sqrt();
+                [scale * x, scale * y, 2.0 * z - 1.0]
+            }
+        }
+    }
 }
 
 /// A covariance function, and the trend that it is the deviation from.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Covariance {
     shape: Shape,
-    /// Distances are measured in paraboloid coordinates, otherwise between unit vectors.
-    paraboloid: bool,
+    place: Place,
     range: f64,
     /// Variance that is not shared with other lights, as a share of the whole.
     nugget: f64,
@@ -47,13 +74,20 @@ impl Covariance {
     fn candidates() -> Vec<Self> {
         let mut all = Vec::new();
         for shape in [Shape::Exponential, Shape::Matern3, Shape::Matern5, Shape::Gaussian] {
-            for paraboloid in [true, false] {
+            for place in [Place::Paraboloid, Place::Direction, Place::Hemisphere] {
                 for range in [0.3, 0.6, 1.2, 2.4] {
                     for nugget in [1e-4, 1e-3, 1e-2, 1e-1] {
                         for linear_trend in [false, true] {
-                            all.push(Self { shape, paraboloid, range, nugget, linear_trend });
+                            all.push(Self { shape, place, range, nugget, linear_trend });
                         }
                     }
+                }
+            }
+        }
+        for shape in [2, 3, 4, 6, 8].map(Shape::Polynomial) {
+            for place in [Place::Direction, Place::Hemisphere] {
+                for nugget in [1e-6, 1e-5, 1e-4, 1e-3, 1e-2] {
+                    all.push(Self { shape, place, range: 1.0, nugget, linear_trend: false });
                 }
             }
         }
@@ -61,11 +95,7 @@ impl Covariance {
     }
 
     fn of_lights(&self, a: [f32; 3], b: [f32; 3]) -> f64 {
-        let place = |light: [f32; 3]| {
-            let [x, y, z] = light.map(f64::from);
-            if self.paraboloid { [x / (1.0 + z), y / (1.0 + z), 0.0] } else { [x, y, z] }
-        };
-        let (a, b) = (place(a), place(b));
+        let (a, b) = (self.place.of(a), self.place.of(b));
         let distance = a.iter().zip(b).map(|(a, b)| (a - b).powi(2)).sum::<f64>().sqrt() / self.range;
         match self.shape {
             Shape::Exponential => (-distance).exp(),
@@ -78,6 +108,7 @@ impl Covariance {
                 (1.0 + d + d * d / 3.0) * (-d).exp()
             }
             Shape::Gaussian => (-0.5 * distance * distance).exp(),
+            Shape::Polynomial(degree) => (1.0 - 0.25 * distance * distance).powi(degree),
         }
     }
 
@@ -140,8 +171,13 @@ pub struct Interpolation {
 impl Default for Interpolation {
     /// An interpolation for a few lights, which cannot be left out.
     fn default() -> Self {
-        let covariance =
-            Covariance { shape: Shape::Matern5, paraboloid: false, range: 1.2, nugget: 1e-3, linear_trend: false };
+        let covariance = Covariance {
+            shape: Shape::Matern5,
+            place: Place::Direction,
+            range: 1.2,
+            nugget: 1e-3,
+            linear_trend: false,
+        };
         Self { parts: vec![(1.0, covariance)], left_out: None }
     }
 }

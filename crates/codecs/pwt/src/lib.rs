@@ -24,6 +24,7 @@ pub mod normals;
 mod project;
 pub mod ptm;
 mod recipe;
+mod search;
 mod stack;
 pub mod terms;
 pub mod tree;

@@ -99,7 +99,9 @@ fn solve_row(samples: &LightSamples, first: usize) -> Row {
             .images
             .iter()
             .map(|image| {
-                std::array::from_fn(|lane| if is_defined(lane) { luminance(image.pixel(start + lane)) as f32 } else { 0.0 })
+                std::array::from_fn(
+                    |lane| if is_defined(lane) { luminance(image.pixel(start + lane)) as f32 } else { 0.0 },
+                )
             })
             .collect();
         let scaled = solve(&samples.lights, &luminances);
@@ -305,7 +307,13 @@ mod tests {
         let whole = sphere(spread_lights(20), |_, _, _, cosine| cosine);
         let defined: Vec<bool> = (0..SIDE * SIDE).map(|pixel| pixel % 3 > 0).collect();
         for (filled, known) in samples.images.iter_mut().zip(&whole.images) {
-            filled.to_mut().iter_mut().zip(known.linear(0..known.len()).iter()).zip(&defined).filter(|(_, defined)| **defined).for_each(|((a, b), _)| *a = *b);
+            filled
+                .to_mut()
+                .iter_mut()
+                .zip(known.linear(0..known.len()).iter())
+                .zip(&defined)
+                .filter(|(_, defined)| **defined)
+                .for_each(|((a, b), _)| *a = *b);
         }
         let filled = surface_maps(&samples).unwrap();
         samples.defined = Some(defined.clone());
