@@ -71,7 +71,8 @@ pub struct PwtErrors {
     /// PSNR of sRGB-encoded values against the fitted photographs, dB.
     pub psnr: f32,
     /// PSNR of cross-validation, dB: each photograph is held out in turn, at 512 texels, before
-    /// pruning and rounding. 0 if there are too few lights.
+    /// pruning and rounding. For learned terms an estimate, because their components have seen the photograph. 0 if there are too
+    /// few lights.
     pub held_out_psnr: f32,
     /// Mean ΔE (CIE76) against the fitted photographs.
     pub delta_e: f32,

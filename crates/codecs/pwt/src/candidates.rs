@@ -26,8 +26,8 @@ pub struct Candidate {
     pub ridge: f64,
     /// PSNR of sRGB-encoded values at the fitted lights, dB.
     pub psnr: f64,
-    /// The same in leave-one-out cross-validation over the lights; `None` if there are too few lights. Both values are
-    /// for 512 texels, before pruning and rounding.
+    /// The same in leave-one-out cross-validation over the lights; `None` if there are too few lights. For learned terms an
+    /// estimate, because their components have seen all photographs. Both values are for 512 texels, before pruning and rounding.
     pub held_out_psnr: Option<f64>,
 }
 

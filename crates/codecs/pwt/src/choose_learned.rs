@@ -36,7 +36,8 @@ pub struct LearnedCandidate {
     pub interpolation: Interpolation,
 }
 
-/// Maximum number of terms, for which the map takes at most half of the pack, unless learned terms are requested.
+/// Maximum number of terms: unless learned terms are requested, the map takes at most half of the requested bytes, or of three
+/// whole textures.
 fn most_terms(samples: &LightSamples, recipe: &PwtRecipe) -> usize {
     let [width, height] = samples.size.map(|side| side as u64);
     let fetches = u64::from(recipe.max_fetches.unwrap_or(FETCHES));

@@ -12,7 +12,7 @@ const TEXELS_PER_LIGHT: f64 = 3.0;
 /// Width of the correction at a light, in mean distances of two lights.
 const CORRECTION: f64 = 0.35;
 /// Share by which corrections fall short, so that those of near lights do not overshoot between them.
-const SHORT: f64 = 0.01;
+const SHORT: f64 = 0.005;
 
 /// Terms that are learned from photographs.
 pub struct Learned {
