@@ -15,6 +15,7 @@ use brdfc_readers::ptm::Ptm;
 use peers::{Between, PrincipalComponents};
 use serde::Serialize;
 use ssim::similarity;
+use std::borrow::Cow;
 use std::time::Instant;
 
 /// Photographs to compare methods on.
@@ -282,32 +283,23 @@ impl RelightingRow {
     }
 }
 
-/// A held-out photograph, and its reconstructions by a polynomial texture map and a tree of at most 30 % of its bytes:
-/// linear RGB, side by side.
+/// A held-out photograph, and its reconstructions by a polynomial texture map, nine components between thin plates, and a tree with
+/// the encoder's default options: linear RGB, side by side.
 ///
 /// # Errors
 /// Returns the errors of [`relighting`].
-pub fn relit(samples: &LightSamples, held_out: usize) -> Result<LinearImage, FormatError> {
-    let samples = samples.cropped(32);
-    let lights = samples.lights.len();
-    let order = permutation(lights, 0);
-    let unseen = &order[..held_out.clamp(1, lights.max(2) - 1)];
+pub fn relit(stack: &Stack, held_out: usize) -> Result<LinearImage, FormatError> {
+    let (fitted, unseen) = splits(stack, held_out, &[0])?.swap_remove(0);
     // Among the held-out lights, the one nearest to halfway down.
-    let off = |light: &usize| (samples.lights[*light][2] - std::f32::consts::FRAC_1_SQRT_2).abs();
-    let shown = unseen.iter().copied().min_by(|a, b| off(a).total_cmp(&off(b)));
-    let shown = shown.unwrap_or(0);
-    let rest: Vec<usize> = (0..lights).filter(|light| *light != shown).collect();
-    let photograph = samples.without(&rest);
-    let fitted = samples.without(unseen);
-    let map = images_of(&fit_map(&fitted, MapModel::Rgb)?, photograph.lights.clone());
-    let bytes = plane_bytes(samples.size, 5.4) as u64;
-    let tree = encode(&fitted, &PwtRecipe { target: Target::Bytes(bytes), ..PwtRecipe::default() })?.pack;
-    let tree = images_of_pack(&PwtDecoder::new(tree), photograph.lights.clone());
-    let width = samples.size[0];
-    let row = |row: usize| {
-        [&photograph, &map, &tree].map(|shown| shown.images[0].linear(row * width..(row + 1) * width)).concat()
-    };
-    let pixels: Vec<[f32; 3]> = (0..samples.size[1]).flat_map(row).collect();
-    let (width, height) = (3 * width, samples.size[1]);
+    let off = |light: &usize| (unseen.lights[*light][2] - std::f32::consts::FRAC_1_SQRT_2).abs();
+    let light = (0..unseen.lights.len()).min_by(|a, b| off(a).total_cmp(&off(b))).unwrap_or(0);
+    let mut images = vec![unseen.images[light].clone()];
+    for method in [Method::Map(MapModel::Rgb), Method::Components(Between::ThinPlates, PLANES[0]), Method::Default] {
+        images.append(&mut shown(&made(method, &fitted)?.0, vec![unseen.lights[light]]).images);
+    }
+    let [width, height] = unseen.size;
+    let row = |row: usize| images.iter().map(move |image| image.linear(row * width..(row + 1) * width));
+    let pixels: Vec<[f32; 3]> = (0..height).flat_map(row).flat_map(Cow::into_owned).collect();
+    let width = images.len() * width;
     Ok(LinearImage { pixels, coverage: vec![1.0; width * height], ..LinearImage::black(width, height) })
 }

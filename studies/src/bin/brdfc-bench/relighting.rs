@@ -36,7 +36,7 @@ pub(super) fn run(arguments: &Arguments, common: Common) -> Result<StudyResult, 
     let study = relighting(&stacks, HELD_OUT, &SEEDS, &done).map_err(with_input)?;
     if let Some(folder) = &arguments.out {
         for (k, stack) in stacks.iter().enumerate() {
-            let rendering = relit(&stack.samples, HELD_OUT).map_err(with_input)?;
+            let rendering = relit(stack, HELD_OUT).map_err(with_input)?;
             let name = if k == 0 { "relighting.png".to_owned() } else { format!("relighting-{k}.png") };
             write_file(&folder.join(name), &to_png(&rendering, 1.0))?;
         }
