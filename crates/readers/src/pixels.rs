@@ -3,7 +3,7 @@
 use crate::colour::decode_srgb;
 use std::borrow::Cow;
 use std::ops::Range;
-use std::sync::LazyLock;
+use std::sync::{Arc, LazyLock};
 
 /// Linear value of each 8-bit sRGB level.
 pub static LINEAR_8: LazyLock<[f32; 256]> =
@@ -12,20 +12,20 @@ pub static LINEAR_8: LazyLock<[f32; 256]> =
 static LINEAR_16: LazyLock<Vec<f32>> =
     LazyLock::new(|| (0..=u16::MAX).map(|code| decode_srgb(f64::from(code) / 65535.0) as f32).collect());
 
-/// RGB of each pixel (Rec. 709 primaries), row by row from the top. 1 is the full scale of integer formats.
+/// RGB of each pixel (Rec. 709 primaries), row by row from the top. 1 is the full scale of integer formats. Clones share memory.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Pixels {
     /// sRGB levels of 8 bits.
-    Levels8(Vec<[u8; 3]>),
+    Levels8(Arc<Vec<[u8; 3]>>),
     /// sRGB levels of 16 bits.
-    Levels16(Vec<[u16; 3]>),
+    Levels16(Arc<Vec<[u16; 3]>>),
     /// Linear values.
-    Linear(Vec<[f32; 3]>),
+    Linear(Arc<Vec<[f32; 3]>>),
 }
 
 impl From<Vec<[f32; 3]>> for Pixels {
     fn from(linear: Vec<[f32; 3]>) -> Self {
-        Self::Linear(linear)
+        Self::Linear(Arc::new(linear))
     }
 }
 
@@ -71,7 +71,7 @@ impl Pixels {
     /// Linear values of all pixels.
     pub fn into_linear(self) -> Vec<[f32; 3]> {
         match self {
-            Self::Linear(pixels) => pixels,
+            Self::Linear(pixels) => Arc::unwrap_or_clone(pixels),
             levels => levels.linear(0..levels.len()).into_owned(),
         }
     }
@@ -79,10 +79,10 @@ impl Pixels {
     /// Linear values of all pixels, to be changed.
     pub fn to_mut(&mut self) -> &mut Vec<[f32; 3]> {
         if !matches!(self, Self::Linear(_)) {
-            *self = Self::Linear(std::mem::replace(self, Self::Linear(Vec::new())).into_linear());
+            *self = self.clone().into_linear().into();
         }
         let Self::Linear(pixels) = self else { unreachable!("just made linear") };
-        pixels
+        Arc::make_mut(pixels)
     }
 
     /// Some of the pixels, range by range.
@@ -91,9 +91,13 @@ impl Pixels {
     /// Panics if a pixel does not exist.
     pub fn parts(&self, ranges: impl Iterator<Item = Range<usize>>) -> Self {
         match self {
-            Self::Levels8(pixels) => Self::Levels8(ranges.flat_map(|range| &pixels[range]).copied().collect()),
-            Self::Levels16(pixels) => Self::Levels16(ranges.flat_map(|range| &pixels[range]).copied().collect()),
-            Self::Linear(pixels) => Self::Linear(ranges.flat_map(|range| &pixels[range]).copied().collect()),
+            Self::Levels8(pixels) => {
+                Self::Levels8(Arc::new(ranges.flat_map(|range| &pixels[range]).copied().collect()))
+            }
+            Self::Levels16(pixels) => {
+                Self::Levels16(Arc::new(ranges.flat_map(|range| &pixels[range]).copied().collect()))
+            }
+            Self::Linear(pixels) => Self::Linear(Arc::new(ranges.flat_map(|range| &pixels[range]).copied().collect())),
         }
     }
 }
@@ -113,12 +117,12 @@ mod tests {
     /// Known answers of the sRGB curve, and all views of the same pixels.
     #[test]
     fn levels_are_srgb() {
-        let levels = Pixels::Levels8(vec![[0, 10, 188], [255, 1, 2], [3, 4, 5]]);
+        let levels = Pixels::Levels8(Arc::new(vec![[0, 10, 188], [255, 1, 2], [3, 4, 5]]));
         for (found, expected) in levels.pixel(0).into_iter().zip([0.0, 0.003_035_27, 0.502_886_5]) {
             assert!((found - expected).abs() < 1e-7, "{found} {expected}");
         }
         assert_eq!(levels.pixel(1)[0], 1.0);
-        let sixteen = Pixels::Levels16(vec![[0, 10 * 257, 188 * 257], [65535, 257, 514], [771, 1028, 1285]]);
+        let sixteen = Pixels::Levels16(Arc::new(vec![[0, 10 * 257, 188 * 257], [65535, 257, 514], [771, 1028, 1285]]));
         let linear: Pixels = (0..3).map(|at| levels.pixel(at)).collect::<Vec<_>>().into();
         for mut pixels in [levels, sixteen, linear] {
             assert_eq!(pixels.len(), 3);

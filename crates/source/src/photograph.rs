@@ -67,16 +67,16 @@ pub(crate) fn read_pixels(path: &Path, size: [usize; 2]) -> Result<Pixels, Input
 
 fn pixels_of(decoded: DynamicImage) -> Pixels {
     match decoded {
-        DynamicImage::ImageLuma8(image) => Pixels::Levels8(colours(image)),
-        DynamicImage::ImageLumaA8(image) => Pixels::Levels8(colours(image)),
-        DynamicImage::ImageRgb8(image) => Pixels::Levels8(colours(image)),
-        DynamicImage::ImageRgba8(image) => Pixels::Levels8(colours(image)),
-        DynamicImage::ImageLuma16(image) => Pixels::Levels16(colours(image)),
-        DynamicImage::ImageLumaA16(image) => Pixels::Levels16(colours(image)),
-        DynamicImage::ImageRgb16(image) => Pixels::Levels16(colours(image)),
-        DynamicImage::ImageRgba16(image) => Pixels::Levels16(colours(image)),
+        DynamicImage::ImageLuma8(image) => Pixels::Levels8(colours(image).into()),
+        DynamicImage::ImageLumaA8(image) => Pixels::Levels8(colours(image).into()),
+        DynamicImage::ImageRgb8(image) => Pixels::Levels8(colours(image).into()),
+        DynamicImage::ImageRgba8(image) => Pixels::Levels8(colours(image).into()),
+        DynamicImage::ImageLuma16(image) => Pixels::Levels16(colours(image).into()),
+        DynamicImage::ImageLumaA16(image) => Pixels::Levels16(colours(image).into()),
+        DynamicImage::ImageRgb16(image) => Pixels::Levels16(colours(image).into()),
+        DynamicImage::ImageRgba16(image) => Pixels::Levels16(colours(image).into()),
         // Only EXR and TIFF have floats.
-        _ => Pixels::Linear(decoded.into_rgb32f().pixels().map(|pixel| pixel.0).collect()),
+        _ => decoded.into_rgb32f().pixels().map(|pixel| pixel.0).collect::<Vec<_>>().into(),
     }
 }
 

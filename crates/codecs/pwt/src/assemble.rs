@@ -138,7 +138,7 @@ impl Arrangement {
         for (level, image) in &terms {
             error -= none(*image) - images[*image].errors[*level as usize];
         }
-        Self { slots, terms, error: error.max(0.0) }
+        Self { slots, terms, error: if error < 0.0 { 0.0 } else { error } }
     }
 
     /// Bytes on a GPU, all levels included.

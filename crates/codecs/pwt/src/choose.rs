@@ -2,7 +2,7 @@
 //! over the image.
 
 use crate::candidates::{Candidate, Texels, decibels, squares, to_srgb};
-use crate::choose_learned::{LearnedCandidate, MOST_LIGHTS, may_learn, tried as tried_learned};
+use crate::choose_learned::{LearnedCandidate, MAX_LIGHTS, are_few, may_learn, tried as tried_learned};
 use crate::design::{Design, RIDGES};
 use crate::recipe::{DomainName, PwtRecipe};
 use crate::stack::LightSamples;
@@ -14,7 +14,7 @@ use std::borrow::Cow;
 /// PSNR at lights that are left out that polynomials must gain over learned terms, dB.
 const FAVOURED: f64 = 0.3;
 /// Maximum numbers in photographs that polynomials are fitted to, as all are in memory as floats: 6 GiB.
-const MOST_NUMBERS: usize = 3 << 29;
+const MAX_NUMBERS: usize = 3 << 29;
 
 /// The choice, and what it was chosen from.
 pub struct Choice<'a> {
@@ -31,27 +31,29 @@ pub struct Choice<'a> {
 pub fn choose<'a>(samples: &'a LightSamples, recipe: &PwtRecipe) -> Result<Choice<'a>, FormatError> {
     let may_learn = may_learn(samples, recipe);
     let [width, height] = samples.size;
-    let is_large = 3 * width * height * samples.lights.len() > MOST_NUMBERS;
+    let is_large = 3 * width * height * samples.lights.len() > MAX_NUMBERS;
     if is_large && !may_learn {
         let found = format!("{} of {width} x {height} pixels", samples.lights.len());
-        let allowed = format!("at most {} million pixels in all for polynomials", MOST_NUMBERS / 3_000_000);
+        let allowed = format!("at most {} million pixels in all for polynomials", MAX_NUMBERS / 3_000_000);
         return Err(FormatError::whole("photographs", found, allowed));
     }
     // Of many lights, both kinds see the same averages.
-    let few = if may_learn { samples.at_most(MOST_LIGHTS) } else { Cow::Borrowed(samples) };
+    let few = if may_learn { samples.at_most(MAX_LIGHTS) } else { Cow::Borrowed(samples) };
     let texels = Texels::new(&few);
     let polynomials = match recipe.coordinates {
         Some(LightCoordinates::Learned) => Vec::new(),
         _ if is_large => Vec::new(),
         _ => best_of_each(polynomials(&texels, &few, recipe)),
     };
-    let learned = if may_learn { tried_learned(&texels, &few, recipe) } else { Vec::new() };
-    let of_both = learned.iter().map(|learned| learned.candidate).chain(polynomials.iter().copied());
-    let mut candidates = best_of_each(of_both.collect());
+    let (learned, others) = may_learn.then(|| tried_learned(&texels, &few, recipe)).unzip();
+    let all = learned.iter().map(LearnedCandidate::candidate).chain(others.into_iter().flatten());
+    let mut candidates = best_of_each(all.chain(polynomials.iter().copied()).collect());
     let least = polynomials.first().map_or(f64::NEG_INFINITY, Candidate::merit);
     // Learned terms take fewer fetches than polynomials.
-    let chosen = learned.into_iter().next().filter(|learned| learned.candidate.merit() >= least - FAVOURED);
-    let first = chosen.as_ref().map_or(candidates[0], |chosen| chosen.candidate);
+    let is_chosen =
+        |learned: &LearnedCandidate| are_few(&few.lights) || learned.candidate().merit() >= least - FAVOURED;
+    let chosen = learned.filter(is_chosen);
+    let first = chosen.as_ref().map_or(candidates[0], LearnedCandidate::candidate);
     candidates.retain(|other| (other.domain, other.coordinates) != (first.domain, first.coordinates));
     candidates.insert(0, first);
     Ok(Choice { candidates, learned: chosen.map(|chosen| (chosen, few)) })

@@ -3,41 +3,42 @@
 use crate::candidates::{Candidate, Texels, decibels, squares, to_srgb};
 use crate::components::Components;
 use crate::kriging::{Interpolation, Shortlist, rows};
-use crate::learned::{Learned, left_out, map_side};
+use crate::learned::{Learned, LeftOut, map_side};
 use crate::recipe::{DomainName, PwtRecipe, Target};
 use crate::stack::LightSamples;
 use brdfc_formats::pwt::{Domain, LightCoordinates, LightMap};
 use brdfc_readers::pixels::Pixels;
-use nalgebra::DMatrix;
+use nalgebra::{DMatrix, Matrix3xX};
 use rayon::prelude::*;
 
 /// Maximum number of lights that terms are learned from; more are averaged in groups.
-pub const MOST_LIGHTS: usize = 400;
+pub const MAX_LIGHTS: usize = 400;
 /// Maximum number of texels from which components are computed.
 const LEARNED_FROM: usize = 8192;
 /// Maximum numbers of these texels under all lights.
 const NUMBERS: usize = 1 << 21;
 /// Typical number of fetches.
 const FETCHES: u32 = 3;
-/// Minimum number of lights, unless learned terms are requested.
+/// Minimum number of lights to judge by those that are left out.
 const MIN_LIGHTS: usize = 6;
 /// Numbers of terms that are tried are multiples of the texels' channels.
 const STEP: usize = 4;
 /// Number of terms with which domains are compared: three fetches.
 const COMPARED_TERMS: usize = 12;
-/// PSNR at lights that are left out that counts as equal, dB.
-const EQUAL: f64 = 0.3;
+/// PSNR at lights that are left out that counts as equal, dB: without a target, where few fetches matter, and with one, where more
+/// terms are closer at the fitted lights.
+const EQUAL: [f64; 2] = [0.6, 0.3];
 
-/// A candidate with learned terms.
+/// The chosen learned terms.
 pub struct LearnedCandidate {
-    /// Its errors.
-    pub candidate: Candidate,
+    /// Errors of the first of its terms, and of all.
+    pub by_terms: Vec<Candidate>,
     /// The interpolation between the lights.
     pub interpolation: Interpolation,
 }
 
-/// Maximum number of terms: unless learned terms are requested, the map takes at most half of the requested bytes, or of three
-/// whole textures.
+/// Maximum number of terms: the map takes at most three quarters of the requested bytes and, unless learned terms are requested,
+/// half of three whole textures.
 fn most_terms(samples: &LightSamples, recipe: &PwtRecipe) -> usize {
     let [width, height] = samples.size.map(|side| side as u64);
     let fetches = u64::from(recipe.max_fetches.unwrap_or(FETCHES));
@@ -45,12 +46,12 @@ fn most_terms(samples: &LightSamples, recipe: &PwtRecipe) -> usize {
     let whole = 16 * width * height * fetches / 3;
     let is_requested = recipe.coordinates == Some(LightCoordinates::Learned);
     let budget = match recipe.target {
-        Target::Bytes(bytes) if is_requested => bytes,
+        Target::Bytes(bytes) if is_requested => bytes / 4 * 3,
         _ if is_requested => return recipe.most_learned(),
-        Target::Bytes(bytes) => bytes.min(whole),
-        _ => whole,
+        Target::Bytes(bytes) => (bytes / 4 * 3).min(whole / 2),
+        _ => whole / 2,
     };
-    let of_map = budget / 2 / LightMap::bytes_of(map_side(samples.lights.len()), 1);
+    let of_map = budget / LightMap::bytes_of(map_side(&samples.lights), 1);
     recipe.most_learned().min(of_map.saturating_sub(1) as usize)
 }
 
@@ -58,61 +59,59 @@ fn most_terms(samples: &LightSamples, recipe: &PwtRecipe) -> usize {
 pub fn may_learn(samples: &LightSamples, recipe: &PwtRecipe) -> bool {
     // A degree or a ridge is that of polynomials.
     let of_polynomials = recipe.coordinates.is_some() || recipe.degree.is_some() || recipe.ridge.is_some();
-    let is_possible = samples.lights.len() >= MIN_LIGHTS && most_terms(samples, recipe) > 0;
-    recipe.coordinates == Some(LightCoordinates::Learned) || (is_possible && !of_polynomials)
+    recipe.coordinates == Some(LightCoordinates::Learned) || (most_terms(samples, recipe) > 0 && !of_polynomials)
 }
 
-/// The best candidate of each domain, the chosen one first.
-pub fn tried(texels: &Texels, samples: &LightSamples, recipe: &PwtRecipe) -> Vec<LearnedCandidate> {
+/// Returns true if there are too few lights to judge by those that are left out; then what is seen at the lights counts.
+pub fn are_few(lights: &[[f32; 3]]) -> bool {
+    lights.len() < MIN_LIGHTS
+}
+
+/// The best terms of all domains, and the best candidate of each other domain.
+pub fn tried(texels: &Texels, samples: &LightSamples, recipe: &PwtRecipe) -> (LearnedCandidate, Vec<Candidate>) {
     let most = recipe.degree.map_or(most_terms(samples, recipe).max(1), |degree| degree as usize);
     let shortlist = Shortlist::new(&samples.lights, &rows(&texels.encoded(Domain::Display)));
     let names = recipe.domain.map_or(DomainName::ALL.to_vec(), |one| vec![one]);
     let domains = names.iter().flat_map(|name| texels.domains(*name).into_iter().map(|domain| (*name, domain)));
     let domains: Vec<(DomainName, Domain)> = domains.collect();
     let one = |domain: &(DomainName, Domain)| Trial::new(texels, *domain, &shortlist);
-    let trials: Vec<Trial<'_>> = domains.par_iter().map(one).collect();
+    let mut trials: Vec<Trial<'_>> = domains.par_iter().map(one).collect();
     let with_few = |trial: &Trial<'_>| trial.by_terms(most.min(COMPARED_TERMS));
-    let mut errors: Vec<Vec<Errors>> = trials.par_iter().map(with_few).collect();
-    let last = |errors: &Vec<Errors>| *errors.last().expect("one or more");
-    let merits: Vec<f64> = errors.iter().map(|errors| last(errors).merit()).collect();
+    let mut found: Vec<Vec<Candidate>> = trials.par_iter().map(with_few).collect();
+    let merits: Vec<f64> = found.iter().map(|found| merit(last(found))).collect();
     let best = (0..trials.len()).max_by(|a, b| merits[*a].total_cmp(&merits[*b]).then(b.cmp(a)));
     let best = best.expect("one or more domains");
+    let (trial, mut by_terms) = (trials.swap_remove(best), found.swap_remove(best));
     if most > COMPARED_TERMS {
-        errors[best] = trials[best].by_terms(most);
+        by_terms = trial.by_terms(most);
     }
-    let chosen = chosen(&errors[best], recipe);
-    let others = (0..trials.len()).filter(|k| *k != best).map(|k| trials[k].candidate(last(&errors[k])));
-    [trials[best].candidate(chosen)].into_iter().chain(others).collect()
+    if recipe.degree.is_none() && !are_few(&samples.lights) {
+        by_terms.truncate(enough(&by_terms, recipe));
+    }
+    (
+        LearnedCandidate { by_terms, interpolation: trial.interpolation },
+        found.iter().map(|found| *last(found)).collect(),
+    )
 }
 
-/// Chooses a number of terms.
-fn chosen(by_terms: &[Errors], recipe: &PwtRecipe) -> Errors {
-    let most = *by_terms.last().expect("one or more");
-    if recipe.degree.is_some() {
-        return most;
-    }
-    let largest = by_terms.iter().map(Errors::merit).fold(f64::NEG_INFINITY, f64::max);
+fn last(found: &[Candidate]) -> &Candidate {
+    found.last().expect("one or more numbers of terms")
+}
+
+fn merit(candidate: &Candidate) -> f64 {
+    candidate.held_out_psnr.unwrap_or(candidate.psnr)
+}
+
+/// Number of the candidates up to the one with enough terms.
+fn enough(by_terms: &[Candidate], recipe: &PwtRecipe) -> usize {
+    let largest = by_terms.iter().map(merit).fold(f64::NEG_INFINITY, f64::max);
     let is_default = matches!(recipe.target, Target::Loss(_) | Target::Energy(_));
-    let mut enough = by_terms.iter().filter(|errors| errors.merit() >= largest - EQUAL);
-    // Three fetches are enough if more gain nothing. Where a size or an error is requested, more terms are closer at the fitted lights.
-    let few = enough.clone().find(|errors| is_default && errors.terms >= COMPARED_TERMS);
-    few.or_else(|| enough.next_back()).copied().unwrap_or(most)
-}
-
-/// Errors with a number of terms.
-#[derive(Debug, Clone, Copy)]
-struct Errors {
-    terms: usize,
-    /// PSNR at the fitted lights.
-    psnr: f64,
-    /// PSNR at lights that are left out, if available.
-    held_out_psnr: Option<f64>,
-}
-
-impl Errors {
-    fn merit(&self) -> f64 {
-        self.held_out_psnr.unwrap_or(self.psnr)
-    }
+    let equal = EQUAL[usize::from(!is_default)];
+    let is_equal = |candidate: &Candidate| merit(candidate) >= largest - equal;
+    // Three fetches are enough if more gain little.
+    let few = |candidate: &Candidate| is_equal(candidate) && candidate.degree as usize >= COMPARED_TERMS;
+    let few = by_terms.iter().position(few).filter(|_| is_default);
+    few.or_else(|| by_terms.iter().rposition(is_equal)).map_or(by_terms.len(), |at| at + 1)
 }
 
 /// A domain, and the interpolation for it.
@@ -130,56 +129,50 @@ impl<'a> Trial<'a> {
         Self { texels, domain, values, interpolation }
     }
 
-    /// Errors with 4, 8, … principal components, up to `most`.
-    fn by_terms(&self, most: usize) -> Vec<Errors> {
+    /// Errors with 4, 8, … principal components, up to `most`; once, if there are none.
+    fn by_terms(&self, most: usize) -> Vec<Candidate> {
         let (lights, columns) = self.values.shape();
         let entries = DMatrix::from_column_slice(3 * lights, columns / 3, self.values.as_slice());
         let components = Components::new(&entries, most);
         let coefficients = components.coefficients(&entries);
-        let unseen = left_out(&components, &self.interpolation).map(|unseen| self.psnrs(&unseen, &coefficients));
-        let errors = |(k, psnr): (usize, f64)| Errors {
-            terms: (STEP * (k + 1)).min(components.axes.ncols()).max(1),
-            psnr,
-            held_out_psnr: unseen.as_ref().map(|unseen| unseen[k]),
-        };
-        self.psnrs(&components, &coefficients).into_iter().enumerate().map(errors).collect()
-    }
-
-    /// PSNR with 4, 8, … components, shown as those of `shown`; once, if there are none.
-    fn psnrs(&self, shown: &Components, coefficients: &DMatrix<f64>) -> Vec<f64> {
-        let (lights, columns) = self.values.shape();
-        let mut sum = DMatrix::from_fn(3 * lights, columns / 3, |entry, _| shown.mean[entry]);
-        let psnr = |sum: &DMatrix<f64>| {
-            let of_light = |light: usize| {
-                let row: Vec<f32> = (0..columns).map(|k| sum.as_slice()[light + lights * k] as f32).collect();
-                squares(&to_srgb(self.domain.1, row), &self.texels.codes[light])
+        let unseen = LeftOut::new(&components, &self.interpolation);
+        let with_terms = |terms: usize| {
+            let coefficients = coefficients.rows(0, terms);
+            let psnr = |image: &(dyn Fn(usize) -> Matrix3xX<f64> + Sync)| {
+                let of_light = |light: usize| {
+                    // Channel by channel of each texel.
+                    let colours: Vec<f32> = image(light).iter().map(|value| *value as f32).collect();
+                    squares(&to_srgb(self.domain.1, colours), &self.texels.codes[light])
+                };
+                let all: Vec<f64> = (0..lights).into_par_iter().map(of_light).collect();
+                decibels(all.iter().sum::<f64>() / (lights * columns).max(1) as f64)
             };
-            let all: Vec<f64> = (0..lights).into_par_iter().map(of_light).collect();
-            decibels(all.iter().sum::<f64>() / (lights * columns).max(1) as f64)
+            let left_out = |unseen: &LeftOut<'_>| psnr(&|light| unseen.colours(light, &coefficients, &entries));
+            Candidate {
+                domain: self.domain.0,
+                epsilon: self.domain.1.code().1,
+                coordinates: LightCoordinates::Learned,
+                degree: terms.max(1) as u32,
+                ridge: 0.0,
+                psnr: psnr(&|light| components.colours(light, &coefficients)),
+                held_out_psnr: unseen.as_ref().map(left_out),
+            }
         };
-        let found = shown.axes.ncols();
-        let with_more = |first: usize| {
-            let count = STEP.min(found - first);
-            sum += shown.axes.columns(first, count) * coefficients.rows(first, count);
-            psnr(&sum)
-        };
-        (0..found.max(1)).step_by(STEP).map(with_more).collect()
-    }
-
-    fn candidate(&self, Errors { terms, psnr, held_out_psnr }: Errors) -> LearnedCandidate {
-        let (domain, interpolation) = (self.domain.0, self.interpolation.clone());
-        let (epsilon, coordinates) = (self.domain.1.code().1, LightCoordinates::Learned);
-        let candidate =
-            Candidate { domain, epsilon, coordinates, degree: terms as u32, ridge: 0.0, psnr, held_out_psnr };
-        LearnedCandidate { candidate, interpolation }
+        let found = components.axes.ncols();
+        (0..found.div_ceil(STEP).max(1)).map(|k| with_terms((STEP * (k + 1)).min(found))).collect()
     }
 }
 
 impl LearnedCandidate {
+    /// The candidate with all terms.
+    pub fn candidate(&self) -> Candidate {
+        *last(&self.by_terms)
+    }
+
     /// Learns the terms.
     pub fn learn(&self, samples: &LightSamples) -> Learned {
         let at = samples.spread_texels(LEARNED_FROM.min(NUMBERS / (3 * samples.lights.len())));
-        let domain = self.candidate.domain();
+        let domain = self.candidate().domain();
         let of_light = |image: &Pixels| -> Vec<f32> {
             let mut values: Vec<f32> = at.iter().flat_map(|texel| image.pixel(*texel)).collect();
             domain.encode_each(&mut values);
@@ -187,7 +180,7 @@ impl LearnedCandidate {
         };
         let values: Vec<Vec<f32>> = samples.images.par_iter().map(of_light).collect();
         let entries = DMatrix::from_column_slice(3 * values.len(), at.len(), rows(&values).as_slice());
-        let components = Components::new(&entries, self.candidate.degree as usize);
+        let components = Components::new(&entries, self.candidate().degree as usize);
         Learned::new(&components, &self.interpolation, &samples.lights)
     }
 }

@@ -1,13 +1,13 @@
 //! Principal components of texels, as vectors of red, green and blue under all lights.
 
-use nalgebra::{DMatrix, DVector};
+use nalgebra::{DMatrix, DMatrixView, DVector, Matrix3xX, Vector3};
 
 /// Additional components of the iteration, whose own convergence does not matter.
 const SPARE: usize = 8;
 /// Iterations; each multiplies the error by the ratio of the eigenvalues of a spare and a kept component.
 const ITERATIONS: usize = 12;
 
-/// Mean and principal components of values.
+/// Mean and principal components of values. Entries are red of all lights, then green, then blue.
 pub struct Components {
     /// Mean of each entry.
     pub mean: DVector<f64>,
@@ -45,6 +45,26 @@ impl Components {
     /// Coefficients of values: a row for each component, a column for each texel.
     pub fn coefficients(&self, values: &DMatrix<f64>) -> DMatrix<f64> {
         self.axes.transpose() * Self::centred(values, &self.mean)
+    }
+
+    /// Rows of the first axes that belong to a light: its red, green and blue.
+    pub fn rows(&self, light: usize, axes: usize) -> Matrix3xX<f64> {
+        let lights = self.mean.len() / 3;
+        Matrix3xX::from_fn(axes, |channel, axis| self.axes[(channel * lights + light, axis)])
+    }
+
+    /// Mean colour under a light.
+    pub fn mean_colour(&self, light: usize) -> Vector3<f64> {
+        let lights = self.mean.len() / 3;
+        Vector3::from_fn(|channel, _| self.mean[channel * lights + light])
+    }
+
+    /// Colours of texels under a light, from the coefficients of the first components.
+    pub fn colours(&self, light: usize, coefficients: &DMatrixView<'_, f64>) -> Matrix3xX<f64> {
+        let mut colours = self.rows(light, coefficients.nrows()) * coefficients;
+        let mean = self.mean_colour(light);
+        colours.column_iter_mut().for_each(|mut colour| colour += mean);
+        colours
     }
 
     fn centred(values: &DMatrix<f64>, mean: &DVector<f64>) -> DMatrix<f64> {

@@ -14,11 +14,11 @@ use crate::lifting::Border;
 use crate::measure::StackErrors;
 use crate::project;
 use crate::recipe::{DomainName, PwtRecipe};
-use crate::search::Search;
+use crate::search::{Found, Search};
 use crate::stack::LightSamples;
 use crate::tree::{PacketTree, Transform};
 use brdfc_formats::FormatError;
-use brdfc_formats::pwt::{Domain, LightBasis, LightMap, PwtErrors, PwtHeader, PwtPack};
+use brdfc_formats::pwt::{Domain, LightBasis, LightCoordinates, LightMap, PwtErrors, PwtHeader, PwtPack};
 use brdfc_readers::pixels::Pixels;
 use nalgebra::Matrix3;
 use rayon::prelude::*;
@@ -69,10 +69,14 @@ pub fn encode(samples: &LightSamples, recipe: &PwtRecipe) -> Result<PwtEncoded, 
     };
     let header = fitted.header(samples, domain, extent, depth);
     let lights = choice.learned.as_ref().map_or(samples, |(_, few)| few).lights.len();
-    let (pack, errors, met) =
-        Search::new(samples, lights, &fitted.images, header, candidate, recipe).run(recipe.target)?;
+    let alone = [candidate];
+    let by_terms = choice.learned.as_ref().map_or(&alone[..], |(learned, _)| &learned.by_terms);
+    let found = Search::new(samples, lights, &fitted.images, header, by_terms, recipe).run(recipe.target)?;
+    let mut candidates = choice.candidates;
+    let Found { pack, errors, candidate, met } = found;
+    candidates[0] = candidate;
     let Fitted { condition, subbands, .. } = fitted;
-    Ok(PwtEncoded { pack, candidates: choice.candidates, condition, subbands, errors, met })
+    Ok(PwtEncoded { pack, candidates, condition, subbands, errors, met })
 }
 
 /// Terms fitted to photographs.
@@ -131,7 +135,7 @@ fn fit_polynomials(
 /// Learns terms, and projects photographs on them.
 fn fit_learned(samples: &LightSamples, candidate: &LearnedCandidate, transform: Transform, weights: &Plane) -> Fitted {
     let learned = candidate.learn(samples);
-    let (domain, extent) = (candidate.candidate.domain(), weights.size);
+    let (domain, extent) = (candidate.candidate().domain(), weights.size);
     let planes = project::coefficients(&learned, &Padded::new(samples, domain, extent));
     let image = |(k, values): (usize, Vec<f32>)| {
         let plane = Plane { size: extent, values };
@@ -141,7 +145,7 @@ fn fit_learned(samples: &LightSamples, candidate: &LearnedCandidate, transform: 
     let degree = learned.map.terms() as u32 - 1;
     Fitted {
         images,
-        basis: LightBasis { coordinates: candidate.candidate.coordinates, degree },
+        basis: LightBasis { coordinates: LightCoordinates::Learned, degree },
         colour: [[1.0; 3], [0.0; 3], [0.0; 3]],
         triangle: Vec::new(),
         light_map: Some(learned.map),

@@ -65,12 +65,13 @@ fn mirrored(k: usize, side: usize) -> usize {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use std::sync::Arc;
 
     /// Levels and linear values of the same pixels are equal in every domain, and so is their mirror image.
     #[test]
     fn levels_and_linear_values_are_equal() {
-        let levels = Pixels::Levels8((0..6u8).map(|k| [40 * k, 255 - k, k]).collect());
-        let linear = Pixels::Linear((0..6).map(|at| levels.pixel(at)).collect());
+        let levels = Pixels::Levels8(Arc::new((0..6u8).map(|k| [40 * k, 255 - k, k]).collect()));
+        let linear = Pixels::Linear(Arc::new((0..6).map(|at| levels.pixel(at)).collect()));
         for domain in [Domain::Linear, Domain::Display, Domain::CubeRoot, Domain::Logarithm { epsilon: 0.01 }] {
             let rows = |image: &Pixels| {
                 let samples = LightSamples::new([3, 2], vec![[0.0, 0.0, 1.0]], vec![image.clone()]);

@@ -190,8 +190,11 @@ pub struct Shortlist {
 impl Shortlist {
     /// Compares all covariance functions on values: rows are lights. Uses only some lights of many.
     pub fn new(lights: &[[f32; 3]], values: &DMatrix<f64>) -> Self {
-        let stride = lights.len().div_ceil(COMPARED_LIGHTS).max(1);
-        let some: Vec<usize> = (0..lights.len()).step_by(stride).collect();
+        let count = lights.len();
+        // Lists go ring by ring, so steps of the golden ratio.
+        let nth = |k: usize| ((k as f64 * 0.618_033_988_749_894_9).fract() * count as f64) as usize;
+        let some: Vec<usize> =
+            if count <= COMPARED_LIGHTS { (0..count).collect() } else { (0..COMPARED_LIGHTS).map(nth).collect() };
         let few: Vec<[f32; 3]> = some.iter().map(|light| lights[*light]).collect();
         let products = values.select_rows(&some);
         let products = &products * products.transpose();
@@ -206,7 +209,7 @@ impl Shortlist {
         found.sort_by(|a, b| a.2.total_cmp(&b.2));
         found.truncate((COMBINED * COMPARED_LIGHTS / lights.len().max(COMPARED_LIGHTS)).max(LEAST_COMBINED));
         let of_all = |(covariance, errors, _): (Covariance, DMatrix<f64>, f64)| {
-            let errors = if stride == 1 { Some(errors) } else { covariance.left_out(lights) };
+            let errors = if some.len() == count { Some(errors) } else { covariance.left_out(lights) };
             Some((covariance, errors?))
         };
         Self { covariances: found.into_par_iter().filter_map(of_all).collect() }

@@ -4,7 +4,7 @@
 use crate::components::Components;
 use crate::kriging::Interpolation;
 use brdfc_formats::pwt::{LightMap, MAP_SIDES};
-use nalgebra::{DMatrix, DVector};
+use nalgebra::{DMatrix, DMatrixView, DVector, Matrix3, Matrix3xX};
 use std::f64::consts::PI;
 
 /// Texels of the map per mean distance of two lights.
@@ -13,6 +13,9 @@ const TEXELS_PER_LIGHT: f64 = 3.0;
 const CORRECTION: f64 = 0.35;
 /// Share by which corrections fall short, so that those of near lights do not overshoot between them.
 const SHORT: f64 = 0.005;
+
+/// Regularisation of coefficients that one light determines alone.
+const ALONE: f64 = 1e-6;
 
 /// Terms that are learned from photographs.
 pub struct Learned {
@@ -46,13 +49,43 @@ fn predicted(known: &DMatrix<f64>, errors: &DMatrix<f64>) -> (DMatrix<f64>, Vec<
     (predicted, shares)
 }
 
-/// Mean and components as they are seen under each light if it is left out of the interpolation; `None` if none can be.
-pub fn left_out(components: &Components, interpolation: &Interpolation) -> Option<Components> {
-    let (mut seen, shares) = predicted(&at_lights(components), interpolation.left_out.as_ref()?);
-    scale_terms(&mut seen, &shares);
-    let (entries, terms) = (components.axes.nrows(), components.axes.ncols());
-    let (mean, axes) = seen.as_slice().split_at(entries);
-    Some(Components { mean: DVector::from_column_slice(mean), axes: DMatrix::from_column_slice(entries, terms, axes) })
+/// Colours under each light as predicted from the photographs of the others: the light is left out of the interpolation and of the
+/// coefficients, but not of the components.
+pub struct LeftOut<'a> {
+    components: &'a Components,
+    /// Mean and axes as predictions from the other lights.
+    predicted: Components,
+}
+
+impl<'a> LeftOut<'a> {
+    /// `None` if no light can be left out.
+    pub fn new(components: &'a Components, interpolation: &Interpolation) -> Option<Self> {
+        let (mut predicted, shares) = predicted(&at_lights(components), interpolation.left_out.as_ref()?);
+        scale_terms(&mut predicted, &shares);
+        let (entries, terms) = (components.axes.nrows(), components.axes.ncols());
+        let (mean, axes) = predicted.as_slice().split_at(entries);
+        let (mean, axes) = (DVector::from_column_slice(mean), DMatrix::from_column_slice(entries, terms, axes));
+        Some(Self { components, predicted: Components { mean, axes } })
+    }
+
+    /// Colours of texels under a light. `coefficients` are those of the first components, from all of `values`.
+    ///
+    /// Without the rows `A` of the axes and the values `v` of this light, least squares gives the coefficients
+    /// `(1 - A^T A)^-1 (c - A^T v)`, which by Woodbury's identity are `c + A^T ((1 - A A^T)^-1 (A c - A A^T v) - v)`.
+    pub fn colours(&self, light: usize, coefficients: &DMatrixView<'_, f64>, values: &DMatrix<f64>) -> Matrix3xX<f64> {
+        let terms = coefficients.nrows();
+        let (axes, mean) = (self.components.rows(light, terms), self.components.mean_colour(light));
+        let lights = self.components.mean.len() / 3;
+        let values = Matrix3xX::from_fn(values.ncols(), |channel, texel| {
+            values[(channel * lights + light, texel)] - mean[channel]
+        });
+        let own = &axes * axes.transpose();
+        // A light that determines a coefficient alone predicts nothing.
+        let inverse = (Matrix3::identity() * (1.0 + ALONE) - own).try_inverse().unwrap_or_else(Matrix3::identity);
+        let change = inverse * (&axes * coefficients - own * &values) - values;
+        let predicted = self.predicted.rows(light, terms) * axes.transpose();
+        self.predicted.colours(light, coefficients) + predicted * change
+    }
 }
 
 /// Multiplies each term, three columns, by its share.
@@ -62,13 +95,35 @@ fn scale_terms(values: &mut DMatrix<f64>, shares: &[f64]) {
     }
 }
 
-/// Mean distance of two neighbouring lights in paraboloid coordinates, if they are evenly spread.
-fn spacing(lights: usize) -> f64 {
-    0.9 * (PI / lights.max(1) as f64).sqrt()
+/// Approximate distance of two neighbouring lights in paraboloid coordinates.
+///
+/// That of lights spread over the hemisphere; less where they fill only a cap or an arc, but not below the distance that they have.
+fn spacing(lights: &[[f32; 3]]) -> f64 {
+    let points: Vec<[f64; 2]> = lights
+        .iter()
+        .map(|light| {
+            let [x, y, z] = light.map(f64::from);
+            [x / (1.0 + z), y / (1.0 + z)]
+        })
+        .collect();
+    let count = points.len().max(1) as f64;
+    let hemisphere = 0.9 * (PI / count).sqrt();
+    let mean = [0, 1].map(|axis| points.iter().map(|point| point[axis]).sum::<f64>() / count);
+    let moment = |a: usize, b: usize| points.iter().map(|p| (p[a] - mean[a]) * (p[b] - mean[b])).sum::<f64>() / count;
+    // The share of the radius that an evenly filled ellipse with these moments has; domes fill more than half.
+    let radius = 2.0 * (moment(0, 0) * moment(1, 1) - moment(0, 1).powi(2)).max(0.0).powf(0.25);
+    let nearest = |(k, a): (usize, &[f64; 2])| {
+        let others = points.iter().enumerate().filter(|(other, _)| *other != k);
+        others.map(|(_, b)| (a[0] - b[0]).hypot(a[1] - b[1])).fold(f64::INFINITY, f64::min)
+    };
+    let mut distances: Vec<f64> = points.iter().enumerate().map(nearest).collect();
+    distances.sort_by(f64::total_cmp);
+    let median = distances.get(distances.len() / 2).copied().unwrap_or(hemisphere);
+    (hemisphere * (2.0 * radius)).max(median).clamp(0.25 * hemisphere, hemisphere)
 }
 
-/// Texels per side of the map for a number of lights.
-pub fn map_side(lights: usize) -> u32 {
+/// Texels per side of the map for some lights.
+pub fn map_side(lights: &[[f32; 3]]) -> u32 {
     let texels = 2.0 * TEXELS_PER_LIGHT / spacing(lights);
     (texels.min(f64::from(*MAP_SIDES.end())) as u32).next_multiple_of(8).clamp(16, *MAP_SIDES.end())
 }
@@ -76,7 +131,7 @@ pub fn map_side(lights: usize) -> u32 {
 impl Learned {
     /// Interpolates components between the lights. Entries of components are `channel lights + light`.
     pub fn new(components: &Components, interpolation: &Interpolation, lights: &[[f32; 3]]) -> Self {
-        let side = map_side(lights.len());
+        let side = map_side(lights);
         let known = at_lights(components);
         let directions = LightMap::directions(side);
         let mut map = interpolation.predictions(lights, &directions) * &known;
@@ -110,7 +165,7 @@ fn limit(map: &mut DMatrix<f64>, known: &DMatrix<f64>) {
 /// Corrects a map so that its filtered values at the lights are nearly the known ones: adds a narrow bump at each light. Between
 /// the lights it stays the interpolation.
 fn correct(map: &mut DMatrix<f64>, known: &DMatrix<f64>, lights: &[[f32; 3]], side: u32) {
-    let width = CORRECTION * spacing(lights.len());
+    let width = CORRECTION * spacing(lights);
     let at = |k: u32| (f64::from(k) + 0.5) * 2.0 / f64::from(side) - 1.0;
     let bumps = DMatrix::from_fn(map.nrows(), lights.len(), |texel, light| {
         let [x, y, z] = lights[light].map(f64::from);
@@ -220,6 +275,30 @@ mod tests {
         assert!(off(shares[2]) <= 1.0 && off(1.0) > 1.05, "{} {}", off(shares[2]), off(1.0));
     }
 
+    /// Coefficients without a light are those of least squares without its rows; with them is the negative control.
+    #[test]
+    fn coefficients_do_not_see_the_light_that_is_left_out() {
+        let lights = spread_lights(12);
+        let values: Vec<Vec<f32>> = lights.iter().map(|light| colours(*light)).collect();
+        let matrix = rows(&values);
+        let interpolation = Shortlist::new(&lights, &matrix).combined(&matrix).unwrap();
+        let entries = DMatrix::from_column_slice(36, 60, matrix.as_slice());
+        let components = Components::new(&entries, 5);
+        let coefficients = components.coefficients(&entries);
+        let left_out = LeftOut::new(&components, &interpolation).unwrap();
+        for light in [0, 7, 11] {
+            let rest: Vec<usize> = (0..36).filter(|entry| entry % 12 != light).collect();
+            let mut centred = entries.select_rows(&rest);
+            centred.column_iter_mut().for_each(|mut column| column -= components.mean.select_rows(&rest));
+            let solved = components.axes.select_rows(&rest).pseudo_inverse(1e-12).unwrap() * centred;
+            let expected = left_out.predicted.colours(light, &solved.rows(0, 5));
+            let found = left_out.colours(light, &coefficients.rows(0, 5), &entries);
+            let seen = left_out.predicted.colours(light, &coefficients.rows(0, 5));
+            let [off, changed] = [&expected, &seen].map(|other| (&found - other).amax());
+            assert!(off < 1e-4 && changed > 1e-4, "{off} {changed}");
+        }
+    }
+
     /// Values of linear photographs near the largest half float, and lights so near to each other that corrections overshoot.
     #[test]
     fn maps_stay_in_range() {
@@ -243,8 +322,18 @@ mod tests {
     }
 
     #[test]
-    fn maps_follow_the_number_of_lights() {
-        let sides = [1, 3, 20, 49, 72, 200, 512, 4096].map(map_side);
+    fn maps_follow_the_lights() {
+        let sides = [1, 3, 20, 49, 72, 200, 512, 4096].map(|count| map_side(&spread_lights(count)));
         assert!(sides.is_sorted() && sides[0] == 16 && sides[4] == 32 && sides[7] == 64, "{sides:?}");
+        // Lights on an arc, and in a cap, are nearer to each other.
+        let arc: Vec<[f32; 3]> = (0..24).map(|k| (0.1 * k as f32 - 1.2).sin_cos()).map(|(s, c)| [s, 0.0, c]).collect();
+        let cap: Vec<[f32; 3]> = spread_lights(400).into_iter().filter(|light| light[2] > 0.93).collect();
+        assert!(
+            map_side(&arc) >= 56 && map_side(&cap) >= 56 && cap.len() < 60,
+            "{} {}",
+            map_side(&arc),
+            map_side(&cap)
+        );
+        assert_eq!(map_side(&[[0.0, 0.0, 1.0]; 7]), 40);
     }
 }

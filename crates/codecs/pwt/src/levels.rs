@@ -64,7 +64,7 @@ impl TermImages {
         let whole = &levels[0];
         let squares = |other: &[f32]| -> f64 {
             let pairs = whole.values.iter().zip(other).zip(&weights.values);
-            pairs.map(|((a, b), w)| f64::from((a - b) * (a - b) * w)).sum()
+            pairs.map(|((a, b), w)| f64::from(a - b).powi(2) * f64::from(*w)).sum()
         };
         let bases = BASES.min(depth + 1);
         let mut errors: Vec<f64> = (0..bases)

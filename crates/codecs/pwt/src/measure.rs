@@ -132,7 +132,9 @@ where
 {
     let width = samples.size[0];
     let is_seen = |row: &usize| (row * width..(row + 1) * width).any(|texel| samples.is_defined(texel));
-    let compared: Vec<usize> = (0..samples.size[1]).filter(is_seen).step_by(stride.max(1)).collect();
+    let rows: Vec<usize> = (0..samples.size[1]).filter(is_seen).collect();
+    let first = (stride / 2).min(rows.len().saturating_sub(1));
+    let compared: Vec<usize> = rows.into_iter().skip(first).step_by(stride.max(1)).collect();
     let of_row = |row: &usize| -> Vec<PhotographSums> {
         let (found, first) = (images(*row), row * width);
         let masked = |colours: &[[f32; 3]]| -> Vec<[f32; 3]> {

@@ -11,8 +11,11 @@ use brdfc_formats::pwt::{LightMap, PwtDecoder, PwtErrors, PwtHeader, PwtPack};
 
 /// Numbers of learned terms are multiples of the texels' channels.
 const STEP: usize = 4;
-/// Approximate number of texels of all photographs that are compared at the end.
+/// Approximate number of texels of all photographs that are compared at the end, and the minimum number of rows.
 const COMPARED_TEXELS: usize = 1 << 21;
+const MIN_ROWS: usize = 64;
+/// Maximum loss of PSNR at the fitted lights, dB, if no larger one is requested.
+const MAX_FITTED_LOSS: f64 = 3.0;
 /// Maximum number of packs that a search for a measured target builds.
 const TRIALS: usize = 8;
 
@@ -36,7 +39,22 @@ pub struct Search<'a> {
     /// Packs of increasing size and decreasing error.
     path: Vec<Step>,
     header: PwtHeader,
+    /// The chosen candidate, or that of each number of learned terms.
+    candidates: &'a [Candidate],
+    /// Candidate with all terms.
     candidate: Candidate,
+}
+
+/// A pack that was found.
+pub struct Found {
+    /// The pack.
+    pub pack: PwtPack,
+    /// Its errors.
+    pub errors: StackErrors,
+    /// Errors of its terms before pruning.
+    pub candidate: Candidate,
+    /// True if the pack meets the target.
+    pub met: bool,
 }
 
 impl<'a> Search<'a> {
@@ -47,7 +65,7 @@ impl<'a> Search<'a> {
         lights: usize,
         images: &'a [TermImages],
         header: PwtHeader,
-        candidate: Candidate,
+        candidates: &'a [Candidate],
         recipe: &PwtRecipe,
     ) -> Self {
         let bytes = if let Target::Bytes(bytes) = recipe.target { bytes } else { u64::MAX };
@@ -66,10 +84,10 @@ impl<'a> Search<'a> {
             }));
         }
         steps.sort_by(|a, b| a.bytes.cmp(&b.bytes).then(a.error.total_cmp(&b.error)));
-        let mut least = f64::INFINITY;
+        let mut least = None;
         steps.retain(|step| {
-            let is_closer = step.error < least;
-            least = least.min(step.error);
+            let is_closer = least.is_none_or(|least| step.error < least);
+            least = if is_closer { Some(step.error) } else { least };
             is_closer
         });
         if let Target::Bytes(bytes) = recipe.target {
@@ -77,36 +95,34 @@ impl<'a> Search<'a> {
             let fitting = steps.iter().filter(|step| step.bytes <= bytes).count();
             steps.truncate(fitting.max(1));
         }
-        Self { samples, lights, images, path: steps, header, candidate }
+        let candidate = *candidates.last().expect("the chosen one");
+        Self { samples, lights, images, path: steps, header, candidates, candidate }
     }
 
-    /// The pack, its errors, and true if it meets the target.
+    /// The smallest pack that meets the target, or the closest one.
     ///
     /// # Errors
     /// Returns an error if the header is out of range.
-    pub fn run(self, target: Target) -> Result<(PwtPack, StackErrors, bool), FormatError> {
+    pub fn run(self, target: Target) -> Result<Found, FormatError> {
         let last = self.path.len() - 1;
         let first_below = |error: f64| self.path.iter().position(|step| step.error <= error);
         match target {
             // The path ends there.
             Target::Bytes(bytes) => {
-                let (pack, errors) = self.made(last)?;
-                let met = pack.gpu_bytes() <= bytes;
-                Ok((pack, errors, met))
+                let found = self.found(last)?;
+                Ok(Found { met: found.pack.gpu_bytes() <= bytes, ..found })
             }
             Target::Energy(share) => {
-                let found = first_below((1.0 - share) * self.path[0].error);
-                let (pack, errors) = self.made(found.unwrap_or(last))?;
-                Ok((pack, errors, found.is_some()))
+                let step = first_below((1.0 - share) * self.path[0].error);
+                Ok(Found { met: step.is_some(), ..self.found(step.unwrap_or(last))? })
             }
             Target::Loss(loss) => {
-                // Truncation adds to the error at held-out lights.
-                let unseen = self.candidate.held_out_psnr.unwrap_or(self.candidate.psnr);
-                let unseen = 10f64.powf(-unseen / 10.0);
+                // Truncation adds to the error at held-out lights. Where these cannot be predicted, that at the fitted ones counts.
+                let Candidate { psnr, held_out_psnr, .. } = self.candidate;
+                let added = |psnr: f64, loss: f64| (10f64.powf(loss / 10.0) - 1.0) * 10f64.powf(-psnr / 10.0);
+                let added = added(held_out_psnr.unwrap_or(psnr), loss).min(added(psnr, loss.max(MAX_FITTED_LOSS)));
                 let numbers = (3 * self.samples.defined_texels() * self.lights) as f64;
-                let allowed = (10f64.powf(loss / 10.0) - 1.0) * unseen * numbers + self.path[last].error;
-                let (pack, errors) = self.made(first_below(allowed).unwrap_or(last))?;
-                Ok((pack, errors, true))
+                self.found(first_below(added * numbers + self.path[last].error).unwrap_or(last))
             }
             Target::Quality(psnr) => self.measured(|errors| errors.psnr >= psnr),
             Target::DeltaE(delta_e) => self.measured(|errors| errors.delta_e <= delta_e),
@@ -115,45 +131,47 @@ impl<'a> Search<'a> {
 
     /// Finds approximately the smallest arrangement whose pack passes, by bisection with up to [`TRIALS`] packs; the largest if
     /// none passes.
-    fn measured(&self, passes: impl Fn(&StackErrors) -> bool) -> Result<(PwtPack, StackErrors, bool), FormatError> {
+    fn measured(&self, passes: impl Fn(&StackErrors) -> bool) -> Result<Found, FormatError> {
         let (mut low, mut high) = (0, self.path.len() - 1);
-        let mut best = self.made(high)?;
-        if !passes(&best.1) {
-            return Ok((best.0, best.1, false));
+        let mut best = self.found(high)?;
+        if !passes(&best.errors) {
+            return Ok(Found { met: false, ..best });
         }
         for _ in 0..TRIALS {
             if high - low <= 1 {
                 break;
             }
             let middle = low + (high - low).div_ceil(2);
-            let made = self.made(middle)?;
-            if passes(&made.1) {
-                (high, best) = (middle, made);
+            let found = self.found(middle)?;
+            if passes(&found.errors) {
+                (high, best) = (middle, found);
             } else {
                 low = middle;
             }
         }
-        Ok((best.0, best.1, true))
+        Ok(best)
     }
 
-    /// Builds and measures the pack of an arrangement.
-    fn made(&self, at: usize) -> Result<(PwtPack, StackErrors), FormatError> {
+    /// Builds and measures the pack of a step.
+    fn found(&self, at: usize) -> Result<Found, FormatError> {
         let Step { terms, arrangement, .. } = &self.path[at];
         let mut header = self.header.clone();
         if let Some(map) = &mut header.light_map {
             map.truncate(terms + 1);
             header.basis.degree = *terms as u32;
         }
-        let pack = arrangement.pack(&self.images[..*terms], header)?;
-        let decoder = PwtDecoder::new(pack);
-        let all = self.samples.size[0] * self.samples.size[1] * self.samples.lights.len();
-        let errors = stack_errors(&decoder, self.samples, all.div_ceil(COMPARED_TEXELS));
+        let candidate = self.candidates.iter().copied().find(|candidate| candidate.degree == header.basis.degree);
+        let candidate = candidate.unwrap_or(self.candidate);
+        let decoder = PwtDecoder::new(arrangement.pack(&self.images[..*terms], header)?);
+        let [width, height] = self.samples.size;
+        let rows = COMPARED_TEXELS.div_ceil(width * self.samples.lights.len()).max(MIN_ROWS);
+        let errors = stack_errors(&decoder, self.samples, height.div_ceil(rows));
         let measured = PwtErrors {
             lights: errors.lights as u32,
             psnr: errors.psnr as f32,
-            held_out_psnr: self.candidate.held_out_psnr.unwrap_or(0.0) as f32,
+            held_out_psnr: candidate.held_out_psnr.unwrap_or(0.0) as f32,
             delta_e: errors.delta_e as f32,
         };
-        Ok((decoder.into_pack().with_errors(measured), errors))
+        Ok(Found { pack: decoder.into_pack().with_errors(measured), errors, candidate, met: true })
     }
 }

@@ -123,14 +123,12 @@ impl LightSamples {
 
     /// Averages images under the same light, so that cross-validation does not predict an image from its copy.
     #[must_use]
-    pub fn averaged(mut self) -> Self {
+    pub fn averaged(self) -> Self {
         let groups = self.groups(SAME_LIGHT);
         if groups.len() == self.lights.len() {
             return self;
         }
-        let mut taken = |group: &Vec<usize>| std::mem::replace(&mut self.images[group[0]], Pixels::Linear(Vec::new()));
-        let firsts = groups.iter().map(&mut taken).collect();
-        self.of_groups(&groups, firsts)
+        self.of_groups(&groups)
     }
 
     /// Averages images under near lights, until at most `most` lights are left.
@@ -143,8 +141,7 @@ impl LightSamples {
         loop {
             let groups = self.groups(near);
             if groups.len() <= most.max(1) {
-                let firsts = groups.iter().map(|group| self.images[group[0]].clone()).collect();
-                return Cow::Owned(self.of_groups(&groups, firsts));
+                return Cow::Owned(self.of_groups(&groups));
             }
             near *= 1.2;
         }
@@ -164,9 +161,10 @@ impl LightSamples {
         groups
     }
 
-    /// Means of the images and lights of groups. `firsts` are the first images of the groups.
-    fn of_groups(&self, groups: &[Vec<usize>], firsts: Vec<Pixels>) -> Self {
-        let mean = |(group, mut image): (&Vec<usize>, Pixels)| {
+    /// Means of the images and lights of groups.
+    fn of_groups(&self, groups: &[Vec<usize>]) -> Self {
+        let mean = |group: &Vec<usize>| {
+            let mut image = self.images[group[0]].clone();
             if group.len() == 1 {
                 return image;
             }
@@ -191,7 +189,7 @@ impl LightSamples {
         Self {
             size: self.size,
             lights: groups.iter().map(light).collect(),
-            images: groups.iter().zip(firsts).map(mean).collect(),
+            images: groups.iter().map(mean).collect(),
             repeats: self.repeats,
             defined: self.defined.clone(),
         }

@@ -1,7 +1,7 @@
 //! Learned terms as plain images, for formats without a tree.
 
 use crate::candidates::Texels;
-use crate::choose_learned::{MOST_LIGHTS, tried};
+use crate::choose_learned::{MAX_LIGHTS, tried};
 use crate::encoded::Padded;
 use crate::project;
 use crate::recipe::{DomainName, PwtRecipe};
@@ -29,10 +29,10 @@ pub fn learned_terms(samples: &LightSamples, count: u32) -> Result<LearnedTerms,
         ..PwtRecipe::default()
     };
     samples.check()?;
-    let samples = &*samples.at_most(MOST_LIGHTS);
+    let samples = &*samples.at_most(MAX_LIGHTS);
     recipe.check()?;
-    let candidate = tried(&Texels::new(samples), samples, &recipe).swap_remove(0);
-    let (learned, domain) = (candidate.learn(samples), candidate.candidate.domain());
+    let (candidate, _) = tried(&Texels::new(samples), samples, &recipe);
+    let (learned, domain) = (candidate.learn(samples), candidate.candidate().domain());
     let planes = project::coefficients(&learned, &Padded::new(samples, domain, samples.size));
     Ok(LearnedTerms { map: learned.map, planes })
 }

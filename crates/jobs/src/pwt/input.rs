@@ -2,7 +2,7 @@
 //! existing tree.
 
 use crate::error::Error;
-use brdfc_core::words::counted_of;
+use brdfc_core::words::{counted, counted_of, join_truncated};
 use brdfc_formats::direction::Vector;
 use brdfc_formats::flat_btf::unit_vectors;
 use brdfc_formats::pwt::{LightBasis, PwtDecoder, PwtPack};
@@ -29,6 +29,9 @@ const LIGHTS_PER_TERM: usize = 4;
 const MAX_BYTES: u64 = 6 << 30;
 /// Bytes of a pixel of linear values.
 const LINEAR: u64 = 12;
+
+/// Number of photographs that a note names.
+const MAX_NAMED: usize = 3;
 
 /// Inputs that are accepted.
 const ALLOWED: &str =
@@ -129,14 +132,24 @@ pub fn any_above_white(samples: &LightSamples) -> bool {
     samples.images.par_iter().any(is_bright)
 }
 
+/// Lights whose photograph is black or white everywhere.
+fn uniform(samples: &LightSamples) -> [(&'static str, Vec<usize>); 2] {
+    [("black", 0.0..=0.0), ("white", 1.0..=f32::INFINITY)].map(|(name, values)| {
+        let is_uniform = |light: &usize| {
+            let image = &samples.images[*light];
+            (0..image.len()).all(|at| image.pixel(at).iter().all(|c| values.contains(c)))
+        };
+        (name, (0..samples.images.len()).into_par_iter().filter(is_uniform).collect())
+    })
+}
+
 /// Notes about photographs that are black or white everywhere.
 fn exposure_notes(samples: &LightSamples) -> impl Iterator<Item = String> {
     let all = samples.images.len();
-    [(0.0..=0.0, "black"), (1.0..=f32::INFINITY, "white")].into_iter().filter_map(move |(values, name)| {
-        let uniform = |image: &&Pixels| (0..image.len()).all(|at| image.pixel(at).iter().all(|c| values.contains(c)));
-        let count = samples.images.par_iter().filter(uniform).count();
-        (count > 0).then(|| format!("{}: {name} everywhere", counted_of(count, all, "photograph")))
-    })
+    uniform(samples)
+        .into_iter()
+        .filter(|(_, lights)| !lights.is_empty())
+        .map(move |(name, lights)| format!("{}: {name} everywhere", counted_of(lights.len(), all, "photograph")))
 }
 
 pub(super) fn refused(input: &impl std::fmt::Display, field: &'static str, found: &str, allowed: &str) -> Error {
@@ -183,8 +196,8 @@ fn decoded(
     image: impl Fn(usize) -> Result<Pixels, InputError> + Sync + Send,
 ) -> Result<Vec<Pixels>, InputError> {
     let not_negative = |mut image: Pixels| {
-        if let Pixels::Linear(values) = &mut image {
-            values.as_flattened_mut().iter_mut().for_each(|value| *value = value.max(0.0));
+        if let Pixels::Linear(_) = image {
+            image.to_mut().as_flattened_mut().iter_mut().for_each(|value| *value = value.max(0.0));
         }
         image
     };
@@ -198,7 +211,21 @@ fn photographs(path: &Path) -> Result<(LightSamples, Vec<String>), Error> {
     let stack = RtiCapture::open(path)?;
     check_amount(&path.display(), stack.size(), stack.len(), stack.bytes())?;
     let images = decoded(stack.len(), |light| stack.pixels(light))?;
-    Ok((LightSamples::new(stack.size(), stack.lights().to_vec(), images), stack.notes().to_vec()))
+    let samples = LightSamples::new(stack.size(), stack.lights().to_vec(), images);
+    let mut notes = stack.notes().to_vec();
+    let all = uniform(&samples);
+    let left_out: Vec<usize> = all.iter().flat_map(|(_, lights)| lights).copied().collect();
+    // A flash that failed, or a lamp in the picture: no light is predicted by such a photograph.
+    if left_out.is_empty() || left_out.len() == samples.lights.len() {
+        return Ok((samples, notes));
+    }
+    for (name, lights) in all.iter().filter(|(_, lights)| !lights.is_empty()) {
+        let file = |light: &usize| stack.file(*light).file_name().unwrap_or_default().to_string_lossy().into_owned();
+        let files: Vec<String> = lights.iter().map(file).collect();
+        let (count, files) = (counted(lights.len(), "light"), join_truncated(&files, MAX_NAMED));
+        notes.push(format!("left out {count}, whose photograph is {name} everywhere: {files}"));
+    }
+    Ok((samples.without(&left_out), notes))
 }
 
 fn one_view(path: &Path, view: usize) -> Result<LightSamples, Error> {

@@ -82,10 +82,12 @@ fn highlights_are_learned() {
     let samples = shiny([160, 160], lights.clone());
     let errors_of =
         |made: &PwtEncoded, unseen: &LightSamples| stack_errors(&PwtDecoder::new(made.pack.clone()), unseen, 1).psnr;
-    let best = made(&samples, PwtRecipe::default());
+    let default = made(&samples, PwtRecipe::default());
+    assert_eq!(default.pack.header().basis.coordinates, LightCoordinates::Learned);
+    let bytes = Target::Bytes(2 * default.pack.gpu_bytes());
+    let best = made(&samples, with(bytes));
     let header = best.pack.header();
     assert_eq!(header.basis.coordinates, LightCoordinates::Learned);
-    let bytes = Target::Bytes(best.pack.gpu_bytes());
     let harmonics = PwtRecipe { coordinates: Some(LightCoordinates::Hemisphere), ..with(bytes) };
     let harmonics = made(&samples, harmonics);
     assert!(harmonics.pack.header().fetches() > header.fetches());
