@@ -93,11 +93,12 @@ fn stacks_that_differ_from_their_list() {
     let behind = list.replacen("47", "48", 1) + "photo 48.png 0.8 0.6 -0.000204\n";
     folder.write("s/l.lp", behind.replacen("48", "49", 1));
     folder.write("s/photo 48.png", grey_png(9));
-    let ran = folder.run(&["pwt", "s", "-o", "p.ktx2"]).succeeded();
+    let ran = folder.run(&["pwt", "s", "-o", "p.ktx2", "--json"]).succeeded();
+    assert_eq!(ran.json()["lights"], 46);
     for note in [
         "left out 1 light, at or below the horizon: photo 48.png (line 50)",
-        "1 of 48 photographs: black everywhere",
-        "1 of 48 photographs: white everywhere",
+        "left out 1 light, whose photograph is black everywhere: photo 0.png",
+        "left out 1 light, whose photograph is white everywhere: photo 1.png",
     ] {
         assert!(ran.stderr.contains(&format!("note: s: {note}\n")), "{}", ran.stderr);
     }
@@ -120,7 +121,7 @@ fn as_many_lights_as_a_list_may_have() {
         (0..count).map(row).collect()
     };
     for light in 0..4096 {
-        folder.write(&format!("s/{light}.png"), grey_png((light % 200) as u8));
+        folder.write(&format!("s/{light}.png"), grey_png((1 + light % 200) as u8));
     }
     folder.write("s/l.lp", format!("4096\n{}", rows(4096)));
     let ran = folder.run(&["pwt", "s", "-o", "p.ktx2", "--json"]).succeeded();

@@ -5,7 +5,7 @@ use brdfc_formats::FormatError;
 use brdfc_formats::pwt::{Component, MAX_COMPONENTS, PwtHeader, PwtPack, TextureHeader};
 
 /// Maximum components per texel.
-const CHANNELS: usize = 4;
+pub const CHANNELS: usize = 4;
 
 /// Number of channels that begin at each level: 0, 1, 2 or whole layers of four.
 type Slots = [usize; BASES as usize];

@@ -1,5 +1,6 @@
 //! Chooses domain, interpolation and number of learned terms by leave-one-out cross-validation over the lights.
 
+use crate::assemble::CHANNELS;
 use crate::candidates::{Candidate, Texels, decibels, squares, to_srgb};
 use crate::components::Components;
 use crate::kriging::{Interpolation, Shortlist, rows};
@@ -21,8 +22,6 @@ const NUMBERS: usize = 1 << 21;
 const FETCHES: u32 = 3;
 /// Minimum number of lights to judge by those that are left out.
 const MIN_LIGHTS: usize = 6;
-/// Numbers of terms that are tried are multiples of the texels' channels.
-const STEP: usize = 4;
 /// Number of terms with which domains are compared: three fetches.
 const COMPARED_TERMS: usize = 12;
 /// PSNR at lights that are left out that counts as equal, dB: without a target, where few fetches matter, and with one, where more
@@ -159,7 +158,7 @@ impl<'a> Trial<'a> {
             }
         };
         let found = components.axes.ncols();
-        (0..found.div_ceil(STEP).max(1)).map(|k| with_terms((STEP * (k + 1)).min(found))).collect()
+        (0..found.div_ceil(CHANNELS).max(1)).map(|k| with_terms((CHANNELS * (k + 1)).min(found))).collect()
     }
 }
 

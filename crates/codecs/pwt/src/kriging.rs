@@ -10,13 +10,13 @@ use rayon::prelude::*;
 
 /// Number of covariance functions that are combined, for up to [`COMPARED_LIGHTS`] lights; fewer for more.
 const COMBINED: usize = 24;
-const LEAST_COMBINED: usize = 4;
+const MIN_COMBINED: usize = 4;
 /// Maximum number of lights by which covariance functions are compared before they are combined.
 const COMPARED_LIGHTS: usize = 96;
 /// Steps of the combination.
 const STEPS: usize = 400;
 /// Covariance functions whose weight is below this share are left out.
-const LEAST_SHARE: f64 = 1e-3;
+const MIN_SHARE: f64 = 1e-3;
 /// Keeps systems solvable if the lights do not determine the trend.
 const REGULAR: f64 = 1e-9;
 
@@ -207,7 +207,7 @@ impl Shortlist {
         let mut found: Vec<_> =
             tried.into_iter().filter_map(|(c, e, s)| Some((c, e?, s.filter(|s| s.is_finite())?))).collect();
         found.sort_by(|a, b| a.2.total_cmp(&b.2));
-        found.truncate((COMBINED * COMPARED_LIGHTS / lights.len().max(COMPARED_LIGHTS)).max(LEAST_COMBINED));
+        found.truncate((COMBINED * COMPARED_LIGHTS / lights.len().max(COMPARED_LIGHTS)).max(MIN_COMBINED));
         let of_all = |(covariance, errors, _): (Covariance, DMatrix<f64>, f64)| {
             let errors = if some.len() == count { Some(errors) } else { covariance.left_out(lights) };
             Some((covariance, errors?))
@@ -222,7 +222,7 @@ impl Shortlist {
         let seen: Vec<DMatrix<f64>> = self.covariances.iter().map(|(_, errors)| errors * &products).collect();
         let squares = DMatrix::from_fn(count, count, |i, j| seen[i].dot(&self.covariances[j].1));
         let weights = least_on_simplex(&squares)?;
-        let kept = || weights.iter().zip(&self.covariances).filter(|(weight, _)| **weight >= LEAST_SHARE);
+        let kept = || weights.iter().zip(&self.covariances).filter(|(weight, _)| **weight >= MIN_SHARE);
         let whole: f64 = kept().map(|(weight, _)| weight).sum();
         let parts = kept().map(|(weight, (covariance, _))| (weight / whole, *covariance)).collect();
         let mut errors = DMatrix::zeros(products.nrows(), products.ncols());

@@ -1,6 +1,6 @@
 //! Searches the number of terms and their arrangement for a pack that meets a target.
 
-use crate::assemble::{Arrangement, Limits, arrangements};
+use crate::assemble::{Arrangement, CHANNELS, Limits, arrangements};
 use crate::candidates::Candidate;
 use crate::levels::TermImages;
 use crate::measure::{StackErrors, stack_errors};
@@ -9,8 +9,6 @@ use crate::stack::LightSamples;
 use brdfc_formats::FormatError;
 use brdfc_formats::pwt::{LightMap, PwtDecoder, PwtErrors, PwtHeader, PwtPack};
 
-/// Numbers of learned terms are multiples of the texels' channels.
-const STEP: usize = 4;
 /// Approximate number of texels of all photographs that are compared at the end, and the minimum number of rows.
 const COMPARED_TEXELS: usize = 1 << 21;
 const MIN_ROWS: usize = 64;
@@ -72,9 +70,9 @@ impl<'a> Search<'a> {
         let layers = recipe.max_fetches.unwrap_or(PwtRecipe::MAX_FETCHES) as usize;
         let map = |terms| header.light_map.as_ref().map_or(0, |map| LightMap::bytes_of(map.side(), terms + 1));
         let is_fixed = header.light_map.is_none() || recipe.degree.is_some();
-        let first = if is_fixed { images.len() } else { STEP };
+        let first = if is_fixed { images.len() } else { CHANNELS };
         let mut steps = Vec::new();
-        for terms in (first..images.len()).step_by(STEP).chain([images.len()]) {
+        for terms in (first..images.len()).step_by(CHANNELS).chain([images.len()]) {
             let bytes = bytes.saturating_sub(map(terms));
             let limits = Limits { extent: header.extent, depth: header.levels, layers, bytes };
             let left_out: f64 = images[terms..].iter().filter_map(|image| image.errors.last()).sum();
