@@ -80,14 +80,15 @@ pub struct Arguments {
     /// that are learned from the photographs (default: the best).
     #[arg(long, value_name = "NAME", value_parser = names(&LightCoordinates::ALL, LightCoordinates::name))]
     terms: Option<LightCoordinates>,
-    /// Highest degree of polynomials, 0 to 5, or number of learned terms, 1 to 35 (default: the best). Without --terms it is that
-    /// of polynomials.
+    /// Highest degree of polynomials, 0 to 5, or number of learned terms, 1 to 35 (default: the best). Without --terms it
+    /// selects polynomials.
     #[arg(long, value_name = "D", value_parser = any_whole_number::<u32>("0 to 35"))]
     degree: Option<u32>,
     /// Maximum number of texture fetches per pixel, 1 to 32 (default: any).
     #[arg(long, value_name = "N", value_parser = any_whole_number::<u32>("1 to 32"))]
     max_fetches: Option<u32>,
-    /// Smoothness of polynomials between the lights: a ridge penalty, 0 to 1000000 (default: the best).
+    /// Smoothness of polynomials between the lights: a ridge penalty, 0 to 1000000 (default: the best). Without --terms it
+    /// selects polynomials.
     #[arg(long, value_name = "L")]
     ridge: Option<f64>,
     /// Scale of the fitted values (default: the best).
@@ -183,6 +184,10 @@ pub struct Seconds {
 
 fn recipe(arguments: &Arguments) -> Result<PwtRecipe, Error> {
     let default = PwtRecipe::default();
+    if arguments.terms == Some(LightCoordinates::Learned) {
+        let given = [(arguments.ridge.is_some(), "--ridge"), (arguments.packets.is_some(), "--packets")];
+        refuse_flags("--terms learned", &given.map(|(given, flag)| (given, flag, "polynomials")))?;
+    }
     let targets = [
         arguments.quality.map(Target::Quality),
         arguments.max_delta_e.map(Target::DeltaE),
@@ -207,7 +212,12 @@ fn recipe(arguments: &Arguments) -> Result<PwtRecipe, Error> {
             "delta E" => "max-delta-e".to_owned(),
             other => other.to_owned(),
         };
-        Error::usage(format!("--{flag}: found {}, expected {}", error.found, error.allowed))
+        let learned = LightCoordinates::Learned.max_degree();
+        let more = match arguments.terms {
+            None if flag == "degree" => format!(", or up to {learned} with --terms learned"),
+            _ => String::new(),
+        };
+        Error::usage(format!("--{flag}: found {}, expected {}{more}", error.found, error.allowed))
     })?;
     Ok(recipe)
 }

@@ -216,7 +216,21 @@ fn what_cannot_be_is_refused() {
         (2, &["stack", "-o", "x.png"][..], "x.png"),
         (2, &["stack", "-o", "x.ktx2", "--quality", "-1"], "--quality: found -1, expected 0 to 200"),
         (2, &["stack", "-o", "x.ktx2", "--quality", "30", "--max-bytes", "4"], "cannot be used with"),
-        (2, &["stack", "-o", "x.ktx2", "--degree", "6"], "--degree: found 6, expected 0 to 5"),
+        (
+            2,
+            &["stack", "-o", "x.ktx2", "--degree", "6"],
+            "--degree: found 6, expected 0 to 5, or up to 35 with --terms learned",
+        ),
+        (
+            2,
+            &["stack", "-o", "x.ktx2", "--degree", "36", "--terms", "learned"],
+            "--degree: found 36, expected 1 to 35\n",
+        ),
+        (
+            2,
+            &["stack", "-o", "x.ktx2", "--ridge", "1", "--terms", "learned"],
+            "--ridge does not apply to --terms learned, only to polynomials",
+        ),
         (2, &["stack", "-o", "x.ktx2", "--hold-out", "40"], "--hold-out: found 40, expected 0 to 39"),
         (2, &["stack", "-o", "x.ktx2", "--view", "1"], "--view does not apply to RTI captures, only to BTFs"),
         (2, &["stack", "-o", "x.ktx2", "--model", "rgb"], "--model does not apply to a pack, only to an output .ptm"),
