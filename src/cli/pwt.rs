@@ -224,6 +224,9 @@ fn recipe(arguments: &Arguments) -> Result<PwtRecipe, Error> {
 
 /// Rejects options that do not apply to outputs other than packs.
 fn refuse_flags_of_packs(arguments: &Arguments, found: &str) -> Result<(), Error> {
+    let web = arguments.images.web.is_some();
+    let hold_out = arguments.hold_out != 0 && (arguments.output.is_some() || !web);
+    refuse_flags(found, &[(hold_out, "--hold-out", "packs and images for web viewers")])?;
     let given = [
         (arguments.quality.is_some(), "--quality"),
         (arguments.max_delta_e.is_some(), "--max-delta-e"),
@@ -239,7 +242,6 @@ fn refuse_flags_of_packs(arguments: &Arguments, found: &str) -> Result<(), Error
         (arguments.wavelet.is_some(), "--wavelet"),
         (arguments.levels.is_some(), "--levels"),
         (arguments.packets.is_some(), "--packets"),
-        (arguments.hold_out != 0 && (arguments.output.is_some() || arguments.images.web.is_none()), "--hold-out"),
         (arguments.no_supercompression, "--no-supercompression"),
     ];
     refuse_flags(found, &given.map(|(given, flag)| (given, flag, "packs")))
@@ -256,6 +258,7 @@ pub(super) fn run(arguments: &Arguments, common: Common) -> Result<(), Error> {
     let inputs = inputs.as_slice();
     match output {
         Some(output) => refuse_unfit_output(output, &["ktx2", PTM], inputs)?,
+        None if arguments.images.web.is_none() => refuse_flags_of_packs(arguments, "normals and albedo")?,
         None => refuse_flags_of_packs(arguments, "normals, albedo and images for web viewers")?,
     }
     arguments.images.check(output, inputs)?;

@@ -96,7 +96,8 @@ fn outputs_are_checked_before_work() {
     refused(&["--normals", "matte/0003.png"], "--normals: would overwrite the input matte/0003.png");
     refused(&["--normals", "n.png", "--albedo", "n.png"], "--normals and --albedo: both are n.png");
     refused(&["--normals", "n.png", "--quality", "30"], "--quality does not apply to normals");
-    refused(&["--normals", "n.png", "--hold-out", "2"], "--hold-out does not apply to normals");
+    let allowed = "--hold-out does not apply to normals and albedo, only to packs and images for web viewers";
+    refused(&["--normals", "n.png", "--hold-out", "2"], allowed);
     refused(&["--web", "w", "--hold-out", "6"], "--hold-out: ");
     folder.write("matte/plane_0.jpg", folder.read("matte/0000.png"));
     let list = String::from_utf8(folder.read("matte/dirs.lp")).unwrap();
