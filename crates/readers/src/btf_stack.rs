@@ -188,9 +188,15 @@ impl<'a> Found<'a> {
         let mut sorted: Vec<&String> = paths.iter().filter(|path| is_image(path)).collect();
         sorted.sort_unstable();
         let mut images: BTreeMap<(Key, Key), &'a String> = BTreeMap::new();
+        // Photographs that are no BTF may be an RTI capture without its list.
+        let is_other = sorted.iter().all(|path| parse_name(path).is_err());
+        let hint = if is_other { "; an RTI capture requires a list of lights (.lp)" } else { "" };
         for path in sorted {
-            let angles = parse_name(path)
-                .map_err(|error| FormatError { field: format!("{path}: {}", error.field).into(), ..error })?;
+            let angles = parse_name(path).map_err(|error| FormatError {
+                field: format!("{path}: {}", error.field).into(),
+                allowed: format!("{}{hint}", error.allowed).into(),
+                ..error
+            })?;
             if let Some(first) = images.insert((key(angles.view), key(angles.light)), path) {
                 let found = format!("repeats the directions of {first}");
                 return Err(FormatError::whole(path.clone(), found, "one image for each view and light").problem());
@@ -343,6 +349,8 @@ mod tests {
         paths = full.clone();
         paths.push("tv000_pv000/preview.jpg".to_owned());
         assert!(text(&paths).starts_with("tv000_pv000/preview.jpg: image name: found \"preview\""));
+        let hint = "; an RTI capture requires a list of lights (.lp)";
+        assert!(!text(&paths).contains(hint) && text(&["a/IMG_7.jpg".to_owned()]).ends_with(hint));
         assert!(text(&[]).starts_with("stack: no images"));
         assert!(text(&["a.txt".to_owned()]).contains(".png, .jpg, .jpeg, .exr"));
         let near = ["tl000 pl000 tv000 pv000.png", "tl000.00001 pl000 tv000 pv000.png"].map(str::to_owned);

@@ -209,6 +209,7 @@ fn what_cannot_be_is_refused() {
     folder.write("paint.brdf", "0 0 0 0 1");
     folder.run(&["encode", "synth:lewis", "-o", "lewis.ktx2"]).succeeded();
     folder.run(&["pwt", "stack", "-o", "p.ktx2"]).succeeded();
+    folder.write("unlisted/IMG_1.png", folder.read("stack/0000.png"));
     for name in ["folder.ktx2", "empty"] {
         std::fs::create_dir(folder.path().join(name)).unwrap();
     }
@@ -243,6 +244,7 @@ fn what_cannot_be_is_refused() {
         (2, &["stack", "-o", "x.ktx2", "--levels", "7"], "--levels: found 7, expected 0 to 5 for 45 x 38"),
         (3, &["folder.ktx2", "-o", "x.ktx2"], "folder.ktx2: file: found a folder, expected a file or a pipe"),
         (3, &["empty", "-o", "x.ktx2"], "empty: unknown kind of input; expected a folder with a list of lights"),
+        (3, &["unlisted", "-o", "x.ktx2"], "with angles in degrees; an RTI capture requires a list of lights (.lp)"),
         (3, &["lewis.ktx2", "-o", "x.ptm"], "pack: found a table pack, expected a polynomial wavelet tree"),
         (3, &["paint.brdf", "-o", "x.ktx2"], "extension: found .brdf, expected a folder with a list of lights"),
         (4, &["nothing", "-o", "x.ktx2"], "nothing: cannot read"),
