@@ -6,6 +6,7 @@ use super::{Common, Error};
 use crate::table;
 use brdfc::compare::Comparison;
 use brdfc::convert::{ConvertError, PairGrid, Target, convert};
+use brdfc::relight::PTM;
 use brdfc::{Facts, Input};
 use brdfc_terminal::words::quoted;
 use clap::Args;
@@ -60,7 +61,11 @@ pub struct Report {
 
 pub(super) fn run(arguments: &Arguments, common: Common) -> Result<(), Error> {
     let output: &Path = &arguments.output;
-    refuse_unfit_output(output, &["binary", "bsdf", "csv"], arguments.input.path().as_slice())?;
+    let is_map = output.extension().is_some_and(|extension| extension.eq_ignore_ascii_case(PTM));
+    refuse_unfit_output(output, &["binary", "bsdf", "csv"], arguments.input.path().as_slice()).map_err(|error| {
+        let text = format!("{error}; 'brdfc pwt' writes .ptm");
+        if is_map { error.with_message(text) } else { error }
+    })?;
     let (kind, target) = target(arguments)?;
     let material = brdfc::open(&arguments.input)?;
     let converted = convert(material.source(), target).map_err(|error| match error {

@@ -56,8 +56,9 @@ pub(super) fn run(arguments: &Arguments, common: Common) -> Result<(), Error> {
     if let Some(relightable) = Relightable::open(&arguments.input)? {
         return texels(arguments, &relightable, &bytes);
     }
-    let pairs = pairs_from_csv(directions, &bytes)?;
+    // First the input: its kind decides about the columns.
     let material = open_level(&arguments.input, arguments.lod).map_err(as_flag)?;
+    let pairs = pairs_from_csv(directions, &bytes)?;
     note_directions(common, &arguments.input, material.source());
     let (values, repairs) = values_at(material.source(), &pairs);
     note_repairs(common, &arguments.input, &repairs);

@@ -176,6 +176,7 @@ pub fn open_file_observed(
 /// Error for a surface that was measured from a single view.
 fn without_brdf(what: &str) -> FormatError {
     let found = format!("{what} has no BRDF, only images of one view under many lights");
-    let allowed = format!("{}, or synth:MODEL; 'brdfc info' describes {what}", known_files());
+    let allowed =
+        format!("{}, or synth:MODEL; 'brdfc pwt' makes a pack of {what}, and 'brdfc info' describes it", known_files());
     FormatError::whole("input", found, allowed).problem()
 }

@@ -210,7 +210,10 @@ fn neither_is_a_brdf() {
     ] {
         let found =
             format!("brdfc: {input}: input: {what} has no BRDF, only images of one view under many lights; expected");
-        refused(&folder, &["encode", input, "-o", "p.ktx2"], 3, &[found.as_str(), ".binary (MERL)", "'brdfc info'"]);
+        let pack = format!("; 'brdfc pwt' makes a pack of {what}, and 'brdfc info' describes it\n");
+        refused(&folder, &["encode", input, "-o", "p.ktx2"], 3, &[found.as_str(), ".binary (MERL)", &pack]);
+        folder.write("pairs.csv", "wi_x,wi_y,wi_z\n");
+        refused(&folder, &["eval", input, "--directions", "pairs.csv"], 3, &[found.as_str(), &pack]);
     }
     refused(&folder, &["encode", "gone.lp", "-o", "p.ktx2"], 4, &["gone.lp: cannot read"]);
     folder.write("lies.ptm", png(4));

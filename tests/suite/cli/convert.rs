@@ -80,7 +80,8 @@ fn unsuitable_inputs_and_options_are_reported() {
             3,
             "material: anisotropic, but MERL tables have no azimuth",
         ),
-        (&["synth:lewis", "-o", "x.exr"], 2, "expected a name that ends in .binary, .bsdf or .csv"),
+        (&["synth:lewis", "-o", "x.exr"], 2, "expected a name that ends in .binary, .bsdf or .csv, or - for stdout\n"),
+        (&["synth:lewis", "-o", "x.PTM"], 2, ".bsdf or .csv, or - for stdout; 'brdfc pwt' writes .ptm\n"),
         (
             &["synth:lewis", "-o", "x.csv", "--dimensions", "8x8x8"],
             2,
