@@ -11,7 +11,8 @@ use brdfc::compare::{
     Compared as Measured, Comparison, DirectionRange, Kind, Pairs, PhotographComparison, reflectances,
 };
 use brdfc::evaluate::pairs_from_csv;
-use brdfc::{Facts, Fraction, Input};
+use brdfc::inspect::{AnyPack, is_rti_capture, open_pack, ptm, rti};
+use brdfc::{Facts, Fraction, Input, Material};
 use clap::Args;
 use serde::Serialize;
 use std::path::Path;
@@ -121,7 +122,7 @@ pub(super) fn run(arguments: &Arguments, common: Common) -> Result<(), Error> {
         print_compared(common, Compared::FlatBtfs(report), report.table())?;
         return arguments.max_delta_e.map_or(Ok(()), |limit| report.check(&arguments.a, limit));
     }
-    let (a, b) = (brdfc::open(&arguments.a)?, brdfc::open(&arguments.b)?);
+    let (a, b) = (opened(&arguments.a)?, opened(&arguments.b)?);
     if arguments.max_delta_e.is_some() {
         let text = "--max-delta-e does not apply to BRDFs; use --max-error, or compare RTI captures or flat BTFs";
         return Err(Error::usage(text));
@@ -148,6 +149,19 @@ pub(super) fn run(arguments: &Arguments, common: Common) -> Result<(), Error> {
         ))),
         _ => Ok(()),
     }
+}
+
+/// Opens a source or pack. Errors of inputs that can be relit name the order of their comparison.
+fn opened(input: &Input) -> Result<Material, Error> {
+    brdfc::open(input).map_err(|error| {
+        let can_be_relit = match input.extension().unwrap_or_default().as_str() {
+            ptm::EXTENSION | rti::EXTENSION => true,
+            "ktx2" => matches!(open_pack(input), Ok(AnyPack::Pwt(_))),
+            _ => input.path().is_some_and(is_rti_capture),
+        };
+        let text = format!("{error}; for relightable images, A is the folder of photographs and B the pack, .ptm or .rti");
+        if can_be_relit { error.with_message(text) } else { error }
+    })
 }
 
 impl Arguments {

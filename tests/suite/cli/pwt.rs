@@ -256,6 +256,17 @@ fn what_cannot_be_is_refused() {
     }
     let ran = folder.run(&["compare", "lewis.ktx2", "lewis.ktx2", "--max-delta-e", "1"]);
     assert_eq!(ran.code, 2, "{ran:?}");
+    let order = "; for relightable images, A is the folder of photographs and B the pack, .ptm or .rti\n";
+    for (a, b, has_hint) in [
+        ("p.ktx2", "stack", true),
+        ("p.ktx2", "p.ktx2", true),
+        ("lewis.ktx2", "p.ktx2", true),
+        ("lewis.ktx2", "stack", true),
+        ("lewis.ktx2", "paint.brdf", false),
+    ] {
+        let ran = folder.run(&["compare", a, b]);
+        assert!(ran.code == 3 && ran.stderr.ends_with(order) == has_hint, "{a} {b}: {ran:?}");
+    }
 }
 
 #[test]
