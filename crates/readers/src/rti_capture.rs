@@ -1,6 +1,6 @@
 //! Lists of light directions of photographs of one view, `.lp`. Layout: `crates/readers/src/rti_capture.md`.
 
-use super::scan::{number, quoted};
+use super::scan::{has_decimal_comma, number, quoted};
 use crate::file_kind::{Begins, FileKind};
 use crate::text;
 use brdfc_formats::FormatError;
@@ -49,7 +49,7 @@ impl LightPositions {
             let allowed = "the number of lights, then a line for each light";
             FormatError::whole("number of lights", "empty file", allowed).problem()
         })?;
-        let stated = if light(content, first).is_ok() { None } else { Some(light_count(content.trim(), first)?) };
+        let stated = if is_light(content) { None } else { Some(light_count(content.trim(), first)?) };
         let mut list = Self { names: Vec::new(), directions: Vec::new(), lines: Vec::new(), stated };
         let mut seen = BTreeMap::new();
         for (line, content) in lines.skip(usize::from(stated.is_some())) {
@@ -126,6 +126,17 @@ fn light(content: &str, line: u64) -> Result<(&str, [f32; 3]), FormatError> {
     Ok((name.unwrap_or(rest), unit(vector, line)?))
 }
 
+/// Returns true if a line ends with three numbers after a name.
+fn is_light(content: &str) -> bool {
+    let words: Vec<bool> = content.split_whitespace().map(is_number).collect();
+    words.len() > 3 && words.ends_with(&[true; 3])
+}
+
+/// Returns true for numbers with a decimal point or a comma.
+fn is_number(word: &str) -> bool {
+    word.parse::<f64>().is_ok() || has_decimal_comma(word)
+}
+
 fn unit(vector: [f64; 3], line: u64) -> Result<[f32; 3], FormatError> {
     let largest = vector.iter().fold(0.0f64, |largest, c| largest.max(c.abs()));
     if largest == 0.0 {
@@ -146,8 +157,8 @@ pub fn is_above(direction: &[f32; 3]) -> bool {
 fn is_list(text: &str) -> bool {
     let mut lines = text.lines().map(str::trim).filter(|line| !line.is_empty());
     let (first, second) = (lines.next().unwrap_or(""), lines.next().unwrap_or(""));
-    let words: Vec<bool> = second.split_whitespace().map(|word| word.parse::<f64>().is_ok()).collect();
-    first.parse::<u32>().is_ok() && words.len() > 3 && !words[0] && words.ends_with(&[true; 3])
+    let is_named = second.split_whitespace().next().is_some_and(|word| !is_number(word));
+    first.parse::<u32>().is_ok() && is_named && is_light(second)
 }
 
 #[cfg(test)]
@@ -196,6 +207,9 @@ mod tests {
             ("1\na 0 0 1\nb 0 0 1\nc", "line 4, light: found \"c\", expected the name of an image, then x y z"),
             ("1\n0 0 1\n", "line 2, light: found \"0 0 1\", expected the name of an image, then x y z"),
             ("1\na 0 zero 1\n", "line 2, y: found \"zero\", expected a finite number"),
+            ("1\na 0 0,5 1\n", "line 2, y: found \"0,5\", expected a finite number; use a decimal point"),
+            ("a 0 0 1,0\n", "line 1, z: found \"1,0\", expected a finite number; use a decimal point"),
+            ("a 0 0 0\n", "line 1, direction: vector of length 0"),
             ("1\na 0 0 inf\n", "line 2, z: found \"inf\""),
             ("1\na NaN 0 1\n", "line 2, x: found \"NaN\""),
             ("1\n\na 0 -0 0\n", "line 3, direction: vector of length 0"),

@@ -211,11 +211,17 @@ pub(crate) fn quoted(token: &str) -> String {
 }
 
 pub(crate) fn number(token: &str, line: u64, field: &'static str) -> Result<f64, FormatError> {
-    token
-        .parse::<f64>()
-        .ok()
-        .filter(|n| n.is_finite())
-        .ok_or_else(|| FormatError::at_line(line, field, quoted(token), "a finite number"))
+    token.parse::<f64>().ok().filter(|n| n.is_finite()).ok_or_else(|| {
+        let hint = if has_decimal_comma(token) { "; use a decimal point" } else { "" };
+        FormatError::at_line(line, field, quoted(token), format!("a finite number{hint}"))
+    })
+}
+
+/// Returns true if a token would be a number with a point instead of its comma.
+pub(crate) fn has_decimal_comma(token: &str) -> bool {
+    let digit = |c: char| c.is_ascii_digit();
+    let parts = token.split_once(',').filter(|(whole, decimals)| whole.ends_with(digit) && decimals.starts_with(digit));
+    parts.is_some_and(|(whole, decimals)| format!("{whole}.{decimals}").parse::<f64>().is_ok())
 }
 
 pub(super) fn check_value(value: f64, line: u64) -> Result<(), FormatError> {

@@ -8,9 +8,13 @@ pub(crate) const MAX_LINE_BYTES: usize = 16 << 20;
 /// Decodes text, without the byte order mark that some editors write.
 ///
 /// # Errors
-/// Returns an error for NUL bytes, which mean a binary file, invalid UTF-8, and a line of more than [`MAX_LINE_BYTES`].
+/// Returns an error for UTF-16 with a byte order mark, NUL bytes, which mean a binary file, invalid UTF-8, and a line of more
+/// than [`MAX_LINE_BYTES`].
 pub(crate) fn checked(bytes: &[u8]) -> Result<&str, FormatError> {
     let line_of = |at: usize| 1 + bytes[..at].iter().filter(|byte| **byte == b'\n').count() as u64;
+    if bytes.starts_with(b"\xff\xfe") || bytes.starts_with(b"\xfe\xff") {
+        return Err(FormatError::whole("text", "UTF-16", "UTF-8"));
+    }
     if let Some(at) = bytes.iter().position(|byte| *byte == 0) {
         let found = format!("NUL byte at byte {at} of the file");
         return Err(FormatError::at_line(line_of(at), "text", found, "text without NUL bytes").problem());
@@ -59,6 +63,10 @@ mod tests {
         );
         assert_eq!(message(b"a\n\n\xff"), "line 3, text: found byte 0xff, expected UTF-8");
         assert_eq!(checked(b"\xef\xbb\xbfa\r\nb"), Ok("a\r\nb"));
+        for bytes in [&b"\xff\xfe1\0\n\0"[..], b"\xfe\xff\01\0\n"] {
+            assert_eq!(message(bytes), "text: found UTF-16, expected UTF-8");
+        }
+        assert_eq!(message(b"\xff\xd8"), "line 1, text: found byte 0xff, expected UTF-8");
     }
 
     #[test]

@@ -159,7 +159,8 @@ fn opened(input: &Input) -> Result<Material, Error> {
             "ktx2" => matches!(open_pack(input), Ok(AnyPack::Pwt(_))),
             _ => input.path().is_some_and(is_rti_capture),
         };
-        let text = format!("{error}; for relightable images, A is the folder of photographs and B the pack, .ptm or .rti");
+        let text =
+            format!("{error}; for relightable images, A is the folder of photographs and B the pack, .ptm or .rti");
         if can_be_relit { error.with_message(text) } else { error }
     })
 }
