@@ -12,6 +12,7 @@ use brdfc::relight::{
 use brdfc::{ErrorKind, Input};
 use brdfc_terminal::usage::share;
 use brdfc_terminal::values::{any_whole_number, bytes_from_text, one_of};
+use brdfc_terminal::words::counted;
 use clap::Args;
 use clap::builder::{PossibleValuesParser, TypedValueParser};
 use images::{ImageOutputs, ImageReports};
@@ -278,8 +279,8 @@ pub(super) fn run(arguments: &Arguments, common: Common) -> Result<(), Error> {
     input.notes().iter().for_each(|line| note(common, &arguments.input, line));
     let mut samples = input.into_samples();
     if samples.lights.len() < count {
-        let lights = samples.lights.len();
-        let text = format!("{count} photographs of {lights} lights: photographs of one light are averaged");
+        let lights = counted(samples.lights.len(), "light");
+        let text = format!("{count} photographs of {lights}: photographs of one light are averaged");
         note(common, &arguments.input, &text);
     }
     if photographs && any_above_white(&samples) {

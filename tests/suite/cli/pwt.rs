@@ -282,7 +282,9 @@ fn few_and_poor_lights_have_a_pack() {
         ("line", names[..9].iter().enumerate().map(|(k, name)| format!("{name} {} 0 1", 0.2 * k as f64)).collect()),
     ] {
         folder.write(&format!("stack/{name}.lp"), format!("{}\n{}\n", lines.len(), lines.join("\n")));
-        let report = folder.run(&["pwt", &format!("stack/{name}.lp"), "-o", "p.ktx2", "--json"]).succeeded().json();
+        let ran = folder.run(&["pwt", &format!("stack/{name}.lp"), "-o", "p.ktx2", "--json"]).succeeded();
+        let report = ran.json();
+        assert_eq!(ran.stderr.contains("9 photographs of 1 light: "), name == "equal", "{}", ran.stderr);
         // Photographs of one light are averaged.
         let lights = if name == "equal" { 1 } else { lines.len() };
         assert_eq!(report["lights"], lights, "{name}");
