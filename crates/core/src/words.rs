@@ -50,6 +50,11 @@ pub fn system_error(error: &std::io::Error) -> String {
     error.to_string().split(" (os error ").next().unwrap_or_default().to_owned()
 }
 
+/// Formats an error of a decoder, which may have several lines, as one line.
+pub fn one_line(error: &impl Display) -> String {
+    error.to_string().split_whitespace().collect::<Vec<_>>().join(" ")
+}
+
 /// Joins up to `most` names of a list with commas, and counts the rest.
 pub fn join_truncated(names: &[impl AsRef<str>], most: usize) -> String {
     let named: Vec<&str> = names.iter().take(most).map(AsRef::as_ref).collect();

@@ -1,5 +1,6 @@
 //! Checks of EXR headers, which bound allocations before decoding.
 
+use brdfc_core::words::one_line;
 use brdfc_formats::FormatError;
 use brdfc_formats::memory::summary;
 use exr::meta::BlockDescription;
@@ -17,7 +18,7 @@ const MAX_BLOCK_BYTES: u64 = 128 << 20;
 /// Returns an error for files that are not EXR and for blocks of more than 128 MiB.
 pub(crate) fn exr_headers(bytes: impl BufRead + Seek, allowed: &'static str) -> Result<Vec<Header>, FormatError> {
     let meta = MetaData::read_from_buffered(bytes, false)
-        .map_err(|error| FormatError::whole("EXR", error.to_string(), allowed).problem())?;
+        .map_err(|error| FormatError::whole("EXR", one_line(&error), allowed).problem())?;
     for header in &meta.headers {
         let [width, height] = match header.blocks {
             BlockDescription::ScanLines => [header.layer_size.x(), header.compression.scan_lines_per_block()],

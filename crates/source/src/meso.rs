@@ -4,6 +4,7 @@ use super::input::{Input, InputFile};
 use super::read::{found_extension, unknown_kind};
 use crate::InputError;
 use crate::exr_header::exr_headers;
+use brdfc_core::words::one_line;
 use brdfc_formats::FormatError;
 use brdfc_readers::meso::{TriangleMesh, obj, ply};
 use exr::prelude::{ReadChannels, ReadLayers, ReadSpecificChannel, Text, read};
@@ -87,7 +88,7 @@ fn check_size(field: &'static str, width: usize, height: usize) -> Result<(), Fo
 /// palettes, transparency, and fewer than 8 bits.
 pub fn heights_from_png(bytes: &[u8]) -> Result<HeightMap, FormatError> {
     let allowed = "a grey PNG of 8 or 16 bits";
-    let broken = |error: png::DecodingError| FormatError::whole("PNG", error.to_string(), allowed).problem();
+    let broken = |error: png::DecodingError| FormatError::whole("PNG", one_line(&error), allowed).problem();
     let mut decoder = png::Decoder::new(Cursor::new(bytes));
     decoder.set_transformations(png::Transformations::IDENTITY);
     // Reads the header only, without memory for the pixels.
@@ -131,7 +132,7 @@ pub fn heights_from_png(bytes: &[u8]) -> Result<HeightMap, FormatError> {
 pub fn heights_from_exr(bytes: &[u8]) -> Result<HeightMap, FormatError> {
     let allowed = "an EXR with a channel Y or R, or with one channel";
     let complete = "a complete EXR without deep data";
-    let broken = |error: exr::error::Error| FormatError::whole("EXR", error.to_string(), complete).problem();
+    let broken = |error: exr::error::Error| FormatError::whole("EXR", one_line(&error), complete).problem();
     // Sizes are checked first; pixels are allocated only if they are few enough.
     let headers = exr_headers(Cursor::new(bytes), complete)?;
     for header in &headers {

@@ -3,8 +3,10 @@
 use crate::InputError;
 use crate::exr_header::exr_headers;
 use crate::tile_image::FileImage;
+use brdfc_core::words::one_line;
 use brdfc_formats::FormatError;
 use brdfc_readers::pixels::Pixels;
+use image::error::ImageFormatHint;
 use image::{DynamicImage, ImageDecoder as _, ImageError, ImageFormat, ImageReader};
 use std::io::ErrorKind;
 use std::path::{Path, PathBuf};
@@ -156,8 +158,13 @@ fn image_error(path: &Path, error: ImageError) -> InputError {
             InputError::format(path, error.problem())
         }
         error => {
-            let error = FormatError::whole("image", error.to_string(), "a complete PNG, JPEG, TIFF or EXR image");
-            InputError::format(path, error.problem())
+            let allowed = match &error {
+                ImageError::Unsupported(one) if one.format_hint() == ImageFormatHint::Exact(ImageFormat::Tiff) => {
+                    "a TIFF of 8 or 16 bits per channel, or of floats in RGB"
+                }
+                _ => "a complete PNG, JPEG, TIFF or EXR image",
+            };
+            InputError::format(path, FormatError::whole("image", one_line(&error), allowed).problem())
         }
     }
 }

@@ -2,6 +2,7 @@
 
 use crate::input::InputFile;
 use crate::{Input, InputError};
+use brdfc_core::words::one_line;
 use brdfc_formats::memory::filled;
 use brdfc_readers::ptm::{Ptm, TERMS};
 use image::codecs::jpeg::JpegDecoder;
@@ -21,7 +22,7 @@ pub fn open_ptm(input: &Input) -> Result<Ptm, InputError> {
 
 /// Decodes a plane of a compressed map, which must have this width and height.
 fn decoded(jpeg: &[u8], size: [u32; 2]) -> Result<Vec<u8>, String> {
-    let decoder = JpegDecoder::new(Cursor::new(jpeg)).map_err(|error| error.to_string())?;
+    let decoder = JpegDecoder::new(Cursor::new(jpeg)).map_err(|error| one_line(&error))?;
     let (width, height) = decoder.dimensions();
     if [width, height] != size {
         return Err(format!("{width} x {height} pixels"));
@@ -30,7 +31,7 @@ fn decoded(jpeg: &[u8], size: [u32; 2]) -> Result<Vec<u8>, String> {
         return Err("colours".to_owned());
     }
     let mut samples = filled("pixels", width as usize * height as usize, 0).map_err(|error| error.to_string())?;
-    decoder.read_image(&mut samples).map_err(|error| error.to_string())?;
+    decoder.read_image(&mut samples).map_err(|error| one_line(&error))?;
     Ok(samples)
 }
 

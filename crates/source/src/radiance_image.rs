@@ -4,6 +4,7 @@ use crate::InputError;
 use crate::exr_header::exr_headers;
 use crate::input::{Input, InputFile};
 use crate::tile_image::FileImage;
+use brdfc_core::words::one_line;
 use brdfc_formats::FormatError;
 use exr::prelude::{ReadChannels, ReadLayers, read};
 use image::{ImageFormat, ImageReader, Limits};
@@ -31,7 +32,7 @@ pub fn open_radiance_image(input: impl Into<Input>) -> Result<RadianceImage, Inp
 /// values that are negative or not finite.
 pub fn from_exr(bytes: &[u8]) -> Result<RadianceImage, FormatError> {
     let broken =
-        |error: exr::error::Error| FormatError::whole("EXR", error.to_string(), "channels R, G and B").problem();
+        |error: exr::error::Error| FormatError::whole("EXR", one_line(&error), "channels R, G and B").problem();
     // Sizes are checked first; pixels are allocated only if the image is small enough.
     for header in exr_headers(Cursor::new(bytes), "channels R, G and B")? {
         check_size("EXR", header.layer_size.x(), header.layer_size.y())?;
@@ -63,7 +64,7 @@ pub fn from_exr(bytes: &[u8]) -> Result<RadianceImage, FormatError> {
 pub fn from_hdr(bytes: &[u8]) -> Result<RadianceImage, FormatError> {
     let broken = |error: image::ImageError| {
         let allowed = format!("a complete Radiance HDR of at most {} x {} pixels", MAX_SIDES[0], MAX_SIDES[1]);
-        FormatError::whole("HDR", error.to_string(), allowed).problem()
+        FormatError::whole("HDR", one_line(&error), allowed).problem()
     };
     let mut reader = ImageReader::with_format(Cursor::new(bytes), ImageFormat::Hdr);
     let mut limits = Limits::default();

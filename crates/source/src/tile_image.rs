@@ -2,6 +2,7 @@
 
 use crate::InputError;
 use crate::input::{Input, InputFile};
+use brdfc_core::words::one_line;
 use brdfc_formats::FormatError;
 use brdfc_formats::memory::reserved;
 use brdfc_readers::colour::decode_srgb;
@@ -78,7 +79,7 @@ fn decode(bytes: &[u8]) -> Result<DynamicImage, FormatError> {
     let wrong = |found: String| FormatError::whole("image", found, allowed);
     let reader = || {
         let reader = ImageReader::new(Cursor::new(bytes)).with_guessed_format();
-        reader.map_err(|error| wrong(error.to_string()).problem())
+        reader.map_err(|error| wrong(one_line(&error)).problem())
     };
     let format = reader()?.format();
     if !matches!(format, Some(ImageFormat::Png | ImageFormat::Jpeg)) {
@@ -103,7 +104,7 @@ fn decode(bytes: &[u8]) -> Result<DynamicImage, FormatError> {
 fn limit_message(error: ImageError) -> String {
     match error {
         ImageError::Limits(_) => "too many pixels for the decoder".to_owned(),
-        error => error.to_string(),
+        error => one_line(&error),
     }
 }
 

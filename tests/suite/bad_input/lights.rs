@@ -59,6 +59,43 @@ fn stacks_that_are_broken() {
     );
 }
 
+/// A TIFF of 4 x 4 grey floats.
+fn grey_float_tiff() -> Vec<u8> {
+    let entries = [
+        [256, 4],
+        [257, 4],
+        [258, 32],
+        [259, 1],
+        [262, 1],
+        [273, 8 + 2 + 12 * 10 + 4],
+        [277, 1],
+        [278, 4],
+        [279, 64],
+        [339, 3],
+    ];
+    let entry =
+        |[tag, value]: [u16; 2]| [tag.to_le_bytes(), [3, 0], [1, 0], [0, 0], value.to_le_bytes(), [0, 0]].concat();
+    let entries = entries.map(entry).concat();
+    [&b"II*\0\x08\0\0\0\x0a\0"[..], &entries, &[0; 4], &[0; 64]].concat()
+}
+
+#[test]
+fn photographs_that_are_broken() {
+    let folder = stack([4, 4], "2\na.png 0 0 1\nb.png 0 1 1\n");
+    let mut jpeg = std::io::Cursor::new(Vec::new());
+    image::RgbImage::new(4, 4).write_to(&mut jpeg, image::ImageFormat::Jpeg).unwrap();
+    // Readers go by the contents.
+    for (bytes, expected) in [
+        (&jpeg.into_inner()[..100], "a.png: image: Format error decoding Jpeg: "),
+        (&png(4)[..60], "; expected a complete PNG, JPEG, TIFF or EXR image\n"),
+        (&grey_float_tiff(), "; expected a TIFF of 8 or 16 bits per channel, or of floats in RGB\n"),
+    ] {
+        folder.write("s/a.png", bytes);
+        let message = refused(&folder, &["pwt", "s", "-o", "p.ktx2"], 3, &["brdfc: s/a.png: image: ", expected]);
+        assert_eq!(message.lines().count(), 1, "{message}");
+    }
+}
+
 /// Captures that differ from their list: the capture is read, and notes say what was left out.
 #[test]
 fn stacks_that_differ_from_their_list() {
