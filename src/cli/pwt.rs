@@ -147,8 +147,25 @@ pub struct Report {
     made: Made,
     #[serde(flatten)]
     images: ImageReports,
+    /// Notes about the input, such as lights without an image, and photographs that are black everywhere.
+    notes: Vec<String>,
     /// Seconds per stage.
     seconds: Seconds,
+}
+
+/// Notes about an input, which are printed at once and reported at the end.
+struct Notes<'a> {
+    common: Common,
+    input: &'a Input,
+    lines: Vec<String>,
+}
+
+impl Notes<'_> {
+    fn add(&mut self, line: impl Into<String>) {
+        let line = line.into();
+        note(self.common, self.input, &line);
+        self.lines.push(line);
+    }
 }
 
 /// Result.
@@ -276,15 +293,15 @@ pub(super) fn run(arguments: &Arguments, common: Common) -> Result<(), Error> {
     let only_images = basis.is_some() && output.is_none();
     refuse_flags("a .ptm or .rti as input", &[(only_images && arguments.hold_out != 0, "--hold-out", "photographs")])?;
     let given = if let LightInput::Map(map) = &input { map.as_polynomials().cloned() } else { None };
-    input.notes().iter().for_each(|line| note(common, &arguments.input, line));
+    let mut notes = Notes { common, input: &arguments.input, lines: Vec::new() };
+    input.notes().into_iter().for_each(|line| notes.add(line));
     let mut samples = input.into_samples();
     if samples.lights.len() < count {
         let lights = counted(samples.lights.len(), "light");
-        let text = format!("{count} photographs of {lights}: photographs of one light are averaged");
-        note(common, &arguments.input, &text);
+        notes.add(format!("{count} photographs of {lights}: photographs of one light are averaged"));
     }
     if photographs && any_above_white(&samples) {
-        note(common, &arguments.input, "the fit includes values above 1 (white); the PSNR treats them as 1");
+        notes.add("the fit includes values above 1 (white); the PSNR treats them as 1");
     }
     samples.repeats |= arguments.tile;
     let read = start.elapsed().as_secs_f64();
@@ -300,11 +317,12 @@ pub(super) fn run(arguments: &Arguments, common: Common) -> Result<(), Error> {
     let Some(output) = output else {
         let seconds = Seconds { read, encode: start.elapsed().as_secs_f64() };
         let text = images.summary();
-        return print(&json_or(common, &Report { version: 1, made: Made::Images, images, seconds }, text));
+        let report = Report { version: 1, made: Made::Images, images, notes: notes.lines, seconds };
+        return print(&json_or(common, &report, text));
     };
     if let Some((map, errors)) = made {
         let seconds = Seconds { read, encode: start.elapsed().as_secs_f64() };
-        return write_map(output, common, &map, (model, errors), images, seconds);
+        return write_map(output, &map, (model, errors), images, notes, seconds);
     }
     let recipe = basis.map_or(recipe, |basis| recipe_of_map(recipe, basis));
     let made = make(&samples, &recipe, arguments.hold_out, arguments.seed)
@@ -318,7 +336,7 @@ pub(super) fn run(arguments: &Arguments, common: Common) -> Result<(), Error> {
         note(common, &arguments.input, "no pack meets the target; wrote the best pack");
     }
     let text = summary(&report, seconds) + &images.summary();
-    let report = Report { version: 1, made: Made::Pwt(report), images, seconds };
+    let report = Report { version: 1, made: Made::Pwt(report), images, notes: notes.lines, seconds };
     print_report(common, output, &json_or(common, &report, text))?;
     missed.map_or(Ok(()), |text| Err(Error::check(text)))
 }
@@ -352,10 +370,10 @@ fn missed(recipe: &PwtRecipe, report: &PwtReport, why: &Missed) -> String {
 
 fn write_map(
     output: &Path,
-    common: Common,
     map: &Ptm,
     (model, errors): (MapModel, StackErrors),
     images: ImageReports,
+    Notes { common, lines: notes, .. }: Notes<'_>,
     seconds: Seconds,
 ) -> Result<(), Error> {
     let bytes = map.to_bytes();
@@ -370,7 +388,7 @@ fn write_map(
         format!("{:.2}", errors.delta_e),
     ];
     let text = table::plain(&["pixels", "layout", "bytes", "dB", "mean ΔE"], &[row]) + &images.summary();
-    print_report(common, output, &json_or(common, &Report { version: 1, made, images, seconds }, text))
+    print_report(common, output, &json_or(common, &Report { version: 1, made, images, notes, seconds }, text))
 }
 
 fn summary(report: &PwtReport, seconds: Seconds) -> String {

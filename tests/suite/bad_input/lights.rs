@@ -112,7 +112,7 @@ fn stacks_that_differ_from_their_list() {
     folder.write("s/l.lp", &list);
     let notes = ["the list states 47 lights and has 48", "left out 1 light, without an image: photo 31.png (line 33)"];
     let ran = folder.run(&["pwt", "s", "-o", "p.ktx2", "--json"]).succeeded();
-    assert_eq!(ran.json()["lights"], 47);
+    assert_eq!((&ran.json()["lights"], &ran.json()["notes"]), (&47.into(), &serde_json::json!(notes)));
     assert!(notes.iter().all(|note| ran.stderr.contains(&format!("note: s: {note}\n"))), "{}", ran.stderr);
     let ran = folder.run(&["compare", "s", "p.ktx2"]).succeeded();
     assert!(notes.iter().all(|note| ran.stderr.contains(&format!("note: s: {note}\n"))), "{}", ran.stderr);
@@ -123,8 +123,8 @@ fn stacks_that_differ_from_their_list() {
     // Negative control: a list that fits has no note.
     folder.write("s/photo 31.png", grey_png(71));
     folder.write("s/l.lp", list.replacen("47", "48", 1));
-    let ran = folder.run(&["pwt", "s", "-o", "p.ktx2"]).succeeded();
-    assert!(!ran.stderr.contains("note"), "{}", ran.stderr);
+    let ran = folder.run(&["pwt", "s", "-o", "p.ktx2", "--json"]).succeeded();
+    assert!(!ran.stderr.contains("note") && ran.json()["notes"] == serde_json::json!([]), "{ran:?}");
     // Lights behind the plane, among them some of HP's own example, and photographs with nothing to fit.
     folder.write("s/photo 0.png", grey_png(0));
     folder.write("s/photo 1.png", grey_png(255));
@@ -133,6 +133,7 @@ fn stacks_that_differ_from_their_list() {
     folder.write("s/photo 48.png", grey_png(9));
     let ran = folder.run(&["pwt", "s", "-o", "p.ktx2", "--json"]).succeeded();
     assert_eq!(ran.json()["lights"], 46);
+    assert_eq!(ran.json()["notes"].as_array().unwrap().len(), 3);
     for note in [
         "left out 1 light, at or below the horizon: photo 48.png (line 50)",
         "left out 1 light, whose photograph is black everywhere: photo 0.png",
