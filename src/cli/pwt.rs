@@ -324,6 +324,10 @@ pub(super) fn run(arguments: &Arguments, common: Common) -> Result<(), Error> {
         let seconds = Seconds { read, encode: start.elapsed().as_secs_f64() };
         return write_map(output, &map, (model, errors), images, notes, seconds);
     }
+    let [width, height] = samples.size;
+    if samples.repeats && recipe.depth.is_none() && (width % 2 == 1 || height % 2 == 1) {
+        notes.add(format!("a tile of {width} x {height} pixels has no levels, because its sides are not both even"));
+    }
     let recipe = basis.map_or(recipe, |basis| recipe_of_map(recipe, basis));
     let made = make(&samples, &recipe, arguments.hold_out, arguments.seed)
         .map_err(|error| of_input(&arguments.input, error))?;

@@ -133,6 +133,11 @@ fn what_is_asked_for_is_taken() {
     let refused = folder.run(&[&["pwt", "stack", "-o", "p.ktx2"][..], &options, &more].concat());
     assert_eq!(refused.code, 2, "{refused:?}");
     assert!(refused.stderr.contains("--levels: found 3, expected 0 to 0 for 45 x 38"), "{refused:?}");
+    let note = "note: stack: a tile of 45 x 38 pixels has no levels, because its sides are not both even\n";
+    for (levels, has_note) in [(&[][..], true), (&["--levels", "0"], false)] {
+        let ran = folder.run(&[&["pwt", "stack", "-o", "p.ktx2", "--tile"][..], &options, levels].concat()).succeeded();
+        assert_eq!(ran.stderr.contains(note), has_note, "{levels:?}: {}", ran.stderr);
+    }
     let report = folder.run(&[&["pwt", "stack", "-o", "p.ktx2", "--json"][..], &options, &more[..6]].concat());
     let report = report.succeeded().json();
     assert_eq!((&report["coordinates"], &report["degree"]), (&"paraboloid".into(), &3.into()));
