@@ -75,7 +75,9 @@ fn targets_are_met_or_reported() {
     assert_eq!(missed.json()["met"], false);
     assert!(PwtPack::from_bytes(&folder.read("p.ktx2")).is_ok());
     let missed = made(&["--max-bytes", "1"]);
-    assert_eq!(missed.code, 1, "{missed:?}");
+    let smallest = PwtPack::from_bytes(&folder.read("p.ktx2")).unwrap().gpu_bytes();
+    assert_eq!((missed.code, &missed.json()["bytes_on_gpu"]), (1, &smallest.into()), "{missed:?}");
+    assert!(smallest < 3072 && missed.stderr.contains(&format!("--max-bytes: found {smallest} bytes")), "{missed:?}");
 }
 
 #[test]
