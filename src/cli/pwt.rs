@@ -310,10 +310,11 @@ pub(super) fn run(arguments: &Arguments, common: Common) -> Result<(), Error> {
     let made = is_map.then(|| make_map(&samples, model)).transpose();
     let made = made.map_err(|error| of_input(&arguments.input, error))?;
     let map = made.as_ref().map(|(map, _)| map).or(given.as_ref());
-    let images = arguments
+    let (images, why) = arguments
         .images
         .write(&samples, map, (arguments.hold_out, arguments.seed), inputs)
         .map_err(|error| of_input(&arguments.input, error))?;
+    why.into_iter().for_each(|line| notes.add(line));
     let Some(output) = output else {
         let seconds = Seconds { read, encode: start.elapsed().as_secs_f64() };
         let text = images.summary();

@@ -56,21 +56,25 @@ impl ImageOutputs {
         ])
     }
 
-    /// Computes and writes them. The image for web viewers has the polynomials of a map, if there is one.
+    /// Computes and writes them. The image for web viewers has the polynomials of a map, if there is one. Also returns why it has no
+    /// normals.
     pub fn write(
         &self,
         samples: &LightSamples,
         map: Option<&Ptm>,
         (hold_out, seed): (usize, u64),
         inputs: &[&Path],
-    ) -> Result<ImageReports, Error> {
+    ) -> Result<(ImageReports, Option<String>), Error> {
         let mut reports = ImageReports::default();
         let images = self.normals.is_some() || self.albedo.is_some();
-        let surface = match self.web {
-            _ if images => Some(make_surface(samples)?),
+        let (surface, note) = match self.web {
+            _ if images => (Some(make_surface(samples)?), None),
             // Web viewers do not need normals.
-            Some(_) => make_surface(samples).ok(),
-            None => None,
+            Some(_) => match make_surface(samples) {
+                Ok(surface) => (Some(surface), None),
+                Err(error) => (None, Some(format!("no normals for web viewers: {error}"))),
+            },
+            None => (None, None),
         };
         if let Some((maps, report)) = surface.as_ref().filter(|_| images) {
             self.normals.as_ref().map_or(Ok(()), |path| write_file(path, &normals_png(maps)))?;
@@ -92,7 +96,7 @@ impl ImageOutputs {
             }
             reports.web = Some(report);
         }
-        Ok(reports)
+        Ok((reports, note))
     }
 }
 

@@ -168,6 +168,7 @@ fn normals_for_web_viewers_are_those_of_all_photographs() {
         let arguments = ["pwt", "matte", "--web", "web", "--json"];
         let report = folder.run(&[&arguments[..], more].concat()).succeeded().json();
         assert_eq!(report["surface"].is_null(), !more.contains(&"--normals"), "{report}");
+        assert_eq!(report["notes"], serde_json::json!([]));
         folder.read("web/normals.jpg")
     };
     let all = normals(&[]);
@@ -175,7 +176,10 @@ fn normals_for_web_viewers_are_those_of_all_photographs() {
     assert!(normals(&["--normals", "n.png"]) == all && normals(&["--hold-out", "5"]) == all);
     // Lights in one plane determine no normals: an error only if they are requested.
     let folder = matte(&[[0.6, 0.0, 0.8], [0.0, 0.0, 1.0], [-0.6, 0.0, 0.8], [-0.8, 0.0, 0.6]]);
-    folder.run(&["pwt", "matte", "--web", "web"]).succeeded();
+    let ran = folder.run(&["pwt", "matte", "--web", "web", "--json"]).succeeded();
+    let note = "no normals for web viewers: lights: found 4 in one plane, expected 3 or more";
+    assert!(ran.stderr.contains(&format!("note: matte: {note}")), "{}", ran.stderr);
+    assert!(ran.json()["notes"][0].as_str().unwrap().starts_with(note), "{}", ran.stdout);
     assert!(!folder.path().join("web/normals.jpg").exists() && folder.path().join("web/info.json").exists());
     assert_eq!(folder.run(&["pwt", "matte", "--web", "web", "--albedo", "a.png"]).code, 3);
 }
