@@ -17,7 +17,7 @@ use std::path::{Path, PathBuf};
 ///
 /// For a polynomial wavelet tree ('brdfc pwt') or a flat BTF, the CSV also has positions: u,v (0 to 1, across and
 /// down), wi_x,wi_y,wi_z and, for a flat BTF, wo_x,wo_y,wo_z. The v of a flat BTF is 1 minus the v of its shader. The
-/// output columns are r,g,b (linear, 1 is white).
+/// output columns are r,g,b (linear, 1 is white). Tiles continue beyond 0 to 1.
 #[derive(Debug, Args)]
 #[command(after_help = "\
 Examples:
@@ -68,7 +68,7 @@ pub(super) fn run(arguments: &Arguments, common: Common) -> Result<(), Error> {
 /// Evaluates positions of an image or a tile.
 fn texels(arguments: &Arguments, relightable: &Relightable, bytes: &[u8]) -> Result<(), Error> {
     let directions = &arguments.directions;
-    let queries = texels_from_bytes(bytes, relightable.has_views())
+    let queries = texels_from_bytes(bytes, relightable.has_views(), relightable.repeats())
         .map_err(|error| Error::input(format!("{directions}: {error}")))?;
     let finest = relightable.levels() as f32;
     let level = arguments.lod.unwrap_or(finest);

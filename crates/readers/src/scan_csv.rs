@@ -74,7 +74,7 @@ pub fn directions_from_bytes(bytes: &[u8]) -> Result<Vec<(Vector, Vector)>, Form
 /// A position on an image or a tile with light and view.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct TexelQuery {
-    /// Across and down, 0 to 1; beyond that range as the image continues.
+    /// Across and down, 0 to 1; images that repeat continue beyond that range.
     pub uv: [f64; 2],
     /// Unit vector to the light.
     pub incoming: Vector,
@@ -83,15 +83,20 @@ pub struct TexelQuery {
 }
 
 /// Parses a list of texels: a header with [`TEXEL_COLUMNS`], without the last three if there is no view, in any order;
-/// other columns are ignored.
+/// other columns are ignored. `repeats` is true for images that continue beyond 0 to 1.
 ///
 /// # Errors
-/// Returns an error for missing columns, and for values that are no number or unit vector, with the line.
-pub fn texels_from_bytes(bytes: &[u8], with_view: bool) -> Result<Vec<TexelQuery>, FormatError> {
+/// Returns an error for missing columns, and for values that are no number or unit vector, or outside the image, with the line.
+pub fn texels_from_bytes(bytes: &[u8], with_view: bool, repeats: bool) -> Result<Vec<TexelQuery>, FormatError> {
     let mut table = Table::open(bytes)?;
     let columns = table.find(&TEXEL_COLUMNS[..if with_view { 8 } else { 5 }])?;
     let mut queries = Vec::new();
     while let Some((line, n)) = table.next_numbers(&columns)? {
+        for (column, value) in TEXEL_COLUMNS.into_iter().zip(&n[..2]) {
+            if !repeats && !(0.0..=1.0).contains(value) {
+                return Err(FormatError::at_line(line, column, value.to_string(), "0 to 1: the image does not repeat"));
+            }
+        }
         let mut directions = n[2..].to_vec();
         if !with_view {
             directions.extend([0.0, 0.0, 1.0]);
@@ -287,12 +292,18 @@ mod tests {
     #[test]
     fn texels_with_and_without_a_view() {
         let text = "name,wi_z,wi_x,wi_y,v,u\nx,1,0,0,0.25,-0.5\n";
-        let query = texels_from_bytes(text.as_bytes(), false).unwrap()[0];
+        let query = texels_from_bytes(text.as_bytes(), false, true).unwrap()[0];
         assert_eq!(query, TexelQuery { uv: [-0.5, 0.25], incoming: [0.0, 0.0, 1.0], outgoing: [0.0, 0.0, 1.0] });
-        let error = texels_from_bytes(text.as_bytes(), true).unwrap_err().to_string();
+        let error = texels_from_bytes(text.as_bytes(), true, true).unwrap_err().to_string();
         assert!(error.starts_with("line 1, column wo_x: missing in \"name,wi_z,"), "{error}");
-        let error = texels_from_bytes(b"u,v,wi_x,wi_y,wi_z\n0,0,1,1,1\n", false).unwrap_err().to_string();
-        assert!(error.starts_with("line 2, wi: found a vector of length 1.7321"), "{error}");
+        let error = |row: &str, repeats| {
+            let read = texels_from_bytes(format!("u,v,wi_x,wi_y,wi_z\n{row}\n").as_bytes(), false, repeats);
+            read.err().map(|error| error.to_string()).unwrap_or_default()
+        };
+        assert!(error("0,0,1,1,1", true).starts_with("line 2, wi: found a vector of length 1.7321"));
+        assert_eq!(error("1.5,0,0,0,1", false), "line 2, u: found 1.5, expected 0 to 1: the image does not repeat");
+        assert_eq!(error("0,-1,0,0,1", false), "line 2, v: found -1, expected 0 to 1: the image does not repeat");
+        assert_eq!([error("0,1,0,0,1", false), error("1.5,-1,0,0,1", true)], ["", ""]);
     }
 
     #[test]

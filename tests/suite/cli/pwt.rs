@@ -187,6 +187,13 @@ fn packs_are_compared_and_evaluated() {
     assert!(lines[1].starts_with("middle,0.5,0.5,0,0,1,0.") && lines[2].ends_with(",0,0,0"), "{values}");
     let coarse = folder.run(&["eval", "p.ktx2", "--directions", "texels.csv", "--lod", "0"]).succeeded().stdout;
     assert_ne!(coarse, values);
+    // Only tiles have values outside the image.
+    folder.write("outside.csv", "u,v,wi_x,wi_y,wi_z\n1.5,0.5,0,0,1\n");
+    let ran = folder.run(&["eval", "p.ktx2", "--directions", "outside.csv"]);
+    let message = "outside.csv: line 2, u: found 1.5, expected 0 to 1: the image does not repeat\n";
+    assert!(ran.code == 3 && ran.stderr.ends_with(message), "{ran:?}");
+    folder.run(&["pwt", "stack", "-o", "tile.ktx2", "--tile"]).succeeded();
+    folder.run(&["eval", "tile.ktx2", "--directions", "outside.csv"]).succeeded();
 }
 
 #[test]

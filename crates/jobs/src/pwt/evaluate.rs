@@ -40,6 +40,14 @@ impl Relightable {
         matches!(self, Self::Flat(_))
     }
 
+    /// Returns true if the image continues beyond texture coordinates of 0 to 1.
+    pub fn repeats(&self) -> bool {
+        match self {
+            Self::Pack(decoder) => decoder.pack().header().repeats,
+            Self::Flat(_) => true,
+        }
+    }
+
     /// Number of levels of detail coarser than the finest.
     pub fn levels(&self) -> u32 {
         match self {
