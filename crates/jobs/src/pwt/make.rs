@@ -14,7 +14,8 @@ use serde::Serialize;
 /// Errors at held-out lights.
 #[derive(Debug, Clone, PartialEq, Serialize, schemars::JsonSchema)]
 pub struct HeldOut {
-    /// Indices of the lights in the list.
+    /// Indices of the held-out lights, from 0, counted without lights that have no image or are at or below the horizon; lights of
+    /// one direction, whose photographs are averaged, count once.
     pub lights: Vec<usize>,
     /// PSNR of sRGB levels, dB.
     pub psnr: f64,
