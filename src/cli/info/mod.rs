@@ -227,6 +227,9 @@ fn contents_lines(contents: &Contents) -> Vec<(&'static str, String)> {
 /// Formats facts about a polynomial wavelet tree.
 pub(super) fn pwt_lines(facts: &PwtFacts) -> Vec<(&'static str, String)> {
     let mut lines = facts.summary();
+    for (_, text) in lines.iter_mut().filter(|(name, _)| *name == "held out") {
+        text.push_str(", estimated by cross-validation before pruning and rounding");
+    }
     lines.push(("bytes on a GPU", bytes(facts.gpu_bytes)));
     lines
 }
