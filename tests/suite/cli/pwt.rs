@@ -173,7 +173,9 @@ fn packs_are_compared_and_evaluated() {
     let folder = stack();
     folder.run(&["pwt", "stack", "-o", "p.ktx2"]).succeeded();
     let info = folder.run(&["info", "p.ktx2"]).succeeded().stdout;
-    assert!(info.contains(" dB at lights outside the fit, estimated by cross-validation before pruning and rounding\n"));
+    assert!(
+        info.contains(" dB at lights outside the fit, estimated by cross-validation before pruning and rounding\n")
+    );
     let report = folder.run(&["compare", "stack", "p.ktx2", "--json"]).succeeded().json();
     conforms("compare", &report);
     assert_eq!(report["photographs"].as_array().unwrap().len(), 40);

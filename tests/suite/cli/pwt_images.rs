@@ -184,6 +184,24 @@ fn normals_for_web_viewers_are_those_of_all_photographs() {
     assert_eq!(folder.run(&["pwt", "matte", "--web", "web", "--albedo", "a.png"]).code, 3);
 }
 
+/// Photographs without variation have no components, and images for web viewers have planes of zeros, which viewers open.
+#[test]
+fn images_for_web_viewers_have_planes_without_variation() {
+    let folder = Folder::new();
+    for (level, lights) in [(0.0, 8), (1.0, 8), (0.0, 1), (1.0, 1)] {
+        let (pixels, lights) = (vec![[level; 3]; SIZE[0] * SIZE[1]], spread_lights(lights));
+        let format = StackFormat::Png;
+        write_rti_capture(&folder.path().join("flat"), &lights, SIZE, format, |_| pixels.clone()).unwrap();
+        let report = folder.run(&["pwt", "flat", "--web", "web", "--json"]).succeeded().json();
+        assert_eq!(report["web"]["coefficients"], 9, "{level}, {} lights", lights.len());
+        let web = exported(&folder.path().join("web"));
+        let material = &web.info.materials[0];
+        assert_eq!([web.planes.len(), material.scale.len(), material.bias.len(), material.range.len()], [3, 9, 9, 9]);
+        let image = web.image(lights[0]);
+        assert!(image.as_flattened().iter().all(|value| (value - level).abs() < 0.01), "{level}: {:?}", image[0]);
+    }
+}
+
 /// OpenLIME as one module.
 fn openlime() -> Option<Vec<u8>> {
     let installed = || brdfc_testing::repository().join("tests/openlime/node_modules/openlime/dist/js/openlime.esm.js");

@@ -16,6 +16,8 @@ use serde::{Deserialize, Serialize};
 const RESOLUTION: usize = 32;
 /// Coefficients in one image.
 const CHANNELS: usize = 3;
+/// Coefficients of an image without components, because viewers open no image without planes.
+const EMPTY: usize = 9;
 /// Middle of the bytes of the basis: 0.
 const MIDDLE: f32 = 127.0;
 /// The term of a `.ptm` file at each place of the web's order.
@@ -162,9 +164,9 @@ impl WebImage {
         web
     }
 
-    /// Quantised planes, with 0 up to a multiple of three, and without a basis.
+    /// Quantised planes, with 0 up to a multiple of three and instead of none, and without a basis.
     fn quantised([width, height]: [usize; 2], coefficients: &[Vec<f32>], quality: u8) -> Self {
-        let nplanes = coefficients.len().next_multiple_of(CHANNELS);
+        let nplanes = if coefficients.is_empty() { EMPTY } else { coefficients.len().next_multiple_of(CHANNELS) };
         let mut planes = vec![vec![0; CHANNELS * width * height]; nplanes / CHANNELS];
         let mut material = WebMaterial { range: Vec::new(), scale: vec![1.0; nplanes], bias: vec![0.0; nplanes] };
         for (k, coefficients) in coefficients.iter().enumerate() {
@@ -300,6 +302,9 @@ mod tests {
             let basis = |at: [f32; 3]| vec![[f32::from(u8::from(at == light)); 3]];
             let web = WebImage::new(&Components { size: [1, 1], planes: Vec::new(), basis: &basis, lights: &[] }, 90);
             assert!((web.weights(light)[0][0] - 1.0).abs() < 1e-3, "{light:?}: {:?}", web.weights(light));
+            // There are planes, of zeros.
+            assert_eq!((web.info.nplanes, &web.planes), (EMPTY, &vec![vec![0; CHANNELS]; EMPTY / CHANNELS]));
+            assert_eq!((web.weights(light).len(), web.image(light)[0]), (EMPTY + 1, web.weights(light)[0]));
         }
     }
 }
