@@ -35,7 +35,7 @@ fn stacks_that_are_broken() {
     for (widths, list, expected) in [
         ([4, 5], list, "b.png: image size: found 5 x 4, expected 4 x 4, the size of a.png"),
         ([4, 4], "2\nc.png 0 0 1\nd.png 0 1 1", "l.lp: line 2, image: \"c.png\" does not exist, like all images"),
-        ([4, 4], "2\na.png 0 0 -1\nd.png 0 1 1", "l.lp: line 2, image: \"a.png\" does not exist, like all images"),
+        ([4, 4], "2\na.png 0 0 -1\nd.png 0 1 1", "l.lp: line 3, image: \"d.png\" does not exist, like all images"),
         ([4, 4], "3\n", "l.lp: line 1, lights: no lines after the first; expected "),
         ([4, 4], "2\na.png 0 0 1\na.png 0 1 1", "l.lp: line 3, image: \"a.png\" is already on line 2; expected "),
         ([4, 4], "1\na.png 0 0 0", "l.lp: line 2, direction: vector of length 0; expected "),
