@@ -63,7 +63,7 @@ mod tests {
         );
         assert_eq!(message(b"a\n\n\xff"), "line 3, text: found byte 0xff, expected UTF-8");
         assert_eq!(checked(b"\xef\xbb\xbfa\r\nb"), Ok("a\r\nb"));
-        for bytes in [&b"\xff\xfe1\0\n\0"[..], b"\xfe\xff\01\0\n"] {
+        for bytes in [&b"\xff\xfe1\0\n\0"[..], b"\xfe\xff\x001\0\n"] {
             assert_eq!(message(bytes), "text: found UTF-16, expected UTF-8");
         }
         assert_eq!(message(b"\xff\xd8"), "line 1, text: found byte 0xff, expected UTF-8");
