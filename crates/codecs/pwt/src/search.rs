@@ -56,7 +56,7 @@ pub struct Found {
 }
 
 impl<'a> Search<'a> {
-    /// Search over the arrangements of terms that were fitted to `lights` lights. Of learned terms it can leave the last ones out,
+    /// Search over the arrangements of terms that were fitted to `lights` lights. It can leave the last learned terms out,
     /// with their part of the light map, unless their number is requested.
     pub fn new(
         samples: &'a LightSamples,
