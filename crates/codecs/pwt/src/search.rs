@@ -14,6 +14,9 @@ const COMPARED_TEXELS: usize = 1 << 21;
 const MIN_ROWS: usize = 64;
 /// Maximum loss of PSNR at the fitted lights, dB, if no larger one is requested.
 const MAX_FITTED_LOSS: f64 = 3.0;
+/// Maximum share of the error of leaving the finest level out, and the PSNR, dB, at which nobody sees that it is missing.
+const MAX_BLUR: f64 = 1.0 / 3.0;
+const INVISIBLE: f64 = 45.0;
 /// Maximum number of packs that a search for a measured target builds.
 const TRIALS: usize = 8;
 
@@ -120,11 +123,20 @@ impl<'a> Search<'a> {
                 let added = |psnr: f64, loss: f64| (10f64.powf(loss / 10.0) - 1.0) * 10f64.powf(-psnr / 10.0);
                 let added = added(held_out_psnr.unwrap_or(psnr), loss).min(added(psnr, loss.max(MAX_FITTED_LOSS)));
                 let numbers = (3 * self.samples.defined_texels() * self.lights) as f64;
-                self.found(first_below(added * numbers + self.path[last].error).unwrap_or(last))
+                let added =
+                    if loss < MAX_FITTED_LOSS { (added * numbers).min(self.blur(numbers)) } else { added * numbers };
+                self.found(first_below(added + self.path[last].error).unwrap_or(last))
             }
             Target::Quality(psnr) => self.measured(|errors| errors.psnr >= psnr),
             Target::DeltaE(delta_e) => self.measured(|errors| errors.delta_e <= delta_e),
         }
+    }
+
+    /// Error that would look blurred: highlights that nothing predicts can make all detail seem unimportant.
+    fn blur(&self, numbers: f64) -> f64 {
+        let finest = |image: &TermImages| image.errors[1] - image.errors[0];
+        let detail: f64 = self.images.iter().map(finest).sum();
+        (MAX_BLUR * detail).max(10f64.powf(-INVISIBLE / 10.0) * numbers)
     }
 
     /// Finds approximately the smallest arrangement whose pack passes, by bisection with up to [`TRIALS`] packs; the largest if
