@@ -106,12 +106,13 @@ fn photographs_of_one_light_do_not_predict_each_other() {
 #[test]
 fn limits_hold_at_lights_that_were_held_out() {
     let folder = stack();
-    let arguments = ["pwt", "stack", "-o", "p.ktx2", "--hold-out", "10", "--json", "--quality", "90"];
-    let report = folder.run(&arguments).json();
+    // Many learned terms are far closer at the fitted lights.
+    let arguments = ["pwt", "stack", "-o", "p.ktx2", "--hold-out", "10", "--terms", "learned", "--quality"];
+    let report = folder.run(&[&arguments[..], &["90", "--json"]].concat()).json();
     let (fitted, unseen) = (report["psnr"].as_f64().unwrap(), report["held_out"]["psnr"].as_f64().unwrap());
-    assert!(unseen < fitted);
-    let asked = format!("{:.3}", unseen + 0.99 * (fitted - unseen));
-    let missed = folder.run(&["pwt", "stack", "-o", "p.ktx2", "--hold-out", "10", "--quality", &asked]);
+    assert!(unseen < fitted - 3.0, "{unseen} {fitted}");
+    let asked = format!("{:.3}", 0.5 * (unseen + fitted));
+    let missed = folder.run(&[&arguments[..], &[&asked]].concat());
     assert_eq!(missed.code, 1, "{missed:?}");
     assert!(missed.stderr.contains("at held-out lights, expected at least"), "{missed:?}");
 }

@@ -61,7 +61,7 @@ pub fn may_learn(samples: &LightSamples, recipe: &PwtRecipe) -> bool {
     recipe.coordinates == Some(LightCoordinates::Learned) || (most_terms(samples, recipe) > 0 && !of_polynomials)
 }
 
-/// Returns true if there are too few lights to judge by those that are left out; then what is seen at the lights counts.
+/// Returns true if there are too few lights to judge by those that are left out; then errors at the lights count.
 pub fn are_few(lights: &[[f32; 3]]) -> bool {
     lights.len() < MIN_LIGHTS
 }

@@ -97,7 +97,7 @@ fn scale_terms(values: &mut DMatrix<f64>, shares: &[f64]) {
 
 /// Approximate distance of two neighbouring lights in paraboloid coordinates.
 ///
-/// That of lights spread over the hemisphere; less where they fill only a cap or an arc, but not below the distance that they have.
+/// The distance of lights spread over the hemisphere; less where they fill only a cap or an arc, but not below the one that they have.
 fn spacing(lights: &[[f32; 3]]) -> f64 {
     let points: Vec<[f64; 2]> = lights
         .iter()

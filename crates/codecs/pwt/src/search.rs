@@ -9,12 +9,13 @@ use crate::stack::LightSamples;
 use brdfc_formats::FormatError;
 use brdfc_formats::pwt::{LightMap, PwtDecoder, PwtErrors, PwtHeader, PwtPack};
 
-/// Approximate number of texels of all photographs that are compared at the end, and the minimum number of rows.
+/// Approximate number of texels of all photographs that are compared at the end, and the minimum number of rows as long as they do
+/// not have eight times as many.
 const COMPARED_TEXELS: usize = 1 << 21;
 const MIN_ROWS: usize = 64;
 /// Maximum loss of PSNR at the fitted lights, dB, if no larger one is requested.
 const MAX_FITTED_LOSS: f64 = 3.0;
-/// Maximum share of the error of leaving the finest level out, and the PSNR, dB, at which nobody sees that it is missing.
+/// Maximum share of the error of leaving the finest level out, and the PSNR, dB, from which its absence is invisible.
 const MAX_BLUR: f64 = 1.0 / 3.0;
 const INVISIBLE: f64 = 45.0;
 /// Maximum number of packs that a search for a measured target builds.
@@ -174,7 +175,8 @@ impl<'a> Search<'a> {
         let candidate = candidate.unwrap_or(self.candidate);
         let decoder = PwtDecoder::new(arrangement.pack(&self.images[..*terms], header)?);
         let [width, height] = self.samples.size;
-        let rows = COMPARED_TEXELS.div_ceil(width * self.samples.lights.len()).max(MIN_ROWS);
+        let of_row = width * self.samples.lights.len();
+        let rows = COMPARED_TEXELS.div_ceil(of_row).max(MIN_ROWS.min(8 * COMPARED_TEXELS / of_row));
         let errors = stack_errors(&decoder, self.samples, height.div_ceil(rows));
         let measured = PwtErrors {
             lights: errors.lights as u32,

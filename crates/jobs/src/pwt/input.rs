@@ -215,7 +215,7 @@ fn photographs(path: &Path) -> Result<(LightSamples, Vec<String>), Error> {
     let mut notes = stack.notes().to_vec();
     let all = uniform(&samples);
     let left_out: Vec<usize> = all.iter().flat_map(|(_, lights)| lights).copied().collect();
-    // A flash that failed, or a lamp in the picture: no light is predicted by such a photograph.
+    // A flash that failed, or a lens cap: such a photograph predicts no light.
     if left_out.is_empty() || left_out.len() == samples.lights.len() {
         return Ok((samples, notes));
     }

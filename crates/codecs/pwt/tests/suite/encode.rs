@@ -118,6 +118,47 @@ fn learned_terms_of_poor_lights() {
     }
 }
 
+/// With few lights, errors at the lights count, and not those of predictions.
+#[test]
+fn few_lights_are_shown_as_they_are() {
+    for lights in [spiral(2), spiral(3), spiral(5)] {
+        let made = made(&shiny([160, 160], lights), PwtRecipe::default());
+        assert_eq!(made.pack.header().basis.coordinates, LightCoordinates::Learned);
+        assert!(made.errors.psnr > 45.0, "{:?}", made.errors);
+    }
+}
+
+/// Squared errors of huge values are infinite as 32-bit floats.
+#[test]
+fn huge_values_have_errors() {
+    let mut samples = shiny([64, 64], spiral(12));
+    samples.images[3].to_mut()[100] = [1e25; 3];
+    for target in [Target::Bytes(1024), Target::Quality(30.0), Target::Loss(0.3)] {
+        let made = encode(&samples, &PwtRecipe { domain: Some(DomainName::Linear), target, ..learned() }).unwrap();
+        assert!(made.errors.psnr.is_finite());
+    }
+}
+
+/// Noise in highlights that nothing predicts does not blur the rest: most of the finest detail is stored without a target.
+#[test]
+fn detail_remains_where_highlights_are_not_predicted() {
+    let mut samples = lambert([64, 64], spiral(40), false);
+    for (light, image) in samples.images.iter_mut().enumerate() {
+        for (at, pixel) in image.to_mut().iter_mut().enumerate() {
+            let texture = if (at % 64 + at / 64) % 2 == 0 { 1.0 } else { 0.8 };
+            let glint = if (at / 256 + 5 * light) % 13 == 0 { 0.7 } else { 0.0 };
+            *pixel = pixel.map(|c| c * texture + glint);
+        }
+    }
+    let finest = |loss: f64| {
+        let made = made(&samples, PwtRecipe { target: Target::Loss(loss), ..learned() });
+        made.pack.header().textures[0].level
+    };
+    // A large loss is the negative control.
+    assert_eq!(finest(0.3), 0);
+    assert!(finest(30.0) > 0);
+}
+
 /// Learned terms of many lights are those of averaged photographs, and what is dropped is no more than requested.
 #[test]
 fn many_lights_are_averaged() {
