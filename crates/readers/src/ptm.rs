@@ -89,7 +89,7 @@ impl Ptm {
     /// Creates a map from bytes, with coefficients `(byte - bias) * scale`.
     ///
     /// # Errors
-    /// Returns an error for sides of 0 or more than [`MAX_SIZE`], another number of pixels, and scales that are 0 or
+    /// Returns an error for sides of 0 or more than 65,536, another number of pixels, and scales that are 0 or
     /// not finite.
     pub fn new(size: [u32; 2], scale: [f32; TERMS], bias: [i32; TERMS], model: PtmModel) -> Result<Self, FormatError> {
         let count = pixel_count(size)?;
@@ -125,7 +125,7 @@ impl Ptm {
     /// Quantises coefficients of the polynomial that multiplies `colour`, as [`Self::from_coefficients_rgb`] does.
     ///
     /// # Errors
-    /// Returns an error for sides of 0 or more than [`MAX_SIZE`], another number of pixels, and coefficients that are
+    /// Returns an error for sides of 0 or more than 65,536, another number of pixels, and coefficients that are
     /// not finite.
     pub fn from_coefficients_lrgb(
         size: [u32; 2],
