@@ -20,6 +20,7 @@ mod output;
 mod output_folder;
 mod pwt;
 mod pwt_images;
+mod pwt_maps;
 #[cfg(feature = "render")]
 mod render;
 #[cfg(feature = "render")]

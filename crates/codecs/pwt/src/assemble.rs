@@ -50,16 +50,16 @@ fn layers(slots: &Slots) -> usize {
     slots.iter().map(|count| count.div_ceil(CHANNELS)).sum()
 }
 
-/// Larger numbers of channels at a level: the next one, and a layer more.
-fn more(count: usize) -> [usize; 2] {
-    let whole = (count + CHANNELS) / CHANNELS * CHANNELS;
-    [if count < CHANNELS { (2 * count).max(1) } else { whole }, whole]
+/// Larger numbers of channels at a level: the next one, and a layer more if that is another.
+fn more(count: usize) -> impl Iterator<Item = usize> {
+    let next = if count < CHANNELS { (2 * count).max(1) } else { count + CHANNELS };
+    [next, CHANNELS].into_iter().take(if next < CHANNELS { 2 } else { 1 })
 }
 
-/// Smaller numbers of channels: the next one, and a layer less.
-fn fewer(count: usize) -> [usize; 2] {
-    let whole = count.saturating_sub(CHANNELS);
-    [if count <= CHANNELS { count / 2 } else { whole }, whole]
+/// Smaller numbers of channels: the next one, and a layer less if that is another.
+fn fewer(count: usize) -> impl Iterator<Item = usize> {
+    let next = if count <= CHANNELS { count / 2 } else { count - CHANNELS };
+    [next, 0].into_iter().take(if (1..CHANNELS).contains(&next) { 2 } else { 1 })
 }
 
 /// Arrangements of decreasing error, from none to all that fit the limits. Each adds channels or begins some at a finer level:

@@ -58,7 +58,7 @@ fn most_terms(samples: &LightSamples, recipe: &PwtRecipe) -> usize {
 pub fn may_learn(samples: &LightSamples, recipe: &PwtRecipe) -> bool {
     // A degree or a ridge is that of polynomials.
     let of_polynomials = recipe.coordinates.is_some() || recipe.degree.is_some() || recipe.ridge.is_some();
-    recipe.coordinates == Some(LightCoordinates::Learned) || (most_terms(samples, recipe) > 0 && !of_polynomials)
+    recipe.coordinates == Some(LightCoordinates::Learned) || (!of_polynomials && most_terms(samples, recipe) > 0)
 }
 
 /// Returns true if there are too few lights to judge by those that are left out; then errors at the lights count.
@@ -75,26 +75,17 @@ pub fn tried(texels: &Texels, samples: &LightSamples, recipe: &PwtRecipe) -> (Le
     let domains: Vec<(DomainName, Domain)> = domains.collect();
     let one = |domain: &(DomainName, Domain)| Trial::new(texels, *domain, &shortlist);
     let mut trials: Vec<Trial<'_>> = domains.par_iter().map(one).collect();
-    let with_few = |trial: &Trial<'_>| trial.by_terms(most.min(COMPARED_TERMS));
-    let mut found: Vec<Vec<Candidate>> = trials.par_iter().map(with_few).collect();
-    let merits: Vec<f64> = found.iter().map(|found| merit(last(found))).collect();
-    let best = (0..trials.len()).max_by(|a, b| merits[*a].total_cmp(&merits[*b]).then(b.cmp(a)));
+    let with_few = |trial: &Trial<'_>| trial.candidate(most.min(COMPARED_TERMS));
+    let mut found: Vec<Candidate> = trials.par_iter().map(with_few).collect();
+    let best = (0..found.len()).max_by(|a, b| merit(&found[*a]).total_cmp(&merit(&found[*b])).then(b.cmp(a)));
     let best = best.expect("one or more domains");
-    let (trial, mut by_terms) = (trials.swap_remove(best), found.swap_remove(best));
-    if most > COMPARED_TERMS {
-        by_terms = trial.by_terms(most);
-    }
+    found.swap_remove(best);
+    let trial = trials.swap_remove(best);
+    let mut by_terms = trial.by_terms(most);
     if recipe.degree.is_none() && !are_few(&samples.lights) {
         by_terms.truncate(enough(&by_terms, recipe));
     }
-    (
-        LearnedCandidate { by_terms, interpolation: trial.interpolation },
-        found.iter().map(|found| *last(found)).collect(),
-    )
-}
-
-fn last(found: &[Candidate]) -> &Candidate {
-    found.last().expect("one or more numbers of terms")
+    (LearnedCandidate { by_terms, interpolation: trial.interpolation }, found)
 }
 
 fn merit(candidate: &Candidate) -> f64 {
@@ -128,44 +119,68 @@ impl<'a> Trial<'a> {
         Self { texels, domain, values, interpolation }
     }
 
+    /// Errors with `most` principal components, or as many as there are.
+    fn candidate(&self, most: usize) -> Candidate {
+        let fit = self.fit(most);
+        self.with_terms(&fit, fit.components.axes.ncols())
+    }
+
     /// Errors with 4, 8, … principal components, up to `most`; once, if there are none.
     fn by_terms(&self, most: usize) -> Vec<Candidate> {
+        let fit = self.fit(most);
+        let found = fit.components.axes.ncols();
+        let numbers = (0..found.div_ceil(CHANNELS).max(1)).map(|k| (CHANNELS * (k + 1)).min(found));
+        numbers.map(|terms| self.with_terms(&fit, terms)).collect()
+    }
+
+    fn fit(&self, most: usize) -> Fit {
         let (lights, columns) = self.values.shape();
         let entries = DMatrix::from_column_slice(3 * lights, columns / 3, self.values.as_slice());
         let components = Components::new(&entries, most);
         let coefficients = components.coefficients(&entries);
-        let unseen = LeftOut::new(&components, &self.interpolation);
-        let with_terms = |terms: usize| {
-            let coefficients = coefficients.rows(0, terms);
-            let psnr = |image: &(dyn Fn(usize) -> Matrix3xX<f64> + Sync)| {
-                let of_light = |light: usize| {
-                    // Channel by channel of each texel.
-                    let colours: Vec<f32> = image(light).iter().map(|value| *value as f32).collect();
-                    squares(&to_srgb(self.domain.1, colours), &self.texels.codes[light])
-                };
-                let all: Vec<f64> = (0..lights).into_par_iter().map(of_light).collect();
-                decibels(all.iter().sum::<f64>() / (lights * columns).max(1) as f64)
-            };
-            let left_out = |unseen: &LeftOut<'_>| psnr(&|light| unseen.colours(light, &coefficients, &entries));
-            Candidate {
-                domain: self.domain.0,
-                epsilon: self.domain.1.code().1,
-                coordinates: LightCoordinates::Learned,
-                degree: terms.max(1) as u32,
-                ridge: 0.0,
-                psnr: psnr(&|light| components.colours(light, &coefficients)),
-                held_out_psnr: unseen.as_ref().map(left_out),
-            }
-        };
-        let found = components.axes.ncols();
-        (0..found.div_ceil(CHANNELS).max(1)).map(|k| with_terms((CHANNELS * (k + 1)).min(found))).collect()
+        Fit { entries, components, coefficients }
     }
+
+    /// Errors with the first components of a fit.
+    fn with_terms(&self, fit: &Fit, terms: usize) -> Candidate {
+        let coefficients = fit.coefficients.rows(0, terms);
+        let unseen = LeftOut::new(&fit.components, &self.interpolation);
+        Candidate {
+            domain: self.domain.0,
+            epsilon: self.domain.1.code().1,
+            coordinates: LightCoordinates::Learned,
+            degree: terms.max(1) as u32,
+            ridge: 0.0,
+            psnr: self.psnr(|light| fit.components.colours(light, &coefficients)),
+            held_out_psnr: unseen.map(|them| self.psnr(|light| them.colours(light, &coefficients, &fit.entries))),
+        }
+    }
+
+    /// PSNR of colours of the texels under each light.
+    fn psnr(&self, colours: impl Fn(usize) -> Matrix3xX<f64> + Sync) -> f64 {
+        let (lights, columns) = self.values.shape();
+        let of_light = |light: usize| {
+            // Channel by channel of each texel.
+            let values: Vec<f32> = colours(light).iter().map(|value| *value as f32).collect();
+            squares(&to_srgb(self.domain.1, values), &self.texels.codes[light])
+        };
+        let all: Vec<f64> = (0..lights).into_par_iter().map(of_light).collect();
+        decibels(all.iter().sum::<f64>() / (lights * columns).max(1) as f64)
+    }
+}
+
+/// Principal components of the texels.
+struct Fit {
+    /// Red, green and blue under all lights: a column for each texel.
+    entries: DMatrix<f64>,
+    components: Components,
+    coefficients: DMatrix<f64>,
 }
 
 impl LearnedCandidate {
     /// The candidate with all terms.
     pub fn candidate(&self) -> Candidate {
-        *last(&self.by_terms)
+        *self.by_terms.last().expect("one or more numbers of terms")
     }
 
     /// Learns the terms.

@@ -68,12 +68,13 @@ pub fn encode(samples: &LightSamples, recipe: &PwtRecipe) -> Result<PwtEncoded, 
         None => fit_polynomials(samples, candidate, transform, recipe.packets, &weights),
     };
     let header = fitted.header(samples, domain, extent, depth);
-    let lights = choice.learned.as_ref().map_or(samples, |(_, few)| few).lights.len();
-    let alone = [candidate];
-    let by_terms = choice.learned.as_ref().map_or(&alone[..], |(learned, _)| &learned.by_terms);
-    let found = Search::new(samples, lights, &fitted.images, header, by_terms, recipe).run(recipe.target)?;
+    let (lights, by_terms) = match &choice.learned {
+        Some((learned, few)) => (few.lights.len(), &learned.by_terms[..]),
+        None => (samples.lights.len(), &choice.candidates[..1]),
+    };
+    let search = Search::new(samples, lights, &fitted.images, header, by_terms, recipe);
+    let Found { pack, errors, candidate, met } = search.run(recipe.target)?;
     let mut candidates = choice.candidates;
-    let Found { pack, errors, candidate, met } = found;
     candidates[0] = candidate;
     let Fitted { condition, subbands, .. } = fitted;
     Ok(PwtEncoded { pack, candidates, condition, subbands, errors, met })

@@ -5,6 +5,7 @@
 //! convex combination of the best minimises the squared error of predictions of each light from all others. These predictions
 //! follow from the inverse of one matrix (Dubrule 1983).
 
+use crate::stack::spread;
 use nalgebra::{DMatrix, DMatrixView};
 use rayon::prelude::*;
 
@@ -42,11 +43,20 @@ enum Place {
     Hemisphere,
 }
 
+/// Paraboloid coordinates of a light.
+pub fn paraboloid(light: [f32; 3]) -> [f64; 2] {
+    let [x, y, z] = light.map(f64::from);
+    [x / (1.0 + z), y / (1.0 + z)]
+}
+
 impl Place {
     fn of(self, light: [f32; 3]) -> [f64; 3] {
         let [x, y, z] = light.map(f64::from);
         match self {
-            Self::Paraboloid => [x / (1.0 + z), y / (1.0 + z), 0.0],
+            Self::Paraboloid => {
+                let [u, v] = paraboloid(light);
+                [u, v, 0.0]
+            }
             Self::Direction => [x, y, z],
             Self::Hemisphere => {
                 let z = z.max(0.0);
@@ -190,11 +200,8 @@ pub struct Shortlist {
 impl Shortlist {
     /// Compares all covariance functions on values: rows are lights. Uses only some lights of many.
     pub fn new(lights: &[[f32; 3]], values: &DMatrix<f64>) -> Self {
-        let count = lights.len();
-        // Lists go ring by ring, so steps of the golden ratio.
-        let nth = |k: usize| ((k as f64 * 0.618_033_988_749_894_9).fract() * count as f64) as usize;
-        let some: Vec<usize> =
-            if count <= COMPARED_LIGHTS { (0..count).collect() } else { (0..COMPARED_LIGHTS).map(nth).collect() };
+        // Lists go ring by ring.
+        let (count, some) = (lights.len(), spread(lights.len(), COMPARED_LIGHTS));
         let few: Vec<[f32; 3]> = some.iter().map(|light| lights[*light]).collect();
         let products = values.select_rows(&some);
         let products = &products * products.transpose();

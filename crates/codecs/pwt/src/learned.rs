@@ -2,7 +2,7 @@
 //! texels, as colours under all lights, are interpolated between the lights and stored as a [`LightMap`].
 
 use crate::components::Components;
-use crate::kriging::Interpolation;
+use crate::kriging::{Interpolation, paraboloid};
 use brdfc_formats::pwt::{LightMap, MAP_SIDES};
 use nalgebra::{DMatrix, DMatrixView, DVector, Matrix3, Matrix3xX};
 use std::f64::consts::PI;
@@ -99,13 +99,7 @@ fn scale_terms(values: &mut DMatrix<f64>, shares: &[f64]) {
 ///
 /// The distance of lights spread over the hemisphere; less where they fill only a cap or an arc, but not below the one that they have.
 fn spacing(lights: &[[f32; 3]]) -> f64 {
-    let points: Vec<[f64; 2]> = lights
-        .iter()
-        .map(|light| {
-            let [x, y, z] = light.map(f64::from);
-            [x / (1.0 + z), y / (1.0 + z)]
-        })
-        .collect();
+    let points: Vec<[f64; 2]> = lights.iter().map(|light| paraboloid(*light)).collect();
     let count = points.len().max(1) as f64;
     let hemisphere = 0.9 * (PI / count).sqrt();
     let mean = [0, 1].map(|axis| points.iter().map(|point| point[axis]).sum::<f64>() / count);
@@ -168,9 +162,8 @@ fn correct(map: &mut DMatrix<f64>, known: &DMatrix<f64>, lights: &[[f32; 3]], si
     let width = CORRECTION * spacing(lights);
     let at = |k: u32| (f64::from(k) + 0.5) * 2.0 / f64::from(side) - 1.0;
     let bumps = DMatrix::from_fn(map.nrows(), lights.len(), |texel, light| {
-        let [x, y, z] = lights[light].map(f64::from);
-        let (u, v) = (at(texel as u32 % side), at(texel as u32 / side));
-        let squared = (u - x / (1.0 + z)).powi(2) + (v - y / (1.0 + z)).powi(2);
+        let [x, y] = paraboloid(lights[light]);
+        let squared = (at(texel as u32 % side) - x).powi(2) + (at(texel as u32 / side) - y).powi(2);
         (-0.5 * squared / (width * width)).exp()
     });
     let seen = |texels: &DMatrix<f64>| {
@@ -299,25 +292,31 @@ mod tests {
         }
     }
 
-    /// Values of linear photographs near the largest half float, and lights so near to each other that corrections overshoot.
+    /// Values of linear photographs near the largest half float, and twin lights with other values, whose corrections overshoot.
     #[test]
     fn maps_stay_in_range() {
-        let on_arc = |k: usize| {
-            let (s, c) = (0.3 + 0.02 * k as f32).sin_cos();
-            [s, 0.0, c]
+        let twin = |light: [f32; 3]| {
+            let [x, y, z] = light;
+            [[x, y, z], [x + 0.003, y, (1.0 - (x + 0.003).powi(2) - y * y).max(1e-4).sqrt()]]
         };
-        let lights: Vec<[f32; 3]> = (0..60).map(on_arc).collect();
-        let matrix =
-            DMatrix::from_fn(60, 90, |k, i| if (k * 7 + i * 3) % 5 == 0 { 60_000.0 } else { 100.0 * i as f64 });
+        let lights: Vec<[f32; 3]> = spread_lights(30).into_iter().flat_map(twin).collect();
+        let matrix = DMatrix::from_fn(60, 90, |k, i| if k % 3 == 0 { 60_000.0 - i as f64 } else { 100.0 * i as f64 });
         let interpolation = Shortlist::new(&lights, &matrix).combined(&matrix).unwrap_or_default();
         let entries = DMatrix::from_column_slice(180, 30, matrix.as_slice());
         let components = Components::new(&entries, 20);
-        let learned = Learned::new(&components, &interpolation, &lights);
+        let map = Learned::new(&components, &interpolation, &lights).map;
         let known = at_lights(&components);
-        let (low, high) = (known.columns(0, 3).min(), known.columns(0, 3).max());
-        for light in spread_lights(50) {
-            let value = f64::from(learned.map.value(0, light)[0]);
-            assert!((2.0 * low - high - 40.0..=2.0 * high - low + 40.0).contains(&value), "{value} {low} {high}");
+        for term in 0..map.terms() {
+            for channel in 0..3 {
+                let known = known.column(3 * term + channel);
+                let (low, high) = (known.min(), known.max());
+                let spare = 1e-3 * (high - low) + 40.0 * f64::from(term == 0);
+                for light in spread_lights(200) {
+                    let value = f64::from(map.value(term, light)[channel]);
+                    let range = 2.0 * low - high - spare..=2.0 * high - low + spare;
+                    assert!(range.contains(&value), "{term}: {value} {low} {high}");
+                }
+            }
         }
     }
 

@@ -43,8 +43,6 @@ pub struct Search<'a> {
     header: PwtHeader,
     /// The chosen candidate, or that of each number of learned terms.
     candidates: &'a [Candidate],
-    /// Candidate with all terms.
-    candidate: Candidate,
 }
 
 /// A pack that was found.
@@ -97,8 +95,7 @@ impl<'a> Search<'a> {
             let fitting = steps.iter().filter(|step| step.bytes <= bytes).count();
             steps.truncate(fitting.max(1));
         }
-        let candidate = *candidates.last().expect("the chosen one");
-        Self { samples, lights, images, path: steps, header, candidates, candidate }
+        Self { samples, lights, images, path: steps, header, candidates }
     }
 
     /// The smallest pack that meets the target, or the closest one.
@@ -120,7 +117,7 @@ impl<'a> Search<'a> {
             }
             Target::Loss(loss) => {
                 // Truncation adds to the error at held-out lights. Where these cannot be predicted, that at the fitted ones counts.
-                let Candidate { psnr, held_out_psnr, .. } = self.candidate;
+                let Candidate { psnr, held_out_psnr, .. } = self.candidate(u32::MAX);
                 let added = |psnr: f64, loss: f64| (10f64.powf(loss / 10.0) - 1.0) * 10f64.powf(-psnr / 10.0);
                 let added = added(held_out_psnr.unwrap_or(psnr), loss).min(added(psnr, loss.max(MAX_FITTED_LOSS)));
                 let numbers = (3 * self.samples.defined_texels() * self.lights) as f64;
@@ -131,6 +128,12 @@ impl<'a> Search<'a> {
             Target::Quality(psnr) => self.measured(|errors| errors.psnr >= psnr),
             Target::DeltaE(delta_e) => self.measured(|errors| errors.delta_e <= delta_e),
         }
+    }
+
+    /// Candidate with so many terms, or with all of them.
+    fn candidate(&self, terms: u32) -> Candidate {
+        let with_terms = self.candidates.iter().find(|candidate| candidate.degree == terms);
+        *with_terms.or(self.candidates.last()).expect("one or more candidates")
     }
 
     /// Error that would look blurred: highlights that nothing predicts can make all detail seem unimportant.
@@ -171,8 +174,7 @@ impl<'a> Search<'a> {
             map.truncate(terms + 1);
             header.basis.degree = *terms as u32;
         }
-        let candidate = self.candidates.iter().copied().find(|candidate| candidate.degree == header.basis.degree);
-        let candidate = candidate.unwrap_or(self.candidate);
+        let candidate = self.candidate(header.basis.degree);
         let decoder = PwtDecoder::new(arrangement.pack(&self.images[..*terms], header)?);
         let [width, height] = self.samples.size;
         let of_row = width * self.samples.lights.len();

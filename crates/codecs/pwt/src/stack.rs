@@ -10,6 +10,12 @@ pub const LIGHTS: std::ops::RangeInclusive<usize> = 1..=4096;
 /// Largest difference between coordinates of lights that count as one: a twentieth of a degree.
 const SAME_LIGHT: f32 = 1e-3;
 
+/// At most `most` of the numbers below `count`: all of them, or steps of the golden ratio, which no period of a list meets.
+pub fn spread(count: usize, most: usize) -> Vec<usize> {
+    let nth = |k: usize| ((k as f64 * 0.618_033_988_749_894_9).fract() * count as f64) as usize;
+    if count <= most { (0..count).collect() } else { (0..most).map(nth).collect() }
+}
+
 /// Images of one view, each under a distant light.
 #[derive(Debug, Clone, PartialEq)]
 pub struct LightSamples {
@@ -96,12 +102,7 @@ impl LightSamples {
     /// At most `most` of the defined texels, in steps of the golden ratio, which covers all columns and rows.
     pub fn spread_texels(&self, most: usize) -> Vec<usize> {
         let defined: Vec<usize> = (0..self.size[0] * self.size[1]).filter(|texel| self.is_defined(*texel)).collect();
-        let count = defined.len();
-        if count <= most {
-            return defined;
-        }
-        let nth = |k: usize| ((k as f64 * 0.618_033_988_749_894_9).fract() * count as f64) as usize;
-        (0..most).map(|k| defined[nth(k)]).collect()
+        spread(defined.len(), most).into_iter().map(|k| defined[k]).collect()
     }
 
     /// Number of defined texels.

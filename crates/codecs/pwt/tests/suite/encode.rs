@@ -6,6 +6,7 @@ use brdfc_pwt::measure::{image_errors, stack_errors};
 use brdfc_pwt::ptm::{images_of, samples_of, spread_lights};
 use brdfc_pwt::{DomainName, LightSamples, PwtEncoded, PwtRecipe, Target, Wavelet, encode};
 use brdfc_readers::ptm::Ptm;
+use brdfc_testing::packs::Numbers;
 
 fn with(target: Target) -> PwtRecipe {
     PwtRecipe { target, ..PwtRecipe::default() }
@@ -118,13 +119,30 @@ fn learned_terms_of_poor_lights() {
     }
 }
 
+/// Photographs that have nothing in common but a chequered texture: `noise` per square of `side` texels, channel and light.
+fn unpredictable(lights: Vec<[f32; 3]>, side: usize, noise: f32) -> LightSamples {
+    const SIZE: usize = 64;
+    let mut numbers = Numbers::new(5);
+    let mut image = || {
+        let squares: Vec<[f32; 3]> =
+            (0..SIZE * SIZE).map(|_| [0, 1, 2].map(|_| numbers.between(0.0, 1.0) as f32)).collect();
+        let pixel = |at: usize| {
+            let (x, y) = (at % SIZE, at / SIZE);
+            let texture = if (x + y) % 2 == 0 { 0.06 } else { 0.0 };
+            squares[y / side * SIZE + x / side].map(|number| 0.2 + texture + noise * number)
+        };
+        (0..SIZE * SIZE).map(pixel).collect::<Vec<_>>()
+    };
+    let images: Vec<_> = lights.iter().map(|_| image()).collect();
+    LightSamples::new([SIZE; 2], lights, images)
+}
+
 /// With few lights, errors at the lights count, and not those of predictions.
 #[test]
 fn few_lights_are_shown_as_they_are() {
-    for lights in [spiral(2), spiral(3), spiral(5)] {
-        let made = made(&shiny([160, 160], lights), PwtRecipe::default());
-        assert_eq!(made.pack.header().basis.coordinates, LightCoordinates::Learned);
-        assert!(made.errors.psnr > 45.0, "{:?}", made.errors);
+    for lights in [spiral(2), spiral(3), spiral(4), spiral(5)] {
+        let made = made(&lambert([160, 160], lights, false), PwtRecipe::default());
+        assert!(made.errors.psnr > 40.0, "{:?}", made.errors);
     }
 }
 
@@ -133,38 +151,32 @@ fn few_lights_are_shown_as_they_are() {
 fn huge_values_have_errors() {
     let mut samples = shiny([64, 64], spiral(12));
     samples.images[3].to_mut()[100] = [1e25; 3];
-    for target in [Target::Bytes(1024), Target::Quality(30.0), Target::Loss(0.3)] {
+    for target in [Target::Bytes(1024), Target::Quality(30.0), Target::Loss(0.0)] {
         let made = encode(&samples, &PwtRecipe { domain: Some(DomainName::Linear), target, ..learned() }).unwrap();
         assert!(made.errors.psnr.is_finite());
+        // Terms begin at the finest level if nothing may be lost.
+        assert!(target != Target::Loss(0.0) || made.pack.header().textures[0].level == 0);
     }
 }
 
-/// Noise in highlights that nothing predicts does not blur the rest: most of the finest detail is stored without a target.
+/// Highlights that nothing predicts do not blur the rest: most of the finest detail is stored without a target.
 #[test]
 fn detail_remains_where_highlights_are_not_predicted() {
-    let mut samples = lambert([64, 64], spiral(40), false);
-    for (light, image) in samples.images.iter_mut().enumerate() {
-        for (at, pixel) in image.to_mut().iter_mut().enumerate() {
-            let texture = if (at % 64 + at / 64) % 2 == 0 { 1.0 } else { 0.8 };
-            let glint = if (at / 256 + 5 * light) % 13 == 0 { 0.7 } else { 0.0 };
-            *pixel = pixel.map(|c| c * texture + glint);
-        }
-    }
+    let samples = unpredictable(spiral(40), 8, 0.7);
     let finest = |loss: f64| {
         let made = made(&samples, PwtRecipe { target: Target::Loss(loss), ..learned() });
         made.pack.header().textures[0].level
     };
     // A large loss is the negative control.
-    assert_eq!(finest(0.3), 0);
-    assert!(finest(30.0) > 0);
+    assert_eq!((finest(0.3), finest(30.0) > 0), (0, true));
 }
 
 /// Learned terms of many lights are those of averaged photographs, and what is dropped is no more than requested.
 #[test]
 fn many_lights_are_averaged() {
-    let samples = shiny([48, 48], spiral(430));
+    let samples = shiny([48, 48], spiral(1500));
     let [whole, less] = [0.0, 2.0].map(|loss| made(&samples, PwtRecipe { target: Target::Loss(loss), ..learned() }));
-    assert_eq!(less.pack.header().errors.lights, 430);
+    assert_eq!(less.pack.header().errors.lights, 1500);
     let [least, left] = [&whole, &less].map(|made| 10f64.powf(-made.errors.psnr / 10.0));
     let unseen = 10f64.powf(-less.candidates[0].held_out_psnr.unwrap() / 10.0);
     assert!(left - least < 1.1 * (10f64.powf(0.2) - 1.0) * unseen, "{least} {left} {unseen}");
