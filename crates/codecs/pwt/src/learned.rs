@@ -36,7 +36,7 @@ fn at_lights(components: &Components) -> DMatrix<f64> {
 
 /// Predictions of each light of `known` from the others, and the share of each term's prediction that is used between the lights:
 /// the slope of the regression of its values on the predictions, 0 to 1. Shadows and highlights of weak terms move from light to
-/// light; with their share, terms that others do not predict are seen at their lights only, and more terms do no harm elsewhere.
+/// light; with their share, terms that others do not predict are seen at their lights only, and more terms do little harm elsewhere.
 fn predicted(known: &DMatrix<f64>, errors: &DMatrix<f64>) -> (DMatrix<f64>, Vec<f64>) {
     let predicted = known - errors * known;
     let share = |term: usize| {
