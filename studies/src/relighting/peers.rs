@@ -5,7 +5,7 @@ use brdfc_formats::pwt::Domain;
 use brdfc_pwt::LightSamples;
 use brdfc_pwt::components::Components;
 use brdfc_readers::pixels::Pixels;
-use nalgebra::DMatrix;
+use nalgebra::{DMatrix, DVector};
 use rayon::prelude::*;
 
 /// Number of texels from which components are computed.
@@ -96,7 +96,7 @@ impl PrincipalComponents {
         // Entries are `channel lights + light`, which makes a term's entries three columns of lights.
         let at = |entry: usize, texel: usize| codes[entry % lights.len()][texels[texel]][entry / lights.len()];
         let values = DMatrix::from_fn(3 * lights.len(), texels.len(), |entry, texel| f64::from(at(entry, texel)));
-        let components = Components::new(&values, count);
+        let components = Components::new(&values, DVector::from_element(values.nrows(), 1.0), count);
         let terms = components.axes.ncols() + 1;
         let numbers = components.mean.iter().chain(components.axes.iter()).copied();
         let at_lights = DMatrix::from_iterator(lights.len(), 3 * terms, numbers);

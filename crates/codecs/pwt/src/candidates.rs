@@ -107,6 +107,13 @@ pub(crate) fn to_srgb(domain: Domain, mut values: Vec<f32>) -> Vec<f32> {
     values
 }
 
+/// Slopes of the sRGB encoding, 0 to 1, over values in a domain.
+pub(crate) fn slopes(domain: Domain, values: &[f32]) -> impl Iterator<Item = f32> {
+    const STEP: f32 = 1e-3;
+    let [below, above] = [-STEP, STEP].map(|step| to_srgb(domain, values.iter().map(|value| value + step).collect()));
+    below.into_iter().zip(above).map(|(below, above)| (above - below) / (2.0 * STEP))
+}
+
 /// Sum of squared differences.
 pub(crate) fn squares(a: &[f32], b: &[f32]) -> f64 {
     a.iter().zip(b).map(|(a, b)| f64::from((a - b) * (a - b))).sum()

@@ -1,7 +1,7 @@
 //! Chooses domain, interpolation and number of learned terms by leave-one-out cross-validation over the lights.
 
 use crate::assemble::CHANNELS;
-use crate::candidates::{Candidate, Texels, decibels, squares, to_srgb};
+use crate::candidates::{Candidate, Texels, decibels, slopes, squares, to_srgb};
 use crate::components::Components;
 use crate::kriging::{Interpolation, Shortlist, rows};
 use crate::learned::{Learned, LeftOut, map_side};
@@ -9,7 +9,7 @@ use crate::recipe::{DomainName, PwtRecipe, Target};
 use crate::stack::LightSamples;
 use brdfc_formats::pwt::{Domain, LightCoordinates, LightMap};
 use brdfc_readers::pixels::Pixels;
-use nalgebra::{DMatrix, Matrix3xX};
+use nalgebra::{DMatrix, DVector, Matrix3xX};
 use rayon::prelude::*;
 
 /// Maximum number of lights that terms are learned from; more are averaged in groups.
@@ -24,6 +24,8 @@ const FETCHES: u32 = 3;
 const MIN_LIGHTS: usize = 6;
 /// Number of terms with which domains are compared: three fetches.
 const COMPARED_TERMS: usize = 12;
+/// Minimum weight of an entry.
+const MIN_WEIGHT: f64 = 0.1;
 /// PSNR at lights that are left out that counts as equal, dB: without a target, where few fetches matter, and with one, where more
 /// terms are closer at the fitted lights.
 const EQUAL: [f64; 2] = [0.6, 0.3];
@@ -136,7 +138,7 @@ impl<'a> Trial<'a> {
     fn fit(&self, most: usize) -> Fit {
         let (lights, columns) = self.values.shape();
         let entries = DMatrix::from_column_slice(3 * lights, columns / 3, self.values.as_slice());
-        let components = Components::new(&entries, most);
+        let components = Components::new(&entries, weights(self.domain.1, &entries), most);
         let coefficients = components.coefficients(&entries);
         Fit { entries, components, coefficients }
     }
@@ -169,6 +171,20 @@ impl<'a> Trial<'a> {
     }
 }
 
+/// Weights of entries, so that errors count as in sRGB encoding: the root of the mean squared slope of each row, relative to that of
+/// all. Dark photographs count less in logarithms.
+fn weights(domain: Domain, entries: &DMatrix<f64>) -> DVector<f64> {
+    let of_row = |row: usize| {
+        let values: Vec<f32> = entries.row(row).iter().map(|value| *value as f32).collect();
+        let squares: f64 = slopes(domain, &values).map(|slope| f64::from(slope * slope)).sum();
+        (squares / values.len().max(1) as f64).sqrt()
+    };
+    let weights: Vec<f64> = (0..entries.nrows()).into_par_iter().map(of_row).collect();
+    let weights = DVector::from_vec(weights);
+    let mean = weights.norm() / (weights.len().max(1) as f64).sqrt();
+    if mean > 0.0 { weights.map(|weight| (weight / mean).max(MIN_WEIGHT)) } else { weights.map(|_| 1.0) }
+}
+
 /// Principal components of the texels.
 struct Fit {
     /// Red, green and blue under all lights: a column for each texel.
@@ -194,7 +210,7 @@ impl LearnedCandidate {
         };
         let values: Vec<Vec<f32>> = samples.images.par_iter().map(of_light).collect();
         let entries = DMatrix::from_column_slice(3 * values.len(), at.len(), rows(&values).as_slice());
-        let components = Components::new(&entries, self.candidate().degree as usize);
+        let components = Components::new(&entries, weights(domain, &entries), self.candidate().degree as usize);
         Learned::new(&components, &self.interpolation, &samples.lights)
     }
 }

@@ -1,7 +1,7 @@
 //! Encodes images of one view under known lights as a pack. Each step has its own file; this one sequences them.
 
 use crate::assemble::Arrangement;
-use crate::candidates::{Candidate, to_srgb};
+use crate::candidates::{Candidate, slopes};
 use crate::choose::choose;
 use crate::choose_learned::LearnedCandidate;
 use crate::degrees::{SubbandDegree, degrees};
@@ -62,10 +62,9 @@ pub fn encode(samples: &LightSamples, recipe: &PwtRecipe) -> Result<PwtEncoded, 
     let extent = samples.size.map(|side| if samples.repeats { side } else { side.next_multiple_of(1 << depth) });
     let border = if samples.repeats { Border::Periodic } else { Border::Mirrored };
     let transform = Transform { wavelet: recipe.wavelet, border, depth };
-    let weights = texel_weights(samples, domain, extent);
     let fitted = match &choice.learned {
-        Some((learned, few)) => fit_learned(few, learned, transform, &weights),
-        None => fit_polynomials(samples, candidate, transform, recipe.packets, &weights),
+        Some((learned, few)) => fit_learned(few, learned, transform, extent),
+        None => fit_polynomials(samples, candidate, transform, recipe.packets, extent),
     };
     let header = fitted.header(samples, domain, extent, depth);
     let (lights, by_terms) = match &choice.learned {
@@ -97,9 +96,10 @@ fn fit_polynomials(
     candidate: Candidate,
     transform: Transform,
     packets: u32,
-    weights: &Plane,
+    extent: [usize; 2],
 ) -> Fitted {
-    let (domain, extent) = (candidate.domain(), weights.size);
+    let domain = candidate.domain();
+    let weights = texel_weights(samples, domain, extent, |_| 1.0);
     let design = Design::new(candidate.basis(), &samples.lights, candidate.ridge);
     let colour = colour_axes(samples, domain);
     let channels = channels(samples, domain, &colour, extent);
@@ -120,7 +120,7 @@ fn fit_polynomials(
             }
         });
     }
-    let images = term_images(&tree, &coefficients, weights, samples.repeats);
+    let images = term_images(&tree, &coefficients, &weights, samples.repeats);
     let triangle = design.triangle.iter().map(|c| *c as f32).collect();
     Fitted {
         images,
@@ -134,13 +134,19 @@ fn fit_polynomials(
 }
 
 /// Learns terms, and projects photographs on them.
-fn fit_learned(samples: &LightSamples, candidate: &LearnedCandidate, transform: Transform, weights: &Plane) -> Fitted {
+fn fit_learned(
+    samples: &LightSamples,
+    candidate: &LearnedCandidate,
+    transform: Transform,
+    extent: [usize; 2],
+) -> Fitted {
     let learned = candidate.learn(samples);
-    let (domain, extent) = (candidate.candidate().domain(), weights.size);
+    let domain = candidate.candidate().domain();
+    let weights = texel_weights(samples, domain, extent, |light| learned.weights[light]);
     let planes = project::coefficients(&learned, &Padded::new(samples, domain, extent));
     let image = |(k, values): (usize, Vec<f32>)| {
         let plane = Plane { size: extent, values };
-        TermImages::of_plane((0, k + 1), transform, plane, weights, samples.repeats)
+        TermImages::of_plane((0, k + 1), transform, plane, &weights, samples.repeats)
     };
     let images = planes.into_par_iter().enumerate().map(image).collect();
     let degree = learned.map.terms() as u32 - 1;
@@ -286,24 +292,23 @@ fn channels(samples: &LightSamples, domain: Domain, colour: &[[f32; 3]; 3], exte
     channels
 }
 
-/// Perceptual weight of an error of each texel: the mean square of the derivative of sRGB-encoded values by values of
-/// the domain; 0 where texels are not defined.
-fn texel_weights(samples: &LightSamples, domain: Domain, extent: [usize; 2]) -> Plane {
-    const STEP: f32 = 1e-3;
+/// Perceptual weight of an error of each texel: the mean square of the slope of sRGB-encoded values over values of the domain,
+/// relative to the weight that each light has in the fit; 0 where texels are not defined.
+fn texel_weights(samples: &LightSamples, domain: Domain, extent: [usize; 2], of_light: impl Fn(usize) -> f32) -> Plane {
     const IMAGES: usize = 8;
     let [width, height] = samples.size;
     let stride = samples.images.len().div_ceil(IMAGES);
-    let some: Vec<&Pixels> = samples.images.iter().step_by(stride).collect();
+    let lights = (0..samples.images.len()).step_by(stride);
+    let some: Vec<(&Pixels, f32)> = lights.map(|light| (&samples.images[light], of_light(light))).collect();
     let mut weights = Plane::zeros(extent);
     weights.values.par_chunks_exact_mut(extent[0]).take(height).enumerate().for_each(|(y, weights)| {
-        for image in &some {
+        for (image, of_light) in &some {
             // The middle channel, which is nearly luminance.
             let row = image.linear(y * width..(y + 1) * width);
             let mut encoded: Vec<f32> = row.iter().map(|value| value[1].clamp(0.0, 1.0)).collect();
             domain.encode_each(&mut encoded);
-            let stepped = encoded.iter().map(|value| value + STEP).collect();
-            for ((weight, a), b) in weights.iter_mut().zip(to_srgb(domain, encoded)).zip(to_srgb(domain, stepped)) {
-                *weight += ((b - a) / STEP).powi(2) / some.len() as f32;
+            for (weight, slope) in weights.iter_mut().zip(slopes(domain, &encoded)) {
+                *weight += (slope / of_light).powi(2) / some.len() as f32;
             }
         }
         let undefined = |(x, _): &(usize, &mut f32)| !samples.is_defined(y * width + x);

@@ -25,13 +25,15 @@ pub struct Learned {
     pub factors: Vec<Vec<f32>>,
     /// For each component, what is added.
     pub offsets: Vec<f32>,
+    /// Weight of green under each light in the fit.
+    pub weights: Vec<f32>,
 }
 
 /// Components and the mean as values at the lights: a row for each light, columns `3 term + channel`.
 fn at_lights(components: &Components) -> DMatrix<f64> {
     let (entries, terms) = (components.axes.nrows(), components.axes.ncols() + 1);
-    let numbers = components.mean.iter().chain(components.axes.iter()).copied();
-    DMatrix::from_iterator(entries / 3, 3 * terms, numbers)
+    let axes = components.unweighted();
+    DMatrix::from_iterator(entries / 3, 3 * terms, components.mean.iter().chain(axes.iter()).copied())
 }
 
 /// Predictions of each light of `known` from the others, and the share of each term's prediction that is used between the lights:
@@ -65,19 +67,22 @@ impl<'a> LeftOut<'a> {
         let (entries, terms) = (components.axes.nrows(), components.axes.ncols());
         let (mean, axes) = predicted.as_slice().split_at(entries);
         let (mean, axes) = (DVector::from_column_slice(mean), DMatrix::from_column_slice(entries, terms, axes));
-        Some(Self { components, predicted: Components { mean, axes } })
+        let weights = DVector::from_element(entries, 1.0);
+        Some(Self { components, predicted: Components { mean, axes, weights } })
     }
 
     /// Colours of texels under a light. `coefficients` are those of the first components, from all of `values`.
     ///
-    /// Without the rows `A` of the axes and the values `v` of this light, least squares gives the coefficients
+    /// Without the rows `A` of the axes and the weighted values `v` of this light, least squares gives the coefficients
     /// `(1 - A^T A)^-1 (c - A^T v)`, which by Woodbury's identity are `c + A^T ((1 - A A^T)^-1 (A c - A A^T v) - v)`.
     pub fn colours(&self, light: usize, coefficients: &DMatrixView<'_, f64>, values: &DMatrix<f64>) -> Matrix3xX<f64> {
         let terms = coefficients.nrows();
-        let (axes, mean) = (self.components.rows(light, terms), self.components.mean_colour(light));
-        let lights = self.components.mean.len() / 3;
+        let Components { mean, weights, .. } = self.components;
+        let axes = self.components.rows(light, terms);
+        let lights = mean.len() / 3;
+        let [mean, weights] = [mean, weights].map(|entries| Components::of_light(entries, light));
         let values = Matrix3xX::from_fn(values.ncols(), |channel, texel| {
-            values[(channel * lights + light, texel)] - mean[channel]
+            weights[channel] * (values[(channel * lights + light, texel)] - mean[channel])
         });
         let own = &axes * axes.transpose();
         // A light that determines a coefficient alone predicts nothing.
@@ -141,8 +146,9 @@ impl Learned {
             .map(|(term, texel)| [0, 1, 2].map(|channel| map[(texel, 3 * term + channel)] as f32))
             .collect();
         let map = LightMap::new(side, &texels).expect("a side in range, and clamped values");
-        let (factors, offsets) = projection(&map, lights);
-        Self { map, factors, offsets }
+        let (factors, offsets) = projection(&map, lights, &components.weights);
+        let weights = (0..lights.len()).map(|light| Components::of_light(&components.weights, light)[1] as f32);
+        Self { map, factors, offsets, weights: weights.collect() }
     }
 }
 
@@ -182,10 +188,12 @@ fn correct(map: &mut DMatrix<f64>, known: &DMatrix<f64>, lights: &[[f32; 3]], si
     }
 }
 
-/// Least-squares projection of values at the lights on the terms of a map: factors and offsets of each component.
-fn projection(map: &LightMap, lights: &[[f32; 3]]) -> (Vec<Vec<f32>>, Vec<f32>) {
+/// Weighted least-squares projection of values at the lights on the terms of a map: factors and offsets of each component. `weights`
+/// are those of [`Components`].
+fn projection(map: &LightMap, lights: &[[f32; 3]], weights: &DVector<f64>) -> (Vec<Vec<f32>>, Vec<f32>) {
+    let weight = |entry: usize| weights[entry % 3 * lights.len() + entry / 3];
     let terms = DMatrix::from_fn(3 * lights.len(), map.terms(), |entry, term| {
-        f64::from(map.value(term, lights[entry / 3])[entry % 3])
+        weight(entry) * f64::from(map.value(term, lights[entry / 3])[entry % 3])
     });
     let axes = terms.columns(1, map.terms() - 1);
     let mut normal = axes.transpose() * axes;
@@ -193,8 +201,9 @@ fn projection(map: &LightMap, lights: &[[f32; 3]]) -> (Vec<Vec<f32>>, Vec<f32>) 
     for k in 0..normal.nrows() {
         normal[(k, k)] += floor;
     }
-    let factors = normal.cholesky().map_or_else(|| axes.transpose(), |factor| factor.solve(&axes.transpose()));
+    let mut factors = normal.cholesky().map_or_else(|| axes.transpose(), |factor| factor.solve(&axes.transpose()));
     let offsets = -(&factors * terms.column(0));
+    factors.column_iter_mut().enumerate().for_each(|(entry, mut column)| column *= weight(entry));
     let rows = factors.row_iter().map(|row| row.iter().map(|number| *number as f32).collect()).collect();
     (rows, offsets.iter().map(|number| *number as f32).collect())
 }
@@ -224,7 +233,7 @@ mod tests {
         let matrix = rows(&values);
         let interpolation = Shortlist::new(&lights, &matrix).combined(&matrix).unwrap();
         let entries = DMatrix::from_column_slice(150, 60, matrix.as_slice());
-        let components = Components::new(&entries, 24);
+        let components = Components::new(&entries, DVector::from_fn(150, |k, _| 1.0 + 0.5 * (k as f64).sin()), 24);
         let learned = Learned::new(&components, &interpolation, &lights);
         assert_eq!((learned.map.side(), learned.map.terms()), (32, components.axes.ncols() + 1));
         let worst = |direction: [f32; 3]| {
@@ -258,7 +267,7 @@ mod tests {
         let matrix = DMatrix::from_fn(40, 90, |k, i| texel(k, i / 3));
         let interpolation = Shortlist::new(&lights, &matrix).combined(&matrix).unwrap();
         let entries = DMatrix::from_column_slice(120, 30, matrix.as_slice());
-        let components = Components::new(&entries, 2);
+        let components = Components::new(&entries, DVector::from_element(120, 1.0), 2);
         let known = at_lights(&components);
         let (seen, shares) = predicted(&known, interpolation.left_out.as_ref().unwrap());
         assert!(shares[0] == 1.0 && shares[1] > 0.95 && shares[2] < 0.3, "{shares:?}");
@@ -276,19 +285,22 @@ mod tests {
         let matrix = rows(&values);
         let interpolation = Shortlist::new(&lights, &matrix).combined(&matrix).unwrap();
         let entries = DMatrix::from_column_slice(36, 60, matrix.as_slice());
-        let components = Components::new(&entries, 5);
+        let components = Components::new(&entries, DVector::from_fn(36, |k, _| 1.0 + 0.5 * (k as f64).sin()), 5);
         let coefficients = components.coefficients(&entries);
         let left_out = LeftOut::new(&components, &interpolation).unwrap();
         for light in [0, 7, 11] {
             let rest: Vec<usize> = (0..36).filter(|entry| entry % 12 != light).collect();
             let mut centred = entries.select_rows(&rest);
-            centred.column_iter_mut().for_each(|mut column| column -= components.mean.select_rows(&rest));
+            for mut column in centred.column_iter_mut() {
+                column -= components.mean.select_rows(&rest);
+                column.component_mul_assign(&components.weights.select_rows(&rest));
+            }
             let solved = components.axes.select_rows(&rest).pseudo_inverse(1e-12).unwrap() * centred;
             let expected = left_out.predicted.colours(light, &solved.rows(0, 5));
             let found = left_out.colours(light, &coefficients.rows(0, 5), &entries);
             let seen = left_out.predicted.colours(light, &coefficients.rows(0, 5));
             let [off, changed] = [&expected, &seen].map(|other| (&found - other).amax());
-            assert!(off < 1e-4 && changed > 1e-4, "{off} {changed}");
+            assert!(off < 1e-6 && changed > 1e-5, "{off} {changed}");
         }
     }
 
@@ -303,7 +315,7 @@ mod tests {
         let matrix = DMatrix::from_fn(60, 90, |k, i| if k % 3 == 0 { 60_000.0 - i as f64 } else { 100.0 * i as f64 });
         let interpolation = Shortlist::new(&lights, &matrix).combined(&matrix).unwrap_or_default();
         let entries = DMatrix::from_column_slice(180, 30, matrix.as_slice());
-        let components = Components::new(&entries, 20);
+        let components = Components::new(&entries, DVector::from_element(180, 1.0), 20);
         let map = Learned::new(&components, &interpolation, &lights).map;
         let known = at_lights(&components);
         for term in 0..map.terms() {
