@@ -11,6 +11,7 @@ pub mod direction_list;
 pub mod file_kind;
 pub mod merl;
 pub mod meso;
+pub mod near_lights;
 pub mod pixels;
 pub mod ptm;
 pub mod recognise;

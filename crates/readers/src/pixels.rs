@@ -30,6 +30,9 @@ impl From<Vec<[f32; 3]>> for Pixels {
 }
 
 impl Pixels {
+    /// Bytes of a pixel of linear values.
+    pub const BYTES_OF_LINEAR: u64 = 12;
+
     /// Number of pixels.
     pub fn len(&self) -> usize {
         match self {

@@ -14,6 +14,9 @@ pub static KIND: FileKind =
 /// Maximum number of lights of a capture.
 pub const MAX_LIGHTS: usize = 4096;
 
+/// Line of a list whose vectors are positions of near lights.
+pub const POSITIONS: &str = "# positions in image widths";
+
 /// The images of a capture with the directions to their lights, in the order of the file.
 #[derive(Debug, Clone, PartialEq)]
 pub struct LightPositions {
@@ -26,6 +29,8 @@ pub struct LightPositions {
     pub lines: Vec<u64>,
     /// Number of lights that the file states, if it does.
     pub stated: Option<usize>,
+    /// Positions of near lights, if the list has the line [`POSITIONS`]: from the middle of the images, in widths of them.
+    pub positions: Option<Vec<[f64; 3]>>,
 }
 
 impl LightPositions {
@@ -38,33 +43,38 @@ impl LightPositions {
     }
 
     /// Parses the text of a file: the number of lights, which may be missing or wrong, then a line `NAME X Y Z` for
-    /// each.
+    /// each. The line [`POSITIONS`] may be anywhere.
     ///
     /// # Errors
     /// Returns an error for no lights, more than [`MAX_LIGHTS`], a line that is not a name and three finite numbers,
     /// vectors of length 0, no light above the horizon, and an image that is named twice.
     pub fn parse(text: &str) -> Result<Self, FormatError> {
-        let mut lines = (1u64..).zip(text.lines()).filter(|(_, content)| !content.trim().is_empty()).peekable();
+        let states_positions = |content: &str| content.trim().eq_ignore_ascii_case(POSITIONS);
+        let are_near = text.lines().any(states_positions);
+        let lines = (1u64..).zip(text.lines()).filter(|(_, content)| !content.trim().is_empty());
+        let mut lines = lines.filter(|(_, content)| !states_positions(content)).peekable();
         let (first, content) = *lines.peek().ok_or_else(|| {
             let allowed = "the number of lights, then a line for each light";
             FormatError::whole("number of lights", "empty file", allowed).problem()
         })?;
         let stated = if is_light(content) { None } else { Some(light_count(content.trim(), first)?) };
-        let mut list = Self { names: Vec::new(), directions: Vec::new(), lines: Vec::new(), stated };
+        let positions = are_near.then(Vec::new);
+        let mut list = Self { names: Vec::new(), directions: Vec::new(), lines: Vec::new(), stated, positions };
         let mut seen = BTreeMap::new();
         for (line, content) in lines.skip(usize::from(stated.is_some())) {
             if list.names.len() == MAX_LIGHTS {
                 let allowed = format!("at most {MAX_LIGHTS} lights");
                 return Err(FormatError::at_line(line, "light", "too many lights", allowed).problem());
             }
-            let (name, direction) = light(content, line)?;
+            let (name, vector) = light(content, line)?;
             // Names may contain either separator.
             if let Some(before) = seen.insert(name.replace('\\', "/"), line) {
                 let found = format!("{} is already on line {before}", quoted(name));
                 return Err(FormatError::at_line(line, "image", found, "each image once").problem());
             }
             list.names.push(name.to_owned());
-            list.directions.push(direction);
+            list.directions.push(unit(vector, line)?);
+            list.positions.iter_mut().for_each(|positions| positions.push(vector));
             list.lines.push(line);
         }
         let Some(line) = list.lines.first() else {
@@ -103,8 +113,8 @@ fn light_count(word: &str, line: u64) -> Result<usize, FormatError> {
     }
 }
 
-/// Name and unit vector of a line. The name is everything before the last three words, with or without quotation marks.
-fn light(content: &str, line: u64) -> Result<(&str, [f32; 3]), FormatError> {
+/// Name and vector of a line. The name is everything before the last three words, with or without quotation marks.
+fn light(content: &str, line: u64) -> Result<(&str, [f64; 3]), FormatError> {
     let mut rest = content.trim();
     let mut tokens = [""; 3];
     for slot in tokens.iter_mut().rev() {
@@ -123,7 +133,7 @@ fn light(content: &str, line: u64) -> Result<(&str, [f32; 3]), FormatError> {
         *component = number(word, line, field)?;
     }
     let name = rest.strip_prefix('"').and_then(|name| name.strip_suffix('"')).filter(|name| !name.is_empty());
-    Ok((name.unwrap_or(rest), unit(vector, line)?))
+    Ok((name.unwrap_or(rest), vector))
 }
 
 /// Returns true if a line ends with three numbers after a name.
@@ -247,6 +257,22 @@ mod tests {
         }
         let list = read("3\n\"a b.png\" 0 0 1\n\" 0 0 1\n\"\" 1 0 1\n");
         assert_eq!(list.names, ["a b.png", "\"", "\"\""]);
+    }
+
+    /// Positions of near lights keep their lengths; without the line they are directions.
+    #[test]
+    fn positions_of_near_lights() {
+        let lines = ["2", "a.png 0 0 1.5", "b.png 0.6 0 0.8"];
+        assert_eq!(LightPositions::parse(&lines.join("\n")).unwrap().positions, None);
+        for at in 0..=3 {
+            let mut lines = lines.to_vec();
+            lines.insert(at, " # Positions in image widths\r");
+            let list = LightPositions::parse(&lines.join("\n")).unwrap();
+            assert_eq!(list.positions, Some(vec![[0.0, 0.0, 1.5], [0.6, 0.0, 0.8]]), "{at}");
+            assert_eq!((list.stated, list.directions[0], list.lines.len()), (Some(2), [0.0, 0.0, 1.0], 2), "{at}");
+        }
+        let other = message("# positions in mm\n2\na.png 0 0 1\nb.png 0 0 2");
+        assert!(other.starts_with("line 1, number of lights: found \"# positions in mm\""), "{other}");
     }
 
     proptest! {

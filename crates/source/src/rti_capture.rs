@@ -6,6 +6,7 @@ use crate::photograph::{Image, common_size, read_pixels};
 use crate::read::{MAX_TEXT_BYTES, extension_of, read_file};
 use brdfc_core::words::{counted, join_truncated};
 use brdfc_formats::FormatError;
+use brdfc_readers::near_lights::NearLights;
 use brdfc_readers::pixels::Pixels;
 use brdfc_readers::rti_capture::{LightPositions, is_above};
 use std::collections::{BTreeMap, BTreeSet};
@@ -22,6 +23,7 @@ const MAX_NAMED: usize = 3;
 #[derive(Debug, Clone)]
 pub struct RtiCapture {
     directions: Vec<[f32; 3]>,
+    near: Option<NearLights>,
     files: Vec<PathBuf>,
     size: [usize; 2],
     bytes: u64,
@@ -43,9 +45,15 @@ impl RtiCapture {
         let (files, notes) = files(&list, &lights)?;
         let first = files.first().map_or("", |(light, _)| &lights.names[*light]);
         let directions = files.iter().map(|(light, _)| lights.directions[*light]).collect();
+        let of_files = |positions: &Vec<[f64; 3]>| files.iter().map(|(light, _)| positions[*light]).collect();
+        let positions: Option<Vec<[f64; 3]>> = lights.positions.as_ref().map(of_files);
         let files: Vec<PathBuf> = files.into_iter().map(|(_, file)| file).collect();
         let (size, bytes) = common_size(&files, first)?;
-        Ok(Self { directions, files, size: size.map(|n| n as usize), bytes, notes })
+        let size = size.map(|n| n as usize);
+        let near = positions.map(|positions| NearLights::new(positions, size));
+        let bytes =
+            if near.is_some() { Pixels::BYTES_OF_LINEAR * (size[0] * size[1] * files.len()) as u64 } else { bytes };
+        Ok(Self { directions, near, files, size, bytes, notes })
     }
 
     /// Differences between the list and the capture: lights that are left out, and a number that does not fit.
@@ -53,9 +61,15 @@ impl RtiCapture {
         &self.notes
     }
 
-    /// Unit vectors to the lights, z > 0: x to the right of the images, y up, z to the viewer.
+    /// Unit vectors to the lights, z > 0: x to the right of the images, y up, z to the viewer. For near lights from the middle of
+    /// the images.
     pub fn lights(&self) -> &[[f32; 3]] {
         &self.directions
+    }
+
+    /// Positions of the lights, if they are near.
+    pub fn near(&self) -> Option<&NearLights> {
+        self.near.as_ref()
     }
 
     /// Width and height of every image, pixels.
@@ -94,7 +108,7 @@ impl RtiCapture {
     /// Reads the image of a light, without caching it.
     ///
     /// PNG, JPEG and TIFF hold sRGB values, and their colour profiles are ignored; EXR and TIFF with floats hold linear
-    /// values. Alpha is ignored.
+    /// values. Alpha is ignored. For near lights these are the values at the mean distance of all lights.
     ///
     /// # Errors
     /// Returns an error for an index out of range, a file that cannot be read or decoded or has changed its size, and
@@ -104,7 +118,11 @@ impl RtiCapture {
             let error = FormatError::whole("light", light.to_string(), format!("less than {}", self.len()));
             return Err(InputError::format(self.files[0].parent().unwrap_or(Path::new("")), error));
         };
-        read_pixels(file, self.size)
+        let pixels = read_pixels(file, self.size)?;
+        Ok(match &self.near {
+            Some(near) => near.at_mean_distance(light, pixels),
+            None => pixels,
+        })
     }
 
     /// Facts about the capture.
@@ -113,13 +131,15 @@ impl RtiCapture {
             let [x, y, z] = direction.map(f64::from);
             x.hypot(y).atan2(z).to_degrees()
         };
+        // Directions have the precision of 32-bit floats.
+        let rounded = |number: f64| (number * 1e3).round() / 1e3;
         let angles = self.directions.iter().map(polar);
         let (least, most) = angles.fold((90.0f64, 0.0f64), |(least, most), angle| (least.min(angle), most.max(angle)));
         let extensions: BTreeSet<String> = self.files.iter().map(|file| extension_of(file)).collect();
         RtiCaptureFacts {
             lights: self.len(),
-            // Directions have the precision of 32-bit floats.
-            polar_angles: [least, most].map(|angle| (angle * 1e3).round() / 1e3),
+            polar_angles: [least, most].map(rounded),
+            distances: self.near.as_ref().map(|near| near.distances().map(rounded)),
             size: self.size,
             extensions: extensions.into_iter().collect(),
             notes: self.notes.clone(),
@@ -134,6 +154,9 @@ pub struct RtiCaptureFacts {
     pub lights: usize,
     /// Smallest and largest angle between a light and the direction of view, degrees.
     pub polar_angles: [f64; 2],
+    /// Smallest and largest distance of near lights from the middle of the images, in widths of them; absent for distant lights.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub distances: Option<[f64; 2]>,
     /// Width and height, pixels.
     pub size: [usize; 2],
     /// Extensions of the images, in lower case, without duplicates.
@@ -145,14 +168,16 @@ pub struct RtiCaptureFacts {
 impl RtiCaptureFacts {
     /// Lines for people: names and values.
     pub fn summary(&self) -> Vec<(&'static str, String)> {
-        let Self { lights, polar_angles: [least, most], size: [width, height], extensions, notes } = self;
+        let Self { lights, polar_angles: [least, most], distances, size: [width, height], extensions, notes } = self;
         let mut lines = vec![
             ("kind", "RTI capture: photographs of one view under known lights".to_owned()),
             ("lights", lights.to_string()),
             ("angles to the view", format!("{least} to {most} degrees")),
-            ("images", format!(".{}", extensions.join(", ."))),
-            ("pixels", format!("{width} x {height}")),
         ];
+        let near = distances.map(|[least, most]| format!("{least} to {most} widths of the images from their middle"));
+        lines.extend(near.map(|near| ("near lights", near)));
+        lines.push(("images", format!(".{}", extensions.join(", ."))));
+        lines.push(("pixels", format!("{width} x {height}")));
         lines.extend(notes.iter().map(|note| ("note", note.clone())));
         lines
     }

@@ -13,18 +13,55 @@ pub(super) const SIZE: [usize; 2] = [45, 38];
 pub(super) fn stack() -> Folder {
     let folder = Folder::new();
     let lights = spread_lights(40);
+    write(&folder, "stack", &lights, |_, light| lights[light]);
+    folder
+}
+
+/// Writes photographs of the surface. `seen` gives the light of a pixel: its direction, and its intensity as the length.
+fn write(folder: &Folder, name: &str, lights: &[[f32; 3]], seen: impl Fn([f32; 2], usize) -> [f32; 3]) {
     let pixels = |light: usize| -> Vec<[f32; 3]> {
         let pixel = |k: usize| {
             let (x, y) = ((k % SIZE[0]) as f32, (k / SIZE[0]) as f32);
             let normal = [0.3 * (0.5 * x).sin(), 0.3 * (0.4 * y).cos(), 0.9];
-            let cosine: f32 = normal.iter().zip(lights[light]).map(|(a, b)| a * b).sum();
+            let vector = seen([x, y], light);
+            let intensity = vector.iter().map(|c| c * c).sum::<f32>().sqrt();
+            let cosine: f32 = normal.iter().zip(vector).map(|(a, b)| a * b / intensity).sum();
             let (diffuse, gloss) = (cosine.max(0.0), cosine.max(0.0).powi(12));
-            [0.7 * diffuse + 0.2 * gloss, 0.4 * diffuse + 0.2 * gloss, 0.2 * diffuse + 0.2 * gloss]
+            [0.7, 0.4, 0.2].map(|colour| intensity * (colour * diffuse + 0.2 * gloss))
         };
         (0..SIZE[0] * SIZE[1]).map(pixel).collect()
     };
-    write_rti_capture(&folder.path().join("stack"), &lights, SIZE, StackFormat::Png, pixels).unwrap();
-    folder
+    write_rti_capture(&folder.path().join(name), lights, SIZE, StackFormat::Png, pixels).unwrap();
+}
+
+/// A list that states positions makes a better pack for distant lights than the same list without the line.
+#[test]
+fn near_lights_become_distant() {
+    let folder = stack();
+    // As far from the middle as the images are wide.
+    let lights = spread_lights(40);
+    write(&folder, "near", &lights, |[x, y], light| {
+        let [width, height] = SIZE.map(|side| side as f32);
+        let [a, b, c] = lights[light];
+        let vector = [a - ((x + 0.5) / width - 0.5), b - (0.5 * height - y - 0.5) / width, c];
+        let squared: f32 = vector.iter().map(|c| c * c).sum();
+        vector.map(|c| c / squared.powf(1.5))
+    });
+    let psnr = |note: bool| {
+        let report = folder.run(&["pwt", "near", "-o", "near.ktx2", "--json"]).succeeded().json();
+        let notes =
+            report["notes"].as_array().unwrap().iter().any(|text| text.as_str().unwrap().contains("near lights, 1"));
+        assert_eq!(notes, note, "{report}");
+        folder.run(&["compare", "stack", "near.ktx2", "--json"]).succeeded().json()["psnr"].as_f64().unwrap()
+    };
+    let as_directions = psnr(false);
+    let mut list = String::from_utf8(folder.read("near/dirs.lp")).unwrap();
+    list += "# positions in image widths\n";
+    std::fs::write(folder.path().join("near/dirs.lp"), list).unwrap();
+    let as_positions = psnr(true);
+    assert!(as_positions > as_directions + 6.0, "{as_positions} {as_directions}");
+    let info = folder.run(&["info", "near"]).succeeded();
+    assert!(info.stdout.contains("near lights") && info.stdout.contains("1 to 1 widths"), "{}", info.stdout);
 }
 
 #[test]

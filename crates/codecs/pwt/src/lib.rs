@@ -20,6 +20,7 @@ mod learned;
 pub mod levels;
 mod lifting;
 pub mod measure;
+pub mod near;
 pub mod normals;
 mod project;
 pub mod ptm;

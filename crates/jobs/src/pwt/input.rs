@@ -9,6 +9,7 @@ use brdfc_formats::pwt::{LightBasis, PwtDecoder, PwtPack};
 use brdfc_formats::{FormatError, Pack};
 use brdfc_pwt::LightSamples;
 use brdfc_pwt::measure::images_of_pack;
+use brdfc_pwt::near::distant;
 use brdfc_pwt::ptm::{samples_of, spread_lights};
 use brdfc_readers::pixels::Pixels;
 use brdfc_readers::viewer_file::ViewerFile;
@@ -27,9 +28,6 @@ const SPREAD: usize = 96;
 const LIGHTS_PER_TERM: usize = 4;
 /// Maximum bytes of all photographs together: 6 GiB.
 const MAX_BYTES: u64 = 6 << 30;
-/// Bytes of a pixel of linear values.
-const LINEAR: u64 = 12;
-
 /// Number of photographs that a note names.
 const MAX_NAMED: usize = 3;
 
@@ -169,19 +167,23 @@ fn check_amount(input: &impl std::fmt::Display, size: [usize; 2], lights: usize,
 /// [`check_amount`] of images with linear values.
 fn check_linear(input: &impl std::fmt::Display, size: [usize; 2], lights: usize) -> Result<(), Error> {
     let pixels: u64 = size.map(|side| side as u64).iter().product();
-    check_amount(input, size, lights, LINEAR * pixels * lights as u64)
+    check_amount(input, size, lights, Pixels::BYTES_OF_LINEAR * pixels * lights as u64)
 }
 
 /// Number of lights under which a map is rendered: fewer if it is large.
 fn lights_of(map: &dyn ViewerFile) -> usize {
     let pixels: u64 = map.size().map(u64::from).iter().product();
-    if LINEAR * pixels * SPREAD as u64 <= MAX_BYTES { SPREAD } else { LIGHTS_PER_TERM * map.basis().terms() }
+    if Pixels::BYTES_OF_LINEAR * pixels * SPREAD as u64 <= MAX_BYTES {
+        SPREAD
+    } else {
+        LIGHTS_PER_TERM * map.basis().terms()
+    }
 }
 
 /// Checks the size of a map or a pack, which is rendered under some lights and fitted again.
 fn check_spread(input: &impl std::fmt::Display, size: [u32; 2], lights: usize) -> Result<(), Error> {
     let pixels: u64 = size.map(u64::from).iter().product();
-    let most = MAX_BYTES / LINEAR / lights as u64;
+    let most = MAX_BYTES / Pixels::BYTES_OF_LINEAR / lights as u64;
     if pixels <= most {
         return Ok(());
     }
@@ -216,16 +218,19 @@ fn photographs(path: &Path) -> Result<(LightSamples, Vec<String>), Error> {
     let all = uniform(&samples);
     let left_out: Vec<usize> = all.iter().flat_map(|(_, lights)| lights).copied().collect();
     // A flash that failed, or a lens cap: such a photograph predicts no light.
-    if left_out.is_empty() || left_out.len() == samples.lights.len() {
-        return Ok((samples, notes));
-    }
-    for (name, lights) in all.iter().filter(|(_, lights)| !lights.is_empty()) {
+    let left_out = if left_out.len() == samples.lights.len() { Vec::new() } else { left_out };
+    for (name, lights) in all.iter().filter(|(_, lights)| !lights.is_empty() && !left_out.is_empty()) {
         let file = |light: &usize| stack.file(*light).file_name().unwrap_or_default().to_string_lossy().into_owned();
         let files: Vec<String> = lights.iter().map(file).collect();
         let (count, files) = (counted(lights.len(), "light"), join_truncated(&files, MAX_NAMED));
         notes.push(format!("left out {count}, whose photograph is {name} everywhere: {files}"));
     }
-    Ok((samples.without(&left_out), notes))
+    let samples = if left_out.is_empty() { samples } else { samples.without(&left_out) };
+    let Some(near) = stack.near() else { return Ok((samples, notes)) };
+    let [least, most] = near.distances();
+    notes.push(format!("near lights, {least:.2} to {most:.2} widths of the images away: converted to distant lights"));
+    let samples = distant(&samples, &near.without(&left_out)).map_err(|error| InputError::format(path, error))?;
+    Ok((samples, notes))
 }
 
 fn one_view(path: &Path, view: usize) -> Result<LightSamples, Error> {

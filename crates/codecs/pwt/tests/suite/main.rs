@@ -5,4 +5,5 @@ mod choose;
 mod encode;
 mod golden;
 mod measure;
+mod near;
 mod stacks;
