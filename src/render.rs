@@ -10,6 +10,7 @@ pub use brdfc_formats::pwt::{PwtDecoder, PwtPack};
 pub use brdfc_formats::wavelet::{DEFAULT_DISTANCE_SCALE, Filter};
 pub use brdfc_gpu::verify::{Material, PackReflectance, Views, lobes_views, views};
 pub use brdfc_gpu::{AdapterChoice, AdaptiveRenderer, Decoding, Gpu, GpuError, SliceFilter, draw_flat_btf, draw_pwt};
+pub use brdfc_jobs::pwt::DistantPhotographs;
 pub use brdfc_jobs::report::adaptive::{AdaptiveRates, AdaptiveVerification, Shading};
 pub use brdfc_jobs::report::contact::MaterialVerification;
 pub use brdfc_jobs::report::render::{PartMaterial, RenderingGates, Verification, nothing_shown};

@@ -1,8 +1,6 @@
 //! Lights near the surface: their direction and distance differ from pixel to pixel. Layout of their positions:
 //! `crates/readers/src/rti_capture.md`.
 
-use crate::pixels::Pixels;
-
 /// Positions of lights near a flat surface, which the images show from above.
 #[derive(Debug, Clone, PartialEq)]
 pub struct NearLights {
@@ -27,10 +25,40 @@ impl NearLights {
         Self { positions: rest.map(|light| self.positions[light]).collect(), ..self.clone() }
     }
 
+    /// The lights in groups, at their mean positions. Distances stay relative to those of all lights.
+    pub fn of_groups(&self, groups: &[Vec<usize>]) -> Self {
+        let mean = |group: &Vec<usize>| {
+            let sum = |axis: usize| group.iter().map(|light| self.positions[*light][axis]).sum::<f64>();
+            [0, 1, 2].map(|axis| sum(axis) / group.len() as f64)
+        };
+        Self { positions: groups.iter().map(mean).collect(), ..self.clone() }
+    }
+
+    /// Distance of a light from the middle of the images, in widths of them.
+    ///
+    /// # Panics
+    /// Panics if the light does not exist.
+    pub fn distance(&self, light: usize) -> f64 {
+        // Squares of wrong positions may overflow.
+        let [x, y, z] = self.positions[light];
+        x.hypot(y).hypot(z)
+    }
+
+    /// Distances from the middle of the images, in widths of them.
+    pub fn distances(&self) -> impl Iterator<Item = f64> {
+        (0..self.positions.len()).map(|light| self.distance(light))
+    }
+
     /// Smallest and largest distance from the middle of the images, in widths of them.
-    pub fn distances(&self) -> [f64; 2] {
-        let distances = self.positions.iter().map(|position| square(*position).sqrt());
-        distances.fold([f64::INFINITY, 0.0], |[least, most], distance| [least.min(distance), most.max(distance)])
+    pub fn range(&self) -> [f64; 2] {
+        self.distances().fold([f64::INFINITY, 0.0], |[least, most], distance| [least.min(distance), most.max(distance)])
+    }
+
+    /// Distance of each light from the nearest point of the images, in widths of them.
+    pub fn clearances(&self) -> impl Iterator<Item = f64> {
+        let [width, height] = self.size.map(|side| side as f64);
+        let beyond = move |c: f64, side: f64| (c.abs() - 0.5 * side / width).max(0.0);
+        self.positions.iter().map(move |[x, y, z]| square([beyond(*x, width), beyond(*y, height), *z]).sqrt())
     }
 
     /// Unit vectors to all lights from a point of the images: columns and rows from the upper left corner, in pixels.
@@ -43,24 +71,10 @@ impl NearLights {
         self.positions.iter().map(unit).collect()
     }
 
-    /// Factors of the pixels of a row that give them the irradiance of a light at the mean distance of all lights, perpendicular
-    /// to it. All lights have the same intensity.
-    pub fn factors(&self, light: usize, row: usize) -> impl Iterator<Item = f32> {
-        let (position, y) = (self.positions[light], row as f64 + 0.5);
-        let squared = move |x: usize| square(self.seen_from(position, [x as f64 + 0.5, y]));
-        (0..self.size[0]).map(move |x| (squared(x) / self.mean_square) as f32)
-    }
-
-    /// Multiplies the image under a light by its [`Self::factors`].
-    pub fn at_mean_distance(&self, light: usize, mut image: Pixels) -> Pixels {
-        let width = self.size[0];
-        for (row, pixels) in image.to_mut().chunks_exact_mut(width).enumerate() {
-            pixels
-                .iter_mut()
-                .zip(self.factors(light, row))
-                .for_each(|(pixel, factor)| *pixel = pixel.map(|c| c * factor));
-        }
-        image
+    /// Factor that gives a point of the images, in pixels, the irradiance of a light at the mean distance of all lights,
+    /// perpendicular to it. All lights have the same intensity.
+    pub fn factor(&self, light: usize, point: [f64; 2]) -> f32 {
+        (square(self.seen_from(self.positions[light], point)) / self.mean_square) as f32
     }
 
     /// Vector from a point of the images to a position.
@@ -88,14 +102,15 @@ mod tests {
         assert!((second[0] - 0.5 / length).abs() < 1e-6 && (second[1] - 0.25 / length).abs() < 1e-6, "{second:?}");
         // The upper right corner is at x = 1/2, y = 1/4.
         assert_eq!(lights.directions([8.0, 0.0])[1], [0.0, 0.0, 1.0]);
-        assert_eq!(lights.distances(), [1.0, 1.3125f64.sqrt()]);
+        assert_eq!(lights.range(), [1.0, 1.3125f64.sqrt()]);
+        let wide = NearLights::new(vec![[0.2, -0.1, 0.3], [0.9, 0.55, 0.0]], [8, 4]);
+        let clearances: Vec<f64> = wide.clearances().collect();
+        assert!((clearances[0] - 0.3).abs() < 1e-12 && (clearances[1] - 0.5).abs() < 1e-12, "{clearances:?}");
         // The mean squared distance is 1.15625; pixel centres are half a pixel from the corner.
-        let factors: Vec<f32> = lights.factors(1, 0).collect();
+        let factors = [0.5, 7.5].map(|x| lights.factor(1, [x, 0.5]));
         let expected = |x: f32| ((0.5 - x) * (0.5 - x) + 0.0625f32.powi(2) + 1.0) / 1.15625;
-        assert!((factors[7] - expected(0.4375)).abs() < 1e-6, "{factors:?}");
+        assert!((factors[1] - expected(0.4375)).abs() < 1e-6, "{factors:?}");
         assert!((factors[0] - expected(-0.4375)).abs() < 1e-6, "{factors:?}");
-        let image = lights.at_mean_distance(1, vec![[1.0, 2.0, 0.0]; 32].into());
-        assert_eq!(image.pixel(7), [factors[7], 2.0 * factors[7], 0.0]);
-        assert_eq!(lights.without(&[0]).factors(0, 0).collect::<Vec<_>>(), factors);
+        assert_eq!(lights.without(&[0]).factor(0, [7.5, 0.5]), factors[1]);
     }
 }

@@ -1,4 +1,4 @@
-//! Lists of light directions of photographs of one view, `.lp`. Layout: `crates/readers/src/rti_capture.md`.
+//! Lists of directions or positions of lights of photographs of one view, `.lp`. Layout: `crates/readers/src/rti_capture.md`.
 
 use super::scan::{has_decimal_comma, number, quoted};
 use crate::file_kind::{Begins, FileKind};
@@ -43,16 +43,18 @@ impl LightPositions {
     }
 
     /// Parses the text of a file: the number of lights, which may be missing or wrong, then a line `NAME X Y Z` for
-    /// each. The line [`POSITIONS`] may be anywhere.
+    /// each. Comments begin with `#`; one of them may be [`POSITIONS`].
     ///
     /// # Errors
     /// Returns an error for no lights, more than [`MAX_LIGHTS`], a line that is not a name and three finite numbers,
     /// vectors of length 0, no light above the horizon, and an image that is named twice.
     pub fn parse(text: &str) -> Result<Self, FormatError> {
-        let states_positions = |content: &str| content.trim().eq_ignore_ascii_case(POSITIONS);
-        let are_near = text.lines().any(states_positions);
-        let lines = (1u64..).zip(text.lines()).filter(|(_, content)| !content.trim().is_empty());
-        let mut lines = lines.filter(|(_, content)| !states_positions(content)).peekable();
+        let mut are_near = false;
+        for (line, content) in (1u64..).zip(text.lines()).filter(|(_, content)| is_comment(content)) {
+            are_near |= states_positions(content, line)?;
+        }
+        let is_other = |(_, content): &(u64, &str)| !content.trim().is_empty() && !is_comment(content);
+        let mut lines = (1u64..).zip(text.lines()).filter(is_other).peekable();
         let (first, content) = *lines.peek().ok_or_else(|| {
             let allowed = "the number of lights, then a line for each light";
             FormatError::whole("number of lights", "empty file", allowed).problem()
@@ -136,6 +138,30 @@ fn light(content: &str, line: u64) -> Result<(&str, [f64; 3]), FormatError> {
     Ok((name.unwrap_or(rest), vector))
 }
 
+/// Returns true if a line is a comment; names of images may begin with the same character.
+fn is_comment(content: &str) -> bool {
+    content.trim_start().starts_with('#') && !is_light(content)
+}
+
+/// Returns true if a comment is [`POSITIONS`].
+///
+/// # Errors
+/// Returns an error for other comments about positions, such as those in other units.
+fn states_positions(content: &str, line: u64) -> Result<bool, FormatError> {
+    let is_between = |c: char| c.is_whitespace() || c == '#' || c == '.';
+    let words = |text: &str| -> Vec<String> {
+        text.split(is_between).filter(|word| !word.is_empty()).map(str::to_lowercase).collect()
+    };
+    let found = words(content);
+    if found == words(POSITIONS) {
+        return Ok(true);
+    }
+    if found.first().is_some_and(|word| word == "positions") {
+        return Err(FormatError::at_line(line, "positions", quoted(content.trim()), quoted(POSITIONS)));
+    }
+    Ok(false)
+}
+
 /// Returns true if a line ends with three numbers after a name.
 fn is_light(content: &str) -> bool {
     let words: Vec<bool> = content.split_whitespace().map(is_number).collect();
@@ -165,7 +191,7 @@ pub fn is_above(direction: &[f32; 3]) -> bool {
 
 /// Returns true if text begins like a list of lights: a number alone, then a name and three numbers.
 fn is_list(text: &str) -> bool {
-    let mut lines = text.lines().map(str::trim).filter(|line| !line.is_empty());
+    let mut lines = text.lines().map(str::trim).filter(|line| !line.is_empty() && !is_comment(line));
     let (first, second) = (lines.next().unwrap_or(""), lines.next().unwrap_or(""));
     let is_named = second.split_whitespace().next().is_some_and(|word| !is_number(word));
     first.parse::<u32>().is_ok() && is_named && is_light(second)
@@ -271,8 +297,13 @@ mod tests {
             assert_eq!(list.positions, Some(vec![[0.0, 0.0, 1.5], [0.6, 0.0, 0.8]]), "{at}");
             assert_eq!((list.stated, list.directions[0], list.lines.len()), (Some(2), [0.0, 0.0, 1.0], 2), "{at}");
         }
-        let other = message("# positions in mm\n2\na.png 0 0 1\nb.png 0 0 2");
-        assert!(other.starts_with("line 1, number of lights: found \"# positions in mm\""), "{other}");
+        let read = |last: &str| LightPositions::parse(&format!("{}\n{last}", lines.join("\n")));
+        assert!(read("#Positions  in image widths.").unwrap().positions.is_some());
+        assert_eq!(read("# about positions").unwrap().positions, None);
+        let expected = "line 4, positions: found \"# positions in mm\", expected \"# positions in image widths\"";
+        assert_eq!(read("# positions in mm").unwrap_err().to_string(), expected);
+        // A name.
+        assert_eq!(read("# positions 1 0 1").unwrap().names[2], "# positions");
     }
 
     proptest! {

@@ -16,10 +16,15 @@ use std::path::{Path, PathBuf};
 pub const EXTENSION: &str = "lp";
 /// Maximum number of files of a folder that are read.
 const MAX_ENTRIES: usize = 1 << 20;
+/// Minimum distance of a near light from the images, and maximum distance from their middle, in widths of them.
+const MIN_DISTANCE: f64 = 0.1;
+const MAX_DISTANCE: f64 = 1000.0;
+/// Maximum distance of a near light from the middle, relative to that of the nearest.
+const MAX_RATIO: f64 = 10.0;
 /// Number of lights that a note names.
 const MAX_NAMED: usize = 3;
 
-/// An RTI capture: photographs of one view and of one size, each under one distant light.
+/// An RTI capture: photographs of one view and of one size, each under one light.
 #[derive(Debug, Clone)]
 pub struct RtiCapture {
     directions: Vec<[f32; 3]>,
@@ -38,7 +43,7 @@ impl RtiCapture {
     ///
     /// # Errors
     /// Returns an error for unreadable files, lists that [`LightPositions::from_bytes`] rejects, no list or several,
-    /// no image of a light above the horizon, the same image twice, files that are not PNG, JPEG, TIFF or EXR, and
+    /// no image of a light above the horizon, the same image twice, near lights whose distances are out of range, files that are not PNG, JPEG, TIFF or EXR, and
     /// images of different sizes or with more than [`MAX_SIZE`](crate::photograph::MAX_SIZE) pixels along a side.
     pub fn open(path: &Path) -> Result<Self, InputError> {
         let (list, lights) = read_list(path)?;
@@ -47,12 +52,14 @@ impl RtiCapture {
         let directions = files.iter().map(|(light, _)| lights.directions[*light]).collect();
         let of_files = |positions: &Vec<[f64; 3]>| files.iter().map(|(light, _)| positions[*light]).collect();
         let positions: Option<Vec<[f64; 3]>> = lights.positions.as_ref().map(of_files);
+        let lines: Vec<u64> = files.iter().map(|(light, _)| lights.lines[*light]).collect();
         let files: Vec<PathBuf> = files.into_iter().map(|(_, file)| file).collect();
         let (size, bytes) = common_size(&files, first)?;
         let size = size.map(|n| n as usize);
         let near = positions.map(|positions| NearLights::new(positions, size));
-        let bytes =
-            if near.is_some() { Pixels::BYTES_OF_LINEAR * (size[0] * size[1] * files.len()) as u64 } else { bytes };
+        if let Some(near) = &near {
+            check_distances(near, &lines).map_err(|error| InputError::format(&list, error))?;
+        }
         Ok(Self { directions, near, files, size, bytes, notes })
     }
 
@@ -108,7 +115,7 @@ impl RtiCapture {
     /// Reads the image of a light, without caching it.
     ///
     /// PNG, JPEG and TIFF hold sRGB values, and their colour profiles are ignored; EXR and TIFF with floats hold linear
-    /// values. Alpha is ignored. For near lights these are the values at the mean distance of all lights.
+    /// values. Alpha is ignored.
     ///
     /// # Errors
     /// Returns an error for an index out of range, a file that cannot be read or decoded or has changed its size, and
@@ -118,11 +125,7 @@ impl RtiCapture {
             let error = FormatError::whole("light", light.to_string(), format!("less than {}", self.len()));
             return Err(InputError::format(self.files[0].parent().unwrap_or(Path::new("")), error));
         };
-        let pixels = read_pixels(file, self.size)?;
-        Ok(match &self.near {
-            Some(near) => near.at_mean_distance(light, pixels),
-            None => pixels,
-        })
+        read_pixels(file, self.size)
     }
 
     /// Facts about the capture.
@@ -132,14 +135,13 @@ impl RtiCapture {
             x.hypot(y).atan2(z).to_degrees()
         };
         // Directions have the precision of 32-bit floats.
-        let rounded = |number: f64| (number * 1e3).round() / 1e3;
         let angles = self.directions.iter().map(polar);
         let (least, most) = angles.fold((90.0f64, 0.0f64), |(least, most), angle| (least.min(angle), most.max(angle)));
         let extensions: BTreeSet<String> = self.files.iter().map(|file| extension_of(file)).collect();
         RtiCaptureFacts {
             lights: self.len(),
             polar_angles: [least, most].map(rounded),
-            distances: self.near.as_ref().map(|near| near.distances().map(rounded)),
+            distances: self.near.as_ref().map(|near| near.range().map(rounded)),
             size: self.size,
             extensions: extensions.into_iter().collect(),
             notes: self.notes.clone(),
@@ -174,13 +176,42 @@ impl RtiCaptureFacts {
             ("lights", lights.to_string()),
             ("angles to the view", format!("{least} to {most} degrees")),
         ];
-        let near = distances.map(|[least, most]| format!("{least} to {most} widths of the images from their middle"));
+        let near = distances.map(|distances| format!("{} image widths from the middle", format_range(distances)));
         lines.extend(near.map(|near| ("near lights", near)));
         lines.push(("images", format!(".{}", extensions.join(", ."))));
         lines.push(("pixels", format!("{width} x {height}")));
         lines.extend(notes.iter().map(|note| ("note", note.clone())));
         lines
     }
+}
+
+fn rounded(number: f64) -> f64 {
+    (number * 1e3).round() / 1e3
+}
+
+/// Formats a range of distances; once if both ends are equal.
+pub fn format_range([least, most]: [f64; 2]) -> String {
+    let [least, most] = [least, most].map(rounded);
+    if least == most { least.to_string() } else { format!("{least} to {most}") }
+}
+
+/// Checks the distances of near lights.
+fn check_distances(near: &NearLights, lines: &[u64]) -> Result<(), FormatError> {
+    let wrong = |light: usize, found: f64, place: &str, allowed: String| {
+        let found = format!("{} image widths from the {place}", rounded(found));
+        Err(FormatError::at_line(lines[light], "position", found, allowed))
+    };
+    if let Some((light, distance)) = near.clearances().enumerate().find(|(_, distance)| *distance < MIN_DISTANCE) {
+        return wrong(light, distance, "images", format!("{MIN_DISTANCE} or more"));
+    }
+    // A position in another unit; all lights have the same intensity.
+    let nearest = near.range()[0];
+    let most = (MAX_RATIO * nearest).min(MAX_DISTANCE);
+    if let Some((light, distance)) = near.distances().enumerate().find(|(_, distance)| *distance > most) {
+        let allowed = format!("at most {}; the nearest light is {} away", rounded(most), rounded(nearest));
+        return wrong(light, distance, "middle", allowed);
+    }
+    Ok(())
 }
 
 /// Returns true if a path is a list of lights by its name, or a folder with such a list.

@@ -6,10 +6,10 @@ use super::materials::Subject;
 use super::{gpu, outputs, scene};
 use crate::output::{note, remark};
 use crate::{Common, Error};
-use brdfc::inspect::{RtiCapture, is_rti_capture};
+use brdfc::inspect::is_rti_capture;
 use brdfc::render::{
-    Builtin, FrameBlock, LinearImage, Photograph, PwtDecoder, PwtMaterial, PwtPack, Verification, Views, distant_light,
-    draw_photographs, draw_pwt, draw_pwt_on_cpu, image_scene, nearest_photograph,
+    Builtin, DistantPhotographs, FrameBlock, LinearImage, Photograph, PwtDecoder, PwtMaterial, PwtPack, Verification,
+    Views, distant_light, draw_photographs, draw_pwt, draw_pwt_on_cpu, image_scene, nearest_photograph,
 };
 use brdfc::{FormatError, Input};
 
@@ -35,13 +35,16 @@ pub(super) fn verification(
     let start = scene::Start { builtin: Builtin::Plane, size: size.map(side), scene: &of_builtin };
     let mut setup = scene::setup_from(arguments, subject, &start)?;
     let stack = arguments.source.as_ref().map(|source| open_capture(source, size)).transpose()?;
+    if let (Some(stack), Some(source)) = (&stack, &arguments.source) {
+        stack.notes().iter().for_each(|line| note(common, source, line));
+    }
     if let Some(stack) = stack.as_ref().filter(|_| setup.builtin == Builtin::Plane) {
         let of_manifest = subject.manifest().is_some_and(|manifest| manifest.render.lights.is_some());
         if !of_manifest {
             // Use the light of a photograph, so that the rendering can be compared with it.
             for light in &mut setup.scene.lights {
-                let (nearest, _) = nearest_photograph(stack, light);
-                *light = distant_light(stack.lights()[nearest].map(f64::from));
+                let (nearest, _) = nearest_photograph(stack.capture(), light);
+                *light = distant_light(stack.capture().lights()[nearest].map(f64::from));
             }
         }
     }
@@ -70,7 +73,7 @@ pub(super) fn verification(
 }
 
 /// Opens the photographs to compare a pack with.
-fn open_capture(source: &Input, size: [usize; 2]) -> Result<RtiCapture, Error> {
+fn open_capture(source: &Input, size: [usize; 2]) -> Result<DistantPhotographs, Error> {
     let Some(path) = source.path() else {
         let text = format!("--source: found {source}, expected the folder or the .lp of an RTI capture");
         return Err(Error::usage(text));
@@ -79,30 +82,35 @@ fn open_capture(source: &Input, size: [usize; 2]) -> Result<RtiCapture, Error> {
         let text = format!("--source: found {source}, expected the folder or the .lp of an RTI capture");
         return Err(Error::usage(text));
     }
-    let stack = RtiCapture::open(path)?;
-    if stack.size() != size {
-        let [found, expected] = [stack.size(), size].map(|[width, height]| format!("{width} x {height} pixels"));
+    let photographs = DistantPhotographs::open(path)?;
+    let found = photographs.capture().size();
+    if found != size {
+        let [found, expected] = [found, size].map(|[width, height]| format!("{width} x {height} pixels"));
         let text = format!("--source: {source}: found {found}, expected {expected}, the size of the pack");
         return Err(Error::input(text));
     }
-    Ok(stack)
+    Ok(photographs)
 }
 
 /// Draws the photograph that is nearest to each light.
 fn of_photographs(
     setup: &scene::Setup,
-    stack: &RtiCapture,
+    photographs: &DistantPhotographs,
     repeats: bool,
     repeat: u32,
     common: Common,
 ) -> Result<LinearImage, Error> {
-    let mut photographs = Vec::new();
+    let mut drawn = Vec::new();
     for light in &setup.scene.lights {
-        let (number, angle) = nearest_photograph(stack, light);
-        let image = stack.image(number)?;
-        let file = stack.file(number).file_name().map_or_else(String::new, |name| name.to_string_lossy().into_owned());
+        let (number, angle) = nearest_photograph(photographs.capture(), light);
+        let image = photographs.image(number)?;
+        let file = photographs
+            .capture()
+            .file(number)
+            .file_name()
+            .map_or_else(String::new, |name| name.to_string_lossy().into_owned());
         remark(common, &format!("compared with {file}; its light is {angle:.1}° from the light of the rendering"));
-        photographs.push(Photograph::new([image.width, image.height], image.pixels, repeats));
+        drawn.push(Photograph::new([image.width, image.height], image.pixels, repeats));
     }
-    Ok(draw_photographs(&setup.scene, setup.frame, &photographs, repeat))
+    Ok(draw_photographs(&setup.scene, setup.frame, &drawn, repeat))
 }

@@ -108,6 +108,7 @@ impl Asset {
             size: [self.size; 2],
             lights: lights.fitted_directions(),
             images: lights.fitted.iter().map(|light| images[*light].clone().into()).collect(),
+            near: None,
             repeats: true,
             defined: self.mask(view).filter(|mask| mask.contains(&true)).map(<[bool]>::to_vec),
         }

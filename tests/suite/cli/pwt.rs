@@ -49,8 +49,11 @@ fn near_lights_become_distant() {
     });
     let psnr = |note: bool| {
         let report = folder.run(&["pwt", "near", "-o", "near.ktx2", "--json"]).succeeded().json();
-        let notes =
-            report["notes"].as_array().unwrap().iter().any(|text| text.as_str().unwrap().contains("near lights, 1"));
+        let notes = report["notes"]
+            .as_array()
+            .unwrap()
+            .iter()
+            .any(|text| text.as_str().unwrap().contains("near lights, at distances of 1 image"));
         assert_eq!(notes, note, "{report}");
         folder.run(&["compare", "stack", "near.ktx2", "--json"]).succeeded().json()["psnr"].as_f64().unwrap()
     };
@@ -61,7 +64,20 @@ fn near_lights_become_distant() {
     let as_positions = psnr(true);
     assert!(as_positions > as_directions + 6.0, "{as_positions} {as_directions}");
     let info = folder.run(&["info", "near"]).succeeded();
-    assert!(info.stdout.contains("near lights") && info.stdout.contains("1 to 1 widths"), "{}", info.stdout);
+    assert!(info.stdout.contains("near lights") && info.stdout.contains("1 image widths"), "{}", info.stdout);
+    // Comparisons convert the photographs, too.
+    let compared = folder.run(&["compare", "near", "near.ktx2", "--json"]).succeeded();
+    assert!(compared.stderr.contains("near lights, at distances of 1 image widths"), "{compared:?}");
+    assert!(compared.json()["psnr"].as_f64().unwrap() > 30.0, "{compared:?}");
+    folder.run(&["pwt", "near", "--normals", "n.png", "--web", "web", "--hold-out", "5"]).succeeded();
+    // One position in another unit.
+    let list = String::from_utf8(folder.read("near/dirs.lp")).unwrap();
+    let third = list.lines().nth(3).unwrap();
+    std::fs::write(folder.path().join("near/dirs.lp"), list.replace(third, "0002.png 250 0 250")).unwrap();
+    let refused = folder.run(&["pwt", "near", "-o", "x.ktx2"]);
+    let text =
+        "dirs.lp: line 4, position: found 353.553 image widths from the middle, expected at most 10; the nearest light";
+    assert!(refused.code == 3 && refused.stderr.contains(text), "{refused:?}");
 }
 
 #[test]

@@ -107,11 +107,16 @@ pub(crate) fn to_srgb(domain: Domain, mut values: Vec<f32>) -> Vec<f32> {
     values
 }
 
-/// Slopes of the sRGB encoding, 0 to 1, over values in a domain.
-pub(crate) fn slopes(domain: Domain, values: &[f32]) -> impl Iterator<Item = f32> {
+/// Squared slopes of the sRGB encoding, 0 to 1, over values in a domain: the mean of both sides, which differ at black and white.
+pub(crate) fn squared_slopes(domain: Domain, mut values: Vec<f32>) -> impl Iterator<Item = f32> {
     const STEP: f32 = 1e-3;
-    let [below, above] = [-STEP, STEP].map(|step| to_srgb(domain, values.iter().map(|value| value + step).collect()));
-    below.into_iter().zip(above).map(|(below, above)| (above - below) / (2.0 * STEP))
+    let [black, white] = [0.0, 1.0].map(|value| domain.encode(value));
+    values.iter_mut().for_each(|value| *value = value.clamp(black, white));
+    let [below, at, above] =
+        [-STEP, 0.0, STEP].map(|step| to_srgb(domain, values.iter().map(|value| value + step).collect()));
+    let squared = |difference: f32| (difference / STEP).powi(2);
+    let slopes = below.into_iter().zip(at).zip(above);
+    slopes.map(move |((below, at), above)| 0.5 * (squared(at - below) + squared(above - at)))
 }
 
 /// Sum of squared differences.

@@ -1,7 +1,7 @@
 //! Chooses domain, interpolation and number of learned terms by leave-one-out cross-validation over the lights.
 
 use crate::assemble::CHANNELS;
-use crate::candidates::{Candidate, Texels, decibels, slopes, squares, to_srgb};
+use crate::candidates::{Candidate, Texels, decibels, squared_slopes, squares, to_srgb};
 use crate::components::Components;
 use crate::kriging::{Interpolation, Shortlist, rows};
 use crate::learned::{Learned, LeftOut, map_side};
@@ -172,12 +172,11 @@ impl<'a> Trial<'a> {
 }
 
 /// Weights of entries, so that errors count as in sRGB encoding: the root of the mean squared slope of each row, relative to that of
-/// all. Dark photographs count less in logarithms.
+/// all. Dark photographs count less in logarithms, and more in linear values.
 fn weights(domain: Domain, entries: &DMatrix<f64>) -> DVector<f64> {
     let of_row = |row: usize| {
         let values: Vec<f32> = entries.row(row).iter().map(|value| *value as f32).collect();
-        let squares: f64 = slopes(domain, &values).map(|slope| f64::from(slope * slope)).sum();
-        (squares / values.len().max(1) as f64).sqrt()
+        (squared_slopes(domain, values).map(f64::from).sum::<f64>() / entries.ncols().max(1) as f64).sqrt()
     };
     let weights: Vec<f64> = (0..entries.nrows()).into_par_iter().map(of_row).collect();
     let weights = DVector::from_vec(weights);
@@ -212,5 +211,38 @@ impl LearnedCandidate {
         let entries = DMatrix::from_column_slice(3 * values.len(), at.len(), rows(&values).as_slice());
         let components = Components::new(&entries, weights(domain, &entries), self.candidate().degree as usize);
         Learned::new(&components, &self.interpolation, &samples.lights)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Errors in sRGB encoding are smaller with the weights than with equal ones where half of the photographs are dark.
+    #[test]
+    fn dark_photographs_count_as_in_srgb() {
+        let domain = Domain::Logarithm { epsilon: 1e-4 };
+        let lights = 12;
+        let entries = DMatrix::from_fn(3 * lights, 80, |entry, texel| {
+            let (light, texel) = (entry % lights, texel as f64);
+            let brightness = if light % 2 == 0 { 0.003 } else { 0.4 };
+            let change = (texel * (1.3 + 0.7 * light as f64)).sin() + (2.1 * texel).cos();
+            f64::from(domain.encode((brightness * (1.0 + 0.45 * change)) as f32))
+        });
+        let codes = |values: &DMatrix<f64>| to_srgb(domain, values.iter().map(|value| *value as f32).collect());
+        let error = |weights: DVector<f64>| {
+            let components = Components::new(&entries, weights, 3);
+            let mut fitted = components.unweighted() * components.coefficients(&entries);
+            fitted.column_iter_mut().for_each(|mut column| column += &components.mean);
+            squares(&codes(&fitted), &codes(&entries))
+        };
+        let found = weights(domain, &entries);
+        assert!((found.norm_squared() / found.len() as f64 - 1.0).abs() < 0.01, "{found}");
+        assert!(found[0] < 0.5 * found[1], "{found}");
+        let [with, without] = [error(found), error(DVector::from_element(3 * lights, 1.0))];
+        assert!(with < 0.9 * without, "{with} {without}");
+        // Black photographs have a weight, too.
+        let black = weights(Domain::Linear, &DMatrix::zeros(3, 5));
+        assert!(black.iter().all(|weight| *weight == 1.0), "{black}");
     }
 }

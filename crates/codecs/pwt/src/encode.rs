@@ -1,7 +1,7 @@
 //! Encodes images of one view under known lights as a pack. Each step has its own file; this one sequences them.
 
 use crate::assemble::Arrangement;
-use crate::candidates::{Candidate, slopes};
+use crate::candidates::{Candidate, squared_slopes};
 use crate::choose::choose;
 use crate::choose_learned::LearnedCandidate;
 use crate::degrees::{SubbandDegree, degrees};
@@ -47,7 +47,7 @@ pub struct PwtEncoded {
     pub met: bool,
 }
 
-/// Encodes images of one view.
+/// Encodes images of one view. Those of near lights are converted to distant lights.
 ///
 /// # Errors
 /// Returns an error if images or recipe are out of range, or if the sides of a tile cannot be halved for the requested
@@ -55,6 +55,7 @@ pub struct PwtEncoded {
 pub fn encode(samples: &LightSamples, recipe: &PwtRecipe) -> Result<PwtEncoded, FormatError> {
     samples.check()?;
     recipe.check()?;
+    let samples = &*samples.distant()?;
     let depth = depth(samples, recipe)?;
     let choice = choose(samples, recipe)?;
     let candidate = choice.candidates[0];
@@ -294,21 +295,26 @@ fn channels(samples: &LightSamples, domain: Domain, colour: &[[f32; 3]; 3], exte
 
 /// Perceptual weight of an error of each texel: the mean square of the slope of sRGB-encoded values over values of the domain,
 /// relative to the weight that each light has in the fit; 0 where texels are not defined.
-fn texel_weights(samples: &LightSamples, domain: Domain, extent: [usize; 2], of_light: impl Fn(usize) -> f32) -> Plane {
+fn texel_weights(
+    samples: &LightSamples,
+    domain: Domain,
+    extent: [usize; 2],
+    weight_of_light: impl Fn(usize) -> f32,
+) -> Plane {
     const IMAGES: usize = 8;
     let [width, height] = samples.size;
     let stride = samples.images.len().div_ceil(IMAGES);
     let lights = (0..samples.images.len()).step_by(stride);
-    let some: Vec<(&Pixels, f32)> = lights.map(|light| (&samples.images[light], of_light(light))).collect();
+    let some: Vec<(&Pixels, f32)> = lights.map(|light| (&samples.images[light], weight_of_light(light))).collect();
     let mut weights = Plane::zeros(extent);
     weights.values.par_chunks_exact_mut(extent[0]).take(height).enumerate().for_each(|(y, weights)| {
-        for (image, of_light) in &some {
+        for (image, weight_of_light) in &some {
             // The middle channel, which is nearly luminance.
             let row = image.linear(y * width..(y + 1) * width);
-            let mut encoded: Vec<f32> = row.iter().map(|value| value[1].clamp(0.0, 1.0)).collect();
+            let mut encoded: Vec<f32> = row.iter().map(|value| value[1]).collect();
             domain.encode_each(&mut encoded);
-            for (weight, slope) in weights.iter_mut().zip(slopes(domain, &encoded)) {
-                *weight += (slope / of_light).powi(2) / some.len() as f32;
+            for (weight, slope) in weights.iter_mut().zip(squared_slopes(domain, encoded)) {
+                *weight += slope / (weight_of_light.powi(2) * some.len() as f32);
             }
         }
         let undefined = |(x, _): &(usize, &mut f32)| !samples.is_defined(y * width + x);
@@ -336,4 +342,27 @@ fn guide_step(guides: &[Plane]) -> f32 {
     let mean = mean_of(&|value| value);
     let variance = mean_of(&|value| (value - mean).powi(2));
     (0.01 * variance.sqrt()).max(1e-9) as f32
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Known answers: squared slopes of the sRGB curve, half of them at black and white, whose other side is clipped.
+    #[test]
+    fn weights_of_texels_are_squared_slopes() {
+        let values: Vec<[f32; 3]> = [0.0, 0.5, 1.0, 3.0].map(|value| [9.0, value, 9.0]).to_vec();
+        let samples = LightSamples::new([2, 2], vec![[0.0, 0.0, 1.0]; 2], vec![values.clone(), values]);
+        let slope = |value: f32| 1.055 / 2.4 * value.powf(1.0 / 2.4 - 1.0);
+        let expected = [0.5 * 12.92f32.powi(2), slope(0.5).powi(2), 0.5 * slope(1.0).powi(2), 0.5 * slope(1.0).powi(2)];
+        let found = texel_weights(&samples, Domain::Linear, [4, 2], |_| 2.0);
+        for (texel, expected) in [0, 1, 4, 5].into_iter().zip(expected) {
+            let found = 4.0 * found.values[texel];
+            assert!((found / expected - 1.0).abs() < 0.01, "{texel}: {found} {expected}");
+        }
+        assert_eq!(found.values[2], 0.0);
+        // Errors of sRGB values count alike, except at the ends.
+        let display = texel_weights(&samples, Domain::Display, [2, 2], |_| 1.0);
+        assert!((display.values[1] - 1.0).abs() < 1e-3, "{:?}", display.values);
+    }
 }

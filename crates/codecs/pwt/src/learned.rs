@@ -11,7 +11,7 @@ use std::f64::consts::PI;
 const TEXELS_PER_LIGHT: f64 = 3.0;
 /// Width of the correction at a light, in mean distances of two lights.
 const CORRECTION: f64 = 0.35;
-/// Share by which corrections fall short, so that those of near lights do not overshoot between them.
+/// Share by which corrections fall short, so that those of neighbouring lights do not overshoot between them.
 const SHORT: f64 = 0.005;
 
 /// Regularisation of coefficients that one light determines alone.
@@ -139,7 +139,7 @@ impl Learned {
         }
         limit(&mut map, &known);
         correct(&mut map, &known, lights, side);
-        // Corrections of near lights can overshoot.
+        // Corrections of neighbouring lights can overshoot.
         limit(&mut map, &known);
         let texels: Vec<[f32; 3]> = (0..known.ncols() / 3)
             .flat_map(|term| (0..map.nrows()).map(move |texel| (term, texel)))

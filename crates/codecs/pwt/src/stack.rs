@@ -1,6 +1,7 @@
 //! Input of the encoder: images of one view under known lights.
 
 use brdfc_formats::FormatError;
+use brdfc_readers::near_lights::NearLights;
 use brdfc_readers::pixels::Pixels;
 use std::borrow::Cow;
 
@@ -16,15 +17,17 @@ pub fn spread(count: usize, most: usize) -> Vec<usize> {
     if count <= most { (0..count).collect() } else { (0..most).map(nth).collect() }
 }
 
-/// Images of one view, each under a distant light.
+/// Images of one view, each under one light.
 #[derive(Debug, Clone, PartialEq)]
 pub struct LightSamples {
     /// Columns and rows of every image.
     pub size: [usize; 2],
-    /// Unit vectors to the lights, above the horizon.
+    /// Unit vectors to the lights, above the horizon; for near lights from the middle of the images.
     pub lights: Vec<[f32; 3]>,
     /// RGB of each image, row by row from the top; 1 is white. Only polynomials have values below 0.
     pub images: Vec<Pixels>,
+    /// Positions of the lights, if they are near; [`Self::distant`] converts such images.
+    pub near: Option<NearLights>,
     /// True if the images are tiles that repeat.
     pub repeats: bool,
     /// Mask of defined texels, row by row; `None` if all are defined. Other texels hold filled values: they are fitted,
@@ -33,10 +36,10 @@ pub struct LightSamples {
 }
 
 impl LightSamples {
-    /// Images that do not repeat and whose texels are all defined.
+    /// Images under distant lights that do not repeat and whose texels are all defined.
     pub fn new(size: [usize; 2], lights: Vec<[f32; 3]>, images: Vec<impl Into<Pixels>>) -> Self {
         let images = images.into_iter().map(Into::into).collect();
-        Self { size, lights, images, repeats: false, defined: None }
+        Self { size, lights, images, near: None, repeats: false, defined: None }
     }
 
     /// Checks the input.
@@ -111,7 +114,7 @@ impl LightSamples {
         self.defined.as_ref().map_or(all, |mask| mask.iter().filter(|defined| **defined).count())
     }
 
-    /// Crops every image to its middle, with sides that are multiples of `multiple`; smaller sides stay unchanged.
+    /// Crops every image under a distant light to its middle, with sides that are multiples of `multiple`; smaller sides stay unchanged.
     pub fn cropped(&self, multiple: usize) -> Self {
         let [width, height] = self.size;
         let size = self.size.map(|side| if side < multiple { side } else { side - side % multiple });
@@ -119,7 +122,7 @@ impl LightSamples {
         let at = |y: usize| (first[1] + y) * width + first[0]..(first[1] + y) * width + first[0] + size[0];
         let images = self.images.iter().map(|image| image.parts((0..size[1]).map(at))).collect();
         let defined = self.defined.as_ref().map(|mask| (0..size[1]).flat_map(|y| &mask[at(y)]).copied().collect());
-        Self { size, lights: self.lights.clone(), images, repeats: self.repeats, defined }
+        Self { size, lights: self.lights.clone(), images, near: None, repeats: self.repeats, defined }
     }
 
     /// Averages images under the same light, so that cross-validation does not predict an image from its copy.
@@ -132,29 +135,33 @@ impl LightSamples {
         self.of_groups(&groups)
     }
 
-    /// Averages images under near lights, until at most `most` lights are left.
+    /// Averages images under neighbouring lights, until at most `most` lights are left.
     pub fn at_most(&self, most: usize) -> Cow<'_, Self> {
         if self.lights.len() <= most {
             return Cow::Borrowed(self);
         }
         // A fraction of the distance of evenly spread lights.
-        let mut near = 1.0 / (most.max(1) as f32).sqrt();
+        let mut apart = 1.0 / (most.max(1) as f32).sqrt();
         loop {
-            let groups = self.groups(near);
+            let groups = self.groups(apart);
             if groups.len() <= most.max(1) {
                 return Cow::Owned(self.of_groups(&groups));
             }
-            near *= 1.2;
+            apart *= 1.2;
         }
     }
 
-    /// Groups of lights: each joins the first group whose first light is near along all axes.
-    fn groups(&self, near: f32) -> Vec<Vec<usize>> {
+    /// Groups of lights: each joins the first group whose first light differs little along all axes, and in its distance.
+    fn groups(&self, most: f32) -> Vec<Vec<usize>> {
         let mut groups: Vec<Vec<usize>> = Vec::new();
+        let ratio = |a: usize, b: usize| self.near.as_ref().map_or(1.0, |near| near.distance(a) / near.distance(b));
         for (k, light) in self.lights.iter().enumerate() {
-            let is_near =
-                |group: &&mut Vec<usize>| light.iter().zip(&self.lights[group[0]]).all(|(a, b)| (a - b).abs() <= near);
-            match groups.iter_mut().find(is_near) {
+            let is_same = |group: &&mut Vec<usize>| {
+                let first = group[0];
+                let mut differences = light.iter().zip(&self.lights[first]).map(|(a, b)| (a - b).abs());
+                differences.all(|difference| difference <= most) && (ratio(k, first) - 1.0).abs() <= f64::from(most)
+            };
+            match groups.iter_mut().find(is_same) {
                 Some(group) => group.push(k),
                 None => groups.push(vec![k]),
             }
@@ -191,6 +198,7 @@ impl LightSamples {
             size: self.size,
             lights: groups.iter().map(light).collect(),
             images: groups.iter().map(mean).collect(),
+            near: self.near.as_ref().map(|near| near.of_groups(groups)),
             repeats: self.repeats,
             defined: self.defined.clone(),
         }
@@ -200,6 +208,7 @@ impl LightSamples {
     pub fn without(&self, left_out: &[usize]) -> Self {
         let rest = (0..self.lights.len()).filter(|k| !left_out.contains(k));
         let (lights, images) = rest.map(|k| (self.lights[k], self.images[k].clone())).unzip();
-        Self { size: self.size, lights, images, repeats: self.repeats, defined: self.defined.clone() }
+        let near = self.near.as_ref().map(|near| near.without(left_out));
+        Self { size: self.size, lights, images, near, repeats: self.repeats, defined: self.defined.clone() }
     }
 }

@@ -1,6 +1,7 @@
 //! Compares photographs with packs, maps or captures made from them, one image at a time to save memory.
 
 use super::input::refused;
+use super::photographs::DistantPhotographs;
 use crate::error::Error;
 use brdfc_formats::pwt::PwtDecoder;
 use brdfc_formats::{FormatError, Pack};
@@ -51,7 +52,7 @@ pub struct PhotographErrors {
 enum Compared {
     Pack(Box<PwtDecoder>),
     Map(Box<dyn ViewerFile>),
-    Stack(RtiCapture),
+    Stack(DistantPhotographs),
 }
 
 /// Measures a pack, a polynomial texture map or another RTI capture against the photographs of an RTI capture, as sRGB levels
@@ -60,11 +61,12 @@ enum Compared {
 /// # Errors
 /// Returns an error if an input cannot be read, is of another kind or size, or is a capture under other lights.
 pub fn compare_photographs(reference: &Path, input: &Input) -> Result<PhotographComparison, Error> {
-    let stack = RtiCapture::open(reference)?;
-    let shown = Compared::open(input, &stack)?;
+    let photographs = DistantPhotographs::open(reference)?;
+    let stack = photographs.capture();
+    let shown = Compared::open(input, stack)?;
     let width = stack.size()[0];
     let of_light = |light: usize| -> Result<PhotographSums, InputError> {
-        let reference = stack.image(light)?.pixels;
+        let reference = photographs.image(light)?.pixels;
         if let Compared::Stack(other) = &shown {
             return Ok(photograph_sums(&other.image(light)?.pixels, &reference));
         }
@@ -82,8 +84,8 @@ pub fn compare_photographs(reference: &Path, input: &Input) -> Result<Photograph
         let StackErrors { psnr, delta_e, .. } = StackErrors::of_photographs(std::slice::from_ref(sums));
         PhotographErrors { light: *light, psnr, delta_e }
     });
-    let (errors, photographs) = (StackErrors::of_photographs(&sums), each.collect());
-    Ok(PhotographComparison { errors, photographs, notes: stack.notes().to_vec() })
+    let errors = StackErrors::of_photographs(&sums);
+    Ok(PhotographComparison { errors, photographs: each.collect(), notes: photographs.notes().to_vec() })
 }
 
 impl Compared {
@@ -95,7 +97,7 @@ impl Compared {
             },
             _ => match (open_viewer_file(input)?, input.path().filter(|path| is_rti_capture(path))) {
                 (Some(map), _) => Self::Map(map),
-                (None, Some(path)) => Self::Stack(RtiCapture::open(path)?),
+                (None, Some(path)) => Self::Stack(DistantPhotographs::open(path)?),
                 (None, None) => {
                     return Err(Error::input(format!("{input}: unknown kind of input; expected {ALLOWED}")));
                 }
@@ -104,7 +106,7 @@ impl Compared {
         let found = match &shown {
             Self::Pack(decoder) => decoder.pack().header().size.map(|side| side as usize),
             Self::Map(map) => map.size().map(|side| side as usize),
-            Self::Stack(stack) => stack.size(),
+            Self::Stack(photographs) => photographs.capture().size(),
         };
         let wrong = |error: FormatError| Error::from(InputError::Format { name: input.to_string(), error });
         let [width, height] = reference.size();
@@ -112,8 +114,8 @@ impl Compared {
             let allowed = format!("{width} x {height}, the size of the reference");
             return Err(wrong(FormatError::whole("size", format!("{} x {}", found[0], found[1]), allowed)));
         }
-        if let Self::Stack(stack) = &shown {
-            same_lights(stack.lights(), reference.lights()).map_err(wrong)?;
+        if let Self::Stack(photographs) = &shown {
+            same_lights(photographs.capture().lights(), reference.lights()).map_err(wrong)?;
         }
         Ok(shown)
     }

@@ -9,14 +9,14 @@ use brdfc_formats::pwt::{LightBasis, PwtDecoder, PwtPack};
 use brdfc_formats::{FormatError, Pack};
 use brdfc_pwt::LightSamples;
 use brdfc_pwt::measure::images_of_pack;
-use brdfc_pwt::near::distant;
+use brdfc_pwt::near::MAX_LIGHTS as MAX_NEAR_LIGHTS;
 use brdfc_pwt::ptm::{samples_of, spread_lights};
 use brdfc_readers::pixels::Pixels;
 use brdfc_readers::viewer_file::ViewerFile;
 use brdfc_source::btf_stack::has_images;
 use brdfc_source::flat_btf::{flat_btf_file, flat_view as decoded_view, open_flat_btf};
 use brdfc_source::ordinary_btf::OrdinaryBtf;
-use brdfc_source::rti_capture::{RtiCapture, is_rti_capture};
+use brdfc_source::rti_capture::{RtiCapture, format_range, is_rti_capture};
 use brdfc_source::viewer_file::{self, open_viewer_file};
 use brdfc_source::{Input, InputError};
 use rayon::prelude::*;
@@ -208,12 +208,34 @@ fn decoded(
     images.into_iter().collect()
 }
 
+/// Note that photographs are converted, if their lights are near.
+pub(crate) fn near_note(capture: &RtiCapture) -> Option<String> {
+    let distances = format_range(capture.near()?.range());
+    Some(format!("near lights, at distances of {distances} image widths: photographs were converted to distant lights"))
+}
+
 /// Decodes all photographs of an RTI capture in parallel.
+pub(super) fn samples_of_capture(path: &Path, capture: &RtiCapture) -> Result<LightSamples, Error> {
+    let pixels: u64 = capture.size().map(|side| side as u64).iter().product();
+    let mut bytes = capture.bytes();
+    if capture.near().is_some() {
+        if capture.len() > MAX_NEAR_LIGHTS {
+            let allowed = format!("at most {MAX_NEAR_LIGHTS}");
+            return Err(refused(&path.display(), "near lights", &capture.len().to_string(), &allowed));
+        }
+        // Converted photographs.
+        bytes += Pixels::BYTES_OF_LINEAR * pixels * capture.len() as u64;
+    }
+    check_amount(&path.display(), capture.size(), capture.len(), bytes)?;
+    let images = decoded(capture.len(), |light| capture.pixels(light))?;
+    let near = capture.near().cloned();
+    Ok(LightSamples { near, ..LightSamples::new(capture.size(), capture.lights().to_vec(), images) })
+}
+
+/// Reads the photographs of an RTI capture, and leaves out those that are black or white everywhere.
 fn photographs(path: &Path) -> Result<(LightSamples, Vec<String>), Error> {
     let stack = RtiCapture::open(path)?;
-    check_amount(&path.display(), stack.size(), stack.len(), stack.bytes())?;
-    let images = decoded(stack.len(), |light| stack.pixels(light))?;
-    let samples = LightSamples::new(stack.size(), stack.lights().to_vec(), images);
+    let samples = samples_of_capture(path, &stack)?;
     let mut notes = stack.notes().to_vec();
     let all = uniform(&samples);
     let left_out: Vec<usize> = all.iter().flat_map(|(_, lights)| lights).copied().collect();
@@ -225,12 +247,8 @@ fn photographs(path: &Path) -> Result<(LightSamples, Vec<String>), Error> {
         let (count, files) = (counted(lights.len(), "light"), join_truncated(&files, MAX_NAMED));
         notes.push(format!("left out {count}, whose photograph is {name} everywhere: {files}"));
     }
-    let samples = if left_out.is_empty() { samples } else { samples.without(&left_out) };
-    let Some(near) = stack.near() else { return Ok((samples, notes)) };
-    let [least, most] = near.distances();
-    notes.push(format!("near lights, {least:.2} to {most:.2} widths of the images away: converted to distant lights"));
-    let samples = distant(&samples, &near.without(&left_out)).map_err(|error| InputError::format(path, error))?;
-    Ok((samples, notes))
+    notes.extend(near_note(&stack));
+    Ok((if left_out.is_empty() { samples } else { samples.without(&left_out) }, notes))
 }
 
 fn one_view(path: &Path, view: usize) -> Result<LightSamples, Error> {

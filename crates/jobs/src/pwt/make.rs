@@ -73,11 +73,11 @@ pub fn make(samples: &LightSamples, recipe: &PwtRecipe, hold_out: usize, seed: u
         return Ok(PwtMade { encoded, held_out: None, lights: samples.lights.len() });
     }
     let left_out = held_out_lights(samples, hold_out, seed)?;
-    let encoded = encode(&samples.without(&left_out), recipe).map_err(wrong)?;
-    let rest: Vec<usize> = (0..samples.lights.len()).filter(|light| !left_out.contains(light)).collect();
-    let errors = stack_errors(&PwtDecoder::new(encoded.pack.clone()), &samples.without(&rest), 1);
+    let [fitted, unseen] = samples.split(&left_out).map_err(wrong)?;
+    let encoded = encode(&fitted, recipe).map_err(wrong)?;
+    let errors = stack_errors(&PwtDecoder::new(encoded.pack.clone()), &unseen, 1);
     let held_out = HeldOut { lights: left_out, psnr: errors.psnr, delta_e: errors.delta_e };
-    Ok(PwtMade { encoded, held_out: Some(held_out), lights: rest.len() })
+    Ok(PwtMade { encoded, held_out: Some(held_out), lights: fitted.lights.len() })
 }
 
 /// The lights that a seeded permutation holds out.
@@ -123,8 +123,9 @@ pub fn recipe_of_map(recipe: PwtRecipe, basis: LightBasis) -> PwtRecipe {
 /// # Errors
 /// Returns an error if photographs are out of range.
 pub fn make_map(samples: &LightSamples, model: MapModel) -> Result<(Ptm, StackErrors), Error> {
-    let map = fit_map(samples, model).map_err(wrong)?;
+    let samples = samples.distant().map_err(wrong)?;
+    let map = fit_map(&samples, model).map_err(wrong)?;
     let shown = images_of(&map, samples.lights.clone());
-    let errors = image_errors(&shown, samples);
+    let errors = image_errors(&shown, &samples);
     Ok((map, errors))
 }

@@ -25,7 +25,7 @@ pub struct SurfaceReport {
 /// # Errors
 /// Returns an error if photographs are out of range, or if the lights do not determine normals.
 pub fn make_surface(samples: &LightSamples) -> Result<(SurfaceMaps, SurfaceReport), Error> {
-    let maps = surface_maps(samples).map_err(wrong)?;
+    let maps = surface_maps(&*samples.distant().map_err(wrong)?).map_err(wrong)?;
     let report = SurfaceReport { size: maps.size, lights: samples.lights.len(), outliers: maps.outliers };
     Ok((maps, report))
 }

@@ -67,14 +67,13 @@ pub fn make_web(
     seed: u64,
 ) -> Result<WebExport, Error> {
     let left_out = held_out_lights(samples, hold_out, seed)?;
-    let fitted = samples.without(&left_out);
+    let [fitted, unseen] = samples.split(&left_out).map_err(wrong)?;
     let LearnedTerms { map, planes } = learned_terms(&fitted, COUNT).map_err(wrong)?;
     let basis = |light: [f32; 3]| (0..map.terms()).map(|term| map.value(term, light)).collect();
     let web = WebImage::new(&Components { size: fitted.size, planes, basis: &basis, lights: &fitted.lights }, QUALITY);
     let mut made = compressed(web, &fitted, surface);
     made.report.held_out = (!left_out.is_empty()).then(|| {
-        let rest: Vec<usize> = (0..samples.lights.len()).filter(|light| !left_out.contains(light)).collect();
-        let errors = errors_at(&made.web, &samples.without(&rest));
+        let errors = errors_at(&made.web, &unseen);
         HeldOut { lights: left_out, psnr: errors.psnr, delta_e: errors.delta_e }
     });
     Ok(made)
@@ -91,7 +90,7 @@ pub fn make_web_of_map(map: &Ptm, samples: &LightSamples, surface: Option<&Surfa
         let allowed = format!("at most {MAX_JPEG_SIDE} along each side, the limit of JPEG files");
         return Err(wrong(FormatError::whole("size", format!("{width} x {height}"), allowed)));
     }
-    Ok(compressed(WebImage::of_map(map, QUALITY), samples, surface))
+    Ok(compressed(WebImage::of_map(map, QUALITY), &*samples.distant().map_err(wrong)?, surface))
 }
 
 /// Compresses the planes, and measures errors against the photographs.

@@ -1,11 +1,10 @@
 //! Photographs under known lights, and normals, as JPEG files in a page.
 
 use crate::error::Error;
-use crate::pwt::{LightInput, jpeg, make_surface};
+use crate::pwt::{DistantPhotographs, LightInput, jpeg, make_surface};
 use brdfc_core::progress::Progress;
 use brdfc_core::words::bytes;
 use brdfc_readers::colour::encode_srgb_byte;
-use brdfc_source::rti_capture::RtiCapture;
 use brdfc_source::{Input, InputError};
 use image::imageops::{FilterType, resize};
 use image::{ImageBuffer, Rgb};
@@ -58,11 +57,12 @@ impl Photographs {
     /// # Errors
     /// Returns an error if a file is missing or invalid, not even one photograph is within the limit, or if cancelled.
     pub fn of_capture(path: &Path, limit: u64, progress: &dyn Progress) -> Result<Self, Error> {
-        let capture = RtiCapture::open(path)?;
+        let photographs = DistantPhotographs::open(path)?;
+        let capture = photographs.capture();
         let full_size = capture.size();
         let order = spread(capture.lights());
         let encoded = |side: usize, lights: &[usize]| -> Result<Vec<Vec<u8>>, InputError> {
-            let one = |light: &usize| capture.image(*light).map(|image| compressed(image.pixels, full_size, side));
+            let one = |light: &usize| photographs.image(*light).map(|image| compressed(image.pixels, full_size, side));
             let all: Vec<_> = lights.par_iter().map(one).collect();
             all.into_iter().collect()
         };
@@ -90,7 +90,7 @@ impl Photographs {
         }
         all.sort_by_key(|(light, _)| *light);
         let all = all.into_iter().map(|(_, photograph)| photograph).collect();
-        let notes = capture.notes().to_vec();
+        let notes = photographs.notes().to_vec();
         Ok(Self { full_size, size: within(full_size, side), total: order.len(), all, notes })
     }
 

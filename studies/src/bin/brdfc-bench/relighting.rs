@@ -45,7 +45,10 @@ pub(super) fn run(arguments: &Arguments, common: Common) -> Result<StudyResult, 
 }
 
 fn stack(input: &Input) -> Result<Stack, Error> {
-    let samples = |input: &Input| -> Result<LightSamples, Error> { Ok(LightInput::open(input, None)?.into_samples()) };
+    let samples = |input: &Input| -> Result<LightSamples, Error> {
+        let samples = LightInput::open(input, None)?.into_samples();
+        Ok(samples.distant().map_err(Error::input)?.into_owned())
+    };
     let name = input.to_string();
     let own = input.path().map(|path| OWN_SPLIT.map(|folder| path.join(folder)));
     match own.filter(|folders| folders.iter().all(|folder| folder.is_dir())) {

@@ -2,7 +2,7 @@
 
 use crate::stacks::{shiny, spiral};
 use brdfc_pwt::LightSamples;
-use brdfc_pwt::near::{MAX_LIGHTS, distant};
+use brdfc_pwt::near::MAX_LIGHTS;
 use brdfc_readers::near_lights::NearLights;
 use brdfc_readers::pixels::Pixels;
 
@@ -15,18 +15,17 @@ fn positions(lights: &[[f32; 3]]) -> Vec<[f64; 3]> {
 }
 
 /// Photographs under near lights: each pixel has its own direction and distance.
-fn photographs(near: &NearLights, lights: &[[f32; 3]]) -> LightSamples {
+fn photographs(near: NearLights, lights: &[[f32; 3]]) -> LightSamples {
     let [width, height] = SIZE;
     let mut images = vec![vec![[0.0; 3]; width * height]; lights.len()];
     for at in 0..width * height {
-        let seen = near.directions([(at % width) as f64 + 0.5, (at / width) as f64 + 0.5]);
-        let pixel = shiny(SIZE, seen);
+        let point = [at % width, at / width].map(|k| k as f64 + 0.5);
+        let pixel = shiny(SIZE, near.directions(point));
         for (light, image) in images.iter_mut().enumerate() {
-            let factor = near.factors(light, at / width).nth(at % width).unwrap();
-            image[at] = pixel.images[light].pixel(at).map(|c| c / factor);
+            image[at] = pixel.images[light].pixel(at).map(|c| c / near.factor(light, point));
         }
     }
-    LightSamples::new(SIZE, lights.to_vec(), images)
+    LightSamples { near: Some(near), ..LightSamples::new(SIZE, lights.to_vec(), images) }
 }
 
 /// Root of the mean squared difference of square roots, which are nearly sRGB levels.
@@ -40,25 +39,34 @@ fn difference(a: &LightSamples, b: &LightSamples) -> f64 {
     (sum / (3 * SIZE[0] * SIZE[1] * a.images.len()) as f64).sqrt()
 }
 
-fn at_mean_distance(samples: &LightSamples, near: &NearLights) -> LightSamples {
-    let images = samples.images.iter().enumerate().map(|(light, image)| near.at_mean_distance(light, image.clone()));
-    LightSamples { images: images.collect(), ..samples.clone() }
-}
-
-/// Converted photographs are those of distant lights; distances alone, and positions on the other side, are negative controls.
+/// Converted photographs are those of distant lights; directions alone, and positions on the other side, are negative controls.
 #[test]
 fn near_lights_become_distant() {
     let lights = spiral(60);
-    let near = NearLights::new(positions(&lights), SIZE);
     let expected = shiny(SIZE, lights.clone());
-    let raw = photographs(&near, &lights);
-    let even = at_mean_distance(&raw, &near);
-    let found = distant(&even, &near).unwrap();
-    let mirrored = NearLights::new(positions(&lights).into_iter().map(|[x, y, z]| [-x, -y, z]).collect(), SIZE);
-    let wrong = distant(&even, &mirrored).unwrap();
-    let [raw, even, found, wrong] = [&raw, &even, &found, &wrong].map(|samples| difference(samples, &expected));
-    println!("{raw} {even} {found} {wrong}");
-    assert!(even < 0.9 * raw && found < 0.6 * even && wrong > even, "{raw} {even} {found} {wrong}");
+    let raw = photographs(NearLights::new(positions(&lights), SIZE), &lights);
+    let mirrored = positions(&lights).into_iter().map(|[x, y, z]| [-x, -y, z]).collect();
+    let wrong = LightSamples { near: Some(NearLights::new(mirrored, SIZE)), ..raw.clone() };
+    let [found, wrong] = [&raw, &wrong].map(|samples| difference(&samples.distant().unwrap(), &expected));
+    let raw = difference(&raw, &expected);
+    assert!(found < 0.35 * raw && wrong > raw, "{raw} {found} {wrong}");
+}
+
+/// Photographs that are fitted do not depend on those that are held out.
+#[test]
+fn held_out_lights_are_not_seen() {
+    let lights = spiral(24);
+    let samples = photographs(NearLights::new(positions(&lights), SIZE), &lights);
+    let mut other = samples.clone();
+    let left_out = [3, 8, 20];
+    left_out.iter().for_each(|light| other.images[*light].to_mut().iter_mut().for_each(|pixel| *pixel = [0.7; 3]));
+    let [[fitted, unseen], [same, changed]] = [&samples, &other].map(|samples| samples.split(&left_out).unwrap());
+    assert_eq!((fitted.lights.len(), unseen.lights[1]), (21, lights[8]));
+    assert!(fitted == same && difference(&unseen, &changed) > 0.1);
+    assert!(fitted.near.is_none() && unseen.near.is_none());
+    // Distances stay relative to those of all lights.
+    let whole = samples.distant().unwrap().without(&left_out);
+    assert!(difference(&fitted, &whole) < 0.05, "{}", difference(&fitted, &whole));
 }
 
 /// Lights far away stay as they are.
@@ -66,20 +74,23 @@ fn near_lights_become_distant() {
 fn distant_lights_stay() {
     let lights = spiral(20);
     let far = lights.iter().map(|light| light.map(|c| 1e5 * f64::from(c))).collect();
-    let near = NearLights::new(far, SIZE);
     let samples = shiny(SIZE, lights);
-    let found = distant(&at_mean_distance(&samples, &near), &near).unwrap();
-    assert!(difference(&found, &samples) < 1e-4);
+    let near = LightSamples { near: Some(NearLights::new(far, SIZE)), ..samples.clone() };
+    assert!(difference(&near.distant().unwrap(), &samples) < 1e-4);
+    assert_eq!(*samples.distant().unwrap(), samples);
 }
 
 /// Images narrower than the grid, one light, and too many.
 #[test]
 fn few_pixels_and_lights() {
-    let one = LightSamples::new([3, 2], vec![[0.0, 0.0, 1.0]], vec![vec![[0.5; 3]; 6]]);
-    let found = distant(&one, &NearLights::new(vec![[0.0, 0.0, 1.0]], [3, 2])).unwrap();
-    assert!(found.images[0].linear(0..6).as_flattened().iter().all(|value| (value - 0.5).abs() < 1e-5));
-    let count = MAX_LIGHTS + 1;
-    let many = LightSamples::new([1, 1], vec![[0.0, 0.0, 1.0]; count], vec![vec![[0.5; 3]]; count]);
-    let error = distant(&many, &NearLights::new(vec![[0.0, 0.0, 1.0]; count], [1, 1])).unwrap_err();
+    let near = |count: usize, size: [usize; 2]| {
+        let samples =
+            LightSamples::new(size, vec![[0.0, 0.0, 1.0]; count], vec![vec![[0.5; 3]; size[0] * size[1]]; count]);
+        LightSamples { near: Some(NearLights::new(vec![[0.0, 0.0, 1e5]; count], size)), ..samples }
+    };
+    let one = near(1, [3, 2]);
+    let found = one.distant().unwrap().images[0].clone();
+    assert!(found.linear(0..6).as_flattened().iter().all(|value| (value - 0.5).abs() < 1e-5), "{found:?}");
+    let error = near(MAX_LIGHTS + 1, [1, 1]).distant().unwrap_err();
     assert_eq!(error.to_string(), "near lights: found 401, expected at most 400");
 }

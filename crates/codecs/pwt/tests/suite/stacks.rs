@@ -70,9 +70,9 @@ pub fn shiny(size: [usize; 2], lights: Vec<[f32; 3]>) -> LightSamples {
     })
 }
 
-/// Near lights are averaged until few enough are left, and lights that are few enough stay.
+/// Neighbouring lights are averaged until few enough are left, and lights that are few enough stay.
 #[test]
-fn near_lights_are_averaged() {
+fn neighbouring_lights_are_averaged() {
     let samples = lambert([4, 4], spiral(300), false);
     assert_eq!(*samples.at_most(300), samples);
     for most in [1, 7, 100] {
