@@ -4,7 +4,7 @@ use crate::InputError;
 use crate::misnamed::wrong_contents;
 use crate::photograph::{Image, common_size, read_pixels};
 use crate::read::{MAX_TEXT_BYTES, extension_of, read_file};
-use brdfc_core::words::{counted, join_truncated};
+use brdfc_core::words::{counted, format_number, join_truncated};
 use brdfc_formats::FormatError;
 use brdfc_readers::near_lights::NearLights;
 use brdfc_readers::pixels::Pixels;
@@ -198,7 +198,7 @@ pub fn format_range([least, most]: [f64; 2]) -> String {
 /// Checks the distances of near lights.
 fn check_distances(near: &NearLights, lines: &[u64]) -> Result<(), FormatError> {
     let wrong = |light: usize, found: f64, place: &str, allowed: String| {
-        let found = format!("{} image widths from the {place}", rounded(found));
+        let found = format!("{} image widths from the {place}", format_number(rounded(found)));
         Err(FormatError::at_line(lines[light], "position", found, allowed))
     };
     if let Some((light, distance)) = near.clearances().enumerate().find(|(_, distance)| *distance < MIN_DISTANCE) {
