@@ -52,7 +52,7 @@ pub struct PhotographErrors {
 enum Compared {
     Pack(Box<PwtDecoder>),
     Map(Box<dyn ViewerFile>),
-    Stack(DistantPhotographs),
+    Stack(Box<DistantPhotographs>),
 }
 
 /// Measures a pack, a polynomial texture map or another RTI capture against the photographs of an RTI capture, as sRGB levels
@@ -97,7 +97,7 @@ impl Compared {
             },
             _ => match (open_viewer_file(input)?, input.path().filter(|path| is_rti_capture(path))) {
                 (Some(map), _) => Self::Map(map),
-                (None, Some(path)) => Self::Stack(DistantPhotographs::open(path)?),
+                (None, Some(path)) => Self::Stack(Box::new(DistantPhotographs::open(path)?)),
                 (None, None) => {
                     return Err(Error::input(format!("{input}: unknown kind of input; expected {ALLOWED}")));
                 }
