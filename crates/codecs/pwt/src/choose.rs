@@ -49,7 +49,7 @@ pub fn choose<'a>(samples: &'a LightSamples, recipe: &PwtRecipe) -> Result<Choic
     let all = learned.iter().map(LearnedCandidate::candidate).chain(others.into_iter().flatten());
     let mut candidates = best_of_each(all.chain(polynomials.iter().copied()).collect());
     let least = polynomials.first().map_or(f64::NEG_INFINITY, Candidate::merit);
-    // Learned terms take fewer fetches than polynomials, are closer at the lights, and their error at others is often overestimated.
+    // Learned terms take fewer fetches than polynomials, and are closer at the lights.
     let is_chosen =
         |learned: &LearnedCandidate| are_few(&few.lights) || learned.candidate().merit() >= least - FAVOURED;
     let chosen = learned.filter(is_chosen);

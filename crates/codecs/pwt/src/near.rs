@@ -22,6 +22,17 @@ const ROWS: usize = 64;
 /// Scale of the values that are interpolated.
 const DOMAIN: Domain = Domain::Display;
 
+/// Checks the number of near lights.
+///
+/// # Errors
+/// Returns an error for more than [`MAX_LIGHTS`].
+pub fn check_count(lights: usize) -> Result<(), FormatError> {
+    if lights <= MAX_LIGHTS {
+        return Ok(());
+    }
+    Err(FormatError::whole("near lights", lights.to_string(), format!("at most {MAX_LIGHTS}")))
+}
+
 impl LightSamples {
     /// Converts images under near lights to the mean distance of the lights ([`NearLights::factor`]), and to their directions from
     /// the middle of the images. Images under distant lights stay as they are.
@@ -41,17 +52,13 @@ impl LightSamples {
     /// Returns an error for more than [`MAX_LIGHTS`] near lights.
     pub fn split(&self, left_out: &[usize]) -> Result<[Self; 2], FormatError> {
         let rest: Vec<usize> = (0..self.lights.len()).filter(|light| !left_out.contains(light)).collect();
-        let fitted = self.without(left_out);
-        let fitted = if self.near.is_some() { fitted.distant()?.into_owned() } else { fitted };
-        Ok([fitted, self.distant()?.without(&rest)])
+        Ok([self.without(left_out).distant()?.into_owned(), self.distant()?.without(&rest)])
     }
 }
 
 fn converted(samples: &LightSamples, near: &NearLights) -> Result<LightSamples, FormatError> {
     let count = samples.lights.len();
-    if count > MAX_LIGHTS {
-        return Err(FormatError::whole("near lights", count.to_string(), format!("at most {MAX_LIGHTS}")));
-    }
+    check_count(count)?;
     let changes = Changes::new(samples, near);
     let [width, height] = samples.size;
     let mut images: Vec<Vec<[f32; 3]>> = (0..count).map(|_| Vec::with_capacity(width * height)).collect();

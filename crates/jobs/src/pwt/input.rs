@@ -9,7 +9,7 @@ use brdfc_formats::pwt::{LightBasis, PwtDecoder, PwtPack};
 use brdfc_formats::{FormatError, Pack};
 use brdfc_pwt::LightSamples;
 use brdfc_pwt::measure::images_of_pack;
-use brdfc_pwt::near::MAX_LIGHTS as MAX_NEAR_LIGHTS;
+use brdfc_pwt::near::check_count;
 use brdfc_pwt::ptm::{samples_of, spread_lights};
 use brdfc_readers::pixels::Pixels;
 use brdfc_readers::viewer_file::ViewerFile;
@@ -219,10 +219,7 @@ pub(super) fn samples_of_capture(path: &Path, capture: &RtiCapture) -> Result<Li
     let pixels: u64 = capture.size().map(|side| side as u64).iter().product();
     let mut bytes = capture.bytes();
     if capture.near().is_some() {
-        if capture.len() > MAX_NEAR_LIGHTS {
-            let allowed = format!("at most {MAX_NEAR_LIGHTS}");
-            return Err(refused(&path.display(), "near lights", &capture.len().to_string(), &allowed));
-        }
+        check_count(capture.len()).map_err(|error| InputError::format(path, error))?;
         // Converted photographs.
         bytes += Pixels::BYTES_OF_LINEAR * pixels * capture.len() as u64;
     }

@@ -15,17 +15,17 @@ fn positions(lights: &[[f32; 3]]) -> Vec<[f64; 3]> {
 }
 
 /// Photographs under near lights: each pixel has its own direction and distance.
-fn photographs(near: NearLights, lights: &[[f32; 3]]) -> LightSamples {
-    let [width, height] = SIZE;
+fn photographs(near: NearLights, lights: &[[f32; 3]], size: [usize; 2]) -> LightSamples {
+    let [width, height] = size;
     let mut images = vec![vec![[0.0; 3]; width * height]; lights.len()];
     for at in 0..width * height {
         let point = [at % width, at / width].map(|k| k as f64 + 0.5);
-        let pixel = shiny(SIZE, near.directions(point));
+        let pixel = shiny(size, near.directions(point));
         for (light, image) in images.iter_mut().enumerate() {
             image[at] = pixel.images[light].pixel(at).map(|c| c / near.factor(light, point));
         }
     }
-    LightSamples { near: Some(near), ..LightSamples::new(SIZE, lights.to_vec(), images) }
+    LightSamples { near: Some(near), ..LightSamples::new(size, lights.to_vec(), images) }
 }
 
 /// Root of the mean squared difference of square roots, which are nearly sRGB levels.
@@ -36,7 +36,7 @@ fn difference(a: &LightSamples, b: &LightSamples) -> f64 {
         a.as_flattened().iter().zip(b.as_flattened()).map(one).sum()
     };
     let sum: f64 = a.images.iter().zip(&b.images).map(squares).sum();
-    (sum / (3 * SIZE[0] * SIZE[1] * a.images.len()) as f64).sqrt()
+    (sum / (3 * a.size[0] * a.size[1] * a.images.len()) as f64).sqrt()
 }
 
 /// Converted photographs are those of distant lights; directions alone, and positions on the other side, are negative controls.
@@ -44,7 +44,7 @@ fn difference(a: &LightSamples, b: &LightSamples) -> f64 {
 fn near_lights_become_distant() {
     let lights = spiral(60);
     let expected = shiny(SIZE, lights.clone());
-    let raw = photographs(NearLights::new(positions(&lights), SIZE), &lights);
+    let raw = photographs(NearLights::new(positions(&lights), SIZE), &lights, SIZE);
     let mirrored = positions(&lights).into_iter().map(|[x, y, z]| [-x, -y, z]).collect();
     let wrong = LightSamples { near: Some(NearLights::new(mirrored, SIZE)), ..raw.clone() };
     let [found, wrong] = [&raw, &wrong].map(|samples| difference(&samples.distant().unwrap(), &expected));
@@ -56,7 +56,7 @@ fn near_lights_become_distant() {
 #[test]
 fn held_out_lights_are_not_seen() {
     let lights = spiral(24);
-    let samples = photographs(NearLights::new(positions(&lights), SIZE), &lights);
+    let samples = photographs(NearLights::new(positions(&lights), SIZE), &lights, SIZE);
     let mut other = samples.clone();
     let left_out = [3, 8, 20];
     left_out.iter().for_each(|light| other.images[*light].to_mut().iter_mut().for_each(|pixel| *pixel = [0.7; 3]));
@@ -91,6 +91,13 @@ fn few_pixels_and_lights() {
     let one = near(1, [3, 2]);
     let found = one.distant().unwrap().images[0].clone();
     assert!(found.linear(0..6).as_flattened().iter().all(|value| (value - 0.5).abs() < 1e-5), "{found:?}");
+    let lights = spiral(60);
+    for size in [[3, 2], [1, 1], [13, 5]] {
+        let raw = photographs(NearLights::new(positions(&lights), size), &lights, size);
+        let expected = shiny(size, lights.clone());
+        let [found, raw] = [&raw.distant().unwrap(), &raw].map(|samples| difference(samples, &expected));
+        assert!(found < 0.6 * raw, "{size:?}: {found} {raw}");
+    }
     let error = near(MAX_LIGHTS + 1, [1, 1]).distant().unwrap_err();
     assert_eq!(error.to_string(), "near lights: found 401, expected at most 400");
 }
