@@ -8,6 +8,7 @@ pub mod flat_btf;
 mod format;
 mod input;
 pub mod input_files;
+mod jpeg_end;
 pub mod json;
 mod merl;
 pub mod meso;

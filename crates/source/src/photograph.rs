@@ -2,6 +2,7 @@
 
 use crate::InputError;
 use crate::exr_header::exr_headers;
+use crate::jpeg_end::{CUT_SHORT, has_end};
 use crate::tile_image::FileImage;
 use brdfc_core::words::one_line;
 use brdfc_formats::FormatError;
@@ -13,6 +14,8 @@ use std::path::{Path, PathBuf};
 
 /// Maximum width and height of an image, pixels.
 pub const MAX_SIZE: u32 = 8192;
+/// Files that [`read_pixels`] reads.
+const ALLOWED: &str = "a complete PNG, JPEG, TIFF or EXR image";
 /// Maximum memory of decoding an image, bytes: four f32 per pixel of the largest, twice.
 const MAX_DECODER_BYTES: u64 = 2 << 30;
 
@@ -42,8 +45,10 @@ impl Image {
 /// Returns the errors of [`Image::read`].
 pub(crate) fn read_pixels(path: &Path, size: [usize; 2]) -> Result<Pixels, InputError> {
     let mut reader = reader(path)?;
-    if reader.format() == Some(ImageFormat::OpenExr) {
-        check_exr(path)?;
+    match reader.format() {
+        Some(ImageFormat::OpenExr) => check_exr(path)?,
+        Some(ImageFormat::Jpeg) => check_jpeg(path)?,
+        _ => {}
     }
     let mut limits = image::Limits::default();
     limits.max_image_width = Some(MAX_SIZE);
@@ -128,8 +133,16 @@ fn reader(path: &Path) -> Result<ImageReader<std::io::BufReader<std::fs::File>>,
 /// Checks block sizes, because the decoder does not limit the memory of a block.
 fn check_exr(path: &Path) -> Result<(), InputError> {
     let file = std::fs::File::open(path).map_err(|error| InputError::io(path, error))?;
-    let headers = exr_headers(std::io::BufReader::new(file), "a complete PNG, JPEG, TIFF or EXR image");
+    let headers = exr_headers(std::io::BufReader::new(file), ALLOWED);
     headers.map(drop).map_err(|error| InputError::format(path, error))
+}
+
+fn check_jpeg(path: &Path) -> Result<(), InputError> {
+    let jpeg = std::fs::read(path).map_err(|error| InputError::io(path, error))?;
+    if has_end(&jpeg) {
+        return Ok(());
+    }
+    Err(InputError::format(path, FormatError::whole("image", CUT_SHORT, ALLOWED).problem()))
 }
 
 /// Width, height and bytes per channel.
@@ -162,7 +175,7 @@ fn image_error(path: &Path, error: ImageError) -> InputError {
                 ImageError::Unsupported(one) if one.format_hint() == ImageFormatHint::Exact(ImageFormat::Tiff) => {
                     "a TIFF of 8 or 16 bits per channel, or of floats in RGB"
                 }
-                _ => "a complete PNG, JPEG, TIFF or EXR image",
+                _ => ALLOWED,
             };
             InputError::format(path, FormatError::whole("image", one_line(&error), allowed).problem())
         }

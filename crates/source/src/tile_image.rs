@@ -2,6 +2,7 @@
 
 use crate::InputError;
 use crate::input::{Input, InputFile};
+use crate::jpeg_end::{CUT_SHORT, has_end};
 use brdfc_core::words::one_line;
 use brdfc_formats::FormatError;
 use brdfc_formats::memory::reserved;
@@ -87,6 +88,9 @@ fn decode(bytes: &[u8]) -> Result<DynamicImage, FormatError> {
             Some(format) => wrong(format!("{format:?}")),
             None => wrong("unknown format".to_owned()).problem(),
         });
+    }
+    if format == Some(ImageFormat::Jpeg) && !has_end(bytes) {
+        return Err(wrong(CUT_SHORT.to_owned()).problem());
     }
     // Checks the size before the decoder does, whose errors name no sizes.
     let (width, height) = reader()?.into_dimensions().map_err(|error| wrong(limit_message(error)).problem())?;
