@@ -108,15 +108,34 @@ pub(crate) fn to_srgb(domain: Domain, mut values: Vec<f32>) -> Vec<f32> {
 }
 
 /// Squared slopes of the sRGB encoding, 0 to 1, over values in a domain: the mean of both sides, which differ at black and white.
-pub(crate) fn squared_slopes(domain: Domain, mut values: Vec<f32>) -> impl Iterator<Item = f32> {
-    const STEP: f32 = 1e-3;
-    let [black, white] = [0.0, 1.0].map(|value| domain.encode(value));
-    values.iter_mut().for_each(|value| *value = value.clamp(black, white));
-    let [below, at, above] =
-        [-STEP, 0.0, STEP].map(|step| to_srgb(domain, values.iter().map(|value| value + step).collect()));
-    let squared = |difference: f32| (difference / STEP).powi(2);
-    let slopes = below.into_iter().zip(at).zip(above);
-    slopes.map(move |((below, at), above)| 0.5 * (squared(at - below) + squared(above - at)))
+pub(crate) struct SquaredSlopes {
+    black: f32,
+    /// Distance of two entries.
+    step: f32,
+    /// At values from black to white.
+    table: Vec<f32>,
+}
+
+impl SquaredSlopes {
+    /// Computes the slopes for a domain. A table, because the encodings take many times longer than a look-up.
+    pub(crate) fn new(domain: Domain) -> Self {
+        const STEPS: usize = 4096;
+        const DIFFERENCE: f32 = 1e-3;
+        let [black, white] = [0.0, 1.0].map(|value| domain.encode(value));
+        let step = (white - black) / STEPS as f32;
+        let values = (0..=STEPS).map(|k| black + k as f32 * step);
+        let [below, at, above] = [-DIFFERENCE, 0.0, DIFFERENCE]
+            .map(|difference| to_srgb(domain, values.clone().map(|value| value + difference).collect()));
+        let squared = |difference: f32| (difference / DIFFERENCE).powi(2);
+        let of = |k: usize| 0.5 * (squared(at[k] - below[k]) + squared(above[k] - at[k]));
+        Self { black, step, table: (0..=STEPS).map(of).collect() }
+    }
+
+    /// The entry nearest to a value.
+    pub(crate) fn at(&self, value: f32) -> f32 {
+        let nearest = ((value - self.black) / self.step).round() as usize;
+        self.table[nearest.min(self.table.len() - 1)]
+    }
 }
 
 /// Sum of squared differences.

@@ -1,7 +1,7 @@
 //! Chooses domain, interpolation and number of learned terms by leave-one-out cross-validation over the lights.
 
 use crate::assemble::CHANNELS;
-use crate::candidates::{Candidate, Texels, decibels, squared_slopes, squares, to_srgb};
+use crate::candidates::{Candidate, SquaredSlopes, Texels, decibels, squares, to_srgb};
 use crate::components::Components;
 use crate::kriging::{Interpolation, Shortlist, rows};
 use crate::learned::{Learned, LeftOut, map_side};
@@ -174,9 +174,10 @@ impl<'a> Trial<'a> {
 /// Weights of entries, so that errors count as in sRGB encoding: the root of the mean squared slope of each row, relative to that of
 /// all. Dark photographs count less in logarithms, and more in linear values.
 fn weights(domain: Domain, entries: &DMatrix<f64>) -> DVector<f64> {
+    let slopes = SquaredSlopes::new(domain);
     let of_row = |row: usize| {
-        let values: Vec<f32> = entries.row(row).iter().map(|value| *value as f32).collect();
-        (squared_slopes(domain, values).map(f64::from).sum::<f64>() / entries.ncols().max(1) as f64).sqrt()
+        let sum: f64 = entries.row(row).iter().map(|value| f64::from(slopes.at(*value as f32))).sum();
+        (sum / entries.ncols().max(1) as f64).sqrt()
     };
     let weights: Vec<f64> = (0..entries.nrows()).into_par_iter().map(of_row).collect();
     let weights = DVector::from_vec(weights);

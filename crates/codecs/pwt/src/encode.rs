@@ -1,7 +1,7 @@
 //! Encodes images of one view under known lights as a pack. Each step has its own file; this one sequences them.
 
 use crate::assemble::Arrangement;
-use crate::candidates::{Candidate, squared_slopes};
+use crate::candidates::{Candidate, SquaredSlopes};
 use crate::choose::choose;
 use crate::choose_learned::LearnedCandidate;
 use crate::degrees::{SubbandDegree, degrees};
@@ -306,6 +306,7 @@ fn texel_weights(
     let stride = samples.images.len().div_ceil(IMAGES);
     let lights = (0..samples.images.len()).step_by(stride);
     let some: Vec<(&Pixels, f32)> = lights.map(|light| (&samples.images[light], weight_of_light(light))).collect();
+    let slopes = SquaredSlopes::new(domain);
     let mut weights = Plane::zeros(extent);
     weights.values.par_chunks_exact_mut(extent[0]).take(height).enumerate().for_each(|(y, weights)| {
         for (image, weight_of_light) in &some {
@@ -313,8 +314,8 @@ fn texel_weights(
             let row = image.linear(y * width..(y + 1) * width);
             let mut encoded: Vec<f32> = row.iter().map(|value| value[1]).collect();
             domain.encode_each(&mut encoded);
-            for (weight, slope) in weights.iter_mut().zip(squared_slopes(domain, encoded)) {
-                *weight += slope / (weight_of_light.powi(2) * some.len() as f32);
+            for (weight, value) in weights.iter_mut().zip(encoded) {
+                *weight += slopes.at(value) / (weight_of_light.powi(2) * some.len() as f32);
             }
         }
         let undefined = |(x, _): &(usize, &mut f32)| !samples.is_defined(y * width + x);
