@@ -188,9 +188,10 @@ impl<'a> Found<'a> {
         let mut sorted: Vec<&String> = paths.iter().filter(|path| is_image(path)).collect();
         sorted.sort_unstable();
         let mut images: BTreeMap<(Key, Key), &'a String> = BTreeMap::new();
-        // Photographs that are no BTF may be an RTI capture, with or without its list.
+        // Images without angles in their names may be an RTI capture, with or without its list, which is next to them.
         let is_other = sorted.iter().all(|path| parse_name(path).is_err());
-        let has_list = paths.iter().any(|path| path.to_ascii_lowercase().ends_with(".lp"));
+        let is_list = |path: &String| !path.contains('/') && path.to_ascii_lowercase().ends_with(".lp");
+        let has_list = paths.iter().any(is_list);
         let hint = match (is_other, has_list) {
             (true, true) => "; with its list of lights (.lp) this is an RTI capture, not a BTF",
             (true, false) => "; an RTI capture requires a list of lights (.lp)",
@@ -356,8 +357,10 @@ mod tests {
         assert!(text(&paths).starts_with("tv000_pv000/preview.jpg: image name: found \"preview\""));
         let hint = "; an RTI capture requires a list of lights (.lp)";
         assert!(!text(&paths).contains(hint) && text(&["a/IMG_7.jpg".to_owned()]).ends_with(hint));
-        let capture = ["a/IMG_7.jpg", "a/dome.LP"].map(str::to_owned);
+        let capture = ["IMG_7.jpg", "dome.LP"].map(str::to_owned);
         assert!(text(&capture).ends_with("; with its list of lights (.lp) this is an RTI capture, not a BTF"));
+        // Only the list of the folder itself is read.
+        assert!(text(&capture.map(|path| format!("a/{path}"))).ends_with(hint));
         assert!(text(&[]).starts_with("stack: no images"));
         assert!(text(&["a.txt".to_owned()]).contains(".png, .jpg, .jpeg, .exr"));
         let near = ["tl000 pl000 tv000 pv000.png", "tl000.00001 pl000 tv000 pv000.png"].map(str::to_owned);

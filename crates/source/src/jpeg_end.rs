@@ -1,53 +1,61 @@
-//! Whether a JPEG is complete: the decoder fills what is missing with grey.
+//! Checks that a JPEG is complete: the decoder fills missing pixels with grey.
 
-/// The problem of files without an end.
-pub(crate) const CUT_SHORT: &str = "the JPEG is cut short";
-const START_OF_SCAN: u8 = 0xda;
+/// Error text for a JPEG without its end marker.
+pub(crate) const NO_END: &str = "no end-of-image marker (FF D9): the JPEG is truncated";
 const END_OF_IMAGE: u8 = 0xd9;
 
-/// Whether the first image of a file has its end marker. Bytes after it, such as those of a second image, do not count.
-///
-/// Segments before the pixels are skipped, because they can hold whole images. Broken ones are the decoder's to report.
+/// Returns true if the first image of a file has its end marker. Segments are skipped, because they can hold whole images.
 pub(crate) fn has_end(jpeg: &[u8]) -> bool {
     let mut rest = jpeg.get(2..).unwrap_or_default();
-    while let [0xff, marker, segment @ ..] = rest {
-        // Fill bytes may precede a marker.
-        if *marker == 0xff {
-            rest = &rest[1..];
-            continue;
+    // Among pixels, 0 or the number of a restart follows 0xff; fill bytes repeat it.
+    let is_marker = |pair: &[u8]| pair[0] == 0xff && !matches!(pair[1], 0 | 0xd0..=0xd7 | 0xff);
+    while let Some(at) = rest.windows(2).position(is_marker) {
+        let (marker, segment) = (rest[at + 1], &rest[at + 2..]);
+        if marker == END_OF_IMAGE {
+            return true;
         }
         // The length counts itself.
         let length = segment.first_chunk().map(|length| usize::from(u16::from_be_bytes(*length)));
         let Some(after) = length.and_then(|length| segment.get(length..)) else { return false };
-        if *marker == START_OF_SCAN {
-            // Within pixels, 0 or the number of a restart follows 0xff.
-            return after.windows(2).any(|pair| pair == [0xff, END_OF_IMAGE]);
-        }
         rest = after;
     }
-    true
+    false
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
 
-    #[test]
-    fn ends_are_those_of_the_image() {
+    fn jpeg() -> Vec<u8> {
         let mut jpeg = std::io::Cursor::new(Vec::new());
-        image::RgbImage::new(4, 4).write_to(&mut jpeg, image::ImageFormat::Jpeg).unwrap();
-        let jpeg = jpeg.into_inner();
+        let noise =
+            image::RgbImage::from_fn(40, 24, |x, y| image::Rgb([(x * 61) as u8, (y * 99) as u8, (x * y) as u8]));
+        noise.write_to(&mut jpeg, image::ImageFormat::Jpeg).unwrap();
+        jpeg.into_inner()
+    }
+
+    #[test]
+    fn a_truncated_image_has_no_end() {
+        let jpeg = jpeg();
         assert!(has_end(&jpeg));
-        for length in 4..jpeg.len() {
-            // The markers at the beginning are complete at the ends of segments.
-            assert!(!has_end(&jpeg[..length]) || image::load_from_memory(&jpeg[..length]).is_err(), "{length}");
+        assert!((0..jpeg.len()).all(|length| !has_end(&jpeg[..length])));
+        // The decoder accepts many of these.
+        let decoded = (0..jpeg.len()).filter(|length| image::load_from_memory(&jpeg[..*length]).is_ok()).count();
+        assert!(decoded > 100, "{decoded}");
+    }
+
+    /// The end of an embedded preview does not count; fill bytes, stray bytes and trailing bytes are ignored.
+    #[test]
+    fn previews_and_other_bytes_are_skipped() {
+        let jpeg = jpeg();
+        let segment = |marker: u8, contents: &[u8]| {
+            [&[0xff, marker][..], &(contents.len() as u16 + 2).to_be_bytes(), contents].concat()
+        };
+        let [preview, comment] = [segment(0xe1, &jpeg), segment(0xfe, b"\xff\xd9")];
+        for before in [preview.clone(), [&[0xff, 0xff], &comment[..]].concat(), [&preview[..], b"\0"].concat()] {
+            let whole = [&jpeg[..2], &before, &jpeg[2..], b"more"].concat();
+            assert!(image::load_from_memory(&whole).is_ok() && has_end(&whole));
+            assert!(!has_end(&whole[..whole.len() - 6]));
         }
-        // A preview in a segment does not stand for the image; fill bytes and what follows the end do no harm.
-        let length = (jpeg.len() + 2) as u16;
-        let preview = [&[0xff, 0xff, 0xe1][..], &length.to_be_bytes(), &jpeg].concat();
-        let with_preview = [&jpeg[..2], &preview, &jpeg[2..], b"more"].concat();
-        assert!(image::load_from_memory(&with_preview).is_ok());
-        assert!(has_end(&with_preview));
-        assert!(!has_end(&with_preview[..with_preview.len() - 6]));
     }
 }

@@ -2,7 +2,7 @@
 
 use crate::InputError;
 use crate::exr_header::exr_headers;
-use crate::jpeg_end::{CUT_SHORT, has_end};
+use crate::jpeg_end::{NO_END, has_end};
 use crate::tile_image::FileImage;
 use brdfc_core::words::one_line;
 use brdfc_formats::FormatError;
@@ -137,12 +137,13 @@ fn check_exr(path: &Path) -> Result<(), InputError> {
     headers.map(drop).map_err(|error| InputError::format(path, error))
 }
 
+/// Checks for the end marker, because the decoder fills missing pixels with grey.
 fn check_jpeg(path: &Path) -> Result<(), InputError> {
     let jpeg = std::fs::read(path).map_err(|error| InputError::io(path, error))?;
     if has_end(&jpeg) {
         return Ok(());
     }
-    Err(InputError::format(path, FormatError::whole("image", CUT_SHORT, ALLOWED).problem()))
+    Err(InputError::format(path, FormatError::whole("image", NO_END, ALLOWED).problem()))
 }
 
 /// Width, height and bytes per channel.

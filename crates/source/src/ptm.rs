@@ -1,6 +1,7 @@
 //! Polynomial texture maps as inputs.
 
 use crate::input::InputFile;
+use crate::jpeg_end::{NO_END, has_end};
 use crate::{Input, InputError};
 use brdfc_core::words::one_line;
 use brdfc_formats::memory::filled;
@@ -22,6 +23,9 @@ pub fn open_ptm(input: &Input) -> Result<Ptm, InputError> {
 
 /// Decodes a plane of a compressed map, which must have this width and height.
 fn decoded(jpeg: &[u8], size: [u32; 2]) -> Result<Vec<u8>, String> {
+    if !has_end(jpeg) {
+        return Err(NO_END.to_owned());
+    }
     let decoder = JpegDecoder::new(Cursor::new(jpeg)).map_err(|error| one_line(&error))?;
     let (width, height) = decoder.dimensions();
     if [width, height] != size {

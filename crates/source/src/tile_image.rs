@@ -2,7 +2,7 @@
 
 use crate::InputError;
 use crate::input::{Input, InputFile};
-use crate::jpeg_end::{CUT_SHORT, has_end};
+use crate::jpeg_end::{NO_END, has_end};
 use brdfc_core::words::one_line;
 use brdfc_formats::FormatError;
 use brdfc_formats::memory::reserved;
@@ -89,13 +89,13 @@ fn decode(bytes: &[u8]) -> Result<DynamicImage, FormatError> {
             None => wrong("unknown format".to_owned()).problem(),
         });
     }
-    if format == Some(ImageFormat::Jpeg) && !has_end(bytes) {
-        return Err(wrong(CUT_SHORT.to_owned()).problem());
-    }
     // Checks the size before the decoder does, whose errors name no sizes.
     let (width, height) = reader()?.into_dimensions().map_err(|error| wrong(limit_message(error)).problem())?;
     if width > MAX_SIZE || height > MAX_SIZE {
         return Err(wrong(format!("{width} x {height} pixels")));
+    }
+    if format == Some(ImageFormat::Jpeg) && !has_end(bytes) {
+        return Err(wrong(NO_END.to_owned()).problem());
     }
     let mut reader = reader()?;
     let mut limits = Limits::default();
@@ -137,6 +137,9 @@ mod tests {
             assert_eq!((image.width, image.height), (9, 5));
             assert!(image.pixels.iter().flatten().all(|c| (c - 1.0).abs() < 0.02), "{format:?}");
         }
+        let jpeg = encoded(grey(255), ImageFormat::Jpeg);
+        let error = opened("a", &jpeg[..jpeg.len() - 2]).unwrap_err();
+        assert!(error.contains("image: no end-of-image marker (FF D9): the JPEG is truncated; expected"), "{error}");
         let exr = encoded(image::DynamicImage::from(grey(255).into_rgb32f()), ImageFormat::OpenExr);
         let error = opened("a.png", &exr).unwrap_err();
         assert!(error.contains("found OpenExr, expected a complete PNG or JPEG"), "{error}");

@@ -281,7 +281,8 @@ fn g_buffer(renderer: &AdaptiveRenderer<'_>, loaded: &LoadedAdaptive, world: &Wo
     renderer.g_buffer(loaded, &world.scene.camera, FRAME, levels).unwrap()
 }
 
-/// Differences of the results of some steps. Software drivers compile a step when it first runs.
+/// Differences of the results of some steps. Software drivers compile a step when it first runs, so
+/// changes of a shader are compared by the step that they affect.
 fn differences(
     renderer: &AdaptiveRenderer<'_>,
     world: &World,
@@ -419,6 +420,11 @@ fn changed_shaders_are_detected() {
     let loaded = world.load(&renderer);
     let buffer = renderer.read(&g_buffer(&renderer, &loaded, &world, 1)).unwrap();
     let expected = expected(&world, &buffer, &settings);
+    // The control: without a change, each step alone agrees.
+    for step in Step::ALL {
+        let found = differences(&renderer, &world, &settings, &expected, &[step]);
+        assert_eq!(found.beyond(), [""; 0], "{found:?}");
+    }
     for (from, to, what) in CHANGES {
         assert_eq!(shaders.steps.matches(from).count(), 1, "{from}");
         let changed = AdaptiveShaders { steps: shaders.steps.replace(from, to), ..shaders.clone() };

@@ -238,6 +238,9 @@ fn images_of_two_sizes_too_large_or_broken() {
         assert!(matches!(read, Err(InputError::Format { .. })), "{length}");
     }
     assert!(refused > 100 && refused < whole.len(), "{refused} of {}", whole.len());
+    let text = RtiCapture::open(folder.path()).and_then(|stack| stack.image(1)).unwrap_err().to_string();
+    let expected = "b.jpg: image: no end-of-image marker (FF D9): the JPEG is truncated; expected a complete PNG, JPEG, TIFF or EXR image";
+    assert!(text.ends_with(expected), "{text}");
 }
 
 #[test]
