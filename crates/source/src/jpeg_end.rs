@@ -1,11 +1,17 @@
 //! Checks that a JPEG is complete: the decoder fills missing pixels with grey.
 
-/// Error text for a JPEG without its end marker.
-pub(crate) const NO_END: &str = "no end-of-image marker (FF D9): the JPEG is truncated";
 const END_OF_IMAGE: u8 = 0xd9;
 
-/// Returns true if the first image of a file has its end marker. Segments are skipped, because they can hold whole images.
-pub(crate) fn has_end(jpeg: &[u8]) -> bool {
+/// Checks that the first image of a file has its end marker.
+///
+/// # Errors
+/// Returns what is wrong with the file.
+pub(crate) fn check_end(jpeg: &[u8]) -> Result<(), &'static str> {
+    if has_end(jpeg) { Ok(()) } else { Err("no end-of-image marker (FF D9): the JPEG is truncated") }
+}
+
+/// Skips segments, because they can hold whole images.
+fn has_end(jpeg: &[u8]) -> bool {
     let mut rest = jpeg.get(2..).unwrap_or_default();
     // Among pixels, 0 or the number of a restart follows 0xff; fill bytes repeat it.
     let is_marker = |pair: &[u8]| pair[0] == 0xff && !matches!(pair[1], 0 | 0xd0..=0xd7 | 0xff);

@@ -2,7 +2,7 @@
 
 use crate::InputError;
 use crate::exr_header::exr_headers;
-use crate::jpeg_end::{NO_END, has_end};
+use crate::jpeg_end::check_end;
 use crate::tile_image::FileImage;
 use brdfc_core::words::one_line;
 use brdfc_formats::FormatError;
@@ -140,10 +140,8 @@ fn check_exr(path: &Path) -> Result<(), InputError> {
 /// Checks for the end marker, because the decoder fills missing pixels with grey.
 fn check_jpeg(path: &Path) -> Result<(), InputError> {
     let jpeg = std::fs::read(path).map_err(|error| InputError::io(path, error))?;
-    if has_end(&jpeg) {
-        return Ok(());
-    }
-    Err(InputError::format(path, FormatError::whole("image", NO_END, ALLOWED).problem()))
+    check_end(&jpeg)
+        .map_err(|problem| InputError::format(path, FormatError::whole("image", problem, ALLOWED).problem()))
 }
 
 /// Width, height and bytes per channel.

@@ -1,7 +1,7 @@
 //! Polynomial texture maps as inputs.
 
 use crate::input::InputFile;
-use crate::jpeg_end::{NO_END, has_end};
+use crate::jpeg_end::check_end;
 use crate::{Input, InputError};
 use brdfc_core::words::one_line;
 use brdfc_formats::memory::filled;
@@ -23,9 +23,7 @@ pub fn open_ptm(input: &Input) -> Result<Ptm, InputError> {
 
 /// Decodes a plane of a compressed map, which must have this width and height.
 fn decoded(jpeg: &[u8], size: [u32; 2]) -> Result<Vec<u8>, String> {
-    if !has_end(jpeg) {
-        return Err(NO_END.to_owned());
-    }
+    check_end(jpeg)?;
     let decoder = JpegDecoder::new(Cursor::new(jpeg)).map_err(|error| one_line(&error))?;
     let (width, height) = decoder.dimensions();
     if [width, height] != size {
@@ -68,5 +66,20 @@ impl PtmFacts {
             ("scale of u², v², uv, u, v, 1", scale.map(|number| number.to_string()).join(" ")),
             ("bias", bias.map(|number| number.to_string()).join(" ")),
         ]
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_truncated_plane_is_refused() {
+        let mut jpeg = Cursor::new(Vec::new());
+        image::GrayImage::from_pixel(9, 5, image::Luma([77])).write_to(&mut jpeg, image::ImageFormat::Jpeg).unwrap();
+        let jpeg = jpeg.into_inner();
+        let samples = decoded(&jpeg, [9, 5]).unwrap();
+        assert!(samples.len() == 45 && samples.iter().all(|sample| sample.abs_diff(77) < 3), "{samples:?}");
+        assert!(decoded(&jpeg[..jpeg.len() - 2], [9, 5]).unwrap_err().contains("the JPEG is truncated"));
     }
 }

@@ -2,7 +2,7 @@
 
 use crate::InputError;
 use crate::input::{Input, InputFile};
-use crate::jpeg_end::{NO_END, has_end};
+use crate::jpeg_end::check_end;
 use brdfc_core::words::one_line;
 use brdfc_formats::FormatError;
 use brdfc_formats::memory::reserved;
@@ -94,8 +94,8 @@ fn decode(bytes: &[u8]) -> Result<DynamicImage, FormatError> {
     if width > MAX_SIZE || height > MAX_SIZE {
         return Err(wrong(format!("{width} x {height} pixels")));
     }
-    if format == Some(ImageFormat::Jpeg) && !has_end(bytes) {
-        return Err(wrong(NO_END.to_owned()).problem());
+    if format == Some(ImageFormat::Jpeg) {
+        check_end(bytes).map_err(|problem| wrong(problem.to_owned()).problem())?;
     }
     let mut reader = reader()?;
     let mut limits = Limits::default();

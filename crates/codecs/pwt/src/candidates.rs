@@ -131,7 +131,7 @@ impl SquaredSlopes {
         Self { black, step, table: (0..=STEPS).map(of).collect() }
     }
 
-    /// The entry nearest to a value: the first below black, the last above white. Within 13 % of the slope at the value.
+    /// The entry nearest to a value: the first below black, the last above white.
     pub(crate) fn at(&self, value: f32) -> f32 {
         let nearest = ((value - self.black) / self.step).round() as usize;
         self.table[nearest.min(self.table.len() - 1)]
@@ -156,7 +156,8 @@ pub fn decibels(mean_square: f64) -> f64 {
 mod tests {
     use super::*;
 
-    /// Known answers: the derivative of the sRGB curve times that of the decoded value, between entries of the table.
+    /// Known answers: the derivative of the sRGB curve times that of the decoded value. Nearer to black and white, entries differ more
+    /// from the slope at a value.
     #[test]
     fn slopes_are_those_of_the_curve() {
         let curve = |value: f64| 1.055 / 2.4 * value.powf(1.0 / 2.4 - 1.0);

@@ -190,38 +190,13 @@ struct Differences {
     samples: f64,
     /// Number of different nodes in the pyramids of one prediction.
     pyramids: usize,
-    /// Shading by one prediction: whether counts differ, and the largest difference, in units of the larger of the radiance
-    /// and a hundredth of the maximum.
+    /// Shading by one prediction: whether all counts are equal, and the largest difference, in units of the larger of
+    /// the radiance and a hundredth of the maximum.
     counts: bool,
     radiance: f64,
-    /// Largest difference of the forward renderer in the same units, and whether coverage differs.
+    /// Largest difference of the forward renderer in the same units, and of coverage.
     forward: f64,
     coverage: bool,
-}
-
-/// Steps whose results are compared.
-enum Step {
-    Curvature,
-    Predict,
-    Merge,
-    Shade,
-    Forward,
-}
-
-impl Step {
-    const ALL: [Self; 5] = [Self::Curvature, Self::Predict, Self::Merge, Self::Shade, Self::Forward];
-
-    /// The step with a result.
-    fn of(result: &str) -> Self {
-        match result {
-            "curvature" => Self::Curvature,
-            "bandwidth" | "deviation" | "levels" | "samples" => Self::Predict,
-            "pyramids" => Self::Merge,
-            "counts" | "radiance" => Self::Shade,
-            "forward" | "coverage" => Self::Forward,
-            _ => panic!("no result {result}"),
-        }
-    }
 }
 
 fn relative(a: &[f32], b: &[f32]) -> f64 {
@@ -281,49 +256,32 @@ fn g_buffer(renderer: &AdaptiveRenderer<'_>, loaded: &LoadedAdaptive, world: &Wo
     renderer.g_buffer(loaded, &world.scene.camera, FRAME, levels).unwrap()
 }
 
-/// Differences of the results of some steps. Software drivers compile a step when it first runs, so
-/// changes of a shader are compared by the step that they affect.
 fn differences(
     renderer: &AdaptiveRenderer<'_>,
     world: &World,
     settings: &Settings,
     expected: &Expected,
-    steps: &[Step],
 ) -> Differences {
     let loaded = world.load(renderer);
     let buffer = g_buffer(renderer, &loaded, world, settings.antialiasing_levels);
-    let mut found = Differences::default();
-    for step in steps {
-        match step {
-            Step::Curvature => {
-                let bits = |values: &[f32]| values.iter().copied().map(f32::to_bits).collect::<Vec<_>>();
-                let curved = renderer.curvature(&buffer).unwrap();
-                found.curvature = share(&bits(&expected.curvature), &bits(&curved));
-            }
-            Step::Predict => {
-                let prediction = renderer.predict(&loaded, &buffer, settings).unwrap();
-                found.bandwidth = relative(&expected.prediction.bandwidth, &prediction.bandwidth);
-                found.deviation = relative(&expected.prediction.deviation, &prediction.deviation);
-                found.levels = share(&expected.prediction.level, &prediction.level);
-                found.samples = share(&expected.prediction.samples, &prediction.samples);
-            }
-            Step::Merge => {
-                let (targets, samples) = renderer.pyramids(&buffer, &expected.prediction).unwrap();
-                found.pyramids = unequal(&expected.targets, &targets) + unequal(&expected.samples, &samples);
-            }
-            Step::Shade => {
-                let shaded = renderer.shade(&loaded, &buffer, &expected.prediction, settings.most).unwrap();
-                found.counts = expected.shaded.levels != shaded.levels;
-                found.radiance = of_radiance(&expected.shaded.radiance, &shaded.radiance);
-            }
-            Step::Forward => {
-                let forward = renderer.forward(&loaded, &buffer, FORWARD).unwrap();
-                found.forward = of_radiance(&expected.forward.pixels, &forward.pixels);
-                found.coverage = expected.forward.coverage != forward.coverage;
-            }
-        }
+    let bits = |values: Vec<f32>| values.into_iter().map(f32::to_bits).collect::<Vec<_>>();
+    let curved = bits(renderer.curvature(&buffer).unwrap());
+    let prediction = renderer.predict(&loaded, &buffer, settings).unwrap();
+    let (targets, samples) = renderer.pyramids(&buffer, &expected.prediction).unwrap();
+    let shaded = renderer.shade(&loaded, &buffer, &expected.prediction, settings.most).unwrap();
+    let forward = renderer.forward(&loaded, &buffer, FORWARD).unwrap();
+    Differences {
+        curvature: share(&bits(expected.curvature.clone()), &curved),
+        bandwidth: relative(&expected.prediction.bandwidth, &prediction.bandwidth),
+        deviation: relative(&expected.prediction.deviation, &prediction.deviation),
+        levels: share(&expected.prediction.level, &prediction.level),
+        samples: share(&expected.prediction.samples, &prediction.samples),
+        pyramids: unequal(&expected.targets, &targets) + unequal(&expected.samples, &samples),
+        counts: expected.shaded.levels == shaded.levels,
+        radiance: of_radiance(&expected.shaded.radiance, &shaded.radiance),
+        forward: of_radiance(&expected.forward.pixels, &forward.pixels),
+        coverage: expected.forward.coverage == forward.coverage,
     }
-    found
 }
 
 impl Differences {
@@ -337,10 +295,10 @@ impl Differences {
             ("levels", self.levels > 0.001),
             ("samples", self.samples > 0.005),
             ("pyramids", self.pyramids > 0),
-            ("counts", self.counts),
+            ("counts", !self.counts),
             ("radiance", self.radiance.is_nan() || self.radiance > 1e-5),
             ("forward", self.forward.is_nan() || self.forward > 1e-5),
-            ("coverage", self.coverage),
+            ("coverage", !self.coverage),
         ]
         .into_iter()
         .filter_map(|(name, wrong)| wrong.then_some(name))
@@ -366,7 +324,7 @@ fn each_step_agrees_with_its_twin() {
         // Every kind of outcome occurs.
         let levels = &expected.shaded.levels;
         assert!(levels[0].shaded > 0 && levels[0].shaded < levels[0].pixels && levels[1].shaded > 0, "{levels:?}");
-        let found = differences(&renderer, &world, &settings, &expected, &Step::ALL);
+        let found = differences(&renderer, &world, &settings, &expected);
         println!("{builtin:?}, {filter:?}, {antialiasing_levels}: {found:?}");
         assert_eq!(found.beyond(), [""; 0], "{builtin:?}, {filter:?}, {antialiasing_levels}: {found:?}");
     }
@@ -420,16 +378,11 @@ fn changed_shaders_are_detected() {
     let loaded = world.load(&renderer);
     let buffer = renderer.read(&g_buffer(&renderer, &loaded, &world, 1)).unwrap();
     let expected = expected(&world, &buffer, &settings);
-    // The control: without a change, each step alone agrees.
-    for step in Step::ALL {
-        let found = differences(&renderer, &world, &settings, &expected, &[step]);
-        assert_eq!(found.beyond(), [""; 0], "{found:?}");
-    }
     for (from, to, what) in CHANGES {
         assert_eq!(shaders.steps.matches(from).count(), 1, "{from}");
         let changed = AdaptiveShaders { steps: shaders.steps.replace(from, to), ..shaders.clone() };
         let renderer = AdaptiveRenderer::with_shaders(gpu, &changed).unwrap();
-        let found = differences(&renderer, &world, &settings, &expected, &[Step::of(what)]);
+        let found = differences(&renderer, &world, &settings, &expected);
         assert!(found.beyond().contains(&what), "{from} -> {to}: {found:?}");
     }
 }
