@@ -3,7 +3,7 @@
 
 use brdfc_core::address::AddressError;
 use brdfc_flat_btf::encode::{
-    EncodeError, FlatBtfEncoded, FlatInput, FlattenRecipe, MemoryScratch, Reflectance, ValueSource, encode,
+    EncodeError, FlatBtfEncoded, FlatInput, FlattenRecipe, MemoryScratch, Reflectance, ReliefForm, ValueSource, encode,
 };
 use brdfc_flat_btf::factored::FactoredTarget;
 use brdfc_flat_btf::fill::FillMethod;
@@ -108,6 +108,7 @@ pub fn measured_btf_study(
     let row = |from, values, reflectance| {
         let recipe = FlattenRecipe {
             texels: texels as u32,
+            relief: ReliefForm::Layers,
             flat_texels: texels,
             views: set.clone(),
             lights: set.clone(),
