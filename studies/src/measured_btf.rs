@@ -140,7 +140,7 @@ pub fn measured_btf_study(
 
 /// PSNR and mean ΔE of a flat BTF over all images.
 fn errors(images: &Rendered<'_>, decoder: &FlatBtfDecoder, done: &(dyn Fn() + Sync)) -> Result<[f64; 2], FormatError> {
-    let directions = SampledDirections::of(&decoder.parts().reflectance)?;
+    let directions = SampledDirections::of(decoder.parts())?;
     let single = |v: Vector| v.map(|c| c as f32);
     let of_view = |(seen, view): (&ViewImage, &Vector)| {
         let place = |k: usize| (k as f32 + 0.5) / seen.size as f32;

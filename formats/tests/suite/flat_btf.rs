@@ -88,7 +88,7 @@ fn parameters_are_positions_and_displacements() {
     assert!((u - 1.0 - 0.5 * 0.3125).abs() < 1e-6 && (v - 0.25 + 0.375).abs() < 1e-6, "{u} {v}");
     // The decoder wraps them.
     let decoder = FlatBtfDecoder::new(FlatBtfParts { relief: layers.into(), ..parts(Sizes { plane: 4, ..SMALL }, 1) });
-    let (point, [u, v]) = decoder.seen([0.75, 0.25], UP, 0.0);
+    let (_, [u, v]) = decoder.seen([0.75, 0.25], UP, 0.0);
     assert!((u - 0.0625).abs() < 1e-6 && (v - 0.875).abs() < 1e-6, "{u} {v}");
 }
 
