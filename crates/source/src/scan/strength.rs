@@ -25,6 +25,10 @@ const FACTORS: [usize; 5] = [1, 3, 7, 18, 45];
 const TRIED_ROWS: usize = 250;
 /// Largest ratio of the mean left-out residuals at the second and the first number of neighbours of a noisy scan.
 const NOISY: f64 = 0.97;
+/// Maximum number of rows that decide about numbers of neighbours.
+const DECIDING_ROWS: usize = 2000;
+/// Maximum number of rows times neighbours.
+const MAX_WORK: usize = 10_000_000;
 /// Smallest mean left-out residual of a noisy scan: rounding is below it.
 const ROUNDING: f64 = 1e-4;
 /// Spread of repeated rows above which all numbers of neighbours are tried.
@@ -145,7 +149,8 @@ impl<const S: usize> Rows<'_, S> {
         let sizes = match strength {
             Strength::Chosen => {
                 let candidates = FACTORS.map(|factor| factor * default);
-                let count = candidates.iter().filter(|size| **size < rows).count().max(1);
+                let allowed = |size: &&usize| **size < rows && **size * rows <= MAX_WORK;
+                let count = candidates.iter().filter(allowed).count().max(1);
                 match self.choose::<D, M, P>(&candidates[..count], spread) {
                     Ok(sizes) => sizes,
                     Err(noise) => return Smoothed { rows: None, noise },
@@ -180,22 +185,18 @@ impl<const S: usize> Rows<'_, S> {
             return Err(self.noise(&first));
         }
         let rows = self.pairs.len();
-        let squares: Vec<Vec<f64>> = candidates
-            .iter()
-            .map(|size| {
-                let fits = self.fit_rows::<D, M, P>((0..rows).into_par_iter().map(|row| (row, *size)));
-                let squares: Vec<f64> = fits.iter().map(|fit| self.square(fit)).collect();
-                let limit = CAP * CAP * median(squares.clone());
-                squares.into_iter().map(|square| square.min(limit)).collect()
-            })
-            .collect();
+        let step = rows.div_ceil(DECIDING_ROWS);
+        let squares: Vec<Vec<f64>> =
+            candidates.iter().map(|size| self.squares(&self.every::<D, M, P>(step, *size))).collect();
         let (share, [least, most]) = AROUND;
-        let around = NonZero::new(((share * rows as f64) as usize).clamp(least, most)).expect("positive");
+        let around = step * ((share * rows as f64) as usize).clamp(least, most);
+        let around = NonZero::new(around).expect("positive");
         let best = |row: usize| {
             let mut query = [0.0; S];
             query[..D].copy_from_slice(&P::place(self.pairs[row]));
             let found = self.tree.tree.query(&query).nearest_n::<SquaredEuclidean<f64>>(around).execute();
-            let error = |squares: &Vec<f64>| found.iter().map(|item| squares[self.row_of(item.item)]).sum::<f64>();
+            let deciding = || found.iter().map(|item| self.row_of(item.item)).filter(|row| row.is_multiple_of(step));
+            let error = |squares: &Vec<f64>| deciding().map(|row| squares[row / step]).sum::<f64>();
             let errors: Vec<f64> = squares.iter().map(error).collect();
             let best = (0..candidates.len()).min_by(|a, b| errors[*a].total_cmp(&errors[*b]));
             candidates[best.unwrap_or(0)]
@@ -205,9 +206,20 @@ impl<const S: usize> Rows<'_, S> {
 
     /// Fits at a sample of the rows.
     fn tried<const D: usize, const M: usize, P: Space<D, S>>(&self, neighbours: usize) -> Vec<RowFit> {
-        let rows = self.pairs.len();
-        let step = rows.div_ceil(TRIED_ROWS);
-        self.fit_rows::<D, M, P>((0..rows).into_par_iter().step_by(step).map(|row| (row, neighbours)))
+        self.every::<D, M, P>(self.pairs.len().div_ceil(TRIED_ROWS), neighbours)
+    }
+
+    /// Fits at every row whose index is a multiple of `step`.
+    fn every<const D: usize, const M: usize, P: Space<D, S>>(&self, step: usize, neighbours: usize) -> Vec<RowFit> {
+        let rows = (0..self.pairs.len()).into_par_iter().step_by(step);
+        self.fit_rows::<D, M, P>(rows.map(|row| (row, neighbours)))
+    }
+
+    /// Mean squares of the left-out residuals of rows, up to a limit.
+    fn squares(&self, fits: &[RowFit]) -> Vec<f64> {
+        let squares: Vec<f64> = fits.iter().map(|fit| self.square(fit)).collect();
+        let limit = CAP * CAP * median(squares.clone());
+        squares.into_iter().map(|square| square.min(limit)).collect()
     }
 
     /// Standard deviation of the noise, as a fraction of the value, from left-out residuals: their variance is that of the
