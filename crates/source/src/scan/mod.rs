@@ -16,7 +16,7 @@ pub use summary::ScanSummary;
 
 use super::error::InputError;
 use super::format::{Format, Opened};
-use super::input::InputFile;
+use super::input::{Input, InputFile};
 use brdfc_core::StrayRows;
 use brdfc_core::source::{Completion, Repeats};
 use brdfc_core::words::counted;
@@ -53,23 +53,39 @@ pub(crate) const fn alta_format<F: From<ScanFacts>>() -> Format<F> {
     Format { name: "ALTA", kind: &alta::KIND, open: open_alta }
 }
 
+/// Returns true for an input whose extension, or contents on standard input, are those of a scan.
+///
+/// # Errors
+/// Returns an error if standard input cannot be read.
+pub fn is_scan(input: &Input) -> Result<bool, InputError> {
+    let extension = input.extension()?;
+    Ok([&scan::KIND, &scan_csv::KIND, &alta::KIND].iter().any(|kind| kind.extensions.contains(&extension.as_str())))
+}
+
 fn open_text<F: From<ScanFacts>>(input: InputFile<'_>) -> Result<Opened<F>, InputError> {
-    input.parse_text(|bytes| opened(&Scan::from_bytes(bytes)?, None))
+    let neighbours = input.reading.neighbours;
+    input.parse_text(|bytes| opened(&Scan::from_bytes(bytes)?, None, neighbours))
 }
 
 fn open_csv<F: From<ScanFacts>>(input: InputFile<'_>) -> Result<Opened<F>, InputError> {
-    input.parse_text(|bytes| opened(&scan_csv::from_bytes(bytes)?, None))
+    let neighbours = input.reading.neighbours;
+    input.parse_text(|bytes| opened(&scan_csv::from_bytes(bytes)?, None, neighbours))
 }
 
 fn open_alta<F: From<ScanFacts>>(input: InputFile<'_>) -> Result<Opened<F>, InputError> {
+    let neighbours = input.reading.neighbours;
     input.parse_text(|bytes| {
         let table = AltaTable::from_bytes(bytes)?;
-        opened(&table.scan, Some(&table))
+        opened(&table.scan, Some(&table), neighbours)
     })
 }
 
-fn opened<F: From<ScanFacts>>(scan: &Scan, alta: Option<&AltaTable>) -> Result<Opened<F>, FormatError> {
-    let source = ScanSource::new(scan)?;
+fn opened<F: From<ScanFacts>>(
+    scan: &Scan,
+    alta: Option<&AltaTable>,
+    neighbours: Option<usize>,
+) -> Result<Opened<F>, FormatError> {
+    let source = ScanSource::with_neighbours(scan, neighbours)?;
     let left_out = alta.map(|table| table.left_out).filter(|count| *count > 0);
     let summary = ScanSummary { left_out, ..source.summary() };
     let alta = alta.map(|table| AltaHeader {
