@@ -160,7 +160,7 @@ impl ScanSource {
         let mut next = strays.iter().copied().peekable();
         let others: Vec<Row> =
             (0..scan.rows.len()).filter(|row| next.next_if_eq(row).is_none()).map(|row| scan.rows[row]).collect();
-        let Ok(others) = Self::of_rows(&others, true, strength) else {
+        let Ok(others) = Self::of_rows(&others, true, &Strength::Chosen) else {
             // Too few rows for a comparison.
             return Self::of_rows(&scan.rows, false, strength);
         };
@@ -244,7 +244,7 @@ impl ScanSource {
     fn smooth(&mut self, strength: &Strength) {
         let default = self.neighbours;
         if let Strength::Neighbours(count) = strength {
-            self.neighbours = default.min(*count);
+            self.neighbours = default.min(*count).max(1);
         }
         let spread = self.repeats.map_or(0.0, |repeats| repeats.spread);
         let Smoothed { rows: smoothed, noise } = match &self.points {

@@ -157,7 +157,7 @@ impl<const S: usize> Rows<'_, S> {
                 }
             }
             Strength::Neighbours(size) if *size <= default => {
-                return Smoothed { rows: None, noise: self.noise(&self.tried::<D, M, P>(*size)) };
+                return Smoothed { rows: None, noise: self.noise(&self.tried::<D, M, P>((*size).max(1))) };
             }
             Strength::Neighbours(size) => vec![*size; rows],
             Strength::OfRows(sizes) => sizes.clone(),
