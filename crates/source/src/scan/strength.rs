@@ -7,8 +7,8 @@
 //! reflectance changes slowly.
 //!
 //! The result estimates the median of repeated measurements: it is the truth for symmetric noise, in values or in their
-//! logarithms. A scan is smoothed only if more neighbours reduce the residuals of a sample of its rows, so that scans
-//! without noise keep their values.
+//! logarithms. A scan is smoothed only if more neighbours reduce the residuals of a sample of its rows and the estimated
+//! noise is 5 % or more, so that scans without noise keep their values.
 
 use super::Tree;
 use super::coordinates::Space;
@@ -31,6 +31,9 @@ const DECIDING_ROWS: usize = 2000;
 const MAX_WORK: usize = 10_000_000;
 /// Smallest mean left-out residual of a noisy scan: rounding is below it.
 const ROUNDING: f64 = 1e-4;
+/// Least estimated noise of a scan that is smoothed, as a fraction of the value. Below, more neighbours change renderings by
+/// less than is visible, and rows count as they were measured.
+const LEAST_NOISE: f64 = 0.05;
 /// Spread of repeated rows above which all numbers of neighbours are tried.
 const NOISY_REPEATS: f64 = 0.02;
 /// Share of the rows around a row whose residuals decide about its number of neighbours, and the limits of their number.
@@ -179,8 +182,10 @@ impl<const S: usize> Rows<'_, S> {
     ) -> Result<Vec<usize>, f64> {
         let first = self.tried::<D, M, P>(candidates[0]);
         let mean = |fits: &[RowFit]| fits.iter().map(|fit| self.square(fit).sqrt()).sum::<f64>() / fits.len() as f64;
-        let noisy =
-            |second: usize| spread > NOISY_REPEATS || mean(&self.tried::<D, M, P>(second)) < NOISY * mean(&first);
+        let noisy = |second: usize| {
+            let second = self.tried::<D, M, P>(second);
+            self.noise(&second) >= LEAST_NOISE && (spread > NOISY_REPEATS || mean(&second) < NOISY * mean(&first))
+        };
         if mean(&first) < ROUNDING || !candidates.get(1).is_some_and(|second| noisy(*second)) {
             return Err(self.noise(&first));
         }
