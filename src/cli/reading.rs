@@ -17,7 +17,7 @@ pub struct ReadingOptions {
 impl ReadingOptions {
     /// Opens a material.
     pub fn open(self, input: &Input) -> Result<Material, Error> {
-        Ok(open_with(input, self.reading(None, &[input])?)?)
+        open_with(input, self.reading(None, &[input])?)
     }
 
     /// How inputs are read, with a level of detail of packs. Rejects flags without effect, if none of the inputs is a scan.

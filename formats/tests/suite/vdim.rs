@@ -48,7 +48,7 @@ fn linear_displacements_are_rebuilt() {
         ([slope * polar * azimuth.cos(), slope * polar * azimuth.sin()], -0.1 * polar)
     });
     for k in 0..2000u32 {
-        let (polar, azimuth) = (1.5 * f64::from(k * 619 % 1999) / 1999.0, 6.28 * f64::from(k) / 2000.0);
+        let (polar, azimuth) = (1.5 * f64::from(k * 619 % 1999) / 1999.0, 6.2 * f64::from(k) / 2000.0);
         let ([u, v], z) = map.seen([0.3, 0.6], view(polar, azimuth), 0.0);
         // Halves have a relative precision of 2^-12; blending between 64 directions turns them by less than 1e-3.
         let (du, dv, distance) = (f64::from(u - 0.3), f64::from(v - 0.6), f64::from(slope) * polar);
