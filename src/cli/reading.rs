@@ -5,7 +5,7 @@ use brdfc::inspect::is_scan;
 use brdfc::{Input, Material, Reading, open_with};
 use clap::Args;
 
-/// How scans are read.
+/// Settings of reading scans.
 #[derive(Debug, Clone, Copy, Args)]
 pub struct ReadingOptions {
     /// Scans: number of neighbours of a fit, 1 to the number of distinct direction pairs (default: chosen by left-out rows,

@@ -146,7 +146,7 @@ fn within<'a>(path: &Path, bytes: &'a [u8], limit: u64) -> Result<&'a [u8], Inpu
     Ok(bytes)
 }
 
-/// How an input is read.
+/// Settings of reading an input.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
 pub struct Reading {
     /// Level of detail of packs; `None` is the finest. Other inputs have none.

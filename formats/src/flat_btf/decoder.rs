@@ -1,34 +1,18 @@
 //! CPU decoder, the reference for shaders: f32 operations in a fixed order without fused operations.
 
 use super::directions::SampledDirections;
-use super::factored::{FactoredFlatBtf, FactoredTexel, Place};
+use super::factored::{FactoredTexel, Place};
 use super::layers::Sheet;
 use super::march::{MacroSurface, MarchSteps, ReliefPoint, slope};
-use super::relief::Relief;
+use super::relief::{FlatBtfParts, Relief};
 use super::view_weights::{BlendedDirection, ViewWeights};
 use crate::tap::wrap;
-
-/// Parts of one asset that a decoder reads.
-#[derive(Debug, Clone, PartialEq)]
-pub struct FlatBtfParts {
-    /// Heights of the relief and its parameters, or what sampled views see of it.
-    pub relief: Relief,
-    /// Reflectance of the surface over its parameters.
-    pub reflectance: FactoredFlatBtf,
-}
 
 /// A flat BTF, ready for random access.
 #[derive(Debug, Clone, PartialEq)]
 pub struct FlatBtfDecoder {
     parts: FlatBtfParts,
     steps: MarchSteps,
-}
-
-impl FlatBtfParts {
-    /// Parts of an asset.
-    pub fn new(relief: impl Into<Relief>, reflectance: FactoredFlatBtf) -> Self {
-        Self { relief: relief.into(), reflectance }
-    }
 }
 
 impl FlatBtfDecoder {

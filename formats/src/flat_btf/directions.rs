@@ -1,7 +1,7 @@
 //! The part `directions`: meshes that interpolate sampled views and lights, in the form that shaders read.
 
-use super::decoder::FlatBtfParts;
 use super::layout::{self, check_format, wrong_extent};
+use super::relief::FlatBtfParts;
 use super::view_weights::{BlendedDirection, ViewWeights};
 use crate::FormatError;
 use crate::container::{Extent, TexelFormat, Texture};

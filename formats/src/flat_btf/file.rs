@@ -1,10 +1,10 @@
 //! File of a flat BTF: shader bindings, and headers of the images.
 
-use super::decoder::{FlatBtfDecoder, FlatBtfParts};
+use super::decoder::FlatBtfDecoder;
 use super::directions::SampledDirections;
 use super::factored::{BasisMap, FactoredFlatBtf, ResidualMap, WeightMap};
 use super::layers::{LAYERS, LayerMap};
-use super::relief::Relief;
+use super::relief::{FlatBtfParts, Relief};
 use super::shader::{BASIS, DIRECTIONS, DISPLACEMENTS, HEIGHTS, INDIRECTION, REFERENCE, RESIDUAL, SHADOWS, TABLES};
 use super::shadows::ShadowMap;
 use super::vdim::{VDIM, Vdim};

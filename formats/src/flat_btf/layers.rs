@@ -14,8 +14,6 @@ const VERSION: u32 = 2;
 const BYTES: usize = 24;
 /// Maximum absolute height, in tiles.
 pub const MAX_HEIGHT: f32 = 64.0;
-/// Maximum absolute difference of the parameters of a point from its position, in tiles.
-pub const MAX_DISPLACEMENT: f32 = 1024.0;
 /// Step of a byte.
 const UNIT: f32 = 1.0 / 255.0;
 

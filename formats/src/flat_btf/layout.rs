@@ -1,9 +1,11 @@
 //! Checks that all parts of a flat BTF share: sizes, formats and ranges.
 
-use super::MAX_DISPLACEMENT;
 use crate::FormatError;
 use crate::container::{Extent, MAX_EXTENT_2D, TexelFormat, Texture, half};
 use crate::cursor::Cursor;
+
+/// Maximum absolute difference of the parameters of a point from its position, in tiles.
+pub const MAX_DISPLACEMENT: f32 = 1024.0;
 
 pub(super) fn check_format(texture: &Texture, part: &'static str, format: TexelFormat) -> Result<(), FormatError> {
     texture.check_one_level()?;

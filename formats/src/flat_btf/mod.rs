@@ -20,13 +20,14 @@ mod shadows;
 mod vdim;
 mod view_weights;
 
-pub use decoder::{FlatBtfDecoder, FlatBtfLook, FlatBtfParts};
+pub use decoder::{FlatBtfDecoder, FlatBtfLook};
 pub use directions::SampledDirections;
 pub use file::FlatBtfFile;
 pub use flat_view::{FlatHeader, FlatView, MAX_DIRECTIONS, VisibilityMask, unit_vectors};
-pub use layers::{Column, LayerHeader, LayerMap, MAX_DISPLACEMENT, MAX_HEIGHT, Sheet};
+pub use layers::{Column, LayerHeader, LayerMap, MAX_HEIGHT, Sheet};
+pub use layout::MAX_DISPLACEMENT;
 pub use march::{MAX_SLOPE, MacroSurface, MarchSteps, ReliefPoint};
-pub use relief::Relief;
+pub use relief::{FlatBtfParts, Relief};
 pub use shadows::ShadowMap;
 pub use vdim::{AZIMUTH_ROWS, MAX_VDIM_SIZE, POLAR_ANGLES, SeenPoint, Vdim, VdimHeader};
 pub use view_weights::{BlendedDirection, ViewWeights};

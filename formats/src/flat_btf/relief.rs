@@ -1,5 +1,6 @@
 //! The two forms of relief: layers, through which rays march, and an indirection map with sampled views.
 
+use super::factored::FactoredFlatBtf;
 use super::layers::LayerMap;
 use super::shadows::ShadowMap;
 use super::vdim::{VDIM, Vdim};
@@ -63,5 +64,21 @@ impl Relief {
 impl From<LayerMap> for Relief {
     fn from(layers: LayerMap) -> Self {
         Self::Layers(layers)
+    }
+}
+
+/// Parts of one asset that a decoder reads.
+#[derive(Debug, Clone, PartialEq)]
+pub struct FlatBtfParts {
+    /// Heights of the relief and its parameters, or what sampled views see of it.
+    pub relief: Relief,
+    /// Reflectance of the surface over its parameters.
+    pub reflectance: FactoredFlatBtf,
+}
+
+impl FlatBtfParts {
+    /// Parts of an asset.
+    pub fn new(relief: impl Into<Relief>, reflectance: FactoredFlatBtf) -> Self {
+        Self { relief: relief.into(), reflectance }
     }
 }

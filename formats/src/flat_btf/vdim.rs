@@ -98,7 +98,7 @@ impl VdimHeader {
     }
 }
 
-/// What one view sees through a texel of the reference plane.
+/// The point that one view sees through a texel of the reference plane.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct SeenPoint {
     /// Displacement `Δ_v` of its parameters from the reference, in tiles, not wrapped.
@@ -335,7 +335,7 @@ fn encode(SeenPoint { displacement, height }: SeenPoint) -> [u16; 4] {
     [x, y, rounded, half::encode(height)]
 }
 
-/// What a texel should be, unless it is valid. `next` is the texel after a pole; `same_as` must have the same bits.
+/// The values that are allowed instead of a texel, unless it is valid. `next` is the texel after a pole; `same_as` must have the same bits.
 fn problem(texel: [u16; 4], is_pole: bool, next: [u16; 4], same_as: [u16; 4]) -> Option<String> {
     let [x, y, distance, height] = texel.map(half::decode);
     if !((0.0..=MAX_DISPLACEMENT).contains(&distance) && height.abs() <= MAX_HEIGHT) {

@@ -16,7 +16,7 @@ pub const OVERSAMPLING: usize = 2;
 /// A measured view of a map: parameters that a view sees through a texel, not wrapped, and the height of the point.
 type Measured = ([f64; 2], f64);
 
-/// What a map of one level has before rounding.
+/// A map of one level before rounding.
 pub struct MeasuredVdim {
     header: VdimHeader,
     /// Parameters that the view along the normal sees less the centre of the texel, row by row.

@@ -28,10 +28,9 @@ use brdfc_readers::scan::{self, Row, Scan};
 use brdfc_readers::scan_csv;
 use coordinates::{Anisotropic, Isotropic, Space};
 use incidence::Incidence;
-use kiddo::ImmutableKdTree;
 use merge::{Group, merge};
 use std::sync::OnceLock;
-use strength::{Rows, Smoothed, Strength};
+use strength::{Rows, Smoothed, Strength, Tree};
 
 /// Minimum number of distinct direction pairs of a scan.
 pub const MIN_ROWS: usize = 8;
@@ -120,14 +119,6 @@ pub struct ScanSource {
 enum Points {
     Isotropic(Tree<4>),
     Anisotropic(Tree<5>),
-}
-
-/// Positions in a search space of `S` axes, including images; items of the tree are indices of positions.
-struct Tree<const S: usize> {
-    tree: ImmutableKdTree<f64, S>,
-    positions: Vec<[f64; S]>,
-    /// Index of the value of each position, image or not.
-    value_of: Vec<u32>,
 }
 
 impl std::fmt::Debug for ScanSource {
@@ -317,13 +308,6 @@ impl Source for ScanSource {
 
     fn completion(&self) -> Option<&dyn Completion> {
         Some(self)
-    }
-}
-
-impl<const S: usize> Tree<S> {
-    fn new((positions, value_of): (Vec<[f64; S]>, Vec<u32>)) -> Self {
-        let tree = ImmutableKdTree::new_from_slice(&positions).expect("positions are finite");
-        Self { tree, positions, value_of }
     }
 }
 

@@ -10,12 +10,11 @@
 //! logarithms. A scan is smoothed only if more neighbours reduce the residuals of a sample of its rows and the estimated
 //! noise is 5 % or more, so that scans without noise keep their values.
 
-use super::Tree;
 use super::coordinates::Space;
 use super::fit::Neighbourhood;
 use brdfc_core::Tally;
 use brdfc_formats::direction::DirectionPair;
-use kiddo::SquaredEuclidean;
+use kiddo::{ImmutableKdTree, SquaredEuclidean};
 use rayon::prelude::*;
 use std::num::NonZero;
 
@@ -44,6 +43,24 @@ const CAP: f64 = 4.0;
 const MAX_SHARE: f64 = 0.95;
 /// Standard deviation of normal noise over the median of its absolute values.
 const NORMAL: f64 = 1.4826;
+
+/// Positions in a search space of `S` axes, including images; items of the tree are indices of positions.
+pub struct Tree<const S: usize> {
+    /// The search tree.
+    pub tree: ImmutableKdTree<f64, S>,
+    /// The positions.
+    pub positions: Vec<[f64; S]>,
+    /// Index of the value of each position, image or not.
+    pub value_of: Vec<u32>,
+}
+
+impl<const S: usize> Tree<S> {
+    /// Builds the tree of positions, with the index of the value of each.
+    pub fn new((positions, value_of): (Vec<[f64; S]>, Vec<u32>)) -> Self {
+        let tree = ImmutableKdTree::new_from_slice(&positions).expect("positions are finite");
+        Self { tree, positions, value_of }
+    }
+}
 
 /// Requested strength.
 #[derive(Debug, Clone, PartialEq)]
