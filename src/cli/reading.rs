@@ -20,7 +20,8 @@ impl ReadingOptions {
         open_with(input, self.reading(None, &[input])?)
     }
 
-    /// How inputs are read, with a level of detail of packs. Rejects flags without effect, if none of the inputs is a scan.
+    /// Settings of reading inputs, with a level of detail of packs. Rejects flags without effect, if none of the inputs is
+    /// a scan.
     pub fn reading(self, level: Option<f32>, inputs: &[&Input]) -> Result<Reading, Error> {
         let Some(neighbours) = self.neighbours else { return Ok(level.into()) };
         if neighbours == 0 {

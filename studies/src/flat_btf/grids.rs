@@ -42,7 +42,7 @@ const SEED: u64 = 10;
 /// Errors of both grids, with four rays for each texel and view.
 ///
 /// # Errors
-/// Returns an error if a map cannot hold what is seen.
+/// Returns an error if displacements or heights are out of the range of maps.
 pub fn grid_errors(model: &MesoModel) -> Result<Vec<GridRow>, EncodeError<Infallible>> {
     GRIDS
         .into_iter()

@@ -136,8 +136,8 @@ impl ScanSource {
         Self::with_neighbours(scan, None)
     }
 
-    /// Builds the search tree. Fits have this number of neighbours; `None` chooses it by left-out rows. Rows whose azimuth of incidence differs from the common one are taken as isotropic, and
-    /// compared with the others.
+    /// Builds the search tree. Fits have this number of neighbours; `None` chooses it by left-out rows. Rows whose azimuth
+    /// of incidence differs from the common one are taken as isotropic, and compared with the others.
     ///
     /// # Errors
     /// Returns an error for fewer than [`MIN_ROWS`] distinct direction pairs, and for fewer pairs than neighbours.

@@ -30,8 +30,8 @@ const DECIDING_ROWS: usize = 2000;
 const MAX_WORK: usize = 10_000_000;
 /// Smallest mean left-out residual of a noisy scan: rounding is below it.
 const ROUNDING: f64 = 1e-4;
-/// Least estimated noise of a scan that is smoothed, as a fraction of the value. Below, more neighbours change renderings by
-/// less than is visible, and rows count as they were measured.
+/// Least estimated noise of a scan that is smoothed, as a fraction of the value. Below, rows count as they were measured:
+/// 5 % noise alone is a mean ΔE of 0.65 for `synth:ggx?alpha=0.15`, less than the 1 that is just visible.
 const LEAST_NOISE: f64 = 0.05;
 /// Spread of repeated rows above which all numbers of neighbours are tried.
 const NOISY_REPEATS: f64 = 0.02;

@@ -7,9 +7,9 @@
 //!
 //! Bounds with the sampler filtering: a ray through filtered heights may jump to another sheet, so its error has no
 //! bound by differences. The layers of these cases have one height and one displacement, and so have the indirection maps,
-//! so that positions are exact up to rounding. Values are not sums of filtered values. The bound is three times the sum of the changes of the value
-//! when the place and the level are each moved by the step: both mipmap levels are rounded separately, and values bend
-//! between the steps.
+//! so that positions are exact up to rounding. Values are not sums of filtered values. The bound is three times the sum
+//! of the changes of the value when the place and the level are each moved by the step: both mipmap levels are rounded
+//! separately, and values bend between the steps.
 
 mod made_up;
 

@@ -92,8 +92,7 @@ pub fn encode<E: Send>(
     check_materials(recipe, &input.values, known_materials)?;
     progress.stage(Stage::Parameterise, steps(FlattenRecipe::ROUNDS))?;
     let model = MesoModel::new(input.mesh, FlattenRecipe::ROUNDS, progress)?;
-    progress.stage(Stage::Layers, 2)?;
-    let made_layers = recipe.layers(&model, progress)?;
+    recipe.start_relief(progress)?;
     let coordinates = &model.parameterisation.coordinates;
     let shares = |point: &SurfacePoint| match &input.values {
         ValueSource::Computed(appearance) => appearance.shares(point),
@@ -101,15 +100,11 @@ pub fn encode<E: Send>(
     };
     let surface = texel_surface(&model.mesh, coordinates, recipe.flat_texels, shares);
     progress.step()?;
+    let (relief, of_layers) = recipe.make_relief(&model, progress)?;
 
     let work = Work { recipe, model: &model, surface: &surface, known_materials };
     let (made, seen) = work.reflectance(&input.values, scratch, progress)?;
     let reflectance = if seen.is_some() { Reflectance::Factors } else { Reflectance::Brdf };
-    let (relief, of_layers) = match (made_layers, &recipe.relief) {
-        (Some((layers, report)), _) => (layers.into(), Some(report)),
-        (None, ReliefForm::Layers) => unreachable!("layers were required"),
-        (None, ReliefForm::Vdim(vdim)) => (work.indirections(vdim, made.asset.header().levels, progress)?, None),
-    };
     let mut decoder = FlatBtfDecoder::new(FlatBtfParts { relief, reflectance: made.asset });
     let directions = SampledDirections::of(decoder.parts())?;
     let mut far: Vec<FarLevel> = Vec::new();

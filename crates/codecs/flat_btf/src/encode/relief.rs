@@ -1,14 +1,14 @@
 //! The form of relief that a recipe requires.
 
+use super::EncodeError;
 use super::check::angles;
 use super::recipe::{FlattenRecipe, ReliefForm, VdimRecipe};
-use super::{EncodeError, Work};
 use crate::layers::{LayerReport, layers};
 use crate::light_field::{projected, visible_from_each};
 use crate::model::MesoModel;
 use crate::vdim::{indirection, shadow_map, steps};
-use brdfc_core::progress::{Progress, Stage};
-use brdfc_formats::flat_btf::{LayerMap, Relief, VdimHeader};
+use brdfc_core::progress::{Cancelled, Progress, Stage};
+use brdfc_formats::flat_btf::{Relief, VdimHeader};
 
 impl VdimRecipe {
     /// Header of a map of `texels` per side, with `lights` sampled lights if there are shadows. The map has all levels of
@@ -35,39 +35,47 @@ impl FlattenRecipe {
         }
     }
 
-    /// Makes the layers, if the recipe requires them. `progress` receives a step.
-    pub(super) fn layers<E>(
+    /// Starts the stage of the relief, with a step for the texels of the surface in addition.
+    pub(super) fn start_relief(&self, progress: &dyn Progress) -> Result<(), Cancelled> {
+        match self.vdim_header() {
+            None => progress.stage(Stage::Layers, 2),
+            Some(header) => progress.stage(Stage::Indirections, steps(&header) + 1),
+        }
+    }
+
+    /// Makes the relief, with a report of layers.
+    pub(super) fn make_relief<E>(
         &self,
         model: &MesoModel,
         progress: &dyn Progress,
-    ) -> Result<Option<(LayerMap, LayerReport)>, EncodeError<E>> {
-        let made = match self.relief {
-            ReliefForm::Layers => Some(layers(&model.mesh, &model.parameterisation.coordinates, self.texels)?),
-            ReliefForm::Vdim(_) => None,
-        };
-        progress.step()?;
-        Ok(made)
+    ) -> Result<(Relief, Option<LayerReport>), EncodeError<E>> {
+        match &self.relief {
+            ReliefForm::Layers => {
+                let (layers, report) = layers(&model.mesh, &model.parameterisation.coordinates, self.texels)?;
+                progress.step()?;
+                Ok((layers.into(), Some(report)))
+            }
+            ReliefForm::Vdim(vdim) => Ok((self.indirections(vdim, model, progress)?, None)),
+        }
     }
-}
 
-impl Work<'_> {
-    /// Measures an indirection map, and shadows with `levels` mipmap levels.
-    pub(super) fn indirections<E>(
+    /// Measures an indirection map and shadows.
+    fn indirections<E>(
         &self,
         vdim: &VdimRecipe,
-        levels: u32,
+        model: &MesoModel,
         progress: &dyn Progress,
     ) -> Result<Relief, EncodeError<E>> {
-        let Self { recipe, model, .. } = self;
-        let header = vdim.header(recipe.texels, recipe.lights.len());
-        progress.stage(Stage::Indirections, steps(&header))?;
+        let header = vdim.header(self.texels, self.lights.len());
         let map = indirection::<EncodeError<E>>(model, header, vdim.oversampling as usize, progress)?;
         let shadows = if vdim.shadows {
-            let (texels, lights) = (model.texels(recipe.flat_texels), recipe.lights.directions());
+            let (texels, lights) = (model.texels(self.flat_texels), self.lights.directions());
             progress.stage(Stage::Shadows, lights.len())?;
             let reached = visible_from_each(&texels, &model.caster, &lights, progress)?;
             let counts = projected(&texels, &model.caster);
-            Some(shadow_map(angles(&recipe.lights), &reached, &counts, levels)?)
+            // As many levels as the reflectance has.
+            let levels = self.flat_texels.ilog2() + 1;
+            Some(shadow_map(angles(&self.lights), &reached, &counts, levels)?)
         } else {
             None
         };
