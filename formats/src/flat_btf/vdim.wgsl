@@ -70,7 +70,8 @@ fn flat_btf_vdim_sampled(texel: vec2<u32>, position: vec2<f32>, side: u32, level
     let samples = vec2<f32>(f32(flat_btf_parameters.polar_angles), f32(flat_btf_parameters.azimuth_rows));
     let inside = clamp(position, vec2<f32>(FLAT_BTF_GUARD), samples - (1.0 + FLAT_BTF_GUARD));
     let at = (vec2<f32>(texel) * samples + inside + 0.5) / (f32(side) * samples);
-    return textureSampleLevel(flat_btf_vdim, flat_btf_sampler, at, f32(level));
+    let detail = f32(level);
+    return textureSampleLevel(flat_btf_vdim, flat_btf_sampler, at, detail);
 }
 
 // The same with exact weights.
@@ -97,7 +98,8 @@ fn flat_btf_block_tap(position: f32, last: u32) -> FlatBtfTap {
 // levels.
 fn flat_btf_shadow(at: vec2<f32>, level: u32, blend: f32, light: u32) -> f32 {
     if brdfc_frame.sampler_filters == 1u {
-        return textureSampleLevel(flat_btf_shadows, flat_btf_sampler, at, light, f32(level) + blend).x;
+        let detail = f32(level) + blend;
+        return textureSampleLevel(flat_btf_shadows, flat_btf_sampler, at, light, detail).x;
     }
     let fine = flat_btf_shadow_of_level(at, level, light);
     if blend > 0.0 {
