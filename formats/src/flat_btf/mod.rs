@@ -5,6 +5,7 @@
 //! One asset is one file, [`FlatBtfFile`], whose images are types of this module. Surface coordinates are in tiles: the
 //! tile is the unit square, repeated. Parameters also have period 1.
 
+mod compact;
 mod decoder;
 pub(crate) mod descriptor;
 mod directions;
@@ -20,6 +21,7 @@ mod shadows;
 mod vdim;
 mod view_weights;
 
+pub use compact::CompactSamples;
 pub use decoder::{FlatBtfDecoder, FlatBtfLook};
 pub use directions::SampledDirections;
 pub use file::FlatBtfFile;
@@ -29,5 +31,5 @@ pub use layout::MAX_DISPLACEMENT;
 pub use march::{MAX_SLOPE, MacroSurface, MarchSteps, ReliefPoint};
 pub use relief::{FlatBtfParts, Relief};
 pub use shadows::ShadowMap;
-pub use vdim::{AZIMUTH_ROWS, MAX_VDIM_SIZE, POLAR_ANGLES, SeenPoint, Vdim, VdimHeader};
+pub use vdim::{AZIMUTH_ROWS, MAX_VDIM_SIZE, POLAR_ANGLES, SeenPoint, Vdim, VdimHeader, VdimSamples};
 pub use view_weights::{BlendedDirection, ViewWeights};

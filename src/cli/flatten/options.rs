@@ -238,6 +238,7 @@ fn relief(arguments: &Arguments) -> Result<ReliefForm, Error> {
             (indirection.is_some(), "--indirection", of),
             (largest_angle.is_some(), "--largest-angle", of),
             (oversampling.is_some(), "--oversampling", of),
+            (arguments.compact, "--compact", of),
             (shadows.is_some(), "--shadows", of),
         ];
         refuse_flags("--relief layers", &flags)?;
@@ -254,6 +255,7 @@ fn relief(arguments: &Arguments) -> Result<ReliefForm, Error> {
         largest_angle,
         oversampling: oversampling.unwrap_or(OVERSAMPLING),
         shadows: shadows.unwrap_or(Shadows::Lights) == Shadows::Lights,
+        compact: arguments.compact,
     }))
 }
 

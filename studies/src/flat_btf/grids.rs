@@ -48,8 +48,9 @@ pub fn grid_errors(model: &MesoModel) -> Result<Vec<GridRow>, EncodeError<Infall
         .into_iter()
         .map(|[polar_angles, azimuth_rows]| {
             let largest_angle = (10.0 * BANDS as f32).to_radians();
-            let header = VdimHeader { size: SIZE, polar_angles, azimuth_rows, largest_angle, levels: 1, lights: 0 };
-            let map = indirection::<EncodeError<Infallible>>(model, header, OVERSAMPLING, &())?;
+            let header =
+                VdimHeader { size: SIZE, block: 1, polar_angles, azimuth_rows, largest_angle, levels: 1, lights: 0 };
+            let map = indirection::<EncodeError<Infallible>>(model, header, OVERSAMPLING, false, &())?;
             let bands: Vec<Vec<f64>> = (0..BANDS).map(|band| band_errors(model, &map, band)).collect();
             let mean = |values: &[f64]| values.iter().sum::<f64>() / values.len() as f64;
             let all: Vec<f64> = bands.iter().flatten().copied().collect();
