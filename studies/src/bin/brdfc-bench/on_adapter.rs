@@ -1,6 +1,7 @@
 //! Studies that need a graphics adapter.
 
 use super::arguments::Arguments;
+use brdfc_core::Source;
 use brdfc_formats::BrdfPack;
 use brdfc_gpu::{AdapterChoice, AdapterDescription, Gpu};
 use brdfc_jobs::encode::PackRecipe;
@@ -9,7 +10,7 @@ use brdfc_render::rendering::to_png;
 use brdfc_source::Input;
 use brdfc_source::open::open;
 use brdfc_source::pack::open_brdf_pack;
-use brdfc_studies::images::{ImageRow, PAPER_MEAN, PAPER_SIGMA, StudyError, on_the_cloth};
+use brdfc_studies::images::{Drawn, ImageRow, PAPER_MEAN, PAPER_SIGMA, StudyError, on_the_cloth};
 use brdfc_studies::level_of_detail::{Animation, LevelOfDetail, level_of_detail};
 use brdfc_studies::throughput::{Throughput, throughput};
 use brdfc_studies::{Study, StudyResult};
@@ -37,12 +38,12 @@ pub(super) fn run(arguments: &Arguments, common: Common) -> Result<StudyResult, 
             Ok(StudyResult::Throughput(throughput(&gpu, &packs, progress)?))
         }
         Study::LevelOfDetail => {
-            let pack = pack(&one(arguments, GLOSSY)?)?;
+            let (pack, source) = pack(&one(arguments, GLOSSY)?)?;
             let progress = |what: &str| remark(common, &format!("{what}, {:.1} s", seconds()));
             if let Some(folder) = &arguments.out {
                 make_folder(folder)?;
             }
-            let (result, animation) = level_of_detail(&gpu, &pack, arguments.small, progress)?;
+            let (result, animation) = level_of_detail(&gpu, &pack, source.as_deref(), arguments.small, progress)?;
             if let Some(folder) = &arguments.out {
                 write_frames(folder, &animation)?;
             }
@@ -52,10 +53,17 @@ pub(super) fn run(arguments: &Arguments, common: Common) -> Result<StudyResult, 
             let velvet = [VELVET.into()];
             let inputs = if arguments.inputs.is_empty() { &velvet[..] } else { &arguments.inputs };
             let mut rows = Vec::new();
+            if let Some(folder) = &arguments.out {
+                make_folder(folder)?;
+            }
             for (number, input) in inputs.iter().enumerate() {
                 let opened = open(input, None)?;
                 let name = input.short_name();
-                rows.push(on_the_cloth(&gpu, &name, opened.source.as_ref()).map_err(study_error)?);
+                let (row, drawn) = on_the_cloth(&gpu, &name, opened.source.as_ref()).map_err(study_error)?;
+                rows.push(row);
+                if let Some(folder) = &arguments.out {
+                    write_drawn(folder, number + 1, &drawn)?;
+                }
                 let left = seconds() / (number + 1) as f64 * (inputs.len() - number - 1) as f64;
                 let done =
                     format!("{} of {}: {name}, {:.1} s, about {left:.0} s left", number + 1, inputs.len(), seconds());
@@ -88,8 +96,8 @@ fn one(arguments: &Arguments, default: &str) -> Result<Input, Error> {
     }
 }
 
-/// An input's pack if it has levels of detail, or the wavelet pack of a source at 4:1 and 8 bits.
-fn pack(input: &Input) -> Result<BrdfPack, Error> {
+/// An input's pack if it has levels of detail, or a source with its wavelet pack at 4:1 and 8 bits.
+fn pack(input: &Input) -> Result<(BrdfPack, Option<Box<dyn Source>>), Error> {
     if input.extension()? == "ktx2" {
         let pack = open_brdf_pack(input)?;
         if pack.levels() == 0 {
@@ -98,10 +106,11 @@ fn pack(input: &Input) -> Result<BrdfPack, Error> {
                 "{input}: pack: {found}, expected a pack with several (encode --levels)"
             )));
         }
-        return Ok(pack);
+        return Ok((pack, None));
     }
-    let opened = open(input, None)?;
-    Ok(encode_pack(opened.source.as_ref(), &PackRecipe::Wavelet(Recipe::default()).without_measuring(), &())?.pack)
+    let source = open(input, None)?.source;
+    let recipe = PackRecipe::Wavelet(Recipe::default()).without_measuring();
+    Ok((encode_pack(source.as_ref(), &recipe, &())?.pack, Some(source)))
 }
 
 /// An input's pack, or packs of a source: tables of 16 KiB, plain and factored, and a wavelet pack at 4:1 and 8 bits.
@@ -126,6 +135,14 @@ fn write_frames(folder: &Path, animation: &Animation) -> Result<(), Error> {
             let path = folder.join(format!("{name}-{}.png", number + 1));
             write_file(&path, &to_png(frame, animation.exposure))?;
         }
+    }
+    Ok(())
+}
+
+/// Writes the renderings of material `number` on the cloth.
+fn write_drawn(folder: &Path, number: usize, drawn: &Drawn) -> Result<(), Error> {
+    for (name, image) in [("pack", &drawn.pack), ("pixels", &drawn.pixels), ("vertices", &drawn.vertices)] {
+        write_file(&folder.join(format!("cloth-{number}-{name}.png")), &to_png(image, drawn.exposure))?;
     }
     Ok(())
 }
@@ -173,18 +190,21 @@ pub(super) fn level_of_detail_text(result: &LevelOfDetail) -> String {
             cells
         })
         .collect();
+    let source = result.source.map(|flicker| ("source, 16 samples per pixel", flicker));
     let flicker: Vec<Vec<String>> = [
         ("finest level", result.finest),
         ("level by distance", result.by_distance),
         ("finest level, 16 samples per pixel", result.smooth),
     ]
     .into_iter()
+    .chain(source)
     .map(|(name, f)| {
         vec![
             name.to_owned(),
             format!("{:.3e}", f.variance),
             format!("{:.4}", f.luminance),
             format!("{:.4}", f.relative),
+            format!("{:.4}", f.unclipped),
         ]
     })
     .collect();
@@ -194,11 +214,11 @@ pub(super) fn level_of_detail_text(result: &LevelOfDetail) -> String {
             1e3 * result.seconds_by_distance,
             1e3 * result.seconds_without_light
         )
-        + &plain(&["flicker over six frames moving away", "variance", "luminance", "relative"], &flicker)
+        + &plain(&["flicker over six frames moving away", "variance", "luminance", "relative", "not clipped"], &flicker)
         + &format!(
             "\n{} triangles, {} x {} pixels of which {} show terrain, {} lights. {}.\n\
              Variance over time of the display's luminance, mean over pixels that are 60 units away or more;\n\
-             relative to the squared mean luminance.\n",
+             relative to the squared mean luminance; not clipped: mean luminance without the limit of the display.\n",
             result.triangles,
             result.size[0],
             result.size[1],
