@@ -1,13 +1,11 @@
 //! The terrain with and without levels of detail (section 6.3 and figure 10 of Claustres et al. 2007).
 
-use brdfc_core::Source;
 use brdfc_formats::BrdfPack;
 use brdfc_formats::wavelet::{DEFAULT_DISTANCE_SCALE, Filter};
 use brdfc_gpu::{AdapterDescription, Decoding, Gpu, GpuError, LoadedScene, Renderer, SliceFilter};
 use brdfc_metrics::image::{LinearImage, auto_exposure, luminance};
 use brdfc_render::scene::{Camera, Frame, Scene};
 use brdfc_render::scenes::Builtin;
-use brdfc_render::shade::{SourceReflectance, shade};
 use brdfc_render::shading_point::ShadingPoint;
 use brdfc_render::trace::{Hit, trace};
 use schemars::JsonSchema;
@@ -56,9 +54,6 @@ pub struct LevelOfDetail {
     pub by_distance: Flicker,
     /// Finest level, 16 samples per pixel: flicker of the scene itself.
     pub smooth: Flicker,
-    /// Source of the pack, 16 samples per pixel, drawn by the CPU; absent if the input is a pack.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub source: Option<Flicker>,
 }
 
 /// Changes from frame to frame.
@@ -71,8 +66,6 @@ pub struct Flicker {
     pub luminance: f64,
     /// Variance divided by the squared mean, independent of brightness.
     pub relative: f64,
-    /// Mean luminance before it is clipped to the display's range.
-    pub unclipped: f64,
 }
 
 /// Time of one level.
@@ -100,11 +93,11 @@ pub struct Animation {
     pub by_distance: Vec<LinearImage>,
     /// Finest level, 16 samples per pixel.
     pub smooth: Vec<LinearImage>,
-    /// Factor from radiance to the display's range: that of the source if there is one, or of the smooth frames.
+    /// Factor from radiance to the display's range.
     pub exposure: f64,
 }
 
-/// Measures a pack on the terrain, with few pixels if `small`, and draws its source if there is one. Calls `progress` with a description of each finished
+/// Measures a pack on the terrain, with few pixels if `small`. Calls `progress` with a description of each finished
 /// step.
 ///
 /// # Errors
@@ -112,7 +105,6 @@ pub struct Animation {
 pub fn level_of_detail(
     gpu: &Gpu,
     pack: &BrdfPack,
-    source: Option<&dyn Source>,
     small: bool,
     progress: impl Fn(&str),
 ) -> Result<(LevelOfDetail, Animation), GpuError> {
@@ -165,8 +157,7 @@ pub fn level_of_detail(
     let finest_level = Some(finest as f32);
     let smooth = animate(finest_level, SMOOTH_SAMPLES)?;
     progress("smooth frames drawn");
-    let of_source = source.map(|source| drawn_source(&scene, source, Frame { samples: SMOOTH_SAMPLES, ..frame }));
-    let exposure = auto_exposure(&of_source.as_ref().unwrap_or(&smooth)[0]);
+    let exposure = auto_exposure(&smooth[0]);
     let animation = Animation { finest: animate(finest_level, 1)?, by_distance: animate(None, 1)?, smooth, exposure };
     let far = far_pixels(&scene, frame);
     let result = LevelOfDetail {
@@ -181,18 +172,8 @@ pub fn level_of_detail(
         finest: flicker(&animation.finest, &far, exposure),
         by_distance: flicker(&animation.by_distance, &far, exposure),
         smooth: flicker(&animation.smooth, &far, exposure),
-        source: of_source.map(|frames| flicker(&frames, &far, exposure)),
     };
     Ok((result, animation))
-}
-
-/// The animation by the CPU, from the source.
-fn drawn_source(scene: &Scene, source: &dyn Source, frame: Frame) -> Vec<LinearImage> {
-    let draw = |k: usize| {
-        let scene = Scene { camera: moved(scene, k), ..scene.clone() };
-        shade(&scene, frame, &trace(&scene, frame), &[&SourceReflectance(source)])
-    };
-    (0..FRAMES).map(draw).collect()
 }
 
 /// The camera of frame `k`: moved back along the horizontal part of its direction.
@@ -219,7 +200,7 @@ fn far_pixels(scene: &Scene, frame: Frame) -> Vec<bool> {
 
 /// Temporal variance of luminance over frames, for selected pixels that show a surface in all of them.
 pub fn flicker(frames: &[LinearImage], chosen: &[bool], exposure: f64) -> Flicker {
-    let (mut variances, mut means, mut unclipped, mut count) = (0.0, 0.0, 0.0, 0usize);
+    let (mut variances, mut means, mut count) = (0.0, 0.0, 0usize);
     for pixel in 0..frames[0].pixels.len() {
         if !chosen[pixel] || frames.iter().any(|image| image.coverage[pixel] < 1.0) {
             continue;
@@ -228,13 +209,11 @@ pub fn flicker(frames: &[LinearImage], chosen: &[bool], exposure: f64) -> Flicke
         let mean = values.iter().sum::<f64>() / values.len() as f64;
         variances += values.iter().map(|v| (v - mean) * (v - mean)).sum::<f64>() / values.len() as f64;
         means += mean;
-        let frame_luminance = |frame: &LinearImage| luminance(frame.pixels[pixel]) * exposure;
-        unclipped += frames.iter().map(frame_luminance).sum::<f64>() / frames.len() as f64;
         count += 1;
     }
     let (variance, luminance) = (variances / count.max(1) as f64, means / count.max(1) as f64);
     let relative = if luminance > 0.0 { variance / (luminance * luminance) } else { 0.0 };
-    Flicker { variance, luminance, relative, unclipped: unclipped / count.max(1) as f64 }
+    Flicker { variance, luminance, relative }
 }
 
 #[cfg(test)]
@@ -251,9 +230,6 @@ mod tests {
         let frames = [frame([0.3, 0.9]), frame([0.3, 0.9])];
         let found = flicker(&frames, &[true; 2], 1.0);
         assert!(found.variance < 1e-12 && (found.luminance - 0.6).abs() < 1e-6, "{found:?}");
-        // The display clips.
-        let bright = flicker(&frames, &[true; 2], 2.0);
-        assert!((bright.luminance - 0.8).abs() < 1e-6 && (bright.unclipped - 1.2).abs() < 1e-6, "{bright:?}");
     }
 
     #[test]

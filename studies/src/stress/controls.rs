@@ -2,8 +2,9 @@
 
 use super::row::StressRow;
 use super::stages::Stages;
-use super::{decode, directions, logarithms, neighbourhoods, pack, propagation, tables, texels, transforms};
+use super::{decode, directions, encode, logarithms, neighbourhoods, pack, propagation, tables, texels, transforms};
 use brdfc_formats::bandwidth::propagation::Bandwidth;
+use brdfc_formats::table::{TableHeader, TablePack};
 
 /// A broken stage.
 #[derive(Debug, Clone, Copy)]
@@ -38,7 +39,7 @@ impl Control {
 }
 
 /// All negative controls.
-pub const CONTROLS: [Control; 26] = [
+pub const CONTROLS: [Control; 39] = [
     control(directions::rows, "tangent-pole grid, f64", "angles rounded to f32", |s| {
         s.to_tangent_pole = |d| [f64::from(d[2].atan2(d[0]) as f32), d[1].acos()];
     }),
@@ -74,9 +75,15 @@ pub const CONTROLS: [Control; 26] = [
     control(logarithms::rows, "log decoding, f32", "no clamp at 0", |s| {
         s.from_log = |decoder, v| decoder.header().mean * (v.exp() - decoder.header().bias)
     }),
+    control(logarithms::rows, "log decoding, f32", "values 1e-6 too large", |s| {
+        s.from_log = |decoder, v| (Stages::default().from_log)(decoder, v) * (1.0 + 1e-6)
+    }),
     control(transforms::rows, "Haar, f32", "coefficients 1e-5 too large", |s| {
         s.haar =
             |samples, n, lift| (Stages::default().haar)(samples, n, lift).iter().map(|c| c * (1.0 + 1e-5)).collect();
+    }),
+    control(transforms::rows, "Haar, f32", "coefficients with 1e-20 added", |s| {
+        s.haar = |samples, n, lift| (Stages::default().haar)(samples, n, lift).iter().map(|c| c + 1e-20).collect();
     }),
     control(transforms::rows, "Haar and back, f32", "coefficients with 1e-3 added", |s| {
         s.haar_inverse = |c, n, lift| (Stages::default().haar_inverse)(c, n, lift).iter().map(|c| c + 1e-3).collect();
@@ -108,6 +115,12 @@ pub const CONTROLS: [Control; 26] = [
             selected
         };
     }),
+    control(texels::rows, "energies of slices, f64", "a rounding that depends on the slice", |s| {
+        s.energies = |coefficients| {
+            let energies = (Stages::default().energies)(coefficients);
+            energies.iter().enumerate().map(|(k, energy)| energy * (1.0 + k as f64 * f64::EPSILON)).collect()
+        };
+    }),
     control(texels::rows, "rounding to texels", "texels one step too large", |s| {
         s.quantise = |table, selected, header| {
             let mut quantised = (Stages::default().quantise)(table, selected, header);
@@ -130,11 +143,20 @@ pub const CONTROLS: [Control; 26] = [
     control(decode::rows, "decoding wavelets, f32", "fraction of the level dropped", |s| {
         s.decode = |decoder, pair, level| (Stages::default().decode)(decoder, pair, level.floor());
     }),
+    control(decode::rows, "decoding energy-preserving wavelets, f32", "fraction of the level dropped", |s| {
+        s.decode = |decoder, pair, level| (Stages::default().decode)(decoder, pair, level.floor());
+    }),
     control(tables::rows, "decoding tables, f32", "values 1e-4 too large", |s| {
         s.decode_table = |decoder, pair| (Stages::default().decode_table)(decoder, pair).map(|v| v * (1.0 + 1e-4));
     }),
     control(tables::rows, "fitting tables, f32", "one step of the solver", |s| {
         s.solve = |equations, x| equations.solve(x, 1)
+    }),
+    control(tables::rows, "fitting tables, f32", "solution with the wrong sign", |s| {
+        s.solve = |equations, x| {
+            (Stages::default().solve)(equations, x);
+            x.iter_mut().for_each(|[v]| *v = -*v);
+        }
     }),
     control(tables::rows, "rounding tables", "nodes of another fit", |s| {
         s.table_pack = |prepared, recipe| {
@@ -149,11 +171,61 @@ pub const CONTROLS: [Control; 26] = [
             (Stages::default().local_fit)(basis, &rounded, residuals).map(|v| v * (1.0 + 1e-5))
         };
     }),
+    control(neighbourhoods::rows, "trust in a fit, f64", "variance 1e-5 too large", |s| {
+        s.local_fit = |basis, weights, residuals| {
+            let [linear, quadratic, of_linear, of_quadratic] = (Stages::default().local_fit)(basis, weights, residuals);
+            [linear, quadratic, of_linear * (1.0 + 1e-5), of_quadratic * (1.0 + 1e-5)]
+        };
+    }),
+    control(neighbourhoods::rows, "moving least squares, f64", "value rounded to f32", |s| {
+        s.neighbourhood = |neighbourhood| f64::from((Stages::default().neighbourhood)(neighbourhood) as f32);
+    }),
+    control(neighbourhoods::rows, "moving least squares, f64", "range of the neighbours added", |s| {
+        s.neighbourhood = |neighbourhood| {
+            let (low, high) = neighbourhood.range(0);
+            (Stages::default().neighbourhood)(neighbourhood) + high - low
+        };
+    }),
+    control(neighbourhoods::rows, "completion of scans, f64", "values rounded to f32", |s| {
+        s.scan = |source, pair| (Stages::default().scan)(source, pair).map(|v| f64::from(v as f32));
+    }),
     control(propagation::rows, "bandwidth over a reflection, f32", "a flight forgotten", |s| {
         // A flight forgotten.
         s.one_bounce = |from: Bandwidth, light, surface, _| from.one_bounce(light, surface, 0.0);
     }),
+    control(propagation::rows, "bandwidth over a reflection, f32", "twice the bandwidth, above the limit", |s| {
+        s.one_bounce = |from: Bandwidth, light, surface, image| {
+            let bounced = from.one_bounce(light, surface, image);
+            Bandwidth { spatial: 2.0 * bounced.spatial, angular: 2.0 * bounced.angular }
+        };
+    }),
+    control(propagation::rows, "mean bandwidth, f32", "twice the mean", |s| {
+        s.mean_bandwidth = |average| {
+            let mean = average.mean();
+            Bandwidth { spatial: 2.0 * mean.spatial, angular: 2.0 * mean.angular }
+        };
+    }),
     control(propagation::rows, "level of the pyramid", "no finest level", |s| {
         s.pyramid_level = |bandwidth, coarsest| ((-(2.0 * bandwidth).log2()).floor() as i32).min(coarsest);
+    }),
+    control(encode::rows, "whole wavelet encode", "mean 1 % too large, bias 1 % too small", |s| {
+        s.encode = |source, recipe| {
+            let mut encoded = (Stages::default().encode)(source, recipe)?;
+            encoded.pack.header.mean *= 1.01;
+            encoded.pack.header.bias *= 0.99;
+            Ok(encoded)
+        };
+    }),
+    control(encode::rows, "whole table encode", "mean and bias 1 % too small", |s| {
+        s.table_pack = |prepared, recipe| {
+            let pack = (Stages::default().table_pack)(prepared, recipe)?;
+            let header = *pack.header();
+            let header = TableHeader { mean: 0.99 * header.mean, bias: 0.99 * header.bias, ..header };
+            let changed = TablePack::new(header, &pack.values()).and_then(|changed| match pack.curve() {
+                Some(curve) => changed.with_curve(curve.clone()),
+                None => Ok(changed),
+            });
+            Ok(changed.unwrap_or(pack))
+        };
     }),
 ];

@@ -39,7 +39,7 @@ pub struct StressRow {
     pub why: String,
     /// True if the error is within the bound.
     pub holds: bool,
-    /// The same row with a deliberately broken stage, if a negative control breaks its bound.
+    /// The same row with a deliberately broken stage; absent if no negative control exceeds the bound.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub control: Option<BrokenRow>,
 }

@@ -35,7 +35,7 @@ pub fn stress_with_controls(small: bool, progress: impl Fn(usize, usize)) -> Str
     for (number, control) in CONTROLS.iter().enumerate() {
         for broken in control.detected(small) {
             let same = |row: &&mut StressRow| row.stage == broken.stage && row.fed == broken.fed && row.holds;
-            for row in study.rows.iter_mut().filter(same) {
+            for row in study.rows.iter_mut().filter(same).filter(|row| row.control.is_none()) {
                 row.control = Some(BrokenRow { change: control.change.to_owned(), error: broken.error });
             }
         }

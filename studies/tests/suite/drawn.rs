@@ -26,7 +26,8 @@ fn the_studies_that_draw() {
     let row = &images["rows"][0];
     let mean = |key: &str| row[key][0].as_f64().unwrap();
     assert!(mean("table") < mean("shader") && mean("shader") < 1.3, "{row}");
-    assert_eq!(folder.files("cloth"), ["cloth-1-pack.png", "cloth-1-pixels.png", "cloth-1-vertices.png"]);
+    let drawn: Vec<String> = folder.files("cloth").into_keys().collect();
+    assert_eq!(drawn, ["cloth-1-pack.png", "cloth-1-pixels.png", "cloth-1-vertices.png"]);
     let detail = study(&["level-of-detail", "small.ktx2", "--small", "--out", "frames"]);
     assert_eq!(detail["levels"].as_array().unwrap().len(), 3);
     let variance = |key: &str| detail[key]["variance"].as_f64().unwrap();

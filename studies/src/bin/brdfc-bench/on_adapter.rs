@@ -1,7 +1,6 @@
 //! Studies that need a graphics adapter.
 
 use super::arguments::Arguments;
-use brdfc_core::Source;
 use brdfc_formats::BrdfPack;
 use brdfc_gpu::{AdapterChoice, AdapterDescription, Gpu};
 use brdfc_jobs::encode::PackRecipe;
@@ -38,12 +37,12 @@ pub(super) fn run(arguments: &Arguments, common: Common) -> Result<StudyResult, 
             Ok(StudyResult::Throughput(throughput(&gpu, &packs, progress)?))
         }
         Study::LevelOfDetail => {
-            let (pack, source) = pack(&one(arguments, GLOSSY)?)?;
+            let pack = pack(&one(arguments, GLOSSY)?)?;
             let progress = |what: &str| remark(common, &format!("{what}, {:.1} s", seconds()));
             if let Some(folder) = &arguments.out {
                 make_folder(folder)?;
             }
-            let (result, animation) = level_of_detail(&gpu, &pack, source.as_deref(), arguments.small, progress)?;
+            let (result, animation) = level_of_detail(&gpu, &pack, arguments.small, progress)?;
             if let Some(folder) = &arguments.out {
                 write_frames(folder, &animation)?;
             }
@@ -96,8 +95,8 @@ fn one(arguments: &Arguments, default: &str) -> Result<Input, Error> {
     }
 }
 
-/// An input's pack if it has levels of detail, or a source with its wavelet pack at 4:1 and 8 bits.
-fn pack(input: &Input) -> Result<(BrdfPack, Option<Box<dyn Source>>), Error> {
+/// An input's pack if it has levels of detail, or the wavelet pack of a source at 4:1 and 8 bits.
+fn pack(input: &Input) -> Result<BrdfPack, Error> {
     if input.extension()? == "ktx2" {
         let pack = open_brdf_pack(input)?;
         if pack.levels() == 0 {
@@ -106,11 +105,10 @@ fn pack(input: &Input) -> Result<(BrdfPack, Option<Box<dyn Source>>), Error> {
                 "{input}: pack: {found}, expected a pack with several (encode --levels)"
             )));
         }
-        return Ok((pack, None));
+        return Ok(pack);
     }
-    let source = open(input, None)?.source;
-    let recipe = PackRecipe::Wavelet(Recipe::default()).without_measuring();
-    Ok((encode_pack(source.as_ref(), &recipe, &())?.pack, Some(source)))
+    let opened = open(input, None)?;
+    Ok(encode_pack(opened.source.as_ref(), &PackRecipe::Wavelet(Recipe::default()).without_measuring(), &())?.pack)
 }
 
 /// An input's pack, or packs of a source: tables of 16 KiB, plain and factored, and a wavelet pack at 4:1 and 8 bits.
@@ -190,21 +188,18 @@ pub(super) fn level_of_detail_text(result: &LevelOfDetail) -> String {
             cells
         })
         .collect();
-    let source = result.source.map(|flicker| ("source, 16 samples per pixel", flicker));
     let flicker: Vec<Vec<String>> = [
         ("finest level", result.finest),
         ("level by distance", result.by_distance),
         ("finest level, 16 samples per pixel", result.smooth),
     ]
     .into_iter()
-    .chain(source)
     .map(|(name, f)| {
         vec![
             name.to_owned(),
             format!("{:.3e}", f.variance),
             format!("{:.4}", f.luminance),
             format!("{:.4}", f.relative),
-            format!("{:.4}", f.unclipped),
         ]
     })
     .collect();
@@ -214,11 +209,11 @@ pub(super) fn level_of_detail_text(result: &LevelOfDetail) -> String {
             1e3 * result.seconds_by_distance,
             1e3 * result.seconds_without_light
         )
-        + &plain(&["flicker over six frames moving away", "variance", "luminance", "relative", "not clipped"], &flicker)
+        + &plain(&["flicker over six frames moving away", "variance", "luminance", "relative"], &flicker)
         + &format!(
             "\n{} triangles, {} x {} pixels of which {} show terrain, {} lights. {}.\n\
              Variance over time of the display's luminance, mean over pixels that are 60 units away or more;\n\
-             relative to the squared mean luminance; not clipped: mean luminance without the limit of the display.\n",
+             relative to the squared mean luminance.\n",
             result.triangles,
             result.size[0],
             result.size[1],
