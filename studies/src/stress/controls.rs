@@ -105,7 +105,6 @@ pub const CONTROLS: [Control; 39] = [
         };
     }),
     control(texels::rows, "threshold", "ties by number from the end", |s| {
-        // Ties by number from the end.
         s.threshold = |energies, _, count| {
             let mut ranked: Vec<u32> = (1..energies.len() as u32).rev().collect();
             ranked.sort_by(|a, b| energies[*b as usize].total_cmp(&energies[*a as usize]));
@@ -129,7 +128,6 @@ pub const CONTROLS: [Control; 39] = [
         };
     }),
     control(pack::rows, "packs written and read", "slices numbered by a single byte", |s| {
-        // Indices of a single byte.
         s.read = |bytes| {
             let mut pack = (Stages::default().read)(bytes)?;
             pack.index.iter_mut().for_each(|slice| *slice &= 255);
@@ -160,7 +158,6 @@ pub const CONTROLS: [Control; 39] = [
     }),
     control(tables::rows, "rounding tables", "nodes of another fit", |s| {
         s.table_pack = |prepared, recipe| {
-            // The nodes of another fit.
             let other = brdfc_table::recipe::TableRecipe { factored: true, ..recipe.clone() };
             (Stages::default().table_pack)(prepared, &other)
         };
@@ -190,7 +187,6 @@ pub const CONTROLS: [Control; 39] = [
         s.scan = |source, pair| (Stages::default().scan)(source, pair).map(|v| f64::from(v as f32));
     }),
     control(propagation::rows, "bandwidth over a reflection, f32", "a flight forgotten", |s| {
-        // A flight forgotten.
         s.one_bounce = |from: Bandwidth, light, surface, _| from.one_bounce(light, surface, 0.0);
     }),
     control(propagation::rows, "bandwidth over a reflection, f32", "twice the bandwidth, above the limit", |s| {

@@ -2,7 +2,7 @@
 
 use super::arguments::Arguments;
 use brdfc_studies::StudyResult;
-use brdfc_studies::stress::{Measure, StressRow, StressStudy, stress_with_controls};
+use brdfc_studies::stress::{BrokenRow, Measure, StressRow, StressStudy, stress_with_controls};
 use brdfc_terminal::output::remark;
 use brdfc_terminal::table::plain;
 use brdfc_terminal::{Common, Error};
@@ -29,14 +29,17 @@ pub(super) fn text(study: &StressStudy) -> String {
         .rows
         .iter()
         .map(|row| {
-            let control = row.control.as_ref();
+            let of_control = |broken: &BrokenRow| match broken.error {
+                f64::MAX => format!("not finite: {}", broken.change),
+                error => format!("{error:.0e}: {}", broken.change),
+            };
             vec![
                 row.stage.clone(),
                 row.fed.clone(),
                 format!("{:.0e}", row.error),
                 format!("{:.1e}", row.bound),
                 unit(row.measure).to_owned(),
-                control.map_or_else(|| "-".to_owned(), |broken| format!("{:.0e}: {}", broken.error, broken.change)),
+                row.control.as_ref().map_or("-".to_owned(), of_control),
             ]
         })
         .collect();
