@@ -106,6 +106,11 @@ pub struct Arguments {
     /// Format of these images: png (8 bits, sRGB) or exr (16-bit floats, linear) (default: png).
     #[arg(long, value_parser = one_of(&IMAGE_FORMATS))]
     pub(super) image_format: Option<StackFormat>,
+    /// Also write the raw flat BTF into a new or empty folder, as EXR files for other compressors: flat/ has the images of all
+    /// --views and --lights with filled holes, masks/ the texels that each view sees, reference.exr the parameters that the
+    /// view along the normal sees, and displacements/ those of each view less them.
+    #[arg(long, value_name = "DIR")]
+    pub(super) write_flat: Option<PathBuf>,
     /// Store texels uncompressed, without Zstandard.
     #[arg(long)]
     pub(super) no_supercompression: bool,
