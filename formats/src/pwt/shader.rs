@@ -97,6 +97,8 @@ impl PwtPack {
         };
         let map = [Binding::texture(43, LIGHT_MAP, map.sampled(MAP_SAMPLER)), Binding::sampler(44, MAP_SAMPLER, false)];
         let others = [sampler, Binding::texture(28, VIEWS, views)].into_iter().chain(map);
-        Bindings::new(DECODER.0, DECODER.1, first.into_iter().chain(textures).chain(others))
+        let mut all: Vec<Binding<'_>> = first.into_iter().chain(textures).chain(others).collect();
+        all.sort_by_key(|binding| binding.slot);
+        Bindings::new(DECODER.0, DECODER.1, all)
     }
 }

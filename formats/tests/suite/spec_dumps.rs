@@ -129,7 +129,7 @@ fn polynomial_wavelet_trees() {
     // The worked values at the end of the page.
     let decoder = PwtDecoder::new(example);
     for (uv, expected) in [([0.25, 0.25], 0.09), ([0.5, 0.5], 0.49)] {
-        let [value, ..] = decoder.value(uv, 0.0, [0.6, 0.0, 0.8]);
+        let [value, ..] = decoder.value(uv, 0.0, [0.0, 0.0, 1.0], [0.6, 0.0, 0.8]);
         assert!((value - expected).abs() < 1e-6 && page.contains(&format!("= {expected}`")), "{uv:?} {value}");
     }
 }
