@@ -145,7 +145,7 @@ fn queries(level: f32, count: usize, seed: u64) -> Vec<PwtQuery> {
         };
         let light = if k % 20 == 0 { special[k / 20 % 3] } else { light(&mut numbers) };
         let outgoing = self::light(&mut numbers);
-        PwtQuery { uv, level, light, outgoing, view: k as u32 }
+        PwtQuery { uv, level, light, outgoing, view: 0 }
     };
     (0..count).map(query).collect()
 }
@@ -165,7 +165,8 @@ fn answers(
         let views = decoder.pack().header().view_count();
         let queries: Vec<PwtQuery> = queries(*level, count, k as u64)
             .into_iter()
-            .map(|query| PwtQuery { view: query.view % views, ..query })
+            .enumerate()
+            .map(|(k, query)| PwtQuery { view: k as u32 % views, ..query })
             .collect();
         let found = evaluator.eval(&loaded, &queries).unwrap();
         assert_eq!(found.len(), queries.len());
