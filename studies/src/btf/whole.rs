@@ -11,7 +11,7 @@ use brdfc_formats::FormatError;
 use brdfc_formats::direction_set::DirectionSet;
 use brdfc_formats::flat_btf::{BlendedDirection, ViewWeights};
 use brdfc_formats::pwt::{PwtDecoder, PwtPack};
-use brdfc_pwt::candidates::{decibels, squares};
+use brdfc_pwt::candidates::decibels;
 use brdfc_pwt::measure::{images_at, images_of_pack};
 use brdfc_pwt::ptm::{MapModel, fit_map, images_of};
 use brdfc_pwt::{LightSamples, PwtRecipe, Target, Views, encode};
@@ -187,7 +187,8 @@ fn means(image: &[[f32; 3]], size: usize, level: u32) -> Image {
 /// Sum of squared differences of sRGB values.
 fn difference(found: &[[f32; 3]], expected: &[[f32; 3]]) -> f64 {
     let [found, expected] = [found, expected].map(|image| super::errors::codes(image.to_vec()));
-    squares(found.as_flattened(), expected.as_flattened())
+    let pairs = found.as_flattened().iter().zip(expected.as_flattened());
+    pairs.map(|(a, b)| f64::from((a - b) * (a - b))).sum()
 }
 
 impl Lights {

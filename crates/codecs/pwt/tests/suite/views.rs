@@ -27,8 +27,8 @@ fn samples(count: usize) -> LightSamples {
 #[test]
 fn every_view_is_reconstructed() {
     let samples = samples(5);
-    let made = encode(&samples, &PwtRecipe { target: Target::Quality(38.0), ..PwtRecipe::default() }).unwrap();
-    assert!(made.met && made.errors.psnr >= 38.0, "{:?}", made.errors);
+    let made = encode(&samples, &PwtRecipe { target: Target::Quality(30.0), ..PwtRecipe::default() }).unwrap();
+    assert!(made.met && made.errors.psnr >= 30.0, "{:?}", made.errors);
     let decoder = PwtDecoder::new(made.pack);
     let (header, views) = (decoder.pack().header(), samples.views.as_ref().unwrap());
     assert_eq!((header.size, header.view_count()), ([16, 8], 5));
@@ -40,8 +40,8 @@ fn every_view_is_reconstructed() {
             let truth = LightSamples::new(SIZE, samples.lights.clone(), samples.images.iter().map(cut).collect());
             image_errors(&shown, &truth).psnr
         };
-        assert!(seen(views.direction(view)) > 33.0, "{view}: {}", seen(views.direction(view)));
-        assert!(seen(views.direction((view + 1) % 5)) < 30.0, "{view}");
+        assert!(seen(views.direction(view)) > 26.0, "{view}: {}", seen(views.direction(view)));
+        assert!(seen(views.direction((view + 1) % 5)) < 23.0, "{view}");
     }
     assert_eq!(stack_errors(&decoder, &samples, 1).lights, 24);
 }
