@@ -18,17 +18,21 @@
 // With the sampler a ray of sight takes its steps + 1 + refine_steps fetches, a ray of light its steps + 1. Rays take fewer
 // steps where they cross fewer texels. Manual filtering takes 4 or 8 fetches instead of one.
 
-// Same fields and order as `FlatBtfParameters` of `brdfc-formats`. 48 bytes.
+// Same fields and order as `FlatBtfParameters` of `brdfc-formats`. 64 bytes.
 struct FlatBtfParameters {
-    size: u32,          // M: the layers have M x M texels
-    sheets: u32,        // 1: the base; 3: base, top, underside
-    levels: u32,        // mipmap levels of the layers
+    size: u32,          // M: the reference plane has M x M texels
+    sheets: u32,        // of layers, 1: the base; 3: base, top, underside; 0: an indirection map, see vdim.wgsl
+    levels: u32,        // mipmap levels of the layers, or levels of the map
     sight_steps: u32,   // maximum steps of a ray of sight: an application may change the three numbers of steps
     refine_steps: u32,
     both_steps: u32,    // maximum steps of a ray of sight and a ray of light together
     low: f32,           // lowest height, in tiles
     range: f32,         // highest less lowest height
-    finer: f32,         // octaves by which texels of the layers are smaller than texels of the flat BTF
+    finer: f32,         // octaves by which texels of the plane are smaller than texels of the flat BTF
+    polar_angles: u32,  // Z and R of an indirection map, 0 with layers
+    azimuth_rows: u32,
+    largest_angle: f32, // polar angle, radians
+    lights: u32,        // lights with sampled shadows
     reserved_0: u32,
     reserved_1: u32,
     reserved_2: u32,

@@ -5,6 +5,7 @@ mod flat;
 use self::flat::FlatReport;
 use super::inputs::refuse_stdin_twice;
 use super::output::{json_or, note, print, refuse_flags, remark};
+use super::reading::ReadingOptions;
 use super::{Common, Error};
 use crate::table;
 use brdfc::compare::{
@@ -12,7 +13,7 @@ use brdfc::compare::{
 };
 use brdfc::evaluate::pairs_from_csv;
 use brdfc::inspect::{AnyPack, is_rti_capture, open_pack, ptm, rti};
-use brdfc::{Facts, Fraction, Input, Material};
+use brdfc::{Facts, Fraction, Input, Material, Reading, open_with};
 use clap::Args;
 use serde::Serialize;
 use std::path::Path;
@@ -55,6 +56,8 @@ pub struct Arguments {
     /// Maximum mean ΔE (CIE76) of RTI captures, BTFs and flat BTFs, 0 to 1000.
     #[arg(long, value_name = "E")]
     max_delta_e: Option<f64>,
+    #[command(flatten)]
+    reading: ReadingOptions,
 }
 
 /// Report of `--json`.
@@ -128,6 +131,7 @@ pub(super) fn run(arguments: &Arguments, common: Common) -> Result<(), Error> {
     let inputs =
         [("A", Some(&arguments.a)), ("B", Some(&arguments.b)), ("--directions", arguments.directions.as_ref())];
     refuse_stdin_twice(&inputs)?;
+    let reading = arguments.reading.reading(None, &[&arguments.a, &arguments.b])?;
     let kind = Kind::of(&arguments.a)?;
     if let (Kind::RtiCapture, Some(stack)) = (kind, arguments.a.path()) {
         return photographs(arguments, stack, common);
@@ -141,7 +145,7 @@ pub(super) fn run(arguments: &Arguments, common: Common) -> Result<(), Error> {
         print_compared(common, Compared::FlatBtfs(report), report.table())?;
         return arguments.max_delta_e.map_or(Ok(()), |limit| report.check(&arguments.a, limit));
     }
-    let (a, b) = (opened(&arguments.a)?, opened(&arguments.b)?);
+    let (a, b) = (opened(&arguments.a, reading)?, opened(&arguments.b, reading)?);
     if arguments.max_delta_e.is_some() {
         let text = "--max-delta-e does not apply to BRDFs; use --max-error, or compare RTI captures or flat BTFs";
         return Err(Error::usage(text));
@@ -171,8 +175,8 @@ pub(super) fn run(arguments: &Arguments, common: Common) -> Result<(), Error> {
 }
 
 /// Opens a source or pack. Errors of inputs that can be relit name the order of their comparison.
-fn opened(input: &Input) -> Result<Material, Error> {
-    brdfc::open(input).map_err(|error| {
+fn opened(input: &Input, reading: Reading) -> Result<Material, Error> {
+    open_with(input, reading).map_err(|error| {
         let can_be_relit = match input.extension().unwrap_or_default().as_str() {
             ptm::EXTENSION | rti::EXTENSION => true,
             "ktx2" => matches!(open_pack(input), Ok(AnyPack::Pwt(_))),

@@ -1,12 +1,14 @@
 //! Conversion of the flags of `brdfc flatten` to recipes, with checks of ranges and combinations.
 
-use super::arguments::{Arguments, TEXELS};
+use super::arguments::{Arguments, Relief, Shadows, TEXELS};
 use crate::Error;
 use crate::directions::{default_set, direction_set};
 use crate::inputs::refuse_stdin_twice;
 use crate::output::{check_folder, refuse_flags, refuse_overwriting, refuse_same_outputs};
 use brdfc::Input;
-use brdfc::flatten::{FactoredTarget, FillMethod, FlattenRecipe, MesoOptions, Reflectance, is_device};
+use brdfc::flatten::{
+    FactoredTarget, FillMethod, FlattenRecipe, MesoOptions, Reflectance, ReliefForm, VdimRecipe, is_device,
+};
 use brdfc_terminal::words::format_number;
 use std::ffi::{OsStr, OsString};
 use std::path::Path;
@@ -211,6 +213,7 @@ pub(super) fn recipe(arguments: &Arguments) -> Result<FlattenRecipe, Error> {
     let lights = arguments.lights.as_ref().map_or(Ok(views.clone()), |lights| direction_set("lights", lights))?;
     Ok(FlattenRecipe {
         texels: arguments.texels,
+        relief: relief(arguments)?,
         flat_texels,
         views,
         lights,
@@ -219,6 +222,39 @@ pub(super) fn recipe(arguments: &Arguments) -> Result<FlattenRecipe, Error> {
         reflectance: arguments.reflectance,
         target: target(arguments)?,
     })
+}
+
+/// Views of an indirection map: the paper's choice.
+const INDIRECTION: [u32; 2] = [16, 16];
+const LARGEST_ANGLE: f64 = 80.0;
+const OVERSAMPLING: u32 = 2;
+
+/// Resolves the form of the relief.
+fn relief(arguments: &Arguments) -> Result<ReliefForm, Error> {
+    let Arguments { indirection, largest_angle, oversampling, shadows, .. } = arguments;
+    if arguments.relief == Relief::Layers {
+        let of = "--relief vdim";
+        let flags = [
+            (indirection.is_some(), "--indirection", of),
+            (largest_angle.is_some(), "--largest-angle", of),
+            (oversampling.is_some(), "--oversampling", of),
+            (shadows.is_some(), "--shadows", of),
+        ];
+        refuse_flags("--relief layers", &flags)?;
+        return Ok(ReliefForm::Layers);
+    }
+    let largest_angle = largest_angle.unwrap_or(LARGEST_ANGLE);
+    if !(largest_angle > 0.0 && largest_angle <= 90.0) {
+        return Err(Error::wrong_usage("--largest-angle", format_number(largest_angle), "above 0, up to 90 degrees"));
+    }
+    let [polar_angles, azimuth_rows] = indirection.unwrap_or(INDIRECTION);
+    Ok(ReliefForm::Vdim(VdimRecipe {
+        polar_angles,
+        azimuth_rows,
+        largest_angle,
+        oversampling: oversampling.unwrap_or(OVERSAMPLING),
+        shadows: shadows.unwrap_or(Shadows::Lights) == Shadows::Lights,
+    }))
 }
 
 /// Default mean ΔE of the reflectance over visible texels: well below a visible difference side by side.

@@ -1,10 +1,11 @@
 //! Table 1: images rebuilt by equation 1, compared with images of the surface.
 
 use super::rows::{AngleErrors, ImageErrors, ReconstructionRow, StudySettings};
-use super::vdim::{OVERSAMPLING, Vdim, seen_through_texels};
 use brdfc_flat_btf::model::MesoModel;
 use brdfc_flat_btf::rebuild::{ViewImage, sample_bilinear};
+use brdfc_flat_btf::vdim::{OVERSAMPLING, seen_through_texels};
 use brdfc_formats::direction::Vector;
+use brdfc_formats::flat_btf::Vdim;
 use brdfc_metrics::lab::{distance_squared, lab};
 use std::collections::BTreeMap;
 
@@ -21,7 +22,7 @@ impl LookUps {
     pub(super) fn new(model: &MesoModel, map: &Vdim, view: Vector, settings: &StudySettings) -> Self {
         Self {
             seen: ViewImage::new(model, view, settings.texels, settings.oversampling),
-            blended: map.parameters(view),
+            blended: map.parameters(view.map(|c| c as f32)),
             unblended: seen_through_texels(model, view, settings.texels, OVERSAMPLING),
         }
     }
@@ -127,19 +128,20 @@ fn mean(values: impl Iterator<Item = f64>) -> f64 {
 
 #[cfg(test)]
 mod tests {
-    use super::super::vdim::indirection;
     use super::*;
     use brdfc_flat_btf::light_field::{ComputedField, FlattenedView, Holes, visible};
     use brdfc_flat_btf::structures::Structure;
     use brdfc_flat_btf::surface::Appearance;
+    use brdfc_flat_btf::vdim::MeasuredVdim;
     use brdfc_formats::direction::from_polar;
+    use brdfc_formats::flat_btf::SeenPoint;
 
     fn settings(texels: usize, flat_texels: usize) -> StudySettings {
         StudySettings {
             texels,
             flat_texels,
             oversampling: 1,
-            indirection: [8, 12],
+            indirection: [8, 13],
             largest_angle: 80.0,
             rounds: 0,
             directions: String::new(),
@@ -158,7 +160,7 @@ mod tests {
         fn new(address: &str, settings: StudySettings) -> Self {
             let structure = Structure::parse(address).unwrap();
             let model = MesoModel::new(structure.mesh(), 0, &()).unwrap();
-            let map = indirection(&model, settings.map_header(), OVERSAMPLING);
+            let map = MeasuredVdim::new(&model, settings.map_header(), OVERSAMPLING, &()).unwrap().map().unwrap();
             Self { model, appearance: structure.appearance(), settings, map }
         }
 
@@ -200,11 +202,18 @@ mod tests {
         let case = Case::new("folds?resolution=48", settings(32, 64));
         let view = from_polar(0.8, 0.6);
         let good = case.differences(&case.map, view);
-        let mut shifted = case.map.clone();
-        shifted.reference.iter_mut().for_each(|[u, _]| *u += 0.2);
-        let Vdim { header, reference, .. } = case.map.clone();
-        let none = std::iter::repeat_n(([0.0; 2], 0.0), header.samples() as usize);
-        let without_distances = Vdim::new(header, reference, none);
+        let (map, header) = (&case.map, *case.map.header());
+        let references = |moved: f32| -> Vec<[f32; 2]> {
+            let reference = |at: u32| map.reference([at % header.size, at / header.size], 0);
+            (0..header.size * header.size).map(|at| [reference(at)[0] + moved, reference(at)[1]]).collect()
+        };
+        let stored = |texel, k, a| {
+            let [x, y, distance, height] = map.sample(texel, k, a, 0);
+            SeenPoint { displacement: [distance * x, distance * y], height }
+        };
+        let shifted = Vdim::of_views(header, references(0.2), stored).unwrap();
+        let nearby = |_, _, _| SeenPoint { displacement: [0.0; 2], height: 0.0 };
+        let without_distances = Vdim::of_views(header, references(0.0), nearby).unwrap();
         for wrong in [shifted, without_distances] {
             let bad = case.differences(&wrong, view);
             assert!(bad.through_map.mean > 2.0 * good.through_map.mean, "{bad:?} {good:?}");
@@ -218,7 +227,7 @@ mod tests {
         // The share of texels at which the two differ by less than a texel of the map; the rest are edges.
         let close = |case: &Case, view: Vector, through: Vector| {
             let size = case.settings.texels;
-            let blended = case.map.parameters(through);
+            let blended = case.map.parameters(through.map(|c| c as f32));
             let is_close = |texel: &usize| {
                 let at = [texel % size, texel / size].map(|c| (c as f64 + 0.5) / size as f64);
                 let real = case.model.seen(at, view).parameters;

@@ -64,12 +64,12 @@ pub fn rows(stages: &Stages, small: bool) -> Vec<StressRow> {
             against_orthogonal(stages, &points, &weights, &residuals, &mut solved, &mut variance);
 
             let fitted = |value: &dyn Fn(usize) -> f64| {
-                let mut neighbourhood = Neighbourhood::<3>::default();
+                let mut neighbourhood = Neighbourhood::<3, TERMS_3D>::with_capacity(points.len());
                 for (k, point) in points.iter().enumerate() {
                     neighbourhood.push(*point, length(*point), [value(k); 3]);
                 }
                 let range = neighbourhood.range(0);
-                (neighbourhood.fit::<TERMS_3D>(1, &mut Tally::default())[0], range)
+                (neighbourhood.fit(1, &mut Tally::default())[0], range)
             };
             constants.add(fitted(&|_| -27.6).0 / -27.6 - 1.0);
             let (value, (low, high)) = fitted(&|k| residuals[k][0]);

@@ -152,7 +152,7 @@ fn the_study_of_flat_btfs_has_the_papers_tables() {
         assert!((weighted(&map) - mean).abs() < 1e-6, "{row}");
         // 16 x 16 views against 8 x 32.
         let [coarse, fine] = row["grids"].as_array().unwrap().as_slice() else { panic!("{row}") };
-        assert_eq!([&coarse["zenith_samples"], &fine["zenith_samples"]], [8, 16]);
+        assert_eq!([&coarse["polar_angles"], &fine["polar_angles"]], [8, 16]);
         assert!(number(&fine["mean"]) < number(&coarse["mean"]), "{row}");
     }
     let out = ["synth:knit?resolution=32&height=0", "--out", "figures"];

@@ -1,10 +1,11 @@
 //! `brdfc flatten`, from every kind of input.
 
 mod reflectance;
+mod vdim;
 
 use super::schemas::conforms;
 use crate::common::cli::{Folder, Ran};
-use brdfc_flat_btf::encode::{FlatInput, FlattenRecipe, MemoryScratch, Reflectance, ValueSource, encode};
+use brdfc_flat_btf::encode::{FlatInput, FlattenRecipe, MemoryScratch, Reflectance, ReliefForm, ValueSource, encode};
 use brdfc_flat_btf::factored::FactoredTarget;
 use brdfc_flat_btf::fill::FillMethod;
 use brdfc_formats::direction_set::DirectionSet;
@@ -186,6 +187,7 @@ fn files_hold_what_the_codec_makes() {
     };
     let set = DirectionSet::grid(2, 6, 50.0).unwrap();
     let recipe = |reflectance| FlattenRecipe {
+        relief: ReliefForm::Layers,
         texels: 16,
         flat_texels: 16,
         views: set.clone(),
@@ -352,10 +354,10 @@ fn options_change_what_they_say() {
     let (_, plain) = parts("a", &[]);
     let (filled, other) = parts("b", &["--fill", "push-pull"]);
     assert_eq!(filled["settings"]["fill"], "push-pull");
-    assert!(plain.reflectance != other.reflectance && plain.layers == other.layers);
+    assert!(plain.reflectance != other.reflectance && plain.relief == other.relief);
     let (_, coarse) = parts("c", &["--flat-texels", "8"]);
     assert_eq!((plain.reflectance.header().size, coarse.reflectance.header().size), (16, 8));
-    assert!(plain.layers == coarse.layers);
+    assert!(plain.relief == coarse.relief);
     let (_, lit) = parts("d", &["--lights", "grid:2x4@50"]);
     let directions = |header: &FactoredHeader| (header.views.len(), header.lights.len());
     assert_eq!(directions(plain.reflectance.header()), (7, 7));

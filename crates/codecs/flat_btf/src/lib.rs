@@ -1,5 +1,5 @@
-//! Bidirectional texture functions: meso-geometry, its flattening and its layers (Hadim et al. 2009, "Flat
-//! Bidirectional Texture Functions").
+//! Bidirectional texture functions: meso-geometry, its flattening, its layers and its indirection maps (Hadim et al.
+//! 2009, "Flat Bidirectional Texture Functions").
 //!
 //! Lengths are in tiles. The surface has period 1 along x and y, z points up, and the reference plane is `z = 0`.
 
@@ -27,4 +27,5 @@ mod testing;
 pub mod texels;
 pub mod tile_image;
 pub mod triangle_tree;
+pub mod vdim;
 pub mod weld;

@@ -103,7 +103,7 @@ pub fn run(job: FlattenJob<'_>, progress: &dyn Progress) -> Result<FlatAsset, Er
         write_images(&encoded.model, appearance, job.recipe, images, progress)?;
     }
     let about = AssetFile {
-        version: 3,
+        version: 4,
         name: job.name.to_owned(),
         source,
         materials,

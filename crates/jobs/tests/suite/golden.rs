@@ -1,6 +1,6 @@
 //! Flat BTFs of committed inputs have the bytes and decoded values in the codec's list; see docs/goldens.md.
 
-use brdfc_flat_btf::encode::{FlattenRecipe, Reflectance};
+use brdfc_flat_btf::encode::{FlattenRecipe, Reflectance, ReliefForm};
 use brdfc_flat_btf::factored::FactoredTarget;
 use brdfc_flat_btf::fill::FillMethod;
 use brdfc_formats::direction_set::DirectionSet;
@@ -37,6 +37,7 @@ fn meso(geometry: String, materials: &[(Option<&str>, &str)]) -> MesoOptions {
 fn flat_btfs() {
     let set = |azimuths| DirectionSet::grid(2, azimuths, 70.0).expect("a grid of directions");
     let recipe = FlattenRecipe {
+        relief: ReliefForm::Layers,
         texels: 8,
         flat_texels: 8,
         views: set(3),

@@ -3,7 +3,7 @@
 use brdfc_source::Input;
 use brdfc_studies::Study;
 use brdfc_terminal::inputs::refuse_stdin_twice;
-use brdfc_terminal::values::{any_whole_number, whole_number};
+use brdfc_terminal::values::{any_whole_number, views_of_map, whole_number};
 use brdfc_terminal::{Error, Flags};
 use clap::{Parser, ValueEnum};
 use std::path::PathBuf;
@@ -59,9 +59,9 @@ pub struct Arguments {
     /// Views and lights of flat-btf, measured-btf and btf, as for 'brdfc flatten --views' (default: ubo2003).
     #[arg(long, value_name = "SET")]
     pub(super) directions: Option<Input>,
-    /// Polar angles x azimuths of the indirection map of flat-btf, 2 to 256 and 3 to 256 (default: 16x24).
-    #[arg(long, value_name = "ZxA", allow_hyphen_values = true)]
-    pub(super) indirection: Option<String>,
+    /// Polar angles x rows of azimuths of the indirection map of flat-btf, as for 'brdfc flatten' (default: 16x25).
+    #[arg(long, value_name = "ZxR", value_parser = views_of_map, allow_hyphen_values = true)]
+    pub(super) indirection: Option<[u32; 2]>,
     /// Largest polar angle of the indirection map of flat-btf, above 0, up to 89 degrees (default: 80).
     #[arg(long, value_name = "DEGREES")]
     pub(super) largest_angle: Option<f64>,
