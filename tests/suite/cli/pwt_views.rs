@@ -98,7 +98,7 @@ fn wrong_views_are_errors_without_output() {
     let angles = ImageAngles { view: [0.0, 0.0], light: [0.0, 0.0] };
     write_image(&folder.path().join("sizes"), 0, angles, &[[0.5; 3]; 4], [2; 2], StackFormat::Png).unwrap();
     for (options, code, expected) in [
-        (&["one", "--view", "all"][..], 3, "one: views: found 1, expected 2 or more; --view 0 takes one"),
+        (&["one", "--view", "all"][..], 3, "one: views: found 1, expected 2 to 256; --view 0 takes one"),
         (&["gap", "--view", "all"], 3, "missing"),
         (&["sizes", "--view", "all"], 3, "2 x 2"),
         (&["gone", "--view", "all"], 4, "gone"),

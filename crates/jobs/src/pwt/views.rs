@@ -2,10 +2,10 @@
 
 use super::input::{check_linear, refused};
 use crate::error::Error;
+use brdfc_formats::Pack;
 use brdfc_formats::direction_set::DirectionSet;
 use brdfc_formats::flat_btf::{FlatBtfFile, FlatView, unit_vectors};
-use brdfc_formats::pwt::PwtDecoder;
-use brdfc_formats::{FormatError, Pack};
+use brdfc_formats::pwt::{MAX_VIEWS, PwtDecoder};
 use brdfc_pwt::measure::{PhotographSums, StackErrors, images_at, photograph_sums};
 use brdfc_pwt::{LightSamples, Views};
 use brdfc_source::flat_btf::flat_view as decoded_view;
@@ -49,23 +49,24 @@ fn single(direction: [f64; 3]) -> [f32; 3] {
     direction.map(|c| c as f32)
 }
 
-/// Triangulates the views of a BTF.
-fn views_of(path: &Path, set: &DirectionSet) -> Result<Views, Error> {
-    let few = |_: &FormatError| FormatError::whole("views", set.len().to_string(), "2 or more; --view 0 takes one");
-    let views = Views::new(set.clone());
-    Ok(views.map_err(|error| InputError::format(path, if set.len() < 2 { few(&error) } else { error }))?)
+/// Checks the number of views and the memory of all images of `size`, and triangulates the views.
+fn checked_views(path: &Path, set: &DirectionSet, lights: usize, size: [usize; 2]) -> Result<Views, Error> {
+    if !(2..=MAX_VIEWS as usize).contains(&set.len()) {
+        let allowed = format!("2 to {MAX_VIEWS}; --view 0 takes one");
+        return Err(refused(&path.display(), "views", &set.len().to_string(), &allowed));
+    }
+    check_linear(&path.display(), size, lights * set.len())?;
+    Ok(Views::new(set.clone()).map_err(|error| InputError::format(path, error))?)
 }
 
 /// Images of all views under each light: `image` returns those of a view under a light, row by row from the top.
 fn stacked(
-    path: &Path,
-    (views, lights): (&DirectionSet, &[[f32; 3]]),
+    views: Views,
+    lights: Vec<[f32; 3]>,
     [width, height]: [usize; 2],
     image: impl Fn(usize, usize) -> Result<Vec<[f32; 3]>, InputError> + Sync,
 ) -> Result<LightSamples, Error> {
-    let directions = views_of(path, views)?;
     let size = [width, height * views.len()];
-    check_linear(&path.display(), size, lights.len())?;
     let of_light = |light: usize| -> Result<Vec<[f32; 3]>, InputError> {
         let mut pixels = Vec::with_capacity(size[0] * size[1]);
         for view in 0..views.len() {
@@ -75,15 +76,15 @@ fn stacked(
     };
     let images: Vec<Result<_, _>> = (0..lights.len()).into_par_iter().map(of_light).collect();
     let images = images.into_iter().collect::<Result<Vec<_>, _>>()?;
-    let samples = LightSamples::new(size, lights.to_vec(), images);
-    Ok(LightSamples { repeats: true, views: Some(directions), ..samples })
+    Ok(LightSamples { repeats: true, views: Some(views), ..LightSamples::new(size, lights, images) })
 }
 
 /// Reads all images of an ordinary BTF.
 pub(super) fn all_views(path: &Path) -> Result<LightSamples, Error> {
     let btf = OrdinaryBtf::open(path)?;
     let lights: Vec<[f32; 3]> = btf.lights().directions().into_iter().map(single).collect();
-    stacked(path, (btf.views(), &lights), btf.size(), |view, light| btf.image(view, light).map(|image| image.pixels))
+    let views = checked_views(path, btf.views(), lights.len(), btf.size())?;
+    stacked(views, lights, btf.size(), |view, light| btf.image(view, light).map(|image| image.pixels))
 }
 
 /// Decodes all views of a flat BTF with components. Rows of flat BTFs go up, rows of images go down.
@@ -95,14 +96,12 @@ pub(super) fn all_flat_views(path: &Path, file: &FlatBtfFile) -> Result<LightSam
     let angles = header.views.iter().map(|angles| angles.map(|angle| f64::from(angle).to_degrees())).collect();
     let set = DirectionSet { name: "views".to_owned(), angles };
     let lights = unit_vectors(&header.lights);
-    let decoded = |view| decoded_view(file, view).map(|(view, _)| view);
-    let views: Vec<Result<Option<FlatView>, FormatError>> =
-        (0..set.len() as u32).into_par_iter().map(decoded).collect();
-    let views: Vec<Option<FlatView>> = views.into_iter().collect::<Result<_, _>>().map_err(of_file)?;
-    let views: Vec<FlatView> = views.into_iter().flatten().collect();
-    let side = views.first().map_or(0, |view| view.header().size as usize);
-    stacked(path, (&set, &lights), [side, side], |view, light| {
-        let rows = views[view].light(light as u32).chunks_exact(side).rev();
+    let side = header.size as usize;
+    let views = checked_views(path, &set, lights.len(), [side, side])?;
+    let decoded: Vec<FlatView> =
+        (0..set.len() as u32).into_par_iter().map(|view| file.decoder.parts().reflectance.view(view)).collect();
+    stacked(views, lights, [side, side], |view, light| {
+        let rows = decoded[view].light(light as u32).chunks_exact(side).rev();
         Ok(rows.flatten().map(|texel| brdfc_formats::container::rgb9e5::decode(*texel)).collect())
     })
 }
