@@ -124,7 +124,7 @@ fn polynomial_wavelet_trees() {
     let example = brdfc_testing::codecs::pwt::example();
     let bytes = example.to_bytes(false);
     assert_eq!(PwtPack::from_bytes(&bytes).unwrap(), example);
-    assert_eq!(check_dump(page, &bytes), 82);
+    assert_eq!(check_dump(page, &bytes), 105);
     assert!(page.contains(&format!("a uniform block of {} bytes", PwtParameters::SIZE)));
     // The worked values at the end of the page.
     let decoder = PwtDecoder::new(example);
