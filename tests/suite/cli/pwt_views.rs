@@ -126,3 +126,21 @@ fn wrong_views_are_errors_without_output() {
     let refused = folder.run(&["compare", "tile", "tile/none.ktx2"]);
     assert!(refused.code != 0 && !refused.stderr.is_empty(), "{refused:?}");
 }
+
+/// Images that exceed the limit of memory are an error before they are decoded.
+#[test]
+fn too_many_pixels_are_an_error() {
+    const SIDE: usize = 2560;
+    let folder = Folder::new();
+    btf(&folder, "tile", &ring(&[50.0]));
+    let angles = ImageAngles { view: [0.0, 0.0], light: [0.0, 0.0] };
+    let large = vec![[0.5; 3]; SIDE * SIDE];
+    let large = write_image(&folder.path().join("large"), 0, angles, &large, [SIDE; 2], StackFormat::Png).unwrap();
+    for entry in std::fs::read_dir(folder.path().join("tile")).unwrap() {
+        std::fs::copy(&large, entry.unwrap().path()).unwrap();
+    }
+    let refused = folder.run(&["pwt", "tile", "-o", "out.ktx2", "--view", "all"]);
+    let expected = "tile: photographs: found 91 of 2560 x 2560 pixels, 6.7 GiB, expected at most 6 GiB in all";
+    assert!(refused.code == 3 && refused.stderr.contains(expected), "{refused:?}");
+    assert!(!folder.path().join("out.ktx2").exists());
+}
