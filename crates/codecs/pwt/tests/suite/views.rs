@@ -46,6 +46,19 @@ fn every_view_is_reconstructed() {
     assert_eq!(stack_errors(&decoder, &samples, 1).lights, 24);
 }
 
+#[test]
+fn ceiling_temporary() {
+    for count in [2, 5] {
+        for quality in [28.0, 30.0, 32.0, 34.0, 36.0, 38.0, 60.0] {
+            let recipe = PwtRecipe { target: Target::Quality(quality), ..PwtRecipe::default() };
+            let five = encode(&samples(count), &recipe).unwrap();
+            let one = encode(&lambert(SIZE, spiral(24), true), &recipe).unwrap();
+            println!("{count} {quality} all {:.2} {} terms {} / one {:.2} {} terms {}", five.errors.psnr, five.pack.gpu_bytes(),
+                five.pack.header().basis.degree, one.errors.psnr, one.pack.gpu_bytes(), one.pack.header().basis.degree);
+        }
+    }
+}
+
 /// A target of bytes counts all views, the light map and the mesh, and layers stay within the limit.
 #[test]
 fn bytes_and_layers_are_within_their_limits() {
