@@ -67,8 +67,8 @@ pub struct Arguments {
     /// Rays per texel and axis for each of these views, 1 to 16 (default: 2).
     #[arg(long, value_name = "N", value_parser = whole_number::<u32>(1..=16))]
     pub(super) oversampling: Option<u32>,
-    /// Store these views in two bytes each instead of eight, for at most 128 x 128 blocks of texels: a sixteenth of the bytes
-    /// with 256 texels. Takes 5 fetches instead of 2.
+    /// Store these views in two bytes each instead of eight, for at most 128 x 128 blocks of texels: a fifteenth of the bytes
+    /// with 256 texels, at a larger error. Takes 5 fetches instead of 2.
     #[arg(long)]
     pub(super) compact: bool,
     /// Shadows with an indirection map (default: lights).
