@@ -370,10 +370,8 @@ fn assert_same_words(page: &str, command: &str, expected: &str, found: &str) {
 pub fn same_word(a: &str, b: &str) -> bool {
     a.split(',').count() == b.split(',').count()
         && a.split(',').zip(b.split(',')).all(|(a, b)| {
-            a == b
-                || match (a.parse::<f64>(), b.parse::<f64>()) {
-                    (Ok(a), Ok(b)) => (a - b).abs() <= TOLERANCE * a.abs().max(b.abs()),
-                    _ => a == b,
-                }
+            let numbers = a.parse::<f64>().ok().zip(b.parse::<f64>().ok());
+            // NaN is not equal to itself.
+            a == b || numbers.is_some_and(|(a, b)| (a - b).abs() <= TOLERANCE * a.abs().max(b.abs()))
         })
 }
