@@ -101,7 +101,7 @@ pub struct PwtHeader {
     pub levels: u32,
     /// Terms of the light.
     pub basis: LightBasis,
-    /// Directions to the viewer of two or more views; `None` for a single view, whatever its direction.
+    /// Directions to the viewer of two or more views; `None` for a single view of any direction.
     pub views: Option<DirectionMesh>,
     /// Scale in which terms are summed.
     pub domain: Domain,

@@ -4,6 +4,7 @@ use super::schemas::conforms;
 use crate::common::cli::Folder;
 use brdfc_jobs::btf_stack::{StackFormat, write_image};
 use brdfc_readers::btf_stack::ImageAngles;
+use std::path::{Path, PathBuf};
 
 const SIZE: usize = 16;
 
@@ -37,13 +38,21 @@ fn btf(folder: &Folder, name: &str, views: &[[f64; 2]]) {
     }
 }
 
+/// Images of a folder and the folders in it, in order.
+fn images(folder: &Path) -> Vec<PathBuf> {
+    let paths = std::fs::read_dir(folder).unwrap().map(|entry| entry.unwrap().path());
+    let mut all: Vec<PathBuf> = paths.flat_map(|path| if path.is_dir() { images(&path) } else { vec![path] }).collect();
+    all.sort();
+    all
+}
+
 /// Errors at fitted and held-out views and lights, the file's facts, a comparison, and values that follow the view.
 #[test]
 fn all_views_in_one_pack() {
     let folder = Folder::new();
     btf(&folder, "tile", &ring(&[40.0, 70.0]));
     let arguments = ["pwt", "tile", "-o", "tile.ktx2", "--view", "all", "--hold-out", "2", "--hold-out-views", "3"];
-    let report = folder.run(&[&arguments[..], &["--quality", "30", "--json"]].concat()).succeeded().json();
+    let report = folder.run(&[&arguments[..], &["--max-bytes", "64KiB", "--json"]].concat()).succeeded().json();
     conforms("pwt", &report);
     assert_eq!((&report["views"], &report["lights"], &report["met"]), (&10.into(), &11.into(), &true.into()));
     let number = |value: &serde_json::Value| value.as_f64().unwrap();
@@ -92,8 +101,7 @@ fn wrong_views_are_errors_without_output() {
     btf(&folder, "tile", &ring(&[50.0]));
     btf(&folder, "one", &[[0.0, 0.0]]);
     btf(&folder, "gap", &ring(&[50.0]));
-    let first = std::fs::read_dir(folder.path().join("gap")).unwrap().map(|entry| entry.unwrap().path()).min().unwrap();
-    std::fs::remove_file(first).unwrap();
+    std::fs::remove_file(&images(&folder.path().join("gap"))[0]).unwrap();
     btf(&folder, "sizes", &ring(&[50.0]));
     let angles = ImageAngles { view: [0.0, 0.0], light: [0.0, 0.0] };
     write_image(&folder.path().join("sizes"), 0, angles, &[[0.5; 3]; 4], [2; 2], StackFormat::Png).unwrap();
@@ -136,8 +144,8 @@ fn too_many_pixels_are_an_error() {
     let angles = ImageAngles { view: [0.0, 0.0], light: [0.0, 0.0] };
     let large = vec![[0.5; 3]; SIDE * SIDE];
     let large = write_image(&folder.path().join("large"), 0, angles, &large, [SIDE; 2], StackFormat::Png).unwrap();
-    for entry in std::fs::read_dir(folder.path().join("tile")).unwrap() {
-        std::fs::copy(&large, entry.unwrap().path()).unwrap();
+    for image in images(&folder.path().join("tile")) {
+        std::fs::copy(&large, image).unwrap();
     }
     let refused = folder.run(&["pwt", "tile", "-o", "out.ktx2", "--view", "all"]);
     let expected = "tile: photographs: found 91 of 2560 x 2560 pixels, 6.7 GiB, expected at most 6 GiB in all";

@@ -10,7 +10,7 @@ use rayon::prelude::*;
 /// Number of levels at which a term may begin.
 pub const BASES: u32 = 4;
 
-/// How planes continue beyond their borders.
+/// Continuation of planes beyond their borders.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Borders {
     /// True for tiles that repeat.

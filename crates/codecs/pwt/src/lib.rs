@@ -29,6 +29,7 @@ mod search;
 mod stack;
 pub mod terms;
 pub mod tree;
+mod view_stack;
 mod views;
 pub mod web;
 

@@ -1,6 +1,6 @@
 //! Compares photographs with packs, maps or captures made from them, one image at a time to save memory.
 
-use super::input::refused;
+use super::limits::refused;
 use super::photographs::DistantPhotographs;
 use crate::error::Error;
 use brdfc_formats::pwt::PwtDecoder;

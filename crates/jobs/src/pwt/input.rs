@@ -1,13 +1,14 @@
 //! Opens inputs of polynomial wavelet trees: photographs under known lights, one view of a BTF or all, a file of an RTI viewer, or an
 //! existing tree.
 
+use super::limits::{MAX_BYTES, check_amount, check_linear, refused};
 use super::views::{ViewChoice, all_flat_views, all_views};
 use crate::error::Error;
 use brdfc_core::words::{counted, counted_of, join_truncated};
+use brdfc_formats::Pack;
 use brdfc_formats::direction::Vector;
 use brdfc_formats::flat_btf::unit_vectors;
 use brdfc_formats::pwt::{LightBasis, PwtDecoder, PwtPack};
-use brdfc_formats::{FormatError, Pack};
 use brdfc_pwt::LightSamples;
 use brdfc_pwt::measure::images_of_pack;
 use brdfc_pwt::near::check_count;
@@ -27,8 +28,6 @@ use std::path::Path;
 const SPREAD: usize = 96;
 /// Number of lights for each term of a large map: more than enough to recover its functions.
 const LIGHTS_PER_TERM: usize = 4;
-/// Maximum bytes of all photographs together: 6 GiB.
-const MAX_BYTES: u64 = 6 << 30;
 /// Number of photographs that a note names.
 const MAX_NAMED: usize = 3;
 
@@ -157,26 +156,6 @@ fn exposure_notes(samples: &LightSamples) -> impl Iterator<Item = String> {
         .into_iter()
         .filter(|(_, lights)| !lights.is_empty())
         .map(move |(name, lights)| format!("{}: {name} everywhere", counted_of(lights.len(), all, "photograph")))
-}
-
-pub(super) fn refused(input: &impl std::fmt::Display, field: &'static str, found: &str, allowed: &str) -> Error {
-    let error = FormatError::whole(field, found.to_owned(), allowed);
-    InputError::Format { name: input.to_string(), error }.into()
-}
-
-fn check_amount(input: &impl std::fmt::Display, size: [usize; 2], lights: usize, bytes: u64) -> Result<(), Error> {
-    if bytes <= MAX_BYTES {
-        return Ok(());
-    }
-    let gib = |bytes: u64| bytes as f64 / f64::from(1 << 30);
-    let found = format!("{lights} of {} x {} pixels, {:.1} GiB", size[0], size[1], gib(bytes));
-    Err(refused(input, "photographs", &found, &format!("at most {} GiB in all", gib(MAX_BYTES))))
-}
-
-/// [`check_amount`] of images with linear values.
-pub(super) fn check_linear(input: &impl std::fmt::Display, size: [usize; 2], lights: usize) -> Result<(), Error> {
-    let pixels: u64 = size.map(|side| side as u64).iter().product();
-    check_amount(input, size, lights, Pixels::BYTES_OF_LINEAR * pixels * lights as u64)
 }
 
 /// Number of lights under which a map is rendered: fewer if it is large.

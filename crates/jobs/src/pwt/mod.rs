@@ -3,6 +3,7 @@
 mod compare;
 mod evaluate;
 mod input;
+mod limits;
 mod make;
 mod photographs;
 mod report;

@@ -1,6 +1,6 @@
 //! All views of a BTF as stacked images, and packs of them compared with it.
 
-use super::input::{check_linear, refused};
+use super::limits::{check_linear, refused};
 use crate::error::Error;
 use brdfc_formats::Pack;
 use brdfc_formats::direction_set::DirectionSet;
