@@ -171,15 +171,15 @@ fn the_uniform_block_of_flat_btfs_is_the_one_that_rust_writes() {
         ("azimuth_rows", 0),
         ("largest_angle", 0),
         ("lights", 0),
-        ("reserved_0", 0),
-        ("reserved_1", 0),
-        ("reserved_2", 0),
+        ("block", 0),
+        ("largest_tangent", 0),
+        ("reserved", 0),
     ];
     assert_eq!(names, words.map(|(name, _)| name));
     for (member, (name, expected)) in members.iter().zip(words) {
         let word = u32::from_le_bytes(bytes[member.offset as usize..][..4].try_into().unwrap());
         assert_eq!(word, expected, "{name}");
-        let is_float = ["low", "range", "finer", "largest_angle"].contains(&name);
+        let is_float = ["low", "range", "finer", "largest_angle", "largest_tangent"].contains(&name);
         let kind = if is_float { naga::ScalarKind::Float } else { naga::ScalarKind::Uint };
         assert_eq!(module.types[member.ty].inner.scalar_kind(), Some(kind), "{name}");
     }

@@ -1,8 +1,9 @@
 //! Figure 10: distance between blended and real indirections, for two grids of views with the same number of samples.
 
 use brdfc_flat_btf::encode::EncodeError;
+use brdfc_flat_btf::indirection::indirection;
 use brdfc_flat_btf::model::MesoModel;
-use brdfc_flat_btf::vdim::{OVERSAMPLING, indirection};
+use brdfc_flat_btf::vdim::OVERSAMPLING;
 use brdfc_formats::direction::{Vector, from_polar};
 use brdfc_formats::flat_btf::{Vdim, VdimHeader};
 use rand::{RngExt as _, SeedableRng as _};

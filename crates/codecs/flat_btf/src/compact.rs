@@ -91,7 +91,7 @@ impl MeasuredVdim {
 
 /// A block as stored.
 struct Block {
-    /// Of its texels, row by row.
+    /// References of its texels, row by row.
     references: Vec<[f32; 2]>,
     /// Minima and extents.
     bounds: [[f32; 2]; 2],
@@ -165,8 +165,8 @@ fn medoid(values: &[[f64; 2]]) -> usize {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::indirection::indirection;
     use crate::testing::height_field;
-    use crate::vdim::indirection;
     use brdfc_core::progress::Cancelled;
     use brdfc_formats::direction::from_polar;
 
@@ -253,7 +253,7 @@ mod tests {
     #[test]
     fn texels_on_another_side_of_a_silhouette_follow_the_middle() {
         let own = [[0.0; 2], [0.01, 0.0], [0.4, 0.1], [0.0, 0.02]];
-        assert_eq!(on_one_side(&own, 0.1), [[0.0; 2], [0.01, 0.0], [0.0; 2], [0.0, 0.02]]);
+        assert_eq!(on_one_side(&own, 0.1), [[0.0; 2], [0.01, 0.0], [0.01, 0.0], [0.0, 0.02]]);
         assert_eq!(on_one_side(&own, 0.5), own);
     }
 

@@ -9,6 +9,7 @@ pub mod encode;
 pub mod factored;
 pub mod far;
 pub mod fill;
+pub mod indirection;
 pub mod interreflection;
 pub mod layers;
 pub mod light_field;

@@ -2,7 +2,6 @@
 //! shadows.
 
 use crate::caster::MAX_POLAR_DEGREES;
-use crate::compact::ParameterHeights;
 use crate::factored::with_mipmaps;
 use crate::model::MesoModel;
 use brdfc_core::progress::{Cancelled, Progress};
@@ -80,7 +79,7 @@ impl MeasuredVdim {
         Vdim::of_views(self.header, self.reference.clone(), |texel, k, a| self.seen(texel, k, a))
     }
 
-    /// What view `(k, a)` sees through a texel.
+    /// The point that view `(k, a)` sees through a texel.
     pub(crate) fn seen(&self, texel: [u32; 2], k: u32, a: u32) -> SeenPoint {
         self.seen[index(&self.header, texel, k, a)]
     }
@@ -90,36 +89,6 @@ impl MeasuredVdim {
 fn index(header: &VdimHeader, [i, j]: [u32; 2], k: u32, a: u32) -> usize {
     let [size, polar_angles, azimuths] = [header.size, header.polar_angles, header.azimuth_rows - 1];
     (((j * azimuths + a) * size + i) * polar_angles + k) as usize
-}
-
-/// Measures all levels of a map, with compact samples if `is_compact`. `progress` receives [`steps`] steps.
-///
-/// # Errors
-/// Returns an error if the header or a number is out of range, or if `progress` cancels.
-pub fn indirection<E: From<FormatError> + From<Cancelled>>(
-    model: &MesoModel,
-    header: VdimHeader,
-    oversampling: usize,
-    is_compact: bool,
-    progress: &dyn Progress,
-) -> Result<Vdim, E> {
-    header.check()?;
-    let heights = is_compact.then(|| ParameterHeights::new(model, &header));
-    let of_level = |level| {
-        let header = VdimHeader { size: header.side(level), levels: 1, ..header };
-        let measured = MeasuredVdim::new(model, header, oversampling, progress)?;
-        Ok(match &heights {
-            Some(heights) => measured.compact(header.block, heights)?,
-            None => measured.map()?,
-        })
-    };
-    let levels = (0..header.levels).map(of_level).collect::<Result<Vec<_>, E>>()?;
-    Ok(Vdim::of_levels(levels)?)
-}
-
-/// Progress steps of [`indirection`].
-pub fn steps(header: &VdimHeader) -> usize {
-    (0..header.levels).map(|level| header.side(level) as usize).sum()
 }
 
 /// Shadows of sampled lights: `reached` has for each light the texels that it reaches, `counts` the weights of texels in

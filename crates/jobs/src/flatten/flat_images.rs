@@ -2,7 +2,7 @@
 //! of the reference plane (section 3 of Hadim et al. 2009).
 
 use super::images::StackImages;
-use super::run::Values;
+use super::input::Values;
 use crate::btf_stack::{StackFormat, write_channels, write_image};
 use crate::error::Error;
 use brdfc_core::progress::{Progress, Stage};

@@ -4,10 +4,11 @@ use super::EncodeError;
 use super::check::angles;
 use super::recipe::{FlattenRecipe, ReliefForm, VdimRecipe};
 use crate::compact::texels_of_block;
+use crate::indirection::{indirection, steps};
 use crate::layers::{LayerReport, layers};
 use crate::light_field::{projected, visible_from_each};
 use crate::model::MesoModel;
-use crate::vdim::{indirection, shadow_map, steps};
+use crate::vdim::shadow_map;
 use brdfc_core::progress::{Cancelled, Progress, Stage};
 use brdfc_formats::flat_btf::{Relief, VdimHeader};
 
