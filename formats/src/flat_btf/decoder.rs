@@ -5,6 +5,7 @@ use super::factored::{FactoredTexel, Place};
 use super::layers::Sheet;
 use super::march::{MacroSurface, MarchSteps, ReliefPoint, slope};
 use super::relief::{FlatBtfParts, Relief};
+use super::vdim::VdimSamples;
 use super::view_weights::{BlendedDirection, ViewWeights};
 use crate::tap::wrap;
 
@@ -250,7 +251,14 @@ impl FlatBtfLook<'_> {
                 let march = || layers.lit_counted(&self.point, normal, light, self.surface, self.detail, steps).1;
                 [1 + self.point.steps + refined + 1, if unlit { 0 } else { march() }]
             }
-            Relief::Vdim(_, shadows) => [2, if unlit || shadows.is_none() { 0 } else { 3 }],
+            Relief::Vdim(map, shadows) => {
+                let of_map = match map.samples() {
+                    VdimSamples::Halves(_) => 2,
+                    // With two of ranges, and one of the height.
+                    VdimSamples::Compact(_) => 5,
+                };
+                [of_map, if unlit || shadows.is_none() { 0 } else { 3 }]
+            }
         }
     }
 

@@ -7,7 +7,8 @@ use super::layers::{LAYERS, LayerMap};
 use super::relief::{FlatBtfParts, Relief};
 use super::shader::{BASIS, DIRECTIONS, DISPLACEMENTS, HEIGHTS, INDIRECTION, REFERENCE, RESIDUAL, SHADOWS, TABLES};
 use super::shadows::ShadowMap;
-use super::vdim::{VDIM, Vdim};
+use super::vdim::Vdim;
+use super::vdim_header::VDIM;
 use crate::FormatError;
 use crate::bindings::{Bindings, PackFile};
 
@@ -43,7 +44,7 @@ impl FlatBtfFile {
         entries.extend(match relief {
             Relief::Layers(layers) => vec![layers.entry()],
             Relief::Vdim(map, shadows) => {
-                [map.entry()].into_iter().chain(shadows.as_ref().map(ShadowMap::entry)).collect()
+                map.entries().into_iter().chain(shadows.as_ref().map(ShadowMap::entry)).collect()
             }
         });
         entries.extend([reflectance.weights().entry()]);
@@ -89,7 +90,9 @@ impl FlatBtfFile {
         let relief = match form {
             [_, false] => LayerMap::from_textures(image(HEIGHTS)()?, &image(DISPLACEMENTS)()?)?.into(),
             [false, true] => {
-                let map = Vdim::from_textures(&image(INDIRECTION)()?, &image(REFERENCE)()?)?;
+                let (packed, reference) = (image(INDIRECTION)()?, image(REFERENCE)()?);
+                let map =
+                    Vdim::from_textures(&packed, &reference, || Ok([image(HEIGHTS)()?, image(DISPLACEMENTS)()?]))?;
                 let lights = map.header().lights;
                 let shadows =
                     image(SHADOWS)().ok().map(|texture| ShadowMap::from_texture(texture, lights)).transpose()?;

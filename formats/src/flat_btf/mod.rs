@@ -5,6 +5,7 @@
 //! One asset is one file, [`FlatBtfFile`], whose images are types of this module. Surface coordinates are in tiles: the
 //! tile is the unit square, repeated. Parameters also have period 1.
 
+mod compact;
 mod decoder;
 pub(crate) mod descriptor;
 mod directions;
@@ -18,8 +19,10 @@ mod relief;
 pub mod shader;
 mod shadows;
 mod vdim;
+mod vdim_header;
 mod view_weights;
 
+pub use compact::CompactSamples;
 pub use decoder::{FlatBtfDecoder, FlatBtfLook};
 pub use directions::SampledDirections;
 pub use file::FlatBtfFile;
@@ -29,5 +32,6 @@ pub use layout::MAX_DISPLACEMENT;
 pub use march::{MAX_SLOPE, MacroSurface, MarchSteps, ReliefPoint};
 pub use relief::{FlatBtfParts, Relief};
 pub use shadows::ShadowMap;
-pub use vdim::{AZIMUTH_ROWS, MAX_VDIM_SIZE, POLAR_ANGLES, SeenPoint, Vdim, VdimHeader};
+pub use vdim::{SeenPoint, Vdim, VdimSamples};
+pub use vdim_header::{AZIMUTH_ROWS, MAX_VDIM_SIZE, POLAR_ANGLES, VdimHeader};
 pub use view_weights::{BlendedDirection, ViewWeights};

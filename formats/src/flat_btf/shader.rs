@@ -6,7 +6,8 @@ use super::factored::{FactoredFlatBtf, RESIDUAL_FORMAT};
 use super::layers::{LayerHeader, LayerMap};
 use super::relief::Relief;
 use super::shadows::ShadowMap;
-use super::vdim::{Vdim, VdimHeader};
+use super::vdim::{Vdim, VdimSamples};
+use super::vdim_header::VdimHeader;
 use crate::arc_tangent::arc_tangent_wgsl;
 use crate::bindings::{Binding, Bindings, Texels};
 use crate::container::{Extent, TexelFormat};
@@ -50,9 +51,16 @@ impl FlatBtfParameters {
                 block_bytes([size, sheets, levels, steps.sight, steps.refine, steps.both, low, range, finer])
             }
             Relief::Vdim(map, _) => {
-                let VdimHeader { size, polar_angles, azimuth_rows, largest_angle, levels, lights } = *map.header();
-                let angle = largest_angle.to_bits();
-                block_bytes([size, 0, levels, 0, 0, 0, 0, 0, finer, polar_angles, azimuth_rows, angle, lights])
+                let header = map.header();
+                let VdimHeader { size, polar_angles, azimuth_rows, levels, lights, .. } = *header;
+                let [angle, tangent] = [header.largest_angle, header.largest_tangent()].map(f32::to_bits);
+                let (block, [low, high]) = match map.samples() {
+                    VdimSamples::Halves(_) => (0, [0.0; 2]),
+                    VdimSamples::Compact(samples) => (header.block, samples.range),
+                };
+                let [low, range] = [low, high - low].map(f32::to_bits);
+                let views = [polar_angles, azimuth_rows, angle, lights, block, tangent];
+                block_bytes([size, 0, levels, 0, 0, 0, low, range, finer].into_iter().chain(views))
             }
         }
     }
@@ -75,9 +83,11 @@ impl FlatBtfDecoder {
     /// Bindings of the shader. Without `directions`, their texture is empty.
     pub fn bindings(&self, directions: Option<&SampledDirections>) -> Bindings<'_> {
         let relief = match &self.parts().relief {
-            Relief::Layers(layers) => layer_bindings(Some(layers)).into_iter().chain(sampled_bindings(None, None)),
+            Relief::Layers(layers) => {
+                layer_bindings(layer_texels(layers)).into_iter().chain(sampled_bindings(None, None))
+            }
             Relief::Vdim(map, shadows) => {
-                layer_bindings(None).into_iter().chain(sampled_bindings(Some(map), shadows.as_ref()))
+                layer_bindings(compact_texels(map)).into_iter().chain(sampled_bindings(Some(map), shadows.as_ref()))
             }
         };
         let first =
@@ -92,21 +102,32 @@ impl FlatBtfDecoder {
     }
 }
 
-/// Bindings of layers.
-fn layer_bindings(layers: Option<&LayerMap>) -> [Binding<'_>; 3] {
-    let (heights, displacements) = match layers {
-        Some(layers) => {
-            let header = layers.header();
-            let heights = Texels::new(header.height_format(), header.height_extent(), layers.height_bytes());
-            let displacements =
-                Texels::new(TexelFormat::Rg16Float, header.displacement_extent(), layers.displacement_bytes());
-            (heights.with_levels(header.levels), displacements.with_levels(header.displacement_levels()))
+/// Heights and displacements of layers.
+fn layer_texels(layers: &LayerMap) -> [Texels<'_>; 2] {
+    let header = layers.header();
+    let heights = Texels::new(header.height_format(), header.height_extent(), layers.height_bytes());
+    let displacements = Texels::new(TexelFormat::Rg16Float, header.displacement_extent(), layers.displacement_bytes());
+    [heights.with_levels(header.levels), displacements.with_levels(header.displacement_levels())]
+}
+
+/// Heights over the parameters and ranges of displacements of compact samples; empty for others.
+fn compact_texels(map: &Vdim) -> [Texels<'_>; 2] {
+    let header = map.header();
+    match map.samples() {
+        VdimSamples::Compact(samples) => {
+            let heights = Texels::new(TexelFormat::R8Unorm, header.reference_extent(), &samples.heights[..]);
+            let ranges = Texels::new(TexelFormat::Rg16Float, header.ranges_extent(), samples.range_bytes());
+            [heights, ranges].map(|texels| texels.with_levels(header.levels))
         }
-        None => (
+        VdimSamples::Halves(_) => [
             Texels::empty(TexelFormat::R8Unorm, Extent::D2([1; 2])),
             Texels::empty(TexelFormat::Rg16Float, Extent::D2Array([1; 3])),
-        ),
-    };
+        ],
+    }
+}
+
+/// Bindings of heights and displacements.
+fn layer_bindings([heights, displacements]: [Texels<'_>; 2]) -> [Binding<'_>; 3] {
     [
         Binding::texture(16, HEIGHTS, heights.sampled(SAMPLER)),
         Binding::texture(17, DISPLACEMENTS, displacements.sampled(SAMPLER)),
@@ -115,12 +136,16 @@ fn layer_bindings(layers: Option<&LayerMap>) -> [Binding<'_>; 3] {
 }
 
 /// Bindings of an indirection map and of sampled shadows.
-fn sampled_bindings<'a>(map: Option<&Vdim>, shadows: Option<&'a ShadowMap>) -> [Binding<'a>; 3] {
+fn sampled_bindings<'a>(map: Option<&'a Vdim>, shadows: Option<&'a ShadowMap>) -> [Binding<'a>; 3] {
     let (reference, packed) = match map {
         Some(map) => {
             let header = map.header();
             let reference = Texels::new(TexelFormat::Rg16Float, header.reference_extent(), map.reference_bytes());
-            let packed = Texels::new(TexelFormat::Rgba16Float, header.packed_extent(), map.packed_bytes());
+            let format = match map.samples() {
+                VdimSamples::Halves(_) => TexelFormat::Rgba16Float,
+                VdimSamples::Compact(_) => TexelFormat::Rg8Unorm,
+            };
+            let packed = Texels::new(format, header.packed_extent(), map.packed_bytes());
             (reference.with_levels(header.levels), packed.with_levels(header.levels))
         }
         None => {

@@ -1,101 +1,48 @@
 //! View-dependent indirection maps (VDIM): the parameters that sampled views see through each texel of the reference plane,
 //! packed so that a sampler blends views and never texels (sections 3.4 and 3.5 of Hadim et al. 2009).
 
-use super::layout::{check_image, half_pair_bytes, half_pairs, rounded_pairs, word, wrong_extent};
+use super::compact::CompactSamples;
+use super::layout::{check_image, half_pair_bytes, half_pairs, rounded_pairs, word};
+use super::vdim_header::{COMPACT, VDIM, VDIM_PART, VdimHeader};
 use super::{MAX_DISPLACEMENT, MAX_HEIGHT};
 use crate::FormatError;
 use crate::container::entries::{entry, sized};
-use crate::container::{Extent, MAX_EXTENT_2D, TexelFormat, Texture, half};
+use crate::container::{TexelFormat, Texture, half};
 use crate::cursor::Cursor;
 use crate::direction::polynomial_atan2;
 use crate::tap::{Tap, footprint, wrap};
-use std::f32::consts::{FRAC_PI_2, TAU};
-use std::ops::RangeInclusive;
+use std::borrow::Cow;
+use std::f32::consts::TAU;
 
-/// Key that identifies a view-dependent indirection map.
-pub(crate) const VDIM: &str = "brdfc.flat-btf.vdim";
 const VERSION: u32 = 1;
 const BYTES: usize = 24;
-/// Part that holds `R`, and the part that holds `Δ_v`.
+/// Part that holds `R`.
 const REFERENCE_PART: &str = "reference";
-const VDIM_PART: &str = "vdim";
-/// Maximum texels of the reference plane per side.
-pub const MAX_VDIM_SIZE: u32 = 4096;
-/// Polar angles and rows of azimuths that a map can have.
-pub const POLAR_ANGLES: RangeInclusive<u32> = 2..=256;
-/// Rows of azimuths that a map can have. The last row repeats the first.
-pub const AZIMUTH_ROWS: RangeInclusive<u32> = 4..=256;
 /// Largest difference of the length of a direction from 1: rounding to halves.
 const UNIT_TOLERANCE: f32 = 1.0 / 512.0;
 
-/// Header of a view-dependent indirection map.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct VdimHeader {
-    /// `M`, texels of the reference plane per side, 1 to [`MAX_VDIM_SIZE`]; a multiple of `2^(levels - 1)`.
-    pub size: u32,
-    /// `Z`, number of polar angles: sample `k` is at `k φ_max / (Z - 1)`.
-    pub polar_angles: u32,
-    /// `R`, number of rows: row `a` has the azimuth `2π a / (R - 1)`, so that the last repeats the first.
-    pub azimuth_rows: u32,
-    /// `φ_max`, the largest polar angle, radians, above 0 up to π/2. Steeper views use it.
-    pub largest_angle: f32,
-    /// Number of levels of detail: level m is a map of `M / 2^m` texels per side.
-    pub levels: u32,
-    /// Number of lights whose shadows are sampled, 0 for none.
-    pub lights: u32,
-}
-
-impl VdimHeader {
-    /// Texels of the reference plane per side of a level.
-    pub fn side(&self, level: u32) -> u32 {
-        self.size >> level
-    }
-
-    /// Extent of the reference.
-    pub fn reference_extent(&self) -> Extent {
-        Extent::D2([self.size; 2])
-    }
-
-    /// Extent of the packed map: a block of `Z x R` samples for each texel.
-    pub fn packed_extent(&self) -> Extent {
-        Extent::D2([self.size * self.polar_angles, self.size * self.azimuth_rows])
-    }
-
-    /// Polar angle and azimuth of the view of sample `(k, a)`, radians.
-    pub fn view_angles(&self, k: u32, a: u32) -> [f64; 2] {
-        let polar = f64::from(self.largest_angle) * f64::from(k) / f64::from(self.polar_angles - 1);
-        [polar, std::f64::consts::TAU * f64::from(a) / f64::from(self.azimuth_rows - 1)]
-    }
-
-    /// Level of detail that a decoder uses: the nearest, as levels are not blended.
-    pub(super) fn level(&self, detail: f32) -> u32 {
-        (detail.max(0.0).min((self.levels - 1) as f32) + 0.5).floor() as u32
-    }
-
-    /// Checks all ranges, and that the packed map is not too large.
-    ///
-    /// # Errors
-    /// Returns an error that names the field that is out of range.
-    pub fn check(&self) -> Result<(), FormatError> {
-        let checked = |field: &str, found, range| FormatError::check_range(format!("{VDIM} {field}"), found, range);
-        checked("size", self.size, 1..=MAX_VDIM_SIZE)?;
-        checked("polar angles", self.polar_angles, POLAR_ANGLES)?;
-        checked("azimuth rows", self.azimuth_rows, AZIMUTH_ROWS)?;
-        if !(self.largest_angle > 0.0 && self.largest_angle <= FRAC_PI_2) {
-            let field = format!("{VDIM} largest angle");
-            return Err(FormatError::whole(field, self.largest_angle.to_string(), "above 0, up to π/2 radians"));
+/// Checks each texel, the pole and the seam of each block.
+fn check_blocks(header: &VdimHeader, packed: &[[u16; 4]]) -> Result<(), FormatError> {
+    let (polar, rows) = (header.polar_angles as usize, header.azimuth_rows as usize);
+    let mut left = packed;
+    for level in 0..header.levels {
+        let side = header.side(level) as usize;
+        let width = side * polar;
+        let (texels, rest) = left.split_at(width * side * rows);
+        left = rest;
+        for (row, line) in texels.chunks_exact(width).enumerate() {
+            for (column, texel) in line.iter().enumerate() {
+                let next = line[if column % polar == 0 { column + 1 } else { column }];
+                let first = texels[row / rows * rows * width + column];
+                let same_as = if row % rows == rows - 1 { first } else { *texel };
+                if let Some(allowed) = problem(*texel, column % polar == 0, next, same_as) {
+                    let field = format!("{VDIM_PART} texel ({column}, {row}) of level {level}");
+                    return Err(FormatError::whole(field, format!("{:?}", texel.map(half::decode)), allowed));
+                }
+            }
         }
-        checked("levels", self.levels, 1..=self.size.trailing_zeros() + 1)?;
-        checked("lights", self.lights, 0..=super::MAX_DIRECTIONS)?;
-        let Extent::D2([width, height]) = self.packed_extent() else { unreachable!("a 2D texture") };
-        if width.max(height) > MAX_EXTENT_2D {
-            let allowed = format!(
-                "at most {MAX_EXTENT_2D} on each side: texels times polar angles, and texels times rows of azimuths"
-            );
-            return Err(wrong_extent(VDIM_PART, self.packed_extent(), allowed));
-        }
-        Ok(())
     }
+    Ok(())
 }
 
 /// The point that one view sees through a texel of the reference plane.
@@ -115,8 +62,16 @@ pub struct Vdim {
     /// `R` of all levels, row by row: parameters that the view along the normal sees less the centre of the texel, in tiles.
     /// Exactly halves.
     reference: Vec<[f32; 2]>,
-    /// Halves `(δ_x, δ_y, d, z)` of all levels, row by row of the packed map.
-    packed: Vec<[u16; 4]>,
+    samples: VdimSamples,
+}
+
+/// Samples of an indirection map, on all its levels.
+#[derive(Debug, Clone, PartialEq)]
+pub enum VdimSamples {
+    /// Halves `(δ_x, δ_y, d, z)`, row by row of the packed map.
+    Halves(Vec<[u16; 4]>),
+    /// Two bytes for a block of texels.
+    Compact(CompactSamples),
 }
 
 impl Vdim {
@@ -125,22 +80,19 @@ impl Vdim {
     /// # Errors
     /// Returns an error if the header is out of range, lengths do not match it, or texels violate
     /// `formats/src/flat_btf/spec.md`.
-    pub fn new(header: VdimHeader, reference: Vec<[f32; 2]>, packed: Vec<[u16; 4]>) -> Result<Self, FormatError> {
+    pub fn new(header: VdimHeader, reference: Vec<[f32; 2]>, samples: VdimSamples) -> Result<Self, FormatError> {
         header.check()?;
-        for (part, found, extent) in [
-            (REFERENCE_PART, reference.len(), header.reference_extent()),
-            (VDIM_PART, packed.len(), header.packed_extent()),
-        ] {
-            let expected = extent.texels_of_levels(header.levels);
-            if found as u64 != expected {
-                let field = format!("texels of the part {part}");
-                return Err(FormatError::whole(field, found.to_string(), format!("{expected}, as the header says")));
-            }
-        }
+        header.check_length(REFERENCE_PART, reference.len(), header.reference_extent())?;
         let reference = rounded_pairs(reference, |at| format!("texel {at} of the part {REFERENCE_PART}"))?;
-        let made = Self { header, reference, packed };
-        made.check_blocks()?;
-        Ok(made)
+        let samples = match samples {
+            VdimSamples::Halves(packed) => {
+                header.check_length(VDIM_PART, packed.len(), header.packed_extent())?;
+                check_blocks(&header, &packed)?;
+                VdimSamples::Halves(packed)
+            }
+            VdimSamples::Compact(samples) => VdimSamples::Compact(samples.check(&header)?),
+        };
+        Ok(Self { header, reference, samples })
     }
 
     /// Creates a map of one level. `reference` has the parameters that the view along the normal sees less the centre of
@@ -170,24 +122,32 @@ impl Vdim {
             }
             packed.extend_from_within(first..first + width);
         }
-        Self::new(VdimHeader { levels: 1, ..header }, reference, packed)
+        Self::new(VdimHeader { levels: 1, ..header }, reference, VdimSamples::Halves(packed))
     }
 
     /// Joins maps of one level each, every one half as large as the one before.
     ///
     /// # Errors
-    /// Returns an error if the sizes are others.
+    /// Returns an error if the sizes are others, or if some samples are compact and others are not.
     pub fn of_levels(levels: Vec<Self>) -> Result<Self, FormatError> {
-        let Some(first) = levels.first() else {
+        let count = levels.len() as u32;
+        let mut levels = levels.into_iter();
+        let Some(mut joined) = levels.next() else {
             return Err(FormatError::whole("levels of a map", "0", "1 or more"));
         };
-        let header = VdimHeader { levels: levels.len() as u32, ..first.header };
-        let (mut reference, mut packed) = (Vec::new(), Vec::new());
         for level in levels {
-            reference.extend(level.reference);
-            packed.extend(level.packed);
+            joined.reference.extend(level.reference);
+            match (&mut joined.samples, level.samples) {
+                (VdimSamples::Halves(packed), VdimSamples::Halves(more)) => packed.extend(more),
+                (VdimSamples::Compact(samples), VdimSamples::Compact(more)) => {
+                    samples.ranges.extend(more.ranges);
+                    samples.packed.extend(more.packed);
+                    samples.heights.extend(more.heights);
+                }
+                _ => return Err(FormatError::whole("levels of a map", "two forms of samples", "one form")),
+            }
         }
-        Self::new(header, reference, packed)
+        Self::new(VdimHeader { levels: count, ..joined.header }, joined.reference, joined.samples)
     }
 
     /// Sizes of the map, and the views of its samples.
@@ -201,8 +161,16 @@ impl Vdim {
     }
 
     /// Texels of the packed map in GPU layout.
-    pub fn packed_bytes(&self) -> Vec<u8> {
-        self.packed.iter().flatten().flat_map(|half| half.to_le_bytes()).collect()
+    pub fn packed_bytes(&self) -> Cow<'_, [u8]> {
+        match &self.samples {
+            VdimSamples::Halves(packed) => packed.iter().flatten().flat_map(|half| half.to_le_bytes()).collect(),
+            VdimSamples::Compact(samples) => Cow::Borrowed(samples.packed.as_flattened()),
+        }
+    }
+
+    /// Samples of the views.
+    pub fn samples(&self) -> &VdimSamples {
+        &self.samples
     }
 
     /// `R(i, j)` less the centre of the texel, in tiles.
@@ -214,16 +182,12 @@ impl Vdim {
         self.reference[first + (j * self.header.side(level) + i) as usize]
     }
 
-    /// Sample `(k, a)` of texel `(i, j)`: `(δ_x, δ_y, d, z)`.
-    ///
-    /// # Panics
-    /// Panics if there is no such texel, sample or level.
-    pub fn sample(&self, [i, j]: [u32; 2], k: u32, a: u32, level: u32) -> [f32; 4] {
-        let VdimHeader { polar_angles, azimuth_rows, .. } = self.header;
+    /// Index of sample `(k, a)` of a block in the packed map.
+    fn index(&self, [i, j]: [u32; 2], k: u32, a: u32, level: u32) -> usize {
+        let VdimHeader { block, polar_angles, azimuth_rows, .. } = self.header;
         let first = self.header.packed_extent().texels_of_levels(level) as usize;
         let (column, row) = (i * polar_angles + k, j * azimuth_rows + a);
-        let width = self.header.side(level) * polar_angles;
-        self.packed[first + (row * width + column) as usize].map(half::decode)
+        first + (row * (self.header.side(level) / block * polar_angles) + column) as usize
     }
 
     /// Parameters, not wrapped, and height in tiles of the surface point that `view` sees behind the point `uv` of the
@@ -231,24 +195,42 @@ impl Vdim {
     /// of the map, 0 the finest.
     ///
     /// The texel at `uv` and the four views around `view` count: directions are blended over the azimuth and normalised,
-    /// distances are blended linearly (equation 3). The parameters move with `uv` within a texel.
+    /// distances are blended linearly (equation 3). Compact samples are blended in the frame of the view. The parameters
+    /// move with `uv` within a texel.
     pub fn seen(&self, uv: [f32; 2], view: [f32; 3], detail: f32) -> ([f32; 2], f32) {
         let level = self.header.level(detail);
         let side = self.header.side(level);
         let texel = uv.map(|c| ((wrap(c) * side as f32) as u32).min(side - 1));
+        let block = texel.map(|at| at / self.header.block);
+        let [u, v] = self.reference(texel, level);
+        let at = |[x, y]: [f32; 2]| [uv[0] + (u + x), uv[1] + (v + y)];
+        match &self.samples {
+            VdimSamples::Halves(packed) => {
+                let [x, y, distance, height] =
+                    self.blended(view, |k, a| packed[self.index(block, k, a, level)].map(half::decode));
+                let length = (x * x + y * y).sqrt();
+                let scale = if length > 0.0 { distance / length } else { 0.0 };
+                (at([scale * x, scale * y]), height)
+            }
+            VdimSamples::Compact(samples) => {
+                let blended = self.blended(view, |k, a| samples.sample(self.index(block, k, a, level)));
+                let parameters = at(samples.displacement(&self.header, block, level, blended, view));
+                (parameters, samples.height(&self.header, parameters, detail))
+            }
+        }
+    }
+
+    /// Blends the four samples `(k, a)` around a view.
+    fn blended<const N: usize>(&self, view: [f32; 3], sample: impl Fn(u32, u32) -> [f32; N]) -> [f32; N] {
         let [polar, azimuth] = self.position(view);
-        let mut blended = [0.0f32; 4];
+        let mut blended = [0.0f32; N];
         for ([k, a], weight) in
             footprint(between(polar, self.header.polar_angles - 1), between(azimuth, self.header.azimuth_rows - 1))
         {
-            let sample = self.sample(texel, k, a, level);
-            (0..4).for_each(|c| blended[c] += weight * sample[c]);
+            let sample = sample(k, a);
+            (0..N).for_each(|c| blended[c] += weight * sample[c]);
         }
-        let [x, y, distance, height] = blended;
-        let length = (x * x + y * y).sqrt();
-        let scale = if length > 0.0 { distance / length } else { 0.0 };
-        let [u, v] = self.reference(texel, level);
-        ([uv[0] + (u + scale * x), uv[1] + (v + scale * y)], height)
+        blended
     }
 
     /// Parameters, in [0, 1), that `view` sees through the centre of each texel of the finest level, row by row.
@@ -268,60 +250,54 @@ impl Vdim {
         [polar / largest_angle * (polar_angles - 1) as f32, azimuth / TAU * (azimuth_rows - 1) as f32]
     }
 
-    /// Checks each texel, the pole and the seam of each block.
-    fn check_blocks(&self) -> Result<(), FormatError> {
-        let (polar, rows) = (self.header.polar_angles as usize, self.header.azimuth_rows as usize);
-        let mut left = &self.packed[..];
-        for level in 0..self.header.levels {
-            let side = self.header.side(level) as usize;
-            let width = side * polar;
-            let (texels, rest) = left.split_at(width * side * rows);
-            left = rest;
-            for (row, line) in texels.chunks_exact(width).enumerate() {
-                for (column, texel) in line.iter().enumerate() {
-                    let next = line[if column % polar == 0 { column + 1 } else { column }];
-                    let first = texels[row / rows * rows * width + column];
-                    let same_as = if row % rows == rows - 1 { first } else { *texel };
-                    if let Some(allowed) = problem(*texel, column % polar == 0, next, same_as) {
-                        let field = format!("{VDIM_PART} texel ({column}, {row}) of level {level}");
-                        return Err(FormatError::whole(field, format!("{:?}", texel.map(half::decode)), allowed));
-                    }
-                }
-            }
-        }
-        Ok(())
-    }
-
-    /// Key and value of the header.
-    pub(super) fn entry(&self) -> (String, Vec<u8>) {
+    /// Keys and values of the headers.
+    pub(super) fn entries(&self) -> Vec<(String, Vec<u8>)> {
         let VdimHeader { size, polar_angles, azimuth_rows, largest_angle, lights, .. } = self.header;
         let words = [VERSION, size, polar_angles, azimuth_rows, largest_angle.to_bits(), lights];
-        (VDIM.to_owned(), words.into_iter().flat_map(u32::to_le_bytes).collect())
+        let mut entries = vec![(VDIM.to_owned(), words.into_iter().flat_map(u32::to_le_bytes).collect())];
+        if let VdimSamples::Compact(samples) = &self.samples {
+            entries.push(samples.entry(&self.header));
+        }
+        entries
     }
 
-    /// Reads and validates the images of a file. The packed map has the header.
-    pub(super) fn from_textures(packed: &Texture, reference: &Texture) -> Result<Self, FormatError> {
+    /// Reads and validates the images of a file. The packed map has the headers. `others` reads heights and ranges, which
+    /// compact samples require.
+    pub(super) fn from_textures(
+        packed: &Texture,
+        reference: &Texture,
+        others: impl FnOnce() -> Result<[Texture; 2], FormatError>,
+    ) -> Result<Self, FormatError> {
         let bytes = sized(entry(packed, VDIM, "an indirection map of a flat BTF")?, VDIM, BYTES)?;
         let mut cursor = Cursor::new(bytes);
         word(&mut cursor, VDIM, "version", VERSION..=VERSION)?;
-        let header = VdimHeader {
+        let mut header = VdimHeader {
             size: cursor.u32("size")?,
+            block: 1,
             polar_angles: cursor.u32("polar angles")?,
             azimuth_rows: cursor.u32("azimuth rows")?,
             largest_angle: cursor.f32("largest angle")?,
             lights: cursor.u32("lights")?,
             levels: packed.levels,
         };
+        let compact = packed.entries.contains_key(COMPACT).then(|| CompactSamples::read_header(packed)).transpose()?;
+        header.block = compact.map_or(1, |(block, _)| block);
         header.check()?;
+        let format = if compact.is_some() { TexelFormat::Rg8Unorm } else { TexelFormat::Rgba16Float };
         for (part, texture, format, extent) in [
-            (VDIM_PART, packed, TexelFormat::Rgba16Float, header.packed_extent()),
+            (VDIM_PART, packed, format, header.packed_extent()),
             (REFERENCE_PART, reference, TexelFormat::Rg16Float, header.reference_extent()),
         ] {
             check_image(texture, part, (format, extent, header.levels), VDIM)?;
         }
-        let quads = packed.texels.as_chunks::<2>().0.as_chunks::<4>().0;
-        let halves = quads.iter().map(|quad| quad.map(u16::from_le_bytes));
-        Self::new(header, half_pairs(&reference.texels), halves.collect())
+        let samples = match compact {
+            Some((_, range)) => VdimSamples::Compact(CompactSamples::from_textures(&header, range, packed, others()?)?),
+            None => {
+                let quads = packed.texels.as_chunks::<2>().0.as_chunks::<4>().0;
+                VdimSamples::Halves(quads.iter().map(|quad| quad.map(u16::from_le_bytes)).collect())
+            }
+        };
+        Self::new(header, half_pairs(&reference.texels), samples)
     }
 }
 

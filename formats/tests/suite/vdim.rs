@@ -1,18 +1,19 @@
 //! Indirection maps and sampled shadows of flat BTFs: known answers, rejected texels and headers, and file round trips.
 
+use brdfc_formats::container::{Extent, TexelFormat};
 use brdfc_formats::direction::from_polar;
 use brdfc_formats::flat_btf::{
-    FlatBtfDecoder, FlatBtfFile, FlatBtfParts, MacroSurface, Relief, SampledDirections, SeenPoint, ShadowMap, Vdim,
-    VdimHeader,
+    CompactSamples, FlatBtfDecoder, FlatBtfFile, FlatBtfParts, MacroSurface, Relief, SampledDirections, SeenPoint,
+    ShadowMap, Vdim, VdimHeader, VdimSamples,
 };
 use brdfc_testing::codecs::flat_btf::{
-    BASE, MATERIALS, SMALL, factored, image, indirections, layers, refusal, reshape, sampled_relief, sampled_shadows,
-    set_texel, set_word, vdim_file,
+    BASE, MATERIALS, SMALL, compact_vdim_file, factored, image, indirections, layers, refusal, reshape, sampled_relief,
+    sampled_shadows, set_texel, set_word, vdim_file,
 };
 use std::f64::consts::{FRAC_PI_2, PI};
 
 const HEADER: VdimHeader =
-    VdimHeader { size: 4, polar_angles: 9, azimuth_rows: 65, largest_angle: 1.5, levels: 1, lights: 0 };
+    VdimHeader { size: 4, block: 1, polar_angles: 9, azimuth_rows: 65, largest_angle: 1.5, levels: 1, lights: 0 };
 const KEY: &str = "brdfc.flat-btf.vdim";
 
 /// A map without reference in which all texels have this displacement and height.
@@ -255,9 +256,91 @@ fn texels_that_break_a_rule_are_rejected() {
     assert!(reference.to_string().starts_with("texel 3 of the part reference: found [NaN"), "{reference}");
 }
 
+/// Compact samples: displacements in the frame of the view, times the growth towards the horizon.
+#[test]
+fn compact_samples_turn_with_the_view_and_grow_with_it() {
+    let header = VdimHeader { size: 4, block: 2, polar_angles: 9, azimuth_rows: 17, ..HEADER };
+    let texels = 4 * 9 * 17;
+    let (ranges, packed) = ([[0.0625, -0.03125]; 8].to_vec(), vec![[0; 2]; texels]);
+    let samples = CompactSamples { range: [-0.5, 0.5], ranges, packed, heights: vec![255; 16] };
+    let reference = vec![[0.25, 0.0]; 16];
+    let map = Vdim::new(header, reference, VdimSamples::Compact(samples)).unwrap();
+    for k in 0..200u32 {
+        let (polar, azimuth) = (1.6 * f64::from(k) / 200.0, 0.37 * f64::from(k));
+        // Minima are 0.0625 and -0.03125, extents too; bytes of 0 are the minima.
+        let growth = polar.tan().clamp(0.0, 8.0) + 0.25;
+        let growth = if polar > FRAC_PI_2 { 8.25 } else { growth };
+        let [along, across] = [0.0625, -0.03125].map(|c| c * growth);
+        let expected = [
+            0.5 + 0.25 + along * azimuth.cos() - across * azimuth.sin(),
+            0.5 + along * azimuth.sin() + across * azimuth.cos(),
+        ];
+        let ([u, v], height) = map.seen([0.5; 2], view(polar, azimuth), 0.0);
+        assert!((f64::from(u) - expected[0]).abs() < 1e-5 && (f64::from(v) - expected[1]).abs() < 1e-5, "{k}: {u} {v}");
+        assert!((height - 0.5).abs() < 1e-6, "{k}: {height}");
+    }
+    // The control: half-way between the bounds the displacement is another.
+    let VdimSamples::Compact(samples) = map.samples().clone() else { panic!("compact") };
+    let samples = CompactSamples { packed: vec![[128; 2]; texels], ..samples };
+    let other = Vdim::new(header, vec![[0.25, 0.0]; 16], VdimSamples::Compact(samples)).unwrap();
+    assert!(other.seen([0.5; 2], view(0.7, 0.2), 0.0) != map.seen([0.5; 2], view(0.7, 0.2), 0.0));
+}
+
+/// Two bytes per view of a block; bounds, references and heights.
+#[test]
+fn compact_files_round_trip_and_have_their_bytes() {
+    let file = compact_vdim_file();
+    for supercompress in [false, true] {
+        assert!(FlatBtfFile::from_bytes(&file.to_bytes(supercompress)).unwrap() == file);
+    }
+    // Levels of 8, 4 and 2 texels; blocks of 2.
+    let (texels, blocks) = (64 + 16 + 4, 16 + 4 + 1);
+    let [whole, without] = [&file, &vdim_file()].map(|file| {
+        let map = match &file.decoder.parts().relief {
+            Relief::Vdim(map, _) => map,
+            Relief::Layers(_) => panic!("layers"),
+        };
+        (file.gpu_bytes(), (map.reference_bytes().len() + map.packed_bytes().len()) as u64)
+    });
+    let ranges_and_heights = whole.0 - whole.1 - (without.0 - without.1);
+    assert_eq!(whole.1, 2 * 4 * 5 * blocks + 4 * texels);
+    assert_eq!(ranges_and_heights, 8 * blocks + texels);
+}
+
+#[test]
+fn damaged_compact_samples_are_rejected() {
+    let key = "brdfc.flat-btf.compact";
+    for (offset, word, expected) in [
+        (0, 2, "version: found 2, expected 1"),
+        (4, 0, "block: found 0, expected a divisor of the size 8"),
+        (4, 3, "block: found 3, expected a divisor of the size 8"),
+        (4, 4, "levels: found 3, expected 1 to 2"),
+        (4, 1, "expected 3 levels of 32 x 40, Rg8Unorm"),
+        (8, f32::NAN.to_bits(), "heights: found [NaN, 0.25], expected -64 to 64, the lower one first"),
+        (12, (-0.25f32).to_bits(), "heights: found [-0.25, -0.25]"),
+    ] {
+        let error = refusal(&compact_vdim_file(), |file| set_word(file, key, offset, word)).to_string();
+        assert!(error.contains(expected), "{error}");
+    }
+    let half = |number: f32| brdfc_formats::container::half::encode(number).to_le_bytes();
+    let bounds = refusal(&compact_vdim_file(), |file| {
+        set_texel(file, "flat_btf_displacements", 5, &[half(f32::NAN), half(0.0)].concat());
+    });
+    assert!(bounds.to_string().starts_with("texel 5 of the part ranges: found [NaN"), "{bounds}");
+    let seam = refusal(&compact_vdim_file(), |file| set_texel(file, "flat_btf_vdim", 4 * 16 + 2, &[1, 2]));
+    assert!(seam.to_string().contains("vdim row 4 of level 0: found other values"), "{seam}");
+    let missing = refusal(&compact_vdim_file(), |file| {
+        reshape(file, "flat_btf_heights", TexelFormat::R8Unorm, Extent::D2([4; 2]), 1);
+    });
+    assert!(missing.to_string().contains("part heights: found 1 levels of 4 x 4"), "{missing}");
+    let halves = refusal(&compact_vdim_file(), |file| {
+        file.entries.remove(key);
+    });
+    assert!(halves.to_string().contains("Rgba16Float, as brdfc.flat-btf.vdim says"), "{halves}");
+}
+
 #[test]
 fn parts_that_do_not_match_are_rejected() {
-    use brdfc_formats::container::{Extent, TexelFormat};
     let map = |lights| indirections(SMALL, lights, 3);
     let error = Relief::sampled(map(4), Some(sampled_shadows(SMALL, 3, 2))).unwrap_err().to_string();
     assert!(error.contains("lights: found 4, expected 5, as the shadows have"), "{error}");

@@ -67,6 +67,10 @@ pub struct Arguments {
     /// Rays per texel and axis for each of these views, 1 to 16 (default: 2).
     #[arg(long, value_name = "N", value_parser = whole_number::<u32>(1..=16))]
     pub(super) oversampling: Option<u32>,
+    /// Store these views in two bytes each instead of eight, for at most 128 x 128 blocks of texels: a fifteenth of the bytes
+    /// with 256 texels, at a larger error. Takes 5 fetches instead of 2.
+    #[arg(long)]
+    pub(super) compact: bool,
     /// Shadows with an indirection map (default: lights).
     #[arg(long, value_parser = one_of(&SHADOWS))]
     pub(super) shadows: Option<Shadows>,
@@ -102,6 +106,11 @@ pub struct Arguments {
     /// Format of these images: png (8 bits, sRGB) or exr (16-bit floats, linear) (default: png).
     #[arg(long, value_parser = one_of(&IMAGE_FORMATS))]
     pub(super) image_format: Option<StackFormat>,
+    /// Also write the raw flat BTF into a new or empty folder, as EXR files for other compressors: flat/ has the images of all
+    /// --views and --lights with filled holes, masks/ the texels that each view sees, reference.exr the parameters that the
+    /// view along the normal sees, and displacements/ those of each view less them.
+    #[arg(long, value_name = "DIR")]
+    pub(super) write_flat: Option<PathBuf>,
     /// Store texels uncompressed, without Zstandard.
     #[arg(long)]
     pub(super) no_supercompression: bool,

@@ -46,21 +46,23 @@ pub(super) fn check_outputs(arguments: &Arguments, name: &str) -> Result<(), Err
     let inputs: Vec<&Path> = inputs.filter_map(Input::path).collect();
     refuse_overwriting("--out", &arguments.out.join(format!("{name}.ktx2")), &inputs)?;
     refuse_same_outputs(&[("MESO", arguments.meso.path()), ("--out", Some(&arguments.out))])?;
-    let Some(images) = arguments.write_images.as_deref() else {
-        if arguments.image_format.is_some() {
-            return Err(Error::usage("--image-format requires --write-images"));
-        }
-        return Ok(());
-    };
-    refuse_same_outputs(&[("--out", Some(&arguments.out)), ("--write-images", Some(images))])?;
-    check_folder(images)?;
-    if arguments.bounces > 0 {
-        let text = "--write-images does not apply to --bounces: the images would lack the light of bounces";
-        return Err(Error::usage(text));
+    if arguments.image_format.is_some() && arguments.write_images.is_none() {
+        return Err(Error::usage("--image-format requires --write-images"));
     }
-    if std::fs::read_dir(images).is_ok_and(|mut entries| entries.next().is_some()) {
-        let text = format!("--write-images: {} is not empty; choose a new or empty folder", images.display());
-        return Err(Error::usage(text));
+    let [images, flat] = [("--write-images", &arguments.write_images), ("--write-flat", &arguments.write_flat)]
+        .map(|(flag, folder)| (flag, folder.as_deref()));
+    refuse_same_outputs(&[("--out", Some(&arguments.out)), images, flat])?;
+    for (flag, folder) in [images, flat] {
+        let Some(folder) = folder else { continue };
+        check_folder(folder)?;
+        if arguments.bounces > 0 {
+            let text = format!("{flag} does not apply to --bounces: the images would lack the light of bounces");
+            return Err(Error::usage(text));
+        }
+        if std::fs::read_dir(folder).is_ok_and(|mut entries| entries.next().is_some()) {
+            let text = format!("{flag}: {} is not empty; choose a new or empty folder", folder.display());
+            return Err(Error::usage(text));
+        }
     }
     Ok(())
 }
@@ -167,7 +169,7 @@ fn check_placement(arguments: &Arguments, is_stack: bool) -> Result<(), Error> {
     }
     let brdf = arguments.reflectance == Reflectance::Brdf;
     let of_factors = [
-        (arguments.fill.is_some(), "--fill"),
+        (arguments.fill.is_some() && arguments.write_flat.is_none(), "--fill"),
         (arguments.bounces > 0, "--bounces"),
         (arguments.max_bytes.is_some(), "--max-bytes"),
     ];
@@ -238,6 +240,7 @@ fn relief(arguments: &Arguments) -> Result<ReliefForm, Error> {
             (indirection.is_some(), "--indirection", of),
             (largest_angle.is_some(), "--largest-angle", of),
             (oversampling.is_some(), "--oversampling", of),
+            (arguments.compact, "--compact", of),
             (shadows.is_some(), "--shadows", of),
         ];
         refuse_flags("--relief layers", &flags)?;
@@ -254,6 +257,7 @@ fn relief(arguments: &Arguments) -> Result<ReliefForm, Error> {
         largest_angle,
         oversampling: oversampling.unwrap_or(OVERSAMPLING),
         shadows: shadows.unwrap_or(Shadows::Lights) == Shadows::Lights,
+        compact: arguments.compact,
     }))
 }
 

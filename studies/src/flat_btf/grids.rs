@@ -1,8 +1,9 @@
 //! Figure 10: distance between blended and real indirections, for two grids of views with the same number of samples.
 
 use brdfc_flat_btf::encode::EncodeError;
+use brdfc_flat_btf::indirection::indirection;
 use brdfc_flat_btf::model::MesoModel;
-use brdfc_flat_btf::vdim::{OVERSAMPLING, indirection};
+use brdfc_flat_btf::vdim::OVERSAMPLING;
 use brdfc_formats::direction::{Vector, from_polar};
 use brdfc_formats::flat_btf::{Vdim, VdimHeader};
 use rand::{RngExt as _, SeedableRng as _};
@@ -48,8 +49,9 @@ pub fn grid_errors(model: &MesoModel) -> Result<Vec<GridRow>, EncodeError<Infall
         .into_iter()
         .map(|[polar_angles, azimuth_rows]| {
             let largest_angle = (10.0 * BANDS as f32).to_radians();
-            let header = VdimHeader { size: SIZE, polar_angles, azimuth_rows, largest_angle, levels: 1, lights: 0 };
-            let map = indirection::<EncodeError<Infallible>>(model, header, OVERSAMPLING, &())?;
+            let header =
+                VdimHeader { size: SIZE, block: 1, polar_angles, azimuth_rows, largest_angle, levels: 1, lights: 0 };
+            let map = indirection::<EncodeError<Infallible>>(model, header, OVERSAMPLING, false, &())?;
             let bands: Vec<Vec<f64>> = (0..BANDS).map(|band| band_errors(model, &map, band)).collect();
             let mean = |values: &[f64]| values.iter().sum::<f64>() / values.len() as f64;
             let all: Vec<f64> = bands.iter().flatten().copied().collect();

@@ -14,15 +14,18 @@ use std::collections::BTreeMap;
 pub(super) struct LookUps {
     pub(super) seen: ViewImage,
     blended: Vec<[f32; 2]>,
+    compact: Vec<[f32; 2]>,
     unblended: Vec<[f32; 2]>,
 }
 
 impl LookUps {
     /// Look-ups of one view.
-    pub(super) fn new(model: &MesoModel, map: &Vdim, view: Vector, settings: &StudySettings) -> Self {
+    pub(super) fn new(model: &MesoModel, maps: &[Vdim; 2], view: Vector, settings: &StudySettings) -> Self {
+        let [blended, compact] = maps.each_ref().map(|map| map.parameters(view.map(|c| c as f32)));
         Self {
             seen: ViewImage::new(model, view, settings.texels, settings.oversampling),
-            blended: map.parameters(view.map(|c| c as f32)),
+            blended,
+            compact,
             unblended: seen_through_texels(model, view, settings.texels, OVERSAMPLING),
         }
     }
@@ -39,6 +42,7 @@ impl LookUps {
         let of = |rebuilt: Vec<[f32; 3]>| Difference::new(&direct, &rebuilt);
         ImageDifferences {
             through_map: of(sample_bilinear(inpainted, &self.blended)),
+            compact: of(sample_bilinear(inpainted, &self.compact)),
             push_pull: of(sample_bilinear(filled, &self.blended)),
             unblended: of(sample_bilinear(inpainted, &self.unblended)),
             exact_rays: of(self.seen.rebuilt(inpainted)),
@@ -70,6 +74,7 @@ impl Difference {
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct ImageDifferences {
     pub(super) through_map: Difference,
+    compact: Difference,
     push_pull: Difference,
     unblended: Difference,
     pub(super) exact_rays: Difference,
@@ -98,6 +103,7 @@ pub(super) fn row(images: &[ImageDifferences], views: &[Vector]) -> Reconstructi
     ReconstructionRow {
         through_map: errors(images.iter().map(|image| image.through_map)),
         exact_rays: errors(images.iter().map(|image| image.exact_rays)),
+        mean_compact: mean(images.iter().map(|image| image.compact.mean)),
         mean_push_pull: mean(images.iter().map(|image| image.push_pull.mean)),
         mean_unblended: mean(images.iter().map(|image| image.unblended.mean)),
         angles: rings.values().map(ring).collect(),
@@ -172,7 +178,7 @@ mod tests {
             let field = ComputedField::new(&texels, &self.appearance, &views, &lights, &lit);
             let mask = visible(&texels, &self.model.caster, view);
             let Ok(flat) = FlattenedView::new(&field, 0, &mask, Holes::PushPull).unwrap().image(0);
-            let look_ups = LookUps::new(&self.model, map, view, &self.settings);
+            let look_ups = LookUps::new(&self.model, &[map.clone(), map.clone()], view, &self.settings);
             let direct = look_ups.seen.direct(&self.model, &self.appearance, lights[0]);
             look_ups.differences(&direct, &flat, &flat)
         }
@@ -207,9 +213,12 @@ mod tests {
             let reference = |at: u32| map.reference([at % header.size, at / header.size], 0);
             (0..header.size * header.size).map(|at| [reference(at)[0] + moved, reference(at)[1]]).collect()
         };
-        let stored = |texel, k, a| {
-            let [x, y, distance, height] = map.sample(texel, k, a, 0);
-            SeenPoint { displacement: [distance * x, distance * y], height }
+        let stored = |texel: [u32; 2], k, a| {
+            let [polar, azimuth] = header.view_angles(k, a);
+            let centre = texel.map(|at| (at as f32 + 0.5) / header.size as f32);
+            let (seen, height) = map.seen(centre, from_polar(polar, azimuth).map(|c| c as f32), 0.0);
+            let reference = map.reference(texel, 0);
+            SeenPoint { displacement: [0, 1].map(|c| seen[c] - centre[c] - reference[c]), height }
         };
         let shifted = Vdim::of_views(header, references(0.2), stored).unwrap();
         let nearby = |_, _, _| SeenPoint { displacement: [0.0; 2], height: 0.0 };
@@ -258,7 +267,13 @@ mod tests {
         let images: Vec<ImageDifferences> = (0..8)
             .map(|k| {
                 let through_map = of(f64::from(k));
-                ImageDifferences { through_map, push_pull: of(2.0), unblended: of(1.0), exact_rays: of(0.5) }
+                ImageDifferences {
+                    through_map,
+                    compact: of(3.0),
+                    push_pull: of(2.0),
+                    unblended: of(1.0),
+                    exact_rays: of(0.5),
+                }
             })
             .collect();
         let row = row(&images, &views);
@@ -268,5 +283,6 @@ mod tests {
         assert_eq!(row.angles, expected);
         let expected = ImageErrors { mean: 3.5, largest_image: 7.0, image_variance: 5.25, largest_texel: 70.0 };
         assert_eq!((row.through_map, row.mean_push_pull, row.mean_unblended), (expected, 2.0, 1.0));
+        assert_eq!(row.mean_compact, 3.0);
     }
 }

@@ -32,7 +32,15 @@ impl StudySettings {
     pub(super) fn map_header(&self) -> VdimHeader {
         let [polar_angles, azimuth_rows] = self.indirection;
         let largest_angle = self.largest_angle.to_radians() as f32;
-        VdimHeader { size: self.texels as u32, polar_angles, azimuth_rows, largest_angle, levels: 1, lights: 0 }
+        VdimHeader {
+            size: self.texels as u32,
+            block: 1,
+            polar_angles,
+            azimuth_rows,
+            largest_angle,
+            levels: 1,
+            lights: 0,
+        }
     }
 }
 
@@ -67,6 +75,8 @@ pub struct ReconstructionRow {
     pub through_map: ImageErrors,
     /// With exact rays instead of the map: errors of the flat BTF alone.
     pub exact_rays: ImageErrors,
+    /// Mean through the map with compact samples.
+    pub mean_compact: f64,
     /// Mean through the map, holes filled by push-pull.
     pub mean_push_pull: f64,
     /// Mean with a map that contains each view, which excludes errors of blending the map's views.

@@ -25,8 +25,14 @@ use renderings::{Renderings, Surface};
 use std::convert::Infallible;
 
 /// Sampled indirections, with as many views as in the study `flat-btf`.
-const VDIM: VdimRecipe =
-    VdimRecipe { polar_angles: 16, azimuth_rows: 25, largest_angle: 80.0, oversampling: 2, shadows: true };
+const VDIM: VdimRecipe = VdimRecipe {
+    polar_angles: 16,
+    azimuth_rows: 25,
+    largest_angle: 80.0,
+    oversampling: 2,
+    shadows: true,
+    compact: false,
+};
 
 /// A flat BTF as it is read from its file.
 fn stored(decoder: FlatBtfDecoder) -> Result<FlatBtfDecoder, EncodeError<Infallible>> {

@@ -4,10 +4,12 @@
 //! Lengths are in tiles. The surface has period 1 along x and y, z points up, and the reference plane is `z = 0`.
 
 pub mod caster;
+pub mod compact;
 pub mod encode;
 pub mod factored;
 pub mod far;
 pub mod fill;
+pub mod indirection;
 pub mod interreflection;
 pub mod layers;
 pub mod light_field;

@@ -18,9 +18,9 @@ type Measured = ([f64; 2], f64);
 
 /// A map of one level before rounding.
 pub struct MeasuredVdim {
-    header: VdimHeader,
+    pub(crate) header: VdimHeader,
     /// Parameters that the view along the normal sees less the centre of the texel, row by row.
-    reference: Vec<[f32; 2]>,
+    pub(crate) reference: Vec<[f32; 2]>,
     /// For each row `j` of texels, for each azimuth `a` below `R - 1`, for each column `i`, for each polar angle `k`.
     seen: Vec<SeenPoint>,
 }
@@ -75,36 +75,20 @@ impl MeasuredVdim {
     ///
     /// # Errors
     /// Returns an error if the header or a number is out of range.
-    pub fn map(self) -> Result<Vdim, FormatError> {
-        let Self { header, reference, seen } = self;
-        let [size, polar_angles, azimuths] = [header.size, header.polar_angles, header.azimuth_rows - 1];
-        let at = |[i, j]: [u32; 2], k: u32, a: u32| ((j * azimuths + a) * size + i) * polar_angles + k;
-        Vdim::of_views(header, reference, |texel, k, a| seen[at(texel, k, a) as usize])
+    pub fn map(&self) -> Result<Vdim, FormatError> {
+        Vdim::of_views(self.header, self.reference.clone(), |texel, k, a| self.seen(texel, k, a))
+    }
+
+    /// The point that view `(k, a)` sees through a texel.
+    pub(crate) fn seen(&self, texel: [u32; 2], k: u32, a: u32) -> SeenPoint {
+        self.seen[index(&self.header, texel, k, a)]
     }
 }
 
-/// Measures all levels of a map. `progress` receives [`steps`] steps.
-///
-/// # Errors
-/// Returns an error if the header or a number is out of range, or if `progress` cancels.
-pub fn indirection<E: From<FormatError> + From<Cancelled>>(
-    model: &MesoModel,
-    header: VdimHeader,
-    oversampling: usize,
-    progress: &dyn Progress,
-) -> Result<Vdim, E> {
-    header.check()?;
-    let of_level = |level| {
-        let header = VdimHeader { size: header.side(level), levels: 1, ..header };
-        Ok(MeasuredVdim::new(model, header, oversampling, progress)?.map()?)
-    };
-    let levels = (0..header.levels).map(of_level).collect::<Result<Vec<_>, E>>()?;
-    Ok(Vdim::of_levels(levels)?)
-}
-
-/// Progress steps of [`indirection`].
-pub fn steps(header: &VdimHeader) -> usize {
-    (0..header.levels).map(|level| header.side(level) as usize).sum()
+/// Index of a view of a texel in [`MeasuredVdim::seen`].
+fn index(header: &VdimHeader, [i, j]: [u32; 2], k: u32, a: u32) -> usize {
+    let [size, polar_angles, azimuths] = [header.size, header.polar_angles, header.azimuth_rows - 1];
+    (((j * azimuths + a) * size + i) * polar_angles + k) as usize
 }
 
 /// Shadows of sampled lights: `reached` has for each light the texels that it reaches, `counts` the weights of texels in
@@ -176,7 +160,7 @@ mod tests {
     use crate::mesh::{PeriodicMesh, VertexMaterial};
 
     const HEADER: VdimHeader =
-        VdimHeader { size: 8, polar_angles: 5, azimuth_rows: 9, largest_angle: 1.2, levels: 1, lights: 0 };
+        VdimHeader { size: 8, block: 1, polar_angles: 5, azimuth_rows: 9, largest_angle: 1.2, levels: 1, lights: 0 };
 
     fn map(model: &MesoModel) -> Vdim {
         MeasuredVdim::new(model, HEADER, 2, &()).unwrap().map().unwrap()

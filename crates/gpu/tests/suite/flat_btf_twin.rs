@@ -11,7 +11,8 @@ use brdfc_gpu::Gpu;
 use brdfc_probe::{FlatBtfAnswer, FlatBtfEvaluator, FlatBtfQuery};
 use brdfc_render::flat::FlatMaterial;
 use brdfc_testing::codecs::flat_btf::{
-    BASE, Factors, MATERIALS, SMALL, Sizes, factored, indirections, layer_header, layers, relief, sampled_relief,
+    BASE, Factors, MATERIALS, SMALL, Sizes, compact_indirections, factored, indirections, layer_header, layers, relief,
+    sampled_relief,
 };
 use brdfc_testing::packs::{Numbers, unit_vector};
 use std::f64::consts::{FRAC_PI_2, PI};
@@ -41,11 +42,17 @@ fn assets(seed: u64) -> Vec<FlatMaterial> {
     .to_vec()
 }
 
-/// Indirection maps with materials and shadows, and with components and without shadows.
-fn sampled_assets(seed: u64) -> [FlatMaterial; 2] {
+/// Indirection maps with materials and shadows, with components and without shadows, and of compact samples.
+fn sampled_assets(seed: u64) -> [FlatMaterial; 3] {
+    type MakeMap = fn(Sizes, u32, u64) -> Vdim;
     let large = Sizes { flat: 16, plane: 12, views: 7, lights: 12, ..SMALL };
-    [(SMALL, MATERIALS, true), (large, WITHOUT, false)].map(|(sizes, factors, shadows)| {
-        let relief = sampled_relief(sizes, shadows, |lights| indirections(sizes, lights, seed));
+    let cases: [(Sizes, Factors, bool, MakeMap); 3] = [
+        (SMALL, MATERIALS, true, indirections),
+        (large, WITHOUT, false, indirections),
+        (Sizes { plane: 12, ..SMALL }, MATERIALS, true, compact_indirections),
+    ];
+    cases.map(|(sizes, factors, shadows, map)| {
+        let relief = sampled_relief(sizes, shadows, |lights| map(sizes, lights, seed));
         let parts = FlatBtfParts::new(relief, factored(sizes, factors, seed + 1));
         FlatMaterial::new(FlatBtfDecoder::new(parts), 1).unwrap()
     })
@@ -184,7 +191,8 @@ fn indirection_maps_have_the_bits_of_the_cpu_decoder() {
 fn the_sampler_never_reaches_the_next_block() {
     let Some(gpu) = crate::common::gpu() else { return };
     let evaluator = FlatBtfEvaluator::new(gpu).unwrap();
-    let header = VdimHeader { size: 8, polar_angles: 4, azimuth_rows: 5, largest_angle: 1.25, levels: 1, lights: 0 };
+    let header =
+        VdimHeader { size: 8, block: 1, polar_angles: 4, azimuth_rows: 5, largest_angle: 1.25, levels: 1, lights: 0 };
     let is_quiet = |[i, j]: [u32; 2]| (i + j).is_multiple_of(2);
     let seen = |texel: [u32; 2], k: u32, a: u32| {
         let scale = if is_quiet(texel) { 0.05 } else { 50.0 };

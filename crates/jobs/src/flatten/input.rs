@@ -14,9 +14,11 @@ use brdfc_formats::wavelet::WaveletPack;
 use brdfc_source::Input;
 use brdfc_source::meso::{MesoInput, open_meso};
 use brdfc_source::open::{Facts, open};
+use brdfc_source::ordinary_btf::OrdinaryBtf;
 use brdfc_source::tile_image::{FileImage, open_colours, open_shares};
 use brdfc_wavelet::encode::encode;
 use brdfc_wavelet::recipe::{Recipe, Target};
+use std::path::Path;
 
 /// Name of the reference plane in reports.
 pub const PLANE: &str = "the plane";
@@ -201,4 +203,45 @@ fn open_material(material: &Input, progress: &dyn Progress) -> Result<Box<dyn So
     let encoded = encode(opened.source.as_ref(), &recipe, progress)?;
     let pack = WaveletPack::from_bytes(&encoded.bytes).expect("our own pack");
     Ok(Box::new(PackSource::new(&pack, None)))
+}
+
+/// Source of the values of texels.
+pub enum Values {
+    /// Computed from materials of the surface.
+    Computed(Appearance),
+    /// Measured, from images of an ordinary BTF.
+    Measured(OrdinaryBtf),
+}
+
+/// A surface and the values of its texels.
+pub struct Surface {
+    /// Shape of the surface.
+    pub geometry: Geometry,
+    /// Sources of its materials; empty for an ordinary BTF.
+    pub materials: Vec<String>,
+    /// Source of the values of texels.
+    pub values: Values,
+}
+
+impl Surface {
+    /// Reads geometry and materials, or geometry and an ordinary BTF (a folder of images, or a .btf file).
+    ///
+    /// # Errors
+    /// Returns an error if a file cannot be read, an address is invalid, the geometry does not close, or the materials do not
+    /// match it.
+    pub fn open(options: &MesoOptions, btf: Option<&Path>) -> Result<Self, Error> {
+        let Some(path) = btf else {
+            let geometry = open_geometry(options)?;
+            let inputs = material_list(options, &geometry)?;
+            let appearance = open_appearance(options, &inputs, &())?;
+            let materials = inputs.iter().map(Input::short_name).collect();
+            return Ok(Self { geometry, materials, values: Values::Computed(appearance) });
+        };
+        let stack = OrdinaryBtf::open(path)?;
+        let mut geometry = open_geometry(options)?;
+        let folder = path.canonicalize().ok();
+        let folder = folder.as_deref().and_then(Path::file_name).map(|n| n.to_string_lossy().into_owned());
+        geometry.name = format!("{} over {}", folder.unwrap_or_else(|| "images".to_owned()), geometry.name);
+        Ok(Self { geometry, materials: Vec::new(), values: Values::Measured(stack) })
+    }
 }

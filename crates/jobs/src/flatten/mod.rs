@@ -3,6 +3,7 @@
 mod asset;
 mod comparison;
 mod describe;
+mod flat_images;
 mod images;
 mod input;
 mod read;
@@ -14,6 +15,6 @@ pub mod words;
 pub use asset::{AssetFile, FlatAsset, Settings};
 pub use comparison::{FlatComparison, compare_flat};
 pub use describe::{MeshFacts, SurfaceFacts, describe_surface};
-pub use input::{Geometry, MesoOptions, PLANE, material_list, open_appearance, open_geometry};
+pub use input::{Geometry, MesoOptions, PLANE, Surface, Values, material_list, open_appearance, open_geometry};
 pub use read::{open_asset, read_report};
-pub use run::{FlattenJob, Surface, Values, run};
+pub use run::{FlattenJob, run};

@@ -1,8 +1,9 @@
 //! Makes a flat BTF and writes its file.
 
 use super::asset::{AssetFile, FlatAsset, Settings};
+use super::flat_images::write_flat;
 use super::images::{StackImages, write_images};
-use super::input::{Geometry, MesoOptions, material_list, open_appearance, open_geometry};
+use super::input::{Geometry, Surface, Values};
 use super::scratch::FolderScratch;
 use crate::btf_stack::StackFormat;
 use crate::error::Error;
@@ -10,52 +11,8 @@ use crate::store::{Staging, placing};
 use crate::write::write_atomic;
 use brdfc_core::progress::Progress;
 use brdfc_flat_btf::encode::{EncodeError, FlatInput, FlattenRecipe, ValueSource, encode};
-use brdfc_flat_btf::surface::Appearance;
 use brdfc_formats::flat_btf::FlatBtfFile;
-use brdfc_source::Input;
-use brdfc_source::ordinary_btf::OrdinaryBtf;
 use std::path::Path;
-
-/// Source of the values of texels.
-pub enum Values {
-    /// Computed from materials of the surface.
-    Computed(Appearance),
-    /// Measured, from images of an ordinary BTF.
-    Measured(OrdinaryBtf),
-}
-
-/// A surface and the values of its texels.
-pub struct Surface {
-    /// Shape of the surface.
-    pub geometry: Geometry,
-    /// Sources of its materials; empty for an ordinary BTF.
-    pub materials: Vec<String>,
-    /// Source of the values of texels.
-    pub values: Values,
-}
-
-impl Surface {
-    /// Reads geometry and materials, or geometry and an ordinary BTF (a folder of images, or a .btf file).
-    ///
-    /// # Errors
-    /// Returns an error if a file cannot be read, an address is invalid, the geometry does not close, or the materials do not
-    /// match it.
-    pub fn open(options: &MesoOptions, btf: Option<&Path>) -> Result<Self, Error> {
-        let Some(path) = btf else {
-            let geometry = open_geometry(options)?;
-            let inputs = material_list(options, &geometry)?;
-            let appearance = open_appearance(options, &inputs, &())?;
-            let materials = inputs.iter().map(Input::short_name).collect();
-            return Ok(Self { geometry, materials, values: Values::Computed(appearance) });
-        };
-        let stack = OrdinaryBtf::open(path)?;
-        let mut geometry = open_geometry(options)?;
-        let folder = path.canonicalize().ok();
-        let folder = folder.as_deref().and_then(Path::file_name).map(|n| n.to_string_lossy().into_owned());
-        geometry.name = format!("{} over {}", folder.unwrap_or_else(|| "images".to_owned()), geometry.name);
-        Ok(Self { geometry, materials: Vec::new(), values: Values::Measured(stack) })
-    }
-}
 
 /// A flat BTF to make.
 pub struct FlattenJob<'a> {
@@ -71,6 +28,8 @@ pub struct FlattenJob<'a> {
     pub surface: Surface,
     /// Folder and format for directly computed images of the ordinary BTF; `None` to write none.
     pub images: Option<(&'a Path, StackFormat)>,
+    /// Folder for the raw flat BTF as EXR files; `None` to write none.
+    pub raw: Option<&'a Path>,
 }
 
 /// Makes a flat BTF and writes `NAME.ktx2`. Stores values of views temporarily in the folder.
@@ -101,6 +60,9 @@ pub fn run(job: FlattenJob<'_>, progress: &dyn Progress) -> Result<FlatAsset, Er
     )?;
     if let (Values::Computed(appearance), Some(images)) = (&texels, job.images) {
         write_images(&encoded.model, appearance, job.recipe, images, progress)?;
+    }
+    if let Some(folder) = job.raw {
+        write_flat(&encoded.model, &texels, job.recipe, folder, progress)?;
     }
     let about = AssetFile {
         version: 4,

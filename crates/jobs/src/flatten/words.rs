@@ -124,13 +124,14 @@ fn relief(settings: &Settings, report: &AssetReport) -> (&'static str, String) {
         let one = report.layers.is_some_and(|layers| layers.sheets == 1);
         return ("layers", if one { "1 sheet" } else { "3 sheets: base, top and underside" }.to_owned());
     };
-    let VdimRecipe { polar_angles, azimuth_rows, largest_angle, .. } = vdim;
+    let VdimRecipe { polar_angles, azimuth_rows, largest_angle, compact, .. } = vdim;
+    let form = if *compact { "compact " } else { "" };
     let shadows = if vdim.shadows {
         format!("shadows of {}", counted(settings.lights.1, "light"))
     } else {
         "no shadows".to_owned()
     };
-    ("indirection map", format!("{polar_angles} x {azimuth_rows} views up to {largest_angle}°, {shadows}"))
+    ("indirection map", format!("{polar_angles} x {azimuth_rows} {form}views up to {largest_angle}°, {shadows}"))
 }
 
 /// Its measured errors with their names.

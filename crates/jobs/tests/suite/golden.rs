@@ -13,7 +13,7 @@ use brdfc_testing::testdata;
 fn flat_btf(name: &str, options: &MesoOptions, recipe: &FlattenRecipe, supercompress: bool) -> Packs {
     let folder = tempfile::tempdir().expect("a folder for the file");
     let surface = Surface::open(options, None).unwrap_or_else(|error| panic!("{error}"));
-    let job = FlattenJob { name, folder: folder.path(), recipe, supercompress, surface, images: None };
+    let job = FlattenJob { name, folder: folder.path(), recipe, supercompress, surface, images: None, raw: None };
     flatten(job, &()).unwrap_or_else(|error| panic!("{name}: {error}"));
     let file = format!("{name}.ktx2");
     let bytes = std::fs::read(folder.path().join(&file)).unwrap_or_else(|error| panic!("{file}: {error}"));

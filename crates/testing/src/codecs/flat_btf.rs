@@ -25,15 +25,16 @@ use crate::sampler::{ROUNDING, SAMPLED, STEP, SamplerCase};
 use brdfc_formats::bindings::FrameBlock;
 use brdfc_formats::flat_btf::factored::{BaseAngles, FactoredFlatBtf};
 use brdfc_formats::flat_btf::{
-    FlatBtfDecoder, FlatBtfFile, FlatBtfParts, LayerMap, Relief, SampledDirections, ShadowMap, Vdim, ViewWeights,
+    FlatBtfDecoder, FlatBtfFile, FlatBtfParts, LayerMap, Relief, SampledDirections, ShadowMap, Vdim, VdimSamples,
+    ViewWeights,
 };
 use brdfc_formats::{Pack, PackKind};
 
-/// Makes layers of these sizes, and an indirection map of these sizes for a number of lights.
-type MakeRelief = (fn(Sizes) -> LayerMap, fn(Sizes, u32) -> Vdim);
+/// Makes layers of these sizes, and indirection maps of these sizes for a number of lights: of halves, and compact.
+type MakeRelief = (fn(Sizes) -> LayerMap, [fn(Sizes, u32) -> Vdim; 2]);
 
 /// Flat BTFs with each kind of values, of relief and of shadows.
-fn some_flat_btfs((layers, map): MakeRelief) -> [(&'static str, FlatBtfDecoder); 6] {
+fn some_flat_btfs((layers, [map, compact]): MakeRelief) -> [(&'static str, FlatBtfDecoder); 7] {
     let one_sheet = Sizes { sheets: 1, ..SMALL };
     let with_residual = Factors { groups: 3, wide_groups: 1, residual: 2, ..BASE };
     let without_residual = Factors { groups: 1, residual: 0, ..with_residual };
@@ -51,6 +52,11 @@ fn some_flat_btfs((layers, map): MakeRelief) -> [(&'static str, FlatBtfDecoder);
             "indirection map with components",
             sampled_relief(SMALL, false, |lights| map(SMALL, lights)),
             factored(SMALL, without_residual, 6),
+        ),
+        (
+            "compact indirection map with shadows",
+            sampled_relief(SMALL, true, |lights| compact(SMALL, lights)),
+            factored(SMALL, MATERIALS, 7),
         ),
     ]
     .map(|(name, relief, reflectance): (_, Relief, _)| {
@@ -187,14 +193,13 @@ impl TestedCodec for FlatBtf {
             let file = FlatBtfFile::new(decoder.clone()).unwrap().to_bytes(true);
             case(name, &decoder, EXACT, vec![file], steady_queries(&decoder))
         };
-        some_flat_btfs((|sizes| layers(sizes, 4), |sizes, lights| indirections(sizes, lights, 8)))
-            .into_iter()
-            .map(case)
-            .collect()
+        let maps: [fn(Sizes, u32) -> Vdim; 2] =
+            [|sizes, lights| indirections(sizes, lights, 8), |sizes, lights| compact_indirections(sizes, lights, 8)];
+        some_flat_btfs((|sizes| layers(sizes, 4), maps)).into_iter().map(case).collect()
     }
 
     fn sampler_cases(&self) -> Vec<SamplerCase> {
-        some_flat_btfs((flat_relief, flat_indirections))
+        some_flat_btfs((flat_relief, [flat_indirections, flat_compact_indirections]))
             .iter()
             .map(|(name, decoder)| sampler_case(name, decoder))
             .collect()
@@ -207,6 +212,7 @@ impl TestedCodec for FlatBtf {
             ("materials", materials_file()),
             ("factored", file(layers(SMALL, 13), factored(SMALL, factors, 5))),
             ("vdim", vdim_file()),
+            ("vdim-compact", compact_vdim_file()),
             // Its numbers follow simple rules, for which a decoder in another language was written.
             ("example", file(example_layers(), factored_example())),
         ];
@@ -259,7 +265,11 @@ fn relief_values(relief: &Relief, numbers: &mut Values) {
         }
         Relief::Vdim(map, shadows) => {
             let shadows = shadows.as_ref().map_or(&[][..], ShadowMap::texels);
-            [&map.reference_bytes(), &map.packed_bytes(), shadows].concat()
+            let compact = match map.samples() {
+                VdimSamples::Compact(samples) => [&samples.heights[..], &samples.range_bytes()].concat(),
+                VdimSamples::Halves(_) => Vec::new(),
+            };
+            [&map.reference_bytes(), &map.packed_bytes()[..], &compact, shadows].concat()
         }
     };
     numbers.words(bytes.into_iter().map(u32::from));

@@ -25,6 +25,7 @@ fn options_set_the_views_and_the_shadows() {
     let (report, header, lights) = made("plain", &[]);
     let expected = VdimHeader {
         size: 16,
+        block: 1,
         polar_angles: 16,
         azimuth_rows: 16,
         largest_angle: 80f32.to_radians(),
@@ -54,6 +55,28 @@ fn options_set_the_views_and_the_shadows() {
     // Shadows change the error.
     let error = |report: &serde_json::Value| number(&report["report"]["errors"]["from_surface"]["mean"]);
     assert!(error(&bare) != error(&report), "{} {}", error(&bare), error(&report));
+}
+
+/// Two bytes for each view; the error is nearly the same. Blocks of several texels begin at 256.
+#[test]
+fn compact_maps_take_fewer_bytes() {
+    let folder = Folder::new();
+    let [plain, compact] = [&[][..], &["--compact"]].map(|more| {
+        let name = if more.is_empty() { "plain" } else { "compact" };
+        report(flatten(&folder, &[&[BUTTON, "-o", name, "--relief", "vdim"], more].concat()))
+    });
+    let bytes = |report: &serde_json::Value, image: &str| number(&report["images"][image]);
+    assert_eq!(4.0 * bytes(&compact, "flat_btf_vdim"), bytes(&plain, "flat_btf_vdim"));
+    let texels = 256.0 + 64.0 + 16.0 + 4.0 + 1.0;
+    assert_eq!(bytes(&compact, "flat_btf_heights"), texels);
+    assert_eq!(bytes(&compact, "flat_btf_displacements"), 8.0 * texels);
+    let error = |report: &serde_json::Value| number(&report["report"]["errors"]["from_surface"]["mean"]);
+    assert!((error(&compact) - error(&plain)).abs() < 0.5, "{} {}", error(&compact), error(&plain));
+    let info = folder.run(&["info", "compact"]).succeeded();
+    assert!(info.stdout.contains("16 x 16 compact views up to 80°"), "{}", info.stdout);
+    folder.run(&["view", "compact", "-o", "compact.html"]).succeeded();
+    let differs = folder.run(&["compare", "plain", "compact", "--json"]).succeeded().json();
+    assert!(number(&differs["errors"]["mean"]) < 3.0, "{differs}");
 }
 
 /// The commands for flat BTFs take the file. Blended views of a map are less exact than layers.
@@ -95,6 +118,7 @@ fn wrong_settings_fail_before_any_work() {
     for (options, words) in [
         (&["--indirection", "8x8"][..], "--indirection does not apply to --relief layers, only to --relief vdim"),
         (&["--shadows", "none"], "--shadows"),
+        (&["--compact"], "--compact does not apply to --relief layers, only to --relief vdim"),
         (&["--relief", "vdim", "--indirection", "1x16"], "2 to 256 polar angles x 4 to 256 rows of azimuths"),
         (&["--relief", "vdim", "--indirection", "16"], "such as 16x16"),
         (&["--relief", "vdim", "--largest-angle", "0"], "--largest-angle: found 0, expected above 0, up to 90 degrees"),

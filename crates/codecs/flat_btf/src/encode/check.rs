@@ -9,7 +9,7 @@ use brdfc_formats::FormatError;
 use brdfc_formats::container::MAX_EXTENT_2D;
 use brdfc_formats::direction_mesh::DirectionMesh;
 use brdfc_formats::direction_set::DirectionSet;
-use brdfc_formats::flat_btf::FlatHeader;
+use brdfc_formats::flat_btf::{FlatHeader, VdimHeader};
 use std::f32::consts::TAU;
 
 /// Maximum memory of a recipe, in bytes.
@@ -112,7 +112,8 @@ impl FlattenRecipe {
             None => LAYER_BYTES * u64::from(self.texels).pow(2),
             Some(header) => {
                 let shadows = texels * u64::from(header.lights) * 3;
-                VIEW_BYTES * header.packed_extent().texels_of_levels(header.levels) + shadows
+                let views = VdimHeader { block: 1, ..header }.packed_extent();
+                VIEW_BYTES * views.texels_of_levels(header.levels) + shadows
             }
         };
         if self.reflectance == Reflectance::Brdf {

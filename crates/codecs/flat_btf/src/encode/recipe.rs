@@ -41,6 +41,8 @@ pub struct VdimRecipe {
     pub oversampling: u32,
     /// True to sample the shadows of the lights; false leaves shadows out.
     pub shadows: bool,
+    /// True to store two bytes per view for blocks of texels, at most 128 blocks per side.
+    pub compact: bool,
 }
 
 /// Settings for flattening a meso-structure.

@@ -3,10 +3,12 @@
 use super::EncodeError;
 use super::check::angles;
 use super::recipe::{FlattenRecipe, ReliefForm, VdimRecipe};
+use crate::compact::texels_of_block;
+use crate::indirection::{indirection, steps};
 use crate::layers::{LayerReport, layers};
 use crate::light_field::{projected, visible_from_each};
 use crate::model::MesoModel;
-use crate::vdim::{indirection, shadow_map, steps};
+use crate::vdim::shadow_map;
 use brdfc_core::progress::{Cancelled, Progress, Stage};
 use brdfc_formats::flat_btf::{Relief, VdimHeader};
 
@@ -14,13 +16,15 @@ impl VdimRecipe {
     /// Header of a map of `texels` per side, with `lights` sampled lights if there are shadows. The map has all levels of
     /// detail that are whole.
     pub fn header(&self, texels: u32, lights: usize) -> VdimHeader {
-        let Self { polar_angles, azimuth_rows, largest_angle, shadows, .. } = *self;
+        let Self { polar_angles, azimuth_rows, largest_angle, shadows, compact, .. } = *self;
+        let block = if compact { texels_of_block(texels) } else { 1 };
         VdimHeader {
             size: texels,
+            block,
             polar_angles,
             azimuth_rows,
             largest_angle: largest_angle.to_radians() as f32,
-            levels: texels.trailing_zeros() + 1,
+            levels: (texels / block).trailing_zeros() + 1,
             lights: if shadows { lights as u32 } else { 0 },
         }
     }
@@ -67,7 +71,7 @@ impl FlattenRecipe {
         progress: &dyn Progress,
     ) -> Result<Relief, EncodeError<E>> {
         let header = vdim.header(self.texels, self.lights.len());
-        let map = indirection::<EncodeError<E>>(model, header, vdim.oversampling as usize, progress)?;
+        let map = indirection::<EncodeError<E>>(model, header, vdim.oversampling as usize, vdim.compact, progress)?;
         let shadows = if vdim.shadows {
             let (texels, lights) = (model.texels(self.flat_texels), self.lights.directions());
             progress.stage(Stage::Shadows, lights.len())?;

@@ -9,8 +9,8 @@ use brdfc_formats::flat_btf::factored::{
     FactoredFlatBtf, FactoredHeader, GROUP, HALF_ANGLES, LevelTable, ResidualMap, WeightMap, WeightRange,
 };
 use brdfc_formats::flat_btf::{
-    BlendedDirection, FlatBtfDecoder, FlatBtfFile, FlatBtfParts, LayerHeader, LayerMap, Relief, SeenPoint, ShadowMap,
-    Vdim, VdimHeader, ViewWeights,
+    BlendedDirection, CompactSamples, FlatBtfDecoder, FlatBtfFile, FlatBtfParts, LayerHeader, LayerMap, Relief,
+    SeenPoint, ShadowMap, Vdim, VdimHeader, VdimSamples, ViewWeights,
 };
 use std::f32::consts::FRAC_PI_2;
 
@@ -126,7 +126,8 @@ pub fn indirections(sizes: Sizes, lights: u32, seed: u64) -> Vdim {
     let mut numbers = Numbers::new(seed);
     let of_level = |level: u32| {
         let size = sizes.plane >> level;
-        let header = VdimHeader { size, polar_angles: 4, azimuth_rows: 5, largest_angle: 1.25, levels: 1, lights };
+        let header =
+            VdimHeader { size, block: 1, polar_angles: 4, azimuth_rows: 5, largest_angle: 1.25, levels: 1, lights };
         let texels: Vec<[f32; 4]> =
             (0..size * size).map(|_| std::array::from_fn(|_| numbers.between(-0.25, 0.25) as f32)).collect();
         let reference = texels.iter().map(|[x, y, ..]| [0.25 * x, 0.25 * y]).collect();
@@ -144,11 +145,49 @@ pub fn indirections(sizes: Sizes, lights: u32, seed: u64) -> Vdim {
 pub fn flat_indirections(sizes: Sizes, lights: u32) -> Vdim {
     let of_level = |level: u32| {
         let size = sizes.plane >> level;
-        let header = VdimHeader { size, polar_angles: 4, azimuth_rows: 5, largest_angle: 1.25, levels: 1, lights };
+        let header =
+            VdimHeader { size, block: 1, polar_angles: 4, azimuth_rows: 5, largest_angle: 1.25, levels: 1, lights };
         let seen = |_, _, _| SeenPoint { displacement: [0.012, 0.016], height: 0.125 };
         Vdim::of_views(header, vec![[0.0625, -0.03125]; (size * size) as usize], seen).unwrap()
     };
     Vdim::of_levels((0..=sizes.plane.trailing_zeros()).map(of_level).collect()).unwrap()
+}
+
+/// A map of compact samples with blocks of 2 x 2 texels, with all levels: random displacements and heights.
+pub fn compact_indirections(sizes: Sizes, lights: u32, seed: u64) -> Vdim {
+    compact(sizes, lights, |numbers, low, high| numbers.between(low, high), seed)
+}
+
+/// A map of compact samples of one reference, one displacement in the frames of views and one height.
+pub fn flat_compact_indirections(sizes: Sizes, lights: u32) -> Vdim {
+    compact(sizes, lights, |_, low, high| low + 0.25 * (high - low), 1)
+}
+
+fn compact(sizes: Sizes, lights: u32, number: impl Fn(&mut Numbers, f64, f64) -> f64, seed: u64) -> Vdim {
+    let mut numbers = Numbers::new(seed);
+    let mut number = |low, high| number(&mut numbers, low, high) as f32;
+    let of_level = |level: u32| {
+        let (size, block) = (sizes.plane >> level, 2);
+        let header =
+            VdimHeader { size, block, polar_angles: 4, azimuth_rows: 5, largest_angle: 1.25, levels: 1, lights };
+        let blocks = (size / block) as usize;
+        let mut texels = |count: usize, low, high| -> Vec<[f32; 2]> {
+            (0..count).map(|_| [(); 2].map(|()| number(low, high))).collect()
+        };
+        let reference = texels((size * size) as usize, -0.0625, 0.0625);
+        let ranges = [texels(blocks * blocks, -0.125, 0.0), texels(blocks * blocks, 0.0, 0.125)].concat();
+        let width = blocks * 4;
+        let packed = (0..blocks).flat_map(|_| {
+            let rows = texels(width * 4, 0.0, 255.0);
+            let last = rows[..width].to_vec();
+            rows.into_iter().chain(last)
+        });
+        let packed = packed.map(|texel| texel.map(|byte| byte as u8)).collect();
+        let heights = (0..size * size).map(|_| number(0.0, 255.0) as u8).collect();
+        let samples = CompactSamples { range: [-0.25, 0.25], ranges, packed, heights };
+        Vdim::new(header, reference, VdimSamples::Compact(samples)).unwrap()
+    };
+    Vdim::of_levels((0..sizes.plane.trailing_zeros()).map(of_level).collect()).unwrap()
 }
 
 /// Sampled shadows of random shares.
@@ -167,11 +206,17 @@ pub fn sampled_relief(sizes: Sizes, with_shadows: bool, map: impl Fn(u32) -> Vdi
 
 /// A file of two materials behind an indirection map with sampled shadows.
 pub fn vdim_file() -> FlatBtfFile {
-    let parts = FlatBtfParts::new(
-        sampled_relief(SMALL, true, |lights| indirections(SMALL, lights, 11)),
-        factored(SMALL, MATERIALS, 6),
-    );
-    FlatBtfFile::new(FlatBtfDecoder::new(parts)).unwrap()
+    file_of_map(indirections)
+}
+
+/// The same with compact samples.
+pub fn compact_vdim_file() -> FlatBtfFile {
+    file_of_map(compact_indirections)
+}
+
+fn file_of_map(map: impl Fn(Sizes, u32, u64) -> Vdim) -> FlatBtfFile {
+    let relief = sampled_relief(SMALL, true, |lights| map(SMALL, lights, 11));
+    FlatBtfFile::new(FlatBtfDecoder::new(FlatBtfParts::new(relief, factored(SMALL, MATERIALS, 6)))).unwrap()
 }
 
 /// Layers of parts that have them.
