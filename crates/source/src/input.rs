@@ -6,6 +6,7 @@ use super::read::{
     MAX_FILE_BYTES, ObservedFile, ReadListener, check_length, extension_of, open_observed, read_all_text, read_file,
     read_text, read_within, up_to_nul,
 };
+use brdfc_core::Smooth;
 use brdfc_core::address::is_synth;
 use brdfc_formats::FormatError;
 use brdfc_readers::recognise::{START_BYTES, recognise};
@@ -147,17 +148,20 @@ fn within<'a>(path: &Path, bytes: &'a [u8], limit: u64) -> Result<&'a [u8], Inpu
 }
 
 /// Settings of reading an input.
-#[derive(Debug, Clone, Copy, Default, PartialEq)]
+#[derive(Debug, Clone, Copy, Default, PartialEq, serde::Serialize, serde::Deserialize)]
 pub struct Reading {
     /// Level of detail of packs; `None` is the finest. Other inputs have none.
     pub level: Option<f32>,
     /// Number of neighbours of a fit to a scan; `None` chooses it by left-out rows. Other inputs have none.
     pub neighbours: Option<usize>,
+    /// Smoothing of dense tables. Scans are smoothed by left-out rows; with a value other than `false` also where their
+    /// noise is below 5 %. Other inputs have none.
+    pub smooth: Smooth,
 }
 
 impl From<Option<f32>> for Reading {
     fn from(level: Option<f32>) -> Self {
-        Self { level, neighbours: None }
+        Self { level, ..Self::default() }
     }
 }
 
