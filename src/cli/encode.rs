@@ -4,13 +4,13 @@ use super::encode_lobes;
 use super::options::{PackOptions, by_flags};
 use super::output::{json_or, note, output_parser, print_report, refuse_unfit_output};
 use super::progress::{Materials, label};
-use super::reading::ReadingOptions;
+use super::reading::open_read;
 use super::{Common, Error};
 use crate::table;
 use brdfc::encode::{GateResult, OptionError, StageClock, StageTime, codecs, remarks};
 use brdfc::lobes::CODEC;
 use brdfc::scene::near_miss;
-use brdfc::{Facts, Input, MaterialReport, Progress as _, Stage};
+use brdfc::{Facts, Input, MaterialReport, Progress as _, Reading, Stage};
 use brdfc_terminal::words::one_of;
 use clap::Args;
 use serde::Serialize;
@@ -43,7 +43,7 @@ pub struct Arguments {
     #[command(flatten)]
     pub(super) options: PackOptions,
     #[command(flatten)]
-    pub(super) reading: ReadingOptions,
+    pub(super) reading: Reading,
 }
 
 /// Report of `--json`.
@@ -75,7 +75,8 @@ pub(super) fn run(arguments: &Arguments, common: Common) -> Result<(), Error> {
     let clock = StageClock::new(part.as_ref());
     clock.stage(Stage::Read, 1)?;
     let named = |error: Error| by_flags(error).prefixed(&arguments.input);
-    let material = arguments.reading.open(&arguments.input).map_err(|error| of_folder(&arguments.input, error))?;
+    let material =
+        open_read(&arguments.input, arguments.reading).map_err(|error| of_folder(&arguments.input, error))?;
     let pack = material.encode_closest(request, &clock).map_err(named)?;
     clock.stage(Stage::Write, 1)?;
     pack.write(&arguments.output)?;

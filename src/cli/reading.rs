@@ -1,39 +1,75 @@
-//! Flags that determine how a scan is read.
+//! Settings of reading inputs on the command line.
 
 use super::Error;
-use brdfc::inspect::is_scan;
-use brdfc::{Input, Material, Reading, open_with};
-use clap::Args;
+use brdfc::inspect::{is_scan, is_table};
+use brdfc::{Input, Material, Reading, Smooth, open_with};
+use std::ffi::OsString;
 
-/// Settings of reading scans.
-#[derive(Debug, Clone, Copy, Args)]
-pub struct ReadingOptions {
-    /// Scans: number of neighbours of a fit, 1 to the number of distinct direction pairs (default: chosen by left-out rows,
-    /// which 'brdfc info' prints).
-    #[arg(long, value_name = "N")]
-    neighbours: Option<usize>,
+/// Opens a material with the settings.
+pub fn open_read(input: &Input, reading: Reading) -> Result<Material, Error> {
+    Ok(open_with(input, checked(reading, &[input])?)?)
 }
 
-impl ReadingOptions {
-    /// Opens a material.
-    pub fn open(self, input: &Input) -> Result<Material, Error> {
-        open_with(input, self.reading(None, &[input])?)
-    }
-
-    /// Settings of reading inputs, with a level of detail of packs. Rejects flags without effect, if none of the inputs is
-    /// a scan.
-    pub fn reading(self, level: Option<f32>, inputs: &[&Input]) -> Result<Reading, Error> {
-        let Some(neighbours) = self.neighbours else { return Ok(level.into()) };
-        if neighbours == 0 {
-            let expected = "1 to the number of distinct direction pairs of the scan";
-            return Err(Error::wrong_usage("--neighbours", neighbours, expected));
-        }
+/// Checks the settings. Rejects flags that apply to none of the inputs.
+pub fn checked(reading: Reading, inputs: &[&Input]) -> Result<Reading, Error> {
+    reading.check().map_err(|error| Error::wrong_usage(&format!("--{}", error.field), error.found, error.allowed))?;
+    let (smooth, radius) = (reading.smooth.is_some(), matches!(reading.smooth, Some(Smooth::Radius(_))));
+    let flags = [
+        ("--neighbours", reading.neighbours.is_some(), [true, false], "scans"),
+        ("--smooth with a radius", radius, [false, true], "MERL and RGL tables; use --neighbours for scans"),
+        ("--smooth", smooth && !radius, [true, true], "scans, and MERL and RGL tables"),
+    ];
+    for (flag, _, [scans, tables], allowed) in flags.into_iter().filter(|(_, is_given, ..)| *is_given) {
+        let mut applies = false;
         for input in inputs {
-            if is_scan(input)? {
-                return Ok(Reading { level, neighbours: Some(neighbours) });
-            }
+            applies |= scans && is_scan(input)? || tables && is_table(input)?;
         }
-        let inputs: Vec<String> = inputs.iter().map(|input| input.short_name()).collect();
-        Err(Error::usage(format!("--neighbours does not apply to {}, only to scans", inputs.join(" and "))))
+        if !applies {
+            let names: Vec<String> = inputs.iter().map(|input| input.short_name()).collect();
+            return Err(Error::usage(format!("{flag} does not apply to {}, only to {allowed}", names.join(" and "))));
+        }
+    }
+    Ok(reading)
+}
+
+/// Flag of the first setting that is given.
+#[cfg(feature = "render")]
+pub fn first_flag(reading: Reading) -> Option<&'static str> {
+    let smooth = reading.smooth.map(|_| "--smooth");
+    reading.neighbours.map(|_| "--neighbours").or(smooth)
+}
+
+/// Arguments with `--smooth=true` for a `--smooth` that no value follows: the next argument may be an input.
+pub fn with_values(arguments: impl Iterator<Item = OsString>) -> Vec<OsString> {
+    let mut arguments: Vec<OsString> = arguments.collect();
+    let is_value =
+        |text: &OsString| text.to_str().is_some_and(|t| t.parse::<f64>().is_ok() || t.parse::<bool>().is_ok());
+    let end = arguments.iter().position(|argument| argument == "--").unwrap_or(arguments.len());
+    for at in 0..end {
+        if arguments[at] == "--smooth" && !arguments.get(at + 1).is_some_and(is_value) {
+            arguments[at] = "--smooth=true".into();
+        }
+    }
+    arguments
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn inputs_are_no_values() {
+        let of = |text: &str| {
+            let arguments = with_values(text.split(' ').map(OsString::from));
+            arguments.iter().map(|argument| argument.to_str().unwrap()).collect::<Vec<_>>().join(" ")
+        };
+        for same in
+            ["--smooth 3 a", "--smooth 2.5 a", "--smooth -1 a", "--smooth false a", "-- --smooth a", "a --smooth=4"]
+        {
+            assert_eq!(of(same), same);
+        }
+        assert_eq!(of("info --smooth a.binary"), "info --smooth=true a.binary");
+        assert_eq!(of("info a.binary --smooth"), "info a.binary --smooth=true");
+        assert_eq!(of("info --smooth -- a"), "info --smooth=true -- a");
     }
 }

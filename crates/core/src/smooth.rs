@@ -27,25 +27,15 @@ impl Smooth {
             Self::Radius(radius) => Some(Some(radius)),
         }
     }
-
-    /// Returns true if the radius, if any, is valid.
-    pub fn is_valid(self) -> bool {
-        !matches!(self, Self::Radius(radius) if !Self::RADII.contains(&radius))
-    }
-}
-
-impl Default for Smooth {
-    fn default() -> Self {
-        Self::Chosen(false)
-    }
 }
 
 impl FromStr for Smooth {
     type Err = String;
 
     fn from_str(text: &str) -> Result<Self, String> {
-        let parsed = text.parse().map(Self::Chosen).ok().or_else(|| text.parse().map(Self::Radius).ok());
-        parsed.filter(|smooth| smooth.is_valid()).ok_or_else(|| format!("expected {}", Self::ALLOWED))
+        let radius = || text.parse().ok().filter(|radius| Self::RADII.contains(radius)).map(Self::Radius);
+        let parsed = text.parse().map(Self::Chosen).ok().or_else(radius);
+        parsed.ok_or_else(|| format!("expected {}", Self::ALLOWED))
     }
 }
 
@@ -55,7 +45,9 @@ mod tests {
 
     #[test]
     fn switches_and_radii() {
-        for (text, smooth) in [("true", Smooth::Chosen(true)), ("false", Smooth::default()), ("3", Smooth::Radius(3))] {
+        for (text, smooth) in
+            [("true", Smooth::Chosen(true)), ("false", Smooth::Chosen(false)), ("3", Smooth::Radius(3))]
+        {
             assert_eq!(text.parse(), Ok(smooth));
         }
         for text in ["", "yes", "1", "17", "-2", "2.5"] {

@@ -147,16 +147,69 @@ fn within<'a>(path: &Path, bytes: &'a [u8], limit: u64) -> Result<&'a [u8], Inpu
     Ok(bytes)
 }
 
-/// Settings of reading an input.
+/// Settings of reading an input. The others are flags of a command line and keys of a manifest.
 #[derive(Debug, Clone, Copy, Default, PartialEq, serde::Serialize, serde::Deserialize)]
+#[cfg_attr(feature = "clap", derive(clap::Args))]
+#[serde(deny_unknown_fields)]
 pub struct Reading {
     /// Level of detail of packs; `None` is the finest. Other inputs have none.
+    #[cfg_attr(feature = "clap", arg(skip))]
+    #[serde(skip)]
     pub level: Option<f32>,
-    /// Number of neighbours of a fit to a scan; `None` chooses it by left-out rows. Other inputs have none.
+    /// Scans: number of neighbours of a fit, 1 to the number of distinct direction pairs (default: chosen by left-out
+    /// rows, which 'brdfc info' prints).
+    #[cfg_attr(
+        feature = "clap",
+        arg(long, value_name = "N", value_parser = brdfc_core::whole_number::any_whole_number::<usize>(Self::NEIGHBOURS))
+    )]
     pub neighbours: Option<usize>,
-    /// Smoothing of dense tables. Scans are smoothed by left-out rows; with a value other than `false` also where their
-    /// noise is below 5 %. Other inputs have none.
-    pub smooth: Smooth,
+    /// Tables and scans with noise: smooth the values by moving least squares. Without RADIUS, left-out values choose
+    /// the strength, and 'brdfc info' prints it with the estimated noise. RADIUS is 2 to 16 cells of a table on each
+    /// side of a fit; scans have --neighbours instead. Scans of 5 % noise or more are smoothed anyway, unless RADIUS is
+    /// false.
+    #[cfg_attr(
+        feature = "clap",
+        arg(long, value_name = "RADIUS", num_args = 0..=1, default_missing_value = "true", allow_negative_numbers = true)
+    )]
+    pub smooth: Option<Smooth>,
+}
+
+impl Reading {
+    /// Description of valid numbers of neighbours, for messages.
+    pub const NEIGHBOURS: &str = "1 to the number of distinct direction pairs of the scan";
+
+    /// Fills open settings from `defaults`.
+    #[must_use]
+    pub fn over(self, defaults: Self) -> Self {
+        Self {
+            level: self.level.or(defaults.level),
+            neighbours: self.neighbours.or(defaults.neighbours),
+            smooth: self.smooth.or(defaults.smooth),
+        }
+    }
+
+    /// Checks the number of neighbours and the radius.
+    ///
+    /// # Errors
+    /// Returns an error for values that are out of range for any input. Scans also limit the number of neighbours.
+    pub fn check(self) -> Result<(), FormatError> {
+        match self {
+            Self { neighbours: Some(0), .. } => Err(FormatError::whole("neighbours", "0", Self::NEIGHBOURS)),
+            Self { smooth: Some(Smooth::Radius(radius)), .. } if !Smooth::RADII.contains(&radius) => {
+                Err(FormatError::whole("smooth", radius.to_string(), Smooth::ALLOWED))
+            }
+            _ => Ok(()),
+        }
+    }
+
+    /// Smoothing of a dense table, if it is requested, with its radius, if any.
+    ///
+    /// # Errors
+    /// Returns the errors of [`Self::check`].
+    pub(crate) fn smoothing(self) -> Result<Option<Option<usize>>, FormatError> {
+        self.check()?;
+        Ok(self.smooth.and_then(Smooth::strength))
+    }
 }
 
 impl From<Option<f32>> for Reading {

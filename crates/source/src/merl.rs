@@ -54,6 +54,7 @@ pub(crate) const fn format<F: From<MerlFacts>>() -> Format<F> {
 }
 
 fn open<F: From<MerlFacts>>(mut input: InputFile<'_>) -> Result<Opened<F>, InputError> {
+    let smoothing = input.reading.smoothing().map_err(|error| InputError::format(input.path, error))?;
     check_length(input.length, MAX_FILE_BYTES).map_err(|error| InputError::format(input.path, error))?;
     let mut table = match Merl::read(&mut input.file, input.length) {
         Ok(table) => table,
@@ -64,15 +65,10 @@ fn open<F: From<MerlFacts>>(mut input: InputFile<'_>) -> Result<Opened<F>, Input
     // Along θ_h and θ_d the table ends; azimuths start again.
     let shape = [n.theta_half, n.theta_difference, n.phi_difference];
     let grid = Grid { shape, axes: [Axis::Open, Axis::Open, Axis::Periodic] };
-    let smoothed = input.reading.smooth.strength().map(|radius| smooth(&mut table.values, grid, radius));
+    let smoothed = smoothing.map(|radius| smooth(&mut table.values, grid, radius));
     let source = MerlSource::new(table);
     let valid_cells = source.table().valid_cells;
-    let facts = MerlFacts {
-        dimensions: shape,
-        valid_cells,
-        invalid_cells: n.cells() - valid_cells,
-        smoothed,
-    };
+    let facts = MerlFacts { dimensions: shape, valid_cells, invalid_cells: n.cells() - valid_cells, smoothed };
     Ok(Opened { source: Box::new(source), facts: facts.into() })
 }
 

@@ -70,8 +70,9 @@ pub(crate) const fn format<F: From<RglFacts>>() -> Format<F> {
 }
 
 fn open<F: From<RglFacts>>(input: InputFile<'_>) -> Result<Opened<F>, InputError> {
-    let smooth = input.reading.smooth;
+    let reading = input.reading;
     input.parse(|bytes| {
+        let smoothing = reading.smoothing()?;
         let rgl = Rgl::from_bytes(bytes)?;
         let (description, channels) = (rgl.description.clone(), rgl.channels());
         let mut source = RglSource::new(rgl, rgb_weights)?;
@@ -81,7 +82,7 @@ fn open<F: From<RglFacts>>(input: InputFile<'_>) -> Result<Opened<F>, InputError
             polar_angles: source.theta_i.len(),
             resolution: [source.colour_rows, source.colour_columns],
             channels,
-            smoothed: smooth.strength().map(|radius| source.smooth(radius)),
+            smoothed: smoothing.map(|radius| source.smooth(radius)),
         };
         Ok(Opened { source: Box::new(source), facts: facts.into() })
     })

@@ -11,7 +11,10 @@
 //! its minimum over a list of radii balances both: narrow fits in highlights, wide ones where reflectance changes slowly.
 //! Lines whose residuals grow steeply even at the smallest radii keep their values: the grid does not resolve them.
 
+use super::error::InputError;
+use super::input::Input;
 use brdfc_core::words::percent;
+use brdfc_readers::{merl, rgl};
 use rayon::prelude::*;
 
 /// Radii among which left-out values choose.
@@ -57,11 +60,17 @@ impl Smoothed {
     pub fn lines(&self) -> [(&'static str, String); 2] {
         let [least, most] = self.radius;
         let radius = if least == most { least.to_string() } else { format!("{least} to {most}") };
-        [
-            ("estimated noise of the values", percent(self.noise)),
-            ("cells on each side of a fit", radius),
-        ]
+        [("estimated noise of the values", percent(self.noise)), ("cells on each side of a fit", radius)]
     }
+}
+
+/// Returns true for an input whose extension, or contents on standard input, are those of a dense table.
+///
+/// # Errors
+/// Returns an error if standard input cannot be read.
+pub fn is_table(input: &Input) -> Result<bool, InputError> {
+    let extension = input.extension()?;
+    Ok([&merl::KIND, &rgl::KIND].iter().any(|kind| kind.extensions.contains(&extension.as_str())))
 }
 
 /// Smooths linear RGB values in the order of a shape, last axis fastest, with a radius, or by radii that left-out values
@@ -102,7 +111,6 @@ pub fn smooth(values: &mut [[f32; 3]], grid: Grid, radius: Option<usize>) -> Smo
         }
         // Means of logarithms are below medians for symmetric noise, and equal to them for log-normal noise.
         let offset = median(left_out);
-        if std::env::var("DBG").is_ok() { eprintln!("DBG offset {offset:.4} radii {:?}", [0,2,3,4,6,8].map(|r| radii.iter().filter(|x| **x==r).count())); }
         let moved = |(change, log): (&mut f64, &f64)| *change += if log.is_nan() { 0.0 } else { offset };
         let lines = changes.chunks_mut(grid.shape[2]).zip(log.chunks(grid.shape[2])).zip(&radii);
         lines.filter(|(_, radius)| **radius > 0).for_each(|((a, b), _)| a.iter_mut().zip(b).for_each(moved));

@@ -5,7 +5,7 @@ mod files;
 pub use files::FilesReport;
 
 use super::output::{json_or, print, print_json, printable};
-use super::reading::ReadingOptions;
+use super::reading::checked;
 use super::{Common, Error, bandwidth, encode_lobes, environment, flatten};
 use crate::table::bytes;
 use brdfc::environment::EnvironmentFacts;
@@ -15,7 +15,7 @@ use brdfc::inspect::{
     open_asset, open_pack, open_ptm, open_rti, opened, ptm, rti, rti_capture, split_query, surface,
 };
 use brdfc::lobes::LobesFacts;
-use brdfc::{BrdfPack, Facts, FormatError, Input, InputError};
+use brdfc::{BrdfPack, Facts, FormatError, Input, InputError, Reading};
 use clap::Args;
 use serde::Serialize;
 
@@ -43,7 +43,7 @@ pub struct Arguments {
     #[arg(long)]
     files: bool,
     #[command(flatten)]
-    reading: ReadingOptions,
+    reading: Reading,
 }
 
 /// Report of `--json`.
@@ -107,7 +107,7 @@ pub struct SurfaceReport {
 
 pub(super) fn run(arguments: &Arguments, common: Common) -> Result<(), Error> {
     let input = &arguments.input;
-    let reading = arguments.reading.reading(None, &[input])?;
+    let reading = checked(arguments.reading, &[input])?;
     if arguments.files {
         let file = input.path().map(flat_btf_file).transpose()?.flatten();
         return files::run(&file.map_or_else(|| input.clone(), Input::File), common);

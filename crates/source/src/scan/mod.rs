@@ -62,34 +62,46 @@ pub fn is_scan(input: &Input) -> Result<bool, InputError> {
 }
 
 fn open_text<F: From<ScanFacts>>(input: InputFile<'_>) -> Result<Opened<F>, InputError> {
-    let strength = strength(input.reading);
-    input.parse_text(|bytes| opened(&Scan::from_bytes(bytes)?, None, &strength))
+    let reading = input.reading;
+    input.parse_text(|bytes| opened(&Scan::from_bytes(bytes)?, None, reading))
 }
 
 fn open_csv<F: From<ScanFacts>>(input: InputFile<'_>) -> Result<Opened<F>, InputError> {
-    let strength = strength(input.reading);
-    input.parse_text(|bytes| opened(&scan_csv::from_bytes(bytes)?, None, &strength))
+    let reading = input.reading;
+    input.parse_text(|bytes| opened(&scan_csv::from_bytes(bytes)?, None, reading))
 }
 
 fn open_alta<F: From<ScanFacts>>(input: InputFile<'_>) -> Result<Opened<F>, InputError> {
-    let strength = strength(input.reading);
+    let reading = input.reading;
     input.parse_text(|bytes| {
         let table = AltaTable::from_bytes(bytes)?;
-        opened(&table.scan, Some(&table), &strength)
+        opened(&table.scan, Some(&table), reading)
     })
 }
 
-fn strength(reading: Reading) -> Strength {
-    let least_noise = if reading.smooth == Smooth::default() { LEAST_NOISE } else { 0.0 };
-    reading.neighbours.map_or(Strength::Chosen { least_noise }, Strength::Neighbours)
+/// The requested strength.
+///
+/// # Errors
+/// Returns an error for a radius in cells, which scans do not have.
+fn strength(reading: Reading) -> Result<Strength, FormatError> {
+    let least_noise = match reading.smooth {
+        None => LEAST_NOISE,
+        Some(Smooth::Chosen(true)) => 0.0,
+        Some(Smooth::Chosen(false)) => f64::INFINITY,
+        Some(Smooth::Radius(radius)) => {
+            let allowed = "true or false for a scan, which has a number of neighbours instead of a radius";
+            return Err(FormatError::whole("smooth", radius.to_string(), allowed));
+        }
+    };
+    Ok(reading.neighbours.map_or(Strength::Chosen { least_noise }, Strength::Neighbours))
 }
 
 fn opened<F: From<ScanFacts>>(
     scan: &Scan,
     alta: Option<&AltaTable>,
-    strength: &Strength,
+    reading: Reading,
 ) -> Result<Opened<F>, FormatError> {
-    let source = ScanSource::with_strength(scan, strength)?;
+    let source = ScanSource::read(scan, reading)?;
     let left_out = alta.map(|table| table.left_out).filter(|count| *count > 0);
     let summary = ScanSummary { left_out, ..source.summary() };
     let alta = alta.map(|table| AltaHeader {
@@ -138,19 +150,17 @@ impl ScanSource {
     /// # Errors
     /// Returns an error for fewer than [`MIN_ROWS`] distinct direction pairs.
     pub fn new(scan: &Scan) -> Result<Self, FormatError> {
-        Self::with_neighbours(scan, None)
+        Self::read(scan, Reading::default())
     }
 
-    /// Builds the search tree. Fits have this number of neighbours; `None` chooses it by left-out rows. Rows whose azimuth
+    /// Builds the search tree. Without a number of neighbours, left-out rows choose it. Rows whose azimuth
     /// of incidence differs from the common one are taken as isotropic, and compared with the others.
     ///
     /// # Errors
-    /// Returns an error for fewer than [`MIN_ROWS`] distinct direction pairs, and for fewer pairs than neighbours.
-    pub fn with_neighbours(scan: &Scan, neighbours: Option<usize>) -> Result<Self, FormatError> {
-        Self::with_strength(scan, &strength(Reading { neighbours, ..Reading::default() }))
-    }
-
-    fn with_strength(scan: &Scan, strength: &Strength) -> Result<Self, FormatError> {
+    /// Returns an error for fewer than [`MIN_ROWS`] distinct direction pairs, and for fewer pairs than neighbours,
+    /// and for a radius.
+    pub fn read(scan: &Scan, reading: Reading) -> Result<Self, FormatError> {
+        let strength = &strength(reading)?;
         let strays = match Incidence::of(&scan.rows) {
             Incidence::Several => return Self::of_rows(&scan.rows, false, strength),
             Incidence::One(strays) => strays,
