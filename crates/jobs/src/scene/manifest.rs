@@ -245,7 +245,7 @@ fn one<T: DeserializeOwned>(value: Spanned<DeValue<'_>>) -> Result<T, toml::de::
 fn all_keys() -> Vec<Key> {
     let require: Vec<Key> = keys_of::<Require>().iter().map(|name| option_key(name)).collect();
     let lobes: Vec<Key> = keys_of::<LobesLimits>().iter().map(|name| option_key(name)).collect();
-    let options = [keys_of::<Reading>(), keys_of::<EncodeOptions>()].concat().into_iter().map(option_key);
+    let options = [keys_of::<EncodeOptions>(), keys_of::<Reading>()].concat().into_iter().map(option_key);
     let tables = [("require", require), (LOBES, lobes)];
     let tables = tables.map(|(name, keys)| key(name, Shape::Table(keys.into()), ""));
     let defaults: Vec<Key> = options.chain(tables).collect();

@@ -239,7 +239,7 @@ fn expected_value(shape: &Shape, range: &str, field: &str) -> String {
         Shape::Truth => "true or false".to_owned(),
         Shape::Number => "a number".to_owned(),
         Shape::WholeNumber => "a whole number".to_owned(),
-        Shape::TruthOrWholeNumber => "a boolean or a whole number".to_owned(),
+        Shape::TruthOrWholeNumber => return range.to_owned(),
         Shape::Numbers(2) => "two numbers".to_owned(),
         Shape::Numbers(3) => "three numbers".to_owned(),
         Shape::Numbers(count) => format!("{count} numbers"),
