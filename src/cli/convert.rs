@@ -1,14 +1,14 @@
 //! `brdfc convert`: writes a source in a file format of other programs.
 
 use super::output::{json_or, output_parser, print_report, refuse_flags, refuse_unfit_output, write_file};
-use super::reading::open_read;
+use super::reading::{ReadingOptions, open_read};
 use super::synth::dimensions;
 use super::{Common, Error};
 use crate::table;
 use brdfc::compare::Comparison;
 use brdfc::convert::{ConvertError, PairGrid, Target, convert};
 use brdfc::relight::PTM;
-use brdfc::{Facts, Input, Reading};
+use brdfc::{Facts, Input};
 use brdfc_terminal::words::quoted;
 use clap::Args;
 use serde::Serialize;
@@ -41,7 +41,7 @@ pub struct Arguments {
     #[arg(long, value_name = "IxOxA", allow_hyphen_values = true)]
     grid: Option<String>,
     #[command(flatten)]
-    reading: Reading,
+    reading: ReadingOptions,
 }
 
 /// Report of `--json`.

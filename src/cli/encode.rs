@@ -4,13 +4,13 @@ use super::encode_lobes;
 use super::options::{PackOptions, by_flags};
 use super::output::{json_or, note, output_parser, print_report, refuse_unfit_output};
 use super::progress::{Materials, label};
-use super::reading::open_read;
+use super::reading::{ReadingOptions, open_read};
 use super::{Common, Error};
 use crate::table;
 use brdfc::encode::{GateResult, OptionError, StageClock, StageTime, codecs, remarks};
 use brdfc::lobes::CODEC;
 use brdfc::scene::near_miss;
-use brdfc::{Facts, Input, MaterialReport, Progress as _, Reading, Stage};
+use brdfc::{Facts, Input, MaterialReport, Progress as _, Stage};
 use brdfc_terminal::words::one_of;
 use clap::Args;
 use serde::Serialize;
@@ -43,7 +43,7 @@ pub struct Arguments {
     #[command(flatten)]
     pub(super) options: PackOptions,
     #[command(flatten)]
-    pub(super) reading: Reading,
+    pub(super) reading: ReadingOptions,
 }
 
 /// Report of `--json`.

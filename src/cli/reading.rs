@@ -3,15 +3,45 @@
 use super::Error;
 use brdfc::inspect::{is_scan, is_table};
 use brdfc::{Input, Material, Reading, Smooth, open_with};
+use brdfc_terminal::values::any_whole_number;
+use clap::Args;
 use std::ffi::OsString;
 
+/// Settings of reading scans and tables.
+#[derive(Debug, Clone, Copy, Args)]
+pub struct ReadingOptions {
+    /// Scans: number of neighbours of a fit, 1 to the number of distinct direction pairs (default: chosen by left-out
+    /// rows, which 'brdfc info' prints).
+    #[arg(long, value_name = "N", value_parser = any_whole_number::<usize>(Reading::NEIGHBOURS))]
+    neighbours: Option<usize>,
+    /// Tables and scans with noise: smooth the values by moving least squares. Without RADIUS, left-out values choose
+    /// the strength, and 'brdfc info' prints it with the estimated noise. RADIUS is 2 to 16 cells of a table on each
+    /// side of a fit; scans have --neighbours instead. Scans of 5 % noise or more are smoothed anyway, unless RADIUS is
+    /// false.
+    #[arg(
+        long,
+        value_name = "RADIUS",
+        num_args = 0..=1,
+        default_missing_value = "true",
+        allow_negative_numbers = true
+    )]
+    smooth: Option<Smooth>,
+}
+
+impl From<ReadingOptions> for Reading {
+    fn from(ReadingOptions { neighbours, smooth }: ReadingOptions) -> Self {
+        Self { level: None, neighbours, smooth }
+    }
+}
+
 /// Opens a material with the settings.
-pub fn open_read(input: &Input, reading: Reading) -> Result<Material, Error> {
+pub fn open_read(input: &Input, reading: ReadingOptions) -> Result<Material, Error> {
     Ok(open_with(input, checked(reading, &[input])?)?)
 }
 
 /// Checks the settings. Rejects flags that apply to none of the inputs.
-pub fn checked(reading: Reading, inputs: &[&Input]) -> Result<Reading, Error> {
+pub fn checked(reading: impl Into<Reading>, inputs: &[&Input]) -> Result<Reading, Error> {
+    let reading = reading.into();
     reading.check().map_err(|error| Error::wrong_usage(&format!("--{}", error.field), error.found, error.allowed))?;
     let (smooth, radius) = (reading.smooth.is_some(), matches!(reading.smooth, Some(Smooth::Radius(_))));
     let flags = [
@@ -34,7 +64,7 @@ pub fn checked(reading: Reading, inputs: &[&Input]) -> Result<Reading, Error> {
 
 /// Flag of the first setting that is given.
 #[cfg(feature = "render")]
-pub fn first_flag(reading: Reading) -> Option<&'static str> {
+pub fn first_flag(reading: ReadingOptions) -> Option<&'static str> {
     let smooth = reading.smooth.map(|_| "--smooth");
     reading.neighbours.map(|_| "--neighbours").or(smooth)
 }
@@ -51,25 +81,4 @@ pub fn with_values(arguments: impl Iterator<Item = OsString>) -> Vec<OsString> {
         }
     }
     arguments
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn inputs_are_no_values() {
-        let of = |text: &str| {
-            let arguments = with_values(text.split(' ').map(OsString::from));
-            arguments.iter().map(|argument| argument.to_str().unwrap()).collect::<Vec<_>>().join(" ")
-        };
-        for same in
-            ["--smooth 3 a", "--smooth 2.5 a", "--smooth -1 a", "--smooth false a", "-- --smooth a", "a --smooth=4"]
-        {
-            assert_eq!(of(same), same);
-        }
-        assert_eq!(of("info --smooth a.binary"), "info --smooth=true a.binary");
-        assert_eq!(of("info a.binary --smooth"), "info a.binary --smooth=true");
-        assert_eq!(of("info --smooth -- a"), "info --smooth=true -- a");
-    }
 }

@@ -147,30 +147,17 @@ fn within<'a>(path: &Path, bytes: &'a [u8], limit: u64) -> Result<&'a [u8], Inpu
     Ok(bytes)
 }
 
-/// Settings of reading an input. The others are flags of a command line and keys of a manifest.
+/// Settings of reading an input. All but the level are keys of a manifest.
 #[derive(Debug, Clone, Copy, Default, PartialEq, serde::Serialize, serde::Deserialize)]
-#[cfg_attr(feature = "clap", derive(clap::Args))]
 #[serde(deny_unknown_fields)]
 pub struct Reading {
     /// Level of detail of packs; `None` is the finest. Other inputs have none.
-    #[cfg_attr(feature = "clap", arg(skip))]
     #[serde(skip)]
     pub level: Option<f32>,
-    /// Scans: number of neighbours of a fit, 1 to the number of distinct direction pairs (default: chosen by left-out
-    /// rows, which 'brdfc info' prints).
-    #[cfg_attr(
-        feature = "clap",
-        arg(long, value_name = "N", value_parser = brdfc_core::whole_number::any_whole_number::<usize>(Self::NEIGHBOURS))
-    )]
+    /// Scans: number of neighbours of a fit, 1 to the number of distinct direction pairs; `None` chooses it by left-out
+    /// rows.
     pub neighbours: Option<usize>,
-    /// Tables and scans with noise: smooth the values by moving least squares. Without RADIUS, left-out values choose
-    /// the strength, and 'brdfc info' prints it with the estimated noise. RADIUS is 2 to 16 cells of a table on each
-    /// side of a fit; scans have --neighbours instead. Scans of 5 % noise or more are smoothed anyway, unless RADIUS is
-    /// false.
-    #[cfg_attr(
-        feature = "clap",
-        arg(long, value_name = "RADIUS", num_args = 0..=1, default_missing_value = "true", allow_negative_numbers = true)
-    )]
+    /// Smoothing of dense tables and scans; `None` smooths scans of 5 % noise or more.
     pub smooth: Option<Smooth>,
 }
 

@@ -5,7 +5,7 @@ mod flat;
 use self::flat::FlatReport;
 use super::inputs::refuse_stdin_twice;
 use super::output::{json_or, note, print, refuse_flags, remark};
-use super::reading::checked;
+use super::reading::{ReadingOptions, checked};
 use super::{Common, Error};
 use crate::table;
 use brdfc::compare::{
@@ -57,7 +57,7 @@ pub struct Arguments {
     #[arg(long, value_name = "E")]
     max_delta_e: Option<f64>,
     #[command(flatten)]
-    reading: Reading,
+    reading: ReadingOptions,
 }
 
 /// Report of `--json`.

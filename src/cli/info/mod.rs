@@ -5,7 +5,7 @@ mod files;
 pub use files::FilesReport;
 
 use super::output::{json_or, print, print_json, printable};
-use super::reading::checked;
+use super::reading::{ReadingOptions, checked};
 use super::{Common, Error, bandwidth, encode_lobes, environment, flatten};
 use crate::table::bytes;
 use brdfc::environment::EnvironmentFacts;
@@ -15,7 +15,7 @@ use brdfc::inspect::{
     open_asset, open_pack, open_ptm, open_rti, opened, ptm, rti, rti_capture, split_query, surface,
 };
 use brdfc::lobes::LobesFacts;
-use brdfc::{BrdfPack, Facts, FormatError, Input, InputError, Reading};
+use brdfc::{BrdfPack, Facts, FormatError, Input, InputError};
 use clap::Args;
 use serde::Serialize;
 
@@ -43,7 +43,7 @@ pub struct Arguments {
     #[arg(long)]
     files: bool,
     #[command(flatten)]
-    reading: Reading,
+    reading: ReadingOptions,
 }
 
 /// Report of `--json`.

@@ -2,9 +2,10 @@
 
 use super::adaptive_options::AdaptiveOptions;
 use crate::options::PackOptions;
+use crate::reading::ReadingOptions;
+use brdfc::Input;
 use brdfc::render::{Builtin, Filter};
 use brdfc::scene::MAX_SAMPLES;
-use brdfc::{Input, Reading};
 use brdfc_terminal::values::{one_of, whole_number};
 use clap::Args;
 use std::path::PathBuf;
@@ -122,7 +123,7 @@ pub struct Arguments {
     #[command(flatten, next_help_heading = "Encoding of materials")]
     pub(super) options: PackOptions,
     #[command(flatten, next_help_heading = "Reading of materials")]
-    pub(super) reading: Reading,
+    pub(super) reading: ReadingOptions,
 }
 
 const SCENES: [(&str, Builtin, &str); 10] = [
